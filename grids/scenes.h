@@ -1,0 +1,44 @@
+/* scenes: procedural volumes that tests, benches, programs and reports share, so that a case has one name
+ * everywhere.
+ *
+ *   sphere     hgrid or rgrid; radius 0.4 of the side, centred between voxels
+ *   cylinder   hgrid; the capped cylinder of 2003, figure 4, tilted
+ *   cube       hgrid; the axis-aligned cube of 2003, table 4
+ *   gyroid     rgrid float32; sin x cos y + sin y cos z + sin z cos x, three periods, isovalue 0
+ *   torus      hgrid; axis z, radii 0.3 and 0.1 of the side
+ *   ct         rgrid uint8; a skull-like CT with noise: isovalue 127.5 is bone (prototype volumes_ct)
+ *   head       hgrid; a blobby head with fine gyroid detail (prototype volumes_sdf)
+ *
+ * The same bytes on every machine and for every thread count. Source of the shapes: the prototypes'
+ * descriptions and Baerentzen and Christensen 2003. */
+#ifndef ISO_GRIDS_SCENES_H
+#define ISO_GRIDS_SCENES_H
+
+#include "base/parallel.h"
+#include "grids/grid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct iso_scene_opts {
+    int size; /* voxels a side, 16 .. 2048; 0: the scene's own (sphere 64, cylinder 64, cube 32, others 128)
+               */
+    double detail; /* ct: the gyroid frequency, 0 means 29; others: unused */
+    double noise;  /* ct: standard deviation of the noise, 0 means 5; negative: none */
+    int dense;     /* 1: an rgrid float32 level set (clamped likewise) instead of an hgrid */
+    iso_pool *pool;
+} iso_scene_opts;
+
+/* Makes scene `name` into *grid (owned by the caller: iso_grid_destroy) and the isovalue that suits it into
+ * *isovalue (NULL is fine). ISO_ERR_USAGE names the known scenes when `name` is not one. */
+iso_status iso_scene_create(const char *name, const iso_scene_opts *opts, iso_grid *grid, double *isovalue,
+                            iso_error *error);
+
+/* The known names, NULL-terminated. */
+const char *const *iso_scene_names(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,110 @@
+/* volume: any volume file into a grid. The header is read first, so that its size is known before memory is
+ * taken.
+ *
+ *   .vti, legacy .vtk           VTK                       .nrrd .nhdr            teem
+ *   .mha .mhd                   VTK's MetaIO              .nii .nii.gz .hdr/.img libnifti2
+ *   DICOM (a folder or a file)  GDCM                      .vdb                   OpenVDB
+ *   raw                         iso_raw_layout
+ *
+ * Spacing, origin, direction and handedness are honoured; RAS files (NIfTI, some NRRD) are turned to LPS.
+ * NIfTI slope and DICOM rescale become the grid's scale and offset. .vdb level sets with a uniform transform
+ * become hgrids; every other grid an rgrid over its active bounding box. A format library that is not built
+ * in gives ISO_ERR_UNSUPPORTED. Everything here is thread-safe on different files; callbacks come from the
+ * calling thread. */
+#ifndef ISO_GRIDS_VOLUME_H
+#define ISO_GRIDS_VOLUME_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/parallel.h"
+#include "grids/grid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A file without a header. */
+typedef struct iso_raw_layout {
+    int dims[3];
+    iso_type type;
+    int components; /* interleaved; 0 means 1 */
+    bool big_endian;
+    uint64_t offset; /* bytes before the first voxel */
+} iso_raw_layout;
+
+/* Parses WxHxD:TYPE[:ENDIAN[:OFFSET]]: TYPE uint8 int16 uint16 float (float32), ENDIAN little or big, both of
+ * the last may be empty. ISO_ERR_USAGE says what is wrong. */
+iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_error *error);
+
+/* Called now and then while reading, fraction 0 .. 1. Returns 0 to go on, anything else cancels (ISO_ERR_IO).
+ */
+typedef int iso_progress_fn(void *context, double fraction);
+
+/* All zero means the default. Strings are borrowed for the call. */
+typedef struct iso_volume_opts {
+    const char
+        *grid; /* .vdb: the grid's name; NULL: the only one, or the first level set, or the first scalar */
+    const char
+        *series;   /* DICOM: series instance UID, or its number (from 1) as listed by iso_volume_read_info */
+    int component; /* which of several components, from 0 */
+    const iso_raw_layout *raw; /* read as raw, whatever the name */
+    double spacing[3];         /* > 0 overrides the file's spacing (mm) */
+    uint64_t max_memory; /* bytes that the grid and reading it may take; 0: 80 % of iso_memory_available */
+    iso_pool *pool;
+    iso_progress_fn *progress;
+    void *progress_context;
+} iso_volume_opts;
+
+enum { ISO_VOLUME_ITEMS = 32, ISO_VOLUME_NOTES = 8, ISO_VOLUME_TEXT = 256 };
+
+/* What the header says. Plain data, no ownership. */
+typedef struct iso_volume_info {
+    char format[16]; /* "vti", "vtk", "nrrd", "metaimage", "nifti", "dicom", "vdb", "raw", "scene" */
+    char name[ISO_VOLUME_TEXT]; /* grid or series name, or empty */
+    int dims[3];
+    iso_type type;             /* as it will be stored */
+    char file_type[32];        /* as the file has it, e.g. "int16", "double", "half" */
+    int components, component; /* in the file, and the one chosen */
+    iso_transform transform;
+    double scale, offset; /* physical = stored * scale + offset */
+    bool anatomical;      /* world axes are known to be patient axes (LPS) */
+    bool level_set;       /* becomes an hgrid, or an rgrid whose inside is negative */
+    bool sparse;          /* becomes an hgrid */
+    uint64_t bytes;       /* that the grid will take (estimated for sparse ones) */
+    uint64_t read_bytes;  /* most that reading takes at one time, the grid included */
+    int item_count;       /* grids in a .vdb, series in a folder */
+    char items[ISO_VOLUME_ITEMS][ISO_VOLUME_TEXT]; /* one line each, the chosen one's name first in `name` */
+    int note_count; /* warnings to print: a missing slice, a chosen component, ... */
+    char notes[ISO_VOLUME_NOTES][ISO_VOLUME_TEXT];
+} iso_volume_info;
+
+/* A volume in memory. iso_volume_free when done. */
+typedef struct iso_volume {
+    iso_volume_info info;
+    iso_grid grid;
+} iso_volume;
+
+/* Reads only the header of `path` (a file or a DICOM folder). Errors: ISO_ERR_IO (missing, unreadable,
+ * truncated), ISO_ERR_FORMAT (not a volume), ISO_ERR_UNSUPPORTED, ISO_ERR_USAGE (no such component, grid or
+ * series), ISO_ERR_BRIDGE. Each text names the file. */
+iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                                iso_error *error);
+
+/* Reads the volume. Errors as above, and ISO_ERR_LIMIT (over max_memory, checked from the header before
+ * anything is allocated) and ISO_ERR_NOMEM. A file shorter than its header promises is ISO_ERR_IO in every
+ * format. */
+iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_volume *volume,
+                           iso_error *error);
+void iso_volume_free(iso_volume *volume);
+
+/* Adds a line to info->notes; beyond ISO_VOLUME_NOTES it is dropped. For readers. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void iso_volume_note(iso_volume_info *info, const char *format, ...);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,82 @@
+#define _GNU_SOURCE
+#include "base/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* A new file gets the permissions that fopen would give it; an existing target's are kept. */
+static mode_t wanted_mode(const char *target) {
+    struct stat info;
+    if (stat(target, &info) == 0) return info.st_mode & 0777;
+    mode_t mask = umask(0);
+    umask(mask);
+    return 0666 & ~mask;
+}
+
+static iso_status fail_path(iso_error *error, const char *path, int code) {
+    return iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", path, strerror(code));
+}
+
+iso_status iso_sink_open(const char *path, iso_sink *sink, iso_error *error) {
+    if (strcmp(path, "-") == 0) {
+        *sink = (iso_sink){.stream = stdout};
+        return ISO_OK;
+    }
+    struct stat info;
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode)) return fail_path(error, path, EISDIR);
+    char *target = strdup(path), *temporary = NULL;
+    if (!target || asprintf(&temporary, "%s.XXXXXX", path) < 0) {
+        free(target);
+        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    }
+    int descriptor = mkstemp(temporary);
+    int code = errno;
+    FILE *stream = descriptor >= 0 ? fdopen(descriptor, "wb") : NULL;
+    if (!stream) {
+        if (descriptor >= 0) {
+            close(descriptor);
+            unlink(temporary);
+        }
+        free(target);
+        free(temporary);
+        return fail_path(error, path, code);
+    }
+    fchmod(descriptor, wanted_mode(path));
+    *sink = (iso_sink){stream, target, temporary};
+    return ISO_OK;
+}
+
+iso_status iso_sink_commit(iso_sink *sink, iso_error *error) {
+    const char *name = sink->target ? sink->target : "standard output";
+    errno = 0;
+    int code = 0;
+    if (fflush(sink->stream) != 0 || ferror(sink->stream)) code = errno ? errno : EIO;
+    if (sink->target) {
+        if (fclose(sink->stream) != 0 && !code) code = errno;
+        sink->stream = NULL;
+        if (!code && rename(sink->temporary, sink->target) != 0) code = errno;
+    }
+    iso_status status = code ? fail_path(error, name, code) : ISO_OK;
+    if (code) {
+        iso_sink_abort(sink);
+        return status;
+    }
+    free(sink->target);
+    free(sink->temporary);
+    *sink = (iso_sink){0};
+    return ISO_OK;
+}
+
+void iso_sink_abort(iso_sink *sink) {
+    if (sink->target) {
+        if (sink->stream) fclose(sink->stream);
+        unlink(sink->temporary);
+    }
+    free(sink->target);
+    free(sink->temporary);
+    *sink = (iso_sink){0};
+}

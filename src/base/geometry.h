@@ -1,0 +1,105 @@
+/* Vectors, boxes and the index-to-world transform, in double precision.
+ *
+ * World coordinates are millimetres, LPS (x to the patient's left, y to the back, z up), right-handed.
+ * Index coordinates are voxels; voxel (i, j, k) has its centre at exactly (i, j, k).
+ * The trigonometric functions here are our own: libm's differ between machines, pictures must not. */
+#ifndef ISO_BASE_GEOMETRY_H
+#define ISO_BASE_GEOMETRY_H
+
+#include <math.h>
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct iso_vec3 {
+    double x, y, z;
+} iso_vec3;
+
+static inline iso_vec3 iso_vec3_make(double x, double y, double z) {
+    iso_vec3 v = {x, y, z};
+    return v;
+}
+static inline iso_vec3 iso_vec3_add(iso_vec3 a, iso_vec3 b) {
+    return iso_vec3_make(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+static inline iso_vec3 iso_vec3_sub(iso_vec3 a, iso_vec3 b) {
+    return iso_vec3_make(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+static inline iso_vec3 iso_vec3_scale(iso_vec3 a, double s) {
+    return iso_vec3_make(a.x * s, a.y * s, a.z * s);
+}
+static inline double iso_vec3_dot(iso_vec3 a, iso_vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+static inline iso_vec3 iso_vec3_cross(iso_vec3 a, iso_vec3 b) {
+    return iso_vec3_make(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+static inline double iso_vec3_length(iso_vec3 a) {
+    return sqrt(iso_vec3_dot(a, a));
+}
+/* a / |a|; the zero vector stays zero. */
+static inline iso_vec3 iso_vec3_unit(iso_vec3 a) {
+    double length = iso_vec3_length(a);
+    return length > 0 ? iso_vec3_scale(a, 1 / length) : a;
+}
+
+/* Axis-aligned box; empty when lo > hi on any axis. */
+typedef struct iso_box {
+    iso_vec3 lo, hi;
+} iso_box;
+
+iso_box iso_box_empty(void);
+bool iso_box_is_empty(const iso_box *box);
+void iso_box_add(iso_box *box, iso_vec3 point);
+/* Corner 0 .. 7 of the box: bit 0 chooses hi.x, bit 1 hi.y, bit 2 hi.z. */
+iso_vec3 iso_box_corner(const iso_box *box, int corner);
+
+/* From index to world: world = origin + direction * (spacing .* index). direction is row-major; its columns
+ * are the unit world directions of the x, y and z index axes (as ITK and VTK have it). It may be left-handed.
+ */
+typedef struct iso_transform {
+    double origin[3];
+    double spacing[3];   /* > 0, mm */
+    double direction[9]; /* invertible */
+} iso_transform;
+
+/* Origin 0, spacing 1, identity direction. */
+iso_transform iso_transform_identity(void);
+
+/* The same with origin 0 and identity direction: the volume's local frame (bounds_local). */
+iso_transform iso_transform_local(const iso_transform *transform);
+
+/* origin + m * index, and the inverse of m: what loops use. Row-major. */
+typedef struct iso_affine {
+    double m[9], inverse[9], origin[3];
+    double determinant;
+} iso_affine;
+
+iso_affine iso_transform_affine(const iso_transform *transform);
+iso_vec3 iso_affine_point(const iso_affine *affine, iso_vec3 index);
+iso_vec3 iso_affine_vector(const iso_affine *affine, iso_vec3 index_vector);
+iso_vec3 iso_affine_point_to_index(const iso_affine *affine, iso_vec3 world);
+iso_vec3 iso_affine_vector_to_index(const iso_affine *affine, iso_vec3 world_vector);
+/* A normal (covector) to world, inverse transpose, unit length; a zero normal stays zero. */
+iso_vec3 iso_affine_normal(const iso_affine *affine, iso_vec3 index_normal);
+
+/* |determinant| of the 3x3 matrix below 1e-12 times the product of its columns' lengths, or a non-finite
+ * entry. */
+bool iso_transform_is_singular(const iso_transform *transform);
+
+/* The world box of `box`, which is in index coordinates: the box of its eight corners. */
+iso_box iso_box_transform(const iso_box *box, const iso_affine *affine);
+
+#define ISO_PI 3.14159265358979323846
+
+/* Sine and cosine of `angle` radians (|angle| up to 1e6), error below 1e-14, the same bits everywhere. */
+void iso_sincos(double angle, double *sine, double *cosine);
+/* Tangent of an angle in (-pi/2, pi/2). */
+double iso_tan(double angle);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,84 @@
+#define _GNU_SOURCE
+#include "base/memory.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+
+#define HUGE_PAGE ((size_t)2 << 20)
+
+void *iso_alloc(size_t bytes) {
+    size_t alignment = bytes >= HUGE_PAGE ? HUGE_PAGE : ISO_ALIGNMENT;
+    if (bytes > SIZE_MAX - alignment) return NULL;
+    size_t rounded = (bytes + ISO_ALIGNMENT - 1) / ISO_ALIGNMENT * ISO_ALIGNMENT;
+    void *block = NULL;
+    if (posix_memalign(&block, alignment, rounded ? rounded : ISO_ALIGNMENT) != 0) return NULL;
+#ifdef MADV_HUGEPAGE
+    if (bytes >= HUGE_PAGE) madvise(block, rounded / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
+#endif
+    return block;
+}
+
+void *iso_alloc_zero(size_t count, size_t size) {
+    return calloc(count ? count : 1, size ? size : 1);
+}
+
+void iso_free(void *block) {
+    free(block);
+}
+
+iso_status iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error) {
+    if (bytes <= buffer->bytes) return ISO_OK;
+    size_t grown = buffer->bytes + buffer->bytes / 2;
+    size_t wanted = bytes > grown ? bytes : grown;
+    void *data = iso_alloc(wanted);
+    if (!data) return iso_fail(error, ISO_ERR_NOMEM, "out of memory: %zu bytes refused", wanted);
+    if (keep) memcpy(data, buffer->data, keep < buffer->bytes ? keep : buffer->bytes);
+    iso_free(buffer->data);
+    *buffer = (iso_buffer){data, wanted};
+    return ISO_OK;
+}
+
+void iso_buffer_free(iso_buffer *buffer) {
+    iso_free(buffer->data);
+    *buffer = (iso_buffer){0};
+}
+
+bool iso_size_multiply(size_t a, size_t b, size_t *out) {
+    return !__builtin_mul_overflow(a, b, out);
+}
+
+static uint64_t number_in_file(const char *path, const char *key) {
+    FILE *file = fopen(path, "r");
+    if (!file) return UINT64_MAX;
+    char line[256];
+    unsigned long long value = UINT64_MAX;
+    size_t key_length = strlen(key);
+    while (fgets(line, sizeof line, file)) {
+        if (strncmp(line, key, key_length) != 0) continue;
+        if (sscanf(line + key_length, "%llu", &value) != 1) value = UINT64_MAX;
+        break;
+    }
+    fclose(file);
+    return value;
+}
+
+uint64_t iso_memory_available(void) {
+    uint64_t kib = number_in_file("/proc/meminfo", "MemAvailable:");
+    uint64_t available = kib == UINT64_MAX ? UINT64_MAX : kib * 1024;
+    uint64_t limit = number_in_file("/sys/fs/cgroup/memory.max", ""); /* "max" parses as no limit */
+    uint64_t used = number_in_file("/sys/fs/cgroup/memory.current", "");
+    if (limit != UINT64_MAX && used != UINT64_MAX) {
+        uint64_t left = limit > used ? limit - used : 0;
+        if (left < available) available = left;
+    }
+    return available;
+}
+
+uint64_t iso_memory_peak(void) {
+    struct rusage usage;
+    if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+    return (uint64_t)usage.ru_maxrss * 1024;
+}

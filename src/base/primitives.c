@@ -1,0 +1,102 @@
+#include "base/primitives.h"
+
+#include <math.h>
+
+/* Octahedral normals: Meyer et al. 2010, "On floating-point normal vectors". */
+
+static const float POSITION_STEP = 20.0f / 16384;
+static const float POSITION_LOW = -2.0f;
+enum { NORMAL_STEPS = 2047 };
+
+static uint64_t quantise(float value, float scale, float limit) {
+    float steps = floorf(value * scale + 0.5f);
+    return (uint64_t)(steps < 0 ? 0 : steps > limit ? limit : steps);
+}
+
+static float sign_of(float value) {
+    return value < 0 ? -1.0f : 1.0f;
+}
+
+iso_point iso_point_pack(const iso_surfel *surfel) {
+    uint64_t bits = 0;
+    for (int axis = 0; axis < 3; axis++)
+        bits |= quantise(surfel->position[axis] - POSITION_LOW, 1 / POSITION_STEP, 16383) << (14 * axis);
+    const float *n = surfel->normal;
+    float sum = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]);
+    float u = n[0] / sum, v = n[1] / sum;
+    if (n[2] < 0) {
+        float folded = (1 - fabsf(v)) * sign_of(u);
+        v = (1 - fabsf(u)) * sign_of(v);
+        u = folded;
+    }
+    bits |= quantise(u + 1, NORMAL_STEPS / 2.0f, NORMAL_STEPS) << 42;
+    bits |= quantise(v + 1, NORMAL_STEPS / 2.0f, NORMAL_STEPS) << 53;
+    return (iso_point){bits};
+}
+
+iso_surfel iso_point_unpack(iso_point point) {
+    iso_surfel surfel;
+    for (int axis = 0; axis < 3; axis++)
+        surfel.position[axis] = POSITION_LOW + POSITION_STEP * (float)(point.bits >> (14 * axis) & 16383);
+    float u = (float)(point.bits >> 42 & 2047) * (2.0f / NORMAL_STEPS) - 1;
+    float v = (float)(point.bits >> 53) * (2.0f / NORMAL_STEPS) - 1;
+    float w = 1 - fabsf(u) - fabsf(v);
+    float fold = w < 0 ? -w : 0;
+    u -= fold * sign_of(u);
+    v -= fold * sign_of(v);
+    float length = sqrtf(u * u + v * v + w * w);
+    surfel.normal[0] = u / length;
+    surfel.normal[1] = v / length;
+    surfel.normal[2] = w / length;
+    return surfel;
+}
+
+size_t iso_point_view_count(const iso_point_view *view) {
+    size_t count = 0;
+    for (size_t i = 0; i < view->span_count; i++) count += view->spans[i].count;
+    return count;
+}
+
+iso_surfel iso_point_view_get(const iso_point_view *view, size_t index) {
+    return view->packed ? iso_point_unpack(view->packed[index]) : view->surfels[index];
+}
+
+static iso_vec3 index_position(const int32_t brick[3], const float position[3]) {
+    return iso_vec3_make(brick[0] * (double)ISO_BRICK + position[0],
+                         brick[1] * (double)ISO_BRICK + position[1],
+                         brick[2] * (double)ISO_BRICK + position[2]);
+}
+
+iso_box iso_point_view_bounds(const iso_point_view *view) {
+    iso_box box = iso_box_empty();
+    for (size_t s = 0; s < view->span_count; s++) {
+        const iso_point_span *span = &view->spans[s];
+        for (uint32_t i = 0; i < span->count; i++) {
+            iso_surfel surfel = iso_point_view_get(view, span->first + i);
+            iso_box_add(&box, index_position(span->brick, surfel.position));
+        }
+    }
+    return box;
+}
+
+size_t iso_mesh_view_vertex_count(const iso_mesh_view *view) {
+    size_t count = 0;
+    for (size_t i = 0; i < view->span_count; i++) count += view->spans[i].own_count;
+    return count;
+}
+
+size_t iso_mesh_view_triangle_count(const iso_mesh_view *view) {
+    size_t count = 0;
+    for (size_t i = 0; i < view->span_count; i++) count += view->spans[i].triangle_count;
+    return count;
+}
+
+iso_box iso_mesh_view_bounds(const iso_mesh_view *view) {
+    iso_box box = iso_box_empty();
+    for (size_t s = 0; s < view->span_count; s++) {
+        const iso_mesh_span *span = &view->spans[s];
+        for (uint32_t i = 0; i < span->own_count; i++)
+            iso_box_add(&box, index_position(span->brick, view->vertices[span->first_vertex + i].position));
+    }
+    return box;
+}

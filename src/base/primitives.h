@@ -1,0 +1,98 @@
+/* Points and meshes as extraction makes them and renderers borrow them: one span per brick.
+ *
+ * A brick is 16^3 voxels; brick (bx, by, bz) covers voxels 16*b .. 16*b + 15. Positions in a span are in
+ * voxels relative to voxel 16*b of its brick, so index = 16 * brick + position, and world = transform(index).
+ * Normals are unit covectors in index space, pointing out of the solid; iso_affine_normal takes them to
+ * world. */
+#ifndef ISO_BASE_PRIMITIVES_H
+#define ISO_BASE_PRIMITIVES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/geometry.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISO_BRICK = 16, ISO_BRICK_VOXELS = ISO_BRICK * ISO_BRICK * ISO_BRICK };
+
+/* A point in floats: a point of a set that asked for floats, or a vertex of a mesh. 24 bytes. */
+typedef struct iso_surfel {
+    float position[3];
+    float normal[3];
+} iso_surfel;
+
+/* A point in 8 bytes: bits 0..41 hold x, y, z as 14-bit steps of 20/16384 voxel from -2 (positions in [-2,
+ * 18)), bits 42..63 an octahedral normal, 11 bits each. Position error <= 0.00062 voxel an axis, normal <=
+ * 0.13 degrees. */
+typedef struct iso_point {
+    uint64_t bits;
+} iso_point;
+
+/* Nearest packed point; positions outside [-2, 18) are clamped. The normal must not be zero. */
+iso_point iso_point_pack(const iso_surfel *surfel);
+iso_surfel iso_point_unpack(iso_point point);
+
+/* The primitives of one brick. */
+typedef struct iso_point_span {
+    int32_t brick[3];
+    uint32_t count;
+    size_t first; /* index of the span's first point */
+} iso_point_span;
+
+/* Points, borrowed from whoever owns them. Exactly one of `packed` and `surfels` is set (both NULL when
+ * empty). */
+typedef struct iso_point_view {
+    const iso_point *packed;
+    const iso_surfel *surfels;
+    const float *radii; /* per point, mm, indexed like the points; NULL: `radius` holds for all */
+    const iso_point_span *spans;
+    size_t span_count;
+    iso_transform transform;
+    double radius; /* mm; half of sqrt(2) x the largest spacing for extracted points (2003, section 4.1) */
+} iso_point_view;
+
+/* Number of points in all spans. */
+size_t iso_point_view_count(const iso_point_view *view);
+/* Point `index` (counted from 0 in the arrays, not in a span) as floats. */
+iso_surfel iso_point_view_get(const iso_point_view *view, size_t index);
+/* Box of all points in index coordinates. */
+iso_box iso_point_view_bounds(const iso_point_view *view);
+
+/* The part of a mesh that lies in the cells of one brick. Vertices first .. first + own_count - 1 are on
+ * edges that the brick owns (an edge belongs to its lower voxel's brick); the rest are bit-identical copies
+ * of vertices that a neighbour owns. Triangles are counter-clockwise seen from outside. */
+typedef struct iso_mesh_span {
+    int32_t brick[3];
+    uint32_t vertex_count, own_count;
+    uint32_t triangle_count;
+    size_t first_vertex;
+    size_t first_triangle;
+} iso_mesh_span;
+
+/* An edge, named by its lower voxel (0..16 on each axis, in the brick) and its axis: ((z * 17 + y) * 17 + x)
+ * * 3 + axis. Own vertices of a span are sorted by it. */
+typedef uint16_t iso_edge_key;
+
+/* A mesh, borrowed from whoever owns it. */
+typedef struct iso_mesh_view {
+    const iso_surfel *vertices;
+    const iso_edge_key *keys;       /* one per vertex */
+    const uint16_t (*triangles)[3]; /* vertex numbers counted from the span's first_vertex */
+    const iso_mesh_span *spans;
+    size_t span_count;
+    iso_transform transform;
+} iso_mesh_view;
+
+/* Welded counts: vertices that are owned, and all triangles. */
+size_t iso_mesh_view_vertex_count(const iso_mesh_view *view);
+size_t iso_mesh_view_triangle_count(const iso_mesh_view *view);
+/* Box of all vertices in index coordinates. */
+iso_box iso_mesh_view_bounds(const iso_mesh_view *view);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,35 @@
+#include "base/status.h"
+
+#include <stdio.h>
+
+const char *iso_status_text(iso_status status) {
+    switch (status) {
+#define ISO_X(name, exit_status, text)                                                                       \
+    case ISO_##name:                                                                                         \
+        return text;
+        ISO_STATUS_MAP(ISO_X)
+#undef ISO_X
+    }
+    return "unknown status";
+}
+
+int iso_status_exit(iso_status status) {
+    switch (status) {
+#define ISO_X(name, exit_status, text)                                                                       \
+    case ISO_##name:                                                                                         \
+        return exit_status;
+        ISO_STATUS_MAP(ISO_X)
+#undef ISO_X
+    }
+    return 2;
+}
+
+iso_status iso_fail(iso_error *error, iso_status status, const char *format, ...) {
+    if (!error) return status;
+    error->status = status;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(error->text, sizeof error->text, format, arguments);
+    va_end(arguments);
+    return status;
+}

@@ -1,0 +1,66 @@
+/* Status codes and error text: how every fallible function of Isopoint reports.
+ *
+ * A fallible function returns iso_status; results go to out-parameters, which are untouched unless ISO_OK
+ * is returned; the detail is one line of text in a caller-owned iso_error (NULL is allowed everywhere).
+ * Bad data never asserts; programming mistakes do. All functions here are thread-safe. */
+#ifndef ISO_BASE_STATUS_H
+#define ISO_BASE_STATUS_H
+
+#include <stdarg.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* X(name, exit status of the programs, text). The exit statuses are DESIGN.md's and part of the interface. */
+#define ISO_STATUS_MAP(X)                                                                                    \
+    X(OK, 0, "ok")                                                                                           \
+    X(ERR_MISMATCH, 1, "a comparison failed")                                                                \
+    X(ERR_USAGE, 2, "wrong usage")                                                                           \
+    X(ERR_IO, 3, "cannot read")                                                                              \
+    X(ERR_FORMAT, 3, "not a readable volume")                                                                \
+    X(ERR_UNSUPPORTED, 3, "not supported by this build")                                                     \
+    X(ERR_BRIDGE, 3, "a format library failed")                                                              \
+    X(ERR_BACKEND, 4, "no usable backend")                                                                   \
+    X(ERR_NOMEM, 5, "out of memory")                                                                         \
+    X(ERR_LIMIT, 5, "over the memory limit")                                                                 \
+    X(ERR_EMPTY, 6, "empty surface")                                                                         \
+    X(ERR_WRITE, 7, "cannot write")
+
+typedef enum iso_status {
+#define ISO_X(name, exit_status, text) ISO_##name,
+    ISO_STATUS_MAP(ISO_X)
+#undef ISO_X
+} iso_status;
+
+/* One line of detail, without a newline, naming the thing and the reason. Zero-initialise. */
+typedef struct iso_error {
+    iso_status status;
+    char text[512];
+} iso_error;
+
+/* The general text of a status; never NULL. */
+const char *iso_status_text(iso_status status);
+
+/* The exit status (0 to 7) that a program ends with. */
+int iso_status_exit(iso_status status);
+
+/* Fills *error (when not NULL) and returns status, so that `return iso_fail(error, ISO_ERR_IO, ...)` works.
+ */
+#if defined(__GNUC__)
+__attribute__((format(printf, 3, 4)))
+#endif
+iso_status
+iso_fail(iso_error *error, iso_status status, const char *format, ...);
+
+/* Forwards a failure to the caller. */
+#define ISO_TRY(call)                                                                                        \
+    do {                                                                                                     \
+        iso_status iso_try_status_ = (call);                                                                 \
+        if (iso_try_status_ != ISO_OK) return iso_try_status_;                                               \
+    } while (0)
+
+#ifdef __cplusplus
+}
+#endif
+#endif

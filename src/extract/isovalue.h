@@ -1,0 +1,41 @@
+/* isovalue: a histogram of a grid and the isovalues it suggests. */
+#ifndef ISO_EXTRACT_ISOVALUE_H
+#define ISO_EXTRACT_ISOVALUE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/parallel.h"
+#include "grids/grid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISO_HISTOGRAM_BINS = 256, ISO_ISOVALUE_CANDIDATES = 3 };
+
+/* Physical values. Bin i covers [low + i * width, low + (i + 1) * width); the last one includes high. */
+typedef struct iso_histogram {
+    double low, high, width; /* of finite voxels, padding left out; low == high for a constant volume */
+    uint64_t bins[ISO_HISTOGRAM_BINS];
+    uint64_t counted, nonfinite, padding; /* voxels in bins, NaN or infinite ones, and left out as padding */
+    double minimum, maximum;              /* of all finite voxels */
+    double padding_value;                 /* meaningful when padding > 0 */
+} iso_histogram;
+
+/* Border and padding values are left out: when one single value makes up more than half of the voxels of the
+ * volume's six faces and is the minimum or the maximum of the data, all voxels of exactly that value are
+ * padding, unless nothing would be left. ISO_ERR_EMPTY when there is no finite voxel. */
+iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
+                                 iso_error *error);
+
+/* Suggested isovalues, best first: 0 for level sets; otherwise Otsu's threshold (1979), then the two
+ * thresholds of three-class Otsu (Liao, Chen and Chung 2001). Returns how many (1 .. 3), 0 for a constant
+ * volume. */
+size_t iso_isovalue_suggest(const iso_grid *grid, const iso_histogram *histogram,
+                            double candidates[ISO_ISOVALUE_CANDIDATES]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,83 @@
+/* camera: where the picture is taken from, and the view that turns world points into pixels.
+ *
+ * World is right-handed millimetres. View space is right-handed too: x right, y down, z forward (depth, mm).
+ * The pixel of a view point is (cx + focal * x / z, cy + focal * y / z), or (cx + focal * x, cy + focal * y)
+ * when orthographic; pixel (i, j) is sampled at (i + 0.5, j + 0.5). Names of camera values are F3D's. */
+#ifndef ISO_IMAGE_CAMERA_H
+#define ISO_IMAGE_CAMERA_H
+
+#include <stdbool.h>
+
+#include "base/geometry.h"
+#include "base/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct iso_camera {
+    iso_vec3 position, focal_point, view_up; /* mm; view_up need not be unit or orthogonal */
+    double view_angle;                       /* degrees, full vertical angle, 0 < angle < 180 */
+    bool orthographic;
+    double parallel_scale; /* orthographic: half the picture's height, mm */
+} iso_camera;
+
+typedef enum iso_direction {
+    ISO_FRONT, /* looks along +y, z up: the patient's face in LPS */
+    ISO_BACK,
+    ISO_LEFT, /* the patient's left side (+x) faces the viewer */
+    ISO_RIGHT,
+    ISO_TOP, /* looks along -z, front (-y) at the bottom */
+    ISO_BOTTOM,
+    ISO_ISOMETRIC /* from front, patient's left and above */
+} iso_direction;
+
+/* View direction (from the eye into the scene) and up vector of a preset, for a world whose up axis is `up`
+ * (unit; z up is {0,0,1}; for another up axis the presets are rotated with it). */
+void iso_direction_vectors(iso_direction direction, iso_vec3 up, iso_vec3 *forward, iso_vec3 *view_up);
+
+/* Turns the camera about its focal point: azimuth degrees around view_up (counter-clockwise seen from above:
+ * the eye moves to the right), then elevation degrees upwards. As VTK's vtkCamera::Azimuth and Elevation. */
+void iso_camera_orbit(iso_camera *camera, double azimuth, double elevation);
+
+/* Moves the eye back (or sets parallel_scale) along its direction so that `box` (world) fits into a picture
+ * of `aspect` (width / height) with a margin of 4 %, for `turns` (>= 1) views spaced evenly in azimuth: one
+ * framing for all. The focal point becomes the box's centre. An empty box is a programming mistake. */
+void iso_camera_fit(iso_camera *camera, const iso_box *box, double aspect, int turns);
+
+/* Narrows view_angle (or parallel_scale) so that things appear `factor` times larger; factor > 0. */
+void iso_camera_zoom(iso_camera *camera, double factor);
+
+/* ISO_ERR_USAGE when the camera cannot see: eye at the focal point, view_up parallel to the view, a bad
+ * angle, a value that is not finite. */
+iso_status iso_camera_check(const iso_camera *camera, iso_error *error);
+
+/* What renderers use. A window of a larger picture has its cx, cy moved. */
+typedef struct iso_view {
+    double rotation[9]; /* row-major; rows are view x, y, z in world */
+    iso_vec3 eye;       /* world */
+    double focal;       /* perspective: pixels per unit of x/z; orthographic: pixels per mm */
+    double cx, cy;      /* pixel of the optical axis */
+    int width, height;
+    bool orthographic;
+    double near; /* mm; nothing nearer than this is drawn (perspective: > 0; orthographic: may be negative) */
+} iso_view;
+
+/* The view of a checked camera for a picture of width x height. near is 1e-4 of the distance to the focal
+ * point for perspective views; orthographic ones see everything (-DBL_MAX). */
+iso_view iso_view_make(const iso_camera *camera, int width, int height);
+
+/* The same picture sampled `factor` x `factor` times as densely. */
+iso_view iso_view_scaled(const iso_view *view, int factor);
+/* Rows y0 .. y0 + height - 1 of it. */
+iso_view iso_view_rows(const iso_view *view, int y0, int height);
+
+iso_vec3 iso_view_point(const iso_view *view, iso_vec3 world);  /* world to view space */
+iso_vec3 iso_view_vector(const iso_view *view, iso_vec3 world); /* the same for vectors */
+/* Ray of picture position (px, py) in world: position = origin + t * direction, t = depth. */
+void iso_view_ray(const iso_view *view, double px, double py, iso_vec3 *origin, iso_vec3 *direction);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,44 @@
+/* image: 8-bit RGBA pictures and PNG.
+ *
+ * Row 0 is the top row. Alpha is straight (not premultiplied). Pixel (x, y) covers [x, x+1) x [y, y+1). */
+#ifndef ISO_IMAGE_IMAGE_H
+#define ISO_IMAGE_IMAGE_H
+
+#include <stdint.h>
+
+#include "base/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Largest width or height. */
+enum { ISO_IMAGE_MAX = 16384 };
+
+typedef struct iso_image {
+    int width, height;
+    uint8_t *rgba; /* width * height * 4, owned */
+} iso_image;
+
+/* Pixels uninitialised. ISO_ERR_USAGE when a side is not in 1 .. ISO_IMAGE_MAX, ISO_ERR_NOMEM. */
+iso_status iso_image_create(int width, int height, iso_image *image, iso_error *error);
+void iso_image_free(iso_image *image);
+
+/* One tEXt chunk. Keys as in the PNG specification ("Software", "Description"). */
+typedef struct iso_png_text {
+    const char *key, *value;
+} iso_png_text;
+
+/* Writes a PNG, RGB when all pixels are opaque and RGBA otherwise, through base/file.h: path "-" is stdout,
+ * and a file appears whole or not at all. texts: `text_count` entries, may be NULL. ISO_ERR_WRITE,
+ * ISO_ERR_NOMEM. */
+iso_status iso_png_write(const char *path, const iso_image *image, const iso_png_text *texts, int text_count,
+                         iso_error *error);
+
+/* Reads any PNG as 8-bit RGBA. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_NOMEM. */
+iso_status iso_png_read(const char *path, iso_image *image, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,20 @@
+/* mesh_io: meshes out, chosen by extension: .ply (binary, with normals), .stl (binary), .obj (with normals).
+ * World millimetres; triangles counter-clockwise seen from outside, also under left-handed transforms. */
+#ifndef ISO_IO_MESH_IO_H
+#define ISO_IO_MESH_IO_H
+
+#include "base/primitives.h"
+#include "base/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Writes the welded mesh through base/file.h. `comment` (one line) may be NULL. ISO_ERR_USAGE for another
+ * extension, ISO_ERR_WRITE, ISO_ERR_LIMIT (.stl above 2^32 - 1 triangles), ISO_ERR_NOMEM. */
+iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

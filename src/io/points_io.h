@@ -1,0 +1,40 @@
+/* points_io: points as PLY, out and in.
+ *
+ * Binary little-endian PLY with per-vertex float properties x y z nx ny nz radius, world millimetres, normals
+ * out of the solid, one comment naming the program. Reading accepts ASCII and both binary byte orders, any
+ * scalar types, and skips further properties and elements. Normals are made unit; a zero or non-finite one, a
+ * position that is not finite, or a radius that is not positive drops the point.
+ */
+#ifndef ISO_IO_POINTS_IO_H
+#define ISO_IO_POINTS_IO_H
+
+#include "base/primitives.h"
+#include "base/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Writes through base/file.h. `comment` (one line) may be NULL. ISO_ERR_WRITE. */
+iso_status iso_points_write_ply(const char *path, const iso_point_view *view, const char *comment,
+                                iso_error *error);
+
+/* Points that were read: one span, identity transform (index coordinates are mm). iso_points_free when done.
+ */
+typedef struct iso_points {
+    iso_surfel *surfels;
+    float *radii;
+    iso_point_span span;
+} iso_points;
+
+/* ISO_ERR_IO (missing, truncated), ISO_ERR_FORMAT (not PLY, no points, properties missing: says which),
+ * ISO_ERR_LIMIT (more than max_memory bytes; 0: no limit), ISO_ERR_NOMEM. */
+iso_status iso_points_read_ply(const char *path, uint64_t max_memory, iso_points *points, iso_error *error);
+void iso_points_free(iso_points *points);
+/* Borrowed until iso_points_free. */
+iso_point_view iso_points_view(const iso_points *points);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

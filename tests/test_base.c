@@ -1,0 +1,192 @@
+/* base: geometry, packed points, the thread pool, sinks. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/file.h"
+#include "base/geometry.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/primitives.h"
+
+static double uniform(uint32_t *state) {
+    *state = *state * 1664525u + 1013904223u;
+    return (double)(*state >> 8) / (1 << 24);
+}
+
+static void near(double got, double wanted, double tolerance) {
+    if (!(fabs(got - wanted) <= tolerance))
+        fail_msg("got %.17g, wanted %.17g within %g", got, wanted, tolerance);
+}
+
+static void sincos_matches_libm(void **state) {
+    (void)state;
+    for (double angle = -1000; angle < 1000; angle += 0.01371) {
+        double sine, cosine;
+        iso_sincos(angle, &sine, &cosine);
+        near(sine, sin(angle), 1e-14);
+        near(cosine, cos(angle), 1e-14);
+    }
+    near(iso_tan(ISO_PI / 12), tan(ISO_PI / 12), 1e-14);
+}
+
+static void affine_inverts_itself(void **state) {
+    (void)state;
+    uint32_t seed = 1;
+    for (int round = 0; round < 100; round++) {
+        iso_transform transform = iso_transform_identity();
+        for (int i = 0; i < 9; i++) transform.direction[i] = uniform(&seed) - 0.5;
+        for (int i = 0; i < 3; i++) {
+            transform.spacing[i] = 0.1 + uniform(&seed);
+            transform.origin[i] = 100 * uniform(&seed);
+        }
+        if (fabs(iso_transform_affine(&transform).determinant) < 1e-3) continue;
+        assert_false(iso_transform_is_singular(&transform));
+        iso_affine affine = iso_transform_affine(&transform);
+        iso_vec3 p = {7 * uniform(&seed), 9 * uniform(&seed), 5 * uniform(&seed)};
+        iso_vec3 q = iso_affine_point_to_index(&affine, iso_affine_point(&affine, p));
+        near(iso_vec3_length(iso_vec3_sub(p, q)), 0, 1e-9);
+        /* a covector applied to a vector does not change under the transform */
+        iso_vec3 n = {1, 2, 3}, v = {3, 0, -1}; /* perpendicular in index space */
+        near(iso_vec3_dot(iso_affine_normal(&affine, n), iso_affine_vector(&affine, v)), 0, 1e-9);
+    }
+    iso_transform flat = iso_transform_identity();
+    flat.direction[8] = 0;
+    assert_true(iso_transform_is_singular(&flat));
+}
+
+static void packed_points_keep_their_precision(void **state) {
+    (void)state;
+    uint32_t seed = 7;
+    double worst_position = 0, worst_normal = 0;
+    for (int round = 0; round < 300000; round++) {
+        iso_surfel surfel;
+        float length = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            surfel.position[axis] = (float)(-2 + 19.99 * uniform(&seed));
+            surfel.normal[axis] = (float)(2 * uniform(&seed) - 1);
+            length += surfel.normal[axis] * surfel.normal[axis];
+        }
+        if (length < 1e-3f) continue;
+        for (int axis = 0; axis < 3; axis++) surfel.normal[axis] /= sqrtf(length);
+        iso_surfel back = iso_point_unpack(iso_point_pack(&surfel));
+        double chord = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            worst_position = fmax(worst_position, fabs(back.position[axis] - surfel.position[axis]));
+            chord += pow(back.normal[axis] - surfel.normal[axis], 2);
+        }
+        worst_normal = fmax(worst_normal, 2 * asin(sqrt(chord) / 2) * 180 / ISO_PI);
+    }
+    near(worst_position, 0.0006, 0.0001); /* half a step, reached and not exceeded */
+    near(worst_normal, 0.115, 0.015);
+}
+
+typedef struct tally {
+    unsigned char done[10000];
+    int workers;
+} tally;
+
+static void mark(void *context, size_t index, int worker) {
+    tally *t = context;
+    t->done[index]++;
+    if (worker < 0 || worker >= t->workers) t->done[index] = 100;
+}
+
+static void every_index_runs_once(void **state) {
+    (void)state;
+    const int counts[] = {1, 2, 7};
+    for (int i = 0; i < 3; i++) {
+        iso_pool *pool = NULL;
+        assert_int_equal(iso_pool_create(counts[i], &pool, NULL), ISO_OK);
+        assert_int_equal(iso_pool_threads(pool), counts[i]);
+        for (int round = 0; round < 200; round++) {
+            tally t = {.workers = counts[i]};
+            size_t count = (size_t)(round * 50);
+            iso_parallel_for(pool, count, mark, &t);
+            for (size_t k = 0; k < sizeof t.done; k++) assert_int_equal(t.done[k], k < count);
+        }
+        iso_pool_destroy(pool);
+    }
+    iso_pool *pool = NULL;
+    iso_error error = {0};
+    assert_int_equal(iso_pool_create(-1, &pool, &error), ISO_ERR_USAGE);
+    assert_non_null(strstr(error.text, "-1"));
+    assert_null(pool);
+}
+
+static int exists(const char *path) {
+    FILE *file = fopen(path, "r");
+    if (file) fclose(file);
+    return file != NULL;
+}
+
+static void sinks_write_all_or_nothing(void **state) {
+    (void)state;
+    const char *path = ISO_TEST_TMP "/sink.txt";
+    remove(path);
+    iso_sink sink;
+    iso_error error = {0};
+    assert_int_equal(iso_sink_open(path, &sink, &error), ISO_OK);
+    fputs("half", sink.stream);
+    assert_false(exists(path));
+    char temporary[512];
+    snprintf(temporary, sizeof temporary, "%s", sink.temporary);
+    iso_sink_abort(&sink);
+    assert_false(exists(path));
+    assert_false(exists(temporary));
+
+    assert_int_equal(iso_sink_open(path, &sink, &error), ISO_OK);
+    fputs("whole", sink.stream);
+    assert_int_equal(iso_sink_commit(&sink, &error), ISO_OK);
+    assert_true(exists(path));
+    iso_sink_abort(&sink); /* harmless after commit */
+    remove(path);
+
+    assert_int_equal(iso_sink_open("/nonexistent/folder/x", &sink, &error), ISO_ERR_WRITE);
+    assert_non_null(strstr(error.text, "/nonexistent/folder/x"));
+    assert_int_equal(iso_sink_open("/", &sink, &error), ISO_ERR_WRITE);
+
+    FILE *full = fopen("/dev/full", "w");
+    if (full) {
+        sink = (iso_sink){.stream = full};
+        fputs("lost", full);
+        assert_int_equal(iso_sink_commit(&sink, &error), ISO_ERR_WRITE);
+        assert_non_null(strstr(error.text, "No space left"));
+        fclose(full);
+    }
+}
+
+static void buffers_keep_their_contents(void **state) {
+    (void)state;
+    iso_buffer buffer = {0};
+    assert_int_equal(iso_buffer_reserve(&buffer, 10, 0, NULL), ISO_OK);
+    memcpy(buffer.data, "012345678", 10);
+    assert_int_equal(iso_buffer_reserve(&buffer, 5 << 20, 10, NULL), ISO_OK);
+    assert_string_equal((char *)buffer.data, "012345678");
+    assert_int_equal((uintptr_t)buffer.data % ISO_ALIGNMENT, 0);
+    assert_int_equal(iso_buffer_reserve(&buffer, SIZE_MAX / 2, 10, NULL), ISO_ERR_NOMEM);
+    assert_string_equal((char *)buffer.data, "012345678");
+    iso_buffer_free(&buffer);
+    size_t product;
+    assert_false(iso_size_multiply(SIZE_MAX / 2, 3, &product));
+    assert_true(iso_memory_available() > 0);
+    assert_true(iso_memory_peak() > 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sincos_matches_libm),
+        cmocka_unit_test(affine_inverts_itself),
+        cmocka_unit_test(packed_points_keep_their_precision),
+        cmocka_unit_test(every_index_runs_once),
+        cmocka_unit_test(sinks_write_all_or_nothing),
+        cmocka_unit_test(buffers_keep_their_contents),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
