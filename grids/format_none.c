@@ -8,8 +8,6 @@
 
 #if !ISO_HAVE_VTK
 ISO_FORMAT_NONE(vti, "VTK");
-ISO_FORMAT_NONE(vtk, "VTK");
-ISO_FORMAT_NONE(metaimage, "VTK");
 #endif
 #if !ISO_HAVE_TEEM
 ISO_FORMAT_NONE(nrrd, "teem");
