@@ -1,5 +1,7 @@
 /* volume formats: what was written comes back, in every format, encoding, type and byte order; a file cut
  * anywhere is refused; worlds are turned into LPS millimetres. */
+#define _POSIX_C_SOURCE 200809L
+#include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -109,13 +112,33 @@ static void every_format_round_trips(void **state) {
     assert_true(made > 400);
 }
 
+/* Reads with the terminal replaced by a file: libraries must print nothing. */
+static iso_status read_silently(const char *path, const iso_volume_opts *opts, iso_volume *volume,
+                                iso_error *error) {
+    const char *said = vol_path(folder, "terminal", 2);
+    fflush(NULL);
+    int kept[2] = {dup(1), dup(2)}, file = open(said, O_RDWR | O_CREAT | O_TRUNC, 0666);
+    dup2(file, 1);
+    dup2(file, 2);
+    iso_status status = iso_volume_read(path, opts, volume, error);
+    fflush(NULL);
+    off_t length = lseek(file, 0, SEEK_END);
+    dup2(kept[0], 1);
+    dup2(kept[1], 2);
+    close(kept[0]);
+    close(kept[1]);
+    close(file);
+    if (length != 0) fail_msg("%s: %ld bytes were printed, see %s", path, (long)length, said);
+    return status;
+}
+
 /* Cut to `length` bytes, a file is refused, or has lost nothing that matters. */
 static void check_cut(const vol_kind *kind, const vol_spec *spec, const char *cut_name, size_t length) {
     const char *path = vol_path(folder, kind->files[0], 0);
     iso_volume_opts opts = {.max_memory = 1 << 26};
     iso_volume volume;
     iso_error error = {0};
-    iso_status status = iso_volume_read(path, &opts, &volume, &error);
+    iso_status status = read_silently(path, &opts, &volume, &error);
     if (status == ISO_OK) {
         /* nobody can tell that the last number of a text has lost its last digits */
         size_t sure = vol_count(spec) - (strstr(kind->name, "text") != NULL);
@@ -300,10 +323,8 @@ static const struct {
      "format=\"ascii\">"
      "1 2 3 4</DataArray></PointData></Piece></ImageData></VTKFile>",
      "pieces"},
-    {"four.nrrd", "nrrd",
-     "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 2 1 1 2\nkinds: domain domain domain domain\nencoding: "
-     "raw\n\nabcd",
-     NULL},
+    {"five.nrrd", "nrrd", "NRRD0004\ntype: uchar\ndimension: 5\nsizes: 2 2 2 2 2\nencoding: raw\n\nabcd",
+     "more than three axes"},
     {"text.nrrd", "nrrd", "1 2 3\n4 5 6\n", "not an NRRD file"},
     {"text.nii", "nifti", "This is a text, not a volume.\n", "not a NIfTI file"},
     {"text.vtk", "vtk", "This is a text, not a volume.\n", "not a readable VTK file"},
@@ -319,11 +340,7 @@ static void bad_headers_are_refused(void **state) {
         const char *path = vol_path(folder, bad_files[i].name, 0);
         iso_volume volume;
         iso_error error = {0};
-        iso_status status = iso_volume_read(path, NULL, &volume, &error);
-        if (status == ISO_OK && strcmp(bad_files[i].name, "four.nrrd") == 0) {
-            iso_volume_free(&volume);
-            continue;
-        }
+        iso_status status = read_silently(path, NULL, &volume, &error);
         if (iso_status_exit(status) != 3) fail_msg("%s: status %d %s", path, status, error.text);
         check_error(&error, path);
         if (bad_files[i].part && !strstr(error.text, bad_files[i].part))
