@@ -27,7 +27,12 @@ extern "C" {
 enum { ISORENDER_SURFACES = 64, ISORENDER_RECORD = 4096 };
 
 typedef enum isorender_method { ISORENDER_POINTS, ISORENDER_MESH, ISORENDER_RAYCAST } isorender_method;
-typedef enum isorender_help { ISORENDER_RUN, ISORENDER_HELP, ISORENDER_VERSION, ISORENDER_BACKENDS } isorender_help;
+typedef enum isorender_help {
+    ISORENDER_RUN,
+    ISORENDER_HELP,
+    ISORENDER_VERSION,
+    ISORENDER_BACKENDS
+} isorender_help;
 
 /* Strings are borrowed from argv. */
 typedef struct isorender_settings {
@@ -79,7 +84,8 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
 
 /* Where the outputs of one input go: owned texts, NULL for what is not wanted. */
 typedef struct isorender_plan {
-    const char *input; /* as typed */
+    const char *input; /* as typed, or `scene` */
+    char *scene;       /* "scene:NAME" made from --scene, or NULL */
     char *model;
     char *image; /* with {n:3} left in for a turntable */
     char *points, *mesh, *json;
@@ -100,13 +106,13 @@ iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *
 typedef struct isorender_surface {
     double isovalue; /* physical; NaN for points that were read */
     iso_rgb color;
-    iso_point_set *points;  /* or NULL */
-    iso_mesh_set *mesh;     /* or NULL */
-    iso_raycaster *caster;  /* or NULL */
+    iso_point_set *points; /* or NULL */
+    iso_mesh_set *mesh;    /* or NULL */
+    iso_raycaster *caster; /* or NULL */
 } isorender_surface;
 
 typedef struct isorender_frame {
-    uint64_t hash; /* FNV-1a of width, height and the pixels */
+    uint64_t hash;  /* FNV-1a of width, height and the pixels */
     size_t covered; /* samples that show a surface */
 } isorender_frame;
 
@@ -118,7 +124,7 @@ typedef struct isorender_job {
     const isorender_settings *settings;
     const isorender_plan *plan;
     iso_pool *pool;
-    char *copy; /* temporary copy of stdin, or NULL */
+    char *copy;       /* temporary copy of stdin, or NULL */
     const char *path; /* what to read */
 
     bool from_points; /* `points` was read, there is no volume */
@@ -137,7 +143,9 @@ typedef struct isorender_job {
     iso_camera camera; /* of the first frame */
     isorender_frame *frames;
     int frame_count;
-    int written; /* outputs that stand: removed again when a later step fails */
+    /* Outputs that stand: removed again when a later step fails. */
+    bool points_written, mesh_written;
+    int frames_written;
     isorender_seconds seconds;
     const char *stage; /* progress: what is going on, and what was last told */
     int told;
@@ -163,8 +171,10 @@ iso_status isorender_render(isorender_job *job, iso_error *error);
 uint64_t isorender_picture_bytes(const isorender_settings *settings);
 
 /* isorender_report.c */
-iso_status isorender_report_json(isorender_job *job, iso_error *error);
-iso_status isorender_report_info(isorender_job *job, iso_error *error); /* text, to stdout */
+iso_status isorender_report_json(const isorender_job *job, iso_error *error);
+/* Text on stdout: what the header says (isorender_info.c), and what the voxels say. */
+void isorender_info_header(const isorender_job *job);
+void isorender_info_values(const isorender_job *job);
 
 /* isorender_talk.c: what goes to stderr. */
 #if defined(__GNUC__)

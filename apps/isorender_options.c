@@ -13,7 +13,8 @@
 
 enum group { INPUT, SURFACE, PICTURE, CAMERA, OUTPUT, RUNNING };
 
-static const char *const groups[] = {"Input", "Surface", "Picture", "Camera", "Other outputs", "Running", NULL};
+static const char *const groups[] = {"Input",         "Surface", "Picture", "Camera",
+                                     "Other outputs", "Running", NULL};
 
 static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --output TEMPLATE IN ...",
                                     "[options] --scene NAME[:SIZE] [OUT.png]", NULL};
@@ -51,7 +52,8 @@ static bool parse_color(const char *value, iso_rgb *color) {
     unsigned number = 0;
     for (int i = 0; i < 6; i++) {
         const char *digits = "0123456789abcdef";
-        const char *digit = strchr(digits, value[i] >= 'A' && value[i] <= 'F' ? value[i] - 'A' + 'a' : value[i]);
+        const char *digit =
+            strchr(digits, value[i] >= 'A' && value[i] <= 'F' ? value[i] - 'A' + 'a' : value[i]);
         if (!digit) return false;
         number = number * 16 + (unsigned)(digit - digits);
     }
@@ -103,7 +105,8 @@ static iso_status apply_samples(void *target, const char *value, iso_error *erro
                 settings->samples = samples;
                 return ISO_OK;
             }
-    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a square number from 1 to 64 (1, 4, 9, 16, ...)", value);
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a square number from 1 to 64 (1, 4, 9, 16, ...)",
+                    value);
 }
 
 static iso_status apply_up(void *target, const char *value, iso_error *error) {
@@ -146,8 +149,8 @@ static iso_status apply_crop(void *target, const char *value, iso_error *error) 
         good = numbers[i] == floor(numbers[i]) && numbers[i] >= 0 && numbers[i] <= INT_MAX;
     for (int i = 0; good && i < 6; i += 2) good = numbers[i] <= numbers[i + 1];
     if (!good)
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not x0,x1,y0,y1,z0,z1 in voxels, first and last of each",
-                        value);
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is not x0,x1,y0,y1,z0,z1 in voxels, first and last of each", value);
     for (int i = 0; i < 6; i++) settings->crop[i] = (int)numbers[i];
     settings->cropped = 1;
     return ISO_OK;
@@ -180,8 +183,7 @@ static iso_status apply_help(void *target, const char *value, iso_error *error) 
     int form = 0;
     if (value)
         while (form < 4 && strcmp(forms[form], value) != 0) form++;
-    if (form == 4)
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of markdown, man, bash", value);
+    if (form == 4) return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of markdown, man, bash", value);
     settings->help = ISORENDER_HELP;
     settings->help_form = (iso_help_form)form;
     return ISO_OK;
@@ -213,10 +215,12 @@ static iso_status apply_list_backends(void *target, const char *value, iso_error
 
 static const iso_option options[] = {
     {"raw", NULL, "WxHxD:TYPE:ENDIAN:OFFSET",
-     "the file has no header: voxels, uint8 int16 uint16 or float, little or big, bytes to skip (the last two may be "
+     "the file has no header: voxels, uint8 int16 uint16 or float, little or big, bytes to skip (the last "
+     "two may be "
      "left out)",
      .group = INPUT, CALL(apply_raw)},
-    {"spacing", NULL, "X,Y,Z", "voxel spacing in mm, instead of the file's", .group = INPUT, CALL(apply_spacing)},
+    {"spacing", NULL, "X,Y,Z", "voxel spacing in mm, instead of the file's", .group = INPUT,
+     CALL(apply_spacing)},
     {"grid", "grid-name", "NAME", "which grid of a .vdb", .group = INPUT, TEXT(grid)},
     {"series", NULL, "UID", "which series of a DICOM folder: its UID, or its number as --info lists it",
      .group = INPUT, TEXT(series)},
@@ -224,19 +228,24 @@ static const iso_option options[] = {
      .standard = "0"},
     {"crop", NULL, "X0,X1,Y0,Y1,Z0,Z1", "only these voxels, first and last of each axis", .group = INPUT,
      CALL(apply_crop)},
-    {"scene", NULL, "NAME[:SIZE]", "a procedural volume instead of a file: sphere, cylinder, cube, gyroid, torus, ct, "
+    {"scene", NULL, "NAME[:SIZE]",
+     "a procedural volume instead of a file: sphere, cylinder, cube, gyroid, torus, ct, "
      "head (the same as the input scene:NAME[:SIZE])",
      .group = INPUT, TEXT(scene)},
     {"max-memory", NULL, "SIZE", "refuse what needs more, e.g. 512M or 2G", .group = INPUT,
      .kind = ISO_OPTION_SIZE, FIELD(max_memory), .standard = "80 % of free memory", QUIETLY},
 
-    {"isovalue", "isosurface iso-value", "V", "value of the surface, in the file's physical units; several, separated by "
+    {"isovalue", "isosurface iso-value", "V",
+     "value of the surface, in the file's physical units; several, separated by "
      "commas, give several surfaces; auto: 0 for level sets, else Otsu's threshold of the histogram",
      .group = SURFACE, .standard = "auto", CALL(apply_isovalue), .flags = ISO_OPTION_REPEATABLE},
-    {"color", "colour", "RRGGBB", "colour of the surface; the second one belongs to the second isovalue, and so on",
-     .group = SURFACE, .standard = "D9B36C", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
-    {"primitive", NULL, "NAME", "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets, "
-     "edge for the rest", .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
+    {"color", "colour", "RRGGBB",
+     "colour of the surface; the second one belongs to the second isovalue, and so on", .group = SURFACE,
+     .standard = "D9B36C", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
+    {"primitive", NULL, "NAME",
+     "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets, "
+     "edge for the rest",
+     .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"method", NULL, "NAME", "points (attenuated discs), mesh (Marching Cubes) or raycast (exact, slow)",
      .group = PICTURE, .standard = "points", CHOICE(method, methods)},
@@ -244,20 +253,23 @@ static const iso_option options[] = {
      CALL(apply_resolution)},
     {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE, .standard = "1",
      CALL(apply_samples)},
-    {"background", "background-color", "RRGGBB|none", "colour of the background; none is transparent", .group = PICTURE,
-     .standard = "FFFFFF", CALL(apply_background)},
+    {"background", "background-color", "RRGGBB|none", "colour of the background; none is transparent",
+     .group = PICTURE, .standard = "FFFFFF", CALL(apply_background)},
     {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
-    {"turntable", NULL, "N", "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ...",
-     .group = PICTURE, INT(turntable, 1, 100000)},
+    {"turntable", NULL, "N",
+     "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ...", .group = PICTURE,
+     INT(turntable, 1, 100000)},
 
-    {"camera", "camera-preset", "NAME", "side to look from: front, back, left, right, top, bottom, iso", .group = CAMERA,
-     .standard = "front", CHOICE(direction, directions)},
-    {"up", NULL, "AXIS", "world axis that is up: +x -x +y -y +z -z", .group = CAMERA, .standard = "+z", CALL(apply_up)},
-    {"azimuth", "camera-azimuth-angle camera-azimuth", "DEGREES", "then turn the camera to the right", .group = CAMERA,
-     REAL(azimuth, -1e6, 1e6)},
+    {"camera", "camera-preset", "NAME", "side to look from: front, back, left, right, top, bottom, iso",
+     .group = CAMERA, .standard = "front", CHOICE(direction, directions)},
+    {"up", NULL, "AXIS", "world axis that is up: +x -x +y -y +z -z", .group = CAMERA, .standard = "+z",
+     CALL(apply_up)},
+    {"azimuth", "camera-azimuth-angle camera-azimuth", "DEGREES", "then turn the camera to the right",
+     .group = CAMERA, REAL(azimuth, -1e6, 1e6)},
     {"elevation", "camera-elevation-angle camera-elevation", "DEGREES", "and upwards", .group = CAMERA,
      REAL(elevation, -1e6, 1e6)},
-    {"zoom", "camera-zoom-factor", "FACTOR", "enlarge", .group = CAMERA, .standard = "1", REAL(zoom, 1e-6, 1e6)},
+    {"zoom", "camera-zoom-factor", "FACTOR", "enlarge", .group = CAMERA, .standard = "1",
+     REAL(zoom, 1e-6, 1e6)},
     {"orthographic", "camera-orthographic", NULL, "parallel projection", .group = CAMERA, FLAG(orthographic)},
     {"view-angle", "camera-view-angle", "DEGREES", "full vertical angle of the perspective", .group = CAMERA,
      .standard = "30", REAL(view_angle, 0.01, 179)},
@@ -268,38 +280,42 @@ static const iso_option options[] = {
     {"camera-view-up", "view-up", "X,Y,Z", "which direction is up in the picture", .group = CAMERA,
      REALS(view_up, 3)},
 
-    {"output", "o", "NAME", "the picture: a .png, - for stdout; {model} is the input's name, {n:3} a number with three "
-     "digits", .group = OUTPUT, .standard = "{model}.png", TEXT(output), QUIETLY},
+    {"output", "o", "NAME",
+     "the picture: a .png, - for stdout; {model} is the input's name, {n:3} a number with three "
+     "digits",
+     .group = OUTPUT, .standard = "{model}.png", TEXT(output), QUIETLY},
     {"points", NULL, "FILE.ply", "write the points: x y z nx ny nz radius, in mm (isorender reads them back)",
      .group = OUTPUT, TEXT(points), QUIETLY},
-    {"mesh", NULL, "FILE", "write the Marching Cubes mesh: .ply, .stl or .obj, in mm", .group = OUTPUT, TEXT(mesh),
-     QUIETLY},
+    {"mesh", NULL, "FILE", "write the Marching Cubes mesh: .ply, .stl or .obj, in mm", .group = OUTPUT,
+     TEXT(mesh), QUIETLY},
     {"no-image", "no-render", NULL, "make no picture", .group = OUTPUT, FLAG(no_image), QUIETLY},
     {"info", NULL, NULL, "no picture: header, matrix, value range, histogram, suggested isovalues, memory",
      .group = OUTPUT, FLAG(info), QUIETLY},
     {"json", NULL, "FILE", "one object with what was read, made and measured, to stdout without a FILE",
      .group = OUTPUT, CALL(apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
-    {"backend", "rendering-backend", "NAME", "auto or cpu", .group = RUNNING, .standard = "auto", TEXT(backend),
-     QUIETLY},
+    {"backend", "rendering-backend", "NAME", "auto or cpu", .group = RUNNING, .standard = "auto",
+     TEXT(backend), QUIETLY},
     {"list-backends", "list-rendering-backends", NULL, "say what can render here", .group = RUNNING,
      CALL(apply_list_backends), QUIETLY},
     {"threads", NULL, "N", "threads to use; the picture does not depend on it", .group = RUNNING,
      .standard = "one a processor", INT(threads, 1, 1024), QUIETLY},
     {"progress", "loading-progress", NULL, "tell how far it is", .group = RUNNING, FLAG(progress), QUIETLY},
     {"quiet", "q", NULL, "say nothing but errors", .group = RUNNING, FLAG(quiet), QUIETLY},
-    {"verbose", NULL, "LEVEL", "say more: timings and counts (quiet, error, warning, info, debug)", .group = RUNNING,
-     CALL(apply_verbose), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
+    {"verbose", NULL, "LEVEL", "say more: timings and counts (quiet, error, warning, info, debug)",
+     .group = RUNNING, CALL(apply_verbose), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
     {"version", NULL, NULL, "print the version", .group = RUNNING, CALL(apply_version), QUIETLY},
     {"help", "h", "FORM", "print this; FORM may be man, markdown or bash", .group = RUNNING, CALL(apply_help),
      .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 };
 
-static const char *const inputs_text[] = {
-    ".vti, legacy .vtk, .nrrd .nhdr, .mha .mhd, .nii .nii.gz .hdr, .vdb, a DICOM folder or file, raw data with --raw,",
-    "a .ply of points as --points writes it, scene:NAME[:SIZE], and - for stdin (the content tells the format).",
-    "Without OUT the picture is IN's name with .png, in the current folder. World axes are LPS: front looks along +y.",
-    NULL};
+static const char *const inputs_text[] = {".vti, legacy .vtk, .nrrd .nhdr, .mha .mhd, .nii .nii.gz .hdr, "
+                                          ".vdb, a DICOM folder or file, raw data with --raw,",
+                                          "a .ply of points as --points writes it, scene:NAME[:SIZE], and - "
+                                          "for stdin (the content tells the format).",
+                                          "Without OUT the picture is IN's name with .png, in the current "
+                                          "folder. World axes are LPS: front looks along +y.",
+                                          NULL};
 
 static const char *const exit_text[] = {"0  done",
                                         "2  wrong usage",
@@ -311,12 +327,13 @@ static const char *const exit_text[] = {"0  done",
                                         "After a failure no output of that input is left behind.",
                                         NULL};
 
-static const char *const example_text[] = {"isorender ct.nii.gz bone.png --isovalue 300 --samples 4",
-                                           "isorender dicom/ --camera iso --method raycast",
-                                           "isorender brain.nrrd --isovalue 40 --turntable 90 -o frame_{n:3}.png",
-                                           "isorender --output '{model}.png' *.vti --json='{model}.json'",
-                                           "isorender sphere.vdb --points sphere.ply --no-image",
-                                           NULL};
+static const char *const example_text[] = {
+    "isorender ct.nii.gz bone.png --isovalue 300 --samples 4",
+    "isorender dicom/ --camera iso --method raycast",
+    "isorender brain.nrrd --isovalue 40 --turntable 90 -o frame_{n:3}.png",
+    "isorender --output '{model}.png' *.vti --json='{model}.json'",
+    "isorender sphere.vdb --points sphere.ply --no-image",
+    NULL};
 
 static const iso_section sections[] = {
     {"Inputs", inputs_text}, {"Exit status", exit_text}, {"Examples", example_text}};
@@ -335,7 +352,8 @@ static void record_option(void *target, const iso_option *option, const char *va
 const iso_program *isorender_program(void) {
     static const iso_program program = {.name = "isorender",
                                         .version = ISO_VERSION,
-                                        .summary = "a correct picture of a volume's isosurface, in one command",
+                                        .summary =
+                                            "a correct picture of a volume's isosurface, in one command",
                                         .usage = usage,
                                         .groups = groups,
                                         .options = options,
@@ -369,7 +387,8 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     if (settings->scene && count > 0)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --scene takes no other input", operands->values[0]);
     if (count > 1 && !settings->output && !settings->info && !settings->no_image)
-        return iso_fail(error, ISO_ERR_USAGE, "%d inputs need --output TEMPLATE, such as '{model}.png'", count);
+        return iso_fail(error, ISO_ERR_USAGE, "%d inputs need --output TEMPLATE, such as '{model}.png'",
+                        count);
     settings->inputs = operands->values;
     settings->input_count = settings->scene ? 1 : count;
     return ISO_OK;
@@ -392,7 +411,8 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
     if (settings->no_image && !settings->points && !settings->mesh && !settings->json && !settings->info)
         return iso_fail(error, ISO_ERR_USAGE, "--no-image leaves nothing to do");
     if (settings->input_count > 1 && settings->json && !settings->json_path)
-        return iso_fail(error, ISO_ERR_USAGE, "--json of several inputs needs a template: --json='{model}.json'");
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--json of several inputs needs a template: --json='{model}.json'");
     return ISO_OK;
 }
 
@@ -414,8 +434,8 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
 
 static iso_status check_backend(const isorender_settings *settings, iso_error *error) {
     if (strcmp(settings->backend, "auto") == 0 || strcmp(settings->backend, "cpu") == 0) return ISO_OK;
-    return iso_fail(error, ISO_ERR_BACKEND, "backend '%s' is not built into this version (see --list-backends)",
-                    settings->backend);
+    return iso_fail(error, ISO_ERR_BACKEND,
+                    "backend '%s' is not built into this version (see --list-backends)", settings->backend);
 }
 
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
@@ -428,8 +448,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .up = {0, 0, 1},
                                      .zoom = 1,
                                      .view_angle = 30};
-    for (int i = 0; i < 3; i++)
-        settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
+    for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     ISO_TRY(iso_options_parse(isorender_program(), argc, argv, settings, operands, error));
     if (settings->help) return ISO_OK;
     ISO_TRY(check_backend(settings, error));

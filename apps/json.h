@@ -18,7 +18,7 @@ extern "C" {
 typedef struct iso_json {
     FILE *stream;
     int depth;
-    bool filled; /* the innermost object or array has a member already */
+    bool filled;  /* the innermost object or array has a member already */
     bool inlined; /* inside an array of numbers: kept on one line */
 } iso_json;
 

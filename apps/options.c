@@ -166,8 +166,7 @@ static iso_status store_int(const iso_option *option, const char *value, int *ou
 
 static iso_status store_real(const iso_option *option, const char *value, double *out, iso_error *error) {
     double number;
-    if (!iso_parse_real(value, &number))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a number", value);
+    if (!iso_parse_real(value, &number)) return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a number", value);
     if (!in_range(option, number))
         return iso_fail(error, ISO_ERR_USAGE, "%s is not in %g .. %g", value, option->low, option->high);
     *out = number;
@@ -195,8 +194,8 @@ static iso_status store_choice(const iso_option *option, const char *value, int 
             return ISO_OK;
         }
         if (used < sizeof known)
-            used +=
-                (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", option->choices[i]);
+            used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "",
+                                     option->choices[i]);
     }
     return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of %s", value, known);
 }

@@ -39,10 +39,10 @@ enum {
 };
 
 typedef struct iso_option {
-    const char *name;    /* without dashes */
-    const char *aliases; /* further names, separated by blanks; one letter means -x; NULL for none */
-    const char *value;   /* placeholder of the value; NULL for flags */
-    const char *help;    /* one sentence, no full stop */
+    const char *name;     /* without dashes */
+    const char *aliases;  /* further names, separated by blanks; one letter means -x; NULL for none */
+    const char *value;    /* placeholder of the value; NULL for flags */
+    const char *help;     /* one sentence, no full stop */
     const char *standard; /* the default as the help shows it, or NULL */
     iso_option_kind kind;
     unsigned flags;

@@ -31,7 +31,8 @@ static void write_form(const iso_option *option, char *text, size_t size) {
 }
 
 static void write_help(const iso_option *option, char *text, size_t size) {
-    snprintf(text, size, "%s%s%s%s%s", option->help, option->flags & ISO_OPTION_REPEATABLE ? "; repeatable" : "",
+    snprintf(text, size, "%s%s%s%s%s", option->help,
+             option->flags & ISO_OPTION_REPEATABLE ? "; repeatable" : "",
              option->standard ? " (default: " : "", option->standard ? option->standard : "",
              option->standard ? ")" : "");
 }
@@ -200,10 +201,12 @@ static void print_bash_choices(const iso_program *program, FILE *stream) {
 
 static void print_bash(const iso_program *program, FILE *stream) {
     fprintf(stream, "# bash completion for %s\n_%s() {\n", program->name, program->name);
-    fprintf(stream, "    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} words=\n");
+    fprintf(stream,
+            "    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} words=\n");
     fprintf(stream, "    case $previous in\n");
     print_bash_choices(program, stream);
-    fprintf(stream, "    esac\n    if [ -z \"$words\" ] && [ \"${current:0:1}\" = - ]; then\n        words=\"");
+    fprintf(stream,
+            "    esac\n    if [ -z \"$words\" ] && [ \"${current:0:1}\" = - ]; then\n        words=\"");
     for (size_t i = 0; i < program->option_count; i++)
         if (!(program->options[i].flags & ISO_OPTION_HIDDEN))
             fprintf(stream, "%s--%s", i ? " " : "", program->options[i].name);
