@@ -11,6 +11,10 @@
 #ifndef ISO_GRIDS_FORMAT_H
 #define ISO_GRIDS_FORMAT_H
 
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
 #include "grids/volume.h"
 
 #ifdef __cplusplus
@@ -88,6 +92,54 @@ typedef struct iso_scalar_source {
  * which is the scalar's stored type or float32, swapping bytes when `swap`. The data need not be aligned.
  * target == data is allowed when the scalar is `type` itself and components is 1. */
 void iso_scalar_convert(const iso_scalar_source *source, size_t count, iso_type type, void *target);
+
+/* Where a reader's voxels come from, in file order: fills exactly `bytes` bytes or fails. */
+typedef iso_status iso_format_fill(void *context, void *target, size_t bytes, iso_error *error);
+
+typedef struct iso_format_stream {
+    iso_format_fill *fill;
+    void *context;
+    iso_scalar scalar;
+    int components, component; /* interleaved ones */
+    bool swap;
+} iso_format_stream;
+
+/* Makes info's grid and fills it from the stream, reporting progress. */
+iso_status iso_format_read_stream(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                  const iso_format_stream *stream, iso_grid *grid, iso_error *error);
+
+/* Adds to read_bytes what iso_format_read_stream takes beside the grid. Needs dims and type. */
+void iso_format_stream_room(const iso_format_stream *stream, iso_volume_info *info);
+
+/* Arrays of numbers over the points or cells of an image (.vti, legacy .vtk). */
+typedef struct iso_format_array {
+    char name[ISO_VOLUME_TEXT];
+    iso_scalar scalar;
+    uint64_t components, tuples;
+    bool cells, active; /* active: the file calls them its scalars */
+} iso_format_array;
+
+typedef struct iso_format_image {
+    uint64_t points[3];
+    const iso_format_array *arrays;
+    int count;
+} iso_format_image;
+
+/* Chooses an array: opts->grid, else the active one, else the first; of points rather than of cells. Fills
+ * everything in info that follows from it; the transform must be set. Cells become voxels at their centres.
+ */
+iso_status iso_format_take_array(const char *path, const iso_volume_opts *opts, const iso_format_image *image,
+                                 iso_volume_info *info, int *chosen, iso_error *error);
+
+/* Parses `count` numbers from a text file into native values of `scalar` at target (clamped to its range).
+ * False when the file ends before, or something else stands there. */
+bool iso_format_read_numbers(FILE *file, iso_scalar scalar, size_t count, void *target);
+
+/* `name` as a header at `header` names it: relative to the header's folder. NULL without memory; free(). */
+char *iso_format_beside(const char *header, const char *name);
+
+/* Bytes of dims[0] * dims[1] * dims[2] * each; UINT64_MAX when that is more than 64 bits. */
+uint64_t iso_format_size(const int dims[3], uint64_t each);
 
 #ifdef __cplusplus
 }

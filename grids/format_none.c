@@ -6,10 +6,12 @@
 
 #define ISO_FORMAT_NONE(format, library) const iso_format iso_format_##format = {#format, library, NULL, NULL}
 
+#if !defined(ISO_HAVE_VTK) || !defined(ISO_HAVE_OPENVDB)
+#error "the build has to say which libraries it has"
+#endif
+
 #if !ISO_HAVE_VTK
 ISO_FORMAT_NONE(vti, "VTK");
-ISO_FORMAT_NONE(vtk, "VTK");
-ISO_FORMAT_NONE(metaimage, "VTK");
 #endif
 #if !ISO_HAVE_TEEM
 ISO_FORMAT_NONE(nrrd, "teem");

@@ -8,7 +8,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "base/memory.h"
 #include "grids/format.h"
 
 /* ---- the layout as text ---- */
@@ -93,59 +92,44 @@ static iso_scalar scalar_of(iso_type type) {
 
 /* Bytes that the file must have; UINT64_MAX when that is more than 64 bits can say. */
 static uint64_t wanted_bytes(const iso_volume_info *info, uint64_t offset) {
-    uint64_t bytes = iso_type_size(info->type) * (uint64_t)info->components;
-    for (int i = 0; i < 3; i++)
-        if (__builtin_mul_overflow(bytes, (uint64_t)info->dims[i], &bytes)) return UINT64_MAX;
+    uint64_t bytes = iso_format_size(info->dims, iso_type_size(info->type) * (uint64_t)info->components);
     return __builtin_add_overflow(bytes, offset, &bytes) ? UINT64_MAX : bytes;
+}
+
+typedef struct raw_file {
+    const char *path;
+    FILE *stream;
+} raw_file;
+
+static iso_status fill(void *context, void *target, size_t bytes, iso_error *error) {
+    raw_file *file = context;
+    if (fread(target, 1, bytes, file->stream) == bytes) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path,
+                    ferror(file->stream) ? strerror(errno) : "the file ends too early");
+}
+
+static iso_format_stream stream_of(const iso_volume_opts *opts, const iso_volume_info *info, raw_file *file) {
+    bool swap = opts->raw->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
+    return (iso_format_stream){fill, file, scalar_of(info->type), info->components, info->component, swap};
 }
 
 static iso_status raw_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                            iso_error *error) {
     const iso_raw_layout *raw = opts->raw;
-    for (int i = 0; i < 3; i++) info->dims[i] = raw->dims[i];
+    uint64_t dims[3];
+    for (int i = 0; i < 3; i++) dims[i] = raw->dims[i] < 0 ? 0 : (uint64_t)raw->dims[i];
+    ISO_TRY(iso_format_dims(path, dims, info, error));
     info->type = raw->type;
     snprintf(info->file_type, sizeof info->file_type, "%s", iso_type_name(raw->type));
     ISO_TRY(iso_format_component(path, opts, raw->components ? raw->components : 1, info, error));
-    uint64_t bytes = 0;
+    uint64_t bytes = 0, wanted = wanted_bytes(info, raw->offset);
     ISO_TRY(iso_format_file_bytes(path, &bytes, error));
-    for (int i = 0; i < 3; i++)
-        if (info->dims[i] < 1) return ISO_OK; /* volume.c words that */
-    uint64_t wanted = wanted_bytes(info, raw->offset);
     if (bytes > wanted)
         iso_volume_note(info, "%llu bytes after the last voxel are not used",
                         (unsigned long long)(bytes - wanted));
+    iso_format_stream stream = stream_of(opts, info, NULL);
+    iso_format_stream_room(&stream, info);
     return ISO_OK;
-}
-
-/* Slices of several components go through `slice`; of one component straight to their place. */
-static iso_status read_slice(FILE *file, const iso_volume_info *info, bool swap, void *slice, void *target) {
-    size_t count = (size_t)info->dims[0] * (size_t)info->dims[1];
-    size_t size = iso_type_size(info->type) * (size_t)info->components;
-    void *place = slice ? slice : target;
-    if (fread(place, size, count, file) != count) return ISO_ERR_IO;
-    iso_scalar_source source = {place, scalar_of(info->type), info->components, info->component, swap};
-    iso_scalar_convert(&source, count, info->type, target);
-    return ISO_OK;
-}
-
-static iso_status read_slices(const char *path, FILE *file, const iso_volume_opts *opts,
-                              const iso_volume_info *info, iso_rgrid *grid, iso_error *error) {
-    bool swap = opts->raw->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
-    size_t slice_bytes = (size_t)grid->stride_z * iso_type_size(info->type);
-    void *slice = NULL;
-    if (info->components > 1 && !(slice = iso_alloc(slice_bytes * (size_t)info->components)))
-        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
-    iso_status status = ISO_OK;
-    for (int z = 0; z < info->dims[2] && status == ISO_OK; z++) {
-        status = read_slice(file, info, swap, slice, (char *)grid->data + (size_t)z * slice_bytes);
-        if (status != ISO_OK)
-            iso_fail(error, status, "%s: cannot read: %s", path,
-                     ferror(file) ? strerror(errno) : "file ends");
-        else
-            status = iso_format_progress(path, opts, (z + 1.0) / info->dims[2], error);
-    }
-    iso_free(slice);
-    return status;
 }
 
 static iso_status raw_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
@@ -153,22 +137,15 @@ static iso_status raw_read(const char *path, const iso_volume_opts *opts, iso_vo
     uint64_t bytes = 0, wanted = wanted_bytes(info, opts->raw->offset);
     ISO_TRY(iso_format_file_bytes(path, &bytes, error));
     if (bytes < wanted) return iso_format_truncated(path, bytes, wanted, error);
-    FILE *file = fopen(path, "rb");
-    if (!file || fseeko(file, (off_t)opts->raw->offset, SEEK_SET) != 0) {
-        int code = errno;
-        if (file) fclose(file);
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(code));
-    }
-    iso_grid result = {0};
-    iso_status status = iso_format_create(path, info, NULL, &result, error);
-    if (status == ISO_OK) status = read_slices(path, file, opts, info, result.rgrid, error);
-    fclose(file);
-    if (status != ISO_OK) {
-        iso_grid_destroy(&result);
-        return status;
-    }
-    *grid = result;
-    return ISO_OK;
+    raw_file file = {path, fopen(path, "rb")};
+    if (!file.stream) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    iso_status status = ISO_OK;
+    if (fseeko(file.stream, (off_t)opts->raw->offset, SEEK_SET) != 0)
+        status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    iso_format_stream stream = stream_of(opts, info, &file);
+    if (status == ISO_OK) status = iso_format_read_stream(path, opts, info, &stream, grid, error);
+    fclose(file.stream);
+    return status;
 }
 
 const iso_format iso_format_raw = {"raw", "isopoint", raw_info, raw_read};

@@ -209,14 +209,6 @@ static iso_status check_spacing(const char *path, const iso_volume_opts *opts, i
     return ISO_OK;
 }
 
-/* Bytes of the dense grid; false when they do not fit 64 bits. */
-static bool dense_bytes(const iso_volume_info *info, uint64_t *bytes) {
-    *bytes = iso_type_size(info->type);
-    for (int i = 0; i < 3; i++)
-        if (__builtin_mul_overflow(*bytes, (uint64_t)info->dims[i], bytes)) return false;
-    return true;
-}
-
 static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                              iso_error *error) {
     uint64_t dims[3];
@@ -232,7 +224,8 @@ static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_
     if (!(info->scale > 0 && info->scale < HUGE_VAL && info->offset == info->offset))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: values cannot be scaled by %g and %g", path, info->scale,
                         info->offset);
-    if (info->bytes == 0 && !dense_bytes(info, &info->bytes))
+    if (info->bytes == 0) info->bytes = iso_format_size(info->dims, iso_type_size(info->type));
+    if (info->bytes == UINT64_MAX)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: %d x %d x %d voxels are more than any machine can hold",
                         path, info->dims[0], info->dims[1], info->dims[2]);
     if (info->read_bytes < info->bytes) info->read_bytes = info->bytes;
