@@ -15,8 +15,17 @@ static void write_header(FILE *stream, size_t count, const char *comment) {
     fputs("end_header\n", stream);
 }
 
+/* Normals are written as they are when the transform does not turn them: making them unit once more may move
+ * their last bit, and points that were read must be written back the same. */
+static bool keeps_normals(const iso_affine *affine) {
+    for (int i = 0; i < 9; i++)
+        if (affine->m[i] != (i % 4 == 0)) return false;
+    return true;
+}
+
 static void write_span(FILE *stream, const iso_point_view *view, const iso_affine *affine,
                        const iso_point_span *span) {
+    bool keep = keeps_normals(affine);
     for (uint32_t i = 0; i < span->count; i++) {
         iso_surfel surfel = iso_point_view_get(view, span->first + i);
         const float *p = surfel.position, *n = surfel.normal;
@@ -25,7 +34,8 @@ static void write_span(FILE *stream, const iso_point_view *view, const iso_affin
                           span->brick[2] * (double)ISO_BRICK + p[2]};
         unsigned char bytes[BYTES_PER_POINT];
         unsigned char *end = iso_encode_vec3(bytes, iso_affine_point(affine, index));
-        end = iso_encode_vec3(end, iso_affine_normal(affine, iso_vec3_make(n[0], n[1], n[2])));
+        iso_vec3 normal = iso_vec3_make(n[0], n[1], n[2]);
+        end = iso_encode_vec3(end, keep ? normal : iso_affine_normal(affine, normal));
         iso_encode_float(end, view->radii ? view->radii[span->first + i] : (float)view->radius);
         fwrite(bytes, sizeof bytes, 1, stream);
     }
