@@ -119,6 +119,9 @@ iso_status isorender_plan_frame(const isorender_plan *plan, int frame, char **pa
 
 static iso_status check_writable(const char *path, iso_error *error) {
     if (!path || strcmp(path, "-") == 0) return ISO_OK;
+    struct stat info;
+    /* A pipe that is opened and closed has ended for its reader. */
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode)) return ISO_OK;
     iso_sink sink = {0};
     ISO_TRY(iso_sink_open(path, &sink, error));
     iso_sink_abort(&sink);
