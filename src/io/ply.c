@@ -71,8 +71,9 @@ static iso_status read_text_value(iso_ply *ply, double *value, iso_error *error)
     token[length] = 0;
     char *end;
     *value = strtod(token, &end);
-    if (*end) return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: \"%s\" is not a number", ply->path, token);
-    return ISO_OK;
+    if (!*end) return ISO_OK;
+    if (byte < 0) return fail_end(ply, error); /* a number cut short */
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: \"%s\" is not a number", ply->path, token);
 }
 
 static double to_signed(uint64_t bits, uint64_t sign) {

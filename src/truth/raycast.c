@@ -210,7 +210,7 @@ static double refine(const cell_segment *segment, const double cubic[4], double 
             high = s;
         double next = s - value / (cubic[1] + s * (2 * cubic[2] + s * 3 * cubic[3]));
         if (fabs(next - s) < tolerance && next >= low && next <= high) return next;
-        s = next > low && next < high && step % 4 != 3 ? next : 0.5 * (low + high);
+        s = next >= low && next <= high && step % 4 != 3 ? next : 0.5 * (low + high);
     }
     return 0.5 * (low + high);
 }
@@ -247,9 +247,11 @@ static double clamp_unit(double x) {
     return x < 0 ? 0 : x > 1 ? 1 : x;
 }
 
-/* Narrows [*t0, inf) to the volume and puts the walk into its first cell. */
+/* Narrows [t0, inf) to the volume and puts the walk into its first cell. A ray that comes in through a face
+ * starts on it exactly, so that a surface in the outermost plane of voxels is seen. */
 static bool enter_volume(grid_walk *walk, const int dims[3], double t0) {
     double t1 = DBL_MAX;
+    int face = -1;
     for (int axis = 0; axis < 3; axis++) {
         double origin = walk->origin[axis], last = dims[axis] - 1;
         if (last < 1) return false; /* one voxel thick: no cells */
@@ -257,14 +259,18 @@ static bool enter_volume(grid_walk *walk, const int dims[3], double t0) {
             if (origin < 0 || origin > last) return false;
             continue;
         }
-        double near = (0 - origin) * walk->inverse[axis], far = (last - origin) * walk->inverse[axis];
-        t0 = fmax(t0, fmin(near, far));
-        t1 = fmin(t1, fmax(near, far));
+        double first = (0 - origin) * walk->inverse[axis], second = (last - origin) * walk->inverse[axis];
+        if (fmin(first, second) > t0) {
+            t0 = fmin(first, second);
+            face = axis;
+        }
+        t1 = fmin(t1, fmax(first, second));
     }
     if (!(t0 <= t1)) return false;
     walk->t = t0;
     for (int axis = 0; axis < 3; axis++) {
         double p = walk->origin[axis] + t0 * walk->direction[axis];
+        if (axis == face) p = walk->direction[axis] > 0 ? 0 : dims[axis] - 1;
         double cell = fmin(fmax(floor(p), 0), dims[axis] - 2);
         walk->cell[axis] = (int)cell;
         walk->local[axis] = clamp_unit(p - cell);
