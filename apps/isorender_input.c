@@ -206,9 +206,9 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     const char *input = job->plan->input;
     job->scene_isovalue = NAN;
     job->path = input;
-    ISO_TRY(check_picture(job, error));
     if (strncmp(input, "scene:", 6) == 0) {
         ISO_TRY(make_scene(job, error));
+        ISO_TRY(check_picture(job, error));
         return check_crop(job, job->volume.info.dims, error);
     }
     if (strcmp(input, "-") == 0) {
@@ -216,9 +216,14 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
         job->path = job->copy;
     }
     job->from_points = !job->settings->has_raw && is_ply(job->path);
-    if (job->from_points) return check_points_only(job->settings, error);
+    if (job->from_points) {
+        ISO_TRY(check_picture(job, error));
+        return check_points_only(job->settings, error);
+    }
     iso_volume_opts opts = volume_opts(job);
     ISO_TRY(iso_volume_read_info(job->path, &opts, &job->volume.info, error));
+    /* A volume that is too large is what the user should hear of first: iso_volume_read says it. */
+    if (job->volume.info.read_bytes <= memory_limit(job->settings)) ISO_TRY(check_picture(job, error));
     return check_crop(job, job->volume.info.dims, error);
 }
 

@@ -140,25 +140,58 @@ static iso_box to_local(const isorender_job *job, const iso_box *index) {
     return iso_box_transform(index, &affine);
 }
 
-static void measure(isorender_job *job) {
-    iso_box index = iso_box_empty();
-    for (int i = 0; i < job->surface_count; i++) {
-        const isorender_surface *surface = &job->surfaces[i];
-        if (surface->points || job->from_points) {
-            iso_point_view view = isorender_points_view(job, i);
-            iso_box box = iso_point_view_bounds(&view);
-            add_box(&index, &box);
-        } else {
-            iso_mesh_view view = iso_mesh_set_view(surface->mesh);
-            iso_box box = iso_mesh_view_bounds(&view);
-            add_box(&index, &box);
+static iso_vec3 index_position(const int32_t brick[3], const float position[3]) {
+    return iso_vec3_make(brick[0] * (double)ISO_BRICK + position[0],
+                         brick[1] * (double)ISO_BRICK + position[1],
+                         brick[2] * (double)ISO_BRICK + position[2]);
+}
+
+/* Under an oblique direction the box around the turned box would be too large, and the picture too small. */
+static void add_points_world(iso_box *box, const iso_point_view *view, const iso_affine *affine) {
+    for (size_t s = 0; s < view->span_count; s++)
+        for (uint32_t i = 0; i < view->spans[s].count; i++) {
+            iso_surfel surfel = iso_point_view_get(view, view->spans[s].first + i);
+            iso_box_add(box, iso_affine_point(affine, index_position(view->spans[s].brick, surfel.position)));
         }
-    }
-    job->bounds_local = to_local(job, &index);
+}
+
+static void add_mesh_world(iso_box *box, const iso_mesh_view *view, const iso_affine *affine) {
+    for (size_t s = 0; s < view->span_count; s++)
+        for (uint32_t i = 0; i < view->spans[s].own_count; i++) {
+            const iso_surfel *vertex = &view->vertices[view->spans[s].first_vertex + i];
+            iso_box_add(box,
+                        iso_affine_point(affine, index_position(view->spans[s].brick, vertex->position)));
+        }
+}
+
+static bool is_oblique(const iso_transform *transform) {
+    int zeros = 0;
+    for (int i = 0; i < 9; i++) zeros += transform->direction[i] == 0;
+    return zeros < 6;
+}
+
+static void measure(isorender_job *job) {
     iso_transform transform =
         job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->volume.grid);
     iso_affine affine = iso_transform_affine(&transform);
-    job->bounds_world = iso_box_transform(&index, &affine);
+    bool oblique = is_oblique(&transform);
+    iso_box index = iso_box_empty(), world = iso_box_empty();
+    for (int i = 0; i < job->surface_count; i++) {
+        const isorender_surface *surface = &job->surfaces[i];
+        iso_box box;
+        if (surface->points || job->from_points) {
+            iso_point_view view = isorender_points_view(job, i);
+            box = iso_point_view_bounds(&view);
+            if (oblique) add_points_world(&world, &view, &affine);
+        } else {
+            iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+            box = iso_mesh_view_bounds(&view);
+            if (oblique) add_mesh_world(&world, &view, &affine);
+        }
+        add_box(&index, &box);
+    }
+    job->bounds_local = to_local(job, &index);
+    job->bounds_world = oblique ? world : iso_box_transform(&index, &affine);
 }
 
 iso_status isorender_extract(isorender_job *job, iso_error *error) {
