@@ -13,6 +13,7 @@ static int fail(const iso_error *error, iso_status status) {
 
 /* Help and lists are outputs like any other: a full disk is noticed. */
 static int finish_stdout(int status) {
+    if (status) return status;
     errno = 0;
     if (fflush(stdout) == 0 && !ferror(stdout)) return status;
     fprintf(stderr, "isorender: standard output: cannot write: %s\n", strerror(errno ? errno : EIO));

@@ -4,7 +4,7 @@
 # CASE.stderr.glob say what is expected. Inputs that a case makes go to in/: after a failure nothing else may be
 # there, and whatever happens nothing may be left in TMPDIR. Status 77 of a case means that it was skipped.
 set -u
-programs=$1
+programs=$(cd "$1" && pwd)
 case=$2
 here=$(cd "$(dirname "$0")" && pwd)
 base=$here/$(basename "$case" .sh)
