@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-static const float AMBIENT = 0.16f, KEY = 0.66f, FILL = 0.26f, SPECULAR = 0.16f;
-/* Directions to the lights, unit, view space (y down): from above left, 40 degrees off the axis; the eye. */
+static const float AMBIENT = 0.16f, KEY = 0.58f, FILL = 0.34f, SPECULAR = 0.16f;
+/* Directions to the lights, unit, view space (y down): from above left, 41 degrees off the axis; the eye. */
 static const float KEY_LIGHT[3] = {-0.40f, -0.52f, -0.7547185f};
 static const float FILL_LIGHT[3] = {0, 0, -1};
 
