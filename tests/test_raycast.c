@@ -444,9 +444,9 @@ static double wall_field(int x, int y, int z, void *context) {
  * is minus the ray. */
 static void a_wall_in_a_voxel_plane_has_no_holes(void **state) {
     (void)state;
-    enum { N = 20, SAMPLES = 2 * N - 1 };
+    enum { N = 40, SAMPLES = 2 * N - 1 }; /* most bricks are skipped */
     for (int round = 0; round < 12; round++) {
-        test_wall w = {round % 3, 5 + 11 * (round % 2), round >= 6};
+        test_wall w = {round % 3, 5 + 31 * (round % 2), round >= 6};
         bool up = round / 3 % 2;
         iso_transform identity = iso_transform_identity();
         iso_grid grid = make_rgrid(N, N, N, ISO_UINT8, &identity);
@@ -465,6 +465,32 @@ static void a_wall_in_a_voxel_plane_has_no_holes(void **state) {
         iso_gbuffer_free(&gbuffer);
         iso_grid_destroy(&grid);
     }
+}
+
+/* A surface in the outermost plane of voxels is seen by every ray that comes in through it. */
+static void a_wall_in_the_border_is_seen(void **state) {
+    (void)state;
+    uint32_t seed = 71;
+    size_t through = 0;
+    for (int round = 0; round < 36; round++) {
+        test_wall w = {round % 3, round / 3 % 2 * 18, true};
+        iso_transform transform = make_transform(round / 6 % TRANSFORMS);
+        iso_grid grid = make_rgrid(19, 19, 19, ISO_UINT8, &transform);
+        fill_rgrid(&grid, wall_field, &w);
+        iso_view view = make_view(&grid, round / 18 ? PERSPECTIVE : ORTHOGRAPHIC, 30, &seed);
+        iso_gbuffer gbuffer = cast(&grid, 1, &view, NULL);
+        for (int i = 0; i < 900; i++) {
+            index_ray ray = make_ray(&grid, &view, i % 30, i / 30);
+            iso_vec3 p = iso_vec3_add(ray.origin, iso_vec3_scale(ray.direction, ray.from));
+            double at = w.axis == 0 ? p.x : w.axis == 1 ? p.y : p.z;
+            if (!(ray.to - ray.from > 1e-6) || fabs(at - w.plane) > 1e-9) continue;
+            through++;
+            assert_true(gbuffer.depth[i] == (float)ray.from);
+        }
+        iso_gbuffer_free(&gbuffer);
+        iso_grid_destroy(&grid);
+    }
+    assert_true(through > 2000);
 }
 
 /* Rays along diagonals through voxels, edges and faces, and a fan of rays from a voxel: dense sampling
@@ -502,24 +528,35 @@ static void rays_through_edges_and_corners_do_not_leak(void **state) {
 
 /* ---- extraction sees the same corners */
 
-static double physical_field(int x, int y, int z, void *context) {
+static double ties_field(int x, int y, int z, void *context) {
     (void)x, (void)y, (void)z;
-    return floor(200 * uniform(context)) - 100;
+    return 55 + floor(4 * uniform(context));
 }
 
-/* Along lines of voxels the first hit is the first vertex of the mesh, for isovalues that are voxel
- * values after rescaling and others. */
+/* 0.7f is below 0.7, 0.1f above 0.1. */
+static double floats_field(int x, int y, int z, void *context) {
+    static const float values[] = {0.7f, 0.9f, 0.1f, 0.05f};
+    (void)x, (void)y, (void)z;
+    return (double)values[(int)(4 * uniform(context))];
+}
+
+/* Along lines of voxels the first hit is the first vertex of the mesh, for isovalues that are voxel values
+ * after rescaling (up to rounding), between two floats, and others. */
 static void hits_on_edges_are_mesh_vertices(void **state) {
     (void)state;
     enum { N = 22 };
+    static const double scales[] = {0.1, 0.3, 0.7, 1e-3}, floats[] = {0.7, 0.1};
     uint32_t seed = 31;
-    for (int round = 0; round < 4; round++) {
+    for (int round = 0; round < 14; round++) {
         iso_transform identity = iso_transform_identity();
-        iso_grid grid = make_rgrid(N, N, N, ISO_INT16, &identity);
-        grid.rgrid->scale = 0.1;
-        grid.rgrid->offset = -1.7;
-        fill_rgrid(&grid, physical_field, &seed);
-        double isovalue = 57 * 0.1 - 1.7 + (round % 2 ? 0.033 : 0);
+        bool is_float = round >= 12;
+        iso_grid grid = make_rgrid(N, N, N, is_float ? ISO_FLOAT32 : ISO_INT16, &identity);
+        if (!is_float) {
+            grid.rgrid->scale = scales[round % 4];
+            grid.rgrid->offset = -1.7;
+        }
+        fill_rgrid(&grid, is_float ? floats_field : ties_field, &seed);
+        double isovalue = is_float ? floats[round % 2] : (56 + round / 4 * 0.5) * scales[round % 4] - 1.7;
         iso_mesh_opts opts = {.isovalue = isovalue};
         iso_mesh_set *set;
         iso_error error = {0};
@@ -752,6 +789,7 @@ int main(void) {
         cmocka_unit_test(a_sphere_is_a_sphere),
         cmocka_unit_test(depth_is_exact_to_a_float),
         cmocka_unit_test(a_wall_in_a_voxel_plane_has_no_holes),
+        cmocka_unit_test(a_wall_in_the_border_is_seen),
         cmocka_unit_test(rays_through_edges_and_corners_do_not_leak),
         cmocka_unit_test(hits_on_edges_are_mesh_vertices),
         cmocka_unit_test(an_hgrid_looks_like_its_dense_twin),

@@ -41,7 +41,6 @@ static int next_byte(iso_ply *ply) {
 }
 
 static iso_status skip_bytes(iso_ply *ply, uint64_t bytes, iso_error *error) {
-    if (bytes > ply->remaining) return iso_fail(error, ISO_ERR_IO, "%s: truncated", ply->path);
     while (bytes > 0) {
         if (!fill(ply, 1)) return fail_end(ply, error);
         size_t have = ply->end - ply->place, step = bytes < have ? (size_t)bytes : have;
