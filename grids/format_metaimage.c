@@ -51,8 +51,9 @@ static void trim(char **text) {
 static int parse_numbers(const char *text, int count, double *numbers) {
     for (int i = 0; i < count; i++) {
         char *end;
-        numbers[i] = strtod(text, &end);
+        double number = strtod(text, &end);
         if (end == text) return i;
+        numbers[i] = number;
         text = end;
     }
     return count;
