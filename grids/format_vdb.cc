@@ -46,6 +46,8 @@ class archive : public openvdb::io::Archive {
     void load(vdb_grid &entry, bool topology);
 
   private:
+    /* The stream keeps a pointer to this pointer. */
+    openvdb::io::StreamMetadata::Ptr metadata_{new openvdb::io::StreamMetadata};
     std::ifstream stream_;
     std::streamoff size_ = 0;
     void check_magic();
@@ -66,8 +68,7 @@ archive::archive(const char *path) {
     setFormatVersion(stream_);
     setLibraryVersion(stream_);
     setDataCompression(stream_);
-    openvdb::io::StreamMetadata::Ptr metadata(new openvdb::io::StreamMetadata);
-    openvdb::io::setStreamMetadataPtr(stream_, metadata, /*transfer=*/false);
+    openvdb::io::setStreamMetadataPtr(stream_, metadata_, /*transfer=*/false);
     openvdb::MetaMap().readMeta(stream_);
     for (int32_t count = readGridCount(stream_); count > 0; count--) read_descriptor();
 }
@@ -98,8 +99,8 @@ void archive::read_descriptor() {
     const std::streamoff here = stream_.tellg(), grid = entry.descriptor.getGridPos();
     const std::streamoff blocks = entry.descriptor.getBlockPos(), end = entry.descriptor.getEndPos();
     if (end > size_) throw std::ios_base::failure("ends early");
-    if (grid < here || blocks < grid || end < blocks)
-        OPENVDB_THROW(openvdb::IoError, "grid offsets are wrong");
+    const bool ordered = entry.descriptor.isInstance() || (grid <= blocks && blocks <= end);
+    if (grid < here || end < grid || !ordered) OPENVDB_THROW(openvdb::IoError, "grid offsets are wrong");
     read_header_of(entry);
     grids.push_back(entry);
     stream_.seekg(end);
@@ -342,6 +343,11 @@ iso_status fill_size(const char *path, const vdb_grid &entry, const extent &know
     if (known.voxels == 0 || !box_dims(known.box, dims))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: grid \"%s\" has no active voxels", path,
                         entry.name().c_str());
+    const int farthest = 1 << 30; /* so that coordinates a few cells away cannot overflow */
+    for (int i = 0; i < 3; i++)
+        if (known.box.min()[i] < -farthest || known.box.max()[i] > farthest)
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: grid \"%s\" has voxels farther out than 2^30", path,
+                            entry.name().c_str());
     ISO_TRY(iso_format_dims(path, dims, info, error));
     ISO_TRY(fill_transform(path, entry, known.box.min(), &info->transform, error));
     info->level_set = is_level_set(*entry.grid);
