@@ -1,8 +1,5 @@
-/* fuzz: any bytes into the PLY reader. What it accepts must be usable, and come back the same when written.
- *
- *   clang -g -fsanitize=fuzzer,address,undefined -I. -Isrc tests/fuzz_ply.c src/io/[ep]*.c src/base/[a-z]*.c
- *
- * or with fuzz_replay.c over a corpus. */
+/* fuzz: any bytes as a PLY file of points. What the reader accepts must be usable and come back the same when
+ * it is written and read again; what it refuses must be refused in one line that names the file. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stddef.h>
