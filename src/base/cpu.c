@@ -18,7 +18,7 @@ iso_cpu_level iso_cpu_supported(void) {
     if (!v3) return ISO_CPU_GENERIC;
     bool v4 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
               __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
-              __builtin_cpu_supports("avx512vl");
+              __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vbmi2");
     return v4 ? ISO_CPU_AVX512 : ISO_CPU_AVX2;
 #else
     return ISO_CPU_GENERIC;

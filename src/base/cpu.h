@@ -14,7 +14,7 @@ extern "C" {
 typedef enum iso_cpu_level {
     ISO_CPU_GENERIC, /* plain C */
     ISO_CPU_AVX2,    /* x86-64-v3: AVX2, BMI1, BMI2, POPCNT */
-    ISO_CPU_AVX512,  /* x86-64-v4: AVX-512 F, BW, CD, DQ, VL */
+    ISO_CPU_AVX512,  /* AVX-512 F, BW, CD, DQ, VL and VBMI2: Ice Lake, Zen 4 and later */
     ISO_CPU_LEVELS
 } iso_cpu_level;
 
@@ -34,12 +34,12 @@ const char *iso_cpu_level_name(iso_cpu_level level);
 #define ISO_TARGET_AVX2 __attribute__((target("avx2,bmi,bmi2,popcnt")))
 #ifdef __clang__
 #define ISO_TARGET_AVX512                                                                                    \
-    __attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,bmi,bmi2,popcnt"),               \
+    __attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi2,avx2,bmi,bmi2,popcnt"),   \
                    min_vector_width(512)))
 #else
 #define ISO_TARGET_AVX512                                                                                    \
-    __attribute__((                                                                                          \
-        target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,bmi,bmi2,popcnt,prefer-vector-width=512")))
+    __attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi2,avx2,bmi,bmi2,popcnt,"    \
+                          "prefer-vector-width=512")))
 #endif
 #else
 #define ISO_HAVE_X86 0

@@ -8,13 +8,12 @@
 #include <immintrin.h>
 #endif
 
-enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 16 };
+enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64 };
 
 /* Points of one axis on their way through fill. Arrays are padded so that whole vectors can be computed. */
 typedef struct iso_edge_batch {
     int count;
-    uint16_t voxel[ISO_EDGE_BATCH_MAX];   /* z << 10 | y << 6 | x in the block */
-    ptrdiff_t offset[ISO_EDGE_BATCH_MAX]; /* elements from the block's first voxel */
+    uint8_t x[ISO_EDGE_BATCH_MAX], row[ISO_EDGE_BATCH_MAX]; /* voxel in the block; row = z << 4 | y */
     float weight[4][ISO_EDGE_BATCH_MAX]; /* of differences along the edge at its two ends, x (or y), the third
                                             axis */
     float t[ISO_EDGE_BATCH_MAX];
@@ -61,10 +60,10 @@ typedef struct iso_edge_stencil {
     float weight[4]; /* 1/2, or 1 for a one-sided difference: along the edge at either end, then across */
 } iso_edge_stencil;
 
-static void iso_edge_border_stencil(const iso_edge_source *source, const iso_edge_block *block, int voxel,
-                                    int axis, iso_edge_stencil *stencil) {
-    const int lower[3] = {block->origin[0] + (voxel & 63), block->origin[1] + (voxel >> 6 & 15),
-                          block->origin[2] + (voxel >> 10)};
+static void iso_edge_border_stencil(const iso_edge_source *source, const iso_edge_block *block,
+                                    const int voxel[3], int axis, iso_edge_stencil *stencil) {
+    const int *origin = block->origin;
+    const int lower[3] = {origin[0] + voxel[0], origin[1] + voxel[1], origin[2] + voxel[2]};
     int across = 2;
     for (int end = 0; end < 2; end++) {
         int at[3] = {lower[0], lower[1], lower[2]};
@@ -86,45 +85,37 @@ static void iso_edge_border_stencil(const iso_edge_source *source, const iso_edg
     }
 }
 
-/* Turns list words from `entry` on into voxels until the batch is full; returns the first word not taken. */
-static inline int iso_edge_expand(const iso_edge_list *list, int entry, const iso_edge_source *source,
-                                  iso_edge_batch *batch) {
-    int n = 0;
-    for (; entry < list->count; entry++) {
-        uint64_t mask = list->mask[entry];
-        int row = list->row[entry], end = n + __builtin_popcountll(mask);
-        if (end > ISO_EDGE_BATCH) break;
-        ptrdiff_t offset = (row & 15) * source->stride_y + (row >> 4) * source->stride_z;
-        for (; n < end; n += 4) /* four at a time: most words have few bits, one branch decides */
-            for (int k = 0; k < 4; k++) {
-                int x = __builtin_ctzll(mask | (uint64_t)1 << 63);
-                mask &= mask - 1;
-                batch->voxel[n + k] = (uint16_t)(row << 6 | x);
-                batch->offset[n + k] = offset + x;
-            }
-        n = end;
-    }
-    batch->count = n;
-    return entry;
-}
-
 /* Moves a batch to the bricks' places; lanes: four 16-bit counts of points that are already there. */
 __attribute__((always_inline)) static inline uint64_t
 iso_edge_scatter(const iso_edge_batch *batch, const iso_edge_output *output, uint64_t lanes) {
     if (output->packed[0]) {
         for (int i = 0; i < batch->count; i++) {
-            int brick = batch->voxel[i] >> 4 & 3;
+            int brick = batch->x[i] >> 4;
             output->packed[brick][lanes >> (16 * brick) & 0xffff] = batch->packed[i];
             lanes += (uint64_t)1 << (16 * brick);
         }
     } else {
         for (int i = 0; i < batch->count; i++) {
-            int brick = batch->voxel[i] >> 4 & 3;
+            int brick = batch->x[i] >> 4;
             output->surfels[brick][lanes >> (16 * brick) & 0xffff] = batch->surfels[i];
             lanes += (uint64_t)1 << (16 * brick);
         }
     }
     return lanes;
+}
+
+/* The steps of fill are opaque calls. gcc 12 deletes or reorders their stores when it analyses them together
+ * (the fetched neighbours were then stale), and a call for some hundred points costs nothing. */
+#ifdef __clang__
+#define ISO_STEP __attribute__((noinline))
+#else
+#define ISO_STEP __attribute__((noipa))
+#endif
+#define ISO_INLINE __attribute__((always_inline)) static inline
+
+void iso_edge_source_prepare(iso_edge_source *source) {
+    for (int row = 0; row < ISO_EDGE_ROWS; row++)
+        source->row_offset[row] = (row & 15) * source->stride_y + (row >> 4) * source->stride_z;
 }
 
 #include "extract/edge_kernel_variants.inc"

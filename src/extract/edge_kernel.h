@@ -33,8 +33,12 @@ typedef struct iso_edge_source {
     ptrdiff_t stride_y, stride_z; /* elements */
     int dims[3];
     float isovalue;
-    bool level_set; /* normals point to higher values */
+    bool level_set;                      /* normals point to higher values */
+    ptrdiff_t row_offset[ISO_EDGE_ROWS]; /* set by iso_edge_source_prepare */
 } iso_edge_source;
+
+/* Sets row_offset; the other fields are the caller's. */
+void iso_edge_source_prepare(iso_edge_source *source);
 
 /* The non-empty words of one axis: bit x of mask is an edge at voxel x of row (z * 16 + y) of the block. */
 typedef struct iso_edge_list {
