@@ -52,7 +52,7 @@ typedef struct iso_rgrid_desc {
 } iso_rgrid_desc;
 
 /* ISO_ERR_FORMAT when a dimension is < 1 or the size overflows, scale is negative or the transform is
- * singular; ISO_ERR_NOMEM. */
+ * singular; ISO_ERR_LIMIT above 2^32 bricks of 16^3; ISO_ERR_NOMEM. */
 iso_status iso_rgrid_create(const iso_rgrid_desc *desc, iso_rgrid **grid, iso_error *error);
 void iso_rgrid_destroy(iso_rgrid *grid);
 
@@ -60,7 +60,7 @@ void iso_rgrid_destroy(iso_rgrid *grid);
  * is and the change log starts anew. ISO_ERR_USAGE when the range is empty or outside. */
 iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
-/* Starts an edit and records voxels lo..hi as changed. */
+/* Starts an edit and records voxels lo..hi (clipped to the grid) as changed. */
 iso_status iso_rgrid_touch(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
 /* The stored value that corresponds to a physical one. */

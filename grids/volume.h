@@ -1,10 +1,12 @@
 /* volume: any volume file into a grid. The header is read first, so that its size is known before memory is
  * taken.
  *
- *   .vti, legacy .vtk           VTK                       .nrrd .nhdr            teem
- *   .mha .mhd                   VTK's MetaIO              .nii .nii.gz .hdr/.img libnifti2
- *   DICOM (a folder or a file)  GDCM                      .vdb                   OpenVDB
- *   raw                         iso_raw_layout
+ *   .vti                        VTK                       .nrrd .nhdr            teem
+ *   DICOM (a folder or a file)  GDCM                      .nii .nii.gz .hdr/.img libnifti2
+ *   .vdb                        OpenVDB                   legacy .vtk            our own
+ *   raw                         our own, iso_raw_layout   .mha .mhd              our own
+ *
+ * What a file is follows from its content, and from its name where the content does not tell.
  *
  * Spacing, origin, direction and handedness are honoured; RAS files (NIfTI, some NRRD) are turned to LPS.
  * NIfTI slope and DICOM rescale become the grid's scale and offset. .vdb level sets with a uniform transform
@@ -43,8 +45,9 @@ typedef int iso_progress_fn(void *context, double fraction);
 
 /* All zero means the default. Strings are borrowed for the call. */
 typedef struct iso_volume_opts {
-    const char
-        *grid; /* .vdb: the grid's name; NULL: the only one, or the first level set, or the first scalar */
+    /* The .vdb grid's name, NULL: the only one, or the first level set, or the first scalar one. The .vti or
+     * .vtk array's name, NULL: the active scalars, or the first array. */
+    const char *grid;
     const char
         *series;   /* DICOM: series instance UID, or its number (from 1) as listed by iso_volume_read_info */
     int component; /* which of several components, from 0 */
@@ -73,7 +76,7 @@ typedef struct iso_volume_info {
     bool sparse;          /* becomes an hgrid */
     uint64_t bytes;       /* that the grid will take (estimated for sparse ones) */
     uint64_t read_bytes;  /* most that reading takes at one time, the grid included */
-    int item_count;       /* grids in a .vdb, series in a folder */
+    int item_count;       /* grids in a .vdb, arrays in a .vti or .vtk, series in a folder */
     char items[ISO_VOLUME_ITEMS][ISO_VOLUME_TEXT]; /* one line each, the chosen one's name first in `name` */
     int note_count; /* warnings to print: a missing slice, a chosen component, ... */
     char notes[ISO_VOLUME_NOTES][ISO_VOLUME_TEXT];

@@ -1,0 +1,319 @@
+#define _GNU_SOURCE
+#include "grids/volume.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "base/memory.h"
+#include "grids/format.h"
+
+/* ---- which format ---- */
+
+static const struct {
+    const char *suffix;
+    const iso_format *format;
+} suffixes[] = {
+    {".vti", &iso_format_vti},   {".vtk", &iso_format_vtk},       {".nrrd", &iso_format_nrrd},
+    {".nhdr", &iso_format_nrrd}, {".mha", &iso_format_metaimage}, {".mhd", &iso_format_metaimage},
+    {".nii", &iso_format_nifti}, {".nii.gz", &iso_format_nifti},  {".hdr", &iso_format_nifti},
+    {".img", &iso_format_nifti}, {".hdr.gz", &iso_format_nifti},  {".img.gz", &iso_format_nifti},
+    {".dcm", &iso_format_dicom}, {".dicom", &iso_format_dicom},   {".ima", &iso_format_dicom},
+    {".vdb", &iso_format_vdb},
+};
+
+static bool ends_with(const char *text, const char *suffix) {
+    size_t length = strlen(text), tail = strlen(suffix);
+    return length > tail && strcasecmp(text + length - tail, suffix) == 0;
+}
+
+static const iso_format *format_of_name(const char *path) {
+    for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++)
+        if (ends_with(path, suffixes[i].suffix)) return suffixes[i].format;
+    return NULL;
+}
+
+/* The beginning of a file: long enough for every magic number below. */
+typedef struct head {
+    char bytes[1024];
+    size_t count;
+} head;
+
+static bool has_at(const head *h, size_t offset, const void *magic, size_t length) {
+    return h->count >= offset + length && memcmp(h->bytes + offset, magic, length) == 0;
+}
+
+/* A NIfTI or ANALYZE header begins with its own size, in either byte order. */
+static bool is_nifti(const head *h) {
+    static const char sizes[4][4] = {
+        {0x5c, 1, 0, 0}, {0, 0, 1, 0x5c}, {0x1c, 2, 0, 0}, {0, 0, 2, 0x1c} /* 348 and 540 */
+    };
+    for (int i = 0; i < 4; i++)
+        if (has_at(h, 0, sizes[i], 4)) return true;
+    return false;
+}
+
+/* MetaIO has no magic number: a text of "Key = value" lines that must hold NDims. */
+static bool is_metaimage(const head *h) {
+    char text[sizeof h->bytes + 1];
+    memcpy(text, h->bytes, h->count);
+    text[h->count] = 0;
+    if (strlen(text) < h->count && !strstr(text, "ElementDataFile")) return false;
+    if (strncmp(text, "ObjectType", 10) == 0) return strchr(text, '=') != NULL;
+    for (const char *at = text; (at = strstr(at, "NDims")); at += 5)
+        if ((at == text || at[-1] == '\n') && at[5 + strspn(at + 5, " \t")] == '=') return true;
+    return false;
+}
+
+static bool is_xml_vtk(const head *h) {
+    return memmem(h->bytes, h->count, "<VTKFile", 8) != NULL;
+}
+
+/* What the content says outweighs the name. */
+static const iso_format *format_of_content(const head *h) {
+    if (has_at(h, 0, "NRRD", 4)) return &iso_format_nrrd;
+    if (has_at(h, 0, "# vtk DataFile", 14)) return &iso_format_vtk;
+    if (has_at(h, 0, " BDV\0\0\0\0", 8)) return &iso_format_vdb;
+    if (has_at(h, 128, "DICM", 4)) return &iso_format_dicom;
+    if (is_nifti(h) || has_at(h, 0, "\x1f\x8b", 2)) return &iso_format_nifti;
+    if (is_xml_vtk(h)) return &iso_format_vti;
+    return is_metaimage(h) ? &iso_format_metaimage : NULL;
+}
+
+static iso_status read_head(const char *path, head *h, iso_error *error) {
+    FILE *file = fopen(path, "rb");
+    if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    h->count = fread(h->bytes, 1, sizeof h->bytes, file);
+    int failed = ferror(file), code = errno;
+    fclose(file);
+    if (failed) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(code));
+    if (h->count == 0) return iso_fail(error, ISO_ERR_IO, "%s: the file is empty", path);
+    return ISO_OK;
+}
+
+static iso_status find_format(const char *path, const iso_volume_opts *opts, const iso_format **format,
+                              iso_error *error) {
+    struct stat status;
+    if (stat(path, &status) != 0)
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    if (S_ISDIR(status.st_mode)) {
+        *format = &iso_format_dicom;
+        if (opts->raw) return iso_fail(error, ISO_ERR_IO, "%s: is a folder, not a raw file", path);
+        return ISO_OK;
+    }
+    if (!S_ISREG(status.st_mode)) return iso_fail(error, ISO_ERR_IO, "%s: not a file or a folder", path);
+    head h;
+    ISO_TRY(read_head(path, &h, error));
+    *format = opts->raw ? &iso_format_raw : format_of_content(&h);
+    if (!*format) *format = format_of_name(path);
+    if (*format) return ISO_OK;
+    if (ends_with(path, ".raw"))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: raw data needs a layout (--raw WxHxD:TYPE)", path);
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a volume that isopoint can read", path);
+}
+
+/* ---- what a header may say ---- */
+
+iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info,
+                           iso_error *error) {
+    for (int i = 0; i < 3; i++) {
+        if (dims[i] < 1 || dims[i] > INT_MAX)
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: cannot have %llu voxels on axis %d", path,
+                            (unsigned long long)dims[i], i);
+        info->dims[i] = (int)dims[i];
+    }
+    return ISO_OK;
+}
+
+iso_status iso_format_component(const char *path, const iso_volume_opts *opts, int components,
+                                iso_volume_info *info, iso_error *error) {
+    if (components < 1) return iso_fail(error, ISO_ERR_FORMAT, "%s: has no components", path);
+    if (opts->component < 0 || opts->component >= components)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: no component %d, there %s %d (from 0)", path,
+                        opts->component, components == 1 ? "is" : "are", components);
+    info->components = components;
+    info->component = opts->component;
+    if (components > 1)
+        iso_volume_note(info, "several components: using %d of %d (--component)", opts->component,
+                        components);
+    return ISO_OK;
+}
+
+iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, double fraction,
+                               iso_error *error) {
+    if (!opts->progress || opts->progress(opts->progress_context, fraction) == 0) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: cancelled", path);
+}
+
+iso_status iso_format_file_bytes(const char *path, uint64_t *bytes, iso_error *error) {
+    struct stat status;
+    if (stat(path, &status) != 0)
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    if (!S_ISREG(status.st_mode)) return iso_fail(error, ISO_ERR_IO, "%s: not a file", path);
+    *bytes = (uint64_t)status.st_size;
+    return ISO_OK;
+}
+
+iso_status iso_format_truncated(const char *path, uint64_t bytes, uint64_t wanted, iso_error *error) {
+    return iso_fail(error, ISO_ERR_IO, "%s: truncated: %llu of %llu bytes", path, (unsigned long long)bytes,
+                    (unsigned long long)wanted);
+}
+
+iso_status iso_format_create(const char *path, const iso_volume_info *info, const iso_format_data *lent,
+                             iso_grid *grid, iso_error *error) {
+    iso_rgrid_desc desc = {.dims = {info->dims[0], info->dims[1], info->dims[2]},
+                           .type = info->type,
+                           .scale = info->scale,
+                           .offset = info->offset,
+                           .transform = &info->transform,
+                           .level_set = info->level_set};
+    if (lent) {
+        desc.data = lent->data;
+        desc.release = lent->release;
+        desc.owner = lent->owner;
+    }
+    iso_error detail = {0};
+    iso_rgrid *rgrid = NULL;
+    iso_status status = iso_rgrid_create(&desc, &rgrid, &detail);
+    if (status != ISO_OK) return iso_fail(error, status, "%s: %s", path, detail.text);
+    *grid = (iso_grid){.rgrid = rgrid};
+    return ISO_OK;
+}
+
+void iso_volume_note(iso_volume_info *info, const char *format, ...) {
+    if (info->note_count >= ISO_VOLUME_NOTES) return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
+    va_end(arguments);
+}
+
+/* ---- header ---- */
+
+static iso_status check_spacing(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                                iso_error *error) {
+    double *spacing = info->transform.spacing;
+    for (int i = 0; i < 3; i++) {
+        if (opts->spacing[i] != 0 && !(opts->spacing[i] > 0 && opts->spacing[i] < HUGE_VAL))
+            return iso_fail(error, ISO_ERR_USAGE, "%s: a spacing of %g is not possible", path,
+                            opts->spacing[i]);
+        if (opts->spacing[i] > 0) spacing[i] = opts->spacing[i];
+    }
+    if (opts->spacing[0] + opts->spacing[1] + opts->spacing[2] > 0 && info->sparse &&
+        (spacing[0] != spacing[1] || spacing[0] != spacing[2]))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a sparse level set needs the same spacing on every axis",
+                        path);
+    return ISO_OK;
+}
+
+static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                             iso_error *error) {
+    uint64_t dims[3];
+    for (int i = 0; i < 3; i++) dims[i] = info->dims[i] < 0 ? 0 : (uint64_t)info->dims[i];
+    ISO_TRY(iso_format_dims(path, dims, info, error));
+    ISO_TRY(check_spacing(path, opts, info, error));
+    for (int i = 0; i < 9; i++) info->transform.direction[i] += 0.0; /* never -0 */
+    for (int i = 0; i < 3; i++) info->transform.origin[i] += 0.0;
+    for (int i = 0; i < 3; i++)
+        if (!(info->transform.spacing[i] > 0))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: a spacing of %g is not possible", path,
+                            info->transform.spacing[i]);
+    if (iso_transform_is_singular(&info->transform))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: the axes' directions do not span space", path);
+    if (!(info->scale > 0 && info->scale < HUGE_VAL && info->offset == info->offset))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: values cannot be scaled by %g and %g", path, info->scale,
+                        info->offset);
+    if (info->bytes == 0) info->bytes = iso_format_size(info->dims, iso_type_size(info->type));
+    if (info->bytes == UINT64_MAX)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: %d x %d x %d voxels are more than any machine can hold",
+                        path, info->dims[0], info->dims[1], info->dims[2]);
+    if (info->read_bytes < info->bytes) info->read_bytes = info->bytes;
+    return ISO_OK;
+}
+
+static iso_status read_header(const char *path, const iso_volume_opts *opts, const iso_format **format,
+                              iso_volume_info *info, iso_error *error) {
+    *info = (iso_volume_info){.components = 1, .scale = 1, .transform = iso_transform_identity()};
+    ISO_TRY(find_format(path, opts, format, error));
+    if (!(*format)->info)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without %s, which reads this format", path,
+                        (*format)->library);
+    snprintf(info->format, sizeof info->format, "%s", (*format)->name);
+    ISO_TRY((*format)->info(path, opts, info, error));
+    return check_info(path, opts, info, error);
+}
+
+iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                                iso_error *error) {
+    const iso_volume_opts none = {0};
+    const iso_format *format = NULL;
+    iso_volume_info found;
+    ISO_TRY(read_header(path, opts ? opts : &none, &format, &found, error));
+    *info = found;
+    return ISO_OK;
+}
+
+/* ---- reading ---- */
+
+/* "1.5 GB", decimal units. */
+static void byte_text(uint64_t bytes, char text[16]) {
+    static const char *const units[] = {"bytes", "kB", "MB", "GB", "TB", "PB", "EB"};
+    double value = (double)bytes;
+    int unit = 0;
+    for (; value >= 1000 && unit < 6; unit++) value /= 1000;
+    snprintf(text, 16, unit && value < 10 ? "%.1f %s" : "%.0f %s", value, units[unit]);
+}
+
+static iso_status check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                               iso_error *error) {
+    uint64_t limit = opts->max_memory;
+    if (limit == 0) {
+        limit = iso_memory_available();
+        if (limit != UINT64_MAX) limit = limit / 5 * 4;
+    }
+    if (info->read_bytes <= limit) return ISO_OK;
+    char needs[16], allowed[16];
+    byte_text(info->read_bytes, needs);
+    byte_text(limit, allowed);
+    return iso_fail(error, ISO_ERR_LIMIT,
+                    "%s: needs %s to read (%d x %d x %d %s), limit is %s (--max-memory)", path, needs,
+                    info->dims[0], info->dims[1], info->dims[2], info->file_type, allowed);
+}
+
+/* What a reader made has to be what its header announced: that is what was checked against the limit. */
+static bool agrees(const iso_volume_info *info, const iso_grid *grid) {
+    if (!grid->rgrid) return grid->hgrid != NULL;
+    const int *dims = grid->rgrid->dims;
+    return grid->rgrid->type == info->type && dims[0] == info->dims[0] && dims[1] == info->dims[1] &&
+           dims[2] == info->dims[2];
+}
+
+iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_volume *volume,
+                           iso_error *error) {
+    const iso_volume_opts none = {0};
+    if (!opts) opts = &none;
+    const iso_format *format = NULL;
+    iso_volume result = {0};
+    ISO_TRY(read_header(path, opts, &format, &result.info, error));
+    ISO_TRY(check_memory(path, opts, &result.info, error));
+    ISO_TRY(iso_format_progress(path, opts, 0, error));
+    ISO_TRY(format->read(path, opts, &result.info, &result.grid, error));
+    iso_status status = ISO_OK;
+    if (!agrees(&result.info, &result.grid))
+        status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
+    if (status == ISO_OK) status = iso_format_progress(path, opts, 1, error);
+    if (status != ISO_OK) {
+        iso_volume_free(&result);
+        return status;
+    }
+    *volume = result;
+    return ISO_OK;
+}
+
+void iso_volume_free(iso_volume *volume) {
+    iso_grid_destroy(&volume->grid);
+    *volume = (iso_volume){0};
+}
