@@ -2,6 +2,7 @@
 
 #include <assert.h>
 #include <float.h>
+#include <stddef.h>
 
 /* Left free on each side of the picture by iso_camera_fit, as a part of the picture. */
 static const double FIT_MARGIN = 0.04;
