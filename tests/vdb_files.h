@@ -1,0 +1,39 @@
+/* vdb_files: writes the .vdb files that test_vdb reads back. All functions return 0, or 1 on failure. */
+#ifndef ISO_TESTS_VDB_FILES_H
+#define ISO_TESTS_VDB_FILES_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum vdb_class { VDB_UNKNOWN, VDB_LEVEL_SET, VDB_FOG };
+
+typedef struct vdb_spec {
+    const char *name;
+    const char *type; /* float double int32 int64 bool mask vec3s */
+    enum vdb_class grid_class;
+    double background;
+    int lo[3], hi[3]; /* voxels that are offered to `value` */
+    /* Value of a component at a voxel; sets *active to 0 to leave the voxel alone. */
+    double (*value)(const void *context, const int voxel[3], int component, int *active);
+    const void *context;
+    double axis[9];   /* row-major, columns are the world steps of the index axes */
+    double origin[3]; /* world position of voxel (0, 0, 0) */
+    int half;         /* stored as half floats */
+    int frustum;      /* a transform that is not linear */
+} vdb_spec;
+
+enum vdb_flags { VDB_STREAM = 1, VDB_NO_STATS = 2, VDB_ZIP = 4, VDB_BLOSC = 8, VDB_ACTIVE_MASK = 16 };
+
+int vdb_write(const char *path, const vdb_spec *specs, int count, int flags);
+
+/* One grid of points, and nothing else. */
+int vdb_write_points(const char *path, const char *name);
+
+/* Two grids, "a" and "b", that share one tree; b lies `shift` further along x. */
+int vdb_write_instances(const char *path, const vdb_spec *spec, double shift);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
