@@ -160,7 +160,7 @@ static size_t covered(const iso_gbuffer *gbuffer) {
 
 /* Same bytes in every plane; normals only where something was drawn. */
 static void same_pictures(const iso_gbuffer *a, const iso_gbuffer *b) {
-    size_t samples = (size_t)a->width * (size_t)a->height;
+    size_t samples = (size_t)(a->width * a->height);
     assert_memory_equal(a->depth, b->depth, samples * sizeof *a->depth);
     assert_memory_equal(a->surface, b->surface, samples);
     for (size_t i = 0; i < samples; i++)
@@ -753,26 +753,23 @@ static void nearer_samples_stay(void **state) {
     iso_grid_destroy(&grid);
 }
 
-static double three_field(int x, int y, int z, void *context) {
-    (void)x, (void)y, (void)z, (void)context;
-    return 3;
-}
-
-static double nan_field(int x, int y, int z, void *context) {
-    (void)x, (void)y, (void)z, (void)context;
-    return (double)NAN;
+static double constant_field(int x, int y, int z, void *context) {
+    (void)x, (void)y, (void)z;
+    return *(double *)context;
 }
 
 static void nothing_to_see(void **state) {
     (void)state;
     static const int dims[][3] = {{20, 20, 20}, {1, 20, 20}, {20, 1, 1}, {1, 1, 1}};
+    double constants[] = {3, (double)NAN};
     uint32_t seed = 51;
     for (int d = 0; d < 4; d++)
         for (int kind = 0; kind < 3; kind++) {
             if (d == 0 && kind == 2) continue; /* noise has a surface where there are cells */
             iso_transform identity = iso_transform_identity();
             iso_grid grid = make_rgrid(dims[d][0], dims[d][1], dims[d][2], ISO_FLOAT32, &identity);
-            fill_rgrid(&grid, kind == 0 ? three_field : kind == 1 ? nan_field : noise_field, &seed);
+            if (kind < 2) fill_rgrid(&grid, constant_field, &constants[kind]);
+            if (kind == 2) fill_rgrid(&grid, noise_field, &seed);
             iso_view view = axis_view(2, true, 1, 0, 20);
             iso_gbuffer gbuffer = cast(&grid, kind == 2 ? 0.5 : 3, &view, NULL);
             assert_int_equal(covered(&gbuffer), 0);

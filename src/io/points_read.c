@@ -60,29 +60,32 @@ static iso_status read_values(iso_ply *ply, const iso_ply_element *element, cons
     return ISO_OK;
 }
 
-/* Makes the point; false when it must be dropped. A normal that is unit as well as floats can say it is kept
- * bit for bit, so that what was written is read back the same. */
-static bool make_point(double values[VALUES], iso_surfel *surfel, float *radius) {
+/* A normal whose floats are unit as well as floats can be is kept bit for bit, so that what was written is
+ * read back the same; any other is made unit. False for the zero normal. */
+static bool make_normal(const double n[3], float normal[3]) {
+    double square = 0, largest = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        normal[axis] = (float)n[axis];
+        square += (double)normal[axis] * (double)normal[axis];
+        largest = fmax(largest, fabs(n[axis]));
+    }
+    if (!(largest > 0)) return false;
+    if (fabs(square - 1) < 1e-6) return true;
+    /* scaled first: squares of tiny components would vanish */
+    iso_vec3 unit = iso_vec3_unit(iso_vec3_make(n[0] / largest, n[1] / largest, n[2] / largest));
+    normal[0] = (float)unit.x;
+    normal[1] = (float)unit.y;
+    normal[2] = (float)unit.z;
+    return true;
+}
+
+/* Makes the point; false when it must be dropped. */
+static bool make_point(const double values[VALUES], iso_surfel *surfel, float *radius) {
     for (int i = 0; i < VALUES; i++)
         if (!(fabs(values[i]) <= FLT_MAX)) return false;
+    for (int axis = 0; axis < 3; axis++) surfel->position[axis] = (float)values[axis];
     *radius = (float)values[6];
-    if (!(*radius > 0)) return false;
-    double *n = values + 3;
-    double largest = fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2])));
-    if (!(largest > 0)) return false;
-    double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    if (!(fabs(square - 1) < 1e-6)) {
-        /* scaled first: squares of tiny components would vanish */
-        iso_vec3 unit = iso_vec3_unit(iso_vec3_make(n[0] / largest, n[1] / largest, n[2] / largest));
-        n[0] = unit.x;
-        n[1] = unit.y;
-        n[2] = unit.z;
-    }
-    for (int axis = 0; axis < 3; axis++) {
-        surfel->position[axis] = (float)values[axis];
-        surfel->normal[axis] = (float)n[axis];
-    }
-    return true;
+    return *radius > 0 && make_normal(values + 3, surfel->normal);
 }
 
 /* Room for `count` points, the ones collected so far kept. */
