@@ -5,9 +5,8 @@
 #include "extract/brick.h"
 
 enum {
-    ISO_EDGES_OWN = 3 * ISO_BRICK_VOXELS,                              /* that a brick owns */
-    ISO_EDGES_ALL = 3 * ISO_BRICK * (ISO_BRICK + 1) * (ISO_BRICK + 1), /* that its cells have */
-    ISO_LATTICE = ISO_BRICK + 1
+    ISO_EDGES_OWN = 3 * ISO_BRICK_VOXELS,                             /* that a brick owns */
+    ISO_EDGES_ALL = 3 * ISO_BRICK * (ISO_BRICK + 1) * (ISO_BRICK + 1) /* that its cells have */
 };
 
 /* Where points go: room for ISO_EDGES_OWN (own edges only) or ISO_EDGES_ALL. */
