@@ -261,7 +261,9 @@ static void check_copy(const iso_mesh_view *view, const iso_mesh_span *span, uin
 static void check_span(const iso_mesh_view *view, const iso_mesh_span *span) {
     const iso_edge_key *keys = view->keys + span->first_vertex;
     for (uint32_t i = 0; i < span->vertex_count; i++) {
-        int key = keys[i], x = key / 3 % 17, y = key / 51 % 17, z = key / 867;
+        int voxel[3];
+        iso_edge_key_split(keys[i], voxel);
+        const int x = voxel[0], y = voxel[1], z = voxel[2];
         bool own = x < 16 && y < 16 && z < 16;
         assert_int_equal(own, i < span->own_count);
         if (i && i != span->own_count) assert_true(keys[i] > keys[i - 1]);
