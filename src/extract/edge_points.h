@@ -10,10 +10,6 @@ enum {
     ISO_LATTICE = ISO_BRICK + 1
 };
 
-static inline iso_edge_key iso_edge_key_of(int x, int y, int z, int axis) {
-    return (iso_edge_key)(((z * ISO_LATTICE + y) * ISO_LATTICE + x) * 3 + axis);
-}
-
 /* Where points go: room for ISO_EDGES_OWN (own edges only) or ISO_EDGES_ALL. */
 typedef struct iso_edge_points {
     iso_surfel *points;
