@@ -111,6 +111,17 @@ iso_status iso_format_read_stream(const char *path, const iso_volume_opts *opts,
 /* Adds to read_bytes what iso_format_read_stream takes beside the grid. Needs dims and type. */
 void iso_format_stream_room(const iso_format_stream *stream, iso_volume_info *info);
 
+/* Unpacks a zlib or gzip stream that begins where `file` stands; `total` bytes are expected. The file is
+ * borrowed, `path` names it. Destroy with iso_inflater_destroy. */
+typedef struct iso_inflater iso_inflater;
+iso_status iso_inflater_create(const char *path, FILE *file, uint64_t total, iso_inflater **inflater,
+                               iso_error *error);
+/* The next bytes; ISO_ERR_IO when the stream is damaged or ends. */
+iso_status iso_inflater_fill(iso_inflater *inflater, void *target, size_t bytes, iso_error *error);
+/* After the last byte: whether the checksum, as far as it is there, is right. */
+iso_status iso_inflater_finish(iso_inflater *inflater, iso_error *error);
+void iso_inflater_destroy(iso_inflater *inflater);
+
 /* Arrays of numbers over the points or cells of an image (.vti, legacy .vtk). */
 typedef struct iso_format_array {
     char name[ISO_VOLUME_TEXT];

@@ -16,8 +16,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include <zlib.h>
-
 #include "base/memory.h"
 #include "grids/format.h"
 
@@ -51,8 +49,9 @@ static void trim(char **text) {
 static int parse_numbers(const char *text, int count, double *numbers) {
     for (int i = 0; i < count; i++) {
         char *end;
-        numbers[i] = strtod(text, &end);
+        double number = strtod(text, &end);
         if (end == text) return i;
+        numbers[i] = number;
         text = end;
     }
     return count;
@@ -297,15 +296,13 @@ typedef struct chain {
     uint64_t opened; /* files opened so far */
     char *name;      /* of the current file, owned */
     FILE *file;
-    uint64_t left; /* unpacked bytes still to come from it */
-    z_stream inflate;
-    bool inflating;
-    unsigned char packed[1 << 16];
+    uint64_t left;          /* unpacked bytes still to come from it */
+    iso_inflater *inflater; /* when it is deflated */
 } chain;
 
 static void close_file(chain *c) {
-    if (c->inflating) inflateEnd(&c->inflate);
-    c->inflating = false;
+    iso_inflater_destroy(c->inflater);
+    c->inflater = NULL;
     if (c->file) fclose(c->file);
     c->file = NULL;
     free(c->name);
@@ -434,30 +431,12 @@ static iso_status open_next(chain *c, iso_error *error) {
     c->opened++;
     c->left = c->each;
     if (!c->header->deflated) return ISO_OK;
-    c->inflate = (z_stream){0};
-    if (inflateInit2(&c->inflate, 15 + 32) != Z_OK) /* zlib or gzip, whichever it is */
-        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", c->name);
-    c->inflating = true;
-    return ISO_OK;
+    return iso_inflater_create(c->name, c->file, c->each, &c->inflater, error);
 }
 
 static iso_status fill_packed(chain *c, void *target, size_t bytes, iso_error *error) {
-    z_stream *z = &c->inflate;
-    z->next_out = target;
-    z->avail_out = (uInt)bytes; /* chunks are small */
-    while (z->avail_out) {
-        if (z->avail_in == 0) {
-            z->next_in = c->packed;
-            z->avail_in = (uInt)fread(c->packed, 1, sizeof c->packed, c->file);
-        }
-        int result = inflate(z, Z_NO_FLUSH);
-        uint64_t done = c->each - c->left + (bytes - z->avail_out);
-        if (z->avail_out && (result == Z_STREAM_END || result == Z_BUF_ERROR))
-            return iso_format_truncated(c->name, done, c->each, error);
-        if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR)
-            return iso_fail(error, ISO_ERR_IO, "%s: damaged compressed data", c->name);
-    }
-    return ISO_OK;
+    ISO_TRY(iso_inflater_fill(c->inflater, target, bytes, error));
+    return c->left == bytes ? iso_inflater_finish(c->inflater, error) : ISO_OK;
 }
 
 static iso_status fill_text(chain *c, void *target, size_t bytes, iso_error *error) {

@@ -6,6 +6,10 @@
  * shape. z it is: x and y are then still those of the slices as they are shown, and stacks that say so (the
  * headsq data of VTK) number their slices downwards, so that the head also stands upright.
  *
+ * Voxels in one file, raw or as gzip, are read here from where teem leaves the file: in chunks, with
+ * progress, and because teem leaks its buffers when a gzip stream ends early. Other encodings and several
+ * files are teem's.
+ *
  * biff, teem's error log, is global: one thread at a time is inside teem. */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -55,24 +59,47 @@ static iso_status has_magic(const char *path, iso_error *error) {
     return iso_fail(error, ISO_ERR_FORMAT, "%s: not an NRRD file", path);
 }
 
+/* A header, and where its voxels begin when they can be streamed. */
+typedef struct nrrd_file {
+    const char *path;
+    Nrrd *nrrd;
+    NrrdIoState *state;
+    FILE *data; /* NULL: teem has to read them */
+    bool packed;
+    iso_inflater *inflater;
+    uint64_t at, end; /* unpacked bytes */
+} nrrd_file;
+
+static void close_nrrd(nrrd_file *file) {
+    iso_inflater_destroy(file->inflater);
+    if (file->state && file->state->dataFile) fclose(file->state->dataFile);
+    if (file->state) nrrdIoStateNix(file->state);
+    if (file->nrrd) nrrdNuke(file->nrrd);
+    *file = (nrrd_file){0};
+}
+
 /* teem would also read tables of text, images and more under this name: only NRRD is wanted. */
-static iso_status load(const char *path, bool header_only, Nrrd **nrrd, iso_error *error) {
+static iso_status load(const char *path, bool header_only, nrrd_file *file, iso_error *error) {
     ISO_TRY(has_magic(path, error));
-    Nrrd *loaded = nrrdNew();
-    NrrdIoState *state = nrrdIoStateNew();
-    if (!loaded || !state) {
-        if (loaded) nrrdNuke(loaded);
-        if (state) nrrdIoStateNix(state);
-        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    *file = (nrrd_file){.path = path, .nrrd = nrrdNew(), .state = nrrdIoStateNew()};
+    iso_status status = ISO_OK;
+    if (!file->nrrd || !file->state) {
+        status = iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    } else {
+        file->state->skipData = file->state->keepNrrdDataFileOpen = header_only;
+        pthread_mutex_lock(&teem_lock);
+        if (nrrdLoad(file->nrrd, path, file->state)) status = fail_teem(path, error);
+        pthread_mutex_unlock(&teem_lock);
     }
-    state->skipData = header_only;
-    iso_status status = nrrdLoad(loaded, path, state) ? fail_teem(path, error) : ISO_OK;
-    nrrdIoStateNix(state);
-    if (status == ISO_OK)
-        *nrrd = loaded;
-    else
-        nrrdNuke(loaded);
-    return status;
+    if (status != ISO_OK) {
+        if (file->state) file->state->dataFile = NULL; /* teem has closed it */
+        close_nrrd(file);
+        return status;
+    }
+    file->packed = file->state->encoding == nrrdEncodingGzip;
+    bool streamed = file->state->encoding == nrrdEncodingRaw || (file->packed && file->state->byteSkip >= 0);
+    if (header_only && streamed) file->data = file->state->dataFile;
+    return ISO_OK;
 }
 
 static bool scalar_of(int type, iso_scalar *scalar) {
@@ -277,98 +304,182 @@ static bool is_lent(const iso_volume_info *info, iso_scalar scalar) {
     return info->components == 1 && iso_scalar_is_stored(scalar);
 }
 
-static void take_bytes(iso_scalar scalar, iso_volume_info *info) {
+static iso_format_stream stream_of(const nrrd_file *file, const layout *found, const iso_volume_info *info) {
+    iso_format_stream stream = {.components = found->interleaved,
+                                .component = info->component % found->interleaved,
+                                .swap = file->state->endian != airEndianUnknown &&
+                                        file->state->endian != airMyEndian()};
+    scalar_of(file->nrrd->type, &stream.scalar);
+    return stream;
+}
+
+static void take_bytes(const nrrd_file *file, const layout *found, iso_volume_info *info) {
+    iso_format_stream stream = stream_of(file, found, info);
+    if (file->data) {
+        iso_format_stream_room(&stream, info);
+        return;
+    }
     uint64_t grid = iso_format_size(info->dims, iso_type_size(info->type));
-    uint64_t all = iso_format_size(info->dims, iso_scalar_size(scalar) * (uint64_t)info->components);
-    if (is_lent(info, scalar) || grid == UINT64_MAX)
+    uint64_t all = iso_format_size(info->dims, iso_scalar_size(stream.scalar) * (uint64_t)info->components);
+    if (is_lent(info, stream.scalar) || grid == UINT64_MAX)
         info->read_bytes = grid;
     else if (__builtin_add_overflow(grid, all, &info->read_bytes))
         info->read_bytes = UINT64_MAX;
 }
 
-static iso_status describe(const char *path, const iso_volume_opts *opts, const Nrrd *nrrd,
+static iso_status describe(const nrrd_file *file, const iso_volume_opts *opts, layout *found,
                            iso_volume_info *info, iso_error *error) {
+    const Nrrd *nrrd = file->nrrd;
     iso_scalar scalar;
     if (!scalar_of(nrrd->type, &scalar))
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: holds blocks, not numbers", path);
-    layout found;
-    ISO_TRY(find_layout(path, nrrd, &found, error));
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: holds blocks, not numbers", file->path);
+    ISO_TRY(find_layout(file->path, nrrd, found, error));
     uint64_t dims[3] = {1, 1, 1};
-    for (int i = 0; i < found.space_count; i++) dims[i] = nrrd->axis[found.space[i]].size;
-    ISO_TRY(iso_format_dims(path, dims, info, error));
-    int components = found.interleaved;
-    if (!multiply(&components, (size_t)found.planar))
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: too many components", path);
-    ISO_TRY(iso_format_component(path, opts, components, info, error));
+    for (int i = 0; i < found->space_count; i++) dims[i] = nrrd->axis[found->space[i]].size;
+    ISO_TRY(iso_format_dims(file->path, dims, info, error));
+    int components = found->interleaved;
+    if (!multiply(&components, (size_t)found->planar))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: too many components", file->path);
+    ISO_TRY(iso_format_component(file->path, opts, components, info, error));
     info->type = iso_scalar_stored_type(scalar);
     snprintf(info->file_type, sizeof info->file_type, "%s", iso_scalar_name(scalar));
-    take_transform(nrrd, &found, info);
-    take_bytes(scalar, info);
+    take_transform(nrrd, found, info);
+    take_bytes(file, found, info);
     return ISO_OK;
 }
 
 static iso_status nrrd_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                             iso_error *error) {
-    Nrrd *nrrd = NULL;
-    pthread_mutex_lock(&teem_lock);
-    iso_status status = load(path, true, &nrrd, error);
-    pthread_mutex_unlock(&teem_lock);
-    ISO_TRY(status);
-    status = describe(path, opts, nrrd, info, error);
-    nrrdNuke(nrrd);
+    nrrd_file file;
+    layout found;
+    ISO_TRY(load(path, true, &file, error));
+    iso_status status = describe(&file, opts, &found, info, error);
+    close_nrrd(&file);
     return status;
 }
 
-/* ---- voxels ---- */
+/* ---- voxels, streamed ---- */
+
+static iso_status fill(void *context, void *target, size_t bytes, iso_error *error) {
+    nrrd_file *file = context;
+    if (file->packed) {
+        ISO_TRY(iso_inflater_fill(file->inflater, target, bytes, error));
+    } else if (fread(target, 1, bytes, file->data) != bytes) {
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path,
+                        ferror(file->data) ? strerror(errno) : "the file ends too early");
+    }
+    file->at += bytes;
+    return ISO_OK;
+}
+
+static iso_status skip_to(nrrd_file *file, uint64_t position, iso_error *error) {
+    if (!file->packed) {
+        if (fseeko(file->data, (off_t)(position - file->at), SEEK_CUR) != 0)
+            return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path, strerror(errno));
+        file->at = position;
+    }
+    char scratch[1 << 14];
+    while (file->at < position) {
+        uint64_t left = position - file->at;
+        ISO_TRY(fill(file, scratch, left < sizeof scratch ? (size_t)left : sizeof scratch, error));
+    }
+    return ISO_OK;
+}
+
+/* The unpacked bytes from teem's position on; raw ones must all be there. */
+static iso_status begin_stream(nrrd_file *file, uint64_t bytes, iso_error *error) {
+    if (file->packed) {
+        uint64_t skipped = (uint64_t)file->state->byteSkip;
+        if (__builtin_add_overflow(bytes, skipped, &file->end)) file->end = UINT64_MAX;
+        ISO_TRY(iso_inflater_create(file->path, file->data, file->end, &file->inflater, error));
+        return skip_to(file, skipped, error);
+    }
+    off_t start = ftello(file->data);
+    uint64_t size = 0;
+    if (start < 0 || fseeko(file->data, 0, SEEK_END) != 0 ||
+        (size = (uint64_t)ftello(file->data)) > INT64_MAX || fseeko(file->data, start, SEEK_SET) != 0)
+        return iso_fail(error, ISO_ERR_IO, "%s: its data file cannot be read", file->path);
+    if (size - (uint64_t)start < bytes || size < (uint64_t)start)
+        return iso_format_truncated(file->path, size, (uint64_t)start + bytes, error);
+    file->end = bytes;
+    return ISO_OK;
+}
+
+static iso_status read_stream(nrrd_file *file, const iso_volume_opts *opts, const layout *found,
+                              const iso_volume_info *info, iso_grid *grid, iso_error *error) {
+    iso_format_stream stream = stream_of(file, found, info);
+    stream.fill = fill;
+    stream.context = file;
+    uint64_t plane =
+        iso_format_size(info->dims, iso_scalar_size(stream.scalar) * (uint64_t)found->interleaved);
+    uint64_t bytes;
+    if (__builtin_mul_overflow(plane, (uint64_t)found->planar, &bytes) || bytes > INT64_MAX)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: too many components", file->path);
+    ISO_TRY(begin_stream(file, bytes, error));
+    ISO_TRY(skip_to(file, file->at + plane * (uint64_t)(info->component / found->interleaved), error));
+    ISO_TRY(iso_format_read_stream(file->path, opts, info, &stream, grid, error));
+    iso_status status = ISO_OK;
+    if (file->packed) status = skip_to(file, file->end, error);
+    if (status == ISO_OK && file->packed) status = iso_inflater_finish(file->inflater, error);
+    if (status != ISO_OK) iso_grid_destroy(grid);
+    return status;
+}
+
+/* ---- voxels, through teem ---- */
 
 static void nuke(void *owner) {
     nrrdNuke(owner);
 }
 
-static iso_status copy_component(const char *path, const Nrrd *nrrd, const layout *found,
-                                 const iso_volume_info *info, iso_grid *grid, iso_error *error) {
-    ISO_TRY(iso_format_create(path, info, NULL, grid, error));
+static iso_status copy_component(const nrrd_file *file, const layout *found, const iso_volume_info *info,
+                                 iso_grid *grid, iso_error *error) {
+    ISO_TRY(iso_format_create(file->path, info, NULL, grid, error));
     size_t count = (size_t)info->dims[0] * (size_t)info->dims[1] * (size_t)info->dims[2];
     iso_scalar_source source = {.components = found->interleaved,
                                 .component = info->component % found->interleaved};
-    scalar_of(nrrd->type, &source.scalar);
+    scalar_of(file->nrrd->type, &source.scalar);
     size_t plane = count * (size_t)found->interleaved * iso_scalar_size(source.scalar);
-    source.data = (const char *)nrrd->data + (size_t)(info->component / found->interleaved) * plane;
+    source.data = (const char *)file->nrrd->data + (size_t)(info->component / found->interleaved) * plane;
     iso_scalar_convert(&source, count, info->type, grid->rgrid->data);
     return ISO_OK;
 }
 
-/* The header was read a second time: the file may have changed in between. */
-static bool same_array(const Nrrd *nrrd, const layout *found, const iso_volume_info *info) {
-    iso_scalar scalar;
-    if (!scalar_of(nrrd->type, &scalar) || iso_scalar_stored_type(scalar) != info->type) return false;
-    if (found->interleaved * (int64_t)found->planar != info->components) return false;
-    for (int i = 0; i < 3; i++) {
-        size_t size = i < found->space_count ? nrrd->axis[found->space[i]].size : 1;
-        if (size != (size_t)info->dims[i]) return false;
-    }
-    return true;
+static iso_status read_through_teem(nrrd_file *file, const layout *found, const iso_volume_info *info,
+                                    iso_grid *grid, iso_error *error) {
+    iso_scalar scalar = ISO_SCALAR_UINT8;
+    scalar_of(file->nrrd->type, &scalar);
+    if (!is_lent(info, scalar)) return copy_component(file, found, info, grid, error);
+    iso_format_data lent = {file->nrrd->data, nuke, file->nrrd};
+    file->nrrd = NULL; /* the grid's now, also on failure */
+    return iso_format_create(file->path, info, &lent, grid, error);
+}
+
+/* What was checked is the first reading of the header: the file may have changed since. */
+static iso_status same_array(const nrrd_file *file, const iso_volume_opts *opts, layout *found,
+                             const iso_volume_info *info, iso_error *error) {
+    iso_volume_info now = {.transform = iso_transform_identity()};
+    ISO_TRY(describe(file, opts, found, &now, error));
+    if (memcmp(now.dims, info->dims, sizeof now.dims) == 0 && now.type == info->type &&
+        now.components == info->components && now.read_bytes <= info->read_bytes)
+        return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", file->path);
 }
 
 static iso_status nrrd_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                             iso_grid *grid, iso_error *error) {
-    (void)opts;
-    Nrrd *nrrd = NULL;
-    pthread_mutex_lock(&teem_lock);
-    iso_status status = load(path, false, &nrrd, error);
-    pthread_mutex_unlock(&teem_lock);
-    ISO_TRY(status);
+    nrrd_file file;
     layout found;
-    status = find_layout(path, nrrd, &found, error);
-    if (status == ISO_OK && !same_array(nrrd, &found, info))
-        status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
-    iso_scalar scalar;
-    if (status == ISO_OK && scalar_of(nrrd->type, &scalar) && is_lent(info, scalar)) {
-        iso_format_data lent = {nrrd->data, nuke, nrrd};
-        return iso_format_create(path, info, &lent, grid, error);
+    ISO_TRY(load(path, true, &file, error));
+    iso_status status = same_array(&file, opts, &found, info, error);
+    if (status == ISO_OK && file.data) {
+        status = read_stream(&file, opts, &found, info, grid, error);
+    } else if (status == ISO_OK) {
+        close_nrrd(&file);
+        ISO_TRY(load(path, false, &file, error));
+        status = same_array(&file, opts, &found, info, error);
+        if (status == ISO_OK) status = read_through_teem(&file, &found, info, grid, error);
     }
-    if (status == ISO_OK) status = copy_component(path, nrrd, &found, info, grid, error);
-    nrrdNuke(nrrd);
+    close_nrrd(&file);
     return status;
 }
 

@@ -191,6 +191,18 @@ iso_status check_kind(const char *path, iso_error *error) {
                     iso::one_line(kind).c_str());
 }
 
+/* VTK does not notice that raw appended data ends early; the file's last tag is then missing. */
+iso_status check_end(const char *path, iso_error *error) {
+    FILE *file = std::fopen(path, "rb");
+    if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, std::strerror(errno));
+    std::string tail(1024, 0);
+    if (fseeko(file, -1024, SEEK_END) != 0) std::rewind(file);
+    tail.resize(std::fread(&tail[0], 1, tail.size(), file));
+    std::fclose(file);
+    if (tail.find("</VTKFile") != std::string::npos) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: truncated: it does not end with </VTKFile>", path);
+}
+
 iso_status fail_vtk(const char *path, const quiet_vtk &vtk, iso_error *error) {
     return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %.300s", path, vtk.error().c_str());
 }
@@ -393,6 +405,7 @@ iso_status vti_read(const char *path, const iso_volume_opts *opts, iso_volume_in
                     iso_error *error) noexcept {
     return iso::guard(path, error, [&]() -> iso_status {
         ISO_TRY(check_kind(path, error));
+        ISO_TRY(check_end(path, error));
         quiet_vtk vtk;
         return read_array(path, opts, vtk, info, grid, error);
     });

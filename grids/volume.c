@@ -215,6 +215,8 @@ static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_
     for (int i = 0; i < 3; i++) dims[i] = info->dims[i] < 0 ? 0 : (uint64_t)info->dims[i];
     ISO_TRY(iso_format_dims(path, dims, info, error));
     ISO_TRY(check_spacing(path, opts, info, error));
+    for (int i = 0; i < 9; i++) info->transform.direction[i] += 0.0; /* never -0 */
+    for (int i = 0; i < 3; i++) info->transform.origin[i] += 0.0;
     for (int i = 0; i < 3; i++)
         if (!(info->transform.spacing[i] > 0))
             return iso_fail(error, ISO_ERR_FORMAT, "%s: a spacing of %g is not possible", path,

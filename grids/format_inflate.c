@@ -1,0 +1,77 @@
+#include <zlib.h>
+
+#include "base/memory.h"
+#include "grids/format.h"
+
+/* zlib counts in 32 bits. */
+enum { MAX_PART = 1 << 30 };
+
+struct iso_inflater {
+    const char *path;
+    FILE *file;
+    uint64_t done, total;
+    z_stream z;
+    unsigned char packed[1 << 16];
+};
+
+iso_status iso_inflater_create(const char *path, FILE *file, uint64_t total, iso_inflater **inflater,
+                               iso_error *error) {
+    iso_inflater *made = iso_alloc_zero(1, sizeof *made);
+    if (!made || inflateInit2(&made->z, 15 + 32) != Z_OK) { /* either wrapper */
+        iso_free(made);
+        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    }
+    made->path = path;
+    made->file = file;
+    made->total = total;
+    *inflater = made;
+    return ISO_OK;
+}
+
+/* One call of inflate, with more of the file when it needs some. A gzip file may be several, one after the
+ * other. */
+static int step(iso_inflater *f) {
+    if (f->z.avail_in == 0) {
+        f->z.next_in = f->packed;
+        f->z.avail_in = (uInt)fread(f->packed, 1, sizeof f->packed, f->file);
+    }
+    int result = inflate(&f->z, Z_NO_FLUSH);
+    if (result == Z_STREAM_END && f->z.avail_out && f->z.avail_in) result = inflateReset(&f->z);
+    return result;
+}
+
+static iso_status damaged(const iso_inflater *f, iso_error *error) {
+    return iso_fail(error, ISO_ERR_IO, "%s: damaged compressed data", f->path);
+}
+
+iso_status iso_inflater_fill(iso_inflater *f, void *target, size_t bytes, iso_error *error) {
+    for (char *at = target; bytes;) {
+        uInt part = bytes < MAX_PART ? (uInt)bytes : MAX_PART;
+        f->z.next_out = (unsigned char *)at;
+        f->z.avail_out = part;
+        int result = step(f);
+        uInt got = part - f->z.avail_out;
+        f->done += got;
+        at += got;
+        bytes -= got;
+        if (bytes && (result == Z_STREAM_END || result == Z_BUF_ERROR))
+            return iso_format_truncated(f->path, f->done, f->total, error);
+        if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR) return damaged(f, error);
+    }
+    return ISO_OK;
+}
+
+iso_status iso_inflater_finish(iso_inflater *f, iso_error *error) {
+    unsigned char byte;
+    f->z.next_out = &byte;
+    f->z.avail_out = 1;
+    int result = Z_OK;
+    while (result == Z_OK && f->z.avail_out) result = step(f);
+    return result == Z_OK || result == Z_STREAM_END || result == Z_BUF_ERROR ? ISO_OK : damaged(f, error);
+}
+
+void iso_inflater_destroy(iso_inflater *inflater) {
+    if (!inflater) return;
+    inflateEnd(&inflater->z);
+    iso_free(inflater);
+}

@@ -1,0 +1,33 @@
+# Every header compiles alone, as C17 and as C++17, with no warning. Usage:
+# cmake -DROOT=... -DCC=... -DCXX=... -DTMP=... -P headers.cmake
+cmake_minimum_required(VERSION 3.25)
+set(bad "")
+set(seen 0)
+file(GLOB_RECURSE headers RELATIVE ${ROOT} ${ROOT}/src/*.h ${ROOT}/grids/*.h ${ROOT}/apps/*.h)
+foreach(header ${headers})
+    string(REGEX REPLACE "^src/" "" path ${header})
+    foreach(language c c++)
+        file(WRITE ${TMP}/header_alone.${language} "#include \"${path}\"\n")
+        if(language STREQUAL "c")
+            set(compile ${CC} -std=c17 -Wstrict-prototypes)
+        else()
+            set(compile ${CXX} -std=c++17)
+        endif()
+        execute_process(
+            COMMAND ${compile} -x ${language} -fsyntax-only -Wall -Wextra -Wshadow -Werror -I${ROOT} -I${ROOT}/src
+                    ${TMP}/header_alone.${language}
+            RESULT_VARIABLE result ERROR_VARIABLE text)
+        math(EXPR seen "${seen} + 1")
+        if(result)
+            list(APPEND bad "${header} as ${language}:\n${text}")
+        endif()
+    endforeach()
+endforeach()
+if(seen EQUAL 0)
+    message(FATAL_ERROR "no header was found below ${ROOT}: nothing was checked")
+endif()
+if(bad)
+    list(JOIN bad "\n" text)
+    message(FATAL_ERROR "${text}")
+endif()
+message("${seen} compilations of headers alone")
