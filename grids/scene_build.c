@@ -77,7 +77,6 @@ static iso_status fill_near(build *job, iso_hgrid *grid, size_t count, iso_pool 
             ISO_TRY(store(grid, cell, job->bricks + i * ISO_BRICK_VOXELS, error));
         }
     }
-    iso_hgrid_prune(grid); /* cells whose only surface lies beyond dims */
     return ISO_OK;
 }
 

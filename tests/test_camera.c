@@ -163,6 +163,26 @@ static void rays_hit_what_was_projected(void **state) {
     }
 }
 
+/* A picture position's ray does not change when the picture is sampled more densely or in rows. */
+static void windows_keep_their_rays(void **state) {
+    (void)state;
+    uint32_t seed = 19;
+    for (int round = 0; round < 20; round++) {
+        iso_camera camera = random_camera(&seed, round % 2);
+        iso_view view = iso_view_make(&camera, 640, 480), dense = iso_view_scaled(&view, 3);
+        iso_view rows = iso_view_rows(&dense, 700, 90);
+        assert_int_equal(rows.width, 1920);
+        assert_int_equal(dense.height, 1440);
+        assert_int_equal(rows.height, 90);
+        iso_vec3 origin[2], direction[2];
+        double x = 640 * uniform(&seed), y = 480 * uniform(&seed);
+        iso_view_ray(&view, x, y, &origin[0], &direction[0]);
+        iso_view_ray(&rows, 3 * x, 3 * y - 700, &origin[1], &direction[1]);
+        near_vector(origin[1], origin[0], 1e-9);
+        near_vector(direction[1], direction[0], 1e-9);
+    }
+}
+
 static void the_focal_point_is_in_the_middle(void **state) {
     (void)state;
     uint32_t seed = 3;
@@ -283,6 +303,7 @@ int main(void) {
         cmocka_unit_test(orbits_are_longitude_and_latitude),
         cmocka_unit_test(poles_do_not_flip),
         cmocka_unit_test(rays_hit_what_was_projected),
+        cmocka_unit_test(windows_keep_their_rays),
         cmocka_unit_test(the_focal_point_is_in_the_middle),
         cmocka_unit_test(fit_touches_the_margin),
         cmocka_unit_test(fit_survives_flat_boxes),

@@ -251,6 +251,28 @@ static void ties_go_to_the_first(void **state) {
     iso_gbuffer_free(&g);
 }
 
+/* Centres out of sight on each side; only their discs reach into the picture. */
+static void discs_reach_in_from_outside(void **state) {
+    (void)state;
+    const float places[4][2] = {{-12, 0}, {12, 0}, {0, -12}, {0, 12}}, radius = 5;
+    iso_view view = plain_view(16, 16, true, 1);
+    for (int k = 0; k < 8; k++) {
+        const iso_surfel one = {{places[k / 2][0], places[k / 2][1], 7}, {0, 0, 1}};
+        iso_point_span span;
+        iso_point_view points = few_points(&one, &span, 1);
+        if (k % 2)
+            points.radii = &radius;
+        else
+            points.radius = radius;
+        iso_gbuffer g = clear_gbuffer(16, 16);
+        assert_int_equal(draw_points(&view, &points, &g), ISO_OK);
+        int covered = 0;
+        for (int i = 0; i < 16 * 16; i++) covered += g.surface[i] == 0;
+        assert_in_range(covered, 4, 8);
+        iso_gbuffer_free(&g);
+    }
+}
+
 /* Discs of a million pixels and more must cost no more than the picture; nothing that is no number is drawn.
  */
 static void extremes_are_harmless(void **state) {
@@ -323,6 +345,26 @@ static void start_soup(soup *s) {
                               .triangles = (const uint16_t(*)[3])s->triangles,
                               .spans = s->spans,
                               .transform = iso_transform_identity()};
+}
+
+static void meshes_break_ties_alike(void **state) {
+    (void)state;
+    static soup s;
+    start_soup(&s);
+    const iso_vec3 corners[3] = {{-5, -5, 5}, {5, -5, 5}, {0, 5, 5}};
+    add_triangle(&s, corners);
+    add_triangle(&s, corners);
+    for (int k = 0; k < 3; k++)
+        for (int axis = 0; axis < 3; axis++) s.vertices[3 + k].normal[axis] = axis == 0;
+    iso_view view = plain_view(16, 16, true, 1);
+    iso_gbuffer g = clear_gbuffer(16, 16);
+    iso_target target = {.view = &view, .gbuffer = &g, .surface = 1};
+    assert_int_equal(iso_draw_mesh(&target, &s.view, NULL), ISO_OK);
+    target.surface = 2;
+    assert_int_equal(iso_draw_mesh(&target, &s.view, NULL), ISO_OK);
+    assert_int_equal(g.surface[8 * 16 + 8], 1);
+    near(g.normal[8 * 16 + 8][2], 1, 0);
+    iso_gbuffer_free(&g);
 }
 
 /* How often each pixel is drawn, each triangle alone. */
@@ -678,6 +720,8 @@ int main(void) {
         cmocka_unit_test(the_eye_may_be_inside),
         cmocka_unit_test(discs_have_the_paper_s_size),
         cmocka_unit_test(ties_go_to_the_first),
+        cmocka_unit_test(discs_reach_in_from_outside),
+        cmocka_unit_test(meshes_break_ties_alike),
         cmocka_unit_test(extremes_are_harmless),
         cmocka_unit_test(sheets_cover_each_pixel_once),
         cmocka_unit_test(the_top_left_rule_holds),

@@ -292,6 +292,13 @@ static void a_full_disk_is_reported(void **state) {
         skip();
     }
     for (int side = 4; side <= 512; side *= 128) {
+        iso_image picture = random_image(side, side, 1);
+        iso_error refused = {0};
+        struct stat info;
+        assert_int_equal(iso_png_write("/dev/full", &picture, NULL, 0, &refused), ISO_ERR_WRITE);
+        assert_non_null(strstr(refused.text, "/dev/full: cannot write: No space left"));
+        assert_true(stat("/dev/full", &info) == 0 && S_ISCHR(info.st_mode));
+        iso_image_free(&picture);
         fflush(stdout);
         pid_t child = fork();
         if (child == 0) {

@@ -232,7 +232,7 @@ static void ambiguous_faces_keep_inside_corners_apart(void **state) {
 static void check_copy(const iso_mesh_view *view, const iso_mesh_span *span, uint32_t index) {
     iso_edge_key key = view->keys[span->first_vertex + index];
     const iso_surfel *copy = &view->vertices[span->first_vertex + index];
-    int voxel[3] = {key / 3 % 17, key / 51 % 17, key / 867}, far = 0;
+    int voxel[3], far = 0, along = iso_edge_key_split(key, voxel);
     int32_t brick[3];
     for (int axis = 0; axis < 3; axis++) {
         brick[axis] = span->brick[axis] + voxel[axis] / 16;
@@ -240,7 +240,7 @@ static void check_copy(const iso_mesh_view *view, const iso_mesh_span *span, uin
         voxel[axis] %= 16;
     }
     assert_true(far >= 1 && far <= 2);
-    iso_edge_key own_key = (iso_edge_key)(((voxel[2] * 17 + voxel[1]) * 17 + voxel[0]) * 3 + key % 3);
+    iso_edge_key own_key = iso_edge_key_make(voxel[0], voxel[1], voxel[2], along);
     for (size_t s = 0; s < view->span_count; s++) {
         const iso_mesh_span *owner = &view->spans[s];
         if (memcmp(owner->brick, brick, sizeof brick) != 0) continue;
@@ -261,7 +261,9 @@ static void check_copy(const iso_mesh_view *view, const iso_mesh_span *span, uin
 static void check_span(const iso_mesh_view *view, const iso_mesh_span *span) {
     const iso_edge_key *keys = view->keys + span->first_vertex;
     for (uint32_t i = 0; i < span->vertex_count; i++) {
-        int key = keys[i], x = key / 3 % 17, y = key / 51 % 17, z = key / 867;
+        int voxel[3];
+        iso_edge_key_split(keys[i], voxel);
+        const int x = voxel[0], y = voxel[1], z = voxel[2];
         bool own = x < 16 && y < 16 && z < 16;
         assert_int_equal(own, i < span->own_count);
         if (i && i != span->own_count) assert_true(keys[i] > keys[i - 1]);

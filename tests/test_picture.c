@@ -270,6 +270,23 @@ static void light_comes_from_above_left(void **state) {
     assert_true(ball(-0.22f, -0.28f, 0) > 0.1f && ball(0.3f, 0.3f, 0) < 0.01f); /* the highlight */
 }
 
+/* The highlight of a black ball: its brightest normal tells the light, the rest must be (r.v)^32. */
+static void the_highlight_has_exponent_32(void **state) {
+    (void)state;
+    float best = 0, x0 = 0, y0 = 0;
+    for (float y = -0.9f; y < 0; y += 0.002f)
+        for (float x = -0.4f; x < 0; x += 0.002f)
+            if (x * x + y * y < 0.9f && ball(x, y, 0) > best) best = ball(x0 = x, y0 = y, 0);
+    double z0 = -sqrt(1 - x0 * x0 - y0 * y0);
+    iso_vec3 light = {2 * -z0 * x0, 2 * -z0 * y0, 2 * -z0 * z0 + 1};
+    for (float r = 0.02f; r < 0.3f; r += 0.02f) {
+        iso_vec3 n = {x0 + r, y0 + r, 0};
+        n.z = -sqrt(1 - n.x * n.x - n.y * n.y);
+        double mirror = -2 * iso_vec3_dot(n, light) * n.z + light.z;
+        near(ball((float)n.x, (float)n.y, 0) / best, pow(mirror, 32), 0.02);
+    }
+}
+
 /* The highlight moves with the eye: shading follows rays, not a far eye. */
 static void perspective_changes_the_highlight(void **state) {
     (void)state;
@@ -308,6 +325,7 @@ int main(void) {
         cmocka_unit_test(bad_requests_are_refused),
         cmocka_unit_test(shading_is_two_sided_and_bounded),
         cmocka_unit_test(light_comes_from_above_left),
+        cmocka_unit_test(the_highlight_has_exponent_32),
         cmocka_unit_test(perspective_changes_the_highlight),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -65,11 +65,11 @@ static void check_edge_points(const iso_grid *grid, double isovalue, const iso_p
         const int brick[3] = {b % bricks[0], b / bricks[0] % bricks[1], b / bricks[0] / bricks[1]};
         uint32_t found = 0;
         for (int i = 0; i < 3 * ISO_BRICK_VOXELS; i++) {
-            int v = i / 3,
+            int v = i % ISO_BRICK_VOXELS,
                 p[3] = {16 * brick[0] + v % 16, 16 * brick[1] + v / 16 % 16, 16 * brick[2] + v / 256};
             double wanted[6];
             if (p[0] >= dims[0] || p[1] >= dims[1] || p[2] >= dims[2]) continue;
-            if (!reference_point(grid, p, i % 3, isovalue, wanted)) continue;
+            if (!reference_point(grid, p, i / ISO_BRICK_VOXELS, isovalue, wanted)) continue;
             assert_true(span < view->span_count);
             assert_memory_equal(view->spans[span].brick, brick, sizeof brick);
             assert_true(found < view->spans[span].count);

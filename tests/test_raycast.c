@@ -568,7 +568,8 @@ static void hits_on_edges_are_mesh_vertices(void **state) {
         for (size_t s = 0; s < mesh.span_count; s++)
             for (size_t i = 0; i < mesh.spans[s].vertex_count; i++) {
                 size_t vertex = mesh.spans[s].first_vertex + i;
-                if (mesh.keys[vertex] % 3 != 2) continue; /* not on an edge along z */
+                int voxel[3];
+                if (iso_edge_key_split(mesh.keys[vertex], voxel) != 2) continue; /* not on an edge along z */
                 float p[3];
                 for (int axis = 0; axis < 3; axis++)
                     p[axis] = mesh.vertices[vertex].position[axis] + 16 * (float)mesh.spans[s].brick[axis];

@@ -456,7 +456,9 @@ static bytes slurp(const char *path) {
     return b;
 }
 
+/* A new file each time: some file systems flush one that is rewritten to the disk. */
 static void spill(const char *path, const void *data, size_t count) {
+    unlink(path);
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(data, 1, count, file), count);

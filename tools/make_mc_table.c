@@ -195,7 +195,7 @@ int main(int argc, char **argv) {
     for (int edge = 0; edge < EDGES; edge++) {
         int base = edge_base(edge);
         int voxel = ((base >> 2) * LATTICE + (base >> 1 & 1)) * LATTICE + (base & 1);
-        fprintf(file, "%s%d", edge ? ", " : "", 3 * voxel + edge / 4);
+        fprintf(file, "%s%d", edge ? ", " : "", edge / 4 * LATTICE * LATTICE * LATTICE + voxel);
     }
     fprintf(file, "};\n\n#endif\n");
     if (ferror(file) | fclose(file)) {

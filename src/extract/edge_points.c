@@ -41,7 +41,7 @@ static void try_edge(const iso_brick_window *window, const edge *e, const iso_su
     for (int axis = 0; axis < 3; axis++) point->position[axis] = (float)e->voxel[axis];
     point->position[e->axis] += t;
     edge_normal(window, e, surface, t, point->normal);
-    if (out->keys) out->keys[out->count] = iso_edge_key_of(e->voxel[0], e->voxel[1], e->voxel[2], e->axis);
+    if (out->keys) out->keys[out->count] = iso_edge_key_make(e->voxel[0], e->voxel[1], e->voxel[2], e->axis);
     out->count++;
 }
 
@@ -52,10 +52,10 @@ static int smaller(int a, int b) {
 void iso_edge_points_own(const iso_brick_window *window, const iso_surface *surface, iso_edge_points *out) {
     int last[3];
     for (int axis = 0; axis < 3; axis++) last[axis] = smaller(window->last[axis], ISO_BRICK - 1);
-    for (int z = 0; z <= last[2]; z++)
-        for (int y = 0; y <= last[1]; y++)
-            for (int x = 0; x <= last[0]; x++)
-                for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; axis++)
+        for (int z = 0; z <= last[2]; z++)
+            for (int y = 0; y <= last[1]; y++)
+                for (int x = 0; x <= last[0]; x++)
                     try_edge(window, &(edge){{x, y, z}, axis, iso_window_index(x, y, z)}, surface, out);
 }
 
@@ -65,10 +65,10 @@ void iso_edge_points_far(const iso_brick_window *window, const iso_surface *surf
         if (window->last[axis] < 1) return; /* a layer of one voxel has no cells */
         last[axis] = smaller(window->last[axis], ISO_BRICK);
     }
-    for (int z = 0; z <= last[2]; z++)
-        for (int y = 0; y <= last[1]; y++)
-            for (int x = z == ISO_BRICK || y == ISO_BRICK ? 0 : ISO_BRICK; x <= last[0]; x++)
-                for (int axis = 0; axis < 3; axis++) {
+    for (int axis = 0; axis < 3; axis++)
+        for (int z = 0; z <= last[2]; z++)
+            for (int y = 0; y <= last[1]; y++)
+                for (int x = z == ISO_BRICK || y == ISO_BRICK ? 0 : ISO_BRICK; x <= last[0]; x++) {
                     edge e = {{x, y, z}, axis, iso_window_index(x, y, z)};
                     if (e.voxel[axis] < ISO_BRICK) try_edge(window, &e, surface, out);
                 }

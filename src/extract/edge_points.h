@@ -5,14 +5,9 @@
 #include "extract/brick.h"
 
 enum {
-    ISO_EDGES_OWN = 3 * ISO_BRICK_VOXELS,                              /* that a brick owns */
-    ISO_EDGES_ALL = 3 * ISO_BRICK * (ISO_BRICK + 1) * (ISO_BRICK + 1), /* that its cells have */
-    ISO_LATTICE = ISO_BRICK + 1
+    ISO_EDGES_OWN = 3 * ISO_BRICK_VOXELS,                             /* that a brick owns */
+    ISO_EDGES_ALL = 3 * ISO_BRICK * (ISO_BRICK + 1) * (ISO_BRICK + 1) /* that its cells have */
 };
-
-static inline iso_edge_key iso_edge_key_of(int x, int y, int z, int axis) {
-    return (iso_edge_key)(((z * ISO_LATTICE + y) * ISO_LATTICE + x) * 3 + axis);
-}
 
 /* Where points go: room for ISO_EDGES_OWN (own edges only) or ISO_EDGES_ALL. */
 typedef struct iso_edge_points {

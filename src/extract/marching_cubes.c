@@ -48,7 +48,7 @@ static void add_cells(const iso_brick_window *window, const iso_surface *surface
                 const float *corner = window->values + iso_window_index(x, y, z);
                 const mc_case *row = &mc_cases[cell_case(corner, surface)];
                 if (!row->triangles || !all_finite(corner)) continue;
-                add_triangles(row, iso_edge_key_of(x, y, z, 0), surface->outward > 0, mesh);
+                add_triangles(row, iso_edge_key_make(x, y, z, 0), surface->outward > 0, mesh);
             }
 }
 

@@ -33,13 +33,12 @@ static int compare_keys(const void *a, const void *b) {
 
 /* Takes a key on a far face to the neighbour that owns the edge. */
 static iso_edge_key neighbour_key(iso_edge_key key, int32_t brick[3]) {
-    const int lattice = ISO_BRICK + 1;
-    int voxel[3] = {key / 3 % lattice, key / 3 / lattice % lattice, key / 3 / lattice / lattice};
+    int voxel[3], along = iso_edge_key_split(key, voxel);
     for (int axis = 0; axis < 3; axis++) {
         brick[axis] += voxel[axis] / ISO_BRICK;
         voxel[axis] %= ISO_BRICK;
     }
-    return (iso_edge_key)(((voxel[2] * lattice + voxel[1]) * lattice + voxel[0]) * 3 + key % 3);
+    return iso_edge_key_make(voxel[0], voxel[1], voxel[2], along);
 }
 
 static iso_status find_owner(const welder *weld, const iso_mesh_span *span, iso_edge_key key,

@@ -1,7 +1,7 @@
 isorender scene:cube:16 --no-image --json=a.json --quiet
 [ ! -e cube.png ]
 mkfifo in/pipe
-cat in/pipe >b.json &
+timeout 20 cat in/pipe >b.json &
 isorender scene:cube:16 --no-image --json=in/pipe --quiet
 wait
 [ -p in/pipe ]

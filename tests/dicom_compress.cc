@@ -1,0 +1,47 @@
+#include "dicom_files.h"
+
+#include <string>
+
+#include <gdcmImageChangeTransferSyntax.h>
+#include <gdcmImageReader.h>
+#include <gdcmTrace.h>
+#include <gdcmWriter.h>
+
+static gdcm::TransferSyntax::TSType syntax_of(const std::string &how) {
+    if (how == "rle") return gdcm::TransferSyntax::RLELossless;
+    if (how == "jpeg") return gdcm::TransferSyntax::JPEGLosslessProcess14_1;
+    if (how == "jpegls") return gdcm::TransferSyntax::JPEGLSLossless;
+    return gdcm::TransferSyntax::JPEG2000Lossless;
+}
+
+/* The element of the file's head that names the syntax; its length is even. */
+static gdcm::DataElement transfer_syntax(const gdcm::TransferSyntax &syntax) {
+    std::string name = syntax.GetString();
+    if (name.size() % 2) name.push_back(0);
+    gdcm::DataElement element(gdcm::Tag(0x0002, 0x0010));
+    element.SetVR(gdcm::VR::UI);
+    element.SetByteValue(name.data(), static_cast<uint32_t>(name.size()));
+    return element;
+}
+
+/* Only the pixels and the transfer syntax change: GDCM's ImageWriter would rewrite the geometry as well. */
+int dicom_compress(const char *path, const char *how) {
+    gdcm::Trace::WarningOff(); /* on what small files do not say */
+    gdcm::ImageReader reader;
+    reader.SetFileName(path);
+    if (!reader.Read()) return 1;
+    gdcm::ImageChangeTransferSyntax change;
+    const gdcm::TransferSyntax syntax(syntax_of(how));
+    change.SetTransferSyntax(syntax);
+    change.SetInput(reader.GetImage());
+    if (!change.Change()) return 2;
+    gdcm::File &file = reader.GetFile();
+    file.GetDataSet().Replace(change.GetOutput().GetDataElement());
+    file.GetHeader().SetDataSetTransferSyntax(syntax);
+    file.GetHeader().Replace(transfer_syntax(syntax));
+    gdcm::Writer writer;
+    writer.SetFile(file);
+    writer.SetFileName(path);
+    writer.CheckFileMetaInformationOff();
+    return writer.Write() ? 0 : 3;
+}
