@@ -80,9 +80,11 @@ static void check_mesh_is_sound(const iso_mesh_view *view) {
         vertices[s] = (extent){span->first_vertex, span->vertex_count};
         assert_true(span->vertex_count > 0 && span->own_count <= span->vertex_count);
         for (uint32_t i = 0; i < span->vertex_count; i++) {
-            int key = view->keys[span->first_vertex + i];
+            int voxel[3];
+            iso_edge_key_split(view->keys[span->first_vertex + i], voxel);
             const float *p = view->vertices[span->first_vertex + i].position;
-            assert_int_equal((int)p[0] - (p[0] == (float)(key / 3 % 17 + 1)), key / 3 % 17);
+            for (int axis = 0; axis < 3; axis++)
+                assert_true(p[axis] >= (float)voxel[axis] && p[axis] <= (float)voxel[axis] + 1);
         }
         if (!span->triangle_count) continue;
         triangles[with_triangles++] = (extent){span->first_triangle, span->triangle_count};
