@@ -28,7 +28,7 @@ static bool is_built(const char *format) {
 
 /* One line that names the file first. */
 static void check_error(const iso_error *error, const char *path) {
-    if (strchr(error->text, '\n') || !*error->text || strncmp(error->text, path, strlen(folder)) != 0)
+    if (strchr(error->text, '\n') || !*error->text || strncmp(error->text, path, strlen(path)) != 0)
         fail_msg("%s: bad error text '%s'", path, error->text);
 }
 
