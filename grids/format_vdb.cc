@@ -74,7 +74,7 @@ class archive : public openvdb::io::Archive {
     openvdb::io::StreamMetadata::Ptr metadata_{new openvdb::io::StreamMetadata};
     std::ifstream stream_;
     std::streamoff size_ = 0;
-    void check_magic();
+    iso_status check_magic(iso_error *error);
     iso_status next_grid(bool *more, iso_error *error);
     iso_status next_of_stream(vdb_grid &entry, bool *more, iso_error *error);
     void read_header_of(vdb_grid &entry);
@@ -92,14 +92,9 @@ archive::archive(const char *path) : path_(path) {
 }
 
 iso_status archive::scan(iso_error *error) {
-    check_magic();
+    ISO_TRY(check_magic(error));
     readHeader(stream_);
-    const uint32_t oldest = openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION;
     setFormatVersion(stream_);
-    if (openvdb::io::getFormatVersion(stream_) < oldest)
-        return iso_fail(error, ISO_ERR_FORMAT,
-                        "%s: file version %u is too old, %u is the oldest that is read", path_,
-                        openvdb::io::getFormatVersion(stream_), oldest);
     setLibraryVersion(stream_);
     setDataCompression(stream_);
     openvdb::io::setStreamMetadataPtr(stream_, metadata_, /*transfer=*/false);
@@ -109,15 +104,24 @@ iso_status archive::scan(iso_error *error) {
     return ISO_OK;
 }
 
-/* A file that begins rightly and is too short for a header is cut off; any other is not a .vdb. */
-void archive::check_magic() {
+/* A file that begins rightly and is too short for a header is cut off; any other is not a .vdb. Files before
+ * version 222 are laid out in other ways, those of later versions in ways not known yet. */
+iso_status archive::check_magic(iso_error *error) {
+    const uint32_t oldest = openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION;
+    const uint32_t newest = openvdb::OPENVDB_FILE_VERSION;
     static const char magic[8] = {' ', 'B', 'D', 'V', 0, 0, 0, 0};
     char head[sizeof magic] = {};
-    std::streamoff count = std::min<std::streamoff>(size_, sizeof head);
+    uint32_t version = 0;
+    const std::streamoff count = std::min<std::streamoff>(size_, sizeof head);
     stream_.read(head, count);
-    stream_.seekg(0);
     if (std::memcmp(head, magic, static_cast<size_t>(count)) != 0)
-        OPENVDB_THROW(openvdb::TypeError, "not a .vdb file");
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a .vdb file", path_);
+    stream_.read(reinterpret_cast<char *>(&version), sizeof version);
+    stream_.seekg(0);
+    if (version < oldest || version > newest)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: its file version is %u, only %u to %u can be read", path_,
+                        version, oldest, newest);
+    return ISO_OK;
 }
 
 /* With grid offsets, the descriptors form a chain through the file: a chain that leads out of the file means

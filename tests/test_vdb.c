@@ -492,6 +492,22 @@ static void truncated(void **state) {
     }
 }
 
+/* OpenVDB only warns of a version that it does not know. */
+static void versions(void **state) {
+    (void)state;
+    const noise n = {{0, 0, 0}, {9, 9, 9}, 1000};
+    vdb_spec spec = noise_spec(&n, "float");
+    write_ok(&spec, 1, VDB_ZIP);
+    bytes whole = slurp(FILE_PATH);
+    static const unsigned char versions[] = {221, 225};
+    for (int i = 0; i < 2; i++) {
+        whole.data[8] = versions[i];
+        spill(CUT_PATH, whole.data, whole.count);
+        expect_failure(CUT_PATH, NULL, ISO_ERR_FORMAT, "version");
+    }
+    free(whole.data);
+}
+
 /* A file that was written as a stream says nothing of its length: only reading it finds its end missing. */
 static void truncated_stream(void **state) {
     (void)state;
@@ -504,29 +520,33 @@ static void truncated_stream(void **state) {
     free(whole.data);
 }
 
-/* Any byte may be wrong: any status is right, a crash is not. The lengths and offsets of the header, which
- * could ask for all memory, are not what this is about. */
+/* Any bit may be wrong: any status is right, a crash is not. Small blocks are stored as they are, and it is
+ * those whose length OpenVDB believes. */
 static void corrupted(void **state) {
     (void)state;
     const ball b = {{0, 0, 0}, 10, 3, 1};
-    vdb_spec spec = ball_spec(&b, 1);
-    write_ok(&spec, 1, VDB_ZIP | VDB_ACTIVE_MASK);
-    bytes whole = slurp(FILE_PATH);
-    iso_volume_opts opts = {.max_memory = 1 << 28};
-    for (uint32_t i = 0; i < 300; i++) {
-        size_t at = 1000 + hash(i) % (whole.count - 1000);
-        unsigned char old = whole.data[at];
-        whole.data[at] ^= (unsigned char)(1U << hash(i + 5000) % 8);
-        spill(CUT_PATH, whole.data, whole.count);
-        iso_volume volume = {0};
-        iso_error error = {0};
-        if (iso_volume_read(CUT_PATH, &opts, &volume, &error) == ISO_OK)
-            iso_volume_free(&volume);
-        else
-            assert_non_null(strstr(error.text, CUT_PATH));
-        whole.data[at] = old;
+    static const int flags[] = {VDB_ACTIVE_MASK, VDB_ZIP | VDB_ACTIVE_MASK, VDB_BLOSC | VDB_ACTIVE_MASK};
+    for (size_t k = 0; k < 2 * sizeof flags / sizeof *flags; k++) {
+        vdb_spec spec = ball_spec(&b, 1);
+        spec.half = k % 2;
+        write_ok(&spec, 1, flags[k / 2]);
+        bytes whole = slurp(FILE_PATH);
+        iso_volume_opts opts = {.max_memory = 1 << 28};
+        for (uint32_t i = 0; i < 300; i++) {
+            size_t at = 1000 + hash(i) % (whole.count - 1000);
+            unsigned char old = whole.data[at];
+            whole.data[at] ^= (unsigned char)(1U << hash(i + 5000) % 8);
+            spill(CUT_PATH, whole.data, whole.count);
+            iso_volume volume = {0};
+            iso_error error = {0};
+            if (iso_volume_read(CUT_PATH, &opts, &volume, &error) == ISO_OK)
+                iso_volume_free(&volume);
+            else
+                assert_non_null(strstr(error.text, CUT_PATH));
+            whole.data[at] = old;
+        }
+        free(whole.data);
     }
-    free(whole.data);
 }
 
 /* ---- real files ---- */
@@ -623,6 +643,7 @@ int main(void) {
         cmocka_unit_test(not_volumes),
         cmocka_unit_test(truncated),
         cmocka_unit_test(truncated_stream),
+        cmocka_unit_test(versions),
         cmocka_unit_test(corrupted),
         cmocka_unit_test(real_sphere),
         cmocka_unit_test(real_fogs),
