@@ -222,6 +222,10 @@ static void strays_are_ignored(void **state) {
     spill(path, "no image\n", 9);
     expect_failure(path, NULL, ISO_ERR_FORMAT, "not a DICOM file");
     expect_failure(FOLDER, NULL, ISO_ERR_IO, "notes.dcm");
+    char both[2048];
+    snprintf(both, sizeof both, "%s/IM0: %s/notes.dcm: ", FOLDER, FOLDER);
+    in_folder(path, "IM0");
+    expect_failure(path, NULL, ISO_ERR_IO, both);
 }
 
 static void folders_without_images(void **state) {

@@ -14,6 +14,7 @@
 #include <cmocka.h>
 
 #include "base/memory.h"
+#include "grids/vdb_check.h"
 #include "grids/volume.h"
 #include "vdb_files.h"
 
@@ -492,6 +493,43 @@ static void truncated(void **state) {
     }
 }
 
+/* A tree of one 32^3 node without children: two values of it are active, and stored in a block that is not
+ * compressed and states `stated` values. */
+static iso_status check_small_tree(int stated, int tail, iso_vdb_layout *layout) {
+    static unsigned char tree[20000];
+    size_t at = 0;
+    const uint32_t head[4] = {1, 0 /* background */, 0 /* tiles */, 1 /* children */};
+    const int32_t origin[3] = {-4096, 0, 4096};
+    const int64_t length = -4 * (int64_t)stated;
+    memset(tree, 0, sizeof tree);
+    memcpy(tree, head, sizeof head);
+    memcpy(tree + sizeof head, origin, sizeof origin);
+    at = sizeof head + sizeof origin + 4096; /* and the mask of children */
+    tree[at] = 0x12;                         /* the mask of values */
+    at += 4096 + 1;                          /* and the kind of block */
+    memcpy(tree + at, &length, sizeof length);
+    at += sizeof length + 4 * (size_t)(stated + tail);
+    *layout = (iso_vdb_layout){.value_bytes = 4, .stored_bytes = 4, .compressed = true, .active_only = true};
+    layout->blocks = layout->end = at;
+    spill(CUT_PATH, tree, at);
+    return iso_vdb_check(CUT_PATH, layout, NULL);
+}
+
+static void wrong_layout(void **state) {
+    (void)state;
+    iso_vdb_layout layout;
+    assert_int_equal(check_small_tree(2, 0, &layout), ISO_OK);
+    assert_int_equal(check_small_tree(1, 0, &layout), ISO_ERR_IO); /* all of the file is used all the same */
+    assert_int_equal(check_small_tree(3, 0, &layout), ISO_ERR_IO);
+    assert_int_equal(check_small_tree(2, 1, &layout), ISO_ERR_IO);
+    assert_int_equal(check_small_tree(2, 0, &layout), ISO_OK);
+    layout.end++;
+    assert_int_equal(iso_vdb_check(CUT_PATH, &layout, NULL), ISO_ERR_IO);
+    layout.end = 0;
+    layout.stored_bytes = 2;
+    assert_int_equal(iso_vdb_check(CUT_PATH, &layout, NULL), ISO_ERR_IO);
+}
+
 /* OpenVDB only warns of a version that it does not know. */
 static void versions(void **state) {
     (void)state;
@@ -644,6 +682,7 @@ int main(void) {
         cmocka_unit_test(truncated),
         cmocka_unit_test(truncated_stream),
         cmocka_unit_test(versions),
+        cmocka_unit_test(wrong_layout),
         cmocka_unit_test(corrupted),
         cmocka_unit_test(real_sphere),
         cmocka_unit_test(real_fogs),
