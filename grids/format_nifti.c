@@ -168,10 +168,24 @@ static double unit_mm(int units) {
     return units == NIFTI_UNITS_METER ? 1000 : units == NIFTI_UNITS_MICRON ? 0.001 : 1;
 }
 
+/* Whether both forms are there and differ by rounding only. The sform's matrix is stored in single precision;
+ * the qform has the spacing exactly and axes that are perpendicular, so that the same array from another
+ * format lies the same. */
+static bool forms_agree(const nifti_image *image) {
+    if (image->sform_code <= 0 || image->qform_code <= 0) return false;
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 4; column++) {
+            double s = image->sto_xyz.m[row][column], q = image->qto_xyz.m[row][column];
+            double step = column < 3 ? image->pixdim[column + 1] : fabs(q);
+            if (!(fabs(s - q) <= 1e-6 * (1e-3 + step))) return false;
+        }
+    return true;
+}
+
 /* Index to RAS. */
 static nifti_dmat44 world_matrix(const nifti_file *file, iso_volume_info *info) {
     const nifti_image *image = file->image;
-    if (image->sform_code > 0) return image->sto_xyz;
+    if (image->sform_code > 0) return forms_agree(image) ? image->qto_xyz : image->sto_xyz;
     if (image->qform_code > 0) return image->qto_xyz;
     iso_volume_note(info, "no orientation in the header: axes taken as right, front, up");
     nifti_dmat44 matrix = {{{0}}};

@@ -49,13 +49,17 @@ static iso_status fail_teem(const char *path, iso_error *error) {
     return iso_fail(error, ISO_ERR_IO, "%s: %s", path, line);
 }
 
+/* What teem does not know as NRRD it would take for a table of text. */
 static iso_status has_magic(const char *path, iso_error *error) {
     FILE *file = fopen(path, "rb");
     if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    char magic[4] = "";
-    size_t count = fread(magic, 1, sizeof magic, file);
+    char line[16] = "";
+    bool read = fgets(line, sizeof line, file) != NULL;
     fclose(file);
-    if (count == sizeof magic && memcmp(magic, "NRRD", 4) == 0) return ISO_OK;
+    bool whole = strchr(line, '\n') != NULL;
+    line[strcspn(line, "\r\n")] = 0;
+    bool numbered = strlen(line) == 8 && memcmp(line, "NRRD000", 7) == 0 && line[7] >= '1' && line[7] <= '6';
+    if (read && whole && (numbered || strcmp(line, "NRRD00.01") == 0)) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "%s: not an NRRD file", path);
 }
 
@@ -78,7 +82,6 @@ static void close_nrrd(nrrd_file *file) {
     *file = (nrrd_file){0};
 }
 
-/* teem would also read tables of text, images and more under this name: only NRRD is wanted. */
 static iso_status load(const char *path, bool header_only, nrrd_file *file, iso_error *error) {
     ISO_TRY(has_magic(path, error));
     *file = (nrrd_file){.path = path, .nrrd = nrrdNew(), .state = nrrdIoStateNew()};

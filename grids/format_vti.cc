@@ -28,6 +28,7 @@
 #include <vtkPointData.h>
 #include <vtkSmartPointer.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
+#include <vtkXMLDataElement.h>
 #include <vtkXMLImageDataReader.h>
 
 #include "grids/bridge_guard.hpp"
@@ -98,6 +99,18 @@ class image_reader : public vtkXMLImageDataReader {
             for (size_t k = 0; k < 6; k++) list[i][k] = PieceExtents[6 * i + k];
         return list;
     }
+
+  protected:
+    image_reader() { no_points->SetName("PointData"); }
+    /* VTK words what is wrong with cell data with the name of the point data, also when there is none. */
+    int ReadPiece(vtkXMLDataElement *piece) override {
+        int done = Superclass::ReadPiece(piece);
+        if (done && !PointDataElements[Piece]) PointDataElements[Piece] = no_points;
+        return done;
+    }
+
+  private:
+    vtkNew<vtkXMLDataElement> no_points;
 };
 vtkStandardNewMacro(image_reader);
 
@@ -336,14 +349,24 @@ void select_only(vtkDataArraySelection *selection, const char *name) {
     if (name) selection->EnableArray(name);
 }
 
-bool all_pieces(const image_reader *reader, const header &found) {
-    std::vector<extent> pieces;
+/* A piece that sticks out of the whole would make VTK read through a null pointer. */
+bool inside(const extent &piece, const extent &whole) {
+    bool in = true;
+    for (size_t a = 0; a < 6; a += 2)
+        in = in && piece[a] >= whole[a] && piece[a + 1] <= whole[a + 1] && piece[a] <= piece[a + 1];
+    return in;
+}
+
+iso_status check_pieces(const char *path, const image_reader *reader, const header &found, iso_error *error) {
+    std::vector<extent> pieces = reader->pieces();
     bool cells = found.array().cells;
-    for (extent piece : reader->pieces()) {
+    for (extent &piece : pieces) {
+        if (!inside(piece, found.whole))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: a piece lies outside the image's extent", path);
         if (cells) piece = cell_extent(piece, found.whole);
-        if (piece[0] <= piece[1] && piece[2] <= piece[3] && piece[4] <= piece[5]) pieces.push_back(piece);
     }
-    return covered(cells ? cell_extent(found.whole, found.whole) : found.whole, pieces, 0);
+    if (covered(cells ? cell_extent(found.whole, found.whole) : found.whole, pieces, 0)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: truncated: its pieces do not cover its extent", path);
 }
 
 void unregister(void *owner) {
@@ -380,8 +403,7 @@ iso_status read_array(const char *path, const iso_volume_opts *opts, const quiet
     if (!vtk.error().empty()) return fail_vtk(path, vtk, error);
     if (std::memcmp(now.dims, info->dims, sizeof now.dims) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
-    if (!all_pieces(reader, found))
-        return iso_fail(error, ISO_ERR_IO, "%s: truncated: its pieces do not cover its extent", path);
+    ISO_TRY(check_pieces(path, reader, found, error));
     const iso_format_array &array = found.array();
     select_only(reader->GetPointDataArraySelection(), array.cells ? nullptr : array.name);
     select_only(reader->GetCellDataArraySelection(), array.cells ? array.name : nullptr);

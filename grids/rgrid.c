@@ -12,9 +12,8 @@ const char *iso_type_name(iso_type type) {
     return names[type];
 }
 
-static iso_status check_desc(const iso_rgrid_desc *desc, size_t *bytes, iso_error *error) {
-    const int *dims = desc->dims;
-    size_t total = iso_type_size(desc->type);
+static iso_status check_dims(const int dims[3], iso_type type, size_t *bytes, iso_error *error) {
+    size_t total = iso_type_size(type), cells = 1;
     for (int axis = 0; axis < 3; axis++) {
         if (dims[axis] < 1)
             return iso_fail(error, ISO_ERR_FORMAT, "a volume of %d x %d x %d voxels has none", dims[0],
@@ -22,13 +21,23 @@ static iso_status check_desc(const iso_rgrid_desc *desc, size_t *bytes, iso_erro
         if (!iso_size_multiply(total, (size_t)dims[axis], &total) || total > PTRDIFF_MAX)
             return iso_fail(error, ISO_ERR_FORMAT, "a volume of %d x %d x %d voxels is too large", dims[0],
                             dims[1], dims[2]);
+        /* Cannot overflow: there are fewer cells than bytes. */
+        cells *= (size_t)(dims[axis] - 1) / ISO_BRICK + 1;
     }
+    if (cells > UINT32_MAX)
+        return iso_fail(error, ISO_ERR_LIMIT, "a volume of %d x %d x %d voxels has over 2^32 bricks", dims[0],
+                        dims[1], dims[2]);
+    *bytes = total;
+    return ISO_OK;
+}
+
+static iso_status check_desc(const iso_rgrid_desc *desc, size_t *bytes, iso_error *error) {
+    ISO_TRY(check_dims(desc->dims, desc->type, bytes, error));
     if (!(desc->scale >= 0) || !isfinite(desc->scale) || !isfinite(desc->offset))
         return iso_fail(error, ISO_ERR_FORMAT, "value scale %g and offset %g are not usable", desc->scale,
                         desc->offset);
     if (desc->transform && iso_transform_is_singular(desc->transform))
         return iso_fail(error, ISO_ERR_FORMAT, "spacing and direction do not span the space");
-    *bytes = total;
     return ISO_OK;
 }
 

@@ -52,7 +52,7 @@ typedef struct iso_rgrid_desc {
 } iso_rgrid_desc;
 
 /* ISO_ERR_FORMAT when a dimension is < 1 or the size overflows, scale is negative or the transform is
- * singular; ISO_ERR_NOMEM. */
+ * singular; ISO_ERR_LIMIT above 2^32 bricks of 16^3; ISO_ERR_NOMEM. */
 iso_status iso_rgrid_create(const iso_rgrid_desc *desc, iso_rgrid **grid, iso_error *error);
 void iso_rgrid_destroy(iso_rgrid *grid);
 

@@ -3,7 +3,7 @@
 cmake_minimum_required(VERSION 3.25)
 set(bad "")
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/src/* ${ROOT}/grids/* ${ROOT}/apps/* ${ROOT}/tests/* ${ROOT}/tools/*)
-list(FILTER files INCLUDE REGEX "\\.(c|h|cc|hpp)$")
+list(FILTER files INCLUDE REGEX "\\.(c|h|cc|hpp|inc)$")
 if(NOT files)
     message(FATAL_ERROR "no source was found below ${ROOT}: nothing was checked")
 endif()

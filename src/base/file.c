@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -21,13 +22,29 @@ static iso_status fail_path(iso_error *error, const char *path, int code) {
     return iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", path, strerror(code));
 }
 
+/* /dev/null, a terminal or a pipe is written to; a rename would replace it by a file. */
+static iso_status open_device(const char *path, iso_sink *sink, iso_error *error) {
+    char *target = strdup(path);
+    if (!target) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    FILE *stream = fopen(path, "wb");
+    if (!stream) {
+        int code = errno;
+        free(target);
+        return fail_path(error, path, code);
+    }
+    *sink = (iso_sink){.stream = stream, .target = target};
+    return ISO_OK;
+}
+
 iso_status iso_sink_open(const char *path, iso_sink *sink, iso_error *error) {
     if (strcmp(path, "-") == 0) {
         *sink = (iso_sink){.stream = stdout};
         return ISO_OK;
     }
     struct stat info;
-    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode)) return fail_path(error, path, EISDIR);
+    bool exists = stat(path, &info) == 0;
+    if (exists && S_ISDIR(info.st_mode)) return fail_path(error, path, EISDIR);
+    if (exists && !S_ISREG(info.st_mode)) return open_device(path, sink, error);
     char *target = strdup(path), *temporary = NULL;
     if (!target || asprintf(&temporary, "%s.XXXXXX", path) < 0) {
         free(target);
@@ -58,7 +75,7 @@ iso_status iso_sink_commit(iso_sink *sink, iso_error *error) {
     if (sink->target) {
         if (fclose(sink->stream) != 0 && !code) code = errno;
         sink->stream = NULL;
-        if (!code && rename(sink->temporary, sink->target) != 0) code = errno;
+        if (!code && sink->temporary && rename(sink->temporary, sink->target) != 0) code = errno;
     }
     iso_status status = code ? fail_path(error, name, code) : ISO_OK;
     if (code) {
@@ -74,7 +91,7 @@ iso_status iso_sink_commit(iso_sink *sink, iso_error *error) {
 void iso_sink_abort(iso_sink *sink) {
     if (sink->target) {
         if (sink->stream) fclose(sink->stream);
-        unlink(sink->temporary);
+        if (sink->temporary) unlink(sink->temporary);
     }
     free(sink->target);
     free(sink->temporary);

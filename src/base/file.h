@@ -1,7 +1,8 @@
 /* file: outputs that appear whole or not at all.
  *
  * A sink writes to a new file beside its target and renames it on commit, after checking every write and
- * fsync-free flush; aborting removes it. "-" is stdout. One thread at a time per sink. */
+ * fsync-free flush; aborting removes it. "-" is stdout. A target that is there and no regular file (a device,
+ * a pipe) is written to directly. One thread at a time per sink. */
 #ifndef ISO_BASE_FILE_H
 #define ISO_BASE_FILE_H
 
@@ -16,7 +17,7 @@ extern "C" {
 
 typedef struct iso_sink {
     FILE *stream;             /* write to it freely; errors are found by iso_sink_commit */
-    char *target, *temporary; /* owned; both NULL for stdout */
+    char *target, *temporary; /* owned; both NULL for stdout, temporary NULL for a device */
 } iso_sink;
 
 /* Opens a sink for `path`. ISO_ERR_WRITE names the path and the reason. On failure nothing is left behind. */

@@ -72,9 +72,25 @@ typedef struct iso_mesh_span {
     size_t first_triangle;
 } iso_mesh_span;
 
-/* An edge, named by its lower voxel (0..16 on each axis, in the brick) and its axis: ((z * 17 + y) * 17 + x)
- * * 3 + axis. Own vertices of a span are sorted by it. */
+/* An edge, named by its axis and its lower voxel (0..16 on each axis, in the brick), axis first: all x edges
+ * of a brick, then all y, then all z edges. Own vertices of a span, and the edge points of a brick, are
+ * sorted by it. */
 typedef uint16_t iso_edge_key;
+
+enum { ISO_LATTICE = ISO_BRICK + 1, ISO_LATTICE_VOXELS = ISO_LATTICE * ISO_LATTICE * ISO_LATTICE };
+
+static inline iso_edge_key iso_edge_key_make(int x, int y, int z, int axis) {
+    return (iso_edge_key)(axis * ISO_LATTICE_VOXELS + (z * ISO_LATTICE + y) * ISO_LATTICE + x);
+}
+
+/* The lower voxel of an edge; returns its axis. */
+static inline int iso_edge_key_split(iso_edge_key key, int voxel[3]) {
+    int lower = key % ISO_LATTICE_VOXELS;
+    voxel[0] = lower % ISO_LATTICE;
+    voxel[1] = lower / ISO_LATTICE % ISO_LATTICE;
+    voxel[2] = lower / ISO_LATTICE / ISO_LATTICE;
+    return key / ISO_LATTICE_VOXELS;
+}
 
 /* A mesh, borrowed from whoever owns it. */
 typedef struct iso_mesh_view {

@@ -37,15 +37,19 @@ typedef enum iso_direction {
 void iso_direction_vectors(iso_direction direction, iso_vec3 up, iso_vec3 *forward, iso_vec3 *view_up);
 
 /* Turns the camera about its focal point: azimuth degrees around view_up (counter-clockwise seen from above:
- * the eye moves to the right), then elevation degrees upwards. As VTK's vtkCamera::Azimuth and Elevation. */
+ * the eye moves to the right), then elevation degrees upwards. As VTK's vtkCamera::Azimuth and Elevation, but
+ * view_up is turned along at the poles and beyond them, where VTK's view would degenerate or flip; before
+ * them it is kept, so that azimuths add up to a turntable. */
 void iso_camera_orbit(iso_camera *camera, double azimuth, double elevation);
 
 /* Moves the eye back (or sets parallel_scale) along its direction so that `box` (world) fits into a picture
- * of `aspect` (width / height) with a margin of 4 %, for `turns` (>= 1) views spaced evenly in azimuth: one
- * framing for all. The focal point becomes the box's centre. An empty box is a programming mistake. */
+ * of `aspect` (width / height) with a margin of 4 % on each side, exactly, for `turns` (>= 1) views spaced
+ * evenly in azimuth: one framing for all. The focal point becomes the box's centre. An empty box is a
+ * programming mistake. */
 void iso_camera_fit(iso_camera *camera, const iso_box *box, double aspect, int turns);
 
-/* Narrows view_angle (or parallel_scale) so that things appear `factor` times larger; factor > 0. */
+/* Narrows view_angle and parallel_scale so that things appear `factor` times larger, exactly (VTK divides the
+ * angle instead); factor > 0. */
 void iso_camera_zoom(iso_camera *camera, double factor);
 
 /* ISO_ERR_USAGE when the camera cannot see: eye at the focal point, view_up parallel to the view, a bad

@@ -24,7 +24,8 @@ typedef struct iso_image {
 iso_status iso_image_create(int width, int height, iso_image *image, iso_error *error);
 void iso_image_free(iso_image *image);
 
-/* One tEXt chunk. Keys as in the PNG specification ("Software", "Description"). */
+/* One tEXt chunk (iTXt when the value is not ASCII: UTF-8). Keys as in the PNG specification ("Software",
+ * "Description"). */
 typedef struct iso_png_text {
     const char *key, *value;
 } iso_png_text;
@@ -35,7 +36,8 @@ typedef struct iso_png_text {
 iso_status iso_png_write(const char *path, const iso_image *image, const iso_png_text *texts, int text_count,
                          iso_error *error);
 
-/* Reads any PNG as 8-bit RGBA. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_NOMEM. */
+/* Reads any PNG as 8-bit RGBA; gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT (also for
+ * sides beyond ISO_IMAGE_MAX), ISO_ERR_NOMEM. */
 iso_status iso_png_read(const char *path, iso_image *image, iso_error *error);
 
 #ifdef __cplusplus

@@ -24,8 +24,9 @@ typedef struct iso_target {
 } iso_target;
 
 /* Attenuated points (2003, section 4.1): each point is a disc that faces the picture, of diameter 2 * radius
- * in world size, scaled by the exact perspective of eq. 3-4 (depth z, not distance), at least one pixel;
- * depth and normal are the point's. */
+ * in world size, scaled by the exact perspective of eq. 3-4 (depth z, not distance), at least the
+ * pixel that its centre lies in; depth and normal are the point's. Points nearer than view->near are left
+ * out. */
 iso_status iso_draw_points(const iso_target *target, const iso_point_view *points, iso_error *error);
 
 /* Triangles: vertices snapped to 1/256 pixel, top-left fill rule, clipped at the near plane; depth and normal

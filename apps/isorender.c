@@ -1,0 +1,72 @@
+/* isorender: any volume file to a correct picture of its isosurface, in one command. */
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/isorender.h"
+
+static int fail(const iso_error *error, iso_status status) {
+    fprintf(stderr, "isorender: %s\n", error->text[0] ? error->text : iso_status_text(status));
+    return iso_status_exit(status);
+}
+
+/* Help and lists are outputs like any other: a full disk is noticed. */
+static int finish_stdout(int status) {
+    if (status) return status;
+    errno = 0;
+    if (fflush(stdout) == 0 && !ferror(stdout)) return status;
+    fprintf(stderr, "isorender: standard output: cannot write: %s\n", strerror(errno ? errno : EIO));
+    return iso_status_exit(ISO_ERR_WRITE);
+}
+
+static iso_status print_help(const isorender_settings *settings, iso_error *error) {
+    if (settings->help == ISORENDER_HELP) iso_options_help(isorender_program(), settings->help_form, stdout);
+    if (settings->help == ISORENDER_VERSION) printf("isorender %s\n", isorender_program()->version);
+    if (settings->help != ISORENDER_BACKENDS) return ISO_OK;
+    iso_pool *pool = NULL;
+    ISO_TRY(iso_pool_create(settings->threads, &pool, error));
+    printf("cpu  generic, %d thread%s\n", iso_pool_threads(pool), iso_pool_threads(pool) > 1 ? "s" : "");
+    iso_pool_destroy(pool);
+    return ISO_OK;
+}
+
+/* One input that fails does not stop the others; the first failure gives the exit status. */
+static int run_all(const isorender_settings *settings, const isorender_plan *plans, iso_pool *pool) {
+    int worst = 0;
+    for (int i = 0; i < settings->input_count; i++) {
+        iso_error error = {0};
+        iso_status status = isorender_run(settings, &plans[i], pool, &error);
+        if (status == ISO_OK) continue;
+        int code = fail(&error, status);
+        if (worst == 0) worst = code;
+    }
+    return worst;
+}
+
+static iso_status run(const isorender_settings *settings, int *code, iso_error *error) {
+    isorender_plan *plans = NULL;
+    iso_pool *pool = NULL;
+    ISO_TRY(isorender_plans_make(settings, &plans, error));
+    iso_status status = iso_pool_create(settings->threads, &pool, error);
+    if (status == ISO_OK) *code = run_all(settings, plans, pool);
+    iso_pool_destroy(pool);
+    isorender_plans_free(plans, settings->input_count);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    /* A reader that goes away is a write error with a message, not a silent death. */
+    signal(SIGPIPE, SIG_IGN);
+    iso_error error = {0};
+    isorender_settings settings;
+    iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
+    if (!operands.values) return iso_status_exit(ISO_ERR_NOMEM);
+    int code = 0;
+    iso_status status = isorender_settings_parse(argc, argv, &settings, &operands, &error);
+    if (status == ISO_OK)
+        status = settings.help ? print_help(&settings, &error) : run(&settings, &code, &error);
+    if (status != ISO_OK) code = fail(&error, status);
+    free(operands.values);
+    return finish_stdout(code);
+}

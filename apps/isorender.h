@@ -1,0 +1,195 @@
+/* isorender: what its source files share. The way of one input: open (header, outputs checked), read,
+ * surfaces, exports, pictures, report. */
+#ifndef ISO_APPS_ISORENDER_H
+#define ISO_APPS_ISORENDER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "apps/options.h"
+#include "base/parallel.h"
+#include "extract/isovalue.h"
+#include "extract/mesh.h"
+#include "extract/points.h"
+#include "grids/volume.h"
+#include "image/camera.h"
+#include "io/points_io.h"
+#include "render/shading.h"
+#include "truth/raycast.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- what the user asked for (isorender_options.c) ---- */
+
+enum { ISORENDER_SURFACES = 64, ISORENDER_RECORD = 4096 };
+
+typedef enum isorender_method { ISORENDER_POINTS, ISORENDER_MESH, ISORENDER_RAYCAST } isorender_method;
+typedef enum isorender_help {
+    ISORENDER_RUN,
+    ISORENDER_HELP,
+    ISORENDER_VERSION,
+    ISORENDER_BACKENDS
+} isorender_help;
+
+/* Strings are borrowed from argv. */
+typedef struct isorender_settings {
+    const char *const *inputs;
+    int input_count;
+    const char *scene, *output;
+
+    const char *grid, *series;
+    int component, has_raw, cropped;
+    iso_raw_layout raw;
+    double spacing[3];
+    int crop[6]; /* x0 x1 y0 y1 z0 z1, inclusive */
+    uint64_t max_memory;
+
+    double isovalues[ISORENDER_SURFACES];
+    int isovalue_count, isovalue_auto;
+    iso_rgb colors[ISORENDER_SURFACES];
+    int color_count;
+    int primitive; /* iso_primitive */
+    const char *points, *mesh;
+
+    int method; /* isorender_method */
+    const char *backend;
+    int width, height, samples, turntable, no_image;
+    iso_rgb background;
+    int transparent;
+
+    int direction; /* iso_direction */
+    iso_vec3 up;
+    double azimuth, elevation, zoom, view_angle;
+    int orthographic;
+    double position[3], focal_point[3], view_up[3]; /* NaN: not given */
+
+    int threads, progress, quiet, verbose;
+    int info, json;
+    const char *json_path; /* NULL: stdout */
+    isorender_help help;
+    iso_help_form help_form;
+    char record[ISORENDER_RECORD]; /* the options that shape the picture, as typed */
+} isorender_settings;
+
+const iso_program *isorender_program(void);
+
+/* Fills settings from the command line and checks that it makes sense. `operands` has room for argc. */
+iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
+                                    iso_operands *operands, iso_error *error);
+
+/* ---- what one input becomes (isorender_plan.c) ---- */
+
+/* Where the outputs of one input go: owned texts, NULL for what is not wanted. */
+typedef struct isorender_plan {
+    const char *input; /* as typed, or `scene` */
+    char *scene;       /* "scene:NAME" made from --scene, or NULL */
+    char *model;
+    char *image; /* with {n:3} left in for a turntable */
+    char *points, *mesh, *json;
+} isorender_plan;
+
+/* Plans for all inputs; refuses names that collide or would overwrite an input. isorender_plans_free. */
+iso_status isorender_plans_make(const isorender_settings *settings, isorender_plan **plans, iso_error *error);
+void isorender_plans_free(isorender_plan *plans, int count);
+
+/* The name of frame `frame` of a turntable, or of the only picture. free(). */
+iso_status isorender_plan_frame(const isorender_plan *plan, int frame, char **path, iso_error *error);
+
+/* Fails with ISO_ERR_WRITE when an output cannot be made; leaves nothing behind. */
+iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *error);
+
+/* ---- the work on one input ---- */
+
+typedef struct isorender_surface {
+    double isovalue; /* physical; NaN for points that were read */
+    iso_rgb color;
+    iso_point_set *points; /* or NULL */
+    iso_mesh_set *mesh;    /* or NULL */
+    iso_raycaster *caster; /* or NULL */
+} isorender_surface;
+
+typedef struct isorender_frame {
+    uint64_t hash;  /* FNV-1a of width, height and the pixels */
+    size_t covered; /* samples that show a surface */
+} isorender_frame;
+
+typedef struct isorender_seconds {
+    double load, extract, render, write, total;
+} isorender_seconds;
+
+typedef struct isorender_job {
+    const isorender_settings *settings;
+    const isorender_plan *plan;
+    iso_pool *pool;
+    char *copy;       /* temporary copy of stdin, or NULL */
+    const char *path; /* what to read */
+
+    bool from_points; /* `points` was read, there is no volume */
+    iso_volume volume;
+    iso_points points;
+    double scene_isovalue; /* NaN when the input is not a scene */
+    size_t nonfinite;
+    bool has_histogram;
+    iso_histogram histogram;
+
+    isorender_surface surfaces[ISORENDER_SURFACES];
+    int surface_count;
+    uint64_t point_count, rejected, vertex_count, triangle_count;
+    iso_box bounds_local, bounds_world; /* mm */
+
+    iso_camera camera; /* of the first frame */
+    isorender_frame *frames;
+    int frame_count;
+    /* Outputs that stand: removed again when a later step fails. */
+    bool points_written, mesh_written;
+    int frames_written;
+    isorender_seconds seconds;
+    const char *stage; /* progress: what is going on, and what was last told */
+    int told;
+} isorender_job;
+
+/* The whole way of one input. On failure nothing that it wrote is left. */
+iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
+                         iso_error *error);
+
+/* isorender_input.c: header and notes; then the voxels or points. */
+iso_status isorender_open(isorender_job *job, iso_error *error);
+iso_status isorender_read(isorender_job *job, iso_error *error);
+void isorender_close(isorender_job *job);
+
+/* isorender_surface.c */
+iso_status isorender_histogram(isorender_job *job, iso_error *error); /* into job->histogram, once */
+iso_status isorender_extract(isorender_job *job, iso_error *error);
+iso_status isorender_export(isorender_job *job, iso_error *error);
+iso_point_view isorender_points_view(const isorender_job *job, int surface);
+
+/* isorender_picture.c */
+iso_status isorender_render(isorender_job *job, iso_error *error);
+uint64_t isorender_picture_bytes(const isorender_settings *settings);
+
+/* isorender_report.c */
+iso_status isorender_report_json(const isorender_job *job, iso_error *error);
+/* Text on stdout: what the header says (isorender_info.c), and what the voxels say. */
+void isorender_info_header(const isorender_job *job);
+void isorender_info_values(const isorender_job *job);
+
+/* isorender_talk.c: what goes to stderr. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void isorender_say(const isorender_job *job, const char *format, ...); /* unless --quiet */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void isorender_detail(const isorender_job *job, const char *format, ...); /* with --verbose */
+void isorender_progress(isorender_job *job, const char *stage, double fraction); /* with --progress */
+const char *isorender_input_name(const isorender_job *job);
+double isorender_now(void); /* seconds */
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,192 @@
+/* From surfaces to PNG files: the camera, one picture or a turntable of them. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/isorender.h"
+#include "image/image.h"
+#include "render/draw.h"
+#include "render/picture.h"
+
+/* ---- camera ---- */
+
+static bool is_given(const double v[3]) {
+    return !isnan(v[0]);
+}
+
+static iso_vec3 vector(const double v[3]) {
+    return iso_vec3_make(v[0], v[1], v[2]);
+}
+
+static double degrees_between_frames(const isorender_settings *settings) {
+    return settings->turntable ? 360.0 / settings->turntable : 0;
+}
+
+/* Where the eye is when nothing is said about it: the preset, turned, at the distance that shows everything.
+ */
+static iso_camera fitted_camera(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    iso_camera camera = {
+        .view_angle = settings->view_angle, .orthographic = settings->orthographic != 0, .parallel_scale = 1};
+    iso_vec3 forward;
+    iso_direction_vectors((iso_direction)settings->direction, settings->up, &forward, &camera.view_up);
+    if (is_given(settings->view_up)) camera.view_up = vector(settings->view_up);
+    camera.position = iso_vec3_scale(forward, -1);
+    iso_camera_orbit(&camera, settings->azimuth, settings->elevation);
+    double aspect = (double)settings->width / settings->height;
+    iso_camera_fit(&camera, &job->bounds_world, aspect, settings->turntable ? settings->turntable : 1);
+    if (is_given(settings->focal_point)) {
+        iso_vec3 shift = iso_vec3_sub(vector(settings->focal_point), camera.focal_point);
+        camera.focal_point = vector(settings->focal_point);
+        camera.position = iso_vec3_add(camera.position, shift);
+    }
+    return camera;
+}
+
+/* A position that is given is where the eye is; azimuth and elevation turn it from there. */
+static void place_camera(const isorender_job *job, iso_camera *camera) {
+    const isorender_settings *settings = job->settings;
+    camera->position = vector(settings->position);
+    if (settings->azimuth != 0 || settings->elevation != 0)
+        iso_camera_orbit(camera, settings->azimuth, settings->elevation);
+}
+
+static iso_status make_camera(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    iso_camera camera = fitted_camera(job);
+    if (is_given(settings->position)) place_camera(job, &camera);
+    if (settings->zoom != 1) iso_camera_zoom(&camera, settings->zoom);
+    ISO_TRY(iso_camera_check(&camera, error));
+    job->camera = camera;
+    return ISO_OK;
+}
+
+/* ---- one picture ---- */
+
+static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    const isorender_job *job = context;
+    for (int i = 0; i < job->surface_count; i++) {
+        const isorender_surface *surface = &job->surfaces[i];
+        iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
+        if (job->settings->method == ISORENDER_MESH) {
+            iso_mesh_view mesh = iso_mesh_set_view(surface->mesh);
+            ISO_TRY(iso_draw_mesh(&target, &mesh, error));
+        } else if (job->settings->method == ISORENDER_RAYCAST) {
+            ISO_TRY(iso_draw_raycast(&target, surface->caster, error));
+        } else {
+            iso_point_view points = isorender_points_view(job, i);
+            ISO_TRY(iso_draw_points(&target, &points, error));
+        }
+    }
+    return ISO_OK;
+}
+
+/* FNV-1a, 64 bits, over width and height as 4 little-endian bytes each and the pixels. */
+static uint64_t hash_image(const iso_image *image) {
+    uint64_t hash = 0xcbf29ce484222325u;
+    const int sides[2] = {image->width, image->height};
+    for (int side = 0; side < 2; side++)
+        for (int shift = 0; shift < 32; shift += 8)
+            hash = (hash ^ (uint64_t)(sides[side] >> shift & 255)) * 0x100000001b3u;
+    size_t count = (size_t)image->width * (size_t)image->height * 4;
+    for (size_t i = 0; i < count; i++) hash = (hash ^ image->rgba[i]) * 0x100000001b3u;
+    return hash;
+}
+
+static iso_status write_picture(isorender_job *job, const iso_image *image, const char *path,
+                                iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    char software[64], isovalues[512] = "", command[ISORENDER_RECORD + 256];
+    const iso_program *program = isorender_program();
+    snprintf(software, sizeof software, "%s %s", program->name, program->version);
+    size_t used = 0;
+    for (int i = 0; i < job->surface_count && !job->from_points && used + 32 < sizeof isovalues; i++)
+        used += (size_t)snprintf(isovalues + used, sizeof isovalues - used, "%s%.10g", i ? ", " : "isovalue ",
+                                 job->surfaces[i].isovalue);
+    snprintf(command, sizeof command, "%s %s%s", program->name, job->plan->model, settings->record);
+    /* Neither paths nor thread counts: the same picture is the same file wherever it is made. */
+    const iso_png_text texts[] = {{"Software", software},
+                                  {"Title", job->plan->model},
+                                  {"Comment", command},
+                                  {"Description", isovalues}};
+    return iso_png_write(path, image, texts, isovalues[0] ? 4 : 3, error);
+}
+
+static iso_status render_frame(isorender_job *job, int frame, iso_image *image, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    iso_camera camera = job->camera;
+    if (frame > 0) iso_camera_orbit(&camera, frame * degrees_between_frames(settings), 0);
+    iso_rgb colors[ISORENDER_SURFACES];
+    for (int i = 0; i < job->surface_count; i++) colors[i] = job->surfaces[i].color;
+    iso_picture_opts opts = {
+        .camera = &camera,
+        .width = settings->width,
+        .height = settings->height,
+        .samples = settings->samples,
+        .shading = {colors, job->surface_count, settings->background, settings->transparent},
+        .draw = draw,
+        .draw_context = job,
+        .pool = job->pool};
+    double start = isorender_now();
+    ISO_TRY(iso_picture_render(&opts, image, &job->frames[frame].covered, error));
+    job->seconds.render += isorender_now() - start;
+    if (job->frames[frame].covered == 0)
+        return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
+    job->frames[frame].hash = hash_image(image);
+    return ISO_OK;
+}
+
+static iso_status save_frame(isorender_job *job, int frame, const iso_image *image, iso_error *error) {
+    char *path = NULL;
+    ISO_TRY(isorender_plan_frame(job->plan, frame, &path, error));
+    double start = isorender_now();
+    iso_status status = write_picture(job, image, path, error);
+    job->seconds.write += isorender_now() - start;
+    if (status == ISO_OK) job->frames_written = frame + 1;
+    free(path);
+    return status;
+}
+
+static iso_status render_frames(isorender_job *job, iso_image *image, iso_error *error) {
+    for (int frame = 0; frame < job->frame_count; frame++) {
+        isorender_progress(job, "rendering", (double)frame / job->frame_count);
+        ISO_TRY(render_frame(job, frame, image, error));
+        ISO_TRY(save_frame(job, frame, image, error));
+    }
+    isorender_progress(job, "rendering", 1);
+    return ISO_OK;
+}
+
+/* ---- all pictures ---- */
+
+uint64_t isorender_picture_bytes(const isorender_settings *settings) {
+    enum { SAMPLE = sizeof(float) + 3 * sizeof(float) + 1, STRIP = 256 << 20 };
+    uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
+    uint64_t samples = pixels * (uint64_t)settings->samples * SAMPLE;
+    return 4 * pixels + (samples < STRIP ? samples : STRIP);
+}
+
+/* The name of all frames as ffmpeg wants it: {n:3} becomes %03d. */
+static void suggest_film(const isorender_job *job) {
+    const char *image = job->plan->image, *variable = strstr(image, "{n");
+    if (!variable) return;
+    const char *end = strchr(variable, '}');
+    char number[8] = "%d";
+    if (variable[2] == ':') snprintf(number, sizeof number, "%%0%cd", variable[3]);
+    isorender_say(job, "a film: ffmpeg -framerate 25 -i '%.*s%s%s' -pix_fmt yuv420p '%s.mp4'",
+                  (int)(variable - image), image, number, end + 1, job->plan->model);
+}
+
+iso_status isorender_render(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    ISO_TRY(make_camera(job, error));
+    job->frame_count = settings->turntable ? settings->turntable : 1;
+    job->frames = calloc((size_t)job->frame_count, sizeof *job->frames);
+    if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    iso_image image = {0};
+    ISO_TRY(iso_image_create(settings->width, settings->height, &image, error));
+    iso_status status = render_frames(job, &image, error);
+    iso_image_free(&image);
+    if (status == ISO_OK && settings->turntable) suggest_film(job);
+    return status;
+}

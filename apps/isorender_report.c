@@ -1,0 +1,207 @@
+/* --json: what was read, made and measured, as one object. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/isorender.h"
+#include "apps/json.h"
+#include "base/file.h"
+#include "base/memory.h"
+
+static void put_vector(iso_json *json, const char *key, iso_vec3 v) {
+    const double values[3] = {v.x, v.y, v.z};
+    iso_json_reals(json, key, values, 3);
+}
+
+/* x0 x1 y0 y1 z0 z1, as --crop and VTK have it. */
+static void put_box(iso_json *json, const char *key, const iso_box *box) {
+    const double values[6] = {box->lo.x, box->hi.x, box->lo.y, box->hi.y, box->lo.z, box->hi.z};
+    iso_json_reals(json, key, values, 6);
+}
+
+static void put_volume(iso_json *json, const isorender_job *job) {
+    const iso_volume_info *info = &job->volume.info;
+    iso_json_begin_object(json, "volume");
+    iso_json_string(json, "path", job->plan->input);
+    iso_json_string(json, "format", job->from_points ? "ply" : info->format);
+    if (!job->from_points) {
+        iso_json_string(json, "name", info->name);
+        iso_json_ints(json, "dims", info->dims, 3);
+        iso_json_string(json, "type", iso_type_name(info->type));
+        iso_json_string(json, "file_type", info->file_type);
+        iso_json_integer(json, "components", (uint64_t)info->components);
+        iso_json_integer(json, "component", (uint64_t)info->component);
+        iso_json_reals(json, "spacing", info->transform.spacing, 3);
+        iso_json_reals(json, "origin", info->transform.origin, 3);
+        iso_json_reals(json, "direction", info->transform.direction, 9);
+        iso_json_real(json, "scale", info->scale);
+        iso_json_real(json, "offset", info->offset);
+        iso_json_bool(json, "level_set", info->level_set);
+        iso_json_bool(json, "sparse", info->sparse);
+        iso_json_bool(json, "anatomical", info->anatomical);
+        iso_json_begin_array(json, "items");
+        for (int i = 0; i < info->item_count; i++) iso_json_string(json, NULL, info->items[i]);
+        iso_json_end_array(json);
+        iso_json_begin_array(json, "notes");
+        for (int i = 0; i < info->note_count; i++) iso_json_string(json, NULL, info->notes[i]);
+        iso_json_end_array(json);
+        if (job->settings->cropped) iso_json_ints(json, "crop", job->settings->crop, 6);
+    }
+    iso_json_end_object(json);
+}
+
+static void put_histogram(iso_json *json, const isorender_job *job) {
+    const iso_histogram *histogram = &job->histogram;
+    iso_json_begin_object(json, "histogram");
+    iso_json_real(json, "low", histogram->low);
+    iso_json_real(json, "high", histogram->high);
+    iso_json_integer(json, "counted", histogram->counted);
+    iso_json_integer(json, "padding", histogram->padding);
+    if (histogram->padding) iso_json_real(json, "padding_value", histogram->padding_value);
+    double bins[ISO_HISTOGRAM_BINS];
+    for (int i = 0; i < ISO_HISTOGRAM_BINS; i++) bins[i] = (double)histogram->bins[i];
+    iso_json_reals(json, "bins", bins, ISO_HISTOGRAM_BINS);
+    iso_json_end_object(json);
+    double candidates[ISO_ISOVALUE_CANDIDATES];
+    size_t count = iso_isovalue_suggest(&job->volume.grid, histogram, candidates);
+    iso_json_reals(json, "suggested_isovalues", candidates, (int)count);
+}
+
+static void put_info(iso_json *json, const isorender_job *job) {
+    if (!job->from_points) {
+        iso_affine affine = iso_transform_affine(&job->volume.info.transform);
+        double matrix[12];
+        for (int row = 0; row < 3; row++) {
+            memcpy(matrix + 4 * row, affine.m + 3 * row, 3 * sizeof *matrix);
+            matrix[4 * row + 3] = affine.origin[row];
+        }
+        iso_json_reals(json, "matrix", matrix, 12);
+    }
+    if (job->has_histogram) put_histogram(json, job);
+    iso_json_begin_object(json, "memory");
+    iso_json_integer(json, "grid", job->volume.info.bytes);
+    iso_json_integer(json, "reading", job->volume.info.read_bytes);
+    iso_json_integer(json, "picture", isorender_picture_bytes(job->settings));
+    iso_json_end_object(json);
+}
+
+static void put_surfaces(iso_json *json, const isorender_job *job) {
+    iso_json_real(json, "isovalue", job->surfaces[0].isovalue);
+    double isovalues[ISORENDER_SURFACES];
+    for (int i = 0; i < job->surface_count; i++) isovalues[i] = job->surfaces[i].isovalue;
+    iso_json_reals(json, "isovalues", isovalues, job->surface_count);
+    iso_json_begin_array(json, "colors");
+    for (int i = 0; i < job->surface_count; i++) {
+        char text[8];
+        iso_rgb c = job->surfaces[i].color;
+        snprintf(text, sizeof text, "%02X%02X%02X", c.r, c.g, c.b);
+        iso_json_string(json, NULL, text);
+    }
+    iso_json_end_array(json);
+    bool points = job->from_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL;
+    iso_primitive primitive = (iso_primitive)job->settings->primitive;
+    if (primitive == ISO_PRIMITIVE_AUTO)
+        primitive = job->volume.grid.hgrid ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
+    iso_json_begin_object(json, "primitives");
+    if (points) iso_json_integer(json, "points", job->point_count);
+    if (points && !job->from_points) iso_json_string(json, "kind", iso_primitive_name(primitive));
+    if (points && !job->from_points) iso_json_integer(json, "rejected", job->rejected);
+    if (mesh) iso_json_integer(json, "vertices", job->vertex_count);
+    if (mesh) iso_json_integer(json, "triangles", job->triangle_count);
+    iso_json_end_object(json);
+    put_box(json, "bounds_local", &job->bounds_local);
+    put_box(json, "bounds_world", &job->bounds_world);
+}
+
+static void put_camera(iso_json *json, const iso_camera *camera) {
+    iso_json_begin_object(json, "camera");
+    put_vector(json, "position", camera->position);
+    put_vector(json, "focal_point", camera->focal_point);
+    put_vector(json, "view_up", camera->view_up);
+    iso_json_real(json, "view_angle", camera->view_angle);
+    iso_json_bool(json, "orthographic", camera->orthographic);
+    iso_json_real(json, "parallel_scale", camera->orthographic ? camera->parallel_scale : NAN);
+    iso_json_end_object(json);
+}
+
+static iso_status put_frame(iso_json *json, const char *key, const isorender_job *job, int frame,
+                            iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    char *path = NULL, hash[20];
+    ISO_TRY(isorender_plan_frame(job->plan, frame, &path, error));
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)job->frames[frame].hash);
+    iso_json_begin_object(json, key);
+    iso_json_string(json, "path", path);
+    iso_json_integer(json, "width", (uint64_t)settings->width);
+    iso_json_integer(json, "height", (uint64_t)settings->height);
+    iso_json_integer(json, "samples", (uint64_t)settings->samples);
+    iso_json_integer(json, "covered", job->frames[frame].covered);
+    iso_json_string(json, "hash", hash);
+    iso_json_end_object(json);
+    free(path);
+    return ISO_OK;
+}
+
+static iso_status put_images(iso_json *json, const isorender_job *job, iso_error *error) {
+    if (!job->plan->image) return ISO_OK;
+    put_camera(json, &job->camera);
+    ISO_TRY(put_frame(json, "image", job, 0, error));
+    if (!job->settings->turntable) return ISO_OK;
+    iso_json_begin_array(json, "frames");
+    for (int i = 0; i < job->frame_count; i++) ISO_TRY(put_frame(json, NULL, job, i, error));
+    iso_json_end_array(json);
+    return ISO_OK;
+}
+
+static void put_seconds(iso_json *json, const isorender_seconds *seconds) {
+    iso_json_begin_object(json, "seconds");
+    iso_json_real(json, "load", seconds->load);
+    iso_json_real(json, "extract", seconds->extract);
+    iso_json_real(json, "render", seconds->render);
+    iso_json_real(json, "write", seconds->write);
+    iso_json_real(json, "total", seconds->total);
+    iso_json_end_object(json);
+}
+
+static void put_files(iso_json *json, const isorender_job *job) {
+    if (job->plan->points) iso_json_string(json, "points_path", job->plan->points);
+    if (job->plan->mesh) iso_json_string(json, "mesh_path", job->plan->mesh);
+}
+
+static iso_status put_report(iso_json *json, const isorender_job *job, iso_error *error) {
+    static const char *const methods[] = {"points", "mesh", "raycast"};
+    const isorender_settings *settings = job->settings;
+    iso_json_begin_object(json, NULL);
+    iso_json_string(json, "schema", "isorender/1");
+    iso_json_string(json, "version", isorender_program()->version);
+    put_volume(json, job);
+    if (job->has_histogram) {
+        const double range[2] = {job->histogram.minimum, job->histogram.maximum};
+        iso_json_reals(json, "value_range", range, 2);
+    }
+    iso_json_integer(json, "nonfinite", job->nonfinite);
+    if (settings->info)
+        put_info(json, job);
+    else
+        put_surfaces(json, job);
+    put_files(json, job);
+    put_seconds(json, &job->seconds);
+    iso_json_integer(json, "peak_bytes", iso_memory_peak());
+    iso_json_string(json, "backend", "cpu");
+    iso_json_string(json, "renderer", "cpu generic");
+    if (!settings->info) iso_json_string(json, "method", methods[settings->method]);
+    iso_json_integer(json, "threads", (uint64_t)iso_pool_threads(job->pool));
+    ISO_TRY(put_images(json, job, error));
+    iso_json_end_object(json);
+    return ISO_OK;
+}
+
+iso_status isorender_report_json(const isorender_job *job, iso_error *error) {
+    iso_sink sink = {0};
+    ISO_TRY(iso_sink_open(job->plan->json ? job->plan->json : "-", &sink, error));
+    iso_json json = {.stream = sink.stream};
+    iso_status status = put_report(&json, job, error);
+    if (status == ISO_OK) return iso_sink_commit(&sink, error);
+    iso_sink_abort(&sink);
+    return status;
+}

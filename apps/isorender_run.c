@@ -1,0 +1,109 @@
+/* The way of one input, and what happens to its outputs when it fails. */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "apps/isorender.h"
+
+static iso_status inform(isorender_job *job, iso_error *error) {
+    bool text = !job->settings->json;
+    double start = isorender_now();
+    if (text) isorender_info_header(job);
+    ISO_TRY(isorender_read(job, error));
+    job->seconds.load += isorender_now() - start;
+    if (!job->from_points) {
+        iso_status status = isorender_histogram(job, error);
+        if (status != ISO_OK && status != ISO_ERR_EMPTY) return status;
+    }
+    if (text) isorender_info_values(job);
+    return ISO_OK;
+}
+
+static void tell_done(const isorender_job *job) {
+    isorender_detail(job, "load %.3f s, extract %.3f s, render %.3f s, write %.3f s", job->seconds.load,
+                     job->seconds.extract, job->seconds.render, job->seconds.write);
+    if (!job->plan->image || strcmp(job->plan->image, "-") == 0) return;
+    isorender_say(job, "wrote %s%s", job->plan->image, job->settings->turntable ? " (all frames)" : "");
+}
+
+static iso_status make(isorender_job *job, iso_error *error) {
+    double start = isorender_now();
+    ISO_TRY(isorender_read(job, error));
+    double read = isorender_now();
+    job->seconds.load += read - start;
+    ISO_TRY(isorender_extract(job, error));
+    double extracted = isorender_now();
+    job->seconds.extract = extracted - read;
+    ISO_TRY(isorender_export(job, error));
+    job->seconds.write = isorender_now() - extracted;
+    if (job->plan->image) ISO_TRY(isorender_render(job, error));
+    return ISO_OK;
+}
+
+static iso_status work(isorender_job *job, iso_error *error) {
+    double start = isorender_now();
+    ISO_TRY(isorender_open(job, error));
+    job->seconds.load = isorender_now() - start;
+    ISO_TRY(isorender_plan_check_writable(job->plan, error));
+    if (job->settings->info)
+        ISO_TRY(inform(job, error));
+    else
+        ISO_TRY(make(job, error));
+    job->seconds.total = isorender_now() - start;
+    if (job->settings->json) ISO_TRY(isorender_report_json(job, error));
+    if (!job->settings->info) tell_done(job);
+    return ISO_OK;
+}
+
+/* What was written before a later output failed would pass for the whole. */
+static void remove_outputs(const isorender_job *job) {
+    if (job->points_written) unlink(job->plan->points);
+    if (job->mesh_written) unlink(job->plan->mesh);
+    for (int frame = 0; frame < job->frames_written; frame++) {
+        char *path = NULL;
+        if (isorender_plan_frame(job->plan, frame, &path, NULL) != ISO_OK) continue;
+        if (strcmp(path, "-") != 0) unlink(path);
+        free(path);
+    }
+}
+
+/* Every message names a thing: the input, unless the text already begins with it or with an output. */
+static void name_input(const isorender_job *job, iso_error *error) {
+    const char *name = isorender_input_name(job), *text = error->text;
+    size_t length = job->path ? strlen(job->path) : 0;
+    bool path =
+        length && strncmp(text, job->path, length) == 0 && (text[length] == ':' || text[length] == '/');
+    bool named = strncmp(text, name, strlen(name)) == 0;
+    if (error->status == ISO_ERR_WRITE || (path && !job->copy) || named) return;
+    char whole[sizeof error->text + 256];
+    snprintf(whole, sizeof whole, "%s: %s", name,
+             path ? text + length + 1 + (text[length + 1] == ' ') : text);
+    snprintf(error->text, sizeof error->text, "%.*s", (int)sizeof error->text - 1, whole);
+}
+
+static void free_surfaces(isorender_job *job) {
+    for (int i = 0; i < job->surface_count; i++) {
+        iso_point_set_destroy(job->surfaces[i].points);
+        iso_mesh_set_destroy(job->surfaces[i].mesh);
+        iso_raycaster_destroy(job->surfaces[i].caster);
+    }
+    free(job->frames);
+}
+
+iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
+                         iso_error *error) {
+    isorender_job *job = calloc(1, sizeof *job);
+    if (!job) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", plan->input);
+    job->settings = settings;
+    job->plan = plan;
+    job->pool = pool;
+    iso_status status = work(job, error);
+    if (status != ISO_OK) {
+        remove_outputs(job);
+        name_input(job, error);
+    }
+    free_surfaces(job);
+    isorender_close(job);
+    free(job);
+    return status;
+}

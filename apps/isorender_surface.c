@@ -1,0 +1,231 @@
+/* Isovalues and the surfaces they give: points, meshes, ray casters, their counts and bounds, their files. */
+#include <math.h>
+#include <string.h>
+
+#include "apps/isorender.h"
+#include "io/mesh_io.h"
+
+iso_status isorender_histogram(isorender_job *job, iso_error *error) {
+    if (job->has_histogram) return ISO_OK;
+    ISO_TRY(iso_histogram_compute(&job->volume.grid, job->pool, &job->histogram, error));
+    job->has_histogram = true;
+    return ISO_OK;
+}
+
+/* ---- which isovalues ---- */
+
+static iso_status suggest(isorender_job *job, double *isovalue, iso_error *error) {
+    ISO_TRY(isorender_histogram(job, error));
+    double candidates[ISO_ISOVALUE_CANDIDATES];
+    size_t count = iso_isovalue_suggest(&job->volume.grid, &job->histogram, candidates);
+    if (count == 0)
+        return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
+                        job->histogram.minimum);
+    *isovalue = candidates[0];
+    if (iso_grid_is_level_set(&job->volume.grid))
+        isorender_say(job, "isovalue %g (a level set)", candidates[0]);
+    else if (count < ISO_ISOVALUE_CANDIDATES)
+        isorender_say(job, "isovalue %g (Otsu's threshold, 1979)", candidates[0]);
+    else
+        isorender_say(job, "isovalue %g (Otsu's threshold, 1979); next candidates: %g and %g", candidates[0],
+                      candidates[1], candidates[2]);
+    return ISO_OK;
+}
+
+static iso_status choose_isovalues(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    job->surface_count = settings->isovalue_count ? settings->isovalue_count : 1;
+    for (int i = 0; i < settings->isovalue_count; i++) job->surfaces[i].isovalue = settings->isovalues[i];
+    if (settings->isovalue_count) return ISO_OK;
+    if (job->from_points)
+        job->surfaces[0].isovalue = NAN;
+    else if (!isnan(job->scene_isovalue))
+        job->surfaces[0].isovalue = job->scene_isovalue;
+    else
+        return suggest(job, &job->surfaces[0].isovalue, error);
+    return ISO_OK;
+}
+
+static void choose_colors(isorender_job *job) {
+    static const iso_rgb palette[] = {{0xD9, 0xB3, 0x6C}, {0x8F, 0x2D, 0x2D}, {0x3F, 0x6F, 0xA8},
+                                      {0x5B, 0x8E, 0x4B}, {0x7D, 0x5B, 0x9B}, {0xC7, 0x7A, 0x3A}};
+    enum { COLORS = sizeof palette / sizeof *palette };
+    for (int i = 0; i < job->surface_count; i++)
+        job->surfaces[i].color =
+            i < job->settings->color_count ? job->settings->colors[i] : palette[i % COLORS];
+}
+
+/* ---- extraction ---- */
+
+static bool wants_mesh(const isorender_job *job) {
+    bool export_only = !job->plan->image && job->settings->points;
+    return job->settings->mesh || (job->settings->method == ISORENDER_MESH && !export_only);
+}
+
+static bool wants_points(const isorender_job *job) {
+    bool export_only = !job->plan->image && job->settings->mesh;
+    return job->settings->points || (job->settings->method != ISORENDER_MESH && !export_only);
+}
+
+/* Says what the data holds, so that the user can choose better. */
+static iso_status fail_empty(isorender_job *job, double isovalue, iso_error *error) {
+    ISO_TRY(isorender_histogram(job, error));
+    const iso_histogram *histogram = &job->histogram;
+    if (histogram->minimum == histogram->maximum)
+        return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g: every voxel is %g", isovalue,
+                        histogram->minimum);
+    return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g: values lie in %g .. %g", isovalue,
+                    histogram->minimum, histogram->maximum);
+}
+
+static iso_status extract_points(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    /* Exported points keep all bits of their positions; 8 bytes are enough for a picture. */
+    iso_points_opts opts = {.isovalue = surface->isovalue,
+                            .primitive = (iso_primitive)job->settings->primitive,
+                            .floats = job->settings->points != NULL,
+                            .pool = job->pool};
+    ISO_TRY(iso_point_set_create(&job->volume.grid, &opts, &surface->points, error));
+    ISO_TRY(iso_point_set_update(surface->points, error));
+    iso_points_stats stats = iso_point_set_stats(surface->points);
+    job->point_count += stats.points;
+    job->rejected += stats.rejected;
+    isorender_detail(job, "isovalue %g: %zu points in %zu bricks, %zu rejected", surface->isovalue,
+                     stats.points, stats.bricks, stats.rejected);
+    return stats.points ? ISO_OK : fail_empty(job, surface->isovalue, error);
+}
+
+static iso_status extract_mesh(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    iso_mesh_opts opts = {.isovalue = surface->isovalue, .pool = job->pool};
+    ISO_TRY(iso_mesh_set_create(&job->volume.grid, &opts, &surface->mesh, error));
+    ISO_TRY(iso_mesh_set_update(surface->mesh, error));
+    iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+    size_t triangles = iso_mesh_view_triangle_count(&view), vertices = iso_mesh_view_vertex_count(&view);
+    job->triangle_count += triangles;
+    job->vertex_count += vertices;
+    isorender_detail(job, "isovalue %g: %zu vertices, %zu triangles", surface->isovalue, vertices, triangles);
+    return triangles ? ISO_OK : fail_empty(job, surface->isovalue, error);
+}
+
+static iso_status extract_surface(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    if (wants_points(job)) ISO_TRY(extract_points(job, surface, error));
+    if (wants_mesh(job)) ISO_TRY(extract_mesh(job, surface, error));
+    if (job->plan->image && job->settings->method == ISORENDER_RAYCAST)
+        return iso_raycaster_create(&job->volume.grid, surface->isovalue, job->pool, &surface->caster, error);
+    return ISO_OK;
+}
+
+/* ---- bounds ---- */
+
+iso_point_view isorender_points_view(const isorender_job *job, int surface) {
+    return job->from_points ? iso_points_view(&job->points)
+                            : iso_point_set_view(job->surfaces[surface].points);
+}
+
+static void add_box(iso_box *box, const iso_box *more) {
+    if (iso_box_is_empty(more)) return;
+    iso_box_add(box, more->lo);
+    iso_box_add(box, more->hi);
+}
+
+/* Voxel (0, 0, 0) of the file is the local origin, also when a part of it was cut out. */
+static iso_box to_local(const isorender_job *job, const iso_box *index) {
+    const int *crop = job->settings->crop;
+    iso_transform transform = iso_transform_identity();
+    if (!job->from_points) {
+        transform = iso_transform_local(iso_grid_transform(&job->volume.grid));
+        for (int axis = 0; axis < 3; axis++)
+            transform.origin[axis] = crop[2 * axis] * transform.spacing[axis];
+    }
+    iso_affine affine = iso_transform_affine(&transform);
+    return iso_box_transform(index, &affine);
+}
+
+static iso_vec3 index_position(const int32_t brick[3], const float position[3]) {
+    return iso_vec3_make(brick[0] * (double)ISO_BRICK + position[0],
+                         brick[1] * (double)ISO_BRICK + position[1],
+                         brick[2] * (double)ISO_BRICK + position[2]);
+}
+
+/* Under an oblique direction the box around the turned box would be too large, and the picture too small. */
+static void add_points_world(iso_box *box, const iso_point_view *view, const iso_affine *affine) {
+    for (size_t s = 0; s < view->span_count; s++)
+        for (uint32_t i = 0; i < view->spans[s].count; i++) {
+            iso_surfel surfel = iso_point_view_get(view, view->spans[s].first + i);
+            iso_box_add(box, iso_affine_point(affine, index_position(view->spans[s].brick, surfel.position)));
+        }
+}
+
+static void add_mesh_world(iso_box *box, const iso_mesh_view *view, const iso_affine *affine) {
+    for (size_t s = 0; s < view->span_count; s++)
+        for (uint32_t i = 0; i < view->spans[s].own_count; i++) {
+            const iso_surfel *vertex = &view->vertices[view->spans[s].first_vertex + i];
+            iso_box_add(box,
+                        iso_affine_point(affine, index_position(view->spans[s].brick, vertex->position)));
+        }
+}
+
+static bool is_oblique(const iso_transform *transform) {
+    int zeros = 0;
+    for (int i = 0; i < 9; i++) zeros += transform->direction[i] == 0;
+    return zeros < 6;
+}
+
+static void measure(isorender_job *job) {
+    iso_transform transform =
+        job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->volume.grid);
+    iso_affine affine = iso_transform_affine(&transform);
+    bool oblique = is_oblique(&transform);
+    iso_box index = iso_box_empty(), world = iso_box_empty();
+    for (int i = 0; i < job->surface_count; i++) {
+        const isorender_surface *surface = &job->surfaces[i];
+        iso_box box;
+        if (surface->points || job->from_points) {
+            iso_point_view view = isorender_points_view(job, i);
+            box = iso_point_view_bounds(&view);
+            if (oblique) add_points_world(&world, &view, &affine);
+        } else {
+            iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+            box = iso_mesh_view_bounds(&view);
+            if (oblique) add_mesh_world(&world, &view, &affine);
+        }
+        add_box(&index, &box);
+    }
+    job->bounds_local = to_local(job, &index);
+    job->bounds_world = oblique ? world : iso_box_transform(&index, &affine);
+}
+
+iso_status isorender_extract(isorender_job *job, iso_error *error) {
+    ISO_TRY(choose_isovalues(job, error));
+    choose_colors(job);
+    if (job->from_points) {
+        iso_point_view view = iso_points_view(&job->points);
+        job->point_count = iso_point_view_count(&view);
+        if (job->point_count == 0) return iso_fail(error, ISO_ERR_EMPTY, "holds no usable point");
+    }
+    for (int i = 0; i < job->surface_count && !job->from_points; i++) {
+        isorender_progress(job, "extracting", (double)i / job->surface_count);
+        ISO_TRY(extract_surface(job, &job->surfaces[i], error));
+    }
+    isorender_progress(job, "extracting", 1);
+    measure(job);
+    return ISO_OK;
+}
+
+/* ---- files ---- */
+
+iso_status isorender_export(isorender_job *job, iso_error *error) {
+    char comment[64];
+    const iso_program *program = isorender_program();
+    snprintf(comment, sizeof comment, "%s %s", program->name, program->version);
+    if (job->plan->points) {
+        iso_point_view view = isorender_points_view(job, 0);
+        ISO_TRY(iso_points_write_ply(job->plan->points, &view, comment, error));
+        job->points_written = true;
+    }
+    if (job->plan->mesh) {
+        iso_mesh_view view = iso_mesh_set_view(job->surfaces[0].mesh);
+        ISO_TRY(iso_mesh_write(job->plan->mesh, &view, comment, error));
+        job->mesh_written = true;
+    }
+    return ISO_OK;
+}

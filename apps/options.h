@@ -1,0 +1,105 @@
+/* options: one table per program that feeds parsing, --help, the man page, the README's table and the shell
+ * completion.
+ *
+ * Values are given as `--name value` or `--name=value`; a value that begins with `--` needs the second form.
+ * `--` ends options, `-` alone is an operand. An option given twice: the last wins, unless its row says that
+ * it may be repeated. Numbers are decimal, must fill the whole text, and do not depend on the locale. */
+#ifndef ISO_APPS_OPTIONS_H
+#define ISO_APPS_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "base/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a value becomes, and the type at `offset` in the program's settings. */
+typedef enum iso_option_kind {
+    ISO_OPTION_FLAG,   /* int, set to 1; takes no value */
+    ISO_OPTION_TEXT,   /* const char *, borrowed from argv */
+    ISO_OPTION_INT,    /* int in low .. high */
+    ISO_OPTION_REAL,   /* double in low .. high */
+    ISO_OPTION_REALS,  /* double[count], separated by commas */
+    ISO_OPTION_INTS,   /* int[count], separated by commas, each in low .. high */
+    ISO_OPTION_CHOICE, /* int, the index in `choices` */
+    ISO_OPTION_SIZE,   /* uint64_t bytes: 4096, 512M, 2G, 1.5GiB (powers of 1024) */
+    ISO_OPTION_CALL    /* whatever `apply` does */
+} iso_option_kind;
+
+enum {
+    ISO_OPTION_HIDDEN = 1,         /* parsed, but in no help */
+    ISO_OPTION_VALUE_OPTIONAL = 2, /* `--name` alone is allowed; a value only as `--name=value` */
+    ISO_OPTION_REPEATABLE = 4,     /* for the help; `apply` does the collecting */
+    ISO_OPTION_UNRECORDED = 8      /* changes how the program runs, not what it makes */
+};
+
+typedef struct iso_option {
+    const char *name;     /* without dashes */
+    const char *aliases;  /* further names, separated by blanks; one letter means -x; NULL for none */
+    const char *value;    /* placeholder of the value; NULL for flags */
+    const char *help;     /* one sentence, no full stop */
+    const char *standard; /* the default as the help shows it, or NULL */
+    iso_option_kind kind;
+    unsigned flags;
+    int group; /* index in iso_program.groups */
+    size_t offset;
+    double low, high;
+    int count;
+    const char *const *choices; /* NULL-terminated */
+    /* ISO_OPTION_CALL: value is NULL when left out. Fails with iso_fail(ISO_ERR_USAGE, reason); the option's
+     * name is put before the reason. */
+    iso_status (*apply)(void *settings, const char *value, iso_error *error);
+} iso_option;
+
+/* A part of the help below the options: "EXIT STATUS", "EXAMPLES". Lines are NULL-terminated. */
+typedef struct iso_section {
+    const char *title;
+    const char *const *lines;
+} iso_section;
+
+typedef struct iso_program {
+    const char *name, *version, *summary;
+    const char *const *usage;  /* operands of each form of the command, NULL-terminated */
+    const char *const *groups; /* titles, NULL-terminated */
+    const iso_option *options;
+    size_t option_count;
+    const iso_section *sections;
+    size_t section_count;
+    /* Called for every option that was parsed, in order, after it was applied; may be NULL. */
+    void (*seen)(void *settings, const iso_option *option, const char *value);
+} iso_program;
+
+/* Operands: pointers into argv. `values` has room for argc pointers and is the caller's. */
+typedef struct iso_operands {
+    const char **values;
+    int count;
+} iso_operands;
+
+/* Parses argv[1 .. argc - 1] into settings. ISO_ERR_USAGE names the option, and the nearest one when there is
+ * no such option. settings may have been changed when it fails. */
+iso_status iso_options_parse(const iso_program *program, int argc, char *const *argv, void *settings,
+                             iso_operands *operands, iso_error *error);
+
+/* The name in the table nearest to `name` (no dashes), or NULL when none is near. */
+const char *iso_options_nearest(const iso_program *program, const char *name);
+
+/* Whole-text numbers; false (and *out untouched) when `text` is anything else. */
+bool iso_parse_int(const char *text, int *out);
+bool iso_parse_real(const char *text, double *out); /* finite */
+bool iso_parse_reals(const char *text, int count, double *out);
+bool iso_parse_size(const char *text, uint64_t *out);
+
+/* Where text goes: help for a screen, a table for the README, a man page, a bash completion script. */
+typedef enum iso_help_form { ISO_HELP_SCREEN, ISO_HELP_MARKDOWN, ISO_HELP_MAN, ISO_HELP_BASH } iso_help_form;
+
+void iso_options_help(const iso_program *program, iso_help_form form, FILE *stream);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,38 @@
+#include "base/cpu.h"
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const names[ISO_CPU_LEVELS] = {"generic", "avx2", "avx512"};
+
+const char *iso_cpu_level_name(iso_cpu_level level) {
+    return names[level];
+}
+
+iso_cpu_level iso_cpu_supported(void) {
+#if ISO_HAVE_X86
+    bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
+              __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt");
+    if (!v3) return ISO_CPU_GENERIC;
+    bool v4 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+              __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+              __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vbmi2");
+    return v4 ? ISO_CPU_AVX512 : ISO_CPU_AVX2;
+#else
+    return ISO_CPU_GENERIC;
+#endif
+}
+
+iso_cpu_level iso_cpu_best(void) {
+    static _Atomic int known = -1;
+    int level = atomic_load_explicit(&known, memory_order_relaxed);
+    if (level >= 0) return (iso_cpu_level)level;
+    level = (int)iso_cpu_supported();
+    const char *wanted = getenv("ISO_CPU");
+    for (int i = 0; wanted && i < level; i++)
+        if (strcmp(wanted, names[i]) == 0) level = i;
+    atomic_store_explicit(&known, level, memory_order_relaxed); /* racing threads store the same value */
+    return (iso_cpu_level)level;
+}

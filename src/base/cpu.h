@@ -1,0 +1,51 @@
+/* cpu: which instruction sets the kernels may use.
+ *
+ * Every kernel family is one body, included once per instruction set in one file; each variant gives the same
+ * bytes. The level is found once, at the first question, and kept in an atomic: the only state that Isopoint
+ * keeps for itself. */
+#ifndef ISO_BASE_CPU_H
+#define ISO_BASE_CPU_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Each level includes those before it. */
+typedef enum iso_cpu_level {
+    ISO_CPU_GENERIC, /* plain C */
+    ISO_CPU_AVX2,    /* x86-64-v3: AVX2, BMI1, BMI2, POPCNT */
+    ISO_CPU_AVX512,  /* AVX-512 F, BW, CD, DQ, VL and VBMI2: Ice Lake, Zen 4 and later */
+    ISO_CPU_LEVELS
+} iso_cpu_level;
+
+/* The highest level that this machine has, or the one that the environment variable ISO_CPU names (generic,
+ * avx2 or avx512) when that is lower. Thread-safe. */
+iso_cpu_level iso_cpu_best(void);
+
+/* The highest level that this machine has, whatever ISO_CPU says. */
+iso_cpu_level iso_cpu_supported(void);
+
+const char *iso_cpu_level_name(iso_cpu_level level);
+
+/* Marks the functions of a variant. Helpers that they inline are either plain or marked with the same macro.
+ */
+#if defined(__x86_64__) && defined(__GNUC__)
+#define ISO_HAVE_X86 1
+#define ISO_TARGET_AVX2 __attribute__((target("avx2,bmi,bmi2,popcnt")))
+#ifdef __clang__
+#define ISO_TARGET_AVX512                                                                                    \
+    __attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi2,avx2,bmi,bmi2,popcnt"),   \
+                   min_vector_width(512)))
+#else
+#define ISO_TARGET_AVX512                                                                                    \
+    __attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi2,avx2,bmi,bmi2,popcnt,"    \
+                          "prefer-vector-width=512")))
+#endif
+#else
+#define ISO_HAVE_X86 0
+#endif
+
+#ifdef __cplusplus
+}
+#endif
+#endif

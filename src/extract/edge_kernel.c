@@ -1,0 +1,157 @@
+#include "extract/edge_kernel.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#if ISO_HAVE_X86
+#include <immintrin.h>
+#endif
+
+enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64 };
+
+/* Points of one axis on their way through fill. Arrays are padded so that whole vectors can be computed. */
+typedef struct iso_edge_batch {
+    int count;
+    uint8_t x[ISO_EDGE_BATCH_MAX], row[ISO_EDGE_BATCH_MAX]; /* voxel in the block; row = z << 4 | y */
+    float weight[4][ISO_EDGE_BATCH_MAX]; /* of differences along the edge at its two ends, x (or y), the third
+                                            axis */
+    float t[ISO_EDGE_BATCH_MAX];
+    float normal[3][ISO_EDGE_BATCH_MAX];
+    union {
+        iso_point packed[ISO_EDGE_BATCH_MAX];
+        iso_surfel surfels[ISO_EDGE_BATCH_MAX];
+    };
+} iso_edge_batch;
+
+static inline int iso_edge_clamp(int i, int dim) {
+    return i < 0 ? 0 : i < dim ? i : dim - 1;
+}
+
+static inline int iso_edge_extent(int left) {
+    return left < ISO_BRICK ? left : ISO_BRICK;
+}
+
+static inline ptrdiff_t iso_edge_index(const iso_edge_source *source, const int at[3]) {
+    return at[0] + at[1] * source->stride_y + at[2] * source->stride_z;
+}
+
+/* Bits set in each 16-bit lane of a mask, lane by lane. */
+static inline uint64_t iso_edge_lane_counts(uint64_t mask) {
+    mask -= mask >> 1 & 0x5555555555555555u;
+    mask = (mask & 0x3333333333333333u) + (mask >> 2 & 0x3333333333333333u);
+    mask = (mask + (mask >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+    return (mask + (mask >> 8)) & 0x00ff00ff00ff00ffu;
+}
+
+/* Whether any neighbour that the block's edges need may lie outside the grid. */
+static bool iso_edge_at_border(const iso_edge_source *source, const iso_edge_block *block) {
+    const int size[3] = {ISO_EDGE_BLOCK_X, ISO_BRICK, ISO_BRICK};
+    for (int axis = 0; axis < 3; axis++)
+        if (block->origin[axis] == 0 || block->origin[axis] + size[axis] + 2 > source->dims[axis])
+            return true;
+    return false;
+}
+
+/* Where an edge's stencil lies in a grid whose border is near. */
+typedef struct iso_edge_stencil {
+    ptrdiff_t end[2];             /* the two ends, elements */
+    ptrdiff_t neighbour[2][3][2]; /* of each end: axis, lower and upper side; clamped */
+    float weight[4]; /* 1/2, or 1 for a one-sided difference: along the edge at either end, then across */
+} iso_edge_stencil;
+
+static void iso_edge_border_stencil(const iso_edge_source *source, const iso_edge_block *block,
+                                    const int voxel[3], int axis, iso_edge_stencil *stencil) {
+    const int *origin = block->origin;
+    const int lower[3] = {origin[0] + voxel[0], origin[1] + voxel[1], origin[2] + voxel[2]};
+    int across = 2;
+    for (int end = 0; end < 2; end++) {
+        int at[3] = {lower[0], lower[1], lower[2]};
+        at[axis] += end;
+        stencil->end[end] = iso_edge_index(source, at);
+        for (int k = 0; k < 3; k++) {
+            int low[3] = {at[0], at[1], at[2]}, high[3] = {at[0], at[1], at[2]};
+            low[k] = iso_edge_clamp(at[k] - 1, source->dims[k]);
+            high[k] = iso_edge_clamp(at[k] + 1, source->dims[k]);
+            stencil->neighbour[end][k][0] = iso_edge_index(source, low);
+            stencil->neighbour[end][k][1] = iso_edge_index(source, high);
+            float weight = high[k] - low[k] == 2 ? 0.5f : 1.0f;
+            if (k == axis) {
+                stencil->weight[end] = weight;
+            } else if (end == 0) {
+                stencil->weight[across++] = weight;
+            }
+        }
+    }
+}
+
+/* Moves a batch to the bricks' places; lanes: four 16-bit counts of points that are already there. */
+__attribute__((always_inline)) static inline uint64_t
+iso_edge_scatter(const iso_edge_batch *batch, const iso_edge_output *output, uint64_t lanes) {
+    if (output->packed[0]) {
+        for (int i = 0; i < batch->count; i++) {
+            int brick = batch->x[i] >> 4;
+            output->packed[brick][lanes >> (16 * brick) & 0xffff] = batch->packed[i];
+            lanes += (uint64_t)1 << (16 * brick);
+        }
+    } else {
+        for (int i = 0; i < batch->count; i++) {
+            int brick = batch->x[i] >> 4;
+            output->surfels[brick][lanes >> (16 * brick) & 0xffff] = batch->surfels[i];
+            lanes += (uint64_t)1 << (16 * brick);
+        }
+    }
+    return lanes;
+}
+
+/* The steps of fill are opaque calls. gcc 12 deletes or reorders their stores when it analyses them together
+ * (the fetched neighbours were then stale), and a call for some hundred points costs nothing. */
+#ifdef __clang__
+#define ISO_STEP __attribute__((noinline))
+#else
+#define ISO_STEP __attribute__((noipa))
+#endif
+#define ISO_INLINE __attribute__((always_inline)) static inline
+
+void iso_edge_source_prepare(iso_edge_source *source) {
+    for (int row = 0; row < ISO_EDGE_ROWS; row++)
+        source->row_offset[row] = (row & 15) * source->stride_y + (row >> 4) * source->stride_z;
+}
+
+#include "extract/edge_kernel_variants.inc"
+
+static const iso_edge_kernel generic_kernels[] = {
+    [ISO_UINT8] = {count_uint8_generic, fill_uint8_generic},
+    [ISO_INT16] = {count_int16_generic, fill_int16_generic},
+    [ISO_UINT16] = {count_uint16_generic, fill_uint16_generic},
+    [ISO_FLOAT32] = {count_float_generic, fill_float_generic},
+};
+#if ISO_HAVE_X86
+static const iso_edge_kernel avx2_kernels[] = {
+    [ISO_UINT8] = {count_uint8_avx2, fill_uint8_avx2},
+    [ISO_INT16] = {count_int16_avx2, fill_int16_avx2},
+    [ISO_UINT16] = {count_uint16_avx2, fill_uint16_avx2},
+    [ISO_FLOAT32] = {count_float_avx2, fill_float_avx2},
+};
+static const iso_edge_kernel avx512_kernels[] = {
+    [ISO_UINT8] = {count_uint8_avx512, fill_uint8_avx512},
+    [ISO_INT16] = {count_int16_avx512, fill_int16_avx512},
+    [ISO_UINT16] = {count_uint16_avx512, fill_uint16_avx512},
+    [ISO_FLOAT32] = {count_float_avx512, fill_float_avx512},
+};
+#endif
+
+const iso_edge_kernel *iso_edge_kernel_get(iso_type type, iso_cpu_level level) {
+    switch (level) {
+    case ISO_CPU_GENERIC:
+        return &generic_kernels[type];
+#if ISO_HAVE_X86
+    case ISO_CPU_AVX2:
+        return &avx2_kernels[type];
+    case ISO_CPU_AVX512:
+        return &avx512_kernels[type];
+#endif
+    default:
+        return NULL;
+    }
+}

@@ -1,0 +1,86 @@
+/* edge_kernel: edge points of a block of four bricks (64 x 16 x 16 voxels), as fast as memory allows.
+ *
+ * One kernel body per voxel type (edge_kernel_body.inc), included once per instruction set; every variant
+ * gives the same bytes. Work is in two steps so that the place of every point is known before it is computed:
+ * `count` classifies the block's voxels into 64-bit masks and lists the non-empty words of each edge
+ * direction, `fill` expands them, fetches neighbours into arrays and does the arithmetic on whole vectors.
+ * Order within a brick: axis, then z, y, x of the lower voxel. Baerentzen and Christensen 2003, section 4;
+ * the word lists are an idea of Flying Edges' row passes (Schroeder, Maynard and Geveci 2015) taken to bit
+ * masks. */
+#ifndef ISO_EXTRACT_EDGE_KERNEL_H
+#define ISO_EXTRACT_EDGE_KERNEL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/cpu.h"
+#include "base/primitives.h"
+#include "grids/rgrid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum {
+    ISO_EDGE_BRICKS = 4,                            /* bricks in a block, along x */
+    ISO_EDGE_BLOCK_X = ISO_EDGE_BRICKS * ISO_BRICK, /* = bits of a mask word */
+    ISO_EDGE_ROWS = ISO_BRICK * ISO_BRICK           /* words of an axis */
+};
+
+/* What is extracted: a dense grid without NaN or infinity, and a stored isovalue. */
+typedef struct iso_edge_source {
+    const void *data;
+    ptrdiff_t stride_y, stride_z; /* elements */
+    int dims[3];
+    float isovalue;
+    bool level_set;                      /* normals point to higher values */
+    ptrdiff_t row_offset[ISO_EDGE_ROWS]; /* set by iso_edge_source_prepare */
+} iso_edge_source;
+
+/* Sets row_offset; the other fields are the caller's. */
+void iso_edge_source_prepare(iso_edge_source *source);
+
+/* The non-empty words of one axis: bit x of mask is an edge at voxel x of row (z * 16 + y) of the block. */
+typedef struct iso_edge_list {
+    int count;
+    uint64_t mask[ISO_EDGE_ROWS + 1];
+    uint8_t row[ISO_EDGE_ROWS + 1];
+} iso_edge_list;
+
+/* Mask words of a run of blocks along x: what `count` classifies into, kept by the caller for reuse.
+ * bits[b][z * 17 + y] is row (y, z) of block b; the words of block number `blocks` hold one bit, the voxel
+ * after the run. */
+enum { ISO_EDGE_SIDE = ISO_BRICK + 1, ISO_EDGE_RUN = 32 };
+typedef struct iso_edge_words {
+    int blocks; /* 1 .. ISO_EDGE_RUN */
+    uint64_t bits[ISO_EDGE_RUN + 1][ISO_EDGE_SIDE * ISO_EDGE_SIDE];
+} iso_edge_words;
+
+/* What `count` leaves for `fill`. */
+typedef struct iso_edge_block {
+    int origin[3]; /* voxels; multiples of 64, 16, 16 */
+    uint32_t points[ISO_EDGE_BRICKS];
+    iso_edge_list axes[3];
+} iso_edge_block;
+
+/* Where the points of the four bricks go: packed or in floats, exactly one array set per brick. */
+typedef struct iso_edge_output {
+    iso_point *packed[ISO_EDGE_BRICKS];
+    iso_surfel *surfels[ISO_EDGE_BRICKS];
+} iso_edge_output;
+
+typedef struct iso_edge_kernel {
+    /* Counts and lists the points of words->blocks consecutive blocks along x; blocks[0].origin names the
+     * first. */
+    void (*count)(const iso_edge_source *source, iso_edge_words *words, iso_edge_block *blocks);
+    /* Makes the points of one of them. */
+    void (*fill)(const iso_edge_source *source, const iso_edge_block *block, const iso_edge_output *output);
+} iso_edge_kernel;
+
+/* The kernel for a voxel type at an instruction set, NULL when this build does not have the set. */
+const iso_edge_kernel *iso_edge_kernel_get(iso_type type, iso_cpu_level level);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

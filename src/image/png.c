@@ -1,0 +1,222 @@
+/* PNG by libpng. Its errors arrive by longjmp: every function that calls setjmp keeps what must survive the
+ * jump in a struct that its caller owns and cleans up. */
+#include "image/image.h"
+
+#include <errno.h>
+#include <png.h>
+#include <setjmp.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <zlib.h>
+
+#include "base/file.h"
+#include "base/memory.h"
+
+/* Why libpng gave up, and where to. */
+typedef struct trouble {
+    jmp_buf escape;
+    char text[160];
+    int code; /* errno of a failed read or write, else 0 */
+} trouble;
+
+static void on_error(png_structp png, png_const_charp text) {
+    trouble *t = png_get_error_ptr(png);
+    snprintf(t->text, sizeof t->text, "%s", text);
+    longjmp(t->escape, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp text) {
+    (void)png;
+    (void)text;
+}
+
+typedef struct writer {
+    png_structp png;
+    png_infop info;
+    FILE *stream;
+    const iso_image *image;
+    uint8_t *row; /* one RGB row, NULL when the picture keeps its alpha */
+    png_text *texts;
+    int text_count;
+    trouble trouble;
+} writer;
+
+static void write_bytes(png_structp png, png_bytep bytes, size_t count) {
+    writer *w = png_get_io_ptr(png);
+    errno = 0;
+    if (fwrite(bytes, 1, count, w->stream) == count) return;
+    w->trouble.code = errno ? errno : EIO;
+    png_error(png, "write error");
+}
+
+static void flush_nothing(png_structp png) {
+    (void)png; /* the sink flushes on commit */
+}
+
+static bool is_opaque(const iso_image *image) {
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; i < pixels; i++)
+        if (image->rgba[4 * i + 3] != 255) return false;
+    return true;
+}
+
+static const uint8_t *packed_row(writer *w, int y) {
+    const uint8_t *rgba = w->image->rgba + (size_t)y * (size_t)w->image->width * 4;
+    if (!w->row) return rgba;
+    for (int x = 0; x < w->image->width; x++) memcpy(w->row + 3 * x, rgba + 4 * x, 3);
+    return w->row;
+}
+
+/* Level 1 with run lengths after the Sub filter: rendered pictures are smooth, so most of the gain is in the
+ * filter, and searching for longer matches costs more than the render. */
+static bool write_picture(writer *w) {
+    if (setjmp(w->trouble.escape)) return false;
+    png_set_write_fn(w->png, w, write_bytes, flush_nothing);
+    png_set_IHDR(w->png, w->info, (png_uint_32)w->image->width, (png_uint_32)w->image->height, 8,
+                 w->row ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_compression_level(w->png, 1);
+    png_set_compression_strategy(w->png, Z_RLE);
+    png_set_compression_buffer_size(w->png, 1 << 16);
+    png_set_filter(w->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+    if (w->text_count) png_set_text(w->png, w->info, w->texts, w->text_count);
+    png_write_info(w->png, w->info);
+    for (int y = 0; y < w->image->height; y++) png_write_row(w->png, packed_row(w, y));
+    png_write_end(w->png, w->info);
+    return true;
+}
+
+static bool is_ascii(const char *text) {
+    for (; *text; text++)
+        if ((unsigned char)*text >= 128) return false;
+    return true;
+}
+
+/* libpng copies the strings and does not change them, but its struct is not const. */
+static png_text text_chunk(const iso_png_text *text) {
+    png_text chunk = {.compression =
+                          is_ascii(text->value) ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
+                      .key = (char *)text->key,
+                      .text = (char *)text->value};
+    return chunk;
+}
+
+static iso_status prepare_writer(writer *w, const iso_image *image, const iso_png_text *texts, int count) {
+    w->image = image;
+    w->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w->trouble, on_error, on_warning);
+    if (!w->png || !(w->info = png_create_info_struct(w->png))) return ISO_ERR_NOMEM;
+    if (is_opaque(image) && !(w->row = iso_alloc((size_t)image->width * 3))) return ISO_ERR_NOMEM;
+    if (count && !(w->texts = iso_alloc_zero((size_t)count, sizeof *w->texts))) return ISO_ERR_NOMEM;
+    w->text_count = count;
+    for (int i = 0; i < count; i++) w->texts[i] = text_chunk(&texts[i]);
+    return ISO_OK;
+}
+
+static iso_status write_to_sink(writer *w, const char *path, iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    w->stream = sink.stream;
+    if (write_picture(w)) return iso_sink_commit(&sink, error);
+    const char *name = sink.target ? path : "standard output";
+    const char *reason = w->trouble.code ? strerror(w->trouble.code) : w->trouble.text;
+    iso_status status = iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", name, reason);
+    iso_sink_abort(&sink);
+    return status;
+}
+
+iso_status iso_png_write(const char *path, const iso_image *image, const iso_png_text *texts, int text_count,
+                         iso_error *error) {
+    writer w = {0};
+    iso_status status = prepare_writer(&w, image, texts, text_count);
+    if (status != ISO_OK)
+        iso_fail(error, status, "%s: out of memory", path);
+    else
+        status = write_to_sink(&w, path, error);
+    png_destroy_write_struct(&w.png, &w.info);
+    iso_free(w.row);
+    iso_free(w.texts);
+    return status;
+}
+
+typedef struct reader {
+    png_structp png;
+    png_infop info;
+    FILE *stream;
+    bool ended; /* the file is shorter than its contents say */
+    int width, height;
+    int passes;
+    trouble trouble;
+} reader;
+
+static void read_bytes(png_structp png, png_bytep bytes, size_t count) {
+    reader *r = png_get_io_ptr(png);
+    errno = 0;
+    if (fread(bytes, 1, count, r->stream) == count) return;
+    if (ferror(r->stream))
+        r->trouble.code = errno ? errno : EIO;
+    else
+        r->ended = true;
+    png_error(png, "read error");
+}
+
+static bool read_header(reader *r) {
+    if (setjmp(r->trouble.escape)) return false;
+    png_set_read_fn(r->png, r, read_bytes);
+    png_read_info(r->png, r->info);
+    png_uint_32 width = png_get_image_width(r->png, r->info);
+    png_uint_32 height = png_get_image_height(r->png, r->info);
+    r->width = (int)width;
+    r->height = (int)height;
+    png_set_expand(r->png); /* palettes, fewer than 8 bits, transparent colours */
+    png_set_scale_16(r->png);
+    png_set_gray_to_rgb(r->png);
+    png_set_add_alpha(r->png, 255, PNG_FILLER_AFTER);
+    r->passes = png_set_interlace_handling(r->png);
+    png_read_update_info(r->png, r->info);
+    return true;
+}
+
+static bool read_rows(reader *r, const iso_image *image) {
+    if (setjmp(r->trouble.escape)) return false;
+    size_t stride = (size_t)image->width * 4;
+    if (png_get_rowbytes(r->png, r->info) != stride) png_error(r->png, "unexpected row size");
+    for (int pass = 0; pass < r->passes; pass++)
+        for (int y = 0; y < image->height; y++) png_read_row(r->png, image->rgba + stride * (size_t)y, NULL);
+    png_read_end(r->png, NULL);
+    return true;
+}
+
+static iso_status fail_reading(const reader *r, const char *path, iso_error *error) {
+    if (r->trouble.code)
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(r->trouble.code));
+    if (r->ended) return iso_fail(error, ISO_ERR_FORMAT, "%s: PNG file ends too early", path);
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a readable PNG: %s", path, r->trouble.text);
+}
+
+static iso_status read_stream(reader *r, const char *path, iso_image *image, iso_error *error) {
+    r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r->trouble, on_error, on_warning);
+    if (!r->png || !(r->info = png_create_info_struct(r->png)))
+        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!read_header(r)) return fail_reading(r, path, error);
+    if (r->width > ISO_IMAGE_MAX || r->height > ISO_IMAGE_MAX)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: %dx%d pixels, sides may have %d at most", path, r->width,
+                        r->height, ISO_IMAGE_MAX);
+    iso_image picture;
+    ISO_TRY(iso_image_create(r->width, r->height, &picture, error));
+    if (!read_rows(r, &picture)) {
+        iso_image_free(&picture);
+        return fail_reading(r, path, error);
+    }
+    *image = picture;
+    return ISO_OK;
+}
+
+iso_status iso_png_read(const char *path, iso_image *image, iso_error *error) {
+    reader r = {.stream = fopen(path, "rb")};
+    if (!r.stream) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    iso_status status = read_stream(&r, path, image, error);
+    png_destroy_read_struct(&r.png, &r.info, NULL);
+    fclose(r.stream);
+    return status;
+}

@@ -1,0 +1,32 @@
+/* encode: what the writers and readers of this folder share: little-endian bytes, one-line comments, and
+ * numbers in text that do not depend on the host program's locale. Internal to src/io. */
+#ifndef ISO_IO_ENCODE_H
+#define ISO_IO_ENCODE_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+#include "base/geometry.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Store at `bytes`, return the place after. */
+unsigned char *iso_encode_uint32(unsigned char *bytes, uint32_t value);
+unsigned char *iso_encode_float(unsigned char *bytes, float value);
+unsigned char *iso_encode_vec3(unsigned char *bytes, iso_vec3 v); /* as three floats */
+
+/* Writes `prefix`, the text with line breaks turned into spaces, and a line end; nothing when text is NULL.
+ */
+void iso_encode_comment(FILE *stream, const char *prefix, const char *text);
+
+/* Between the two calls this thread prints and parses numbers with a decimal point, whatever setlocale said.
+ * The value returned by begin goes to end; NULL (no memory) is fine and changes nothing. */
+void *iso_encode_numbers_begin(void);
+void iso_encode_numbers_end(void *state);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,141 @@
+/* Welded meshes to PLY, STL and OBJ. */
+#include "io/mesh_io.h"
+
+#include <string.h>
+#include <strings.h>
+
+#include "base/file.h"
+#include "extract/mesh.h"
+#include "io/encode.h"
+
+/* A mesh on its way to a file: world positions are computed as they are written. */
+typedef struct mesh_source {
+    const iso_weld *weld;
+    iso_affine affine;
+    int second, third; /* which triangle corner is written second and third: swapped when the transform is
+                          left-handed and would turn the triangles inside out */
+    const char *comment;
+} mesh_source;
+
+static iso_vec3 world_position(const mesh_source *source, size_t vertex) {
+    const float *p = source->weld->vertices[vertex].position;
+    return iso_affine_point(&source->affine, iso_vec3_make(p[0], p[1], p[2]));
+}
+
+static iso_vec3 world_normal(const mesh_source *source, size_t vertex) {
+    const float *n = source->weld->vertices[vertex].normal;
+    return iso_affine_normal(&source->affine, iso_vec3_make(n[0], n[1], n[2]));
+}
+
+static void ordered_triangle(const mesh_source *source, size_t triangle, uint32_t corner[3]) {
+    const uint32_t *from = source->weld->triangles[triangle];
+    corner[0] = from[0];
+    corner[1] = from[source->second];
+    corner[2] = from[source->third];
+}
+
+static void write_ply(const mesh_source *source, FILE *stream) {
+    const iso_weld *weld = source->weld;
+    fputs("ply\nformat binary_little_endian 1.0\n", stream);
+    iso_encode_comment(stream, "comment ", source->comment);
+    fprintf(stream, "element vertex %zu\n", weld->vertex_count);
+    static const char *const names[] = {"x", "y", "z", "nx", "ny", "nz"};
+    for (int i = 0; i < 6; i++) fprintf(stream, "property float %s\n", names[i]);
+    /* signed indices are what most readers expect */
+    fprintf(stream, "element face %zu\nproperty list uchar %s vertex_indices\nend_header\n",
+            weld->triangle_count, weld->vertex_count <= INT32_MAX ? "int" : "uint");
+    unsigned char bytes[24];
+    for (size_t i = 0; i < weld->vertex_count; i++) {
+        iso_encode_vec3(iso_encode_vec3(bytes, world_position(source, i)), world_normal(source, i));
+        fwrite(bytes, 24, 1, stream);
+    }
+    for (size_t i = 0; i < weld->triangle_count; i++) {
+        uint32_t corner[3];
+        ordered_triangle(source, i, corner);
+        unsigned char *end = bytes;
+        *end++ = 3;
+        for (int j = 0; j < 3; j++) end = iso_encode_uint32(end, corner[j]);
+        fwrite(bytes, 13, 1, stream);
+    }
+}
+
+static void write_stl(const mesh_source *source, FILE *stream) {
+    enum { HEADER = 80, FACET = 50 };
+    /* must not begin with "solid", the mark of ASCII files */
+    char header[HEADER + 1] = {0};
+    snprintf(header, sizeof header, "binary STL, mm. %s", source->comment ? source->comment : "");
+    unsigned char bytes[FACET] = {0};
+    fwrite(header, HEADER, 1, stream);
+    iso_encode_uint32(bytes, (uint32_t)source->weld->triangle_count);
+    fwrite(bytes, 4, 1, stream);
+    for (size_t i = 0; i < source->weld->triangle_count; i++) {
+        uint32_t corner[3];
+        ordered_triangle(source, i, corner);
+        iso_vec3 p[3];
+        for (int j = 0; j < 3; j++) p[j] = world_position(source, corner[j]);
+        /* of the triangle itself, as the format asks; zero when it has no area */
+        iso_vec3 normal = iso_vec3_unit(iso_vec3_cross(iso_vec3_sub(p[1], p[0]), iso_vec3_sub(p[2], p[0])));
+        unsigned char *end = iso_encode_vec3(bytes, normal);
+        for (int j = 0; j < 3; j++) end = iso_encode_vec3(end, p[j]);
+        end[0] = end[1] = 0; /* attribute byte count */
+        fwrite(bytes, FACET, 1, stream);
+    }
+}
+
+static void write_obj(const mesh_source *source, FILE *stream) {
+    void *numbers = iso_encode_numbers_begin();
+    iso_encode_comment(stream, "# ", source->comment);
+    for (size_t i = 0; i < source->weld->vertex_count; i++) {
+        iso_vec3 p = world_position(source, i), n = world_normal(source, i);
+        /* nine digits give every float back exactly */
+        fprintf(stream, "v %.9g %.9g %.9g\nvn %.9g %.9g %.9g\n", (double)(float)p.x, (double)(float)p.y,
+                (double)(float)p.z, (double)(float)n.x, (double)(float)n.y, (double)(float)n.z);
+    }
+    for (size_t i = 0; i < source->weld->triangle_count; i++) {
+        uint32_t corner[3];
+        ordered_triangle(source, i, corner);
+        uint64_t a = (uint64_t)corner[0] + 1, b = (uint64_t)corner[1] + 1, c = (uint64_t)corner[2] + 1;
+        fprintf(stream, "f %llu//%llu %llu//%llu %llu//%llu\n", (unsigned long long)a, (unsigned long long)a,
+                (unsigned long long)b, (unsigned long long)b, (unsigned long long)c, (unsigned long long)c);
+    }
+    iso_encode_numbers_end(numbers);
+}
+
+typedef void write_fn(const mesh_source *source, FILE *stream);
+
+static write_fn *writer_for(const char *path) {
+    static const struct {
+        const char *extension;
+        write_fn *write;
+    } writers[] = {{".ply", write_ply}, {".stl", write_stl}, {".obj", write_obj}};
+    const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
+    for (size_t i = 0; dot && i < sizeof writers / sizeof *writers; i++)
+        if (strcasecmp(dot, writers[i].extension) == 0) return writers[i].write;
+    return NULL;
+}
+
+static iso_status write_weld(const char *path, const mesh_source *source, write_fn *write, iso_error *error) {
+    if (write == write_stl && source->weld->triangle_count > UINT32_MAX)
+        return iso_fail(error, ISO_ERR_LIMIT, "%s: %zu triangles are more than an .stl can hold", path,
+                        source->weld->triangle_count);
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    write(source, sink.stream);
+    return iso_sink_commit(&sink, error);
+}
+
+iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment,
+                          iso_error *error) {
+    write_fn *write = writer_for(path);
+    if (!write) return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", path);
+    iso_weld weld;
+    ISO_TRY(iso_mesh_weld(view, &weld, error));
+    mesh_source source = {&weld, iso_transform_affine(&view->transform), 1, 2, comment};
+    if (source.affine.determinant < 0) {
+        source.second = 2;
+        source.third = 1;
+    }
+    iso_status status = write_weld(path, &source, write, error);
+    iso_weld_free(&weld);
+    return status;
+}

@@ -1,0 +1,317 @@
+#define _GNU_SOURCE
+#include "io/ply.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const int type_size[] = {1, 1, 2, 2, 4, 4, 4, 8};
+
+/* ---- bytes */
+
+static iso_status fail_end(const iso_ply *ply, iso_error *error) {
+    if (ferror(ply->stream))
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", ply->path, strerror(errno));
+    return iso_fail(error, ISO_ERR_IO, "%s: truncated", ply->path);
+}
+
+/* Makes at least `bytes` bytes (few) available in the buffer; false at the end of the file. */
+static bool fill(iso_ply *ply, size_t bytes) {
+    size_t have = ply->end - ply->place;
+    if (have >= bytes) return true;
+    memmove(ply->buffer, ply->buffer + ply->place, have);
+    ply->place = 0;
+    ply->end = have + fread(ply->buffer + have, 1, sizeof ply->buffer - have, ply->stream);
+    return ply->end >= bytes;
+}
+
+static void advance(iso_ply *ply, size_t bytes) {
+    ply->place += bytes;
+    if (ply->remaining == UINT64_MAX) return;
+    ply->remaining -= bytes < ply->remaining ? bytes : ply->remaining;
+}
+
+/* The next byte, or -1 at the end. */
+static int next_byte(iso_ply *ply) {
+    if (!fill(ply, 1)) return -1;
+    int byte = ply->buffer[ply->place];
+    advance(ply, 1);
+    return byte;
+}
+
+static iso_status skip_bytes(iso_ply *ply, uint64_t bytes, iso_error *error) {
+    while (bytes > 0) {
+        if (!fill(ply, 1)) return fail_end(ply, error);
+        size_t have = ply->end - ply->place, step = bytes < have ? (size_t)bytes : have;
+        advance(ply, step);
+        bytes -= step;
+    }
+    return ISO_OK;
+}
+
+/* ---- values */
+
+static bool is_space(int byte) {
+    return byte == ' ' || byte == '\t' || byte == '\r' || byte == '\n' || byte == '\v' || byte == '\f';
+}
+
+static iso_status read_text_value(iso_ply *ply, double *value, iso_error *error) {
+    char token[64];
+    size_t length = 0;
+    int byte = next_byte(ply);
+    while (is_space(byte)) byte = next_byte(ply);
+    if (byte < 0) return fail_end(ply, error);
+    for (; byte >= 0 && !is_space(byte); byte = next_byte(ply)) {
+        if (byte == 0 || length + 1 == sizeof token)
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: not a number in its ASCII data", ply->path);
+        token[length++] = (char)byte;
+    }
+    token[length] = 0;
+    char *end;
+    *value = strtod(token, &end);
+    if (!*end) return ISO_OK;
+    if (byte < 0) return fail_end(ply, error); /* a number cut short */
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: \"%s\" is not a number", ply->path, token);
+}
+
+static double to_signed(uint64_t bits, uint64_t sign) {
+    return bits & sign ? -(double)(2 * sign - bits) : (double)bits;
+}
+
+static double decode(iso_ply_type type, uint64_t bits) {
+    switch (type) {
+    case ISO_PLY_INT8:
+        return to_signed(bits, UINT64_C(1) << 7);
+    case ISO_PLY_INT16:
+        return to_signed(bits, UINT64_C(1) << 15);
+    case ISO_PLY_INT32:
+        return to_signed(bits, UINT64_C(1) << 31);
+    case ISO_PLY_FLOAT32: {
+        uint32_t half = (uint32_t)bits;
+        float number;
+        memcpy(&number, &half, sizeof number);
+        return (double)number;
+    }
+    case ISO_PLY_FLOAT64: {
+        double number;
+        memcpy(&number, &bits, sizeof number);
+        return number;
+    }
+    default:
+        return (double)bits;
+    }
+}
+
+iso_status iso_ply_read_value(iso_ply *ply, iso_ply_type type, double *value, iso_error *error) {
+    if (ply->format == ISO_PLY_ASCII) return read_text_value(ply, value, error);
+    int size = type_size[type];
+    if (!fill(ply, (size_t)size)) return fail_end(ply, error);
+    uint64_t bits = 0;
+    for (int i = 0; i < size; i++) {
+        uint64_t byte = ply->buffer[ply->place + (size_t)i];
+        bits |= byte << 8 * (ply->format == ISO_PLY_LITTLE ? i : size - 1 - i);
+    }
+    advance(ply, (size_t)size);
+    *value = decode(type, bits);
+    return ISO_OK;
+}
+
+/* ---- elements */
+
+/* The least that one item takes: in ASCII a digit and a separator per value, in binary an empty list. */
+static uint64_t least_bytes(const iso_ply *ply, const iso_ply_element *element) {
+    uint64_t bytes = 0;
+    for (int i = 0; i < element->property_count; i++) {
+        const iso_ply_property *property = &ply->properties[element->first_property + i];
+        iso_ply_type type = property->is_list ? property->count_type : property->type;
+        bytes += ply->format == ISO_PLY_ASCII ? 2 : (uint64_t)type_size[type];
+    }
+    return bytes;
+}
+
+iso_status iso_ply_check_size(const iso_ply *ply, const iso_ply_element *element, iso_error *error) {
+    uint64_t least = least_bytes(ply, element);
+    /* the last separator may be missing */
+    uint64_t spare = ply->format == ISO_PLY_ASCII ? 1 : 0;
+    if (least == 0 || ply->remaining == UINT64_MAX || element->count <= (ply->remaining + spare) / least)
+        return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: truncated: its header promises %llu of element \"%s\"", ply->path,
+                    (unsigned long long)element->count, element->name);
+}
+
+iso_status iso_ply_skip_list(iso_ply *ply, const iso_ply_property *list, iso_error *error) {
+    double count, ignored;
+    ISO_TRY(iso_ply_read_value(ply, list->count_type, &count, error));
+    if (!(count >= 0 && count <= UINT32_MAX))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: a list \"%s\" of %g items", ply->path,
+                        list->name, count);
+    if (ply->format != ISO_PLY_ASCII)
+        return skip_bytes(ply, (uint64_t)count * (uint64_t)type_size[list->type], error);
+    for (uint64_t i = 0; i < (uint64_t)count; i++) ISO_TRY(read_text_value(ply, &ignored, error));
+    return ISO_OK;
+}
+
+iso_status iso_ply_skip_element(iso_ply *ply, const iso_ply_element *element, iso_error *error) {
+    if (element->property_count == 0) return ISO_OK; /* its items take no bytes, however many there are */
+    ISO_TRY(iso_ply_check_size(ply, element, error));
+    for (uint64_t item = 0; item < element->count; item++)
+        for (int i = 0; i < element->property_count; i++) {
+            const iso_ply_property *property = &ply->properties[element->first_property + i];
+            double ignored;
+            if (property->is_list)
+                ISO_TRY(iso_ply_skip_list(ply, property, error));
+            else
+                ISO_TRY(iso_ply_read_value(ply, property->type, &ignored, error));
+        }
+    return ISO_OK;
+}
+
+/* ---- the header */
+
+enum { LINE = 1024, WORDS = 6, HEADER_LIMIT = 1 << 20 };
+
+/* A header line cut into words. What does not fit into LINE is dropped: only comments are that long. */
+typedef struct header_line {
+    char text[LINE];
+    char *words[WORDS];
+    int count; /* WORDS when there are that many or more */
+} header_line;
+
+static iso_status read_line(iso_ply *ply, header_line *line, size_t *header_bytes, iso_error *error) {
+    size_t length = 0;
+    int byte;
+    while ((byte = next_byte(ply)) != '\n') {
+        if (byte < 0) return iso_fail(error, ISO_ERR_IO, "%s: truncated in its PLY header", ply->path);
+        if (++*header_bytes > HEADER_LIMIT)
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: its PLY header does not end", ply->path);
+        if (length + 1 < LINE) line->text[length++] = (char)byte;
+    }
+    line->text[length] = 0;
+    line->count = 0;
+    char *rest = NULL;
+    for (char *word = strtok_r(line->text, " \t\r", &rest); word && line->count < WORDS;
+         word = strtok_r(NULL, " \t\r", &rest))
+        line->words[line->count++] = word;
+    return ISO_OK;
+}
+
+static bool is_word(const header_line *line, int index, const char *word) {
+    return index < line->count && strcmp(line->words[index], word) == 0;
+}
+
+static iso_status fail_line(const iso_ply *ply, const header_line *line, iso_error *error) {
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: bad \"%.40s\" line in its PLY header", ply->path,
+                    line->words[0]);
+}
+
+static bool parse_type(const char *name, iso_ply_type *type) {
+    static const char *const names[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                           {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                                           {"float", "float32"}, {"double", "float64"}};
+    for (int i = 0; i < 8; i++)
+        if (strcmp(name, names[i][0]) == 0 || strcmp(name, names[i][1]) == 0) {
+            *type = (iso_ply_type)i;
+            return true;
+        }
+    return false;
+}
+
+static bool copy_name(char name[ISO_PLY_NAME], const char *word) {
+    size_t length = strlen(word);
+    if (length >= ISO_PLY_NAME) return false;
+    memcpy(name, word, length + 1);
+    return true;
+}
+
+static bool parse_format(iso_ply *ply, const header_line *line) {
+    static const char *const names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+    for (int i = 0; i < 3; i++)
+        if (line->count == 3 && is_word(line, 1, names[i]) && is_word(line, 2, "1.0")) {
+            ply->format = (iso_ply_format)i;
+            return true;
+        }
+    return false;
+}
+
+static bool parse_element(iso_ply *ply, const header_line *line) {
+    if (line->count != 3 || ply->element_count == ISO_PLY_ELEMENTS) return false;
+    iso_ply_element *element = &ply->elements[ply->element_count];
+    const char *digits = line->words[2];
+    if (digits[strspn(digits, "0123456789")] || !copy_name(element->name, line->words[1])) return false;
+    errno = 0;
+    element->count = strtoull(digits, NULL, 10);
+    if (errno) return false;
+    element->first_property = ply->property_count;
+    element->property_count = 0;
+    ply->element_count++;
+    return true;
+}
+
+static bool parse_property(iso_ply *ply, const header_line *line) {
+    if (ply->element_count == 0 || ply->property_count == ISO_PLY_PROPERTIES) return false;
+    iso_ply_property *property = &ply->properties[ply->property_count];
+    property->is_list = is_word(line, 1, "list");
+    int last = property->is_list ? 4 : 2;
+    if (line->count != last + 1 || !parse_type(line->words[last - 1], &property->type) ||
+        !copy_name(property->name, line->words[last]))
+        return false;
+    if (property->is_list &&
+        (!parse_type(line->words[2], &property->count_type) || property->count_type >= ISO_PLY_FLOAT32))
+        return false;
+    ply->property_count++;
+    ply->elements[ply->element_count - 1].property_count++;
+    return true;
+}
+
+static iso_status read_header(iso_ply *ply, iso_error *error) {
+    header_line line;
+    size_t bytes = 0;
+    bool has_format = false;
+    for (;;) {
+        ISO_TRY(read_line(ply, &line, &bytes, error));
+        if (line.count == 0 || is_word(&line, 0, "comment") || is_word(&line, 0, "obj_info")) continue;
+        if (is_word(&line, 0, "end_header")) break;
+        bool good = false;
+        if (is_word(&line, 0, "format"))
+            good = has_format = parse_format(ply, &line);
+        else if (is_word(&line, 0, "element"))
+            good = parse_element(ply, &line);
+        else if (is_word(&line, 0, "property"))
+            good = parse_property(ply, &line);
+        if (!good) return fail_line(ply, &line, error);
+    }
+    if (!has_format) return iso_fail(error, ISO_ERR_FORMAT, "%s: its PLY header names no format", ply->path);
+    return ISO_OK;
+}
+
+static bool read_magic(iso_ply *ply) {
+    if (!fill(ply, 4) || memcmp(ply->buffer, "ply", 3) != 0) return false;
+    advance(ply, 3);
+    int byte = next_byte(ply);
+    while (byte == '\r' || byte == ' ') byte = next_byte(ply);
+    return byte == '\n';
+}
+
+iso_status iso_ply_open(const char *path, iso_ply *ply, iso_error *error) {
+    ply->path = path;
+    ply->element_count = ply->property_count = 0;
+    ply->place = ply->end = 0;
+    ply->remaining = UINT64_MAX;
+    ply->stream = fopen(path, "rb");
+    if (!ply->stream) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    setvbuf(ply->stream, NULL, _IONBF, 0); /* buffered here */
+    struct stat info;
+    if (fstat(fileno(ply->stream), &info) == 0 && S_ISREG(info.st_mode))
+        ply->remaining = (uint64_t)info.st_size;
+    if (!read_magic(ply)) {
+        if (ferror(ply->stream)) return fail_end(ply, error);
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a PLY file", path);
+    }
+    return read_header(ply, error);
+}
+
+void iso_ply_close(iso_ply *ply) {
+    if (ply->stream) fclose(ply->stream);
+    ply->stream = NULL;
+}

@@ -1,0 +1,179 @@
+/* Points from PLY. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "io/encode.h"
+#include "io/ply.h"
+#include "io/points_io.h"
+
+enum { VALUES = 7 }; /* x y z nx ny nz radius */
+static const char *const value_names[VALUES] = {"x", "y", "z", "nx", "ny", "nz", "radius"};
+
+/* Points as they come in. */
+typedef struct collector {
+    iso_buffer surfels, radii;
+    size_t count;
+    uint64_t max_memory; /* 0: no limit */
+} collector;
+
+enum { BYTES_PER_POINT = sizeof(iso_surfel) + sizeof(float) };
+
+/* Which value each property of the element holds, -1 for none. Says which of the seven are missing. */
+static iso_status assign_values(const iso_ply *ply, const iso_ply_element *element,
+                                int slot[ISO_PLY_PROPERTIES], iso_error *error) {
+    bool found[VALUES] = {false};
+    for (int i = 0; i < element->property_count; i++) {
+        const iso_ply_property *property = &ply->properties[element->first_property + i];
+        slot[i] = -1;
+        for (int value = 0; value < VALUES; value++)
+            if (!property->is_list && !found[value] && strcmp(property->name, value_names[value]) == 0) {
+                slot[i] = value;
+                found[value] = true;
+            }
+    }
+    char missing[64] = "";
+    for (int value = 0; value < VALUES; value++)
+        if (!found[value]) {
+            strcat(missing, " ");
+            strcat(missing, value_names[value]);
+        }
+    if (!*missing) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: its points have no%s (needed: x y z nx ny nz radius)",
+                    ply->path, missing);
+}
+
+static iso_status read_values(iso_ply *ply, const iso_ply_element *element, const int *slot,
+                              double values[VALUES], iso_error *error) {
+    for (int i = 0; i < element->property_count; i++) {
+        const iso_ply_property *property = &ply->properties[element->first_property + i];
+        double value;
+        if (property->is_list) {
+            ISO_TRY(iso_ply_skip_list(ply, property, error));
+            continue;
+        }
+        ISO_TRY(iso_ply_read_value(ply, property->type, &value, error));
+        if (slot[i] >= 0) values[slot[i]] = value;
+    }
+    return ISO_OK;
+}
+
+/* A normal whose floats are unit as well as floats can be is kept bit for bit, so that what was written is
+ * read back the same; any other is made unit. False for the zero normal. */
+static bool make_normal(const double n[3], float normal[3]) {
+    double square = 0, largest = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        normal[axis] = (float)n[axis];
+        square += (double)normal[axis] * (double)normal[axis];
+        largest = fmax(largest, fabs(n[axis]));
+    }
+    if (!(largest > 0)) return false;
+    if (fabs(square - 1) < 1e-6) return true;
+    /* scaled first: squares of tiny components would vanish */
+    iso_vec3 unit = iso_vec3_unit(iso_vec3_make(n[0] / largest, n[1] / largest, n[2] / largest));
+    normal[0] = (float)unit.x;
+    normal[1] = (float)unit.y;
+    normal[2] = (float)unit.z;
+    return true;
+}
+
+/* Makes the point; false when it must be dropped. */
+static bool make_point(const double values[VALUES], iso_surfel *surfel, float *radius) {
+    for (int i = 0; i < VALUES; i++)
+        if (!(fabs(values[i]) <= FLT_MAX)) return false;
+    for (int axis = 0; axis < 3; axis++) surfel->position[axis] = (float)values[axis];
+    *radius = (float)values[6];
+    return *radius > 0 && make_normal(values + 3, surfel->normal);
+}
+
+/* Room for `count` points, the ones collected so far kept. */
+static iso_status reserve(collector *points, size_t count, const char *path, iso_error *error) {
+    if (points->max_memory && count > points->max_memory / BYTES_PER_POINT)
+        return iso_fail(error, ISO_ERR_LIMIT, "%s: %zu points take more than the limit of %llu bytes", path,
+                        count, (unsigned long long)points->max_memory);
+    iso_error inner = {0};
+    iso_status status = iso_buffer_reserve(&points->surfels, count * sizeof(iso_surfel),
+                                           points->count * sizeof(iso_surfel), &inner);
+    if (status == ISO_OK)
+        status =
+            iso_buffer_reserve(&points->radii, count * sizeof(float), points->count * sizeof(float), &inner);
+    if (status == ISO_OK) return ISO_OK;
+    return iso_fail(error, status, "%s: out of memory for %zu points", path, count);
+}
+
+/* Reads the vertices. A regular file's size vouches for the header's count, so memory is taken at once;
+ * otherwise it grows with what arrives. */
+static iso_status read_points(iso_ply *ply, const iso_ply_element *element, collector *points,
+                              iso_error *error) {
+    int slot[ISO_PLY_PROPERTIES];
+    ISO_TRY(assign_values(ply, element, slot, error));
+    ISO_TRY(iso_ply_check_size(ply, element, error));
+    if (element->count > UINT32_MAX)
+        return iso_fail(error, ISO_ERR_LIMIT, "%s: more than %lu points", ply->path,
+                        (unsigned long)UINT32_MAX);
+    size_t room = ply->remaining == UINT64_MAX && element->count > 65536 ? 65536 : (size_t)element->count;
+    ISO_TRY(reserve(points, room, ply->path, error));
+    for (uint64_t i = 0; i < element->count; i++) {
+        double values[VALUES] = {0};
+        ISO_TRY(read_values(ply, element, slot, values, error));
+        if (points->count == room) {
+            room = room > element->count / 2 ? (size_t)element->count : 2 * room;
+            ISO_TRY(reserve(points, room, ply->path, error));
+        }
+        iso_surfel *surfel = (iso_surfel *)points->surfels.data + points->count;
+        if (make_point(values, surfel, (float *)points->radii.data + points->count)) points->count++;
+    }
+    if (points->count == 0)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: none of its %llu points is usable", ply->path,
+                        (unsigned long long)element->count);
+    return ISO_OK;
+}
+
+static iso_status read_file(iso_ply *ply, const char *path, collector *points, iso_error *error) {
+    ISO_TRY(iso_ply_open(path, ply, error));
+    for (int i = 0; i < ply->element_count; i++) {
+        const iso_ply_element *element = &ply->elements[i];
+        if (strcmp(element->name, "vertex") == 0 && element->count > 0)
+            return read_points(ply, element, points, error);
+        ISO_TRY(iso_ply_skip_element(ply, element, error));
+    }
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: holds no points", path);
+}
+
+iso_status iso_points_read_ply(const char *path, uint64_t max_memory, iso_points *out, iso_error *error) {
+    iso_ply *ply = malloc(sizeof *ply);
+    if (!ply) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    ply->stream = NULL;
+    collector points = {.max_memory = max_memory};
+    void *numbers = iso_encode_numbers_begin();
+    iso_status status = read_file(ply, path, &points, error);
+    iso_encode_numbers_end(numbers);
+    iso_ply_close(ply);
+    free(ply);
+    if (status != ISO_OK) {
+        iso_buffer_free(&points.surfels);
+        iso_buffer_free(&points.radii);
+        return status;
+    }
+    *out = (iso_points){.surfels = points.surfels.data,
+                        .radii = points.radii.data,
+                        .span = {.count = (uint32_t)points.count}};
+    return ISO_OK;
+}
+
+void iso_points_free(iso_points *points) {
+    iso_free(points->surfels);
+    iso_free(points->radii);
+    *points = (iso_points){0};
+}
+
+iso_point_view iso_points_view(const iso_points *points) {
+    return (iso_point_view){.surfels = points->surfels,
+                            .radii = points->radii,
+                            .spans = &points->span,
+                            .span_count = 1,
+                            .transform = iso_transform_identity(),
+                            .radius = points->span.count ? (double)points->radii[0] : 0};
+}

@@ -1,0 +1,53 @@
+/* Points to PLY (Turk 1994), binary little-endian. */
+#include "io/points_io.h"
+
+#include "base/file.h"
+#include "io/encode.h"
+
+enum { BYTES_PER_POINT = 7 * 4 };
+
+static void write_header(FILE *stream, size_t count, const char *comment) {
+    fputs("ply\nformat binary_little_endian 1.0\n", stream);
+    iso_encode_comment(stream, "comment ", comment);
+    fprintf(stream, "element vertex %zu\n", count);
+    static const char *const names[] = {"x", "y", "z", "nx", "ny", "nz", "radius"};
+    for (int i = 0; i < 7; i++) fprintf(stream, "property float %s\n", names[i]);
+    fputs("end_header\n", stream);
+}
+
+/* Normals are written as they are when the transform does not turn them: making them unit once more may move
+ * their last bit, and points that were read must be written back the same. */
+static bool keeps_normals(const iso_affine *affine) {
+    for (int i = 0; i < 9; i++)
+        if (affine->m[i] != (i % 4 == 0)) return false;
+    return true;
+}
+
+static void write_span(FILE *stream, const iso_point_view *view, const iso_affine *affine,
+                       const iso_point_span *span) {
+    bool keep = keeps_normals(affine);
+    for (uint32_t i = 0; i < span->count; i++) {
+        iso_surfel surfel = iso_point_view_get(view, span->first + i);
+        const float *p = surfel.position, *n = surfel.normal;
+        iso_vec3 index = {span->brick[0] * (double)ISO_BRICK + p[0],
+                          span->brick[1] * (double)ISO_BRICK + p[1],
+                          span->brick[2] * (double)ISO_BRICK + p[2]};
+        unsigned char bytes[BYTES_PER_POINT];
+        unsigned char *end = iso_encode_vec3(bytes, iso_affine_point(affine, index));
+        iso_vec3 normal = iso_vec3_make(n[0], n[1], n[2]);
+        end = iso_encode_vec3(end, keep ? normal : iso_affine_normal(affine, normal));
+        iso_encode_float(end, view->radii ? view->radii[span->first + i] : (float)view->radius);
+        fwrite(bytes, sizeof bytes, 1, stream);
+    }
+}
+
+iso_status iso_points_write_ply(const char *path, const iso_point_view *view, const char *comment,
+                                iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    iso_affine affine = iso_transform_affine(&view->transform);
+    write_header(sink.stream, iso_point_view_count(view), comment);
+    for (size_t i = 0; i < view->span_count && !ferror(sink.stream); i++)
+        write_span(sink.stream, view, &affine, &view->spans[i]);
+    return iso_sink_commit(&sink, error);
+}

@@ -1,0 +1,37 @@
+#include "render/gbuffer.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/memory.h"
+
+iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_error *error) {
+    size_t samples;
+    if (width < 1 || height < 1 || !iso_size_multiply((size_t)width, (size_t)height, &samples) ||
+        samples > SIZE_MAX / sizeof(float[3]))
+        return iso_fail(error, ISO_ERR_NOMEM, "a buffer of %dx%d samples is impossible", width, height);
+    iso_gbuffer made = {.width = width,
+                        .height = height,
+                        .depth = iso_alloc(samples * sizeof(float)),
+                        .normal = iso_alloc(samples * sizeof(float[3])),
+                        .surface = iso_alloc(samples)};
+    if (!made.depth || !made.normal || !made.surface) {
+        iso_gbuffer_free(&made);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %dx%d samples", width, height);
+    }
+    *gbuffer = made;
+    return ISO_OK;
+}
+
+void iso_gbuffer_free(iso_gbuffer *gbuffer) {
+    iso_free(gbuffer->depth);
+    iso_free(gbuffer->normal);
+    iso_free(gbuffer->surface);
+    *gbuffer = (iso_gbuffer){0};
+}
+
+void iso_gbuffer_clear(iso_gbuffer *gbuffer) {
+    size_t samples = (size_t)gbuffer->width * (size_t)gbuffer->height;
+    for (size_t i = 0; i < samples; i++) gbuffer->depth[i] = INFINITY;
+    memset(gbuffer->surface, ISO_SURFACE_NONE, samples);
+}

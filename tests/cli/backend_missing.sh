@@ -1,0 +1,1 @@
+isorender --backend egl in/a.vti

@@ -1,0 +1,2 @@
+head -c 4096 /dev/zero >in/a.raw
+isorender in/a.raw --raw 16x16x16:uint8 --isovalue 3

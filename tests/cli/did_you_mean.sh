@@ -1,0 +1,1 @@
+isorender --isovale 3 x.vti

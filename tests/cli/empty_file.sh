@@ -1,0 +1,2 @@
+: >in/a.vti
+isorender in/a.vti

@@ -1,0 +1,3 @@
+trap '' XFSZ
+ulimit -f 8
+isorender scene:torus:32 out.png --quiet

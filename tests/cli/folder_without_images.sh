@@ -1,0 +1,3 @@
+mkdir in/folder
+echo "no image" >in/folder/readme.txt
+isorender in/folder

@@ -1,0 +1,1 @@
+isorender scene:torus:32 --no-image --json --quiet >/dev/full

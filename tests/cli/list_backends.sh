@@ -1,0 +1,1 @@
+isorender --list-backends --threads 3

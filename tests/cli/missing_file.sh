@@ -1,0 +1,1 @@
+isorender in/missing.vti

@@ -1,0 +1,3 @@
+isorender --quiet scene:sphere:32 --points in/p.ply --no-image
+truncate -s -1 in/p.ply
+isorender in/p.ply

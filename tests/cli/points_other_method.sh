@@ -1,0 +1,2 @@
+isorender --quiet scene:sphere:32 --points in/p.ply --no-image
+isorender in/p.ply --method mesh

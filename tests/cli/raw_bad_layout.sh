@@ -1,0 +1,1 @@
+isorender --raw 16x16:uint8 in/a.raw

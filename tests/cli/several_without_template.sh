@@ -1,0 +1,1 @@
+isorender a.vti b.vti c.vti

@@ -1,0 +1,1 @@
+isorender in/a.vti in/a.mha --output "{model}.png"

@@ -1,0 +1,1 @@
+isorender in/a.vti --output "{modle}.png"

@@ -1,0 +1,2 @@
+echo "this is not a volume" >in/a.txt
+isorender in/a.txt

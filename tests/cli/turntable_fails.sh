@@ -1,0 +1,5 @@
+mkdir in/t_001.png
+status=0
+isorender scene:torus:32 in/t.png --turntable 3 --resolution 64x64 --quiet || status=$?
+[ ! -e in/t_000.png ] || { echo "a frame was left behind"; exit 1; }
+exit $status

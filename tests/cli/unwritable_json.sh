@@ -1,0 +1,1 @@
+isorender scene:torus:32 --json=in/missing/out.json
