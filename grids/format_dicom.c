@@ -393,14 +393,10 @@ static iso_status order(const char *path, const iso_volume_opts *opts, source *s
 static iso_status open_source(const char *path, const iso_volume_opts *opts, source *s, iso_volume_info *info,
                               iso_error *error) {
     *s = (source){0};
-    iso_error detail = {0};
-    iso_status status = read_files(s, path, &detail);
-    if (status == ISO_OK) status = order(path, opts, s, info, &detail);
-    if (status == ISO_OK) return ISO_OK;
-    free_source(s);
-    /* A file beside the one that was asked for may be the one that is wrong: both are named. */
-    if (strncmp(detail.text, path, strlen(path)) == 0) return iso_fail(error, status, "%s", detail.text);
-    return iso_fail(error, status, "%s: %s", path, detail.text);
+    iso_status status = read_files(s, path, error);
+    if (status == ISO_OK) status = order(path, opts, s, info, error);
+    if (status != ISO_OK) free_source(s);
+    return status;
 }
 
 static iso_status dicom_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
