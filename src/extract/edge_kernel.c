@@ -13,19 +13,23 @@ enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64 };
 /* Points of one axis on their way through fill. Arrays are padded so that whole vectors can be computed. */
 typedef struct iso_edge_batch {
     int count;
-    uint8_t x[ISO_EDGE_BATCH_MAX], row[ISO_EDGE_BATCH_MAX]; /* voxel in the block; row = z << 4 | y */
+    uint8_t x[ISO_EDGE_BATCH_MAX];
+    uint16_t row[ISO_EDGE_BATCH_MAX];
     float weight[4][ISO_EDGE_BATCH_MAX]; /* of differences along the edge at its two ends, x (or y), the third
                                             axis */
     float t[ISO_EDGE_BATCH_MAX];
     float normal[3][ISO_EDGE_BATCH_MAX];
     union {
         iso_point packed[ISO_EDGE_BATCH_MAX];
-        iso_surfel surfels[ISO_EDGE_BATCH_MAX];
+        struct {
+            float position[3][ISO_EDGE_BATCH_MAX];
+            iso_edge_key key[ISO_EDGE_BATCH_MAX];
+        };
     };
 } iso_edge_batch;
 
-static inline int iso_edge_clamp(int i, int dim) {
-    return i < 0 ? 0 : i < dim ? i : dim - 1;
+static inline int iso_edge_clamp(int i, int first, int dim) {
+    return i < first ? first : i < dim ? i : dim - 1;
 }
 
 static inline int iso_edge_extent(int left) {
@@ -45,10 +49,10 @@ static inline uint64_t iso_edge_lane_counts(uint64_t mask) {
 }
 
 /* Whether any neighbour that the block's edges need may lie outside the grid. */
-static bool iso_edge_at_border(const iso_edge_source *source, const iso_edge_block *block) {
+static bool iso_edge_at_border(const iso_edge_source *source, const int origin[3]) {
     const int size[3] = {ISO_EDGE_BLOCK_X, ISO_BRICK, ISO_BRICK};
     for (int axis = 0; axis < 3; axis++)
-        if (block->origin[axis] == 0 || block->origin[axis] + size[axis] + 2 > source->dims[axis])
+        if (origin[axis] == source->first[axis] || origin[axis] + size[axis] + 2 > source->dims[axis])
             return true;
     return false;
 }
@@ -60,10 +64,8 @@ typedef struct iso_edge_stencil {
     float weight[4]; /* 1/2, or 1 for a one-sided difference: along the edge at either end, then across */
 } iso_edge_stencil;
 
-static void iso_edge_border_stencil(const iso_edge_source *source, const iso_edge_block *block,
-                                    const int voxel[3], int axis, iso_edge_stencil *stencil) {
-    const int *origin = block->origin;
-    const int lower[3] = {origin[0] + voxel[0], origin[1] + voxel[1], origin[2] + voxel[2]};
+static void iso_edge_border_stencil(const iso_edge_source *source, const int lower[3], int axis,
+                                    iso_edge_stencil *stencil) {
     int across = 2;
     for (int end = 0; end < 2; end++) {
         int at[3] = {lower[0], lower[1], lower[2]};
@@ -71,8 +73,8 @@ static void iso_edge_border_stencil(const iso_edge_source *source, const iso_edg
         stencil->end[end] = iso_edge_index(source, at);
         for (int k = 0; k < 3; k++) {
             int low[3] = {at[0], at[1], at[2]}, high[3] = {at[0], at[1], at[2]};
-            low[k] = iso_edge_clamp(at[k] - 1, source->dims[k]);
-            high[k] = iso_edge_clamp(at[k] + 1, source->dims[k]);
+            low[k] = iso_edge_clamp(at[k] - 1, source->first[k], source->dims[k]);
+            high[k] = iso_edge_clamp(at[k] + 1, source->first[k], source->dims[k]);
             stencil->neighbour[end][k][0] = iso_edge_index(source, low);
             stencil->neighbour[end][k][1] = iso_edge_index(source, high);
             float weight = high[k] - low[k] == 2 ? 0.5f : 1.0f;
@@ -94,12 +96,16 @@ iso_edge_scatter(const iso_edge_batch *batch, const iso_edge_output *output, uin
             output->packed[brick][lanes >> (16 * brick) & 0xffff] = batch->packed[i];
             lanes += (uint64_t)1 << (16 * brick);
         }
-    } else {
-        for (int i = 0; i < batch->count; i++) {
-            int brick = batch->x[i] >> 4;
-            output->surfels[brick][lanes >> (16 * brick) & 0xffff] = batch->surfels[i];
-            lanes += (uint64_t)1 << (16 * brick);
-        }
+        return lanes;
+    }
+    for (int i = 0; i < batch->count; i++) {
+        const int brick = batch->x[i] >> 4;
+        const uint64_t place = lanes >> (16 * brick) & 0xffff;
+        iso_surfel *surfel = output->surfels[brick] + place;
+        for (int k = 0; k < 3; k++) surfel->position[k] = batch->position[k][i];
+        for (int k = 0; k < 3; k++) surfel->normal[k] = batch->normal[k][i];
+        if (output->keys[0]) output->keys[brick][place] = batch->key[i];
+        lanes += (uint64_t)1 << (16 * brick);
     }
     return lanes;
 }
@@ -114,30 +120,33 @@ iso_edge_scatter(const iso_edge_batch *batch, const iso_edge_output *output, uin
 #define ISO_INLINE __attribute__((always_inline)) static inline
 
 void iso_edge_source_prepare(iso_edge_source *source) {
-    for (int row = 0; row < ISO_EDGE_ROWS; row++)
-        source->row_offset[row] = (row & 15) * source->stride_y + (row >> 4) * source->stride_z;
+    for (int row = 0; row < ISO_EDGE_ROW_NAMES; row++)
+        source->row_offset[row] =
+            (row & 31) * source->stride_y + (row >> 5 & 31) * source->stride_z + !!(row & ISO_EDGE_FACE);
 }
 
 #include "extract/edge_kernel_variants.inc"
 
+#define ISO_EDGE_KERNEL(name)                                                                                \
+    { count_##name, fill_##name, classify_##name, fill_entries_##name }
 static const iso_edge_kernel generic_kernels[] = {
-    [ISO_UINT8] = {count_uint8_generic, fill_uint8_generic},
-    [ISO_INT16] = {count_int16_generic, fill_int16_generic},
-    [ISO_UINT16] = {count_uint16_generic, fill_uint16_generic},
-    [ISO_FLOAT32] = {count_float_generic, fill_float_generic},
+    [ISO_UINT8] = ISO_EDGE_KERNEL(uint8_generic),
+    [ISO_INT16] = ISO_EDGE_KERNEL(int16_generic),
+    [ISO_UINT16] = ISO_EDGE_KERNEL(uint16_generic),
+    [ISO_FLOAT32] = ISO_EDGE_KERNEL(float_generic),
 };
 #if ISO_HAVE_X86
 static const iso_edge_kernel avx2_kernels[] = {
-    [ISO_UINT8] = {count_uint8_avx2, fill_uint8_avx2},
-    [ISO_INT16] = {count_int16_avx2, fill_int16_avx2},
-    [ISO_UINT16] = {count_uint16_avx2, fill_uint16_avx2},
-    [ISO_FLOAT32] = {count_float_avx2, fill_float_avx2},
+    [ISO_UINT8] = ISO_EDGE_KERNEL(uint8_avx2),
+    [ISO_INT16] = ISO_EDGE_KERNEL(int16_avx2),
+    [ISO_UINT16] = ISO_EDGE_KERNEL(uint16_avx2),
+    [ISO_FLOAT32] = ISO_EDGE_KERNEL(float_avx2),
 };
 static const iso_edge_kernel avx512_kernels[] = {
-    [ISO_UINT8] = {count_uint8_avx512, fill_uint8_avx512},
-    [ISO_INT16] = {count_int16_avx512, fill_int16_avx512},
-    [ISO_UINT16] = {count_uint16_avx512, fill_uint16_avx512},
-    [ISO_FLOAT32] = {count_float_avx512, fill_float_avx512},
+    [ISO_UINT8] = ISO_EDGE_KERNEL(uint8_avx512),
+    [ISO_INT16] = ISO_EDGE_KERNEL(int16_avx512),
+    [ISO_UINT16] = ISO_EDGE_KERNEL(uint16_avx512),
+    [ISO_FLOAT32] = ISO_EDGE_KERNEL(float_avx512),
 };
 #endif
 

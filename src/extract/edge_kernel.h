@@ -27,25 +27,38 @@ enum {
     ISO_EDGE_ROWS = ISO_BRICK * ISO_BRICK           /* words of an axis */
 };
 
-/* What is extracted: a dense grid without NaN or infinity, and a stored isovalue. */
+/* A row of a block is named z << 5 | y, both 0 .. 16; with ISO_EDGE_FACE, voxel x of it means voxel x + 1,
+ * the first of the next brick for the last x of each. */
+enum { ISO_EDGE_FACE = 1 << 10, ISO_EDGE_ROW_NAMES = 2 << 10 };
+
+/* What is extracted: a dense grid without NaN or infinity (where edges are), and a stored isovalue. */
 typedef struct iso_edge_source {
-    const void *data;
+    const void *data;             /* of voxel 0, 0, 0 */
     ptrdiff_t stride_y, stride_z; /* elements */
-    int dims[3];
+    int dims[3];                  /* one past the grid's last voxel */
     float isovalue;
-    bool level_set;                      /* normals point to higher values */
-    ptrdiff_t row_offset[ISO_EDGE_ROWS]; /* set by iso_edge_source_prepare */
+    bool level_set; /* normals point to higher values */
+    float rest;     /* the surface is at isovalue + rest; at or above isovalue is inside */
+    int first[3];   /* the grid's first voxel: below 0 where `data` is a window into it */
+    ptrdiff_t row_offset[ISO_EDGE_ROW_NAMES]; /* set by iso_edge_source_prepare */
 } iso_edge_source;
 
 /* Sets row_offset; the other fields are the caller's. */
 void iso_edge_source_prepare(iso_edge_source *source);
 
-/* The non-empty words of one axis: bit x of mask is an edge at voxel x of row (z * 16 + y) of the block. */
+/* The non-empty words of one axis: bit x of mask is an edge at voxel x of the row. */
 typedef struct iso_edge_list {
     int count;
     uint64_t mask[ISO_EDGE_ROWS + 1];
-    uint8_t row[ISO_EDGE_ROWS + 1];
+    uint16_t row[ISO_EDGE_ROWS + 1];
 } iso_edge_list;
+
+/* A list, borrowed. */
+typedef struct iso_edge_entries {
+    const uint64_t *mask;
+    const uint16_t *row;
+    int count;
+} iso_edge_entries;
 
 /* Mask words of a run of blocks along x: what `count` classifies into, kept by the caller for reuse.
  * bits[b][z * 17 + y] is row (y, z) of block b; the words of block number `blocks` hold one bit, the voxel
@@ -63,10 +76,11 @@ typedef struct iso_edge_block {
     iso_edge_list axes[3];
 } iso_edge_block;
 
-/* Where the points of the four bricks go: packed or in floats, exactly one array set per brick. */
+/* Where the points of the four bricks go: packed, or in floats with their keys. */
 typedef struct iso_edge_output {
     iso_point *packed[ISO_EDGE_BRICKS];
     iso_surfel *surfels[ISO_EDGE_BRICKS];
+    iso_edge_key *keys[ISO_EDGE_BRICKS]; /* all or none; not with packed */
 } iso_edge_output;
 
 typedef struct iso_edge_kernel {
@@ -75,6 +89,11 @@ typedef struct iso_edge_kernel {
     void (*count)(const iso_edge_source *source, iso_edge_words *words, iso_edge_block *blocks);
     /* Makes the points of one of them. */
     void (*fill)(const iso_edge_source *source, const iso_edge_block *block, const iso_edge_output *output);
+    /* The parts of the two that meshes put together anew: the mask words of a run that begins at `origin`, */
+    void (*classify)(const iso_edge_source *source, const int origin[3], iso_edge_words *words);
+    /* and the points of any lists, one for each axis, in the block at `origin`. Only own rows with packed. */
+    void (*fill_entries)(const iso_edge_source *source, const int origin[3],
+                         const iso_edge_entries entries[3], const iso_edge_output *output);
 } iso_edge_kernel;
 
 /* The kernel for a voxel type at an instruction set, NULL when this build does not have the set. */
