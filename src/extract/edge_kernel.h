@@ -83,6 +83,9 @@ typedef struct iso_edge_output {
     iso_edge_key *keys[ISO_EDGE_BRICKS]; /* all or none; not with packed */
 } iso_edge_output;
 
+/* Drops the points of bricks whose bit in `bricks` (bit 0: lowest x) is not set. */
+void iso_edge_block_keep(iso_edge_block *block, unsigned bricks);
+
 typedef struct iso_edge_kernel {
     /* Counts and lists the points of words->blocks consecutive blocks along x; blocks[0].origin names the
      * first. */
