@@ -71,6 +71,9 @@ typedef struct iso_dicom_items {
     size_t count;
 } iso_dicom_items;
 
+/* Whether a frame's compressed bytes announce an image of the file's size and depth. */
+bool iso_dicom_codestream_fits(const iso_dicom_file *file, const uint8_t *bytes, size_t length);
+
 /* Decodes one frame from `items` (those of this frame only) into `pixels`, iso_dicom_frame_bytes of it in
  * native byte order. ISO_ERR_IO when GDCM cannot. */
 iso_status iso_dicom_decode(const iso_dicom_file *file, const iso_dicom_items *items, void *pixels,

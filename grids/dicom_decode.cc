@@ -41,6 +41,9 @@ iso_status decode(const iso_dicom_file &file, const iso_dicom_items &items, void
     if (syntax == gdcm::TransferSyntax::TS_END)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: its compression (transfer syntax %s) is not known",
                         file.path, file.syntax);
+    if (!iso_dicom_codestream_fits(&file, items.bytes + items.offset[0], items.length[0]))
+        return iso_fail(error, ISO_ERR_IO, "%s: corrupt: its compressed pixels are not what its header says",
+                        file.path);
     gdcm::Image image;
     image.SetTransferSyntax(syntax);
     image.SetNumberOfDimensions(2);

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <openvdb/io/Archive.h>
@@ -21,6 +22,7 @@
 #include <openvdb/points/PointDataGrid.h>
 
 #include "grids/bridge_guard.hpp"
+#include "grids/vdb_check.h"
 
 namespace {
 
@@ -38,108 +40,189 @@ struct vdb_grid {
     std::string name() const { return openvdb::io::GridDescriptor::nameAsString(descriptor.uniqueName()); }
 };
 
+using real_grids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid>;
+using scalar_grids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid,
+                                       openvdb::Int64Grid, openvdb::BoolGrid, openvdb::MaskGrid>;
+using vector_grids = openvdb::TypeList<openvdb::Vec3SGrid, openvdb::Vec3DGrid, openvdb::Vec3IGrid>;
+
+bool is_points(const GridBase &grid) {
+    return grid.isType<openvdb::points::PointDataGrid>();
+}
+bool is_scalar(const GridBase &grid) {
+    return grid.apply<scalar_grids>([](const auto &) {});
+}
+bool is_vector(const GridBase &grid) {
+    return grid.apply<vector_grids>([](const auto &) {});
+}
+bool is_level_set(const GridBase &grid) {
+    return grid.getGridClass() == openvdb::GRID_LEVEL_SET && grid.apply<real_grids>([](const auto &) {});
+}
+
 class archive : public openvdb::io::Archive {
   public:
     explicit archive(const char *path);
     std::vector<vdb_grid> grids;
-    /* Reads the tree of a grid: where its voxels are, and what they hold unless `topology` is enough. */
-    void load(vdb_grid &entry, bool topology);
+    /* Lists the grids. */
+    iso_status scan(iso_error *error);
+    /* Reads the tree of a grid of numbers: where its voxels are, and what they hold unless `topology` is
+     * enough. */
+    iso_status load(vdb_grid &entry, bool topology, iso_error *error);
 
   private:
+    const char *path_; /* borrowed */
     /* The stream keeps a pointer to this pointer. */
     openvdb::io::StreamMetadata::Ptr metadata_{new openvdb::io::StreamMetadata};
     std::ifstream stream_;
     std::streamoff size_ = 0;
-    void check_magic();
-    void read_descriptor();
+    iso_status check_magic(iso_error *error);
+    iso_status next_grid(bool *more, iso_error *error);
+    iso_status next_of_stream(vdb_grid &entry, bool *more, iso_error *error);
     void read_header_of(vdb_grid &entry);
+    iso_status check_tree(const vdb_grid &entry, bool streamed, iso_error *error);
     vdb_grid &parent_of(const vdb_grid &entry);
 };
 
-archive::archive(const char *path) {
+archive::archive(const char *path) : path_(path) {
     stream_.open(path, std::ios_base::binary);
     if (!stream_) OPENVDB_THROW(openvdb::IoError, "cannot open the file");
     stream_.exceptions(std::ios_base::failbit | std::ios_base::badbit | std::ios_base::eofbit);
     stream_.seekg(0, std::ios_base::end);
     size_ = stream_.tellg();
     stream_.seekg(0);
-    check_magic();
+}
+
+iso_status archive::scan(iso_error *error) {
+    ISO_TRY(check_magic(error));
     readHeader(stream_);
     setFormatVersion(stream_);
     setLibraryVersion(stream_);
     setDataCompression(stream_);
     openvdb::io::setStreamMetadataPtr(stream_, metadata_, /*transfer=*/false);
     openvdb::MetaMap().readMeta(stream_);
-    for (int32_t count = readGridCount(stream_); count > 0; count--) read_descriptor();
+    bool more = true;
+    for (int32_t count = readGridCount(stream_); more && count > 0; count--) ISO_TRY(next_grid(&more, error));
+    return ISO_OK;
 }
 
-/* A file that begins rightly and is too short for a header is cut off; any other is not a .vdb. */
-void archive::check_magic() {
+/* A file that begins rightly and is too short for a header is cut off; any other is not a .vdb. Files before
+ * version 222 are laid out in other ways, those of later versions in ways not known yet. */
+iso_status archive::check_magic(iso_error *error) {
+    const uint32_t oldest = openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION;
+    const uint32_t newest = openvdb::OPENVDB_FILE_VERSION;
     static const char magic[8] = {' ', 'B', 'D', 'V', 0, 0, 0, 0};
     char head[sizeof magic] = {};
-    std::streamoff count = std::min<std::streamoff>(size_, sizeof head);
+    uint32_t version = 0;
+    const std::streamoff count = std::min<std::streamoff>(size_, sizeof head);
     stream_.read(head, count);
-    stream_.seekg(0);
     if (std::memcmp(head, magic, static_cast<size_t>(count)) != 0)
-        OPENVDB_THROW(openvdb::TypeError, "not a .vdb file");
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a .vdb file", path_);
+    stream_.read(reinterpret_cast<char *>(&version), sizeof version);
+    stream_.seekg(0);
+    if (version < oldest || version > newest)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: its file version is %u, only %u to %u can be read", path_,
+                        version, oldest, newest);
+    return ISO_OK;
 }
 
 /* With grid offsets, the descriptors form a chain through the file: a chain that leads out of the file means
- * that its end is missing, one that leads back that it is corrupt. Without offsets (the file was written as a
- * stream) the only way to the next grid is through this one. */
-void archive::read_descriptor() {
+ * that its end is missing, one that leads back that it is corrupt. */
+iso_status archive::next_grid(bool *more, iso_error *error) {
     vdb_grid entry;
     entry.grid = entry.descriptor.read(stream_);
-    if (!inputHasGridOffsets()) {
-        Archive::readGrid(entry.grid, entry.descriptor, stream_);
-        entry.loaded = true;
-        grids.push_back(entry);
-        return;
-    }
+    if (!inputHasGridOffsets()) return next_of_stream(entry, more, error);
     const std::streamoff here = stream_.tellg(), grid = entry.descriptor.getGridPos();
     const std::streamoff blocks = entry.descriptor.getBlockPos(), end = entry.descriptor.getEndPos();
     if (end > size_) throw std::ios_base::failure("ends early");
     const bool ordered = entry.descriptor.isInstance() || (grid <= blocks && blocks <= end);
     if (grid < here || end < grid || !ordered) OPENVDB_THROW(openvdb::IoError, "grid offsets are wrong");
+    stream_.seekg(grid);
     read_header_of(entry);
     grids.push_back(entry);
     stream_.seekg(end);
+    return ISO_OK;
+}
+
+/* In a file that was written as a stream the only way to the next grid is through this one. What cannot be
+ * checked is not read, and nothing behind it is found. */
+iso_status archive::next_of_stream(vdb_grid &entry, bool *more, iso_error *error) {
+    const std::streamoff begin = stream_.tellg();
+    read_header_of(entry);
+    *more = entry.descriptor.isInstance() || is_scalar(*entry.grid) || is_vector(*entry.grid);
+    if (*more && !entry.descriptor.isInstance()) {
+        ISO_TRY(check_tree(entry, true, error));
+        stream_.seekg(begin);
+        Archive::readGrid(entry.grid, entry.descriptor, stream_);
+        entry.loaded = true;
+    }
+    grids.push_back(entry);
+    return ISO_OK;
 }
 
 void archive::read_header_of(vdb_grid &entry) {
-    stream_.seekg(entry.descriptor.getGridPos());
     readGridCompression(stream_);
     entry.grid->readMeta(stream_);
-    if (openvdb::io::getFormatVersion(stream_) < openvdb::OPENVDB_FILE_VERSION_GRID_INSTANCING)
-        entry.grid->readTopology(stream_); /* in those days the transform came after it */
     entry.grid->readTransform(stream_);
+}
+
+int value_bytes(const GridBase &grid) {
+    int bytes = 0;
+    const auto size = [&](const auto &typed) {
+        using grid_type = std::decay_t<decltype(typed)>;
+        bytes = static_cast<int>(sizeof(typename grid_type::ValueType));
+    };
+    if (!grid.apply<scalar_grids>(size)) grid.apply<vector_grids>(size);
+    return bytes;
+}
+
+/* Checks the tree that begins where the stream is, behind the grid's header; its place stays. */
+iso_status archive::check_tree(const vdb_grid &entry, bool streamed, iso_error *error) {
+    const GridBase &grid = *entry.grid;
+    const uint32_t compression = openvdb::io::getDataCompression(stream_);
+    iso_vdb_layout layout = {};
+    layout.value_bytes = layout.stored_bytes = value_bytes(grid);
+    if (grid.saveFloatAsHalf() && grid.apply<real_grids>([](const auto &) {})) layout.stored_bytes = 2;
+    if (grid.saveFloatAsHalf() && is_vector(grid) && !grid.isType<openvdb::Vec3IGrid>())
+        layout.stored_bytes = 6;
+    layout.leaf = grid.isType<openvdb::BoolGrid>()   ? ISO_VDB_BOOLS
+                  : grid.isType<openvdb::MaskGrid>() ? ISO_VDB_MASK
+                                                     : ISO_VDB_VALUES;
+    layout.blosc = compression & openvdb::io::COMPRESS_BLOSC;
+    layout.compressed = layout.blosc || (compression & openvdb::io::COMPRESS_ZIP);
+    layout.active_only = compression & openvdb::io::COMPRESS_ACTIVE_MASK;
+    layout.topology = static_cast<uint64_t>(stream_.tellg());
+    layout.blocks = streamed ? 0 : static_cast<uint64_t>(entry.descriptor.getBlockPos());
+    layout.end = streamed ? 0 : static_cast<uint64_t>(entry.descriptor.getEndPos());
+    return iso_vdb_check(path_, &layout, error);
 }
 
 /* The grid whose tree an instance shares. */
 vdb_grid &archive::parent_of(const vdb_grid &entry) {
     for (vdb_grid &other : grids)
         if (other.descriptor.uniqueName() == entry.descriptor.instanceParentName() &&
-            !other.descriptor.isInstance())
+            !other.descriptor.isInstance() && other.grid->type() == entry.grid->type())
             return other;
     OPENVDB_THROW(openvdb::IoError, "a grid shares the voxels of one that is not there");
 }
 
-void archive::load(vdb_grid &entry, bool topology) {
+iso_status archive::load(vdb_grid &entry, bool topology, iso_error *error) {
     if (entry.descriptor.isInstance()) {
         vdb_grid &parent = parent_of(entry);
-        load(parent, topology);
+        ISO_TRY(load(parent, topology, error));
         entry.grid->setTree(parent.grid->baseTreePtr());
-    } else if (!entry.loaded) {
-        stream_.seekg(entry.descriptor.getGridPos());
-        if (topology) {
-            read_header_of(entry);
-            if (openvdb::io::getFormatVersion(stream_) >= openvdb::OPENVDB_FILE_VERSION_GRID_INSTANCING)
-                entry.grid->readTopology(stream_);
-        } else {
-            Archive::readGrid(entry.grid, entry.descriptor, stream_);
-        }
+        return ISO_OK;
     }
-    entry.loaded = !topology || entry.loaded;
+    if (entry.loaded) return ISO_OK;
+    stream_.seekg(entry.descriptor.getGridPos());
+    read_header_of(entry);
+    ISO_TRY(check_tree(entry, false, error));
+    if (topology) {
+        entry.grid->readTopology(stream_);
+    } else {
+        stream_.seekg(entry.descriptor.getGridPos());
+        Archive::readGrid(entry.grid, entry.descriptor, stream_);
+        entry.loaded = true;
+    }
+    return ISO_OK;
 }
 
 /* Turns what OpenVDB throws into a line about the file. Lengths that no memory could hold come from bytes
@@ -161,24 +244,6 @@ template <class Body> iso_status reading(const char *path, iso_error *error, Bod
 }
 
 /* ---- which grid ---- */
-
-using real_grids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid>;
-using scalar_grids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid,
-                                       openvdb::Int64Grid, openvdb::BoolGrid, openvdb::MaskGrid>;
-using vector_grids = openvdb::TypeList<openvdb::Vec3SGrid, openvdb::Vec3DGrid, openvdb::Vec3IGrid>;
-
-bool is_points(const GridBase &grid) {
-    return grid.isType<openvdb::points::PointDataGrid>();
-}
-bool is_scalar(const GridBase &grid) {
-    return grid.apply<scalar_grids>([](const auto &) {});
-}
-bool is_vector(const GridBase &grid) {
-    return grid.apply<vector_grids>([](const auto &) {});
-}
-bool is_level_set(const GridBase &grid) {
-    return grid.getGridClass() == openvdb::GRID_LEVEL_SET && grid.apply<real_grids>([](const auto &) {});
-}
 
 std::string names_of(const archive &file) {
     std::string names;
@@ -232,10 +297,9 @@ struct extent {
     uint64_t voxels = 0, leaves = 0, tree_bytes = 0;
 };
 
+/* The values, the mask, the origin and a pointer. */
 size_t leaf_bytes(const GridBase &grid) {
-    const bool wide = grid.isType<openvdb::DoubleGrid>() || grid.isType<openvdb::Int64Grid>();
-    size_t value = is_vector(grid) ? (grid.isType<openvdb::Vec3DGrid>() ? 24 : 12) : wide ? 8 : 4;
-    return 512 * value + 96; /* the values, the mask, the origin and a pointer */
+    return 512 * static_cast<size_t>(value_bytes(grid)) + 96;
 }
 
 /* From the statistics that OpenVDB writes beside every grid; false when they are missing or make no sense. */
@@ -379,7 +443,7 @@ iso_status fill_info(const char *path, const iso_volume_opts *opts, archive &fil
     ISO_TRY(iso_format_component(path, opts, is_vector(grid) ? 3 : 1, info, error));
     extent known;
     if (!stated_extent(grid, &known)) {
-        file.load(*chosen, true);
+        ISO_TRY(file.load(*chosen, true, error));
         known = counted_extent(grid);
     }
     return fill_size(path, *chosen, known, info, error);
@@ -390,6 +454,7 @@ iso_status vdb_info(const char *path, const iso_volume_opts *opts, iso_volume_in
         openvdb::initialize();
         return reading(path, error, [&] {
             archive file(path);
+            ISO_TRY(file.scan(error));
             return fill_info(path, opts, file, info, error);
         });
     });
@@ -577,9 +642,10 @@ iso_status load_chosen(const char *path, const iso_volume_info &info, GridBase::
                        iso_error *error) {
     return reading(path, error, [&] {
         archive file(path);
+        ISO_TRY(file.scan(error));
         vdb_grid *chosen = nullptr;
         ISO_TRY(choose_named(path, info.name, file, &chosen, error));
-        file.load(*chosen, false);
+        ISO_TRY(file.load(*chosen, false, error));
         *grid = chosen->grid;
         return ISO_OK;
     });

@@ -234,6 +234,14 @@ static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_
     return ISO_OK;
 }
 
+/* What is wrong may be wrong with a data file, which the reader names: the file that was asked for comes
+ * first. */
+static iso_status named(const char *path, iso_status status, const iso_error *detail, iso_error *error) {
+    if (status == ISO_OK) return ISO_OK;
+    bool names_it = strncmp(detail->text, path, strlen(path)) == 0;
+    return iso_fail(error, status, "%s%s%s", names_it ? "" : path, names_it ? "" : ": ", detail->text);
+}
+
 static iso_status read_header(const char *path, const iso_volume_opts *opts, const iso_format **format,
                               iso_volume_info *info, iso_error *error) {
     *info = (iso_volume_info){.components = 1, .scale = 1, .transform = iso_transform_identity()};
@@ -242,7 +250,8 @@ static iso_status read_header(const char *path, const iso_volume_opts *opts, con
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without %s, which reads this format", path,
                         (*format)->library);
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);
-    ISO_TRY((*format)->info(path, opts, info, error));
+    iso_error detail = {0};
+    ISO_TRY(named(path, (*format)->info(path, opts, info, &detail), &detail, error));
     return check_info(path, opts, info, error);
 }
 
@@ -300,8 +309,9 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
     ISO_TRY(read_header(path, opts, &format, &result.info, error));
     ISO_TRY(check_memory(path, opts, &result.info, error));
     ISO_TRY(iso_format_progress(path, opts, 0, error));
-    ISO_TRY(format->read(path, opts, &result.info, &result.grid, error));
-    iso_status status = ISO_OK;
+    iso_error detail = {0};
+    iso_status status = format->read(path, opts, &result.info, &result.grid, &detail);
+    ISO_TRY(named(path, status, &detail, error));
     if (!agrees(&result.info, &result.grid))
         status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
     if (status == ISO_OK) status = iso_format_progress(path, opts, 1, error);

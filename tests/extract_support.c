@@ -129,6 +129,30 @@ iso_grid test_ball_grid(int size, iso_vec3 centre, double radius, int dense) {
     return grid;
 }
 
+void test_random_edit(const iso_grid *grid, test_random *random) {
+    const int *dims = iso_grid_dims(grid);
+    if (iso_grid_is_level_set(grid)) {
+        test_ball ball = {.radius = test_random_real(random, 1, 7), .carve = test_random_int(random, 0, 1)};
+        ball.centre = iso_vec3_make(test_random_real(random, -3, dims[0] + 3),
+                                    test_random_real(random, -3, dims[1] + 3),
+                                    test_random_real(random, -3, dims[2] + 3));
+        test_stamp_ball(grid, &ball);
+        return;
+    }
+    int lo[3], hi[3];
+    for (int axis = 0; axis < 3; axis++) {
+        lo[axis] = test_random_int(random, 0, dims[axis] - 1);
+        hi[axis] = lo[axis] + test_random_int(random, 0, test_random_int(random, 0, 6));
+        if (hi[axis] >= dims[axis]) hi[axis] = dims[axis] - 1;
+    }
+    int flat = test_random_int(random, 0, 2); /* spans must shrink to nothing too */
+    for (int z = lo[2]; z <= hi[2]; z++)
+        for (int y = lo[1]; y <= hi[1]; y++)
+            for (int x = lo[0]; x <= hi[0]; x++)
+                test_set(grid, x, y, z, flat ? 50 * flat : test_random_real(random, 50, 150));
+    assert_int_equal(iso_rgrid_touch(grid->rgrid, lo, hi, NULL), ISO_OK);
+}
+
 static int compare_bricks(const int32_t *a, const int32_t *b) {
     for (int axis = 2; axis >= 0; axis--)
         if (a[axis] != b[axis]) return a[axis] < b[axis] ? -1 : 1;

@@ -48,6 +48,10 @@ typedef struct test_ball {
 } test_ball;
 void test_stamp_ball(const iso_grid *grid, const test_ball *ball);
 
+/* One edit, touched: a ball added or taken away (level sets), or a box of noise or of one value, around the
+ * isovalue 100. */
+void test_random_edit(const iso_grid *grid, test_random *random);
+
 /* A level set of a ball: hgrid, or with `dense` an rgrid of float32. */
 iso_grid test_ball_grid(int size, iso_vec3 centre, double radius, int dense);
 

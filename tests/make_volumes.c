@@ -135,6 +135,7 @@ unsigned char *vol_read_bytes(const char *path, size_t *count) {
     rewind(file);
     unsigned char *bytes = malloc(*count + 1);
     if (!bytes || fread(bytes, 1, *count, file) != *count) abort();
+    bytes[*count] = 0;
     fclose(file);
     return bytes;
 }

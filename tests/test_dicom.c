@@ -222,6 +222,10 @@ static void strays_are_ignored(void **state) {
     spill(path, "no image\n", 9);
     expect_failure(path, NULL, ISO_ERR_FORMAT, "not a DICOM file");
     expect_failure(FOLDER, NULL, ISO_ERR_IO, "notes.dcm");
+    char both[2048];
+    snprintf(both, sizeof both, "%s/IM0: %s/notes.dcm: ", FOLDER, FOLDER);
+    in_folder(path, "IM0");
+    expect_failure(path, NULL, ISO_ERR_IO, both);
 }
 
 static void folders_without_images(void **state) {
@@ -670,6 +674,34 @@ static void corrupted(void **state) {
     }
 }
 
+/* A codestream of another size than the header's: GDCM would end the program. */
+static void wrong_codestream(void **state) {
+    (void)state;
+    static const char *const ways[] = {"rle", "jpeg", "jpegls", "j2k"};
+    char path[1024];
+    in_folder(path, "file.dcm");
+    for (size_t way = 0; way < sizeof ways / sizeof *ways; way++) {
+        write_slice(&plain, "file.dcm", (slice_place){0, 0, 0, 0});
+        assert_int_equal(dicom_compress(path, ways[way]), 0);
+        bytes whole = slurp(path);
+        const uint8_t columns[10] = {0x28, 0, 0x11, 0, 'U', 'S', 2, 0, COLUMNS, 0};
+        uint8_t *at = memmem(whole.data, whole.count, columns, sizeof columns);
+        assert_non_null(at);
+        for (int wrong = 1; wrong < 64; wrong++) {
+            at[8] = (uint8_t)wrong;
+            spill(path, whole.data, whole.count);
+            iso_volume volume = {0};
+            iso_error error = {0};
+            iso_status status = iso_volume_read(path, NULL, &volume, &error);
+            if (wrong == COLUMNS) assert_int_equal(status, ISO_OK);
+            if (wrong != COLUMNS && way > 0 && status != ISO_ERR_IO) /* RLE does not state a size */
+                fail_msg("%s with %d columns: %s", ways[way], wrong, iso_status_text(status));
+            iso_volume_free(&volume);
+        }
+        free(whole.data);
+    }
+}
+
 /* ---- real files ---- */
 
 static int16_t *raw_slice(int number) {
@@ -737,6 +769,7 @@ int main(void) {
         TEST(enhanced),
         TEST(truncated),
         TEST(corrupted),
+        TEST(wrong_codestream),
         TEST(real_head),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -118,6 +118,31 @@ void check_volume(const row &fields, const iso_volume &volume) {
     check_against_flying_edges(&volume.grid, isovalue);
 }
 
+// The sample sphere.vdb: radius 3 around the world's origin, voxels of 0.05.
+void check_sphere(const iso_grid *grid) {
+    iso_points_opts opts = {};
+    opts.floats = true;
+    iso_point_set *set = nullptr;
+    assert_int_equal(iso_point_set_create(grid, &opts, &set, nullptr), ISO_OK);
+    assert_int_equal(iso_point_set_update(set, nullptr), ISO_OK);
+    iso_point_view view = iso_point_set_view(set);
+    iso_affine affine = iso_transform_affine(&view.transform);
+    double sum = 0, spacing = view.transform.spacing[0];
+    for (size_t s = 0; s < view.span_count; s++)
+        for (uint32_t i = 0; i < view.spans[s].count; i++) {
+            const float *p = view.surfels[view.spans[s].first + i].position;
+            const int32_t *b = view.spans[s].brick;
+            iso_vec3 index = iso_vec3_make(16.0 * b[0] + p[0], 16.0 * b[1] + p[1], 16.0 * b[2] + p[2]);
+            sum += std::fabs(iso_vec3_length(iso_affine_point(&affine, index)) - 3.0) / spacing;
+        }
+    iso_points_stats stats = iso_point_set_stats(set);
+    double mean = sum / static_cast<double>(stats.points);
+    print_message("sphere.vdb: %zu foot points, %.5f voxels from radius 3 on average, %zu rejected\n",
+                  stats.points, mean, stats.rejected);
+    assert_true(stats.points > 50000 && mean < 0.01);
+    iso_point_set_destroy(set);
+}
+
 // Files without a header that says all: what the index says.
 bool is_raw(const row &fields, iso_raw_layout *layout) {
     if (fields[FORMAT].find("raw + .dat") == std::string::npos &&
@@ -149,6 +174,8 @@ void volumes_of_the_index(void **) {
         }
         if (status != ISO_OK) fail_msg("%s", error.text);
         check_volume(fields, volume);
+        if (volume.grid.hgrid && fields[PATH].find("sphere.vdb") != std::string::npos)
+            check_sphere(&volume.grid);
         iso_volume_free(&volume);
     }
 }

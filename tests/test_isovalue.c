@@ -131,6 +131,58 @@ static void padding_is_left_out(void **state) {
         }
 }
 
+/* Padding by the rule itself: whether more than half of the voxels on the faces have the extreme value. */
+static bool is_padded(const iso_grid *grid, double extreme) {
+    const int *dims = iso_grid_dims(grid);
+    long faces = 0, extremes = 0;
+    for (int z = 0; z < dims[2]; z++)
+        for (int y = 0; y < dims[1]; y++)
+            for (int x = 0; x < dims[0]; x++) {
+                if (x && y && z && x < dims[0] - 1 && y < dims[1] - 1 && z < dims[2] - 1) continue;
+                faces++;
+                extremes += iso_grid_at(grid, x, y, z) == extreme;
+            }
+    return 2 * extremes > faces;
+}
+
+/* Some faces padded and some not: every face counts, each voxel of it once. */
+static void every_face_counts_for_padding(void **state) {
+    (void)state;
+    test_random random = {9};
+    int padded = 0;
+    for (int round = 0; round < 300; round++) {
+        int dims[3];
+        test_random_dims(&random, 3, 36, dims);
+        iso_grid grid = round % 5 == 4 ? test_hgrid(dims, 3) : test_rgrid(dims, all_types[round % 4]);
+        double extreme = grid.hgrid ? 3 : 0;
+        uint32_t faces = test_random_next(&random);
+        for (int z = 0; z < dims[2]; z++)
+            for (int y = 0; y < dims[1]; y++)
+                for (int x = 0; x < dims[0]; x++) {
+                    const bool on[6] = {!x, !y, !z, x == dims[0] - 1, y == dims[1] - 1, z == dims[2] - 1};
+                    bool pad = false;
+                    for (int f = 0; f < 6; f++) pad = pad || (on[f] && (faces >> f & 1));
+                    /* an hgrid's empty cells are padding too */
+                    if (grid.hgrid && (faces >> (6 + x / 16 + 2 * (y / 16) + 4 * (z / 16)) & 1)) continue;
+                    test_set(&grid, x, y, z,
+                             pad          ? extreme
+                             : grid.hgrid ? (x + y + z) % 3 - 1
+                                          : 1 + (x + y + z) % 3);
+                }
+        iso_histogram h = histogram_of(&grid, NULL);
+        if (!h.padding && h.maximum - h.minimum < 2) { /* one value beside the padding, or none */
+            iso_grid_destroy(&grid);
+            continue;
+        }
+        double found = grid.hgrid ? h.maximum : h.minimum;
+        bool wanted = found == extreme && is_padded(&grid, extreme);
+        if (found == extreme) assert_int_equal(h.padding > 0, wanted);
+        padded += wanted;
+        iso_grid_destroy(&grid);
+    }
+    assert_true(padded > 60 && padded < 240);
+}
+
 static void masks_and_constants(void **state) {
     (void)state;
     for (int t = 0; t < 4; t++) {
@@ -221,9 +273,8 @@ static void suggestions_are_otsus(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(histograms_count_every_voxel),
-        cmocka_unit_test(padding_is_left_out),
-        cmocka_unit_test(masks_and_constants),
+        cmocka_unit_test(histograms_count_every_voxel),  cmocka_unit_test(padding_is_left_out),
+        cmocka_unit_test(every_face_counts_for_padding), cmocka_unit_test(masks_and_constants),
         cmocka_unit_test(suggestions_are_otsus),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -14,6 +14,7 @@
 #include <cmocka.h>
 
 #include "base/memory.h"
+#include "grids/vdb_check.h"
 #include "grids/volume.h"
 #include "vdb_files.h"
 
@@ -492,6 +493,59 @@ static void truncated(void **state) {
     }
 }
 
+/* A tree of one 32^3 node without children: two values of it are active, and stored in a block that is not
+ * compressed and states `stated` values. */
+static iso_status check_small_tree(int stated, int tail, iso_vdb_layout *layout) {
+    static unsigned char tree[20000];
+    size_t at = 0;
+    const uint32_t head[4] = {1, 0 /* background */, 0 /* tiles */, 1 /* children */};
+    const int32_t origin[3] = {-4096, 0, 4096};
+    const int64_t length = -4 * (int64_t)stated;
+    memset(tree, 0, sizeof tree);
+    memcpy(tree, head, sizeof head);
+    memcpy(tree + sizeof head, origin, sizeof origin);
+    at = sizeof head + sizeof origin + 4096; /* and the mask of children */
+    tree[at] = 0x12;                         /* the mask of values */
+    at += 4096 + 1;                          /* and the kind of block */
+    memcpy(tree + at, &length, sizeof length);
+    at += sizeof length + 4 * (size_t)(stated + tail);
+    *layout = (iso_vdb_layout){.value_bytes = 4, .stored_bytes = 4, .compressed = true, .active_only = true};
+    layout->blocks = layout->end = at;
+    spill(CUT_PATH, tree, at);
+    return iso_vdb_check(CUT_PATH, layout, NULL);
+}
+
+static void wrong_layout(void **state) {
+    (void)state;
+    iso_vdb_layout layout;
+    assert_int_equal(check_small_tree(2, 0, &layout), ISO_OK);
+    assert_int_equal(check_small_tree(1, 0, &layout), ISO_ERR_IO); /* all of the file is used all the same */
+    assert_int_equal(check_small_tree(3, 0, &layout), ISO_ERR_IO);
+    assert_int_equal(check_small_tree(2, 1, &layout), ISO_ERR_IO);
+    assert_int_equal(check_small_tree(2, 0, &layout), ISO_OK);
+    layout.end++;
+    assert_int_equal(iso_vdb_check(CUT_PATH, &layout, NULL), ISO_ERR_IO);
+    layout.end = 0;
+    layout.stored_bytes = 2;
+    assert_int_equal(iso_vdb_check(CUT_PATH, &layout, NULL), ISO_ERR_IO);
+}
+
+/* OpenVDB only warns of a version that it does not know. */
+static void versions(void **state) {
+    (void)state;
+    const noise n = {{0, 0, 0}, {9, 9, 9}, 1000};
+    vdb_spec spec = noise_spec(&n, "float");
+    write_ok(&spec, 1, VDB_ZIP);
+    bytes whole = slurp(FILE_PATH);
+    static const unsigned char versions[] = {221, 225};
+    for (int i = 0; i < 2; i++) {
+        whole.data[8] = versions[i];
+        spill(CUT_PATH, whole.data, whole.count);
+        expect_failure(CUT_PATH, NULL, ISO_ERR_FORMAT, "version");
+    }
+    free(whole.data);
+}
+
 /* A file that was written as a stream says nothing of its length: only reading it finds its end missing. */
 static void truncated_stream(void **state) {
     (void)state;
@@ -504,29 +558,33 @@ static void truncated_stream(void **state) {
     free(whole.data);
 }
 
-/* Any byte may be wrong: any status is right, a crash is not. The lengths and offsets of the header, which
- * could ask for all memory, are not what this is about. */
+/* Any bit may be wrong: any status is right, a crash is not. Small blocks are stored as they are, and it is
+ * those whose length OpenVDB believes. */
 static void corrupted(void **state) {
     (void)state;
     const ball b = {{0, 0, 0}, 10, 3, 1};
-    vdb_spec spec = ball_spec(&b, 1);
-    write_ok(&spec, 1, VDB_ZIP | VDB_ACTIVE_MASK);
-    bytes whole = slurp(FILE_PATH);
-    iso_volume_opts opts = {.max_memory = 1 << 28};
-    for (uint32_t i = 0; i < 300; i++) {
-        size_t at = 1000 + hash(i) % (whole.count - 1000);
-        unsigned char old = whole.data[at];
-        whole.data[at] ^= (unsigned char)(1U << hash(i + 5000) % 8);
-        spill(CUT_PATH, whole.data, whole.count);
-        iso_volume volume = {0};
-        iso_error error = {0};
-        if (iso_volume_read(CUT_PATH, &opts, &volume, &error) == ISO_OK)
-            iso_volume_free(&volume);
-        else
-            assert_non_null(strstr(error.text, CUT_PATH));
-        whole.data[at] = old;
+    static const int flags[] = {VDB_ACTIVE_MASK, VDB_ZIP | VDB_ACTIVE_MASK, VDB_BLOSC | VDB_ACTIVE_MASK};
+    for (size_t k = 0; k < 2 * sizeof flags / sizeof *flags; k++) {
+        vdb_spec spec = ball_spec(&b, 1);
+        spec.half = k % 2;
+        write_ok(&spec, 1, flags[k / 2]);
+        bytes whole = slurp(FILE_PATH);
+        iso_volume_opts opts = {.max_memory = 1 << 28};
+        for (uint32_t i = 0; i < 300; i++) {
+            size_t at = 1000 + hash(i) % (whole.count - 1000);
+            unsigned char old = whole.data[at];
+            whole.data[at] ^= (unsigned char)(1U << hash(i + 5000) % 8);
+            spill(CUT_PATH, whole.data, whole.count);
+            iso_volume volume = {0};
+            iso_error error = {0};
+            if (iso_volume_read(CUT_PATH, &opts, &volume, &error) == ISO_OK)
+                iso_volume_free(&volume);
+            else
+                assert_non_null(strstr(error.text, CUT_PATH));
+            whole.data[at] = old;
+        }
+        free(whole.data);
     }
-    free(whole.data);
 }
 
 /* ---- real files ---- */
@@ -623,6 +681,8 @@ int main(void) {
         cmocka_unit_test(not_volumes),
         cmocka_unit_test(truncated),
         cmocka_unit_test(truncated_stream),
+        cmocka_unit_test(versions),
+        cmocka_unit_test(wrong_layout),
         cmocka_unit_test(corrupted),
         cmocka_unit_test(real_sphere),
         cmocka_unit_test(real_fogs),

@@ -28,7 +28,7 @@ static bool is_built(const char *format) {
 
 /* One line that names the file first. */
 static void check_error(const iso_error *error, const char *path) {
-    if (strchr(error->text, '\n') || !*error->text || strncmp(error->text, path, strlen(folder)) != 0)
+    if (strchr(error->text, '\n') || !*error->text || strncmp(error->text, path, strlen(path)) != 0)
         fail_msg("%s: bad error text '%s'", path, error->text);
 }
 
@@ -209,6 +209,74 @@ static void check_read(const char *name, const iso_volume_opts *opts, iso_status
     if (status != wanted) fail_msg("%s: status %d instead of %d: %s", name, status, wanted, error.text);
     check_error(&error, path);
     if (part && !strstr(error.text, part)) fail_msg("'%s' does not say '%s'", error.text, part);
+}
+
+/* A wrong checksum behind data of the right length. */
+static void damaged_checksums_are_noticed(void **state) {
+    (void)state;
+    for (size_t k = 0; k < vol_kind_count; k++) {
+        const vol_kind *kind = &vol_kinds[k];
+        bool gzip = strstr(kind->name, "gz") != NULL;
+        bool zlib = strstr(kind->name, "deflated") || strstr(kind->name, "zraw");
+        if ((!gzip && !zlib) || !is_built(kind->needs)) continue;
+        vol_spec spec = {{4, 3, 2}, ISO_SCALAR_INT16, 1, false};
+        kind->write(kind, folder, &spec);
+        const char *path = vol_path(folder, kind->files[kind->files[1] != NULL], 1);
+        size_t count;
+        unsigned char *bytes = vol_read_bytes(path, &count);
+        bytes[count - (gzip ? 6 : 2)] ^= 1;
+        vol_write_bytes(path, bytes, count);
+        free(bytes);
+        check_read(kind->files[0], NULL, ISO_ERR_IO, "damaged");
+    }
+}
+
+/* VTK tells of damage only in words. */
+static void damaged_vti_blocks_are_noticed(void **state) {
+    (void)state;
+    for (size_t k = 0; k < vol_kind_count; k++) {
+        const vol_kind *kind = &vol_kinds[k];
+        if (strcmp(kind->name, "vti zlib") != 0 || !is_built(kind->needs)) continue;
+        vol_spec spec = {{4, 3, 2}, ISO_SCALAR_INT16, 1, false};
+        kind->write(kind, folder, &spec);
+        const char *path = vol_path(folder, kind->files[0], 1);
+        size_t count;
+        unsigned char *bytes = vol_read_bytes(path, &count);
+        unsigned char *block =
+            (unsigned char *)strstr((char *)bytes, "\n_") + 2 + 24; /* behind four numbers */
+        block[30] = block[30] == 'A' ? 'B' : 'A';
+        vol_write_bytes(path, bytes, count);
+        free(bytes);
+        check_read(kind->files[0], NULL, ISO_ERR_IO, NULL);
+    }
+}
+
+/* What lies behind the values that were asked for has to be there, too. */
+static void later_parts_must_be_there(void **state) {
+    (void)state;
+    const struct {
+        const char *name, *text;
+        iso_volume_opts opts;
+    } files[] = {
+        {"four.mha",
+         "ObjectType = Image\nNDims = 4\nDimSize = 2 1 1 3\nElementType = MET_UCHAR\n"
+         "ElementDataFile = LOCAL\nababab",
+         {.component = 1}},
+        {"two.vtk",
+         "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 1 1\n"
+         "POINT_DATA 2\nSCALARS a char\nLOOKUP_TABLE default\nab\nSCALARS b char\nLOOKUP_TABLE default\nab",
+         {.grid = "a"}}};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        const char *path = vol_path(folder, files[i].name, 1);
+        vol_write_text(path, files[i].text);
+        iso_volume volume;
+        iso_error error = {0};
+        if (iso_volume_read(path, &files[i].opts, &volume, &error) != ISO_OK) fail_msg("%s", error.text);
+        assert_int_equal(iso_rgrid_at(volume.grid.rgrid, 1, 0, 0), 'b');
+        iso_volume_free(&volume);
+        vol_write_bytes(path, files[i].text, strlen(files[i].text) - 1);
+        check_read(files[i].name, &files[i].opts, ISO_ERR_IO, "truncated");
+    }
 }
 
 static const struct {
@@ -628,6 +696,9 @@ int main(void) {
         cmocka_unit_test(every_format_round_trips),
         cmocka_unit_test(every_cut_is_noticed),
         cmocka_unit_test(cut_in_another_component_is_noticed),
+        cmocka_unit_test(damaged_checksums_are_noticed),
+        cmocka_unit_test(damaged_vti_blocks_are_noticed),
+        cmocka_unit_test(later_parts_must_be_there),
         cmocka_unit_test(huge_headers_are_over_the_limit),
         cmocka_unit_test(bad_headers_are_refused),
         cmocka_unit_test(worlds_become_lps_millimetres),

@@ -3,10 +3,11 @@
  *
  * Corners at or above the isovalue are inside; ambiguous faces keep corners at or above it apart, as VTK
  * does. The vertices are the edge points of extract/points.h, bit for bit and in their order; vertices on the
- * far faces of a brick are copies of the neighbour's. Cells that touch a NaN or infinite voxel have no
- * triangles. Triangles are counter-clockwise seen from outside (lower values; higher ones for level sets).
- * The case table is made at build time by tools/make_mc_table.c. Lorensen and Cline 1987; Baerentzen and
- * Christensen 2003, section 5. */
+ * far faces of a brick are copies of the neighbour's. Vertices that no cell uses (in a volume one voxel
+ * thick, or next to a voxel that is not finite) are there all the same. Cells that touch a NaN or infinite
+ * voxel have no triangles. Triangles are counter-clockwise seen from outside (lower values; higher ones for
+ * level sets). The case table is made at build time by tools/make_mc_table.c. Lorensen and Cline 1987;
+ * Baerentzen and Christensen 2003, section 5. */
 #ifndef ISO_EXTRACT_MESH_H
 #define ISO_EXTRACT_MESH_H
 
@@ -40,7 +41,7 @@ iso_mesh_view iso_mesh_set_view(const iso_mesh_set *set);
 
 /* One flat array of welded vertices and triangles, for export and measuring: vertices in index coordinates
  * (not brick-relative), in span order; duplicates replaced by their owner. Arrays are owned by the caller:
- * iso_weld_free. */
+ * iso_weld_free. ISO_ERR_USAGE when a copy has no owner: the last update had failed. */
 typedef struct iso_weld {
     iso_surfel *vertices;
     uint32_t (*triangles)[3];

@@ -1,13 +1,23 @@
 /* points: from a grid to points, one span per brick, and only what changed after the first time.
  *
- *   edge          the vertices of Marching Cubes, each once: three edges a voxel (+x, +y, +z), the normal
- * interpolated between the ends' central differences (2003, section 4, rgridb engine) foot          foot
- * points p - d * g / |g| of voxels with d in [0, sqrt 3) (2003, eq. 1): distance fields foot-iterated foot
- * points of any scalar field by iterating eq. 2 from voxels whose cells the surface crosses
+ * edge: the vertices of Marching Cubes, each once: three edges a voxel (+x, +y, +z), the normal interpolated
+ * between the ends' central differences (2003, section 4, rgridb engine).
  *
- * A corner is inside when its stored value is at or above the isovalue; normals point to lower values, or to
- * higher ones when the grid is a level set. No primitive on an edge that touches a NaN or infinite voxel.
- * Where the interpolated gradient vanishes, the normal is the edge's direction. */
+ * foot: foot points p - d * g / |g| of voxels with d in [0, sqrt 3) (2003, eq. 1). For distance fields in
+ * voxels; taken from the voxels of an hgrid's bricks, or of a whole rgrid.
+ *
+ * foot-iterated: foot points of any scalar field: eq. 2 repeated from the outer corners of the cells that the
+ * surface crosses, until the value is within 1e-4 |g| of the isovalue, at most 10 times.
+ *
+ * A corner is inside when its stored value is at or above the isovalue (exactly: a float isovalue is never
+ * rounded to the other side of a voxel); normals point to lower values, or to higher ones when the grid is a
+ * level set. No primitive on an edge that touches a NaN or infinite voxel; gradients go around such voxels.
+ * Where the interpolated gradient vanishes, the normal is the edge's direction, outwards.
+ *
+ * A foot point is rejected when |g| < 1/2 (near the medial axis, where two surfaces are equally near), or
+ * when a value of its stencil is clamped: of magnitude at or above the hgrid's band (an rgrid states no band,
+ * so there this rule does not apply). An iterated one when it gets 2 voxels away from where it started,
+ * leaves the volume, meets a zero gradient or a non-finite value, or has not arrived after 10 steps. */
 #ifndef ISO_EXTRACT_POINTS_H
 #define ISO_EXTRACT_POINTS_H
 
@@ -48,22 +58,23 @@ void iso_point_set_destroy(iso_point_set *set);
 
 /* Brings the points up to date: the first time (and after iso_point_set_isovalue) all bricks, later only
  * bricks that the change log names, widened by the halo of the primitive. After a full extraction spans are
- * in brick order (x fastest), whatever the thread count. ISO_ERR_NOMEM: call again; the set stays consistent.
- */
+ * in brick order (x fastest) and packed without gaps, whatever the thread count; later a brick that grows may
+ * move to another place, and now and then all do to close gaps. ISO_ERR_USAGE: isovalue not finite.
+ * ISO_ERR_NOMEM: call again; what the view holds then is sound, but older, or lacks bricks (all of them when
+ * a full extraction failed). */
 iso_status iso_point_set_update(iso_point_set *set, iso_error *error);
 
 /* Changes the isovalue (physical); the next update extracts again. */
 void iso_point_set_isovalue(iso_point_set *set, double isovalue);
 
-/* The points, borrowed until the next update or destroy. Spans with count 0 can occur after updates. */
+/* The points, borrowed until the next update or destroy. Items between spans, after updates, mean nothing. */
 iso_point_view iso_point_set_view(const iso_point_set *set);
 
 /* What the last updates met. */
 typedef struct iso_points_stats {
     size_t points;   /* now in the set */
-    size_t rejected; /* foot points given up: at the medial axis (|g| < 1/2), or in a clamped stencil, or
-                        (iterated) not converged; counted by the last full extraction */
-    size_t bricks;   /* bricks extracted by the last update */
+    size_t rejected; /* foot points given up by the rules above; counted by the last full extraction */
+    size_t bricks;   /* extracted by the last update (those that could not hold anything are not) */
 } iso_points_stats;
 iso_points_stats iso_point_set_stats(const iso_point_set *set);
 
