@@ -63,6 +63,12 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_FLAG,
      .flags = ISO_OPTION_HIDDEN,
      .offset = offsetof(bench_settings, memory_child)},
+    {.name = "file-child",
+     .value = "FILE",
+     .help = "Read FILE, extract once and print the number of points: for extract/vti_to_points",
+     .kind = ISO_OPTION_TEXT,
+     .flags = ISO_OPTION_HIDDEN,
+     .offset = offsetof(bench_settings, file_child)},
 };
 
 static const char *const usage[] = {"[extract] [render] [OPTION]...", NULL};
@@ -105,9 +111,10 @@ static iso_status choose(const iso_operands *operands, choices *choice, iso_erro
 static iso_status run(const bench_settings *settings, const choices *choice, iso_error *error) {
     bench_state bench;
     iso_status status = bench_open(settings, &bench, error);
+    if (status == ISO_OK && !settings->list) bench_print_machine(&bench);
     if (status == ISO_OK && choice->extract) status = bench_extract(&bench, error);
     if (status == ISO_OK && choice->render) status = bench_render(&bench, error);
-    if (status == ISO_OK && !settings->list) bench_print_counters(&bench);
+    if (status == ISO_OK && !settings->list) bench_print_asked(&bench);
     if (status == ISO_OK && !settings->list && settings->json) status = bench_write_json(&bench, error);
     bench_close(&bench);
     return status;
@@ -138,6 +145,7 @@ int main(int argc, char **argv) {
         return 0;
     }
     if (status == ISO_OK && settings.memory_child) return bench_memory_child(&settings);
+    if (status == ISO_OK && settings.file_child) return bench_file_child(&settings);
     if (status == ISO_OK) status = run(&settings, &choice, &error);
     if (status != ISO_OK) fprintf(stderr, "bench: %s\n", error.text);
     return iso_status_exit(status);

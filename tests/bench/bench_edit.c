@@ -1,13 +1,7 @@
-/* The rows that need more than a run of an extraction: what an edit costs, and how much memory a first
- * extraction takes. */
-#define _GNU_SOURCE
+/* What an edit costs: a brush goes over the head, and only what it changed is extracted again. */
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
-#include "base/memory.h"
 #include "bench_harness.h"
 #include "bench_scenes.h"
 #include "extract/points.h"
@@ -220,120 +214,7 @@ static iso_status run_dirty(bench_state *bench, int size, bool asked, iso_error 
     return status;
 }
 
-/* ---- memory ---- */
-
-/* Bytes in a line of /proc/self/status; 0 when it is not there. */
-static double status_bytes(const char *key) {
-    FILE *stream = fopen("/proc/self/status", "r");
-    if (!stream) return 0;
-    char line[256];
-    double kilobytes = 0;
-    while (fgets(line, sizeof line, stream))
-        if (strncmp(line, key, strlen(key)) == 0) sscanf(line + strlen(key), ": %lf", &kilobytes);
-    fclose(stream);
-    return kilobytes * 1024;
-}
-
-/* Making the scene may have taken more memory than what is measured: the peak starts anew. */
-static void forget_peak(void) {
-    FILE *stream = fopen("/proc/self/clear_refs", "w");
-    if (!stream) return;
-    fputs("5", stream);
-    fclose(stream);
-}
-
-static int ct_size(const bench_settings *settings) {
-    return settings->small ? 48 : 512;
-}
-
-static iso_status extract_once(const iso_grid *grid, iso_error *error) {
-    double before = status_bytes("VmRSS");
-    forget_peak();
-    bench_sample sample;
-    bench_clock clock = bench_clock_start();
-    iso_point_set *set = NULL;
-    iso_points_opts opts = {.isovalue = 127.5};
-    iso_status status = iso_point_set_create(grid, &opts, &set, error);
-    if (status == ISO_OK) status = iso_point_set_update(set, error);
-    bench_clock_stop(&clock, &sample);
-    if (status == ISO_OK)
-        printf("%.17g %.17g %.17g %zu %.17g\n", sample.wall, sample.cpu, status_bytes("VmHWM"),
-               iso_point_set_stats(set).points, before);
-    iso_point_set_destroy(set);
-    return status;
-}
-
-/* What the hidden option does: extracts once in a process of its own and says what it took. */
-int bench_memory_child(const bench_settings *settings) {
-    bench_scenes *scenes = NULL;
-    const iso_grid *grid = NULL;
-    iso_error error = {0};
-    iso_status status = bench_scenes_create(&scenes, &error);
-    if (status == ISO_OK) status = bench_scene_ct(scenes, ct_size(settings), ISO_UINT8, &grid, &error);
-    if (status == ISO_OK) status = extract_once(grid, &error);
-    if (status != ISO_OK) fprintf(stderr, "bench: %s\n", error.text);
-    bench_scenes_destroy(scenes);
-    return iso_status_exit(status);
-}
-
-typedef struct child_report {
-    double peak, before;
-} child_report;
-
-static iso_status open_memory(bench_row *row, iso_error *error) {
-    row->context = calloc(1, sizeof(child_report));
-    return row->context ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-}
-
-static iso_status run_memory(bench_row *row, bench_sample *sample, iso_error *error) {
-    child_report *report = row->context;
-    char self[1024], command[1200];
-    ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    if (length < 0 || memchr(self, '\'', (size_t)length))
-        return iso_fail(error, ISO_ERR_UNSUPPORTED, "cannot start another process");
-    self[length] = 0;
-    snprintf(command, sizeof command, "'%s' --memory-child%s", self,
-             row->bench->settings->small ? " --small" : "");
-    FILE *child = popen(command, "r");
-    if (!child) return iso_fail(error, ISO_ERR_UNSUPPORTED, "cannot start another process");
-    int read = fscanf(child, "%lf %lf %lf %zu %lf", &sample->wall, &sample->cpu, &report->peak,
-                      &sample->primitives, &report->before);
-    if (pclose(child) != 0 || read != 5)
-        return iso_fail(error, ISO_ERR_UNSUPPORTED, "the process that measures memory failed");
-    return ISO_OK;
-}
-
-static void finish_memory(bench_row *row) {
-    const child_report *report = row->context;
-    double volume = (double)row->size * row->size * row->size;
-    double primitives = (double)row->primitives * sizeof(iso_point);
-    bench_count(row, "peak_bytes", report->peak, 0, 0);
-    bench_count(row, "volume_bytes", volume, 0, 0);
-    bench_count(row, "primitive_bytes", primitives, 0, 0);
-    bench_count(row, "process_bytes", report->before - volume, 0, 0); /* programs and libraries */
-    bench_count(row, "overhead_bytes", report->peak - volume - primitives, 0, 64.0 * 1024 * 1024);
-}
-
-static void close_memory(bench_row *row) {
-    free(row->context);
-}
-
-static const bench_kind memory_kind = {.open = open_memory,
-                                       .run = run_memory,
-                                       .finish = finish_memory,
-                                       .close = close_memory,
-                                       .batch = 1,
-                                       .rounds = 1};
-
-static iso_status run_memory_group(bench_state *bench, iso_error *error) {
-    int size = ct_size(bench->settings);
-    bench_row *row = bench_add(bench, &memory_kind, "extract/memory/uint8/%d", size);
-    row->size = size;
-    return bench_run_group(bench, "memory of a first extraction, in a process of its own", error);
-}
-
-iso_status bench_edit_groups(bench_state *bench, iso_error *error) {
+iso_status bench_edit_group(bench_state *bench, iso_error *error) {
     bool small = bench->settings->small;
-    ISO_TRY(run_dirty(bench, small ? 64 : 1024, !small, error));
-    return run_memory_group(bench, error);
+    return run_dirty(bench, small ? 64 : 1024, !small, error);
 }

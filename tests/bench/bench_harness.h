@@ -89,7 +89,7 @@ struct bench_row {
 
 typedef struct bench_settings {
     int help, list, small, repeat, memory_child;
-    const char *filter, *json;
+    const char *filter, *json, *file_child;
     int threads[BENCH_THREADS];
     int thread_count;
 } bench_settings;
@@ -134,16 +134,21 @@ double bench_ratio(const bench_row *row, const bench_row *other); /* of medians,
 
 /* bench_report.c */
 void bench_print_rows(const bench_state *bench, const char *title, int first);
-void bench_print_counters(const bench_state *bench);
+void bench_print_machine(const bench_state *bench);
+void bench_print_asked(const bench_state *bench);
 iso_status bench_write_json(const bench_state *bench, iso_error *error);
 
 /* bench_extract.c, bench_render.c: all their groups. */
 iso_status bench_extract(bench_state *bench, iso_error *error);
 iso_status bench_render(bench_state *bench, iso_error *error);
 
-/* bench_edit.c: the rows that need more than a run of an extraction. */
-iso_status bench_edit_groups(bench_state *bench, iso_error *error);
+/* Parts of bench_extract in files of their own: bench_edit.c and bench_process.c. */
+iso_status bench_edit_group(bench_state *bench, iso_error *error);
+iso_status bench_process_groups(bench_state *bench, iso_error *error);
+
+/* What the hidden options do in a process of its own; the exit status. */
 int bench_memory_child(const bench_settings *settings);
+int bench_file_child(const bench_settings *settings);
 
 #ifdef __cplusplus
 }

@@ -22,6 +22,9 @@ iso_status bench_flying_edges_run(bench_flying_edges *peer, iso_error *error);
 size_t bench_flying_edges_points(const bench_flying_edges *peer);
 void bench_flying_edges_destroy(bench_flying_edges *peer);
 
+/* Reads a .vti file with a new vtkXMLImageDataReader and lets go of it again. */
+iso_status bench_vti_read(const char *path, size_t *voxels, iso_error *error);
+
 /* openvdb::tools::volumeToMesh, isovalue 0, no adaptivity, over a level set with the grid's values (copied).
  */
 typedef struct bench_volume_to_mesh bench_volume_to_mesh;

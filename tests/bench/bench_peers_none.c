@@ -22,6 +22,10 @@ size_t bench_flying_edges_points(const bench_flying_edges *peer) {
 void bench_flying_edges_destroy(bench_flying_edges *peer) {
     (void)peer;
 }
+iso_status bench_vti_read(const char *path, size_t *voxels, iso_error *error) {
+    (void)path, (void)voxels;
+    return iso_fail(error, ISO_ERR_UNSUPPORTED, "built without VTK");
+}
 #endif
 
 #if !BENCH_HAVE_OPENVDB

@@ -1,8 +1,7 @@
 /* bench_peers_vtk: vtkFlyingEdges3D (Schroeder, Maynard and Geveci 2015) as a row of the bench. */
 #include <atomic>
 #include <chrono>
-#include <cmath>
-#include <string>
+#include <memory>
 #include <thread>
 
 #include <vtkAOSDataArrayTemplate.h>
@@ -12,6 +11,7 @@
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkSMPTools.h>
+#include <vtkXMLImageDataReader.h>
 
 #include "bench_peers.h"
 #include "grids/bridge_guard.hpp"
@@ -124,4 +124,14 @@ size_t bench_flying_edges_points(const bench_flying_edges *peer) {
 
 void bench_flying_edges_destroy(bench_flying_edges *peer) {
     delete peer;
+}
+
+iso_status bench_vti_read(const char *path, size_t *voxels, iso_error *error) {
+    return iso::guard("VTK", error, [&] {
+        vtkNew<vtkXMLImageDataReader> reader;
+        reader->SetFileName(path);
+        reader->Update();
+        *voxels = static_cast<size_t>(reader->GetOutput()->GetNumberOfPoints());
+        return ISO_OK;
+    });
 }

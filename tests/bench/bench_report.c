@@ -10,41 +10,6 @@
 #include "base/file.h"
 #include "bench_harness.h"
 
-/* ---- tables ---- */
-
-void bench_print_rows(const bench_state *bench, const char *title, int first) {
-    bool any = false;
-    for (int i = first; i < bench->row_count; i++) {
-        const bench_row *row = bench->rows[i];
-        if (!row->rounds && !row->problem[0]) continue;
-        if (!any)
-            printf("\n%s\n  %-56s %10s %10s %10s %11s\n", title, "", "median ms", "least", "most",
-                   "primitives");
-        any = true;
-        if (row->rounds)
-            printf("  %-56s %10.3f %10.3f %10.3f %11zu\n", row->name, bench_row_median(row), row->least_wall,
-                   row->most_wall, row->primitives);
-        if (row->problem[0]) printf("  %-56s %s\n", row->name, row->problem);
-    }
-    fflush(stdout);
-}
-
-static void print_counter(const bench_row *row, const bench_counter *counter) {
-    printf("  %-56s %-34s %14.6g", row->name, counter->name, counter->value);
-    bool met = (counter->least <= 0 || counter->value >= counter->least) &&
-               (counter->most <= 0 || counter->value <= counter->most);
-    if (counter->least > 0) printf("   at least %.4g: %s", counter->least, met ? "met" : "not met");
-    if (counter->most > 0) printf("   at most %.8g: %s", counter->most, met ? "met" : "not met");
-    printf("\n");
-}
-
-void bench_print_counters(const bench_state *bench) {
-    printf("\nratios (of medians of this run; pairwise: median of the rounds' ratios) and counts\n");
-    for (int i = 0; i < bench->row_count; i++)
-        for (int k = 0; k < bench->rows[i]->counter_count; k++)
-            print_counter(bench->rows[i], &bench->rows[i]->counters[k]);
-}
-
 /* ---- the machine ---- */
 
 /* The first line of a file without its newline, or of /proc/cpuinfo's `key`; false when there is none. */
@@ -60,6 +25,96 @@ static bool read_line(const char *path, const char *key, char *text, int size) {
     if (colon) memmove(text, colon + 1 + (colon[1] == ' '), strlen(colon + 1 + (colon[1] == ' ')) + 1);
     return true;
 }
+
+/* ---- tables ---- */
+
+/* Counters that have a column, by any of their names, and those that are in the JSON only. */
+static const char *const peer_names[] = {"ratio_vs_vtkFlyingEdges3D", "ratio_vs_volumeToMesh", NULL};
+static const char *const pair_names[] = {"ratio_vs_vtkFlyingEdges3D_pairwise",
+                                         "ratio_vs_volumeToMesh_pairwise", "ratio_vs_full_pairwise", NULL};
+static const char *const own_names[] = {"ratio_vs_marching_cubes", "ratio_vs_full", NULL};
+static const char *const scaling_names[] = {"scaling", NULL};
+static const char *const first_names[] = {"first_ms", NULL};
+static const char *const *const columns[] = {peer_names, pair_names, own_names, scaling_names, first_names};
+enum { COLUMNS = sizeof columns / sizeof *columns };
+
+static bool is_named(const bench_counter *counter, const char *const *names) {
+    while (*names && strcmp(counter->name, *names) != 0) names++;
+    return *names != NULL;
+}
+
+static bool has_column(const bench_counter *counter) {
+    for (int c = 0; c < COLUMNS; c++)
+        if (is_named(counter, columns[c])) return true;
+    return false;
+}
+
+static void print_column(const bench_row *row, const char *const *names) {
+    for (int i = 0; i < row->counter_count; i++)
+        if (is_named(&row->counters[i], names)) {
+            printf(" %8.*f", row->counters[i].value < 100 ? 2 : 0, row->counters[i].value);
+            return;
+        }
+    printf(" %8s", "");
+}
+
+static void print_row(const bench_row *row) {
+    printf("  %-52s %9.3f %9.3f %9.3f %10zu", row->name, bench_row_median(row), row->least_wall,
+           row->most_wall, row->primitives);
+    for (int c = 0; c < COLUMNS; c++) print_column(row, columns[c]);
+    printf("\n");
+    for (int i = 0; i < row->counter_count; i++)
+        if (!has_column(&row->counters[i]))
+            printf("      %-48s %14.6g\n", row->counters[i].name, row->counters[i].value);
+}
+
+void bench_print_machine(const bench_state *bench) {
+    char model[256];
+    double load = 0;
+    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    if (!read_line("/proc/cpuinfo", "model name", model, sizeof model)) strcpy(model, "unknown processor");
+    printf("%s, %ld processors, %s", model, processors, iso_cpu_level_name(bench->best));
+    if (getloadavg(&load, 1) == 1) printf(", load %.2f", load);
+    printf("\n");
+    if (load > 0.25 * (double)processors)
+        printf(
+            "others are at work on this machine: scaling is not to be trusted, and times less than ratios\n");
+    fflush(stdout);
+}
+
+void bench_print_rows(const bench_state *bench, const char *title, int first) {
+    bool any = false;
+    for (int i = first; i < bench->row_count; i++) {
+        const bench_row *row = bench->rows[i];
+        if (!row->rounds && !row->problem[0]) continue;
+        if (!any)
+            printf("\n%-54s %9s %9s %9s %10s %8s %8s %8s %8s %8s\n", title, "median ms", "least", "most",
+                   "primitives", "vs peer", "pairwise", "vs own", "scaling", "first ms");
+        any = true;
+        if (row->rounds) print_row(row);
+        if (row->problem[0]) printf("  %-52s %s\n", row->name, row->problem);
+    }
+    fflush(stdout);
+}
+
+static void print_asked(const bench_row *row, const bench_counter *counter) {
+    bool least = counter->least > 0;
+    double limit = least ? counter->least : counter->most;
+    bool met = least ? counter->value >= limit : counter->value <= limit;
+    printf("  %-52s %-30s %12.6g  %s %10.8g  %s\n", row->name, counter->name, counter->value,
+           least ? "at least" : "at most ", limit, met ? "met" : "not met");
+}
+
+void bench_print_asked(const bench_state *bench) {
+    printf("\nwhat is asked for (ratios of medians of this run)\n");
+    for (int i = 0; i < bench->row_count; i++)
+        for (int k = 0; k < bench->rows[i]->counter_count; k++) {
+            const bench_counter *counter = &bench->rows[i]->counters[k];
+            if (counter->least > 0 || counter->most > 0) print_asked(bench->rows[i], counter);
+        }
+}
+
+/* ---- JSON: the machine ---- */
 
 static int count_bits(const char *mask) {
     int count = 0;
@@ -122,7 +177,7 @@ static void write_context(iso_json *json, const bench_state *bench) {
     iso_json_end_object(json);
 }
 
-/* ---- JSON ---- */
+/* ---- JSON: the rows ---- */
 
 static void write_row(iso_json *json, const bench_row *row, int index) {
     iso_json_begin_object(json, NULL);

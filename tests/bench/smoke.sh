@@ -42,6 +42,9 @@ peer = rows.get("extract/vtkFlyingEdges3D/uint8/48/threads:1")
 if peer:
     assert edge["ratio_vs_vtkFlyingEdges3D"] > 0
     assert peer["primitives"] == edge["primitives"], "VTK finds another number of points"
+files = rows.get("extract/vti_to_points/uint8/48")
+if files:
+    assert files["primitives"] == edge["primitives"], "the file gives another number of points"
 if "extract/volumeToMesh/head64/threads:1" in rows:
     assert rows["extract/foot_points/head64/generic/threads:1"]["ratio_vs_volumeToMesh"] > 0
 END
