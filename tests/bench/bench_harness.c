@@ -55,6 +55,7 @@ double bench_ratio(const bench_row *row, const bench_row *other) {
 
 iso_status bench_open(const bench_settings *settings, bench_state *bench, iso_error *error) {
     *bench = (bench_state){.settings = settings, .best = iso_cpu_best()};
+    if (settings->json && !settings->list) ISO_TRY(iso_sink_open(settings->json, &bench->json, error));
     ISO_TRY(bench_scenes_create(&bench->scenes, error));
     for (int i = 0; i < settings->thread_count && !settings->list; i++)
         if (settings->threads[i] > 1) ISO_TRY(iso_pool_create(settings->threads[i], &bench->pools[i], error));
@@ -65,6 +66,7 @@ void bench_close(bench_state *bench) {
     for (int i = 0; i < bench->row_count; i++) free(bench->rows[i]);
     for (int i = 0; i < BENCH_THREADS; i++) iso_pool_destroy(bench->pools[i]);
     bench_scenes_destroy(bench->scenes);
+    iso_sink_abort(&bench->json);
     iso_free(bench->bandwidth);
     *bench = (bench_state){0};
 }

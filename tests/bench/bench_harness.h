@@ -12,6 +12,7 @@
 #include <stddef.h>
 
 #include "base/cpu.h"
+#include "base/file.h"
 #include "base/parallel.h"
 #include "grids/grid.h"
 
@@ -103,6 +104,7 @@ typedef struct bench_state {
     struct bench_scenes *scenes;
     void *bandwidth; /* a block larger than any cache */
     size_t bandwidth_bytes;
+    iso_sink json; /* open from the start: minutes of work shall not fail at the end */
 } bench_state;
 
 iso_status bench_open(const bench_settings *settings, bench_state *bench, iso_error *error);
@@ -136,7 +138,7 @@ double bench_ratio(const bench_row *row, const bench_row *other); /* of medians,
 void bench_print_rows(const bench_state *bench, const char *title, int first);
 void bench_print_machine(const bench_state *bench);
 void bench_print_asked(const bench_state *bench);
-iso_status bench_write_json(const bench_state *bench, iso_error *error);
+iso_status bench_write_json(bench_state *bench, iso_error *error);
 
 /* bench_extract.c, bench_render.c: all their groups. */
 iso_status bench_extract(bench_state *bench, iso_error *error);

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "apps/json.h"
-#include "base/file.h"
 #include "bench_harness.h"
 
 /* ---- the machine ---- */
@@ -202,10 +201,8 @@ static void write_row(iso_json *json, const bench_row *row, int index) {
     iso_json_end_object(json);
 }
 
-iso_status bench_write_json(const bench_state *bench, iso_error *error) {
-    iso_sink sink = {0};
-    ISO_TRY(iso_sink_open(bench->settings->json, &sink, error));
-    iso_json json = {.stream = sink.stream};
+iso_status bench_write_json(bench_state *bench, iso_error *error) {
+    iso_json json = {.stream = bench->json.stream};
     iso_json_begin_object(&json, NULL);
     write_context(&json, bench);
     iso_json_begin_array(&json, "benchmarks");
@@ -213,5 +210,5 @@ iso_status bench_write_json(const bench_state *bench, iso_error *error) {
         if (bench->rows[i]->rounds) write_row(&json, bench->rows[i], i);
     iso_json_end_array(&json);
     iso_json_end_object(&json);
-    return iso_sink_commit(&sink, error);
+    return iso_sink_commit(&bench->json, error);
 }
