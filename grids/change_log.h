@@ -38,7 +38,7 @@ uint64_t iso_change_log_begin(iso_change_log *log);
 
 /* Records, under the current edit, that voxels lo..hi (inclusive, clipped to the grid) may have changed; one
  * entry for each cell they lie in. Before the first iso_change_log_begin it starts edit 1. ISO_ERR_NOMEM: the
- * log is as before. */
+ * log is as before. Touches that meet in one cell under one edit may share an entry. */
 iso_status iso_change_log_touch(iso_change_log *log, const int lo[3], const int hi[3], iso_error *error);
 
 /* Number of the current edit, 0 before the first. */
@@ -50,6 +50,9 @@ uint64_t iso_change_log_stamp(const iso_change_log *log, uint32_t cell);
 /* All entries with a stamp above `seen`, oldest first: *changes points into the log (borrowed until the next
  * touch) and the count is returned. A cell can appear more than once. */
 size_t iso_change_log_since(const iso_change_log *log, uint64_t seen, const iso_change **changes);
+
+/* Bytes that the log takes, address space of untouched stamps included. */
+size_t iso_change_log_bytes(const iso_change_log *log);
 
 #ifdef __cplusplus
 }

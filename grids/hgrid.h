@@ -28,7 +28,15 @@ enum { ISO_CELL_OUTSIDE = -1, ISO_CELL_INSIDE = -2 };
 /* Largest number of voxels along an axis. */
 enum { ISO_HGRID_MAX = 2048 };
 
-typedef struct iso_brick_pool iso_brick_pool;
+/* Bricks lie in chunks of 4 MiB; free ones are chained through their first four bytes. */
+enum { ISO_POOL_CHUNK = 256 };
+typedef struct iso_brick_pool {
+    float **chunk; /* each ISO_POOL_CHUNK bricks, 2 MiB aligned; only this table ever moves */
+    size_t chunk_count, chunk_room;
+    int32_t first_free; /* -1: none */
+    int32_t next;       /* bricks from here on were never used */
+    size_t used;
+} iso_brick_pool;
 
 typedef struct iso_hgrid {
     int dims[3];   /* voxels; the last cell of an axis may stick out beyond them */
@@ -36,7 +44,7 @@ typedef struct iso_hgrid {
     int32_t *cell; /* cells, x fastest: a brick's number in the pool, or ISO_CELL_OUTSIDE / ISO_CELL_INSIDE */
     float band;    /* clamp, voxels, >= 3 */
     iso_transform transform;
-    iso_brick_pool *pool;
+    iso_brick_pool pool;
     iso_change_log *log;
 } iso_hgrid;
 
@@ -52,7 +60,14 @@ static inline size_t iso_hgrid_cell_index(const iso_hgrid *grid, int cx, int cy,
 }
 
 /* The 4096 floats of a brick by its number in the pool. */
-float *iso_hgrid_brick(const iso_hgrid *grid, int32_t brick);
+static inline float *iso_hgrid_brick(const iso_hgrid *grid, int32_t brick) {
+    return grid->pool.chunk[brick / ISO_POOL_CHUNK] + (size_t)(brick % ISO_POOL_CHUNK) * ISO_BRICK_VOXELS;
+}
+
+/* What every voxel of an empty cell reads as. */
+static inline float iso_hgrid_empty_value(const iso_hgrid *grid, int32_t state) {
+    return state == ISO_CELL_INSIDE ? -grid->band : grid->band;
+}
 
 /* The brick of a cell, made (filled with the empty cell's value) when there is none. Not a change by itself:
  * touch what you write. ISO_ERR_NOMEM leaves the grid as it was. */
@@ -61,23 +76,29 @@ iso_status iso_hgrid_split(iso_hgrid *grid, int cx, int cy, int cz, float **bric
 /* Makes a cell empty (state ISO_CELL_OUTSIDE or ISO_CELL_INSIDE); its brick goes back to the pool. */
 void iso_hgrid_coalesce(iso_hgrid *grid, int cx, int cy, int cz, int32_t state);
 
-/* Coalesces every cell whose voxels are all +band or all -band. */
+/* Coalesces every cell whose voxels are all +band or all -band. Here as everywhere, the part of a brick that
+ * sticks out beyond dims counts for nothing: writers may leave anything there. */
 void iso_hgrid_prune(iso_hgrid *grid);
 
 /* Bricks in use, and bytes of the whole grid. */
 size_t iso_hgrid_brick_count(const iso_hgrid *grid);
 size_t iso_hgrid_bytes(const iso_hgrid *grid);
 
-/* Starts an edit and records voxels lo..hi as changed. */
+/* Starts an edit and records voxels lo..hi (clipped to the grid) as changed. */
 iso_status iso_hgrid_touch(iso_hgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
-/* A new grid holding voxels lo..hi (inclusive) of this one, with its origin moved accordingly.
- * ISO_ERR_USAGE when the range is empty or outside. The original is untouched. */
+/* A new grid holding voxels lo..hi (inclusive) of this one, with its origin moved accordingly and an empty
+ * log. ISO_ERR_USAGE when the range is empty or outside. The original is untouched. */
 iso_status iso_hgrid_crop(const iso_hgrid *grid, const int lo[3], const int hi[3], iso_hgrid **cropped,
                           iso_error *error);
 
 /* Distance at a voxel, which must be inside the grid. */
-float iso_hgrid_at(const iso_hgrid *grid, int x, int y, int z);
+static inline float iso_hgrid_at(const iso_hgrid *grid, int x, int y, int z) {
+    int32_t brick = grid->cell[iso_hgrid_cell_index(grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK)];
+    if (brick < 0) return iso_hgrid_empty_value(grid, brick);
+    return iso_hgrid_brick(grid,
+                           brick)[((z % ISO_BRICK) * ISO_BRICK + y % ISO_BRICK) * ISO_BRICK + x % ISO_BRICK];
+}
 
 #ifdef __cplusplus
 }

@@ -60,7 +60,7 @@ void iso_rgrid_destroy(iso_rgrid *grid);
  * is and the change log starts anew. ISO_ERR_USAGE when the range is empty or outside. */
 iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
-/* Starts an edit and records voxels lo..hi as changed. */
+/* Starts an edit and records voxels lo..hi (clipped to the grid) as changed. */
 iso_status iso_rgrid_touch(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
 /* The stored value that corresponds to a physical one. */

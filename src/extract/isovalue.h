@@ -25,7 +25,8 @@ typedef struct iso_histogram {
 
 /* Border and padding values are left out: when one single value makes up more than half of the voxels of the
  * volume's six faces and is the minimum or the maximum of the data, all voxels of exactly that value are
- * padding, unless nothing would be left. ISO_ERR_EMPTY when there is no finite voxel. */
+ * padding, unless what is left would be constant (a mask of two values keeps both). ISO_ERR_EMPTY when there
+ * is no finite voxel. */
 iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
                                  iso_error *error);
 

@@ -1,0 +1,170 @@
+/* grid: one handle for both kinds of grid; sampling and gradients (2003, sections 3 and 4). */
+#include "grids/grid.h"
+
+#include <stdatomic.h>
+#include <stdbool.h>
+
+#include "base/parallel.h"
+
+const int *iso_grid_dims(const iso_grid *grid) {
+    return grid->hgrid ? grid->hgrid->dims : grid->rgrid->dims;
+}
+
+const iso_transform *iso_grid_transform(const iso_grid *grid) {
+    return grid->hgrid ? &grid->hgrid->transform : &grid->rgrid->transform;
+}
+
+iso_change_log *iso_grid_log(const iso_grid *grid) {
+    return grid->hgrid ? grid->hgrid->log : grid->rgrid->log;
+}
+
+double iso_grid_stored(const iso_grid *grid, double physical) {
+    return grid->hgrid ? physical : iso_rgrid_stored(grid->rgrid, physical);
+}
+
+int iso_grid_is_level_set(const iso_grid *grid) {
+    return grid->hgrid ? 1 : grid->rgrid->level_set;
+}
+
+void iso_grid_bricks(const iso_grid *grid, int bricks[3]) {
+    const int *dims = iso_grid_dims(grid);
+    for (int axis = 0; axis < 3; axis++) bricks[axis] = (dims[axis] - 1) / ISO_BRICK + 1;
+}
+
+void iso_grid_destroy(iso_grid *grid) {
+    iso_rgrid_destroy(grid->rgrid);
+    iso_hgrid_destroy(grid->hgrid);
+    *grid = (iso_grid){0};
+}
+
+static inline float value_at(const iso_grid *grid, int x, int y, int z) {
+    return grid->hgrid ? iso_hgrid_at(grid->hgrid, x, y, z) : iso_rgrid_at(grid->rgrid, x, y, z);
+}
+
+static inline int clamped(int i, int count) {
+    return i < 0 ? 0 : i < count ? i : count - 1;
+}
+
+float iso_grid_at(const iso_grid *grid, int x, int y, int z) {
+    const int *dims = iso_grid_dims(grid);
+    return value_at(grid, clamped(x, dims[0]), clamped(y, dims[1]), clamped(z, dims[2]));
+}
+
+/* The eight voxels around a position and its weights: corner bit 0 is +x, bit 1 +y, bit 2 +z. On an axis of
+ * one voxel both ends are that voxel. */
+typedef struct cube {
+    int lo[3], hi[3];
+    double fraction[3];
+} cube;
+
+static cube cube_at(const iso_grid *grid, iso_vec3 p) {
+    const int *dims = iso_grid_dims(grid);
+    const double position[3] = {p.x, p.y, p.z};
+    cube c;
+    for (int axis = 0; axis < 3; axis++) {
+        int last = dims[axis] - 1;
+        double x = position[axis] > 0 ? position[axis] : 0; /* NaN becomes 0 */
+        if (x > last) x = last;
+        c.lo[axis] = (int)x;
+        if (c.lo[axis] == last && last > 0) c.lo[axis]--;
+        c.hi[axis] = c.lo[axis] < last ? c.lo[axis] + 1 : last;
+        c.fraction[axis] = x - c.lo[axis];
+    }
+    return c;
+}
+
+/* Exact at both ends, whatever the values. */
+static inline double blend(double a, double b, double t) {
+    return a * (1 - t) + b * t;
+}
+
+static double blend_corners(const double v[8], const double t[3]) {
+    double low = blend(blend(v[0], v[1], t[0]), blend(v[2], v[3], t[0]), t[1]);
+    double high = blend(blend(v[4], v[5], t[0]), blend(v[6], v[7], t[0]), t[1]);
+    return blend(low, high, t[2]);
+}
+
+/* With all corners in one brick, one look-up serves them all. */
+static const float *shared_brick(const iso_hgrid *grid, const cube *c) {
+    for (int axis = 0; axis < 3; axis++)
+        if (c->lo[axis] / ISO_BRICK != c->hi[axis] / ISO_BRICK) return NULL;
+    int32_t brick = grid->cell[iso_hgrid_cell_index(grid, c->lo[0] / ISO_BRICK, c->lo[1] / ISO_BRICK,
+                                                    c->lo[2] / ISO_BRICK)];
+    return brick < 0 ? NULL : iso_hgrid_brick(grid, brick);
+}
+
+double iso_grid_sample(const iso_grid *grid, iso_vec3 p) {
+    cube c = cube_at(grid, p);
+    double v[8];
+    const float *brick = grid->hgrid ? shared_brick(grid->hgrid, &c) : NULL;
+    for (int corner = 0; corner < 8; corner++) {
+        int x = corner & 1 ? c.hi[0] : c.lo[0], y = corner & 2 ? c.hi[1] : c.lo[1];
+        int z = corner & 4 ? c.hi[2] : c.lo[2];
+        if (brick)
+            v[corner] = brick[((z % ISO_BRICK) * ISO_BRICK + y % ISO_BRICK) * ISO_BRICK + x % ISO_BRICK];
+        else
+            v[corner] = value_at(grid, x, y, z);
+        if (!isfinite(v[corner])) return NAN;
+    }
+    return blend_corners(v, c.fraction);
+}
+
+/* Difference along one axis: has_low and has_high say whether the neighbour lies in the grid. */
+static double difference(double low, double middle, double high, bool has_low, bool has_high) {
+    has_low = has_low && isfinite(low);
+    has_high = has_high && isfinite(high);
+    if (has_low && has_high) return (high - low) / 2;
+    if (!isfinite(middle)) return 0;
+    return has_high ? high - middle : has_low ? middle - low : 0;
+}
+
+iso_vec3 iso_grid_voxel_gradient(const iso_grid *grid, int x, int y, int z) {
+    const int *dims = iso_grid_dims(grid);
+    double middle = value_at(grid, x, y, z);
+    bool x0 = x > 0, x1 = x + 1 < dims[0], y0 = y > 0, y1 = y + 1 < dims[1], z0 = z > 0, z1 = z + 1 < dims[2];
+    iso_vec3 g;
+    g.x = difference(value_at(grid, x - x0, y, z), middle, value_at(grid, x + x1, y, z), x0, x1);
+    g.y = difference(value_at(grid, x, y - y0, z), middle, value_at(grid, x, y + y1, z), y0, y1);
+    g.z = difference(value_at(grid, x, y, z - z0), middle, value_at(grid, x, y, z + z1), z0, z1);
+    return g;
+}
+
+iso_vec3 iso_grid_gradient(const iso_grid *grid, iso_vec3 p) {
+    cube c = cube_at(grid, p);
+    double gx[8], gy[8], gz[8];
+    for (int corner = 0; corner < 8; corner++) {
+        iso_vec3 g = iso_grid_voxel_gradient(grid, corner & 1 ? c.hi[0] : c.lo[0],
+                                             corner & 2 ? c.hi[1] : c.lo[1], corner & 4 ? c.hi[2] : c.lo[2]);
+        gx[corner] = g.x;
+        gy[corner] = g.y;
+        gz[corner] = g.z;
+    }
+    return iso_vec3_make(blend_corners(gx, c.fraction), blend_corners(gy, c.fraction),
+                         blend_corners(gz, c.fraction));
+}
+
+typedef struct nonfinite_job {
+    const iso_rgrid *grid;
+    atomic_size_t count; /* a sum of integers: the order of slices does not matter */
+} nonfinite_job;
+
+static void count_slice(void *context, size_t z, int worker) {
+    (void)worker;
+    nonfinite_job *job = context;
+    const iso_rgrid *grid = job->grid;
+    size_t count = 0;
+    for (int y = 0; y < grid->dims[1]; y++) {
+        const float *row = (const float *)grid->data + y * grid->stride_y + (ptrdiff_t)z * grid->stride_z;
+        unsigned found = 0;
+        for (int x = 0; x < grid->dims[0]; x++) found += !isfinite(row[x]);
+        count += found;
+    }
+    atomic_fetch_add_explicit(&job->count, count, memory_order_relaxed);
+}
+
+size_t iso_grid_count_nonfinite(const iso_grid *grid, iso_pool *pool) {
+    if (grid->hgrid || grid->rgrid->type != ISO_FLOAT32) return 0;
+    nonfinite_job job = {.grid = grid->rgrid};
+    iso_parallel_for(pool, (size_t)grid->rgrid->dims[2], count_slice, &job);
+    return atomic_load(&job.count);
+}

@@ -1,0 +1,364 @@
+#include "extract/brick_set.h"
+
+#include <string.h>
+
+#include "base/primitives.h"
+
+enum {
+    CHUNK_BRICKS = 16,      /* one task's */
+    CHUNKS_PER_WORKER = 8,  /* of one batch: enough to even out, few enough to keep their results small */
+    SURVEY_BRICKS = 1 << 12 /* bricks that one task only looks at */
+};
+
+/* A brick that has a span. */
+typedef struct slot {
+    uint32_t brick;
+    iso_brick_place place;
+    uint32_t block[ISO_SET_HEAPS];
+} slot;
+
+/* One extracted brick of a chunk; its items lie one after another in the chunk's arrays. */
+typedef struct result {
+    uint32_t brick, own;
+    uint32_t count[ISO_SET_HEAPS];
+} result;
+
+/* What one task made. Kept and reused between batches. */
+typedef struct chunk {
+    iso_buffer array[ISO_SET_ARRAYS];
+    size_t used[ISO_SET_HEAPS];
+    result results[CHUNK_BRICKS];
+    size_t count, placed;
+    size_t extracted, rejected;
+    bool failed;
+} chunk;
+
+/* One batch: bricks[0 .. count-1] in chunks. */
+typedef struct batch {
+    iso_brick_set *set;
+    const uint32_t *bricks;
+    size_t count;
+} batch;
+
+static void brick_coordinates(const iso_brick_set *set, uint32_t number, int brick[3]) {
+    uint32_t columns = (uint32_t)set->bricks[0], rows = (uint32_t)set->bricks[1];
+    brick[0] = (int)(number % columns);
+    brick[1] = (int)(number / columns % rows);
+    brick[2] = (int)(number / columns / rows);
+}
+
+static size_t brick_total(const iso_brick_set *set) {
+    return (size_t)set->bricks[0] * (size_t)set->bricks[1] * (size_t)set->bricks[2];
+}
+
+static slot *slot_at(const iso_brick_set *set, size_t number) {
+    return (slot *)set->slots.data + number;
+}
+
+static chunk *chunk_at(const iso_brick_set *set, size_t number) {
+    return (chunk *)set->chunks.data + number;
+}
+
+/* ---- extracting a batch of bricks over threads */
+
+static bool append_output(const iso_brick_set *set, chunk *part, const iso_brick_output *output) {
+    for (int i = 0; i < ISO_SET_ARRAYS; i++) {
+        size_t bytes = set->kernel.item_bytes[i], used = part->used[i / ISO_SPAN_ARRAYS] * bytes;
+        size_t added = output->count[i / ISO_SPAN_ARRAYS] * bytes;
+        if (!added) continue;
+        if (iso_buffer_reserve(&part->array[i], used + added, used, NULL) != ISO_OK) return false;
+        memcpy((char *)part->array[i].data + used, output->items[i], added);
+    }
+    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) part->used[heap] += output->count[heap];
+    return true;
+}
+
+static void extract_brick(const iso_brick_set *set, uint32_t number, void *scratch, chunk *part) {
+    int brick[3];
+    brick_coordinates(set, number, brick);
+    iso_brick_output output = {0};
+    if (set->kernel.may_exist(set->context, brick)) {
+        set->kernel.extract(set->context, brick, scratch, &output);
+        part->extracted++;
+        part->rejected += output.rejected;
+    }
+    if (!append_output(set, part, &output)) {
+        part->failed = true;
+        return;
+    }
+    result *made = &part->results[part->count++];
+    *made = (result){.brick = number, .own = output.own};
+    memcpy(made->count, output.count, sizeof made->count);
+}
+
+static void extract_chunk(void *context, size_t index, int worker) {
+    const batch *work = context;
+    const iso_brick_set *set = work->set;
+    chunk *part = chunk_at(set, index);
+    memset(part->used, 0, sizeof part->used);
+    part->count = part->placed = part->extracted = part->rejected = 0;
+    part->failed = false;
+    char *scratch = (char *)set->scratch.data + (size_t)worker * set->kernel.scratch_bytes;
+    size_t first = index * CHUNK_BRICKS, end = first + CHUNK_BRICKS;
+    if (end > work->count) end = work->count;
+    for (size_t i = first; i < end && !part->failed; i++) extract_brick(set, work->bricks[i], scratch, part);
+}
+
+/* ---- giving results a place */
+
+static void release_blocks(iso_brick_set *set, slot *entry) {
+    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
+        if (entry->block[heap] != ISO_SPAN_NONE) iso_span_heap_give(&set->heap[heap], entry->block[heap]);
+        entry->block[heap] = ISO_SPAN_NONE;
+    }
+}
+
+static void write_span(iso_brick_set *set, size_t number) {
+    slot *entry = slot_at(set, number);
+    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
+        uint32_t block = entry->block[heap];
+        entry->place.first[heap] =
+            block == ISO_SPAN_NONE ? 0 : iso_span_heap_block(&set->heap[heap], block)->first;
+    }
+    set->kernel.write_span((char *)set->spans.data + number * set->kernel.span_bytes, &entry->place);
+}
+
+/* The last span takes the place of the one that goes. */
+static void remove_slot(iso_brick_set *set, uint32_t brick) {
+    size_t number = set->span_of[brick] - 1, last = --set->span_count;
+    release_blocks(set, slot_at(set, number));
+    set->span_of[brick] = 0;
+    if (number == last) return;
+    *slot_at(set, number) = *slot_at(set, last);
+    set->span_of[slot_at(set, number)->brick] = (uint32_t)number + 1;
+    write_span(set, number);
+}
+
+static iso_status add_slot(iso_brick_set *set, uint32_t brick, iso_error *error) {
+    size_t count = set->span_count, span_bytes = set->kernel.span_bytes;
+    ISO_TRY(iso_buffer_reserve(&set->slots, (count + 1) * sizeof(slot), count * sizeof(slot), error));
+    ISO_TRY(iso_buffer_reserve(&set->spans, (count + 1) * span_bytes, count * span_bytes, error));
+    slot *entry = slot_at(set, count);
+    *entry = (slot){.brick = brick};
+    int coordinates[3];
+    brick_coordinates(set, brick, coordinates);
+    for (int axis = 0; axis < 3; axis++) entry->place.brick[axis] = coordinates[axis];
+    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) entry->block[heap] = ISO_SPAN_NONE;
+    set->span_of[brick] = (uint32_t)++set->span_count;
+    return ISO_OK;
+}
+
+/* Room for `count` items: the block that is there when it suffices, else another one. */
+static iso_status fit_block(iso_brick_set *set, iso_span_heap *heap, uint32_t *block, size_t count,
+                            iso_error *error) {
+    if (*block != ISO_SPAN_NONE) {
+        if (count && iso_span_heap_block(heap, *block)->capacity >= count) {
+            iso_span_heap_trim(heap, *block, count);
+            return ISO_OK;
+        }
+        iso_span_heap_give(heap, *block);
+        *block = ISO_SPAN_NONE;
+    }
+    if (!count) return ISO_OK;
+    /* an edited brick grows again, a first extraction is packed tight */
+    size_t room = set->full ? count : count + count / 8 + 8;
+    return iso_span_heap_take(heap, room, block, error);
+}
+
+static iso_status place_result(iso_brick_set *set, const result *made, iso_error *error) {
+    bool empty = true;
+    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) empty = empty && !made->count[heap];
+    if (empty) {
+        if (set->span_of[made->brick]) remove_slot(set, made->brick);
+        return ISO_OK;
+    }
+    if (!set->span_of[made->brick]) ISO_TRY(add_slot(set, made->brick, error));
+    size_t number = set->span_of[made->brick] - 1;
+    slot *entry = slot_at(set, number);
+    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
+        iso_status status = fit_block(set, &set->heap[heap], &entry->block[heap], made->count[heap], error);
+        if (status != ISO_OK) {
+            remove_slot(set, made->brick);
+            return status;
+        }
+        entry->place.count[heap] = made->count[heap];
+    }
+    entry->place.own = made->own;
+    write_span(set, number);
+    return ISO_OK;
+}
+
+static iso_status place_batch(iso_brick_set *set, size_t chunks, iso_error *error) {
+    iso_status status = ISO_OK;
+    for (size_t c = 0; c < chunks && status == ISO_OK; c++) {
+        chunk *part = chunk_at(set, c);
+        while (part->placed < part->count && status == ISO_OK) {
+            status = place_result(set, &part->results[part->placed], error);
+            if (status == ISO_OK) part->placed++;
+        }
+        if (status == ISO_OK && part->failed)
+            status = iso_fail(error, ISO_ERR_NOMEM, "out of memory while extracting bricks");
+        set->extracted += part->extracted;
+        if (set->full) set->rejected += part->rejected;
+    }
+    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
+        if (!set->heap[heap].moved) continue;
+        for (size_t i = 0; i < set->span_count; i++) write_span(set, i);
+        set->heap[heap].moved = false;
+    }
+    return status;
+}
+
+static void copy_chunk(void *context, size_t index, int worker) {
+    (void)worker;
+    const batch *work = context;
+    const iso_brick_set *set = work->set;
+    const chunk *part = chunk_at(set, index);
+    size_t offset[ISO_SET_HEAPS] = {0};
+    for (size_t r = 0; r < part->placed; r++) {
+        const result *made = &part->results[r];
+        if (!set->span_of[made->brick]) continue;
+        const slot *entry = slot_at(set, set->span_of[made->brick] - 1);
+        for (int i = 0; i < ISO_SET_ARRAYS; i++) {
+            int heap = i / ISO_SPAN_ARRAYS;
+            size_t bytes = set->kernel.item_bytes[i];
+            if (!bytes || !made->count[heap]) continue;
+            char *target = set->heap[heap].array[i % ISO_SPAN_ARRAYS].data;
+            memcpy(target + entry->place.first[heap] * bytes,
+                   (const char *)part->array[i].data + offset[heap] * bytes, made->count[heap] * bytes);
+        }
+        for (int heap = 0; heap < ISO_SET_HEAPS; heap++) offset[heap] += made->count[heap];
+    }
+}
+
+/* ---- which bricks */
+
+static iso_status reserve_chunks(iso_brick_set *set, size_t wanted, iso_error *error) {
+    size_t have = set->chunks.bytes / sizeof(chunk);
+    if (wanted <= have) return ISO_OK;
+    ISO_TRY(iso_buffer_reserve(&set->chunks, wanted * sizeof(chunk), have * sizeof(chunk), error));
+    size_t now = set->chunks.bytes / sizeof(chunk);
+    memset(chunk_at(set, have), 0, (now - have) * sizeof(chunk));
+    return ISO_OK;
+}
+
+static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, size_t count, iso_error *error) {
+    size_t workers = (size_t)iso_pool_threads(set->pool),
+           batch_bricks = workers * CHUNKS_PER_WORKER * CHUNK_BRICKS;
+    if (batch_bricks > count) batch_bricks = count;
+    ISO_TRY(reserve_chunks(set, (batch_bricks + CHUNK_BRICKS - 1) / CHUNK_BRICKS, error));
+    ISO_TRY(iso_buffer_reserve(&set->scratch, workers * set->kernel.scratch_bytes, 0, error));
+    for (size_t first = 0; first < count; first += batch_bricks) {
+        batch work = {set, bricks + first, count - first < batch_bricks ? count - first : batch_bricks};
+        size_t chunks = (work.count + CHUNK_BRICKS - 1) / CHUNK_BRICKS;
+        iso_parallel_for(set->pool, chunks, extract_chunk, &work);
+        iso_status status = place_batch(set, chunks, error);
+        iso_parallel_for(set->pool, chunks, copy_chunk, &work);
+        if (status != ISO_OK) return status;
+    }
+    return ISO_OK;
+}
+
+/* All bricks of the grid, tested over threads. */
+typedef struct survey {
+    const iso_brick_set *set;
+    uint8_t *may_exist;
+} survey;
+
+static void survey_task(void *context, size_t index, int worker) {
+    (void)worker;
+    const survey *look = context;
+    size_t end = (index + 1) * SURVEY_BRICKS, total = brick_total(look->set);
+    for (size_t i = index * SURVEY_BRICKS; i < end && i < total; i++) {
+        int brick[3];
+        brick_coordinates(look->set, (uint32_t)i, brick);
+        look->may_exist[i] = look->set->kernel.may_exist(look->set->context, brick);
+    }
+}
+
+static iso_status list_all(iso_brick_set *set, size_t *count, iso_error *error) {
+    size_t total = brick_total(set), found = 0;
+    uint8_t *may_exist = iso_alloc(total);
+    if (!may_exist) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a table of %zu bricks", total);
+    iso_parallel_for(set->pool, (total + SURVEY_BRICKS - 1) / SURVEY_BRICKS, survey_task,
+                     &(survey){set, may_exist});
+    for (size_t i = 0; i < total; i++) found += may_exist[i];
+    iso_status status = iso_buffer_reserve(&set->list, found * sizeof(uint32_t), 0, error);
+    if (status == ISO_OK) {
+        uint32_t *list = set->list.data;
+        *count = 0;
+        for (size_t i = 0; i < total; i++)
+            if (may_exist[i]) list[(*count)++] = (uint32_t)i;
+    }
+    iso_free(may_exist);
+    return status;
+}
+
+static void forget_spans(iso_brick_set *set) {
+    for (size_t i = 0; i < set->span_count; i++) set->span_of[slot_at(set, i)->brick] = 0;
+    set->span_count = 0;
+    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) iso_span_heap_clear(&set->heap[heap]);
+}
+
+static iso_status list_changed(iso_brick_set *set, size_t *count, iso_error *error) {
+    const iso_change *changes = NULL;
+    size_t change_count = iso_change_log_since(iso_grid_log(&set->grid), set->seen, &changes);
+    const iso_changes all = {changes, change_count, set->bricks};
+    return iso_halo_bricks(&all, set->kernel.halo, &set->list, count, error);
+}
+
+iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error) {
+    uint64_t now = iso_change_log_now(iso_grid_log(&set->grid));
+    size_t count = 0;
+    set->extracted = 0;
+    if (set->full) {
+        set->rejected = 0;
+        forget_spans(set);
+        ISO_TRY(list_all(set, &count, error));
+    } else {
+        ISO_TRY(list_changed(set, &count, error));
+    }
+    iso_status status = extract_bricks(set, set->list.data, count, error);
+    if (status != ISO_OK) {
+        if (set->full) forget_spans(set);
+        return status;
+    }
+    set->full = false;
+    set->seen = now;
+    return ISO_OK;
+}
+
+iso_status iso_brick_set_init(iso_brick_set *set, const iso_brick_kernel *kernel, const void *context,
+                              const iso_grid *grid, iso_pool *pool, iso_error *error) {
+    *set = (iso_brick_set){.kernel = *kernel, .context = context, .grid = *grid, .pool = pool, .full = true};
+    iso_grid_bricks(grid, set->bricks);
+    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
+        memcpy(set->heap[heap].item_bytes, kernel->item_bytes + heap * ISO_SPAN_ARRAYS,
+               sizeof set->heap[heap].item_bytes);
+        iso_span_heap_clear(&set->heap[heap]);
+    }
+    set->span_of = iso_alloc_zero(brick_total(set), sizeof *set->span_of);
+    if (!set->span_of)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a table of %zu bricks", brick_total(set));
+    return ISO_OK;
+}
+
+void iso_brick_set_free(iso_brick_set *set) {
+    for (size_t c = 0; c < set->chunks.bytes / sizeof(chunk); c++)
+        for (int i = 0; i < ISO_SET_ARRAYS; i++) iso_buffer_free(&chunk_at(set, c)->array[i]);
+    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) iso_span_heap_free(&set->heap[heap]);
+    iso_buffer_free(&set->spans);
+    iso_buffer_free(&set->slots);
+    iso_buffer_free(&set->scratch);
+    iso_buffer_free(&set->list);
+    iso_buffer_free(&set->chunks);
+    iso_free(set->span_of);
+}
+
+void iso_brick_set_reset(iso_brick_set *set) {
+    set->full = true;
+}
+
+const void *iso_brick_set_items(const iso_brick_set *set, int heap, int array) {
+    return set->heap[heap].live ? set->heap[heap].array[array].data : NULL;
+}

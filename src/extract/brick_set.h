@@ -1,0 +1,83 @@
+/* brick_set: the part that points and meshes share: a consumer of a grid's change log that keeps what a
+ * kernel makes of each brick. Internal to extract.
+ *
+ * The kernel knows one brick and nothing of sets; the set knows which bricks to do, runs them over threads,
+ * and gives their results places in arrays, in brick order whatever the thread count. A brick is extracted
+ * again only when the log says that voxels which it reads have changed (extract/halo.h); a brick that grows
+ * or shrinks moves no other (extract/spans.h). */
+#ifndef ISO_EXTRACT_BRICK_SET_H
+#define ISO_EXTRACT_BRICK_SET_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/parallel.h"
+#include "extract/halo.h"
+#include "extract/spans.h"
+#include "grids/grid.h"
+
+/* Results come in heaps (vertices, triangles); a heap has parallel arrays (positions, keys). */
+enum { ISO_SET_HEAPS = 2, ISO_SET_ARRAYS = ISO_SET_HEAPS * ISO_SPAN_ARRAYS };
+
+/* What a kernel made of one brick: items[heap * ISO_SPAN_ARRAYS + array] lie in the worker's scratch until
+ * its next call. */
+typedef struct iso_brick_output {
+    uint32_t count[ISO_SET_HEAPS];
+    uint32_t own; /* handed on to the span */
+    uint32_t rejected;
+    const void *items[ISO_SET_ARRAYS];
+} iso_brick_output;
+
+/* Where a brick's results lie. */
+typedef struct iso_brick_place {
+    int32_t brick[3];
+    uint32_t own;
+    uint32_t count[ISO_SET_HEAPS];
+    size_t first[ISO_SET_HEAPS];
+} iso_brick_place;
+
+/* What a kernel is. `context` is the set's owner. */
+typedef struct iso_brick_kernel {
+    size_t item_bytes[ISO_SET_ARRAYS]; /* 0: no such array */
+    size_t scratch_bytes;              /* one worker's */
+    size_t span_bytes;
+    iso_halo halo;
+    /* Whether the brick may have anything: never false wrongly. */
+    bool (*may_exist)(const void *context, const int brick[3]);
+    void (*extract)(const void *context, const int brick[3], void *scratch, iso_brick_output *output);
+    void (*write_span)(void *span, const iso_brick_place *place);
+} iso_brick_kernel;
+
+typedef struct iso_brick_set {
+    iso_brick_kernel kernel;
+    const void *context;
+    iso_grid grid;
+    iso_pool *pool;
+    int bricks[3];
+    bool full;         /* the next update does all bricks */
+    uint64_t seen;     /* edits up to this one are in the set */
+    uint32_t *span_of; /* by brick: 1 + its span's number, 0: none */
+    iso_buffer spans, slots;
+    size_t span_count;
+    iso_span_heap heap[ISO_SET_HEAPS];
+    iso_buffer scratch, list, chunks;
+    size_t extracted, rejected;
+} iso_brick_set;
+
+/* Zero-initialised storage; `context` and grid are borrowed until free. */
+iso_status iso_brick_set_init(iso_brick_set *set, const iso_brick_kernel *kernel, const void *context,
+                              const iso_grid *grid, iso_pool *pool, iso_error *error);
+void iso_brick_set_free(iso_brick_set *set);
+
+/* Brings the set up to date. ISO_ERR_NOMEM: what is in the set is sound but older, or misses bricks; the next
+ * update does everything that this one did not. */
+iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error);
+
+/* The next update starts from nothing. */
+void iso_brick_set_reset(iso_brick_set *set);
+
+/* An array of a heap; NULL when nothing is in it. */
+const void *iso_brick_set_items(const iso_brick_set *set, int heap, int array);
+
+#endif

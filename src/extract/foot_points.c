@@ -1,0 +1,152 @@
+/* Foot points, Baerentzen and Christensen 2003, section 4: eq. 1 for distance fields, eq. 2 iterated for any
+ * scalar field. The band [0, sqrt 3) holds every voxel on the outer side that belongs to a crossed cell. */
+#include "extract/foot_points.h"
+
+static const float BAND = 1.7320508f; /* sqrt 3, voxels */
+static const int MOST_STEPS = 10;
+static const double CONVERGED = 1e-4; /* voxels */
+
+static bool in_band(const iso_surface *surface, float value) {
+    float distance = value - surface->at - surface->rest;
+    return value >= surface->at && distance < BAND;
+}
+
+static int last_voxel(const iso_brick_window *window, int axis) {
+    return window->last[axis] < ISO_BRICK - 1 ? window->last[axis] : ISO_BRICK - 1;
+}
+
+static bool stencil_is_clamped(const float *centre, float band) {
+    const int steps[3] = {1, ISO_STEP_Y, ISO_STEP_Z};
+    for (int axis = 0; axis < 3; axis++)
+        if (fabsf(centre[-steps[axis]]) >= band || fabsf(centre[steps[axis]]) >= band) return true;
+    return fabsf(*centre) >= band;
+}
+
+static bool foot_of(const iso_brick_window *window, const iso_surface *surface, const int voxel[3],
+                    float band, iso_surfel *point) {
+    const float *centre = window->values + iso_window_index(voxel[0], voxel[1], voxel[2]);
+    if (stencil_is_clamped(centre, band)) return false;
+    float g[3];
+    iso_window_gradient(window, voxel, g);
+    if (!(g[0] * g[0] + g[1] * g[1] + g[2] * g[2] >= 0.25f)) return false;
+    if (!iso_unit_normal(g, surface->outward, point->normal)) return false;
+    float distance = *centre - surface->at - surface->rest;
+    for (int axis = 0; axis < 3; axis++)
+        point->position[axis] = (float)voxel[axis] - distance * point->normal[axis];
+    return true;
+}
+
+void iso_foot_points_direct(const iso_brick_window *window, const iso_surface *surface, float band,
+                            iso_foot_points *out) {
+    for (int z = 0; z <= last_voxel(window, 2); z++)
+        for (int y = 0; y <= last_voxel(window, 1); y++)
+            for (int x = 0; x <= last_voxel(window, 0); x++) {
+                if (!in_band(surface, window->values[iso_window_index(x, y, z)])) continue;
+                if (foot_of(window, surface, (int[3]){x, y, z}, band, &out->points[out->count]))
+                    out->count++;
+                else
+                    out->rejected++;
+            }
+}
+
+static bool sparse_brick_in_band(const iso_hgrid *grid, const iso_surface *surface, const int brick[3]) {
+    int32_t number = grid->cell[iso_hgrid_cell_index(grid, brick[0], brick[1], brick[2])];
+    if (number < 0) return false;
+    const float *values = iso_hgrid_brick(grid, number);
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++)
+        if (in_band(surface, values[i])) return true;
+    return false;
+}
+
+bool iso_foot_points_may_exist(const iso_grid *grid, const iso_surface *surface, const int brick[3]) {
+    if (grid->hgrid) return sparse_brick_in_band(grid->hgrid, surface, brick);
+    float top = surface->at + 1.75f; /* a little above sqrt 3: rounding must not lose a voxel */
+    if (iso_grid_brick_may_cross(grid, brick, surface->at) || iso_grid_brick_may_cross(grid, brick, top))
+        return true;
+    /* all finite voxels are below `at`, between the two or above `top` together */
+    float value = iso_grid_at(grid, ISO_BRICK * brick[0], ISO_BRICK * brick[1], ISO_BRICK * brick[2]);
+    return !isfinite(value) || (value >= surface->at && value < top);
+}
+
+/* Whether cell (x, y, z) of the window has finite corners on both sides. */
+static bool cell_is_crossed(const iso_brick_window *window, const iso_surface *surface, const int cell[3]) {
+    int inside = 0;
+    for (int axis = 0; axis < 3; axis++)
+        if (cell[axis] < window->first[axis] || cell[axis] >= window->last[axis]) return false;
+    for (int i = 0; i < 8; i++) {
+        float value =
+            window->values[iso_window_index(cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2))];
+        if (!isfinite(value)) return false;
+        inside += iso_surface_inside(surface, value);
+    }
+    return inside > 0 && inside < 8;
+}
+
+static bool is_seed(const iso_brick_window *window, const iso_surface *surface, const int voxel[3]) {
+    float value = window->values[iso_window_index(voxel[0], voxel[1], voxel[2])];
+    if (!isfinite(value)) return false;
+    bool outside = iso_surface_inside(surface, value) == (surface->outward > 0);
+    if (!outside) return false;
+    for (int i = 0; i < 8; i++) {
+        const int cell[3] = {voxel[0] - (i & 1), voxel[1] - (i >> 1 & 1), voxel[2] - (i >> 2)};
+        if (cell_is_crossed(window, surface, cell)) return true;
+    }
+    return false;
+}
+
+static bool inside_volume(const int *dims, iso_vec3 p) {
+    return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x <= dims[0] - 1 && p.y <= dims[1] - 1 && p.z <= dims[2] - 1;
+}
+
+/* Walks p to the surface; false when it does not get there within sqrt 3 voxels of where it started. */
+static bool iterate(const iso_grid *grid, double isovalue, iso_vec3 *p, iso_vec3 *gradient) {
+    const int *dims = iso_grid_dims(grid);
+    iso_vec3 seed = *p;
+    for (int step = 0; step <= MOST_STEPS; step++) {
+        double excess = iso_grid_sample(grid, *p) - isovalue;
+        *gradient = iso_grid_gradient(grid, *p);
+        double squared = iso_vec3_dot(*gradient, *gradient);
+        if (!(squared > 0) || !isfinite(excess)) return false;
+        if (fabs(excess) <= CONVERGED * sqrt(squared)) return true;
+        *p = iso_vec3_sub(*p, iso_vec3_scale(*gradient, excess / squared));
+        iso_vec3 way = iso_vec3_sub(*p, seed);
+        if (!(iso_vec3_dot(way, way) < 3) || !inside_volume(dims, *p)) return false;
+    }
+    return false;
+}
+
+static bool iterated_foot_of(const iso_grid *grid, const iso_brick_window *window, const iso_surface *surface,
+                             const int voxel[3], iso_surfel *point) {
+    iso_vec3 origin = {ISO_BRICK * window->brick[0], ISO_BRICK * window->brick[1],
+                       ISO_BRICK * window->brick[2]};
+    iso_vec3 p = iso_vec3_add(origin, iso_vec3_make(voxel[0], voxel[1], voxel[2])), gradient;
+    if (!iterate(grid, (double)surface->at + surface->rest, &p, &gradient)) return false;
+    iso_vec3 local = iso_vec3_sub(p, origin), normal = iso_vec3_unit(gradient);
+    *point = (iso_surfel){{(float)local.x, (float)local.y, (float)local.z},
+                          {(float)(surface->outward * normal.x), (float)(surface->outward * normal.y),
+                           (float)(surface->outward * normal.z)}};
+    return true;
+}
+
+void iso_foot_points_iterated(const iso_grid *grid, const iso_brick_window *window,
+                              const iso_surface *surface, iso_foot_points *out) {
+    for (int z = 0; z <= last_voxel(window, 2); z++)
+        for (int y = 0; y <= last_voxel(window, 1); y++)
+            for (int x = 0; x <= last_voxel(window, 0); x++) {
+                const int voxel[3] = {x, y, z};
+                if (!is_seed(window, surface, voxel)) continue;
+                if (iterated_foot_of(grid, window, surface, voxel, &out->points[out->count]))
+                    out->count++;
+                else
+                    out->rejected++;
+            }
+}
+
+bool iso_foot_seeds_may_exist(const iso_grid *grid, const iso_surface *surface, const int brick[3]) {
+    for (int i = 0; i < 8; i++) { /* a seed's cell may lie in a lower brick */
+        const int near[3] = {brick[0] - (i & 1), brick[1] - (i >> 1 & 1), brick[2] - (i >> 2)};
+        if (near[0] < 0 || near[1] < 0 || near[2] < 0) continue;
+        if (iso_grid_brick_may_cross(grid, near, surface->at)) return true;
+    }
+    return false;
+}

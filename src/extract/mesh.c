@@ -1,0 +1,103 @@
+#include "extract/mesh.h"
+
+#include "extract/brick_set.h"
+#include "extract/marching_cubes.h"
+
+enum { VERTICES, TRIANGLES }; /* heaps */
+
+/* One worker's. */
+typedef struct mesh_scratch {
+    iso_brick_window window;
+    iso_brick_mesh mesh;
+} mesh_scratch;
+
+struct iso_mesh_set {
+    iso_brick_set set;
+    iso_grid grid;
+    double isovalue;
+    iso_surface surface;
+};
+
+static bool may_exist(const void *context, const int brick[3]) {
+    const iso_mesh_set *mesh = context;
+    return iso_grid_brick_may_cross(&mesh->grid, brick, mesh->surface.at);
+}
+
+static void extract(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
+    const iso_mesh_set *set = context;
+    mesh_scratch *scratch = memory;
+    iso_brick_window_fill(&set->grid, brick, &scratch->window);
+    iso_marching_cubes(&scratch->window, &set->surface, &scratch->mesh);
+    output->count[VERTICES] = scratch->mesh.vertex_count;
+    output->count[TRIANGLES] = scratch->mesh.triangle_count;
+    output->own = scratch->mesh.own_count;
+    output->items[VERTICES * ISO_SPAN_ARRAYS] = scratch->mesh.vertices;
+    output->items[VERTICES * ISO_SPAN_ARRAYS + 1] = scratch->mesh.keys;
+    output->items[TRIANGLES * ISO_SPAN_ARRAYS] = scratch->mesh.triangles;
+}
+
+static void write_span(void *span, const iso_brick_place *place) {
+    *(iso_mesh_span *)span = (iso_mesh_span){
+        .brick = {place->brick[0], place->brick[1], place->brick[2]},
+        .vertex_count = place->count[VERTICES],
+        .own_count = place->own,
+        .triangle_count = place->count[TRIANGLES],
+        .first_vertex = place->first[VERTICES],
+        .first_triangle = place->first[TRIANGLES],
+    };
+}
+
+iso_status iso_mesh_set_create(const iso_grid *grid, const iso_mesh_opts *opts, iso_mesh_set **set,
+                               iso_error *error) {
+    if (!isfinite(opts->isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not finite");
+    iso_mesh_set *mesh = iso_alloc_zero(1, sizeof *mesh);
+    if (!mesh) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a mesh");
+    mesh->grid = *grid;
+    mesh->isovalue = opts->isovalue;
+    mesh->surface = iso_surface_of(grid, opts->isovalue);
+    const iso_brick_kernel kernel = {
+        .item_bytes = {sizeof(iso_surfel), sizeof(iso_edge_key), sizeof(uint16_t[3])},
+        .scratch_bytes = sizeof(mesh_scratch),
+        .span_bytes = sizeof(iso_mesh_span),
+        .halo = ISO_HALO_MESH,
+        .may_exist = may_exist,
+        .extract = extract,
+        .write_span = write_span,
+    };
+    iso_status status = iso_brick_set_init(&mesh->set, &kernel, mesh, grid, opts->pool, error);
+    if (status != ISO_OK) {
+        iso_mesh_set_destroy(mesh);
+        return status;
+    }
+    *set = mesh;
+    return ISO_OK;
+}
+
+void iso_mesh_set_destroy(iso_mesh_set *set) {
+    if (!set) return;
+    iso_brick_set_free(&set->set);
+    iso_free(set);
+}
+
+iso_status iso_mesh_set_update(iso_mesh_set *set, iso_error *error) {
+    if (!isfinite(set->isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not finite");
+    return iso_brick_set_update(&set->set, error);
+}
+
+void iso_mesh_set_isovalue(iso_mesh_set *set, double isovalue) {
+    if (isovalue == set->isovalue) return;
+    set->isovalue = isovalue;
+    set->surface = iso_surface_of(&set->grid, isovalue);
+    iso_brick_set_reset(&set->set);
+}
+
+iso_mesh_view iso_mesh_set_view(const iso_mesh_set *set) {
+    return (iso_mesh_view){
+        .vertices = iso_brick_set_items(&set->set, VERTICES, 0),
+        .keys = iso_brick_set_items(&set->set, VERTICES, 1),
+        .triangles = iso_brick_set_items(&set->set, TRIANGLES, 0),
+        .spans = set->set.spans.data,
+        .span_count = set->set.span_count,
+        .transform = *iso_grid_transform(&set->grid),
+    };
+}

@@ -1,0 +1,181 @@
+#include "extract/points.h"
+
+#include <stddef.h>
+
+#include "extract/brick_set.h"
+#include "extract/edge_points.h"
+#include "extract/foot_points.h"
+
+/* One worker's. */
+typedef struct point_scratch {
+    iso_brick_window window;
+    iso_surfel surfels[ISO_EDGES_OWN];
+    iso_point packed[ISO_EDGES_OWN];
+} point_scratch;
+
+struct iso_point_set {
+    iso_brick_set set;
+    iso_grid grid;
+    iso_points_opts opts; /* primitive is never auto */
+    iso_surface surface;
+};
+
+const char *iso_primitive_name(iso_primitive primitive) {
+    static const char *const names[] = {"auto", "edge", "foot", "foot-iterated"};
+    return names[primitive];
+}
+
+static void output_points(const iso_point_set *points, point_scratch *scratch, uint32_t count,
+                          iso_brick_output *output) {
+    output->count[0] = count;
+    output->items[0] = points->opts.floats ? (const void *)scratch->surfels : scratch->packed;
+    if (points->opts.floats) return;
+    for (uint32_t i = 0; i < count; i++) scratch->packed[i] = iso_point_pack(&scratch->surfels[i]);
+}
+
+static bool edges_may_exist(const void *context, const int brick[3]) {
+    const iso_point_set *points = context;
+    return iso_grid_brick_may_cross(&points->grid, brick, points->surface.at);
+}
+
+static void extract_edges(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
+    const iso_point_set *points = context;
+    point_scratch *scratch = memory;
+    iso_brick_window_fill(&points->grid, brick, &scratch->window);
+    iso_edge_points edges = {.points = scratch->surfels};
+    iso_edge_points_own(&scratch->window, &points->surface, &edges);
+    output_points(points, scratch, edges.count, output);
+}
+
+static bool feet_may_exist(const void *context, const int brick[3]) {
+    const iso_point_set *points = context;
+    return iso_foot_points_may_exist(&points->grid, &points->surface, brick);
+}
+
+static void extract_feet(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
+    const iso_point_set *points = context;
+    point_scratch *scratch = memory;
+    iso_brick_window_fill(&points->grid, brick, &scratch->window);
+    iso_foot_points feet = {.points = scratch->surfels};
+    float band = points->grid.hgrid ? points->grid.hgrid->band : INFINITY;
+    iso_foot_points_direct(&scratch->window, &points->surface, band, &feet);
+    output->rejected = feet.rejected;
+    output_points(points, scratch, feet.count, output);
+}
+
+static bool seeds_may_exist(const void *context, const int brick[3]) {
+    const iso_point_set *points = context;
+    return iso_foot_seeds_may_exist(&points->grid, &points->surface, brick);
+}
+
+static void extract_iterated(const void *context, const int brick[3], void *memory,
+                             iso_brick_output *output) {
+    const iso_point_set *points = context;
+    point_scratch *scratch = memory;
+    iso_brick_window_fill(&points->grid, brick, &scratch->window);
+    iso_foot_points feet = {.points = scratch->surfels};
+    iso_foot_points_iterated(&points->grid, &scratch->window, &points->surface, &feet);
+    output->rejected = feet.rejected;
+    output_points(points, scratch, feet.count, output);
+}
+
+static void write_span(void *span, const iso_brick_place *place) {
+    *(iso_point_span *)span = (iso_point_span){
+        .brick = {place->brick[0], place->brick[1], place->brick[2]},
+        .count = place->count[0],
+        .first = place->first[0],
+    };
+}
+
+static iso_brick_kernel kernel_of(const iso_points_opts *opts) {
+    iso_brick_kernel kernel = {
+        .item_bytes = {opts->floats ? sizeof(iso_surfel) : sizeof(iso_point)},
+        .scratch_bytes = sizeof(point_scratch),
+        .span_bytes = sizeof(iso_point_span),
+        .write_span = write_span,
+    };
+    switch (opts->primitive) {
+    case ISO_PRIMITIVE_FOOT:
+        kernel.halo = ISO_HALO_FOOT;
+        kernel.may_exist = feet_may_exist;
+        kernel.extract = extract_feet;
+        break;
+    case ISO_PRIMITIVE_FOOT_ITERATED:
+        kernel.halo = ISO_HALO_ITERATED;
+        kernel.may_exist = seeds_may_exist;
+        kernel.extract = extract_iterated;
+        break;
+    default:
+        kernel.halo = ISO_HALO_EDGE;
+        kernel.may_exist = edges_may_exist;
+        kernel.extract = extract_edges;
+        break;
+    }
+    return kernel;
+}
+
+iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opts, iso_point_set **set,
+                                iso_error *error) {
+    iso_points_opts chosen = *opts;
+    if (chosen.primitive == ISO_PRIMITIVE_AUTO)
+        chosen.primitive = grid->hgrid ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
+    if (!isfinite(chosen.isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not finite");
+    if (chosen.primitive == ISO_PRIMITIVE_FOOT && !iso_grid_is_level_set(grid))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "foot points need a distance field; use edge or foot-iterated for this volume");
+    iso_point_set *points = iso_alloc_zero(1, sizeof *points);
+    if (!points) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a set of points");
+    points->grid = *grid;
+    points->opts = chosen;
+    points->surface = iso_surface_of(grid, chosen.isovalue);
+    iso_brick_kernel kernel = kernel_of(&chosen);
+    iso_status status = iso_brick_set_init(&points->set, &kernel, points, grid, chosen.pool, error);
+    if (status != ISO_OK) {
+        iso_point_set_destroy(points);
+        return status;
+    }
+    *set = points;
+    return ISO_OK;
+}
+
+void iso_point_set_destroy(iso_point_set *set) {
+    if (!set) return;
+    iso_brick_set_free(&set->set);
+    iso_free(set);
+}
+
+iso_status iso_point_set_update(iso_point_set *set, iso_error *error) {
+    if (!isfinite(set->opts.isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not finite");
+    return iso_brick_set_update(&set->set, error);
+}
+
+void iso_point_set_isovalue(iso_point_set *set, double isovalue) {
+    if (isovalue == set->opts.isovalue) return;
+    set->opts.isovalue = isovalue;
+    set->surface = iso_surface_of(&set->grid, isovalue);
+    iso_brick_set_reset(&set->set);
+}
+
+iso_point_view iso_point_set_view(const iso_point_set *set) {
+    const void *items = iso_brick_set_items(&set->set, 0, 0);
+    iso_point_view view = {
+        .packed = set->opts.floats ? NULL : items,
+        .surfels = set->opts.floats ? items : NULL,
+        .spans = set->set.spans.data,
+        .span_count = set->set.span_count,
+        .transform = *iso_grid_transform(&set->grid),
+    };
+    const double *spacing = view.transform.spacing;
+    double largest = fmax(spacing[0], fmax(spacing[1], spacing[2]));
+    view.radius = sqrt(0.5) * largest;
+    return view;
+}
+
+iso_points_stats iso_point_set_stats(const iso_point_set *set) {
+    iso_point_view view = iso_point_set_view(set);
+    return (iso_points_stats){
+        .points = iso_point_view_count(&view),
+        .rejected = set->set.rejected,
+        .bricks = set->set.extracted,
+    };
+}

@@ -1,0 +1,64 @@
+/* spans: the growing array (or parallel arrays) in which the primitives of bricks lie, and its free space.
+ *
+ * A block is a run of items; it keeps its place while it exists, so that an edit moves no other brick's data.
+ * Freed runs merge with free neighbours and are reused, smallest sufficient size class first (segregated
+ * fits with eight classes an octave, as in Masmano et al. 2004, "TLSF"). When free space would outgrow the
+ * used space, all blocks slide together instead (`moved` is set): the array never holds more than twice what
+ * is in use, plus ISO_SPAN_HEAP_SLACK items. Internal to extract. */
+#ifndef ISO_EXTRACT_SPANS_H
+#define ISO_EXTRACT_SPANS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/memory.h"
+
+enum {
+    ISO_SPAN_ARRAYS = 2, /* parallel arrays at most */
+    ISO_SPAN_CLASSES = 512,
+    ISO_SPAN_HEAP_SLACK = 1 << 15
+};
+
+#define ISO_SPAN_NONE UINT32_MAX
+
+typedef struct iso_span_block {
+    size_t first, capacity;  /* items */
+    uint32_t before, after;  /* neighbours in the array */
+    uint32_t previous, next; /* free blocks of the same class; `next` also chains unused records */
+    bool used;
+} iso_span_block;
+
+/* Zero-initialise, set item_bytes (0: no such array), then iso_span_heap_clear. */
+typedef struct iso_span_heap {
+    size_t item_bytes[ISO_SPAN_ARRAYS];
+    iso_buffer array[ISO_SPAN_ARRAYS];
+    iso_buffer records; /* of iso_span_block */
+    size_t record_count;
+    uint32_t unused, first, last;
+    size_t end;  /* items up to the end of the last block */
+    size_t live; /* items in used blocks */
+    uint32_t bins[ISO_SPAN_CLASSES];
+    uint64_t occupied[ISO_SPAN_CLASSES / 64]; /* bit per bin that is not empty */
+    bool moved;                               /* blocks slid together; cleared by the owner */
+} iso_span_heap;
+
+/* Forgets all blocks and keeps the memory. */
+void iso_span_heap_clear(iso_span_heap *heap);
+void iso_span_heap_free(iso_span_heap *heap);
+
+/* A block of `count` >= 1 items, contents unset. ISO_ERR_NOMEM leaves everything as it was. */
+iso_status iso_span_heap_take(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error);
+void iso_span_heap_give(iso_span_heap *heap, uint32_t block);
+
+/* Gives back what the block has beyond `count` items when that is much; the block stays where it is. */
+void iso_span_heap_trim(iso_span_heap *heap, uint32_t block, size_t count);
+
+static inline const iso_span_block *iso_span_heap_block(const iso_span_heap *heap, uint32_t block) {
+    return (const iso_span_block *)heap->records.data + block;
+}
+
+/* Checks the links and the bounds (for tests): false when something is wrong. */
+bool iso_span_heap_is_sound(const iso_span_heap *heap);
+
+#endif
