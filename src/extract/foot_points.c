@@ -3,6 +3,7 @@
 #include "extract/foot_points.h"
 
 static const float BAND = 1.7320508f; /* sqrt 3, voxels */
+static const double REACH = 2; /* voxels from the seed; beyond sqrt 3, as the field need not be a distance */
 static const int MOST_STEPS = 10;
 static const double CONVERGED = 1e-4; /* voxels */
 
@@ -98,7 +99,7 @@ static bool inside_volume(const int *dims, iso_vec3 p) {
     return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x <= dims[0] - 1 && p.y <= dims[1] - 1 && p.z <= dims[2] - 1;
 }
 
-/* Walks p to the surface; false when it does not get there within sqrt 3 voxels of where it started. */
+/* Walks p to the surface; false when it does not get there within REACH of where it started. */
 static bool iterate(const iso_grid *grid, double isovalue, iso_vec3 *p, iso_vec3 *gradient) {
     const int *dims = iso_grid_dims(grid);
     iso_vec3 seed = *p;
@@ -110,7 +111,7 @@ static bool iterate(const iso_grid *grid, double isovalue, iso_vec3 *p, iso_vec3
         if (fabs(excess) <= CONVERGED * sqrt(squared)) return true;
         *p = iso_vec3_sub(*p, iso_vec3_scale(*gradient, excess / squared));
         iso_vec3 way = iso_vec3_sub(*p, seed);
-        if (!(iso_vec3_dot(way, way) < 3) || !inside_volume(dims, *p)) return false;
+        if (!(iso_vec3_dot(way, way) < REACH * REACH) || !inside_volume(dims, *p)) return false;
     }
     return false;
 }

@@ -24,8 +24,8 @@ typedef struct iso_halo {
 #define ISO_HALO_MESH ISO_HALO_EDGE
 /* A foot point of voxel p reads p - 1 .. p + 1. */
 #define ISO_HALO_FOOT ((iso_halo){.down = 1, .up = 1})
-/* An iterated foot point is sampled up to sqrt 3 from its voxel, so in cells whose corners are p - 2 .. p +
- * 2, and a corner's gradient reads one further; choosing the seed reads p - 1 .. p + 1. */
+/* An iterated foot point is sampled less than 2 voxels from its voxel, so in cells whose corners are p - 2 ..
+ * p + 2, and a corner's gradient reads one further; choosing the seed reads p - 1 .. p + 1. */
 #define ISO_HALO_ITERATED ((iso_halo){.down = 3, .up = 3})
 
 /* Changes and the grid that they happened in. */

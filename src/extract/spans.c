@@ -193,30 +193,3 @@ void iso_span_heap_trim(iso_span_heap *heap, uint32_t block, size_t count) {
     if (capacity < 2 * wanted) return;
     if (reserve_record(heap, NULL) == ISO_OK) split(heap, block, wanted);
 }
-
-bool iso_span_heap_is_sound(const iso_span_heap *heap) {
-    size_t end = 0, live = 0, listed = 0, idle = 0;
-    uint32_t before = ISO_SPAN_NONE;
-    bool free_before = false;
-    for (uint32_t block = heap->first; block != ISO_SPAN_NONE; before = block) {
-        const iso_span_block *record = iso_span_heap_block(heap, block);
-        if (record->first != end || record->before != before || !record->capacity) return false;
-        if (!record->used && free_before) return false;
-        free_before = !record->used;
-        idle += free_before;
-        live += record->used ? record->capacity : 0;
-        end += record->capacity;
-        block = record->after;
-        if (block != ISO_SPAN_NONE && block >= heap->record_count) return false;
-    }
-    for (unsigned bin = 0; bin < ISO_SPAN_CLASSES; bin++) {
-        if ((heap->bins[bin] != ISO_SPAN_NONE) != (heap->occupied[bin / 64] >> bin % 64 & 1)) return false;
-        for (uint32_t block = heap->bins[bin]; block != ISO_SPAN_NONE; listed++) {
-            const iso_span_block *record = iso_span_heap_block(heap, block);
-            if (record->used || class_of(record->capacity) != bin) return false;
-            block = record->next;
-        }
-    }
-    return end == heap->end && live == heap->live && listed == idle && !free_before &&
-           end <= 2 * live + ISO_SPAN_HEAP_SLACK;
-}

@@ -2,9 +2,9 @@
  *
  * A block is a run of items; it keeps its place while it exists, so that an edit moves no other brick's data.
  * Freed runs merge with free neighbours and are reused, smallest sufficient size class first (segregated
- * fits with eight classes an octave, as in Masmano et al. 2004, "TLSF"). When free space would outgrow the
- * used space, all blocks slide together instead (`moved` is set): the array never holds more than twice what
- * is in use, plus ISO_SPAN_HEAP_SLACK items. Internal to extract. */
+ * fits with eight classes an octave, as in Masmano et al. 2004, "TLSF"). Where the array would grow beyond
+ * twice what is in use plus ISO_SPAN_HEAP_SLACK items, all blocks slide together instead (`moved` is set).
+ * Internal to extract. */
 #ifndef ISO_EXTRACT_SPANS_H
 #define ISO_EXTRACT_SPANS_H
 
@@ -57,8 +57,5 @@ void iso_span_heap_trim(iso_span_heap *heap, uint32_t block, size_t count);
 static inline const iso_span_block *iso_span_heap_block(const iso_span_heap *heap, uint32_t block) {
     return (const iso_span_block *)heap->records.data + block;
 }
-
-/* Checks the links and the bounds (for tests): false when something is wrong. */
-bool iso_span_heap_is_sound(const iso_span_heap *heap);
 
 #endif

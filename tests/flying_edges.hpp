@@ -1,0 +1,14 @@
+// The test that any grid can be put to: our mesh against vtkFlyingEdges3D's.
+#ifndef ISO_TESTS_FLYING_EDGES_HPP
+#define ISO_TESTS_FLYING_EDGES_HPP
+
+#include <cstddef>
+
+#include "grids/grid.h"
+
+// Fails unless both have as many vertices and triangles, the same vertices within 1e-4 voxel, and (unless the
+// grid is a level set, where ours point the other way) the same normals. For finite data with every dimension
+// >= 2. `isovalue` is physical. Returns the number of triangles.
+size_t check_against_flying_edges(const iso_grid *grid, double isovalue);
+
+#endif
