@@ -22,8 +22,8 @@ iso_point iso_point_pack(const iso_surfel *surfel) {
     for (int axis = 0; axis < 3; axis++)
         bits |= quantise(surfel->position[axis] - POSITION_LOW, 1 / POSITION_STEP, 16383) << (14 * axis);
     const float *n = surfel->normal;
-    float sum = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]);
-    float u = n[0] / sum, v = n[1] / sum;
+    float scale = 1 / (fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2])); /* one division: kernels do the same */
+    float u = n[0] * scale, v = n[1] * scale;
     if (n[2] < 0) {
         float folded = (1 - fabsf(v)) * sign_of(u);
         v = (1 - fabsf(u)) * sign_of(v);

@@ -65,7 +65,7 @@ static bool append_output(const iso_brick_set *set, chunk *part, const iso_brick
     for (int i = 0; i < ISO_SET_ARRAYS; i++) {
         size_t bytes = set->kernel.item_bytes[i], used = part->used[i / ISO_SPAN_ARRAYS] * bytes;
         size_t added = output->count[i / ISO_SPAN_ARRAYS] * bytes;
-        if (!added) continue;
+        if (!added || output->items[i] == output->place) continue;
         if (iso_buffer_reserve(&part->array[i], used + added, used, NULL) != ISO_OK) return false;
         memcpy((char *)part->array[i].data + used, output->items[i], added);
     }
@@ -73,11 +73,31 @@ static bool append_output(const iso_brick_set *set, chunk *part, const iso_brick
     return true;
 }
 
-static void extract_brick(const iso_brick_set *set, uint32_t number, void *scratch, chunk *part) {
-    int brick[3];
-    brick_coordinates(set, number, brick);
+/* Room in the first array for what a kernel puts there itself. */
+static bool make_place(const iso_brick_set *set, chunk *part, iso_brick_output *output) {
+    size_t bytes = set->kernel.item_bytes[0], used = part->used[0] * bytes;
+    if (!set->kernel.room) return true;
+    if (iso_buffer_reserve(&part->array[0], used + set->kernel.room * bytes, used, NULL) != ISO_OK)
+        return false;
+    output->place = (char *)part->array[0].data + used;
+    return true;
+}
+
+/* The first of `bricks`, of which `left` are still to do. */
+static void extract_brick(const iso_brick_set *set, const uint32_t *bricks, size_t left, void *scratch,
+                          chunk *part) {
+    int brick[3], next[3];
+    brick_coordinates(set, bricks[0], brick);
     iso_brick_output output = {0};
     if (set->kernel.may_exist(set->context, brick)) {
+        if (left > 1) {
+            brick_coordinates(set, bricks[1], next);
+            output.next = next;
+        }
+        if (!make_place(set, part, &output)) {
+            part->failed = true;
+            return;
+        }
         set->kernel.extract(set->context, brick, scratch, &output);
         part->extracted++;
         part->rejected += output.rejected;
@@ -87,7 +107,7 @@ static void extract_brick(const iso_brick_set *set, uint32_t number, void *scrat
         return;
     }
     result *made = &part->results[part->count++];
-    *made = (result){.brick = number, .own = output.own};
+    *made = (result){.brick = bricks[0], .own = output.own};
     memcpy(made->count, output.count, sizeof made->count);
 }
 
@@ -101,7 +121,8 @@ static void extract_chunk(void *context, size_t index, int worker) {
     char *scratch = (char *)set->scratch.data + (size_t)worker * set->kernel.scratch_bytes;
     size_t first = index * CHUNK_BRICKS, end = first + CHUNK_BRICKS;
     if (end > work->count) end = work->count;
-    for (size_t i = first; i < end && !part->failed; i++) extract_brick(set, work->bricks[i], scratch, part);
+    for (size_t i = first; i < end && !part->failed; i++)
+        extract_brick(set, work->bricks + i, work->count - i, scratch, part);
 }
 
 /* ---- giving results a place */

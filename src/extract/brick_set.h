@@ -21,8 +21,12 @@
 enum { ISO_SET_HEAPS = 2, ISO_SET_ARRAYS = ISO_SET_HEAPS * ISO_SPAN_ARRAYS };
 
 /* What a kernel made of one brick: items[heap * ISO_SPAN_ARRAYS + array] lie in the worker's scratch until
- * its next call. */
+ * its next call, or at `place`. */
 typedef struct iso_brick_output {
+    /* given */
+    void *place;     /* room for kernel.room items of array 0, when that is not 0 */
+    const int *next; /* the brick that will probably be next, NULL when there is none: to fetch it early */
+    /* made */
     uint32_t count[ISO_SET_HEAPS];
     uint32_t own; /* handed on to the span */
     uint32_t rejected;
@@ -41,6 +45,7 @@ typedef struct iso_brick_place {
 typedef struct iso_brick_kernel {
     size_t item_bytes[ISO_SET_ARRAYS]; /* 0: no such array */
     size_t scratch_bytes;              /* one worker's */
+    size_t room;                       /* most items of array 0 that extract writes to output->place */
     size_t span_bytes;
     iso_halo halo;
     /* Whether the brick may have anything: never false wrongly. */

@@ -4,6 +4,7 @@
 
 #include "extract/brick_set.h"
 #include "extract/edge_points.h"
+#include "extract/foot_kernel.h"
 #include "extract/foot_points.h"
 
 /* One worker's. */
@@ -18,6 +19,8 @@ struct iso_point_set {
     iso_grid grid;
     iso_points_opts opts; /* primitive is never auto */
     iso_surface surface;
+    iso_foot_surface foot_surface;
+    const iso_foot_kernel *foot_kernel;
 };
 
 const char *iso_primitive_name(iso_primitive primitive) {
@@ -57,10 +60,31 @@ static void extract_feet(const void *context, const int brick[3], void *memory, 
     point_scratch *scratch = memory;
     iso_brick_window_fill(&points->grid, brick, &scratch->window);
     iso_foot_points feet = {.points = scratch->surfels};
-    float band = points->grid.hgrid ? points->grid.hgrid->band : INFINITY;
-    iso_foot_points_direct(&scratch->window, &points->surface, band, &feet);
+    iso_foot_points_direct(&scratch->window, &points->foot_surface, &feet);
     output->rejected = feet.rejected;
     output_points(points, scratch, feet.count, output);
+}
+
+/* The brick to fetch meanwhile: that of cell `next`, or `otherwise`. */
+static const float *brick_to_fetch(const iso_hgrid *grid, const int *next, const float *otherwise) {
+    if (!next) return otherwise;
+    int32_t number = grid->cell[iso_hgrid_cell_index(grid, next[0], next[1], next[2])];
+    return number < 0 ? otherwise : iso_hgrid_brick(grid, number);
+}
+
+static void extract_sparse_feet(const void *context, const int brick[3], void *memory,
+                                iso_brick_output *output) {
+    const iso_point_set *points = context;
+    const iso_hgrid *grid = points->grid.hgrid;
+    iso_foot_brick around;
+    iso_foot_brick_of(grid, brick, memory, &around);
+    around.next = brick_to_fetch(grid, output->next, around.values);
+    iso_foot_output feet = {.packed = points->opts.floats ? NULL : output->place,
+                            .surfels = points->opts.floats ? output->place : NULL};
+    points->foot_kernel->extract(&points->foot_surface, &around, memory, &feet);
+    output->items[0] = output->place;
+    output->count[0] = feet.count;
+    output->rejected = feet.rejected;
 }
 
 static bool seeds_may_exist(const void *context, const int brick[3]) {
@@ -87,7 +111,7 @@ static void write_span(void *span, const iso_brick_place *place) {
     };
 }
 
-static iso_brick_kernel kernel_of(const iso_points_opts *opts) {
+static iso_brick_kernel kernel_of(const iso_grid *grid, const iso_points_opts *opts) {
     iso_brick_kernel kernel = {
         .item_bytes = {opts->floats ? sizeof(iso_surfel) : sizeof(iso_point)},
         .scratch_bytes = sizeof(point_scratch),
@@ -99,6 +123,10 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts) {
         kernel.halo = ISO_HALO_FOOT;
         kernel.may_exist = feet_may_exist;
         kernel.extract = extract_feet;
+        if (!grid->hgrid) break;
+        kernel.extract = extract_sparse_feet;
+        kernel.scratch_bytes = sizeof(iso_foot_scratch);
+        kernel.room = ISO_FOOT_ROOM;
         break;
     case ISO_PRIMITIVE_FOOT_ITERATED:
         kernel.halo = ISO_HALO_ITERATED;
@@ -114,6 +142,12 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts) {
     return kernel;
 }
 
+static void set_surface(iso_point_set *points) {
+    points->surface = iso_surface_of(&points->grid, points->opts.isovalue);
+    float band = points->grid.hgrid ? points->grid.hgrid->band : INFINITY;
+    points->foot_surface = iso_foot_surface_of(&points->surface, band);
+}
+
 iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opts, iso_point_set **set,
                                 iso_error *error) {
     iso_points_opts chosen = *opts;
@@ -127,8 +161,9 @@ iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opt
     if (!points) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a set of points");
     points->grid = *grid;
     points->opts = chosen;
-    points->surface = iso_surface_of(grid, chosen.isovalue);
-    iso_brick_kernel kernel = kernel_of(&chosen);
+    set_surface(points);
+    points->foot_kernel = iso_foot_kernel_get(iso_cpu_best());
+    iso_brick_kernel kernel = kernel_of(grid, &chosen);
     iso_status status = iso_brick_set_init(&points->set, &kernel, points, grid, chosen.pool, error);
     if (status != ISO_OK) {
         iso_point_set_destroy(points);
@@ -152,7 +187,7 @@ iso_status iso_point_set_update(iso_point_set *set, iso_error *error) {
 void iso_point_set_isovalue(iso_point_set *set, double isovalue) {
     if (isovalue == set->opts.isovalue) return;
     set->opts.isovalue = isovalue;
-    set->surface = iso_surface_of(&set->grid, isovalue);
+    set_surface(set);
     iso_brick_set_reset(&set->set);
 }
 
