@@ -12,72 +12,55 @@
 _Alignas(64) static const float missing_row[ISO_BRICK] = SAME_16(NAN);
 _Alignas(64) static const float clamped_row[ISO_BRICK] = SAME_16(INFINITY);
 
-static void set_face(const iso_hgrid *grid, const int cell[3], int face, iso_foot_brick *out) {
-    int at[3] = {cell[0], cell[1], cell[2]}, axis = face / 2;
-    at[axis] += face % 2 ? 1 : -1;
-    out->varies[face] = 0;
-    out->face[face] = missing_row;
+static void set_side(const iso_hgrid *grid, const int cell[3], int side, iso_foot_brick *out) {
+    int at[3] = {cell[0], cell[1], cell[2]}, axis = side / 2, up = side % 2;
+    size_t step = (size_t)1 << 4 * axis, across = (ISO_BRICK - 1) * step;
+    out->side[side][0] = (iso_foot_side){out->values, up ? step : 0 - step, SIZE_MAX};
+    /* all voxels of a face that is the same everywhere are in one row */
+    out->side[side][1] = (iso_foot_side){missing_row, 0, ISO_BRICK - 1};
+    at[axis] += up ? 1 : -1;
     if (at[axis] < 0 || at[axis] >= grid->cells[axis]) return;
     int32_t number = grid->cell[iso_hgrid_cell_index(grid, at[0], at[1], at[2])];
-    out->face[face] = number < 0 ? clamped_row : iso_hgrid_brick(grid, number);
-    if (number >= 0) out->varies[face] = SIZE_MAX;
+    out->side[side][1].base = clamped_row;
+    if (number < 0) return;
+    out->side[side][1] = (iso_foot_side){iso_hgrid_brick(grid, number), up ? 0 - across : across, SIZE_MAX};
+}
+
+static const float *pad_brick(const iso_hgrid *grid, const int cell[3], const float *values,
+                              iso_foot_scratch *scratch) {
+    int n[3];
+    for (int axis = 0; axis < 3; axis++) n[axis] = grid->dims[axis] - cell[axis] * ISO_BRICK;
+    if (n[0] >= ISO_BRICK && n[1] >= ISO_BRICK && n[2] >= ISO_BRICK) return values;
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        bool inside = (i & 15) < n[0] && (i >> 4 & 15) < n[1] && i >> 8 < n[2];
+        scratch->padded[i] = inside ? values[i] : NAN;
+    }
+    return scratch->padded;
 }
 
 void iso_foot_brick_of(const iso_hgrid *grid, const int cell[3], iso_foot_scratch *scratch,
                        iso_foot_brick *out) {
     int32_t number = grid->cell[iso_hgrid_cell_index(grid, cell[0], cell[1], cell[2])];
-    out->values = iso_hgrid_brick(grid, number);
-    for (int face = 0; face < 6; face++) set_face(grid, cell, face, out);
-    int n[3];
-    for (int axis = 0; axis < 3; axis++) n[axis] = grid->dims[axis] - cell[axis] * ISO_BRICK;
-    if (n[0] >= ISO_BRICK && n[1] >= ISO_BRICK && n[2] >= ISO_BRICK) return;
-    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
-        bool inside =
-            i % ISO_BRICK < n[0] && i / ISO_BRICK % ISO_BRICK < n[1] && i / (ISO_BRICK * ISO_BRICK) < n[2];
-        scratch->padded[i] = inside ? out->values[i] : NAN;
-    }
-    out->values = scratch->padded;
+    out->values = out->next = pad_brick(grid, cell, iso_hgrid_brick(grid, number), scratch);
+    for (int side = 0; side < 6; side++) set_side(grid, cell, side, out);
 }
 
-enum { ROW = ISO_BRICK, SLICE = ISO_BRICK * ISO_BRICK };
-
-/* Rows next to the row at offset o (a multiple of 16, or 8 more) of a brick. */
-static inline const float *below_y(const iso_foot_brick *brick, size_t o) {
-    const float *face = brick->face[2] + (((o & ~(size_t)(SLICE - 1)) + SLICE - ROW) & brick->varies[2]);
-    return o & (SLICE - ROW) ? brick->values + o - ROW : face + (o & (ROW - 1));
-}
-static inline const float *above_y(const iso_foot_brick *brick, size_t o) {
-    const float *face = brick->face[3] + ((o & ~(size_t)(SLICE - 1)) & brick->varies[3]);
-    return (o & (SLICE - ROW)) != SLICE - ROW ? brick->values + o + ROW : face + (o & (ROW - 1));
-}
-static inline const float *below_z(const iso_foot_brick *brick, size_t o) {
-    const float *face =
-        brick->face[4] + ((ISO_BRICK_VOXELS - SLICE + (o & (SLICE - ROW))) & brick->varies[4]);
-    return o >= SLICE ? brick->values + o - SLICE : face + (o & (ROW - 1));
-}
-static inline const float *above_z(const iso_foot_brick *brick, size_t o) {
-    const float *face = brick->face[5] + ((o & (SLICE - ROW)) & brick->varies[5]);
-    return o < ISO_BRICK_VOXELS - SLICE ? brick->values + o + SLICE : face + (o & (ROW - 1));
-}
-/* Before the first and after the last voxel of the row that offset o lies in. */
-static inline float before_row(const iso_foot_brick *brick, size_t o) {
-    return brick->face[0][(o | (ROW - 1)) & brick->varies[0]];
-}
-static inline float after_row(const iso_foot_brick *brick, size_t o) {
-    return brick->face[1][(o & ~(size_t)(ROW - 1)) & brick->varies[1]];
+/* The neighbour of the voxel at offset o, or of a row that begins there. No branches: which rows are at a
+ * face cannot be predicted. */
+static inline const float *neighbour(const iso_foot_brick *brick, int side, size_t o) {
+    size_t at = o >> (side / 2 * 4) & (ISO_BRICK - 1);
+    const iso_foot_side *where = &brick->side[side][at == (side % 2 ? ISO_BRICK - 1 : 0)];
+    return where->base + ((o + where->shift) & where->mask);
 }
 
-/* A voxel and its neighbours as iso_foot_point takes them. */
+/* One voxel's, as iso_foot_point takes them. */
 static void stencil_of(const iso_foot_brick *brick, int voxel, iso_foot_stencil *stencil) {
-    size_t o = (size_t)voxel, x = o & (ROW - 1), row = o - x;
-    for (int axis = 0; axis < 3; axis++) stencil->voxel[axis] = voxel >> (4 * axis) & (ISO_BRICK - 1);
-    stencil->centre = brick->values[o];
-    stencil->low[0] = x > 0 ? brick->values[o - 1] : before_row(brick, o);
-    stencil->high[0] = x < ROW - 1 ? brick->values[o + 1] : after_row(brick, o);
-    stencil->low[1] = below_y(brick, row)[x];
-    stencil->high[1] = above_y(brick, row)[x];
-    stencil->low[2] = below_z(brick, row)[x];
-    stencil->high[2] = above_z(brick, row)[x];
+    stencil->centre = brick->values[voxel];
+    for (int axis = 0; axis < 3; axis++) {
+        stencil->voxel[axis] = voxel >> (4 * axis) & (ISO_BRICK - 1);
+        stencil->low[axis] = *neighbour(brick, 2 * axis, (size_t)voxel);
+        stencil->high[axis] = *neighbour(brick, 2 * axis + 1, (size_t)voxel);
+    }
 }
 
 /* Some of the queue's voxels did not go through the vectors' arithmetic: each again by itself, the others

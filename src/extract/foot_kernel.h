@@ -17,13 +17,18 @@
 extern "C" {
 #endif
 
-/* A brick and the faces of its neighbours. A voxel beyond the grid reads as NaN, one of an empty cell as
- * infinity: the first counts as missing and the second as clamped, like a stored +-band. */
+/* Where voxels' neighbours on one side are: that of offset o in the brick is base[(o + shift) & mask]. */
+typedef struct iso_foot_side {
+    const float *base;
+    size_t shift, mask;
+} iso_foot_side;
+
+/* A brick and its surroundings. A voxel beyond the grid reads as NaN, one of an empty cell as infinity: the
+ * first counts as missing and the second as clamped, like a stored +-band. */
 typedef struct iso_foot_brick {
-    const float *values;  /* 4096, 64-byte aligned */
-    const float *face[6]; /* neighbours -x, +x, -y, +y, -z, +z: 4096 floats, or 16 when `varies` is 0 */
-    size_t varies[6];     /* mask of offsets into a face: all ones, or 0 where it is the same everywhere */
-    const float *next;    /* brick to fetch into the cache meanwhile; any readable or NULL */
+    const float *values;      /* 4096, 64-byte aligned */
+    iso_foot_side side[6][2]; /* -x, +x, -y, +y, -z, +z: of voxels inside the brick, and at its face there */
+    const float *next;        /* the brick to fetch into the cache meanwhile, any readable one */
 } iso_foot_brick;
 
 /* Room for whole vectors beyond the most that a brick can have. */
