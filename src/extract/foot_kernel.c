@@ -12,18 +12,15 @@
 _Alignas(64) static const float missing_row[ISO_BRICK] = SAME_16(NAN);
 _Alignas(64) static const float clamped_row[ISO_BRICK] = SAME_16(INFINITY);
 
-static void set_side(const iso_hgrid *grid, const int cell[3], int side, iso_foot_brick *out) {
+static iso_foot_face face_of(const iso_hgrid *grid, const int cell[3], int side) {
+    static const size_t across[3] = {0xff0, 0xf00, 0x0f0}; /* what a place on a face depends on, less x */
     int at[3] = {cell[0], cell[1], cell[2]}, axis = side / 2, up = side % 2;
-    size_t step = (size_t)1 << 4 * axis, across = (ISO_BRICK - 1) * step;
-    out->side[side][0] = (iso_foot_side){out->values, up ? step : 0 - step, SIZE_MAX};
-    /* all voxels of a face that is the same everywhere are in one row */
-    out->side[side][1] = (iso_foot_side){missing_row, 0, ISO_BRICK - 1};
     at[axis] += up ? 1 : -1;
-    if (at[axis] < 0 || at[axis] >= grid->cells[axis]) return;
+    if (at[axis] < 0 || at[axis] >= grid->cells[axis]) return (iso_foot_face){missing_row, 0};
     int32_t number = grid->cell[iso_hgrid_cell_index(grid, at[0], at[1], at[2])];
-    out->side[side][1].base = clamped_row;
-    if (number < 0) return;
-    out->side[side][1] = (iso_foot_side){iso_hgrid_brick(grid, number), up ? 0 - across : across, SIZE_MAX};
+    if (number < 0) return (iso_foot_face){clamped_row, 0};
+    size_t last = (size_t)(ISO_BRICK - 1) << 4 * axis;
+    return (iso_foot_face){iso_hgrid_brick(grid, number) + (up ? 0 : last), across[axis]};
 }
 
 static const float *pad_brick(const iso_hgrid *grid, const int cell[3], const float *values,
@@ -42,25 +39,65 @@ void iso_foot_brick_of(const iso_hgrid *grid, const int cell[3], iso_foot_scratc
                        iso_foot_brick *out) {
     int32_t number = grid->cell[iso_hgrid_cell_index(grid, cell[0], cell[1], cell[2])];
     out->values = out->next = pad_brick(grid, cell, iso_hgrid_brick(grid, number), scratch);
-    for (int side = 0; side < 6; side++) set_side(grid, cell, side, out);
+    for (int side = 0; side < 6; side++) out->face[side] = face_of(grid, cell, side);
 }
 
-/* The neighbour of the voxel at offset o, or of a row that begins there. No branches: which rows are at a
- * face cannot be predicted. */
-static inline const float *neighbour(const iso_foot_brick *brick, int side, size_t o) {
-    size_t at = o >> (side / 2 * 4) & (ISO_BRICK - 1);
-    const iso_foot_side *where = &brick->side[side][at == (side % 2 ? ISO_BRICK - 1 : 0)];
-    return where->base + ((o + where->shift) & where->mask);
-}
-
-/* One voxel's, as iso_foot_point takes them. */
-static void stencil_of(const iso_foot_brick *brick, int voxel, iso_foot_stencil *stencil) {
-    stencil->centre = brick->values[voxel];
+/* A voxel and its neighbours as iso_foot_point takes them. */
+static void stencil_of(const iso_foot_brick *brick, size_t o, iso_foot_stencil *stencil) {
+    stencil->centre = brick->values[o];
     for (int axis = 0; axis < 3; axis++) {
-        stencil->voxel[axis] = voxel >> (4 * axis) & (ISO_BRICK - 1);
-        stencil->low[axis] = *neighbour(brick, 2 * axis, (size_t)voxel);
-        stencil->high[axis] = *neighbour(brick, 2 * axis + 1, (size_t)voxel);
+        const iso_foot_face *low = &brick->face[2 * axis], *high = low + 1;
+        size_t step = (size_t)1 << 4 * axis, at = o >> 4 * axis & 15, x = axis ? o & 15 : 0;
+        stencil->voxel[axis] = (int)at;
+        stencil->low[axis] = at > 0 ? brick->values[o - step] : low->base[(o & low->mask) + x];
+        stencil->high[axis] = at < 15 ? brick->values[o + step] : high->base[(o & high->mask) + x];
     }
+}
+
+/* A unit, and where its neighbours are. */
+typedef struct foot_unit {
+    uint32_t hits, half; /* half: 0 or 8, where in the row it begins */
+    uint16_t offset;
+    const float *row;
+    const float *low_y, *high_y, *low_z, *high_z; /* of the row */
+    const float *before, *after; /* the voxels before the first and after the last of the unit */
+} foot_unit;
+
+/* The x neighbours of the two halves of rows; no branches later on: which half it is cannot be predicted. */
+typedef struct foot_ends {
+    iso_foot_face before[2], after[2];
+} foot_ends;
+
+static inline foot_ends ends_of(const iso_foot_brick *brick) {
+    const iso_foot_face low = {brick->values + 7, 0xff0}, high = {brick->values + 8, 0xff0};
+    return (foot_ends){{brick->face[0], low}, {high, brick->face[1]}};
+}
+
+static inline foot_unit unit_of(const foot_ends *ends, const iso_foot_scratch *scratch, uint32_t number) {
+    const uint32_t o = number * 8, half = number & 1;
+    const float *const *at = scratch->rows + (o >> 4) + 2 * (o >> 8) + ISO_FOOT_SIDE + 1;
+    return (foot_unit){.hits = scratch->hits[number],
+                       .half = o & 8,
+                       .offset = (uint16_t)o,
+                       .row = at[0],
+                       .low_y = at[-1],
+                       .high_y = at[1],
+                       .low_z = at[-ISO_FOOT_SIDE],
+                       .high_z = at[ISO_FOOT_SIDE],
+                       .before = ends->before[half].base + (o & ends->before[half].mask),
+                       .after = ends->after[half].base + (o & ends->after[half].mask)};
+}
+
+/* Numbers of the bits that are set, four at a time so that one branch decides. Room for four more is needed.
+ */
+static inline uint32_t list_bits(uint64_t bits, uint32_t first, uint16_t *list) {
+    const uint32_t count = (uint32_t)__builtin_popcountll(bits);
+    for (uint32_t n = 0; n < count; n += 4)
+        for (uint32_t k = 0; k < 4; k++) {
+            list[n + k] = (uint16_t)(first + (uint32_t)__builtin_ctzll(bits | (uint64_t)1 << 63));
+            bits &= bits - 1;
+        }
+    return count;
 }
 
 /* Some of the queue's voxels did not go through the vectors' arithmetic: each again by itself, the others
@@ -69,8 +106,8 @@ static void settle_irregular(const iso_foot_surface *surface, const iso_foot_bri
                              const iso_foot_scratch *scratch, uint32_t queued, iso_foot_output *output) {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < queued; i++) {
-        const float x = 0.5f * scratch->difference[0][i], y = 0.5f * scratch->difference[1][i],
-                    z = 0.5f * scratch->difference[2][i];
+        const float x = 0.5f * scratch->queue[1][i], y = 0.5f * scratch->queue[2][i],
+                    z = 0.5f * scratch->queue[3][i];
         if (iso_foot_is_regular(x * x + y * y + z * z)) {
             if (output->packed) output->packed[kept] = output->packed[i];
             if (output->surfels) output->surfels[kept] = output->surfels[i];

@@ -17,31 +17,39 @@
 extern "C" {
 #endif
 
-/* Where voxels' neighbours on one side are: that of offset o in the brick is base[(o + shift) & mask]. */
-typedef struct iso_foot_side {
+/* The voxels next to one face of a brick: that next to offset o (x fastest) is base[o & mask] for the faces
+ * in x, and base[(o & mask) + x] for those in y and z. */
+typedef struct iso_foot_face {
     const float *base;
-    size_t shift, mask;
-} iso_foot_side;
+    size_t mask;
+} iso_foot_face;
 
 /* A brick and its surroundings. A voxel beyond the grid reads as NaN, one of an empty cell as infinity: the
  * first counts as missing and the second as clamped, like a stored +-band. */
 typedef struct iso_foot_brick {
-    const float *values;      /* 4096, 64-byte aligned */
-    iso_foot_side side[6][2]; /* -x, +x, -y, +y, -z, +z: of voxels inside the brick, and at its face there */
-    const float *next;        /* the brick to fetch into the cache meanwhile, any readable one */
+    const float *values;   /* 4096, 64-byte aligned */
+    iso_foot_face face[6]; /* -x, +x, -y, +y, -z, +z */
+    const float *next;     /* the brick to fetch into the cache meanwhile, any readable one */
 } iso_foot_brick;
 
 /* Room for whole vectors beyond the most that a brick can have. */
 enum { ISO_FOOT_ROOM = ISO_BRICK_VOXELS + 16 };
 
+/* Rows of a brick and of its neighbours in y and z: row (y, z) is number (z + 1) * 18 + y + 1. */
+enum { ISO_FOOT_SIDE = ISO_BRICK + 2 };
+
+/* Units are eight voxels of a row. */
+enum { ISO_FOOT_UNITS = ISO_BRICK_VOXELS / 8 };
+
 /* One worker's. */
 typedef struct iso_foot_scratch {
     _Alignas(64) float padded[ISO_BRICK_VOXELS];
-    _Alignas(64) float centre[ISO_FOOT_ROOM];
-    float difference[3][ISO_FOOT_ROOM]; /* upper less lower neighbour */
-    int32_t voxel[ISO_FOOT_ROOM];       /* z << 8 | y << 4 | x */
-    uint16_t unit[ISO_BRICK_VOXELS / 8 + 1];
-    uint16_t mask[ISO_BRICK_VOXELS / 8 + 1];
+    _Alignas(64) uint8_t hits[ISO_FOOT_UNITS]; /* bit per voxel of a unit: in the band */
+    uint16_t units[ISO_FOOT_UNITS + 4];        /* those that have any */
+    const float *rows[ISO_FOOT_SIDE * ISO_FOOT_SIDE];
+    /* voxels in the band: the value, and on each axis the upper less the lower neighbour */
+    float queue[4][ISO_FOOT_ROOM];
+    uint16_t voxel[ISO_FOOT_ROOM]; /* z << 8 | y << 4 | x */
 } iso_foot_scratch;
 
 /* Exactly one of the two arrays, each with ISO_FOOT_ROOM places. */

@@ -56,7 +56,7 @@ iso_foot_surface iso_foot_surface_of(const iso_surface *surface, float band) {
 }
 
 bool iso_foot_point(const iso_foot_surface *surface, const iso_foot_stencil *stencil, iso_surfel *point) {
-    if (iso_foot_is_clamped(surface, stencil)) return false;
+    if (iso_foot_is_clamped(surface->band, stencil)) return false;
     float g[3];
     for (int axis = 0; axis < 3; axis++) {
         bool has_low = !isnan(stencil->low[axis]), has_high = !isnan(stencil->high[axis]);

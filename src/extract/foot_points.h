@@ -20,10 +20,10 @@ typedef struct iso_foot_stencil {
     float centre, low[3], high[3];
 } iso_foot_stencil;
 
-static inline bool iso_foot_is_clamped(const iso_foot_surface *surface, const iso_foot_stencil *s) {
-    bool clamped = fabsf(s->centre) >= surface->band;
+static inline bool iso_foot_is_clamped(float band, const iso_foot_stencil *s) {
+    bool clamped = fabsf(s->centre) >= band;
     for (int axis = 0; axis < 3; axis++)
-        clamped |= (fabsf(s->low[axis]) >= surface->band) | (fabsf(s->high[axis]) >= surface->band);
+        clamped |= (fabsf(s->low[axis]) >= band) | (fabsf(s->high[axis]) >= band);
     return clamped;
 }
 
