@@ -56,37 +56,40 @@ static void stencil_of(const iso_foot_brick *brick, size_t o, iso_foot_stencil *
 
 /* A unit, and where its neighbours are. */
 typedef struct foot_unit {
-    uint32_t hits, half; /* half: 0 or 8, where in the row it begins */
-    uint16_t offset;
-    const float *row;
-    const float *low_y, *high_y, *low_z, *high_z; /* of the row */
-    const float *before, *after; /* the voxels before the first and after the last of the unit */
+    uint32_t hits;
+    int32_t voxel; /* its first */
+    const float *here, *low_y, *high_y, *low_z, *high_z;
+    const float *before, *after; /* the voxels before its first and after its last */
 } foot_unit;
 
-/* The x neighbours of the two halves of rows; no branches later on: which half it is cannot be predicted. */
+/* The x neighbours of the lower and the upper halves of rows; no branches later on: which half it is cannot
+ * be predicted. */
 typedef struct foot_ends {
-    iso_foot_face before[2], after[2];
+    iso_foot_face before, after;
 } foot_ends;
 
-static inline foot_ends ends_of(const iso_foot_brick *brick) {
-    const iso_foot_face low = {brick->values + 7, 0xff0}, high = {brick->values + 8, 0xff0};
-    return (foot_ends){{brick->face[0], low}, {high, brick->face[1]}};
+static inline void ends_of(const iso_foot_brick *brick, foot_ends ends[2]) {
+    ends[0] = (foot_ends){brick->face[0], {brick->values + 8, 0xff0}};
+    ends[1] = (foot_ends){{brick->values + 7, 0xff0}, brick->face[1]};
 }
 
-static inline foot_unit unit_of(const foot_ends *ends, const iso_foot_scratch *scratch, uint32_t number) {
-    const uint32_t o = number * 8, half = number & 1;
-    const float *const *at = scratch->rows + (o >> 4) + 2 * (o >> 8) + ISO_FOOT_SIDE + 1;
+static inline foot_unit unit_of(const iso_foot_scratch *scratch, const foot_ends ends[2], size_t number) {
+    const size_t row = number >> 1, half = number & 1, o = number * 8;
+    const float *const *at = scratch->rows + row + (row & 0xf0) + ISO_FOOT_PITCH + ISO_FOOT_FIRST;
+    const foot_ends *x = &ends[half];
     return (foot_unit){.hits = scratch->hits[number],
-                       .half = o & 8,
-                       .offset = (uint16_t)o,
-                       .row = at[0],
-                       .low_y = at[-1],
-                       .high_y = at[1],
-                       .low_z = at[-ISO_FOOT_SIDE],
-                       .high_z = at[ISO_FOOT_SIDE],
-                       .before = ends->before[half].base + (o & ends->before[half].mask),
-                       .after = ends->after[half].base + (o & ends->after[half].mask)};
+                       .voxel = (int32_t)o,
+                       .here = at[0] + 8 * half,
+                       .low_y = at[-1] + 8 * half,
+                       .high_y = at[1] + 8 * half,
+                       .low_z = at[-ISO_FOOT_PITCH] + 8 * half,
+                       .high_z = at[ISO_FOOT_PITCH] + 8 * half,
+                       .before = x->before.base + (o & x->before.mask),
+                       .after = x->after.base + (o & x->after.mask)};
 }
+
+/* Into the second cache. */
+#define FETCH(place) __builtin_prefetch(place, 0, 1)
 
 /* Numbers of the bits that are set, four at a time so that one branch decides. Room for four more is needed.
  */
@@ -116,13 +119,23 @@ static void settle_irregular(const iso_foot_surface *surface, const iso_foot_bri
         }
         iso_foot_stencil stencil;
         iso_surfel surfel;
-        stencil_of(brick, scratch->voxel[i], &stencil);
+        stencil_of(brick, (size_t)scratch->voxel[i], &stencil);
         if (!iso_foot_point(surface, &stencil, &surfel)) continue;
         if (output->packed) output->packed[kept] = iso_point_pack(&surfel);
         if (output->surfels) output->surfels[kept] = surfel;
         kept++;
     }
     output->count = kept;
+}
+
+static uint32_t count_hits(const iso_foot_scratch *scratch) {
+    uint32_t count = 0;
+    for (int i = 0; i < ISO_FOOT_UNITS; i += 8) {
+        uint64_t hits;
+        memcpy(&hits, scratch->hits + i, sizeof hits);
+        count += (uint32_t)__builtin_popcountll(hits);
+    }
+    return count;
 }
 
 #include "extract/foot_kernel_variants.inc"

@@ -33,23 +33,25 @@ typedef struct iso_foot_brick {
 } iso_foot_brick;
 
 /* Room for whole vectors beyond the most that a brick can have. */
-enum { ISO_FOOT_ROOM = ISO_BRICK_VOXELS + 16 };
+enum { ISO_FOOT_ROOM = 4352 };
 
-/* Rows of a brick and of its neighbours in y and z: row (y, z) is number (z + 1) * 18 + y + 1. */
-enum { ISO_FOOT_SIDE = ISO_BRICK + 2 };
-
-/* Units are eight voxels of a row. */
-enum { ISO_FOOT_UNITS = ISO_BRICK_VOXELS / 8 };
+enum {
+    ISO_FOOT_UNITS = ISO_BRICK_VOXELS / 8, /* a unit: eight voxels, half a row */
+    ISO_FOOT_PITCH = 32,                   /* of the table of rows */
+    ISO_FOOT_FIRST = 8                     /* place of y = 0 in it */
+};
 
 /* One worker's. */
 typedef struct iso_foot_scratch {
     _Alignas(64) float padded[ISO_BRICK_VOXELS];
     _Alignas(64) uint8_t hits[ISO_FOOT_UNITS]; /* bit per voxel of a unit: in the band */
     uint16_t units[ISO_FOOT_UNITS + 4];        /* those that have any */
-    const float *rows[ISO_FOOT_SIDE * ISO_FOOT_SIDE];
+    /* rows of the brick and of its neighbours: row (y, z) is number (z + 1) * ISO_FOOT_PITCH + ISO_FOOT_FIRST
+     * + y */
+    _Alignas(64) const float *rows[(ISO_BRICK + 2) * ISO_FOOT_PITCH];
     /* voxels in the band: the value, and on each axis the upper less the lower neighbour */
-    float queue[4][ISO_FOOT_ROOM];
-    uint16_t voxel[ISO_FOOT_ROOM]; /* z << 8 | y << 4 | x */
+    _Alignas(64) float queue[4][ISO_FOOT_ROOM];
+    _Alignas(64) int32_t voxel[ISO_FOOT_ROOM]; /* z << 8 | y << 4 | x */
 } iso_foot_scratch;
 
 /* Exactly one of the two arrays, each with ISO_FOOT_ROOM places. */
