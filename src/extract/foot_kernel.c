@@ -62,30 +62,32 @@ typedef struct foot_unit {
     const float *before, *after; /* the voxels before its first and after its last */
 } foot_unit;
 
-/* The x neighbours of the lower and the upper halves of rows; no branches later on: which half it is cannot
- * be predicted. */
+/* Where the x neighbours of a unit's ends are: inside the brick or at its face. Looked up rather than
+ * decided, since it cannot be predicted; a face is only read for a voxel in the band, as each row of it is
+ * one more line of memory. */
 typedef struct foot_ends {
-    iso_foot_face before, after;
+    iso_foot_face before[2], after[2];
 } foot_ends;
 
-static inline void ends_of(const iso_foot_brick *brick, foot_ends ends[2]) {
-    ends[0] = (foot_ends){brick->face[0], {brick->values + 8, 0xff0}};
-    ends[1] = (foot_ends){{brick->values + 7, 0xff0}, brick->face[1]};
+static inline foot_ends ends_of(const iso_foot_brick *brick) {
+    const iso_foot_face low = {brick->values + 7, 0xff0}, high = {brick->values + 8, 0xff0};
+    return (foot_ends){{brick->face[0], low}, {high, brick->face[1]}};
 }
 
-static inline foot_unit unit_of(const iso_foot_scratch *scratch, const foot_ends ends[2], size_t number) {
+static inline foot_unit unit_of(const iso_foot_scratch *scratch, const foot_ends *ends, size_t number) {
     const size_t row = number >> 1, half = number & 1, o = number * 8;
+    const uint32_t hits = scratch->hits[number];
     const float *const *at = scratch->rows + row + (row & 0xf0) + ISO_FOOT_PITCH + ISO_FOOT_FIRST;
-    const foot_ends *x = &ends[half];
-    return (foot_unit){.hits = scratch->hits[number],
+    const iso_foot_face *before = &ends->before[half | (~hits & 1)], *after = &ends->after[half & hits >> 7];
+    return (foot_unit){.hits = hits,
                        .voxel = (int32_t)o,
                        .here = at[0] + 8 * half,
                        .low_y = at[-1] + 8 * half,
                        .high_y = at[1] + 8 * half,
                        .low_z = at[-ISO_FOOT_PITCH] + 8 * half,
                        .high_z = at[ISO_FOOT_PITCH] + 8 * half,
-                       .before = x->before.base + (o & x->before.mask),
-                       .after = x->after.base + (o & x->after.mask)};
+                       .before = before->base + (o & before->mask),
+                       .after = after->base + (o & after->mask)};
 }
 
 /* Into the second cache. */
@@ -103,15 +105,26 @@ static inline uint32_t list_bits(uint64_t bits, uint32_t first, uint16_t *list) 
     return count;
 }
 
-/* Some of the queue's voxels did not go through the vectors' arithmetic: each again by itself, the others
- * closing up in place. */
+/* Queued voxels whose stencil is not that of a distance field, or which has a neighbour missing, are marked
+ * and get harmless differences instead. */
+enum { IRREGULAR = ISO_BRICK_VOXELS };
+
+static void set_irregular_aside(iso_foot_scratch *scratch, uint32_t queued) {
+    for (uint32_t i = 0; i < queued; i++) {
+        const float x = scratch->queue[1][i], y = scratch->queue[2][i], z = scratch->queue[3][i];
+        if (iso_foot_is_regular(0.25f * (x * x + y * y + z * z))) continue;
+        scratch->voxel[i] |= IRREGULAR;
+        scratch->scale[i] = 1;
+        for (int axis = 1; axis <= 3; axis++) scratch->queue[axis][i] = 1;
+    }
+}
+
+/* Each of those again by itself; the others close up in place. */
 static void settle_irregular(const iso_foot_surface *surface, const iso_foot_brick *brick,
                              const iso_foot_scratch *scratch, uint32_t queued, iso_foot_output *output) {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < queued; i++) {
-        const float x = 0.5f * scratch->queue[1][i], y = 0.5f * scratch->queue[2][i],
-                    z = 0.5f * scratch->queue[3][i];
-        if (iso_foot_is_regular(x * x + y * y + z * z)) {
+        if (!(scratch->voxel[i] & IRREGULAR)) {
             if (output->packed) output->packed[kept] = output->packed[i];
             if (output->surfels) output->surfels[kept] = output->surfels[i];
             kept++;
@@ -119,7 +132,7 @@ static void settle_irregular(const iso_foot_surface *surface, const iso_foot_bri
         }
         iso_foot_stencil stencil;
         iso_surfel surfel;
-        stencil_of(brick, (size_t)scratch->voxel[i], &stencil);
+        stencil_of(brick, (size_t)(scratch->voxel[i] & ~IRREGULAR), &stencil);
         if (!iso_foot_point(surface, &stencil, &surfel)) continue;
         if (output->packed) output->packed[kept] = iso_point_pack(&surfel);
         if (output->surfels) output->surfels[kept] = surfel;

@@ -52,6 +52,8 @@ typedef struct iso_foot_scratch {
     /* voxels in the band: the value, and on each axis the upper less the lower neighbour */
     _Alignas(64) float queue[4][ISO_FOOT_ROOM];
     _Alignas(64) int32_t voxel[ISO_FOOT_ROOM]; /* z << 8 | y << 4 | x */
+    _Alignas(64) float scale[ISO_FOOT_ROOM];   /* differences to normal */
+    _Alignas(64) float flat[ISO_FOOT_ROOM];    /* normal to octahedron */
 } iso_foot_scratch;
 
 /* Exactly one of the two arrays, each with ISO_FOOT_ROOM places. */
