@@ -73,39 +73,45 @@ static bool append_output(const iso_brick_set *set, chunk *part, const iso_brick
     return true;
 }
 
-/* Room in the first array for what a kernel puts there itself. */
-static bool make_place(const iso_brick_set *set, chunk *part, iso_brick_output *output) {
-    size_t bytes = set->kernel.item_bytes[0], used = part->used[0] * bytes;
-    if (!set->kernel.room) return true;
-    if (iso_buffer_reserve(&part->array[0], used + set->kernel.room * bytes, used, NULL) != ISO_OK)
-        return false;
-    output->place = (char *)part->array[0].data + used;
-    return true;
+/* Room behind `used` items of an array for what a kernel puts there itself. */
+static iso_status make_place(const iso_brick_set *set, iso_buffer *array, size_t used,
+                             iso_brick_output *output, iso_error *error) {
+    size_t bytes = set->kernel.item_bytes[0];
+    if (!set->kernel.room) return ISO_OK;
+    ISO_TRY(iso_buffer_reserve(array, (used + set->kernel.room) * bytes, used * bytes, error));
+    output->place = (char *)array->data + used * bytes;
+    return ISO_OK;
 }
 
 /* The first of `bricks`, of which `left` are still to do. */
-static void extract_brick(const iso_brick_set *set, const uint32_t *bricks, size_t left, void *scratch,
-                          chunk *part) {
+static void run_kernel(const iso_brick_set *set, const uint32_t *bricks, size_t left, void *scratch,
+                       iso_brick_output *output) {
     int brick[3], next[3];
     brick_coordinates(set, bricks[0], brick);
+    if (left > 1) brick_coordinates(set, bricks[1], next);
+    output->next = left > 1 ? next : NULL;
+    set->kernel.extract(set->context, brick, scratch, output);
+}
+
+static bool may_exist(const iso_brick_set *set, uint32_t number) {
+    int brick[3];
+    brick_coordinates(set, number, brick);
+    return set->kernel.may_exist(set->context, brick);
+}
+
+static void extract_brick(const iso_brick_set *set, const uint32_t *bricks, size_t left, void *scratch,
+                          chunk *part) {
     iso_brick_output output = {0};
-    if (set->kernel.may_exist(set->context, brick)) {
-        if (left > 1) {
-            brick_coordinates(set, bricks[1], next);
-            output.next = next;
-        }
-        if (!make_place(set, part, &output)) {
-            part->failed = true;
-            return;
-        }
-        set->kernel.extract(set->context, brick, scratch, &output);
+    bool exists = may_exist(set, bricks[0]);
+    part->failed = exists && make_place(set, &part->array[0], part->used[0], &output, NULL) != ISO_OK;
+    if (part->failed) return;
+    if (exists) {
+        run_kernel(set, bricks, left, scratch, &output);
         part->extracted++;
         part->rejected += output.rejected;
     }
-    if (!append_output(set, part, &output)) {
-        part->failed = true;
-        return;
-    }
+    part->failed = !append_output(set, part, &output);
+    if (part->failed) return;
     result *made = &part->results[part->count++];
     *made = (result){.brick = bricks[0], .own = output.own};
     memcpy(made->count, output.count, sizeof made->count);
@@ -263,12 +269,31 @@ static iso_status reserve_chunks(iso_brick_set *set, size_t wanted, iso_error *e
     return ISO_OK;
 }
 
+/* All bricks by this thread alone: what a kernel puts into place can go to its final one at once, as bricks
+ * follow each other there in order. */
+static iso_status extract_in_place(iso_brick_set *set, const uint32_t *bricks, size_t count,
+                                   iso_error *error) {
+    iso_span_heap *heap = &set->heap[0];
+    for (size_t i = 0; i < count; i++) {
+        iso_brick_output output = {0};
+        ISO_TRY(make_place(set, &heap->array[0], heap->end, &output, error));
+        run_kernel(set, bricks + i, count - i, set->scratch.data, &output);
+        set->extracted++;
+        set->rejected += output.rejected;
+        result made = {.brick = bricks[i], .own = output.own};
+        memcpy(made.count, output.count, sizeof made.count);
+        ISO_TRY(place_result(set, &made, error));
+    }
+    return ISO_OK;
+}
+
 static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, size_t count, iso_error *error) {
     size_t workers = (size_t)iso_pool_threads(set->pool),
            batch_bricks = workers * CHUNKS_PER_WORKER * CHUNK_BRICKS;
     if (batch_bricks > count) batch_bricks = count;
-    ISO_TRY(reserve_chunks(set, (batch_bricks + CHUNK_BRICKS - 1) / CHUNK_BRICKS, error));
     ISO_TRY(iso_buffer_reserve(&set->scratch, workers * set->kernel.scratch_bytes, 0, error));
+    if (set->full && workers == 1 && set->kernel.room) return extract_in_place(set, bricks, count, error);
+    ISO_TRY(reserve_chunks(set, (batch_bricks + CHUNK_BRICKS - 1) / CHUNK_BRICKS, error));
     for (size_t first = 0; first < count; first += batch_bricks) {
         batch work = {set, bricks + first, count - first < batch_bricks ? count - first : batch_bricks};
         size_t chunks = (work.count + CHUNK_BRICKS - 1) / CHUNK_BRICKS;
@@ -290,29 +315,43 @@ static void survey_task(void *context, size_t index, int worker) {
     (void)worker;
     const survey *look = context;
     size_t end = (index + 1) * SURVEY_BRICKS, total = brick_total(look->set);
-    for (size_t i = index * SURVEY_BRICKS; i < end && i < total; i++) {
-        int brick[3];
-        brick_coordinates(look->set, (uint32_t)i, brick);
-        look->may_exist[i] = look->set->kernel.may_exist(look->set->context, brick);
-    }
+    for (size_t i = index * SURVEY_BRICKS; i < end && i < total; i++)
+        look->may_exist[i] = may_exist(look->set, (uint32_t)i);
 }
 
-static iso_status list_all(iso_brick_set *set, size_t *count, iso_error *error) {
+static iso_status list_surveyed(iso_brick_set *set, size_t *count, iso_error *error) {
     size_t total = brick_total(set), found = 0;
-    uint8_t *may_exist = iso_alloc(total);
-    if (!may_exist) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a table of %zu bricks", total);
+    uint8_t *exists = iso_alloc(total);
+    if (!exists) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a table of %zu bricks", total);
     iso_parallel_for(set->pool, (total + SURVEY_BRICKS - 1) / SURVEY_BRICKS, survey_task,
-                     &(survey){set, may_exist});
-    for (size_t i = 0; i < total; i++) found += may_exist[i];
+                     &(survey){set, exists});
+    for (size_t i = 0; i < total; i++) found += exists[i];
     iso_status status = iso_buffer_reserve(&set->list, found * sizeof(uint32_t), 0, error);
     if (status == ISO_OK) {
         uint32_t *list = set->list.data;
         *count = 0;
         for (size_t i = 0; i < total; i++)
-            if (may_exist[i]) list[(*count)++] = (uint32_t)i;
+            if (exists[i]) list[(*count)++] = (uint32_t)i;
     }
-    iso_free(may_exist);
+    iso_free(exists);
     return status;
+}
+
+/* Cells of the grid are numbered like the set's bricks. */
+static iso_status list_bricks(iso_brick_set *set, size_t *count, iso_error *error) {
+    const iso_hgrid *grid = set->grid.hgrid;
+    size_t total = brick_total(set), found = 0;
+    ISO_TRY(iso_buffer_reserve(&set->list, iso_hgrid_brick_count(grid) * sizeof(uint32_t), 0, error));
+    uint32_t *list = set->list.data;
+    for (size_t i = 0; i < total; i++)
+        if (grid->cell[i] >= 0) list[found++] = (uint32_t)i;
+    *count = found;
+    return ISO_OK;
+}
+
+static iso_status list_all(iso_brick_set *set, size_t *count, iso_error *error) {
+    return set->kernel.bricks_only && set->grid.hgrid ? list_bricks(set, count, error)
+                                                      : list_surveyed(set, count, error);
 }
 
 static void forget_spans(iso_brick_set *set) {

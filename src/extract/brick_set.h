@@ -46,6 +46,7 @@ typedef struct iso_brick_kernel {
     size_t item_bytes[ISO_SET_ARRAYS]; /* 0: no such array */
     size_t scratch_bytes;              /* one worker's */
     size_t room;                       /* most items of array 0 that extract writes to output->place */
+    bool bricks_only; /* cells of an hgrid that have no brick have nothing: need not be asked about */
     size_t span_bytes;
     iso_halo halo;
     /* Whether the brick may have anything: never false wrongly. */

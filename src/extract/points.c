@@ -127,6 +127,7 @@ static iso_brick_kernel kernel_of(const iso_grid *grid, const iso_points_opts *o
         kernel.extract = extract_sparse_feet;
         kernel.scratch_bytes = sizeof(iso_foot_scratch);
         kernel.room = ISO_FOOT_ROOM;
+        kernel.bricks_only = true;
         break;
     case ISO_PRIMITIVE_FOOT_ITERATED:
         kernel.halo = ISO_HALO_ITERATED;
