@@ -43,8 +43,10 @@ typedef struct iso_brick_sink iso_brick_sink;
 
 /* Room for `count` items of array 0; NULL when there is no memory. Valid until the next call. */
 void *iso_brick_sink_room(iso_brick_sink *sink, size_t count);
-/* The next `count` items of that room are the brick's. */
-void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, uint32_t count);
+/* The next `count` items of that room are the brick's; `rejected` is added to the set's. */
+void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, uint32_t count, uint32_t rejected);
+/* Whether memory ran out: what is still to do can be left. */
+bool iso_brick_sink_failed(const iso_brick_sink *sink);
 /* Does a brick with the kernel's `extract`. */
 void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t brick);
 
@@ -64,6 +66,7 @@ typedef struct iso_brick_kernel {
     /* Optional: the stored isovalue, without whose crossing a brick has nothing. In an rgrid the bricks are
      * then found through the grid's index, and may_exist is asked of edited ones only. */
     float (*isovalue)(const void *context);
+    bool bricks_only; /* cells of an hgrid that have no brick have nothing: may_exist need not be asked */
     void (*write_span)(void *span, const iso_brick_place *place);
 } iso_brick_kernel;
 

@@ -123,7 +123,7 @@ static void fill_run(const iso_edge_runner *runner, const run *asked, const uint
             else
                 output.packed[k] = (iso_point *)room;
             room += block->points[k] * item_bytes;
-            if (asked->asked[b] >> k & 1) iso_brick_sink_add(sink, *bricks++, block->points[k]);
+            if (asked->asked[b] >> k & 1) iso_brick_sink_add(sink, *bricks++, block->points[k], 0);
         }
         runner->kernel->fill(&runner->source, block, &output);
     }
@@ -131,7 +131,7 @@ static void fill_run(const iso_edge_runner *runner, const run *asked, const uint
 
 void iso_edge_run(const iso_edge_runner *runner, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink) {
-    for (size_t i = 0; i < count;) {
+    for (size_t i = 0; i < count && !iso_brick_sink_failed(sink);) {
         run asked = find_run(runner, set, bricks + i, count - i);
         if (!asked.bricks) {
             iso_brick_sink_extract(sink, bricks[i++]);
