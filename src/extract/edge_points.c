@@ -2,6 +2,8 @@
  * 4 (the rgridb engine): three edges a voxel, the gradient interpolated along the edge. */
 #include "extract/edge_points.h"
 
+#include <float.h>
+
 /* An edge from `voxel` along `axis`, its index in the window. */
 typedef struct edge {
     int voxel[3], axis;
@@ -12,22 +14,34 @@ typedef struct edge {
  * carries what the float isovalue rounded away. */
 static float fraction(const iso_surface *surface, float a, float b) {
     float t = (surface->at - a + surface->rest) / (b - a);
-    return t <= 1 ? t : 1;
+    t = t > 0 ? t : 0; /* also for NaN, when the differences overflow */
+    return t < 1 ? t : 1;
 }
 
+/* The gradient between the ends, outward, scaled to |x| + |y| + |z| = 1 first so that squares stay in range;
+ * where there is none (or it overflows) the edge itself says where outside is. The operations and their
+ * order, the edge's axis first, are those of edge_kernel_body.inc: both give the same bytes. */
 static void edge_normal(const iso_brick_window *window, const edge *e, const iso_surface *surface, float t,
                         float normal[3]) {
-    float low[3], high[3];
+    float low[3], high[3], gradient[3];
     int end[3] = {e->voxel[0], e->voxel[1], e->voxel[2]};
     end[e->axis]++;
     iso_window_gradient(window, e->voxel, low);
     iso_window_gradient(window, end, high);
-    float gradient[3];
-    for (int axis = 0; axis < 3; axis++) gradient[axis] = low[axis] + t * (high[axis] - low[axis]);
-    if (iso_unit_normal(gradient, surface->outward, normal)) return;
-    bool rises = !iso_surface_inside(surface, window->values[e->index]);
-    for (int axis = 0; axis < 3; axis++) normal[axis] = 0;
-    normal[e->axis] = rises ? surface->outward : -surface->outward;
+    for (int axis = 0; axis < 3; axis++)
+        gradient[axis] = (low[axis] + t * (high[axis] - low[axis])) * surface->outward;
+    const int second = e->axis == 0 ? 1 : 0, third = e->axis == 2 ? 1 : 2;
+    float sum = fabsf(gradient[e->axis]) + fabsf(gradient[second]) + fabsf(gradient[third]);
+    if (sum > 0 && sum <= FLT_MAX) {
+        float lift = sum < 0x1p-64f ? 0x1p64f : 1, scale = 1 / (sum * lift);
+        for (int axis = 0; axis < 3; axis++) normal[axis] = gradient[axis] * lift * scale;
+    } else {
+        bool rises = !iso_surface_inside(surface, window->values[e->index]);
+        for (int axis = 0; axis < 3; axis++) normal[axis] = 0;
+        normal[e->axis] = rises ? surface->outward : -surface->outward;
+    }
+    float length = sqrtf(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    for (int axis = 0; axis < 3; axis++) normal[axis] /= length;
 }
 
 static void try_edge(const iso_brick_window *window, const edge *e, const iso_surface *surface,
