@@ -14,6 +14,7 @@
 #include <stdint.h>
 
 #include "base/geometry.h"
+#include "base/parallel.h"
 #include "base/status.h"
 #include "grids/change_log.h"
 
@@ -26,6 +27,8 @@ typedef enum iso_type { ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32 } iso_type
 size_t iso_type_size(iso_type type);      /* bytes of one voxel */
 const char *iso_type_name(iso_type type); /* "uint8", "int16", "uint16", "float32" */
 
+struct iso_brick_index;
+
 typedef struct iso_rgrid {
     int dims[3]; /* voxels, each >= 1 */
     iso_type type;
@@ -35,7 +38,8 @@ typedef struct iso_rgrid {
     iso_transform transform;
     int level_set; /* 1: a distance field, negative inside; 0: the inside is at or above the isovalue */
     iso_change_log *log;
-    void (*release)(void *owner); /* called with `owner` by iso_rgrid_destroy; may be NULL */
+    struct iso_brick_index *index; /* ranges of the bricks; NULL before iso_rgrid_index */
+    void (*release)(void *owner);  /* called with `owner` by iso_rgrid_destroy; may be NULL */
     void *owner;
 } iso_rgrid;
 
@@ -57,11 +61,18 @@ iso_status iso_rgrid_create(const iso_rgrid_desc *desc, iso_rgrid **grid, iso_er
 void iso_rgrid_destroy(iso_rgrid *grid);
 
 /* Narrows the grid in place to voxels lo..hi (inclusive); the origin moves with it, the data stays where it
- * is and the change log starts anew. ISO_ERR_USAGE when the range is empty or outside. */
+ * is, the change log starts anew and the index is dropped. ISO_ERR_USAGE when the range is empty or outside.
+ */
 iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
 /* Starts an edit and records voxels lo..hi (clipped to the grid) as changed. */
 iso_status iso_rgrid_touch(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
+
+/* The grid's index of bricks (brick_index.h), made at the first call and brought up to date by later ones;
+ * *index (NULL is fine) belongs to the grid. `pool` may be NULL. Not while others read the grid. Until the
+ * next edit everything that asks which bricks an isovalue crosses is faster. ISO_ERR_NOMEM. */
+iso_status iso_rgrid_index(iso_rgrid *grid, iso_pool *pool, const struct iso_brick_index **index,
+                           iso_error *error);
 
 /* The stored value that corresponds to a physical one. */
 static inline double iso_rgrid_stored(const iso_rgrid *grid, double physical) {

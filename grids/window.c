@@ -3,6 +3,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "grids/brick_index.h"
 #include "grids/grid.h"
 
 static int smaller(int a, int b) {
@@ -187,5 +188,8 @@ int iso_grid_brick_may_cross(const iso_grid *grid, const int brick[3], float iso
         end[axis] = smaller(first[axis] + ISO_BRICK + 1, dims[axis]);
     }
     if (grid->hgrid) return hgrid_may_cross(grid->hgrid, brick, end, isovalue);
+    const iso_brick_index *index = grid->rgrid->index;
+    if (index && iso_brick_index_current(index))
+        return iso_brick_index_crosses(index, iso_brick_index_number(index, brick), isovalue);
     return rgrid_may_cross(grid->rgrid, first, end, isovalue);
 }

@@ -5,7 +5,7 @@
 #include "base/primitives.h"
 
 enum {
-    CHUNK_BRICKS = 16,      /* one task's */
+    CHUNK_BRICKS = 32,      /* one task's */
     CHUNKS_PER_WORKER = 8,  /* of one batch: enough to even out, few enough to keep their results small */
     SURVEY_BRICKS = 1 << 12 /* bricks that one task only looks at */
 };
@@ -38,9 +38,10 @@ typedef struct batch {
     iso_brick_set *set;
     const uint32_t *bricks;
     size_t count;
+    bool listed; /* every brick is known to have something, perhaps */
 } batch;
 
-static void brick_coordinates(const iso_brick_set *set, uint32_t number, int brick[3]) {
+void iso_brick_set_coordinates(const iso_brick_set *set, uint32_t number, int brick[3]) {
     uint32_t columns = (uint32_t)set->bricks[0], rows = (uint32_t)set->bricks[1];
     brick[0] = (int)(number % columns);
     brick[1] = (int)(number / columns % rows);
@@ -73,22 +74,59 @@ static bool append_output(const iso_brick_set *set, chunk *part, const iso_brick
     return true;
 }
 
-static void extract_brick(const iso_brick_set *set, uint32_t number, void *scratch, chunk *part) {
-    int brick[3];
-    brick_coordinates(set, number, brick);
-    iso_brick_output output = {0};
-    if (set->kernel.may_exist(set->context, brick)) {
-        set->kernel.extract(set->context, brick, scratch, &output);
-        part->extracted++;
-        part->rejected += output.rejected;
+/* A task's chunk while it is filled. */
+struct iso_brick_sink {
+    const iso_brick_set *set;
+    chunk *part;
+    void *scratch;
+};
+
+void *iso_brick_sink_room(iso_brick_sink *sink, int array, size_t count) {
+    chunk *part = sink->part;
+    size_t bytes = sink->set->kernel.item_bytes[array], used = part->used[array / ISO_SPAN_ARRAYS] * bytes;
+    if (iso_buffer_reserve(&part->array[array], used + count * bytes, used, NULL) != ISO_OK) {
+        part->failed = true;
+        return NULL;
     }
+    return (char *)part->array[array].data + used;
+}
+
+static void add_result(chunk *part, uint32_t brick, const iso_brick_output *output) {
+    result *made = &part->results[part->count++];
+    *made = (result){.brick = brick, .own = output->own};
+    memcpy(made->count, output->count, sizeof made->count);
+    part->rejected += output->rejected;
+}
+
+void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, const iso_brick_output *made) {
+    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) sink->part->used[heap] += made->count[heap];
+    sink->part->extracted++;
+    add_result(sink->part, brick, made);
+}
+
+void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t number) {
+    const iso_brick_set *set = sink->set;
+    chunk *part = sink->part;
+    int brick[3];
+    iso_brick_set_coordinates(set, number, brick);
+    iso_brick_output output = {0};
+    set->kernel.extract(set->context, brick, sink->scratch, &output);
+    part->extracted++;
     if (!append_output(set, part, &output)) {
         part->failed = true;
         return;
     }
-    result *made = &part->results[part->count++];
-    *made = (result){.brick = number, .own = output.own};
-    memcpy(made->count, output.count, sizeof made->count);
+    add_result(part, number, &output);
+}
+
+/* Bricks [first, end) of a batch's list, all of which may have something. */
+static void extract_present(iso_brick_sink *sink, const uint32_t *bricks, size_t count) {
+    const iso_brick_kernel *kernel = &sink->set->kernel;
+    if (kernel->run) {
+        if (count) kernel->run(sink->set->context, bricks, count, sink->scratch, sink);
+        return;
+    }
+    for (size_t i = 0; i < count && !sink->part->failed; i++) iso_brick_sink_extract(sink, bricks[i]);
 }
 
 static void extract_chunk(void *context, size_t index, int worker) {
@@ -98,10 +136,19 @@ static void extract_chunk(void *context, size_t index, int worker) {
     memset(part->used, 0, sizeof part->used);
     part->count = part->placed = part->extracted = part->rejected = 0;
     part->failed = false;
-    char *scratch = (char *)set->scratch.data + (size_t)worker * set->kernel.scratch_bytes;
+    iso_brick_sink sink = {set, part, (char *)set->scratch.data + (size_t)worker * set->kernel.scratch_bytes};
     size_t first = index * CHUNK_BRICKS, end = first + CHUNK_BRICKS;
     if (end > work->count) end = work->count;
-    for (size_t i = first; i < end && !part->failed; i++) extract_brick(set, work->bricks[i], scratch, part);
+    size_t start = first;
+    for (size_t i = first; i < end && !part->failed; i++) {
+        int brick[3];
+        iso_brick_set_coordinates(set, work->bricks[i], brick);
+        if (work->listed || set->kernel.may_exist(set->context, brick)) continue;
+        extract_present(&sink, work->bricks + start, i - start);
+        if (!part->failed) add_result(part, work->bricks[i], &(iso_brick_output){0});
+        start = i + 1;
+    }
+    if (!part->failed) extract_present(&sink, work->bricks + start, end - start);
 }
 
 /* ---- giving results a place */
@@ -141,7 +188,7 @@ static iso_status add_slot(iso_brick_set *set, uint32_t brick, iso_error *error)
     slot *entry = slot_at(set, count);
     *entry = (slot){.brick = brick};
     int coordinates[3];
-    brick_coordinates(set, brick, coordinates);
+    iso_brick_set_coordinates(set, brick, coordinates);
     for (int axis = 0; axis < 3; axis++) entry->place.brick[axis] = coordinates[axis];
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) entry->block[heap] = ISO_SPAN_NONE;
     set->span_of[brick] = (uint32_t)++set->span_count;
@@ -249,7 +296,8 @@ static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, siz
     ISO_TRY(reserve_chunks(set, (batch_bricks + CHUNK_BRICKS - 1) / CHUNK_BRICKS, error));
     ISO_TRY(iso_buffer_reserve(&set->scratch, workers * set->kernel.scratch_bytes, 0, error));
     for (size_t first = 0; first < count; first += batch_bricks) {
-        batch work = {set, bricks + first, count - first < batch_bricks ? count - first : batch_bricks};
+        batch work = {set, bricks + first, count - first < batch_bricks ? count - first : batch_bricks,
+                      set->full};
         size_t chunks = (work.count + CHUNK_BRICKS - 1) / CHUNK_BRICKS;
         iso_parallel_for(set->pool, chunks, extract_chunk, &work);
         iso_status status = place_batch(set, chunks, error);
@@ -271,9 +319,17 @@ static void survey_task(void *context, size_t index, int worker) {
     size_t end = (index + 1) * SURVEY_BRICKS, total = brick_total(look->set);
     for (size_t i = index * SURVEY_BRICKS; i < end && i < total; i++) {
         int brick[3];
-        brick_coordinates(look->set, (uint32_t)i, brick);
+        iso_brick_set_coordinates(look->set, (uint32_t)i, brick);
         look->may_exist[i] = look->set->kernel.may_exist(look->set->context, brick);
     }
+}
+
+static iso_status list_crossed(iso_brick_set *set, size_t *count, iso_error *error) {
+    const iso_brick_index *index;
+    ISO_TRY(iso_rgrid_index(set->grid.rgrid, set->pool, &index, error));
+    ISO_TRY(iso_brick_index_query(index, set->kernel.isovalue(set->context), &set->query, error));
+    *count = set->query.count;
+    return ISO_OK;
 }
 
 static iso_status list_all(iso_brick_set *set, size_t *count, iso_error *error) {
@@ -309,16 +365,19 @@ static iso_status list_changed(iso_brick_set *set, size_t *count, iso_error *err
 
 iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error) {
     uint64_t now = iso_change_log_now(iso_grid_log(&set->grid));
+    const uint32_t *list = NULL;
     size_t count = 0;
     set->extracted = 0;
     if (set->full) {
         set->rejected = 0;
         forget_spans(set);
-        ISO_TRY(list_all(set, &count, error));
+        bool indexed = set->grid.rgrid && set->kernel.isovalue;
+        ISO_TRY(indexed ? list_crossed(set, &count, error) : list_all(set, &count, error));
+        if (indexed) list = set->query.bricks.data;
     } else {
         ISO_TRY(list_changed(set, &count, error));
     }
-    iso_status status = extract_bricks(set, set->list.data, count, error);
+    iso_status status = extract_bricks(set, list ? list : set->list.data, count, error);
     if (status != ISO_OK) {
         if (set->full) forget_spans(set);
         return status;
@@ -351,6 +410,7 @@ void iso_brick_set_free(iso_brick_set *set) {
     iso_buffer_free(&set->slots);
     iso_buffer_free(&set->scratch);
     iso_buffer_free(&set->list);
+    iso_brick_query_free(&set->query);
     iso_buffer_free(&set->chunks);
     iso_free(set->span_of);
 }

@@ -15,6 +15,7 @@
 #include "base/parallel.h"
 #include "extract/halo.h"
 #include "extract/spans.h"
+#include "grids/brick_index.h"
 #include "grids/grid.h"
 
 /* Results come in heaps (vertices, triangles); a heap has parallel arrays (positions, keys). */
@@ -37,6 +38,17 @@ typedef struct iso_brick_place {
     size_t first[ISO_SET_HEAPS];
 } iso_brick_place;
 
+/* Where a kernel that does several bricks at once puts what it makes, brick after brick. */
+typedef struct iso_brick_sink iso_brick_sink;
+
+/* Room for `count` items of an array; NULL when there is no memory. Valid until the next call for that array.
+ */
+void *iso_brick_sink_room(iso_brick_sink *sink, int array, size_t count);
+/* The next made->count items of those rooms are the brick's (made->items is not read). */
+void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, const iso_brick_output *made);
+/* Does a brick with the kernel's `extract`. */
+void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t brick);
+
 /* What a kernel is. `context` is the set's owner. */
 typedef struct iso_brick_kernel {
     size_t item_bytes[ISO_SET_ARRAYS]; /* 0: no such array */
@@ -46,6 +58,13 @@ typedef struct iso_brick_kernel {
     /* Whether the brick may have anything: never false wrongly. */
     bool (*may_exist)(const void *context, const int brick[3]);
     void (*extract)(const void *context, const int brick[3], void *scratch, iso_brick_output *output);
+    /* Optional: several bricks of the list at once, none of which may_exist refuses. Each must come to the
+     * sink once, in the order of the list. */
+    void (*run)(const void *context, const uint32_t *bricks, size_t count, void *scratch,
+                iso_brick_sink *sink);
+    /* Optional: the stored isovalue, without whose crossing a brick has nothing. In an rgrid the bricks are
+     * then found through the grid's index, and may_exist is asked of edited ones only. */
+    float (*isovalue)(const void *context);
     void (*write_span)(void *span, const iso_brick_place *place);
 } iso_brick_kernel;
 
@@ -62,6 +81,7 @@ typedef struct iso_brick_set {
     size_t span_count;
     iso_span_heap heap[ISO_SET_HEAPS];
     iso_buffer scratch, list, chunks;
+    iso_brick_query query;
     size_t extracted, rejected;
 } iso_brick_set;
 
@@ -76,6 +96,9 @@ iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error);
 
 /* The next update starts from nothing. */
 void iso_brick_set_reset(iso_brick_set *set);
+
+/* Where a brick lies, by its number ((z * bricks_y + y) * bricks_x + x). */
+void iso_brick_set_coordinates(const iso_brick_set *set, uint32_t number, int brick[3]);
 
 /* An array of a heap; NULL when nothing is in it. */
 const void *iso_brick_set_items(const iso_brick_set *set, int heap, int array);

@@ -115,6 +115,27 @@ iso_edge_scatter(const iso_edge_batch *batch, const iso_edge_output *output, uin
 #endif
 #define ISO_INLINE __attribute__((always_inline)) static inline
 
+void iso_edge_block_keep(iso_edge_block *block, unsigned bricks) {
+    uint64_t lanes = 0;
+    for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++) {
+        if (bricks >> brick & 1) {
+            lanes |= (uint64_t)0xffff << (16 * brick);
+        } else {
+            block->points[brick] = 0;
+        }
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        iso_edge_list *list = &block->axes[axis];
+        int kept = 0;
+        for (int i = 0; i < list->count; i++) {
+            list->mask[kept] = list->mask[i] & lanes;
+            list->row[kept] = list->row[i];
+            kept += list->mask[kept] != 0;
+        }
+        list->count = kept;
+    }
+}
+
 void iso_edge_source_prepare(iso_edge_source *source) {
     for (int row = 0; row < ISO_EDGE_ROW_NAMES; row++)
         source->row_offset[row] =

@@ -91,6 +91,9 @@ static inline uint64_t iso_edge_lane_counts(uint64_t mask) {
     return (mask + (mask >> 8)) & 0x00ff00ff00ff00ffu;
 }
 
+/* Drops the points of bricks whose bit in `bricks` (bit 0: lowest x) is not set. */
+void iso_edge_block_keep(iso_edge_block *block, unsigned bricks);
+
 typedef struct iso_edge_kernel {
     /* Counts and lists the points of words->blocks consecutive blocks along x; blocks[0].origin names the
      * first. */

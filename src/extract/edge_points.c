@@ -19,7 +19,7 @@ static float fraction(const iso_surface *surface, float a, float b) {
 }
 
 /* The gradient between the ends, outward, scaled to |x| + |y| + |z| = 1 first so that squares stay in range;
- * where there is none (or it overflows) the edge itself says where outside is. The operations and their
+ * where there is none the edge itself says where outside is. The operations and their
  * order, the edge's axis first, are those of edge_kernel_body.inc: both give the same bytes. */
 static void edge_normal(const iso_brick_window *window, const edge *e, const iso_surface *surface, float t,
                         float normal[3]) {
@@ -32,14 +32,15 @@ static void edge_normal(const iso_brick_window *window, const edge *e, const iso
         gradient[axis] = (low[axis] + t * (high[axis] - low[axis])) * surface->outward;
     const int second = e->axis == 0 ? 1 : 0, third = e->axis == 2 ? 1 : 2;
     float sum = fabsf(gradient[e->axis]) + fabsf(gradient[second]) + fabsf(gradient[third]);
-    if (sum > 0 && sum <= FLT_MAX) {
-        float lift = sum < 0x1p-64f ? 0x1p64f : 1, scale = 1 / (sum * lift);
-        for (int axis = 0; axis < 3; axis++) normal[axis] = gradient[axis] * lift * scale;
-    } else {
+    if (!(sum > 0 && sum <= FLT_MAX)) {
+        if (iso_unit_normal(gradient, 1, normal)) return; /* out of the kernel's range; see edge_run.c */
         bool rises = !iso_surface_inside(surface, window->values[e->index]);
         for (int axis = 0; axis < 3; axis++) normal[axis] = 0;
         normal[e->axis] = rises ? surface->outward : -surface->outward;
+        return;
     }
+    float lift = sum < 0x1p-64f ? 0x1p64f : 1, scale = 1 / (sum * lift);
+    for (int axis = 0; axis < 3; axis++) normal[axis] = gradient[axis] * lift * scale;
     float length = sqrtf(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     for (int axis = 0; axis < 3; axis++) normal[axis] /= length;
 }

@@ -4,6 +4,7 @@
 
 #include "extract/brick_set.h"
 #include "extract/edge_points.h"
+#include "extract/edge_run.h"
 #include "extract/foot_points.h"
 
 /* One worker's. */
@@ -18,6 +19,7 @@ struct iso_point_set {
     iso_grid grid;
     iso_points_opts opts; /* primitive is never auto */
     iso_surface surface;
+    iso_edge_runner runner; /* edge points of an rgrid */
 };
 
 const char *iso_primitive_name(iso_primitive primitive) {
@@ -45,6 +47,17 @@ static void extract_edges(const void *context, const int brick[3], void *memory,
     iso_edge_points edges = {.points = scratch->surfels};
     iso_edge_points_own(&scratch->window, &points->surface, &edges);
     output_points(points, scratch, edges.count, output);
+}
+
+static float edges_isovalue(const void *context) {
+    return ((const iso_point_set *)context)->surface.at;
+}
+
+/* One worker's memory serves the kernel and, for bricks it cannot do, the plain code. */
+static void run_edges(const void *context, const uint32_t *bricks, size_t count, void *scratch,
+                      iso_brick_sink *sink) {
+    const iso_point_set *points = context;
+    iso_edge_run(&points->runner, &points->set, bricks, count, (char *)scratch + sizeof(point_scratch), sink);
 }
 
 static bool feet_may_exist(const void *context, const int brick[3]) {
@@ -87,7 +100,7 @@ static void write_span(void *span, const iso_brick_place *place) {
     };
 }
 
-static iso_brick_kernel kernel_of(const iso_points_opts *opts) {
+static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
     iso_brick_kernel kernel = {
         .item_bytes = {opts->floats ? sizeof(iso_surfel) : sizeof(iso_point)},
         .scratch_bytes = sizeof(point_scratch),
@@ -109,9 +122,20 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts) {
         kernel.halo = ISO_HALO_EDGE;
         kernel.may_exist = edges_may_exist;
         kernel.extract = extract_edges;
+        if (dense) {
+            kernel.run = run_edges;
+            kernel.isovalue = edges_isovalue;
+            kernel.scratch_bytes += iso_edge_run_scratch_bytes();
+        }
         break;
     }
     return kernel;
+}
+
+static void set_surface(iso_point_set *points) {
+    points->surface = iso_surface_of(&points->grid, points->opts.isovalue);
+    if (points->grid.rgrid)
+        iso_edge_runner_init(&points->runner, points->grid.rgrid, &points->surface, points->opts.floats);
 }
 
 iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opts, iso_point_set **set,
@@ -127,8 +151,8 @@ iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opt
     if (!points) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a set of points");
     points->grid = *grid;
     points->opts = chosen;
-    points->surface = iso_surface_of(grid, chosen.isovalue);
-    iso_brick_kernel kernel = kernel_of(&chosen);
+    set_surface(points);
+    iso_brick_kernel kernel = kernel_of(&chosen, grid->rgrid != NULL);
     iso_status status = iso_brick_set_init(&points->set, &kernel, points, grid, chosen.pool, error);
     if (status != ISO_OK) {
         iso_point_set_destroy(points);
@@ -152,7 +176,7 @@ iso_status iso_point_set_update(iso_point_set *set, iso_error *error) {
 void iso_point_set_isovalue(iso_point_set *set, double isovalue) {
     if (isovalue == set->opts.isovalue) return;
     set->opts.isovalue = isovalue;
-    set->surface = iso_surface_of(&set->grid, isovalue);
+    set_surface(set);
     iso_brick_set_reset(&set->set);
 }
 
