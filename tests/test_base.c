@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "base/cpu.h"
 #include "base/file.h"
 #include "base/geometry.h"
 #include "base/memory.h"
@@ -179,6 +180,18 @@ static void buffers_keep_their_contents(void **state) {
     assert_true(iso_memory_peak() > 0);
 }
 
+static void cpu_level_can_be_limited(void **state) {
+    (void)state;
+    iso_cpu_level best = iso_cpu_best();
+    assert_true(best <= iso_cpu_supported());
+    for (int level = 0; level < ISO_CPU_LEVELS; level++) {
+        iso_cpu_level wanted = level < (int)best ? (iso_cpu_level)level : best;
+        assert_int_equal(iso_cpu_limit((iso_cpu_level)level), wanted);
+        assert_int_equal(iso_cpu_best(), wanted);
+    }
+    assert_int_equal(iso_cpu_limit(ISO_CPU_AVX512), best);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sincos_matches_libm),
@@ -187,6 +200,7 @@ int main(void) {
         cmocka_unit_test(every_index_runs_once),
         cmocka_unit_test(sinks_write_all_or_nothing),
         cmocka_unit_test(buffers_keep_their_contents),
+        cmocka_unit_test(cpu_level_can_be_limited),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -25,14 +25,32 @@ iso_cpu_level iso_cpu_supported(void) {
 #endif
 }
 
-iso_cpu_level iso_cpu_best(void) {
-    static _Atomic int known = -1;
-    int level = atomic_load_explicit(&known, memory_order_relaxed);
-    if (level >= 0) return (iso_cpu_level)level;
-    level = (int)iso_cpu_supported();
+/* What ISO_CPU and the machine allow. */
+static iso_cpu_level allowed(void) {
+    int level = (int)iso_cpu_supported();
     const char *wanted = getenv("ISO_CPU");
     for (int i = 0; wanted && i < level; i++)
         if (strcmp(wanted, names[i]) == 0) level = i;
-    atomic_store_explicit(&known, level, memory_order_relaxed); /* racing threads store the same value */
     return (iso_cpu_level)level;
+}
+
+static _Atomic int chosen = -1; /* -1: nobody has asked yet */
+
+iso_cpu_level iso_cpu_best(void) {
+    int level = atomic_load_explicit(&chosen, memory_order_relaxed);
+    if (level >= 0) return (iso_cpu_level)level;
+    int none = -1;
+    level = (int)allowed();
+    /* A limit that another thread has set in the meantime stays. */
+    if (!atomic_compare_exchange_strong_explicit(&chosen, &none, level, memory_order_relaxed,
+                                                 memory_order_relaxed))
+        level = none;
+    return (iso_cpu_level)level;
+}
+
+iso_cpu_level iso_cpu_limit(iso_cpu_level highest) {
+    iso_cpu_level level = allowed();
+    if (highest < level) level = highest;
+    atomic_store_explicit(&chosen, (int)level, memory_order_relaxed);
+    return level;
 }

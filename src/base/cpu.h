@@ -22,6 +22,11 @@ typedef enum iso_cpu_level {
  * avx2 or avx512) when that is lower. Thread-safe. */
 iso_cpu_level iso_cpu_best(void);
 
+/* From now on iso_cpu_best answers no more than `highest`; ISO_CPU_AVX512 lifts the limit. Returns what it
+ * will answer. For tests and benches that compare variants in one process: sets take their kernels when they
+ * are made or updated, so call it before either, while no other thread extracts. */
+iso_cpu_level iso_cpu_limit(iso_cpu_level highest);
+
 /* The highest level that this machine has, whatever ISO_CPU says. */
 iso_cpu_level iso_cpu_supported(void);
 

@@ -1,0 +1,40 @@
+/* bench_peers: what we are measured against, behind C. Without its library a peer answers "built without". */
+#ifndef ISO_TESTS_BENCH_PEERS_H
+#define ISO_TESTS_BENCH_PEERS_H
+
+#include <stddef.h>
+
+#include "grids/grid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* vtkFlyingEdges3D over the grid's own data (borrowed until destroy): normals on, gradients and scalars off,
+ * VTK's SMP backend with `threads` threads. ISO_ERR_BRIDGE when no backend really runs that many. */
+typedef struct bench_flying_edges bench_flying_edges;
+iso_status bench_flying_edges_create(const iso_rgrid *grid, double isovalue, int threads,
+                                     bench_flying_edges **peer, iso_error *error);
+/* Gives VTK its backend and threads, which are global: before a run, outside of its time. */
+iso_status bench_flying_edges_ready(bench_flying_edges *peer, iso_error *error);
+/* Modified() and Update(). */
+iso_status bench_flying_edges_run(bench_flying_edges *peer, iso_error *error);
+size_t bench_flying_edges_points(const bench_flying_edges *peer);
+void bench_flying_edges_destroy(bench_flying_edges *peer);
+
+/* Reads a .vti file with a new vtkXMLImageDataReader and lets go of it again. */
+iso_status bench_vti_read(const char *path, size_t *voxels, iso_error *error);
+
+/* openvdb::tools::volumeToMesh, isovalue 0, no adaptivity, over a level set with the grid's values (copied).
+ */
+typedef struct bench_volume_to_mesh bench_volume_to_mesh;
+iso_status bench_volume_to_mesh_create(const iso_hgrid *grid, int threads, bench_volume_to_mesh **peer,
+                                       iso_error *error);
+iso_status bench_volume_to_mesh_run(bench_volume_to_mesh *peer, iso_error *error);
+size_t bench_volume_to_mesh_points(const bench_volume_to_mesh *peer);
+void bench_volume_to_mesh_destroy(bench_volume_to_mesh *peer);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,247 @@
+/* The rows whose work is done in a process of its own, by this program: how much memory a first extraction
+ * takes, and how long it is from a file to points. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "bench_harness.h"
+#include "bench_peers.h"
+#include "bench_scenes.h"
+#include "extract/points.h"
+#include "grids/volume.h"
+
+static int ct_size(const bench_settings *settings) {
+    return settings->small ? 48 : 512;
+}
+
+/* Runs this program with more arguments and reads the first line that it prints. */
+static iso_status run_self(const char *arguments, char *line, int size, iso_error *error) {
+    char self[1024], command[2200];
+    ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    if (length < 0 || memchr(self, '\'', (size_t)length))
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "cannot start another process");
+    self[length] = 0;
+    snprintf(command, sizeof command, "exec '%s' %s", self, arguments);
+    FILE *child = popen(command, "r");
+    if (!child) return iso_fail(error, ISO_ERR_UNSUPPORTED, "cannot start another process");
+    bool said = fgets(line, size, child) != NULL;
+    if (pclose(child) != 0 || !said)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "the process that was to be measured failed");
+    return ISO_OK;
+}
+
+static int report_child(iso_status status, const iso_error *error) {
+    if (status != ISO_OK) fprintf(stderr, "bench: %s\n", error->text);
+    return iso_status_exit(status);
+}
+
+/* ---- memory of a first extraction ---- */
+
+/* Bytes in a line of /proc/self/status; 0 when it is not there. */
+static double status_bytes(const char *key) {
+    FILE *stream = fopen("/proc/self/status", "r");
+    if (!stream) return 0;
+    char line[256];
+    double kilobytes = 0;
+    while (fgets(line, sizeof line, stream))
+        if (strncmp(line, key, strlen(key)) == 0) sscanf(line + strlen(key), ": %lf", &kilobytes);
+    fclose(stream);
+    return kilobytes * 1024;
+}
+
+/* Making the scene may have taken more memory than what is measured: the peak starts anew. */
+static void forget_peak(void) {
+    FILE *stream = fopen("/proc/self/clear_refs", "w");
+    if (!stream) return;
+    fputs("5", stream);
+    fclose(stream);
+}
+
+static iso_status extract_once(const iso_grid *grid, iso_error *error) {
+    double before = status_bytes("VmRSS");
+    forget_peak();
+    bench_sample sample;
+    bench_clock clock = bench_clock_start();
+    iso_point_set *set = NULL;
+    iso_points_opts opts = {.isovalue = 127.5};
+    iso_status status = iso_point_set_create(grid, &opts, &set, error);
+    if (status == ISO_OK) status = iso_point_set_update(set, error);
+    bench_clock_stop(&clock, &sample);
+    if (status == ISO_OK)
+        printf("%.17g %.17g %.17g %zu %.17g\n", sample.wall, sample.cpu, status_bytes("VmHWM"),
+               iso_point_set_stats(set).points, before);
+    iso_point_set_destroy(set);
+    return status;
+}
+
+int bench_memory_child(const bench_settings *settings) {
+    bench_scenes *scenes = NULL;
+    const iso_grid *grid = NULL;
+    iso_error error = {0};
+    iso_status status = bench_scenes_create(&scenes, &error);
+    if (status == ISO_OK) status = bench_scene_ct(scenes, ct_size(settings), ISO_UINT8, &grid, &error);
+    if (status == ISO_OK) status = extract_once(grid, &error);
+    bench_scenes_destroy(scenes);
+    return report_child(status, &error);
+}
+
+typedef struct child_report {
+    double peak, before;
+} child_report;
+
+static iso_status open_memory(bench_row *row, iso_error *error) {
+    row->context = calloc(1, sizeof(child_report));
+    return row->context ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+}
+
+static iso_status run_memory(bench_row *row, bench_sample *sample, iso_error *error) {
+    child_report *report = row->context;
+    char line[256];
+    const char *arguments = row->bench->settings->small ? "--memory-child --small" : "--memory-child";
+    ISO_TRY(run_self(arguments, line, sizeof line, error));
+    if (sscanf(line, "%lf %lf %lf %zu %lf", &sample->wall, &sample->cpu, &report->peak, &sample->primitives,
+               &report->before) != 5)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "the process that measures memory said '%s'", line);
+    return ISO_OK;
+}
+
+static void finish_memory(bench_row *row) {
+    const child_report *report = row->context;
+    double volume = (double)row->size * row->size * row->size;
+    double primitives = (double)row->primitives * sizeof(iso_point);
+    bench_count(row, "peak_bytes", report->peak, 0, 0);
+    bench_count(row, "volume_bytes", volume, 0, 0);
+    bench_count(row, "primitive_bytes", primitives, 0, 0);
+    bench_count(row, "process_bytes", report->before - volume, 0, 0); /* program and libraries */
+    bench_count(row, "overhead_bytes", report->peak - volume - primitives, 0, 64.0 * 1024 * 1024);
+}
+
+static void close_context(bench_row *row) {
+    free(row->context);
+}
+
+static const bench_kind memory_kind = {.open = open_memory,
+                                       .run = run_memory,
+                                       .finish = finish_memory,
+                                       .close = close_context,
+                                       .batch = 1,
+                                       .rounds = 1};
+
+/* ---- from a file to points ---- */
+
+int bench_file_child(const bench_settings *settings) {
+    iso_error error = {0};
+    iso_volume volume = {0};
+    iso_volume_opts how = {0};
+    iso_point_set *set = NULL;
+    iso_points_opts opts = {.isovalue = 127.5};
+    iso_status status = iso_volume_read(settings->file_child, &how, &volume, &error);
+    if (status == ISO_OK) status = iso_point_set_create(&volume.grid, &opts, &set, &error);
+    if (status == ISO_OK) status = iso_point_set_update(set, &error);
+    if (status == ISO_OK) printf("%zu\n", iso_point_set_stats(set).points);
+    iso_point_set_destroy(set);
+    iso_volume_free(&volume);
+    return report_child(status, &error);
+}
+
+/* The volume as VTK's own writer puts it when asked for raw, uncompressed appended data. */
+static iso_status write_vti(const iso_rgrid *grid, const char *path, iso_error *error) {
+    iso_sink sink = {0};
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    int last = grid->dims[0] - 1;
+    uint64_t bytes = (uint64_t)grid->dims[0] * (uint64_t)grid->dims[1] * (uint64_t)grid->dims[2];
+    fprintf(sink.stream,
+            "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+            "header_type=\"UInt64\"><ImageData WholeExtent=\"0 %d 0 %d 0 %d\" Origin=\"0 0 0\" "
+            "Spacing=\"1 1 1\"><Piece Extent=\"0 %d 0 %d 0 %d\"><PointData Scalars=\"v\"><DataArray "
+            "type=\"UInt8\" Name=\"v\" format=\"appended\" offset=\"0\"/></PointData></Piece></ImageData>"
+            "<AppendedData encoding=\"raw\">_",
+            last, last, last, last, last, last);
+    fwrite(&bytes, sizeof bytes, 1, sink.stream);
+    fwrite(grid->data, 1, bytes, sink.stream);
+    fputs("</AppendedData></VTKFile>", sink.stream);
+    return iso_sink_commit(&sink, error);
+}
+
+typedef struct vti_file {
+    char path[512];
+} vti_file;
+
+/* Rows share the file: whoever opens first writes it, and each removes it when all are done. */
+static iso_status open_file(bench_row *row, iso_error *error) {
+    const iso_grid *grid = NULL;
+    ISO_TRY(bench_row_grid(row, &grid, error));
+    vti_file *file = calloc(1, sizeof *file);
+    if (!file) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    row->context = file;
+    const char *folder = getenv("TMPDIR");
+    snprintf(file->path, sizeof file->path, "%.400s/isopoint-bench-%ld.vti", folder ? folder : "/tmp",
+             (long)getpid());
+    if (access(file->path, R_OK) == 0) return ISO_OK;
+    return write_vti(grid->rgrid, file->path, error);
+}
+
+static void close_file(bench_row *row) {
+    const vti_file *file = row->context;
+    if (file) remove(file->path);
+    free(row->context);
+}
+
+static iso_status run_vti_to_points(bench_row *row, bench_sample *sample, iso_error *error) {
+    const vti_file *file = row->context;
+    char arguments[600], line[64];
+    snprintf(arguments, sizeof arguments, "'--file-child=%s'", file->path);
+    bench_clock clock = bench_clock_start();
+    ISO_TRY(run_self(arguments, line, sizeof line, error));
+    bench_clock_stop(&clock, sample);
+    sample->primitives = strtoul(line, NULL, 10);
+    return ISO_OK;
+}
+
+static iso_status run_vtk_read(bench_row *row, bench_sample *sample, iso_error *error) {
+    const vti_file *file = row->context;
+    bench_clock clock = bench_clock_start();
+    ISO_TRY(bench_vti_read(file->path, &sample->primitives, error));
+    bench_clock_stop(&clock, sample);
+    return ISO_OK;
+}
+
+static void finish_vti_to_points(bench_row *row) {
+    if (!row->against_count || !row->against[0].other->rounds) return;
+    double read = bench_row_median(row->against[0].other);
+    double most = row->bench->settings->small ? 0 : 2.5;
+    bench_count(row, "time_vs_vtkXMLImageDataReader", bench_row_median(row) / read, 0, most);
+}
+
+static const bench_kind vti_to_points_kind = {.open = open_file,
+                                              .run = run_vti_to_points,
+                                              .finish = finish_vti_to_points,
+                                              .close = close_file,
+                                              .batch = 3};
+static const bench_kind vtk_read_kind = {
+    .open = open_file, .run = run_vtk_read, .close = close_file, .batch = 3};
+
+/* ---- groups ---- */
+
+static iso_status run_memory_group(bench_state *bench, iso_error *error) {
+    bench_row *row = bench_add(bench, &memory_kind, "extract/memory/uint8/%d", ct_size(bench->settings));
+    row->size = ct_size(bench->settings);
+    return bench_run_group(bench, "memory of a first extraction, in a process of its own", error);
+}
+
+static iso_status run_file_group(bench_state *bench, iso_error *error) {
+    int size = ct_size(bench->settings);
+    bench_row *read = bench_add(bench, &vtk_read_kind, "extract/vtkXMLImageDataReader/uint8/%d", size);
+    bench_row *ours = bench_add(bench, &vti_to_points_kind, "extract/vti_to_points/uint8/%d", size);
+    read->size = ours->size = size;
+    bench_compare(ours, read, "ratio_vs_vtkXMLImageDataReader", NULL, 0);
+    return bench_run_group(bench, "a .vti file to points, whole process; VTK only reads it", error);
+}
+
+iso_status bench_process_groups(bench_state *bench, iso_error *error) {
+    ISO_TRY(run_memory_group(bench, error));
+    return run_file_group(bench, error);
+}

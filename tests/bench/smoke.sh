@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# smoke.sh BENCH FOLDER: runs the bench on tiny volumes and checks what it writes, not how fast it was.
+set -euo pipefail
+bench=$1 folder=$2
+"$bench" --small --repeat=2 --json="$folder/bench_smoke.json" >"$folder/bench_smoke.txt"
+"$bench" --small --list >"$folder/bench_smoke.list"
+"$bench" --help | grep -q -- --json
+! "$bench" sculpture 2>/dev/null || { echo "an unknown bench was accepted"; exit 1; }
+python3 - "$folder/bench_smoke.json" "$folder/bench_smoke.list" "$folder/bench_smoke.txt" <<'END'
+import json, sys
+
+report = json.load(open(sys.argv[1]))
+listed = open(sys.argv[2]).read().split()
+text = open(sys.argv[3]).read()
+rows = {row["name"]: row for row in report["benchmarks"]}
+assert len(rows) == len(report["benchmarks"]), "two rows have one name"
+for key in ("date", "num_cpus", "mhz_per_cpu", "cpu_scaling_enabled", "caches", "load_avg", "library_build_type", "cpu_model"):
+    assert key in report["context"], key
+for name in listed:
+    assert name in text, f"{name} is listed, but not in the table"
+    assert name in rows or "built without" in text, f"{name} is listed, but was not measured"
+for name, row in rows.items():
+    assert name in listed, f"{name} was measured, but is not listed"
+    for key in ("run_name", "run_type", "repetitions", "threads", "iterations", "real_time", "cpu_time", "time_unit", "min", "median", "max", "primitives"):
+        assert key in row, f"{name} has no {key}"
+    assert 0 <= row["min"] <= row["median"] <= row["max"] and row["time_unit"] == "ms", row
+
+wanted = [f"extract/edge_points/{t}/48/generic/threads:{n}" for t in ("uint8", "int16", "uint16", "float") for n in (1, 2)]
+wanted += [f"extract/{what}/generic/threads:{n}" for what in ("foot_points/head64", "marching_cubes/uint8/48") for n in (1, 2)]
+wanted += ["extract/isovalue/ct48/212.5", "extract/dirty/head64/r8", "extract/memory/uint8/48"]
+wanted += [f"render/{method}/ct48/threads:{n}" for method in ("points", "mesh", "raycast") for n in (1, 2)]
+for name in wanted:
+    assert name in rows, f"{name} is missing"
+
+edge = rows["extract/edge_points/uint8/48/generic/threads:1"]
+assert edge["primitives"] > 0 and edge["ratio_vs_marching_cubes"] > 0
+assert "scaling" in rows["extract/edge_points/uint8/48/generic/threads:2"]
+assert rows["extract/isovalue/ct48/212.5"]["ratio_vs_full"] > 0
+assert rows["extract/dirty/head64/r8"]["brick_time_vs_full"] > 0
+assert rows["extract/memory/uint8/48"]["peak_bytes"] > 48**3
+peer = rows.get("extract/vtkFlyingEdges3D/uint8/48/threads:1")
+if peer:
+    assert edge["ratio_vs_vtkFlyingEdges3D"] > 0
+    assert peer["primitives"] == edge["primitives"], "VTK finds another number of points"
+files = rows.get("extract/vti_to_points/uint8/48")
+if files:
+    assert files["primitives"] == edge["primitives"], "the file gives another number of points"
+if "extract/volumeToMesh/head64/threads:1" in rows:
+    assert rows["extract/foot_points/head64/generic/threads:1"]["ratio_vs_volumeToMesh"] > 0
+END
