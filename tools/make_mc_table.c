@@ -166,10 +166,20 @@ static table_row make_row(int inside) {
     return row;
 }
 
-static void print_row(FILE *file, const table_row *row) {
+/* An edge's iso_edge_key less the key of the cell's first edge. */
+static int edge_key(int edge) {
+    int base = edge_base(edge);
+    int voxel = ((base >> 2) * LATTICE + (base >> 1 & 1)) * LATTICE + (base & 1);
+    return edge / 4 * LATTICE * LATTICE * LATTICE + voxel;
+}
+
+static void print_row(FILE *file, const table_row *row, bool flip) {
     fprintf(file, "    {%d, {", row->count);
-    for (int i = 0; i < 3 * row->count; i++) fprintf(file, "%s%d", i ? ", " : "", row->edge[i / 3][i % 3]);
-    if (!row->count) fputc('0', file);
+    for (int i = 0; i < 3 * MAX_TRIANGLES; i++) { /* what is not used names an edge that exists */
+        int k = i % 3, corner = flip && k ? 3 - k : k;
+        int key = i < 3 * row->count ? edge_key(row->edge[i / 3][corner]) : 0;
+        fprintf(file, "%s%d", i ? ", " : "", key);
+    }
     fprintf(file, "}},\n");
 }
 
@@ -182,22 +192,18 @@ int main(int argc, char **argv) {
     fprintf(file,
             "/* Made by tools/make_mc_table.c. */\n"
             "#ifndef ISO_EXTRACT_MC_TABLE_H\n#define ISO_EXTRACT_MC_TABLE_H\n\n#include <stdint.h>\n\n"
-            "/* Edges of the triangles of a case (bit i: corner i inside), three a triangle. */\n"
-            "typedef struct mc_case {\n    uint8_t triangles;\n    uint8_t edge[%d];\n} mc_case;\n\n"
-            "static const mc_case mc_cases[256] = {\n",
+            "/* The triangles of a case (bit i: corner i inside): iso_edge_keys of their corners, three a\n"
+            " * triangle, less the key of the cell's first edge. [1]: wound the other way. */\n"
+            "typedef struct mc_case {\n    uint16_t triangles;\n    uint16_t key[%d];\n} mc_case;\n\n"
+            "static const mc_case mc_cases[2][256] = {{\n",
             3 * MAX_TRIANGLES);
-    for (int inside = 0; inside < 256; inside++) {
-        table_row row = make_row(inside);
-        print_row(file, &row);
+    for (int flip = 0; flip < 2; flip++) {
+        for (int inside = 0; inside < 256; inside++) {
+            table_row row = make_row(inside);
+            print_row(file, &row, flip);
+        }
+        fprintf(file, flip ? "}};\n\n#endif\n" : "}, {\n");
     }
-    fprintf(file, "};\n\n/* An edge's iso_edge_key less the key of the cell's first edge. */\n"
-                  "static const uint16_t mc_edge_keys[12] = {");
-    for (int edge = 0; edge < EDGES; edge++) {
-        int base = edge_base(edge);
-        int voxel = ((base >> 2) * LATTICE + (base >> 1 & 1)) * LATTICE + (base & 1);
-        fprintf(file, "%s%d", edge ? ", " : "", edge / 4 * LATTICE * LATTICE * LATTICE + voxel);
-    }
-    fprintf(file, "};\n\n#endif\n");
     if (ferror(file) | fclose(file)) {
         fprintf(stderr, "make_mc_table: cannot write %s\n", argv[1]);
         return 1;

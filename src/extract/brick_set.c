@@ -59,20 +59,6 @@ static chunk *chunk_at(const iso_brick_set *set, size_t number) {
     return (chunk *)set->chunks.data + number;
 }
 
-/* ---- extracting a batch of bricks over threads */
-
-static bool append_output(const iso_brick_set *set, chunk *part, const iso_brick_output *output) {
-    for (int i = 0; i < ISO_SET_ARRAYS; i++) {
-        size_t bytes = set->kernel.item_bytes[i], used = part->used[i / ISO_SPAN_ARRAYS] * bytes;
-        size_t added = output->count[i / ISO_SPAN_ARRAYS] * bytes;
-        if (!added) continue;
-        if (iso_buffer_reserve(&part->array[i], used + added, used, NULL) != ISO_OK) return false;
-        memcpy((char *)part->array[i].data + used, output->items[i], added);
-    }
-    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) part->used[heap] += output->count[heap];
-    return true;
-}
-
 /* ---- giving results a place */
 
 static void release_blocks(iso_brick_set *set, slot *entry) {
@@ -169,34 +155,33 @@ struct iso_brick_sink {
     iso_error *error;
 };
 
-void *iso_brick_sink_room(iso_brick_sink *sink, size_t count) {
-    iso_span_heap *heap = &sink->set->heap[0];
-    iso_buffer *array = sink->part ? &sink->part->array[0] : &heap->array[0];
-    size_t bytes = sink->set->kernel.item_bytes[0],
-           used = (sink->part ? sink->part->used[0] : heap->end) * bytes;
-    sink->status = iso_buffer_reserve(array, used + count * bytes, used, sink->error);
-    return sink->status == ISO_OK ? (char *)array->data + used : NULL;
+void *iso_brick_sink_room(iso_brick_sink *sink, int array, size_t count) {
+    iso_span_heap *heap = &sink->set->heap[array / ISO_SPAN_ARRAYS];
+    iso_buffer *buffer = sink->part ? &sink->part->array[array] : &heap->array[array % ISO_SPAN_ARRAYS];
+    size_t used = sink->part ? sink->part->used[array / ISO_SPAN_ARRAYS] : heap->end,
+           bytes = sink->set->kernel.item_bytes[array];
+    /* no room is a place too, never NULL: hence one item more */
+    iso_status status = iso_buffer_reserve(buffer, (used + count + 1) * bytes, used * bytes, sink->error);
+    if (status == ISO_OK) return (char *)buffer->data + used * bytes;
+    sink->status = status;
+    return NULL;
 }
 
-static void add_result(iso_brick_sink *sink, const result *made, uint32_t rejected) {
+void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, const iso_brick_output *output) {
+    result made = {.brick = brick, .own = output->own};
+    memcpy(made.count, output->count, sizeof made.count);
     chunk *part = sink->part;
     if (part) {
-        part->results[part->count++] = *made;
-        part->rejected += rejected;
-    } else {
-        sink->set->rejected += rejected;
-        sink->status = place_result(sink->set, made, sink->error);
-    }
-}
-
-void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, uint32_t count, uint32_t rejected) {
-    if (sink->part) {
-        sink->part->used[0] += count;
-        sink->part->extracted++;
+        for (int heap = 0; heap < ISO_SET_HEAPS; heap++) part->used[heap] += made.count[heap];
+        part->results[part->count++] = made;
+        part->extracted++;
+        part->rejected += output->rejected;
     } else {
         sink->set->extracted++;
+        sink->set->rejected += output->rejected;
+        iso_status status = place_result(sink->set, &made, sink->error);
+        if (status != ISO_OK) sink->status = status;
     }
-    add_result(sink, &(result){.brick = brick, .count = {count}}, rejected);
 }
 
 bool iso_brick_sink_failed(const iso_brick_sink *sink) {
@@ -205,25 +190,19 @@ bool iso_brick_sink_failed(const iso_brick_sink *sink) {
 
 /* The plain way: one brick into scratch, then to its place. */
 void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t number) {
-    const iso_brick_set *set = sink->set;
+    const iso_brick_kernel *kernel = &sink->set->kernel;
     int brick[3];
-    iso_brick_set_coordinates(set, number, brick);
+    iso_brick_set_coordinates(sink->set, number, brick);
     iso_brick_output output = {0};
-    set->kernel.extract(set->context, brick, sink->scratch, &output);
-    result made = {.brick = number, .own = output.own};
-    memcpy(made.count, output.count, sizeof made.count);
-    if (sink->part) {
-        sink->part->extracted++;
-        if (append_output(set, sink->part, &output))
-            add_result(sink, &made, output.rejected);
-        else
-            sink->status = ISO_ERR_NOMEM;
-        return;
+    kernel->extract(sink->set->context, brick, sink->scratch, &output);
+    for (int i = 0; i < ISO_SET_ARRAYS; i++) {
+        size_t count = output.count[i / ISO_SPAN_ARRAYS];
+        if (!count || !kernel->item_bytes[i]) continue;
+        void *room = iso_brick_sink_room(sink, i, count);
+        if (!room) return;
+        memcpy(room, output.items[i], count * kernel->item_bytes[i]);
     }
-    void *room = iso_brick_sink_room(sink, output.count[0]);
-    if (!room) return;
-    memcpy(room, output.items[0], output.count[0] * set->kernel.item_bytes[0]);
-    iso_brick_sink_add(sink, number, output.count[0], output.rejected);
+    iso_brick_sink_add(sink, number, &output);
 }
 
 /* Bricks of a batch's list, all of which may have something. */
@@ -252,7 +231,7 @@ static void extract_chunk(void *context, size_t index, int worker) {
         iso_brick_set_coordinates(set, work->bricks[i], brick);
         if (set->full || set->kernel.may_exist(set->context, brick)) continue;
         extract_present(&sink, work->bricks + start, i - start);
-        if (!iso_brick_sink_failed(&sink)) add_result(&sink, &(result){.brick = work->bricks[i]}, 0);
+        if (!iso_brick_sink_failed(&sink)) part->results[part->count++] = (result){.brick = work->bricks[i]};
         start = i + 1;
     }
     if (!iso_brick_sink_failed(&sink)) extract_present(&sink, work->bricks + start, end - start);

@@ -41,10 +41,11 @@ typedef struct iso_brick_place {
 /* Where a kernel that does several bricks at once puts what it makes, brick after brick. */
 typedef struct iso_brick_sink iso_brick_sink;
 
-/* Room for `count` items of array 0; NULL when there is no memory. Valid until the next call. */
-void *iso_brick_sink_room(iso_brick_sink *sink, size_t count);
-/* The next `count` items of that room are the brick's; `rejected` is added to the set's. */
-void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, uint32_t count, uint32_t rejected);
+/* Room for `count` items of an array; NULL when there is no memory. Valid until the next call for that array.
+ */
+void *iso_brick_sink_room(iso_brick_sink *sink, int array, size_t count);
+/* The next made->count items of those rooms are the brick's (made->items is not read). */
+void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, const iso_brick_output *made);
 /* Whether memory ran out: what is still to do can be left. */
 bool iso_brick_sink_failed(const iso_brick_sink *sink);
 /* Does a brick with the kernel's `extract`. */

@@ -40,14 +40,6 @@ static inline ptrdiff_t iso_edge_index(const iso_edge_source *source, const int 
     return at[0] + at[1] * source->stride_y + at[2] * source->stride_z;
 }
 
-/* Bits set in each 16-bit lane of a mask, lane by lane. */
-static inline uint64_t iso_edge_lane_counts(uint64_t mask) {
-    mask -= mask >> 1 & 0x5555555555555555u;
-    mask = (mask & 0x3333333333333333u) + (mask >> 2 & 0x3333333333333333u);
-    mask = (mask + (mask >> 4)) & 0x0f0f0f0f0f0f0f0fu;
-    return (mask + (mask >> 8)) & 0x00ff00ff00ff00ffu;
-}
-
 /* Whether any neighbour that the block's edges need may lie outside the grid. */
 static bool iso_edge_at_border(const iso_edge_source *source, const int origin[3]) {
     const int size[3] = {ISO_EDGE_BLOCK_X, ISO_BRICK, ISO_BRICK};
@@ -56,6 +48,10 @@ static bool iso_edge_at_border(const iso_edge_source *source, const int origin[3
             return true;
     return false;
 }
+
+/* What to multiply a gradient by so that the inverse of its norm is finite. Sums of integers are never that
+ * small. */
+#define ISO_EDGE_LIFT(type, sum) (sizeof(type) == sizeof(float) && (sum) < 0x1p-64f ? 0x1p64f : 1.0f)
 
 /* Where an edge's stencil lies in a grid whose border is near. */
 typedef struct iso_edge_stencil {

@@ -83,6 +83,14 @@ typedef struct iso_edge_output {
     iso_edge_key *keys[ISO_EDGE_BRICKS]; /* all or none; not with packed */
 } iso_edge_output;
 
+/* Bits set in each 16-bit lane of a mask, lane by lane. */
+static inline uint64_t iso_edge_lane_counts(uint64_t mask) {
+    mask -= mask >> 1 & 0x5555555555555555u;
+    mask = (mask & 0x3333333333333333u) + (mask >> 2 & 0x3333333333333333u);
+    mask = (mask + (mask >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+    return (mask + (mask >> 8)) & 0x00ff00ff00ff00ffu;
+}
+
 /* Drops the points of bricks whose bit in `bricks` (bit 0: lowest x) is not set. */
 void iso_edge_block_keep(iso_edge_block *block, unsigned bricks);
 

@@ -39,15 +39,15 @@ static void edge_normal(const iso_brick_window *window, const edge *e, const iso
         gradient[axis] = (low[axis] + t * (high[axis] - low[axis])) * surface->outward;
     const int second = e->axis == 0 ? 1 : 0, third = e->axis == 2 ? 1 : 2;
     float sum = fabsf(gradient[e->axis]) + fabsf(gradient[second]) + fabsf(gradient[third]);
-    if (!(sum >= FLT_MIN && sum <= FLT_MAX)) {
+    if (!(sum > 0 && sum <= FLT_MAX)) {
         if (wide_normal(gradient, normal)) return; /* out of the kernel's range; see edge_run.c */
         bool rises = !iso_surface_inside(surface, window->values[e->index]);
         for (int axis = 0; axis < 3; axis++) normal[axis] = 0;
         normal[e->axis] = rises ? surface->outward : -surface->outward;
         return;
     }
-    float scale = 1 / sum;
-    for (int axis = 0; axis < 3; axis++) normal[axis] = gradient[axis] * scale;
+    float lift = sum < 0x1p-64f ? 0x1p64f : 1, scale = 1 / (sum * lift);
+    for (int axis = 0; axis < 3; axis++) normal[axis] = gradient[axis] * lift * scale;
 }
 
 static void make_unit(float n[3]) {

@@ -3,11 +3,9 @@
 
 #include "grids/brick_index.h"
 
-enum { RUN_BLOCKS = 8 };
-
 typedef struct run_scratch {
     iso_edge_words words;
-    iso_edge_block blocks[RUN_BLOCKS];
+    iso_edge_block blocks[ISO_EDGE_STRETCH];
 } run_scratch;
 
 size_t iso_edge_run_scratch_bytes(void) {
@@ -42,8 +40,6 @@ static bool kernel_can(const iso_brick_set *set, const iso_rgrid *grid, const in
     if (grid->type != ISO_FLOAT32) return true;
     const iso_brick_index *index = grid->index;
     if (!index || !iso_brick_index_current(index)) return false;
-    iso_brick_range own = iso_brick_index_range(index, iso_brick_index_number(index, brick));
-    if (!(own.hi - own.lo > 1e-30f)) return false; /* differences near the smallest normal number */
     int lo[3], hi[3];
     for (int axis = 0; axis < 3; axis++) {
         lo[axis] = brick[axis] > 0 ? brick[axis] - 1 : 0;
@@ -57,18 +53,9 @@ static bool kernel_can(const iso_brick_set *set, const iso_rgrid *grid, const in
     return true;
 }
 
-/* A block's bricks that were asked for, bit by bit. */
-typedef struct run {
-    int first_block, row[2]; /* in blocks along x; brick y and z */
-    int blocks;
-    unsigned asked[RUN_BLOCKS];
-    size_t bricks;
-} run;
-
-/* The longest run that starts at the first brick; 0 bricks when the kernel cannot do that one. */
-static run find_run(const iso_edge_runner *runner, const iso_brick_set *set, const uint32_t *bricks,
-                    size_t count) {
-    run found = {0};
+iso_edge_stretch iso_edge_stretch_find(const iso_rgrid *grid, const iso_brick_set *set,
+                                       const uint32_t *bricks, size_t count) {
+    iso_edge_stretch found = {0};
     for (size_t i = 0; i < count; i++) {
         int brick[3];
         iso_brick_set_coordinates(set, bricks[i], brick);
@@ -80,7 +67,7 @@ static run find_run(const iso_edge_runner *runner, const iso_brick_set *set, con
         }
         if (brick[1] != found.row[0] || brick[2] != found.row[1]) break;
         int number = block - found.first_block;
-        if (number > found.blocks || number >= RUN_BLOCKS || !kernel_can(set, runner->grid, brick)) break;
+        if (number > found.blocks || number >= ISO_EDGE_STRETCH || !kernel_can(set, grid, brick)) break;
         found.blocks = number + 1;
         found.asked[number] |= 1u << brick[0] % ISO_EDGE_BRICKS;
         found.bricks++;
@@ -89,7 +76,7 @@ static run find_run(const iso_edge_runner *runner, const iso_brick_set *set, con
 }
 
 /* Lists the points of the run's bricks; returns how many. */
-static size_t count_run(const iso_edge_runner *runner, const run *asked, run_scratch *scratch) {
+static size_t count_run(const iso_edge_runner *runner, const iso_edge_stretch *asked, run_scratch *scratch) {
     iso_edge_block *blocks = scratch->blocks;
     scratch->words.blocks = asked->blocks;
     for (int b = 0; b < asked->blocks; b++) {
@@ -109,10 +96,10 @@ static size_t count_run(const iso_edge_runner *runner, const run *asked, run_scr
     return total;
 }
 
-static void fill_run(const iso_edge_runner *runner, const run *asked, const uint32_t *bricks,
+static void fill_run(const iso_edge_runner *runner, const iso_edge_stretch *asked, const uint32_t *bricks,
                      run_scratch *scratch, size_t total, iso_brick_sink *sink) {
     size_t item_bytes = runner->floats ? sizeof(iso_surfel) : sizeof(iso_point);
-    char *room = iso_brick_sink_room(sink, total);
+    char *room = iso_brick_sink_room(sink, 0, total);
     if (!room) return;
     for (int b = 0; b < asked->blocks; b++) {
         const iso_edge_block *block = &scratch->blocks[b];
@@ -123,7 +110,8 @@ static void fill_run(const iso_edge_runner *runner, const run *asked, const uint
             else
                 output.packed[k] = (iso_point *)room;
             room += block->points[k] * item_bytes;
-            if (asked->asked[b] >> k & 1) iso_brick_sink_add(sink, *bricks++, block->points[k], 0);
+            if (asked->asked[b] >> k & 1)
+                iso_brick_sink_add(sink, *bricks++, &(iso_brick_output){.count = {block->points[k]}});
         }
         runner->kernel->fill(&runner->source, block, &output);
     }
@@ -132,7 +120,7 @@ static void fill_run(const iso_edge_runner *runner, const run *asked, const uint
 void iso_edge_run(const iso_edge_runner *runner, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink) {
     for (size_t i = 0; i < count && !iso_brick_sink_failed(sink);) {
-        run asked = find_run(runner, set, bricks + i, count - i);
+        iso_edge_stretch asked = iso_edge_stretch_find(runner->grid, set, bricks + i, count - i);
         if (!asked.bricks) {
             iso_brick_sink_extract(sink, bricks[i++]);
             continue;

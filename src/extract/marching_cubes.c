@@ -27,14 +27,10 @@ static bool all_finite(const float *corner) {
     return true;
 }
 
-/* The table's triangles are counter-clockwise seen from the side below the isovalue. */
-static void add_triangles(const mc_case *row, iso_edge_key cell_key, bool flip, iso_brick_mesh *mesh) {
+static void add_triangles(const mc_case *row, iso_edge_key cell_key, iso_brick_mesh *mesh) {
     for (int i = 0; i < row->triangles; i++) {
         uint16_t *triangle = mesh->triangles[mesh->triangle_count++];
-        for (int k = 0; k < 3; k++) {
-            uint16_t vertex = mesh->vertex_of[cell_key + mc_edge_keys[row->edge[3 * i + k]]];
-            triangle[flip && k ? 3 - k : k] = vertex;
-        }
+        for (int k = 0; k < 3; k++) triangle[k] = mesh->vertex_of[cell_key + row->key[3 * i + k]];
     }
 }
 
@@ -46,9 +42,9 @@ static void add_cells(const iso_brick_window *window, const iso_surface *surface
         for (int y = 0; y < cells[1]; y++)
             for (int x = 0; x < cells[0]; x++) {
                 const float *corner = window->values + iso_window_index(x, y, z);
-                const mc_case *row = &mc_cases[cell_case(corner, surface)];
+                const mc_case *row = &mc_cases[surface->outward > 0][cell_case(corner, surface)];
                 if (!row->triangles || !all_finite(corner)) continue;
-                add_triangles(row, iso_edge_key_make(x, y, z, 0), surface->outward > 0, mesh);
+                add_triangles(row, iso_edge_key_make(x, y, z, 0), mesh);
             }
 }
 

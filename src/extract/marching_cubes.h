@@ -4,7 +4,8 @@
 
 #include "extract/edge_points.h"
 
-enum { ISO_BRICK_TRIANGLES = 5 * ISO_BRICK_VOXELS };
+/* The kernel writes a few triangles past the end, see mesh_kernel.h. */
+enum { ISO_BRICK_TRIANGLES = 5 * ISO_BRICK_VOXELS + 4 };
 
 /* One brick's mesh and what is needed to make it. */
 typedef struct iso_brick_mesh {

@@ -1,11 +1,11 @@
 #include "extract/mesh.h"
 
 #include "extract/brick_set.h"
-#include "extract/marching_cubes.h"
+#include "extract/mesh_run.h"
 
 enum { VERTICES, TRIANGLES }; /* heaps */
 
-/* One worker's. */
+/* One worker's; the runner's scratch follows. */
 typedef struct mesh_scratch {
     iso_brick_window window;
     iso_brick_mesh mesh;
@@ -15,25 +15,42 @@ struct iso_mesh_set {
     iso_brick_set set;
     iso_grid grid;
     double isovalue;
-    iso_surface surface;
+    iso_mesh_runner runner;
 };
 
 static bool may_exist(const void *context, const int brick[3]) {
     const iso_mesh_set *mesh = context;
-    return iso_grid_brick_may_cross(&mesh->grid, brick, mesh->surface.at);
+    return iso_grid_brick_may_cross(&mesh->grid, brick, mesh->runner.surface.at);
 }
 
 static void extract(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
     const iso_mesh_set *set = context;
     mesh_scratch *scratch = memory;
     iso_brick_window_fill(&set->grid, brick, &scratch->window);
-    iso_marching_cubes(&scratch->window, &set->surface, &scratch->mesh);
+    iso_mesh_run_window(&set->runner, &scratch->window, scratch + 1, &scratch->mesh);
     output->count[VERTICES] = scratch->mesh.vertex_count;
     output->count[TRIANGLES] = scratch->mesh.triangle_count;
     output->own = scratch->mesh.own_count;
     output->items[VERTICES * ISO_SPAN_ARRAYS] = scratch->mesh.vertices;
     output->items[VERTICES * ISO_SPAN_ARRAYS + 1] = scratch->mesh.keys;
     output->items[TRIANGLES * ISO_SPAN_ARRAYS] = scratch->mesh.triangles;
+}
+
+static float stored_isovalue(const void *context) {
+    const iso_mesh_set *set = context;
+    return set->runner.surface.at;
+}
+
+static void run(const void *context, const uint32_t *bricks, size_t count, void *memory,
+                iso_brick_sink *sink) {
+    const iso_mesh_set *set = context;
+    iso_mesh_run(&set->runner, &set->set, bricks, count, (mesh_scratch *)memory + 1, sink);
+}
+
+static void set_surface(iso_mesh_set *mesh, double isovalue) {
+    const iso_surface surface = iso_surface_of(&mesh->grid, isovalue);
+    mesh->isovalue = isovalue;
+    iso_mesh_runner_init(&mesh->runner, &mesh->grid, &surface);
 }
 
 static void write_span(void *span, const iso_brick_place *place) {
@@ -53,15 +70,16 @@ iso_status iso_mesh_set_create(const iso_grid *grid, const iso_mesh_opts *opts, 
     iso_mesh_set *mesh = iso_alloc_zero(1, sizeof *mesh);
     if (!mesh) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a mesh");
     mesh->grid = *grid;
-    mesh->isovalue = opts->isovalue;
-    mesh->surface = iso_surface_of(grid, opts->isovalue);
+    set_surface(mesh, opts->isovalue);
     const iso_brick_kernel kernel = {
         .item_bytes = {sizeof(iso_surfel), sizeof(iso_edge_key), sizeof(uint16_t[3])},
-        .scratch_bytes = sizeof(mesh_scratch),
+        .scratch_bytes = sizeof(mesh_scratch) + iso_mesh_run_scratch_bytes(),
         .span_bytes = sizeof(iso_mesh_span),
         .halo = ISO_HALO_MESH,
         .may_exist = may_exist,
         .extract = extract,
+        .run = grid->rgrid ? run : NULL,
+        .isovalue = stored_isovalue,
         .write_span = write_span,
     };
     iso_status status = iso_brick_set_init(&mesh->set, &kernel, mesh, grid, opts->pool, error);
@@ -86,8 +104,7 @@ iso_status iso_mesh_set_update(iso_mesh_set *set, iso_error *error) {
 
 void iso_mesh_set_isovalue(iso_mesh_set *set, double isovalue) {
     if (isovalue == set->isovalue) return;
-    set->isovalue = isovalue;
-    set->surface = iso_surface_of(&set->grid, isovalue);
+    set_surface(set, isovalue);
     iso_brick_set_reset(&set->set);
 }
 

@@ -96,7 +96,7 @@ static void run_feet(const void *context, const uint32_t *bricks, size_t count, 
     for (size_t i = 0; i < count && !iso_brick_sink_failed(sink); i++) {
         int brick[3];
         iso_brick_set_coordinates(&points->set, bricks[i], brick);
-        void *room = iso_brick_sink_room(sink, ISO_FOOT_ROOM);
+        void *room = iso_brick_sink_room(sink, 0, ISO_FOOT_ROOM);
         if (!room) return;
         iso_foot_brick around;
         iso_foot_brick_of(points->grid.hgrid, brick, memory, &around);
@@ -104,7 +104,8 @@ static void run_feet(const void *context, const uint32_t *bricks, size_t count, 
         iso_foot_output feet = {.packed = points->opts.floats ? NULL : room,
                                 .surfels = points->opts.floats ? room : NULL};
         points->foot_kernel->extract(&points->foot_surface, &around, memory, &feet);
-        iso_brick_sink_add(sink, bricks[i], feet.count, feet.rejected);
+        iso_brick_sink_add(sink, bricks[i],
+                           &(iso_brick_output){.count = {feet.count}, .rejected = feet.rejected});
     }
 }
 
