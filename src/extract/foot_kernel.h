@@ -43,17 +43,17 @@ enum {
 
 /* One worker's. */
 typedef struct iso_foot_scratch {
-    _Alignas(64) float padded[ISO_BRICK_VOXELS];
-    _Alignas(64) uint8_t hits[ISO_FOOT_UNITS]; /* bit per voxel of a unit: in the band */
-    uint16_t units[ISO_FOOT_UNITS + 4];        /* those that have any */
+    alignas(64) float padded[ISO_BRICK_VOXELS];
+    alignas(64) uint8_t hits[ISO_FOOT_UNITS]; /* bit per voxel of a unit: in the band */
+    uint16_t units[ISO_FOOT_UNITS + 4];       /* those that have any */
     /* rows of the brick and of its neighbours: row (y, z) is number (z + 1) * ISO_FOOT_PITCH + ISO_FOOT_FIRST
      * + y */
-    _Alignas(64) const float *rows[(ISO_BRICK + 2) * ISO_FOOT_PITCH];
+    alignas(64) const float *rows[(ISO_BRICK + 2) * ISO_FOOT_PITCH];
     /* voxels in the band: the value, and on each axis the upper less the lower neighbour */
-    _Alignas(64) float queue[4][ISO_FOOT_ROOM];
-    _Alignas(64) int32_t voxel[ISO_FOOT_ROOM]; /* z << 8 | y << 4 | x */
-    _Alignas(64) float scale[ISO_FOOT_ROOM];   /* differences to normal */
-    _Alignas(64) float flat[ISO_FOOT_ROOM];    /* normal to octahedron */
+    alignas(64) float queue[4][ISO_FOOT_ROOM];
+    alignas(64) int32_t voxel[ISO_FOOT_ROOM]; /* z << 8 | y << 4 | x */
+    alignas(64) float scale[ISO_FOOT_ROOM];   /* differences to normal */
+    alignas(64) float flat[ISO_FOOT_ROOM];    /* normal to octahedron */
 } iso_foot_scratch;
 
 /* Exactly one of the two arrays, each with ISO_FOOT_ROOM places. */
