@@ -9,6 +9,8 @@
 #ifndef ISO_EXTRACT_FOOT_KERNEL_H
 #define ISO_EXTRACT_FOOT_KERNEL_H
 
+#include <stdalign.h>
+
 #include "base/cpu.h"
 #include "extract/foot_points.h"
 #include "grids/hgrid.h"
