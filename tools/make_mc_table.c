@@ -183,6 +183,30 @@ static void print_row(FILE *file, const table_row *row, bool flip) {
     fprintf(file, "}},\n");
 }
 
+/* Where vector code finds the vertex of an edge: 8 pairs of numbers, those of x edges with one that is not
+ * wanted, then y edges, then z edges, both of neighbours in x; see add_triangles_avx2. */
+static int vector_slot(int edge) {
+    int base = edge_base(edge), axis = edge / 4;
+    if (axis == 0) return 2 * (base >> 1);
+    return 4 + 4 * axis + 2 * (axis == 1 ? base >> 2 : base >> 1 & 1) + (base & 1);
+}
+
+/* Byte shuffles that put vertex numbers into the order of the triangles' corners: first from pairs 0 .. 3,
+ * then from pairs 4 .. 7. */
+static void print_shuffle(FILE *file, const table_row *row, bool flip) {
+    fprintf(file, "    {");
+    for (int half = 0; half < 2; half++)
+        for (int byte = 0; byte < 32; byte++) {
+            int i = byte / 2, k = i % 3, corner = flip && k ? 3 - k : k, from = 0x80;
+            if (i < 3 * row->count) {
+                int slot = vector_slot(row->edge[i / 3][corner]) - 8 * half;
+                if (slot >= 0 && slot < 8) from = 2 * slot + byte % 2;
+            }
+            fprintf(file, "%s%d", byte + half ? ", " : "", from);
+        }
+    fprintf(file, "},\n");
+}
+
 int main(int argc, char **argv) {
     FILE *file = argc == 2 ? fopen(argv[1], "w") : NULL;
     if (!file) {
@@ -201,6 +225,14 @@ int main(int argc, char **argv) {
         for (int inside = 0; inside < 256; inside++) {
             table_row row = make_row(inside);
             print_row(file, &row, flip);
+        }
+        fprintf(file, flip ? "}};\n\n" : "}, {\n");
+    }
+    fprintf(file, "static const uint8_t mc_shuffles[2][256][64] = {{\n");
+    for (int flip = 0; flip < 2; flip++) {
+        for (int inside = 0; inside < 256; inside++) {
+            table_row row = make_row(inside);
+            print_shuffle(file, &row, flip);
         }
         fprintf(file, flip ? "}};\n\n#endif\n" : "}, {\n");
     }

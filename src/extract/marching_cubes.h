@@ -5,7 +5,7 @@
 #include "extract/edge_points.h"
 
 /* The kernel writes a few triangles past the end, see mesh_kernel.h. */
-enum { ISO_BRICK_TRIANGLES = 5 * ISO_BRICK_VOXELS + 4 };
+enum { ISO_BRICK_TRIANGLES = 5 * ISO_BRICK_VOXELS + 6 };
 
 /* One brick's mesh and what is needed to make it. */
 typedef struct iso_brick_mesh {

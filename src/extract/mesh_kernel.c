@@ -16,10 +16,15 @@
 
 /* ---- lists */
 
-/* The words of a row of cells: (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1); `after`: one voxel on in x. */
-typedef struct row_words {
-    uint64_t at[4], after[4];
-} row_words;
+/* Rows of a block, z * 17 + y, with what is derived from all words at once. */
+enum { ROWS = ISO_EDGE_SIDE * ISO_EDGE_SIDE, CELL_ROWS = ROWS - ISO_EDGE_SIDE - 1 };
+typedef struct block_rows {
+    uint64_t at[ROWS], after[ROWS]; /* a voxel's bit, and that of the voxel one on in x */
+    uint64_t any[ROWS], all[ROWS];
+    uint64_t active[CELL_ROWS]; /* cells whose corners differ */
+    uint16_t list[ISO_EDGE_ROWS + 1];
+    int count; /* of the list: rows with active cells */
+} block_rows;
 
 /* What of a block lies in the grid and in wanted bricks: bits of x, and for y and z how many. */
 typedef struct block_limits {
@@ -29,10 +34,9 @@ typedef struct block_limits {
     int rows[3], last[3]; /* rows of own edges; the last voxel, 0 .. 16, which is also the number of cells */
 } block_limits;
 
-/* Where the lists end so far, and points in them as four 16-bit counts. */
+/* Where the lists end so far. */
 typedef struct list_ends {
     int own[3], far[3];
-    uint64_t own_lanes, far_lanes;
 } list_ends;
 
 static uint64_t bits_below(int count) {
@@ -59,37 +63,6 @@ static block_limits limits_of(const iso_edge_source *source, const iso_mesh_bloc
     return limits;
 }
 
-/* Whether the block has an edge: its voxels and the next ones are not all alike. */
-static bool words_differ(const uint64_t *bits, const uint64_t *next) {
-    uint64_t any = 0, all = ~(uint64_t)0;
-    for (int i = 0; i < ISO_EDGE_SIDE * ISO_EDGE_SIDE; i++) {
-        uint64_t after = 0 - (next[i] & 1);
-        any |= bits[i] | after;
-        all &= bits[i] & after;
-    }
-    return any != 0 && ~all != 0;
-}
-
-static inline row_words row_words_at(const uint64_t *bits, const uint64_t *next, int i) {
-    const int index[4] = {i, i + 1, i + ISO_EDGE_SIDE, i + ISO_EDGE_SIDE + 1};
-    row_words row;
-    for (int k = 0; k < 4; k++) {
-        row.at[k] = bits[index[k]];
-        row.after[k] = row.at[k] >> 1 | next[index[k]] << 63;
-    }
-    return row;
-}
-
-/* Cells whose corners differ. */
-static inline uint64_t active_cells(const row_words *row) {
-    uint64_t any = 0, all = ~(uint64_t)0;
-    for (int k = 0; k < 4; k++) {
-        any |= row->at[k] | row->after[k];
-        all &= row->at[k] & row->after[k];
-    }
-    return any & ~all;
-}
-
 static inline void append_far(iso_far_list *list, int *end, uint64_t mask, int row) {
     list->mask[*end] = mask;
     list->row[*end] = (uint16_t)row;
@@ -98,33 +71,17 @@ static inline void append_far(iso_far_list *list, int *end, uint64_t mask, int r
 
 /* A row at y = 16 or z = 16: its own edges belong to neighbours, and so do those where it leaves a brick
  * along x. */
-static void list_far_row(const uint64_t *bits, const uint64_t *next, const block_limits *limits, int row,
-                         list_ends *ends, iso_mesh_block *block) {
+static void list_far_row(const block_rows *rows, const block_limits *limits, int row, list_ends *ends,
+                         iso_mesh_block *block) {
     const int y = row & 31, z = row >> 5, i = z * ISO_EDGE_SIDE + y;
     for (int axis = 0; axis < 3; axis++) {
         if ((axis == 1 && y == ISO_BRICK) || (axis == 2 && z == ISO_BRICK)) continue;
         const int step = axis == 1 ? 1 : ISO_EDGE_SIDE;
-        uint64_t edges = bits[i] ^ (axis ? bits[i + step] : bits[i] >> 1 | next[i] << 63);
-        uint64_t faces = axis ? (edges >> 1 | (next[i] ^ next[i + step]) << 63) & limits->faces : 0;
-        edges &= limits->far;
-        append_far(&block->far_list[axis], &ends->far[axis], edges, row);
-        append_far(&block->far_list[axis], &ends->far[axis], faces, row | ISO_EDGE_FACE);
-        ends->far_lanes += iso_edge_lane_counts(edges) + iso_edge_lane_counts(faces);
-    }
-}
-
-static void finish_lists(const list_ends *ends, iso_mesh_block *block) {
-    for (int axis = 0; axis < 3; axis++) {
-        block->own_list[axis].count = ends->own[axis];
-        block->far_list[axis].count = ends->far[axis];
-    }
-    for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++) {
-        block->own[brick] = ends->own_lanes >> (16 * brick) & 0xffff;
-        block->far[brick] = ends->far_lanes >> (16 * brick) & 0xffff;
-        const iso_cell_list *cells = &block->cells[brick];
-        uint32_t triangles = 0;
-        for (uint32_t i = 0; i < cells->count; i++) triangles += mc_cases[0][cells->inside[i]].triangles;
-        block->triangles[brick] = triangles;
+        const uint64_t edges = rows->at[i] ^ (axis ? rows->at[i + step] : rows->after[i]);
+        append_far(&block->far_list[axis], &ends->far[axis], edges & limits->far, row);
+        if (axis == 0) continue;
+        const uint64_t faces = rows->after[i] ^ rows->after[i + step];
+        append_far(&block->far_list[axis], &ends->far[axis], faces & limits->faces, row | ISO_EDGE_FACE);
     }
 }
 
@@ -132,9 +89,11 @@ static void finish_lists(const list_ends *ends, iso_mesh_block *block) {
 
 /* ---- triangles */
 
+enum { STEP_Y = ISO_LATTICE, STEP_Z = ISO_LATTICE * ISO_LATTICE };
+
 /* Two triangles are written always: most cells have one or two. */
-ISO_STEP static void add_triangles(const iso_cell_list *cells, const uint16_t *vertex_of, bool flip,
-                                   uint16_t (*triangles)[3]) {
+ISO_STEP static void add_triangles_generic(const iso_cell_list *cells, const uint16_t *vertex_of, bool flip,
+                                           uint16_t (*triangles)[3]) {
     uint16_t *out = triangles[0];
     for (uint32_t i = 0; i < cells->count; i++) {
         const mc_case *row = &mc_cases[flip][cells->inside[i]];
@@ -145,6 +104,36 @@ ISO_STEP static void add_triangles(const iso_cell_list *cells, const uint16_t *v
         out += 3 * row->triangles;
     }
 }
+
+#if ISO_HAVE_X86
+/* Two numbers that lie side by side. */
+static inline int pair_at(const uint16_t *numbers) {
+    int pair;
+    memcpy(&pair, numbers, sizeof pair);
+    return pair;
+}
+
+/* The numbers of all twelve edges are fetched, then shuffled into five triangles: no branch. */
+ISO_TARGET_AVX2 ISO_STEP static void add_triangles_avx2(const iso_cell_list *cells, const uint16_t *vertex_of,
+                                                        bool flip, uint16_t (*triangles)[3]) {
+    uint16_t *out = triangles[0];
+    for (uint32_t i = 0; i < cells->count; i++) {
+        const uint8_t *shuffle = mc_shuffles[flip][cells->inside[i]];
+        const uint16_t *x = vertex_of + cells->key[i], *y = x + ISO_LATTICE_VOXELS,
+                       *z = y + ISO_LATTICE_VOXELS;
+        const __m128i along_x =
+            _mm_set_epi32(pair_at(x + STEP_Z + STEP_Y), pair_at(x + STEP_Z), pair_at(x + STEP_Y), pair_at(x));
+        const __m128i others =
+            _mm_set_epi32(pair_at(z + STEP_Y), pair_at(z), pair_at(y + STEP_Z), pair_at(y));
+        const __m256i low = _mm256_shuffle_epi8(_mm256_broadcastsi128_si256(along_x),
+                                                _mm256_loadu_si256((const void *)shuffle));
+        const __m256i high = _mm256_shuffle_epi8(_mm256_broadcastsi128_si256(others),
+                                                 _mm256_loadu_si256((const void *)(shuffle + 32)));
+        _mm256_storeu_si256((void *)out, _mm256_or_si256(low, high));
+        out += 3 * mc_cases[0][cells->inside[i]].triangles;
+    }
+}
+#endif
 
 ISO_STEP static void number_vertices(const iso_edge_key *keys, uint32_t count, uint16_t *vertex_of) {
     for (uint32_t i = 0; i < count; i++) vertex_of[keys[i]] = (uint16_t)i;
@@ -178,15 +167,19 @@ void iso_mesh_kernel_fill(const iso_mesh_kernel *kernel, const iso_edge_source *
     for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++) {
         if (!(block->bricks >> brick & 1)) continue;
         number_vertices(output->keys[brick], block->own[brick] + block->far[brick], block->vertex_of);
-        add_triangles(&block->cells[brick], block->vertex_of, source->level_set, output->triangles[brick]);
+        kernel->add_triangles(&block->cells[brick], block->vertex_of, source->level_set,
+                              output->triangles[brick]);
     }
 }
 
 iso_mesh_kernel iso_mesh_kernel_get(iso_type type, iso_cpu_level level) {
-    iso_mesh_kernel kernel = {.edges = iso_edge_kernel_get(type, level), .list = list_generic};
+    iso_mesh_kernel kernel = {.edges = iso_edge_kernel_get(type, level),
+                              .list = list_generic,
+                              .add_triangles = add_triangles_generic};
 #if ISO_HAVE_X86
     if (level == ISO_CPU_AVX2) kernel.list = list_avx2;
     if (level == ISO_CPU_AVX512) kernel.list = list_avx512;
+    if (level >= ISO_CPU_AVX2) kernel.add_triangles = add_triangles_avx2;
 #endif
     return kernel;
 }

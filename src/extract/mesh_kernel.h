@@ -15,7 +15,7 @@
 enum {
     ISO_FAR_ENTRIES = ISO_EDGE_ROWS + 2 * (2 * ISO_EDGE_SIDE - 1),
     ISO_CELL_SLACK = 64,    /* items written past the end of a list of cells */
-    ISO_TRIANGLE_SLACK = 4, /* triangles written past the end */
+    ISO_TRIANGLE_SLACK = 6, /* triangles written past the end */
     ISO_VERTEX_SLOTS = 3 * ISO_LATTICE_VOXELS
 };
 
@@ -54,6 +54,9 @@ typedef struct iso_mesh_kernel {
     /* Lists and counts the wanted bricks of block `number` of the words. */
     void (*list)(const iso_edge_source *source, const iso_edge_words *words, int number,
                  iso_mesh_block *block);
+    /* The triangles of a brick's active cells. */
+    void (*add_triangles)(const iso_cell_list *cells, const uint16_t *vertex_of, bool flip,
+                          uint16_t (*triangles)[3]);
     const iso_edge_kernel *edges;
 } iso_mesh_kernel;
 
