@@ -209,13 +209,13 @@ size_t iso_brick_index_bytes(const iso_brick_index *index) {
 
 /* Ranges and flags 9 bytes a brick; the tree's lists 16, its nodes 8, and while it is built 12 more. */
 uint64_t iso_brick_index_estimate(const int dims[3]) {
-    uint64_t bricks = 1;
+    uint64_t bytes =
+        2 * sizeof(float) + 1 + 3 * sizeof(iso_interval_end) + sizeof(float) + 2 * sizeof(uint32_t);
     for (int axis = 0; axis < 3; axis++)
-        if (__builtin_mul_overflow(bricks, (uint64_t)((dims[axis] - 1) / ISO_BRICK + 1), &bricks))
+        if (__builtin_mul_overflow(bytes, (uint64_t)((dims[axis] - 1) / ISO_BRICK + 1), &bytes))
             return UINT64_MAX;
-    if (bricks > UINT32_MAX) return UINT64_MAX;
-    return sizeof(iso_brick_index) + bricks * (2 * sizeof(float) + 1) +
-           bricks * (3 * sizeof(iso_interval_end) + sizeof(float) + 2 * sizeof(uint32_t)) + 1024;
+    const uint64_t fixed = sizeof(iso_brick_index) + 2 * (sizeof(float) + sizeof(uint32_t));
+    return bytes < UINT64_MAX - fixed ? bytes + fixed : UINT64_MAX;
 }
 
 /* ---- queries */
@@ -239,10 +239,11 @@ iso_status iso_brick_index_query(const iso_brick_index *index, float isovalue, i
                                  iso_error *error) {
     iso_interval_run runs[ISO_INTERVAL_RUNS];
     query->count = 0;
-    int run_count = iso_interval_tree_query(&index->tree, isovalue, runs);
     query->visited = index->pending_count;
-    for (int i = 0; i < run_count; i++) query->visited += runs[i].count;
-    size_t bytes = query->visited * sizeof(uint32_t);
+    int run_count = iso_interval_tree_query(&index->tree, isovalue, runs, &query->visited);
+    size_t most = index->pending_count;
+    for (int i = 0; i < run_count; i++) most += runs[i].count;
+    size_t bytes = most * sizeof(uint32_t);
     ISO_TRY(iso_buffer_reserve(&query->bricks, bytes, 0, error));
     ISO_TRY(iso_buffer_reserve(&query->scratch, bytes, 0, error));
     uint32_t *bricks = query->bricks.data;

@@ -6,6 +6,7 @@
  * the sorted ends out to the nodes leaves every node's lists sorted. */
 #include "grids/interval_tree.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -157,27 +158,35 @@ void iso_interval_tree_free(iso_interval_tree *tree) {
     *tree = (iso_interval_tree){0};
 }
 
+/* How many of count ends, from the first on, lie below a value, or at or above it. */
+static size_t count_below(const iso_interval_end *ends, size_t count, float value, size_t *looks) {
+    size_t i = 0;
+    while (i < count && (++*looks, ends[i].at < value)) i++;
+    return i;
+}
+
+static size_t count_from(const iso_interval_end *ends, size_t count, float value, size_t *looks) {
+    size_t i = 0;
+    while (i < count && (++*looks, ends[i].at >= value)) i++;
+    return i;
+}
+
 int iso_interval_tree_query(const iso_interval_tree *tree, float value,
-                            iso_interval_run runs[ISO_INTERVAL_RUNS]) {
+                            iso_interval_run runs[ISO_INTERVAL_RUNS], size_t *looks) {
     if (tree->nodes == 0) return 0;
     int found = 0;
     uint32_t step = (uint32_t)1 << (31 - __builtin_clz(tree->nodes));
     for (uint32_t node = step; step; step >>= 1) {
-        uint32_t half = step >> 1;
-        if (node > tree->nodes) { /* the tree is perfect, the numbers end */
-            node -= half;
-            continue;
+        /* The tree is perfect, the numbers end: beyond them splits are infinite and lists empty. */
+        const bool exists = node <= tree->nodes, left = !exists || value <= tree->splits[node];
+        if (exists) {
+            const size_t first = tree->starts[node], count = tree->starts[node + 1] - first;
+            iso_interval_run run = {.ends = (left ? tree->lower : tree->upper) + first};
+            run.count =
+                left ? count_below(run.ends, count, value, looks) : count_from(run.ends, count, value, looks);
+            if (run.count) runs[found++] = run;
         }
-        uint32_t first = tree->starts[node], end = tree->starts[node + 1], i = first;
-        if (value <= tree->splits[node]) {
-            while (i < end && tree->lower[i].at < value) i++;
-            if (i > first) runs[found++] = (iso_interval_run){tree->lower + first, i - first};
-            node -= half;
-        } else {
-            while (i < end && tree->upper[i].at >= value) i++;
-            if (i > first) runs[found++] = (iso_interval_run){tree->upper + first, i - first};
-            node += half;
-        }
+        node = left ? node - (step >> 1) : node + (step >> 1);
     }
     return found;
 }

@@ -45,9 +45,9 @@ typedef struct iso_interval_run {
 enum { ISO_INTERVAL_RUNS = 32 };
 
 /* The intervals that hold `value`, as runs in the tree's lists; returns the number of runs. Each level of the
- * tree gives at most one, and costs one look beyond it. */
+ * tree gives at most one, and costs one look beyond it. *looks grows by the entries looked at. */
 int iso_interval_tree_query(const iso_interval_tree *tree, float value,
-                            iso_interval_run runs[ISO_INTERVAL_RUNS]);
+                            iso_interval_run runs[ISO_INTERVAL_RUNS], size_t *looks);
 
 size_t iso_interval_tree_bytes(const iso_interval_tree *tree);
 

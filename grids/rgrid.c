@@ -137,7 +137,8 @@ iso_status iso_rgrid_touch(iso_rgrid *grid, const int lo[3], const int hi[3], is
     return iso_change_log_touch(grid->log, lo, last, error);
 }
 
-iso_status iso_rgrid_index(iso_rgrid *grid, iso_pool *pool, const iso_brick_index **index, iso_error *error) {
+iso_status iso_rgrid_index(iso_rgrid *grid, iso_pool *pool, const struct iso_brick_index **index,
+                           iso_error *error) {
     if (grid->index)
         ISO_TRY(iso_brick_index_update(grid->index, pool, error));
     else

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "base/memory.h"
+#include "grids/brick_index.h"
 #include "grids/format.h"
 
 /* ---- which format ---- */
@@ -209,6 +210,14 @@ static iso_status check_spacing(const char *path, const iso_volume_opts *opts, i
     return ISO_OK;
 }
 
+/* The index of bricks is made when the reader has given back what it needed beside the grid. */
+static void count_index(iso_volume_info *info) {
+    uint64_t bytes = info->bytes;
+    if (!info->sparse && __builtin_add_overflow(bytes, iso_brick_index_estimate(info->dims), &bytes))
+        bytes = UINT64_MAX;
+    if (info->read_bytes < bytes) info->read_bytes = bytes;
+}
+
 static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                              iso_error *error) {
     uint64_t dims[3];
@@ -230,7 +239,7 @@ static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_
     if (info->bytes == UINT64_MAX)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: %d x %d x %d voxels are more than any machine can hold",
                         path, info->dims[0], info->dims[1], info->dims[2]);
-    if (info->read_bytes < info->bytes) info->read_bytes = info->bytes;
+    count_index(info);
     return ISO_OK;
 }
 
@@ -300,6 +309,13 @@ static bool agrees(const iso_volume_info *info, const iso_grid *grid) {
            dims[2] == info->dims[2];
 }
 
+static iso_status make_index(const char *path, const iso_volume_opts *opts, iso_rgrid *grid,
+                             iso_error *error) {
+    iso_error detail = {0};
+    iso_status status = iso_rgrid_index(grid, opts->pool, NULL, &detail);
+    return status == ISO_OK ? ISO_OK : iso_fail(error, status, "%s: %s", path, detail.text);
+}
+
 iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_volume *volume,
                            iso_error *error) {
     const iso_volume_opts none = {0};
@@ -314,6 +330,7 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
     ISO_TRY(named(path, status, &detail, error));
     if (!agrees(&result.info, &result.grid))
         status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
+    if (status == ISO_OK && result.grid.rgrid) status = make_index(path, opts, result.grid.rgrid, error);
     if (status == ISO_OK) status = iso_format_progress(path, opts, 1, error);
     if (status != ISO_OK) {
         iso_volume_free(&result);

@@ -75,7 +75,7 @@ typedef struct iso_volume_info {
     bool level_set;       /* becomes an hgrid, or an rgrid whose inside is negative */
     bool sparse;          /* becomes an hgrid */
     uint64_t bytes;       /* that the grid will take (estimated for sparse ones) */
-    uint64_t read_bytes;  /* most that reading takes at one time, the grid included */
+    uint64_t read_bytes;  /* most that reading takes at one time, the grid and its index included */
     int item_count;       /* grids in a .vdb, arrays in a .vti or .vtk, series in a folder */
     char items[ISO_VOLUME_ITEMS][ISO_VOLUME_TEXT]; /* one line each, the chosen one's name first in `name` */
     int note_count; /* warnings to print: a missing slice, a chosen component, ... */
@@ -94,9 +94,9 @@ typedef struct iso_volume {
 iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                                 iso_error *error);
 
-/* Reads the volume. Errors as above, and ISO_ERR_LIMIT (over max_memory, checked from the header before
- * anything is allocated) and ISO_ERR_NOMEM. A file shorter than its header promises is ISO_ERR_IO in every
- * format. */
+/* Reads the volume; a dense one comes with its index of bricks (iso_rgrid_index). Errors as above, and
+ * ISO_ERR_LIMIT (over max_memory, checked from the header before anything is allocated) and ISO_ERR_NOMEM. A
+ * file shorter than its header promises is ISO_ERR_IO in every format. */
 iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_volume *volume,
                            iso_error *error);
 void iso_volume_free(iso_volume *volume);

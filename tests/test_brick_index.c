@@ -17,7 +17,7 @@
 #include "grids/brick_index.h"
 #include "grids/brick_range.h"
 #include "grids/grid.h"
-#include "grids/scenes.h"
+#include "grids/interval_tree.h"
 
 static uint32_t below(uint64_t *state, uint32_t limit) {
     *state = *state * 6364136223846793005u + 1442695040888963407u;
@@ -136,7 +136,8 @@ static void check_ranges(const iso_brick_index *index, const iso_brick_range *mo
     }
 }
 
-/* What a query may look at: its answer, edited bricks once in their list and once in the tree. */
+/* What a query may look at: its answer, an entry too many on each level of the tree, and edited bricks once
+ * in their list and once in the tree. */
 static void check_query(const iso_brick_index *index, const iso_brick_range *model, float isovalue,
                         iso_brick_query *query) {
     assert_int_equal(iso_brick_index_query(index, isovalue, query, NULL), ISO_OK);
@@ -151,7 +152,9 @@ static void check_query(const iso_brick_index *index, const iso_brick_range *mod
         found++;
     }
     assert_int_equal(query->count, found);
-    assert_true(query->visited <= query->count + 2 * iso_brick_index_pending(index));
+    size_t levels = 0;
+    while (total >> levels) levels++;
+    assert_true(query->visited <= query->count + 2 * iso_brick_index_pending(index) + levels);
 }
 
 static float random_isovalue(const iso_rgrid *grid, uint64_t *random) {
@@ -342,22 +345,47 @@ static void untouched_bricks_are_not_read(void **state) {
     iso_rgrid_destroy(grid);
 }
 
-/* The tree's share of a query: with hundreds of thousands of intervals in it, one that is alone at its
- * isovalue is found by looking at itself. */
-static void few_bricks_cost_little(void **state) {
-    (void)state;
-    iso_scene_opts opts = {.size = 160};
-    iso_grid grid = {0};
-    assert_int_equal(iso_scene_create("ct", &opts, &grid, NULL, NULL), ISO_OK);
-    const iso_brick_index *index = NULL;
-    assert_int_equal(iso_rgrid_index(grid.rgrid, NULL, &index, NULL), ISO_OK);
-    iso_brick_query query = {0};
-    for (int i = 0; i <= 512; i++) {
-        assert_int_equal(iso_brick_index_query(index, (float)i / 2, &query, NULL), ISO_OK);
-        assert_int_equal(query.visited, query.count);
+enum { INTERVALS = 100000 };
+
+static void random_intervals(float *lo, float *hi, int kind, uint64_t *random) {
+    for (int i = 0; i < INTERVALS; i++) {
+        float value = (float)below(random, kind == 0 ? 200 : 1 << 24) - (kind == 2 ? 1 << 23 : 0);
+        lo[i] = value;
+        hi[i] = value + (float)below(random, kind == 1 ? 1 << 20 : 50); /* empty ones as well */
+        if (below(random, 500) == 0) lo[i] = INFINITY, hi[i] = -INFINITY;
+        if (below(random, 500) == 0) lo[i] = -0.0f, hi[i] = 0;
     }
-    iso_brick_query_free(&query);
-    iso_grid_destroy(&grid);
+}
+
+/* Far more intervals than answers, alike and spread: the work follows the answers. */
+static void queries_cost_what_they_answer(void **state) {
+    (void)state;
+    uint64_t random = 9;
+    float *lo = malloc(INTERVALS * sizeof *lo), *hi = malloc(INTERVALS * sizeof *hi);
+    uint8_t *seen = malloc(INTERVALS);
+    iso_interval_tree tree = {0};
+    for (int kind = 0; kind < 3; kind++) {
+        random_intervals(lo, hi, kind, &random);
+        assert_int_equal(iso_interval_tree_build(&tree, lo, hi, INTERVALS, NULL), ISO_OK);
+        for (int round = 0; round < 60; round++) {
+            uint32_t any = below(&random, INTERVALS);
+            float value = round % 3 == 0 ? lo[any] : round % 3 == 1 ? hi[any] : hi[any] + 0.5f;
+            iso_interval_run runs[ISO_INTERVAL_RUNS];
+            size_t looks = 0, answers = 0;
+            memset(seen, 0, INTERVALS);
+            int count = iso_interval_tree_query(&tree, value, runs, &looks);
+            for (int r = 0; r < count; r++)
+                for (size_t k = 0; k < runs[r].count; k++, answers++)
+                    assert_int_equal(seen[runs[r].ends[k].interval]++, 0);
+            for (int i = 0; i < INTERVALS; i++)
+                if (seen[i] != (lo[i] < value && hi[i] >= value)) fail_msg("%g: interval %d", value, i);
+            assert_true(looks >= answers && looks <= answers + 17); /* 2^17 > INTERVALS */
+        }
+    }
+    iso_interval_tree_free(&tree);
+    free(lo);
+    free(hi);
+    free(seen);
 }
 
 static void a_crop_drops_the_index(void **state) {
@@ -404,7 +432,7 @@ int main(void) {
         cmocka_unit_test(updates_follow_edits),
         cmocka_unit_test(the_list_of_edited_bricks_is_bounded),
         cmocka_unit_test(untouched_bricks_are_not_read),
-        cmocka_unit_test(few_bricks_cost_little),
+        cmocka_unit_test(queries_cost_what_they_answer),
         cmocka_unit_test(a_crop_drops_the_index),
         cmocka_unit_test(quick_tests_agree),
     };

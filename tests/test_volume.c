@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "grids/brick_index.h"
 #include "grids/format.h"
 #include "grids/volume.h"
 #include "make_volumes.h"
@@ -231,12 +232,14 @@ static const char *write_mha(int components) {
 static void limits_are_kept(void **state) {
     (void)state;
     const char *path = write_mha(1);
-    iso_volume_opts opts = {.max_memory = 1999999};
+    const uint64_t needs = 2000000 + iso_brick_index_estimate((const int[3]){100, 100, 100});
+    iso_volume_opts opts = {.max_memory = needs - 1};
     check_refused(path, &opts, ISO_ERR_LIMIT,
                   "needs 2.0 MB to read (100 x 100 x 100 int16), limit is 2.0 MB");
-    opts.max_memory = 2000000;
+    opts.max_memory = needs;
     iso_volume volume;
     assert_int_equal(iso_volume_read(path, &opts, &volume, NULL), ISO_OK);
+    assert_non_null(volume.grid.rgrid->index);
     iso_volume_free(&volume);
     path = write_mha(3); /* what components need beside the grid counts as well */
     check_refused(path, &opts, ISO_ERR_LIMIT, "needs");
