@@ -8,8 +8,9 @@ static const float POSITION_STEP = 20.0f / 16384;
 static const float POSITION_LOW = -2.0f;
 enum { NORMAL_STEPS = 2047 };
 
-static uint64_t quantise(float value, float scale, float limit) {
-    float steps = floorf(value * scale + 0.5f);
+/* Nearest step; kernels do the same arithmetic. */
+static uint64_t quantise(float value, float scale, float offset, float limit) {
+    float steps = floorf(value * scale + offset);
     return (uint64_t)(steps < 0 ? 0 : steps > limit ? limit : steps);
 }
 
@@ -18,19 +19,26 @@ static float sign_of(float value) {
 }
 
 iso_point iso_point_pack(const iso_surfel *surfel) {
-    uint64_t bits = 0;
-    for (int axis = 0; axis < 3; axis++)
-        bits |= quantise(surfel->position[axis] - POSITION_LOW, 1 / POSITION_STEP, 16383) << (14 * axis);
+    iso_surfel scaled = *surfel;
     const float *n = surfel->normal;
-    float sum = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]);
-    float u = n[0] / sum, v = n[1] / sum;
+    float scale = 1 / (fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]));
+    for (int axis = 0; axis < 3; axis++) scaled.normal[axis] *= scale;
+    return iso_point_pack_scaled(&scaled);
+}
+
+iso_point iso_point_pack_scaled(const iso_surfel *surfel) {
+    uint64_t bits = 0;
+    for (int axis = 0; axis < 3; axis++) /* 16384 / 20 steps a voxel, from -2 */
+        bits |= quantise(surfel->position[axis], 819.2f, 1638.9f, 16383) << (14 * axis);
+    const float *n = surfel->normal;
+    float u = n[0], v = n[1];
     if (n[2] < 0) {
-        float folded = (1 - fabsf(v)) * sign_of(u);
-        v = (1 - fabsf(u)) * sign_of(v);
+        float folded = copysignf(1 - fabsf(v), u);
+        v = copysignf(1 - fabsf(u), v);
         u = folded;
     }
-    bits |= quantise(u + 1, NORMAL_STEPS / 2.0f, NORMAL_STEPS) << 42;
-    bits |= quantise(v + 1, NORMAL_STEPS / 2.0f, NORMAL_STEPS) << 53;
+    bits |= quantise(u, NORMAL_STEPS / 2.0f, NORMAL_STEPS / 2.0f + 0.5f, NORMAL_STEPS) << 42;
+    bits |= quantise(v, NORMAL_STEPS / 2.0f, NORMAL_STEPS / 2.0f + 0.5f, NORMAL_STEPS) << 53;
     return (iso_point){bits};
 }
 

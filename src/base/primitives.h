@@ -33,6 +33,8 @@ typedef struct iso_point {
 
 /* Nearest packed point; positions outside [-2, 18) are clamped. The normal must not be zero. */
 iso_point iso_point_pack(const iso_surfel *surfel);
+/* The same when the normal is already scaled to |x| + |y| + |z| = 1. */
+iso_point iso_point_pack_scaled(const iso_surfel *surfel);
 iso_surfel iso_point_unpack(iso_point point);
 
 /* The primitives of one brick. */

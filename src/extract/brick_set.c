@@ -38,7 +38,6 @@ typedef struct batch {
     iso_brick_set *set;
     const uint32_t *bricks;
     size_t count;
-    bool listed; /* every brick is known to have something, perhaps */
 } batch;
 
 void iso_brick_set_coordinates(const iso_brick_set *set, uint32_t number, int brick[3]) {
@@ -58,97 +57,6 @@ static slot *slot_at(const iso_brick_set *set, size_t number) {
 
 static chunk *chunk_at(const iso_brick_set *set, size_t number) {
     return (chunk *)set->chunks.data + number;
-}
-
-/* ---- extracting a batch of bricks over threads */
-
-static bool append_output(const iso_brick_set *set, chunk *part, const iso_brick_output *output) {
-    for (int i = 0; i < ISO_SET_ARRAYS; i++) {
-        size_t bytes = set->kernel.item_bytes[i], used = part->used[i / ISO_SPAN_ARRAYS] * bytes;
-        size_t added = output->count[i / ISO_SPAN_ARRAYS] * bytes;
-        if (!added) continue;
-        if (iso_buffer_reserve(&part->array[i], used + added, used, NULL) != ISO_OK) return false;
-        memcpy((char *)part->array[i].data + used, output->items[i], added);
-    }
-    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) part->used[heap] += output->count[heap];
-    return true;
-}
-
-/* A task's chunk while it is filled. */
-struct iso_brick_sink {
-    const iso_brick_set *set;
-    chunk *part;
-    void *scratch;
-};
-
-void *iso_brick_sink_room(iso_brick_sink *sink, int array, size_t count) {
-    chunk *part = sink->part;
-    size_t bytes = sink->set->kernel.item_bytes[array], used = part->used[array / ISO_SPAN_ARRAYS] * bytes;
-    if (iso_buffer_reserve(&part->array[array], used + count * bytes, used, NULL) != ISO_OK) {
-        part->failed = true;
-        return NULL;
-    }
-    return (char *)part->array[array].data + used;
-}
-
-static void add_result(chunk *part, uint32_t brick, const iso_brick_output *output) {
-    result *made = &part->results[part->count++];
-    *made = (result){.brick = brick, .own = output->own};
-    memcpy(made->count, output->count, sizeof made->count);
-    part->rejected += output->rejected;
-}
-
-void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, const iso_brick_output *made) {
-    for (int heap = 0; heap < ISO_SET_HEAPS; heap++) sink->part->used[heap] += made->count[heap];
-    sink->part->extracted++;
-    add_result(sink->part, brick, made);
-}
-
-void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t number) {
-    const iso_brick_set *set = sink->set;
-    chunk *part = sink->part;
-    int brick[3];
-    iso_brick_set_coordinates(set, number, brick);
-    iso_brick_output output = {0};
-    set->kernel.extract(set->context, brick, sink->scratch, &output);
-    part->extracted++;
-    if (!append_output(set, part, &output)) {
-        part->failed = true;
-        return;
-    }
-    add_result(part, number, &output);
-}
-
-/* Bricks [first, end) of a batch's list, all of which may have something. */
-static void extract_present(iso_brick_sink *sink, const uint32_t *bricks, size_t count) {
-    const iso_brick_kernel *kernel = &sink->set->kernel;
-    if (kernel->run) {
-        if (count) kernel->run(sink->set->context, bricks, count, sink->scratch, sink);
-        return;
-    }
-    for (size_t i = 0; i < count && !sink->part->failed; i++) iso_brick_sink_extract(sink, bricks[i]);
-}
-
-static void extract_chunk(void *context, size_t index, int worker) {
-    const batch *work = context;
-    const iso_brick_set *set = work->set;
-    chunk *part = chunk_at(set, index);
-    memset(part->used, 0, sizeof part->used);
-    part->count = part->placed = part->extracted = part->rejected = 0;
-    part->failed = false;
-    iso_brick_sink sink = {set, part, (char *)set->scratch.data + (size_t)worker * set->kernel.scratch_bytes};
-    size_t first = index * CHUNK_BRICKS, end = first + CHUNK_BRICKS;
-    if (end > work->count) end = work->count;
-    size_t start = first;
-    for (size_t i = first; i < end && !part->failed; i++) {
-        int brick[3];
-        iso_brick_set_coordinates(set, work->bricks[i], brick);
-        if (work->listed || set->kernel.may_exist(set->context, brick)) continue;
-        extract_present(&sink, work->bricks + start, i - start);
-        if (!part->failed) add_result(part, work->bricks[i], &(iso_brick_output){0});
-        start = i + 1;
-    }
-    if (!part->failed) extract_present(&sink, work->bricks + start, end - start);
 }
 
 /* ---- giving results a place */
@@ -235,6 +143,101 @@ static iso_status place_result(iso_brick_set *set, const result *made, iso_error
     return ISO_OK;
 }
 
+/* ---- what kernels that do several bricks at once write to */
+
+/* Either a task's chunk, or (part NULL) the set's own array: a full extraction by one thread needs no copy.
+ */
+struct iso_brick_sink {
+    iso_brick_set *set;
+    chunk *part;
+    void *scratch;
+    iso_status status;
+    iso_error *error;
+};
+
+void *iso_brick_sink_room(iso_brick_sink *sink, int array, size_t count) {
+    iso_span_heap *heap = &sink->set->heap[array / ISO_SPAN_ARRAYS];
+    iso_buffer *buffer = sink->part ? &sink->part->array[array] : &heap->array[array % ISO_SPAN_ARRAYS];
+    size_t used = sink->part ? sink->part->used[array / ISO_SPAN_ARRAYS] : heap->end,
+           bytes = sink->set->kernel.item_bytes[array];
+    /* no room is a place too, never NULL: hence one item more */
+    iso_status status = iso_buffer_reserve(buffer, (used + count + 1) * bytes, used * bytes, sink->error);
+    if (status == ISO_OK) return (char *)buffer->data + used * bytes;
+    sink->status = status;
+    return NULL;
+}
+
+void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, const iso_brick_output *output) {
+    result made = {.brick = brick, .own = output->own};
+    memcpy(made.count, output->count, sizeof made.count);
+    chunk *part = sink->part;
+    if (part) {
+        for (int heap = 0; heap < ISO_SET_HEAPS; heap++) part->used[heap] += made.count[heap];
+        part->results[part->count++] = made;
+        part->extracted++;
+        part->rejected += output->rejected;
+    } else {
+        sink->set->extracted++;
+        sink->set->rejected += output->rejected;
+        iso_status status = place_result(sink->set, &made, sink->error);
+        if (status != ISO_OK) sink->status = status;
+    }
+}
+
+bool iso_brick_sink_failed(const iso_brick_sink *sink) {
+    return sink->status != ISO_OK;
+}
+
+/* The plain way: one brick into scratch, then to its place. */
+void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t number) {
+    const iso_brick_kernel *kernel = &sink->set->kernel;
+    int brick[3];
+    iso_brick_set_coordinates(sink->set, number, brick);
+    iso_brick_output output = {0};
+    kernel->extract(sink->set->context, brick, sink->scratch, &output);
+    for (int i = 0; i < ISO_SET_ARRAYS; i++) {
+        size_t count = output.count[i / ISO_SPAN_ARRAYS];
+        if (!count || !kernel->item_bytes[i]) continue;
+        void *room = iso_brick_sink_room(sink, i, count);
+        if (!room) return;
+        memcpy(room, output.items[i], count * kernel->item_bytes[i]);
+    }
+    iso_brick_sink_add(sink, number, &output);
+}
+
+/* Bricks of a batch's list, all of which may have something. */
+static void extract_present(iso_brick_sink *sink, const uint32_t *bricks, size_t count) {
+    const iso_brick_kernel *kernel = &sink->set->kernel;
+    if (kernel->run) {
+        if (count) kernel->run(sink->set->context, bricks, count, sink->scratch, sink);
+        return;
+    }
+    for (size_t i = 0; i < count && !iso_brick_sink_failed(sink); i++)
+        iso_brick_sink_extract(sink, bricks[i]);
+}
+
+static void extract_chunk(void *context, size_t index, int worker) {
+    const batch *work = context;
+    iso_brick_set *set = work->set;
+    chunk *part = chunk_at(set, index);
+    memset(part->used, 0, sizeof part->used);
+    part->count = part->placed = part->extracted = part->rejected = 0;
+    iso_brick_sink sink = {.set = set, .part = part};
+    sink.scratch = (char *)set->scratch.data + (size_t)worker * set->kernel.scratch_bytes;
+    size_t start = index * CHUNK_BRICKS, end = start + CHUNK_BRICKS;
+    if (end > work->count) end = work->count;
+    for (size_t i = start; i < end && !iso_brick_sink_failed(&sink); i++) {
+        int brick[3];
+        iso_brick_set_coordinates(set, work->bricks[i], brick);
+        if (set->full || set->kernel.may_exist(set->context, brick)) continue;
+        extract_present(&sink, work->bricks + start, i - start);
+        if (!iso_brick_sink_failed(&sink)) part->results[part->count++] = (result){.brick = work->bricks[i]};
+        start = i + 1;
+    }
+    if (!iso_brick_sink_failed(&sink)) extract_present(&sink, work->bricks + start, end - start);
+    part->failed = iso_brick_sink_failed(&sink);
+}
+
 static iso_status place_batch(iso_brick_set *set, size_t chunks, iso_error *error) {
     iso_status status = ISO_OK;
     for (size_t c = 0; c < chunks && status == ISO_OK; c++) {
@@ -306,11 +309,16 @@ static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, siz
     size_t workers = (size_t)iso_pool_threads(set->pool),
            batch_bricks = workers * CHUNKS_PER_WORKER * CHUNK_BRICKS;
     if (batch_bricks > count) batch_bricks = count;
+    if (set->full && set->kernel.run && workers == 1) {
+        ISO_TRY(iso_buffer_reserve(&set->scratch, set->kernel.scratch_bytes, 0, error));
+        iso_brick_sink sink = {.set = set, .scratch = set->scratch.data, .error = error};
+        extract_present(&sink, bricks, count);
+        return sink.status;
+    }
     ISO_TRY(reserve_chunks(set, (batch_bricks + CHUNK_BRICKS - 1) / CHUNK_BRICKS, error));
     ISO_TRY(iso_buffer_reserve(&set->scratch, workers * set->kernel.scratch_bytes, 0, error));
     for (size_t first = 0; first < count; first += batch_bricks) {
-        batch work = {set, bricks + first, count - first < batch_bricks ? count - first : batch_bricks,
-                      set->full};
+        batch work = {set, bricks + first, count - first < batch_bricks ? count - first : batch_bricks};
         size_t chunks = (work.count + CHUNK_BRICKS - 1) / CHUNK_BRICKS;
         iso_parallel_for(set->pool, chunks, extract_chunk, &work);
         iso_status status = place_batch(set, chunks, error);
@@ -345,7 +353,19 @@ static iso_status list_crossed(iso_brick_set *set, size_t *count, iso_error *err
     return ISO_OK;
 }
 
-static iso_status list_all(iso_brick_set *set, size_t *count, iso_error *error) {
+/* Cells of the grid are numbered like the set's bricks. */
+static iso_status list_bricks(iso_brick_set *set, size_t *count, iso_error *error) {
+    const iso_hgrid *grid = set->grid.hgrid;
+    size_t total = brick_total(set), found = 0;
+    ISO_TRY(iso_buffer_reserve(&set->list, iso_hgrid_brick_count(grid) * sizeof(uint32_t), 0, error));
+    uint32_t *list = set->list.data;
+    for (size_t i = 0; i < total; i++)
+        if (grid->cell[i] >= 0) list[found++] = (uint32_t)i;
+    *count = found;
+    return ISO_OK;
+}
+
+static iso_status list_surveyed(iso_brick_set *set, size_t *count, iso_error *error) {
     size_t total = brick_total(set), found = 0;
     uint8_t *may_exist = iso_alloc(total);
     if (!may_exist) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a table of %zu bricks", total);
@@ -361,6 +381,19 @@ static iso_status list_all(iso_brick_set *set, size_t *count, iso_error *error) 
     }
     iso_free(may_exist);
     return status;
+}
+
+/* Every brick that may have something, ascending, in *list. */
+static iso_status list_all(iso_brick_set *set, const uint32_t **list, size_t *count, iso_error *error) {
+    if (set->grid.rgrid && set->kernel.isovalue) {
+        ISO_TRY(list_crossed(set, count, error));
+        *list = set->query.bricks.data;
+        return ISO_OK;
+    }
+    bool sparse = set->grid.hgrid && set->kernel.bricks_only;
+    ISO_TRY(sparse ? list_bricks(set, count, error) : list_surveyed(set, count, error));
+    *list = set->list.data;
+    return ISO_OK;
 }
 
 static void forget_spans(iso_brick_set *set) {
@@ -384,13 +417,12 @@ iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error) {
     if (set->full) {
         set->rejected = 0;
         forget_spans(set);
-        bool indexed = set->grid.rgrid && set->kernel.isovalue;
-        ISO_TRY(indexed ? list_crossed(set, &count, error) : list_all(set, &count, error));
-        if (indexed) list = set->query.bricks.data;
+        ISO_TRY(list_all(set, &list, &count, error));
     } else {
         ISO_TRY(list_changed(set, &count, error));
+        list = set->list.data;
     }
-    iso_status status = extract_bricks(set, list ? list : set->list.data, count, error);
+    iso_status status = extract_bricks(set, list, count, error);
     if (status != ISO_OK) {
         if (set->full) forget_spans(set);
         return status;

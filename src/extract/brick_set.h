@@ -46,6 +46,8 @@ typedef struct iso_brick_sink iso_brick_sink;
 void *iso_brick_sink_room(iso_brick_sink *sink, int array, size_t count);
 /* The next made->count items of those rooms are the brick's (made->items is not read). */
 void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, const iso_brick_output *made);
+/* Whether memory ran out: what is still to do can be left. */
+bool iso_brick_sink_failed(const iso_brick_sink *sink);
 /* Does a brick with the kernel's `extract`. */
 void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t brick);
 
@@ -65,6 +67,7 @@ typedef struct iso_brick_kernel {
     /* Optional: the stored isovalue, without whose crossing a brick has nothing. In an rgrid the bricks are
      * then found through the grid's index, and may_exist is asked of edited ones only. */
     float (*isovalue)(const void *context);
+    bool bricks_only; /* cells of an hgrid that have no brick have nothing: may_exist need not be asked */
     void (*write_span)(void *span, const iso_brick_place *place);
 } iso_brick_kernel;
 

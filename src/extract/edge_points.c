@@ -18,7 +18,14 @@ static float fraction(const iso_surface *surface, float a, float b) {
     return t < 1 ? t : 1;
 }
 
-/* The gradient between the ends, outward, scaled to |x| + |y| + |z| = 1 first so that squares stay in range;
+static bool wide_normal(const float gradient[3], float normal[3]) {
+    if (!iso_unit_normal(gradient, 1, normal)) return false;
+    float sum = fabsf(normal[0]) + fabsf(normal[1]) + fabsf(normal[2]);
+    for (int axis = 0; axis < 3; axis++) normal[axis] /= sum;
+    return true;
+}
+
+/* The gradient between the ends, outward, scaled to |x| + |y| + |z| = 1 so that squares stay in range;
  * where there is none the edge itself says where outside is. The operations and their
  * order, the edge's axis first, are those of edge_kernel_body.inc: both give the same bytes. */
 static void edge_normal(const iso_brick_window *window, const edge *e, const iso_surface *surface, float t,
@@ -33,7 +40,7 @@ static void edge_normal(const iso_brick_window *window, const edge *e, const iso
     const int second = e->axis == 0 ? 1 : 0, third = e->axis == 2 ? 1 : 2;
     float sum = fabsf(gradient[e->axis]) + fabsf(gradient[second]) + fabsf(gradient[third]);
     if (!(sum > 0 && sum <= FLT_MAX)) {
-        if (iso_unit_normal(gradient, 1, normal)) return; /* out of the kernel's range; see edge_run.c */
+        if (wide_normal(gradient, normal)) return; /* out of the kernel's range; see edge_run.c */
         bool rises = !iso_surface_inside(surface, window->values[e->index]);
         for (int axis = 0; axis < 3; axis++) normal[axis] = 0;
         normal[e->axis] = rises ? surface->outward : -surface->outward;
@@ -41,8 +48,11 @@ static void edge_normal(const iso_brick_window *window, const edge *e, const iso
     }
     float lift = sum < 0x1p-64f ? 0x1p64f : 1, scale = 1 / (sum * lift);
     for (int axis = 0; axis < 3; axis++) normal[axis] = gradient[axis] * lift * scale;
-    float length = sqrtf(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    for (int axis = 0; axis < 3; axis++) normal[axis] /= length;
+}
+
+static void make_unit(float n[3]) {
+    float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int axis = 0; axis < 3; axis++) n[axis] /= length;
 }
 
 static void try_edge(const iso_brick_window *window, const edge *e, const iso_surface *surface,
@@ -56,6 +66,7 @@ static void try_edge(const iso_brick_window *window, const edge *e, const iso_su
     for (int axis = 0; axis < 3; axis++) point->position[axis] = (float)e->voxel[axis];
     point->position[e->axis] += t;
     edge_normal(window, e, surface, t, point->normal);
+    if (!out->scaled) make_unit(point->normal);
     if (out->keys) out->keys[out->count] = iso_edge_key_make(e->voxel[0], e->voxel[1], e->voxel[2], e->axis);
     out->count++;
 }

@@ -14,6 +14,7 @@ typedef struct iso_edge_points {
     iso_surfel *points;
     iso_edge_key *keys; /* one per point; NULL: not wanted */
     uint32_t count;
+    bool scaled; /* normals with |x| + |y| + |z| = 1, for iso_point_pack_scaled, instead of unit ones */
 } iso_edge_points;
 
 /* Appends the points on edges that the brick owns, ascending in key. */

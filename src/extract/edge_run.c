@@ -119,7 +119,7 @@ static void fill_run(const iso_edge_runner *runner, const iso_edge_stretch *aske
 
 void iso_edge_run(const iso_edge_runner *runner, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink) {
-    for (size_t i = 0; i < count;) {
+    for (size_t i = 0; i < count && !iso_brick_sink_failed(sink);) {
         iso_edge_stretch asked = iso_edge_stretch_find(runner->grid, set, bricks + i, count - i);
         if (!asked.bricks) {
             iso_brick_sink_extract(sink, bricks[i++]);

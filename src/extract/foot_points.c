@@ -2,6 +2,8 @@
  * scalar field. The band [0, sqrt 3) holds every voxel on the outer side that belongs to a crossed cell. */
 #include "extract/foot_points.h"
 
+#include <string.h>
+
 static const float BAND = 1.7320508f; /* sqrt 3, voxels */
 static const double REACH = 2; /* voxels from the seed; beyond sqrt 3, as the field need not be a distance */
 static const int MOST_STEPS = 10;
@@ -16,51 +18,96 @@ static int last_voxel(const iso_brick_window *window, int axis) {
     return window->last[axis] < ISO_BRICK - 1 ? window->last[axis] : ISO_BRICK - 1;
 }
 
-static bool stencil_is_clamped(const float *centre, float band) {
-    const int steps[3] = {1, ISO_STEP_Y, ISO_STEP_Z};
-    for (int axis = 0; axis < 3; axis++)
-        if (fabsf(centre[-steps[axis]]) >= band || fabsf(centre[steps[axis]]) >= band) return true;
-    return fabsf(*centre) >= band;
+/* Floats to integers in the same order, and back. */
+static int32_t in_order(int32_t bits) {
+    return bits < 0 ? bits ^ INT32_MAX : bits;
 }
 
-static bool foot_of(const iso_brick_window *window, const iso_surface *surface, const int voxel[3],
-                    float band, iso_surfel *point) {
-    const float *centre = window->values + iso_window_index(voxel[0], voxel[1], voxel[2]);
-    if (stencil_is_clamped(centre, band)) return false;
+static float float_of(int32_t order) {
+    float value;
+    memcpy(&value, &(int32_t){in_order(order)}, sizeof value);
+    return value;
+}
+
+static int32_t order_of(float value) {
+    int32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return in_order(bits);
+}
+
+/* The lowest float from `at` on that is not in the band; distances grow with values, so that halving finds
+ * it. */
+static float band_top(const iso_surface *surface) {
+    if (!in_band(surface, surface->at)) return surface->at;
+    int64_t in = order_of(surface->at), out = order_of(INFINITY);
+    while (out - in > 1) {
+        int64_t middle = in + (out - in) / 2;
+        *(in_band(surface, float_of((int32_t)middle)) ? &in : &out) = middle;
+    }
+    return float_of((int32_t)out);
+}
+
+iso_foot_surface iso_foot_surface_of(const iso_surface *surface, float band) {
+    return (iso_foot_surface){.at = surface->at,
+                              .rest = surface->rest,
+                              .outward = surface->outward,
+                              .top = band_top(surface),
+                              .band = band};
+}
+
+bool iso_foot_point(const iso_foot_surface *surface, const iso_foot_stencil *stencil, iso_surfel *point) {
+    if (iso_foot_is_clamped(surface->band, stencil)) return false;
     float g[3];
-    iso_window_gradient(window, voxel, g);
-    if (!(g[0] * g[0] + g[1] * g[1] + g[2] * g[2] >= 0.25f)) return false;
-    if (!iso_unit_normal(g, surface->outward, point->normal)) return false;
-    float distance = *centre - surface->at - surface->rest;
+    for (int axis = 0; axis < 3; axis++) {
+        bool has_low = !isnan(stencil->low[axis]), has_high = !isnan(stencil->high[axis]);
+        float low = has_low ? stencil->low[axis] : stencil->centre;
+        float high = has_high ? stencil->high[axis] : stencil->centre;
+        g[axis] = has_low && has_high ? 0.5f * (high - low) : high - low;
+    }
+    float squared = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+    if (!(squared >= 0.25f)) return false;
+    if (iso_foot_is_regular(squared)) {
+        float scale = surface->outward / sqrtf(squared);
+        for (int axis = 0; axis < 3; axis++) point->normal[axis] = g[axis] * scale;
+    } else if (!iso_unit_normal(g, surface->outward, point->normal)) {
+        return false;
+    }
+    float distance = stencil->centre - surface->at - surface->rest;
     for (int axis = 0; axis < 3; axis++)
-        point->position[axis] = (float)voxel[axis] - distance * point->normal[axis];
+        point->position[axis] = (float)stencil->voxel[axis] - distance * point->normal[axis];
     return true;
 }
 
-void iso_foot_points_direct(const iso_brick_window *window, const iso_surface *surface, float band,
+static iso_foot_stencil stencil_at(const iso_brick_window *window, const int voxel[3]) {
+    const float *centre = window->values + iso_window_index(voxel[0], voxel[1], voxel[2]);
+    iso_foot_stencil stencil = {.centre = *centre};
+    for (int axis = 0; axis < 3; axis++) {
+        int step = iso_window_step(axis);
+        stencil.voxel[axis] = voxel[axis];
+        stencil.low[axis] = voxel[axis] > window->first[axis] ? centre[-step] : NAN;
+        stencil.high[axis] = voxel[axis] < window->last[axis] ? centre[step] : NAN;
+    }
+    return stencil;
+}
+
+void iso_foot_points_direct(const iso_brick_window *window, const iso_foot_surface *surface,
                             iso_foot_points *out) {
     for (int z = 0; z <= last_voxel(window, 2); z++)
         for (int y = 0; y <= last_voxel(window, 1); y++)
             for (int x = 0; x <= last_voxel(window, 0); x++) {
-                if (!in_band(surface, window->values[iso_window_index(x, y, z)])) continue;
-                if (foot_of(window, surface, (int[3]){x, y, z}, band, &out->points[out->count]))
+                float value = window->values[iso_window_index(x, y, z)];
+                if (!(value >= surface->at && value < surface->top)) continue;
+                iso_foot_stencil stencil = stencil_at(window, (int[3]){x, y, z});
+                if (iso_foot_point(surface, &stencil, &out->points[out->count]))
                     out->count++;
                 else
                     out->rejected++;
             }
 }
 
-static bool sparse_brick_in_band(const iso_hgrid *grid, const iso_surface *surface, const int brick[3]) {
-    int32_t number = grid->cell[iso_hgrid_cell_index(grid, brick[0], brick[1], brick[2])];
-    if (number < 0) return false;
-    const float *values = iso_hgrid_brick(grid, number);
-    for (int i = 0; i < ISO_BRICK_VOXELS; i++)
-        if (in_band(surface, values[i])) return true;
-    return false;
-}
-
 bool iso_foot_points_may_exist(const iso_grid *grid, const iso_surface *surface, const int brick[3]) {
-    if (grid->hgrid) return sparse_brick_in_band(grid->hgrid, surface, brick);
+    if (grid->hgrid) /* whether its brick has voxels in the band is for the kernel to find out */
+        return grid->hgrid->cell[iso_hgrid_cell_index(grid->hgrid, brick[0], brick[1], brick[2])] >= 0;
     float top = surface->at + 1.75f; /* a little above sqrt 3: rounding must not lose a voxel */
     if (iso_grid_brick_may_cross(grid, brick, surface->at) || iso_grid_brick_may_cross(grid, brick, top))
         return true;

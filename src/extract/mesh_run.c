@@ -84,7 +84,7 @@ static bool run_stretch(const iso_mesh_runner *runner, const iso_edge_stretch *s
 
 void iso_mesh_run(const iso_mesh_runner *runner, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink) {
-    for (size_t i = 0; i < count;) {
+    for (size_t i = 0; i < count && !iso_brick_sink_failed(sink);) {
         iso_edge_stretch stretch = iso_edge_stretch_find(runner->grid, set, bricks + i, count - i);
         if (!stretch.bricks) {
             iso_brick_sink_extract(sink, bricks[i++]);

@@ -5,6 +5,7 @@
 #include "extract/brick_set.h"
 #include "extract/edge_points.h"
 #include "extract/edge_run.h"
+#include "extract/foot_kernel.h"
 #include "extract/foot_points.h"
 
 /* One worker's. */
@@ -20,6 +21,8 @@ struct iso_point_set {
     iso_points_opts opts; /* primitive is never auto */
     iso_surface surface;
     iso_edge_runner runner; /* edge points of an rgrid */
+    iso_foot_surface foot_surface;
+    const iso_foot_kernel *foot_kernel; /* foot points of an hgrid */
 };
 
 const char *iso_primitive_name(iso_primitive primitive) {
@@ -31,6 +34,9 @@ static void output_points(const iso_point_set *points, point_scratch *scratch, u
                           iso_brick_output *output) {
     output->count[0] = count;
     output->items[0] = points->opts.floats ? (const void *)scratch->surfels : scratch->packed;
+}
+
+static void pack_points(const iso_point_set *points, point_scratch *scratch, uint32_t count) {
     if (points->opts.floats) return;
     for (uint32_t i = 0; i < count; i++) scratch->packed[i] = iso_point_pack(&scratch->surfels[i]);
 }
@@ -44,8 +50,10 @@ static void extract_edges(const void *context, const int brick[3], void *memory,
     const iso_point_set *points = context;
     point_scratch *scratch = memory;
     iso_brick_window_fill(&points->grid, brick, &scratch->window);
-    iso_edge_points edges = {.points = scratch->surfels};
+    iso_edge_points edges = {.points = scratch->surfels, .scaled = !points->opts.floats};
     iso_edge_points_own(&scratch->window, &points->surface, &edges);
+    for (uint32_t i = 0; i < edges.count && edges.scaled; i++)
+        scratch->packed[i] = iso_point_pack_scaled(&scratch->surfels[i]);
     output_points(points, scratch, edges.count, output);
 }
 
@@ -70,10 +78,35 @@ static void extract_feet(const void *context, const int brick[3], void *memory, 
     point_scratch *scratch = memory;
     iso_brick_window_fill(&points->grid, brick, &scratch->window);
     iso_foot_points feet = {.points = scratch->surfels};
-    float band = points->grid.hgrid ? points->grid.hgrid->band : INFINITY;
-    iso_foot_points_direct(&scratch->window, &points->surface, band, &feet);
+    iso_foot_points_direct(&scratch->window, &points->foot_surface, &feet);
     output->rejected = feet.rejected;
+    pack_points(points, scratch, feet.count);
     output_points(points, scratch, feet.count, output);
+}
+
+static const float *values_of(const iso_point_set *points, uint32_t brick) {
+    const iso_hgrid *grid = points->grid.hgrid; /* its cells are numbered like the set's bricks */
+    return iso_hgrid_brick(grid, grid->cell[brick]);
+}
+
+/* The next brick of the list is fetched into the cache meanwhile. */
+static void run_feet(const void *context, const uint32_t *bricks, size_t count, void *memory,
+                     iso_brick_sink *sink) {
+    const iso_point_set *points = context;
+    for (size_t i = 0; i < count && !iso_brick_sink_failed(sink); i++) {
+        int brick[3];
+        iso_brick_set_coordinates(&points->set, bricks[i], brick);
+        void *room = iso_brick_sink_room(sink, 0, ISO_FOOT_ROOM);
+        if (!room) return;
+        iso_foot_brick around;
+        iso_foot_brick_of(points->grid.hgrid, brick, memory, &around);
+        around.next = values_of(points, bricks[i + 1 < count ? i + 1 : i]);
+        iso_foot_output feet = {.packed = points->opts.floats ? NULL : room,
+                                .surfels = points->opts.floats ? room : NULL};
+        points->foot_kernel->extract(&points->foot_surface, &around, memory, &feet);
+        iso_brick_sink_add(sink, bricks[i],
+                           &(iso_brick_output){.count = {feet.count}, .rejected = feet.rejected});
+    }
 }
 
 static bool seeds_may_exist(const void *context, const int brick[3]) {
@@ -89,6 +122,7 @@ static void extract_iterated(const void *context, const int brick[3], void *memo
     iso_foot_points feet = {.points = scratch->surfels};
     iso_foot_points_iterated(&points->grid, &scratch->window, &points->surface, &feet);
     output->rejected = feet.rejected;
+    pack_points(points, scratch, feet.count);
     output_points(points, scratch, feet.count, output);
 }
 
@@ -112,6 +146,11 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
         kernel.halo = ISO_HALO_FOOT;
         kernel.may_exist = feet_may_exist;
         kernel.extract = extract_feet;
+        if (!dense) {
+            kernel.run = run_feet;
+            kernel.scratch_bytes = sizeof(iso_foot_scratch);
+            kernel.bricks_only = true;
+        }
         break;
     case ISO_PRIMITIVE_FOOT_ITERATED:
         kernel.halo = ISO_HALO_ITERATED;
@@ -134,6 +173,8 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
 
 static void set_surface(iso_point_set *points) {
     points->surface = iso_surface_of(&points->grid, points->opts.isovalue);
+    float band = points->grid.hgrid ? points->grid.hgrid->band : INFINITY;
+    points->foot_surface = iso_foot_surface_of(&points->surface, band);
     if (points->grid.rgrid)
         iso_edge_runner_init(&points->runner, points->grid.rgrid, &points->surface, points->opts.floats);
 }
@@ -152,6 +193,7 @@ iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opt
     points->grid = *grid;
     points->opts = chosen;
     set_surface(points);
+    points->foot_kernel = iso_foot_kernel_get(iso_cpu_best());
     iso_brick_kernel kernel = kernel_of(&chosen, grid->rgrid != NULL);
     iso_status status = iso_brick_set_init(&points->set, &kernel, points, grid, chosen.pool, error);
     if (status != ISO_OK) {

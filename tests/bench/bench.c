@@ -69,6 +69,12 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_TEXT,
      .flags = ISO_OPTION_HIDDEN,
      .offset = offsetof(bench_settings, file_child)},
+    {.name = "vtk-child",
+     .value = "FILE",
+     .help = "Read FILE with VTK and print the time: for extract/vtkXMLImageDataReader",
+     .kind = ISO_OPTION_TEXT,
+     .flags = ISO_OPTION_HIDDEN,
+     .offset = offsetof(bench_settings, vtk_child)},
 };
 
 static const char *const usage[] = {"[extract] [render] [OPTION]...", NULL};
@@ -146,6 +152,7 @@ int main(int argc, char **argv) {
     }
     if (status == ISO_OK && settings.memory_child) return bench_memory_child(&settings);
     if (status == ISO_OK && settings.file_child) return bench_file_child(&settings);
+    if (status == ISO_OK && settings.vtk_child) return bench_vtk_child(&settings);
     if (status == ISO_OK) status = run(&settings, &choice, &error);
     if (status != ISO_OK) fprintf(stderr, "bench: %s\n", error.text);
     return iso_status_exit(status);
