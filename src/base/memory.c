@@ -1,11 +1,16 @@
 #define _GNU_SOURCE
 #include "base/memory.h"
 
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 #define HUGE_PAGE ((size_t)2 << 20)
 
@@ -82,3 +87,35 @@ uint64_t iso_memory_peak(void) {
     if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
     return (uint64_t)usage.ru_maxrss * 1024;
 }
+
+#ifdef __SSE2__
+enum { STREAM_LINE = 64, STREAM_BYTES = 4096 };
+
+void iso_copy_stream(void *to, const void *from, size_t bytes) {
+    char *target = to;
+    const char *source = from;
+    if (bytes >= STREAM_BYTES) {
+        const size_t head = (0 - (uintptr_t)target) % STREAM_LINE;
+        memcpy(target, source, head);
+        size_t at = head;
+        for (; at + STREAM_LINE <= bytes; at += STREAM_LINE) /* only whole lines avoid a read of the target */
+            for (size_t k = at; k < at + STREAM_LINE; k += sizeof(__m128i))
+                _mm_stream_si128((__m128i *)(void *)(target + k),
+                                 _mm_loadu_si128((const __m128i *)(const void *)(source + k)));
+        target += at;
+        source += at;
+        bytes -= at;
+    }
+    memcpy(target, source, bytes);
+}
+
+void iso_copy_stream_end(void) {
+    _mm_sfence();
+}
+#else
+void iso_copy_stream(void *to, const void *from, size_t bytes) {
+    memcpy(to, from, bytes);
+}
+
+void iso_copy_stream_end(void) {}
+#endif

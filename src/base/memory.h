@@ -40,6 +40,11 @@ typedef struct iso_buffer {
 iso_status iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error);
 void iso_buffer_free(iso_buffer *buffer);
 
+/* Copies what will not be read soon, past the caches where that is faster (many kilobytes; twice as fast as
+ * memcpy then). Other threads see it after iso_copy_stream_end in the thread that copied. */
+void iso_copy_stream(void *to, const void *from, size_t bytes);
+void iso_copy_stream_end(void);
+
 /* *out = a * b; false on overflow. */
 bool iso_size_multiply(size_t a, size_t b, size_t *out);
 

@@ -259,26 +259,39 @@ static iso_status place_batch(iso_brick_set *set, size_t chunks, iso_error *erro
     return status;
 }
 
+/* One of a chunk's arrays to the bricks' places: as few copies as those places allow, which is one when the
+ * set is full, because spans are then packed tight. */
+static void copy_array(const iso_brick_set *set, const chunk *part, int array) {
+    const int heap = array / ISO_SPAN_ARRAYS;
+    const size_t bytes = set->kernel.item_bytes[array];
+    const char *source = part->array[array].data;
+    char *target = set->heap[heap].array[array % ISO_SPAN_ARRAYS].data;
+    size_t from = 0, to = 0, count = 0,
+           next = 0; /* items: what is to be copied, and where the next brick's are */
+    for (size_t r = 0; r < part->placed; r++) {
+        const result *made = &part->results[r];
+        if (!made->count[heap]) continue;
+        const size_t first = slot_at(set, set->span_of[made->brick] - 1)->place.first[heap];
+        if (count && first != to + count) {
+            iso_copy_stream(target + to * bytes, source + from * bytes, count * bytes);
+            count = 0;
+        }
+        if (!count) {
+            from = next;
+            to = first;
+        }
+        count += made->count[heap];
+        next += made->count[heap];
+    }
+    if (count) iso_copy_stream(target + to * bytes, source + from * bytes, count * bytes);
+}
+
 static void copy_chunk(void *context, size_t index, int worker) {
     (void)worker;
     const batch *work = context;
-    const iso_brick_set *set = work->set;
-    const chunk *part = chunk_at(set, index);
-    size_t offset[ISO_SET_HEAPS] = {0};
-    for (size_t r = 0; r < part->placed; r++) {
-        const result *made = &part->results[r];
-        if (!set->span_of[made->brick]) continue;
-        const slot *entry = slot_at(set, set->span_of[made->brick] - 1);
-        for (int i = 0; i < ISO_SET_ARRAYS; i++) {
-            int heap = i / ISO_SPAN_ARRAYS;
-            size_t bytes = set->kernel.item_bytes[i];
-            if (!bytes || !made->count[heap]) continue;
-            char *target = set->heap[heap].array[i % ISO_SPAN_ARRAYS].data;
-            memcpy(target + entry->place.first[heap] * bytes,
-                   (const char *)part->array[i].data + offset[heap] * bytes, made->count[heap] * bytes);
-        }
-        for (int heap = 0; heap < ISO_SET_HEAPS; heap++) offset[heap] += made->count[heap];
-    }
+    for (int i = 0; i < ISO_SET_ARRAYS; i++)
+        if (work->set->kernel.item_bytes[i]) copy_array(work->set, chunk_at(work->set, index), i);
+    iso_copy_stream_end();
 }
 
 /* ---- which bricks */
