@@ -26,8 +26,8 @@ static bool wide_normal(const float gradient[3], float normal[3]) {
 }
 
 /* The gradient between the ends, outward, scaled to |x| + |y| + |z| = 1 so that squares stay in range;
- * where there is none the edge itself says where outside is. The operations and their
- * order, the edge's axis first, are those of edge_kernel_body.inc: both give the same bytes. */
+ * where there is none the edge itself says where outside is. The operations and their order, the edge's axis
+ * first, are those of edge_kernel_body.inc: both give the same bytes. */
 static void edge_normal(const iso_brick_window *window, const edge *e, const iso_surface *surface, float t,
                         float normal[3]) {
     float low[3], high[3], gradient[3];
