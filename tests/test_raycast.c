@@ -13,7 +13,6 @@
 
 #include "extract/mesh.h"
 #include "truth/raycast.h"
-
 static double uniform(uint32_t *state) {
     *state = *state * 1664525u + 1013904223u;
     return (double)(*state >> 8) / (1 << 24);
