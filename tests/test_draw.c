@@ -56,7 +56,8 @@ static iso_transform random_transform(uint32_t *seed) {
 static iso_gbuffer clear_gbuffer(int width, int height) {
     iso_gbuffer gbuffer;
     assert_int_equal(iso_gbuffer_create(width, height, &gbuffer, NULL), ISO_OK);
-    memset(gbuffer.normal, 0, sizeof(float[3]) * (size_t)width * (size_t)height);
+    for (int axis = 0; axis < 3; axis++)
+        memset(gbuffer.normal[axis], 0, sizeof(float) * (size_t)width * (size_t)height);
     iso_gbuffer_clear(&gbuffer);
     return gbuffer;
 }
@@ -67,7 +68,8 @@ static void same_gbuffers(const iso_gbuffer *a, const iso_gbuffer *b, size_t a_r
     assert_memory_equal(a->surface + start, b->surface, samples);
     for (size_t i = 0; i < samples; i++)
         if (b->surface[i] != ISO_SURFACE_NONE)
-            assert_memory_equal(a->normal[start + i], b->normal[i], sizeof(float[3]));
+            for (int axis = 0; axis < 3; axis++)
+                assert_memory_equal(&a->normal[axis][start + i], &b->normal[axis][i], sizeof(float));
 }
 
 enum { MOST = 4000 };
@@ -159,9 +161,9 @@ static void check_cloud(const iso_view *view, const cloud *c) {
         const float *n = c->surfels[point].normal;
         iso_vec3 normal = iso_affine_normal(&affine, iso_vec3_make(n[0], n[1], n[2]));
         normal = iso_view_vector(view, normal);
-        near(g.normal[i][0], normal.x, 1e-5);
-        near(g.normal[i][1], normal.y, 1e-5);
-        near(g.normal[i][2], normal.z, 1e-5);
+        near(g.normal[0][i], normal.x, 1e-5);
+        near(g.normal[1][i], normal.y, 1e-5);
+        near(g.normal[2][i], normal.z, 1e-5);
     }
     assert_true(hit > total / 20 && hit < total - total / 20);
     assert_true(unsure < total / 20);
@@ -240,7 +242,7 @@ static void ties_go_to_the_first(void **state) {
     assert_int_equal(iso_draw_points(&first, &points, NULL), ISO_OK);
     assert_int_equal(iso_draw_points(&second, &points, NULL), ISO_OK);
     assert_int_equal(g.surface[middle], 3); /* the earlier surface, and its earlier point */
-    near(g.normal[middle][0], 1, 0);
+    near(g.normal[0][middle], 1, 0);
     points = few_points(same + 2, &span, 1);
     assert_int_equal(iso_draw_points(&second, &points, NULL), ISO_OK);
     assert_int_equal(g.surface[middle], 4); /* nearer wins */
@@ -286,7 +288,7 @@ static void extremes_are_harmless(void **state) {
     iso_gbuffer g = clear_gbuffer(200, 100);
     assert_int_equal(draw_points(&view, &points, &g), ISO_OK);
     for (int i = 0; i < 200 * 100; i++) assert_int_equal(g.surface[i], 0);
-    near(g.normal[0][2], -1, 0); /* no normal: towards the eye */
+    near(g.normal[2][0], -1, 0); /* no normal: towards the eye */
     iso_gbuffer_clear(&g);
     const float bad[] = {NAN, INFINITY, -INFINITY};
     for (int i = 0; i < 300; i++) surfels[i] = (iso_surfel){{0, 0, 5}, {1, 0, 0}};
@@ -363,7 +365,7 @@ static void meshes_break_ties_alike(void **state) {
     target.surface = 2;
     assert_int_equal(iso_draw_mesh(&target, &s.view, NULL), ISO_OK);
     assert_int_equal(g.surface[8 * 16 + 8], 1);
-    near(g.normal[8 * 16 + 8][2], 1, 0);
+    near(g.normal[2][8 * 16 + 8], 1, 0);
     iso_gbuffer_free(&g);
 }
 
@@ -603,9 +605,9 @@ static void normals_are_interpolated_in_space(void **state) {
         iso_vec3 n = {part[0] + 0.2 * (total - part[0]), part[1] + 0.2 * (total - part[1]),
                       part[2] + 0.2 * (total - part[2])};
         n = iso_vec3_unit(n);
-        near(g.normal[i][0], n.x, 3e-3);
-        near(g.normal[i][1], n.y, 3e-3);
-        near(g.normal[i][2], n.z, 3e-3);
+        near(g.normal[0][i], n.x, 3e-3);
+        near(g.normal[1][i], n.y, 3e-3);
+        near(g.normal[2][i], n.z, 3e-3);
         seen++;
     }
     assert_true(seen > 500);

@@ -154,8 +154,8 @@ static iso_status draw_columns(void *context, const iso_view *view, iso_gbuffer 
             size_t i = (size_t)y * (size_t)view->width + (size_t)x;
             gbuffer->depth[i] = 1;
             gbuffer->surface[i] = 0;
-            gbuffer->normal[i][0] = gbuffer->normal[i][1] = 0;
-            gbuffer->normal[i][2] = -1;
+            gbuffer->normal[0][i] = gbuffer->normal[1][i] = 0;
+            gbuffer->normal[2][i] = -1;
         }
     return ISO_OK;
 }
@@ -295,8 +295,8 @@ static void perspective_changes_the_highlight(void **state) {
     iso_gbuffer_clear(&g);
     for (int i = 0; i < 64 * 64; i++) {
         g.surface[i] = 7; /* beyond the colours: the last one */
-        const float n[3] = {0, 0, -1};
-        memcpy(g.normal[i], n, sizeof n);
+        g.normal[0][i] = g.normal[1][i] = 0;
+        g.normal[2][i] = -1;
     }
     iso_shading shading = {.colors = COLORS, .color_count = 2};
     iso_image image = image_of(64);
@@ -309,7 +309,8 @@ static void perspective_changes_the_highlight(void **state) {
         iso_vec3 to = iso_vec3_scale(iso_vec3_unit(ray), -1);
         const float eye[3] = {(float)to.x, (float)to.y, (float)to.z};
         float rgb[3];
-        iso_shade_sample(g.normal[i], eye, COLORS[1], rgb);
+        const float n[3] = {0, 0, -1};
+        iso_shade_sample(n, eye, COLORS[1], rgb);
         for (int c = 0; c < 3; c++) near(image.rgba[4 * i + c], 255 * rgb[c], 0.51);
     }
     assert_memory_not_equal(image.rgba, image.rgba + 4 * (64 * 63 + 63), 4);

@@ -163,7 +163,8 @@ static void same_pictures(const iso_gbuffer *a, const iso_gbuffer *b) {
     assert_memory_equal(a->depth, b->depth, samples * sizeof *a->depth);
     assert_memory_equal(a->surface, b->surface, samples);
     for (size_t i = 0; i < samples; i++)
-        if (isfinite(a->depth[i])) assert_memory_equal(a->normal[i], b->normal[i], sizeof a->normal[i]);
+        for (int axis = 0; axis < 3 && isfinite(a->depth[i]); axis++)
+            assert_memory_equal(&a->normal[axis][i], &b->normal[axis][i], sizeof(float));
 }
 
 /* ---- dense sampling */
@@ -324,7 +325,7 @@ static void cells_with_nan_are_empty(void **state) {
         iso_gbuffer gbuffer = cast(&grid, 0.7, &view, NULL);
         for (int i = 0; i < 40 * 40; i++)
             for (int axis = 0; axis < 3 && isfinite(gbuffer.depth[i]); axis++)
-                assert_true(isfinite(gbuffer.normal[i][axis]));
+                assert_true(isfinite(gbuffer.normal[axis][i]));
         iso_gbuffer_free(&gbuffer);
         iso_grid_destroy(&grid);
     }
@@ -378,11 +379,10 @@ static void a_sphere_is_a_sphere(void **state) {
                     if (!(fabs(depth - wanted) < 0.2)) fail_msg("depth %g, wanted %g", depth, wanted);
                     iso_vec3 world = iso_vec3_sub(iso_vec3_add(o, iso_vec3_scale(d, wanted)), b.centre);
                     iso_vec3 normal = iso_view_vector(&view, iso_vec3_unit(world));
-                    const float *got = gbuffer.normal[64 * y + x];
-                    double cosine = iso_vec3_dot(normal, iso_vec3_make(got[0], got[1], got[2]));
+                    iso_vec3 got = iso_gbuffer_normal(&gbuffer, (size_t)(64 * y + x));
+                    double cosine = iso_vec3_dot(normal, got);
                     if (!(cosine > 0.999)) fail_msg("normal off by %g degrees", acos(cosine) * 180 / ISO_PI);
-                    double length = sqrt((double)(got[0] * got[0] + got[1] * got[1] + got[2] * got[2]));
-                    assert_true(fabs(length - 1) < 1e-6);
+                    assert_true(fabs(iso_vec3_length(got) - 1) < 1e-6);
                 } else if (nearest2 > 1.05 * b.radius * b.radius)
                     assert_true(depth == (double)INFINITY);
             }
@@ -458,8 +458,8 @@ static void a_wall_in_a_voxel_plane_has_no_holes(void **state) {
                 fail_msg("round %d sample %d: depth %g, wanted %g", round, i, (double)gbuffer.depth[i],
                          wanted);
             float facing = w.thin || up ? -1 : 1; /* low values lie before the wall, or behind it */
-            assert_true(gbuffer.normal[i][0] == 0 && gbuffer.normal[i][1] == 0 &&
-                        gbuffer.normal[i][2] == facing);
+            assert_true(gbuffer.normal[0][i] == 0 && gbuffer.normal[1][i] == 0 &&
+                        gbuffer.normal[2][i] == facing);
         }
         iso_gbuffer_free(&gbuffer);
         iso_grid_destroy(&grid);

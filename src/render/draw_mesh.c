@@ -155,7 +155,7 @@ static void draw_pixel(const mesh_draw *draw, const triangle *t, const int64_t v
     g->depth[index] = z;
     g->surface[index] = draw->target->surface;
     for (int axis = 0; axis < 3; axis++)
-        g->normal[index][axis] = length > 0 ? n[axis] / length : axis == 2 ? -1.0f : 0.0f;
+        g->normal[axis][index] = length > 0 ? n[axis] / length : axis == 2 ? -1.0f : 0.0f;
 }
 
 /* Narrows pixels lo .. hi of a row to those where value + x * step >= 0. */

@@ -74,7 +74,7 @@ static void fill_row(const point_draw *draw, const disc *d, const float normal[3
         if (!(d->depth < g->depth[i])) continue;
         g->depth[i] = d->depth;
         g->surface[i] = draw->target->surface;
-        for (int axis = 0; axis < 3; axis++) g->normal[i][axis] = normal[axis];
+        for (int axis = 0; axis < 3; axis++) g->normal[axis][i] = normal[axis];
     }
 }
 

@@ -8,14 +8,14 @@
 iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_error *error) {
     size_t samples;
     if (width < 1 || height < 1 || !iso_size_multiply((size_t)width, (size_t)height, &samples) ||
-        samples > SIZE_MAX / sizeof(float[3]))
+        samples > SIZE_MAX / sizeof(float))
         return iso_fail(error, ISO_ERR_NOMEM, "a buffer of %dx%d samples is impossible", width, height);
     iso_gbuffer made = {.width = width,
                         .height = height,
                         .depth = iso_alloc(samples * sizeof(float)),
-                        .normal = iso_alloc(samples * sizeof(float[3])),
                         .surface = iso_alloc(samples)};
-    if (!made.depth || !made.normal || !made.surface) {
+    for (int axis = 0; axis < 3; axis++) made.normal[axis] = iso_alloc(samples * sizeof(float));
+    if (!made.depth || !made.normal[0] || !made.normal[1] || !made.normal[2] || !made.surface) {
         iso_gbuffer_free(&made);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %dx%d samples", width, height);
     }
@@ -25,7 +25,7 @@ iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_e
 
 void iso_gbuffer_free(iso_gbuffer *gbuffer) {
     iso_free(gbuffer->depth);
-    iso_free(gbuffer->normal);
+    for (int axis = 0; axis < 3; axis++) iso_free(gbuffer->normal[axis]);
     iso_free(gbuffer->surface);
     *gbuffer = (iso_gbuffer){0};
 }

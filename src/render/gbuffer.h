@@ -3,8 +3,10 @@
 #ifndef ISO_RENDER_GBUFFER_H
 #define ISO_RENDER_GBUFFER_H
 
+#include <stddef.h>
 #include <stdint.h>
 
+#include "base/geometry.h"
 #include "base/status.h"
 
 #ifdef __cplusplus
@@ -16,10 +18,16 @@ enum { ISO_SURFACE_MAX = 255, ISO_SURFACE_NONE = 255 };
 
 typedef struct iso_gbuffer {
     int width, height;
-    float *depth;       /* width * height; view z in mm, INFINITY where nothing was drawn */
-    float (*normal)[3]; /* unit, view space, pointing out of the solid (not flipped to the viewer) */
-    uint8_t *surface;   /* which surface */
+    float *depth;     /* width * height; view z in mm, INFINITY where nothing was drawn */
+    float *normal[3]; /* planes x, y, z: unit, view space, pointing out of the solid (not flipped to the
+                         viewer) */
+    uint8_t *surface; /* which surface */
 } iso_gbuffer;
+
+/* The normal of sample `index`. */
+static inline iso_vec3 iso_gbuffer_normal(const iso_gbuffer *gbuffer, size_t index) {
+    return iso_vec3_make(gbuffer->normal[0][index], gbuffer->normal[1][index], gbuffer->normal[2][index]);
+}
 
 /* Planes uninitialised; iso_gbuffer_free when done. ISO_ERR_NOMEM. */
 iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_error *error);

@@ -3,7 +3,7 @@
 #include <assert.h>
 
 /* Bytes of the gbuffer per sample: depth, normal, surface. */
-enum { SAMPLE_BYTES = sizeof(float) + sizeof(float[3]) + 1 };
+enum { SAMPLE_BYTES = 4 * sizeof(float) + 1 };
 static const size_t GBUFFER_BYTES = (size_t)256 << 20;
 
 /* The root of a square number 1 .. 64, else 0. */

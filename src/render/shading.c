@@ -71,8 +71,9 @@ static int gather(const shade *s, int x, int y, float sum[3]) {
             if (s->gbuffer->surface[index] == ISO_SURFACE_NONE) continue;
             float to_eye[3], rgb[3];
             eye_direction(s->view, i, j, to_eye);
-            iso_shade_sample(s->gbuffer->normal[index], to_eye,
-                             surface_color(s->shading, s->gbuffer->surface[index]), rgb);
+            const float normal[3] = {s->gbuffer->normal[0][index], s->gbuffer->normal[1][index],
+                                     s->gbuffer->normal[2][index]};
+            iso_shade_sample(normal, to_eye, surface_color(s->shading, s->gbuffer->surface[index]), rgb);
             for (int c = 0; c < 3; c++) sum[c] += rgb[c];
             covered++;
         }

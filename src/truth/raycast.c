@@ -404,9 +404,9 @@ static void cast_sample(const ray_frame *frame, int x, int y) {
     if (!(iso_vec3_dot(normal, normal) > 0)) normal = iso_vec3_unit(iso_vec3_scale(direction, -1));
     normal = iso_view_vector(view, normal);
     gbuffer->depth[sample] = (float)hit.t;
-    gbuffer->normal[sample][0] = (float)normal.x;
-    gbuffer->normal[sample][1] = (float)normal.y;
-    gbuffer->normal[sample][2] = (float)normal.z;
+    gbuffer->normal[0][sample] = (float)normal.x;
+    gbuffer->normal[1][sample] = (float)normal.y;
+    gbuffer->normal[2][sample] = (float)normal.z;
     gbuffer->surface[sample] = frame->target->surface;
 }
 

@@ -1,0 +1,213 @@
+/* simd: vectors of floats and 32-bit integers as wide as each instruction set has them, so that a kernel body
+ * is written once and included once per level.
+ *
+ * A kernel file sets ISO_LEVEL to generic, avx2 and avx512 in turn and includes its body each time; in the
+ * body vf, vi and vm are vectors of ISO_LANES floats, integers and truth values, ISO_TARGET marks its
+ * functions and ISO_V(name) names them. Arithmetic on vf and vi is written with operators, all else with the
+ * v_ functions below. Every operation is exact or correctly rounded, so each lane holds the same bits at
+ * every level; what a body does across lanes must not depend on how many there are. Internal: kernel files
+ * only. */
+#ifndef ISO_BASE_SIMD_H
+#define ISO_BASE_SIMD_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "base/cpu.h"
+
+#if ISO_HAVE_X86
+#include <immintrin.h>
+#endif
+
+#define ISO_PASTE_(name, level) name##_##level
+#define ISO_PASTE(name, level) ISO_PASTE_(name, level)
+#define ISO_V(name) ISO_PASTE(name, ISO_LEVEL)
+#define ISO_TARGET ISO_V(ISO_TARGET)
+#define ISO_LANES ISO_V(ISO_LANES)
+/* A function of a body that callers inline. */
+#define ISO_INLINE ISO_TARGET static inline __attribute__((always_inline))
+
+#define ISO_TARGET_generic
+#define ISO_TARGET_avx2 ISO_TARGET_AVX2
+#define ISO_TARGET_avx512 ISO_TARGET_AVX512
+enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LANES_MAX = 16 };
+
+#define vf ISO_V(vf)
+#define vi ISO_V(vi)
+#define vm ISO_V(vm)
+
+#define v_set ISO_V(v_set)           /* vf of one float */
+#define v_seti ISO_V(v_seti)         /* vi of one int32_t */
+#define v_load ISO_V(v_load)         /* vf from ISO_LANES floats; no alignment needed */
+#define v_loadi ISO_V(v_loadi)       /* vi from ISO_LANES int32_t */
+#define v_load_u8 ISO_V(v_load_u8)   /* vi from ISO_LANES uint8_t */
+#define v_load_u16 ISO_V(v_load_u16) /* vi from ISO_LANES uint16_t */
+#define v_load_i16 ISO_V(v_load_i16) /* vi from ISO_LANES int16_t */
+#define v_store ISO_V(v_store)       /* (float *, vf) */
+#define v_storei ISO_V(v_storei)     /* (int32_t *, vi) */
+#define v_lanes ISO_V(v_lanes)       /* vi 0, 1, 2, .. */
+#define v_bits ISO_V(v_bits)         /* the bits of a vf as a vi */
+#define v_floats ISO_V(v_floats)     /* the bits of a vi as a vf */
+#define v_to_float ISO_V(v_to_float) /* integers to the nearest floats */
+#define v_trunc ISO_V(v_trunc)       /* vf to vi, towards zero; values must fit */
+#define v_floor ISO_V(v_floor)       /* vf to vi, downwards; values must fit */
+#define v_min ISO_V(v_min)           /* a < b ? a : b: b when one is a NaN */
+#define v_max ISO_V(v_max)           /* a > b ? a : b: b when one is a NaN */
+#define v_abs ISO_V(v_abs)
+#define v_sqrt ISO_V(v_sqrt)
+#define v_lt ISO_V(v_lt) /* ordered comparisons of vf: false with a NaN */
+#define v_le ISO_V(v_le)
+#define v_eq ISO_V(v_eq)
+#define v_lti ISO_V(v_lti) /* comparisons of vi */
+#define v_eqi ISO_V(v_eqi)
+#define v_select ISO_V(v_select)   /* (mask, a, b): a where true, else b */
+#define v_selecti ISO_V(v_selecti) /* the same for vi */
+#define v_and ISO_V(v_and)         /* truth values */
+#define v_or ISO_V(v_or)
+#define v_andnot ISO_V(v_andnot)       /* a and not b */
+#define v_mask ISO_V(v_mask)           /* truth values as bits of a uint32_t, lane 0 lowest */
+#define v_from_mask ISO_V(v_from_mask) /* and back; higher bits are ignored */
+/* The lanes where the mask is true, packed, to memory: up to ISO_LANES items are overwritten. */
+#define v_compress ISO_V(v_compress)   /* (float *, vm, vf) */
+#define v_compressi ISO_V(v_compressi) /* (int32_t *, vm, vi) */
+
+/* ---- what vector operators say, once for every width: N lanes of float F, int32_t I, bytes of both */
+
+#define ISO_SIMD_COMMON(level, target, bytes)                                                                \
+    enum { ISO_SIMD_BYTES_##level = bytes };                                                                 \
+    target static inline vf_##level v_set_##level(float value) {                                             \
+        return value - (vf_##level){0};                                                                      \
+    }                                                                                                        \
+    target static inline vi_##level v_seti_##level(int32_t value) {                                          \
+        return value - (vi_##level){0};                                                                      \
+    }                                                                                                        \
+    target static inline vf_##level v_load_##level(const float *from) {                                      \
+        vf_##level value;                                                                                    \
+        memcpy(&value, from, bytes);                                                                         \
+        return value;                                                                                        \
+    }                                                                                                        \
+    target static inline vi_##level v_loadi_##level(const int32_t *from) {                                   \
+        vi_##level value;                                                                                    \
+        memcpy(&value, from, bytes);                                                                         \
+        return value;                                                                                        \
+    }                                                                                                        \
+    target static inline void v_store_##level(float *to, vf_##level value) {                                 \
+        memcpy(to, &value, bytes);                                                                           \
+    }                                                                                                        \
+    target static inline void v_storei_##level(int32_t *to, vi_##level value) {                              \
+        memcpy(to, &value, bytes);                                                                           \
+    }                                                                                                        \
+    target static inline vi_##level v_bits_##level(vf_##level value) {                                       \
+        return (vi_##level)value;                                                                            \
+    }                                                                                                        \
+    target static inline vf_##level v_floats_##level(vi_##level value) {                                     \
+        return (vf_##level)value;                                                                            \
+    }                                                                                                        \
+    target static inline vf_##level v_to_float_##level(vi_##level value) {                                   \
+        return __builtin_convertvector(value, vf_##level);                                                   \
+    }                                                                                                        \
+    target static inline vi_##level v_trunc_##level(vf_##level value) {                                      \
+        return __builtin_convertvector(value, vi_##level);                                                   \
+    }                                                                                                        \
+    target static inline vf_##level v_abs_##level(vf_##level value) {                                        \
+        return (vf_##level)((vi_##level)value & INT32_MAX);                                                  \
+    }
+
+/* Truth values as vectors of 0 and -1, where there are no mask registers. */
+#define ISO_SIMD_TRUTH(level, target)                                                                        \
+    typedef vi_##level vm_##level;                                                                           \
+    target static inline vm_##level v_lt_##level(vf_##level a, vf_##level b) {                               \
+        return (vm_##level)(a < b);                                                                          \
+    }                                                                                                        \
+    target static inline vm_##level v_le_##level(vf_##level a, vf_##level b) {                               \
+        return (vm_##level)(a <= b);                                                                         \
+    }                                                                                                        \
+    target static inline vm_##level v_eq_##level(vf_##level a, vf_##level b) {                               \
+        return (vm_##level)(a == b);                                                                         \
+    }                                                                                                        \
+    target static inline vm_##level v_lti_##level(vi_##level a, vi_##level b) {                              \
+        return (vm_##level)(a < b);                                                                          \
+    }                                                                                                        \
+    target static inline vm_##level v_eqi_##level(vi_##level a, vi_##level b) {                              \
+        return (vm_##level)(a == b);                                                                         \
+    }                                                                                                        \
+    target static inline vi_##level v_selecti_##level(vm_##level mask, vi_##level a, vi_##level b) {         \
+        return (a & mask) | (b & ~mask);                                                                     \
+    }                                                                                                        \
+    target static inline vf_##level v_select_##level(vm_##level mask, vf_##level a, vf_##level b) {          \
+        return (vf_##level)v_selecti_##level(mask, (vi_##level)a, (vi_##level)b);                            \
+    }                                                                                                        \
+    target static inline vm_##level v_and_##level(vm_##level a, vm_##level b) {                              \
+        return a & b;                                                                                        \
+    }                                                                                                        \
+    target static inline vm_##level v_or_##level(vm_##level a, vm_##level b) {                               \
+        return a | b;                                                                                        \
+    }                                                                                                        \
+    target static inline vm_##level v_andnot_##level(vm_##level a, vm_##level b) {                           \
+        return a & ~b;                                                                                       \
+    }                                                                                                        \
+    target static inline vi_##level v_floor_##level(vf_##level value) {                                      \
+        vi_##level whole = __builtin_convertvector(value, vi_##level);                                       \
+        return whole + (vi_##level)(value < __builtin_convertvector(whole, vf_##level));                     \
+    }
+
+/* ---- generic: 16 bytes, which every machine has or gcc makes do without */
+
+typedef float vf_generic __attribute__((vector_size(16)));
+typedef int32_t vi_generic __attribute__((vector_size(16)));
+ISO_SIMD_COMMON(generic, , 16)
+ISO_SIMD_TRUTH(generic, )
+
+static inline vi_generic v_lanes_generic(void) {
+    return (vi_generic){0, 1, 2, 3};
+}
+static inline vi_generic v_load_u8_generic(const uint8_t *from) {
+    return (vi_generic){from[0], from[1], from[2], from[3]};
+}
+static inline vi_generic v_load_u16_generic(const uint16_t *from) {
+    return (vi_generic){from[0], from[1], from[2], from[3]};
+}
+static inline vi_generic v_load_i16_generic(const int16_t *from) {
+    return (vi_generic){from[0], from[1], from[2], from[3]};
+}
+static inline vf_generic v_min_generic(vf_generic a, vf_generic b) {
+    return v_select_generic(v_lt_generic(a, b), a, b);
+}
+static inline vf_generic v_max_generic(vf_generic a, vf_generic b) {
+    return v_select_generic(v_lt_generic(b, a), a, b);
+}
+static inline vf_generic v_sqrt_generic(vf_generic value) {
+    return (vf_generic){sqrtf(value[0]), sqrtf(value[1]), sqrtf(value[2]), sqrtf(value[3])};
+}
+static inline uint32_t v_mask_generic(vm_generic mask) {
+#if ISO_HAVE_X86
+    return (uint32_t)_mm_movemask_ps((__m128)mask);
+#else
+    return (uint32_t)((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
+#endif
+}
+static inline vm_generic v_from_mask_generic(uint32_t mask) {
+    const vi_generic bit = {1, 2, 4, 8};
+    return (vm_generic)((v_seti_generic((int32_t)mask) & bit) == bit);
+}
+static inline void v_compressi_generic(int32_t *to, vm_generic mask, vi_generic value) {
+    int count = 0;
+    for (int lane = 0; lane < ISO_LANES_generic; lane++) {
+        to[count] = value[lane];
+        count += mask[lane] & 1;
+    }
+}
+static inline void v_compress_generic(float *to, vm_generic mask, vf_generic value) {
+    int count = 0;
+    for (int lane = 0; lane < ISO_LANES_generic; lane++) {
+        to[count] = value[lane];
+        count += mask[lane] & 1;
+    }
+}
+
+#if ISO_HAVE_X86
+#include "base/simd_x86.h"
+#endif
+
+#endif

@@ -1,0 +1,133 @@
+/* simd_x86: the AVX2 and AVX-512 levels of base/simd.h, which includes it. */
+#ifndef ISO_BASE_SIMD_X86_H
+#define ISO_BASE_SIMD_X86_H
+
+#include "base/simd.h"
+
+#if ISO_HAVE_X86
+/* ---- AVX2 */
+
+typedef float vf_avx2 __attribute__((vector_size(32)));
+typedef int32_t vi_avx2 __attribute__((vector_size(32)));
+ISO_SIMD_COMMON(avx2, ISO_TARGET_AVX2, 32)
+ISO_SIMD_TRUTH(avx2, ISO_TARGET_AVX2)
+
+ISO_TARGET_AVX2 static inline vi_avx2 v_lanes_avx2(void) {
+    return (vi_avx2){0, 1, 2, 3, 4, 5, 6, 7};
+}
+ISO_TARGET_AVX2 static inline vi_avx2 v_load_u8_avx2(const uint8_t *from) {
+    return (vi_avx2)_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)from));
+}
+ISO_TARGET_AVX2 static inline vi_avx2 v_load_u16_avx2(const uint16_t *from) {
+    return (vi_avx2)_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)from));
+}
+ISO_TARGET_AVX2 static inline vi_avx2 v_load_i16_avx2(const int16_t *from) {
+    return (vi_avx2)_mm256_cvtepi16_epi32(_mm_loadu_si128((const __m128i *)from));
+}
+ISO_TARGET_AVX2 static inline vf_avx2 v_min_avx2(vf_avx2 a, vf_avx2 b) {
+    return (vf_avx2)_mm256_min_ps((__m256)a, (__m256)b);
+}
+ISO_TARGET_AVX2 static inline vf_avx2 v_max_avx2(vf_avx2 a, vf_avx2 b) {
+    return (vf_avx2)_mm256_max_ps((__m256)a, (__m256)b);
+}
+ISO_TARGET_AVX2 static inline vf_avx2 v_sqrt_avx2(vf_avx2 value) {
+    return (vf_avx2)_mm256_sqrt_ps((__m256)value);
+}
+ISO_TARGET_AVX2 static inline uint32_t v_mask_avx2(vm_avx2 mask) {
+    return (uint32_t)_mm256_movemask_ps((__m256)mask);
+}
+ISO_TARGET_AVX2 static inline vm_avx2 v_from_mask_avx2(uint32_t mask) {
+    const vi_avx2 bit = {1, 2, 4, 8, 16, 32, 64, 128};
+    return (vm_avx2)((v_seti_avx2((int32_t)mask) & bit) == bit);
+}
+/* The lanes of the set bits of an 8-bit mask, first to last. */
+ISO_TARGET_AVX2 static inline __m256i iso_packed_lanes_avx2(uint32_t mask) {
+    uint64_t wide = _pdep_u64(mask, 0x0101010101010101u) * 0xff;
+    return _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)_pext_u64(0x0706050403020100u, wide)));
+}
+ISO_TARGET_AVX2 static inline void v_compressi_avx2(int32_t *to, vm_avx2 mask, vi_avx2 value) {
+    __m256i lanes = iso_packed_lanes_avx2(v_mask_avx2(mask));
+    _mm256_storeu_si256((__m256i *)to, _mm256_permutevar8x32_epi32((__m256i)value, lanes));
+}
+ISO_TARGET_AVX2 static inline void v_compress_avx2(float *to, vm_avx2 mask, vf_avx2 value) {
+    __m256i lanes = iso_packed_lanes_avx2(v_mask_avx2(mask));
+    _mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)value, lanes));
+}
+
+/* ---- AVX-512 */
+
+typedef float vf_avx512 __attribute__((vector_size(64)));
+typedef int32_t vi_avx512 __attribute__((vector_size(64)));
+typedef __mmask16 vm_avx512;
+ISO_SIMD_COMMON(avx512, ISO_TARGET_AVX512, 64)
+
+ISO_TARGET_AVX512 static inline vi_avx512 v_lanes_avx512(void) {
+    return (vi_avx512){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+}
+ISO_TARGET_AVX512 static inline vi_avx512 v_load_u8_avx512(const uint8_t *from) {
+    return (vi_avx512)_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i *)from));
+}
+ISO_TARGET_AVX512 static inline vi_avx512 v_load_u16_avx512(const uint16_t *from) {
+    return (vi_avx512)_mm512_cvtepu16_epi32(_mm256_loadu_si256((const __m256i *)from));
+}
+ISO_TARGET_AVX512 static inline vi_avx512 v_load_i16_avx512(const int16_t *from) {
+    return (vi_avx512)_mm512_cvtepi16_epi32(_mm256_loadu_si256((const __m256i *)from));
+}
+ISO_TARGET_AVX512 static inline vi_avx512 v_floor_avx512(vf_avx512 value) {
+    return (vi_avx512)_mm512_cvt_roundps_epi32((__m512)value, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
+}
+ISO_TARGET_AVX512 static inline vf_avx512 v_min_avx512(vf_avx512 a, vf_avx512 b) {
+    return (vf_avx512)_mm512_min_ps((__m512)a, (__m512)b);
+}
+ISO_TARGET_AVX512 static inline vf_avx512 v_max_avx512(vf_avx512 a, vf_avx512 b) {
+    return (vf_avx512)_mm512_max_ps((__m512)a, (__m512)b);
+}
+ISO_TARGET_AVX512 static inline vf_avx512 v_sqrt_avx512(vf_avx512 value) {
+    return (vf_avx512)_mm512_sqrt_ps((__m512)value);
+}
+ISO_TARGET_AVX512 static inline vm_avx512 v_lt_avx512(vf_avx512 a, vf_avx512 b) {
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
+}
+ISO_TARGET_AVX512 static inline vm_avx512 v_le_avx512(vf_avx512 a, vf_avx512 b) {
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LE_OQ);
+}
+ISO_TARGET_AVX512 static inline vm_avx512 v_eq_avx512(vf_avx512 a, vf_avx512 b) {
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_EQ_OQ);
+}
+ISO_TARGET_AVX512 static inline vm_avx512 v_lti_avx512(vi_avx512 a, vi_avx512 b) {
+    return _mm512_cmplt_epi32_mask((__m512i)a, (__m512i)b);
+}
+ISO_TARGET_AVX512 static inline vm_avx512 v_eqi_avx512(vi_avx512 a, vi_avx512 b) {
+    return _mm512_cmpeq_epi32_mask((__m512i)a, (__m512i)b);
+}
+ISO_TARGET_AVX512 static inline vf_avx512 v_select_avx512(vm_avx512 mask, vf_avx512 a, vf_avx512 b) {
+    return (vf_avx512)_mm512_mask_blend_ps(mask, (__m512)b, (__m512)a);
+}
+ISO_TARGET_AVX512 static inline vi_avx512 v_selecti_avx512(vm_avx512 mask, vi_avx512 a, vi_avx512 b) {
+    return (vi_avx512)_mm512_mask_blend_epi32(mask, (__m512i)b, (__m512i)a);
+}
+ISO_TARGET_AVX512 static inline vm_avx512 v_and_avx512(vm_avx512 a, vm_avx512 b) {
+    return (vm_avx512)(a & b);
+}
+ISO_TARGET_AVX512 static inline vm_avx512 v_or_avx512(vm_avx512 a, vm_avx512 b) {
+    return (vm_avx512)(a | b);
+}
+ISO_TARGET_AVX512 static inline vm_avx512 v_andnot_avx512(vm_avx512 a, vm_avx512 b) {
+    return (vm_avx512)(a & ~b);
+}
+ISO_TARGET_AVX512 static inline uint32_t v_mask_avx512(vm_avx512 mask) {
+    return mask;
+}
+ISO_TARGET_AVX512 static inline vm_avx512 v_from_mask_avx512(uint32_t mask) {
+    return (vm_avx512)mask;
+}
+/* (compressing in a register and storing it whole is many times faster than a compressing store on Zen 4) */
+ISO_TARGET_AVX512 static inline void v_compressi_avx512(int32_t *to, vm_avx512 mask, vi_avx512 value) {
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(mask, (__m512i)value));
+}
+ISO_TARGET_AVX512 static inline void v_compress_avx512(float *to, vm_avx512 mask, vf_avx512 value) {
+    _mm512_storeu_ps(to, _mm512_maskz_compress_ps(mask, (__m512)value));
+}
+#endif
+
+#endif
