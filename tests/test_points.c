@@ -12,8 +12,8 @@
 #include <cmocka.h>
 
 #include "extract/points.h"
-#include "extract/spans.h"
 #include "extract_support.h"
+#include "grids/spans.h"
 
 static const iso_type all_types[] = {ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32};
 

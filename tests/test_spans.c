@@ -6,8 +6,8 @@
 
 #include <cmocka.h>
 
-#include "extract/spans.h"
 #include "extract_support.h"
+#include "grids/spans.h"
 
 enum { HEAP_BLOCKS = 300 };
 

@@ -10,19 +10,23 @@
 
 #include "base/primitives.h"
 #include "grids/grid.h"
+#include "grids/halo.h"
+#include "grids/surface.h"
 
-/* A surface in stored values. `at` is the smallest float at or above the isovalue, so that v >= at holds for
- * exactly the floats v at or above it; the isovalue itself is at + rest. */
-typedef struct iso_surface {
-    float at, rest;
-    float outward; /* -1: the outside is lower; +1: higher (level sets) */
-} iso_surface;
+/* The halos of extraction live here and nowhere else. */
 
-iso_surface iso_surface_of(const iso_grid *grid, double physical_isovalue);
-
-static inline bool iso_surface_inside(const iso_surface *surface, float value) {
-    return value >= surface->at;
-}
+/* An edge p, p + 1 reads both ends' central differences: p - 1 .. p + 2 along its axis and p - 1 .. p + 1
+ * along the others. */
+#define ISO_HALO_EDGE ((iso_halo){.down = 2, .up = 1})
+/* A mesh span also holds copies of the vertices on its far faces: edges of lower voxels up to 16 in the
+ * brick, but none that runs along the axis on which it is 16. On that axis such an edge reads 15 .. 17, no
+ * further than the brick's own edges, so the bricks are those of edge points. */
+#define ISO_HALO_MESH ISO_HALO_EDGE
+/* A foot point of voxel p reads p - 1 .. p + 1. */
+#define ISO_HALO_FOOT ((iso_halo){.down = 1, .up = 1})
+/* An iterated foot point is sampled less than 2 voxels from its voxel, so in cells whose corners are p - 2 ..
+ * p + 2, and a corner's gradient reads one further; choosing the seed reads p - 1 .. p + 1. */
+#define ISO_HALO_ITERATED ((iso_halo){.down = 3, .up = 3})
 
 typedef struct iso_brick_window {
     int brick[3];

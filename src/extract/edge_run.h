@@ -4,8 +4,8 @@
 #define ISO_EXTRACT_EDGE_RUN_H
 
 #include "extract/brick.h"
-#include "extract/brick_set.h"
 #include "extract/edge_kernel.h"
+#include "grids/brick_set.h"
 
 /* What runs need to know; made once per surface. */
 typedef struct iso_edge_runner {

@@ -1,7 +1,7 @@
 #include "extract/mesh.h"
 
-#include "extract/brick_set.h"
 #include "extract/mesh_run.h"
+#include "grids/brick_set.h"
 
 enum { VERTICES, TRIANGLES }; /* heaps */
 

@@ -3,9 +3,9 @@
 #ifndef ISO_EXTRACT_MESH_RUN_H
 #define ISO_EXTRACT_MESH_RUN_H
 
-#include "extract/brick_set.h"
 #include "extract/marching_cubes.h"
 #include "extract/mesh_kernel.h"
+#include "grids/brick_set.h"
 
 /* What runs need to know; made once per surface. */
 typedef struct iso_mesh_runner {

@@ -2,11 +2,11 @@
 
 #include <stddef.h>
 
-#include "extract/brick_set.h"
 #include "extract/edge_points.h"
 #include "extract/edge_run.h"
 #include "extract/foot_kernel.h"
 #include "extract/foot_points.h"
+#include "grids/brick_set.h"
 
 /* One worker's. */
 typedef struct point_scratch {

@@ -20,13 +20,14 @@
 #include <math.h>
 
 #include "base/memory.h"
+#include "grids/surface.h"
 
 enum { ROWS_PER_TASK = 8 };
 
 struct iso_raycaster {
     iso_grid grid;
     double isovalue; /* stored */
-    float threshold; /* a voxel is at or above the isovalue exactly when it is at or above this float */
+    iso_surface surface;
     int bricks[3];
     uint8_t *crossed; /* per brick, x fastest: whether its cells may cross the isovalue */
 };
@@ -40,16 +41,7 @@ static void mark_row(void *context, size_t index, int worker) {
     int brick[3] = {0, (int)(index % (size_t)caster->bricks[1]), (int)(index / (size_t)caster->bricks[1])};
     for (; brick[0] < caster->bricks[0]; brick[0]++)
         caster->crossed[index * row + (size_t)brick[0]] =
-            iso_grid_brick_may_cross(&caster->grid, brick, caster->threshold) != 0;
-}
-
-/* Taking a physical isovalue to a stored one may miss a voxel's value by rounding: that is still it. The same
- * rule as in extraction, so that both see the same corners inside. */
-static void set_isovalue(iso_raycaster *caster, double stored) {
-    float nearest = (float)stored;
-    bool is_voxel_value = fabs(nearest - stored) <= 1e-14 * fabs(stored);
-    caster->isovalue = is_voxel_value ? (double)nearest : stored;
-    caster->threshold = nearest < caster->isovalue ? nextafterf(nearest, INFINITY) : nearest;
+            iso_grid_brick_may_cross(&caster->grid, brick, caster->surface.at) != 0;
 }
 
 iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool *pool, iso_raycaster **out,
@@ -57,7 +49,8 @@ iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool 
     iso_raycaster *caster = iso_alloc_zero(1, sizeof *caster);
     if (!caster) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the ray caster");
     caster->grid = *grid;
-    set_isovalue(caster, iso_grid_stored(grid, isovalue));
+    caster->surface = iso_surface_of(grid, isovalue);
+    caster->isovalue = (double)caster->surface.at + (double)caster->surface.rest;
     iso_grid_bricks(grid, caster->bricks);
     size_t rows = (size_t)caster->bricks[1] * (size_t)caster->bricks[2];
     caster->crossed = iso_alloc_zero(rows, (size_t)caster->bricks[0]);
@@ -314,7 +307,7 @@ static bool load_cell(const iso_raycaster *caster, const int cell[3], cell_segme
     float corner[8];
     fetch_corners(&caster->grid, cell, corner);
     int inside = 0;
-    for (int i = 0; i < 8; i++) inside += corner[i] >= caster->threshold;
+    for (int i = 0; i < 8; i++) inside += corner[i] >= caster->surface.at;
     if (inside == 0 || inside == 8) return false;
     for (int i = 0; i < 8; i++) {
         if (!isfinite(corner[i])) return false;

@@ -1,4 +1,4 @@
-#include "extract/brick_set.h"
+#include "grids/brick_set.h"
 
 #include <string.h>
 

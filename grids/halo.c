@@ -1,4 +1,4 @@
-#include "extract/halo.h"
+#include "grids/halo.h"
 
 #include <stdlib.h>
 

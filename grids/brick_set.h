@@ -1,22 +1,22 @@
 /* brick_set: the part that points and meshes share: a consumer of a grid's change log that keeps what a
- * kernel makes of each brick. Internal to extract.
+ * kernel makes of each brick. Internal to the library.
  *
  * The kernel knows one brick and nothing of sets; the set knows which bricks to do, runs them over threads,
  * and gives their results places in arrays, in brick order whatever the thread count. A brick is extracted
- * again only when the log says that voxels which it reads have changed (extract/halo.h); a brick that grows
- * or shrinks moves no other (extract/spans.h). */
-#ifndef ISO_EXTRACT_BRICK_SET_H
-#define ISO_EXTRACT_BRICK_SET_H
+ * again only when the log says that voxels which it reads have changed (grids/halo.h); a brick that grows
+ * or shrinks moves no other (grids/spans.h). */
+#ifndef ISO_GRIDS_BRICK_SET_H
+#define ISO_GRIDS_BRICK_SET_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "base/parallel.h"
-#include "extract/halo.h"
-#include "extract/spans.h"
 #include "grids/brick_index.h"
 #include "grids/grid.h"
+#include "grids/halo.h"
+#include "grids/spans.h"
 
 /* Results come in heaps (vertices, triangles); a heap has parallel arrays (positions, keys). */
 enum { ISO_SET_HEAPS = 2, ISO_SET_ARRAYS = ISO_SET_HEAPS * ISO_SPAN_ARRAYS };

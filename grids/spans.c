@@ -1,4 +1,4 @@
-#include "extract/spans.h"
+#include "grids/spans.h"
 
 #include <string.h>
 

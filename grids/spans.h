@@ -4,9 +4,9 @@
  * Freed runs merge with free neighbours and are reused, smallest sufficient size class first (segregated
  * fits with eight classes an octave, as in Masmano et al. 2004, "TLSF"). Where the array would grow beyond
  * twice what is in use plus ISO_SPAN_HEAP_SLACK items, all blocks slide together instead (`moved` is set).
- * Internal to extract. */
-#ifndef ISO_EXTRACT_SPANS_H
-#define ISO_EXTRACT_SPANS_H
+ * Internal to the library. */
+#ifndef ISO_GRIDS_SPANS_H
+#define ISO_GRIDS_SPANS_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,0 +1,17 @@
+#include "grids/surface.h"
+
+#include <float.h>
+#include <math.h>
+
+iso_surface iso_surface_of(const iso_grid *grid, double physical_isovalue) {
+    double stored = iso_grid_stored(grid, physical_isovalue);
+    float at = (float)stored;
+    /* Taking a physical isovalue to a stored one may miss a voxel's value by rounding: that is still it. */
+    double scale = grid->rgrid ? grid->rgrid->scale : 1, offset = grid->rgrid ? grid->rgrid->offset : 0;
+    double rounding = 4 * DBL_EPSILON * (fabs(physical_isovalue) + fabs(offset)) / scale;
+    bool hit = fabs(at - stored) <= rounding;
+    if (at < stored && !hit) at = nextafterf(at, INFINITY);
+    iso_surface surface = {.at = at, .rest = hit ? 0 : (float)(stored - at)};
+    surface.outward = iso_grid_is_level_set(grid) ? 1.0f : -1.0f;
+    return surface;
+}
