@@ -47,17 +47,9 @@ static iso_status apply_isovalue(void *target, const char *value, iso_error *err
 }
 
 static bool parse_color(const char *value, iso_rgb *color) {
-    if (*value == '#') value++;
-    if (strlen(value) != 6) return false;
-    unsigned number = 0;
-    for (int i = 0; i < 6; i++) {
-        const char *digits = "0123456789abcdef";
-        const char *digit =
-            strchr(digits, value[i] >= 'A' && value[i] <= 'F' ? value[i] - 'A' + 'a' : value[i]);
-        if (!digit) return false;
-        number = number * 16 + (unsigned)(digit - digits);
-    }
-    *color = (iso_rgb){(uint8_t)(number >> 16), (uint8_t)(number >> 8), (uint8_t)number};
+    uint8_t rgb[3];
+    if (!iso_parse_color(value, rgb)) return false;
+    *color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
     return true;
 }
 
@@ -178,15 +170,9 @@ static iso_status apply_verbose(void *target, const char *value, iso_error *erro
 }
 
 static iso_status apply_help(void *target, const char *value, iso_error *error) {
-    static const char *const forms[] = {"screen", "markdown", "man", "bash"};
     isorender_settings *settings = target;
-    int form = 0;
-    if (value)
-        while (form < 4 && strcmp(forms[form], value) != 0) form++;
-    if (form == 4) return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of markdown, man, bash", value);
     settings->help = ISORENDER_HELP;
-    settings->help_form = (iso_help_form)form;
-    return ISO_OK;
+    return iso_parse_help_form(value, &settings->help_form, error);
 }
 
 static iso_status apply_version(void *target, const char *value, iso_error *error) {

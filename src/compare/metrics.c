@@ -34,7 +34,9 @@ double iso_metric_value(const iso_metric *metric, const iso_metrics *metrics) {
 
 bool iso_metric_is_worse(const iso_metric *metric, double value, double bound) {
     if (isnan(value)) return true;
-    if (metric->offset == offsetof(iso_metrics, dilation_mean)) value = fabs(value);
+    bool is_signed = metric->offset == offsetof(iso_metrics, dilation_mean) ||
+                     metric->offset == offsetof(iso_metrics, dilation_mean_voxel);
+    if (is_signed) value = fabs(value);
     return metric->larger_is_better ? value < bound : value > bound;
 }
 
@@ -127,12 +129,17 @@ static iso_silhouette_source find_silhouette(const iso_compare_picture *picture,
     return ISO_SILHOUETTE_BACKGROUND;
 }
 
-static iso_status compare_silhouettes(work *w, iso_metrics *metrics, iso_error *error) {
+static iso_status compare_silhouettes(work *w, double pixels_per_voxel, iso_metrics *metrics,
+                                      iso_error *error) {
     iso_silhouette_difference d;
     ISO_TRY(iso_silhouette_compare(w->mask[0], w->mask[1], w->size, &d, error));
     metrics->iou = d.iou;
     metrics->dilation_mean = d.dilation_mean;
     metrics->dilation_max = d.dilation_max;
+    if (pixels_per_voxel > 0) {
+        metrics->dilation_mean_voxel = d.dilation_mean / pixels_per_voxel;
+        metrics->dilation_max_voxel = d.dilation_max / pixels_per_voxel;
+    }
     metrics->holes = d.holes;
     metrics->missing = d.missing;
     metrics->extra = d.extra;
@@ -209,7 +216,7 @@ static iso_status compare(work *w, const iso_compare_picture *pictures[2], const
         metrics->sources[side] = find_silhouette(pictures[side], w->count, opts->background, w->mask[side]);
         if (colors) flatten(pictures[side]->rgba, w->count, opts->background, w->rgb[side]);
     }
-    ISO_TRY(compare_silhouettes(w, metrics, error));
+    ISO_TRY(compare_silhouettes(w, opts->pixels_per_voxel, metrics, error));
     compare_channels(w, pictures[0], pictures[1], opts->voxel, metrics);
     return colors ? compare_colors(w, opts, metrics, error) : ISO_OK;
 }

@@ -33,6 +33,7 @@ typedef struct iso_compare_opts {
      * coverage. Zero is black. */
     iso_rgb background;
     double voxel;             /* mm that a voxel measures; 0: depth errors are not known in voxels */
+    double pixels_per_voxel;  /* 0: dilations are not known in voxels */
     double pixels_per_degree; /* for FLIP; 0: the authors' */
     float *flip_map;          /* width * height, filled when both have colours; NULL */
     iso_pool *pool;
@@ -47,6 +48,8 @@ typedef struct iso_compare_opts {
     X(iou, "silhouettes, shared part", "", true)                                                             \
     X(dilation_mean, "silhouette's dilation, mean, signed", "pixels", false)                                 \
     X(dilation_max, "silhouette's dilation, largest", "pixels", false)                                       \
+    X(dilation_mean_voxel, "the same, mean", "voxels", false)                                                \
+    X(dilation_max_voxel, "the same, largest", "voxels", false)                                              \
     X(holes, "holes", "%", false)                                                                            \
     X(normal_error_deg, "normal error, mean", "degrees", false)                                              \
     X(depth_error_voxel, "depth error, mean", "voxels", false)                                               \
@@ -88,7 +91,7 @@ const iso_metric *iso_metric_list(size_t *count);
 const iso_metric *iso_metric_find(const char *name); /* NULL: there is none */
 double iso_metric_value(const iso_metric *metric, const iso_metrics *metrics);
 
-/* Whether a value is worse than a bound: smaller where larger is better, else larger; of dilation_mean the
+/* Whether a value is worse than a bound: smaller where larger is better, else larger; of mean dilations the
  * magnitude counts. An unknown value is worse than any bound. */
 bool iso_metric_is_worse(const iso_metric *metric, double value, double bound);
 
