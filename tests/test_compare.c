@@ -304,6 +304,7 @@ static void colors_by_hand(void **state) {
     near(m.psnr, 10 * log10(65025 / (squares / (3 * ALL))), 1e-9);
     near(m.psnr_in, 10 * log10(65025 / (squares / (3 * 11 * 10))), 1e-9);
     assert_true(m.pixels_differing == 7);
+    assert_int_equal(m.others_differing, 1);
     near(m.iou, 36.0 / 42, 1e-15);
     near(m.dilation_mean, 6.0 / 20, 1e-15);
     near(m.dilation_max, 1, 1e-12);
@@ -364,6 +365,7 @@ static void channels_by_hand(void **state) {
     near(m.normal_error_deg, (0 + 90 + 45 + 0) / 4.0, 1e-9);
     assert_int_equal(m.sources[0], ISO_SILHOUETTE_COVERAGE);
     assert_int_equal(m.extra, 1);
+    assert_int_equal(m.depth_off, 4);
     assert_true(isnan(m.psnr) && isnan(m.flip));
     opts.voxel = 0; /* then normals count wherever both are covered */
     m = metrics_of(&truth, &candidate, &opts);

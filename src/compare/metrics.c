@@ -43,6 +43,7 @@ bool iso_metric_is_worse(const iso_metric *metric, double value, double bound) {
 /* ---- colours ---- */
 
 static const double IDENTICAL = 1e-9; /* added to squared errors: keeps equal pictures finite */
+static const double OFF = 1e-3;       /* voxels in depth that count as another place */
 
 /* Over the background, rounded. */
 static void flatten(const uint8_t *rgba, size_t count, iso_rgb background, uint8_t *rgb) {
@@ -56,12 +57,20 @@ static void flatten(const uint8_t *rgba, size_t count, iso_rgb background, uint8
 
 typedef struct color_sums {
     uint64_t squares, squares_in; /* of differences, three channels */
-    size_t pixels_in, differing;
+    size_t pixels_in, differing, others_differing;
 } color_sums;
 
-static color_sums add_colors(const uint8_t *a, const uint8_t *b, const uint8_t *inside, size_t count) {
+/* Planes of one comparison: bytes for both pictures. */
+typedef struct work {
+    size_t count;
+    int size[2];
+    uint8_t *mask[2], *inside, *off, *rgb[2]; /* off: known to differ by silhouette or depth */
+} work;
+
+static color_sums add_colors(const work *w) {
+    const uint8_t *a = w->rgb[0], *b = w->rgb[1];
     color_sums sums = {0};
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < w->count; i++) {
         unsigned squares = 0, largest = 0;
         for (size_t c = 0; c < 3; c++) {
             int d = a[3 * i + c] - b[3 * i + c];
@@ -71,7 +80,8 @@ static color_sums add_colors(const uint8_t *a, const uint8_t *b, const uint8_t *
         }
         sums.squares += squares;
         sums.differing += largest > 1;
-        if (!inside[i]) continue;
+        sums.others_differing += largest > 1 && !w->off[i];
+        if (!w->inside[i]) continue;
         sums.squares_in += squares;
         sums.pixels_in++;
     }
@@ -85,23 +95,18 @@ static double psnr(uint64_t squares, size_t pixels) {
 
 /* ---- one comparison ---- */
 
-/* Planes of one comparison: bytes for both pictures. */
-typedef struct work {
-    size_t count;
-    int size[2];
-    uint8_t *mask[2], *inside, *rgb[2];
-} work;
-
 static void free_work(work *w) {
     for (int side = 0; side < 2; side++) {
         iso_free(w->mask[side]);
         iso_free(w->rgb[side]);
     }
     iso_free(w->inside);
+    iso_free(w->off);
 }
 
 static iso_status alloc_work(work *w, bool colors, iso_error *error) {
     bool good = (w->inside = iso_alloc(w->count)) != NULL;
+    good = (w->off = iso_alloc(w->count)) != NULL && good;
     for (int side = 0; side < 2; side++) {
         good = (w->mask[side] = iso_alloc(w->count)) != NULL && good;
         if (colors) good = (w->rgb[side] = iso_alloc(3 * w->count)) != NULL && good;
@@ -146,6 +151,7 @@ static iso_status compare_silhouettes(work *w, double pixels_per_voxel, iso_metr
     for (size_t i = 0; i < w->count; i++) {
         metrics->covered[0] += w->mask[0][i];
         metrics->covered[1] += w->mask[1][i];
+        w->off[i] = w->mask[0][i] != w->mask[1][i];
     }
     return ISO_OK;
 }
@@ -163,7 +169,8 @@ static iso_status find_inside(work *w, iso_error *error) {
 static iso_status compare_colors(work *w, const iso_compare_opts *opts, iso_metrics *metrics,
                                  iso_error *error) {
     ISO_TRY(find_inside(w, error));
-    color_sums sums = add_colors(w->rgb[0], w->rgb[1], w->inside, w->count);
+    color_sums sums = add_colors(w);
+    metrics->others_differing = sums.others_differing;
     metrics->psnr = psnr(sums.squares, w->count);
     metrics->psnr_in = psnr(sums.squares_in, sums.pixels_in);
     metrics->pixels_differing = (double)sums.differing;
@@ -182,8 +189,8 @@ static double angle(const iso_compare_picture *a, const iso_compare_picture *b, 
     return atan2(iso_vec3_length(iso_vec3_cross(m, n)), iso_vec3_dot(m, n)) * (180 / ISO_PI);
 }
 
-static void compare_channels(const work *w, const iso_compare_picture *truth,
-                             const iso_compare_picture *candidate, double voxel, iso_metrics *metrics) {
+static void compare_channels(work *w, const iso_compare_picture *truth, const iso_compare_picture *candidate,
+                             double voxel, iso_metrics *metrics) {
     bool depths = truth->depth && candidate->depth && voxel > 0;
     bool normals = truth->normal[0] && candidate->normal[0];
     double depth_sum = 0, angle_sum = 0;
@@ -195,6 +202,7 @@ static void compare_channels(const work *w, const iso_compare_picture *truth,
             if (!isfinite(off)) continue;
             known++;
             wrong += off > 2;
+            metrics->depth_off += w->off[i] = off > OFF;
             if (off > 2) continue;
             depth_sum += off;
         }

@@ -71,9 +71,11 @@ typedef struct iso_metrics {
 #define ISO_X(field, title, unit, larger) double field;
     ISO_METRIC_MAP(ISO_X)
 #undef ISO_X
-    size_t missing, extra;            /* pixels of the silhouettes that only one has */
-    iso_silhouette_source sources[2]; /* truth's, candidate's */
-    size_t covered[2];                /* pixels of the silhouettes */
+    size_t covered[2];       /* pixels of the silhouettes: truth's, candidate's */
+    size_t missing, extra;   /* that only the truth's has, that only the candidate's has */
+    size_t depth_off;        /* pixels covered by both that lie more than 1e-3 voxel apart in depth */
+    size_t others_differing; /* of the pixels that differ in colour, those that are none of these */
+    iso_silhouette_source sources[2];
 } iso_metrics;
 
 /* ISO_ERR_MISMATCH when sizes differ, ISO_ERR_NOMEM. The same for every number of threads. */

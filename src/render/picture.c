@@ -35,7 +35,7 @@ iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, si
     int rows = strip_rows(opts, factor);
     iso_gbuffer gbuffer;
     ISO_TRY(iso_gbuffer_create(opts->width * factor, rows * factor, &gbuffer, error));
-    iso_view pixels = iso_view_make(opts->camera, opts->width, opts->height);
+    iso_view pixels = opts->view ? *opts->view : iso_view_make(opts->camera, opts->width, opts->height);
     iso_view whole = iso_view_scaled(&pixels, factor);
     size_t seen = 0;
     iso_status status = ISO_OK;
