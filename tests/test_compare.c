@@ -313,6 +313,25 @@ static void colors_by_hand(void **state) {
     assert_int_equal(m.sources[0], ISO_SILHOUETTE_BACKGROUND);
 }
 
+static void unrounded_colors_are_finer(void **state) {
+    (void)state;
+    enum { ALL = 4 };
+    uint8_t pixels[4 * ALL];
+    memset(pixels, 255, sizeof pixels);
+    pixels[0] = 0; /* one covered pixel; all are within 2 pixels of it */
+    float a[3 * ALL] = {0}, b[3 * ALL] = {0};
+    b[4] = 0.25f;
+    iso_compare_picture truth = {.width = 2, .height = 2, .rgba = pixels, .color = a}, candidate = truth;
+    candidate.color = b;
+    iso_compare_opts opts = {.background = {255, 255, 255}};
+    iso_metrics m = metrics_of(&truth, &candidate, &opts);
+    near(m.psnr, 10 * log10(65025 / (0.0625 / 12)), 1e-5);
+    near(m.psnr_in, m.psnr, 1e-12);
+    assert_true(m.pixels_differing == 0);
+    candidate.color = NULL;
+    near(metrics_of(&truth, &candidate, &opts).psnr, 10 * log10(65025 / 1e-9), 1e-9);
+}
+
 static void transparent_pictures_lie_on_the_background(void **state) {
     (void)state;
     enum { SIDE = 16, ALL = SIDE * SIDE };
@@ -430,6 +449,7 @@ int main(void) {
         cmocka_unit_test(squares_and_distances_are_right),
         cmocka_unit_test(equal_pictures_are_perfect),
         cmocka_unit_test(colors_by_hand),
+        cmocka_unit_test(unrounded_colors_are_finer),
         cmocka_unit_test(transparent_pictures_lie_on_the_background),
         cmocka_unit_test(channels_by_hand),
         cmocka_unit_test(small_angles_are_not_lost),

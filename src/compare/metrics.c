@@ -56,7 +56,7 @@ static void flatten(const uint8_t *rgba, size_t count, iso_rgb background, uint8
 }
 
 typedef struct color_sums {
-    uint64_t squares, squares_in; /* of differences, three channels */
+    double squares, squares_in; /* of differences, three channels */
     size_t pixels_in, differing, others_differing;
 } color_sums;
 
@@ -88,9 +88,23 @@ static color_sums add_colors(const work *w) {
     return sums;
 }
 
-static double psnr(uint64_t squares, size_t pixels) {
+/* The sums of squares alone, from unrounded colours. */
+static void add_unrounded(const work *w, const float *a, const float *b, color_sums *sums) {
+    sums->squares = sums->squares_in = 0;
+    for (size_t i = 0; i < w->count; i++) {
+        double squares = 0;
+        for (size_t c = 0; c < 3; c++) {
+            double d = (double)a[3 * i + c] - (double)b[3 * i + c];
+            squares += d * d;
+        }
+        sums->squares += squares;
+        sums->squares_in += w->inside[i] ? squares : 0;
+    }
+}
+
+static double psnr(double squares, size_t pixels) {
     if (pixels == 0) return NAN;
-    return 10 * log10(255.0 * 255.0 / ((double)squares / (3.0 * (double)pixels) + IDENTICAL));
+    return 10 * log10(255.0 * 255.0 / (squares / (3.0 * (double)pixels) + IDENTICAL));
 }
 
 /* ---- one comparison ---- */
@@ -166,10 +180,12 @@ static iso_status find_inside(work *w, iso_error *error) {
     return status;
 }
 
-static iso_status compare_colors(work *w, const iso_compare_opts *opts, iso_metrics *metrics,
-                                 iso_error *error) {
+static iso_status compare_colors(work *w, const iso_compare_picture *const pictures[2],
+                                 const iso_compare_opts *opts, iso_metrics *metrics, iso_error *error) {
     ISO_TRY(find_inside(w, error));
     color_sums sums = add_colors(w);
+    if (pictures[0]->color && pictures[1]->color)
+        add_unrounded(w, pictures[0]->color, pictures[1]->color, &sums);
     metrics->others_differing = sums.others_differing;
     metrics->psnr = psnr(sums.squares, w->count);
     metrics->psnr_in = psnr(sums.squares_in, sums.pixels_in);
@@ -216,7 +232,7 @@ static void compare_channels(work *w, const iso_compare_picture *truth, const is
     if (angles) metrics->normal_error_deg = angle_sum / (double)angles;
 }
 
-static iso_status compare(work *w, const iso_compare_picture *pictures[2], const iso_compare_opts *opts,
+static iso_status compare(work *w, const iso_compare_picture *const pictures[2], const iso_compare_opts *opts,
                           iso_metrics *metrics, iso_error *error) {
     bool colors = pictures[0]->rgba && pictures[1]->rgba;
     ISO_TRY(alloc_work(w, colors, error));
@@ -226,7 +242,7 @@ static iso_status compare(work *w, const iso_compare_picture *pictures[2], const
     }
     ISO_TRY(compare_silhouettes(w, opts->pixels_per_voxel, metrics, error));
     compare_channels(w, pictures[0], pictures[1], opts->voxel, metrics);
-    return colors ? compare_colors(w, opts, metrics, error) : ISO_OK;
+    return colors ? compare_colors(w, pictures, opts, metrics, error) : ISO_OK;
 }
 
 iso_status iso_compare(const iso_compare_picture *truth, const iso_compare_picture *candidate,

@@ -22,6 +22,8 @@ extern "C" {
 typedef struct iso_compare_picture {
     int width, height;
     const uint8_t *rgba;    /* straight alpha; display values (sRGB) */
+    const float *color;     /* three unrounded display values 0 .. 255 a pixel: where both pictures have them,
+                               PSNR is of these instead */
     const float *depth;     /* view z, mm; read where both pictures are covered; not finite: unknown there */
     const float *normal[3]; /* read where depth is; need not be unit; zero or not finite: unknown there */
     const float *coverage;  /* 0 .. 1 */

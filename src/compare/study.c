@@ -192,6 +192,36 @@ iso_compare_picture iso_study_picture(const iso_study_frame *frame) {
                                  .coverage = frame->coverage};
 }
 
+static float clamp_255(float value) {
+    return value < 0 ? 0 : value > 255 ? 255 : value;
+}
+
+/* Cosine between a pixel's normal and the direction to the eye. */
+static float facing(const iso_study_frame *frame, const iso_view *view, int x, int y) {
+    size_t i = (size_t)y * (size_t)view->width + (size_t)x;
+    iso_vec3 normal = iso_vec3_make(frame->normal[0][i], frame->normal[1][i], frame->normal[2][i]);
+    iso_vec3 ray = iso_vec3_make((x + 0.5 - view->cx) / view->focal, (y + 0.5 - view->cy) / view->focal, 1);
+    float cosine = (float)fabs(iso_vec3_dot(iso_vec3_unit(ray), normal));
+    return cosine < 1 ? cosine : 1;
+}
+
+void iso_study_light(const iso_study_frame *frame, const iso_view *view, const iso_study_look *look,
+                     float *color) {
+    const float base[3] = {look->color.r, look->color.g, look->color.b};
+    const float background[3] = {look->background.r, look->background.g, look->background.b};
+    for (int y = 0; y < view->height; y++)
+        for (int x = 0; x < view->width; x++, color += 3) {
+            if (frame->coverage[(size_t)y * (size_t)view->width + (size_t)x] == 0) {
+                memcpy(color, background, sizeof background);
+                continue;
+            }
+            float cosine = facing(frame, view, x, y), power8 = cosine;
+            for (int i = 0; i < 3; i++) power8 *= power8;
+            float power32 = power8 * power8 * power8 * power8, shine = 0.3f * 255 * power8 * power32;
+            for (int c = 0; c < 3; c++) color[c] = clamp_255(base[c] * (0.15f + 0.8f * cosine) + shine);
+        }
+}
+
 double iso_study_change(const iso_study_frame *a, const iso_study_frame *b) {
     size_t count = (size_t)a->image.width * (size_t)a->image.height, pixels = 0;
     uint64_t sum = 0;
