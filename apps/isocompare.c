@@ -7,7 +7,8 @@
 static iso_status run(const isocompare_settings *settings, iso_error *error) {
     iso_pool *pool = NULL;
     ISO_TRY(iso_pool_create(settings->threads, &pool, error));
-    iso_status status = isocompare_images(settings, pool, error);
+    iso_status status = settings->command == ISOCOMPARE_IMAGES ? isocompare_images(settings, pool, error)
+                                                               : isocompare_report(settings, pool, error);
     iso_pool_destroy(pool);
     return status;
 }

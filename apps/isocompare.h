@@ -2,6 +2,7 @@
 #ifndef ISO_APPS_ISOCOMPARE_H
 #define ISO_APPS_ISOCOMPARE_H
 
+#include "apps/isorender.h"
 #include "apps/options.h"
 #include "base/parallel.h"
 #include "compare/metrics.h"
@@ -12,7 +13,7 @@ extern "C" {
 
 enum { ISOCOMPARE_BOUNDS = 32 };
 
-typedef enum isocompare_command { ISOCOMPARE_IMAGES } isocompare_command;
+typedef enum isocompare_command { ISOCOMPARE_IMAGES, ISOCOMPARE_REPORT } isocompare_command;
 typedef enum isocompare_help { ISOCOMPARE_RUN, ISOCOMPARE_HELP, ISOCOMPARE_VERSION } isocompare_help;
 
 /* METRIC=VALUE */
@@ -23,7 +24,10 @@ typedef struct isocompare_bound {
 
 /* Strings are borrowed from argv. */
 typedef struct isocompare_settings {
+    isorender_settings render; /* how to read the volume, and the isovalue; first: options are shared */
     isocompare_command command;
+    const char *volume, *output; /* report */
+    int side;
     const char *truth, *candidate, *truth_aov, *candidate_aov;
     const char *difference;
     iso_rgb background;
@@ -34,6 +38,7 @@ typedef struct isocompare_settings {
     const char *json_path; /* NULL: stdout */
     isocompare_help help;
     iso_help_form help_form;
+    const char *of_images, *of_report; /* the last option seen that belongs to one command only */
 } isocompare_settings;
 
 const iso_program *isocompare_program(void);
@@ -44,6 +49,9 @@ iso_status isocompare_settings_parse(int argc, char *const *argv, isocompare_set
 
 /* isocompare_images.c: two pictures from files. ISO_ERR_MISMATCH when one is worse than a bound. */
 iso_status isocompare_images(const isocompare_settings *settings, iso_pool *pool, iso_error *error);
+
+/* isocompare_report.c: report.html and report.json about a volume. */
+iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool, iso_error *error);
 
 #ifdef __cplusplus
 }

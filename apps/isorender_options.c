@@ -111,14 +111,14 @@ static iso_status apply_up(void *target, const char *value, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status apply_raw(void *target, const char *value, iso_error *error) {
+iso_status isorender_apply_raw(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     ISO_TRY(iso_raw_layout_parse(value, &settings->raw, error));
     settings->has_raw = 1;
     return ISO_OK;
 }
 
-static iso_status apply_spacing(void *target, const char *value, iso_error *error) {
+iso_status isorender_apply_spacing(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     double spacing[3];
     bool good = iso_parse_reals(value, 3, spacing);
@@ -133,7 +133,7 @@ static iso_status apply_spacing(void *target, const char *value, iso_error *erro
     return ISO_OK;
 }
 
-static iso_status apply_crop(void *target, const char *value, iso_error *error) {
+iso_status isorender_apply_crop(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     double numbers[6];
     bool good = iso_parse_reals(value, 6, numbers);
@@ -200,26 +200,11 @@ static iso_status apply_list_backends(void *target, const char *value, iso_error
 #define QUIETLY .flags = ISO_OPTION_UNRECORDED
 
 static const iso_option options[] = {
-    {"raw", NULL, "WxHxD:TYPE:ENDIAN:OFFSET",
-     "the file has no header: voxels, uint8 int16 uint16 or float, little or big, bytes to skip (the last "
-     "two may be "
-     "left out)",
-     .group = INPUT, CALL(apply_raw)},
-    {"spacing", NULL, "X,Y,Z", "voxel spacing in mm, instead of the file's", .group = INPUT,
-     CALL(apply_spacing)},
-    {"grid", "grid-name", "NAME", "which grid of a .vdb", .group = INPUT, TEXT(grid)},
-    {"series", NULL, "UID", "which series of a DICOM folder: its UID, or its number as --info lists it",
-     .group = INPUT, TEXT(series)},
-    {"component", NULL, "N", "which of several components, from 0", .group = INPUT, INT(component, 0, 1e6),
-     .standard = "0"},
-    {"crop", NULL, "X0,X1,Y0,Y1,Z0,Z1", "only these voxels, first and last of each axis", .group = INPUT,
-     CALL(apply_crop)},
+#include "input_options.inc"
     {"scene", NULL, "NAME[:SIZE]",
      "a procedural volume instead of a file: sphere, cylinder, cube, gyroid, torus, ct, "
      "head (the same as the input scene:NAME[:SIZE])",
      .group = INPUT, TEXT(scene)},
-    {"max-memory", NULL, "SIZE", "refuse what needs more, e.g. 512M or 2G", .group = INPUT,
-     .kind = ISO_OPTION_SIZE, FIELD(max_memory), .standard = "80 % of free memory", QUIETLY},
 
     {"isovalue", "isosurface iso-value", "V",
      "value of the surface, in the file's physical units; several, separated by "
@@ -325,7 +310,7 @@ static const iso_section sections[] = {
     {"Inputs", inputs_text}, {"Exit status", exit_text}, {"Examples", example_text}};
 
 /* Appends " --name=value" to the record when it fits, in quotes where a shell needs them. */
-static void record_option(void *target, const iso_option *option, const char *value) {
+void isorender_record(void *target, const iso_option *option, const char *value) {
     isorender_settings *settings = target;
     if (option->flags & ISO_OPTION_UNRECORDED) return;
     char text[512];
@@ -346,7 +331,7 @@ const iso_program *isorender_program(void) {
                                         .option_count = sizeof options / sizeof *options,
                                         .sections = sections,
                                         .section_count = sizeof sections / sizeof *sections,
-                                        .seen = record_option};
+                                        .seen = isorender_record};
     return &program;
 }
 

@@ -1,5 +1,6 @@
 #include "compare/study.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -124,15 +125,19 @@ void iso_study_frame_free(iso_study_frame *frame) {
     *frame = (iso_study_frame){0};
 }
 
-static iso_status alloc_frame(int width, int height, bool channels, iso_study_frame *frame,
-                              iso_error *error) {
-    ISO_TRY(iso_image_create(width, height, &frame->image, error));
-    if (!channels) return ISO_OK;
-    size_t bytes = (size_t)width * (size_t)height * sizeof(float);
-    bool good = (frame->depth = iso_alloc(bytes)) != NULL;
-    good = (frame->coverage = iso_alloc(bytes)) != NULL && good;
-    for (int i = 0; i < 3; i++) good = (frame->normal[i] = iso_alloc(bytes)) != NULL && good;
-    return good ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for a picture's channels");
+iso_status iso_study_frame_create(int side, bool channels, iso_study_frame *frame, iso_error *error) {
+    iso_study_frame made = {0};
+    ISO_TRY(iso_image_create(side, side, &made.image, error));
+    size_t bytes = (size_t)side * (size_t)side * sizeof(float);
+    bool good = !channels || (made.depth = iso_alloc(bytes)) != NULL;
+    good = good && (!channels || (made.coverage = iso_alloc(bytes)) != NULL);
+    for (int i = 0; i < 3; i++) good = good && (!channels || (made.normal[i] = iso_alloc(bytes)) != NULL);
+    if (!good) {
+        iso_study_frame_free(&made);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a picture's channels");
+    }
+    *frame = made;
+    return ISO_OK;
 }
 
 typedef struct drawing {
@@ -163,23 +168,17 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
 
 iso_status iso_study_draw(const iso_subject *subject, const iso_method *method, const iso_view *view,
                           const iso_study_look *look, iso_study_frame *frame, iso_error *error) {
-    if (!frame->image.rgba) {
-        iso_status status = alloc_frame(view->width, view->height, look->samples <= 1, frame, error);
-        if (status != ISO_OK) {
-            iso_study_frame_free(frame);
-            return status;
-        }
-    }
+    assert(frame->image.width == view->width && frame->image.height == view->height);
+    assert(!frame->depth || look->samples <= 1);
     drawing d = {subject, method, view, frame};
-    iso_picture_opts opts = {
-        .view = view,
-        .width = view->width,
-        .height = view->height,
-        .samples = look->samples,
-        .shading = {.colors = &look->color, .color_count = 1, .background = look->background},
-        .draw = draw,
-        .draw_context = &d,
-        .pool = subject->pool};
+    iso_picture_opts opts = {.view = view,
+                             .width = view->width,
+                             .height = view->height,
+                             .samples = look->samples,
+                             .shading = {&look->color, 1, look->background, look->transparent},
+                             .draw = draw,
+                             .draw_context = &d,
+                             .pool = subject->pool};
     return iso_picture_render(&opts, &frame->image, NULL, error);
 }
 

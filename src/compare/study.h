@@ -37,23 +37,28 @@ iso_view iso_study_zoom(const iso_view *fit, const int aim[2], double zoom);
  * side must be a multiple of 32. ISO_ERR_NOMEM. */
 iso_status iso_study_aim(const uint8_t *mask, int side, int aim[2], iso_error *error);
 
-/* A picture of a method with, at one sample a pixel, its channels. iso_study_frame_free when done. */
+/* A picture of a method, with its channels or without. iso_study_frame_free when done. */
 typedef struct iso_study_frame {
     iso_image image;
-    float *depth, *normal[3], *coverage; /* NULL beyond one sample a pixel */
+    float *depth, *normal[3], *coverage; /* or NULL */
 } iso_study_frame;
 
 /* What pictures look like. */
 typedef struct iso_study_look {
     iso_rgb color, background;
-    int samples; /* per pixel, a square number; 0 means 1 */
+    int samples;     /* per pixel, a square number; 0 means 1 */
+    int transparent; /* 1: the background's alpha is 0 */
 } iso_study_look;
 
-/* Makes the frame (which must be empty or of the same size and samples: then it is used again) and draws.
- * ISO_ERR_USAGE (samples), ISO_ERR_NOMEM, and what the method returns. */
+/* A frame for pictures of side x side pixels, with channels or without, nothing in it. ISO_ERR_USAGE (the
+ * side), ISO_ERR_NOMEM. */
+iso_status iso_study_frame_create(int side, bool channels, iso_study_frame *frame, iso_error *error);
+void iso_study_frame_free(iso_study_frame *frame);
+
+/* Draws into a frame of the view's size; one with channels takes one sample a pixel. ISO_ERR_USAGE (samples),
+ * ISO_ERR_NOMEM, and what the method returns. */
 iso_status iso_study_draw(const iso_subject *subject, const iso_method *method, const iso_view *view,
                           const iso_study_look *look, iso_study_frame *frame, iso_error *error);
-void iso_study_frame_free(iso_study_frame *frame);
 
 /* The frame as a side of a comparison; borrows. */
 iso_compare_picture iso_study_picture(const iso_study_frame *frame);

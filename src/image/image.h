@@ -4,6 +4,7 @@
 #ifndef ISO_IMAGE_IMAGE_H
 #define ISO_IMAGE_IMAGE_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/status.h"
@@ -35,6 +36,10 @@ typedef struct iso_png_text {
  * ISO_ERR_NOMEM. */
 iso_status iso_png_write(const char *path, const iso_image *image, const iso_png_text *texts, int text_count,
                          iso_error *error);
+
+/* A PNG in memory, smaller and slower than iso_png_write's: *bytes (the caller's, to free()) and *size.
+ * ISO_ERR_NOMEM. */
+iso_status iso_png_encode(const iso_image *image, uint8_t **bytes, size_t *size, iso_error *error);
 
 /* Reads any PNG as 8-bit RGBA; gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT (also for
  * sides beyond ISO_IMAGE_MAX), ISO_ERR_NOMEM. */

@@ -1,5 +1,6 @@
 /* PNG by libpng. Its errors arrive by longjmp: every function that calls setjmp keeps what must survive the
  * jump in a struct that its caller owns and cleans up. */
+#define _GNU_SOURCE
 #include "image/image.h"
 
 #include <errno.h>
@@ -7,6 +8,7 @@
 #include <setjmp.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
@@ -39,6 +41,7 @@ typedef struct writer {
     uint8_t *row; /* one RGB row, NULL when the picture keeps its alpha */
     png_text *texts;
     int text_count;
+    bool small; /* rather than fast */
     trouble trouble;
 } writer;
 
@@ -76,10 +79,10 @@ static bool write_picture(writer *w) {
     png_set_IHDR(w->png, w->info, (png_uint_32)w->image->width, (png_uint_32)w->image->height, 8,
                  w->row ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_compression_level(w->png, 1);
-    png_set_compression_strategy(w->png, Z_RLE);
+    png_set_compression_level(w->png, w->small ? 7 : 1);
+    png_set_compression_strategy(w->png, w->small ? Z_FILTERED : Z_RLE);
     png_set_compression_buffer_size(w->png, 1 << 16);
-    png_set_filter(w->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+    png_set_filter(w->png, PNG_FILTER_TYPE_BASE, w->small ? PNG_ALL_FILTERS : PNG_FILTER_SUB);
     if (w->text_count) png_set_text(w->png, w->info, w->texts, w->text_count);
     png_write_info(w->png, w->info);
     for (int y = 0; y < w->image->height; y++) png_write_row(w->png, packed_row(w, y));
@@ -125,6 +128,12 @@ static iso_status write_to_sink(writer *w, const char *path, iso_error *error) {
     return status;
 }
 
+static void free_writer(writer *w) {
+    png_destroy_write_struct(&w->png, &w->info);
+    iso_free(w->row);
+    iso_free(w->texts);
+}
+
 iso_status iso_png_write(const char *path, const iso_image *image, const iso_png_text *texts, int text_count,
                          iso_error *error) {
     writer w = {0};
@@ -133,10 +142,25 @@ iso_status iso_png_write(const char *path, const iso_image *image, const iso_png
         iso_fail(error, status, "%s: out of memory", path);
     else
         status = write_to_sink(&w, path, error);
-    png_destroy_write_struct(&w.png, &w.info);
-    iso_free(w.row);
-    iso_free(w.texts);
+    free_writer(&w);
     return status;
+}
+
+iso_status iso_png_encode(const iso_image *image, uint8_t **bytes, size_t *size, iso_error *error) {
+    writer w = {.small = true};
+    char *block = NULL;
+    size_t length = 0;
+    bool good = prepare_writer(&w, image, NULL, 0) == ISO_OK;
+    good = good && (w.stream = open_memstream(&block, &length)) != NULL && write_picture(&w);
+    if (w.stream) good = fclose(w.stream) == 0 && good;
+    free_writer(&w);
+    if (!good) {
+        free(block);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a %dx%d PNG", image->width, image->height);
+    }
+    *bytes = (uint8_t *)block;
+    *size = length;
+    return ISO_OK;
 }
 
 typedef struct reader {

@@ -28,7 +28,7 @@ enum { ENTRIES = 64, ROWS = 1024, NAME = 64, ZOOMS = 3, METHODS = 16 };
 static const int zooms[ZOOMS] = {1, 4, 16};
 
 /* The colours of the study whose figures stand in the issues. */
-static const iso_study_look look = {{191, 140, 102}, {31, 33, 41}, 1};
+static const iso_study_look look = {.color = {191, 140, 102}, .background = {31, 33, 41}};
 
 /* A volume or scene. */
 typedef struct entry {
@@ -183,6 +183,8 @@ static bool is_wanted(const session *s, const iso_method *method) {
 
 static iso_status prepare(session *s, iso_error *error) {
     size_t side = (size_t)s->state->settings->side;
+    ISO_TRY(iso_study_frame_create((int)side, true, &s->truth, error));
+    ISO_TRY(iso_study_frame_create((int)side, true, &s->candidate, error));
     for (int i = 0; i < 2; i++)
         if (!(s->colors[i] = iso_alloc(side * side * 3 * sizeof(float))))
             return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
@@ -292,7 +294,8 @@ static iso_status turn(session *s, const iso_method *method, double *change, iso
     const settings *set = s->state->settings;
     iso_study_frame frames[2] = {0};
     double sum = 0;
-    iso_status status = ISO_OK;
+    iso_status status = iso_study_frame_create(set->side, true, &frames[0], error);
+    if (status == ISO_OK) status = iso_study_frame_create(set->side, true, &frames[1], error);
     for (int i = 0; i < set->frames && status == ISO_OK; i++) {
         iso_view view = iso_study_fit(&s->ball, set->side, 0.5 * i);
         status = iso_study_draw(&s->subject, method, &view, &look, &frames[i & 1], error);
