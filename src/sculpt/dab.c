@@ -38,7 +38,6 @@ double iso_dabs_reach(const iso_dabs *dabs) {
 /* A dab relative to a brick's first voxel, in floats. */
 typedef struct iso_local_dab {
     float centre[3], segment[3], axis[3][3];
-    float offset[3]; /* of the centre from the first dab's */
 } iso_local_dab;
 
 static void localise(const iso_dabs *dabs, const int brick[3], iso_local_dab local[ISO_DAB_MAX]) {
@@ -47,7 +46,6 @@ static void localise(const iso_dabs *dabs, const int brick[3], iso_local_dab loc
             const iso_dab *dab = &dabs->dab[i];
             local[i].centre[k] = (float)(dab->centre[k] - ISO_BRICK * (double)brick[k]);
             local[i].segment[k] = (float)(dab->from[k] - dab->centre[k]);
-            local[i].offset[k] = (float)(dab->centre[k] - dabs->dab[0].centre[k]);
             for (int a = 0; a < 3; a++) local[i].axis[a][k] = (float)dab->axis[a][k];
         }
 }

@@ -73,10 +73,20 @@ void iso_editor_step(iso_editor *editor, const iso_step_opts *opts) {
 
 /* ---- from a sample to dabs */
 
-static void set(double out[3], iso_vec3 v) {
-    out[0] = v.x;
-    out[1] = v.y;
-    out[2] = v.z;
+/* Index positions are kept to 1/4096 voxel: differences to voxels are then exact in floats, and mirrored
+ * touches make mirrored bits. */
+static void set_position(const iso_affine *affine, iso_vec3 world, double out[3]) {
+    iso_vec3 p = iso_affine_point_to_index(affine, world);
+    out[0] = rint(p.x * 4096) / 4096;
+    out[1] = rint(p.y * 4096) / 4096;
+    out[2] = rint(p.z * 4096) / 4096;
+}
+
+/* The world position of what set_position keeps. */
+static iso_vec3 snapped(const iso_affine *affine, iso_vec3 world) {
+    double p[3];
+    set_position(affine, world, p);
+    return iso_affine_point(affine, iso_vec3_make(p[0], p[1], p[2]));
 }
 
 /* v mirrored at the planes of `through` that `bits` names; directions (NULL) only turn. */
@@ -104,12 +114,16 @@ static void make_dab(const iso_editor *editor, const iso_brush *brush, const iso
                      iso_dab *dab) {
     const iso_affine *affine = &editor->affine;
     iso_vec3 from = brush->tool == ISO_TOOL_MOVE ? touch->first.position : touch->previous.position, frame[3];
-    set(dab->centre,
-        iso_affine_point_to_index(affine, reflect(touch->sample.position, bits, &brush->mirror)));
-    set(dab->from, iso_affine_point_to_index(affine, reflect(from, bits, &brush->mirror)));
+    set_position(affine, reflect(snapped(affine, touch->sample.position), bits, &brush->mirror), dab->centre);
+    set_position(affine, reflect(snapped(affine, from), bits, &brush->mirror), dab->from);
     make_frame(touch->sample.normal, frame);
-    for (int i = 0; i < 3; i++)
-        set(dab->axis[i], iso_vec3_unit(iso_affine_vector_to_index(affine, reflect(frame[i], bits, NULL))));
+    for (int i = 0; i < 3; i++) {
+        iso_vec3 axis = iso_affine_vector_to_index(affine, reflect(frame[i], bits, NULL));
+        axis = iso_vec3_scale(axis, editor->spacing); /* a rotation remains */
+        dab->axis[i][0] = axis.x;
+        dab->axis[i][1] = axis.y;
+        dab->axis[i][2] = axis.z;
+    }
 }
 
 /* How far one touch goes at its centre: a part of the radius, bounded where a larger step would leave the

@@ -299,7 +299,36 @@ void iso_work_redistance(iso_work *work, int iterations, bool rescale) {
     work->now = from;
 }
 
+/* Whether the interface may lie in the cell: its voxels beside it are known for jobs; of others only empty
+ * cells are sure to have none. */
+static bool may_have_interface(const iso_work *work, const int at[3]) {
+    size_t cell = iso_hgrid_cell_index(work->grid, at[0], at[1], at[2]);
+    if (!work->job_of[cell]) return work->grid->cell[cell] >= 0;
+    const iso_job *job = iso_work_job(work, work->job_of[cell] - 1);
+    uint32_t any = 0;
+    for (int row = 0; row < ISO_BRICK_ROWS; row++) any |= job->band.frozen.row[row];
+    return any != 0;
+}
+
+/* A surface that was taken away leaves distances to nothing behind. Where neither a cell nor any around it
+ * has an interface, they go at once. */
+static void clear_ghost(void *context, size_t index, int worker) {
+    (void)worker;
+    const iso_work *work = context;
+    const iso_job *job = iso_work_job(work, index);
+    for (int k = 0; k < 27; k++) {
+        const int at[3] = {job->at[0] + k % 3 - 1, job->at[1] + k / 3 % 3 - 1, job->at[2] + k / 9 - 1};
+        bool within = true;
+        for (int axis = 0; axis < 3; axis++) within &= at[axis] >= 0 && at[axis] < work->grid->cells[axis];
+        if (within && may_have_interface(work, at)) return;
+    }
+    float *values = iso_work_field(work, work->now, index);
+    const float empty = values[0] < 0 ? -work->grid->band : work->grid->band;
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) values[i] = empty;
+}
+
 void iso_work_compare(iso_work *work, bool *any) {
+    iso_parallel_for(work->pool, work->job_count, clear_ghost, work);
     iso_parallel_for(work->pool, work->job_count, settle_job, work);
     *any = false;
     for (size_t i = 0; i < work->job_count; i++) *any |= iso_work_job(work, i)->edited;
