@@ -68,7 +68,7 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 #define v_andnot ISO_V(v_andnot)       /* a and not b */
 #define v_mask ISO_V(v_mask)           /* truth values as bits of a uint32_t, lane 0 lowest */
 #define v_from_mask ISO_V(v_from_mask) /* and back; higher bits are ignored */
-#define v_gather ISO_V(v_gather) /* (const float *, vi): from[index], lane by lane */
+#define v_gather ISO_V(v_gather)       /* (const float *, vi): from[index], lane by lane */
 /* (before, after): the lanes of both in a row, from the 1st or 2nd on; and the last lane or two of `before`
  * followed by the first ones of `after`. */
 #define v_next1 ISO_V(v_next1)

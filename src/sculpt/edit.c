@@ -465,8 +465,10 @@ bool iso_editor_masked(const iso_editor *editor, int x, int y, int z) {
     return bits && bits->row[z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK] >> (x % ISO_BRICK) & 1;
 }
 
-iso_status iso_editor_mask_clear(iso_editor *editor, iso_error *error) {
-    (void)error;
+bool iso_editor_has_mask(const iso_editor *editor) {
+    return editor->work.masked != NULL;
+}
+
+void iso_editor_mask_clear(iso_editor *editor) {
     iso_work_mask_clear(&editor->work);
-    return ISO_OK;
 }

@@ -70,7 +70,8 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *
 
 /* The frozen region, as bits per voxel: cells with none have no bits. Masked voxels keep their value. */
 bool iso_editor_masked(const iso_editor *editor, int x, int y, int z);
-iso_status iso_editor_mask_clear(iso_editor *editor, iso_error *error);
+bool iso_editor_has_mask(const iso_editor *editor);
+void iso_editor_mask_clear(iso_editor *editor);
 
 #ifdef __cplusplus
 }

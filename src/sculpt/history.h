@@ -1,7 +1,7 @@
 /* history: undo without limit. Every step keeps the cells that it changed as they were before, packed without
- * loss (a 2-bit mask of outside / inside / band and the band's floats, then LZ4 or zstd where that helps),
- * and undo and redo restore them bit for bit through the change log. Memory is capped; what does not fit goes
- * to a file beside the journal, oldest first, and comes back from there. */
+ * loss (cell_pack.h), and undo and redo restore them bit for bit through the change log. Memory is capped;
+ * what does not fit goes to a file beside the journal, oldest first, and comes back from there. One thread at
+ * a time, the grid's writer. */
 #ifndef ISO_SCULPT_HISTORY_H
 #define ISO_SCULPT_HISTORY_H
 
@@ -20,7 +20,8 @@ typedef struct iso_history_opts {
         *spill; /* path of the file that takes what does not fit; copied. NULL: memory grows beyond its cap */
 } iso_history_opts;
 
-/* The grid is borrowed until destroy; the spill file is made when first needed and removed by destroy. */
+/* The grid is borrowed until destroy; the spill file is made when first needed and removed by destroy. Where
+ * it cannot be written, steps stay in memory. */
 iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso_history **history,
                               iso_error *error);
 void iso_history_destroy(iso_history *history);
@@ -36,6 +37,9 @@ iso_status iso_history_cancel(iso_history *history, iso_error *error);
  * grid is as before. */
 iso_status iso_history_undo(iso_history *history, iso_error *error);
 iso_status iso_history_redo(iso_history *history, iso_error *error);
+
+/* Forgets all steps. ISO_ERR_USAGE while one is open. */
+iso_status iso_history_clear(iso_history *history, iso_error *error);
 
 size_t iso_history_count(const iso_history *history);    /* steps, undone ones included */
 size_t iso_history_position(const iso_history *history); /* steps that are done */

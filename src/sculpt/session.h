@@ -16,12 +16,14 @@ typedef struct iso_session iso_session;
 typedef struct iso_session_opts {
     iso_pool *pool;       /* borrowed */
     const char *journal;  /* path of the stroke file to write; NULL: none */
+    bool resume;          /* the file exists: what it holds is played first, then it is continued */
     size_t undo_memory;   /* bytes; 0 means 1 GiB */
-    int snapshot_strokes; /* a snapshot after so many strokes; 0 means 200, < 0 never */
+    int snapshot_strokes; /* a snapshot beside the journal after so many strokes; 0 means 200, < 0 never */
     const iso_hgrid *stamp;
 } iso_session_opts;
 
-/* Takes over the grid (also when it fails). `start` says what the grid is; the journal's header. */
+/* Takes over the grid (also when it fails). `start` says what the grid is; the journal's header. Resuming
+ * begins at the last snapshot that can be read; what was done before it cannot be undone then. */
 iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, const iso_session_opts *opts,
                               iso_session **session, iso_error *error);
 /* Closes the journal; what was not saved stays in it. */
