@@ -80,6 +80,7 @@ static iso_status play_from(iso_session *session, int from, int *count, iso_erro
 static iso_status start_again(iso_session *session, const iso_hgrid *initial, iso_error *error) {
     if (session->drawing) ISO_TRY(iso_session_cancel(session, error));
     while (iso_history_position(session->history)) ISO_TRY(iso_history_undo(session->history, error));
+    iso_editor_mask_clear(session->editor);
     ISO_TRY(iso_hgrid_copy_cells(initial, session->grid, error));
     return iso_history_clear(session->history, error);
 }

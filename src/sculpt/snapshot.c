@@ -110,11 +110,10 @@ static iso_status fill(reading r, iso_hgrid *grid, iso_error *error) {
         const int at[3] = {(int)(i % (size_t)grid->cells[0]),
                            (int)(i / (size_t)grid->cells[0] % (size_t)grid->cells[1]),
                            (int)(i / (size_t)grid->cells[0] / (size_t)grid->cells[1])};
-        int32_t size;
-        const uint8_t *bytes;
+        int32_t size = ISO_CELL_OUTSIDE;
+        const uint8_t *bytes = NULL;
         float *brick;
-        next_cell(&r, &size, &bytes);
-        if (size < 0) {
+        if (!next_cell(&r, &size, &bytes) || size < 0) { /* (checked before) */
             iso_hgrid_coalesce(grid, at[0], at[1], at[2], size);
             continue;
         }
@@ -143,7 +142,7 @@ static iso_status read_buffer(const char *path, const iso_buffer *buffer, size_t
 
 iso_status iso_snapshot_read(const char *path, iso_hgrid *grid, iso_error *error) {
     iso_buffer buffer = {0};
-    size_t size;
+    size_t size = 0;
     iso_status status = load(path, &buffer, &size, error);
     if (status == ISO_OK) status = read_buffer(path, &buffer, size, grid, error);
     iso_buffer_free(&buffer);
