@@ -33,6 +33,7 @@
 
 #include "grids/bridge_guard.hpp"
 #include "grids/format.h"
+#include "grids/module.h"
 
 namespace {
 
@@ -433,6 +434,8 @@ iso_status vti_read(const char *path, const iso_volume_opts *opts, iso_volume_in
     });
 }
 
+const iso_format format = {"vti", "VTK", nullptr, vti_info, vti_read};
+
 } // namespace
 
-extern "C" const iso_format iso_format_vti = {"vti", "VTK", vti_info, vti_read};
+ISO_MODULE(&format, nullptr);
