@@ -19,8 +19,7 @@ typedef struct iso_rgb {
 } iso_rgb;
 
 /* Two directional lights that move with the camera (a key light from above left, a fill light from the eye),
- * ambient and a specular lobe of exponent 32. Shading is two-sided: a normal that faces away
- * is turned. */
+ * ambient and a specular lobe of exponent 32. Shading is two-sided: a normal that faces away is turned. */
 typedef struct iso_shading {
     const iso_rgb *colors; /* one per surface */
     int color_count;       /* surfaces beyond it take the last colour */
