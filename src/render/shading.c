@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/simd.h"
+
 static const float AMBIENT = 0.16f, KEY = 0.58f, FILL = 0.34f, SPECULAR = 0.16f;
 /* Directions to the lights, unit, view space (y down): from above left, 41 degrees off the axis; the eye. */
 static const float KEY_LIGHT[3] = {-0.40f, -0.52f, -0.7547185f};
@@ -37,87 +39,157 @@ void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb colo
     }
 }
 
+/* ---- a whole gbuffer: kernels shade runs of samples in a row with the same arithmetic */
+
+enum {
+    RUN = 512, /* samples at a time: small enough for the first cache */
+    ROWS_PER_TASK = 16
+};
+
+struct shade_run;
+/* Where byte k of a pixel in memory lies in a 32-bit number. */
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+#define BYTE_SHIFT(k) (8 * (k))
+#else
+#define BYTE_SHIFT(k) (24 - 8 * (k))
+#endif
+
 typedef struct shade {
     const iso_shading *shading;
     const iso_view *view;
     const iso_gbuffer *gbuffer;
     int factor, y0;
     iso_image *image;
+    float base[3][256];  /* colours of surfaces */
+    uint32_t background; /* bytes of a pixel in which nothing is seen */
+    void (*samples)(const struct shade *s, struct shade_run *run);
+    void (*pack)(const struct shade *s, const struct shade_run *run, uint8_t *rgba);
 } shade;
 
-static void eye_direction(const iso_view *view, int x, int y, float out[3]) {
-    out[0] = out[1] = 0;
-    out[2] = -1;
-    if (view->orthographic) return;
-    float u = (float)((x + 0.5 - view->cx) / view->focal), v = (float)((y + 0.5 - view->cy) / view->focal);
-    float length = sqrtf(u * u + v * v + 1);
-    out[0] = -u / length;
-    out[1] = -v / length;
-    out[2] = -1 / length;
-}
+/* Samples of one row. */
+typedef struct shade_run {
+    size_t index; /* of the first one in the gbuffer */
+    int count;
+    const float *u; /* x of the ray through each, at depth 1; not for orthographic views */
+    float v;
+    float rgb[3][RUN + ISO_LANES_MAX]; /* comes out, 0 .. 1; where nothing is seen it means nothing */
+} shade_run;
 
-static iso_rgb surface_color(const iso_shading *shading, int surface) {
-    int last = shading->color_count - 1;
-    return shading->colors[surface < last ? surface : last];
-}
+#define ISO_LEVEL generic
+#include "render/shading_body.inc"
+#undef ISO_LEVEL
+#if ISO_HAVE_X86
+#define ISO_LEVEL avx2
+#include "render/shading_body.inc"
+#undef ISO_LEVEL
+#define ISO_LEVEL avx512
+#include "render/shading_body.inc"
+#undef ISO_LEVEL
+#endif
 
-/* Adds the samples of pixel (x, y) that show a surface to sum, and returns their number. */
-static int gather(const shade *s, int x, int y, float sum[3]) {
-    int covered = 0;
-    for (int j = y * s->factor; j < (y + 1) * s->factor; j++) {
-        size_t row = (size_t)j * (size_t)s->gbuffer->width;
-        for (int i = x * s->factor; i < (x + 1) * s->factor; i++) {
-            size_t index = row + (size_t)i;
-            if (s->gbuffer->surface[index] == ISO_SURFACE_NONE) continue;
-            float to_eye[3], rgb[3];
-            eye_direction(s->view, i, j, to_eye);
-            const float normal[3] = {s->gbuffer->normal[0][index], s->gbuffer->normal[1][index],
-                                     s->gbuffer->normal[2][index]};
-            iso_shade_sample(normal, to_eye, surface_color(s->shading, s->gbuffer->surface[index]), rgb);
-            for (int c = 0; c < 3; c++) sum[c] += rgb[c];
-            covered++;
-        }
+static void choose_kernels(shade *s) {
+    s->samples = shade_samples_generic;
+    s->pack = pack_pixels_generic;
+#if ISO_HAVE_X86
+    if (iso_cpu_best() == ISO_CPU_AVX2) {
+        s->samples = shade_samples_avx2;
+        s->pack = pack_pixels_avx2;
+    } else if (iso_cpu_best() == ISO_CPU_AVX512) {
+        s->samples = shade_samples_avx512;
+        s->pack = pack_pixels_avx512;
     }
-    return covered;
+#endif
+}
+
+static void choose_colors(shade *s) {
+    const iso_shading *shading = s->shading;
+    for (int surface = 0; surface < 256; surface++) {
+        int last = shading->color_count - 1;
+        iso_rgb color = shading->colors[surface < last ? surface : last];
+        s->base[0][surface] = color.r;
+        s->base[1][surface] = color.g;
+        s->base[2][surface] = color.b;
+    }
+    const iso_rgb back = shading->background;
+    const uint8_t pixel[4] = {back.r, back.g, back.b, 255};
+    if (!shading->transparent) memcpy(&s->background, pixel, 4);
 }
 
 static uint8_t to_byte(float value) {
     return (uint8_t)(value * 255 + 0.5f);
 }
 
+/* A pixel of several samples: the mean of those that show a surface, over the background. */
 static void resolve(const shade *s, const float sum[3], int covered, uint8_t rgba[4]) {
     int samples = s->factor * s->factor;
     const iso_rgb back = s->shading->background;
-    const uint8_t background[4] = {back.r, back.g, back.b, 255};
-    if (covered == 0) {
-        if (s->shading->transparent)
-            memset(rgba, 0, 4);
-        else
-            memcpy(rgba, background, 4);
-        return;
-    }
+    const float background[3] = {back.r, back.g, back.b};
+    memcpy(rgba, &s->background, 4);
+    if (covered == 0) return;
     float part = (float)covered / (float)samples;
     for (int c = 0; c < 3; c++) {
         float mean = sum[c] / (float)covered;
-        float over = mean * part + (float)background[c] / 255 * (1 - part);
+        float over = mean * part + background[c] / 255 * (1 - part);
         rgba[c] = to_byte(s->shading->transparent ? mean : over);
     }
     rgba[3] = s->shading->transparent ? to_byte(part) : 255;
 }
 
-static void shade_row(void *context, size_t row, int worker) {
+/* Sums of the samples of each pixel, and how many there are. */
+typedef struct pixel_sums {
+    float rgb[RUN][3];
+    int covered[RUN];
+} pixel_sums;
+
+static void add_samples(const shade *s, const shade_run *run, pixel_sums *sums) {
+    const uint8_t *surface = s->gbuffer->surface + run->index;
+    for (int i = 0, x = 0; i < run->count; x++)
+        for (int end = i + s->factor; i < end; i++) {
+            if (surface[i] == ISO_SURFACE_NONE) continue;
+            for (int c = 0; c < 3; c++) sums->rgb[x][c] += run->rgb[c][i];
+            sums->covered[x]++;
+        }
+}
+
+/* Pixels first .. first + count - 1 of a row; u of their samples. */
+static void shade_pixels(const shade *s, int row, int first, int count, const float *u) {
+    uint8_t *out =
+        s->image->rgba + (((size_t)s->y0 + (size_t)row) * (size_t)s->image->width + (size_t)first) * 4;
+    shade_run run = {.count = count * s->factor, .u = u};
+    pixel_sums sums;
+    if (s->factor > 1) memset(&sums, 0, sizeof sums);
+    for (int j = row * s->factor; j < (row + 1) * s->factor; j++) {
+        run.index = (size_t)j * (size_t)s->gbuffer->width + (size_t)(first * s->factor);
+        run.v = (float)((j + 0.5 - s->view->cy) / s->view->focal);
+        s->samples(s, &run);
+        if (s->factor == 1)
+            s->pack(s, &run, out);
+        else
+            add_samples(s, &run, &sums);
+    }
+    for (int x = 0; s->factor > 1 && x < count; x++) resolve(s, sums.rgb[x], sums.covered[x], out + 4 * x);
+}
+
+static void shade_rows(void *context, size_t index, int worker) {
     (void)worker;
     const shade *s = context;
-    uint8_t *out = s->image->rgba + ((size_t)s->y0 + row) * (size_t)s->image->width * 4;
-    for (int x = 0; x < s->image->width; x++) {
-        float sum[3] = {0, 0, 0};
-        int covered = gather(s, x, (int)row, sum);
-        resolve(s, sum, covered, out + 4 * x);
+    int rows = s->gbuffer->height / s->factor, width = s->image->width, most = RUN / s->factor;
+    int top = (int)index * ROWS_PER_TASK, bottom = top + ROWS_PER_TASK < rows ? top + ROWS_PER_TASK : rows;
+    for (int first = 0; first < width; first += most) {
+        int count = width - first < most ? width - first : most;
+        float u[RUN];
+        for (int i = 0; i < count * s->factor; i++)
+            u[i] = (float)((first * s->factor + i + 0.5 - s->view->cx) / s->view->focal);
+        for (int row = top; row < bottom; row++) shade_pixels(s, row, first, count, u);
     }
 }
 
 void iso_shade(const iso_shading *shading, const iso_view *view, const iso_gbuffer *gbuffer, int factor,
                int y0, iso_image *image, iso_pool *pool) {
-    shade s = {shading, view, gbuffer, factor, y0, image};
-    iso_parallel_for(pool, (size_t)(gbuffer->height / factor), shade_row, &s);
+    shade s = {
+        .shading = shading, .view = view, .gbuffer = gbuffer, .factor = factor, .y0 = y0, .image = image};
+    choose_kernels(&s);
+    choose_colors(&s);
+    size_t rows = (size_t)(gbuffer->height / factor);
+    iso_parallel_for(pool, (rows + ROWS_PER_TASK - 1) / ROWS_PER_TASK, shade_rows, &s);
 }
