@@ -56,10 +56,10 @@ static void reference_sample(const iso_shading *shading, const iso_view *view, c
     if (!view->orthographic) {
         float u = (float)((at[0] + 0.5 - view->cx) / view->focal),
               v = (float)((at[1] + 0.5 - view->cy) / view->focal);
-        float length = sqrtf(u * u + v * v + 1);
-        to_eye[0] = -u / length;
-        to_eye[1] = -v / length;
-        to_eye[2] = -1 / length;
+        float scale = -1 / sqrtf(u * u + v * v + 1);
+        to_eye[0] = u * scale;
+        to_eye[1] = v * scale;
+        to_eye[2] = scale;
     }
     const float normal[3] = {g->normal[0][index], g->normal[1][index], g->normal[2][index]};
     iso_shade_sample(normal, to_eye, shading->colors[surface < last ? surface : last], rgb);

@@ -31,7 +31,7 @@ void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb colo
     float key = positive(dot(n, KEY_LIGHT)), fill = positive(dot(n, FILL_LIGHT));
     /* the mirrored light against the eye: (2 (n.l) n - l).v */
     float mirror = key > 0 ? positive(2 * key * dot(n, to_eye) - dot(KEY_LIGHT, to_eye)) : 0;
-    float diffuse = (AMBIENT + KEY * key + FILL * fill) / 255, white = SPECULAR * lobe(mirror);
+    float diffuse = AMBIENT / 255 + KEY / 255 * key + FILL / 255 * fill, white = SPECULAR * lobe(mirror);
     const float base[3] = {color.r, color.g, color.b};
     for (int c = 0; c < 3; c++) {
         float value = base[c] * diffuse + white;
