@@ -195,10 +195,10 @@ static iso_status aim(report *r, const iso_study_frame *fit, int target[2], doub
     size_t side = (size_t)r->settings->side, count = side * side;
     uint8_t *mask = iso_alloc(count);
     if (!mask) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    iso_silhouette_from_coverage(fit->coverage, count, mask);
+    iso_silhouette_from_coverage(fit->aov.coverage, count, mask);
     iso_status status = iso_study_aim(mask, (int)side, target, error);
     size_t middle = (size_t)target[1] * side + (size_t)target[0];
-    if (status == ISO_OK && mask[middle]) *depth = (double)fit->depth[middle];
+    if (status == ISO_OK && mask[middle]) *depth = (double)fit->aov.depth[middle];
     iso_free(mask);
     return status;
 }

@@ -119,58 +119,36 @@ iso_status iso_study_aim(const uint8_t *mask, int side, int aim[2], iso_error *e
 
 void iso_study_frame_free(iso_study_frame *frame) {
     iso_image_free(&frame->image);
-    iso_free(frame->depth);
-    iso_free(frame->coverage);
-    for (int i = 0; i < 3; i++) iso_free(frame->normal[i]);
+    iso_aov_free(&frame->aov);
     *frame = (iso_study_frame){0};
 }
 
 iso_status iso_study_frame_create(int side, bool channels, iso_study_frame *frame, iso_error *error) {
     iso_study_frame made = {0};
     ISO_TRY(iso_image_create(side, side, &made.image, error));
-    size_t bytes = (size_t)side * (size_t)side * sizeof(float);
-    bool good = !channels || (made.depth = iso_alloc(bytes)) != NULL;
-    good = good && (!channels || (made.coverage = iso_alloc(bytes)) != NULL);
-    for (int i = 0; i < 3; i++) good = good && (!channels || (made.normal[i] = iso_alloc(bytes)) != NULL);
-    if (!good) {
+    iso_status status = channels ? iso_aov_create(side, side, &made.aov, error) : ISO_OK;
+    if (status == ISO_OK)
+        *frame = made;
+    else
         iso_study_frame_free(&made);
-        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a picture's channels");
-    }
-    *frame = made;
-    return ISO_OK;
+    return status;
 }
 
 typedef struct drawing {
     const iso_subject *subject;
     const iso_method *method;
-    const iso_view *view; /* of the whole picture */
-    iso_study_frame *frame;
 } drawing;
-
-/* The rows of the gbuffer lie where they belong in the picture. */
-static void keep_channels(const drawing *d, const iso_view *view, const iso_gbuffer *gbuffer) {
-    size_t first = (size_t)lround(d->view->cy - view->cy) * (size_t)view->width;
-    size_t count = (size_t)view->width * (size_t)view->height;
-    memcpy(d->frame->depth + first, gbuffer->depth, count * sizeof(float));
-    for (int i = 0; i < 3; i++)
-        memcpy(d->frame->normal[i] + first, gbuffer->normal[i], count * sizeof(float));
-    for (size_t i = 0; i < count; i++)
-        d->frame->coverage[first + i] = gbuffer->surface[i] == ISO_SURFACE_NONE ? 0 : 1;
-}
 
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const drawing *d = context;
     iso_target target = {view, gbuffer, d->subject->pool, 0};
-    ISO_TRY(d->method->draw(d->subject, &target, error));
-    if (d->frame->depth) keep_channels(d, view, gbuffer);
-    return ISO_OK;
+    return d->method->draw(d->subject, &target, error);
 }
 
 iso_status iso_study_draw(const iso_subject *subject, const iso_method *method, const iso_view *view,
                           const iso_study_look *look, iso_study_frame *frame, iso_error *error) {
     assert(frame->image.width == view->width && frame->image.height == view->height);
-    assert(!frame->depth || look->samples <= 1);
-    drawing d = {subject, method, view, frame};
+    drawing d = {subject, method};
     iso_picture_opts opts = {.view = view,
                              .width = view->width,
                              .height = view->height,
@@ -178,7 +156,8 @@ iso_status iso_study_draw(const iso_subject *subject, const iso_method *method, 
                              .shading = {&look->color, 1, look->background, look->transparent},
                              .draw = draw,
                              .draw_context = &d,
-                             .pool = subject->pool};
+                             .pool = subject->pool,
+                             .aov = frame->aov.depth ? &frame->aov : NULL};
     return iso_picture_render(&opts, &frame->image, NULL, error);
 }
 
@@ -186,9 +165,9 @@ iso_compare_picture iso_study_picture(const iso_study_frame *frame) {
     return (iso_compare_picture){.width = frame->image.width,
                                  .height = frame->image.height,
                                  .rgba = frame->image.rgba,
-                                 .depth = frame->depth,
-                                 .normal = {frame->normal[0], frame->normal[1], frame->normal[2]},
-                                 .coverage = frame->coverage};
+                                 .depth = frame->aov.depth,
+                                 .normal = {frame->aov.normal[0], frame->aov.normal[1], frame->aov.normal[2]},
+                                 .coverage = frame->aov.coverage};
 }
 
 static float clamp_255(float value) {
@@ -198,9 +177,10 @@ static float clamp_255(float value) {
 /* Cosine between a pixel's normal and the direction to the eye. */
 static float facing(const iso_study_frame *frame, const iso_view *view, int x, int y) {
     size_t i = (size_t)y * (size_t)view->width + (size_t)x;
-    iso_vec3 normal = iso_vec3_make(frame->normal[0][i], frame->normal[1][i], frame->normal[2][i]);
-    iso_vec3 ray = iso_vec3_make((x + 0.5 - view->cx) / view->focal, (y + 0.5 - view->cy) / view->focal, 1);
-    float cosine = (float)fabs(iso_vec3_dot(iso_vec3_unit(ray), normal));
+    float *const *n = frame->aov.normal;
+    iso_vec3 origin, ray;
+    iso_view_ray(view, x + 0.5, y + 0.5, &origin, &ray);
+    float cosine = (float)fabs(iso_vec3_dot(iso_vec3_unit(ray), iso_vec3_make(n[0][i], n[1][i], n[2][i])));
     return cosine < 1 ? cosine : 1;
 }
 
@@ -210,7 +190,7 @@ void iso_study_light(const iso_study_frame *frame, const iso_view *view, const i
     const float background[3] = {look->background.r, look->background.g, look->background.b};
     for (int y = 0; y < view->height; y++)
         for (int x = 0; x < view->width; x++, color += 3) {
-            if (frame->coverage[(size_t)y * (size_t)view->width + (size_t)x] == 0) {
+            if (frame->aov.coverage[(size_t)y * (size_t)view->width + (size_t)x] == 0) {
                 memcpy(color, background, sizeof background);
                 continue;
             }
@@ -225,7 +205,7 @@ double iso_study_change(const iso_study_frame *a, const iso_study_frame *b) {
     size_t count = (size_t)a->image.width * (size_t)a->image.height, pixels = 0;
     uint64_t sum = 0;
     for (size_t i = 0; i < count; i++) {
-        if (a->coverage[i] < 0.5f && b->coverage[i] < 0.5f) continue;
+        if (a->aov.coverage[i] < 0.5f && b->aov.coverage[i] < 0.5f) continue;
         pixels++;
         for (size_t c = 0; c < 3; c++)
             sum += (uint64_t)abs(a->image.rgba[4 * i + c] - b->image.rgba[4 * i + c]);

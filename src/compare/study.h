@@ -8,6 +8,7 @@
 
 #include "compare/method.h"
 #include "compare/metrics.h"
+#include "image/aov.h"
 #include "image/camera.h"
 #include "image/image.h"
 #include "render/shading.h"
@@ -37,10 +38,11 @@ iso_view iso_study_zoom(const iso_view *fit, const int aim[2], double zoom);
  * side must be a multiple of 32. ISO_ERR_NOMEM. */
 iso_status iso_study_aim(const uint8_t *mask, int side, int aim[2], iso_error *error);
 
-/* A picture of a method, with its channels or without. iso_study_frame_free when done. */
+/* A picture of a method, with its channels or without (then aov's planes are NULL). iso_study_frame_free when
+ * done. */
 typedef struct iso_study_frame {
     iso_image image;
-    float *depth, *normal[3], *coverage; /* or NULL */
+    iso_aov aov;
 } iso_study_frame;
 
 /* What pictures look like. */
@@ -55,8 +57,8 @@ typedef struct iso_study_look {
 iso_status iso_study_frame_create(int side, bool channels, iso_study_frame *frame, iso_error *error);
 void iso_study_frame_free(iso_study_frame *frame);
 
-/* Draws into a frame of the view's size; one with channels takes one sample a pixel. ISO_ERR_USAGE (samples),
- * ISO_ERR_NOMEM, and what the method returns. */
+/* Draws into a frame of the view's size. ISO_ERR_USAGE (samples), ISO_ERR_NOMEM, and what the method returns.
+ */
 iso_status iso_study_draw(const iso_subject *subject, const iso_method *method, const iso_view *view,
                           const iso_study_look *look, iso_study_frame *frame, iso_error *error);
 

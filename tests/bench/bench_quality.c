@@ -266,10 +266,10 @@ static iso_status take_aim(session *s, const iso_view *fit, int aim[2], double *
     size_t count = (size_t)side * (size_t)side;
     uint8_t *mask = malloc(count);
     if (!mask) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    iso_silhouette_from_coverage(s->truth.coverage, count, mask);
+    iso_silhouette_from_coverage(s->truth.aov.coverage, count, mask);
     iso_status status = iso_study_aim(mask, side, aim, error);
     size_t middle = (size_t)aim[1] * (size_t)side + (size_t)aim[0];
-    if (status == ISO_OK && mask[middle]) *depth = (double)s->truth.depth[middle];
+    if (status == ISO_OK && mask[middle]) *depth = (double)s->truth.aov.depth[middle];
     free(mask);
     return status;
 }
