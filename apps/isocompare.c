@@ -6,7 +6,7 @@
 
 static iso_status run(const isocompare_settings *settings, iso_error *error) {
     iso_pool *pool = NULL;
-    ISO_TRY(iso_pool_create(settings->threads, &pool, error));
+    ISO_TRY(iso_pool_create(settings->render.threads, &pool, error));
     iso_status status = settings->command == ISOCOMPARE_IMAGES ? isocompare_images(settings, pool, error)
                                                                : isocompare_report(settings, pool, error);
     iso_pool_destroy(pool);
@@ -22,9 +22,9 @@ int main(int argc, char **argv) {
     iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
     if (!operands.values) return iso_status_exit(ISO_ERR_NOMEM);
     iso_status status = isocompare_settings_parse(argc, argv, &settings, &operands, &error);
-    if (status == ISO_OK && settings.help == ISOCOMPARE_HELP)
-        iso_options_help(program, settings.help_form, stdout);
-    else if (status == ISO_OK && settings.help == ISOCOMPARE_VERSION)
+    if (status == ISO_OK && settings.render.help == ISORENDER_HELP)
+        iso_options_help(program, settings.render.help_form, stdout);
+    else if (status == ISO_OK && settings.render.help == ISORENDER_VERSION)
         printf("%s %s\n", program->name, program->version);
     else if (status == ISO_OK)
         status = run(&settings, &error);

@@ -14,7 +14,6 @@ extern "C" {
 enum { ISOCOMPARE_BOUNDS = 32 };
 
 typedef enum isocompare_command { ISOCOMPARE_IMAGES, ISOCOMPARE_REPORT } isocompare_command;
-typedef enum isocompare_help { ISOCOMPARE_RUN, ISOCOMPARE_HELP, ISOCOMPARE_VERSION } isocompare_help;
 
 /* METRIC=VALUE */
 typedef struct isocompare_bound {
@@ -24,7 +23,7 @@ typedef struct isocompare_bound {
 
 /* Strings are borrowed from argv. */
 typedef struct isocompare_settings {
-    isorender_settings render; /* how to read the volume, and the isovalue; first: options are shared */
+    isorender_settings render; /* reading, isovalue, json, threads, quiet, help; first: options are shared */
     isocompare_command command;
     const char *volume, *output; /* report */
     int side;
@@ -34,10 +33,6 @@ typedef struct isocompare_settings {
     double voxel, pixels_per_voxel, pixels_per_degree;
     isocompare_bound bounds[ISOCOMPARE_BOUNDS];
     int bound_count;
-    int threads, quiet, json;
-    const char *json_path; /* NULL: stdout */
-    isocompare_help help;
-    iso_help_form help_form;
     const char *of_images, *of_report; /* the last option seen that belongs to one command only */
 } isocompare_settings;
 

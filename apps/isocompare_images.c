@@ -143,7 +143,7 @@ static void put_all(iso_json *json, const comparison *c) {
 
 static iso_status write_json(const comparison *c, iso_error *error) {
     iso_sink sink = {0};
-    ISO_TRY(iso_sink_open(c->settings->json_path ? c->settings->json_path : "-", &sink, error));
+    ISO_TRY(iso_sink_open(c->settings->render.json_path ? c->settings->render.json_path : "-", &sink, error));
     iso_json json = {.stream = sink.stream};
     put_all(&json, c);
     return iso_sink_commit(&sink, error);
@@ -183,7 +183,7 @@ static iso_status check_bounds(const comparison *c, iso_error *error) {
 /* ---- one comparison ---- */
 
 static iso_status check_outputs(const isocompare_settings *settings, iso_error *error) {
-    const char *outputs[] = {settings->difference, settings->json_path};
+    const char *outputs[] = {settings->difference, settings->render.json_path};
     const char *inputs[] = {settings->truth, settings->candidate, settings->truth_aov,
                             settings->candidate_aov};
     for (int o = 0; o < 2; o++)
@@ -222,9 +222,9 @@ static iso_status compare(comparison *c, iso_error *error) {
                              .pool = c->pool};
     ISO_TRY(iso_compare(&c->sides[0].picture, &c->sides[1].picture, &opts, &c->metrics, error));
     if (settings->difference) ISO_TRY(write_difference(c, error));
-    bool to_stdout = settings->json && !settings->json_path;
-    if (!settings->quiet && !to_stdout) print_table(c);
-    if (settings->json) ISO_TRY(write_json(c, error));
+    bool to_stdout = settings->render.json && !settings->render.json_path;
+    if (!settings->render.quiet && !to_stdout) print_table(c);
+    if (settings->render.json) ISO_TRY(write_json(c, error));
     return check_bounds(c, error);
 }
 

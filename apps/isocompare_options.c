@@ -59,34 +59,14 @@ static iso_status apply_isovalue(void *target, const char *value, iso_error *err
     return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a number", value);
 }
 
-static iso_status apply_json(void *target, const char *value, iso_error *error) {
-    isocompare_settings *settings = target;
-    if (value && !*value) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
-    settings->json = 1;
-    settings->json_path = value && strcmp(value, "-") == 0 ? NULL : value;
-    return ISO_OK;
-}
-
-static iso_status apply_help(void *target, const char *value, iso_error *error) {
-    isocompare_settings *settings = target;
-    settings->help = ISOCOMPARE_HELP;
-    return iso_parse_help_form(value, &settings->help_form, error);
-}
-
-static iso_status apply_version(void *target, const char *value, iso_error *error) {
-    (void)value, (void)error;
-    ((isocompare_settings *)target)->help = ISOCOMPARE_VERSION;
-    return ISO_OK;
-}
-
 /* ---- the table ---- */
 
-#define FIELD(name) .offset = offsetof(isocompare_settings, name)
-#define FLAG(field) .kind = ISO_OPTION_FLAG, FIELD(field)
-#define TEXT(field) .kind = ISO_OPTION_TEXT, FIELD(field)
-#define INT(field, from, to) .kind = ISO_OPTION_INT, FIELD(field), .low = (from), .high = (to)
-#define REAL(field, from, to) .kind = ISO_OPTION_REAL, FIELD(field), .low = (from), .high = (to)
-#define CALL(function) .kind = ISO_OPTION_CALL, .apply = (function)
+/* What is shared with isorender is at the same place in both settings. */
+#define FIELD(name) .offset = offsetof(isorender_settings, name)
+#include "apps/option_rows.h"
+#define OWN(kind_of, field) .kind = (kind_of), .offset = offsetof(isocompare_settings, field)
+#define OWN_TEXT(field) OWN(ISO_OPTION_TEXT, field)
+#define OWN_REAL(field, from, to) OWN(ISO_OPTION_REAL, field), .low = (from), .high = (to)
 
 static const iso_option options[] = {
     {"fail-under", NULL, "METRIC=VALUE",
@@ -98,36 +78,29 @@ static const iso_option options[] = {
      "those of a report are laid on",
      .group = IMAGES, .standard = "FFFFFF", CALL(apply_background)},
     {"aov-a", NULL, "FILE.exr", "depth, normals and coverage of TRUTH, as isorender --aov writes them",
-     .group = IMAGES, TEXT(truth_aov)},
-    {"aov-b", NULL, "FILE.exr", "the same of CANDIDATE", .group = IMAGES, TEXT(candidate_aov)},
+     .group = IMAGES, OWN_TEXT(truth_aov)},
+    {"aov-b", NULL, "FILE.exr", "the same of CANDIDATE", .group = IMAGES, OWN_TEXT(candidate_aov)},
     {"voxel", NULL, "MM", "size of a voxel, for errors of depth", .group = IMAGES,
-     .standard = "what TRUTH's .exr says", REAL(voxel, 1e-12, 1e12)},
+     .standard = "what TRUTH's .exr says", OWN_REAL(voxel, 1e-12, 1e12)},
     {"pixels-per-voxel", NULL, "N", "for dilations in voxels", .group = IMAGES,
-     REAL(pixels_per_voxel, 1e-9, 1e9)},
+     OWN_REAL(pixels_per_voxel, 1e-9, 1e9)},
     {"pixels-per-degree", "ppd", "N", "how densely the eye sees the pictures, for FLIP", .group = IMAGES,
-     .standard = "67.02", REAL(pixels_per_degree, 1, 450)},
+     .standard = "67.02", OWN_REAL(pixels_per_degree, 1, 450)},
     {"difference", NULL, "FILE.png", "write a picture of FLIP's differences, black to white", .group = IMAGES,
-     TEXT(difference)},
+     OWN_TEXT(difference)},
 
     {"json", NULL, "FILE", "one object with all metrics, to stdout without a FILE", .group = IMAGES,
-     CALL(apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL},
+     CALL(isorender_apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL},
 
     {"output", "o", "DIR", "folder for report.html and report.json; made when it is not there",
-     .group = REPORT, TEXT(output), .flags = ISO_OPTION_UNRECORDED},
+     .group = REPORT, OWN_TEXT(output), .flags = ISO_OPTION_UNRECORDED},
     {"isovalue", "isosurface iso-value", "V", "value of the surface, in the file's physical units",
      .group = REPORT, .standard = "as isorender chooses it", CALL(apply_isovalue)},
     {"side", NULL, "N", "pixels a side of its pictures, a multiple of 32", .group = REPORT,
-     .standard = "1024", INT(side, 64, 4096)},
+     .standard = "1024", OWN(ISO_OPTION_INT, side), .low = 64, .high = 4096},
 #include "input_options.inc"
 
-    {"threads", NULL, "N", "threads to use; nothing depends on it", .group = RUNNING,
-     .standard = "one a processor", INT(threads, 1, 1024), .flags = ISO_OPTION_UNRECORDED},
-    {"quiet", "q", NULL, "print no table and no progress", .group = RUNNING, FLAG(quiet),
-     .flags = ISO_OPTION_UNRECORDED},
-    {"version", NULL, NULL, "print the version", .group = RUNNING, CALL(apply_version),
-     .flags = ISO_OPTION_UNRECORDED},
-    {"help", "h", "FORM", "print this; FORM may be man, markdown or bash", .group = RUNNING, CALL(apply_help),
-     .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
+#include "running_options.inc"
 };
 
 static const char *const metrics_text[] = {
@@ -229,9 +202,9 @@ static iso_status check_command(const isocompare_settings *settings, iso_error *
 
 iso_status isocompare_settings_parse(int argc, char *const *argv, isocompare_settings *settings,
                                      iso_operands *operands, iso_error *error) {
-    *settings = (isocompare_settings){.render = {.quiet = 1}, .background = {255, 255, 255}, .side = 1024};
+    *settings = (isocompare_settings){.background = {255, 255, 255}, .side = 1024};
     ISO_TRY(iso_options_parse(isocompare_program(), argc, argv, settings, operands, error));
-    if (settings->help) return ISO_OK;
+    if (settings->render.help) return ISO_OK;
     ISO_TRY(take_operands(settings, operands, error));
     return check_command(settings, error);
 }

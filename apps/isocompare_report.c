@@ -17,7 +17,7 @@ static const int ZOOMS[REPORT_ZOOMS] = {1, 4, 16};
 static const int SAMPLES[REPORT_SAMPLINGS] = {1, 4}, TRUTH_SAMPLES[REPORT_SAMPLINGS] = {1, 16};
 
 static void tell(const report *r, const char *text) {
-    if (!r->settings->quiet) fprintf(stderr, "isocompare: %s\n", text);
+    if (!r->settings->render.quiet) fprintf(stderr, "isocompare: %s\n", text);
 }
 
 /* ---- the volume ---- */
@@ -314,7 +314,9 @@ iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool
     if (!r) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     r->settings = settings;
     r->plan.input = settings->volume;
-    r->job.settings = &settings->render;
+    r->reading = settings->render;
+    r->reading.quiet = 1;
+    r->job.settings = &r->reading;
     r->job.plan = &r->plan;
     r->job.pool = pool;
     iso_sink sinks[2] = {{0}};
@@ -322,7 +324,7 @@ iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool
     for (int i = 0; i < 2; i++) iso_sink_abort(&sinks[i]);
     if (status != ISO_OK) name_volume(r, error);
     if (status != ISO_OK && made) rmdir(settings->output);
-    if (status == ISO_OK && !settings->quiet)
+    if (status == ISO_OK && !settings->render.quiet)
         fprintf(stderr, "isocompare: wrote %s/report.html and report.json\n", settings->output);
     free_report(r);
     return status;

@@ -44,6 +44,7 @@ typedef struct report_part {
 
 typedef struct report {
     const isocompare_settings *settings;
+    isorender_settings reading; /* as settings->render, but quiet: this program speaks for itself */
     isorender_job job;
     isorender_plan plan;
     iso_subject subject;

@@ -148,7 +148,7 @@ iso_status isorender_apply_crop(void *target, const char *value, iso_error *erro
     return ISO_OK;
 }
 
-static iso_status apply_json(void *target, const char *value, iso_error *error) {
+iso_status isorender_apply_json(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     if (value && !*value) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
     settings->json = 1;
@@ -169,13 +169,13 @@ static iso_status apply_verbose(void *target, const char *value, iso_error *erro
     return ISO_OK;
 }
 
-static iso_status apply_help(void *target, const char *value, iso_error *error) {
+iso_status isorender_apply_help(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     settings->help = ISORENDER_HELP;
     return iso_parse_help_form(value, &settings->help_form, error);
 }
 
-static iso_status apply_version(void *target, const char *value, iso_error *error) {
+iso_status isorender_apply_version(void *target, const char *value, iso_error *error) {
     (void)value, (void)error;
     ((isorender_settings *)target)->help = ISORENDER_VERSION;
     return ISO_OK;
@@ -190,14 +190,7 @@ static iso_status apply_list_backends(void *target, const char *value, iso_error
 /* ---- the table ---- */
 
 #define FIELD(name) .offset = offsetof(isorender_settings, name)
-#define FLAG(field) .kind = ISO_OPTION_FLAG, FIELD(field)
-#define TEXT(field) .kind = ISO_OPTION_TEXT, FIELD(field)
-#define INT(field, from, to) .kind = ISO_OPTION_INT, FIELD(field), .low = (from), .high = (to)
-#define REAL(field, from, to) .kind = ISO_OPTION_REAL, FIELD(field), .low = (from), .high = (to)
-#define REALS(field, n) .kind = ISO_OPTION_REALS, FIELD(field), .count = (n)
-#define CHOICE(field, list) .kind = ISO_OPTION_CHOICE, FIELD(field), .choices = (list)
-#define CALL(function) .kind = ISO_OPTION_CALL, .apply = (function)
-#define QUIETLY .flags = ISO_OPTION_UNRECORDED
+#include "apps/option_rows.h"
 
 static const iso_option options[] = {
 #include "input_options.inc"
@@ -268,21 +261,16 @@ static const iso_option options[] = {
     {"info", NULL, NULL, "no picture: header, matrix, value range, histogram, suggested isovalues, memory",
      .group = OUTPUT, FLAG(info), QUIETLY},
     {"json", NULL, "FILE", "one object with what was read, made and measured, to stdout without a FILE",
-     .group = OUTPUT, CALL(apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
+     .group = OUTPUT, CALL(isorender_apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
     {"backend", "rendering-backend", "NAME", "auto or cpu", .group = RUNNING, .standard = "auto",
      TEXT(backend), QUIETLY},
     {"list-backends", "list-rendering-backends", NULL, "say what can render here", .group = RUNNING,
      CALL(apply_list_backends), QUIETLY},
-    {"threads", NULL, "N", "threads to use; the picture does not depend on it", .group = RUNNING,
-     .standard = "one a processor", INT(threads, 1, 1024), QUIETLY},
     {"progress", "loading-progress", NULL, "tell how far it is", .group = RUNNING, FLAG(progress), QUIETLY},
-    {"quiet", "q", NULL, "say nothing but errors", .group = RUNNING, FLAG(quiet), QUIETLY},
     {"verbose", NULL, "LEVEL", "say more: timings and counts (quiet, error, warning, info, debug)",
      .group = RUNNING, CALL(apply_verbose), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
-    {"version", NULL, NULL, "print the version", .group = RUNNING, CALL(apply_version), QUIETLY},
-    {"help", "h", "FORM", "print this; FORM may be man, markdown or bash", .group = RUNNING, CALL(apply_help),
-     .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
+#include "running_options.inc"
 };
 
 static const char *const inputs_text[] = {".vti, legacy .vtk, .nrrd .nhdr, .mha .mhd, .nii .nii.gz .hdr, "

@@ -429,21 +429,19 @@ static iso_status run_all(state *s, iso_error *error) {
 /* ---- the command line ---- */
 
 #define FIELD(name) .offset = offsetof(settings, name)
+#include "apps/option_rows.h"
 
 static const iso_option options[] = {
-    {"json", NULL, "FILE", "write one object a row", .kind = ISO_OPTION_TEXT, FIELD(json)},
-    {"volumes", NULL, "A,B", "only these", .kind = ISO_OPTION_TEXT, FIELD(volumes)},
-    {"methods", NULL, "A,B", "only these", .kind = ISO_OPTION_TEXT, FIELD(only)},
-    {"folder", NULL, "DIR", "where INDEX.tsv and the real volumes are", .kind = ISO_OPTION_TEXT,
-     FIELD(folder)},
-    {"pictures", NULL, "DIR", "write all pictures there", .kind = ISO_OPTION_TEXT, FIELD(pictures)},
-    {"frames", NULL, "N", "frames of the stent's turntable; 0: none", .standard = "64",
-     .kind = ISO_OPTION_INT, FIELD(frames), .high = 720},
-    {"side", NULL, "N", "pixels a side, a multiple of 32", .standard = "1024", .kind = ISO_OPTION_INT,
-     FIELD(side), .low = 32, .high = 4096},
+    {"json", NULL, "FILE", "write one object a row", TEXT(json)},
+    {"volumes", NULL, "A,B", "only these", TEXT(volumes)},
+    {"methods", NULL, "A,B", "only these", TEXT(only)},
+    {"folder", NULL, "DIR", "where INDEX.tsv and the real volumes are", TEXT(folder)},
+    {"pictures", NULL, "DIR", "write all pictures there", TEXT(pictures)},
+    {"frames", NULL, "N", "frames of the stent's turntable; 0: none", .standard = "64", INT(frames, 0, 720)},
+    {"side", NULL, "N", "pixels a side, a multiple of 32", .standard = "1024", INT(side, 32, 4096)},
     {"threads", NULL, "N", "threads to use; figures do not depend on it", .standard = "one a processor",
-     .kind = ISO_OPTION_INT, FIELD(threads), .low = 1, .high = 1024},
-    {"help", "h", NULL, "print this text", .kind = ISO_OPTION_FLAG, FIELD(help)},
+     INT(threads, 1, 1024)},
+    {"help", "h", NULL, "print this text", FLAG(help)},
 };
 
 static const char *const usage[] = {"[OPTION]...", NULL};
