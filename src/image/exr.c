@@ -252,7 +252,7 @@ static bool set_info(writer *w, const iso_exr_info *info) {
 }
 
 static bool write_header(writer *w, const iso_exr_info *info) {
-    enum { LEVEL = 1 }; /* higher ones save a few percent of a noisy plane and take several times as long */
+    enum { LEVEL = 1 }; /* 9 saves two percent of a real picture and takes three times as long */
     exr_file *s = &w->file;
     exr_context_t c = w->context;
     if (!note(s, exr_add_part(c, NULL, EXR_STORAGE_SCANLINE, NULL)) ||
