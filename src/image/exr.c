@@ -373,6 +373,9 @@ static iso_status read_window(reader *r, int *width, int *height, iso_error *err
     if (wide < 1 || high < 1 || wide > ISO_IMAGE_MAX || high > ISO_IMAGE_MAX)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: %lldx%lld pixels, sides must be 1..%d", r->path,
                         (long long)wide, (long long)high, ISO_IMAGE_MAX);
+    if (r->rows < 1) /* what the library makes of some broken headers */
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a readable OpenEXR picture: chunks without rows",
+                        r->path);
     r->first_y = window.min.y;
     *width = (int)wide;
     *height = (int)high;
