@@ -1,9 +1,12 @@
 /* The rows whose work is done in a process of its own: how much memory a first extraction takes, and how long
- * it is from a file to points. Ours is bench_alone, which the peers' libraries are not linked to. */
+ * it is from a file to points, and to a picture. Ours is bench_alone, which the peers' libraries are not
+ * linked to.
+ */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "base/file.h"
@@ -114,7 +117,7 @@ static iso_status write_vti(const iso_rgrid *grid, const char *path, iso_error *
 }
 
 typedef struct vti_file {
-    char path[512];
+    char path[512], picture[520];
 } vti_file;
 
 /* Rows share the file: whoever opens first writes it, and each removes it when all are done. */
@@ -127,6 +130,7 @@ static iso_status open_file(bench_row *row, iso_error *error) {
     const char *folder = getenv("TMPDIR");
     snprintf(file->path, sizeof file->path, "%.400s/isopoint-bench-%ld.vti", folder ? folder : "/tmp",
              (long)getpid());
+    snprintf(file->picture, sizeof file->picture, "%.500s.png", file->path);
     if (access(file->path, R_OK) == 0) return ISO_OK;
     return write_vti(grid->rgrid, file->path, error);
 }
@@ -134,6 +138,7 @@ static iso_status open_file(bench_row *row, iso_error *error) {
 static void close_file(bench_row *row) {
     const vti_file *file = row->context;
     if (file) remove(file->path);
+    if (file) remove(file->picture);
     free(row->context);
 }
 
@@ -173,6 +178,61 @@ static const bench_kind vti_to_points_kind = {.open = open_file,
 static const bench_kind vtk_read_kind = {
     .open = open_file, .run = run_vtk_read, .close = close_file, .batch = 3};
 
+/* ---- from a file to a picture ---- */
+
+static double children_cpu(void) {
+    struct rusage usage;
+    getrusage(RUSAGE_CHILDREN, &usage);
+    return 1e3 * (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-3 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+static iso_status time_program(const char *const *argv, int threads, const char *display,
+                               bench_sample *sample, iso_error *error) {
+    bench_child *child = NULL;
+    double cpu = children_cpu();
+    bench_clock clock = bench_clock_start();
+    ISO_TRY(bench_child_start(argv, threads, display, &child, error));
+    if (!bench_child_end(child)) return iso_fail(error, ISO_ERR_UNSUPPORTED, "%.120s failed", argv[0]);
+    bench_clock_stop(&clock, sample);
+    sample->cpu = children_cpu() - cpu;
+    return ISO_OK;
+}
+
+static const char *picture_side(const bench_row *row) {
+    return row->bench->settings->small ? "64" : "1024";
+}
+
+static iso_status run_vtk_picture(bench_row *row, bench_sample *sample, iso_error *error) {
+    const vti_file *file = row->context;
+    char program[1100], threads[16];
+    const char *display;
+    ISO_TRY(bench_sibling("vtk_frame", program, sizeof program, error));
+    ISO_TRY(bench_display_open(&row->bench->display, &display, error));
+    snprintf(threads, sizeof threads, "%d", row->threads);
+    const char *const argv[] = {program, "picture",         file->path, file->picture,
+                                "127.5", picture_side(row), threads,    NULL};
+    return time_program(argv, row->threads, display, sample, error);
+}
+
+/* The plan is the name of a method. */
+static iso_status run_isorender(bench_row *row, bench_sample *sample, iso_error *error) {
+    const vti_file *file = row->context;
+    char program[1100], threads[16], resolution[16];
+    ISO_TRY(bench_sibling("isorender", program, sizeof program, error));
+    snprintf(threads, sizeof threads, "%d", row->threads);
+    snprintf(resolution, sizeof resolution, "%sx%s", picture_side(row), picture_side(row));
+    const char *const argv[] = {program,    file->path, file->picture,  "--isovalue", "127.5",
+                                "--method", row->plan,  "--resolution", resolution,   "--camera",
+                                "iso",      "--quiet",  "--threads",    threads,      NULL};
+    return time_program(argv, row->threads, NULL, sample, error);
+}
+
+static const bench_kind vtk_picture_kind = {
+    .open = open_file, .run = run_vtk_picture, .close = close_file, .batch = 1};
+static const bench_kind isorender_kind = {
+    .open = open_file, .run = run_isorender, .close = close_file, .batch = 1};
+
 /* ---- groups ---- */
 
 static iso_status run_memory_group(bench_state *bench, iso_error *error) {
@@ -193,4 +253,35 @@ static iso_status run_file_group(bench_state *bench, iso_error *error) {
 iso_status bench_process_groups(bench_state *bench, iso_error *error) {
     ISO_TRY(run_memory_group(bench, error));
     return run_file_group(bench, error);
+}
+
+/* Methods of isorender, and how much faster than VTK's program they shall be. */
+static const struct picture_method {
+    const char *name;
+    double least;
+} picture_methods[] = {{"points", 0}, {"mesh", 0}};
+
+iso_status bench_picture_group(bench_state *bench, iso_error *error) {
+    enum { METHODS = sizeof picture_methods / sizeof *picture_methods };
+    const bench_settings *settings = bench->settings;
+    int size = ct_size(settings);
+    for (int t = 0; t < settings->thread_count; t++) {
+        int threads = settings->threads[t];
+        bench_row *vtk =
+            bench_add(bench, &vtk_picture_kind, "process/vtk_picture/ct%d.vti/threads:%d", size, threads);
+        vtk->size = size;
+        vtk->threads = threads;
+        for (int m = 0; m < METHODS; m++) {
+            const struct picture_method *method = &picture_methods[m];
+            bench_row *row = bench_add(bench, &isorender_kind, "process/isorender_%s/ct%d.vti/threads:%d",
+                                       method->name, size, threads);
+            row->size = size;
+            row->threads = threads;
+            row->plan = strdup(method->name);
+            bool asked = threads == 2 && !settings->small;
+            bench_compare(row, vtk, "ratio_vs_vtk_process", "ratio_vs_vtk_process_pairwise",
+                          asked ? method->least : 0);
+        }
+    }
+    return bench_run_group(bench, "a .vti file to a .png, whole processes", error);
 }
