@@ -115,25 +115,12 @@ iso_edge_scatter(const iso_edge_batch *batch, const iso_edge_output *output, uin
 #endif
 #define ISO_INLINE __attribute__((always_inline)) static inline
 
-void iso_edge_block_keep(iso_edge_block *block, unsigned bricks) {
+/* The bits of a block's word that are wanted and in the grid, of which `voxels` are left along x. */
+static uint64_t iso_edge_columns(iso_edge_wanted wanted, int voxels) {
     uint64_t lanes = 0;
-    for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++) {
-        if (bricks >> brick & 1) {
-            lanes |= (uint64_t)0xffff << (16 * brick);
-        } else {
-            block->points[brick] = 0;
-        }
-    }
-    for (int axis = 0; axis < 3; axis++) {
-        iso_edge_list *list = &block->axes[axis];
-        int kept = 0;
-        for (int i = 0; i < list->count; i++) {
-            list->mask[kept] = list->mask[i] & lanes;
-            list->row[kept] = list->row[i];
-            kept += list->mask[kept] != 0;
-        }
-        list->count = kept;
-    }
+    for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++)
+        lanes |= (uint64_t)(wanted.bricks >> brick & 1) * 0xffff << (16 * brick);
+    return voxels < ISO_EDGE_BLOCK_X ? lanes & (((uint64_t)1 << voxels) - 1) : lanes;
 }
 
 void iso_edge_source_prepare(iso_edge_source *source) {

@@ -60,12 +60,35 @@ typedef struct iso_edge_entries {
     int count;
 } iso_edge_entries;
 
+/* What of a block is looked at: bit k is brick k, and row group (grids/brick_range.h) k of any of them. */
+typedef struct iso_edge_wanted {
+    uint16_t groups;
+    uint8_t bricks;
+} iso_edge_wanted;
+#define ISO_EDGE_WHOLE ((iso_edge_wanted){.groups = 0xffff, .bricks = 15})
+
+/* Of slice z, 0 .. 16, the rows that wanted groups look at (a bit each, 0 .. 16), and those whose edges are
+ * theirs (0 .. 15). */
+static inline uint32_t iso_edge_group_rows(uint32_t groups) { /* bits 0, 4, 8 and 12, each group's first */
+    return (groups & 1) | (groups & 2) << 3 | (groups & 4) << 6 | (groups & 8) << 9;
+}
+static inline uint32_t iso_edge_rows_read(iso_edge_wanted wanted, int z) {
+    const uint32_t here = (uint32_t)wanted.groups >> z / 4 * 4 & 15,
+                   before = z % 4 ? 0 : (uint32_t)wanted.groups << 4 >> z & 15;
+    const uint32_t first = iso_edge_group_rows(here | before);
+    return first * 15 | first << 4;
+}
+static inline uint32_t iso_edge_rows_own(iso_edge_wanted wanted, int z) {
+    return iso_edge_group_rows((uint32_t)wanted.groups >> z / 4 * 4 & 15) * 15;
+}
+
 /* Mask words of a run of blocks along x: what `count` classifies into, kept by the caller for reuse.
- * bits[b][z * 17 + y] is row (y, z) of block b; the words of block number `blocks` hold one bit, the voxel
- * after the run. */
+ * bits[b][z * 17 + y] is row (y, z) of block b; the lowest bit of the next block's word is the voxel after
+ * it, also for the last block. What is not wanted means nothing. */
 enum { ISO_EDGE_SIDE = ISO_BRICK + 1, ISO_EDGE_RUN = 32 };
 typedef struct iso_edge_words {
-    int blocks; /* 1 .. ISO_EDGE_RUN */
+    int blocks;                           /* 1 .. ISO_EDGE_RUN */
+    iso_edge_wanted wanted[ISO_EDGE_RUN]; /* set by the caller */
     uint64_t bits[ISO_EDGE_RUN + 1][ISO_EDGE_SIDE * ISO_EDGE_SIDE];
 } iso_edge_words;
 
@@ -91,12 +114,9 @@ static inline uint64_t iso_edge_lane_counts(uint64_t mask) {
     return (mask + (mask >> 8)) & 0x00ff00ff00ff00ffu;
 }
 
-/* Drops the points of bricks whose bit in `bricks` (bit 0: lowest x) is not set. */
-void iso_edge_block_keep(iso_edge_block *block, unsigned bricks);
-
 typedef struct iso_edge_kernel {
-    /* Counts and lists the points of words->blocks consecutive blocks along x; blocks[0].origin names the
-     * first. */
+    /* Counts and lists the points of the wanted bricks of words->blocks consecutive blocks along x;
+     * blocks[0].origin names the first. Row groups that are not wanted must have none. */
     void (*count)(const iso_edge_source *source, iso_edge_words *words, iso_edge_block *blocks);
     /* Makes the points of one of them. */
     void (*fill)(const iso_edge_source *source, const iso_edge_block *block, const iso_edge_output *output);

@@ -53,23 +53,31 @@ static bool kernel_can(const iso_brick_set *set, const iso_rgrid *grid, const in
     return true;
 }
 
-iso_edge_stretch iso_edge_stretch_find(const iso_rgrid *grid, const iso_brick_set *set,
-                                       const uint32_t *bricks, size_t count) {
+/* The rows of a brick that can have edges: without an index that is up to date, all. */
+static uint16_t groups_of(const iso_edge_bricks *list, uint32_t brick) {
+    const iso_brick_index *index = list->grid->index;
+    if (!index || !iso_brick_index_current(index)) return ISO_EDGE_WHOLE.groups;
+    return (uint16_t)iso_brick_index_groups(index, brick, list->isovalue);
+}
+
+iso_edge_stretch iso_edge_stretch_find(const iso_edge_bricks *list, size_t first) {
     iso_edge_stretch found = {0};
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = first; i < list->count; i++) {
         int brick[3];
-        iso_brick_set_coordinates(set, bricks[i], brick);
+        iso_brick_set_coordinates(list->set, list->bricks[i], brick);
         int block = brick[0] / ISO_EDGE_BRICKS;
-        if (i == 0) {
+        if (i == first) {
             found.first_block = block;
             found.row[0] = brick[1];
             found.row[1] = brick[2];
         }
         if (brick[1] != found.row[0] || brick[2] != found.row[1]) break;
         int number = block - found.first_block;
-        if (number > found.blocks || number >= ISO_EDGE_STRETCH || !kernel_can(set, grid, brick)) break;
+        if (number > found.blocks || number >= ISO_EDGE_STRETCH) break;
+        if (!kernel_can(list->set, list->grid, brick)) break;
         found.blocks = number + 1;
-        found.asked[number] |= 1u << brick[0] % ISO_EDGE_BRICKS;
+        found.wanted[number].bricks |= (uint8_t)(1u << brick[0] % ISO_EDGE_BRICKS);
+        found.wanted[number].groups |= groups_of(list, list->bricks[i]);
         found.bricks++;
     }
     return found;
@@ -79,20 +87,14 @@ iso_edge_stretch iso_edge_stretch_find(const iso_rgrid *grid, const iso_brick_se
 static size_t count_run(const iso_edge_runner *runner, const iso_edge_stretch *asked, run_scratch *scratch) {
     iso_edge_block *blocks = scratch->blocks;
     scratch->words.blocks = asked->blocks;
-    for (int b = 0; b < asked->blocks; b++) {
-        blocks[b].origin[0] = (asked->first_block + b) * ISO_EDGE_BLOCK_X;
-        blocks[b].origin[1] = asked->row[0] * ISO_BRICK;
-        blocks[b].origin[2] = asked->row[1] * ISO_BRICK;
-    }
+    for (int b = 0; b < asked->blocks; b++) scratch->words.wanted[b] = asked->wanted[b];
+    blocks[0].origin[0] = asked->first_block * ISO_EDGE_BLOCK_X;
+    blocks[0].origin[1] = asked->row[0] * ISO_BRICK;
+    blocks[0].origin[2] = asked->row[1] * ISO_BRICK;
     runner->kernel->count(&runner->source, &scratch->words, blocks);
     size_t total = 0;
-    for (int b = 0; b < asked->blocks; b++) {
-        bool others = false;
-        for (int k = 0; k < ISO_EDGE_BRICKS; k++)
-            others |= blocks[b].points[k] && !(asked->asked[b] >> k & 1);
-        if (others) iso_edge_block_keep(&blocks[b], asked->asked[b]);
+    for (int b = 0; b < asked->blocks; b++)
         for (int k = 0; k < ISO_EDGE_BRICKS; k++) total += blocks[b].points[k];
-    }
     return total;
 }
 
@@ -110,7 +112,7 @@ static void fill_run(const iso_edge_runner *runner, const iso_edge_stretch *aske
             else
                 output.packed[k] = (iso_point *)room;
             room += block->points[k] * item_bytes;
-            if (asked->asked[b] >> k & 1)
+            if (asked->wanted[b].bricks >> k & 1)
                 iso_brick_sink_add(sink, *bricks++, &(iso_brick_output){.count = {block->points[k]}});
         }
         runner->kernel->fill(&runner->source, block, &output);
@@ -119,8 +121,9 @@ static void fill_run(const iso_edge_runner *runner, const iso_edge_stretch *aske
 
 void iso_edge_run(const iso_edge_runner *runner, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink) {
+    const iso_edge_bricks list = {runner->grid, set, bricks, count, runner->source.isovalue};
     for (size_t i = 0; i < count && !iso_brick_sink_failed(sink);) {
-        iso_edge_stretch asked = iso_edge_stretch_find(runner->grid, set, bricks + i, count - i);
+        iso_edge_stretch asked = iso_edge_stretch_find(&list, i);
         if (!asked.bricks) {
             iso_brick_sink_extract(sink, bricks[i++]);
             continue;
