@@ -94,7 +94,8 @@ typedef struct iso_edge_words {
 
 /* What `count` leaves for `fill`. */
 typedef struct iso_edge_block {
-    int origin[3]; /* voxels; multiples of 64, 16, 16 */
+    int origin[3];   /* voxels; multiples of 64, 16, 16 */
+    unsigned bricks; /* those that are wanted */
     uint32_t points[ISO_EDGE_BRICKS];
     iso_edge_list axes[3];
 } iso_edge_block;
@@ -105,6 +106,14 @@ typedef struct iso_edge_output {
     iso_surfel *surfels[ISO_EDGE_BRICKS];
     iso_edge_key *keys[ISO_EDGE_BRICKS]; /* all or none; not with packed */
 } iso_edge_output;
+
+/* Points to be made: those of lists, one for each axis, in the block at `origin`. */
+typedef struct iso_edge_job {
+    int origin[3];
+    iso_edge_entries axes[3];
+    iso_edge_output output; /* only own rows with packed */
+    uint64_t lanes;         /* 0; then how many points each brick has so far, in 16 bits */
+} iso_edge_job;
 
 /* Bits set in each 16-bit lane of a mask, lane by lane. */
 static inline uint64_t iso_edge_lane_counts(uint64_t mask) {
@@ -118,13 +127,11 @@ typedef struct iso_edge_kernel {
     /* Counts and lists the points of the wanted bricks of words->blocks consecutive blocks along x;
      * blocks[0].origin names the first. Row groups that are not wanted must have none. */
     void (*count)(const iso_edge_source *source, iso_edge_words *words, iso_edge_block *blocks);
-    /* Makes the points of one of them. */
-    void (*fill)(const iso_edge_source *source, const iso_edge_block *block, const iso_edge_output *output);
-    /* The parts of the two that meshes put together anew: the mask words of a run that begins at `origin`, */
+    /* Makes the points of several blocks, packed for all of them or for none: the more there are, the less
+     * each costs. Uses up `lanes`. */
+    void (*fill)(const iso_edge_source *source, iso_edge_job *jobs, int count);
+    /* The part of `count` that meshes put together anew: the mask words of a run that begins at `origin`. */
     void (*classify)(const iso_edge_source *source, const int origin[3], iso_edge_words *words);
-    /* and the points of any lists, one for each axis, in the block at `origin`. Only own rows with packed. */
-    void (*fill_entries)(const iso_edge_source *source, const int origin[3],
-                         const iso_edge_entries entries[3], const iso_edge_output *output);
 } iso_edge_kernel;
 
 /* The kernel for a voxel type at an instruction set, NULL when this build does not have the set. */

@@ -3,9 +3,13 @@
 
 #include "grids/brick_index.h"
 
+/* Stretches are gathered until there is work enough: small ones cost much each. */
+enum { RUN_BLOCKS = 2 * ISO_EDGE_STRETCH, RUN_POINTS = 2048 };
+
 typedef struct run_scratch {
     iso_edge_words words;
-    iso_edge_block blocks[ISO_EDGE_STRETCH];
+    iso_edge_block blocks[RUN_BLOCKS];
+    iso_edge_job jobs[RUN_BLOCKS];
 } run_scratch;
 
 size_t iso_edge_run_scratch_bytes(void) {
@@ -83,53 +87,76 @@ iso_edge_stretch iso_edge_stretch_find(const iso_edge_bricks *list, size_t first
     return found;
 }
 
-/* Lists the points of the run's bricks; returns how many. */
-static size_t count_run(const iso_edge_runner *runner, const iso_edge_stretch *asked, run_scratch *scratch) {
-    iso_edge_block *blocks = scratch->blocks;
-    scratch->words.blocks = asked->blocks;
-    for (int b = 0; b < asked->blocks; b++) scratch->words.wanted[b] = asked->wanted[b];
+/* Lists the points of a stretch's bricks; returns how many. */
+static size_t count_stretch(const iso_edge_runner *runner, const iso_edge_stretch *asked,
+                            iso_edge_words *words, iso_edge_block *blocks) {
+    words->blocks = asked->blocks;
+    for (int b = 0; b < asked->blocks; b++) words->wanted[b] = asked->wanted[b];
     blocks[0].origin[0] = asked->first_block * ISO_EDGE_BLOCK_X;
     blocks[0].origin[1] = asked->row[0] * ISO_BRICK;
     blocks[0].origin[2] = asked->row[1] * ISO_BRICK;
-    runner->kernel->count(&runner->source, &scratch->words, blocks);
+    runner->kernel->count(&runner->source, words, blocks);
     size_t total = 0;
     for (int b = 0; b < asked->blocks; b++)
         for (int k = 0; k < ISO_EDGE_BRICKS; k++) total += blocks[b].points[k];
     return total;
 }
 
-static void fill_run(const iso_edge_runner *runner, const iso_edge_stretch *asked, const uint32_t *bricks,
-                     run_scratch *scratch, size_t total, iso_brick_sink *sink) {
-    size_t item_bytes = runner->floats ? sizeof(iso_surfel) : sizeof(iso_point);
+/* Where the points of a block go, from `room` on; returns where those of the next do. */
+static char *make_job(const iso_edge_runner *runner, const iso_edge_block *block, char *room,
+                      iso_edge_job *job) {
+    const size_t item_bytes = runner->floats ? sizeof(iso_surfel) : sizeof(iso_point);
+    *job = (iso_edge_job){.origin = {block->origin[0], block->origin[1], block->origin[2]}};
+    for (int axis = 0; axis < 3; axis++) {
+        const iso_edge_list *list = &block->axes[axis];
+        job->axes[axis] = (iso_edge_entries){list->mask, list->row, list->count};
+    }
+    for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
+        if (runner->floats)
+            job->output.surfels[k] = (iso_surfel *)room;
+        else
+            job->output.packed[k] = (iso_point *)room;
+        room += block->points[k] * item_bytes;
+    }
+    return room;
+}
+
+static void fill_blocks(const iso_edge_runner *runner, const uint32_t *bricks, int count, size_t total,
+                        run_scratch *scratch, iso_brick_sink *sink) {
     char *room = iso_brick_sink_room(sink, 0, total);
     if (!room) return;
-    for (int b = 0; b < asked->blocks; b++) {
+    for (int b = 0; b < count; b++) {
         const iso_edge_block *block = &scratch->blocks[b];
-        iso_edge_output output = {0};
-        for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
-            if (runner->floats)
-                output.surfels[k] = (iso_surfel *)room;
-            else
-                output.packed[k] = (iso_point *)room;
-            room += block->points[k] * item_bytes;
-            if (asked->wanted[b].bricks >> k & 1)
+        room = make_job(runner, block, room, &scratch->jobs[b]);
+        for (int k = 0; k < ISO_EDGE_BRICKS; k++)
+            if (block->bricks >> k & 1)
                 iso_brick_sink_add(sink, *bricks++, &(iso_brick_output){.count = {block->points[k]}});
-        }
-        runner->kernel->fill(&runner->source, block, &output);
     }
+    runner->kernel->fill(&runner->source, scratch->jobs, count);
+}
+
+/* As many stretches from `first` on as are done together; returns how many bricks they have. */
+static size_t run_some(const iso_edge_runner *runner, const iso_edge_bricks *list, size_t first,
+                       run_scratch *scratch, iso_brick_sink *sink) {
+    size_t i = first, total = 0;
+    int blocks = 0;
+    while (i < list->count && total < RUN_POINTS && blocks <= RUN_BLOCKS - ISO_EDGE_STRETCH) {
+        const iso_edge_stretch asked = iso_edge_stretch_find(list, i);
+        if (!asked.bricks) break;
+        total += count_stretch(runner, &asked, &scratch->words, scratch->blocks + blocks);
+        blocks += asked.blocks;
+        i += asked.bricks;
+    }
+    if (blocks) fill_blocks(runner, list->bricks + first, blocks, total, scratch, sink);
+    return i - first;
 }
 
 void iso_edge_run(const iso_edge_runner *runner, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink) {
     const iso_edge_bricks list = {runner->grid, set, bricks, count, runner->source.isovalue};
     for (size_t i = 0; i < count && !iso_brick_sink_failed(sink);) {
-        iso_edge_stretch asked = iso_edge_stretch_find(&list, i);
-        if (!asked.bricks) {
-            iso_brick_sink_extract(sink, bricks[i++]);
-            continue;
-        }
-        size_t total = count_run(runner, &asked, scratch);
-        fill_run(runner, &asked, bricks + i, scratch, total, sink);
-        i += asked.bricks;
+        const size_t done = run_some(runner, &list, i, scratch, sink);
+        if (!done) iso_brick_sink_extract(sink, bricks[i]);
+        i += done ? done : 1;
     }
 }
