@@ -12,6 +12,11 @@ typedef int32_t vi_avx2 __attribute__((vector_size(32)));
 ISO_SIMD_COMMON(avx2, ISO_TARGET_AVX2, 32)
 ISO_SIMD_TRUTH(avx2, ISO_TARGET_AVX2)
 
+ISO_SIMD_SLIDE(v_next1, avx2, ISO_TARGET_AVX2, 1, 2, 3, 4, 5, 6, 7, 8)
+ISO_SIMD_SLIDE(v_next2, avx2, ISO_TARGET_AVX2, 2, 3, 4, 5, 6, 7, 8, 9)
+ISO_SIMD_SLIDE(v_last1, avx2, ISO_TARGET_AVX2, 7, 8, 9, 10, 11, 12, 13, 14)
+ISO_SIMD_SLIDE(v_last2, avx2, ISO_TARGET_AVX2, 6, 7, 8, 9, 10, 11, 12, 13)
+
 ISO_TARGET_AVX2 static inline vi_avx2 v_lanes_avx2(void) {
     return (vi_avx2){0, 1, 2, 3, 4, 5, 6, 7};
 }
@@ -23,6 +28,9 @@ ISO_TARGET_AVX2 static inline vi_avx2 v_load_u16_avx2(const uint16_t *from) {
 }
 ISO_TARGET_AVX2 static inline vi_avx2 v_load_i16_avx2(const int16_t *from) {
     return (vi_avx2)_mm256_cvtepi16_epi32(_mm_loadu_si128((const __m128i *)from));
+}
+ISO_TARGET_AVX2 static inline vf_avx2 v_gather_avx2(const float *from, vi_avx2 index) {
+    return (vf_avx2)_mm256_i32gather_ps(from, (__m256i)index, 4);
 }
 ISO_TARGET_AVX2 static inline vf_avx2 v_min_avx2(vf_avx2 a, vf_avx2 b) {
     return (vf_avx2)_mm256_min_ps((__m256)a, (__m256)b);
@@ -61,6 +69,13 @@ typedef int32_t vi_avx512 __attribute__((vector_size(64)));
 typedef __mmask16 vm_avx512;
 ISO_SIMD_COMMON(avx512, ISO_TARGET_AVX512, 64)
 
+ISO_SIMD_SLIDE(v_next1, avx512, ISO_TARGET_AVX512, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16)
+ISO_SIMD_SLIDE(v_next2, avx512, ISO_TARGET_AVX512, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17)
+ISO_SIMD_SLIDE(v_last1, avx512, ISO_TARGET_AVX512, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29,
+               30)
+ISO_SIMD_SLIDE(v_last2, avx512, ISO_TARGET_AVX512, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28,
+               29)
+
 ISO_TARGET_AVX512 static inline vi_avx512 v_lanes_avx512(void) {
     return (vi_avx512){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 }
@@ -75,6 +90,9 @@ ISO_TARGET_AVX512 static inline vi_avx512 v_load_i16_avx512(const int16_t *from)
 }
 ISO_TARGET_AVX512 static inline vi_avx512 v_floor_avx512(vf_avx512 value) {
     return (vi_avx512)_mm512_cvt_roundps_epi32((__m512)value, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
+}
+ISO_TARGET_AVX512 static inline vf_avx512 v_gather_avx512(const float *from, vi_avx512 index) {
+    return (vf_avx512)_mm512_i32gather_ps((__m512i)index, from, 4);
 }
 ISO_TARGET_AVX512 static inline vf_avx512 v_min_avx512(vf_avx512 a, vf_avx512 b) {
     return (vf_avx512)_mm512_min_ps((__m512)a, (__m512)b);

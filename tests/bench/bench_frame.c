@@ -63,9 +63,10 @@ static iso_status run_frame(bench_row *row, bench_sample *sample, iso_error *err
     iso_gbuffer *gbuffer = &frame->subject->gbuffer;
     iso_target target = {.view = &frame->view.view, .gbuffer = gbuffer, .pool = frame->pool};
     bench_clock clock = bench_clock_start();
-    iso_gbuffer_clear(gbuffer);
+    iso_gbuffer_clear_bands(gbuffer, frame->pool);
     ISO_TRY(frame->method->draw(frame, &target, error));
-    iso_shade(&shading, &frame->view.view, gbuffer, 1, 0, &frame->subject->image, frame->pool);
+    const iso_strip strip = {.view = &frame->view.view, .gbuffer = gbuffer, .factor = 1};
+    iso_shade(&shading, &strip, &frame->subject->image, frame->pool);
     bench_clock_stop(&clock, sample);
     sample->primitives = frame->primitives;
     if (!frame->covered) frame->covered = bench_covered(gbuffer);

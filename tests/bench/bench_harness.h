@@ -91,8 +91,8 @@ struct bench_row {
 };
 
 typedef struct bench_settings {
-    int help, list, small, repeat, memory_child;
-    const char *filter, *json, *file_child, *vtk_child;
+    int help, list, small, repeat;
+    const char *filter, *json, *vtk_child;
     int threads[BENCH_THREADS];
     int thread_count;
 } bench_settings;
@@ -155,8 +155,6 @@ iso_status bench_process_groups(bench_state *bench, iso_error *error);
 iso_status bench_picture_group(bench_state *bench, iso_error *error);
 
 /* What the hidden options do in a process of its own; the exit status. */
-int bench_memory_child(const bench_settings *settings);
-int bench_file_child(const bench_settings *settings);
 int bench_vtk_child(const bench_settings *settings);
 
 #ifdef __cplusplus

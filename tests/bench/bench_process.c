@@ -1,5 +1,6 @@
 /* The rows whose work is done in a process of its own: how much memory a first extraction takes, and how long
- * it is from a file to points, and to a picture. */
+ * it is from a file to points, and to a picture. Ours is bench_alone or isorender, which the peers' libraries
+ * are not linked to. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,24 +9,25 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/primitives.h"
 #include "bench_harness.h"
 #include "bench_peers.h"
 #include "bench_scenes.h"
-#include "extract/points.h"
-#include "grids/volume.h"
 
 static int ct_size(const bench_settings *settings) {
     return settings->small ? 48 : 512;
 }
 
-/* Runs this program with more arguments and reads the first line that it prints. */
-static iso_status run_self(const char *arguments, char *line, int size, iso_error *error) {
+/* Runs a program beside this one and reads the first line that it prints. */
+static iso_status run_process(const char *name, const char *arguments, char *line, int size,
+                              iso_error *error) {
     char self[1024], command[2200];
     ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
     if (length < 0 || memchr(self, '\'', (size_t)length))
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "cannot start another process");
     self[length] = 0;
-    snprintf(command, sizeof command, "exec '%s' %s", self, arguments);
+    *strrchr(self, '/') = 0;
+    snprintf(command, sizeof command, "exec '%s/%s' %s", self, name, arguments);
     FILE *child = popen(command, "r");
     if (!child) return iso_fail(error, ISO_ERR_UNSUPPORTED, "cannot start another process");
     bool said = fgets(line, size, child) != NULL;
@@ -34,60 +36,7 @@ static iso_status run_self(const char *arguments, char *line, int size, iso_erro
     return ISO_OK;
 }
 
-static int report_child(iso_status status, const iso_error *error) {
-    if (status != ISO_OK) fprintf(stderr, "bench: %s\n", error->text);
-    return iso_status_exit(status);
-}
-
 /* ---- memory of a first extraction ---- */
-
-/* Bytes in a line of /proc/self/status; 0 when it is not there. */
-static double status_bytes(const char *key) {
-    FILE *stream = fopen("/proc/self/status", "r");
-    if (!stream) return 0;
-    char line[256];
-    double kilobytes = 0;
-    while (fgets(line, sizeof line, stream))
-        if (strncmp(line, key, strlen(key)) == 0) sscanf(line + strlen(key), ": %lf", &kilobytes);
-    fclose(stream);
-    return kilobytes * 1024;
-}
-
-/* Making the scene may have taken more memory than what is measured: the peak starts anew. */
-static void forget_peak(void) {
-    FILE *stream = fopen("/proc/self/clear_refs", "w");
-    if (!stream) return;
-    fputs("5", stream);
-    fclose(stream);
-}
-
-static iso_status extract_once(const iso_grid *grid, iso_error *error) {
-    double before = status_bytes("VmRSS");
-    forget_peak();
-    bench_sample sample;
-    bench_clock clock = bench_clock_start();
-    iso_point_set *set = NULL;
-    iso_points_opts opts = {.isovalue = 127.5};
-    iso_status status = iso_point_set_create(grid, &opts, &set, error);
-    if (status == ISO_OK) status = iso_point_set_update(set, error);
-    bench_clock_stop(&clock, &sample);
-    if (status == ISO_OK)
-        printf("%.17g %.17g %.17g %zu %.17g\n", sample.wall, sample.cpu, status_bytes("VmHWM"),
-               iso_point_set_stats(set).points, before);
-    iso_point_set_destroy(set);
-    return status;
-}
-
-int bench_memory_child(const bench_settings *settings) {
-    bench_scenes *scenes = NULL;
-    const iso_grid *grid = NULL;
-    iso_error error = {0};
-    iso_status status = bench_scenes_create(&scenes, &error);
-    if (status == ISO_OK) status = bench_scene_ct(scenes, ct_size(settings), ISO_UINT8, &grid, &error);
-    if (status == ISO_OK) status = extract_once(grid, &error);
-    bench_scenes_destroy(scenes);
-    return report_child(status, &error);
-}
 
 typedef struct child_report {
     double peak, before;
@@ -100,9 +49,9 @@ static iso_status open_memory(bench_row *row, iso_error *error) {
 
 static iso_status run_memory(bench_row *row, bench_sample *sample, iso_error *error) {
     child_report *report = row->context;
-    char line[256];
-    const char *arguments = row->bench->settings->small ? "--memory-child --small" : "--memory-child";
-    ISO_TRY(run_self(arguments, line, sizeof line, error));
+    char arguments[32], line[256];
+    snprintf(arguments, sizeof arguments, "memory %d", ct_size(row->bench->settings));
+    ISO_TRY(run_process("bench_alone", arguments, line, sizeof line, error));
     if (sscanf(line, "%lf %lf %lf %zu %lf", &sample->wall, &sample->cpu, &report->peak, &sample->primitives,
                &report->before) != 5)
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "the process that measures memory said '%s'", line);
@@ -116,7 +65,7 @@ static void finish_memory(bench_row *row) {
     bench_count(row, "peak_bytes", report->peak, 0, 0);
     bench_count(row, "volume_bytes", volume, 0, 0);
     bench_count(row, "primitive_bytes", primitives, 0, 0);
-    bench_count(row, "process_bytes", report->before - volume, 0, 0); /* program and libraries, peers' too */
+    bench_count(row, "process_bytes", report->before - volume, 0, 0); /* program and libraries */
     bench_count(row, "extraction_bytes", report->peak - report->before - primitives, 0, 0);
     bench_count(row, "overhead_bytes", report->peak - volume - primitives, 0, 64.0 * 1024 * 1024);
 }
@@ -134,21 +83,6 @@ static const bench_kind memory_kind = {.open = open_memory,
 
 /* ---- from a file to points ---- */
 
-int bench_file_child(const bench_settings *settings) {
-    iso_error error = {0};
-    iso_volume volume = {0};
-    iso_volume_opts how = {0};
-    iso_point_set *set = NULL;
-    iso_points_opts opts = {.isovalue = 127.5};
-    iso_status status = iso_volume_read(settings->file_child, &how, &volume, &error);
-    if (status == ISO_OK) status = iso_point_set_create(&volume.grid, &opts, &set, &error);
-    if (status == ISO_OK) status = iso_point_set_update(set, &error);
-    if (status == ISO_OK) printf("%zu\n", iso_point_set_stats(set).points);
-    iso_point_set_destroy(set);
-    iso_volume_free(&volume);
-    return report_child(status, &error);
-}
-
 /* VTK's side: only the reading is timed, not the start of the process. It has a process of its own because a
  * second reading is much faster than the first, and whoever reads a file reads it once. */
 int bench_vtk_child(const bench_settings *settings) {
@@ -158,7 +92,8 @@ int bench_vtk_child(const bench_settings *settings) {
     iso_status status = bench_vti_read(settings->vtk_child, &sample.primitives, &error);
     bench_clock_stop(&clock, &sample);
     if (status == ISO_OK) printf("%.17g %.17g %zu\n", sample.wall, sample.cpu, sample.primitives);
-    return report_child(status, &error);
+    if (status != ISO_OK) fprintf(stderr, "bench: %s\n", error.text);
+    return iso_status_exit(status);
 }
 
 /* The volume as VTK's own writer puts it when asked for raw, uncompressed appended data. */
@@ -209,9 +144,9 @@ static void close_file(bench_row *row) {
 static iso_status run_vti_to_points(bench_row *row, bench_sample *sample, iso_error *error) {
     const vti_file *file = row->context;
     char arguments[600], line[64];
-    snprintf(arguments, sizeof arguments, "'--file-child=%s'", file->path);
+    snprintf(arguments, sizeof arguments, "points '%s'", file->path);
     bench_clock clock = bench_clock_start();
-    ISO_TRY(run_self(arguments, line, sizeof line, error));
+    ISO_TRY(run_process("bench_alone", arguments, line, sizeof line, error));
     bench_clock_stop(&clock, sample);
     sample->primitives = strtoul(line, NULL, 10);
     return ISO_OK;
@@ -221,7 +156,7 @@ static iso_status run_vtk_read(bench_row *row, bench_sample *sample, iso_error *
     const vti_file *file = row->context;
     char arguments[600], line[256];
     snprintf(arguments, sizeof arguments, "'--vtk-child=%s'", file->path);
-    ISO_TRY(run_self(arguments, line, sizeof line, error));
+    ISO_TRY(run_process("bench", arguments, line, sizeof line, error));
     if (sscanf(line, "%lf %lf %zu", &sample->wall, &sample->cpu, &sample->primitives) != 3)
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "the process that reads with VTK said '%s'", line);
     return ISO_OK;
