@@ -23,15 +23,15 @@ struct iso_exact {
 };
 
 static inline const iso_exact_span *iso_exact_spans(const iso_exact *exact) {
-    return exact->set.spans.data;
+    return (const iso_exact_span *)exact->set.spans.data;
 }
 static inline const iso_exact_block *iso_exact_blocks(const iso_exact *exact) {
-    return iso_brick_set_items(&exact->set, 0, 0);
+    return (const iso_exact_block *)iso_brick_set_items(&exact->set, 0, 0);
 }
 /* The corners of a block's cells: eight planes of iso_exact_groups(cells) * ISO_EXACT_GROUP values. */
 static inline const void *iso_exact_corners(const iso_exact *exact, const iso_exact_span *span,
                                             const iso_exact_block *block) {
-    const char *groups = iso_brick_set_items(&exact->set, 1, 0);
+    const char *groups = (const char *)iso_brick_set_items(&exact->set, 1, 0);
     return groups + (span->group + block->group) * iso_exact_group_bytes(exact->type);
 }
 
