@@ -132,6 +132,7 @@ iso_status iso_draw_exact(const iso_target *target, const iso_exact *exact, iso_
     if (!exact->sorted || exact->set.span_count == 0) return ISO_OK;
     exact_draw draw = {.frame = iso_exact_frame_make(target, exact),
                        .kernel = iso_exact_kernel_get(iso_cpu_best())};
+    draw.frame.gradients = iso_exact_gradients_get(&exact->grid, iso_cpu_best());
     iso_status status = reserve(&draw, error);
     if (status == ISO_OK) {
         order_spans(&draw);

@@ -9,11 +9,13 @@
 #define ISO_TRUTH_EXACT_FRAME_H
 
 #include "render/project.h"
+#include "truth/exact_gradient.h"
 #include "truth/exact_set.h"
 
 typedef struct iso_exact_frame {
     const iso_target *target;
     const iso_exact *exact;
+    iso_exact_gradients *gradients;
     bool perspective;
     double matrix[9], origin[3]; /* index to view space */
     double eye[3];               /* perspective: in index coordinates */

@@ -80,7 +80,4 @@ const iso_exact_kernel *iso_exact_kernel_get(iso_cpu_level level);
  * be seen are empty. */
 void iso_exact_place_near(const iso_exact_frame *frame, iso_exact_scratch *scratch);
 
-/* Gradients at the corners of a cell, stored value per voxel, by some factor; gradient[corner][axis]. */
-void iso_exact_gradients(const iso_grid *grid, const int cell[3], float gradient[8][4]);
-
 #endif
