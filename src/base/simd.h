@@ -78,6 +78,10 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 /* The lanes where the mask is true, packed, to memory: up to ISO_LANES items are overwritten. */
 #define v_compress ISO_V(v_compress)   /* (float *, vm, vf) */
 #define v_compressi ISO_V(v_compressi) /* (int32_t *, vm, vi) */
+/* Four floats a lane. (base, index, out): out[k] of a lane is base[index of the lane + k]; (base, step, in):
+ * base[step * lane + k] becomes in[k] of the lane. */
+#define v_load4 ISO_V(v_load4)
+#define v_store4 ISO_V(v_store4)
 
 /* ---- what vector operators say, once for every width: N lanes of float F, int32_t I, bytes of both */
 
@@ -225,6 +229,15 @@ static inline void v_compress_generic(float *to, vm_generic mask, vf_generic val
         to[count] = value[lane];
         count += mask[lane] & 1;
     }
+}
+
+static inline void v_load4_generic(const float *base, const int32_t *index, vf_generic out[4]) {
+    for (int k = 0; k < 4; k++)
+        out[k] = (vf_generic){base[index[0] + k], base[index[1] + k], base[index[2] + k], base[index[3] + k]};
+}
+static inline void v_store4_generic(float *base, int step, const vf_generic in[4]) {
+    for (int lane = 0; lane < ISO_LANES_generic; lane++)
+        for (int k = 0; k < 4; k++) base[lane * step + k] = in[k][lane];
 }
 
 #if ISO_HAVE_X86
