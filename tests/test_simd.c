@@ -28,6 +28,8 @@ typedef struct simd_results {
     float packed[SIMD_ITEMS + ISO_LANES_MAX];
     int32_t packedi[SIMD_ITEMS + ISO_LANES_MAX];
     int packed_count;
+    float even[SIMD_ITEMS], odd[SIMD_ITEMS], zipped[2 * SIMD_ITEMS];
+    uint8_t stored_u8[SIMD_ITEMS];
 } simd_results;
 
 #define ISO_LEVEL generic
@@ -92,6 +94,11 @@ static void operate_plain(const simd_inputs *in, simd_results *out) {
         const int truths[SIMD_TRUTHS] = {
             a < b, a <= b, a == b, k < l, k == l, a < b && k < l, a < b || k < l, a < b && !(k < l), a <= b};
         for (int t = 0; t < SIMD_TRUTHS; t++) out->truth[t][i] = (uint8_t)truths[t];
+        out->stored_u8[i] = (uint8_t)k;
+        out->zipped[2 * i] = a;
+        out->zipped[2 * i + 1] = b;
+        out->even[i] = in->a[2 * i % SIMD_ITEMS];
+        out->odd[i] = in->a[(2 * i + 1) % SIMD_ITEMS];
         if (!(a < b)) continue;
         out->packed[out->packed_count] = a;
         out->packedi[out->packed_count++] = k;
