@@ -95,16 +95,16 @@ static void set_up_projection(frame *f, bool cull) {
 static void set_up_job(frame *f, iso_reconstruction reconstruction, bool flip) {
     const iso_view *view = f->target->view;
     const iso_pyramid_shape *shape = &f->pyramid->shape;
-    f->job =
-        (iso_reconstruction_job){.pyramid = f->pyramid,
-                                 .target = f->target,
-                                 .radius = f->points->radius > 0 ? (float)f->points->radius : 0,
-                                 .scale = (float)view->focal,
-                                 .orthographic = view->orthographic,
-                                 .flip = flip,
-                                 .ray = {(float)(view->cx - shape->column), (float)(view->cy - shape->row)},
-                                 .slope = view->orthographic ? 0 : (float)(1 / view->focal),
-                                 .low_pass = LOW_PASS};
+    f->job = (iso_reconstruction_job){
+        .pyramid = f->pyramid,
+        .target = f->target,
+        .radius = f->points->radius > 0 ? ISO_DISC_RADII * (float)f->points->radius : 0,
+        .scale = (float)view->focal,
+        .orthographic = view->orthographic,
+        .flip = flip,
+        .ray = {(float)(view->cx - shape->column), (float)(view->cy - shape->row)},
+        .slope = view->orthographic ? 0 : (float)(1 / view->focal),
+        .low_pass = LOW_PASS};
     memcpy(f->job.normal, f->projector.normal, sizeof f->job.normal);
     memcpy(f->job.weight, reconstruction == ISO_RECONSTRUCTION_BOX ? BOX : GAUSSIAN, sizeof f->job.weight);
 }
