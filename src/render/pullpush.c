@@ -92,7 +92,7 @@ static void set_up_projection(frame *f, bool cull) {
     p->row = (float)((view->cy - shape->row + shape->rows_before) * pixel);
 }
 
-static void set_up_job(frame *f, iso_reconstruction reconstruction, bool flip) {
+static void set_up_job(frame *f, iso_reconstruction reconstruction, bool two_sided) {
     const iso_view *view = f->target->view;
     const iso_pyramid_shape *shape = &f->pyramid->shape;
     f->job = (iso_reconstruction_job){
@@ -101,7 +101,7 @@ static void set_up_job(frame *f, iso_reconstruction reconstruction, bool flip) {
         .radius = f->points->radius > 0 ? ISO_DISC_RADII * (float)f->points->radius : 0,
         .scale = (float)view->focal,
         .orthographic = view->orthographic,
-        .flip = flip,
+        .two_sided = two_sided,
         .ray = {(float)(view->cx - shape->column), (float)(view->cy - shape->row)},
         .slope = view->orthographic ? 0 : (float)(1 / view->focal),
         .low_pass = LOW_PASS};
@@ -126,7 +126,6 @@ static iso_status prepare(frame *f, iso_reconstruction reconstruction, iso_error
     int top = top_level(f->blocks->radius[1]), base = base_level(f->blocks->radius[0], top);
     bool cull = f->points->closed && !f->blocks->around_eye;
     iso_pyramid_shape shape = iso_pyramid_shape_of(view, base, top);
-    if (!cull) shape.planes |= 1u << ISO_PLANE_SIDE;
     ISO_TRY(iso_pyramid_reshape(f->pyramid, &shape, error));
     choose_bands(f);
     set_up_projection(f, cull);

@@ -22,7 +22,7 @@ enum {
 
 /* What a pixel of a level holds. All are finite, even where nothing is, but for ISO_PLANE_WIDE there. */
 enum {
-    ISO_PLANE_NX, /* view space normal, of any length; for open surfaces turned to the eye */
+    ISO_PLANE_NX, /* view space normal, of any length */
     ISO_PLANE_NY,
     ISO_PLANE_NZ,
     ISO_PLANE_DEPTH, /* mean depth, mm */
@@ -37,7 +37,6 @@ enum {
     ISO_PLANE_THIN_Y,
     /* Averages that only some points need; level 0 has no plane but these. */
     ISO_PLANE_RADIUS, /* mm */
-    ISO_PLANE_SIDE,   /* 1 where normals point to the eye, -1 where they were turned */
     ISO_PLANE_RED,    /* 0 .. 255 */
     ISO_PLANE_GREEN,
     ISO_PLANE_BLUE,
