@@ -169,7 +169,8 @@ static iso_image shaded(const iso_view *view, const iso_gbuffer *gbuffer) {
     iso_image image;
     iso_error error = {0};
     ok(iso_image_create(view->width, view->height, &image, &error), &error);
-    iso_shade(&shading, view, gbuffer, 1, 0, &image, NULL);
+    const iso_strip strip = {.view = view, .gbuffer = gbuffer, .factor = 1};
+    iso_shade(&shading, &strip, &image, NULL);
     return image;
 }
 

@@ -82,6 +82,12 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
  * base[step * lane + k] becomes in[k] of the lane. */
 #define v_load4 ISO_V(v_load4)
 #define v_store4 ISO_V(v_store4)
+/* Two vectors as one row of twice as many items: its items of even or odd number, and back. */
+#define v_even ISO_V(v_even)         /* (vf a, vf b) */
+#define v_odd ISO_V(v_odd)           /* (vf a, vf b) */
+#define v_zip_low ISO_V(v_zip_low)   /* the first half of a0 b0 a1 b1 .. */
+#define v_zip_high ISO_V(v_zip_high) /* and the second */
+#define v_store_u8 ISO_V(v_store_u8) /* (uint8_t *, vi): the low 8 bits of each */
 
 /* ---- what vector operators say, once for every width: N lanes of float F, int32_t I, bytes of both */
 
@@ -229,6 +235,21 @@ static inline void v_compress_generic(float *to, vm_generic mask, vf_generic val
         to[count] = value[lane];
         count += mask[lane] & 1;
     }
+}
+static inline vf_generic v_even_generic(vf_generic a, vf_generic b) {
+    return (vf_generic){a[0], a[2], b[0], b[2]};
+}
+static inline vf_generic v_odd_generic(vf_generic a, vf_generic b) {
+    return (vf_generic){a[1], a[3], b[1], b[3]};
+}
+static inline vf_generic v_zip_low_generic(vf_generic a, vf_generic b) {
+    return (vf_generic){a[0], b[0], a[1], b[1]};
+}
+static inline vf_generic v_zip_high_generic(vf_generic a, vf_generic b) {
+    return (vf_generic){a[2], b[2], a[3], b[3]};
+}
+static inline void v_store_u8_generic(uint8_t *to, vi_generic value) {
+    for (int lane = 0; lane < ISO_LANES_generic; lane++) to[lane] = (uint8_t)value[lane];
 }
 
 static inline void v_load4_generic(const float *base, const int32_t *index, vf_generic out[4]) {

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "render/pullpush.h"
 #include "render/shading.h"
 
 /* ---- the methods ---- */
@@ -34,10 +35,36 @@ static iso_status draw_raycast(bench_frame *frame, const iso_target *target, iso
     return iso_draw_raycast(target, frame->caster, error);
 }
 
+static iso_status open_pullpush(bench_frame *frame, iso_error *error) {
+    ISO_TRY(open_points(frame, error));
+    return iso_pullpush_create(&frame->pullpush, error);
+}
+
+static iso_status draw_gaussian(bench_frame *frame, const iso_target *target, iso_error *error) {
+    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_GAUSSIAN, frame->pullpush};
+    return iso_draw_pullpush(target, &frame->points, &opts, error);
+}
+
+static void close_pullpush(bench_frame *frame) {
+    iso_pullpush_destroy(frame->pullpush);
+}
+
+static iso_status open_exact(bench_frame *frame, iso_error *error) {
+    ISO_TRY(bench_subject_exact(frame->subject, &frame->exact, error));
+    frame->primitives = iso_exact_stats(frame->exact).cells;
+    return ISO_OK;
+}
+
+static iso_status draw_exact(bench_frame *frame, const iso_target *target, iso_error *error) {
+    return iso_draw_exact(target, frame->exact, error);
+}
+
 const bench_method bench_methods[] = {
-    {.name = "points", .on_bumpy = true, .on_volumes = true, .open = open_points, .draw = draw_points},
-    {.name = "mesh", .on_bumpy = true, .on_volumes = true, .open = open_mesh, .draw = draw_mesh},
-    {.name = "raycast", .on_volumes = true, .open = open_raycast, .draw = draw_raycast},
+    {"points", true, true, true, open_points, draw_points, NULL},
+    {"mesh", false, true, true, open_mesh, draw_mesh, NULL},
+    {"raycast", false, false, true, open_raycast, draw_raycast, NULL},
+    {"pullpush/gaussian", true, true, true, open_pullpush, draw_gaussian, close_pullpush},
+    {"exact", true, false, true, open_exact, draw_exact, NULL},
 };
 const int bench_method_count = sizeof bench_methods / sizeof *bench_methods;
 

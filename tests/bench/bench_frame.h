@@ -31,7 +31,8 @@ struct bench_frame {
     iso_point_view points; /* whichever open asked for */
     iso_mesh_view mesh;
     const iso_raycaster *caster;
-    void *state; /* whatever the method keeps */
+    const iso_exact *exact;
+    struct iso_pullpush *pullpush; /* owned */
 };
 
 /* What a row draws: row->plan, owned by the row. `method` is NULL in VTK's rows. */

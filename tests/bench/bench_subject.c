@@ -82,8 +82,21 @@ iso_status bench_subject_caster(bench_subject *s, const iso_raycaster **caster, 
     return ISO_OK;
 }
 
+iso_status bench_subject_exact(bench_subject *s, const iso_exact **exact, iso_error *error) {
+    const iso_grid *grid;
+    ISO_TRY(bench_subject_grid(s, &grid, error));
+    if (!s->exact) {
+        iso_exact_opts opts = {.isovalue = s->isovalue, .pool = s->pool};
+        ISO_TRY(iso_exact_create(grid, &opts, &s->exact, error));
+        ISO_TRY(iso_exact_update(s->exact, error));
+    }
+    *exact = s->exact;
+    return ISO_OK;
+}
+
 void bench_subject_end(bench_subject *s) {
     bench_vtk_end(&s->vtk);
+    iso_exact_destroy(s->exact);
     iso_raycaster_destroy(s->caster);
     iso_mesh_set_destroy(s->mesh);
     iso_point_set_destroy(s->points);
