@@ -60,11 +60,22 @@ static iso_status draw_exact(bench_frame *frame, const iso_target *target, iso_e
 }
 
 const bench_method bench_methods[] = {
-    {"points", true, false, true, true, open_points, draw_points, NULL},
-    {"mesh", false, false, true, true, open_mesh, draw_mesh, NULL},
-    {"raycast", false, true, false, true, open_raycast, draw_raycast, NULL},
-    {"pullpush/gaussian", true, false, true, true, open_pullpush, draw_gaussian, close_pullpush},
-    {"exact", true, false, false, true, open_exact, draw_exact, NULL},
+    {.name = "points",
+     .kernels = true,
+     .on_bumpy = true,
+     .on_volumes = true,
+     .open = open_points,
+     .draw = draw_points},
+    {.name = "mesh", .on_bumpy = true, .on_volumes = true, .open = open_mesh, .draw = draw_mesh},
+    {.name = "raycast", .slow = true, .on_volumes = true, .open = open_raycast, .draw = draw_raycast},
+    {.name = "pullpush/gaussian",
+     .kernels = true,
+     .on_bumpy = true,
+     .on_volumes = true,
+     .open = open_pullpush,
+     .draw = draw_gaussian,
+     .close = close_pullpush},
+    {.name = "exact", .kernels = true, .on_volumes = true, .open = open_exact, .draw = draw_exact},
 };
 const int bench_method_count = sizeof bench_methods / sizeof *bench_methods;
 
