@@ -63,7 +63,10 @@ typedef struct iso_exact_scratch {
     uint64_t alive[ISO_EXACT_SIDE];    /* by front-to-back rank, */
     uint16_t cell_of[ISO_EXACT_CELLS]; /* and which cell that is */
 
-    int32_t list[ISO_EXACT_LIST_ROOM]; /* pixels y << 16 | x to be tested */
+    /* Pairs of a pixel (y << 16 | x) and the cell (its record, counted in floats) that it is to be tested
+     * against, front to back. Before `careful` there may be some that need more than the plain test. */
+    int32_t pixel[ISO_EXACT_LIST_ROOM], owner[ISO_EXACT_LIST_ROOM];
+    int pairs, careful;
     iso_exact_hits hits;
 } iso_exact_scratch;
 
