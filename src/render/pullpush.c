@@ -188,6 +188,30 @@ static void push_rows(void *context, size_t index, int worker) {
     f->kernel->push(&f->job, f->level, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
 }
 
+/* Rows of level 1 are needed as soon as they and their neighbours are there, so that they are still in the
+ * cache: those inside a task by the task, the ones between tasks afterwards. */
+static void push_and_finish(void *context, size_t index, int worker) {
+    (void)worker;
+    const frame *f = context;
+    iso_rows rows = rows_within((int)index * f->task_rows, f->task_rows, f->level_rows);
+    int ready = 2 * rows.first, end = f->pyramid->level[1].height;
+    for (int y = rows.first; y <= rows.last; y++) {
+        f->kernel->push(&f->job, 2, (iso_rows){y, y});
+        int last = 2 * y + 2 < end ? 2 * y : end - 2;
+        f->kernel->finish(&f->job, (iso_rows){ready + 1, last});
+        ready = last;
+    }
+}
+
+static void finish_between(void *context, size_t index, int worker) {
+    (void)worker;
+    const frame *f = context;
+    int first = 2 * (int)index * f->task_rows, end = f->pyramid->level[1].height;
+    iso_rows rows = rows_within(2 * (int)index * f->task_rows, 2 * f->task_rows, end);
+    f->kernel->finish(&f->job, (iso_rows){rows.first, rows.first});
+    if (rows.last > first) f->kernel->finish(&f->job, (iso_rows){rows.last, rows.last});
+}
+
 static void finish_rows(void *context, size_t index, int worker) {
     (void)worker;
     const frame *f = context;
@@ -212,8 +236,13 @@ static void reconstruct(frame *f) {
     for (int level = shape->base + f->band_levels + 1; level <= shape->top; level++)
         for_level(f, level, pull_rows);
     for_level(f, shape->top, shape_rows);
-    for (int level = shape->top; level > 1; level--) for_level(f, level, push_rows);
-    for_level(f, 1, finish_rows);
+    for (int level = shape->top; level > 2; level--) for_level(f, level, push_rows);
+    if (shape->top == 1) {
+        for_level(f, 1, finish_rows);
+    } else {
+        for_level(f, 2, push_and_finish);
+        for_level(f, 2, finish_between);
+    }
 }
 
 /* ---- the interface */
