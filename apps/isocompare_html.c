@@ -364,7 +364,8 @@ static void put_facts(const report *r, FILE *stream) {
         if (!p->made || !p->size.primitives) continue;
         fputs("<li><b>", stream);
         put_amount(stream, (double)p->size.primitives, "");
-        fprintf(stream, "</b><span>%s</span></li>", part == ISO_PART_MESH ? "triangles" : "points");
+        fprintf(stream, "</b><span>%s</span></li>",
+                part == ISO_PART_MESH ? "triangles" : iso_part_name((iso_part)part));
     }
     fprintf(stream, "<li><b>%d × %d</b><span>pixels a picture</span></li></ul>\n", r->settings->side,
             r->settings->side);

@@ -142,7 +142,7 @@ static iso_status draw_timed(report *r, const report_view *v, int method, iso_st
     cell->seconds = frames < FRAMES
                         ? fmin(seconds[0], seconds[frames - 1])
                         : fmax(fmin(seconds[0], seconds[1]), fmin(fmax(seconds[0], seconds[1]), seconds[2]));
-    return iso_png_encode(&frame->image, &cell->picture.bytes, &cell->picture.size, error);
+    return iso_png_encode(&frame->image, r->job.pool, &cell->picture.bytes, &cell->picture.size, error);
 }
 
 /* Black over violet and orange to pale yellow: brightness grows all the way. */
@@ -159,10 +159,10 @@ static void heat(float value, uint8_t rgba[4]) {
     rgba[3] = 255;
 }
 
-static iso_status keep_difference(easel *e, report_picture *picture, iso_error *error) {
+static iso_status keep_difference(const report *r, easel *e, report_picture *picture, iso_error *error) {
     size_t count = (size_t)e->difference.width * (size_t)e->difference.height;
     for (size_t i = 0; i < count; i++) heat(e->map[i], e->difference.rgba + 4 * i);
-    return iso_png_encode(&e->difference, &picture->bytes, &picture->size, error);
+    return iso_png_encode(&e->difference, r->job.pool, &picture->bytes, &picture->size, error);
 }
 
 static iso_status compare_frames(const report *r, const report_view *v, easel *e, report_sampling sampling,
@@ -187,7 +187,7 @@ static iso_status judge(report *r, report_view *v, int method, easel *e, iso_err
     if (method == 0) return ISO_OK;
     for (int s = 0; s < REPORT_SAMPLINGS; s++)
         ISO_TRY(compare_frames(r, v, e, (report_sampling)s, &cell->metrics[s], error));
-    return keep_difference(e, &cell->difference, error);
+    return keep_difference(r, e, &cell->difference, error);
 }
 
 /* The fit view first; the others look where silhouettes are. */

@@ -15,6 +15,7 @@
 #include "grids/volume.h"
 #include "image/camera.h"
 #include "io/points_io.h"
+#include "render/pullpush.h"
 #include "render/shading.h"
 #include "truth/raycast.h"
 
@@ -26,7 +27,12 @@ extern "C" {
 
 enum { ISORENDER_SURFACES = 64, ISORENDER_RECORD = 4096 };
 
-typedef enum isorender_method { ISORENDER_POINTS, ISORENDER_MESH, ISORENDER_RAYCAST } isorender_method;
+typedef enum isorender_method {
+    ISORENDER_POINTS,
+    ISORENDER_PULLPUSH,
+    ISORENDER_MESH,
+    ISORENDER_RAYCAST
+} isorender_method;
 typedef enum isorender_help {
     ISORENDER_RUN,
     ISORENDER_HELP,
@@ -54,7 +60,8 @@ typedef struct isorender_settings {
     int primitive; /* iso_primitive */
     const char *points, *mesh, *aov;
 
-    int method; /* isorender_method */
+    int method;         /* isorender_method */
+    int reconstruction; /* iso_reconstruction */
     const char *backend;
     int width, height, samples, turntable, no_image;
     iso_rgb background;
@@ -155,7 +162,8 @@ typedef struct isorender_job {
     uint64_t point_count, rejected, vertex_count, triangle_count;
     iso_box bounds_local, bounds_world; /* mm */
 
-    iso_camera camera; /* of the first frame */
+    iso_pullpush *pullpush; /* or NULL */
+    iso_camera camera;      /* of the first frame */
     isorender_frame *frames;
     int frame_count;
     /* Outputs that stand: removed again when a later step fails. */

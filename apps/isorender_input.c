@@ -265,6 +265,7 @@ iso_status isorender_read(isorender_job *job, iso_error *error) {
 }
 
 void isorender_close(isorender_job *job) {
+    iso_pullpush_destroy(job->pullpush);
     iso_points_free(&job->points);
     iso_volume_free(&job->volume);
     if (job->copy) unlink(job->copy);

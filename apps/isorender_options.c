@@ -19,7 +19,8 @@ static const char *const groups[] = {"Input",         "Surface", "Picture", "Cam
 static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --output TEMPLATE IN ...",
                                     "[options] --scene NAME[:SIZE] [OUT.png]", NULL};
 
-static const char *const methods[] = {"points", "mesh", "raycast", NULL};
+static const char *const methods[] = {"points", "pullpush", "mesh", "raycast", NULL};
+static const char *const reconstructions[] = {"auto", "box", "gaussian", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated", NULL};
 
@@ -211,8 +212,13 @@ static const iso_option options[] = {
      "edge for the rest",
      .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
-    {"method", NULL, "NAME", "points (attenuated discs), mesh (Marching Cubes) or raycast (exact, slow)",
+    {"method", NULL, "NAME",
+     "points (attenuated discs), pullpush (points, filled in image space), mesh (Marching Cubes) or raycast "
+     "(exact, slow)",
      .group = PICTURE, .standard = "points", CHOICE(method, methods)},
+    {"reconstruction", NULL, "NAME",
+     "how pullpush fills in: box, gaussian (weights inside ellipses; Marroquim 2008); auto is the best",
+     .group = PICTURE, .standard = "auto", CHOICE(reconstruction, reconstructions)},
     {"resolution", NULL, "WxH", "size of the picture in pixels", .group = PICTURE, .standard = "1024x1024",
      CALL(apply_resolution)},
     {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE, .standard = "1",

@@ -74,6 +74,10 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
             ISO_TRY(iso_draw_mesh(&target, &mesh, error));
         } else if (job->settings->method == ISORENDER_RAYCAST) {
             ISO_TRY(iso_draw_raycast(&target, surface->caster, error));
+        } else if (job->settings->method == ISORENDER_PULLPUSH) {
+            iso_point_view points = isorender_points_view(job, i);
+            iso_pullpush_opts opts = {(iso_reconstruction)job->settings->reconstruction, job->pullpush};
+            ISO_TRY(iso_draw_pullpush(&target, &points, &opts, error));
         } else {
             iso_point_view points = isorender_points_view(job, i);
             ISO_TRY(iso_draw_points(&target, &points, error));
@@ -120,7 +124,8 @@ static iso_status write_picture(isorender_job *job, const iso_image *image, cons
                                   {"Title", job->plan->model},
                                   {"Comment", l.command},
                                   {"Description", l.isovalues}};
-    return iso_png_write(path, image, texts, l.isovalues[0] ? 4 : 3, error);
+    const iso_png_opts opts = {texts, l.isovalues[0] ? 4 : 3, job->pool};
+    return iso_png_write_with(path, image, &opts, error);
 }
 
 static iso_camera camera_of_frame(const isorender_job *job, int frame) {
@@ -165,7 +170,8 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     job->seconds.render += isorender_now() - start;
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
-    job->frames[frame].hash = hash_image(&c->image);
+    /* (a few milliseconds, byte by byte) */
+    if (settings->json) job->frames[frame].hash = hash_image(&c->image);
     return ISO_OK;
 }
 
@@ -235,6 +241,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     job->frame_count = settings->turntable ? settings->turntable : 1;
     job->frames = calloc((size_t)job->frame_count, sizeof *job->frames);
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    if (settings->method == ISORENDER_PULLPUSH) ISO_TRY(iso_pullpush_create(&job->pullpush, error));
     canvas c = {0};
     iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
     if (status == ISO_OK && job->plan->aov)

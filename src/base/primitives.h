@@ -7,6 +7,7 @@
 #ifndef ISO_BASE_PRIMITIVES_H
 #define ISO_BASE_PRIMITIVES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -61,6 +62,9 @@ typedef struct iso_point_view {
     size_t span_count;
     iso_transform transform;
     double radius; /* mm; half of sqrt(2) x the largest spacing for extracted points (2003, section 4.1) */
+    const uint8_t (*colors)[3]; /* per point, red green blue, display values; NULL: the surface's for all */
+    bool closed; /* the points lie on closed surfaces with their normals outwards: seen from outside, those
+                    that face away are hidden */
 } iso_point_view;
 
 /* Number of points in all spans. */

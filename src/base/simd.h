@@ -78,6 +78,16 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 /* The lanes where the mask is true, packed, to memory: up to ISO_LANES items are overwritten. */
 #define v_compress ISO_V(v_compress)   /* (float *, vm, vf) */
 #define v_compressi ISO_V(v_compressi) /* (int32_t *, vm, vi) */
+/* Four floats a lane. (base, index, out): out[k] of a lane is base[index of the lane + k]; (base, step, in):
+ * base[step * lane + k] becomes in[k] of the lane. */
+#define v_load4 ISO_V(v_load4)
+#define v_store4 ISO_V(v_store4)
+/* Two vectors as one row of twice as many items: its items of even or odd number, and back. */
+#define v_even ISO_V(v_even)         /* (vf a, vf b) */
+#define v_odd ISO_V(v_odd)           /* (vf a, vf b) */
+#define v_zip_low ISO_V(v_zip_low)   /* the first half of a0 b0 a1 b1 .. */
+#define v_zip_high ISO_V(v_zip_high) /* and the second */
+#define v_store_u8 ISO_V(v_store_u8) /* (uint8_t *, vi): the low 8 bits of each */
 
 /* ---- what vector operators say, once for every width: N lanes of float F, int32_t I, bytes of both */
 
@@ -225,6 +235,30 @@ static inline void v_compress_generic(float *to, vm_generic mask, vf_generic val
         to[count] = value[lane];
         count += mask[lane] & 1;
     }
+}
+static inline vf_generic v_even_generic(vf_generic a, vf_generic b) {
+    return (vf_generic){a[0], a[2], b[0], b[2]};
+}
+static inline vf_generic v_odd_generic(vf_generic a, vf_generic b) {
+    return (vf_generic){a[1], a[3], b[1], b[3]};
+}
+static inline vf_generic v_zip_low_generic(vf_generic a, vf_generic b) {
+    return (vf_generic){a[0], b[0], a[1], b[1]};
+}
+static inline vf_generic v_zip_high_generic(vf_generic a, vf_generic b) {
+    return (vf_generic){a[2], b[2], a[3], b[3]};
+}
+static inline void v_store_u8_generic(uint8_t *to, vi_generic value) {
+    for (int lane = 0; lane < ISO_LANES_generic; lane++) to[lane] = (uint8_t)value[lane];
+}
+
+static inline void v_load4_generic(const float *base, const int32_t *index, vf_generic out[4]) {
+    for (int k = 0; k < 4; k++)
+        out[k] = (vf_generic){base[index[0] + k], base[index[1] + k], base[index[2] + k], base[index[3] + k]};
+}
+static inline void v_store4_generic(float *base, int step, const vf_generic in[4]) {
+    for (int lane = 0; lane < ISO_LANES_generic; lane++)
+        for (int k = 0; k < 4; k++) base[lane * step + k] = in[k][lane];
 }
 
 #if ISO_HAVE_X86

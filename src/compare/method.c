@@ -5,6 +5,7 @@
 /* ---- parts ---- */
 
 static iso_status make_points(iso_subject *subject, iso_error *error) {
+    if (!subject->workspace) ISO_TRY(iso_pullpush_create(&subject->workspace, error));
     iso_points_opts opts = {.isovalue = subject->isovalue, .pool = subject->pool};
     ISO_TRY(iso_point_set_create(subject->grid, &opts, &subject->points, error));
     return iso_point_set_update(subject->points, error);
@@ -16,8 +17,14 @@ static iso_status make_mesh(iso_subject *subject, iso_error *error) {
     return iso_mesh_set_update(subject->mesh, error);
 }
 
+static iso_status make_cells(iso_subject *subject, iso_error *error) {
+    iso_exact_opts opts = {.isovalue = subject->isovalue, .pool = subject->pool};
+    ISO_TRY(iso_exact_create(subject->grid, &opts, &subject->exact, error));
+    return iso_exact_update(subject->exact, error);
+}
+
 bool iso_subject_has(const iso_subject *subject, iso_part part) {
-    const void *parts[] = {subject->points, subject->mesh, subject->caster};
+    const void *parts[] = {subject->points, subject->mesh, subject->exact, subject->caster};
     return parts[part] != NULL;
 }
 
@@ -28,6 +35,8 @@ iso_status iso_subject_prepare(iso_subject *subject, iso_part part, iso_error *e
         return make_points(subject, error);
     case ISO_PART_MESH:
         return make_mesh(subject, error);
+    case ISO_PART_CELLS:
+        return make_cells(subject, error);
     case ISO_PART_CASTER:
         return iso_raycaster_create(subject->grid, subject->isovalue, subject->pool, &subject->caster, error);
     case ISO_PART_COUNT:
@@ -39,15 +48,15 @@ iso_status iso_subject_prepare(iso_subject *subject, iso_part part, iso_error *e
 
 void iso_subject_free(iso_subject *subject) {
     iso_point_set_destroy(subject->points);
+    iso_pullpush_destroy(subject->workspace);
     iso_mesh_set_destroy(subject->mesh);
+    iso_exact_destroy(subject->exact);
     iso_raycaster_destroy(subject->caster);
-    subject->points = NULL;
-    subject->mesh = NULL;
-    subject->caster = NULL;
+    *subject = (iso_subject){.grid = subject->grid, .isovalue = subject->isovalue, .pool = subject->pool};
 }
 
 const char *iso_part_name(iso_part part) {
-    static const char *const names[] = {"points", "mesh", "ray caster's index"};
+    static const char *const names[] = {"points", "mesh", "cells", "ray caster's index"};
     return names[part];
 }
 
@@ -75,6 +84,10 @@ iso_part_size iso_subject_size(const iso_subject *subject, iso_part part) {
         iso_mesh_view view = iso_mesh_set_view(subject->mesh);
         return mesh_size(&view);
     }
+    if (part == ISO_PART_CELLS && subject->exact) {
+        iso_exact_totals totals = iso_exact_stats(subject->exact);
+        return (iso_part_size){totals.cells, totals.bytes};
+    }
     return (iso_part_size){0, 0};
 }
 
@@ -90,15 +103,47 @@ static iso_status draw_mesh(const iso_subject *subject, const iso_target *target
     return iso_draw_mesh(target, &view, error);
 }
 
+static iso_status draw_pyramid(const iso_subject *subject, const iso_target *target,
+                               iso_reconstruction reconstruction, iso_error *error) {
+    iso_point_view view = iso_point_set_view(subject->points);
+    iso_pullpush_opts opts = {reconstruction, subject->workspace};
+    return iso_draw_pullpush(target, &view, &opts, error);
+}
+
+static iso_status draw_pullpush(const iso_subject *subject, const iso_target *target, iso_error *error) {
+    return draw_pyramid(subject, target, ISO_RECONSTRUCTION_AUTO, error);
+}
+
+static iso_status draw_gaussian(const iso_subject *subject, const iso_target *target, iso_error *error) {
+    return draw_pyramid(subject, target, ISO_RECONSTRUCTION_GAUSSIAN, error);
+}
+
+static iso_status draw_box(const iso_subject *subject, const iso_target *target, iso_error *error) {
+    return draw_pyramid(subject, target, ISO_RECONSTRUCTION_BOX, error);
+}
+
+static iso_status draw_exact(const iso_subject *subject, const iso_target *target, iso_error *error) {
+    return iso_draw_exact(target, subject->exact, error);
+}
+
 static iso_status draw_raycast(const iso_subject *subject, const iso_target *target, iso_error *error) {
     return iso_draw_raycast(target, subject->caster, error);
 }
 
-enum { POINTS = 1 << ISO_PART_POINTS, MESH = 1 << ISO_PART_MESH, CASTER = 1 << ISO_PART_CASTER };
+enum {
+    POINTS = 1 << ISO_PART_POINTS,
+    MESH = 1 << ISO_PART_MESH,
+    CELLS = 1 << ISO_PART_CELLS,
+    CASTER = 1 << ISO_PART_CASTER
+};
 
 static const iso_method METHODS[] = {
     {"points", "attenuated points (2003)", POINTS, draw_points},
+    {"pullpush-box", "pull-push, box filter (2008)", POINTS, draw_box},
+    {"pullpush-gaussian", "pull-push, Gaussian filter (2008)", POINTS, draw_gaussian},
+    {"pullpush", "pull-push, its default", POINTS, draw_pullpush},
     {"mesh", "Marching Cubes mesh", MESH, draw_mesh},
+    {"exact", "the trilinear surface, cell by cell", CELLS, draw_exact},
 };
 
 static const iso_method TRUTH = {"raycast", "rays through the trilinear field", CASTER, draw_raycast};

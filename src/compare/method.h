@@ -11,13 +11,21 @@
 #include "extract/points.h"
 #include "grids/grid.h"
 #include "render/draw.h"
+#include "render/pullpush.h"
+#include "truth/exact.h"
 #include "truth/raycast.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-typedef enum iso_part { ISO_PART_POINTS, ISO_PART_MESH, ISO_PART_CASTER, ISO_PART_COUNT } iso_part;
+typedef enum iso_part {
+    ISO_PART_POINTS,
+    ISO_PART_MESH,
+    ISO_PART_CELLS, /* of exact */
+    ISO_PART_CASTER,
+    ISO_PART_COUNT
+} iso_part;
 
 /* What is drawn. grid, isovalue (physical) and pool are set by the caller and borrowed; the parts are owned:
  * iso_subject_free. */
@@ -26,7 +34,9 @@ typedef struct iso_subject {
     double isovalue;
     iso_pool *pool; /* or NULL */
     iso_point_set *points;
+    iso_pullpush *workspace; /* comes with the points */
     iso_mesh_set *mesh;
+    iso_exact *exact;
     iso_raycaster *caster;
 } iso_subject;
 
@@ -35,9 +45,10 @@ iso_status iso_subject_prepare(iso_subject *subject, iso_part part, iso_error *e
 bool iso_subject_has(const iso_subject *subject, iso_part part);
 void iso_subject_free(iso_subject *subject);
 
-const char *iso_part_name(iso_part part); /* "points", "mesh", "ray caster's index" */
+const char *iso_part_name(iso_part part); /* "points", "mesh", "cells", ... */
 
-/* Number of points or triangles of a part that is there, and the bytes they take; 0 where nothing is counted.
+/* Number of points, triangles or cells of a part that is there, and the bytes they take; 0 where nothing is
+ * counted.
  */
 typedef struct iso_part_size {
     size_t primitives, bytes;

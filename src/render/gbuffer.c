@@ -5,10 +5,12 @@
 
 #include "base/memory.h"
 
+enum { SAMPLE_BYTES = 4 * sizeof(float) + 1 }; /* of all planes */
+
 iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_error *error) {
     size_t samples;
     if (width < 1 || height < 1 || !iso_size_multiply((size_t)width, (size_t)height, &samples) ||
-        samples > SIZE_MAX / sizeof(float))
+        samples > SIZE_MAX / SAMPLE_BYTES)
         return iso_fail(error, ISO_ERR_NOMEM, "a buffer of %dx%d samples is impossible", width, height);
     iso_gbuffer made = {.width = width,
                         .height = height,

@@ -227,14 +227,14 @@ static iso_status judge(session *s, const iso_view *view, const iso_method *meth
 }
 
 static void print_head(void) {
-    printf("%-14s %4s %-9s %7s %7s %6s %6s %6s %7s %7s %6s %6s %7s %6s %7s %7s\n", "volume", "zoom", "method",
-           "psnr_in", "psnr", "ssim", "flip", "iou", "dil px", "max px", "holes%", "normal", "depth",
-           "wrong%", "differ", "s");
+    printf("%-14s %4s %-17s %7s %7s %6s %6s %6s %7s %7s %6s %6s %7s %6s %7s %7s\n", "volume", "zoom",
+           "method", "psnr_in", "psnr", "ssim", "flip", "iou", "dil px", "max px", "holes%", "normal",
+           "depth", "wrong%", "differ", "s");
 }
 
 static void print_row(const row *r) {
     const iso_metrics *m = &r->metrics;
-    printf("%-14s %4d %-9s %7.2f %7.2f %6.4f %6.4f %6.4f %7.3f %7.1f %6.2f %6.2f %7.4f %6.2f %7.0f %7.3f\n",
+    printf("%-14s %4d %-17s %7.2f %7.2f %6.4f %6.4f %6.4f %7.3f %7.1f %6.2f %6.2f %7.4f %6.2f %7.0f %7.3f\n",
            r->volume, r->zoom, r->method->name, m->psnr_in, m->psnr, m->ssim, m->flip, m->iou,
            m->dilation_mean, m->dilation_max, m->holes, m->normal_error_deg, m->depth_error_voxel, m->wrong,
            m->pixels_differing, r->seconds);

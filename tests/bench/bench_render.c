@@ -68,13 +68,14 @@ static void add_method(frame_group *group, int subject, int view, int number) {
     const bench_method *method = &bench_methods[number];
     bench_state *bench = group->bench;
     const bench_settings *settings = bench->settings;
+    const bench_kind *kind = method->slow ? &bench_slow_frame_kind : &bench_frame_kind;
     char text[64];
     describe(group, subject, view, text);
     for (int level = method->kernels ? 0 : (int)bench->best; level <= (int)bench->best; level++)
         for (int t = 0; t < settings->thread_count; t++) {
             const char *variant = method->kernels ? iso_cpu_level_name((iso_cpu_level)level) : "";
-            bench_row *row = bench_add(bench, &bench_frame_kind, "render/%s/%s%s%s/threads:%d", method->name,
-                                       text, method->kernels ? "/" : "", variant, settings->threads[t]);
+            bench_row *row = bench_add(bench, kind, "render/%s/%s%s%s/threads:%d", method->name, text,
+                                       method->kernels ? "/" : "", variant, settings->threads[t]);
             row->threads = settings->threads[t];
             row->level = (iso_cpu_level)level;
             add_plan(row, method, &group->subjects[subject], view);
