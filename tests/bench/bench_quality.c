@@ -24,7 +24,9 @@
 #include "grids/scenes.h"
 #include "grids/volume.h"
 
-enum { ENTRIES = 64, ROWS = 1024, NAME = 64, ZOOMS = 3, METHODS = 16 };
+enum { ENTRIES = 64, ROWS = 1024, NAME = QUALITY_NAME, ZOOMS = 3 };
+
+typedef quality_row row;
 static const int zooms[ZOOMS] = {1, 4, 16};
 
 /* The colours of the study whose figures stand in the issues. */
@@ -37,14 +39,6 @@ typedef struct entry {
     bool raw;
     int dims[3];
 } entry;
-
-typedef struct row {
-    char volume[NAME];
-    int zoom;
-    const iso_method *method;
-    double pixels_per_voxel, seconds;
-    iso_metrics metrics;
-} row;
 
 typedef struct settings {
     const char *json, *volumes, *folder, *pictures, *only;
@@ -423,6 +417,7 @@ static iso_status run_all(state *s, iso_error *error) {
     }
     if (s->row_count == 0) return iso_fail(error, ISO_ERR_EMPTY, "nothing was measured");
     print_means(s);
+    quality_print_asked(s->rows, s->row_count);
     return s->settings->json ? write_json(s, error) : ISO_OK;
 }
 
