@@ -91,16 +91,20 @@ FETCHER static void fetch_stretch(const iso_edge_walk *walk, const iso_edge_stre
         (const char *)source->data +
         (stretch->origin[0] + stretch->origin[1] * source->stride_y + stretch->origin[2] * source->stride_z) *
             size;
+    int most[3]; /* voxels after the origin */
+    for (int axis = 0; axis < 3; axis++) most[axis] = source->dims[axis] - 1 - stretch->origin[axis];
     for (int b = 0; b < stretch->blocks; b++) {
         const iso_edge_wanted wanted = stretch->wanted[b];
         if (!wanted.bricks) continue;
-        const ptrdiff_t from = (b * ISO_EDGE_BRICKS + __builtin_ctz(wanted.bricks)) * ISO_BRICK * size,
-                        last = (b * ISO_EDGE_BRICKS + 32 - __builtin_clz(wanted.bricks)) * ISO_BRICK * size;
-        for (int z = 0; z < ISO_EDGE_SIDE; z++)
+        const int from = (b * ISO_EDGE_BRICKS + __builtin_ctz(wanted.bricks)) * ISO_BRICK,
+                  end = (b * ISO_EDGE_BRICKS + 32 - __builtin_clz(wanted.bricks)) * ISO_BRICK;
+        const ptrdiff_t last = (end < most[0] ? end : most[0]) * size;
+        for (int z = 0; z < ISO_EDGE_SIDE && z <= most[2]; z++)
             for (uint32_t rows = iso_edge_rows_read(wanted, z); rows; rows &= rows - 1) {
                 const int y = __builtin_ctz(rows);
+                if (y > most[1]) break;
                 const char *row = origin + (y * source->stride_y + z * source->stride_z) * size;
-                for (ptrdiff_t at = from; at < last; at += 64) __builtin_prefetch(row + at, 0, 2);
+                for (ptrdiff_t at = from * size; at < last; at += 64) __builtin_prefetch(row + at, 0, 2);
                 __builtin_prefetch(row + last, 0, 2);
             }
     }

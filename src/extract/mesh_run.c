@@ -63,7 +63,7 @@ static bool run_stretch(const iso_mesh_runner *runner, const iso_edge_stretch *s
     iso_mesh_block *block = &scratch->block;
     for (int axis = 0; axis < 3; axis++) block->origin[axis] = stretch->origin[axis];
     scratch->words.blocks = stretch->blocks;
-    for (int b = 0; b < stretch->blocks; b++) scratch->words.wanted[b] = ISO_EDGE_WHOLE;
+    for (int b = 0; b < stretch->blocks; b++) scratch->words.wanted[b] = stretch->wanted[b];
     runner->kernel.edges->classify(&runner->source, block->origin, &scratch->words);
     for (int b = 0; b < stretch->blocks; b++, block->origin[0] += ISO_EDGE_BLOCK_X) {
         iso_mesh_output output;
@@ -107,6 +107,7 @@ static bool window_fits(const iso_brick_window *window) {
 /* The words of a block whose first brick is the window's; what follows repeats its last voxel. */
 static void classify_window(const iso_brick_window *window, float isovalue, iso_edge_words *words) {
     words->blocks = 1;
+    words->wanted[0] = ISO_EDGE_WHOLE;
     for (int z = 0; z < ISO_EDGE_SIDE; z++)
         for (int y = 0; y < ISO_EDGE_SIDE; y++) {
             const float *row = window->values + iso_window_index(0, y, z);
