@@ -54,6 +54,19 @@ static inline bool is_within(const int cell[3], const int dims[3]) {
            cell[2] + 2 < dims[2];
 }
 
+void iso_exact_gradients_fetch(const iso_grid *grid, const int cell[3]) {
+    if (!grid->rgrid) return;
+    const iso_rgrid *rgrid = grid->rgrid;
+    const ptrdiff_t bytes = (ptrdiff_t)iso_type_size(rgrid->type), step_y = bytes * rgrid->stride_y,
+                    step_z = bytes * rgrid->stride_z;
+    /* (an address outside the grid is not an error, but arithmetic on pointers would be) */
+    const uintptr_t first =
+        (uintptr_t)rgrid->data + (uintptr_t)(bytes * cell[0] + step_y * cell[1] + step_z * cell[2]);
+    for (int z = -1; z < 3; z++)
+        for (int y = -1; y < 3; y++) /* rows of the outermost edges are hardly worth an exception */
+            __builtin_prefetch((const void *)(first + (uintptr_t)(y * step_y + z * step_z)));
+}
+
 /* ---- four voxels of a row, by 1/4 */
 
 static inline vf_generic row_of_4_generic(iso_type type, const void *row) {

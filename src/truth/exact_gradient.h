@@ -10,6 +10,9 @@
  * the cell must be finite. The same bits at every level. */
 typedef void iso_exact_gradients(const iso_grid *grid, const int cell[3], float gradient[8][4]);
 
+/* Asks memory for what gradients at the cell will read. */
+void iso_exact_gradients_fetch(const iso_grid *grid, const int cell[3]);
+
 iso_exact_gradients *iso_exact_gradients_get(const iso_grid *grid, iso_cpu_level level);
 
 #endif

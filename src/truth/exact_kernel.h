@@ -16,7 +16,7 @@ enum {
     ISO_EXACT_LIST = 1024,
     ISO_EXACT_LIST_ROOM = ISO_EXACT_LIST + 64 + ISO_LANES_MAX,
     ISO_EXACT_HITS = 256,
-    ISO_EXACT_HIT_ROOM = ISO_EXACT_HITS + 2 * ISO_LANES_MAX,
+    ISO_EXACT_HIT_ROOM = ISO_EXACT_HITS + 3 * ISO_LANES_MAX,
 };
 
 /* A cell as pixels are tested against it. The field, scaled so that its largest corner is about 1, is f[0] +
@@ -42,7 +42,9 @@ typedef struct iso_exact_hits {
     float cubic[4][ISO_EXACT_HIT_ROOM], entry[3][ISO_EXACT_HIT_ROOM], step[3][ISO_EXACT_HIT_ROOM],
         depth[ISO_EXACT_HIT_ROOM], length[ISO_EXACT_HIT_ROOM];
     int32_t pixel[ISO_EXACT_HIT_ROOM], slot[ISO_EXACT_HIT_ROOM];
-    float gradient[ISO_EXACT_HIT_ROOM][8][4]; /* by slot: of the eight corners of a cell; x, y, z, 0 */
+    float root[ISO_EXACT_HIT_ROOM];
+    int voxel[ISO_EXACT_HIT_ROOM][3];         /* by slot: the cell, */
+    float gradient[ISO_EXACT_HIT_ROOM][8][4]; /* and the gradients at its corners; x, y, z and any */
 } iso_exact_hits;
 
 /* One worker's. */
@@ -63,7 +65,10 @@ typedef struct iso_exact_scratch {
     uint64_t alive[ISO_EXACT_SIDE];    /* by front-to-back rank, */
     uint16_t cell_of[ISO_EXACT_CELLS]; /* and which cell that is */
 
-    int32_t list[ISO_EXACT_LIST_ROOM]; /* pixels y << 16 | x to be tested */
+    /* Pairs of a pixel (y << 16 | x) and the cell (its record, counted in floats) that it is to be tested
+     * against, front to back. Before `careful` there may be some that need more than the plain test. */
+    int32_t pixel[ISO_EXACT_LIST_ROOM], owner[ISO_EXACT_LIST_ROOM];
+    int pairs, careful;
     iso_exact_hits hits;
 } iso_exact_scratch;
 
