@@ -124,7 +124,8 @@ static iso_status write_picture(isorender_job *job, const iso_image *image, cons
                                   {"Title", job->plan->model},
                                   {"Comment", l.command},
                                   {"Description", l.isovalues}};
-    return iso_png_write(path, image, texts, l.isovalues[0] ? 4 : 3, error);
+    const iso_png_opts opts = {texts, l.isovalues[0] ? 4 : 3, job->pool};
+    return iso_png_write_with(path, image, &opts, error);
 }
 
 static iso_camera camera_of_frame(const isorender_job *job, int frame) {
@@ -169,7 +170,8 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     job->seconds.render += isorender_now() - start;
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
-    job->frames[frame].hash = hash_image(&c->image);
+    /* (a few milliseconds, byte by byte) */
+    if (settings->json) job->frames[frame].hash = hash_image(&c->image);
     return ISO_OK;
 }
 

@@ -18,18 +18,27 @@ typedef struct iso_edge_runner {
 void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_surface *surface,
                           bool floats);
 
-/* Bricks of a list that lie in neighbouring blocks of one row; bit k of `asked`: brick k of the block. */
+/* Bricks of a list that lie in neighbouring blocks of one row, and which of their rows are looked at. */
 enum { ISO_EDGE_STRETCH = 8 };
 typedef struct iso_edge_stretch {
     int first_block, row[2]; /* in blocks along x; brick y and z */
     int blocks;
-    unsigned asked[ISO_EDGE_STRETCH];
+    iso_edge_wanted wanted[ISO_EDGE_STRETCH];
     size_t bricks;
 } iso_edge_stretch;
 
-/* The longest stretch that starts at the first brick; 0 bricks when the kernel cannot do that one. */
-iso_edge_stretch iso_edge_stretch_find(const iso_rgrid *grid, const iso_brick_set *set,
-                                       const uint32_t *bricks, size_t count);
+/* Bricks of a grid, ascending, and the stored isovalue that they are looked at for. */
+typedef struct iso_edge_bricks {
+    const iso_rgrid *grid;
+    const iso_brick_set *set;
+    const uint32_t *bricks;
+    size_t count;
+    float isovalue;
+} iso_edge_bricks;
+
+/* The longest stretch that starts at brick `first` of the list; 0 bricks when the kernel cannot do that
+ * one. */
+iso_edge_stretch iso_edge_stretch_find(const iso_edge_bricks *list, size_t first);
 
 size_t iso_edge_run_scratch_bytes(void);
 

@@ -153,17 +153,16 @@ static iso_edge_output edge_output(const iso_mesh_block *block, const iso_mesh_o
 
 void iso_mesh_kernel_fill(const iso_mesh_kernel *kernel, const iso_edge_source *source, iso_mesh_block *block,
                           const iso_mesh_output *output) {
-    iso_edge_entries own[3], far[3];
+    iso_edge_job jobs[2] = {{.output = edge_output(block, output, false)},
+                            {.output = edge_output(block, output, true)}};
     for (int axis = 0; axis < 3; axis++) {
-        const iso_edge_list *o = &block->own_list[axis];
-        const iso_far_list *f = &block->far_list[axis];
-        own[axis] = (iso_edge_entries){o->mask, o->row, o->count};
-        far[axis] = (iso_edge_entries){f->mask, f->row, f->count};
+        const iso_edge_list *own = &block->own_list[axis];
+        const iso_far_list *far = &block->far_list[axis];
+        jobs[0].axes[axis] = (iso_edge_entries){own->mask, own->row, own->count};
+        jobs[1].axes[axis] = (iso_edge_entries){far->mask, far->row, far->count};
+        jobs[0].origin[axis] = jobs[1].origin[axis] = block->origin[axis];
     }
-    iso_edge_output edges = edge_output(block, output, false);
-    kernel->edges->fill_entries(source, block->origin, own, &edges);
-    edges = edge_output(block, output, true);
-    kernel->edges->fill_entries(source, block->origin, far, &edges);
+    kernel->edges->fill(source, jobs, 2);
     for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++) {
         if (!(block->bricks >> brick & 1)) continue;
         number_vertices(output->keys[brick], block->own[brick] + block->far[brick], block->vertex_of);

@@ -65,10 +65,11 @@ static bool run_stretch(const iso_mesh_runner *runner, const iso_edge_stretch *s
     block->origin[1] = stretch->row[0] * ISO_BRICK;
     block->origin[2] = stretch->row[1] * ISO_BRICK;
     scratch->words.blocks = stretch->blocks;
+    for (int b = 0; b < stretch->blocks; b++) scratch->words.wanted[b] = ISO_EDGE_WHOLE;
     runner->kernel.edges->classify(&runner->source, block->origin, &scratch->words);
     for (int b = 0; b < stretch->blocks; b++, block->origin[0] += ISO_EDGE_BLOCK_X) {
         iso_mesh_output output;
-        block->bricks = stretch->asked[b];
+        block->bricks = stretch->wanted[b].bricks;
         runner->kernel.list(&runner->source, &scratch->words, b, block);
         if (!block_room(block, sink, &output)) return false;
         iso_mesh_kernel_fill(&runner->kernel, &runner->source, block, &output);
@@ -84,8 +85,9 @@ static bool run_stretch(const iso_mesh_runner *runner, const iso_edge_stretch *s
 
 void iso_mesh_run(const iso_mesh_runner *runner, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink) {
+    const iso_edge_bricks list = {runner->grid, set, bricks, count, runner->source.isovalue};
     for (size_t i = 0; i < count && !iso_brick_sink_failed(sink);) {
-        iso_edge_stretch stretch = iso_edge_stretch_find(runner->grid, set, bricks + i, count - i);
+        iso_edge_stretch stretch = iso_edge_stretch_find(&list, i);
         if (!stretch.bricks) {
             iso_brick_sink_extract(sink, bricks[i++]);
             continue;

@@ -224,7 +224,10 @@ iso_exact_view iso_exact_view_of(const iso_exact_frame *frame, const iso_exact_s
     };
     for (int i = 0; i < 3; i++) view.along[i] = (float)m[6 + i];
     if (view.near) return view;
+    view.cell_pixels = 1;
     for (int k = 0; k < 2; k++) {
+        const double size = fabs(m[3 * k]) + fabs(m[3 * k + 1]) + fabs(m[3 * k + 2]);
+        view.cell_pixels *= (float)(size * focal / (frame->perspective ? p[2] : 1));
         const double reference = frame->perspective ? (float)(p[k] / p[2]) : 0;
         const double projected = focal * (frame->perspective ? reference : p[k]), pixel = floor(projected);
         view.origin[k] = frame->axis[k] + (int)pixel;

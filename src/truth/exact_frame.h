@@ -50,6 +50,7 @@ typedef struct iso_exact_view {
     float focal, depth;           /* of the block's centre */
     float relative;               /* the same less frame->middle */
     float behind;                 /* the same less the near plane's */
+    float cell_pixels;            /* about as many as a cell's box has */
 } iso_exact_view;
 
 /* The frame for a target and an up-to-date set, both borrowed. */

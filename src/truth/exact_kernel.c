@@ -1,6 +1,7 @@
 #include "truth/exact_kernel.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Steps that are large, or that gcc 12 should not analyse together with their callers. */
@@ -14,6 +15,9 @@
  * voxel. Next to the eye rays are known less well. */
 #define ISO_EXACT_WIDER 1e-5f
 #define ISO_EXACT_WIDER_NEAR 4e-5f
+
+/* Pixels of a cell's box from which on it does not pay to fill its last vector from other cells. */
+#define ISO_EXACT_ALONE 24
 
 void iso_exact_place_near(const iso_exact_frame *frame, iso_exact_scratch *scratch) {
     const double half[3] = {0.5, 0.5, 0.5};

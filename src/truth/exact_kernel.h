@@ -69,6 +69,7 @@ typedef struct iso_exact_scratch {
      * against, front to back. Before `careful` there may be some that need more than the plain test. */
     int32_t pixel[ISO_EXACT_LIST_ROOM], owner[ISO_EXACT_LIST_ROOM];
     int pairs, careful;
+    bool alone; /* cells are so large that each is tested by itself */
     iso_exact_hits hits;
 } iso_exact_scratch;
 
