@@ -59,6 +59,7 @@ typedef struct bench_kind {
 typedef struct bench_against {
     const char *counter;
     const char *pairwise; /* name of the median of the rounds' ratios; NULL: left out */
+    const char *cpu; /* name of the ratio of processor time, which bears company better; NULL: left out */
     bench_row *other;
     double least; /* what is asked for; 0: nothing */
     /* With another row's counter of the same name as the measure: `least` is a fraction of that. */
