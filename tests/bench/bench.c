@@ -6,6 +6,7 @@
 
 #include "apps/options.h"
 #include "bench_harness.h"
+#include "bench_quality.h"
 
 static iso_status add_threads(void *target, const char *value, iso_error *error) {
     bench_settings *settings = target;
@@ -66,7 +67,7 @@ static const iso_option options[] = {
      .offset = offsetof(bench_settings, vtk_child)},
 };
 
-static const char *const usage[] = {"[extract] [render] [sculpt] [OPTION]...", NULL};
+static const char *const usage[] = {"[extract] [render] [sculpt] [OPTION]...", "quality [OPTION]...", NULL};
 static const char *const groups[] = {"Options", NULL};
 static const char *const notes[] = {
     "Every row is run in turn with those it is compared with, in one process; a ratio is that of",
@@ -137,6 +138,7 @@ static iso_status parse(int argc, char **argv, bench_settings *settings, choices
 }
 
 int main(int argc, char **argv) {
+    if (argc > 1 && strcmp(argv[1], "quality") == 0) return bench_quality(argc - 1, argv + 1);
     bench_settings settings = {.repeat = 7};
     choices choice = {0};
     iso_error error = {0};
