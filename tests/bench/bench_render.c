@@ -133,8 +133,10 @@ static void compare_row(const frame_group *group, int subject, int view, int num
         bench_row *row = group->rows[subject][view][number][level][t];
         if (!row) continue;
         bool full_size = !group->bench->settings->small;
-        bench_compare(row, group->vtk[subject][view][t], "ratio_vs_vtk_frame", "ratio_vs_vtk_frame_pairwise",
-                      full_size ? asked_of_vtk(row, method) : 0);
+        bench_against *vtk =
+            bench_compare(row, group->vtk[subject][view][t], "ratio_vs_vtk_frame",
+                          "ratio_vs_vtk_frame_pairwise", full_size ? asked_of_vtk(row, method) : 0);
+        if (vtk && row->threads == 1) vtk->cpu = "ratio_vs_vtk_frame_cpu";
         if (is_method(method, "exact")) compare_exact(group, row, subject, view, t);
         compare_pullpush(group, row, method, subject, t);
         if (single >= 0 && single != t)
