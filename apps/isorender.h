@@ -58,7 +58,7 @@ typedef struct isorender_settings {
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;
     int primitive; /* iso_primitive */
-    const char *points, *mesh;
+    const char *points, *mesh, *aov;
 
     int method;         /* isorender_method */
     int reconstruction; /* iso_reconstruction */
@@ -94,7 +94,7 @@ typedef struct isorender_plan {
     const char *input; /* as typed, or `scene` */
     char *scene;       /* "scene:NAME" made from --scene, or NULL */
     char *model;
-    char *image; /* with {n:3} left in for a turntable */
+    char *image, *aov; /* with {n:3} left in for a turntable */
     char *points, *mesh, *json;
 } isorender_plan;
 
@@ -102,10 +102,14 @@ typedef struct isorender_plan {
 iso_status isorender_plans_make(const isorender_settings *settings, isorender_plan **plans, iso_error *error);
 void isorender_plans_free(isorender_plan *plans, int count);
 
-/* The name of frame `frame` of a turntable, or of the only picture. free(). */
-iso_status isorender_plan_frame(const isorender_plan *plan, int frame, char **path, iso_error *error);
+/* Whether there is something to render. */
+bool isorender_plan_draws(const isorender_plan *plan);
 
-/* Fails with ISO_ERR_WRITE when an output cannot be made; leaves nothing behind. */
+/* `name` (a plan's image or aov) of frame `frame` of a turntable, or of the only picture. free(). */
+iso_status isorender_plan_frame(const char *name, int frame, char **path, iso_error *error);
+
+/* Fails with ISO_ERR_WRITE when an output cannot be made, with ISO_ERR_UNSUPPORTED when this build cannot
+ * make its kind; leaves nothing behind. */
 iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *error);
 
 /* ---- the work on one input ---- */
@@ -153,7 +157,7 @@ typedef struct isorender_job {
     int frame_count;
     /* Outputs that stand: removed again when a later step fails. */
     bool points_written, mesh_written;
-    int frames_written;
+    int frames_written, aovs_written;
     isorender_seconds seconds;
     const char *stage; /* progress: what is going on, and what was last told */
     int told;

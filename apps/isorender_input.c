@@ -93,7 +93,7 @@ static uint64_t memory_limit(const isorender_settings *settings) {
 }
 
 static iso_status check_picture(const isorender_job *job, iso_error *error) {
-    if (!job->plan->image) return ISO_OK;
+    if (!isorender_plan_draws(job->plan)) return ISO_OK;
     uint64_t needs = isorender_picture_bytes(job->settings), limit = memory_limit(job->settings);
     if (needs <= limit) return ISO_OK;
     return iso_fail(error, ISO_ERR_LIMIT, "a picture of %dx%d needs %.0f MB, limit is %.0f MB (--max-memory)",

@@ -294,6 +294,11 @@ static const iso_option options[] = {
      .group = OUTPUT, TEXT(points), QUIETLY},
     {"mesh", NULL, "FILE", "write the Marching Cubes mesh: .ply, .stl or .obj, in mm", .group = OUTPUT,
      TEXT(mesh), QUIETLY},
+    {"aov", NULL, "FILE.exr",
+     "write depth Z (mm along the view), normal N.X N.Y N.Z (world, out of the solid) and coverage A of "
+     "every pixel "
+     "as OpenEXR floats: means over its covered samples",
+     .group = OUTPUT, TEXT(aov), QUIETLY},
     {"no-image", "no-render", NULL, "make no picture", .group = OUTPUT, FLAG(no_image), QUIETLY},
     {"info", NULL, NULL, "no picture: header, matrix, value range, histogram, suggested isovalues, memory",
      .group = OUTPUT, FLAG(info), QUIETLY},
@@ -400,6 +405,16 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     return ISO_OK;
 }
 
+static iso_status check_aov(const isorender_settings *settings, iso_error *error) {
+    if (!settings->aov) return ISO_OK;
+    if (!ends_with(settings->aov, ".exr"))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: --aov writes OpenEXR files: a name must end in .exr",
+                        settings->aov);
+    if (settings->info)
+        return iso_fail(error, ISO_ERR_USAGE, "--info renders nothing that --aov could write");
+    return ISO_OK;
+}
+
 static iso_status check_outputs(const isorender_settings *settings, iso_error *error) {
     bool image = !settings->no_image && !settings->info;
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
@@ -414,7 +429,9 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
     if (settings->mesh && !ends_with(settings->mesh, ".ply") && !ends_with(settings->mesh, ".stl") &&
         !ends_with(settings->mesh, ".obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", settings->mesh);
-    if (settings->no_image && !settings->points && !settings->mesh && !settings->json && !settings->info)
+    ISO_TRY(check_aov(settings, error));
+    if (settings->no_image && !settings->points && !settings->mesh && !settings->aov && !settings->json &&
+        !settings->info)
         return iso_fail(error, ISO_ERR_USAGE, "--no-image leaves nothing to do");
     if (settings->input_count > 1 && settings->json && !settings->json_path)
         return iso_fail(error, ISO_ERR_USAGE,

@@ -124,26 +124,34 @@ static void put_camera(iso_json *json, const iso_camera *camera) {
     iso_json_end_object(json);
 }
 
+static iso_status put_name(iso_json *json, const char *key, const char *name, int frame, iso_error *error) {
+    if (!name) return ISO_OK;
+    char *path = NULL;
+    ISO_TRY(isorender_plan_frame(name, frame, &path, error));
+    iso_json_string(json, key, path);
+    free(path);
+    return ISO_OK;
+}
+
 static iso_status put_frame(iso_json *json, const char *key, const isorender_job *job, int frame,
                             iso_error *error) {
     const isorender_settings *settings = job->settings;
-    char *path = NULL, hash[20];
-    ISO_TRY(isorender_plan_frame(job->plan, frame, &path, error));
+    char hash[20];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)job->frames[frame].hash);
     iso_json_begin_object(json, key);
-    iso_json_string(json, "path", path);
+    ISO_TRY(put_name(json, "path", job->plan->image, frame, error));
+    ISO_TRY(put_name(json, "aov_path", job->plan->aov, frame, error));
     iso_json_integer(json, "width", (uint64_t)settings->width);
     iso_json_integer(json, "height", (uint64_t)settings->height);
     iso_json_integer(json, "samples", (uint64_t)settings->samples);
     iso_json_integer(json, "covered", job->frames[frame].covered);
     iso_json_string(json, "hash", hash);
     iso_json_end_object(json);
-    free(path);
     return ISO_OK;
 }
 
 static iso_status put_images(iso_json *json, const isorender_job *job, iso_error *error) {
-    if (!job->plan->image) return ISO_OK;
+    if (!isorender_plan_draws(job->plan)) return ISO_OK;
     put_camera(json, &job->camera);
     ISO_TRY(put_frame(json, "image", job, 0, error));
     if (!job->settings->turntable) return ISO_OK;

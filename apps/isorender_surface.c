@@ -58,12 +58,12 @@ static void choose_colors(isorender_job *job) {
 /* ---- extraction ---- */
 
 static bool wants_mesh(const isorender_job *job) {
-    bool export_only = !job->plan->image && job->settings->points;
+    bool export_only = !isorender_plan_draws(job->plan) && job->settings->points;
     return job->settings->mesh || (job->settings->method == ISORENDER_MESH && !export_only);
 }
 
 static bool wants_points(const isorender_job *job) {
-    bool export_only = !job->plan->image && job->settings->mesh;
+    bool export_only = !isorender_plan_draws(job->plan) && job->settings->mesh;
     return job->settings->points || (job->settings->method != ISORENDER_MESH && !export_only);
 }
 
@@ -109,7 +109,7 @@ static iso_status extract_mesh(isorender_job *job, isorender_surface *surface, i
 static iso_status extract_surface(isorender_job *job, isorender_surface *surface, iso_error *error) {
     if (wants_points(job)) ISO_TRY(extract_points(job, surface, error));
     if (wants_mesh(job)) ISO_TRY(extract_mesh(job, surface, error));
-    if (job->plan->image && job->settings->method == ISORENDER_RAYCAST)
+    if (isorender_plan_draws(job->plan) && job->settings->method == ISORENDER_RAYCAST)
         return iso_raycaster_create(&job->volume.grid, surface->isovalue, job->pool, &surface->caster, error);
     return ISO_OK;
 }

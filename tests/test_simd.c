@@ -21,9 +21,10 @@ typedef struct simd_inputs {
 
 typedef struct simd_results {
     float set[SIMD_ITEMS], floats[SIMD_ITEMS], to_float[SIMD_ITEMS], min[SIMD_ITEMS], max[SIMD_ITEMS],
-        abs[SIMD_ITEMS], sqrt[SIMD_ITEMS], select[SIMD_ITEMS];
+        abs[SIMD_ITEMS], gather[SIMD_ITEMS], sqrt[SIMD_ITEMS], select[SIMD_ITEMS];
     int32_t u8[SIMD_ITEMS], u16[SIMD_ITEMS], i16[SIMD_ITEMS], lanes[SIMD_ITEMS], bits[SIMD_ITEMS],
         trunc[SIMD_ITEMS], floor[SIMD_ITEMS], selecti[SIMD_ITEMS];
+    int slides[SIMD_ITEMS]; /* how many of four slides were right */
     uint8_t truth[SIMD_TRUTHS][SIMD_ITEMS];
     float packed[SIMD_ITEMS + ISO_LANES_MAX];
     int32_t packedi[SIMD_ITEMS + ISO_LANES_MAX];
@@ -31,6 +32,10 @@ typedef struct simd_results {
     float even[SIMD_ITEMS], odd[SIMD_ITEMS], zipped[2 * SIMD_ITEMS];
     uint8_t stored_u8[SIMD_ITEMS];
 } simd_results;
+
+static int same_bits(float a, float b) {
+    return memcmp(&a, &b, sizeof a) == 0;
+}
 
 #define ISO_LEVEL generic
 #include "test_simd_body.inc"
@@ -85,11 +90,13 @@ static void operate_plain(const simd_inputs *in, simd_results *out) {
         out->to_float[i] = (float)k;
         out->trunc[i] = (int32_t)in->small[i];
         out->floor[i] = (int32_t)floorf(in->small[i]);
+        out->gather[i] = in->a[in->u8[i]];
         out->min[i] = a < b ? a : b;
         out->max[i] = a > b ? a : b;
         out->abs[i] = fabsf(a);
         out->sqrt[i] = sqrtf(fabsf(a));
         out->select[i] = a < b ? a : b;
+        out->slides[i] = 4;
         out->selecti[i] = k < l ? k : l;
         const int truths[SIMD_TRUTHS] = {
             a < b, a <= b, a == b, k < l, k == l, a < b && k < l, a < b || k < l, a < b && !(k < l), a <= b};

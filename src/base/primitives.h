@@ -38,6 +38,13 @@ iso_point iso_point_pack(const iso_surfel *surfel);
 iso_point iso_point_pack_scaled(const iso_surfel *surfel);
 iso_surfel iso_point_unpack(iso_point point);
 
+/* The steps of a packed point, for kernels that unpack many. A coordinate is ISO_POINT_LOW + ISO_POINT_STEP *
+ * bits; a normal's two numbers -1 .. 1 are bits * (2 / ISO_POINT_NORMAL_STEPS) - 1, unfolded as
+ * iso_point_unpack does. */
+#define ISO_POINT_LOW (-2.0f)
+#define ISO_POINT_STEP (20.0f / 16384)
+enum { ISO_POINT_COORDINATE_BITS = 14, ISO_POINT_NORMAL_BITS = 11, ISO_POINT_NORMAL_STEPS = 2047 };
+
 /* The primitives of one brick. */
 typedef struct iso_point_span {
     int32_t brick[3];

@@ -30,8 +30,27 @@ void iso_gbuffer_free(iso_gbuffer *gbuffer) {
     *gbuffer = (iso_gbuffer){0};
 }
 
+static void clear_samples(iso_gbuffer *gbuffer, size_t first, size_t count) {
+    float *depth = gbuffer->depth + first;
+    for (size_t i = 0; i < count; i++) depth[i] = INFINITY;
+    memset(gbuffer->surface + first, ISO_SURFACE_NONE, count);
+}
+
 void iso_gbuffer_clear(iso_gbuffer *gbuffer) {
+    clear_samples(gbuffer, 0, (size_t)gbuffer->width * (size_t)gbuffer->height);
+}
+
+/* Bands of samples, not of rows. */
+static const size_t BAND = (size_t)1 << 19;
+
+static void clear_band(void *context, size_t band, int worker) {
+    (void)worker;
+    iso_gbuffer *gbuffer = context;
+    size_t samples = (size_t)gbuffer->width * (size_t)gbuffer->height, left = samples - band * BAND;
+    clear_samples(gbuffer, band * BAND, left < BAND ? left : BAND);
+}
+
+void iso_gbuffer_clear_bands(iso_gbuffer *gbuffer, iso_pool *pool) {
     size_t samples = (size_t)gbuffer->width * (size_t)gbuffer->height;
-    for (size_t i = 0; i < samples; i++) gbuffer->depth[i] = INFINITY;
-    memset(gbuffer->surface, ISO_SURFACE_NONE, samples);
+    iso_parallel_for(pool, (samples + BAND - 1) / BAND, clear_band, gbuffer);
 }

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "base/geometry.h"
+#include "base/parallel.h"
 #include "base/status.h"
 
 #ifdef __cplusplus
@@ -34,6 +35,9 @@ iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_e
 void iso_gbuffer_free(iso_gbuffer *gbuffer);
 /* Depth INFINITY, surface ISO_SURFACE_NONE everywhere. */
 void iso_gbuffer_clear(iso_gbuffer *gbuffer);
+/* The same by all threads: the first touch of fresh memory takes longer than anything that is written to it.
+ */
+void iso_gbuffer_clear_bands(iso_gbuffer *gbuffer, iso_pool *pool);
 
 #ifdef __cplusplus
 }

@@ -3,6 +3,7 @@
 #define ISO_RENDER_PICTURE_H
 
 #include "base/parallel.h"
+#include "image/aov.h"
 #include "image/camera.h"
 #include "image/image.h"
 #include "render/gbuffer.h"
@@ -23,6 +24,7 @@ typedef struct iso_picture_opts {
     iso_draw_fn *draw;
     void *draw_context;
     iso_pool *pool;
+    iso_aov *aov; /* NULL, or of the picture's size: its planes are filled as well */
 } iso_picture_opts;
 
 /* Renders in strips of rows so that the gbuffer stays below 256 MiB. `image` must have the size asked for.

@@ -58,17 +58,6 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_FLAG,
      .flags = ISO_OPTION_HIDDEN,
      .offset = offsetof(bench_settings, small)},
-    {.name = "memory-child",
-     .help = "Extract once and print what it took: for extract/memory",
-     .kind = ISO_OPTION_FLAG,
-     .flags = ISO_OPTION_HIDDEN,
-     .offset = offsetof(bench_settings, memory_child)},
-    {.name = "file-child",
-     .value = "FILE",
-     .help = "Read FILE, extract once and print the number of points: for extract/vti_to_points",
-     .kind = ISO_OPTION_TEXT,
-     .flags = ISO_OPTION_HIDDEN,
-     .offset = offsetof(bench_settings, file_child)},
     {.name = "vtk-child",
      .value = "FILE",
      .help = "Read FILE with VTK and print the time: for extract/vtkXMLImageDataReader",
@@ -150,8 +139,6 @@ int main(int argc, char **argv) {
         iso_options_help(&program, ISO_HELP_SCREEN, stdout);
         return 0;
     }
-    if (status == ISO_OK && settings.memory_child) return bench_memory_child(&settings);
-    if (status == ISO_OK && settings.file_child) return bench_file_child(&settings);
     if (status == ISO_OK && settings.vtk_child) return bench_vtk_child(&settings);
     if (status == ISO_OK) status = run(&settings, &choice, &error);
     if (status != ISO_OK) fprintf(stderr, "bench: %s\n", error.text);
