@@ -168,7 +168,7 @@ static void make_dabs(const iso_editor *editor, const iso_brush *brush, const is
 
 /* Distance from the box of a cell's voxels to the dab (its centre, or the way it came). */
 static double cell_distance(const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
-    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SHAPE_CAPSULE;
+    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SOLID_CAPSULE;
     double centre[3], half = 0.5 * (ISO_BRICK - 1), t = 0, along = 0, square = 0;
     for (int axis = 0; axis < 3; axis++) {
         double d = segment ? dab->from[axis] - dab->centre[axis] : 0;
@@ -207,7 +207,7 @@ static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso
     bool clipped = false;
     double reach = iso_dabs_reach(dabs),
            solid = reach - (iso_tool_is_set_operation(dabs->tool) ? (double)dabs->band : 0);
-    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SHAPE_CAPSULE;
+    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SOLID_CAPSULE;
     for (int axis = 0; axis < 3; axis++) {
         double a = dab->centre[axis], b = segment ? dab->from[axis] : a;
         double first = fmin(a, b), last = fmax(a, b), top = editor->work.grid->dims[axis] - 1;
@@ -415,7 +415,7 @@ static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, 
     }
     if (brush->tool == ISO_TOOL_MOVE && !editor->opts.kept)
         return iso_fail(error, ISO_ERR_USAGE, "move needs a step that keeps what it changes");
-    if (brush->shape == ISO_SHAPE_STAMP && iso_tool_is_set_operation(brush->tool) && !editor->opts.stamp)
+    if (brush->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(brush->tool) && !editor->opts.stamp)
         return iso_fail(error, ISO_ERR_USAGE, "a stamp needs a shape of its own");
     return ISO_OK;
 }
