@@ -19,6 +19,8 @@
 /* Pixels of a cell's box from which on it does not pay to fill its last vector from other cells. */
 #define ISO_EXACT_ALONE 24
 
+enum { RECORD_FLOATS = sizeof(iso_exact_record) / sizeof(float) };
+
 void iso_exact_place_near(const iso_exact_frame *frame, iso_exact_scratch *scratch) {
     const double half[3] = {0.5, 0.5, 0.5};
     for (int i = 0; i < scratch->block->cells; i++) {
@@ -30,6 +32,8 @@ void iso_exact_place_near(const iso_exact_frame *frame, iso_exact_scratch *scrat
             centre[axis] = (double)ISO_BRICK * scratch->span->brick[axis] + scratch->block->origin[axis] +
                            local[axis] + 0.5;
             record->eye[axis] = (float)(2 * (frame->eye[axis] - centre[axis]));
+            record->half[axis] = 1 + ISO_EXACT_WIDER_NEAR;
+            record->shift[axis] = 0;
         }
         record->place[0] = record->place[1] = record->scale = 0;
         record->depth = (float)-frame->middle;
