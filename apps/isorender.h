@@ -17,6 +17,7 @@
 #include "io/points_io.h"
 #include "render/pullpush.h"
 #include "render/shading.h"
+#include "truth/exact.h"
 #include "truth/raycast.h"
 
 #ifdef __cplusplus
@@ -28,11 +29,15 @@ extern "C" {
 enum { ISORENDER_SURFACES = 64, ISORENDER_RECORD = 4096 };
 
 typedef enum isorender_method {
+    ISORENDER_UNCHOSEN = -1, /* exact for volumes, points for files of points */
+    ISORENDER_EXACT,
     ISORENDER_POINTS,
     ISORENDER_PULLPUSH,
     ISORENDER_MESH,
     ISORENDER_RAYCAST
 } isorender_method;
+const char *isorender_method_name(isorender_method method);
+
 typedef enum isorender_help {
     ISORENDER_RUN,
     ISORENDER_HELP,
@@ -119,6 +124,7 @@ typedef struct isorender_surface {
     iso_rgb color;
     iso_point_set *points; /* or NULL */
     iso_mesh_set *mesh;    /* or NULL */
+    iso_exact *exact;      /* or NULL */
     iso_raycaster *caster; /* or NULL */
 } isorender_surface;
 
@@ -139,6 +145,7 @@ typedef struct isorender_job {
     const char *path; /* what to read */
 
     bool from_points; /* `points` was read, there is no volume */
+    isorender_method method;
     iso_volume volume;
     iso_points points;
     double scene_isovalue; /* NaN when the input is not a scene */
@@ -148,7 +155,7 @@ typedef struct isorender_job {
 
     isorender_surface surfaces[ISORENDER_SURFACES];
     int surface_count;
-    uint64_t point_count, rejected, vertex_count, triangle_count;
+    uint64_t point_count, rejected, vertex_count, triangle_count, cell_count;
     iso_box bounds_local, bounds_world; /* mm */
 
     iso_pullpush *pullpush; /* or NULL */

@@ -19,7 +19,7 @@ static const char *const groups[] = {"Input",         "Surface", "Picture", "Cam
 static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --output TEMPLATE IN ...",
                                     "[options] --scene NAME[:SIZE] [OUT.png]", NULL};
 
-static const char *const methods[] = {"points", "pullpush", "mesh", "raycast", NULL};
+static const char *const methods[] = {"exact", "points", "pullpush", "mesh", "raycast", NULL};
 static const char *const reconstructions[] = {"auto", "box", "gaussian", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated", NULL};
@@ -249,9 +249,9 @@ static const iso_option options[] = {
      .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"method", NULL, "NAME",
-     "points (attenuated discs), pullpush (points, filled in image space), mesh (Marching Cubes) or raycast "
-     "(exact, slow)",
-     .group = PICTURE, .standard = "points", CHOICE(method, methods)},
+     "exact (the trilinear surface itself), points (attenuated discs), pullpush (points, filled in image "
+     "space), mesh (Marching Cubes) or raycast (as exact, by other means, slow); files of points: points",
+     .group = PICTURE, .standard = "exact", CHOICE(method, methods)},
     {"reconstruction", NULL, "NAME",
      "how pullpush fills in: box, gaussian (weights inside ellipses; Marroquim 2008); auto is the best",
      .group = PICTURE, .standard = "auto", CHOICE(reconstruction, reconstructions)},
@@ -375,6 +375,10 @@ const iso_program *isorender_program(void) {
     return &program;
 }
 
+const char *isorender_method_name(isorender_method method) {
+    return methods[method];
+}
+
 /* ---- what must agree ---- */
 
 static bool ends_with(const char *text, const char *suffix) {
@@ -463,7 +467,8 @@ static iso_status check_backend(const isorender_settings *settings, iso_error *e
 
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error) {
-    *settings = (isorender_settings){.backend = "auto",
+    *settings = (isorender_settings){.method = ISORENDER_UNCHOSEN,
+                                     .backend = "auto",
                                      .width = 1024,
                                      .height = 1024,
                                      .samples = 1,

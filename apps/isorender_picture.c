@@ -69,12 +69,14 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
-        if (job->settings->method == ISORENDER_MESH) {
+        if (job->method == ISORENDER_EXACT) {
+            ISO_TRY(iso_draw_exact(&target, surface->exact, error));
+        } else if (job->method == ISORENDER_MESH) {
             iso_mesh_view mesh = iso_mesh_set_view(surface->mesh);
             ISO_TRY(iso_draw_mesh(&target, &mesh, error));
-        } else if (job->settings->method == ISORENDER_RAYCAST) {
+        } else if (job->method == ISORENDER_RAYCAST) {
             ISO_TRY(iso_draw_raycast(&target, surface->caster, error));
-        } else if (job->settings->method == ISORENDER_PULLPUSH) {
+        } else if (job->method == ISORENDER_PULLPUSH) {
             iso_point_view points = isorender_points_view(job, i);
             iso_pullpush_opts opts = {(iso_reconstruction)job->settings->reconstruction, job->pullpush};
             ISO_TRY(iso_draw_pullpush(&target, &points, &opts, error));
@@ -241,7 +243,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     job->frame_count = settings->turntable ? settings->turntable : 1;
     job->frames = calloc((size_t)job->frame_count, sizeof *job->frames);
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    if (settings->method == ISORENDER_PULLPUSH) ISO_TRY(iso_pullpush_create(&job->pullpush, error));
+    if (job->method == ISORENDER_PULLPUSH) ISO_TRY(iso_pullpush_create(&job->pullpush, error));
     canvas c = {0};
     iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
     if (status == ISO_OK && job->plan->aov)
