@@ -74,7 +74,8 @@ static const char *const notes[] = {
     "Beside a ratio stands what the project asks for; the exit status is 0 whatever the speed.",
     "VTK's frames are drawn by Mesa's software renderer in a process of their own, on an X display",
     "that the bench starts (Xvfb), bound to as many processors as a row has threads.",
-    "ISO_CPU=generic|avx2|avx512 bounds the instruction sets.", NULL};
+    "ISO_CPU=generic|avx2|avx512 bounds the instruction sets.",
+    NULL};
 static const iso_section sections[] = {{"Notes", notes}};
 
 static const iso_program program = {.name = "bench",
