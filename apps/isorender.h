@@ -88,6 +88,17 @@ typedef struct isorender_settings {
 
 const iso_program *isorender_program(void);
 
+/* Values of options that other programs have as well (input_options.inc, running_options.inc). `settings`
+ * begins with an isorender_settings. */
+iso_status isorender_apply_raw(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_spacing(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_crop(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_json(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_help(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_version(void *settings, const char *value, iso_error *error);
+/* Appends an option to settings->record. */
+void isorender_record(void *settings, const iso_option *option, const char *value);
+
 /* Fills settings from the command line and checks that it makes sense. `operands` has room for argc. */
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error);

@@ -232,6 +232,12 @@ uint32_t iso_brick_index_groups(const iso_brick_index *index, uint32_t brick, fl
     return crossed;
 }
 
+void iso_brick_index_fetch(const iso_brick_index *index, uint32_t brick) {
+    __builtin_prefetch(&index->lo[brick]);
+    __builtin_prefetch(&index->hi[brick]);
+    __builtin_prefetch(&index->groups[brick]);
+}
+
 bool iso_brick_index_finite(const iso_brick_index *index, uint32_t brick) {
     return index->flags[brick] & FINITE;
 }

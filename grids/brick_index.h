@@ -50,6 +50,9 @@ bool iso_brick_index_crosses(const iso_brick_index *index, uint32_t brick, float
  * the crossed ones, else up to 1/255 of the brick's range beyond. */
 uint32_t iso_brick_index_groups(const iso_brick_index *index, uint32_t brick, float isovalue);
 
+/* Fetches into the cache what is known of a brick. */
+void iso_brick_index_fetch(const iso_brick_index *index, uint32_t brick);
+
 bool iso_brick_index_finite(const iso_brick_index *index, uint32_t brick);
 
 /* An answer, and room for the next one. Zero-initialise; iso_brick_query_free when done. */

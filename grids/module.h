@@ -8,8 +8,9 @@
  * iso_cpu_limit sets, is not read by readers.
  *
  * Modules are looked for in ISO_MODULE_PATH (a folder, and then only there), else in isopoint/ beside the
- * shared library or where the installation has it as seen from the program, else where it was installed.
- * Nothing is kept here: the dynamic linker knows what it has loaded, and no module is ever unloaded. */
+ * shared library or where the installation has it as seen from a program in bin/, else where it was
+ * installed. Nothing is kept here: the dynamic linker knows what it has loaded, and no module is ever
+ * unloaded. */
 #ifndef ISO_GRIDS_MODULE_H
 #define ISO_GRIDS_MODULE_H
 

@@ -4,6 +4,7 @@
 #ifndef ISO_IMAGE_IMAGE_H
 #define ISO_IMAGE_IMAGE_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/parallel.h"
@@ -45,6 +46,11 @@ typedef struct iso_png_opts {
 } iso_png_opts;
 iso_status iso_png_write_with(const char *path, const iso_image *image, const iso_png_opts *opts,
                               iso_error *error);
+
+/* The same bytes in memory: *bytes (the caller's, to free()) and *size.
+ * ISO_ERR_NOMEM. */
+iso_status iso_png_encode(const iso_image *image, iso_pool *pool, uint8_t **bytes, size_t *size,
+                          iso_error *error);
 
 /* Reads any PNG as 8-bit RGBA; gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT (also for
  * sides beyond ISO_IMAGE_MAX), ISO_ERR_NOMEM. */

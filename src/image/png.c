@@ -1,5 +1,6 @@
 /* PNG by libpng. Its errors arrive by longjmp: every function that calls setjmp keeps what must survive the
  * jump in a struct that its caller owns and cleans up. */
+#define _GNU_SOURCE
 #include "image/image.h"
 
 #include <errno.h>
@@ -7,6 +8,7 @@
 #include <setjmp.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -129,6 +131,12 @@ static iso_status write_to_sink(writer *w, const char *path, iso_error *error) {
     return status;
 }
 
+static void free_writer(writer *w) {
+    png_destroy_write_struct(&w->png, &w->info);
+    iso_png_packer_free(&w->packer);
+    iso_free(w->texts);
+}
+
 iso_status iso_png_write_with(const char *path, const iso_image *image, const iso_png_opts *opts,
                               iso_error *error) {
     writer w = {0};
@@ -137,10 +145,26 @@ iso_status iso_png_write_with(const char *path, const iso_image *image, const is
         iso_fail(error, status, "%s: out of memory", path);
     else
         status = write_to_sink(&w, path, error);
-    png_destroy_write_struct(&w.png, &w.info);
-    iso_png_packer_free(&w.packer);
-    iso_free(w.texts);
+    free_writer(&w);
     return status;
+}
+
+iso_status iso_png_encode(const iso_image *image, iso_pool *pool, uint8_t **bytes, size_t *size,
+                          iso_error *error) {
+    writer w = {0};
+    char *block = NULL;
+    size_t length = 0;
+    bool good = prepare_writer(&w, image, &(iso_png_opts){.pool = pool}) == ISO_OK;
+    good = good && (w.stream = open_memstream(&block, &length)) != NULL && write_picture(&w);
+    if (w.stream) good = fclose(w.stream) == 0 && good;
+    free_writer(&w);
+    if (!good) {
+        free(block);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a %dx%d PNG", image->width, image->height);
+    }
+    *bytes = (uint8_t *)block;
+    *size = length;
+    return ISO_OK;
 }
 
 iso_status iso_png_write(const char *path, const iso_image *image, const iso_png_text *texts, int text_count,

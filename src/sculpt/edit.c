@@ -47,7 +47,7 @@ iso_status iso_editor_create(iso_hgrid *grid, const iso_editor_opts *opts, iso_e
     }
     editor->affine = iso_transform_affine(&grid->transform);
     editor->spacing = grid->transform.spacing[0];
-    editor->iterations = opts->iterations ? opts->iterations : 4;
+    editor->iterations = opts->iterations > 0 ? opts->iterations : opts->iterations < 0 ? 0 : 4;
     editor->told = iso_alloc_zero(cell_count(grid), sizeof *editor->told);
     if (!editor->told) {
         iso_editor_destroy(editor);
@@ -392,12 +392,13 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
     if (iso_work_failed(work))
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a touch of the brush");
     bool any;
-    ISO_TRY(iso_work_settle(work, &any, error));
+    ISO_TRY(iso_work_settle(work, editor->iterations > 0, &any, error));
     if (!any) return ISO_OK;
     for (size_t i = 0; i < work->job_count; i++) stats->edited += iso_work_job(work, i)->edited;
     stats->redistanced += work->job_count;
     bool blends = dabs->tool == ISO_TOOL_BLEND_ADD || dabs->tool == ISO_TOOL_BLEND_CARVE;
-    iso_work_redistance(work, editor->iterations, blends || !iso_tool_is_set_operation(dabs->tool));
+    if (editor->iterations > 0)
+        iso_work_redistance(work, editor->iterations, blends || !iso_tool_is_set_operation(dabs->tool));
     return finish(editor, stats, error);
 }
 

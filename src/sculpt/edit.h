@@ -29,7 +29,7 @@ typedef struct iso_editor iso_editor;
 
 typedef struct iso_editor_opts {
     iso_pool *pool; /* borrowed; NULL: the calling thread. Results do not depend on it */
-    int iterations; /* of redistancing a touch; 0 means 4 (2 are enough while a hand drags spheres) */
+    int iterations; /* of redistancing a touch; 0 means 4, < 0 none (for measuring: the field goes bad) */
 } iso_editor_opts;
 
 /* The grid is borrowed until destroy. */

@@ -148,6 +148,8 @@ iso_status bench_write_json(bench_state *bench, iso_error *error);
 /* bench_extract.c, bench_render.c: all their groups. */
 iso_status bench_extract(bench_state *bench, iso_error *error);
 iso_status bench_render(bench_state *bench, iso_error *error);
+/* bench_sculpt.c */
+iso_status bench_sculpt(bench_state *bench, iso_error *error);
 
 /* Parts of bench_extract in files of their own: bench_edit.c and bench_process.c. */
 iso_status bench_edit_group(bench_state *bench, iso_error *error);
