@@ -169,7 +169,7 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
         return whole + (vi_##level)(value < __builtin_convertvector(whole, vf_##level));                     \
     }
 
-/* One of the four slides of a level; `lanes` are the numbers of the lanes taken. */
+/* One of the slides and shuffles of a level; `lanes` are the numbers of the lanes taken. */
 #define ISO_SIMD_SLIDE(name, level, target, ...)                                                             \
     target static inline vf_##level name##_##level(vf_##level before, vf_##level after) {                    \
         return __builtin_shufflevector(before, after, __VA_ARGS__);                                          \
@@ -186,6 +186,10 @@ ISO_SIMD_SLIDE(v_next1, generic, , 1, 2, 3, 4)
 ISO_SIMD_SLIDE(v_next2, generic, , 2, 3, 4, 5)
 ISO_SIMD_SLIDE(v_last1, generic, , 3, 4, 5, 6)
 ISO_SIMD_SLIDE(v_last2, generic, , 2, 3, 4, 5)
+ISO_SIMD_SLIDE(v_even, generic, , 0, 2, 4, 6)
+ISO_SIMD_SLIDE(v_odd, generic, , 1, 3, 5, 7)
+ISO_SIMD_SLIDE(v_zip_low, generic, , 0, 4, 1, 5)
+ISO_SIMD_SLIDE(v_zip_high, generic, , 2, 6, 3, 7)
 
 static inline vi_generic v_lanes_generic(void) {
     return (vi_generic){0, 1, 2, 3};
@@ -235,18 +239,6 @@ static inline void v_compress_generic(float *to, vm_generic mask, vf_generic val
         to[count] = value[lane];
         count += mask[lane] & 1;
     }
-}
-static inline vf_generic v_even_generic(vf_generic a, vf_generic b) {
-    return (vf_generic){a[0], a[2], b[0], b[2]};
-}
-static inline vf_generic v_odd_generic(vf_generic a, vf_generic b) {
-    return (vf_generic){a[1], a[3], b[1], b[3]};
-}
-static inline vf_generic v_zip_low_generic(vf_generic a, vf_generic b) {
-    return (vf_generic){a[0], b[0], a[1], b[1]};
-}
-static inline vf_generic v_zip_high_generic(vf_generic a, vf_generic b) {
-    return (vf_generic){a[2], b[2], a[3], b[3]};
 }
 static inline void v_store_u8_generic(uint8_t *to, vi_generic value) {
     for (int lane = 0; lane < ISO_LANES_generic; lane++) to[lane] = (uint8_t)value[lane];

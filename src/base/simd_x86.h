@@ -16,6 +16,10 @@ ISO_SIMD_SLIDE(v_next1, avx2, ISO_TARGET_AVX2, 1, 2, 3, 4, 5, 6, 7, 8)
 ISO_SIMD_SLIDE(v_next2, avx2, ISO_TARGET_AVX2, 2, 3, 4, 5, 6, 7, 8, 9)
 ISO_SIMD_SLIDE(v_last1, avx2, ISO_TARGET_AVX2, 7, 8, 9, 10, 11, 12, 13, 14)
 ISO_SIMD_SLIDE(v_last2, avx2, ISO_TARGET_AVX2, 6, 7, 8, 9, 10, 11, 12, 13)
+ISO_SIMD_SLIDE(v_even, avx2, ISO_TARGET_AVX2, 0, 2, 4, 6, 8, 10, 12, 14)
+ISO_SIMD_SLIDE(v_odd, avx2, ISO_TARGET_AVX2, 1, 3, 5, 7, 9, 11, 13, 15)
+ISO_SIMD_SLIDE(v_zip_low, avx2, ISO_TARGET_AVX2, 0, 8, 1, 9, 2, 10, 3, 11)
+ISO_SIMD_SLIDE(v_zip_high, avx2, ISO_TARGET_AVX2, 4, 12, 5, 13, 6, 14, 7, 15)
 
 ISO_TARGET_AVX2 static inline vi_avx2 v_lanes_avx2(void) {
     return (vi_avx2){0, 1, 2, 3, 4, 5, 6, 7};
@@ -89,24 +93,6 @@ ISO_TARGET_AVX2 static inline void v_store4_avx2(float *base, int step, const vf
         _mm_storeu_ps(base + (j + 4) * step, _mm256_extractf128_ps(row, 1));
     }
 }
-/* 64-bit pairs of the halves of a and b in the order that shuffles within halves leave them in. */
-ISO_TARGET_AVX2 static inline vf_avx2 iso_unmixed_avx2(__m256 mixed) {
-    return (vf_avx2)_mm256_permute4x64_pd(_mm256_castps_pd(mixed), 0xd8);
-}
-ISO_TARGET_AVX2 static inline vf_avx2 v_even_avx2(vf_avx2 a, vf_avx2 b) {
-    return iso_unmixed_avx2(_mm256_shuffle_ps((__m256)a, (__m256)b, 0x88));
-}
-ISO_TARGET_AVX2 static inline vf_avx2 v_odd_avx2(vf_avx2 a, vf_avx2 b) {
-    return iso_unmixed_avx2(_mm256_shuffle_ps((__m256)a, (__m256)b, 0xdd));
-}
-ISO_TARGET_AVX2 static inline vf_avx2 v_zip_low_avx2(vf_avx2 a, vf_avx2 b) {
-    __m256 low = _mm256_unpacklo_ps((__m256)a, (__m256)b), high = _mm256_unpackhi_ps((__m256)a, (__m256)b);
-    return (vf_avx2)_mm256_permute2f128_ps(low, high, 0x20);
-}
-ISO_TARGET_AVX2 static inline vf_avx2 v_zip_high_avx2(vf_avx2 a, vf_avx2 b) {
-    __m256 low = _mm256_unpacklo_ps((__m256)a, (__m256)b), high = _mm256_unpackhi_ps((__m256)a, (__m256)b);
-    return (vf_avx2)_mm256_permute2f128_ps(low, high, 0x31);
-}
 ISO_TARGET_AVX2 static inline void v_store_u8_avx2(uint8_t *to, vi_avx2 value) {
     const __m256i first = _mm256_set1_epi32(0x0c080400);
     __m256i bytes = _mm256_shuffle_epi8((__m256i)value, first); /* each half's four, in its every 32 bits */
@@ -128,6 +114,11 @@ ISO_SIMD_SLIDE(v_last1, avx512, ISO_TARGET_AVX512, 15, 16, 17, 18, 19, 20, 21, 2
                30)
 ISO_SIMD_SLIDE(v_last2, avx512, ISO_TARGET_AVX512, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28,
                29)
+ISO_SIMD_SLIDE(v_even, avx512, ISO_TARGET_AVX512, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30)
+ISO_SIMD_SLIDE(v_odd, avx512, ISO_TARGET_AVX512, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31)
+ISO_SIMD_SLIDE(v_zip_low, avx512, ISO_TARGET_AVX512, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23)
+ISO_SIMD_SLIDE(v_zip_high, avx512, ISO_TARGET_AVX512, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30,
+               15, 31)
 
 ISO_TARGET_AVX512 static inline vi_avx512 v_lanes_avx512(void) {
     return (vi_avx512){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
@@ -232,22 +223,6 @@ ISO_TARGET_AVX512 static inline void v_store4_avx512(float *base, int step, cons
         _mm_storeu_ps(base + (j + 8) * step, _mm512_extractf32x4_ps(row, 2));
         _mm_storeu_ps(base + (j + 12) * step, _mm512_extractf32x4_ps(row, 3));
     }
-}
-ISO_TARGET_AVX512 static inline vf_avx512 v_even_avx512(vf_avx512 a, vf_avx512 b) {
-    const vi_avx512 lanes = v_lanes_avx512() * 2;
-    return (vf_avx512)_mm512_permutex2var_ps((__m512)a, (__m512i)lanes, (__m512)b);
-}
-ISO_TARGET_AVX512 static inline vf_avx512 v_odd_avx512(vf_avx512 a, vf_avx512 b) {
-    const vi_avx512 lanes = v_lanes_avx512() * 2 + 1;
-    return (vf_avx512)_mm512_permutex2var_ps((__m512)a, (__m512i)lanes, (__m512)b);
-}
-ISO_TARGET_AVX512 static inline vf_avx512 v_zip_low_avx512(vf_avx512 a, vf_avx512 b) {
-    const vi_avx512 lanes = {0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23};
-    return (vf_avx512)_mm512_permutex2var_ps((__m512)a, (__m512i)lanes, (__m512)b);
-}
-ISO_TARGET_AVX512 static inline vf_avx512 v_zip_high_avx512(vf_avx512 a, vf_avx512 b) {
-    const vi_avx512 lanes = {8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31};
-    return (vf_avx512)_mm512_permutex2var_ps((__m512)a, (__m512i)lanes, (__m512)b);
 }
 ISO_TARGET_AVX512 static inline void v_store_u8_avx512(uint8_t *to, vi_avx512 value) {
     _mm_storeu_si128((__m128i *)to, _mm512_cvtepi32_epi8((__m512i)value));

@@ -78,15 +78,7 @@ static void set_up_projection(frame *f, bool cull) {
             p->step[3 * row + k] = (float)(p->matrix[3 * row + k] * step);
         }
     }
-    iso_affine affine = iso_transform_affine(&f->points->transform);
-    const double *forward = view->rotation + 6;
-    iso_vec3 eye =
-        view->orthographic
-            ? iso_affine_vector_to_index(&affine, iso_vec3_make(forward[0], forward[1], forward[2]))
-            : iso_affine_point_to_index(&affine, view->eye);
-    p->eye[0] = eye.x;
-    p->eye[1] = eye.y;
-    p->eye[2] = eye.z;
+    iso_projector_eye(&f->projector, &f->points->transform, p->eye);
     /* counted from the whole frame, so that strips round alike */
     p->column = (float)((view->cx - shape->column) * pixel);
     p->row = (float)((view->cy - shape->row + shape->rows_before) * pixel);
@@ -130,13 +122,20 @@ static iso_status prepare(frame *f, iso_reconstruction reconstruction, iso_error
     choose_bands(f);
     set_up_projection(f, cull);
     set_up_job(f, reconstruction, !cull);
-    return iso_point_blocks_deal(f->blocks, view, f->pyramid, f->band_rows, error);
+    return iso_point_blocks_deal(f->blocks, view, f->pyramid, f->band_rows, cull, error);
 }
 
 /* ---- the steps, by rows */
 
 static iso_rows rows_within(int first, int count, int height) {
     return (iso_rows){first, first + count <= height ? first + count - 1 : height - 1};
+}
+
+/* The beginning of the next block into the cache; the rest is fetched as it is read. */
+static void fetch_block(const frame *f, const iso_point_block *block) {
+    if (!f->points->packed) return;
+    const char *start = (const char *)(f->points->packed + block->first);
+    for (int line = 0; line < 8; line++) __builtin_prefetch(start + 64 * line);
 }
 
 static void project_band(const frame *f, size_t band, iso_rows rows) {
@@ -149,8 +148,10 @@ static void project_band(const frame *f, size_t band, iso_rows rows) {
     size_t count = (size_t)(rows.last - rows.first + 1 + (rows.last == height - 1)) * p->key_stride;
     int64_t *keys = p->keys + (size_t)rows.first * p->key_stride;
     for (size_t i = 0; i < count; i++) keys[i] = ISO_KEY_NONE;
-    for (size_t i = start[band]; i < start[band + 1]; i++)
+    for (size_t i = start[band]; i < start[band + 1]; i++) {
+        if (i + 1 < start[band + 1]) fetch_block(f, &block[order[i + 1]]);
         f->kernel->project(&f->projection, &block[order[i]], rows);
+    }
 }
 
 /* A band of the base level, and what it covers of the levels above as far as that is whole rows. */
