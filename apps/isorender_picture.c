@@ -243,13 +243,9 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     job->frame_count = settings->turntable ? settings->turntable : 1;
     job->frames = calloc((size_t)job->frame_count, sizeof *job->frames);
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-<<<<<<< HEAD
-    if (job->method == ISORENDER_PULLPUSH) ISO_TRY(iso_pullpush_create(&job->pullpush, error));
-=======
->>>>>>> pullpush
     canvas c = {0};
     iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
-    if (status == ISO_OK && settings->method == ISORENDER_PULLPUSH)
+    if (status == ISO_OK && job->method == ISORENDER_PULLPUSH)
         status = iso_pullpush_create(&job->pullpush, error);
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);

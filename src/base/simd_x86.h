@@ -65,7 +65,6 @@ ISO_TARGET_AVX2 static inline void v_compress_avx2(float *to, vm_avx2 mask, vf_a
     __m256i lanes = iso_packed_lanes_avx2(v_mask_avx2(mask));
     _mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)value, lanes));
 }
-<<<<<<< HEAD
 /* Rows of four floats lie in 128-bit halves: rows[j] has lanes j and j + 4. */
 ISO_TARGET_AVX2 static inline void v_load4_avx2(const float *base, const int32_t *index, vf_avx2 out[4]) {
     __m256 rows[4], t[4];
@@ -94,26 +93,6 @@ ISO_TARGET_AVX2 static inline void v_store4_avx2(float *base, int step, const vf
         _mm_storeu_ps(base + (j + 4) * step, _mm256_extractf128_ps(row, 1));
     }
 }
-/* 64-bit pairs of the halves of a and b in the order that shuffles within halves leave them in. */
-ISO_TARGET_AVX2 static inline vf_avx2 iso_unmixed_avx2(__m256 mixed) {
-    return (vf_avx2)_mm256_permute4x64_pd(_mm256_castps_pd(mixed), 0xd8);
-}
-ISO_TARGET_AVX2 static inline vf_avx2 v_even_avx2(vf_avx2 a, vf_avx2 b) {
-    return iso_unmixed_avx2(_mm256_shuffle_ps((__m256)a, (__m256)b, 0x88));
-}
-ISO_TARGET_AVX2 static inline vf_avx2 v_odd_avx2(vf_avx2 a, vf_avx2 b) {
-    return iso_unmixed_avx2(_mm256_shuffle_ps((__m256)a, (__m256)b, 0xdd));
-}
-ISO_TARGET_AVX2 static inline vf_avx2 v_zip_low_avx2(vf_avx2 a, vf_avx2 b) {
-    __m256 low = _mm256_unpacklo_ps((__m256)a, (__m256)b), high = _mm256_unpackhi_ps((__m256)a, (__m256)b);
-    return (vf_avx2)_mm256_permute2f128_ps(low, high, 0x20);
-}
-ISO_TARGET_AVX2 static inline vf_avx2 v_zip_high_avx2(vf_avx2 a, vf_avx2 b) {
-    __m256 low = _mm256_unpacklo_ps((__m256)a, (__m256)b), high = _mm256_unpackhi_ps((__m256)a, (__m256)b);
-    return (vf_avx2)_mm256_permute2f128_ps(low, high, 0x31);
-}
-=======
->>>>>>> pullpush
 ISO_TARGET_AVX2 static inline void v_store_u8_avx2(uint8_t *to, vi_avx2 value) {
     const __m256i first = _mm256_set1_epi32(0x0c080400);
     __m256i bytes = _mm256_shuffle_epi8((__m256i)value, first); /* each half's four, in its every 32 bits */
@@ -211,7 +190,6 @@ ISO_TARGET_AVX512 static inline void v_compressi_avx512(int32_t *to, vm_avx512 m
 ISO_TARGET_AVX512 static inline void v_compress_avx512(float *to, vm_avx512 mask, vf_avx512 value) {
     _mm512_storeu_ps(to, _mm512_maskz_compress_ps(mask, (__m512)value));
 }
-<<<<<<< HEAD
 /* Rows of four floats lie in 128-bit quarters: rows[j] has lanes j, j + 4, j + 8 and j + 12. */
 ISO_TARGET_AVX512 static inline void v_load4_avx512(const float *base, const int32_t *index,
                                                     vf_avx512 out[4]) {
@@ -246,24 +224,6 @@ ISO_TARGET_AVX512 static inline void v_store4_avx512(float *base, int step, cons
         _mm_storeu_ps(base + (j + 12) * step, _mm512_extractf32x4_ps(row, 3));
     }
 }
-ISO_TARGET_AVX512 static inline vf_avx512 v_even_avx512(vf_avx512 a, vf_avx512 b) {
-    const vi_avx512 lanes = v_lanes_avx512() * 2;
-    return (vf_avx512)_mm512_permutex2var_ps((__m512)a, (__m512i)lanes, (__m512)b);
-}
-ISO_TARGET_AVX512 static inline vf_avx512 v_odd_avx512(vf_avx512 a, vf_avx512 b) {
-    const vi_avx512 lanes = v_lanes_avx512() * 2 + 1;
-    return (vf_avx512)_mm512_permutex2var_ps((__m512)a, (__m512i)lanes, (__m512)b);
-}
-ISO_TARGET_AVX512 static inline vf_avx512 v_zip_low_avx512(vf_avx512 a, vf_avx512 b) {
-    const vi_avx512 lanes = {0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23};
-    return (vf_avx512)_mm512_permutex2var_ps((__m512)a, (__m512i)lanes, (__m512)b);
-}
-ISO_TARGET_AVX512 static inline vf_avx512 v_zip_high_avx512(vf_avx512 a, vf_avx512 b) {
-    const vi_avx512 lanes = {8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31};
-    return (vf_avx512)_mm512_permutex2var_ps((__m512)a, (__m512i)lanes, (__m512)b);
-}
-=======
->>>>>>> pullpush
 ISO_TARGET_AVX512 static inline void v_store_u8_avx512(uint8_t *to, vi_avx512 value) {
     _mm_storeu_si128((__m128i *)to, _mm512_cvtepi32_epi8((__m512i)value));
 }
