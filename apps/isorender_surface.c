@@ -96,7 +96,7 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
                             .pool = job->pool};
     ISO_TRY(iso_point_set_create(&job->volume.grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));
-    if (job->settings->method == ISORENDER_PULLPUSH) ISO_TRY(iso_point_set_bound(surface->points, error));
+    if (job->method == ISORENDER_PULLPUSH) ISO_TRY(iso_point_set_bound(surface->points, error));
     iso_points_stats stats = iso_point_set_stats(surface->points);
     job->point_count += stats.points;
     job->rejected += stats.rejected;

@@ -118,6 +118,9 @@ static iso_status prepare(frame *f, iso_reconstruction reconstruction, iso_error
     int top = top_level(f->blocks->radius[1]), base = base_level(f->blocks->radius[0], top);
     bool cull = f->points->closed && !f->blocks->around_eye;
     iso_pyramid_shape shape = iso_pyramid_shape_of(view, base, top);
+    if (f->points->radii) shape.planes |= 1u << ISO_PLANE_RADIUS;
+    if (f->points->colors) shape.planes |= 7u << ISO_PLANE_RED;
+    shape.indexed = shape.planes != 0;
     ISO_TRY(iso_pyramid_reshape(f->pyramid, &shape, error));
     choose_bands(f);
     set_up_projection(f, cull);
@@ -154,6 +157,24 @@ static void project_band(const frame *f, size_t band, iso_rows rows) {
     }
 }
 
+/* What the band's points have besides their keys, from their numbers. */
+static void fetch_attributes(const frame *f, iso_rows rows) {
+    const iso_pyramid *p = f->pyramid;
+    const iso_pyramid_level *level = &p->level[p->shape.base];
+    for (int y = rows.first; y <= rows.last; y++) {
+        const int64_t *keys = p->keys + (size_t)y * p->key_stride;
+        const int32_t *index = p->index + (size_t)y * p->key_stride;
+        for (int x = 0; x < level->width; x++) {
+            if (keys[x] == ISO_KEY_NONE) continue;
+            size_t at = (size_t)y * level->stride + (size_t)x, point = (size_t)index[x];
+            if (f->points->radii)
+                level->plane[ISO_PLANE_RADIUS][at] = ISO_DISC_RADII * fmaxf(f->points->radii[point], 0);
+            for (int k = 0; f->points->colors && k < 3; k++)
+                level->plane[ISO_PLANE_RED + k][at] = f->points->colors[point][k];
+        }
+    }
+}
+
 /* A band of the base level, and what it covers of the levels above as far as that is whole rows. */
 static void do_band(void *context, size_t band, int worker) {
     (void)worker;
@@ -162,6 +183,7 @@ static void do_band(void *context, size_t band, int worker) {
     int base = p->shape.base;
     iso_rows rows = rows_within((int)band * f->band_rows, f->band_rows, p->level[base].height);
     project_band(f, band, rows);
+    if (p->index) fetch_attributes(f, rows);
     if (base > 0) f->kernel->unpack(&f->job, rows);
     for (int i = 1; i <= f->band_levels; i++) {
         const iso_pyramid_level *level = &p->level[base + i];
@@ -272,6 +294,7 @@ static iso_status draw(iso_pullpush *workspace, const iso_target *target, const 
                .pyramid = &workspace->pyramid};
     ISO_TRY(iso_point_blocks_make(f.blocks, points, &f.projector, target->pool, error));
     if (f.blocks->seen == 0) return ISO_OK;
+    if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
     ISO_TRY(prepare(&f, reconstruction, error));
     reconstruct(&f);
     return ISO_OK;
