@@ -1,7 +1,6 @@
 #include "truth/exact_kernel.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Steps that are large, or that gcc 12 should not analyse together with their callers. */
