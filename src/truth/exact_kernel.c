@@ -1,7 +1,6 @@
 #include "truth/exact_kernel.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Steps that are large, or that gcc 12 should not analyse together with their callers. */
@@ -17,7 +16,7 @@
 #define ISO_EXACT_WIDER_NEAR 4e-5f
 
 /* Pixels of a cell's box from which on it does not pay to fill its last vector from other cells. */
-#define ISO_EXACT_ALONE 24
+#define ISO_EXACT_ALONE 32
 
 enum { RECORD_FLOATS = sizeof(iso_exact_record) / sizeof(float) };
 

@@ -30,8 +30,8 @@ typedef struct iso_exact_record {
     float place[2]; /* the projected middle, pixels from view.origin */
     float scale;    /* mm per pixel at the middle's depth; 0: rays start at `eye` instead */
     float depth;    /* relative to frame->middle */
-    float half[4];  /* of that box, u v w; only where cells are tested alone */
-    float shift[4]; /* its middle in the cell's coordinates, u v w; likewise */
+    float half[4];  /* of the box in which the surface lies, u v w */
+    float shift[4]; /* its middle in the cell's coordinates, u v w */
     float eye[3];   /* the eye in the cell's coordinates where scale is 0, else 0 */
     float behind;   /* mm from the near plane to `depth` */
 } iso_exact_record;
