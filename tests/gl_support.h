@@ -5,6 +5,8 @@
 #include <stdbool.h>
 
 #include "base/primitives.h"
+#include "extract/mesh.h"
+#include "extract/points.h"
 #include "image/camera.h"
 #include "render/gbuffer.h"
 #include "render/gl/engine.h"
@@ -31,9 +33,25 @@ gl_difference gl_compare(const iso_view *view, const iso_gbuffer *a, const iso_g
 /* A new gbuffer of the view's size. */
 iso_gbuffer gl_gbuffer(const iso_view *view);
 
-/* The same view by both engines: PSNR >= 40 dB, at most 1 % of the outline's pixels differ. */
-void gl_check_points(iso_gl_engine *engine, const iso_view *view, const iso_point_view *points,
+enum { GL_SIDES = 6 };
+
+/* What is seen from a side, all of it. */
+iso_view gl_side_view(const iso_box *box, int side, bool orthographic, int width, int height);
+
+/* A grid's surface in all forms; the grid is kept. */
+typedef struct gl_surface {
+    iso_point_set *packed, *floats;
+    iso_mesh_set *mesh;
+    iso_box box; /* world */
+} gl_surface;
+gl_surface gl_surface_make(const iso_grid *grid, double isovalue);
+void gl_surface_free(gl_surface *surface);
+
+/* The same views by both engines: PSNR >= 40 dB, at most 1 % of the outline's pixels differ. Returns the
+ * lowest PSNR. */
+double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views, int count,
+                       const char *name);
+double gl_check_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, const iso_view *views, int count,
                      const char *name);
-void gl_check_mesh(iso_gl_engine *engine, const iso_view *view, const iso_mesh_view *mesh, const char *name);
 
 #endif
