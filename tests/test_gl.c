@@ -251,6 +251,36 @@ static void contexts_live_side_by_side(void **state) {
     iso_grid_destroy(&grid);
 }
 
+static double resident_megabytes(void) {
+    long pages = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    if (file && fscanf(file, "%*s %ld", &pages) != 1) pages = 0;
+    if (file) fclose(file);
+    return (double)pages * 4096 / (1 << 20);
+}
+
+/* Drivers hold what they made for a context where leak checkers see it; so memory itself is watched. */
+static void contexts_give_their_memory_back(void **state) {
+    (void)state;
+#ifdef __SANITIZE_ADDRESS__
+    skip(); /* which keeps what was freed */
+#endif
+    for (int kind = 0; kind < ISO_GL_KINDS; kind++) {
+        double start = 0;
+        for (int i = 0; i < 60; i++) {
+            const iso_gl_context_opts opts = {.kind = (iso_gl_kind)kind};
+            iso_gl_context *context;
+            if (iso_gl_context_create(&opts, &context, NULL) != ISO_OK) break;
+            iso_gl_engine_destroy(make_engine(context));
+            iso_gl_context_destroy(context);
+            if (i == 9) start = resident_megabytes();
+        }
+        double grown = start > 0 ? resident_megabytes() - start : 0;
+        printf("kind %d: %.1f MB more after 50 contexts\n", kind, grown);
+        assert_true(grown < 10);
+    }
+}
+
 static void expect_refusal(iso_gl_kind kind, int device, const char *words) {
     iso_gl_context *context = NULL;
     iso_error error = {ISO_OK, ""};
@@ -312,6 +342,7 @@ int main(void) {
         cmocka_unit_test(surfaces_hide_one_another),
         cmocka_unit_test(every_shader_compiles),
         cmocka_unit_test(contexts_live_side_by_side),
+        cmocka_unit_test(contexts_give_their_memory_back),
         cmocka_unit_test(what_is_missing_is_named),
         cmocka_unit_test(wrong_use_of_gl_is_noticed),
     };
