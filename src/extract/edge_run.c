@@ -12,12 +12,10 @@ size_t iso_edge_run_scratch_bytes(void) {
     return (sizeof(run_scratch) + ISO_ALIGNMENT - 1) / ISO_ALIGNMENT * ISO_ALIGNMENT;
 }
 
-void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_surface *surface,
-                          bool floats) {
+void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_surface *surface) {
     *runner = (iso_edge_runner){
         .grid = grid,
         .kernel = iso_edge_kernel_get(grid->type, iso_cpu_best()),
-        .floats = floats,
         .source = {.data = grid->data,
                    .stride_y = grid->stride_y,
                    .stride_z = grid->stride_z,
@@ -96,11 +94,28 @@ static size_t count_run(const iso_edge_runner *runner, const iso_edge_stretch *a
     return total;
 }
 
+/* Shapes of a block's points; returns where the next block's go. */
+static iso_shape *fill_shapes(const iso_edge_runner *runner, const iso_edge_block *block,
+                              const iso_edge_output *output, iso_shape *shapes) {
+    const float outward = runner->source.level_set ? 1 : -1;
+    for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
+        if (!block->points[k]) continue;
+        const int brick[3] = {block->origin[0] / ISO_BRICK + k, block->origin[1] / ISO_BRICK,
+                              block->origin[2] / ISO_BRICK};
+        const iso_shape_source source = iso_shape_source_grid(runner->grid, brick, outward);
+        const iso_shape_points points = {output->packed[k], output->surfels[k], block->points[k]};
+        iso_shapes_of_edges(&source, &points, shapes);
+        shapes += block->points[k];
+    }
+    return shapes;
+}
+
 static void fill_run(const iso_edge_runner *runner, const iso_edge_stretch *asked, const uint32_t *bricks,
                      run_scratch *scratch, size_t total, iso_brick_sink *sink) {
     size_t item_bytes = runner->floats ? sizeof(iso_surfel) : sizeof(iso_point);
     char *room = iso_brick_sink_room(sink, 0, total);
-    if (!room) return;
+    iso_shape *shapes = room && runner->shapes ? iso_brick_sink_room(sink, 1, total) : NULL;
+    if (!room || (runner->shapes && !shapes)) return;
     for (int b = 0; b < asked->blocks; b++) {
         const iso_edge_block *block = &scratch->blocks[b];
         iso_edge_output output = {0};
@@ -114,6 +129,7 @@ static void fill_run(const iso_edge_runner *runner, const iso_edge_stretch *aske
                 iso_brick_sink_add(sink, *bricks++, &(iso_brick_output){.count = {block->points[k]}});
         }
         runner->kernel->fill(&runner->source, block, &output);
+        if (shapes) shapes = fill_shapes(runner, block, &output, shapes);
     }
 }
 
