@@ -38,12 +38,12 @@ static double positive(double radius) {
 }
 
 static void radius_range(const iso_point_view *points, const iso_point_block *block, double range[2]) {
-    range[0] = range[1] = positive(points->radius);
+    range[0] = range[1] = ISO_DISC_RADII * positive(points->radius);
     if (!points->radii) return;
     range[0] = DBL_MAX;
     range[1] = 0;
     for (size_t i = block->first; i < block->first + block->count; i++) {
-        double radius = positive(points->radii[i]);
+        double radius = ISO_DISC_RADII * positive(points->radii[i]);
         range[0] = fmin(range[0], radius);
         range[1] = fmax(range[1], radius);
     }

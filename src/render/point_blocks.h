@@ -7,6 +7,9 @@
 #include "render/project.h"
 #include "render/pyramid.h"
 
+/* The radius of a point's disc, in the point's own radii: discs that only just meet leave holes. */
+#define ISO_DISC_RADII 1.25f
+
 /* A span, or a part of a long one. */
 typedef struct iso_point_block {
     int32_t brick[3];
@@ -15,7 +18,7 @@ typedef struct iso_point_block {
     /* In this view: */
     bool seen;       /* by the whole picture or the points' radii around it */
     int32_t row[2];  /* first and last pixel row of its points' centres, counted from the optical axis */
-    float radius[2]; /* smallest and largest projected radius of what may be seen, pixels */
+    float radius[2]; /* smallest and largest projected radius of discs that may be seen, pixels */
 } iso_point_block;
 
 typedef struct iso_point_blocks {

@@ -6,7 +6,7 @@
 #include "render/pullpush_kernel.h"
 
 enum {
-    BAND_BYTES = 512 << 10, /* of keys that one thread works on: what a second-level cache holds */
+    BAND_BYTES = 1 << 20, /* of keys that one thread works on: what a second-level cache holds */
     BAND_ROWS_LEAST = 16,
     BAND_ROWS_MOST = 128,
     TASK_PIXELS = 1 << 15, /* of a level, for one task */
@@ -17,9 +17,9 @@ enum {
 static const float LOW_PASS = 0.5f;
 /* The smallest projected radius that points may have in pixels of their level. */
 static const float BASE_RADIUS = 8;
-/* exp(-2 q) for q in 0 .. 1, within 0.0003. */
-static const float GAUSSIAN[5] = {1, -1.9921678f, 1.9178777f, -1.0569193f, 0.26677627f};
-static const float BOX[5] = {1, 0, 0, 0, 0};
+/* exp(-2 q) for q in 0 .. 1, within 0.0025. */
+static const float GAUSSIAN[4] = {1, -1.9457733f, 1.6291067f, -0.5504321f};
+static const float BOX[4] = {1, 0, 0, 0};
 
 struct iso_pullpush {
     iso_point_blocks blocks;
@@ -92,19 +92,19 @@ static void set_up_projection(frame *f, bool cull) {
     p->row = (float)((view->cy - shape->row + shape->rows_before) * pixel);
 }
 
-static void set_up_job(frame *f, iso_reconstruction reconstruction, bool flip) {
+static void set_up_job(frame *f, iso_reconstruction reconstruction, bool two_sided) {
     const iso_view *view = f->target->view;
     const iso_pyramid_shape *shape = &f->pyramid->shape;
-    f->job =
-        (iso_reconstruction_job){.pyramid = f->pyramid,
-                                 .target = f->target,
-                                 .radius = f->points->radius > 0 ? (float)f->points->radius : 0,
-                                 .scale = (float)view->focal,
-                                 .orthographic = view->orthographic,
-                                 .flip = flip,
-                                 .ray = {(float)(view->cx - shape->column), (float)(view->cy - shape->row)},
-                                 .slope = view->orthographic ? 0 : (float)(1 / view->focal),
-                                 .low_pass = LOW_PASS};
+    f->job = (iso_reconstruction_job){
+        .pyramid = f->pyramid,
+        .target = f->target,
+        .radius = f->points->radius > 0 ? ISO_DISC_RADII * (float)f->points->radius : 0,
+        .scale = (float)view->focal,
+        .orthographic = view->orthographic,
+        .two_sided = two_sided,
+        .ray = {(float)(view->cx - shape->column), (float)(view->cy - shape->row)},
+        .slope = view->orthographic ? 0 : (float)(1 / view->focal),
+        .low_pass = LOW_PASS};
     memcpy(f->job.normal, f->projector.normal, sizeof f->job.normal);
     memcpy(f->job.weight, reconstruction == ISO_RECONSTRUCTION_BOX ? BOX : GAUSSIAN, sizeof f->job.weight);
 }
@@ -126,7 +126,6 @@ static iso_status prepare(frame *f, iso_reconstruction reconstruction, iso_error
     int top = top_level(f->blocks->radius[1]), base = base_level(f->blocks->radius[0], top);
     bool cull = f->points->closed && !f->blocks->around_eye;
     iso_pyramid_shape shape = iso_pyramid_shape_of(view, base, top);
-    if (!cull) shape.planes |= 1u << ISO_PLANE_SIDE;
     ISO_TRY(iso_pyramid_reshape(f->pyramid, &shape, error));
     choose_bands(f);
     set_up_projection(f, cull);
@@ -189,6 +188,30 @@ static void push_rows(void *context, size_t index, int worker) {
     f->kernel->push(&f->job, f->level, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
 }
 
+/* Rows of level 1 are needed as soon as they and their neighbours are there, so that they are still in the
+ * cache: those inside a task by the task, the ones between tasks afterwards. */
+static void push_and_finish(void *context, size_t index, int worker) {
+    (void)worker;
+    const frame *f = context;
+    iso_rows rows = rows_within((int)index * f->task_rows, f->task_rows, f->level_rows);
+    int ready = 2 * rows.first, end = f->pyramid->level[1].height;
+    for (int y = rows.first; y <= rows.last; y++) {
+        f->kernel->push(&f->job, 2, (iso_rows){y, y});
+        int last = 2 * y + 2 < end ? 2 * y : end - 2;
+        f->kernel->finish(&f->job, (iso_rows){ready + 1, last});
+        ready = last;
+    }
+}
+
+static void finish_between(void *context, size_t index, int worker) {
+    (void)worker;
+    const frame *f = context;
+    int first = 2 * (int)index * f->task_rows, end = f->pyramid->level[1].height;
+    iso_rows rows = rows_within(2 * (int)index * f->task_rows, 2 * f->task_rows, end);
+    f->kernel->finish(&f->job, (iso_rows){rows.first, rows.first});
+    if (rows.last > first) f->kernel->finish(&f->job, (iso_rows){rows.last, rows.last});
+}
+
 static void finish_rows(void *context, size_t index, int worker) {
     (void)worker;
     const frame *f = context;
@@ -213,8 +236,13 @@ static void reconstruct(frame *f) {
     for (int level = shape->base + f->band_levels + 1; level <= shape->top; level++)
         for_level(f, level, pull_rows);
     for_level(f, shape->top, shape_rows);
-    for (int level = shape->top; level > 1; level--) for_level(f, level, push_rows);
-    for_level(f, 1, finish_rows);
+    for (int level = shape->top; level > 2; level--) for_level(f, level, push_rows);
+    if (shape->top == 1) {
+        for_level(f, 1, finish_rows);
+    } else {
+        for_level(f, 2, push_and_finish);
+        for_level(f, 2, finish_between);
+    }
 }
 
 /* ---- the interface */

@@ -5,7 +5,7 @@
  * interval [z, z + radius]. Pull averages pixels whose intervals meet the frontmost one's into coarser
  * levels; push fills, from coarse to fine, pixels that hold no point or one behind the surface, from the up
  * to four coarser pixels whose ellipses they are in. An ellipse is a disc of the radius, seen along the
- * optical axis, low-pass filtered (Zwicker et al. 2001). Points up to 1 projected radius outside the picture
+ * optical axis, low-pass filtered (Zwicker et al. 2001). Points up to a projected radius outside the picture
  * take part.
  *
  * Points that face away are left out when the set is closed and the eye is outside the box around it; else

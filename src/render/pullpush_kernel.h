@@ -35,10 +35,10 @@ typedef struct iso_reconstruction_job {
     float radius;    /* of points that have none of their own, mm */
     float scale;     /* pixels per mm at depth 1 (orthographic: at any depth) */
     bool orthographic;
-    bool flip;           /* turn normals that face away */
+    bool two_sided;      /* points that face away are there too: normals are not averaged across */
     float ray[2], slope; /* x / z of pixel column c of level 0 is (c + 0.5 - ray[0]) * slope; y likewise */
     float low_pass;      /* added to the squared axes of ellipses, pixels^2 */
-    float weight[5];     /* of q2, 0 .. 1: a polynomial */
+    float weight[4];     /* of q, 0 .. 1: a polynomial */
 } iso_reconstruction_job;
 
 typedef struct iso_pullpush_kernel {

@@ -115,6 +115,7 @@ iso_status iso_pyramid_reshape(iso_pyramid *pyramid, const iso_pyramid_shape *sh
         return status;
     }
     char *memory = pyramid->memory.data;
+    memset(memory, 0, pixels * sizeof(int64_t) + index + planes);
     pyramid->keys = (int64_t *)memory;
     memory += pixels * sizeof(int64_t);
     pyramid->index = shape->indexed ? (int32_t *)memory : NULL;

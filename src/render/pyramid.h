@@ -22,7 +22,7 @@ enum {
 
 /* What a pixel of a level holds. All are finite, even where nothing is, but for ISO_PLANE_WIDE there. */
 enum {
-    ISO_PLANE_NX, /* view space normal, of any length; for open surfaces turned to the eye */
+    ISO_PLANE_NX, /* view space normal, of any length */
     ISO_PLANE_NY,
     ISO_PLANE_NZ,
     ISO_PLANE_DEPTH, /* mean depth, mm */
@@ -30,13 +30,13 @@ enum {
     ISO_PLANE_HIGH,
     ISO_PLANE_DX, /* from the pixel's centre to the ellipse's, in pixels of the level */
     ISO_PLANE_DY,
-    /* The ellipse: at a distance d, in pixels of the level, from its centre, q2 = WIDE d.d + NARROW (d.n)^2,
-     * and q2 < 1 inside; WIDE is infinite where there is no point. */
+    /* The ellipse: at a distance d, in pixels of the level, from its centre, q = WIDE d.d + (d.THIN)^2, and
+     * q < 1 inside; WIDE is infinite where there is no point. */
     ISO_PLANE_WIDE,
-    ISO_PLANE_NARROW,
+    ISO_PLANE_THIN_X,
+    ISO_PLANE_THIN_Y,
     /* Averages that only some points need; level 0 has no plane but these. */
     ISO_PLANE_RADIUS, /* mm */
-    ISO_PLANE_SIDE,   /* 1 where normals point to the eye, -1 where they were turned */
     ISO_PLANE_RED,    /* 0 .. 255 */
     ISO_PLANE_GREEN,
     ISO_PLANE_BLUE,
