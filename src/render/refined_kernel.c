@@ -1,0 +1,32 @@
+#include "render/refined_kernel.h"
+
+#include <string.h>
+
+#include "base/simd.h"
+
+#define ISO_LEVEL generic
+#include "render/refined_disc.inc"
+
+#include "render/refined_steps.inc"
+#undef ISO_LEVEL
+#if ISO_HAVE_X86
+#define ISO_LEVEL avx2
+#include "render/refined_disc.inc"
+
+#include "render/refined_steps.inc"
+#undef ISO_LEVEL
+#define ISO_LEVEL avx512
+#include "render/refined_disc.inc"
+
+#include "render/refined_steps.inc"
+#undef ISO_LEVEL
+#endif
+
+const iso_refined_kernel *iso_refined_kernel_get(iso_cpu_level level) {
+#if ISO_HAVE_X86
+    if (level >= ISO_CPU_AVX512) return &kernel_avx512;
+    if (level >= ISO_CPU_AVX2) return &kernel_avx2;
+#endif
+    (void)level;
+    return &kernel_generic;
+}
