@@ -23,7 +23,8 @@ typedef struct frame {
     const iso_point_blocks *blocks;
     iso_refined *workspace;
     int band_rows, bands;
-    size_t stride, worker_bytes;
+    size_t stride, tiles;
+    size_t key_bytes, disc_bytes, sum_bytes, used_bytes, worker_bytes; /* of one worker */
 } frame;
 
 bool iso_refined_can(const iso_point_blocks *blocks) {
@@ -70,14 +71,18 @@ static void set_up_job(frame *f, const iso_projector *projector) {
 
 static void choose_bands(frame *f) {
     const iso_view *view = f->job.target->view;
-    f->stride = (size_t)((view->width + LANES - 1) / LANES * LANES + ISO_REFINED_LEFT + 2 * LANES);
-    size_t rows = SUM_BYTES / (f->stride * ISO_SUMS * sizeof(float));
+    const size_t columns = (size_t)(view->width + LANES - 1) / LANES * LANES;
+    f->stride = columns + ISO_REFINED_LEFT + 2 * LANES;
+    f->tiles = columns / ISO_REFINED_TILE;
+    size_t rows = SUM_BYTES / (columns * ISO_SUMS * sizeof(float)) / ROWS_LEAST * ROWS_LEAST;
     f->band_rows = rows < ROWS_LEAST ? ROWS_LEAST : rows > ROWS_MOST ? ROWS_MOST : (int)rows;
     f->bands = (view->height + f->band_rows - 1) / f->band_rows;
-    const size_t rows_of_keys = (size_t)(f->band_rows + 2 * ISO_REFINED_WINDOW),
-                 planes =
-                     (size_t)ISO_DISC_VALUES * ISO_REFINED_RING + (size_t)ISO_SUMS * (size_t)f->band_rows;
-    f->worker_bytes = (rows_of_keys * sizeof(int64_t) + planes * sizeof(float)) * f->stride;
+    const size_t rows_of_keys = (size_t)(f->band_rows + 2 * ISO_REFINED_WINDOW);
+    f->key_bytes = rows_of_keys * f->stride * sizeof(int64_t);
+    f->disc_bytes = (size_t)ISO_DISC_VALUES * ISO_REFINED_RING * f->stride * sizeof(float);
+    f->sum_bytes = columns * (size_t)f->band_rows * ISO_SUMS * sizeof(float);
+    f->used_bytes = f->tiles * (size_t)f->band_rows;
+    f->worker_bytes = (f->key_bytes + f->disc_bytes + f->sum_bytes + f->used_bytes + 63) & ~(size_t)63;
 }
 
 /* Projected radii of a block's discs, a little widened. */
@@ -124,11 +129,11 @@ static iso_status deal(frame *f, iso_error *error) {
 
 static iso_refined_band worker_band(const frame *f, int worker, iso_rows rows) {
     char *memory = (char *)f->workspace->memory.data + (size_t)worker * f->worker_bytes;
-    iso_refined_band band = {.rows = rows, .stride = f->stride, .keys = (int64_t *)memory};
-    memory += (size_t)(f->band_rows + 2 * ISO_REFINED_WINDOW) * f->stride * sizeof(int64_t);
-    float *plane = (float *)memory;
+    iso_refined_band band = {.rows = rows, .stride = f->stride, .tiles = f->tiles, .keys = (int64_t *)memory};
+    float *plane = (float *)(memory + f->key_bytes);
     for (int k = 0; k < ISO_DISC_VALUES; k++, plane += ISO_REFINED_RING * f->stride) band.disc[k] = plane;
-    for (int k = 0; k < ISO_SUMS; k++, plane += (size_t)f->band_rows * f->stride) band.sum[k] = plane;
+    band.sums = plane;
+    band.used = (uint8_t *)plane + f->sum_bytes;
     return band;
 }
 
@@ -156,7 +161,11 @@ static void do_band(void *context, size_t number, int worker) {
     const iso_rows rows = {first, (first + f->band_rows < height ? first + f->band_rows : height) - 1};
     const iso_refined_band band = worker_band(f, worker, rows);
     const bool small = project(f, &band, order, count);
-    f->kernel->gather(&f->job, &band, small);
+    bool large = false;
+    for (size_t i = 0; i < count && !large; i++) large = disc_radius(&block[order[i]], 1) >= SMALL;
+    if (large) memset(band.used, 0, f->used_bytes);
+    if (small) f->kernel->gather(&f->job, &band, large);
+    if (!large) return;
     for (size_t i = 0; i < count; i++)
         if (disc_radius(&block[order[i]], 1) >= SMALL) f->kernel->splat(&f->job, &band, order[i]);
     f->kernel->finish(&f->job, &band);

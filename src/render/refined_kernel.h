@@ -49,7 +49,10 @@ enum {
     ISO_DISC_BX,
     ISO_DISC_BY,
     ISO_DISC_A,
-    ISO_DISC_RADIUS, /* mm */
+    ISO_DISC_RADIUS,  /* mm */
+    ISO_DISC_INVERSE, /* 1 / radius^2 */
+    ISO_DISC_CLOSE,   /* small discs: 1 / pixels^2 of the circle that they cover at least; others: the radius
+                         of one that they stay within, pixels */
     ISO_DISC_SIDE,
     ISO_DISC_VALUES
 };
@@ -74,6 +77,7 @@ typedef struct iso_refined_job {
 enum {
     ISO_REFINED_LEFT = 16,
     ISO_REFINED_RING = 8,
+    ISO_REFINED_TILE = 4,       /* columns */
     ISO_REFINED_WINDOW = 2,     /* pixels to each side that may hold the disc of one */
     ISO_REFINED_POINT_BITS = 12 /* of a key for the number in its block, the rest for the block */
 };
@@ -85,14 +89,16 @@ typedef struct iso_refined_band {
     size_t stride;                /* of rows of all planes */
     int64_t *keys;                /* from row rows.first - ISO_REFINED_WINDOW on */
     float *disc[ISO_DISC_VALUES]; /* ISO_REFINED_RING rows, row y at y mod that */
-    float *sum[ISO_SUMS];         /* from row rows.first on */
+    float *sums;                  /* by tiles, see refined_steps.inc */
+    uint8_t *used;                /* tiles that have sums */
+    size_t tiles;                 /* in a row of them */
 } iso_refined_band;
 
 typedef struct iso_refined_kernel {
     /* The small discs' points of a block (its number) into the keys. */
     void (*project)(const iso_refined_job *job, const iso_refined_band *band, uint32_t block);
-    /* From keys to sums. Without `small` there are no keys: all sums are cleared. */
-    void (*gather)(const iso_refined_job *job, const iso_refined_band *band, bool small);
+    /* From keys to sums, or (without `tiles`) to the gbuffer. */
+    void (*gather)(const iso_refined_job *job, const iso_refined_band *band, bool tiles);
     /* Adds the other discs of a block to the sums. */
     void (*splat)(const iso_refined_job *job, const iso_refined_band *band, uint32_t block);
     /* From sums to the gbuffer. */
