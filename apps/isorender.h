@@ -17,6 +17,7 @@
 #include "io/points_io.h"
 #include "render/pullpush.h"
 #include "render/shading.h"
+#include "truth/exact.h"
 #include "truth/raycast.h"
 
 #ifdef __cplusplus
@@ -28,11 +29,15 @@ extern "C" {
 enum { ISORENDER_SURFACES = 64, ISORENDER_RECORD = 4096 };
 
 typedef enum isorender_method {
+    ISORENDER_UNCHOSEN = -1, /* exact for volumes, points for files of points */
+    ISORENDER_EXACT,
     ISORENDER_POINTS,
     ISORENDER_PULLPUSH,
     ISORENDER_MESH,
     ISORENDER_RAYCAST
 } isorender_method;
+const char *isorender_method_name(isorender_method method);
+
 typedef enum isorender_help {
     ISORENDER_RUN,
     ISORENDER_HELP,
@@ -58,7 +63,7 @@ typedef struct isorender_settings {
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;
     int primitive; /* iso_primitive */
-    const char *points, *mesh;
+    const char *points, *mesh, *aov;
 
     int method;         /* isorender_method */
     int reconstruction; /* iso_reconstruction */
@@ -83,6 +88,17 @@ typedef struct isorender_settings {
 
 const iso_program *isorender_program(void);
 
+/* Values of options that other programs have as well (input_options.inc, running_options.inc). `settings`
+ * begins with an isorender_settings. */
+iso_status isorender_apply_raw(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_spacing(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_crop(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_json(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_help(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_version(void *settings, const char *value, iso_error *error);
+/* Appends an option to settings->record. */
+void isorender_record(void *settings, const iso_option *option, const char *value);
+
 /* Fills settings from the command line and checks that it makes sense. `operands` has room for argc. */
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error);
@@ -94,7 +110,7 @@ typedef struct isorender_plan {
     const char *input; /* as typed, or `scene` */
     char *scene;       /* "scene:NAME" made from --scene, or NULL */
     char *model;
-    char *image; /* with {n:3} left in for a turntable */
+    char *image, *aov; /* with {n:3} left in for a turntable */
     char *points, *mesh, *json;
 } isorender_plan;
 
@@ -102,10 +118,14 @@ typedef struct isorender_plan {
 iso_status isorender_plans_make(const isorender_settings *settings, isorender_plan **plans, iso_error *error);
 void isorender_plans_free(isorender_plan *plans, int count);
 
-/* The name of frame `frame` of a turntable, or of the only picture. free(). */
-iso_status isorender_plan_frame(const isorender_plan *plan, int frame, char **path, iso_error *error);
+/* Whether there is something to render. */
+bool isorender_plan_draws(const isorender_plan *plan);
 
-/* Fails with ISO_ERR_WRITE when an output cannot be made; leaves nothing behind. */
+/* `name` (a plan's image or aov) of frame `frame` of a turntable, or of the only picture. free(). */
+iso_status isorender_plan_frame(const char *name, int frame, char **path, iso_error *error);
+
+/* Fails with ISO_ERR_WRITE when an output cannot be made, with ISO_ERR_UNSUPPORTED when this build cannot
+ * make its kind; leaves nothing behind. */
 iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *error);
 
 /* ---- the work on one input ---- */
@@ -115,6 +135,7 @@ typedef struct isorender_surface {
     iso_rgb color;
     iso_point_set *points; /* or NULL */
     iso_mesh_set *mesh;    /* or NULL */
+    iso_exact *exact;      /* or NULL */
     iso_raycaster *caster; /* or NULL */
 } isorender_surface;
 
@@ -135,6 +156,7 @@ typedef struct isorender_job {
     const char *path; /* what to read */
 
     bool from_points; /* `points` was read, there is no volume */
+    isorender_method method;
     iso_volume volume;
     iso_points points;
     double scene_isovalue; /* NaN when the input is not a scene */
@@ -144,7 +166,7 @@ typedef struct isorender_job {
 
     isorender_surface surfaces[ISORENDER_SURFACES];
     int surface_count;
-    uint64_t point_count, rejected, vertex_count, triangle_count;
+    uint64_t point_count, rejected, vertex_count, triangle_count, cell_count;
     iso_box bounds_local, bounds_world; /* mm */
 
     iso_pullpush *pullpush; /* or NULL */
@@ -153,7 +175,7 @@ typedef struct isorender_job {
     int frame_count;
     /* Outputs that stand: removed again when a later step fails. */
     bool points_written, mesh_written;
-    int frames_written;
+    int frames_written, aovs_written;
     isorender_seconds seconds;
     const char *stage; /* progress: what is going on, and what was last told */
     int told;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "apps/isorender.h"
+#include "image/exr.h"
 #include "image/image.h"
 #include "render/draw.h"
 #include "render/picture.h"
@@ -68,12 +69,14 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
-        if (job->settings->method == ISORENDER_MESH) {
+        if (job->method == ISORENDER_EXACT) {
+            ISO_TRY(iso_draw_exact(&target, surface->exact, error));
+        } else if (job->method == ISORENDER_MESH) {
             iso_mesh_view mesh = iso_mesh_set_view(surface->mesh);
             ISO_TRY(iso_draw_mesh(&target, &mesh, error));
-        } else if (job->settings->method == ISORENDER_RAYCAST) {
+        } else if (job->method == ISORENDER_RAYCAST) {
             ISO_TRY(iso_draw_raycast(&target, surface->caster, error));
-        } else if (job->settings->method == ISORENDER_PULLPUSH) {
+        } else if (job->method == ISORENDER_PULLPUSH) {
             iso_point_view points = isorender_points_view(job, i);
             iso_pullpush_opts opts = {(iso_reconstruction)job->settings->reconstruction, job->pullpush};
             ISO_TRY(iso_draw_pullpush(&target, &points, &opts, error));
@@ -97,29 +100,61 @@ static uint64_t hash_image(const iso_image *image) {
     return hash;
 }
 
-static iso_status write_picture(isorender_job *job, const iso_image *image, const char *path,
-                                iso_error *error) {
-    const isorender_settings *settings = job->settings;
-    char software[64], isovalues[512] = "", command[ISORENDER_RECORD + 256];
+/* What the files say about themselves. Neither paths nor thread counts: the same picture is the same file
+ * wherever it is made. */
+typedef struct labels {
+    char software[64], isovalues[512], command[ISORENDER_RECORD + 256];
+} labels;
+
+static void make_labels(const isorender_job *job, labels *l) {
     const iso_program *program = isorender_program();
-    snprintf(software, sizeof software, "%s %s", program->name, program->version);
+    snprintf(l->software, sizeof l->software, "%s %s", program->name, program->version);
     size_t used = 0;
-    for (int i = 0; i < job->surface_count && !job->from_points && used + 32 < sizeof isovalues; i++)
-        used += (size_t)snprintf(isovalues + used, sizeof isovalues - used, "%s%.10g", i ? ", " : "isovalue ",
-                                 job->surfaces[i].isovalue);
-    snprintf(command, sizeof command, "%s %s%s", program->name, job->plan->model, settings->record);
-    /* Neither paths nor thread counts: the same picture is the same file wherever it is made. */
-    const iso_png_text texts[] = {{"Software", software},
-                                  {"Title", job->plan->model},
-                                  {"Comment", command},
-                                  {"Description", isovalues}};
-    return iso_png_write(path, image, texts, isovalues[0] ? 4 : 3, error);
+    l->isovalues[0] = 0;
+    for (int i = 0; i < job->surface_count && !job->from_points && used + 32 < sizeof l->isovalues; i++)
+        used += (size_t)snprintf(l->isovalues + used, sizeof l->isovalues - used, "%s%.10g",
+                                 i ? ", " : "isovalue ", job->surfaces[i].isovalue);
+    snprintf(l->command, sizeof l->command, "%s %s%s", program->name, job->plan->model,
+             job->settings->record);
 }
 
-static iso_status render_frame(isorender_job *job, int frame, iso_image *image, iso_error *error) {
-    const isorender_settings *settings = job->settings;
+static iso_status write_picture(isorender_job *job, const iso_image *image, const char *path,
+                                iso_error *error) {
+    labels l;
+    make_labels(job, &l);
+    const iso_png_text texts[] = {{"Software", l.software},
+                                  {"Title", job->plan->model},
+                                  {"Comment", l.command},
+                                  {"Description", l.isovalues}};
+    const iso_png_opts opts = {texts, l.isovalues[0] ? 4 : 3, job->pool};
+    return iso_png_write_with(path, image, &opts, error);
+}
+
+static iso_camera camera_of_frame(const isorender_job *job, int frame) {
     iso_camera camera = job->camera;
-    if (frame > 0) iso_camera_orbit(&camera, frame * degrees_between_frames(settings), 0);
+    if (frame > 0) iso_camera_orbit(&camera, frame * degrees_between_frames(job->settings), 0);
+    return camera;
+}
+
+static iso_status write_aov(isorender_job *job, int frame, const iso_aov *aov, const char *path,
+                            iso_error *error) {
+    labels l;
+    make_labels(job, &l);
+    iso_camera camera = camera_of_frame(job, frame);
+    iso_view view = iso_view_make(&camera, aov->width, aov->height);
+    const iso_exr_info info = {.view = &view, .software = l.software, .comments = l.command};
+    return iso_exr_write(path, aov, &info, job->pool, error);
+}
+
+/* What a frame is drawn to; the planes of aov are NULL when nobody wants it. */
+typedef struct canvas {
+    iso_image image;
+    iso_aov aov;
+} canvas;
+
+static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    iso_camera camera = camera_of_frame(job, frame);
     iso_rgb colors[ISORENDER_SURFACES];
     for (int i = 0; i < job->surface_count; i++) colors[i] = job->surfaces[i].color;
     iso_picture_opts opts = {
@@ -130,32 +165,46 @@ static iso_status render_frame(isorender_job *job, int frame, iso_image *image, 
         .shading = {colors, job->surface_count, settings->background, settings->transparent},
         .draw = draw,
         .draw_context = job,
-        .pool = job->pool};
+        .pool = job->pool,
+        .aov = c->aov.depth ? &c->aov : NULL};
     double start = isorender_now();
-    ISO_TRY(iso_picture_render(&opts, image, &job->frames[frame].covered, error));
+    ISO_TRY(iso_picture_render(&opts, &c->image, &job->frames[frame].covered, error));
     job->seconds.render += isorender_now() - start;
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
-    job->frames[frame].hash = hash_image(image);
+    /* (a few milliseconds, byte by byte) */
+    if (settings->json) job->frames[frame].hash = hash_image(&c->image);
     return ISO_OK;
 }
 
-static iso_status save_frame(isorender_job *job, int frame, const iso_image *image, iso_error *error) {
+static iso_status save_image(isorender_job *job, int frame, const canvas *c, iso_error *error) {
+    if (!job->plan->image) return ISO_OK;
     char *path = NULL;
-    ISO_TRY(isorender_plan_frame(job->plan, frame, &path, error));
-    double start = isorender_now();
-    iso_status status = write_picture(job, image, path, error);
-    job->seconds.write += isorender_now() - start;
+    ISO_TRY(isorender_plan_frame(job->plan->image, frame, &path, error));
+    iso_status status = write_picture(job, &c->image, path, error);
     if (status == ISO_OK) job->frames_written = frame + 1;
     free(path);
     return status;
 }
 
-static iso_status render_frames(isorender_job *job, iso_image *image, iso_error *error) {
+static iso_status save_aov(isorender_job *job, int frame, const canvas *c, iso_error *error) {
+    if (!job->plan->aov) return ISO_OK;
+    char *path = NULL;
+    ISO_TRY(isorender_plan_frame(job->plan->aov, frame, &path, error));
+    iso_status status = write_aov(job, frame, &c->aov, path, error);
+    if (status == ISO_OK) job->aovs_written = frame + 1;
+    free(path);
+    return status;
+}
+
+static iso_status render_frames(isorender_job *job, canvas *c, iso_error *error) {
     for (int frame = 0; frame < job->frame_count; frame++) {
         isorender_progress(job, "rendering", (double)frame / job->frame_count);
-        ISO_TRY(render_frame(job, frame, image, error));
-        ISO_TRY(save_frame(job, frame, image, error));
+        ISO_TRY(render_frame(job, frame, c, error));
+        double start = isorender_now();
+        ISO_TRY(save_image(job, frame, c, error));
+        ISO_TRY(save_aov(job, frame, c, error));
+        job->seconds.write += isorender_now() - start;
     }
     isorender_progress(job, "rendering", 1);
     return ISO_OK;
@@ -163,16 +212,23 @@ static iso_status render_frames(isorender_job *job, iso_image *image, iso_error 
 
 /* ---- all pictures ---- */
 
+static float smallest_spacing(const isorender_job *job) {
+    if (job->from_points) return 0;
+    const double *s = job->volume.info.transform.spacing;
+    return (float)fmin(s[0], fmin(s[1], s[2]));
+}
+
 uint64_t isorender_picture_bytes(const isorender_settings *settings) {
     enum { SAMPLE = sizeof(float) + 3 * sizeof(float) + 1, STRIP = 256 << 20 };
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
     uint64_t samples = pixels * (uint64_t)settings->samples * SAMPLE;
-    return 4 * pixels + (samples < STRIP ? samples : STRIP);
+    uint64_t aov = settings->aov ? pixels * ISO_AOV_PLANES * sizeof(float) : 0;
+    return 4 * pixels + aov + (samples < STRIP ? samples : STRIP);
 }
 
 /* The name of all frames as ffmpeg wants it: {n:3} becomes %03d. */
 static void suggest_film(const isorender_job *job) {
-    const char *image = job->plan->image, *variable = strstr(image, "{n");
+    const char *image = job->plan->image, *variable = image ? strstr(image, "{n") : NULL;
     if (!variable) return;
     const char *end = strchr(variable, '}');
     char number[8] = "%d";
@@ -187,11 +243,16 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     job->frame_count = settings->turntable ? settings->turntable : 1;
     job->frames = calloc((size_t)job->frame_count, sizeof *job->frames);
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    if (settings->method == ISORENDER_PULLPUSH) ISO_TRY(iso_pullpush_create(&job->pullpush, error));
-    iso_image image = {0};
-    ISO_TRY(iso_image_create(settings->width, settings->height, &image, error));
-    iso_status status = render_frames(job, &image, error);
-    iso_image_free(&image);
+    canvas c = {0};
+    iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
+    if (status == ISO_OK && job->method == ISORENDER_PULLPUSH)
+        status = iso_pullpush_create(&job->pullpush, error);
+    if (status == ISO_OK && job->plan->aov)
+        status = iso_aov_create(settings->width, settings->height, &c.aov, error);
+    c.aov.voxel = smallest_spacing(job);
+    if (status == ISO_OK) status = render_frames(job, &c, error);
+    iso_image_free(&c.image);
+    iso_aov_free(&c.aov);
     if (status == ISO_OK && settings->turntable) suggest_film(job);
     return status;
 }

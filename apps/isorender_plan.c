@@ -6,6 +6,21 @@
 #include "apps/isorender.h"
 #include "apps/template.h"
 #include "base/file.h"
+#include "image/exr.h"
+
+/* The name of what there is one of for every frame. */
+static iso_status make_frame_name(const isorender_settings *settings, const isorender_plan *plan,
+                                  const char *output, int number, char **name, iso_error *error) {
+    if (!settings->turntable) return iso_template_expand(output, plan->model, number, name, error);
+    /* A turntable's {n} numbers its frames. */
+    int digits = 3;
+    for (int frames = settings->turntable; frames > 1000; frames = (frames + 9) / 10) digits++;
+    char *numbered = NULL;
+    ISO_TRY(iso_template_numbered(output, digits, &numbered, error));
+    iso_status status = iso_template_expand(numbered, plan->model, -1, name, error);
+    free(numbered);
+    return status;
+}
 
 static iso_status make_names(const isorender_settings *settings, int number, isorender_plan *plan,
                              iso_error *error) {
@@ -15,17 +30,11 @@ static iso_status make_names(const isorender_settings *settings, int number, iso
     if (settings->mesh) ISO_TRY(iso_template_expand(settings->mesh, plan->model, number, &plan->mesh, error));
     if (settings->json_path)
         ISO_TRY(iso_template_expand(settings->json_path, plan->model, number, &plan->json, error));
-    if (settings->no_image || settings->info) return ISO_OK;
+    if (settings->info) return ISO_OK;
+    if (settings->aov) ISO_TRY(make_frame_name(settings, plan, settings->aov, number, &plan->aov, error));
+    if (settings->no_image) return ISO_OK;
     const char *output = settings->output ? settings->output : "{model}.png";
-    if (!settings->turntable) return iso_template_expand(output, plan->model, number, &plan->image, error);
-    /* A turntable's {n} numbers its frames. */
-    int digits = 3;
-    for (int frames = settings->turntable; frames > 1000; frames = (frames + 9) / 10) digits++;
-    char *numbered = NULL;
-    ISO_TRY(iso_template_numbered(output, digits, &numbered, error));
-    iso_status status = iso_template_expand(numbered, plan->model, -1, &plan->image, error);
-    free(numbered);
-    return status;
+    return make_frame_name(settings, plan, output, number, &plan->image, error);
 }
 
 static iso_status scene_input(const char *scene, char **input, iso_error *error) {
@@ -38,13 +47,14 @@ static iso_status scene_input(const char *scene, char **input, iso_error *error)
 
 /* ---- collisions ---- */
 
-enum { NAMES = 4 };
+enum { NAMES = 5 };
 
 static void names_of(const isorender_plan *plan, const char *names[NAMES]) {
     names[0] = plan->image;
     names[1] = plan->points;
     names[2] = plan->mesh;
     names[3] = plan->json;
+    names[4] = plan->aov;
 }
 
 /* stdout may be named by one output only, but that is checked with the options. */
@@ -62,11 +72,8 @@ static iso_status check_distinct(const isorender_plan *a, const isorender_plan *
 static iso_status check_inputs_safe(const isorender_plan *plan, iso_error *error) {
     const char *names[NAMES];
     names_of(plan, names);
-    struct stat input, output;
-    if (stat(plan->input, &input) != 0) return ISO_OK;
     for (int i = 0; i < NAMES; i++)
-        if (names[i] && stat(names[i], &output) == 0 && S_ISREG(output.st_mode) &&
-            input.st_dev == output.st_dev && input.st_ino == output.st_ino)
+        if (names[i] && iso_file_same(plan->input, names[i]))
             return iso_fail(error, ISO_ERR_USAGE, "%s: an output would overwrite the input", names[i]);
     return ISO_OK;
 }
@@ -106,6 +113,7 @@ void isorender_plans_free(isorender_plan *plans, int count) {
         free(plans[i].scene);
         free(plans[i].model);
         free(plans[i].image);
+        free(plans[i].aov);
         free(plans[i].points);
         free(plans[i].mesh);
         free(plans[i].json);
@@ -113,8 +121,12 @@ void isorender_plans_free(isorender_plan *plans, int count) {
     free(plans);
 }
 
-iso_status isorender_plan_frame(const isorender_plan *plan, int frame, char **path, iso_error *error) {
-    return iso_template_expand(plan->image, NULL, frame, path, error);
+bool isorender_plan_draws(const isorender_plan *plan) {
+    return plan->image || plan->aov;
+}
+
+iso_status isorender_plan_frame(const char *name, int frame, char **path, iso_error *error) {
+    return iso_template_expand(name, NULL, frame, path, error);
 }
 
 static iso_status check_writable(const char *path, iso_error *error) {
@@ -128,14 +140,20 @@ static iso_status check_writable(const char *path, iso_error *error) {
     return ISO_OK;
 }
 
+static iso_status check_first_frame(const char *name, iso_error *error) {
+    if (!name) return ISO_OK;
+    char *first = NULL;
+    ISO_TRY(isorender_plan_frame(name, 0, &first, error));
+    iso_status status = check_writable(first, error);
+    free(first);
+    return status;
+}
+
 iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *error) {
-    if (plan->image) {
-        char *first = NULL;
-        ISO_TRY(isorender_plan_frame(plan, 0, &first, error));
-        iso_status status = check_writable(first, error);
-        free(first);
-        ISO_TRY(status);
-    }
+    ISO_TRY(check_first_frame(plan->image, error));
+    if (plan->aov && !iso_exr_available())
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without OpenEXR", plan->aov);
+    ISO_TRY(check_first_frame(plan->aov, error));
     ISO_TRY(check_writable(plan->points, error));
     ISO_TRY(check_writable(plan->mesh, error));
     return check_writable(plan->json, error);

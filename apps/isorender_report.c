@@ -98,11 +98,13 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
         iso_json_string(json, NULL, text);
     }
     iso_json_end_array(json);
-    bool points = job->from_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL;
+    bool points = job->from_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL,
+         cells = job->surfaces[0].exact != NULL;
     iso_primitive primitive = (iso_primitive)job->settings->primitive;
     if (primitive == ISO_PRIMITIVE_AUTO)
         primitive = job->volume.grid.hgrid ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
     iso_json_begin_object(json, "primitives");
+    if (cells) iso_json_integer(json, "cells", job->cell_count);
     if (points) iso_json_integer(json, "points", job->point_count);
     if (points && !job->from_points) iso_json_string(json, "kind", iso_primitive_name(primitive));
     if (points && !job->from_points) iso_json_integer(json, "rejected", job->rejected);
@@ -124,26 +126,34 @@ static void put_camera(iso_json *json, const iso_camera *camera) {
     iso_json_end_object(json);
 }
 
+static iso_status put_name(iso_json *json, const char *key, const char *name, int frame, iso_error *error) {
+    if (!name) return ISO_OK;
+    char *path = NULL;
+    ISO_TRY(isorender_plan_frame(name, frame, &path, error));
+    iso_json_string(json, key, path);
+    free(path);
+    return ISO_OK;
+}
+
 static iso_status put_frame(iso_json *json, const char *key, const isorender_job *job, int frame,
                             iso_error *error) {
     const isorender_settings *settings = job->settings;
-    char *path = NULL, hash[20];
-    ISO_TRY(isorender_plan_frame(job->plan, frame, &path, error));
+    char hash[20];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)job->frames[frame].hash);
     iso_json_begin_object(json, key);
-    iso_json_string(json, "path", path);
+    ISO_TRY(put_name(json, "path", job->plan->image, frame, error));
+    ISO_TRY(put_name(json, "aov_path", job->plan->aov, frame, error));
     iso_json_integer(json, "width", (uint64_t)settings->width);
     iso_json_integer(json, "height", (uint64_t)settings->height);
     iso_json_integer(json, "samples", (uint64_t)settings->samples);
     iso_json_integer(json, "covered", job->frames[frame].covered);
     iso_json_string(json, "hash", hash);
     iso_json_end_object(json);
-    free(path);
     return ISO_OK;
 }
 
 static iso_status put_images(iso_json *json, const isorender_job *job, iso_error *error) {
-    if (!job->plan->image) return ISO_OK;
+    if (!isorender_plan_draws(job->plan)) return ISO_OK;
     put_camera(json, &job->camera);
     ISO_TRY(put_frame(json, "image", job, 0, error));
     if (!job->settings->turntable) return ISO_OK;
@@ -169,7 +179,6 @@ static void put_files(iso_json *json, const isorender_job *job) {
 }
 
 static iso_status put_report(iso_json *json, const isorender_job *job, iso_error *error) {
-    static const char *const methods[] = {"points", "mesh", "raycast"};
     const isorender_settings *settings = job->settings;
     iso_json_begin_object(json, NULL);
     iso_json_string(json, "schema", "isorender/1");
@@ -189,7 +198,7 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     iso_json_integer(json, "peak_bytes", iso_memory_peak());
     iso_json_string(json, "backend", "cpu");
     iso_json_string(json, "renderer", "cpu generic");
-    if (!settings->info) iso_json_string(json, "method", methods[settings->method]);
+    if (!settings->info) iso_json_string(json, "method", isorender_method_name(job->method));
     iso_json_integer(json, "threads", (uint64_t)iso_pool_threads(job->pool));
     ISO_TRY(put_images(json, job, error));
     iso_json_end_object(json);

@@ -22,8 +22,10 @@ static iso_status inform(isorender_job *job, iso_error *error) {
 static void tell_done(const isorender_job *job) {
     isorender_detail(job, "load %.3f s, extract %.3f s, render %.3f s, write %.3f s", job->seconds.load,
                      job->seconds.extract, job->seconds.render, job->seconds.write);
-    if (!job->plan->image || strcmp(job->plan->image, "-") == 0) return;
-    isorender_say(job, "wrote %s%s", job->plan->image, job->settings->turntable ? " (all frames)" : "");
+    const char *frames = job->settings->turntable ? " (all frames)" : "";
+    if (job->plan->image && strcmp(job->plan->image, "-") != 0)
+        isorender_say(job, "wrote %s%s", job->plan->image, frames);
+    if (job->plan->aov) isorender_say(job, "wrote %s%s", job->plan->aov, frames);
 }
 
 static iso_status make(isorender_job *job, iso_error *error) {
@@ -36,7 +38,7 @@ static iso_status make(isorender_job *job, iso_error *error) {
     job->seconds.extract = extracted - read;
     ISO_TRY(isorender_export(job, error));
     job->seconds.write = isorender_now() - extracted;
-    if (job->plan->image) ISO_TRY(isorender_render(job, error));
+    if (isorender_plan_draws(job->plan)) ISO_TRY(isorender_render(job, error));
     return ISO_OK;
 }
 
@@ -55,16 +57,21 @@ static iso_status work(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
+static void remove_frames(const char *name, int count) {
+    for (int frame = 0; frame < count; frame++) {
+        char *path = NULL;
+        if (isorender_plan_frame(name, frame, &path, NULL) != ISO_OK) continue;
+        if (strcmp(path, "-") != 0) unlink(path);
+        free(path);
+    }
+}
+
 /* What was written before a later output failed would pass for the whole. */
 static void remove_outputs(const isorender_job *job) {
     if (job->points_written) unlink(job->plan->points);
     if (job->mesh_written) unlink(job->plan->mesh);
-    for (int frame = 0; frame < job->frames_written; frame++) {
-        char *path = NULL;
-        if (isorender_plan_frame(job->plan, frame, &path, NULL) != ISO_OK) continue;
-        if (strcmp(path, "-") != 0) unlink(path);
-        free(path);
-    }
+    remove_frames(job->plan->image, job->frames_written);
+    remove_frames(job->plan->aov, job->aovs_written);
 }
 
 /* Every message names a thing: the input, unless the text already begins with it or with an output. */
@@ -85,6 +92,7 @@ static void free_surfaces(isorender_job *job) {
     for (int i = 0; i < job->surface_count; i++) {
         iso_point_set_destroy(job->surfaces[i].points);
         iso_mesh_set_destroy(job->surfaces[i].mesh);
+        iso_exact_destroy(job->surfaces[i].exact);
         iso_raycaster_destroy(job->surfaces[i].caster);
     }
     free(job->frames);

@@ -1,8 +1,8 @@
 /* dicom: what the parts of the DICOM reader share.
  *
  * dicom_header.c reads a file's header, dicom_stack.c orders image planes into a volume, dicom_decode.cc
- * hands compressed pixels to GDCM, format_dicom.c puts them together. The header is not left to GDCM because
- * that library asserts where a file is cut off or corrupt, which would end the program. */
+ * hands compressed pixels to GDCM (it is a module), format_dicom.c puts them together. The header is not left
+ * to GDCM because that library asserts where a file is cut off or corrupt, which would end the program. */
 #ifndef ISO_GRIDS_DICOM_H
 #define ISO_GRIDS_DICOM_H
 
@@ -75,9 +75,9 @@ typedef struct iso_dicom_items {
 bool iso_dicom_codestream_fits(const iso_dicom_file *file, const uint8_t *bytes, size_t length);
 
 /* Decodes one frame from `items` (those of this frame only) into `pixels`, iso_dicom_frame_bytes of it in
- * native byte order. ISO_ERR_IO when GDCM cannot. */
-iso_status iso_dicom_decode(const iso_dicom_file *file, const iso_dicom_items *items, void *pixels,
-                            iso_error *error);
+ * native byte order. ISO_ERR_IO when GDCM cannot. The decoder is a module's (grids/module.h). */
+typedef iso_status iso_dicom_decoder(const iso_dicom_file *file, const iso_dicom_items *items, void *pixels,
+                                     iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -12,6 +12,7 @@
 #include <gdcmTransferSyntax.h>
 
 #include "grids/bridge_guard.hpp"
+#include "grids/module.h"
 
 namespace {
 
@@ -64,13 +65,15 @@ iso_status decode(const iso_dicom_file &file, const iso_dicom_items &items, void
     return ISO_OK;
 }
 
-} // namespace
-
-iso_status iso_dicom_decode(const iso_dicom_file *file, const iso_dicom_items *items, void *pixels,
-                            iso_error *error) {
+iso_status decode_frame(const iso_dicom_file *file, const iso_dicom_items *items, void *pixels,
+                        iso_error *error) {
     return iso::guard(file->path, error, [&] {
         be_quiet();
         std::memset(pixels, 0, iso_dicom_frame_bytes(file));
         return decode(*file, *items, pixels, error);
     });
 }
+
+} // namespace
+
+ISO_MODULE(nullptr, decode_frame, nullptr);

@@ -3,8 +3,9 @@
  *
  * A reader never takes memory for voxels in `info`. In `read` it gets the info that `info` made (dims, type,
  * ...), makes the grid, and may add notes. C++ readers keep every entry inside grids/bridge_guard.hpp's
- * catch-all. A format whose library is not built in has an entry of format_none.c, without functions, for
- * which volume.c answers ISO_ERR_UNSUPPORTED.
+ * catch-all. The readers of large libraries are modules (grids/module.h), of which volume.c knows the names.
+ * A format whose library was not there when this one was built has an entry of format_none.c, without
+ * functions, for which volume.c answers ISO_ERR_UNSUPPORTED.
  *
  * volume.c checks what `info` says (dims, directions, component), applies opts->spacing to info->transform
  * and fills `bytes` and `read_bytes` where they are left 0 (dense grid; nothing but the grid). */
@@ -23,15 +24,16 @@ extern "C" {
 
 typedef struct iso_format {
     const char *name;    /* as in iso_volume_info.format */
-    const char *library; /* for "built without ..." */
+    const char *library; /* of another project, that reads it: for messages */
+    const char *module;  /* in which the functions are; NULL: they are here */
     iso_status (*info)(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                        iso_error *error);
     iso_status (*read)(const char *path, const iso_volume_opts *opts, iso_volume_info *info, iso_grid *grid,
                        iso_error *error);
 } iso_format;
 
-extern const iso_format iso_format_vti, iso_format_vtk, iso_format_metaimage, iso_format_nrrd,
-    iso_format_nifti, iso_format_dicom, iso_format_vdb, iso_format_raw;
+extern const iso_format iso_format_vtk, iso_format_metaimage, iso_format_nrrd, iso_format_nifti,
+    iso_format_dicom, iso_format_raw;
 
 /* Shared by readers. Dims from a header; ISO_ERR_FORMAT unless each is 1 .. 2^31-1. */
 iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info, iso_error *error);

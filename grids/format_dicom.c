@@ -15,6 +15,7 @@
 
 #include "base/memory.h"
 #include "grids/dicom.h"
+#include "grids/module.h"
 
 /* ---- the files ---- */
 
@@ -500,7 +501,9 @@ static iso_status read_encapsulated(const pixel_file *f, int frame, void *pixels
                         f->file->path, frame + 1);
     /* GDCM wants frames without a table. */
     const iso_dicom_items items = {f->bytes, f->offset + first, f->length + first, count};
-    return iso_dicom_decode(f->file, &items, pixels, error);
+    const iso_module *gdcm = NULL; /* found in microseconds once it is loaded */
+    ISO_TRY(iso_module_load(f->file->path, "dicom", "GDCM", &gdcm, error));
+    return gdcm->dicom_decode(f->file, &items, pixels, error);
 }
 
 static iso_status read_native(const pixel_file *f, int frame, void *pixels, iso_error *error) {
@@ -627,4 +630,4 @@ static iso_status dicom_read(const char *path, const iso_volume_opts *opts, iso_
     return status;
 }
 
-const iso_format iso_format_dicom = {"dicom", "GDCM", dicom_info, dicom_read};
+const iso_format iso_format_dicom = {"dicom", "GDCM", NULL, dicom_info, dicom_read};

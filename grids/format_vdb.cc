@@ -22,6 +22,8 @@
 #include <openvdb/points/PointDataGrid.h>
 
 #include "grids/bridge_guard.hpp"
+#include "grids/level_set_vdb.hpp"
+#include "grids/module.h"
 #include "grids/vdb_check.h"
 
 namespace {
@@ -744,6 +746,8 @@ iso_status vdb_read(const char *path, const iso_volume_opts *opts, iso_volume_in
     return status;
 }
 
+const iso_format format = {"vdb", "OpenVDB", nullptr, vdb_info, vdb_read};
+
 } // namespace
 
-extern "C" const iso_format iso_format_vdb = {"vdb", "OpenVDB", vdb_info, vdb_read};
+ISO_MODULE(&format, nullptr, iso_vdb_write_level_set);

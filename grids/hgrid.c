@@ -232,3 +232,23 @@ iso_status iso_hgrid_crop(const iso_hgrid *grid, const int lo[3], const int hi[3
     *out = cropped;
     return ISO_OK;
 }
+
+iso_status iso_hgrid_copy_cells(const iso_hgrid *from, iso_hgrid *to, iso_error *error) {
+    const int lo[3] = {0, 0, 0}, hi[3] = {to->dims[0] - 1, to->dims[1] - 1, to->dims[2] - 1};
+    if (memcmp(from->dims, to->dims, sizeof to->dims) || from->band != to->band)
+        return iso_fail(error, ISO_ERR_USAGE, "level sets of different shapes");
+    ISO_TRY(iso_hgrid_touch(to, lo, hi, error));
+    for (int z = 0; z < to->cells[2]; z++)
+        for (int y = 0; y < to->cells[1]; y++)
+            for (int x = 0; x < to->cells[0]; x++) {
+                int32_t state = from->cell[iso_hgrid_cell_index(from, x, y, z)];
+                float *brick;
+                if (state < 0) {
+                    iso_hgrid_coalesce(to, x, y, z, state);
+                    continue;
+                }
+                ISO_TRY(iso_hgrid_split(to, x, y, z, &brick, error));
+                memcpy(brick, iso_hgrid_brick(from, state), ISO_BRICK_VOXELS * sizeof(float));
+            }
+    return ISO_OK;
+}

@@ -92,6 +92,10 @@ iso_status iso_hgrid_touch(iso_hgrid *grid, const int lo[3], const int hi[3], is
 iso_status iso_hgrid_crop(const iso_hgrid *grid, const int lo[3], const int hi[3], iso_hgrid **cropped,
                           iso_error *error);
 
+/* Makes `to`, a grid of the same dims and band, hold the same cells; all of it counts as changed.
+ * ISO_ERR_USAGE: not the same shape. ISO_ERR_NOMEM: some cells are copied. */
+iso_status iso_hgrid_copy_cells(const iso_hgrid *from, iso_hgrid *to, iso_error *error);
+
 /* Distance at a voxel, which must be inside the grid. */
 static inline float iso_hgrid_at(const iso_hgrid *grid, int x, int y, int z) {
     int32_t brick = grid->cell[iso_hgrid_cell_index(grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK)];

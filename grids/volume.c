@@ -11,19 +11,25 @@
 #include "base/memory.h"
 #include "grids/brick_index.h"
 #include "grids/format.h"
+#include "grids/module.h"
 
 /* ---- which format ---- */
+
+/* Their readers are modules: the libraries take tens of milliseconds and megabytes before they read a byte.
+ */
+static const iso_format format_vti = {.name = "vti", .library = "VTK", .module = "vti"};
+static const iso_format format_vdb = {.name = "vdb", .library = "OpenVDB", .module = "vdb"};
 
 static const struct {
     const char *suffix;
     const iso_format *format;
 } suffixes[] = {
-    {".vti", &iso_format_vti},   {".vtk", &iso_format_vtk},       {".nrrd", &iso_format_nrrd},
+    {".vti", &format_vti},       {".vtk", &iso_format_vtk},       {".nrrd", &iso_format_nrrd},
     {".nhdr", &iso_format_nrrd}, {".mha", &iso_format_metaimage}, {".mhd", &iso_format_metaimage},
     {".nii", &iso_format_nifti}, {".nii.gz", &iso_format_nifti},  {".hdr", &iso_format_nifti},
     {".img", &iso_format_nifti}, {".hdr.gz", &iso_format_nifti},  {".img.gz", &iso_format_nifti},
     {".dcm", &iso_format_dicom}, {".dicom", &iso_format_dicom},   {".ima", &iso_format_dicom},
-    {".vdb", &iso_format_vdb},
+    {".vdb", &format_vdb},
 };
 
 static bool ends_with(const char *text, const char *suffix) {
@@ -77,10 +83,10 @@ static bool is_xml_vtk(const head *h) {
 static const iso_format *format_of_content(const head *h) {
     if (has_at(h, 0, "NRRD", 4)) return &iso_format_nrrd;
     if (has_at(h, 0, "# vtk DataFile", 14)) return &iso_format_vtk;
-    if (has_at(h, 0, " BDV\0\0\0\0", 8)) return &iso_format_vdb;
+    if (has_at(h, 0, " BDV\0\0\0\0", 8)) return &format_vdb;
     if (has_at(h, 128, "DICM", 4)) return &iso_format_dicom;
     if (is_nifti(h) || has_at(h, 0, "\x1f\x8b", 2)) return &iso_format_nifti;
-    if (is_xml_vtk(h)) return &iso_format_vti;
+    if (is_xml_vtk(h)) return &format_vti;
     return is_metaimage(h) ? &iso_format_metaimage : NULL;
 }
 
@@ -114,82 +120,6 @@ static iso_status find_format(const char *path, const iso_volume_opts *opts, con
     if (ends_with(path, ".raw"))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: raw data needs a layout (--raw WxHxD:TYPE)", path);
     return iso_fail(error, ISO_ERR_FORMAT, "%s: not a volume that isopoint can read", path);
-}
-
-/* ---- what a header may say ---- */
-
-iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info,
-                           iso_error *error) {
-    for (int i = 0; i < 3; i++) {
-        if (dims[i] < 1 || dims[i] > INT_MAX)
-            return iso_fail(error, ISO_ERR_FORMAT, "%s: cannot have %llu voxels on axis %d", path,
-                            (unsigned long long)dims[i], i);
-        info->dims[i] = (int)dims[i];
-    }
-    return ISO_OK;
-}
-
-iso_status iso_format_component(const char *path, const iso_volume_opts *opts, int components,
-                                iso_volume_info *info, iso_error *error) {
-    if (components < 1) return iso_fail(error, ISO_ERR_FORMAT, "%s: has no components", path);
-    if (opts->component < 0 || opts->component >= components)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: no component %d, there %s %d (from 0)", path,
-                        opts->component, components == 1 ? "is" : "are", components);
-    info->components = components;
-    info->component = opts->component;
-    if (components > 1)
-        iso_volume_note(info, "several components: using %d of %d (--component)", opts->component,
-                        components);
-    return ISO_OK;
-}
-
-iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, double fraction,
-                               iso_error *error) {
-    if (!opts->progress || opts->progress(opts->progress_context, fraction) == 0) return ISO_OK;
-    return iso_fail(error, ISO_ERR_IO, "%s: cancelled", path);
-}
-
-iso_status iso_format_file_bytes(const char *path, uint64_t *bytes, iso_error *error) {
-    struct stat status;
-    if (stat(path, &status) != 0)
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    if (!S_ISREG(status.st_mode)) return iso_fail(error, ISO_ERR_IO, "%s: not a file", path);
-    *bytes = (uint64_t)status.st_size;
-    return ISO_OK;
-}
-
-iso_status iso_format_truncated(const char *path, uint64_t bytes, uint64_t wanted, iso_error *error) {
-    return iso_fail(error, ISO_ERR_IO, "%s: truncated: %llu of %llu bytes", path, (unsigned long long)bytes,
-                    (unsigned long long)wanted);
-}
-
-iso_status iso_format_create(const char *path, const iso_volume_info *info, const iso_format_data *lent,
-                             iso_grid *grid, iso_error *error) {
-    iso_rgrid_desc desc = {.dims = {info->dims[0], info->dims[1], info->dims[2]},
-                           .type = info->type,
-                           .scale = info->scale,
-                           .offset = info->offset,
-                           .transform = &info->transform,
-                           .level_set = info->level_set};
-    if (lent) {
-        desc.data = lent->data;
-        desc.release = lent->release;
-        desc.owner = lent->owner;
-    }
-    iso_error detail = {0};
-    iso_rgrid *rgrid = NULL;
-    iso_status status = iso_rgrid_create(&desc, &rgrid, &detail);
-    if (status != ISO_OK) return iso_fail(error, status, "%s: %s", path, detail.text);
-    *grid = (iso_grid){.rgrid = rgrid};
-    return ISO_OK;
-}
-
-void iso_volume_note(iso_volume_info *info, const char *format, ...) {
-    if (info->note_count >= ISO_VOLUME_NOTES) return;
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
-    va_end(arguments);
 }
 
 /* ---- header ---- */
@@ -251,13 +181,23 @@ static iso_status named(const char *path, iso_status status, const iso_error *de
     return iso_fail(error, status, "%s%s%s", names_it ? "" : path, names_it ? "" : ": ", detail->text);
 }
 
+/* Puts the module's entry in place of one that names a module. */
+static iso_status load_format(const char *path, const iso_format **format, iso_error *error) {
+    if ((*format)->module) {
+        const iso_module *module = NULL;
+        ISO_TRY(iso_module_load(path, (*format)->module, (*format)->library, &module, error));
+        *format = module->format;
+    }
+    if ((*format)->info) return ISO_OK;
+    return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without %s, which reads this format", path,
+                    (*format)->library);
+}
+
 static iso_status read_header(const char *path, const iso_volume_opts *opts, const iso_format **format,
                               iso_volume_info *info, iso_error *error) {
     *info = (iso_volume_info){.components = 1, .scale = 1, .transform = iso_transform_identity()};
     ISO_TRY(find_format(path, opts, format, error));
-    if (!(*format)->info)
-        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without %s, which reads this format", path,
-                        (*format)->library);
+    ISO_TRY(load_format(path, format, error));
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);
     iso_error detail = {0};
     ISO_TRY(named(path, (*format)->info(path, opts, info, &detail), &detail, error));

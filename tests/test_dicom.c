@@ -282,6 +282,23 @@ static void compressed(void **state) {
     unlink(printed);
 }
 
+/* Only compressed pixels need GDCM. */
+static void without_gdcm(void **state) {
+    (void)state;
+    char path[1024];
+    in_folder(path, "IM2");
+    setenv("ISO_MODULE_PATH", FOLDER, 1);
+    write_series(&plain, "IM", 0);
+    iso_volume volume = read_ok(FOLDER, NULL);
+    iso_volume_free(&volume);
+    assert_int_equal(dicom_compress(path, "jpeg"), 0);
+    iso_volume_info info;
+    assert_int_equal(iso_volume_read_info(FOLDER, NULL, &info, NULL), ISO_OK);
+    expect_failure(FOLDER, NULL, ISO_ERR_UNSUPPORTED,
+                   "IM2: the GDCM reader (libisopoint-dicom.so) is not installed");
+    unsetenv("ISO_MODULE_PATH");
+}
+
 /* ---- which series ---- */
 
 static void several_series(void **state) {
@@ -753,6 +770,7 @@ int main(void) {
         TEST(folders_without_images),
         TEST(storage),
         TEST(compressed),
+        TEST(without_gdcm),
         TEST(several_series),
         TEST(scout_in_the_series),
         TEST(missing_slices),

@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "base/cpu.h"
 #include "render/draw.h"
 
 static double uniform(uint32_t *state) {
@@ -669,7 +670,7 @@ static void draw_both(const iso_view *view, const cloud *c, const soup *s, iso_p
     assert_int_equal(iso_draw_mesh(&target, &s->view, NULL), ISO_OK);
 }
 
-static void threads_and_strips_change_nothing(void **state) {
+static void threads_strips_and_levels_change_nothing(void **state) {
     (void)state;
     static cloud c;
     static soup s;
@@ -677,6 +678,8 @@ static void threads_and_strips_change_nothing(void **state) {
     const int threads[] = {2, 7}, strips[] = {0, 1, 38, 39, 170, 200};
     for (int round = 0; round < 6; round++) {
         make_cloud(&c, &seed, 100, round % 2);
+        for (int i = 0; i < MOST; i++) c.radii[i] *= i % 500 == 7 ? 9 : i % 3 == 0 ? 0.1f : 1;
+        if (round >= 2) c.view.radii = c.radii;
         make_sphere(&s, 30, 40);
         s.view.transform = c.view.transform;
         iso_view view = random_view(&seed, 180, 200, round % 3 == 2);
@@ -693,6 +696,14 @@ static void threads_and_strips_change_nothing(void **state) {
             same_gbuffers(&whole, &g, 0, 200);
             iso_gbuffer_free(&g);
             iso_pool_destroy(pool);
+        }
+        for (int level = 0; level <= (int)iso_cpu_supported(); level++) {
+            iso_gbuffer g = clear_gbuffer(180, 200);
+            iso_cpu_limit((iso_cpu_level)level);
+            draw_both(&view, &c, &s, NULL, &g);
+            iso_cpu_limit(ISO_CPU_AVX512);
+            same_gbuffers(&whole, &g, 0, 200);
+            iso_gbuffer_free(&g);
         }
         for (int k = 0; k < 5; k++) {
             int rows = strips[k + 1] - strips[k];
@@ -732,7 +743,7 @@ int main(void) {
         cmocka_unit_test(normals_are_interpolated_in_space),
         cmocka_unit_test(broad_triangles_match_rays),
         cmocka_unit_test(broken_meshes_are_harmless),
-        cmocka_unit_test(threads_and_strips_change_nothing),
+        cmocka_unit_test(threads_strips_and_levels_change_nothing),
         cmocka_unit_test(impossible_buffers_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -103,6 +103,10 @@ static void strips_are_the_whole_picture(void **state) {
     iso_camera camera = camera_at(20);
     iso_picture_opts opts = options(&s, &camera, side, factor * factor);
     iso_image strips = image_of(side), whole = image_of(side);
+    iso_aov aov, whole_aov;
+    assert_int_equal(iso_aov_create(side, side, &aov, NULL), ISO_OK);
+    assert_int_equal(iso_aov_create(side, side, &whole_aov, NULL), ISO_OK);
+    opts.aov = &aov;
     size_t covered = 0, counted = 0;
     assert_int_equal(iso_picture_render(&opts, &strips, &covered, NULL), ISO_OK);
     assert_int_equal(s.strips, 2);
@@ -113,8 +117,16 @@ static void strips_are_the_whole_picture(void **state) {
     assert_int_equal(iso_gbuffer_create(view.width, view.height, &gbuffer, NULL), ISO_OK);
     iso_gbuffer_clear(&gbuffer);
     assert_int_equal(draw_scene(&s, &view, &gbuffer, NULL), ISO_OK);
-    iso_shade(&opts.shading, &view, &gbuffer, factor, 0, &whole, NULL);
+    const iso_strip strip = {&view, &gbuffer, factor, 0};
+    iso_shade(&opts.shading, &strip, &whole, NULL);
     assert_memory_equal(strips.rgba, whole.rgba, (size_t)side * (size_t)side * 4);
+    iso_strip_measure(&strip, &whole_aov, NULL);
+    size_t plane = (size_t)side * (size_t)side * sizeof(float);
+    assert_memory_equal(aov.depth, whole_aov.depth, plane);
+    assert_memory_equal(aov.coverage, whole_aov.coverage, plane);
+    for (int axis = 0; axis < 3; axis++) assert_memory_equal(aov.normal[axis], whole_aov.normal[axis], plane);
+    iso_aov_free(&aov);
+    iso_aov_free(&whole_aov);
     size_t samples = (size_t)view.width * (size_t)view.height;
     for (size_t i = 0; i < samples; i++) counted += gbuffer.surface[i] != ISO_SURFACE_NONE;
     assert_int_equal(covered, counted);
@@ -303,7 +315,8 @@ static void perspective_changes_the_highlight(void **state) {
     iso_camera camera = camera_at(20);
     camera.view_angle = 100;
     iso_view view = iso_view_make(&camera, 64, 64);
-    iso_shade(&shading, &view, &g, 1, 0, &image, NULL);
+    const iso_strip strip = {&view, &g, 1, 0};
+    iso_shade(&shading, &strip, &image, NULL);
     for (int i = 0; i < 64 * 64; i++) {
         iso_vec3 ray = {(i % 64 + 0.5 - view.cx) / view.focal, (i / 64 + 0.5 - view.cy) / view.focal, 1};
         iso_vec3 to = iso_vec3_scale(iso_vec3_unit(ray), -1);

@@ -21,16 +21,22 @@ typedef struct simd_inputs {
 
 typedef struct simd_results {
     float set[SIMD_ITEMS], floats[SIMD_ITEMS], to_float[SIMD_ITEMS], min[SIMD_ITEMS], max[SIMD_ITEMS],
-        abs[SIMD_ITEMS], sqrt[SIMD_ITEMS], select[SIMD_ITEMS];
+        abs[SIMD_ITEMS], gather[SIMD_ITEMS], sqrt[SIMD_ITEMS], select[SIMD_ITEMS];
     int32_t u8[SIMD_ITEMS], u16[SIMD_ITEMS], i16[SIMD_ITEMS], lanes[SIMD_ITEMS], bits[SIMD_ITEMS],
         trunc[SIMD_ITEMS], floor[SIMD_ITEMS], selecti[SIMD_ITEMS];
+    int slides[SIMD_ITEMS]; /* how many of four slides were right */
     uint8_t truth[SIMD_TRUTHS][SIMD_ITEMS];
     float packed[SIMD_ITEMS + ISO_LANES_MAX];
     int32_t packedi[SIMD_ITEMS + ISO_LANES_MAX];
     int packed_count;
+    float gathered[4][SIMD_ITEMS], scattered[SIMD_ITEMS][5];
     float even[SIMD_ITEMS], odd[SIMD_ITEMS], zipped[2 * SIMD_ITEMS];
     uint8_t stored_u8[SIMD_ITEMS];
 } simd_results;
+
+static int same_bits(float a, float b) {
+    return memcmp(&a, &b, sizeof a) == 0;
+}
 
 #define ISO_LEVEL generic
 #include "test_simd_body.inc"
@@ -85,15 +91,20 @@ static void operate_plain(const simd_inputs *in, simd_results *out) {
         out->to_float[i] = (float)k;
         out->trunc[i] = (int32_t)in->small[i];
         out->floor[i] = (int32_t)floorf(in->small[i]);
+        out->gather[i] = in->a[in->u8[i]];
         out->min[i] = a < b ? a : b;
         out->max[i] = a > b ? a : b;
         out->abs[i] = fabsf(a);
         out->sqrt[i] = sqrtf(fabsf(a));
         out->select[i] = a < b ? a : b;
+        out->slides[i] = 4;
         out->selecti[i] = k < l ? k : l;
         const int truths[SIMD_TRUTHS] = {
             a < b, a <= b, a == b, k < l, k == l, a < b && k < l, a < b || k < l, a < b && !(k < l), a <= b};
         for (int t = 0; t < SIMD_TRUTHS; t++) out->truth[t][i] = (uint8_t)truths[t];
+        for (int row = 0; row < 4; row++) out->gathered[row][i] = in->b[in->u8[i] + row];
+        const float four[4] = {a, b, in->small[i], -a};
+        memcpy(out->scattered[i], four, sizeof four);
         out->stored_u8[i] = (uint8_t)k;
         out->zipped[2 * i] = a;
         out->zipped[2 * i + 1] = b;

@@ -14,15 +14,24 @@
 
 #define HUGE_PAGE ((size_t)2 << 20)
 
+/* Only pages that lie wholly in the block. */
+void iso_advise_huge(void *block, size_t bytes) {
+#ifdef MADV_HUGEPAGE
+    const size_t before = (0 - (uintptr_t)block) % HUGE_PAGE;
+    if (bytes < before + HUGE_PAGE) return;
+    madvise((char *)block + before, (bytes - before) / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
+#else
+    (void)block, (void)bytes;
+#endif
+}
+
 void *iso_alloc(size_t bytes) {
     size_t alignment = bytes >= HUGE_PAGE ? HUGE_PAGE : ISO_ALIGNMENT;
     if (bytes > SIZE_MAX - alignment) return NULL;
     size_t rounded = (bytes + ISO_ALIGNMENT - 1) / ISO_ALIGNMENT * ISO_ALIGNMENT;
     void *block = NULL;
     if (posix_memalign(&block, alignment, rounded ? rounded : ISO_ALIGNMENT) != 0) return NULL;
-#ifdef MADV_HUGEPAGE
-    if (bytes >= HUGE_PAGE) madvise(block, rounded / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
-#endif
+    iso_advise_huge(block, rounded);
     return block;
 }
 

@@ -23,6 +23,10 @@ extern "C" {
  */
 void *iso_alloc(size_t bytes);
 
+/* Asks for huge pages for memory of someone else's making, as iso_alloc does for its own: before it is first
+ * written to. */
+void iso_advise_huge(void *block, size_t bytes);
+
 /* count x size zeroed bytes, 16-byte aligned, pages untouched until used. NULL on overflow or no memory. */
 void *iso_alloc_zero(size_t count, size_t size);
 

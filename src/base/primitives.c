@@ -4,9 +4,7 @@
 
 /* Octahedral normals: Meyer et al. 2010, "On floating-point normal vectors". */
 
-static const float POSITION_STEP = 20.0f / 16384;
-static const float POSITION_LOW = -2.0f;
-enum { NORMAL_STEPS = 2047 };
+enum { NORMAL_STEPS = ISO_POINT_NORMAL_STEPS };
 
 /* Nearest step; kernels do the same arithmetic. */
 static uint64_t quantise(float value, float scale, float offset, float limit) {
@@ -45,7 +43,7 @@ iso_point iso_point_pack_scaled(const iso_surfel *surfel) {
 iso_surfel iso_point_unpack(iso_point point) {
     iso_surfel surfel;
     for (int axis = 0; axis < 3; axis++)
-        surfel.position[axis] = POSITION_LOW + POSITION_STEP * (float)(point.bits >> (14 * axis) & 16383);
+        surfel.position[axis] = ISO_POINT_LOW + ISO_POINT_STEP * (float)(point.bits >> (14 * axis) & 16383);
     float u = (float)(point.bits >> 42 & 2047) * (2.0f / NORMAL_STEPS) - 1;
     float v = (float)(point.bits >> 53) * (2.0f / NORMAL_STEPS) - 1;
     float w = 1 - fabsf(u) - fabsf(v);

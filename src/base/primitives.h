@@ -38,6 +38,13 @@ iso_point iso_point_pack(const iso_surfel *surfel);
 iso_point iso_point_pack_scaled(const iso_surfel *surfel);
 iso_surfel iso_point_unpack(iso_point point);
 
+/* The steps of a packed point, for kernels that unpack many. A coordinate is ISO_POINT_LOW + ISO_POINT_STEP *
+ * bits; a normal's two numbers -1 .. 1 are bits * (2 / ISO_POINT_NORMAL_STEPS) - 1, unfolded as
+ * iso_point_unpack does. */
+#define ISO_POINT_LOW (-2.0f)
+#define ISO_POINT_STEP (20.0f / 16384)
+enum { ISO_POINT_COORDINATE_BITS = 14, ISO_POINT_NORMAL_BITS = 11, ISO_POINT_NORMAL_STEPS = 2047 };
+
 /* How a surface bends at a point, in 6 bytes: its shape operator S (second fundamental form) in index space,
  * symmetric, in the frame (u, v) that iso_shape_frame makes of the point's normal as iso_point_view_get gives
  * it. A step q along the surface turns the outward normal by S q: entries are in 1 / voxel, positive where
@@ -62,6 +69,13 @@ typedef struct iso_point_span {
     size_t first; /* index of the span's first point */
 } iso_point_span;
 
+/* Boxes around a span's positions (relative to the brick, like them) and around its normals scaled to |x| +
+ * |y| + |z| = 1; lo > hi when there is nothing. */
+typedef struct iso_point_bounds {
+    float lo[3], hi[3];
+    float normal_lo[3], normal_hi[3];
+} iso_point_bounds;
+
 /* Points, borrowed from whoever owns them. Exactly one of `packed` and `surfels` is set (both NULL when
  * empty). */
 typedef struct iso_point_view {
@@ -74,6 +88,7 @@ typedef struct iso_point_view {
     iso_transform transform;
     double radius; /* mm; half of sqrt(2) x the largest spacing for extracted points (2003, section 4.1) */
     const uint8_t (*colors)[3]; /* per point, red green blue, display values; NULL: the surface's for all */
+    const iso_point_bounds *bounds; /* one per span; NULL: not known */
     bool closed; /* the points lie on closed surfaces with their normals outwards: seen from outside, those
                     that face away are hidden */
 } iso_point_view;

@@ -68,9 +68,20 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 #define v_andnot ISO_V(v_andnot)       /* a and not b */
 #define v_mask ISO_V(v_mask)           /* truth values as bits of a uint32_t, lane 0 lowest */
 #define v_from_mask ISO_V(v_from_mask) /* and back; higher bits are ignored */
+#define v_gather ISO_V(v_gather)       /* (const float *, vi): from[index], lane by lane */
+/* (before, after): the lanes of both in a row, from the 1st or 2nd on; and the last lane or two of `before`
+ * followed by the first ones of `after`. */
+#define v_next1 ISO_V(v_next1)
+#define v_next2 ISO_V(v_next2)
+#define v_last1 ISO_V(v_last1)
+#define v_last2 ISO_V(v_last2)
 /* The lanes where the mask is true, packed, to memory: up to ISO_LANES items are overwritten. */
 #define v_compress ISO_V(v_compress)   /* (float *, vm, vf) */
 #define v_compressi ISO_V(v_compressi) /* (int32_t *, vm, vi) */
+/* Four floats a lane. (base, index, out): out[k] of a lane is base[index of the lane + k]; (base, step, in):
+ * base[step * lane + k] becomes in[k] of the lane. */
+#define v_load4 ISO_V(v_load4)
+#define v_store4 ISO_V(v_store4)
 /* Two vectors as one row of twice as many items: its items of even or odd number, and back. */
 #define v_even ISO_V(v_even)         /* (vf a, vf b) */
 #define v_odd ISO_V(v_odd)           /* (vf a, vf b) */
@@ -158,12 +169,27 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
         return whole + (vi_##level)(value < __builtin_convertvector(whole, vf_##level));                     \
     }
 
+/* One of the slides and shuffles of a level; `lanes` are the numbers of the lanes taken. */
+#define ISO_SIMD_SLIDE(name, level, target, ...)                                                             \
+    target static inline vf_##level name##_##level(vf_##level before, vf_##level after) {                    \
+        return __builtin_shufflevector(before, after, __VA_ARGS__);                                          \
+    }
+
 /* ---- generic: 16 bytes, which every machine has or gcc makes do without */
 
 typedef float vf_generic __attribute__((vector_size(16)));
 typedef int32_t vi_generic __attribute__((vector_size(16)));
 ISO_SIMD_COMMON(generic, , 16)
 ISO_SIMD_TRUTH(generic, )
+
+ISO_SIMD_SLIDE(v_next1, generic, , 1, 2, 3, 4)
+ISO_SIMD_SLIDE(v_next2, generic, , 2, 3, 4, 5)
+ISO_SIMD_SLIDE(v_last1, generic, , 3, 4, 5, 6)
+ISO_SIMD_SLIDE(v_last2, generic, , 2, 3, 4, 5)
+ISO_SIMD_SLIDE(v_even, generic, , 0, 2, 4, 6)
+ISO_SIMD_SLIDE(v_odd, generic, , 1, 3, 5, 7)
+ISO_SIMD_SLIDE(v_zip_low, generic, , 0, 4, 1, 5)
+ISO_SIMD_SLIDE(v_zip_high, generic, , 2, 6, 3, 7)
 
 static inline vi_generic v_lanes_generic(void) {
     return (vi_generic){0, 1, 2, 3};
@@ -176,6 +202,9 @@ static inline vi_generic v_load_u16_generic(const uint16_t *from) {
 }
 static inline vi_generic v_load_i16_generic(const int16_t *from) {
     return (vi_generic){from[0], from[1], from[2], from[3]};
+}
+static inline vf_generic v_gather_generic(const float *from, vi_generic index) {
+    return (vf_generic){from[index[0]], from[index[1]], from[index[2]], from[index[3]]};
 }
 static inline vf_generic v_min_generic(vf_generic a, vf_generic b) {
     return v_select_generic(v_lt_generic(a, b), a, b);
@@ -211,20 +240,17 @@ static inline void v_compress_generic(float *to, vm_generic mask, vf_generic val
         count += mask[lane] & 1;
     }
 }
-static inline vf_generic v_even_generic(vf_generic a, vf_generic b) {
-    return (vf_generic){a[0], a[2], b[0], b[2]};
-}
-static inline vf_generic v_odd_generic(vf_generic a, vf_generic b) {
-    return (vf_generic){a[1], a[3], b[1], b[3]};
-}
-static inline vf_generic v_zip_low_generic(vf_generic a, vf_generic b) {
-    return (vf_generic){a[0], b[0], a[1], b[1]};
-}
-static inline vf_generic v_zip_high_generic(vf_generic a, vf_generic b) {
-    return (vf_generic){a[2], b[2], a[3], b[3]};
-}
 static inline void v_store_u8_generic(uint8_t *to, vi_generic value) {
     for (int lane = 0; lane < ISO_LANES_generic; lane++) to[lane] = (uint8_t)value[lane];
+}
+
+static inline void v_load4_generic(const float *base, const int32_t *index, vf_generic out[4]) {
+    for (int k = 0; k < 4; k++)
+        out[k] = (vf_generic){base[index[0] + k], base[index[1] + k], base[index[2] + k], base[index[3] + k]};
+}
+static inline void v_store4_generic(float *base, int step, const vf_generic in[4]) {
+    for (int lane = 0; lane < ISO_LANES_generic; lane++)
+        for (int k = 0; k < 4; k++) base[lane * step + k] = in[k][lane];
 }
 
 #if ISO_HAVE_X86

@@ -3,6 +3,8 @@
 #include <float.h>
 #include <string.h>
 
+#include "base/point_bounds.h"
+
 enum {
     BLOCK_POINTS = 4096,
     CHUNK_BLOCKS = 512, /* one task's */
@@ -22,51 +24,53 @@ typedef struct chunk {
 typedef struct survey {
     const iso_point_view *points;
     const iso_projector *projector;
+    double eye[3]; /* in index coordinates, or (orthographic) the direction of the view */
     iso_point_block *blocks;
     chunk *chunks;
     size_t count;
 } survey;
 
-/* Ranges in view space: of a block's centres, and of their radii in mm. */
+/* Ranges in view space: of a block's centres, and of its discs' radii in mm. */
 typedef struct extent {
     double lo[3], hi[3];
     double radius[2];
 } extent;
 
-static double positive(double radius) {
-    return radius > 0 ? radius : 0;
+/* (not fmin and fmax, which are calls) */
+static double least(double a, double b) {
+    return a < b ? a : b;
+}
+
+static double most(double a, double b) {
+    return a > b ? a : b;
 }
 
 static void radius_range(const iso_point_view *points, const iso_point_block *block, double range[2]) {
-    range[0] = range[1] = ISO_DISC_RADII * positive(points->radius);
+    range[0] = range[1] = ISO_DISC_RADII * most(points->radius, 0);
     if (!points->radii) return;
     range[0] = DBL_MAX;
     range[1] = 0;
     for (size_t i = block->first; i < block->first + block->count; i++) {
-        double radius = ISO_DISC_RADII * positive(points->radii[i]);
-        range[0] = fmin(range[0], radius);
-        range[1] = fmax(range[1], radius);
+        double radius = ISO_DISC_RADII * most((double)points->radii[i], 0);
+        range[0] = least(range[0], radius);
+        range[1] = most(range[1], radius);
     }
 }
 
-/* False when there is no point in the block. Packed points cannot leave [-2, 18); floats can, and are looked
- * at. */
-static bool block_extent(const survey *s, const iso_point_block *block, extent *out) {
-    iso_box box;
-    if (s->points->surfels) {
-        box = iso_surfel_bounds(s->points->surfels + block->first, block->count, block->brick);
-        if (iso_box_is_empty(&box)) return false;
-    } else {
-        const int32_t *b = block->brick;
-        box.lo = iso_vec3_make(b[0] * 16.0 - 2, b[1] * 16.0 - 2, b[2] * 16.0 - 2);
-        box.hi = iso_vec3_make(b[0] * 16.0 + 18, b[1] * 16.0 + 18, b[2] * 16.0 + 18);
+/* False when there is no point in the block. */
+static bool block_extent(const survey *s, const iso_point_block *block, const iso_point_bounds *bounds,
+                         extent *out) {
+    if (!(bounds->lo[0] <= bounds->hi[0])) return false;
+    double center[3], half[3];
+    for (int k = 0; k < 3; k++) {
+        double lo = bounds->lo[k], hi = bounds->hi[k];
+        center[k] = block->brick[k] * (double)ISO_BRICK + (lo + hi) / 2;
+        half[k] = (hi - lo) / 2;
     }
-    iso_vec3 center = iso_vec3_scale(iso_vec3_add(box.lo, box.hi), 0.5);
-    iso_vec3 half = iso_vec3_sub(box.hi, center);
     for (int axis = 0; axis < 3; axis++) {
         const double *m = s->projector->matrix + 3 * axis;
-        double at = m[0] * center.x + m[1] * center.y + m[2] * center.z + s->projector->origin[axis];
-        double reach = fabs(m[0]) * half.x + fabs(m[1]) * half.y + fabs(m[2]) * half.z;
+        double at = m[0] * center[0] + m[1] * center[1] + m[2] * center[2] + s->projector->origin[axis];
+        double reach = fabs(m[0]) * half[0] + fabs(m[1]) * half[1] + fabs(m[2]) * half[2];
         out->lo[axis] = at - reach;
         out->hi[axis] = at + reach;
     }
@@ -82,34 +86,29 @@ static void picture_side(const iso_view *view, int axis, double side[2]) {
 
 /* The least depth at which something of [lo, hi], widened by the radii, is between the sides; `near` at
  * least. */
-static double least_depth(const iso_view *view, const extent *e, double near) {
-    double least = near, widen = GUARD_RADII * e->radius[1];
+static double nearest_depth(const iso_view *view, const extent *e, double near) {
+    double nearest = near, widen = GUARD_RADII * e->radius[1];
     for (int axis = 0; axis < 2; axis++) {
         double side[2];
         picture_side(view, axis, side);
-        if (side[1] > 0) least = fmax(least, (e->lo[axis] - widen) * view->focal / side[1]);
-        if (side[0] < 0) least = fmax(least, (e->hi[axis] + widen) * view->focal / side[0]);
+        double lo = (e->lo[axis] - widen) * view->focal, hi = (e->hi[axis] + widen) * view->focal;
+        if (side[1] > 0 && lo > nearest * side[1]) nearest = lo / side[1];
+        if (side[0] < 0 && hi < nearest * side[0]) nearest = hi / side[0];
     }
-    return least;
+    return nearest;
 }
 
-/* Whether [lo, hi] at depths near .. far comes between the picture's sides on this axis; its range of pixels
- * without the radii goes to `pixels`. */
-static bool meets_sides(const iso_view *view, const extent *e, int axis, const double depth[2],
+/* Whether [lo, hi], widened by the radii, comes between the picture's sides on this axis, at scales (pixels
+ * per mm) of the nearest and the farthest; its range of pixels without the radii goes to `pixels`. */
+static bool meets_sides(const iso_view *view, const extent *e, int axis, const double scale[2],
                         double pixels[2]) {
     double side[2], lo = e->lo[axis], hi = e->hi[axis], widen = GUARD_RADII * e->radius[1];
     picture_side(view, axis, side);
-    if (view->orthographic) {
-        pixels[0] = lo * view->focal;
-        pixels[1] = hi * view->focal;
-        return (lo - widen) * view->focal < side[1] && (hi + widen) * view->focal > side[0];
-    }
-    pixels[0] = lo * view->focal / (lo < 0 ? depth[0] : depth[1]);
-    pixels[1] = hi * view->focal / (hi > 0 ? depth[0] : depth[1]);
+    pixels[0] = lo * scale[lo < 0 ? 0 : 1];
+    pixels[1] = hi * scale[hi > 0 ? 0 : 1];
     lo -= widen;
     hi += widen;
-    return lo * view->focal / (lo < 0 ? depth[0] : depth[1]) < side[1] &&
-           hi * view->focal / (hi > 0 ? depth[0] : depth[1]) > side[0];
+    return lo * scale[lo < 0 ? 0 : 1] < side[1] && hi * scale[hi > 0 ? 0 : 1] > side[0];
 }
 
 static int32_t whole_row(double row) {
@@ -118,18 +117,47 @@ static int32_t whole_row(double row) {
 }
 
 static void look(const iso_view *view, const extent *e, iso_point_block *block) {
-    block->seen = false;
     if (!(e->hi[2] >= view->near)) return;
-    double depth[2] = {fmax(e->lo[2], view->near), e->hi[2]}, columns[2], rows[2];
-    if (!view->orthographic) depth[0] = least_depth(view, e, depth[0]);
-    if (!(depth[0] <= depth[1])) return;
-    if (!meets_sides(view, e, 0, depth, columns) || !meets_sides(view, e, 1, depth, rows)) return;
-    block->seen = true;
-    for (int end = 0; end < 2; end++) {
-        double scale = view->orthographic ? view->focal : view->focal / depth[1 - end];
-        block->row[end] = whole_row(rows[end] + (end ? 1 : -1));
-        block->radius[end] = (float)(e->radius[end] * scale);
+    double scale[2] = {view->focal, view->focal}, columns[2], rows[2];
+    if (!view->orthographic) {
+        double near = nearest_depth(view, e, most(e->lo[2], view->near));
+        if (!(near <= e->hi[2])) return;
+        scale[0] /= near;
+        scale[1] /= e->hi[2];
     }
+    if (!meets_sides(view, e, 0, scale, columns) || !meets_sides(view, e, 1, scale, rows)) return;
+    block->seen = true;
+    block->row[0] = whole_row(rows[0] - 1);
+    block->row[1] = whole_row(rows[1] + 1);
+    block->radius[0] = (float)(e->radius[0] * scale[1]);
+    block->radius[1] = (float)(e->radius[1] * scale[0]);
+}
+
+/* Where normal . (position - eye) lies, from the boxes around both, widened by far more than a point's own
+ * test can err: then a block's answer is what each of its points would say. */
+static void face(const survey *s, const iso_point_bounds *bounds, iso_point_block *block) {
+    bool orthographic = s->projector->view->orthographic;
+    double lowest = 0, highest = 0, size = 0;
+    for (int k = 0; k < 3; k++) {
+        double corner = block->brick[k] * (double)ISO_BRICK - s->eye[k];
+        double lo = orthographic ? s->eye[k] : corner + bounds->lo[k];
+        double hi = orthographic ? s->eye[k] : corner + bounds->hi[k];
+        double a = lo * bounds->normal_lo[k], b = lo * bounds->normal_hi[k], c = hi * bounds->normal_lo[k],
+               d = hi * bounds->normal_hi[k];
+        lowest += least(least(a, b), least(c, d));
+        highest += most(most(a, b), most(c, d));
+        size += most(fabs(lo), fabs(hi));
+    }
+    block->averted = lowest > 1e-5 * size;
+    block->facing = highest < -1e-5 * size;
+}
+
+/* Without bounds, packed points can be anywhere in [-2, 18) and face anywhere; floats are looked at. */
+static iso_point_bounds bounds_of(const iso_point_view *points, const iso_point_block *block) {
+    if (points->bounds) return points->bounds[block->span];
+    iso_point_bounds bounds = {{-2, -2, -2}, {18, 18, 18}, {-1, -1, -1}, {1, 1, 1}};
+    if (points->surfels) iso_point_bounds_find(points, block->first, block->count, &bounds);
+    return bounds;
 }
 
 static void survey_chunk(void *context, size_t index, int worker) {
@@ -140,15 +168,17 @@ static void survey_chunk(void *context, size_t index, int worker) {
     size_t end = (index + 1) * CHUNK_BLOCKS;
     for (size_t i = index * CHUNK_BLOCKS; i < end && i < s->count; i++) {
         iso_point_block *block = &s->blocks[i];
+        iso_point_bounds bounds = bounds_of(s->points, block);
         extent e;
-        block->seen = false;
-        if (!block_extent(s, block, &e)) continue;
+        block->seen = block->averted = block->facing = false;
+        if (!block_extent(s, block, &bounds, &e)) continue;
         for (int axis = 0; axis < 3; axis++) {
-            found.lo[axis] = fmin(found.lo[axis], e.lo[axis]);
-            found.hi[axis] = fmax(found.hi[axis], e.hi[axis]);
+            found.lo[axis] = least(found.lo[axis], e.lo[axis]);
+            found.hi[axis] = most(found.hi[axis], e.hi[axis]);
         }
         look(s->projector->view, &e, block);
         if (!block->seen) continue;
+        if (s->points->closed) face(s, &bounds, block);
         found.seen++;
         if (block->radius[0] < found.radius[0]) found.radius[0] = block->radius[0];
         if (block->radius[1] > found.radius[1]) found.radius[1] = block->radius[1];
@@ -166,8 +196,8 @@ static void sum_up(iso_point_blocks *blocks, const chunk *chunks, size_t count) 
         blocks->radius[0] = fminf(blocks->radius[0], chunks[i].radius[0]);
         blocks->radius[1] = fmaxf(blocks->radius[1], chunks[i].radius[1]);
         for (int axis = 0; axis < 3; axis++) {
-            lo[axis] = fmin(lo[axis], chunks[i].lo[axis]);
-            hi[axis] = fmax(hi[axis], chunks[i].hi[axis]);
+            lo[axis] = least(lo[axis], chunks[i].lo[axis]);
+            hi[axis] = most(hi[axis], chunks[i].hi[axis]);
         }
     }
     blocks->around_eye = true;
@@ -188,6 +218,7 @@ static void cut(const iso_point_view *points, iso_point_block *block) {
             uint32_t left = span->count - done;
             block->count = left < BLOCK_POINTS ? left : BLOCK_POINTS;
             block->first = span->first + done;
+            block->span = s;
             memcpy(block->brick, span->brick, sizeof block->brick);
             done += block->count;
         }
@@ -201,23 +232,29 @@ iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view 
     ISO_TRY(iso_buffer_reserve(&blocks->chunks, chunks * sizeof(chunk), 0, error));
     blocks->count = count;
     cut(points, blocks->blocks.data);
-    survey s = {points, projector, blocks->blocks.data, blocks->chunks.data, count};
+    survey s = {.points = points,
+                .projector = projector,
+                .blocks = blocks->blocks.data,
+                .chunks = blocks->chunks.data,
+                .count = count};
+    iso_projector_eye(projector, &points->transform, s.eye);
     iso_parallel_for(pool, chunks, survey_chunk, &s);
     sum_up(blocks, s.chunks, chunks);
     return ISO_OK;
 }
 
 /* Bands first .. last that the block's rows are in; none when first > last. */
-static iso_rows bands_of(const iso_point_block *block, double first_row, int base, int band_rows, int bands) {
+static iso_rows bands_of(const iso_point_block *block, bool cull, double first_row, int base, int band_rows,
+                         int bands) {
     double size = (double)band_rows * (1 << base);
     double first = floor((block->row[0] - first_row) / size),
            last = floor((block->row[1] - first_row) / size);
-    if (!block->seen || first >= bands || last < 0) return (iso_rows){0, -1};
+    if (!block->seen || (cull && block->averted) || first >= bands || last < 0) return (iso_rows){0, -1};
     return (iso_rows){first < 0 ? 0 : (int)first, last >= bands ? bands - 1 : (int)last};
 }
 
 iso_status iso_point_blocks_deal(iso_point_blocks *blocks, const iso_view *view, const iso_pyramid *pyramid,
-                                 int band_rows, iso_error *error) {
+                                 int band_rows, bool cull, iso_error *error) {
     const int base = pyramid->shape.base, rows = pyramid->level[base].height;
     const int bands = (rows + band_rows - 1) / band_rows;
     const double first_row = pyramid->shape.row - view->cy; /* from the optical axis */
@@ -226,14 +263,14 @@ iso_status iso_point_blocks_deal(iso_point_blocks *blocks, const iso_view *view,
     size_t *start = blocks->start.data;
     memset(start, 0, ((size_t)bands + 2) * sizeof(size_t));
     for (size_t i = 0; i < blocks->count; i++) {
-        iso_rows in = bands_of(&block[i], first_row, base, band_rows, bands);
+        iso_rows in = bands_of(&block[i], cull, first_row, base, band_rows, bands);
         for (int b = in.first; b <= in.last; b++) start[b + 2]++;
     }
     for (int b = 0; b < bands; b++) start[b + 2] += start[b + 1];
     ISO_TRY(iso_buffer_reserve(&blocks->order, (start[bands + 1] + 1) * sizeof(uint32_t), 0, error));
     uint32_t *order = blocks->order.data;
     for (size_t i = 0; i < blocks->count; i++) {
-        iso_rows in = bands_of(&block[i], first_row, base, band_rows, bands);
+        iso_rows in = bands_of(&block[i], cull, first_row, base, band_rows, bands);
         for (int b = in.first; b <= in.last; b++) order[start[b + 1]++] = (uint32_t)i;
     }
     return ISO_OK;

@@ -15,10 +15,12 @@ typedef struct iso_point_block {
     int32_t brick[3];
     uint32_t count;
     size_t first;
+    size_t span;
     /* In this view: */
-    bool seen;       /* by the whole picture or the points' radii around it */
-    int32_t row[2];  /* first and last pixel row of its points' centres, counted from the optical axis */
-    float radius[2]; /* smallest and largest projected radius of discs that may be seen, pixels */
+    bool averted, facing; /* all its points face away from the eye, or to it */
+    bool seen;            /* by the whole picture or the points' radii around it */
+    int32_t row[2];       /* first and last pixel row of its points' centres, counted from the optical axis */
+    float radius[2];      /* smallest and largest projected radius of discs that may be seen, pixels */
 } iso_point_block;
 
 typedef struct iso_point_blocks {
@@ -37,9 +39,10 @@ typedef struct iso_point_blocks {
 iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view *points,
                                  const iso_projector *projector, iso_pool *pool, iso_error *error);
 
-/* Deals the blocks seen out to bands of `band_rows` rows of the pyramid's base level. ISO_ERR_NOMEM. */
+/* Deals the blocks seen (averted ones too unless `cull`) out to bands of `band_rows` rows of the pyramid's
+ * base level. ISO_ERR_NOMEM. */
 iso_status iso_point_blocks_deal(iso_point_blocks *blocks, const iso_view *view, const iso_pyramid *pyramid,
-                                 int band_rows, iso_error *error);
+                                 int band_rows, bool cull, iso_error *error);
 
 void iso_point_blocks_free(iso_point_blocks *blocks);
 

@@ -80,15 +80,7 @@ static void set_up_projection(frame *f, bool cull) {
             p->step[3 * row + k] = (float)(p->matrix[3 * row + k] * step);
         }
     }
-    iso_affine affine = iso_transform_affine(&f->points->transform);
-    const double *forward = view->rotation + 6;
-    iso_vec3 eye =
-        view->orthographic
-            ? iso_affine_vector_to_index(&affine, iso_vec3_make(forward[0], forward[1], forward[2]))
-            : iso_affine_point_to_index(&affine, view->eye);
-    p->eye[0] = eye.x;
-    p->eye[1] = eye.y;
-    p->eye[2] = eye.z;
+    iso_projector_eye(&f->projector, &f->points->transform, p->eye);
     /* counted from the whole frame, so that strips round alike */
     p->column = (float)((view->cx - shape->column) * pixel);
     p->row = (float)((view->cy - shape->row + shape->rows_before) * pixel);
@@ -128,17 +120,27 @@ static iso_status prepare(frame *f, iso_reconstruction reconstruction, iso_error
     int top = top_level(f->blocks->radius[1]), base = base_level(f->blocks->radius[0], top);
     bool cull = f->points->closed && !f->blocks->around_eye;
     iso_pyramid_shape shape = iso_pyramid_shape_of(view, base, top);
+    if (f->points->radii) shape.planes |= 1u << ISO_PLANE_RADIUS;
+    if (f->points->colors) shape.planes |= 7u << ISO_PLANE_RED;
+    shape.indexed = shape.planes != 0;
     ISO_TRY(iso_pyramid_reshape(f->pyramid, &shape, error));
     choose_bands(f);
     set_up_projection(f, cull);
     set_up_job(f, reconstruction, !cull);
-    return iso_point_blocks_deal(f->blocks, view, f->pyramid, f->band_rows, error);
+    return iso_point_blocks_deal(f->blocks, view, f->pyramid, f->band_rows, cull, error);
 }
 
 /* ---- the steps, by rows */
 
 static iso_rows rows_within(int first, int count, int height) {
     return (iso_rows){first, first + count <= height ? first + count - 1 : height - 1};
+}
+
+/* The beginning of the next block into the cache; the rest is fetched as it is read. */
+static void fetch_block(const frame *f, const iso_point_block *block) {
+    if (!f->points->packed) return;
+    const char *start = (const char *)(f->points->packed + block->first);
+    for (int line = 0; line < 8; line++) __builtin_prefetch(start + 64 * line);
 }
 
 static void project_band(const frame *f, size_t band, iso_rows rows) {
@@ -151,8 +153,28 @@ static void project_band(const frame *f, size_t band, iso_rows rows) {
     size_t count = (size_t)(rows.last - rows.first + 1 + (rows.last == height - 1)) * p->key_stride;
     int64_t *keys = p->keys + (size_t)rows.first * p->key_stride;
     for (size_t i = 0; i < count; i++) keys[i] = ISO_KEY_NONE;
-    for (size_t i = start[band]; i < start[band + 1]; i++)
+    for (size_t i = start[band]; i < start[band + 1]; i++) {
+        if (i + 1 < start[band + 1]) fetch_block(f, &block[order[i + 1]]);
         f->kernel->project(&f->projection, &block[order[i]], rows);
+    }
+}
+
+/* What the band's points have besides their keys, from their numbers. */
+static void fetch_attributes(const frame *f, iso_rows rows) {
+    const iso_pyramid *p = f->pyramid;
+    const iso_pyramid_level *level = &p->level[p->shape.base];
+    for (int y = rows.first; y <= rows.last; y++) {
+        const int64_t *keys = p->keys + (size_t)y * p->key_stride;
+        const int32_t *index = p->index + (size_t)y * p->key_stride;
+        for (int x = 0; x < level->width; x++) {
+            if (keys[x] == ISO_KEY_NONE) continue;
+            size_t at = (size_t)y * level->stride + (size_t)x, point = (size_t)index[x];
+            if (f->points->radii)
+                level->plane[ISO_PLANE_RADIUS][at] = ISO_DISC_RADII * fmaxf(f->points->radii[point], 0);
+            for (int k = 0; f->points->colors && k < 3; k++)
+                level->plane[ISO_PLANE_RED + k][at] = f->points->colors[point][k];
+        }
+    }
 }
 
 /* A band of the base level, and what it covers of the levels above as far as that is whole rows. */
@@ -163,6 +185,7 @@ static void do_band(void *context, size_t band, int worker) {
     int base = p->shape.base;
     iso_rows rows = rows_within((int)band * f->band_rows, f->band_rows, p->level[base].height);
     project_band(f, band, rows);
+    if (p->index) fetch_attributes(f, rows);
     if (base > 0) f->kernel->unpack(&f->job, rows);
     for (int i = 1; i <= f->band_levels; i++) {
         const iso_pyramid_level *level = &p->level[base + i];
@@ -274,6 +297,7 @@ static iso_status draw(iso_pullpush *workspace, const iso_target *target, const 
                .pyramid = &workspace->pyramid};
     ISO_TRY(iso_point_blocks_make(f.blocks, points, &f.projector, target->pool, error));
     if (f.blocks->seen == 0) return ISO_OK;
+    if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
     const bool refined =
         reconstruction == ISO_RECONSTRUCTION_AUTO || reconstruction == ISO_RECONSTRUCTION_REFINED;
     if (refined && iso_refined_can(f.blocks))

@@ -6,9 +6,8 @@
 #include <stdint.h>
 
 #include "base/parallel.h"
-#include "image/camera.h"
 #include "image/image.h"
-#include "render/gbuffer.h"
+#include "render/strip.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -20,8 +19,7 @@ typedef struct iso_rgb {
 } iso_rgb;
 
 /* Two directional lights that move with the camera (a key light from above left, a fill light from the eye),
- * ambient and a specular lobe of exponent 32 (five squarings). Shading is two-sided: a normal that faces away
- * is turned. */
+ * ambient and a specular lobe of exponent 32. Shading is two-sided: a normal that faces away is turned. */
 typedef struct iso_shading {
     const iso_rgb *colors; /* one per surface */
     int color_count;       /* surfaces beyond it take the last colour */
@@ -29,15 +27,15 @@ typedef struct iso_shading {
     int transparent; /* 1: background alpha 0 */
 } iso_shading;
 
-/* Colour of one sample: view-space unit normal, unit direction from the surface to the eye. Components 0
- * .. 1. */
+/* Colour of one sample: view-space unit normal, direction from the surface to the eye (of any length).
+ * Components 0 .. 1. iso_shade's samples are this, with (-u, -v, -1) for the ray through (u, v, 1). */
 void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]);
 
-/* Shades a supersampled gbuffer of (image width * factor) x (rows * factor) into rows y0 .. y0 + rows - 1 of
- * the image, averaging factor x factor samples (premultiplied, then made straight). `view` is the gbuffer's.
- */
-void iso_shade(const iso_shading *shading, const iso_view *view, const iso_gbuffer *gbuffer, int factor,
-               int y0, iso_image *image, iso_pool *pool);
+/* Shades a strip into its rows of the image, which has the picture's width: the mean of a pixel's covered
+ * samples over the background, or with it as alpha (not premultiplied). Returns how many samples show a
+ * surface. color_count must be positive. The same bytes for every instruction set and number of threads, and
+ * however a picture is cut into strips. */
+size_t iso_shade(const iso_shading *shading, const iso_strip *strip, iso_image *image, iso_pool *pool);
 
 #ifdef __cplusplus
 }

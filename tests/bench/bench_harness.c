@@ -63,7 +63,11 @@ iso_status bench_open(const bench_settings *settings, bench_state *bench, iso_er
 }
 
 void bench_close(bench_state *bench) {
-    for (int i = 0; i < bench->row_count; i++) free(bench->rows[i]);
+    for (int i = 0; i < bench->row_count; i++) {
+        free(bench->rows[i]->plan);
+        free(bench->rows[i]);
+    }
+    bench_display_close(&bench->display);
     for (int i = 0; i < BENCH_THREADS; i++) iso_pool_destroy(bench->pools[i]);
     bench_scenes_destroy(bench->scenes);
     iso_sink_abort(&bench->json);
@@ -190,11 +194,14 @@ static iso_status run_round(bench_row *row, iso_error *error) {
     return ISO_OK;
 }
 
-/* A row that takes seconds has said enough after three rounds. */
+/* A row that has taken seconds has said enough after three rounds. */
 static bool is_done(const bench_row *row) {
-    int most = row->kind->rounds ? row->kind->rounds : row->bench->settings->repeat;
-    if (row->rounds >= 3 && row->wall[0] > 1500) return true;
-    return row->rounds >= most;
+    enum { ENOUGH_MS = 3000 };
+    int most = row->bench->settings->repeat;
+    if (row->kind->rounds && row->kind->rounds < most) most = row->kind->rounds;
+    double spent = 0;
+    for (int i = 0; i < row->rounds; i++) spent += row->wall[i];
+    return row->rounds >= most || (row->rounds >= 3 && spent > ENOUGH_MS);
 }
 
 static void run_rounds(bench_state *bench) {
@@ -213,6 +220,11 @@ static double pairwise_ratio(const bench_row *row, const bench_row *other) {
     int count = row->rounds < other->rounds ? row->rounds : other->rounds;
     for (int i = 0; i < count; i++) ratios[i] = row->wall[i] > 0 ? other->wall[i] / row->wall[i] : 0;
     return bench_median(ratios, count);
+}
+
+static double cpu_ratio(const bench_row *row, const bench_row *other) {
+    double ours = bench_median(row->cpu, row->rounds);
+    return ours > 0 ? bench_median(other->cpu, other->rounds) / ours : 0;
 }
 
 /* The same comparison as the measure makes, 0 when it makes none. */
@@ -235,6 +247,7 @@ static void compare_row(bench_row *row) {
         }
         bench_count(row, against->counter, bench_ratio(row, against->other), least, 0);
         if (against->pairwise) bench_count(row, against->pairwise, pairwise_ratio(row, against->other), 0, 0);
+        if (against->cpu) bench_count(row, against->cpu, cpu_ratio(row, against->other), 0, 0);
     }
     if (row->rounds && row->kind->finish) row->kind->finish(row);
 }

@@ -14,13 +14,14 @@
 #include "base/cpu.h"
 #include "base/file.h"
 #include "base/parallel.h"
+#include "bench_child.h"
 #include "grids/grid.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-enum { BENCH_ROWS = 256, BENCH_ROUNDS = 64, BENCH_COUNTERS = 12, BENCH_AGAINST = 4, BENCH_THREADS = 8 };
+enum { BENCH_ROWS = 512, BENCH_ROUNDS = 64, BENCH_COUNTERS = 12, BENCH_AGAINST = 6, BENCH_THREADS = 8 };
 
 /* One timed run; milliseconds. */
 typedef struct bench_sample {
@@ -58,6 +59,7 @@ typedef struct bench_kind {
 typedef struct bench_against {
     const char *counter;
     const char *pairwise; /* name of the median of the rounds' ratios; NULL: left out */
+    const char *cpu; /* name of the ratio of processor time, which bears company better; NULL: left out */
     bench_row *other;
     double least; /* what is asked for; 0: nothing */
     /* With another row's counter of the same name as the measure: `least` is a fraction of that. */
@@ -74,7 +76,8 @@ struct bench_row {
     double isovalue;
     iso_cpu_level level;
     int threads;
-    void *context;
+    void *plan;    /* what open needs to know beyond this; owned, from calloc */
+    void *context; /* what open makes */
 
     bench_against against[BENCH_AGAINST];
     int against_count;
@@ -89,8 +92,8 @@ struct bench_row {
 };
 
 typedef struct bench_settings {
-    int help, list, small, repeat, memory_child;
-    const char *filter, *json, *file_child, *vtk_child;
+    int help, list, small, repeat;
+    const char *filter, *json, *vtk_child;
     int threads[BENCH_THREADS];
     int thread_count;
 } bench_settings;
@@ -104,7 +107,9 @@ typedef struct bench_state {
     struct bench_scenes *scenes;
     void *bandwidth; /* a block larger than any cache */
     size_t bandwidth_bytes;
-    iso_sink json; /* open from the start: minutes of work shall not fail at the end */
+    bench_display display;
+    char vtk_renderer[96]; /* what VTK's frames are drawn by, once they are */
+    iso_sink json;         /* open from the start: minutes of work shall not fail at the end */
 } bench_state;
 
 iso_status bench_open(const bench_settings *settings, bench_state *bench, iso_error *error);
@@ -143,14 +148,16 @@ iso_status bench_write_json(bench_state *bench, iso_error *error);
 /* bench_extract.c, bench_render.c: all their groups. */
 iso_status bench_extract(bench_state *bench, iso_error *error);
 iso_status bench_render(bench_state *bench, iso_error *error);
+/* bench_sculpt.c */
+iso_status bench_sculpt(bench_state *bench, iso_error *error);
 
 /* Parts of bench_extract in files of their own: bench_edit.c and bench_process.c. */
 iso_status bench_edit_group(bench_state *bench, iso_error *error);
 iso_status bench_process_groups(bench_state *bench, iso_error *error);
+/* From a file to a picture: the end of bench_render. */
+iso_status bench_picture_group(bench_state *bench, iso_error *error);
 
 /* What the hidden options do in a process of its own; the exit status. */
-int bench_memory_child(const bench_settings *settings);
-int bench_file_child(const bench_settings *settings);
 int bench_vtk_child(const bench_settings *settings);
 
 #ifdef __cplusplus

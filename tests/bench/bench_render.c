@@ -1,160 +1,234 @@
-/* bench render: from primitives to pixels, 1024 x 1024, one sample a pixel.
- *
- * There is no peer here: VTK's renderers need GL, and a row that is not measured is left out. */
+/* bench render: from primitives to pixels, 1024 x 1024, one sample a pixel; against VTK's frame of the
+ * corresponding mesh at the same number of threads. */
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include "bench_harness.h"
-#include "extract/mesh.h"
-#include "extract/points.h"
-#include "image/camera.h"
-#include "render/draw.h"
-#include "render/picture.h"
-#include "truth/raycast.h"
+#include "bench_frame.h"
 
-typedef struct scene_state {
-    iso_point_set *points; /* exactly one of the three */
-    iso_mesh_set *mesh;
-    iso_raycaster *caster;
-    iso_pool *pool;
-    iso_camera camera;
-    iso_image image;
-    size_t primitives, covered;
-} scene_state;
+/* ---- what is asked for ---- */
 
-static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
-    const scene_state *scene = context;
-    iso_target target = {view, gbuffer, scene->pool, 0};
-    if (scene->caster) return iso_draw_raycast(&target, scene->caster, error);
-    if (scene->mesh) {
-        iso_mesh_view mesh = iso_mesh_set_view(scene->mesh);
-        return iso_draw_mesh(&target, &mesh, error);
+static bool is_method(const bench_method *method, const char *name) {
+    return strcmp(method->name, name) == 0;
+}
+
+/* Pull-push is judged by the bumpy sphere, at full size and with what this machine does best. */
+static bool is_judged_pullpush(const bench_row *row, const bench_method *method) {
+    const bench_frame_plan *plan = row->plan;
+    return is_method(method, "pullpush/gaussian") && row->level == row->bench->best && plan &&
+           plan->subject->bumpy_side && !row->bench->settings->small;
+}
+
+static bool is_judged_exact(const bench_row *row, const bench_method *method) {
+    return is_method(method, "exact") && row->level != ISO_CPU_GENERIC && !row->bench->settings->small;
+}
+
+/* Of VTK's time for the mesh. */
+static double asked_of_vtk(const bench_row *row, const bench_method *method) {
+    if (is_judged_pullpush(row, method)) return 40;
+    if (!is_judged_exact(row, method)) return 0;
+    return row->level == ISO_CPU_AVX512 ? 20 : 10;
+}
+
+/* Of one thread's time. */
+static double asked_of_scaling(const bench_row *row, const bench_method *method) {
+    bool asked = is_judged_pullpush(row, method) || is_judged_exact(row, method);
+    return asked && row->threads == 2 ? 1.6 : 0;
+}
+
+/* ---- the rows of a group ---- */
+
+enum { SUBJECTS = 4, METHODS = 16 };
+
+typedef struct frame_group {
+    bench_state *bench;
+    bench_subject subjects[SUBJECTS];
+    int subject_count, view_count;
+    bench_row *vtk[SUBJECTS][BENCH_VIEWS][BENCH_THREADS];
+    bench_row *rows[SUBJECTS][BENCH_VIEWS][METHODS][ISO_CPU_LEVELS][BENCH_THREADS];
+} frame_group;
+
+/* "1M", or with several views "ct512/fit" */
+static void describe(const frame_group *group, int subject, int view, char text[64]) {
+    static const char *const names[BENCH_VIEWS] = {"fit", "4x"};
+    bool several = group->view_count > 1;
+    snprintf(text, 64, "%.31s%s%s", group->subjects[subject].name, several ? "/" : "",
+             several ? names[view] : "");
+}
+
+static void add_plan(bench_row *row, const bench_method *method, bench_subject *subject, int view) {
+    bench_frame_plan *plan = calloc(1, sizeof *plan);
+    if (plan) *plan = (bench_frame_plan){method, subject, view};
+    row->plan = plan;
+}
+
+static void add_vtk(frame_group *group, int subject, int view) {
+    const bench_settings *settings = group->bench->settings;
+    char text[64];
+    describe(group, subject, view, text);
+    for (int t = 0; t < settings->thread_count; t++) {
+        bench_row *row = bench_add(group->bench, &bench_vtk_kind, "render/vtk_frame/%s/threads:%d", text,
+                                   settings->threads[t]);
+        row->threads = settings->threads[t];
+        add_plan(row, NULL, &group->subjects[subject], view);
+        group->vtk[subject][view][t] = row;
     }
-    iso_point_view points = iso_point_set_view(scene->points);
-    return iso_draw_points(&target, &points, error);
 }
 
-/* The whole volume in sight. */
-static iso_status aim(scene_state *scene, const iso_grid *grid, int side, iso_error *error) {
-    const int *dims = iso_grid_dims(grid);
-    iso_box box = {.hi = iso_vec3_make(dims[0] - 1, dims[1] - 1, dims[2] - 1)};
-    iso_affine affine = iso_transform_affine(iso_grid_transform(grid));
-    iso_box world = iso_box_transform(&box, &affine);
-    scene->camera = (iso_camera){.view_angle = 30};
-    iso_vec3 forward;
-    iso_direction_vectors(ISO_ISOMETRIC, iso_vec3_make(0, 0, 1), &forward, &scene->camera.view_up);
-    scene->camera.position = iso_vec3_scale(forward, -1);
-    iso_camera_fit(&scene->camera, &world, 1, 1);
-    return iso_image_create(side, side, &scene->image, error);
-}
-
-static iso_status begin(bench_row *row, scene_state **out, const iso_grid **grid, iso_error *error) {
-    ISO_TRY(bench_row_grid(row, grid, error));
-    scene_state *scene = calloc(1, sizeof *scene);
-    if (!scene) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    row->context = *out = scene;
-    scene->pool = bench_pool(row->bench, row->threads);
-    return aim(scene, *grid, row->bench->settings->small ? 64 : 1024, error);
-}
-
-static iso_status open_points(bench_row *row, iso_error *error) {
-    scene_state *scene = NULL;
-    const iso_grid *grid = NULL;
-    ISO_TRY(begin(row, &scene, &grid, error));
-    iso_points_opts opts = {.isovalue = row->isovalue, .pool = scene->pool};
-    ISO_TRY(iso_point_set_create(grid, &opts, &scene->points, error));
-    ISO_TRY(iso_point_set_update(scene->points, error));
-    scene->primitives = iso_point_set_stats(scene->points).points;
-    return ISO_OK;
-}
-
-static iso_status open_mesh(bench_row *row, iso_error *error) {
-    scene_state *scene = NULL;
-    const iso_grid *grid = NULL;
-    ISO_TRY(begin(row, &scene, &grid, error));
-    iso_mesh_opts opts = {.isovalue = row->isovalue, .pool = scene->pool};
-    ISO_TRY(iso_mesh_set_create(grid, &opts, &scene->mesh, error));
-    ISO_TRY(iso_mesh_set_update(scene->mesh, error));
-    iso_mesh_view view = iso_mesh_set_view(scene->mesh);
-    scene->primitives = iso_mesh_view_triangle_count(&view);
-    return ISO_OK;
-}
-
-static iso_status open_raycast(bench_row *row, iso_error *error) {
-    scene_state *scene = NULL;
-    const iso_grid *grid = NULL;
-    ISO_TRY(begin(row, &scene, &grid, error));
-    return iso_raycaster_create(grid, row->isovalue, scene->pool, &scene->caster, error);
-}
-
-static iso_status run(bench_row *row, bench_sample *sample, iso_error *error) {
-    static const iso_rgb color = {0xD9, 0xB3, 0x6C};
-    scene_state *scene = row->context;
-    iso_picture_opts opts = {.camera = &scene->camera,
-                             .width = scene->image.width,
-                             .height = scene->image.height,
-                             .shading = {.colors = &color, .color_count = 1},
-                             .draw = draw,
-                             .draw_context = scene,
-                             .pool = scene->pool};
-    bench_clock clock = bench_clock_start();
-    ISO_TRY(iso_picture_render(&opts, &scene->image, &scene->covered, error));
-    bench_clock_stop(&clock, sample);
-    sample->primitives = scene->primitives;
-    return ISO_OK;
-}
-
-static void finish(bench_row *row) {
-    const scene_state *scene = row->context;
-    double seconds = bench_row_median(row) * 1e-3;
-    bench_count(row, "covered_pixels", (double)scene->covered, 0, 0);
-    if (scene->primitives) bench_count(row, "items_per_second", (double)scene->primitives / seconds, 0, 0);
-}
-
-static void close_scene(bench_row *row) {
-    scene_state *scene = row->context;
-    if (!scene) return;
-    iso_point_set_destroy(scene->points);
-    iso_mesh_set_destroy(scene->mesh);
-    iso_raycaster_destroy(scene->caster);
-    iso_image_free(&scene->image);
-    free(scene);
-}
-
-static const struct method {
-    const char *name;
-    bench_kind kind;
-} methods[] = {
-    {"points", {.open = open_points, .run = run, .finish = finish, .close = close_scene}},
-    {"mesh", {.open = open_mesh, .run = run, .finish = finish, .close = close_scene}},
-    {"raycast", {.open = open_raycast, .run = run, .finish = finish, .close = close_scene}},
-};
-
-static iso_status run_scene(bench_state *bench, bool head, int size, iso_error *error) {
+static void add_method(frame_group *group, int subject, int view, int number) {
+    const bench_method *method = &bench_methods[number];
+    bench_state *bench = group->bench;
     const bench_settings *settings = bench->settings;
-    char title[64];
-    snprintf(title, sizeof title, "frames of %s%d", head ? "head" : "ct", size);
-    for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
-        bench_row *single = NULL;
+    const bench_kind *kind = method->slow ? &bench_slow_frame_kind : &bench_frame_kind;
+    char text[64];
+    describe(group, subject, view, text);
+    for (int level = method->kernels ? 0 : (int)bench->best; level <= (int)bench->best; level++)
         for (int t = 0; t < settings->thread_count; t++) {
-            bench_row *row = bench_add(bench, &methods[m].kind, "render/%s/%s%d/threads:%d", methods[m].name,
-                                       head ? "head" : "ct", size, settings->threads[t]);
-            row->head = head;
-            row->size = size;
-            row->isovalue = head ? 0 : 127.5;
+            const char *variant = method->kernels ? iso_cpu_level_name((iso_cpu_level)level) : "";
+            bench_row *row = bench_add(bench, kind, "render/%s/%s%s%s/threads:%d", method->name, text,
+                                       method->kernels ? "/" : "", variant, settings->threads[t]);
             row->threads = settings->threads[t];
-            if (row->threads == 1)
-                single = row;
-            else
-                bench_compare(row, single, "scaling", NULL, 0);
+            row->level = (iso_cpu_level)level;
+            add_plan(row, method, &group->subjects[subject], view);
+            group->rows[subject][view][number][level][t] = row;
         }
-    }
-    return bench_run_group(bench, title, error);
 }
 
-/* ct of 160 has as many voxels as the stent that ships (128 x 128 x 256); 256 is four times that. */
+/* ---- what they are compared with ---- */
+
+/* Position of a method in the table, -1 when there is none. */
+static int method_number(const char *name) {
+    for (int m = 0; m < bench_method_count; m++)
+        if (is_method(&bench_methods[m], name)) return m;
+    return -1;
+}
+
+/* The row of another method at the same threads; of the best level when it has but one. */
+static bench_row *row_of(const frame_group *group, int subject, int view, const char *name,
+                         const bench_row *like, int t) {
+    int m = method_number(name);
+    if (m < 0) return NULL;
+    iso_cpu_level level = bench_methods[m].kernels ? like->level : group->bench->best;
+    bench_row *row = group->rows[subject][view][m][level][t];
+    return row == like ? NULL : row;
+}
+
+static int single_thread(const bench_settings *settings) {
+    for (int t = 0; t < settings->thread_count; t++)
+        if (settings->threads[t] == 1) return t;
+    return -1;
+}
+
+static void compare_exact(const frame_group *group, bench_row *row, int subject, int view, int t) {
+    const bench_method *method = &bench_methods[method_number("exact")];
+    bench_compare(row, row_of(group, subject, view, "raycast", row, t), "ratio_vs_raycast", NULL,
+                  is_judged_exact(row, method) ? 5 : 0);
+    bench_compare(row, row_of(group, subject, view, "pullpush/gaussian", row, t), "ratio_vs_pullpush", NULL,
+                  0);
+}
+
+/* A twentyfold of points in at most five times the time; refined in three times gaussian's. */
+static void compare_pullpush(const frame_group *group, bench_row *row, const bench_method *method,
+                             int subject, int view, int t) {
+    if (is_method(method, "pullpush/refined"))
+        bench_compare(row, row_of(group, subject, view, "pullpush/gaussian", row, t), "ratio_vs_gaussian",
+                      NULL, 1.0 / 3);
+    bool most = group->subject_count == SUBJECTS && subject == SUBJECTS - 1;
+    if (most && is_method(method, "pullpush/gaussian"))
+        bench_compare(row, group->rows[1][view][method_number(method->name)][row->level][t], "ratio_vs_1M",
+                      NULL, is_judged_pullpush(row, method) ? 1.0 / 5 : 0);
+}
+
+static void compare_row(const frame_group *group, int subject, int view, int number, int t) {
+    const bench_method *method = &bench_methods[number];
+    int single = single_thread(group->bench->settings);
+    for (int level = 0; level < ISO_CPU_LEVELS; level++) {
+        bench_row *row = group->rows[subject][view][number][level][t];
+        if (!row) continue;
+        bench_against *vtk = bench_compare(row, group->vtk[subject][view][t], "ratio_vs_vtk_frame",
+                                           "ratio_vs_vtk_frame_pairwise", asked_of_vtk(row, method));
+        if (vtk && row->threads == 1) vtk->cpu = "ratio_vs_vtk_frame_cpu";
+        if (is_method(method, "exact")) compare_exact(group, row, subject, view, t);
+        compare_pullpush(group, row, method, subject, view, t);
+        if (single >= 0 && single != t)
+            bench_compare(row, group->rows[subject][view][number][level][single], "scaling", NULL,
+                          asked_of_scaling(row, method));
+    }
+}
+
+static void add_view(frame_group *group, int subject, int view) {
+    const bench_subject *what = &group->subjects[subject];
+    if (!what->bumpy_meshless) add_vtk(group, subject, view);
+    for (int m = 0; m < bench_method_count; m++) {
+        const bench_method *method = &bench_methods[m];
+        bool fits = what->bumpy_side ? method->on_bumpy : method->on_volumes;
+        if (fits && !(what->bumpy_meshless && is_method(method, "mesh"))) add_method(group, subject, view, m);
+    }
+}
+
+static iso_status run_frames(frame_group *group, const char *title, iso_error *error) {
+    for (int s = 0; s < group->subject_count; s++)
+        for (int v = 0; v < group->view_count; v++) add_view(group, s, v);
+    for (int s = 0; s < group->subject_count; s++)
+        for (int v = 0; v < group->view_count; v++)
+            for (int m = 0; m < bench_method_count; m++)
+                for (int t = 0; t < group->bench->settings->thread_count; t++) compare_row(group, s, v, m, t);
+    iso_status status = bench_run_group(group->bench, title, error);
+    for (int s = 0; s < group->subject_count; s++) bench_subject_end(&group->subjects[s]);
+    return status;
+}
+
+/* ---- the groups ---- */
+
+/* About 0.3, 1, 5 and 20 million points; the last one is too fine for one hgrid, and for VTK's patience. */
+static iso_status run_bumpy(bench_state *bench, iso_error *error) {
+    static const char *const names[SUBJECTS] = {"0.3M", "1M", "5M", "20M"};
+    static const char *const small_names[SUBJECTS] = {"4k", "8k", "14k", "25k"};
+    static const int sides[SUBJECTS] = {327, 597, 1336, 2672}, small_sides[SUBJECTS] = {40, 56, 72, 96};
+    bool small = bench->settings->small;
+    frame_group *group = calloc(1, sizeof *group);
+    if (!group) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    *group = (frame_group){.bench = bench, .subject_count = SUBJECTS, .view_count = 1};
+    for (int i = 0; i < SUBJECTS; i++) {
+        bool last = i == SUBJECTS - 1;
+        bench_subject *subject = &group->subjects[i];
+        *subject = (bench_subject){.bench = bench,
+                                   .bumpy_side = small ? small_sides[i] : sides[i],
+                                   .bumpy_piece = small && last ? 2 : BENCH_BUMPY_PIECE,
+                                   .bumpy_meshless = last};
+        snprintf(subject->name, sizeof subject->name, "%s", small ? small_names[i] : names[i]);
+    }
+    iso_status status = run_frames(group, "frames of a bumpy sphere, by points", error);
+    free(group);
+    return status;
+}
+
+static iso_status run_volume(bench_state *bench, const bench_subject *what, iso_error *error) {
+    char title[64];
+    frame_group *group = calloc(1, sizeof *group);
+    if (!group) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    *group = (frame_group){.bench = bench, .subject_count = 1, .view_count = BENCH_VIEWS};
+    group->subjects[0] = *what;
+    group->subjects[0].bench = bench;
+    snprintf(title, sizeof title, "frames of %s", what->name);
+    iso_status status = run_frames(group, title, error);
+    free(group);
+    return status;
+}
+
+static iso_status run_ct(bench_state *bench, int size, iso_error *error) {
+    bench_subject what = {.ct_size = size, .isovalue = 127.5};
+    snprintf(what.name, sizeof what.name, "ct%d", size);
+    return run_volume(bench, &what, error);
+}
+
 iso_status bench_render(bench_state *bench, iso_error *error) {
     bool small = bench->settings->small;
-    ISO_TRY(run_scene(bench, false, small ? 32 : 160, error));
-    return run_scene(bench, false, small ? 48 : 256, error);
+    bench_subject brain = {.name = "ch2better", .file = "mricron/ch2better.nii.gz", .isovalue = 60};
+    if (small) brain = (bench_subject){.name = "headmr", .file = "headmr/HeadMRVolume.mhd", .isovalue = 40};
+    ISO_TRY(run_bumpy(bench, error));
+    ISO_TRY(run_ct(bench, small ? 32 : 256, error));
+    ISO_TRY(run_volume(bench, &brain, error));
+    ISO_TRY(run_ct(bench, small ? 48 : 512, error));
+    return bench_picture_group(bench, error);
 }

@@ -28,10 +28,13 @@ static bool read_line(const char *path, const char *key, char *text, int size) {
 /* ---- tables ---- */
 
 /* Counters that have a column, by any of their names, and those that are in the JSON only. */
-static const char *const peer_names[] = {"ratio_vs_vtkFlyingEdges3D", "ratio_vs_volumeToMesh", NULL};
-static const char *const pair_names[] = {"ratio_vs_vtkFlyingEdges3D_pairwise",
-                                         "ratio_vs_volumeToMesh_pairwise", "ratio_vs_full_pairwise", NULL};
-static const char *const own_names[] = {"ratio_vs_marching_cubes", "ratio_vs_full", NULL};
+static const char *const peer_names[] = {"ratio_vs_vtkFlyingEdges3D", "ratio_vs_volumeToMesh",
+                                         "ratio_vs_vtk_frame", "ratio_vs_vtk_process", NULL};
+static const char *const pair_names[] = {
+    "ratio_vs_vtkFlyingEdges3D_pairwise", "ratio_vs_volumeToMesh_pairwise", "ratio_vs_full_pairwise",
+    "ratio_vs_vtk_frame_pairwise",        "ratio_vs_vtk_process_pairwise",  NULL};
+static const char *const own_names[] = {"ratio_vs_marching_cubes", "ratio_vs_full", "ratio_vs_raycast",
+                                        "ratio_vs_gaussian", NULL};
 static const char *const scaling_names[] = {"scaling", NULL};
 static const char *const first_names[] = {"first_ms", NULL};
 static const char *const *const columns[] = {peer_names, pair_names, own_names, scaling_names, first_names};
@@ -105,6 +108,9 @@ static void print_asked(const bench_row *row, const bench_counter *counter) {
 }
 
 void bench_print_asked(const bench_state *bench) {
+    if (bench->vtk_renderer[0])
+        printf("\nVTK's frames were drawn by %s, bound to as many processors as it has threads\n",
+               bench->vtk_renderer);
     printf("\nwhat is asked for (ratios of medians of this run)\n");
     for (int i = 0; i < bench->row_count; i++)
         for (int k = 0; k < bench->rows[i]->counter_count; k++) {
@@ -162,6 +168,7 @@ static void write_context(iso_json *json, const bench_state *bench) {
     known = read_line("/proc/cpuinfo", "model name", text, sizeof text);
     iso_json_string(json, "cpu_model", known ? text : "unknown");
     iso_json_string(json, "cpu_level", iso_cpu_level_name(bench->best));
+    if (bench->vtk_renderer[0]) iso_json_string(json, "vtk_renderer", bench->vtk_renderer);
     known = read_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", NULL, text, sizeof text);
     iso_json_bool(json, "cpu_scaling_enabled", known && strcmp(text, "performance") != 0);
     write_caches(json);

@@ -76,3 +76,58 @@ class Png:
 
     def pixels(self):
         return [pixel for row in self.rows for pixel in row]
+
+
+class Exr:
+    """An OpenEXR picture as --aov writes it: attributes (raw bytes), and every channel as a flat list of floats."""
+
+    def __init__(self, path):
+        data = open(path, "rb").read()
+        expect(struct.unpack("<II", data[:8]) == (20000630, 2), path, "is not a scanline OpenEXR file")
+        self.attributes, at = {}, 8
+        while data[at]:
+            name, kind, rest = data[at:at + 600].split(b"\0", 2)
+            at += len(name) + len(kind) + 2
+            size = struct.unpack("<I", data[at:at + 4])[0]
+            self.attributes[name.decode()] = data[at + 4:at + 4 + size]
+            at += 4 + size
+        expect(self.attributes["compression"] == b"\3", "not ZIP", self.attributes["compression"])
+        x0, y0, x1, y1 = struct.unpack("<4i", self.attributes["dataWindow"])
+        expect((x0, y0) == (0, 0), "window")
+        self.width, self.height = x1 + 1, y1 + 1
+        self.names = self._names(self.attributes["channels"])
+        self.planes = {name: [] for name in self.names}
+        chunks = (self.height + 15) // 16
+        for offset in struct.unpack("<%dQ" % chunks, data[at + 1:at + 1 + 8 * chunks]):
+            y, size = struct.unpack("<iI", data[offset:offset + 8])
+            self._add(min(16, self.height - y), data[offset + 8:offset + 8 + size])
+
+    @staticmethod
+    def _names(text):
+        names = []
+        while text[0]:
+            name, text = text.split(b"\0", 1)
+            expect(struct.unpack("<I", text[:4])[0] == 2, name, "is not a float channel")
+            names.append(name.decode())
+            text = text[16:]
+        return names
+
+    def _add(self, rows, packed):
+        size = rows * self.width * 4 * len(self.names)
+        raw = packed if len(packed) == size else self._unpack(packed)
+        values = struct.unpack("<%df" % (size // 4), raw)
+        for row in range(rows):
+            for i, name in enumerate(self.names):
+                start = (row * len(self.names) + i) * self.width
+                self.planes[name] += values[start:start + self.width]
+
+    @staticmethod
+    def _unpack(packed):
+        """Differences of bytes, the even ones before the odd ones."""
+        raw, last, whole = zlib.decompress(packed), 0, bytearray()
+        for i, byte in enumerate(raw):
+            last = byte if i == 0 else (last + byte - 128) & 255
+            whole.append(last)
+        half, mixed = (len(whole) + 1) // 2, bytearray(len(whole))
+        mixed[0::2], mixed[1::2] = whole[:half], whole[half:]
+        return bytes(mixed)

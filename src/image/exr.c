@@ -1,0 +1,489 @@
+/* OpenEXR by its C core, on file descriptors of our own. */
+#define _GNU_SOURCE
+#include "image/exr.h"
+
+#include <errno.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <openexr.h>
+
+#include "base/file.h"
+#include "image/image.h"
+
+bool iso_exr_available(void) {
+    return true;
+}
+
+/* ---- channels */
+
+/* The planes of an aov in the order of the file, which is that of their names. */
+static const char *const channel_names[ISO_AOV_PLANES] = {"A", "N.X", "N.Y", "N.Z", "Z"};
+
+static float *plane_of(const iso_aov *aov, int channel) {
+    float *const planes[ISO_AOV_PLANES] = {aov->coverage, aov->normal[0], aov->normal[1], aov->normal[2],
+                                           aov->depth};
+    return planes[channel];
+}
+
+static int channel_number(const char *name) {
+    for (int i = 0; i < ISO_AOV_PLANES; i++)
+        if (strcmp(name, channel_names[i]) == 0) return i;
+    return -1;
+}
+
+/* ---- the file: a descriptor, and what went wrong first */
+
+/* Threads may share it. */
+typedef struct exr_file {
+    int descriptor;
+    pthread_mutex_t mutex;
+    exr_result_t code; /* 0 while all is well */
+    int system_code;   /* errno of a failed read or write, else 0 */
+    char text[160];
+} exr_file;
+
+static void file_open(exr_file *file, int descriptor) {
+    *file = (exr_file){.descriptor = descriptor};
+    pthread_mutex_init(&file->mutex, NULL);
+}
+
+static void file_close(exr_file *file) {
+    pthread_mutex_destroy(&file->mutex);
+}
+
+/* The first complaint is the cause of those that follow. */
+static void keep(exr_file *file, exr_result_t code, int system_code, const char *text) {
+    pthread_mutex_lock(&file->mutex);
+    if (system_code && !file->system_code) file->system_code = system_code;
+    if (file->code == EXR_ERR_SUCCESS) {
+        file->code = code;
+        snprintf(file->text, sizeof file->text, "%s", text);
+    }
+    pthread_mutex_unlock(&file->mutex);
+}
+
+static bool note(exr_file *file, exr_result_t code) {
+    if (code == EXR_ERR_SUCCESS) return true;
+    keep(file, code, 0, exr_get_default_error_message(code));
+    return false;
+}
+
+static bool has_failed(exr_file *file) {
+    pthread_mutex_lock(&file->mutex);
+    bool failed = file->code != EXR_ERR_SUCCESS;
+    pthread_mutex_unlock(&file->mutex);
+    return failed;
+}
+
+static const char *reason_of(const exr_file *file) {
+    return file->system_code ? strerror(file->system_code) : file->text;
+}
+
+static exr_file *file_of(exr_const_context_t context) {
+    void *file = NULL;
+    return exr_get_user_data(context, &file) == EXR_ERR_SUCCESS ? file : NULL;
+}
+
+static void on_error(exr_const_context_t context, exr_result_t code, const char *text) {
+    exr_file *file = file_of(context);
+    if (!file) return;
+    char line[sizeof file->text];
+    snprintf(line, sizeof line, "%s", text ? text : exr_get_default_error_message(code));
+    for (char *c = line; *c; c++)
+        if (*c == '\n') *c = ' ';
+    keep(file, code, 0, line);
+}
+
+static int64_t read_at(exr_const_context_t context, void *data, void *buffer, uint64_t size, uint64_t offset,
+                       exr_stream_error_func_ptr_t fail) {
+    (void)context;
+    (void)fail;
+    exr_file *file = data;
+    uint64_t done = 0;
+    while (done < size) {
+        ssize_t got = pread(file->descriptor, (char *)buffer + done, size - done, (off_t)(offset + done));
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) keep(file, EXR_ERR_READ_IO, errno, "cannot read");
+        if (got < 0) return -1;
+        if (got == 0) break;
+        done += (uint64_t)got;
+    }
+    return (int64_t)done;
+}
+
+static int64_t write_at(exr_const_context_t context, void *data, const void *buffer, uint64_t size,
+                        uint64_t offset, exr_stream_error_func_ptr_t fail) {
+    (void)context;
+    (void)fail;
+    exr_file *file = data;
+    uint64_t done = 0;
+    while (done < size) {
+        ssize_t put =
+            pwrite(file->descriptor, (const char *)buffer + done, size - done, (off_t)(offset + done));
+        if (put < 0 && errno == EINTR) continue;
+        if (put <= 0) {
+            keep(file, EXR_ERR_WRITE_IO, put < 0 ? errno : EIO, "cannot write");
+            return -1;
+        }
+        done += (uint64_t)put;
+    }
+    return (int64_t)done;
+}
+
+static int64_t size_of(exr_const_context_t context, void *data) {
+    (void)context;
+    const exr_file *file = data;
+    struct stat info;
+    return fstat(file->descriptor, &info) == 0 && S_ISREG(info.st_mode) ? (int64_t)info.st_size : -1;
+}
+
+static exr_context_initializer_t initializer_for(exr_file *file) {
+    exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    initializer.error_handler_fn = on_error;
+    initializer.user_data = file;
+    initializer.read_fn = read_at;
+    initializer.write_fn = write_at;
+    initializer.size_fn = size_of;
+    initializer.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    return initializer;
+}
+
+/* ---- writing: chunks of 16 rows are compressed by all threads and written in order; whoever holds the first
+ * chunk that is not in the file yet never waits, because indices are handed out in order */
+
+typedef struct writer {
+    exr_context_t context;
+    const iso_aov *aov;
+    exr_file file;
+    int rows;                      /* of a chunk */
+    pthread_mutex_t mutex;         /* of turn */
+    pthread_cond_t turn_has_moved; /* turn: chunks that are written, or given up */
+    size_t turn;
+} writer;
+
+static void wait_for_turn(writer *w, size_t chunk) {
+    pthread_mutex_lock(&w->mutex);
+    while (w->turn != chunk) pthread_cond_wait(&w->turn_has_moved, &w->mutex);
+    pthread_mutex_unlock(&w->mutex);
+}
+
+static void pass_turn_on(writer *w, size_t chunk) {
+    wait_for_turn(w, chunk);
+    pthread_mutex_lock(&w->mutex);
+    w->turn = chunk + 1;
+    pthread_cond_broadcast(&w->turn_has_moved);
+    pthread_mutex_unlock(&w->mutex);
+}
+
+/* Called by the library when a chunk is compressed. */
+static exr_result_t chunk_is_ready(exr_encode_pipeline_t *pipeline) {
+    writer *w = pipeline->encoding_user_data;
+    wait_for_turn(w, (size_t)(pipeline->chunk.start_y / w->rows));
+    return has_failed(&w->file) ? EXR_ERR_WRITE_IO : EXR_ERR_SUCCESS;
+}
+
+static void take_planes(const writer *w, exr_encode_pipeline_t *pipeline) {
+    for (int i = 0; i < pipeline->channel_count; i++) {
+        exr_coding_channel_info_t *channel = &pipeline->channels[i];
+        const float *plane = plane_of(w->aov, channel_number(channel->channel_name));
+        const float *first = plane + (size_t)pipeline->chunk.start_y * (size_t)w->aov->width;
+        channel->encode_from_ptr = (const uint8_t *)first;
+        channel->user_pixel_stride = (int32_t)sizeof(float);
+        channel->user_line_stride = (int32_t)sizeof(float) * w->aov->width;
+        channel->user_bytes_per_element = sizeof(float);
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+    }
+}
+
+static void write_chunk(void *context, size_t index, int worker) {
+    (void)worker;
+    writer *w = context;
+    exr_chunk_info_t chunk;
+    exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
+    int y = (int)index * w->rows;
+    if (!has_failed(&w->file) && note(&w->file, exr_write_scanline_chunk_info(w->context, 0, y, &chunk)) &&
+        note(&w->file, exr_encoding_initialize(w->context, 0, &chunk, &pipeline))) {
+        take_planes(w, &pipeline);
+        if (note(&w->file, exr_encoding_choose_default_routines(w->context, 0, &pipeline))) {
+            pipeline.encoding_user_data = w;
+            pipeline.yield_until_ready_fn = chunk_is_ready;
+            note(&w->file, exr_encoding_run(w->context, 0, &pipeline));
+        }
+        exr_encoding_destroy(w->context, &pipeline);
+    }
+    pass_turn_on(w, index);
+}
+
+/* OpenEXR's matrices act on row vectors; its camera space has y up where ours has y down. */
+static void view_matrices(const iso_view *view, exr_attr_m44f_t *to_camera, exr_attr_m44f_t *to_ndc) {
+    double rows[3][4]; /* view x, y, z of a world point */
+    for (int i = 0; i < 3; i++) {
+        const double *r = view->rotation + 3 * i;
+        memcpy(rows[i], r, 3 * sizeof *r);
+        rows[i][3] = -(r[0] * view->eye.x + r[1] * view->eye.y + r[2] * view->eye.z);
+    }
+    for (int j = 0; j < 4; j++) {
+        double one = j == 3, w = view->orthographic ? one : rows[2][j];
+        const double camera[4] = {rows[0][j], -rows[1][j], rows[2][j], one};
+        const double ndc[4] = {(view->focal * rows[0][j] + view->cx * w) / view->width,
+                               (view->focal * rows[1][j] + view->cy * w) / view->height, rows[2][j], w};
+        for (int i = 0; i < 4; i++) {
+            to_camera->m[4 * j + i] = (float)camera[i];
+            to_ndc->m[4 * j + i] = (float)ndc[i];
+        }
+    }
+}
+
+static bool set_info(writer *w, const iso_exr_info *info) {
+    exr_file *s = &w->file;
+    exr_context_t c = w->context;
+    if (info->software && !note(s, exr_attr_set_string(c, 0, "software", info->software))) return false;
+    if (info->comments && !note(s, exr_attr_set_string(c, 0, "comments", info->comments))) return false;
+    if (!info->view) return true;
+    exr_attr_m44f_t to_camera, to_ndc;
+    view_matrices(info->view, &to_camera, &to_ndc);
+    return note(s, exr_attr_set_m44f(c, 0, "worldToCamera", &to_camera)) &&
+           note(s, exr_attr_set_m44f(c, 0, "worldToNDC", &to_ndc));
+}
+
+static bool write_header(writer *w, const iso_exr_info *info) {
+    enum { LEVEL = 1 }; /* 9 saves two percent of a real picture and takes three times as long */
+    exr_file *s = &w->file;
+    exr_context_t c = w->context;
+    if (!note(s, exr_add_part(c, NULL, EXR_STORAGE_SCANLINE, NULL)) ||
+        !note(s, exr_initialize_required_attr_simple(c, 0, w->aov->width, w->aov->height,
+                                                     EXR_COMPRESSION_ZIP)) ||
+        !note(s, exr_set_zip_compression_level(c, 0, LEVEL)))
+        return false;
+    for (int i = 0; i < ISO_AOV_PLANES; i++)
+        if (!note(s, exr_add_channel(c, 0, channel_names[i], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1)))
+            return false;
+    if (!note(s, exr_attr_set_float(c, 0, "isopointVoxel", w->aov->voxel))) return false;
+    if (info && !set_info(w, info)) return false;
+    return note(s, exr_write_header(c)) && note(s, exr_get_scanlines_per_chunk(c, 0, &w->rows));
+}
+
+static bool write_all(writer *w, const char *path, const iso_exr_info *info, iso_pool *pool) {
+    exr_context_initializer_t initializer = initializer_for(&w->file);
+    if (!note(&w->file, exr_start_write(&w->context, path, EXR_WRITE_FILE_DIRECTLY, &initializer)))
+        return false;
+    if (write_header(w, info)) {
+        size_t chunks = ((size_t)w->aov->height + (size_t)w->rows - 1) / (size_t)w->rows;
+        iso_parallel_for(pool, chunks, write_chunk, w);
+    }
+    note(&w->file, exr_finish(&w->context)); /* writes the table of chunks */
+    return !has_failed(&w->file);
+}
+
+iso_status iso_exr_write(const char *path, const iso_aov *aov, const iso_exr_info *info, iso_pool *pool,
+                         iso_error *error) {
+    if (strcmp(path, "-") == 0)
+        return iso_fail(error, ISO_ERR_USAGE, "an OpenEXR picture cannot go to standard output");
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    writer w = {.aov = aov};
+    file_open(&w.file, fileno(sink.stream));
+    pthread_mutex_init(&w.mutex, NULL);
+    pthread_cond_init(&w.turn_has_moved, NULL);
+    iso_status status = ISO_OK;
+    if (!write_all(&w, path, info, pool)) {
+        status = w.file.code == EXR_ERR_OUT_OF_MEMORY ? ISO_ERR_NOMEM : ISO_ERR_WRITE;
+        iso_fail(error, status, "%s: cannot write: %s", path, reason_of(&w.file));
+        iso_sink_abort(&sink);
+    }
+    pthread_cond_destroy(&w.turn_has_moved);
+    pthread_mutex_destroy(&w.mutex);
+    file_close(&w.file);
+    return status == ISO_OK ? iso_sink_commit(&sink, error) : status;
+}
+
+/* ---- reading: nothing in the file is believed; the header is checked before memory is taken, every chunk
+ * against the window, every value at last */
+
+typedef struct reader {
+    const char *path;
+    exr_context_t context;
+    exr_file file;
+    int first_y, rows; /* of the data window; of a chunk */
+    iso_aov *aov;
+} reader;
+
+static iso_status fail(reader *r, iso_error *error) {
+    if (r->file.code == EXR_ERR_OUT_OF_MEMORY)
+        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", r->path);
+    if (r->file.system_code)
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", r->path, reason_of(&r->file));
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a readable OpenEXR picture: %s", r->path,
+                    reason_of(&r->file));
+}
+
+static iso_status check_storage(reader *r, iso_error *error) {
+    exr_storage_t storage;
+    exr_compression_t compression;
+    if (!note(&r->file, exr_get_storage(r->context, 0, &storage)) ||
+        !note(&r->file, exr_get_compression(r->context, 0, &compression)))
+        return fail(r, error);
+    if (storage != EXR_STORAGE_SCANLINE)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: tiled or deep: only scanline pictures are read", r->path);
+    if (compression != EXR_COMPRESSION_NONE && compression != EXR_COMPRESSION_RLE &&
+        compression != EXR_COMPRESSION_ZIPS && compression != EXR_COMPRESSION_ZIP)
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: only the compressions none, RLE, ZIPS and ZIP are read, not number %d", r->path,
+                        (int)compression);
+    return ISO_OK;
+}
+
+static iso_status check_channel(const reader *r, const exr_attr_chlist_entry_t *channel, iso_error *error) {
+    if (channel->pixel_type != EXR_PIXEL_FLOAT && channel->pixel_type != EXR_PIXEL_HALF)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: channel %s holds integers", r->path, channel->name.str);
+    if (channel->x_sampling != 1 || channel->y_sampling != 1)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: channel %s is subsampled", r->path, channel->name.str);
+    return ISO_OK;
+}
+
+static iso_status check_channels(reader *r, iso_error *error) {
+    const exr_attr_chlist_t *list;
+    if (!note(&r->file, exr_get_channels(r->context, 0, &list))) return fail(r, error);
+    bool found[ISO_AOV_PLANES] = {false};
+    for (int i = 0; i < list->num_channels; i++) {
+        int channel = channel_number(list->entries[i].name.str);
+        if (channel < 0) continue;
+        ISO_TRY(check_channel(r, &list->entries[i], error));
+        found[channel] = true;
+    }
+    for (int i = 0; i < ISO_AOV_PLANES; i++)
+        if (!found[i])
+            return iso_fail(error, ISO_ERR_FORMAT,
+                            "%s: channel %s is missing (A, N.X, N.Y, N.Z and Z are needed)", r->path,
+                            channel_names[i]);
+    return ISO_OK;
+}
+
+static iso_status read_window(reader *r, int *width, int *height, iso_error *error) {
+    exr_attr_box2i_t window;
+    if (!note(&r->file, exr_get_data_window(r->context, 0, &window)) ||
+        !note(&r->file, exr_get_scanlines_per_chunk(r->context, 0, &r->rows)))
+        return fail(r, error);
+    int64_t wide = (int64_t)window.max.x - window.min.x + 1, high = (int64_t)window.max.y - window.min.y + 1;
+    if (wide < 1 || high < 1 || wide > ISO_IMAGE_MAX || high > ISO_IMAGE_MAX)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: %lldx%lld pixels, sides must be 1..%d", r->path,
+                        (long long)wide, (long long)high, ISO_IMAGE_MAX);
+    if (r->rows < 1) /* what the library makes of some broken headers */
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a readable OpenEXR picture: chunks without rows",
+                        r->path);
+    r->first_y = window.min.y;
+    *width = (int)wide;
+    *height = (int)high;
+    return ISO_OK;
+}
+
+static void give_planes(const reader *r, size_t row, exr_decode_pipeline_t *pipeline) {
+    for (int i = 0; i < pipeline->channel_count; i++) {
+        exr_coding_channel_info_t *channel = &pipeline->channels[i];
+        int plane = channel_number(channel->channel_name);
+        if (plane < 0) continue;
+        channel->decode_to_ptr = (uint8_t *)(plane_of(r->aov, plane) + row * (size_t)r->aov->width);
+        channel->user_pixel_stride = (int32_t)sizeof(float);
+        channel->user_line_stride = (int32_t)sizeof(float) * r->aov->width;
+        channel->user_bytes_per_element = sizeof(float);
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+    }
+}
+
+static exr_result_t decode(const reader *r, size_t row, exr_decode_pipeline_t *pipeline) {
+    give_planes(r, row, pipeline);
+    exr_result_t result = exr_decoding_choose_default_routines(r->context, 0, pipeline);
+    return result == EXR_ERR_SUCCESS ? exr_decoding_run(r->context, 0, pipeline) : result;
+}
+
+static void read_chunk(void *context, size_t index, int worker) {
+    (void)worker;
+    reader *r = context;
+    exr_chunk_info_t chunk;
+    size_t row = index * (size_t)r->rows, left = (size_t)r->aov->height - row;
+    if (has_failed(&r->file) ||
+        !note(&r->file, exr_read_scanline_chunk_info(r->context, 0, r->first_y + (int)row, &chunk)))
+        return;
+    if (chunk.start_y != r->first_y + (int)row || chunk.width != r->aov->width ||
+        chunk.height != (int)(left < (size_t)r->rows ? left : (size_t)r->rows)) {
+        note(&r->file, EXR_ERR_BAD_CHUNK_LEADER);
+        return;
+    }
+    exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
+    if (!note(&r->file, exr_decoding_initialize(r->context, 0, &chunk, &pipeline))) return;
+    note(&r->file, decode(r, row, &pipeline));
+    exr_decoding_destroy(r->context, &pipeline);
+}
+
+/* Also gives empty pixels their values. */
+static bool is_valid(iso_aov *aov, size_t pixel) {
+    float *normal[3] = {aov->normal[0] + pixel, aov->normal[1] + pixel, aov->normal[2] + pixel};
+    float coverage = aov->coverage[pixel];
+    if (coverage == 0) {
+        aov->coverage[pixel] = 0; /* not -0 */
+        aov->depth[pixel] = INFINITY;
+        for (int axis = 0; axis < 3; axis++) *normal[axis] = 0;
+        return true;
+    }
+    return coverage > 0 && coverage <= 1 && isfinite(aov->depth[pixel]) && isfinite(*normal[0]) &&
+           isfinite(*normal[1]) && isfinite(*normal[2]);
+}
+
+static iso_status check_values(const reader *r, iso_error *error) {
+    size_t width = (size_t)r->aov->width, count = width * (size_t)r->aov->height;
+    for (size_t i = 0; i < count; i++)
+        if (!is_valid(r->aov, i))
+            return iso_fail(
+                error, ISO_ERR_FORMAT, "%s: pixel %zu,%zu: coverage %g with depth %g and normal %g %g %g",
+                r->path, i % width, i / width, (double)r->aov->coverage[i], (double)r->aov->depth[i],
+                (double)r->aov->normal[0][i], (double)r->aov->normal[1][i], (double)r->aov->normal[2][i]);
+    return ISO_OK;
+}
+
+static float read_voxel(const reader *r) {
+    const exr_attribute_t *attribute;
+    if (exr_get_attribute_by_name(r->context, 0, "isopointVoxel", &attribute) != EXR_ERR_SUCCESS ||
+        attribute->type != EXR_ATTR_FLOAT)
+        return 0;
+    return attribute->f > 0 && isfinite(attribute->f) ? attribute->f : 0;
+}
+
+static iso_status read_picture(reader *r, iso_pool *pool, iso_error *error) {
+    int width = 0, height = 0;
+    ISO_TRY(check_storage(r, error));
+    ISO_TRY(check_channels(r, error));
+    ISO_TRY(read_window(r, &width, &height, error));
+    ISO_TRY(iso_aov_create(width, height, r->aov, error));
+    size_t chunks = ((size_t)height + (size_t)r->rows - 1) / (size_t)r->rows;
+    iso_parallel_for(pool, chunks, read_chunk, r);
+    iso_status status = has_failed(&r->file) ? fail(r, error) : check_values(r, error);
+    if (status != ISO_OK)
+        iso_aov_free(r->aov);
+    else
+        r->aov->voxel = read_voxel(r);
+    return status;
+}
+
+iso_status iso_exr_read(const char *path, iso_pool *pool, iso_aov *aov, iso_error *error) {
+    FILE *stream = fopen(path, "rb");
+    if (!stream) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    iso_aov made = {0};
+    reader r = {.path = path, .aov = &made};
+    file_open(&r.file, fileno(stream));
+    exr_context_initializer_t initializer = initializer_for(&r.file);
+    iso_status status;
+    if (note(&r.file, exr_start_read(&r.context, path, &initializer)))
+        status = read_picture(&r, pool, error);
+    else
+        status = fail(&r, error);
+    if (r.context) exr_finish(&r.context);
+    file_close(&r.file);
+    fclose(stream);
+    if (status == ISO_OK) *aov = made;
+    return status;
+}

@@ -1,0 +1,122 @@
+/* Phong's model (1975) with two lights that hang on the camera. */
+#include "render/shading_kernel.h"
+
+#include "base/simd.h"
+
+static const float AMBIENT = 0.16f, KEY = 0.58f, FILL = 0.34f, SPECULAR = 0.16f;
+/* Direction to the key light, unit, view space (y down): from above left, 41 degrees off the axis. The fill
+ * light is at the eye of an orthographic view. */
+static const float KEY_LIGHT[3] = {-0.40f, -0.52f, -0.7547185f};
+
+enum {
+    TILE =
+        1024, /* columns of samples that are worked on at a time: their eye directions stay in the L1 cache */
+    SUMS = 4  /* red, green, blue, and how many samples */
+};
+
+/* Where the four bytes of a pixel are in a word. */
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+static const int SHIFT[4] = {24, 16, 8, 0};
+#else
+static const int SHIFT[4] = {0, 8, 16, 24};
+#endif
+
+/* A row of a tile's samples. */
+typedef struct sample_row {
+    const float *normal[3];
+    const uint8_t *surface;
+    const uint32_t *color; /* or NULL */
+    const float *u;        /* slopes of the rays: (u, v, 1) */
+    float v;
+} sample_row;
+
+static sample_row row_at(const iso_shade_job *job, const float *u, int x, int y) {
+    const iso_gbuffer *g = job->strip->gbuffer;
+    const iso_view *view = job->strip->view;
+    size_t at = (size_t)y * (size_t)g->width + (size_t)x;
+    float v = view->orthographic ? 0 : (float)((y + 0.5 - view->cy) / view->focal);
+    return (sample_row){{g->normal[0] + at, g->normal[1] + at, g->normal[2] + at},
+                        g->surface + at,
+                        g->color ? g->color + at : NULL,
+                        u,
+                        v};
+}
+
+static void find_slopes(const iso_view *view, int x, int count, float *u) {
+    for (int i = 0; i < count; i++)
+        u[i] = view->orthographic ? 0 : (float)((x + i + 0.5 - view->cx) / view->focal);
+}
+
+/* The last samples of a row, which are fewer than a vector has lanes: empty ones follow. */
+typedef struct last_samples {
+    float normal[3][ISO_LANES_MAX], u[ISO_LANES_MAX];
+    uint8_t surface[ISO_LANES_MAX];
+    uint32_t color[ISO_LANES_MAX];
+} last_samples;
+
+static sample_row copy_last(const sample_row *row, int at, int count, last_samples *last) {
+    *last = (last_samples){0};
+    memset(last->surface, ISO_SURFACE_NONE, sizeof last->surface);
+    size_t floats = (size_t)count * sizeof(float);
+    for (int axis = 0; axis < 3; axis++) memcpy(last->normal[axis], row->normal[axis] + at, floats);
+    memcpy(last->u, row->u + at, floats);
+    memcpy(last->surface, row->surface + at, (size_t)count);
+    if (row->color) memcpy(last->color, row->color + at, (size_t)count * sizeof *last->color);
+    return (sample_row){{last->normal[0], last->normal[1], last->normal[2]},
+                        last->surface,
+                        row->color ? last->color : NULL,
+                        last->u,
+                        row->v};
+}
+
+/* Sums of columns to sums of pixels. */
+static void add_columns(float columns[SUMS][TILE + ISO_LANES_MAX], int factor, int pixels,
+                        float sums[SUMS][TILE + ISO_LANES_MAX]) {
+    for (int k = 0; k < SUMS; k++)
+        for (int x = 0; x < pixels; x++) {
+            float sum = columns[k][x * factor];
+            for (int i = 1; i < factor; i++) sum += columns[k][x * factor + i];
+            sums[k][x] = sum;
+        }
+}
+
+#define ISO_LEVEL generic
+#include "render/shading_kernel_body.inc"
+#undef ISO_LEVEL
+
+#if ISO_HAVE_X86
+#define ISO_LEVEL avx2
+#include "render/shading_kernel_body.inc"
+#undef ISO_LEVEL
+#define ISO_LEVEL avx512
+#include "render/shading_kernel_body.inc"
+#undef ISO_LEVEL
+#endif
+
+iso_shade_rows *iso_shade_rows_get(iso_cpu_level level) {
+    switch (level) {
+    case ISO_CPU_GENERIC:
+        return shade_rows_generic;
+#if ISO_HAVE_X86
+    case ISO_CPU_AVX2:
+        return shade_rows_avx2;
+    case ISO_CPU_AVX512:
+        return shade_rows_avx512;
+#endif
+    default:
+        return NULL;
+    }
+}
+
+/* One sample is a vector of equal ones: the model is written once. */
+void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]) {
+    const float base[3] = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255};
+    vf_generic n[3], eye[3], b[3], out[3];
+    for (int axis = 0; axis < 3; axis++) {
+        n[axis] = v_set_generic(normal[axis]);
+        eye[axis] = v_set_generic(to_eye[axis]);
+        b[axis] = v_set_generic(base[axis]);
+    }
+    phong_generic(n, eye, b, out);
+    for (int c = 0; c < 3; c++) rgb[c] = out[c][0];
+}

@@ -1,0 +1,11 @@
+/* crc32c: the Castagnoli checksum (RFC 3720, appendix B.4). Internal to sculpt. */
+#ifndef ISO_SCULPT_CRC32C_H
+#define ISO_SCULPT_CRC32C_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Of `size` more bytes; start with crc 0. */
+uint32_t iso_crc32c(uint32_t crc, const void *bytes, size_t size);
+
+#endif

@@ -1,0 +1,109 @@
+#include "sculpt/dab.h"
+
+#include <math.h>
+
+#include "base/simd.h"
+#include "grids/grid.h"
+
+bool iso_tool_is_set_operation(iso_tool tool) {
+    return tool <= ISO_TOOL_BLEND_CARVE;
+}
+
+bool iso_tool_is_warp(iso_tool tool) {
+    return tool == ISO_TOOL_PINCH || tool == ISO_TOOL_MOVE;
+}
+
+/* Radius of the ball around a centre (or segment) that holds the shape, in radii. */
+static double shape_reach(const iso_dabs *dabs) {
+    const double aspect = (double)dabs->aspect;
+    switch (dabs->shape) {
+    case ISO_SOLID_BOX:
+        return sqrt(1 + 2 * aspect * aspect);
+    case ISO_SOLID_CYLINDER:
+        return sqrt(1 + aspect * aspect);
+    case ISO_SOLID_TORUS:
+        return 1 + aspect;
+    case ISO_SOLID_STAMP:
+        return sqrt(3);
+    default:
+        return 1;
+    }
+}
+
+double iso_dabs_reach(const iso_dabs *dabs) {
+    if (!iso_tool_is_set_operation(dabs->tool)) return (double)dabs->radius;
+    return shape_reach(dabs) * (double)dabs->radius + (double)dabs->band + (double)dabs->blend;
+}
+
+/* A dab relative to a brick's first voxel, in floats. */
+typedef struct iso_local_dab {
+    float centre[3], segment[3], axis[3][3];
+} iso_local_dab;
+
+static void localise(const iso_dabs *dabs, const int brick[3], iso_local_dab local[ISO_DAB_MAX]) {
+    for (int i = 0; i < dabs->count; i++)
+        for (int k = 0; k < 3; k++) {
+            const iso_dab *dab = &dabs->dab[i];
+            local[i].centre[k] = (float)(dab->centre[k] - ISO_BRICK * (double)brick[k]);
+            local[i].segment[k] = (float)(dab->from[k] - dab->centre[k]);
+            for (int a = 0; a < 3; a++) local[i].axis[a][k] = (float)dab->axis[a][k];
+        }
+}
+
+/* Steps in which the flow of MOVE is followed: each an eighth of the radius or less. */
+static int flow_steps(const iso_dabs *dabs, const iso_local_dab *local) {
+    const float *s = local[0].segment;
+    float steps = ceilf(8 * sqrtf(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / dabs->radius);
+    return steps < 1 ? 1 : steps > 256 ? 256 : (int)steps;
+}
+
+/* Distances to the stamps for all voxels of the brick. A stamp's longest side is scaled to the brush's
+ * diameter; beyond its band the distance is only known to be large. */
+static void stamp_distances(const iso_dabs *dabs, const iso_local_dab *local, float *out) {
+    const iso_grid stamp = {.hgrid = (iso_hgrid *)dabs->stamp}; /* (read only) */
+    const int *dims = dabs->stamp->dims;
+    int longest = dims[0] > dims[1] ? dims[0] : dims[1];
+    if (dims[2] > longest) longest = dims[2];
+    const double scale = 2 * (double)dabs->radius / longest, far = (double)dabs->stamp->band * 0.999;
+    for (int at = 0; at < ISO_BRICK_VOXELS; at++) {
+        out[at] = INFINITY;
+        const float voxel[3] = {(float)(at % ISO_BRICK), (float)(at / ISO_BRICK % ISO_BRICK),
+                                (float)(at / ISO_BRICK_ROWS)};
+        for (int i = 0; i < dabs->count; i++) {
+            double p[3];
+            for (int a = 0; a < 3; a++) {
+                p[a] = 0.5 * (dims[a] - 1);
+                for (int k = 0; k < 3; k++)
+                    p[a] += (double)(local[i].axis[a][k] * (voxel[k] - local[i].centre[k])) / scale;
+            }
+            double d = iso_grid_sample(&stamp, iso_vec3_make(p[0], p[1], p[2]));
+            for (int a = 0; a < 3; a++) /* outside the stamp's grid nothing of it is near */
+                if (p[a] < 0 || p[a] > dims[a] - 1) d = (double)dabs->stamp->band;
+            float distance = (float)(d >= far ? INFINITY : d <= -far ? -INFINITY : d * scale);
+            if (distance < out[at]) out[at] = distance;
+        }
+    }
+}
+
+#define ISO_LEVEL generic
+#include "sculpt/dab_body.inc"
+#undef ISO_LEVEL
+#if ISO_HAVE_X86
+#define ISO_LEVEL avx2
+#include "sculpt/dab_body.inc"
+#undef ISO_LEVEL
+#define ISO_LEVEL avx512
+#include "sculpt/dab_body.inc"
+#undef ISO_LEVEL
+#endif
+
+const iso_dab_kernel *iso_dab_kernel_get(iso_cpu_level level) {
+    static const iso_dab_kernel *const kernels[ISO_CPU_LEVELS] = {
+        [ISO_CPU_GENERIC] = &dab_kernel_generic,
+#if ISO_HAVE_X86
+        [ISO_CPU_AVX2] = &dab_kernel_avx2,
+        [ISO_CPU_AVX512] = &dab_kernel_avx512,
+#endif
+    };
+    return level < ISO_CPU_LEVELS ? kernels[level] : NULL;
+}

@@ -1,0 +1,406 @@
+#define _POSIX_C_SOURCE 200809L
+#include "sculpt/history.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "sculpt/cell_pack.h"
+
+static const size_t DEFAULT_MEMORY = (size_t)1 << 30;
+/* Copies that a step has room for from the start. */
+enum { FIRST_COPIES = 64 };
+
+/* A cell as a step holds it. */
+typedef struct saved_cell {
+    uint32_t cell;
+    int32_t state;      /* ISO_CELL_OUTSIDE, ISO_CELL_INSIDE, or 0: a brick */
+    size_t first, size; /* its bytes */
+} saved_cell;
+
+/* The cells of a step: their state before it when it is done, after it when it is undone. */
+typedef struct step {
+    char *name;
+    saved_cell *cells;
+    size_t count;
+    uint8_t *bytes; /* NULL while they are in the file */
+    size_t size;
+    long long offset; /* in the file */
+} step;
+
+struct iso_history {
+    iso_hgrid *grid;
+    size_t memory, used; /* bytes of all steps in memory */
+    char *path;
+    FILE *file;
+    long long file_size;
+    step *steps;
+    size_t count, room, position;
+    /* the open step */
+    bool open;
+    char *name;
+    uint32_t *copy_of; /* by cell: 1 + its copy, 0: none */
+    saved_cell *copies;
+    size_t copy_count, copy_room;
+    iso_buffer raw; /* 4096 floats a copy, in the order of copies that are bricks */
+    size_t raw_count;
+};
+
+static size_t cell_count(const iso_hgrid *grid) {
+    return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
+}
+
+static char *duplicate(const char *text) {
+    size_t size = strlen(text) + 1;
+    char *copy = iso_alloc(size);
+    if (copy) memcpy(copy, text, size);
+    return copy;
+}
+
+iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso_history **out,
+                              iso_error *error) {
+    iso_history *history = iso_alloc_zero(1, sizeof *history);
+    if (!history) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history");
+    history->grid = grid;
+    history->memory = opts->memory ? opts->memory : DEFAULT_MEMORY;
+    history->copy_of = iso_alloc_zero(cell_count(grid), sizeof *history->copy_of);
+    if (opts->spill) history->path = duplicate(opts->spill);
+    iso_status room =
+        iso_buffer_reserve(&history->raw, FIRST_COPIES * ISO_BRICK_VOXELS * sizeof(float), 0, NULL);
+    if (!history->copy_of || (opts->spill && !history->path) || room != ISO_OK) {
+        iso_history_destroy(history);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history of %zu cells",
+                        cell_count(grid));
+    }
+    *out = history;
+    return ISO_OK;
+}
+
+static void free_step(iso_history *history, step *s) {
+    if (s->bytes) history->used -= s->size;
+    iso_free(s->name);
+    iso_free(s->cells);
+    iso_free(s->bytes);
+}
+
+static void close_step(iso_history *history) {
+    for (size_t i = 0; i < history->copy_count; i++) history->copy_of[history->copies[i].cell] = 0;
+    history->copy_count = history->raw_count = 0;
+    history->open = false;
+    iso_free(history->name);
+    history->name = NULL;
+}
+
+void iso_history_destroy(iso_history *history) {
+    if (!history) return;
+    for (size_t i = 0; i < history->count; i++) free_step(history, &history->steps[i]);
+    if (history->file) {
+        fclose(history->file);
+        unlink(history->path);
+    }
+    iso_free(history->path);
+    iso_free(history->name);
+    iso_free(history->steps);
+    iso_free(history->copies);
+    iso_free(history->copy_of);
+    iso_buffer_free(&history->raw);
+    iso_free(history);
+}
+
+/* ---- what does not fit */
+
+static bool open_file(iso_history *history) {
+    if (!history->file && history->path) history->file = fopen(history->path, "w+b");
+    return history->file != NULL;
+}
+
+/* Moves a step's bytes to the file; false when that cannot be done (they stay in memory). */
+static bool spill(iso_history *history, step *s) {
+    if (!open_file(history) || fseeko(history->file, (off_t)history->file_size, SEEK_SET)) return false;
+    if (fwrite(s->bytes, 1, s->size, history->file) != s->size || fflush(history->file)) return false;
+    s->offset = history->file_size;
+    history->file_size += (long long)s->size;
+    history->used -= s->size;
+    iso_free(s->bytes);
+    s->bytes = NULL;
+    return true;
+}
+
+/* Oldest first, but never what the next undo needs. */
+static void keep_within_memory(iso_history *history) {
+    for (size_t i = 0; i < history->count && history->used > history->memory; i++) {
+        step *s = &history->steps[i];
+        if (!s->bytes || i + 1 == history->position) continue;
+        if (!spill(history, s)) return;
+    }
+}
+
+static iso_status fetch(iso_history *history, step *s, iso_error *error) {
+    if (s->bytes || !s->size) return ISO_OK;
+    uint8_t *bytes = iso_alloc(s->size);
+    if (!bytes) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a step of %zu bytes", s->size);
+    if (fseeko(history->file, (off_t)s->offset, SEEK_SET) ||
+        fread(bytes, 1, s->size, history->file) != s->size) {
+        iso_free(bytes);
+        return iso_fail(error, ISO_ERR_IO, "cannot read step '%s' back from '%s'", s->name, history->path);
+    }
+    for (size_t i = 0; i < s->count; i++) {
+        float brick[ISO_BRICK_VOXELS];
+        const saved_cell *c = &s->cells[i];
+        if (c->state != 0 || iso_cell_unpack(bytes + c->first, c->size, history->grid->band, brick)) continue;
+        iso_free(bytes);
+        return iso_fail(error, ISO_ERR_IO, "step '%s' is damaged in '%s'", s->name, history->path);
+    }
+    s->bytes = bytes;
+    history->used += s->size;
+    return ISO_OK;
+}
+
+/* ---- packing */
+
+/* A cell's brick: the next of the raw ones, or (*next NULL) the grid's. */
+static const float *brick_of(const iso_history *history, const saved_cell *cell, const float **next) {
+    if (!*next) return iso_hgrid_brick(history->grid, history->grid->cell[cell->cell]);
+    const float *brick = *next;
+    *next += ISO_BRICK_VOXELS;
+    return brick;
+}
+
+/* Packs the step's cells, which are bricks where their state says so: the bricks of `raw` one after another,
+ * or (NULL) the grid's. */
+static iso_status pack(const iso_history *history, step *s, const float *raw, iso_error *error) {
+    const float band = history->grid->band, *next = raw;
+    size_t total = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        saved_cell *c = &s->cells[i];
+        c->first = total;
+        c->size = c->state == 0 ? iso_cell_pack_size(brick_of(history, c, &next), band) : 0;
+        total += c->size;
+    }
+    s->bytes = iso_alloc(total);
+    if (!s->bytes)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step of %zu bytes", total);
+    s->size = total;
+    next = raw;
+    for (size_t i = 0; i < s->count; i++)
+        if (s->cells[i].state == 0)
+            iso_cell_pack(brick_of(history, &s->cells[i], &next), band, s->bytes + s->cells[i].first);
+    return ISO_OK;
+}
+
+static void cell_position(const iso_hgrid *grid, uint32_t cell, int at[3]) {
+    at[0] = (int)(cell % (uint32_t)grid->cells[0]);
+    at[1] = (int)(cell / (uint32_t)grid->cells[0] % (uint32_t)grid->cells[1]);
+    at[2] = (int)(cell / (uint32_t)grid->cells[0] / (uint32_t)grid->cells[1]);
+}
+
+/* All that can fail before cells are put back: the log's entries, and bricks where there are none. */
+static iso_status make_ready(iso_history *history, const saved_cell *cells, size_t count, iso_error *error) {
+    iso_change_log_begin(history->grid->log);
+    for (size_t i = 0; i < count; i++) {
+        int at[3], lo[3], hi[3];
+        float *brick;
+        cell_position(history->grid, cells[i].cell, at);
+        for (int axis = 0; axis < 3; axis++) {
+            lo[axis] = ISO_BRICK * at[axis];
+            hi[axis] = lo[axis] + ISO_BRICK - 1;
+        }
+        ISO_TRY(iso_change_log_touch(history->grid->log, lo, hi, error));
+        if (cells[i].state == 0) ISO_TRY(iso_hgrid_split(history->grid, at[0], at[1], at[2], &brick, error));
+    }
+    return ISO_OK;
+}
+
+/* Puts saved cells into the grid. `raw`: their bricks as floats; else packed bytes. */
+static iso_status restore(iso_history *history, const saved_cell *cells, size_t count, const uint8_t *bytes,
+                          const float *raw, iso_error *error) {
+    ISO_TRY(make_ready(history, cells, count, error));
+    size_t brick = 0;
+    for (size_t i = 0; i < count; i++) {
+        int at[3];
+        cell_position(history->grid, cells[i].cell, at);
+        if (cells[i].state != 0) {
+            iso_hgrid_coalesce(history->grid, at[0], at[1], at[2], cells[i].state);
+            continue;
+        }
+        float *values = iso_hgrid_brick(history->grid, history->grid->cell[cells[i].cell]);
+        if (raw)
+            memcpy(values, raw + brick++ * ISO_BRICK_VOXELS, ISO_BRICK_VOXELS * sizeof(float));
+        else
+            iso_cell_unpack(bytes + cells[i].first, cells[i].size, history->grid->band, values);
+    }
+    return ISO_OK;
+}
+
+/* ---- steps */
+
+static void forget_undone(iso_history *history) {
+    while (history->count > history->position) free_step(history, &history->steps[--history->count]);
+}
+
+iso_status iso_history_begin(iso_history *history, const char *name, iso_error *error) {
+    if (history->open) return iso_fail(error, ISO_ERR_USAGE, "a step is open already: '%s'", history->name);
+    history->name = duplicate(name);
+    if (!history->name) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step");
+    history->open = true;
+    return ISO_OK;
+}
+
+static iso_status make_copy_room(iso_history *history, bool brick, iso_error *error) {
+    if (history->copy_count == history->copy_room) {
+        size_t room = history->copy_room ? 2 * history->copy_room : 256;
+        saved_cell *copies = iso_alloc(room * sizeof *copies);
+        if (!copies)
+            return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step of %zu cells", room);
+        if (history->copies) memcpy(copies, history->copies, history->copy_count * sizeof *copies);
+        iso_free(history->copies);
+        history->copies = copies;
+        history->copy_room = room;
+    }
+    size_t bytes = history->raw_count * ISO_BRICK_VOXELS * sizeof(float);
+    return brick ? iso_buffer_reserve(&history->raw, bytes + ISO_BRICK_VOXELS * sizeof(float), bytes, error)
+                 : ISO_OK;
+}
+
+static iso_status keep_cell(void *context, uint32_t cell, int32_t state, const float *brick,
+                            iso_error *error) {
+    iso_history *history = context;
+    if (history->copy_of[cell]) return ISO_OK;
+    ISO_TRY(make_copy_room(history, brick != NULL, error));
+    saved_cell *copy = &history->copies[history->copy_count++];
+    *copy = (saved_cell){.cell = cell, .state = brick ? 0 : state, .first = history->raw_count};
+    if (brick)
+        memcpy((float *)history->raw.data + history->raw_count++ * ISO_BRICK_VOXELS, brick,
+               ISO_BRICK_VOXELS * sizeof(float));
+    history->copy_of[cell] = (uint32_t)history->copy_count;
+    return ISO_OK;
+}
+
+static const float *kept_cell(void *context, uint32_t cell, int32_t *state) {
+    const iso_history *history = context;
+    if (!history->copy_of[cell]) return NULL;
+    const saved_cell *copy = &history->copies[history->copy_of[cell] - 1];
+    if (copy->state == 0) return (const float *)history->raw.data + copy->first * ISO_BRICK_VOXELS;
+    *state = copy->state;
+    return NULL;
+}
+
+iso_step_opts iso_history_step(iso_history *history) {
+    return (iso_step_opts){.keeper = {keep_cell, history}, .kept = kept_cell};
+}
+
+static iso_status make_step_room(iso_history *history, iso_error *error) {
+    if (history->position < history->room) return ISO_OK;
+    size_t room = history->room ? 2 * history->room : 64;
+    step *steps = iso_alloc(room * sizeof *steps);
+    if (!steps) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu undo steps", room);
+    if (history->steps) memcpy(steps, history->steps, history->count * sizeof *steps);
+    iso_free(history->steps);
+    history->steps = steps;
+    history->room = room;
+    return ISO_OK;
+}
+
+iso_status iso_history_end(iso_history *history, iso_error *error) {
+    if (!history->open) return iso_fail(error, ISO_ERR_USAGE, "no step is open");
+    if (history->copy_count == 0) { /* nothing happened: there is nothing to undo */
+        close_step(history);
+        return ISO_OK;
+    }
+    ISO_TRY(make_step_room(history, error));
+    step made = {.count = history->copy_count};
+    made.cells = iso_alloc(made.count * sizeof *made.cells);
+    if (!made.cells)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step of %zu cells", made.count);
+    memcpy(made.cells, history->copies, made.count * sizeof *made.cells);
+    iso_status status = pack(history, &made, history->raw.data, error);
+    if (status != ISO_OK) {
+        iso_free(made.cells);
+        return status;
+    }
+    made.name = history->name;
+    history->name = NULL;
+    forget_undone(history);
+    history->steps[history->count++] = made;
+    history->position = history->count;
+    history->used += made.size;
+    close_step(history);
+    keep_within_memory(history);
+    return ISO_OK;
+}
+
+iso_status iso_history_cancel(iso_history *history, iso_error *error) {
+    if (!history->open) return iso_fail(error, ISO_ERR_USAGE, "no step is open");
+    if (history->copy_count)
+        ISO_TRY(restore(history, history->copies, history->copy_count, NULL, history->raw.data, error));
+    close_step(history);
+    return ISO_OK;
+}
+
+/* Exchanges what a step holds with what the grid holds. */
+static iso_status exchange(iso_history *history, step *s, iso_error *error) {
+    ISO_TRY(fetch(history, s, error));
+    step now = {.count = s->count, .cells = iso_alloc(s->count * sizeof *now.cells)};
+    if (!now.cells) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for undoing %zu cells", s->count);
+    for (size_t i = 0; i < s->count; i++) {
+        int32_t state = history->grid->cell[s->cells[i].cell];
+        now.cells[i] = (saved_cell){.cell = s->cells[i].cell, .state = state >= 0 ? 0 : state};
+    }
+    iso_status status = pack(history, &now, NULL, error);
+    if (status == ISO_OK) status = restore(history, s->cells, s->count, s->bytes, NULL, error);
+    if (status != ISO_OK) {
+        iso_free(now.cells);
+        iso_free(now.bytes);
+        return status;
+    }
+    history->used += now.size - s->size;
+    iso_free(s->cells);
+    iso_free(s->bytes);
+    s->cells = now.cells;
+    s->bytes = now.bytes;
+    s->size = now.size;
+    return ISO_OK;
+}
+
+iso_status iso_history_undo(iso_history *history, iso_error *error) {
+    if (history->open) return iso_fail(error, ISO_ERR_USAGE, "cannot undo while a step is open");
+    if (!history->position) return iso_fail(error, ISO_ERR_USAGE, "there is nothing to undo");
+    ISO_TRY(exchange(history, &history->steps[history->position - 1], error));
+    history->position--;
+    keep_within_memory(history);
+    return ISO_OK;
+}
+
+iso_status iso_history_redo(iso_history *history, iso_error *error) {
+    if (history->open) return iso_fail(error, ISO_ERR_USAGE, "cannot redo while a step is open");
+    if (history->position == history->count)
+        return iso_fail(error, ISO_ERR_USAGE, "there is nothing to redo");
+    ISO_TRY(exchange(history, &history->steps[history->position], error));
+    history->position++;
+    keep_within_memory(history);
+    return ISO_OK;
+}
+
+iso_status iso_history_clear(iso_history *history, iso_error *error) {
+    if (history->open) return iso_fail(error, ISO_ERR_USAGE, "cannot forget steps while one is open");
+    history->position = 0;
+    forget_undone(history);
+    return ISO_OK;
+}
+
+size_t iso_history_count(const iso_history *history) {
+    return history->count;
+}
+size_t iso_history_position(const iso_history *history) {
+    return history->position;
+}
+const char *iso_history_name(const iso_history *history, size_t number) {
+    return history->steps[number].name;
+}
+size_t iso_history_bytes(const iso_history *history) {
+    return history->used;
+}
+size_t iso_history_spilled(const iso_history *history) {
+    return (size_t)history->file_size;
+}

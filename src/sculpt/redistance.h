@@ -1,0 +1,53 @@
+/* redistance: the kernels that make a clamped field a distance field again, brick by brick.
+ *
+ * The equation u_t = sign(phi) (1 - |grad u|) is stepped explicitly (Sussman, Smereka and Osher 1994) with
+ * Godunov's upwind differences of second order (ENO2, min-mod of second differences), Jacobi across bricks:
+ * what a step makes depends on the step before only, so neither the order of bricks nor threads change a bit.
+ * Voxels beside the interface (a face neighbour has the other sign) keep their value; before the first step
+ * they are either left as they are, so that the zero set moves by no bit, or, where a deformation changed
+ * them, divided by the gradient's length (Russo and Smereka 2000) and then corrected so that the crossings on
+ * the edges keep their ratios (Hartmann, Meinke and Schroeder 2010, CR-2). Internal to sculpt. */
+#ifndef ISO_SCULPT_REDISTANCE_H
+#define ISO_SCULPT_REDISTANCE_H
+
+#include <stdint.h>
+
+#include "base/cpu.h"
+#include "base/primitives.h"
+
+enum { ISO_BRICK_ROWS = ISO_BRICK * ISO_BRICK };
+
+/* A brick and its neighbours across the faces -x, +x, -y, +y, -z, +z: 4096 floats each, 64-byte aligned. */
+typedef struct iso_stencil {
+    const float *self, *face[6];
+} iso_stencil;
+
+/* Bits of voxels, one word a row of x. */
+typedef struct iso_voxel_bits {
+    uint16_t row[ISO_BRICK_ROWS];
+} iso_voxel_bits;
+
+/* What the steps need to know of a brick. */
+typedef struct iso_band_state {
+    iso_voxel_bits frozen;                /* beside the interface, or masked by the caller */
+    uint32_t active[ISO_BRICK_ROWS / 32]; /* rows that hold, or touch, a voxel inside the band */
+} iso_band_state;
+
+/* 0.45 voxel a step. */
+typedef struct iso_redistancer {
+    /* Finds the state of a brick. */
+    void (*classify)(const iso_stencil *phi, float band, iso_band_state *state);
+    /* out = phi, but phi / |grad phi| where both `changed` and frozen. */
+    void (*rescale)(const iso_stencil *phi, const iso_band_state *state, const iso_voxel_bits *changed,
+                    float *out);
+    /* out = scaled, but corrected for the crossings' ratios in phi where both `changed` and frozen. */
+    void (*correct)(const iso_stencil *phi, const iso_stencil *scaled, const iso_band_state *state,
+                    const iso_voxel_bits *changed, float *out);
+    /* One step; rows that are not active and voxels that are frozen are not written. */
+    void (*relax)(const iso_stencil *phi, const iso_band_state *state, float band, float *out);
+} iso_redistancer;
+
+/* NULL when the build has no such level. */
+const iso_redistancer *iso_redistancer_get(iso_cpu_level level);
+
+#endif

@@ -1,0 +1,367 @@
+#include "sculpt/session.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "sculpt/snapshot.h"
+
+enum { DEFAULT_SNAPSHOT_STROKES = 200 };
+
+struct iso_session {
+    iso_hgrid *grid;
+    iso_editor *editor;
+    iso_history *history;
+    iso_journal *journal;
+    char *journal_path;
+    const iso_hgrid *stamp;
+    int snapshot_every, strokes, snapshots;
+    bool drawing;
+    bool playing; /* what is played is in the journal already */
+    iso_brush brush;
+    iso_sample first, previous; /* of the stroke; the last touch */
+};
+
+/* ---- the journal */
+
+static iso_status record(iso_session *session, const iso_event *event, iso_error *error) {
+    return session->journal && !session->playing ? iso_journal_put(session->journal, event, error) : ISO_OK;
+}
+
+static iso_status record_kind(iso_session *session, iso_event_kind kind, iso_error *error) {
+    iso_event event;
+    memset(&event, 0, sizeof event);
+    event.kind = kind;
+    return record(session, &event, error);
+}
+
+/* A snapshot that cannot be written costs replay time, nothing else: the journal stays as it is. Masks are
+ * not in it, so there is none while something is masked. */
+static iso_status take_snapshot(iso_session *session, iso_error *error) {
+    iso_event event;
+    memset(&event, 0, sizeof event);
+    event.kind = ISO_EVENT_SNAPSHOT;
+    if (iso_editor_has_mask(session->editor)) return ISO_OK;
+    int size = snprintf(event.text, sizeof event.text, "%s.%d.snapshot", session->journal_path,
+                        session->snapshots + 1);
+    if (size < 0 || (size_t)size >= sizeof event.text ||
+        iso_snapshot_write(event.text, session->grid, NULL) != ISO_OK)
+        return ISO_OK;
+    session->snapshots++;
+    return record(session, &event, error);
+}
+
+/* ---- resuming */
+
+/* Plays the journal. `from`: the number of the snapshot to begin at, 0: the beginning. *count: snapshots
+ * seen. */
+static iso_status play_from(iso_session *session, int from, int *count, iso_error *error) {
+    iso_journal_start start;
+    iso_journal_reader *reader;
+    ISO_TRY(iso_journal_open(session->journal_path, &start, &reader, error));
+    iso_event event;
+    bool more = true;
+    iso_status status = ISO_OK;
+    *count = 0;
+    while (status == ISO_OK && more) {
+        status = iso_journal_next(reader, &event, &more, error);
+        if (status != ISO_OK || !more) break;
+        if (event.kind == ISO_EVENT_SNAPSHOT) {
+            if (++*count == from) status = iso_snapshot_read(event.text, session->grid, error);
+        } else if (*count >= from && from >= 0)
+            status = iso_session_play(session, &event, NULL, error);
+    }
+    iso_journal_reader_free(reader);
+    return status;
+}
+
+/* The field and the history as they were at the start. */
+static iso_status start_again(iso_session *session, const iso_hgrid *initial, iso_error *error) {
+    if (session->drawing) ISO_TRY(iso_session_cancel(session, error));
+    while (iso_history_position(session->history)) ISO_TRY(iso_history_undo(session->history, error));
+    iso_editor_mask_clear(session->editor);
+    ISO_TRY(iso_hgrid_copy_cells(initial, session->grid, error));
+    return iso_history_clear(session->history, error);
+}
+
+/* From the newest snapshot that will do: its file may be gone or damaged, or an undo may reach back before
+ * it. */
+static iso_status play_journal(iso_session *session, iso_error *error) {
+    iso_hgrid *initial = NULL;
+    const int lo[3] = {0, 0, 0},
+              hi[3] = {session->grid->dims[0] - 1, session->grid->dims[1] - 1, session->grid->dims[2] - 1};
+    enum { NOTHING = -1 };
+    ISO_TRY(play_from(session, NOTHING, &session->snapshots, error));
+    int from = session->snapshots;
+    iso_status status = from ? iso_hgrid_crop(session->grid, lo, hi, &initial, error) : ISO_OK;
+    for (; status == ISO_OK; from--) {
+        int count;
+        status = play_from(session, from, &count, error);
+        if (status == ISO_OK || from == 0) break;
+        status = start_again(session, initial, error);
+    }
+    iso_hgrid_destroy(initial);
+    return status;
+}
+
+/* A stroke that never ended is closed where it broke off. */
+static iso_status resume(iso_session *session, iso_error *error) {
+    session->playing = true;
+    iso_status status = play_journal(session, error);
+    session->playing = false;
+    if (status == ISO_OK) status = iso_journal_append(session->journal_path, &session->journal, error);
+    if (status == ISO_OK && session->drawing) status = iso_session_end(session, error);
+    return status;
+}
+
+/* ---- life */
+
+static iso_status keep_paths(iso_session *session, const char *journal, iso_error *error) {
+    if (!journal) return ISO_OK;
+    size_t size = strlen(journal) + 1;
+    session->journal_path = iso_alloc(size);
+    if (!session->journal_path) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a session");
+    memcpy(session->journal_path, journal, size);
+    return ISO_OK;
+}
+
+static iso_status set_up(iso_session *session, const iso_journal_start *start, const iso_session_opts *opts,
+                         iso_error *error) {
+    char spill[ISO_JOURNAL_TEXT];
+    iso_editor_opts editor = {.pool = opts->pool};
+    iso_history_opts history = {.memory = opts->undo_memory};
+    if (opts->journal && snprintf(spill, sizeof spill, "%s.undo", opts->journal) < (int)sizeof spill)
+        history.spill = spill;
+    ISO_TRY(keep_paths(session, opts->journal, error));
+    ISO_TRY(iso_editor_create(session->grid, &editor, &session->editor, error));
+    ISO_TRY(iso_history_create(session->grid, &history, &session->history, error));
+    if (!opts->journal) return ISO_OK;
+    return opts->resume ? resume(session, error)
+                        : iso_journal_create(opts->journal, start, &session->journal, error);
+}
+
+iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, const iso_session_opts *opts,
+                              iso_session **out, iso_error *error) {
+    iso_session *session = iso_alloc_zero(1, sizeof *session);
+    if (!session) {
+        iso_hgrid_destroy(grid);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a session");
+    }
+    session->grid = grid;
+    session->stamp = opts->stamp;
+    session->snapshot_every = opts->snapshot_strokes ? opts->snapshot_strokes : DEFAULT_SNAPSHOT_STROKES;
+    iso_status status = set_up(session, start, opts, error);
+    if (status == ISO_OK)
+        *out = session;
+    else
+        iso_session_destroy(session);
+    return status;
+}
+
+void iso_session_destroy(iso_session *session) {
+    if (!session) return;
+    if (session->journal) iso_journal_close(session->journal, NULL);
+    iso_history_destroy(session->history);
+    iso_editor_destroy(session->editor);
+    iso_hgrid_destroy(session->grid);
+    iso_free(session->journal_path);
+    iso_free(session);
+}
+
+iso_hgrid *iso_session_grid(iso_session *session) {
+    return session->grid;
+}
+iso_history *iso_session_history(iso_session *session) {
+    return session->history;
+}
+iso_status iso_session_journal_status(iso_session *session, iso_error *error) {
+    return session->journal ? iso_journal_status(session->journal, error) : ISO_OK;
+}
+
+/* ---- strokes */
+
+static void add_stats(iso_edit_stats *sum, const iso_edit_stats *more) {
+    if (!sum) return;
+    sum->edited += more->edited;
+    sum->redistanced += more->redistanced;
+    sum->created += more->created;
+    sum->pruned += more->pruned;
+    sum->clipped |= more->clipped;
+}
+
+static iso_status touch(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
+                        iso_error *error) {
+    iso_touch t = {.sample = *sample, .previous = session->previous, .first = session->first};
+    iso_edit_stats made = {0};
+    ISO_TRY(iso_editor_touch(session->editor, &session->brush, &t, &made, error));
+    session->previous = *sample;
+    add_stats(stats, &made);
+    return ISO_OK;
+}
+
+static double mix(double a, double b, double t) {
+    return a + t * (b - a);
+}
+
+static iso_sample sample_between(const iso_sample *a, const iso_sample *b, double t) {
+    iso_sample s = {.pressure = mix(a->pressure, b->pressure, t), .seconds = mix(a->seconds, b->seconds, t)};
+    s.position = iso_vec3_add(a->position, iso_vec3_scale(iso_vec3_sub(b->position, a->position), t));
+    s.normal = iso_vec3_unit(iso_vec3_add(a->normal, iso_vec3_scale(iso_vec3_sub(b->normal, a->normal), t)));
+    return s;
+}
+
+/* Touches from the last one towards the sample, `spacing` apart. */
+static iso_status touch_along(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
+                              iso_error *error) {
+    const iso_brush *brush = &session->brush;
+    if (brush->tool == ISO_TOOL_MOVE ||
+        (brush->shape == ISO_SOLID_CAPSULE && brush->tool <= ISO_TOOL_BLEND_CARVE))
+        return touch(session, sample, stats, error); /* these reach back to the sample before by themselves */
+    double spacing = brush->radius * (brush->spacing > 0 ? brush->spacing : 0.25);
+    const iso_sample from = session->previous;
+    double length = iso_vec3_length(iso_vec3_sub(sample->position, from.position));
+    for (double along = spacing; along <= length; along += spacing) {
+        iso_sample s = sample_between(&from, sample, along / length);
+        ISO_TRY(touch(session, &s, stats, error));
+    }
+    return ISO_OK;
+}
+
+iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const iso_sample *sample,
+                             iso_edit_stats *stats, iso_error *error) {
+    if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn already");
+    ISO_TRY(iso_brush_check(brush, error));
+    char name[64];
+    snprintf(name, sizeof name, "%s%s%s", iso_tool_name(brush->tool),
+             brush->tool <= ISO_TOOL_BLEND_CARVE ? " " : "",
+             brush->tool <= ISO_TOOL_BLEND_CARVE ? iso_solid_name(brush->shape) : "");
+    ISO_TRY(iso_history_begin(session->history, name, error));
+    iso_step_opts step = iso_history_step(session->history);
+    step.stamp = session->stamp;
+    iso_editor_step(session->editor, &step);
+    session->brush = *brush;
+    session->first = session->previous = *sample;
+    iso_event event = {.kind = ISO_EVENT_BEGIN, .brush = *brush, .sample = *sample};
+    iso_status status = touch(session, sample, stats, error);
+    if (status == ISO_OK) status = record(session, &event, error);
+    session->drawing = status == ISO_OK;
+    if (status != ISO_OK) iso_history_cancel(session->history, NULL);
+    return status;
+}
+
+iso_status iso_session_sample(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
+                              iso_error *error) {
+    if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
+    ISO_TRY(touch_along(session, sample, stats, error));
+    iso_event event = {.kind = ISO_EVENT_SAMPLE, .sample = *sample};
+    return record(session, &event, error);
+}
+
+iso_status iso_session_end(iso_session *session, iso_error *error) {
+    if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
+    ISO_TRY(iso_history_end(session->history, error));
+    session->drawing = false;
+    ISO_TRY(record_kind(session, ISO_EVENT_END, error));
+    session->strokes++;
+    bool due = session->snapshot_every > 0 && session->strokes % session->snapshot_every == 0;
+    return due && session->journal && !session->playing ? take_snapshot(session, error) : ISO_OK;
+}
+
+iso_status iso_session_cancel(iso_session *session, iso_error *error) {
+    if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
+    ISO_TRY(iso_history_cancel(session->history, error));
+    session->drawing = false;
+    return record_kind(session, ISO_EVENT_CANCEL, error);
+}
+
+iso_status iso_session_undo(iso_session *session, iso_error *error) {
+    ISO_TRY(iso_history_undo(session->history, error));
+    return record_kind(session, ISO_EVENT_UNDO, error);
+}
+
+iso_status iso_session_redo(iso_session *session, iso_error *error) {
+    ISO_TRY(iso_history_redo(session->history, error));
+    return record_kind(session, ISO_EVENT_REDO, error);
+}
+
+iso_status iso_session_play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
+                            iso_error *error) {
+    switch (event->kind) {
+    case ISO_EVENT_BEGIN:
+        return iso_session_begin(session, &event->brush, &event->sample, stats, error);
+    case ISO_EVENT_SAMPLE:
+        return iso_session_sample(session, &event->sample, stats, error);
+    case ISO_EVENT_END:
+        return iso_session_end(session, error);
+    case ISO_EVENT_CANCEL:
+        return iso_session_cancel(session, error);
+    case ISO_EVENT_UNDO:
+        return iso_session_undo(session, error);
+    case ISO_EVENT_REDO:
+        return iso_session_redo(session, error);
+    default:
+        return ISO_OK;
+    }
+}
+
+/* ---- a new ball */
+
+static iso_status fill_ball_cell(iso_hgrid *grid, const int at[3], const double centre[3], double radius,
+                                 iso_error *error) {
+    const double band = (double)grid->band, half = 0.5 * (ISO_BRICK - 1);
+    double square = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double d = ISO_BRICK * (double)at[axis] + half - centre[axis];
+        square += d * d;
+    }
+    double distance = sqrt(square) - radius, reach = half * sqrt(3) + band;
+    iso_hgrid_coalesce(grid, at[0], at[1], at[2], distance < 0 ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE);
+    if (fabs(distance) >= reach) return ISO_OK;
+    float *brick;
+    ISO_TRY(iso_hgrid_split(grid, at[0], at[1], at[2], &brick, error));
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        const int voxel[3] = {i % ISO_BRICK, i / ISO_BRICK % ISO_BRICK, i / (ISO_BRICK * ISO_BRICK)};
+        square = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double d = ISO_BRICK * (double)at[axis] + voxel[axis] - centre[axis];
+            square += d * d;
+        }
+        distance = sqrt(square) - radius;
+        brick[i] = (float)(distance > band ? band : distance < -band ? -band : distance);
+    }
+    return ISO_OK;
+}
+
+static iso_status fill_ball(iso_hgrid *grid, const iso_journal_start *start, iso_error *error) {
+    const double centre[3] = {-start->origin.x / start->voxel_size, -start->origin.y / start->voxel_size,
+                              -start->origin.z / start->voxel_size};
+    int at[3];
+    for (at[2] = 0; at[2] < grid->cells[2]; at[2]++)
+        for (at[1] = 0; at[1] < grid->cells[1]; at[1]++)
+            for (at[0] = 0; at[0] < grid->cells[0]; at[0]++)
+                ISO_TRY(fill_ball_cell(grid, at, centre, start->radius / start->voxel_size, error));
+    iso_hgrid_prune(grid);
+    return ISO_OK;
+}
+
+iso_status iso_session_ball(const iso_journal_start *start, iso_hgrid **out, iso_error *error) {
+    if (!(start->voxel_size > 0) || !isfinite(start->voxel_size) || !(start->radius > 0) ||
+        !isfinite(start->radius))
+        return iso_fail(error, ISO_ERR_USAGE, "a ball of %g mm in voxels of %g mm", start->radius,
+                        start->voxel_size);
+    iso_transform transform = iso_transform_identity();
+    const double origin[3] = {start->origin.x, start->origin.y, start->origin.z};
+    for (int axis = 0; axis < 3; axis++) {
+        transform.origin[axis] = origin[axis];
+        transform.spacing[axis] = start->voxel_size;
+    }
+    iso_hgrid *grid;
+    ISO_TRY(iso_hgrid_create(start->dims, 0, &transform, &grid, error));
+    iso_status status = fill_ball(grid, start, error);
+    if (status == ISO_OK)
+        *out = grid;
+    else
+        iso_hgrid_destroy(grid);
+    return status;
+}

@@ -1,0 +1,150 @@
+#include "sculpt/snapshot.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/memory.h"
+#include "sculpt/cell_pack.h"
+#include "sculpt/crc32c.h"
+
+/* The file: a head, for each cell its state and packed bytes, and the CRC-32C of all before it.
+ * Little-endian, as all machines are that this runs on. */
+typedef struct head {
+    char magic[8];
+    int32_t dims[3];
+    float band;
+} head;
+
+static const char MAGIC[8] = "isosnap";
+
+static head head_of(const iso_hgrid *grid) {
+    head h = {.band = grid->band};
+    memcpy(h.magic, MAGIC, sizeof h.magic);
+    for (int axis = 0; axis < 3; axis++) h.dims[axis] = grid->dims[axis];
+    return h;
+}
+
+static size_t cell_count(const iso_hgrid *grid) {
+    return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
+}
+
+static void put(FILE *file, uint32_t *crc, const void *bytes, size_t size) {
+    *crc = iso_crc32c(*crc, bytes, size);
+    fwrite(bytes, 1, size, file); /* (errors are found when the sink commits) */
+}
+
+iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    uint32_t crc = 0;
+    const head h = head_of(grid);
+    put(sink.stream, &crc, &h, sizeof h);
+    for (size_t i = 0; i < cell_count(grid); i++) {
+        uint8_t bytes[ISO_CELL_PACK_MAX];
+        int32_t size = grid->cell[i];
+        if (size >= 0) {
+            const float *brick = iso_hgrid_brick(grid, grid->cell[i]);
+            iso_cell_pack(brick, grid->band, bytes);
+            size = (int32_t)iso_cell_pack_size(brick, grid->band);
+        }
+        put(sink.stream, &crc, &size, sizeof size);
+        if (size >= 0) put(sink.stream, &crc, bytes, (size_t)size);
+    }
+    fwrite(&crc, 1, sizeof crc, sink.stream);
+    return iso_sink_commit(&sink, error);
+}
+
+/* ---- reading: checked as a whole before anything is written */
+
+typedef struct reading {
+    const char *path;
+    const uint8_t *at, *end;
+} reading;
+
+static iso_status load(const char *path, iso_buffer *buffer, size_t *size, iso_error *error) {
+    FILE *file = fopen(path, "rb");
+    if (!file) return iso_fail(error, ISO_ERR_IO, "cannot read '%s': %s", path, strerror(errno));
+    iso_status status = ISO_OK;
+    *size = 0;
+    for (size_t got = 1; got && status == ISO_OK; *size += got) {
+        status = iso_buffer_reserve(buffer, *size + (1 << 20), *size, error);
+        got = status == ISO_OK ? fread((char *)buffer->data + *size, 1, 1 << 20, file) : 0;
+    }
+    if (status == ISO_OK && ferror(file)) status = iso_fail(error, ISO_ERR_IO, "cannot read '%s'", path);
+    fclose(file);
+    return status;
+}
+
+/* The next cell's size (or state) and bytes; false when the file does not hold them. */
+static bool next_cell(reading *r, int32_t *size, const uint8_t **bytes) {
+    *size = ISO_CELL_OUTSIDE;
+    *bytes = r->at;
+    if (r->end - r->at < (ptrdiff_t)sizeof *size) return false;
+    memcpy(size, r->at, sizeof *size);
+    r->at += sizeof *size;
+    *bytes = r->at;
+    if (*size < 0) return *size >= ISO_CELL_INSIDE;
+    if (r->end - r->at < *size) return false;
+    r->at += *size;
+    return true;
+}
+
+static iso_status check(reading r, const iso_hgrid *grid, iso_error *error) {
+    float brick[ISO_BRICK_VOXELS];
+    for (size_t i = 0; i < cell_count(grid); i++) {
+        int32_t size;
+        const uint8_t *bytes;
+        if (!next_cell(&r, &size, &bytes) ||
+            (size >= 0 && !iso_cell_unpack(bytes, (size_t)size, grid->band, brick)))
+            return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
+    }
+    return r.at == r.end ? ISO_OK : iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
+}
+
+static iso_status fill(reading r, iso_hgrid *grid, iso_error *error) {
+    const int lo[3] = {0, 0, 0}, hi[3] = {grid->dims[0] - 1, grid->dims[1] - 1, grid->dims[2] - 1};
+    ISO_TRY(iso_hgrid_touch(grid, lo, hi, error));
+    for (size_t i = 0; i < cell_count(grid); i++) {
+        const int at[3] = {(int)(i % (size_t)grid->cells[0]),
+                           (int)(i / (size_t)grid->cells[0] % (size_t)grid->cells[1]),
+                           (int)(i / (size_t)grid->cells[0] / (size_t)grid->cells[1])};
+        int32_t size = ISO_CELL_OUTSIDE;
+        const uint8_t *bytes = NULL;
+        float *brick;
+        if (!next_cell(&r, &size, &bytes) || size < 0) { /* (checked before) */
+            iso_hgrid_coalesce(grid, at[0], at[1], at[2], size);
+            continue;
+        }
+        ISO_TRY(iso_hgrid_split(grid, at[0], at[1], at[2], &brick, error));
+        iso_cell_unpack(bytes, (size_t)size, grid->band, brick);
+    }
+    return ISO_OK;
+}
+
+static iso_status read_buffer(const char *path, const iso_buffer *buffer, size_t size, iso_hgrid *grid,
+                              iso_error *error) {
+    const uint8_t *bytes = buffer->data;
+    const head wanted = head_of(grid);
+    uint32_t crc;
+    if (size < sizeof wanted + sizeof crc || memcmp(bytes, MAGIC, sizeof MAGIC))
+        return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a snapshot", path);
+    memcpy(&crc, bytes + size - sizeof crc, sizeof crc);
+    if (crc != iso_crc32c(0, bytes, size - sizeof crc))
+        return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", path);
+    if (memcmp(bytes, &wanted, sizeof wanted))
+        return iso_fail(error, ISO_ERR_FORMAT, "'%s' is a snapshot of another grid", path);
+    reading r = {path, bytes + sizeof wanted, bytes + size - sizeof crc};
+    ISO_TRY(check(r, grid, error));
+    return fill(r, grid, error);
+}
+
+iso_status iso_snapshot_read(const char *path, iso_hgrid *grid, iso_error *error) {
+    iso_buffer buffer = {0};
+    size_t size = 0;
+    iso_status status = load(path, &buffer, &size, error);
+    if (status == ISO_OK) status = read_buffer(path, &buffer, size, grid, error);
+    iso_buffer_free(&buffer);
+    return status;
+}

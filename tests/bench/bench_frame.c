@@ -1,0 +1,130 @@
+#include "bench_frame.h"
+
+#include <stdlib.h>
+
+#include "render/pullpush.h"
+#include "render/shading.h"
+
+/* ---- the methods ---- */
+
+static iso_status open_points(bench_frame *frame, iso_error *error) {
+    ISO_TRY(bench_subject_points(frame->subject, &frame->points, error));
+    frame->primitives = iso_point_view_count(&frame->points);
+    return ISO_OK;
+}
+
+static iso_status draw_points(bench_frame *frame, const iso_target *target, iso_error *error) {
+    return iso_draw_points(target, &frame->points, error);
+}
+
+static iso_status open_mesh(bench_frame *frame, iso_error *error) {
+    ISO_TRY(bench_subject_mesh(frame->subject, &frame->mesh, error));
+    frame->primitives = iso_mesh_view_triangle_count(&frame->mesh);
+    return ISO_OK;
+}
+
+static iso_status draw_mesh(bench_frame *frame, const iso_target *target, iso_error *error) {
+    return iso_draw_mesh(target, &frame->mesh, error);
+}
+
+static iso_status open_raycast(bench_frame *frame, iso_error *error) {
+    return bench_subject_caster(frame->subject, &frame->caster, error);
+}
+
+static iso_status draw_raycast(bench_frame *frame, const iso_target *target, iso_error *error) {
+    return iso_draw_raycast(target, frame->caster, error);
+}
+
+static iso_status open_pullpush(bench_frame *frame, iso_error *error) {
+    ISO_TRY(open_points(frame, error));
+    return iso_pullpush_create(&frame->pullpush, error);
+}
+
+static iso_status draw_gaussian(bench_frame *frame, const iso_target *target, iso_error *error) {
+    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_GAUSSIAN, frame->pullpush};
+    return iso_draw_pullpush(target, &frame->points, &opts, error);
+}
+
+static void close_pullpush(bench_frame *frame) {
+    iso_pullpush_destroy(frame->pullpush);
+}
+
+static iso_status open_exact(bench_frame *frame, iso_error *error) {
+    ISO_TRY(bench_subject_exact(frame->subject, &frame->exact, error));
+    frame->primitives = iso_exact_stats(frame->exact).cells;
+    return ISO_OK;
+}
+
+static iso_status draw_exact(bench_frame *frame, const iso_target *target, iso_error *error) {
+    return iso_draw_exact(target, frame->exact, error);
+}
+
+const bench_method bench_methods[] = {
+    {.name = "points",
+     .kernels = true,
+     .on_bumpy = true,
+     .on_volumes = true,
+     .open = open_points,
+     .draw = draw_points},
+    {.name = "mesh", .on_bumpy = true, .on_volumes = true, .open = open_mesh, .draw = draw_mesh},
+    {.name = "raycast", .slow = true, .on_volumes = true, .open = open_raycast, .draw = draw_raycast},
+    {.name = "pullpush/gaussian",
+     .kernels = true,
+     .on_bumpy = true,
+     .on_volumes = true,
+     .open = open_pullpush,
+     .draw = draw_gaussian,
+     .close = close_pullpush},
+    {.name = "exact", .kernels = true, .on_volumes = true, .open = open_exact, .draw = draw_exact},
+};
+const int bench_method_count = sizeof bench_methods / sizeof *bench_methods;
+
+/* ---- the row ---- */
+
+static iso_status open_frame(bench_row *row, iso_error *error) {
+    const bench_frame_plan *plan = row->plan;
+    bench_frame *frame = calloc(1, sizeof *frame);
+    if (!frame) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    row->context = frame;
+    frame->method = plan->method;
+    frame->subject = plan->subject;
+    frame->pool = bench_pool(row->bench, row->threads);
+    ISO_TRY(bench_subject_view(plan->subject, plan->view, &frame->view, error));
+    ISO_TRY(bench_subject_frame(plan->subject, error));
+    return frame->method->open(frame, error);
+}
+
+static iso_status run_frame(bench_row *row, bench_sample *sample, iso_error *error) {
+    static const iso_rgb color = {0xD9, 0xB3, 0x6C};
+    const iso_shading shading = {.colors = &color, .color_count = 1};
+    bench_frame *frame = row->context;
+    iso_gbuffer *gbuffer = &frame->subject->gbuffer;
+    iso_target target = {.view = &frame->view.view, .gbuffer = gbuffer, .pool = frame->pool};
+    bench_clock clock = bench_clock_start();
+    iso_gbuffer_clear_bands(gbuffer, frame->pool);
+    ISO_TRY(frame->method->draw(frame, &target, error));
+    const iso_strip strip = {.view = &frame->view.view, .gbuffer = gbuffer, .factor = 1};
+    iso_shade(&shading, &strip, &frame->subject->image, frame->pool);
+    bench_clock_stop(&clock, sample);
+    sample->primitives = frame->primitives;
+    if (!frame->covered) frame->covered = bench_covered(gbuffer);
+    return ISO_OK;
+}
+
+static void finish_frame(bench_row *row) {
+    const bench_frame *frame = row->context;
+    double seconds = bench_row_median(row) * 1e-3;
+    bench_count(row, "covered_pixels", (double)frame->covered, 0, 0);
+    if (frame->primitives) bench_count(row, "items_per_second", (double)frame->primitives / seconds, 0, 0);
+}
+
+static void close_frame(bench_row *row) {
+    bench_frame *frame = row->context;
+    if (frame && frame->method->close) frame->method->close(frame);
+    free(frame);
+}
+
+const bench_kind bench_frame_kind = {
+    .open = open_frame, .run = run_frame, .finish = finish_frame, .close = close_frame};
+const bench_kind bench_slow_frame_kind = {
+    .open = open_frame, .run = run_frame, .finish = finish_frame, .close = close_frame, .rounds = 3};

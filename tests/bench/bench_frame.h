@@ -1,0 +1,53 @@
+/* bench_frame: a frame by one of our methods as a row: drawing into a cleared gbuffer and shading into an
+ * image, all that a window needs, in memory that is kept from frame to frame. */
+#ifndef ISO_TESTS_BENCH_FRAME_H
+#define ISO_TESTS_BENCH_FRAME_H
+
+#include "bench_subject.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct bench_frame bench_frame;
+
+/* A way to draw. */
+typedef struct bench_method {
+    const char *name;
+    bool kernels;              /* there is a variant for each instruction set */
+    bool slow;                 /* takes seconds: three rounds are enough */
+    bool on_bumpy, on_volumes; /* which subjects it is measured on */
+    /* Gets what is drawn into the frame, and its number of primitives. */
+    iso_status (*open)(bench_frame *frame, iso_error *error);
+    iso_status (*draw)(bench_frame *frame, const iso_target *target, iso_error *error);
+    void (*close)(bench_frame *frame); /* what open made; NULL: nothing */
+} bench_method;
+
+struct bench_frame {
+    const bench_method *method;
+    bench_subject *subject;
+    iso_pool *pool;
+    bench_view view;
+    size_t primitives, covered;
+    iso_point_view points; /* whichever open asked for */
+    iso_mesh_view mesh;
+    const iso_raycaster *caster;
+    const iso_exact *exact;
+    struct iso_pullpush *pullpush; /* owned */
+};
+
+/* What a row draws: row->plan, owned by the row. `method` is NULL in VTK's rows. */
+struct bench_frame_plan {
+    const bench_method *method;
+    bench_subject *subject;
+    int view; /* number for bench_subject_view */
+};
+
+extern const bench_kind bench_frame_kind, bench_slow_frame_kind;
+extern const bench_method bench_methods[];
+extern const int bench_method_count;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,226 @@
+/* vtk_frame: what bench render is measured against: VTK's own pictures, in a process of their own because
+ * only here VTK's rendering modules are linked: with them its object factory would put other classes in the
+ * place of those that the bench measures. Needs an X display.
+ *
+ *   vtk_frame mesh FILE           draws a mesh; says "ready TRIANGLES RENDERER", then answers a line each:
+ *     "view WIDTH HEIGHT eye(3) focal point(3) up(3) angle centre(2)"  ->  "shown"
+ *     "frame"                                                          ->  "frame WALL CPU", milliseconds
+ *     "covered"                                                        ->  "covered PIXELS" of a frame
+ *   vtk_frame picture FILE.vti OUT.png ISOVALUE SIZE THREADS           from a volume to a picture, and done
+ *
+ * FILE: int64 vertices and triangles, then float positions (3 each), float normals, int64 corners (3 each).
+ */
+#include <cinttypes>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <string>
+
+#include <vtkActor.h>
+#include <vtkAutoInit.h>
+#include <vtkCamera.h>
+#include <vtkCellArray.h>
+#include <vtkFloatArray.h>
+#include <vtkFlyingEdges3D.h>
+#include <vtkIdTypeArray.h>
+#include <vtkNew.h>
+#include <vtkPNGWriter.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderer.h>
+#include <vtkSMPTools.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkWindowToImageFilter.h>
+#include <vtkXMLImageDataReader.h>
+
+VTK_MODULE_INIT(vtkRenderingOpenGL2)
+
+namespace {
+
+double milliseconds(clockid_t clock) {
+    timespec now;
+    clock_gettime(clock, &now);
+    return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
+}
+
+/* One actor, lit per pixel by the light at the eye, on black. */
+struct Window {
+    vtkNew<vtkPolyDataMapper> mapper;
+    vtkNew<vtkActor> actor;
+    vtkNew<vtkRenderer> renderer;
+    vtkNew<vtkRenderWindow> window;
+
+    Window() {
+        mapper->ScalarVisibilityOff();
+        actor->SetMapper(mapper);
+        actor->GetProperty()->SetColor(0.85, 0.70, 0.42);
+        actor->GetProperty()->SetInterpolationToPhong();
+        actor->GetProperty()->SetAmbient(0.1); /* no pixel of it is black */
+        renderer->AddActor(actor);
+        renderer->SetBackground(0, 0, 0);
+        window->SetOffScreenRendering(1);
+        window->SetMultiSamples(0);
+        window->AddRenderer(renderer);
+    }
+
+    void draw() {
+        window->Render();
+        window->WaitForCompletion();
+    }
+
+    long covered() {
+        const int *size = window->GetSize();
+        vtkNew<vtkUnsignedCharArray> pixels;
+        window->GetPixelData(0, 0, size[0] - 1, size[1] - 1, 0, pixels);
+        long count = 0;
+        const unsigned char *rgb = pixels->GetPointer(0);
+        for (vtkIdType i = 0; i < pixels->GetNumberOfTuples(); i++, rgb += 3)
+            count += rgb[0] || rgb[1] || rgb[2];
+        return count;
+    }
+};
+
+/* "OpenGL renderer string:  llvmpipe (LLVM 15.0.6, 256 bits)" -> "llvmpipe (LLVM 15.0.6, 256 bits)" */
+std::string renderer_name(vtkRenderWindow *window) {
+    const std::string all = window->ReportCapabilities(), key = "renderer string:";
+    std::size_t at = all.find(key);
+    if (at == std::string::npos) return "an unknown renderer";
+    at = all.find_first_not_of(' ', at + key.size());
+    return all.substr(at, all.find('\n', at) - at);
+}
+
+template <class T> bool read_array(std::FILE *file, T *to, std::int64_t count) {
+    return std::fread(to, sizeof *to, std::size_t(count), file) == std::size_t(count);
+}
+
+vtkSmartPointer<vtkFloatArray> read_vectors(std::FILE *file, std::int64_t count, bool &sound) {
+    auto array = vtkSmartPointer<vtkFloatArray>::New();
+    array->SetNumberOfComponents(3);
+    array->SetNumberOfTuples(count);
+    sound = sound && read_array(file, array->GetPointer(0), 3 * count);
+    return array;
+}
+
+bool read_mesh(const char *path, vtkPolyData *mesh) {
+    std::FILE *file = std::fopen(path, "rb");
+    std::int64_t counts[2] = {0, 0};
+    bool sound = file && read_array(file, counts, 2);
+    if (sound) {
+        vtkNew<vtkPoints> points;
+        points->SetData(read_vectors(file, counts[0], sound));
+        mesh->SetPoints(points);
+        mesh->GetPointData()->SetNormals(read_vectors(file, counts[0], sound));
+        vtkNew<vtkIdTypeArray> corners, offsets;
+        corners->SetNumberOfValues(3 * counts[1]);
+        sound = sound && read_array(file, corners->GetPointer(0), 3 * counts[1]);
+        offsets->SetNumberOfValues(counts[1] + 1);
+        for (std::int64_t i = 0; i <= counts[1]; i++) offsets->SetValue(i, 3 * i);
+        vtkNew<vtkCellArray> cells;
+        cells->SetData(offsets, corners);
+        mesh->SetPolys(cells);
+    }
+    if (file) std::fclose(file);
+    return sound;
+}
+
+/* The view of a bench's line; false when it is not one. */
+bool set_view(Window &shown, const char *line) {
+    int width, height;
+    double eye[3], focus[3], up[3], angle, centre[2];
+    if (std::sscanf(line, "view %d %d %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf", &width, &height,
+                    &eye[0], &eye[1], &eye[2], &focus[0], &focus[1], &focus[2], &up[0], &up[1], &up[2],
+                    &angle, &centre[0], &centre[1]) != 14)
+        return false;
+    vtkCamera *camera = shown.renderer->GetActiveCamera();
+    camera->SetPosition(eye);
+    camera->SetFocalPoint(focus);
+    camera->SetViewUp(up);
+    camera->SetViewAngle(angle);
+    camera->SetWindowCenter(centre[0], centre[1]);
+    shown.window->SetSize(width, height);
+    shown.renderer->ResetCameraClippingRange();
+    return true;
+}
+
+void answer_frame(Window &shown) {
+    shown.renderer->GetActiveCamera()->Modified();
+    const double cpu = milliseconds(CLOCK_PROCESS_CPUTIME_ID), wall = milliseconds(CLOCK_MONOTONIC);
+    shown.draw();
+    std::printf("frame %.17g %.17g\n", milliseconds(CLOCK_MONOTONIC) - wall,
+                milliseconds(CLOCK_PROCESS_CPUTIME_ID) - cpu);
+}
+
+int serve_mesh(const char *path) {
+    Window shown;
+    vtkNew<vtkPolyData> mesh;
+    if (!read_mesh(path, mesh)) {
+        std::fprintf(stderr, "vtk_frame: %s is not a mesh of the bench\n", path);
+        return 1;
+    }
+    shown.mapper->SetInputData(mesh);
+    shown.window->SetSize(16, 16);
+    shown.draw();
+    std::printf("ready %lld %s\n", static_cast<long long>(mesh->GetNumberOfPolys()),
+                renderer_name(shown.window).c_str());
+    std::fflush(stdout);
+    char line[1024];
+    while (std::fgets(line, sizeof line, stdin)) {
+        if (set_view(shown, line)) {
+            std::printf("shown\n");
+        } else if (std::strcmp(line, "covered\n") == 0) {
+            shown.draw();
+            std::printf("covered %ld\n", shown.covered());
+        } else if (std::strcmp(line, "frame\n") == 0) {
+            answer_frame(shown);
+        } else {
+            std::printf("what?\n");
+        }
+        std::fflush(stdout);
+    }
+    return 0;
+}
+
+/* As a user of VTK would write it: the camera moved back until everything is in sight. */
+int make_picture(char **values) {
+    const int size = std::atoi(values[3]), threads = std::atoi(values[4]);
+    if (threads > 1) vtkSMPTools::SetBackend("TBB");
+    vtkSMPTools::Initialize(threads);
+    vtkNew<vtkXMLImageDataReader> reader;
+    reader->SetFileName(values[0]);
+    vtkNew<vtkFlyingEdges3D> surface;
+    surface->SetInputConnection(reader->GetOutputPort());
+    surface->SetValue(0, std::atof(values[2]));
+    surface->ComputeNormalsOn();
+    surface->ComputeScalarsOff();
+    Window shown;
+    shown.mapper->SetInputConnection(surface->GetOutputPort());
+    shown.window->SetSize(size, size);
+    vtkCamera *camera = shown.renderer->GetActiveCamera();
+    camera->SetPosition(1, -1, 1);
+    camera->SetViewUp(0, 0, 1);
+    shown.renderer->ResetCamera();
+    shown.draw();
+    vtkNew<vtkWindowToImageFilter> image;
+    image->SetInput(shown.window);
+    image->ReadFrontBufferOff();
+    image->ShouldRerenderOff();
+    vtkNew<vtkPNGWriter> writer;
+    writer->SetFileName(values[1]);
+    writer->SetInputConnection(image->GetOutputPort());
+    writer->Write();
+    std::printf("%lld\n", static_cast<long long>(surface->GetOutput()->GetNumberOfPolys()));
+    return surface->GetOutput()->GetNumberOfPolys() > 0 ? 0 : 1;
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+    if (argc == 3 && std::strcmp(argv[1], "mesh") == 0) return serve_mesh(argv[2]);
+    if (argc == 7 && std::strcmp(argv[1], "picture") == 0) return make_picture(argv + 2);
+    std::fprintf(stderr, "usage: vtk_frame mesh FILE | picture FILE.vti OUT.png ISOVALUE SIZE THREADS\n");
+    return 2;
+}

@@ -1,0 +1,1 @@
+isorender scene:torus:32 out.png --aov out.tiff

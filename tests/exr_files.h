@@ -1,0 +1,34 @@
+/* exr_files: OpenEXR pictures by its C++ library, which shares no code with the C core: what iso_exr_write
+ * wrote, and pictures that it never writes. All functions return 0, or 1 on failure. */
+#ifndef ISO_TESTS_EXR_FILES_H
+#define ISO_TESTS_EXR_FILES_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { EXR_PICTURE_CHANNELS = 5 };
+
+typedef struct exr_picture {
+    int min_x, min_y, width, height;
+    const char *names[EXR_PICTURE_CHANNELS + 1]; /* up to a NULL */
+    /* Value of a channel at pixel (x, y), counted from the window's corner. */
+    float (*value)(int channel, int x, int y);
+    int half, integers, tiled;
+    int subsampled;  /* channels are sampled every so many pixels; 0 is 1 */
+    int compression; /* OpenEXR's number */
+} exr_picture;
+
+int exr_write(const char *path, const exr_picture *picture);
+
+/* A channel of 32-bit floats, width * height of them; the window must begin at 0. */
+int exr_read(const char *path, const char *channel, int width, int height, float *values);
+/* Row-major, for row vectors. */
+int exr_read_matrix(const char *path, const char *attribute, float matrix[16]);
+int exr_read_float(const char *path, const char *attribute, float *value);
+int exr_has_text(const char *path, const char *attribute, const char *text);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

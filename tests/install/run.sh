@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# run.sh BUILD: installs a build, moves the folder, and uses what is there: isorender with and without its modules, and a
+# C program that finds the library by CMake and by pkg-config. Nothing but a module may need VTK, OpenVDB, GDCM or C++.
+set -euo pipefail
+build=$(cd "$1" && pwd)
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+unset ISO_MODULE_PATH
+export LC_ALL=C
+
+fail() {
+    echo "FAILED: $*"
+    exit 1
+}
+
+# is_light FILE: what it is linked with, and what that is linked with
+is_light() {
+    ! ldd "$1" | grep -E 'vtk|openvdb|gdcm|stdc\+\+' || fail "$1 is linked with a library that belongs to a module"
+}
+
+# not_installed COMMAND ...: fails with status 3 and one line that names the module
+not_installed() {
+    local status=0
+    "$@" >"$work/out" 2>"$work/err" || status=$?
+    [ $status -eq 3 ] || fail "status $status instead of 3: $*"
+    [ "$(wc -l <"$work/err")" -eq 1 ] || fail "not one line: $(cat "$work/err")"
+    grep -q 'small.vti: the VTK reader (libisopoint-vti.so) is not installed' "$work/err" || fail "$(cat "$work/err")"
+}
+
+cmake --install "$build" --prefix "$work/first" >/dev/null
+mkdir "$work/moved"
+mv "$work/first" "$work/moved/here"
+root=$work/moved/here
+modules=$(dirname "$(find "$root" -name 'libisopoint-*.so' | head -n 1)")
+library=$(find "$root" -name 'libisopoint.a' -o -name 'libisopoint.so')
+
+# 4 x 4 x 4 voxels, 8 of them inside: 24 edges cross the surface
+python3 - "$work" <<'P'
+import sys
+values = [200 if {x, y, z} <= {1, 2} else 0 for z in range(4) for y in range(4) for x in range(4)]
+extent = '"0 3 0 3 0 3"'
+with open(sys.argv[1] + "/small.vti", "w") as file:
+    file.write('<VTKFile type="ImageData" version="0.1" byte_order="LittleEndian">\n<ImageData WholeExtent=' + extent +
+               ' Origin="0 0 0" Spacing="1 1 1">\n<Piece Extent=' + extent + '><PointData Scalars="v">\n'
+               '<DataArray type="UInt8" Name="v" format="ascii">' + " ".join(map(str, values)) +
+               '</DataArray></PointData></Piece></ImageData></VTKFile>\n')
+with open(sys.argv[1] + "/small.mha", "wb") as file:
+    file.write(b"ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" +
+               bytes(values))
+P
+
+has_vti=$([ -e "$modules/libisopoint-vti.so" ] && echo 1 || echo 0)
+is_light "$root/bin/isorender"
+count() {
+    "$root/bin/isorender" "$1" --isovalue 100 --method points --no-image --json --quiet | grep -o '"points": *[0-9]*' | grep -o '[0-9]*$'
+}
+[ "$(count "$work/small.mha")" = 24 ] || fail "isorender found $(count "$work/small.mha") points in a .mha"
+if [ "$has_vti" = 1 ]; then
+    [ "$(count "$work/small.vti")" = 24 ] || fail "isorender found $(count "$work/small.vti") points in a .vti"
+fi
+
+# ---- from C; a program elsewhere finds the modules of the shared library, and is told of those of the static one
+case $library in *.a) export ISO_MODULE_PATH=$modules ;; esac
+cmake -S "$here" -B "$work/cmake" -DCMAKE_PREFIX_PATH="$root" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
+cmake --build "$work/cmake" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
+config=$(dirname "$(find "$root" -name isopoint.pc)")
+flags=$(PKG_CONFIG_PATH=$config pkg-config --cflags --libs isopoint)
+# shellcheck disable=SC2086
+mkdir "$work/tools"
+${CC:-cc} -o "$work/tools/consumer" "$here/consumer.c" $flags -Wl,-rpath,"$(dirname "$library")"
+for program in "$work/cmake/consumer" "$work/tools/consumer"; do
+    is_light "$program"
+    [ "$("$program" "$work/small.mha" 100)" = 24 ] || fail "$program cannot read a .mha"
+    [ "$has_vti" = 0 ] || [ "$("$program" "$work/small.vti" 100)" = 24 ] || fail "$program cannot read a .vti"
+done
+unset ISO_MODULE_PATH
+
+# ---- a module is taken away
+rm -f "$modules/libisopoint-vti.so"
+prefix=$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$build/CMakeCache.txt")
+if [ -n "$(find "$prefix/lib" -name libisopoint-vti.so 2>/dev/null)" ]; then
+    echo "an installation in $prefix has the module: what happens without it is not tested"
+    exit 0
+fi
+not_installed "$root/bin/isorender" "$work/small.vti" --isovalue 100 --no-image --json
+# What lies around a program that is not in bin/ is not ours.
+mkdir -p "$work/lib/isopoint"
+echo "not a module" >"$work/lib/isopoint/libisopoint-vti.so"
+not_installed "$work/tools/consumer" "$work/small.vti" 100
+[ "$(count "$work/small.mha")" = 24 ] || fail "without a module, isorender cannot read a .mha"

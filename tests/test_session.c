@@ -1,0 +1,541 @@
+/* session: nothing is lost. Undo and redo restore every bit, the journal replays to the same field, and what
+ * was written survives kill -9, torn lines and full memory. */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "sculpt/session.h"
+#include "sculpt/snapshot.h"
+#include "sculpt_support.h"
+
+static const iso_journal_start START = {.source = "ball",
+                                        .voxel_size = 0.5,
+                                        .dims = {64, 64, 64},
+                                        .origin = {-15.75, -15.75, -15.75},
+                                        .radius = 10};
+
+static const char *path_of(const char *name) {
+    static char path[4][512];
+    static int turn;
+    turn = (turn + 1) % 4;
+    snprintf(path[turn], sizeof path[turn], "%s/session_%d_%s", ISO_TEST_TMP, (int)getpid(), name);
+    return path[turn];
+}
+
+static iso_session *open_session(const iso_session_opts *opts) {
+    iso_hgrid *grid;
+    iso_session *session;
+    iso_error error = {0};
+    if (iso_session_ball(&START, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (iso_session_create(grid, &START, opts, &session, &error) != ISO_OK) fail_msg("%s", error.text);
+    return session;
+}
+
+static iso_sample random_sample(uint32_t *seed) {
+    iso_sample s = {.pressure = sculpt_uniform(seed), .seconds = sculpt_uniform(seed) * 100};
+    double *p[6] = {&s.position.x, &s.position.y, &s.position.z, &s.normal.x, &s.normal.y, &s.normal.z};
+    for (int i = 0; i < 6; i++) *p[i] = (sculpt_uniform(seed) - 0.5) * (i < 3 ? 32 : 1);
+    s.normal = iso_vec3_unit(s.normal);
+    return s;
+}
+
+static iso_brush random_brush(uint32_t *seed) {
+    iso_brush b = {.tool = (iso_tool)(sculpt_uniform(seed) * (ISO_TOOL_MOVE + 1)),
+                   .shape = (iso_solid)(sculpt_uniform(seed) * ISO_SOLID_STAMP),
+                   .radius = 0.5 + 4 * sculpt_uniform(seed),
+                   .strength = sculpt_uniform(seed),
+                   .symmetry = sculpt_uniform(seed) < 0.2 ? 5 : 0,
+                   .pressure_strength = sculpt_uniform(seed) < 0.5};
+    return b;
+}
+
+/* The next of an endless line of events; `drawing` is the caller's state. */
+static iso_event random_event(uint32_t *seed, bool *drawing) {
+    iso_event event;
+    memset(&event, 0, sizeof event);
+    double chance = sculpt_uniform(seed);
+    event.sample = random_sample(seed);
+    if (*drawing) {
+        event.kind = chance < 0.5 ? ISO_EVENT_SAMPLE : chance < 0.95 ? ISO_EVENT_END : ISO_EVENT_CANCEL;
+        *drawing = event.kind == ISO_EVENT_SAMPLE;
+        return event;
+    }
+    event.kind = chance < 0.6 ? ISO_EVENT_BEGIN : chance < 0.85 ? ISO_EVENT_UNDO : ISO_EVENT_REDO;
+    event.brush = random_brush(seed);
+    *drawing = event.kind == ISO_EVENT_BEGIN;
+    return event;
+}
+
+/* Plays events; an undo or redo that there is nothing for is refused and not recorded. */
+static void play_random(iso_session *session, int events, uint32_t seed) {
+    bool drawing = false;
+    for (int i = 0; i < events || drawing; i++) {
+        iso_event event = random_event(&seed, &drawing);
+        iso_error error = {0};
+        iso_status status = iso_session_play(session, &event, NULL, &error);
+        if (status != ISO_OK && event.kind != ISO_EVENT_UNDO && event.kind != ISO_EVENT_REDO)
+            fail_msg("%s", error.text);
+    }
+}
+
+/* ---- history */
+
+static void undo_restores_every_bit(void **state) {
+    (void)state;
+    enum { STROKES = 24 };
+    for (int round = 0; round < 2; round++) {
+        const char *journal = path_of("undo.strokes");
+        unlink(journal);
+        /* the second time hardly anything may stay in memory */
+        iso_session_opts opts = {
+            .undo_memory = round ? 20000 : 0, .journal = journal, .snapshot_strokes = -1};
+        iso_session *session = open_session(&opts);
+        iso_history *history = iso_session_history(session);
+        iso_hgrid *before[STROKES + 1];
+        uint32_t seed = 77;
+        for (int i = 0; i < STROKES;) {
+            before[i] = sculpt_copy(iso_session_grid(session));
+            iso_brush brush = random_brush(&seed);
+            iso_vec3 at = iso_vec3_scale(random_sample(&seed).normal, 10);
+            iso_sample sample = {.position = at, .normal = iso_vec3_unit(at), .pressure = 1}, next = sample;
+            next.position = iso_vec3_scale(iso_vec3_unit(iso_vec3_add(at, iso_vec3_make(3, 1, 2))), 10);
+            assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
+            assert_int_equal(iso_session_sample(session, &next, NULL, NULL), ISO_OK);
+            assert_int_equal(iso_session_end(session, NULL), ISO_OK);
+            if (iso_history_count(history) == (size_t)i + 1)
+                i++;
+            else /* nothing changed: no step */
+                iso_hgrid_destroy(before[i]);
+        }
+        before[STROKES] = sculpt_copy(iso_session_grid(session));
+        if (round) assert_true(iso_history_spilled(history) > 0 && iso_history_bytes(history) < 400000);
+        for (int walk = 0; walk < 3; walk++) {
+            for (int i = STROKES; i-- > 0;) {
+                assert_int_equal(iso_session_undo(session, NULL), ISO_OK);
+                assert_true(sculpt_same(iso_session_grid(session), before[i]));
+            }
+            assert_int_equal(iso_session_undo(session, NULL), ISO_ERR_USAGE);
+            for (int i = 1; i <= STROKES; i++) {
+                assert_int_equal(iso_session_redo(session, NULL), ISO_OK);
+                assert_true(sculpt_same(iso_session_grid(session), before[i]));
+            }
+            assert_int_equal(iso_session_redo(session, NULL), ISO_ERR_USAGE);
+        }
+        assert_true(strlen(iso_history_name(history, 0)) > 0);
+        iso_session_destroy(session);
+        for (int i = 0; i <= STROKES; i++) iso_hgrid_destroy(before[i]);
+        unlink(journal);
+    }
+}
+
+static void cancelled_strokes_leave_nothing(void **state) {
+    (void)state;
+    iso_session_opts opts = {0};
+    iso_session *session = open_session(&opts);
+    uint32_t seed = 5;
+    for (int i = 0; i < 20; i++) {
+        iso_hgrid *before = sculpt_copy(iso_session_grid(session));
+        iso_brush brush = random_brush(&seed);
+        iso_sample sample = random_sample(&seed), next = random_sample(&seed);
+        assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
+        assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_ERR_USAGE);
+        assert_int_equal(iso_session_sample(session, &next, NULL, NULL), ISO_OK);
+        assert_int_equal(iso_session_cancel(session, NULL), ISO_OK);
+        assert_true(sculpt_same(iso_session_grid(session), before));
+        iso_hgrid_destroy(before);
+    }
+    assert_int_equal(iso_history_count(iso_session_history(session)), 0);
+    assert_int_equal(iso_session_sample(session, &(iso_sample){.pressure = 1}, NULL, NULL), ISO_ERR_USAGE);
+    iso_session_destroy(session);
+}
+
+/* ---- journal */
+
+static void remove_files(const char *journal) {
+    char name[600];
+    unlink(journal);
+    for (int i = 1; i < 60; i++) {
+        snprintf(name, sizeof name, "%s.%d.snapshot", journal, i);
+        unlink(name);
+    }
+}
+
+static void check_resumes_to(const char *journal, const iso_hgrid *wanted) {
+    iso_session_opts opts = {.journal = journal, .resume = true, .snapshot_strokes = -1};
+    iso_session *session = open_session(&opts);
+    assert_true(sculpt_same(iso_session_grid(session), wanted));
+    iso_session_destroy(session);
+}
+
+/* With and without snapshots, whole or with some of them gone; and it can be continued. */
+static void journals_resume_to_the_same_bits(void **state) {
+    (void)state;
+    for (int snapshots = 0; snapshots < 3; snapshots++) {
+        const char *journal = path_of("resume.strokes");
+        remove_files(journal);
+        iso_session_opts opts = {.journal = journal, .snapshot_strokes = snapshots ? 4 : -1};
+        iso_session *session = open_session(&opts);
+        play_random(session, 70, 31 + (uint32_t)snapshots);
+        iso_hgrid *wanted = sculpt_copy(iso_session_grid(session));
+        iso_session_destroy(session);
+        if (snapshots == 2) /* the newest is damaged */
+            for (int i = 40; i > 0; i--) {
+                char name[600];
+                snprintf(name, sizeof name, "%s.%d.snapshot", journal, i);
+                if (access(name, F_OK)) continue;
+                FILE *file = fopen(name, "r+b");
+                assert_non_null(file);
+                fseek(file, 1000, SEEK_SET);
+                fputs("wrong", file);
+                fclose(file);
+                break;
+            }
+        check_resumes_to(journal, wanted);
+        opts.resume = true;
+        session = open_session(&opts);
+        play_random(session, 30, 99);
+        iso_hgrid_destroy(wanted);
+        wanted = sculpt_copy(iso_session_grid(session));
+        iso_session_destroy(session);
+        check_resumes_to(journal, wanted);
+        iso_hgrid_destroy(wanted);
+        remove_files(journal);
+    }
+}
+
+/* All of a file in memory. */
+static char *slurp(const char *path, size_t *size) {
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    fseek(file, 0, SEEK_END);
+    *size = (size_t)ftell(file);
+    rewind(file);
+    char *bytes = malloc(*size + 1);
+    assert_non_null(bytes);
+    assert_int_equal(fread(bytes, 1, *size, file), *size);
+    fclose(file);
+    return bytes;
+}
+
+static void spill_bytes(const char *path, const char *bytes, size_t size) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    fclose(file);
+}
+
+/* Events that can be read; -1 when the file ends in damage. */
+static int count_events(const char *path, iso_status *status, iso_error *error) {
+    iso_journal_start start;
+    iso_journal_reader *reader;
+    *status = iso_journal_open(path, &start, &reader, error);
+    if (*status != ISO_OK) return -1;
+    iso_event event;
+    bool more = true;
+    int count = 0;
+    while ((*status = iso_journal_next(reader, &event, &more, error)) == ISO_OK && more) count++;
+    iso_journal_reader_free(reader);
+    return count;
+}
+
+static void torn_and_damaged_lines(void **state) {
+    (void)state;
+    const char *journal = path_of("torn.strokes"), *part = path_of("part.strokes");
+    remove_files(journal);
+    iso_session_opts opts = {.journal = journal, .snapshot_strokes = -1};
+    iso_session *session = open_session(&opts);
+    play_random(session, 60, 8);
+    iso_session_destroy(session);
+    size_t size, header = 0;
+    char *bytes = slurp(journal, &size);
+    while (bytes[header++] != '\n') {
+    }
+    iso_error error = {0};
+    iso_status status;
+    int whole = count_events(journal, &status, &error);
+    assert_true(whole >= 20 && status == ISO_OK);
+    for (size_t cut = 1; cut <= size; cut += cut < header + 600 ? 1 : 37) { /* truncated anywhere */
+        spill_bytes(part, bytes, cut);
+        int lines = 0;
+        for (size_t i = 0; i < cut; i++) lines += bytes[i] == '\n';
+        int got = count_events(part, &status, &error);
+        if (cut < header) {
+            assert_int_equal(status, ISO_ERR_FORMAT);
+        } else {
+            assert_int_equal(status, ISO_OK);
+            assert_int_equal(got, lines - 1);
+        }
+    }
+    /* a byte changed in the middle is found and named; what stands before it is delivered */
+    int found = 0;
+    for (size_t at = header; at < size - 400; at += 97) {
+        char old = bytes[at];
+        bytes[at] = old == 'x' ? 'y' : 'x';
+        spill_bytes(part, bytes, size);
+        bytes[at] = old;
+        int got = count_events(part, &status, &error);
+        if (old == '\n') continue; /* two lines become one: damaged as well, but numbered otherwise */
+        int line = 1;
+        for (size_t i = 0; i < at; i++) line += bytes[i] == '\n';
+        char wanted[32];
+        snprintf(wanted, sizeof wanted, "line %d:", line);
+        assert_int_equal(status, ISO_ERR_FORMAT);
+        if (!strstr(error.text, wanted)) fail_msg("'%s' does not say %s", error.text, wanted);
+        assert_int_equal(got, line - 2);
+        found++;
+    }
+    assert_true(found > 20);
+    /* appending after a torn line */
+    spill_bytes(part, bytes, size - 5);
+    iso_journal *more;
+    assert_int_equal(iso_journal_append(part, &more, &error), ISO_OK);
+    iso_event undo;
+    memset(&undo, 0, sizeof undo);
+    undo.kind = ISO_EVENT_UNDO;
+    assert_int_equal(iso_journal_put(more, &undo, NULL), ISO_OK);
+    assert_int_equal(iso_journal_close(more, NULL), ISO_OK);
+    assert_int_equal(count_events(part, &status, &error), whole);
+    assert_int_equal(status, ISO_OK);
+    free(bytes);
+    remove_files(journal);
+    unlink(part);
+}
+
+static void numbers_come_back_exactly(void **state) {
+    (void)state;
+    const char *journal = path_of("numbers.strokes");
+    unlink(journal);
+    iso_journal *j;
+    iso_journal_start start = START, got_start;
+    strcpy(start.source, "a \"quoted\\ path \xc3\xa9\n.vdb");
+    start.source_crc = 0xfedcba98u;
+    assert_int_equal(iso_journal_create(journal, &start, &j, NULL), ISO_OK);
+    uint32_t seed = 4;
+    enum { EVENTS = 200 };
+    iso_event *put = calloc(EVENTS, sizeof *put);
+    assert_non_null(put);
+    for (int i = 0; i < EVENTS; i++) {
+        put[i].kind = i % 2 ? ISO_EVENT_SAMPLE : ISO_EVENT_BEGIN;
+        put[i].sample = random_sample(&seed);
+        put[i].sample.position.x *= pow(10, (int)(sculpt_uniform(&seed) * 60) - 30);
+        if (put[i].kind == ISO_EVENT_BEGIN) put[i].brush = random_brush(&seed);
+        assert_int_equal(iso_journal_put(j, &put[i], NULL), ISO_OK);
+    }
+    assert_int_equal(iso_journal_close(j, NULL), ISO_OK);
+    assert_int_equal(iso_journal_create(journal, &start, &j, NULL), ISO_ERR_WRITE); /* never over another */
+    iso_journal_reader *reader;
+    assert_int_equal(iso_journal_open(journal, &got_start, &reader, NULL), ISO_OK);
+    assert_string_equal(got_start.source, start.source);
+    assert_true(got_start.source_crc == start.source_crc && got_start.origin.x == start.origin.x);
+    for (int i = 0; i < EVENTS; i++) {
+        iso_event got;
+        bool more;
+        assert_int_equal(iso_journal_next(reader, &got, &more, NULL), ISO_OK);
+        assert_true(more && got.kind == put[i].kind);
+        assert_memory_equal(&got.sample, &put[i].sample, sizeof got.sample);
+        assert_true(got.brush.radius == put[i].brush.radius && got.brush.tool == put[i].brush.tool &&
+                    got.brush.symmetry == put[i].brush.symmetry &&
+                    got.brush.strength == put[i].brush.strength);
+    }
+    iso_journal_reader_free(reader);
+    free(put);
+    unlink(journal);
+}
+
+/* /dev/full refuses every byte: it is said, what was put is kept, and the session goes on. */
+static void full_disks_are_said(void **state) {
+    (void)state;
+    if (access("/dev/full", W_OK)) {
+        print_message("no /dev/full: left out\n");
+        return;
+    }
+    const char *journal = path_of("full.strokes");
+    unlink(journal);
+    iso_journal *j;
+    iso_error error = {0};
+    assert_int_equal(iso_journal_create(journal, &START, &j, NULL), ISO_OK);
+    assert_int_equal(iso_journal_close(j, NULL), ISO_OK);
+    assert_int_equal(iso_journal_create("/no/such/folder/x.strokes", &START, &j, &error), ISO_ERR_WRITE);
+    assert_non_null(strstr(error.text, "/no/such/folder"));
+    const char *link = path_of("link.strokes");
+    unlink(link);
+    assert_int_equal(symlink("/dev/full", link), 0);
+    iso_status status = iso_journal_create(link, &START, &j, &error);
+    assert_int_equal(status, ISO_ERR_WRITE);
+    unlink(link);
+    unlink(journal);
+}
+
+/* ---- kill -9 */
+
+static double seconds_now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Plays strokes until it is killed, and says so after each. */
+static void play_until_killed(const char *journal, uint32_t seed, int said) {
+    iso_session_opts opts = {.journal = journal, .snapshot_strokes = 5};
+    iso_session *session = open_session(&opts);
+    for (;;) {
+        iso_brush brush = random_brush(&seed);
+        iso_sample sample = random_sample(&seed), next = random_sample(&seed);
+        if (iso_session_begin(session, &brush, &sample, NULL, NULL) != ISO_OK) _exit(1);
+        if (iso_session_sample(session, &next, NULL, NULL) != ISO_OK) _exit(1);
+        if (iso_session_end(session, NULL) != ISO_OK) _exit(1);
+        double now = seconds_now();
+        if (write(said, &now, sizeof now) != sizeof now) _exit(1);
+    }
+}
+
+static int ended_strokes(const char *journal) {
+    iso_journal_start start;
+    iso_journal_reader *reader;
+    assert_int_equal(iso_journal_open(journal, &start, &reader, NULL), ISO_OK);
+    iso_event event;
+    bool more = true;
+    int ended = 0;
+    while (iso_journal_next(reader, &event, &more, NULL) == ISO_OK && more)
+        ended += event.kind == ISO_EVENT_END;
+    iso_journal_reader_free(reader);
+    return ended;
+}
+
+static void killed_sessions_survive(void **state) {
+    (void)state;
+    const char *text = getenv("ISO_TEST_KILLS");
+    int rounds = text ? atoi(text) : 3;
+    uint32_t seed = 1;
+    for (int round = 0; round < rounds; round++) {
+        const char *journal = path_of("killed.strokes");
+        int said[2], finished = 0;
+        remove_files(journal);
+        assert_int_equal(pipe(said), 0);
+        pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            close(said[0]);
+            play_until_killed(journal, (uint32_t)round + 50, said[1]);
+        }
+        close(said[1]);
+        double wait = 1.2 + 0.8 * sculpt_uniform(&seed);
+        usleep((useconds_t)(wait * 1e6));
+        double killed = seconds_now(), at;
+        kill(child, SIGKILL);
+        waitpid(child, NULL, 0);
+        while (read(said[0], &at, sizeof at) == sizeof at) finished += at < killed - 1;
+        close(said[0]);
+        int ended = ended_strokes(journal);
+        if (ended < finished)
+            fail_msg("round %d: %d strokes were finished a second before, %d survived", round, finished,
+                     ended);
+        /* what is recovered is what the same events make */
+        iso_session_opts opts = {.journal = journal, .resume = true, .snapshot_strokes = -1}, plain = {0};
+        iso_session *recovered = open_session(&opts), *again = open_session(&plain);
+        iso_journal_start start;
+        iso_journal_reader *reader;
+        assert_int_equal(iso_journal_open(journal, &start, &reader, NULL), ISO_OK);
+        iso_event event;
+        bool more = true;
+        while (iso_journal_next(reader, &event, &more, NULL) == ISO_OK && more)
+            assert_int_equal(iso_session_play(again, &event, NULL, NULL), ISO_OK);
+        iso_journal_reader_free(reader);
+        assert_true(sculpt_same(iso_session_grid(recovered), iso_session_grid(again)));
+        iso_session_destroy(recovered);
+        iso_session_destroy(again);
+        remove_files(journal);
+    }
+}
+
+/* ---- snapshots */
+
+static void snapshots_round_trip(void **state) {
+    (void)state;
+    const char *path = path_of("round.snapshot"), *bad = path_of("bad.snapshot");
+    iso_session_opts opts = {0};
+    iso_session *session = open_session(&opts);
+    play_random(session, 40, 12);
+    iso_hgrid *grid = iso_session_grid(session), *other;
+    assert_int_equal(iso_snapshot_write(path, grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_ball(&START, &other, NULL), ISO_OK);
+    assert_int_equal(iso_snapshot_read(path, other, NULL), ISO_OK);
+    assert_true(sculpt_same(grid, other));
+    size_t size;
+    char *bytes = slurp(path, &size);
+    iso_hgrid *before = sculpt_copy(other);
+    for (size_t at = 0; at < size; at += 1 + size / 50) {
+        bytes[at] = (char)(bytes[at] ^ 4);
+        spill_bytes(bad, bytes, size);
+        bytes[at] = (char)(bytes[at] ^ 4);
+        assert_int_equal(iso_snapshot_read(bad, other, NULL), ISO_ERR_FORMAT);
+        spill_bytes(bad, bytes, at);
+        assert_int_equal(iso_snapshot_read(bad, other, NULL), ISO_ERR_FORMAT);
+    }
+    assert_true(sculpt_same(before, other));
+    assert_int_equal(iso_snapshot_read("/no/such.snapshot", other, NULL), ISO_ERR_IO);
+    free(bytes);
+    iso_hgrid_destroy(before);
+    iso_hgrid_destroy(other);
+    iso_session_destroy(session);
+    unlink(path);
+    unlink(bad);
+}
+
+/* ---- strokes */
+
+/* The ball that a stroke drags along keeps its volume. */
+static void moving_keeps_the_volume(void **state) {
+    (void)state;
+    iso_session_opts opts = {0};
+    iso_journal_start start = {
+        .source = "ball", .voxel_size = 1, .dims = {128, 64, 64}, .origin = {-40, -31, -31}, .radius = 12};
+    iso_hgrid *grid;
+    iso_session *session;
+    assert_int_equal(iso_session_ball(&start, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_create(grid, &start, &opts, &session, NULL), ISO_OK);
+    double before = sculpt_volume(grid);
+    iso_brush brush = {.tool = ISO_TOOL_MOVE, .falloff = ISO_FALLOFF_CONSTANT, .radius = 20};
+    iso_sample sample = {.normal = {1, 0, 0}, .pressure = 1};
+    assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
+    for (int i = 1; i <= 20; i++) {
+        sample.position.x = i;
+        assert_int_equal(iso_session_sample(session, &sample, NULL, NULL), ISO_OK);
+    }
+    for (int i = 19; i >= -5; i--) { /* there and back and there again */
+        sample.position.x = i;
+        assert_int_equal(iso_session_sample(session, &sample, NULL, NULL), ISO_OK);
+    }
+    sample.position.x = 20;
+    assert_int_equal(iso_session_sample(session, &sample, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_session_end(session, NULL), ISO_OK);
+    double after = sculpt_volume(grid);
+    print_message("volume %.0f before, %.0f after\n", before, after);
+    assert_true(fabs(after / before - 1) < 0.02);
+    const iso_grid any = {.hgrid = grid};
+    assert_true(iso_grid_sample(&any, iso_vec3_make(40 + 20, 31, 31)) < -2.9);
+    assert_true(iso_grid_sample(&any, iso_vec3_make(40 - 5, 31, 31)) > 2.9);
+    assert_int_equal(iso_session_undo(session, NULL), ISO_OK);
+    assert_true(fabs(sculpt_volume(grid) - before) < 1e-9);
+    iso_session_destroy(session);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(undo_restores_every_bit),          cmocka_unit_test(cancelled_strokes_leave_nothing),
+        cmocka_unit_test(journals_resume_to_the_same_bits), cmocka_unit_test(torn_and_damaged_lines),
+        cmocka_unit_test(numbers_come_back_exactly),        cmocka_unit_test(full_disks_are_said),
+        cmocka_unit_test(killed_sessions_survive),          cmocka_unit_test(snapshots_round_trip),
+        cmocka_unit_test(moving_keeps_the_volume)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
