@@ -1,23 +1,11 @@
 /* isorender: any volume file to a correct picture of its isosurface, in one command. */
-#include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "apps/isorender.h"
 
 static int fail(const iso_error *error, iso_status status) {
-    fprintf(stderr, "isorender: %s\n", error->text[0] ? error->text : iso_status_text(status));
-    return iso_status_exit(status);
-}
-
-/* Help and lists are outputs like any other: a full disk is noticed. */
-static int finish_stdout(int status) {
-    if (status) return status;
-    errno = 0;
-    if (fflush(stdout) == 0 && !ferror(stdout)) return status;
-    fprintf(stderr, "isorender: standard output: cannot write: %s\n", strerror(errno ? errno : EIO));
-    return iso_status_exit(ISO_ERR_WRITE);
+    return iso_program_fail(isorender_program(), error, status);
 }
 
 static iso_status print_help(const isorender_settings *settings, iso_error *error) {
@@ -79,5 +67,5 @@ int main(int argc, char **argv) {
         status = settings.help ? print_help(&settings, &error) : run(&settings, &code, &error);
     if (status != ISO_OK) code = fail(&error, status);
     free(operands.values);
-    return finish_stdout(code);
+    return iso_program_finish(isorender_program(), code);
 }

@@ -16,7 +16,9 @@
 #include "image/camera.h"
 #include "io/points_io.h"
 #include "render/gl/engine.h"
+#include "render/pullpush.h"
 #include "render/shading.h"
+#include "truth/exact.h"
 #include "truth/raycast.h"
 
 #ifdef __cplusplus
@@ -27,7 +29,16 @@ extern "C" {
 
 enum { ISORENDER_SURFACES = 64, ISORENDER_RECORD = 4096 };
 
-typedef enum isorender_method { ISORENDER_POINTS, ISORENDER_MESH, ISORENDER_RAYCAST } isorender_method;
+typedef enum isorender_method {
+    ISORENDER_UNCHOSEN = -1, /* exact for volumes, points for files of points */
+    ISORENDER_EXACT,
+    ISORENDER_POINTS,
+    ISORENDER_PULLPUSH,
+    ISORENDER_MESH,
+    ISORENDER_RAYCAST
+} isorender_method;
+const char *isorender_method_name(isorender_method method);
+
 typedef enum isorender_help {
     ISORENDER_RUN,
     ISORENDER_HELP,
@@ -55,7 +66,8 @@ typedef struct isorender_settings {
     int primitive; /* iso_primitive */
     const char *points, *mesh, *aov;
 
-    int method; /* isorender_method */
+    int method;         /* isorender_method */
+    int reconstruction; /* iso_reconstruction */
     const char *backend;
     int scaling; /* iso_point_scaling */
     int width, height, samples, turntable, no_image;
@@ -77,6 +89,17 @@ typedef struct isorender_settings {
 } isorender_settings;
 
 const iso_program *isorender_program(void);
+
+/* Values of options that other programs have as well (input_options.inc, running_options.inc). `settings`
+ * begins with an isorender_settings. */
+iso_status isorender_apply_raw(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_spacing(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_crop(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_json(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_help(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_version(void *settings, const char *value, iso_error *error);
+/* Appends an option to settings->record. */
+void isorender_record(void *settings, const iso_option *option, const char *value);
 
 /* Fills settings from the command line and checks that it makes sense. `operands` has room for argc. */
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
@@ -115,8 +138,9 @@ typedef struct isorender_backend {
     iso_gl_engine *engine;
 } isorender_backend;
 
-/* Whether the settings name a backend that can do what they ask for, as far as that can be told now. */
-iso_status isorender_backend_check(const isorender_settings *settings, iso_error *error);
+/* Whether the settings name a backend that can do what they ask for, as far as that can be told now. Without
+ * a method, what asks for OpenGL gets points. */
+iso_status isorender_backend_check(isorender_settings *settings, iso_error *error);
 /* ISO_ERR_BACKEND when the one that is asked for cannot be used. isorender_backend_close, also after that. */
 iso_status isorender_backend_open(const isorender_settings *settings, isorender_backend *backend,
                                   iso_error *error);
@@ -131,6 +155,7 @@ typedef struct isorender_surface {
     iso_rgb color;
     iso_point_set *points; /* or NULL */
     iso_mesh_set *mesh;    /* or NULL */
+    iso_exact *exact;      /* or NULL */
     iso_raycaster *caster; /* or NULL */
 } isorender_surface;
 
@@ -152,6 +177,7 @@ typedef struct isorender_job {
     const char *path; /* what to read */
 
     bool from_points; /* `points` was read, there is no volume */
+    isorender_method method;
     iso_volume volume;
     iso_points points;
     double scene_isovalue; /* NaN when the input is not a scene */
@@ -162,10 +188,11 @@ typedef struct isorender_job {
     isorender_surface surfaces[ISORENDER_SURFACES];
     int surface_count;
     iso_gl_shape *shapes[ISORENDER_SURFACES]; /* of the gl engine */
-    uint64_t point_count, rejected, vertex_count, triangle_count;
+    uint64_t point_count, rejected, vertex_count, triangle_count, cell_count;
     iso_box bounds_local, bounds_world; /* mm */
 
-    iso_camera camera; /* of the first frame */
+    iso_pullpush *pullpush; /* or NULL */
+    iso_camera camera;      /* of the first frame */
     isorender_frame *frames;
     int frame_count;
     /* Outputs that stand: removed again when a later step fails. */

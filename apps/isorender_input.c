@@ -183,12 +183,15 @@ static bool is_ply(const char *path) {
 
 /* What makes no sense without a volume. */
 static iso_status check_points_only(const isorender_settings *settings, iso_error *error) {
-    const char *option = settings->method != ISORENDER_POINTS ? "--method"
-                         : settings->isovalue_count           ? "--isovalue"
-                         : settings->mesh                     ? "--mesh"
-                         : settings->cropped                  ? "--crop"
-                         : settings->primitive                ? "--primitive"
-                                                              : NULL;
+    const isorender_method method = (isorender_method)settings->method;
+    if (method == ISORENDER_EXACT || method == ISORENDER_MESH || method == ISORENDER_RAYCAST)
+        return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume",
+                        isorender_method_name(method));
+    const char *option = settings->isovalue_count ? "--isovalue"
+                         : settings->mesh         ? "--mesh"
+                         : settings->cropped      ? "--crop"
+                         : settings->primitive    ? "--primitive"
+                                                  : NULL;
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
 }
@@ -206,6 +209,8 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     const char *input = job->plan->input;
     job->scene_isovalue = NAN;
     job->path = input;
+    job->method = job->settings->method == ISORENDER_UNCHOSEN ? ISORENDER_EXACT
+                                                              : (isorender_method)job->settings->method;
     if (strncmp(input, "scene:", 6) == 0) {
         ISO_TRY(make_scene(job, error));
         ISO_TRY(check_picture(job, error));
@@ -217,6 +222,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     }
     job->from_points = !job->settings->has_raw && is_ply(job->path);
     if (job->from_points) {
+        if (job->method == ISORENDER_EXACT) job->method = ISORENDER_POINTS; /* unless it is asked for */
         ISO_TRY(check_picture(job, error));
         return check_points_only(job->settings, error);
     }
@@ -265,6 +271,7 @@ iso_status isorender_read(isorender_job *job, iso_error *error) {
 }
 
 void isorender_close(isorender_job *job) {
+    iso_pullpush_destroy(job->pullpush);
     iso_points_free(&job->points);
     iso_volume_free(&job->volume);
     if (job->copy) unlink(job->copy);

@@ -19,7 +19,8 @@ static const char *const groups[] = {"Input",         "Surface", "Picture", "Cam
 static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --output TEMPLATE IN ...",
                                     "[options] --scene NAME[:SIZE] [OUT.png]", NULL};
 
-static const char *const methods[] = {"points", "mesh", "raycast", NULL};
+static const char *const methods[] = {"exact", "points", "pullpush", "mesh", "raycast", NULL};
+static const char *const reconstructions[] = {"auto", "box", "gaussian", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
 static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated", NULL};
@@ -48,17 +49,9 @@ static iso_status apply_isovalue(void *target, const char *value, iso_error *err
 }
 
 static bool parse_color(const char *value, iso_rgb *color) {
-    if (*value == '#') value++;
-    if (strlen(value) != 6) return false;
-    unsigned number = 0;
-    for (int i = 0; i < 6; i++) {
-        const char *digits = "0123456789abcdef";
-        const char *digit =
-            strchr(digits, value[i] >= 'A' && value[i] <= 'F' ? value[i] - 'A' + 'a' : value[i]);
-        if (!digit) return false;
-        number = number * 16 + (unsigned)(digit - digits);
-    }
-    *color = (iso_rgb){(uint8_t)(number >> 16), (uint8_t)(number >> 8), (uint8_t)number};
+    uint8_t rgb[3];
+    if (!iso_parse_color(value, rgb)) return false;
+    *color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
     return true;
 }
 
@@ -120,14 +113,14 @@ static iso_status apply_up(void *target, const char *value, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status apply_raw(void *target, const char *value, iso_error *error) {
+iso_status isorender_apply_raw(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     ISO_TRY(iso_raw_layout_parse(value, &settings->raw, error));
     settings->has_raw = 1;
     return ISO_OK;
 }
 
-static iso_status apply_spacing(void *target, const char *value, iso_error *error) {
+iso_status isorender_apply_spacing(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     double spacing[3];
     bool good = iso_parse_reals(value, 3, spacing);
@@ -142,7 +135,7 @@ static iso_status apply_spacing(void *target, const char *value, iso_error *erro
     return ISO_OK;
 }
 
-static iso_status apply_crop(void *target, const char *value, iso_error *error) {
+iso_status isorender_apply_crop(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     double numbers[6];
     bool good = iso_parse_reals(value, 6, numbers);
@@ -157,7 +150,7 @@ static iso_status apply_crop(void *target, const char *value, iso_error *error) 
     return ISO_OK;
 }
 
-static iso_status apply_json(void *target, const char *value, iso_error *error) {
+iso_status isorender_apply_json(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     if (value && !*value) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
     settings->json = 1;
@@ -178,19 +171,13 @@ static iso_status apply_verbose(void *target, const char *value, iso_error *erro
     return ISO_OK;
 }
 
-static iso_status apply_help(void *target, const char *value, iso_error *error) {
-    static const char *const forms[] = {"screen", "markdown", "man", "bash"};
+iso_status isorender_apply_help(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
-    int form = 0;
-    if (value)
-        while (form < 4 && strcmp(forms[form], value) != 0) form++;
-    if (form == 4) return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of markdown, man, bash", value);
     settings->help = ISORENDER_HELP;
-    settings->help_form = (iso_help_form)form;
-    return ISO_OK;
+    return iso_parse_help_form(value, &settings->help_form, error);
 }
 
-static iso_status apply_version(void *target, const char *value, iso_error *error) {
+iso_status isorender_apply_version(void *target, const char *value, iso_error *error) {
     (void)value, (void)error;
     ((isorender_settings *)target)->help = ISORENDER_VERSION;
     return ISO_OK;
@@ -205,36 +192,14 @@ static iso_status apply_list_backends(void *target, const char *value, iso_error
 /* ---- the table ---- */
 
 #define FIELD(name) .offset = offsetof(isorender_settings, name)
-#define FLAG(field) .kind = ISO_OPTION_FLAG, FIELD(field)
-#define TEXT(field) .kind = ISO_OPTION_TEXT, FIELD(field)
-#define INT(field, from, to) .kind = ISO_OPTION_INT, FIELD(field), .low = (from), .high = (to)
-#define REAL(field, from, to) .kind = ISO_OPTION_REAL, FIELD(field), .low = (from), .high = (to)
-#define REALS(field, n) .kind = ISO_OPTION_REALS, FIELD(field), .count = (n)
-#define CHOICE(field, list) .kind = ISO_OPTION_CHOICE, FIELD(field), .choices = (list)
-#define CALL(function) .kind = ISO_OPTION_CALL, .apply = (function)
-#define QUIETLY .flags = ISO_OPTION_UNRECORDED
+#include "apps/option_rows.h"
 
 static const iso_option options[] = {
-    {"raw", NULL, "WxHxD:TYPE:ENDIAN:OFFSET",
-     "the file has no header: voxels, uint8 int16 uint16 or float, little or big, bytes to skip (the last "
-     "two may be "
-     "left out)",
-     .group = INPUT, CALL(apply_raw)},
-    {"spacing", NULL, "X,Y,Z", "voxel spacing in mm, instead of the file's", .group = INPUT,
-     CALL(apply_spacing)},
-    {"grid", "grid-name", "NAME", "which grid of a .vdb", .group = INPUT, TEXT(grid)},
-    {"series", NULL, "UID", "which series of a DICOM folder: its UID, or its number as --info lists it",
-     .group = INPUT, TEXT(series)},
-    {"component", NULL, "N", "which of several components, from 0", .group = INPUT, INT(component, 0, 1e6),
-     .standard = "0"},
-    {"crop", NULL, "X0,X1,Y0,Y1,Z0,Z1", "only these voxels, first and last of each axis", .group = INPUT,
-     CALL(apply_crop)},
+#include "input_options.inc"
     {"scene", NULL, "NAME[:SIZE]",
      "a procedural volume instead of a file: sphere, cylinder, cube, gyroid, torus, ct, "
      "head (the same as the input scene:NAME[:SIZE])",
      .group = INPUT, TEXT(scene)},
-    {"max-memory", NULL, "SIZE", "refuse what needs more, e.g. 512M or 2G", .group = INPUT,
-     .kind = ISO_OPTION_SIZE, FIELD(max_memory), .standard = "80 % of free memory", QUIETLY},
 
     {"isovalue", "isosurface iso-value", "V",
      "value of the surface, in the file's physical units; several, separated by "
@@ -248,8 +213,13 @@ static const iso_option options[] = {
      "edge for the rest",
      .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
-    {"method", NULL, "NAME", "points (attenuated discs), mesh (Marching Cubes) or raycast (exact, slow)",
-     .group = PICTURE, .standard = "points", CHOICE(method, methods)},
+    {"method", NULL, "NAME",
+     "exact (the trilinear surface itself), points (attenuated discs), pullpush (points, filled in image "
+     "space), mesh (Marching Cubes) or raycast (as exact, by other means, slow); files of points: points",
+     .group = PICTURE, .standard = "exact", CHOICE(method, methods)},
+    {"reconstruction", NULL, "NAME",
+     "how pullpush fills in: box, gaussian (weights inside ellipses; Marroquim 2008); auto is the best",
+     .group = PICTURE, .standard = "auto", CHOICE(reconstruction, reconstructions)},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
      .group = PICTURE, .standard = "exact", CHOICE(scaling, scalings)},
@@ -301,7 +271,7 @@ static const iso_option options[] = {
     {"info", NULL, NULL, "no picture: header, matrix, value range, histogram, suggested isovalues, memory",
      .group = OUTPUT, FLAG(info), QUIETLY},
     {"json", NULL, "FILE", "one object with what was read, made and measured, to stdout without a FILE",
-     .group = OUTPUT, CALL(apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
+     .group = OUTPUT, CALL(isorender_apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
     {"backend", "rendering-backend", "NAME",
      "cpu, egl or osmesa (OpenGL without a window: points and mesh); auto is a GPU where EGL finds one, else "
@@ -309,15 +279,10 @@ static const iso_option options[] = {
      .group = RUNNING, .standard = "auto", TEXT(backend), QUIETLY},
     {"list-backends", "list-rendering-backends", NULL, "say what can render here", .group = RUNNING,
      CALL(apply_list_backends), QUIETLY},
-    {"threads", NULL, "N", "threads to use; the picture does not depend on it", .group = RUNNING,
-     .standard = "one a processor", INT(threads, 1, 1024), QUIETLY},
     {"progress", "loading-progress", NULL, "tell how far it is", .group = RUNNING, FLAG(progress), QUIETLY},
-    {"quiet", "q", NULL, "say nothing but errors", .group = RUNNING, FLAG(quiet), QUIETLY},
     {"verbose", NULL, "LEVEL", "say more: timings and counts (quiet, error, warning, info, debug)",
      .group = RUNNING, CALL(apply_verbose), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
-    {"version", NULL, NULL, "print the version", .group = RUNNING, CALL(apply_version), QUIETLY},
-    {"help", "h", "FORM", "print this; FORM may be man, markdown or bash", .group = RUNNING, CALL(apply_help),
-     .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
+#include "running_options.inc"
 };
 
 static const char *const inputs_text[] = {".vti, legacy .vtk, .nrrd .nhdr, .mha .mhd, .nii .nii.gz .hdr, "
@@ -350,7 +315,7 @@ static const iso_section sections[] = {
     {"Inputs", inputs_text}, {"Exit status", exit_text}, {"Examples", example_text}};
 
 /* Appends " --name=value" to the record when it fits, in quotes where a shell needs them. */
-static void record_option(void *target, const iso_option *option, const char *value) {
+void isorender_record(void *target, const iso_option *option, const char *value) {
     isorender_settings *settings = target;
     if (option->flags & ISO_OPTION_UNRECORDED) return;
     char text[512];
@@ -371,8 +336,12 @@ const iso_program *isorender_program(void) {
                                         .option_count = sizeof options / sizeof *options,
                                         .sections = sections,
                                         .section_count = sizeof sections / sizeof *sections,
-                                        .seen = record_option};
+                                        .seen = isorender_record};
     return &program;
+}
+
+const char *isorender_method_name(isorender_method method) {
+    return methods[method];
 }
 
 /* ---- what must agree ---- */
@@ -457,7 +426,8 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
 
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error) {
-    *settings = (isorender_settings){.backend = "auto",
+    *settings = (isorender_settings){.method = ISORENDER_UNCHOSEN,
+                                     .backend = "auto",
                                      .width = 1024,
                                      .height = 1024,
                                      .samples = 1,

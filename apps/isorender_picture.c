@@ -70,11 +70,17 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
-        if (job->settings->method == ISORENDER_MESH) {
+        if (job->method == ISORENDER_EXACT) {
+            ISO_TRY(iso_draw_exact(&target, surface->exact, error));
+        } else if (job->method == ISORENDER_MESH) {
             iso_mesh_view mesh = iso_mesh_set_view(surface->mesh);
             ISO_TRY(iso_draw_mesh(&target, &mesh, error));
-        } else if (job->settings->method == ISORENDER_RAYCAST) {
+        } else if (job->method == ISORENDER_RAYCAST) {
             ISO_TRY(iso_draw_raycast(&target, surface->caster, error));
+        } else if (job->method == ISORENDER_PULLPUSH) {
+            iso_point_view points = isorender_points_view(job, i);
+            iso_pullpush_opts opts = {(iso_reconstruction)job->settings->reconstruction, job->pullpush};
+            ISO_TRY(iso_draw_pullpush(&target, &points, &opts, error));
         } else {
             iso_point_view points = isorender_points_view(job, i);
             ISO_TRY(iso_draw_points(&target, &points, error));
@@ -121,7 +127,8 @@ static iso_status write_picture(isorender_job *job, const iso_image *image, cons
                                   {"Title", job->plan->model},
                                   {"Comment", l.command},
                                   {"Description", l.isovalues}};
-    return iso_png_write(path, image, texts, l.isovalues[0] ? 4 : 3, error);
+    const iso_png_opts opts = {texts, l.isovalues[0] ? 4 : 3, job->pool};
+    return iso_png_write_with(path, image, &opts, error);
 }
 
 static iso_camera camera_of_frame(const isorender_job *job, int frame) {
@@ -166,7 +173,8 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     job->seconds.render += isorender_now() - start;
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
-    job->frames[frame].hash = hash_image(&c->image);
+    /* (a few milliseconds, byte by byte) */
+    if (settings->json) job->frames[frame].hash = hash_image(&c->image);
     return ISO_OK;
 }
 
@@ -238,6 +246,8 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     canvas c = {0};
     iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
+    if (status == ISO_OK && job->method == ISORENDER_PULLPUSH)
+        status = iso_pullpush_create(&job->pullpush, error);
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);
     c.aov.voxel = smallest_spacing(job);

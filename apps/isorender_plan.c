@@ -72,11 +72,8 @@ static iso_status check_distinct(const isorender_plan *a, const isorender_plan *
 static iso_status check_inputs_safe(const isorender_plan *plan, iso_error *error) {
     const char *names[NAMES];
     names_of(plan, names);
-    struct stat input, output;
-    if (stat(plan->input, &input) != 0) return ISO_OK;
     for (int i = 0; i < NAMES; i++)
-        if (names[i] && stat(names[i], &output) == 0 && S_ISREG(output.st_mode) &&
-            input.st_dev == output.st_dev && input.st_ino == output.st_ino)
+        if (names[i] && iso_file_same(plan->input, names[i]))
             return iso_fail(error, ISO_ERR_USAGE, "%s: an output would overwrite the input", names[i]);
     return ISO_OK;
 }

@@ -98,11 +98,13 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
         iso_json_string(json, NULL, text);
     }
     iso_json_end_array(json);
-    bool points = job->from_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL;
+    bool points = job->from_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL,
+         cells = job->surfaces[0].exact != NULL;
     iso_primitive primitive = (iso_primitive)job->settings->primitive;
     if (primitive == ISO_PRIMITIVE_AUTO)
         primitive = job->volume.grid.hgrid ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
     iso_json_begin_object(json, "primitives");
+    if (cells) iso_json_integer(json, "cells", job->cell_count);
     if (points) iso_json_integer(json, "points", job->point_count);
     if (points && !job->from_points) iso_json_string(json, "kind", iso_primitive_name(primitive));
     if (points && !job->from_points) iso_json_integer(json, "rejected", job->rejected);
@@ -190,7 +192,6 @@ static void put_backend(iso_json *json, const isorender_backend *backend) {
 }
 
 static iso_status put_report(iso_json *json, const isorender_job *job, iso_error *error) {
-    static const char *const methods[] = {"points", "mesh", "raycast"};
     const isorender_settings *settings = job->settings;
     iso_json_begin_object(json, NULL);
     iso_json_string(json, "schema", "isorender/1");
@@ -209,7 +210,7 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     put_seconds(json, &job->seconds);
     iso_json_integer(json, "peak_bytes", iso_memory_peak());
     put_backend(json, job->backend);
-    if (!settings->info) iso_json_string(json, "method", methods[settings->method]);
+    if (!settings->info) iso_json_string(json, "method", isorender_method_name(job->method));
     iso_json_integer(json, "threads", (uint64_t)iso_pool_threads(job->pool));
     ISO_TRY(put_images(json, job, error));
     iso_json_end_object(json);

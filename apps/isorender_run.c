@@ -93,6 +93,7 @@ static void free_surfaces(isorender_job *job) {
     for (int i = 0; i < job->surface_count; i++) {
         iso_point_set_destroy(job->surfaces[i].points);
         iso_mesh_set_destroy(job->surfaces[i].mesh);
+        iso_exact_destroy(job->surfaces[i].exact);
         iso_raycaster_destroy(job->surfaces[i].caster);
     }
     free(job->frames);

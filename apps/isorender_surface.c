@@ -57,14 +57,24 @@ static void choose_colors(isorender_job *job) {
 
 /* ---- extraction ---- */
 
+/* Without a picture, what is exported says where the surface is and how large. */
+static bool only_exports(const isorender_job *job) {
+    return !isorender_plan_draws(job->plan) && (job->settings->points || job->settings->mesh);
+}
+
 static bool wants_mesh(const isorender_job *job) {
-    bool export_only = !isorender_plan_draws(job->plan) && job->settings->points;
-    return job->settings->mesh || (job->settings->method == ISORENDER_MESH && !export_only);
+    return job->settings->mesh || (job->method == ISORENDER_MESH && !only_exports(job));
 }
 
 static bool wants_points(const isorender_job *job) {
-    bool export_only = !isorender_plan_draws(job->plan) && job->settings->mesh;
-    return job->settings->points || (job->settings->method != ISORENDER_MESH && !export_only);
+    bool drawn = job->method == ISORENDER_POINTS || job->method == ISORENDER_PULLPUSH;
+    return job->settings->points || (drawn && !only_exports(job));
+}
+
+/* The ray caster's pictures show what exact's do, framed alike. */
+static bool wants_cells(const isorender_job *job) {
+    bool drawn = job->method == ISORENDER_EXACT || job->method == ISORENDER_RAYCAST;
+    return drawn && !only_exports(job);
 }
 
 /* Says what the data holds, so that the user can choose better. */
@@ -86,6 +96,7 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
                             .pool = job->pool};
     ISO_TRY(iso_point_set_create(&job->volume.grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));
+    if (job->method == ISORENDER_PULLPUSH) ISO_TRY(iso_point_set_bound(surface->points, error));
     iso_points_stats stats = iso_point_set_stats(surface->points);
     job->point_count += stats.points;
     job->rejected += stats.rejected;
@@ -106,10 +117,22 @@ static iso_status extract_mesh(isorender_job *job, isorender_surface *surface, i
     return triangles ? ISO_OK : fail_empty(job, surface->isovalue, error);
 }
 
+static iso_status extract_cells(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    iso_exact_opts opts = {.isovalue = surface->isovalue, .pool = job->pool};
+    ISO_TRY(iso_exact_create(&job->volume.grid, &opts, &surface->exact, error));
+    ISO_TRY(iso_exact_update(surface->exact, error));
+    iso_exact_totals totals = iso_exact_stats(surface->exact);
+    job->cell_count += totals.cells;
+    isorender_detail(job, "isovalue %g: %zu cells in %zu bricks", surface->isovalue, totals.cells,
+                     totals.bricks);
+    return totals.cells ? ISO_OK : fail_empty(job, surface->isovalue, error);
+}
+
 static iso_status extract_surface(isorender_job *job, isorender_surface *surface, iso_error *error) {
     if (wants_points(job)) ISO_TRY(extract_points(job, surface, error));
     if (wants_mesh(job)) ISO_TRY(extract_mesh(job, surface, error));
-    if (isorender_plan_draws(job->plan) && job->settings->method == ISORENDER_RAYCAST)
+    if (wants_cells(job)) ISO_TRY(extract_cells(job, surface, error));
+    if (isorender_plan_draws(job->plan) && job->method == ISORENDER_RAYCAST)
         return iso_raycaster_create(&job->volume.grid, surface->isovalue, job->pool, &surface->caster, error);
     return ISO_OK;
 }
@@ -179,7 +202,11 @@ static void measure(isorender_job *job) {
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         iso_box box;
-        if (surface->points || job->from_points) {
+        if (surface->exact) {
+            box = iso_exact_bounds(surface->exact, NULL);
+            iso_box turned = oblique ? iso_exact_bounds(surface->exact, &affine) : iso_box_empty();
+            add_box(&world, &turned);
+        } else if (surface->points || job->from_points) {
             iso_point_view view = isorender_points_view(job, i);
             box = iso_point_view_bounds(&view);
             if (oblique) add_points_world(&world, &view, &affine);

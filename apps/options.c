@@ -68,6 +68,20 @@ bool iso_parse_size(const char *text, uint64_t *out) {
     return true;
 }
 
+bool iso_parse_color(const char *text, uint8_t rgb[3]) {
+    if (*text == '#') text++;
+    if (strlen(text) != 6) return false;
+    unsigned number = 0;
+    for (int i = 0; i < 6; i++) {
+        const char *digits = "0123456789abcdef";
+        const char *digit = strchr(digits, text[i] >= 'A' && text[i] <= 'F' ? text[i] - 'A' + 'a' : text[i]);
+        if (!digit) return false;
+        number = number * 16 + (unsigned)(digit - digits);
+    }
+    for (int i = 0; i < 3; i++) rgb[i] = (uint8_t)(number >> (16 - 8 * i));
+    return true;
+}
+
 /* ---- names ---- */
 
 /* Whether `name` (of `length` characters) is one of the words of `words`. */

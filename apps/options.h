@@ -93,11 +93,22 @@ bool iso_parse_int(const char *text, int *out);
 bool iso_parse_real(const char *text, double *out); /* finite */
 bool iso_parse_reals(const char *text, int count, double *out);
 bool iso_parse_size(const char *text, uint64_t *out);
+bool iso_parse_color(const char *text, uint8_t rgb[3]); /* RRGGBB or #RRGGBB in hexadecimal */
 
 /* Where text goes: help for a screen, a table for the README, a man page, a bash completion script. */
 typedef enum iso_help_form { ISO_HELP_SCREEN, ISO_HELP_MARKDOWN, ISO_HELP_MAN, ISO_HELP_BASH } iso_help_form;
 
 void iso_options_help(const iso_program *program, iso_help_form form, FILE *stream);
+
+/* The form that --help=TEXT asks for; NULL is the screen. ISO_ERR_USAGE lists the forms. */
+iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error *error);
+
+/* Says what went wrong on stderr, and returns the exit status. */
+int iso_program_fail(const iso_program *program, const iso_error *error, iso_status status);
+
+/* Help and lists are outputs like any other: a full disk is noticed. Returns the exit status: `status` unless
+ * that is 0 and standard output could not be written. */
+int iso_program_finish(const iso_program *program, int status);
 
 #ifdef __cplusplus
 }

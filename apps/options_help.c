@@ -1,5 +1,6 @@
 /* The texts that come from an option table: help for a screen, README table, man page (roff), completion. */
 #include <ctype.h>
+#include <errno.h>
 #include <string.h>
 
 #include "apps/options.h"
@@ -230,4 +231,27 @@ void iso_options_help(const iso_program *program, iso_help_form form, FILE *stre
         print_bash(program, stream);
         break;
     }
+}
+
+iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error *error) {
+    static const char *const forms[] = {"screen", "markdown", "man", "bash"};
+    int chosen = 0;
+    if (text)
+        while (chosen < 4 && strcmp(forms[chosen], text) != 0) chosen++;
+    if (chosen == 4) return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of markdown, man, bash", text);
+    *form = (iso_help_form)chosen;
+    return ISO_OK;
+}
+
+int iso_program_fail(const iso_program *program, const iso_error *error, iso_status status) {
+    fprintf(stderr, "%s: %s\n", program->name, error->text[0] ? error->text : iso_status_text(status));
+    return iso_status_exit(status);
+}
+
+int iso_program_finish(const iso_program *program, int status) {
+    if (status) return status;
+    errno = 0;
+    if (fflush(stdout) == 0 && !ferror(stdout)) return status;
+    fprintf(stderr, "%s: standard output: cannot write: %s\n", program->name, strerror(errno ? errno : EIO));
+    return iso_status_exit(ISO_ERR_WRITE);
 }

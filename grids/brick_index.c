@@ -1,5 +1,6 @@
 #include "grids/brick_index.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/primitives.h"
@@ -16,45 +17,69 @@ struct iso_brick_index {
     const iso_rgrid *grid;
     int bricks[3];
     size_t total;
-    uint64_t seen;          /* the grid's log is read up to here */
-    float *lo, *hi;         /* every brick's range as it is now */
+    uint64_t seen;            /* the grid's log is read up to here */
+    float *lo, *hi;           /* every brick's range as it is now */
+    iso_group_ranges *groups; /* and its row groups' */
     uint8_t *flags;         /* FINITE, PENDING: not what the tree has; DIRTY: to be read, within an update */
     iso_interval_tree tree; /* over the ranges as they were when it was built */
     iso_buffer pending;     /* the bricks with that flag */
     size_t pending_count;
-    iso_buffer dirty, fresh; /* an update's bricks and their ranges */
+    iso_buffer dirty, fresh; /* an update's bricks, and what was read of them */
     size_t dirty_count;
     iso_cpu_level level; /* of the update or creation that runs */
 };
 
-static void set_range(iso_brick_index *index, size_t brick, const iso_brick_range *range) {
-    index->lo[brick] = range->lo;
-    index->hi[brick] = range->hi;
-    index->flags[brick] = (uint8_t)((index->flags[brick] & ~FINITE) | (range->finite ? FINITE : 0));
+static void set_brick(iso_brick_index *index, size_t brick, const iso_brick_reading *reading) {
+    index->lo[brick] = reading->range.lo;
+    index->hi[brick] = reading->range.hi;
+    index->groups[brick] = reading->groups;
+    index->flags[brick] = (uint8_t)((index->flags[brick] & ~FINITE) | (reading->range.finite ? FINITE : 0));
 }
 
 /* ---- creation */
 
-enum { STRETCH = 64 };
+static int smaller(int a, int b) {
+    return a < b ? a : b;
+}
 
-static void read_row(void *context, size_t row, int worker) {
+/* All bricks, in bands: numbered along y, then z. */
+typedef struct creation {
+    iso_brick_index *index;
+    int most[2], bands; /* of a band; bands of a layer */
+} creation;
+
+static void read_band(void *context, size_t number, int worker) {
     (void)worker;
-    iso_brick_index *index = context;
-    const int y = (int)(row % (size_t)index->bricks[1]), z = (int)(row / (size_t)index->bricks[1]);
-    iso_brick_range ranges[STRETCH];
-    for (int x = 0; x < index->bricks[0]; x += STRETCH) {
-        int count = index->bricks[0] - x < STRETCH ? index->bricks[0] - x : STRETCH;
-        iso_brick_ranges(index->grid, index->level, (const int[3]){x, y, z}, count, ranges);
-        size_t first = row * (size_t)index->bricks[0] + (size_t)x;
-        for (int i = 0; i < count; i++) set_range(index, first + (size_t)i, &ranges[i]);
+    const creation *work = context;
+    iso_brick_index *index = work->index;
+    const int *bricks = index->bricks, y = (int)(number % (size_t)work->bands) * work->most[1],
+              z = (int)(number / (size_t)work->bands), rows = smaller(work->most[1], bricks[1] - y);
+    iso_brick_reading readings[ISO_BAND_BRICKS];
+    for (int x = 0; x < bricks[0]; x += work->most[0]) {
+        const int columns = smaller(work->most[0], bricks[0] - x);
+        const iso_brick_band band = {{x, y, z}, {columns, rows}};
+        iso_brick_ranges(index->grid, index->level, &band, readings);
+        for (int row = 0; row < rows; row++) {
+            const size_t first = ((size_t)z * (size_t)bricks[1] + (size_t)(y + row)) * (size_t)bricks[0];
+            for (int i = 0; i < columns; i++)
+                set_brick(index, first + (size_t)(x + i), &readings[row * columns + i]);
+        }
     }
+}
+
+static void read_all(iso_brick_index *index, iso_pool *pool) {
+    creation work = {.index = index};
+    iso_brick_band_most(index->grid, work.most);
+    work.bands = (index->bricks[1] - 1) / work.most[1] + 1;
+    iso_parallel_for(pool, (size_t)work.bands * (size_t)index->bricks[2], read_band, &work);
 }
 
 static iso_status reserve(iso_brick_index *index, iso_error *error) {
     index->lo = iso_alloc(index->total * sizeof *index->lo);
     index->hi = iso_alloc(index->total * sizeof *index->hi);
     index->flags = iso_alloc_zero(index->total, sizeof *index->flags);
-    if (index->lo && index->hi && index->flags) return ISO_OK;
+    index->groups = iso_alloc(index->total * sizeof *index->groups);
+    if (index->lo && index->hi && index->flags && index->groups) return ISO_OK;
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an index of %zu bricks", index->total);
 }
 
@@ -72,7 +97,7 @@ iso_status iso_brick_index_create(const iso_rgrid *grid, iso_pool *pool, iso_bri
     index->level = iso_cpu_best();
     iso_status status = reserve(index, error);
     if (status == ISO_OK) {
-        iso_parallel_for(pool, (size_t)index->bricks[1] * (size_t)index->bricks[2], read_row, index);
+        read_all(index, pool);
         status = iso_interval_tree_build(&index->tree, index->lo, index->hi, (uint32_t)index->total, error);
     }
     if (status != ISO_OK) {
@@ -88,6 +113,7 @@ void iso_brick_index_destroy(iso_brick_index *index) {
     iso_free(index->lo);
     iso_free(index->hi);
     iso_free(index->flags);
+    iso_free(index->groups);
     iso_interval_tree_free(&index->tree);
     iso_buffer_free(&index->pending);
     iso_buffer_free(&index->dirty);
@@ -126,15 +152,17 @@ static void read_dirty(void *context, size_t i, int worker) {
     const uint32_t brick = ((const uint32_t *)index->dirty.data)[i];
     const uint32_t nx = (uint32_t)index->bricks[0], ny = (uint32_t)index->bricks[1];
     const int at[3] = {(int)(brick % nx), (int)(brick / nx % ny), (int)(brick / nx / ny)};
-    iso_brick_ranges(index->grid, index->level, at, 1, (iso_brick_range *)index->fresh.data + i);
+    const iso_brick_band band = {{at[0], at[1], at[2]}, {1, 1}};
+    iso_brick_ranges(index->grid, index->level, &band, (iso_brick_reading *)index->fresh.data + i);
 }
 
-static void apply(iso_brick_index *index, uint32_t brick, const iso_brick_range *range) {
+static void apply(iso_brick_index *index, uint32_t brick, const iso_brick_reading *fresh) {
+    const iso_brick_range *range = &fresh->range;
     const float lo = index->lo[brick], hi = index->hi[brick];
     const bool in_tree = lo < hi || range->lo < range->hi;
     const bool other = lo != range->lo || hi != range->hi;
     index->flags[brick] &= (uint8_t)~DIRTY;
-    set_range(index, brick, range);
+    set_brick(index, brick, fresh);
     if (!in_tree || !other || index->flags[brick] & PENDING) return;
     index->flags[brick] |= PENDING;
     ((uint32_t *)index->pending.data)[index->pending_count++] = brick;
@@ -156,7 +184,7 @@ iso_status iso_brick_index_update(iso_brick_index *index, iso_pool *pool, iso_er
     size_t most = count > index->total / 8 ? index->total : 8 * count, pending = index->pending_count + most;
     if (pending > index->total) pending = index->total;
     ISO_TRY(iso_buffer_reserve(&index->dirty, most * sizeof(uint32_t), 0, error));
-    ISO_TRY(iso_buffer_reserve(&index->fresh, most * sizeof(iso_brick_range), 0, error));
+    ISO_TRY(iso_buffer_reserve(&index->fresh, most * sizeof(iso_brick_reading), 0, error));
     ISO_TRY(iso_buffer_reserve(&index->pending, pending * sizeof(uint32_t),
                                index->pending_count * sizeof(uint32_t), error));
     index->dirty_count = 0;
@@ -164,7 +192,7 @@ iso_status iso_brick_index_update(iso_brick_index *index, iso_pool *pool, iso_er
     index->level = iso_cpu_best();
     iso_parallel_for(pool, index->dirty_count, read_dirty, index);
     const uint32_t *dirty = index->dirty.data;
-    const iso_brick_range *fresh = index->fresh.data;
+    const iso_brick_reading *fresh = index->fresh.data;
     for (size_t i = 0; i < index->dirty_count; i++) apply(index, dirty[i], &fresh[i]);
     index->seen = iso_change_log_now(index->grid->log);
     rebuild_when_due(index);
@@ -190,6 +218,26 @@ bool iso_brick_index_crosses(const iso_brick_index *index, uint32_t brick, float
     return index->lo[brick] < isovalue && index->hi[brick] >= isovalue;
 }
 
+uint32_t iso_brick_index_groups(const iso_brick_index *index, uint32_t brick, float isovalue) {
+    const float lo = index->lo[brick], scale = iso_range_scale(lo, index->hi[brick]);
+    const bool floats = index->grid->type == ISO_FLOAT32;
+    /* The largest value below the isovalue and the least at it; for floats the isovalue is both, which may
+     * find a group too many. */
+    const float at = floats ? isovalue : ceilf(isovalue), below = floats ? isovalue : at - 1;
+    const uint8_t most = iso_range_step(below, lo, scale), least = iso_range_step(at, lo, scale);
+    const iso_group_ranges *groups = &index->groups[brick];
+    uint32_t crossed = 0;
+    for (int g = 0; g < ISO_ROW_GROUPS; g++)
+        crossed |= (uint32_t)((groups->lo[g] <= most) & (groups->hi[g] >= least)) << g;
+    return crossed;
+}
+
+void iso_brick_index_fetch(const iso_brick_index *index, uint32_t brick) {
+    __builtin_prefetch(&index->lo[brick]);
+    __builtin_prefetch(&index->hi[brick]);
+    __builtin_prefetch(&index->groups[brick]);
+}
+
 bool iso_brick_index_finite(const iso_brick_index *index, uint32_t brick) {
     return index->flags[brick] & FINITE;
 }
@@ -203,14 +251,16 @@ size_t iso_brick_index_pending(const iso_brick_index *index) {
 }
 
 size_t iso_brick_index_bytes(const iso_brick_index *index) {
-    return sizeof *index + index->total * (2 * sizeof(float) + 1) + iso_interval_tree_bytes(&index->tree) +
-           index->pending.bytes + index->dirty.bytes + index->fresh.bytes;
+    return sizeof *index + index->total * (2 * sizeof(float) + 1 + sizeof *index->groups) +
+           iso_interval_tree_bytes(&index->tree) + index->pending.bytes + index->dirty.bytes +
+           index->fresh.bytes;
 }
 
-/* Ranges and flags 9 bytes a brick; the tree's lists 16, its nodes 8, and while it is built 12 more. */
+/* Ranges, groups and flags 41 bytes a brick; the tree's lists 16, its nodes 8, and while it is built 12 more.
+ */
 uint64_t iso_brick_index_estimate(const int dims[3]) {
-    uint64_t bytes =
-        2 * sizeof(float) + 1 + 3 * sizeof(iso_interval_end) + sizeof(float) + 2 * sizeof(uint32_t);
+    uint64_t bytes = 2 * sizeof(float) + 1 + sizeof(iso_group_ranges) + 3 * sizeof(iso_interval_end) +
+                     sizeof(float) + 2 * sizeof(uint32_t);
     for (int axis = 0; axis < 3; axis++)
         if (__builtin_mul_overflow(bytes, (uint64_t)((dims[axis] - 1) / ISO_BRICK + 1), &bytes))
             return UINT64_MAX;

@@ -44,6 +44,15 @@ uint32_t iso_brick_index_number(const iso_brick_index *index, const int brick[3]
 
 iso_brick_range iso_brick_index_range(const iso_brick_index *index, uint32_t brick);
 bool iso_brick_index_crosses(const iso_brick_index *index, uint32_t brick, float isovalue);
+
+/* Which row groups (brick_range.h) of a crossed brick the isovalue may cross, a bit each: the others provably
+ * have no edge with one end below it and the other not. For integers in a range of at most 255 values exactly
+ * the crossed ones, else up to 1/255 of the brick's range beyond. */
+uint32_t iso_brick_index_groups(const iso_brick_index *index, uint32_t brick, float isovalue);
+
+/* Fetches into the cache what is known of a brick. */
+void iso_brick_index_fetch(const iso_brick_index *index, uint32_t brick);
+
 bool iso_brick_index_finite(const iso_brick_index *index, uint32_t brick);
 
 /* An answer, and room for the next one. Zero-initialise; iso_brick_query_free when done. */

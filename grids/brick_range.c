@@ -1,68 +1,179 @@
 #include "grids/brick_range.h"
 
-#include <float.h>
+#include <assert.h>
 #include <math.h>
-#include <stdint.h>
+#include <string.h>
 
 #include "base/primitives.h"
 
-/* A chunk of bricks along x at a time: the columns of one stay in the first-level cache. */
-enum { CHUNK = 64, COLUMNS = CHUNK * ISO_BRICK + 1 };
+/* A band of bricks is read at a time, slice by slice: in memory the rows of a slice follow one another, and
+ * long runs are read fastest (twice as fast as the 17 rows of one brick). What is kept of a band, lines of
+ * columns, stays in the second cache. */
+enum { BAND_BYTES = ISO_BAND_BRICKS * ISO_BRICK, COLUMN_SLACK = 64, LINES = ISO_GROUPS_SIDE * ISO_BAND_ROWS };
+#define LINE_ITEMS(type) (ISO_GROUPS_SIDE * BAND_BYTES / (int)sizeof(type) + LINES * COLUMN_SLACK)
 
 /* Voxels to read, from the first one's address on. */
 typedef struct range_box {
     ptrdiff_t stride_y, stride_z; /* elements */
     int n[3];
-    int own; /* voxels along x that start bricks of their own: n[0], less the one of the next brick */
+    int bricks, lines, pitch; /* bricks along x; lines of columns, and from one to the next */
 } range_box;
 
-typedef void range_kernel(const void *data, const range_box *box, iso_brick_range *ranges);
+/* What a kernel finds for the bricks of a band. */
+typedef struct range_values {
+    _Alignas(64) float lo[ISO_ROW_GROUPS][ISO_BAND_BRICKS],
+        hi[ISO_ROW_GROUPS][ISO_BAND_BRICKS]; /* lo > hi: no voxels */
+} range_values;
 
-#define ISO_V(name) name##_generic
-#define ISO_TARGET
-#include "grids/brick_range_body.inc"
+typedef void range_kernel(const void *data, const range_box *box, range_values *values);
 
-#if ISO_HAVE_X86
-#define ISO_V(name) name##_avx2
-#define ISO_TARGET ISO_TARGET_AVX2
-#include "grids/brick_range_body.inc"
-#define ISO_V(name) name##_avx512
-#define ISO_TARGET ISO_TARGET_AVX512
-#include "grids/brick_range_body.inc"
-#endif
+/* Floats are read as integers that ascend as the values do: infinities lie beyond all finite ones, and NaNs
+ * beyond those, on either side. */
+typedef int32_t __attribute__((may_alias)) float_bits;
 
-static range_kernel *kernel_of(iso_type type, iso_cpu_level level) {
-#define ISO_TYPES(v)                                                                                         \
-    { ranges_uint8_##v, ranges_int16_##v, ranges_uint16_##v, ranges_float_##v }
-#if ISO_HAVE_X86
-    static range_kernel *const kernels[ISO_CPU_LEVELS][4] = {ISO_TYPES(generic), ISO_TYPES(avx2),
-                                                             ISO_TYPES(avx512)};
-    return kernels[level][type];
-#else
-    static range_kernel *const kernels[4] = ISO_TYPES(generic);
-    (void)level;
-    return kernels[type];
-#endif
-#undef ISO_TYPES
+static inline int32_t key_of_bits(int32_t bits) {
+    return bits ^ (int32_t)((uint32_t)(bits >> 31) >> 1);
 }
 
-static int smaller(int a, int b) {
+static inline float value_of_key(int32_t key) {
+    const int32_t bits = key_of_bits(key);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static inline int32_t key_of_value(float value) {
+    int32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return key_of_bits(bits);
+}
+
+enum { LARGEST_KEY = 0x7f7fffff, LEAST_KEY = ~LARGEST_KEY }; /* of finite floats */
+
+/* Reads what will be read row after row: many rows at once are too much for the processor to see that they
+ * follow one another. */
+static inline void touch_slice(const void *slice, const range_box *box, size_t size) {
+    for (int y = 0; y < box->n[1]; y++)
+        for (size_t byte = 0; byte < (size_t)box->n[0] * size; byte += 64)
+            (void)*((const volatile char *)slice + (ptrdiff_t)size * y * box->stride_y + byte);
+}
+
+static inline int smaller(int a, int b) {
     return a < b ? a : b;
 }
 
-void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const int first[3], int count,
-                      iso_brick_range *ranges) {
-    range_kernel *kernel = kernel_of(grid->type, level);
-    const ptrdiff_t y = (ptrdiff_t)first[1] * ISO_BRICK, z = (ptrdiff_t)first[2] * ISO_BRICK;
-    range_box box = {.stride_y = grid->stride_y, .stride_z = grid->stride_z};
-    for (int axis = 1; axis < 3; axis++)
-        box.n[axis] = smaller(ISO_BRICK + 1, grid->dims[axis] - first[axis] * ISO_BRICK);
-    for (int done = 0; done < count; done += CHUNK) {
-        const ptrdiff_t x = (ptrdiff_t)(first[0] + done) * ISO_BRICK;
-        const int left = grid->dims[0] - (int)x;
-        box.own = smaller(smaller(count - done, CHUNK) * ISO_BRICK, left);
-        box.n[0] = smaller(box.own + 1, left);
-        const ptrdiff_t at = x + y * grid->stride_y + z * grid->stride_z;
-        kernel((const char *)grid->data + at * (ptrdiff_t)iso_type_size(grid->type), &box, ranges + done);
+#include "grids/brick_range_variants.inc"
+
+enum { FINITE = ISO_FLOAT32 + 1, KERNELS }; /* by type, and one that leaves out what is not finite */
+
+static range_kernel *kernel_of(int type, iso_cpu_level level) {
+#define KERNELS_AT(v)                                                                                        \
+    { ranges_uint8_##v, ranges_int16_##v, ranges_uint16_##v, ranges_float_##v, ranges_finite_##v }
+#if ISO_HAVE_X86
+    static range_kernel *const kernels[ISO_CPU_LEVELS][KERNELS] = {KERNELS_AT(generic), KERNELS_AT(avx2),
+                                                                   KERNELS_AT(avx512)};
+    return kernels[level][type];
+#else
+    static range_kernel *const kernels[KERNELS] = KERNELS_AT(generic);
+    (void)level;
+    return kernels[type];
+#endif
+#undef KERNELS_AT
+}
+
+/* ---- from groups to bricks */
+
+static void clear_values(range_values *values, int bricks) {
+    for (int g = 0; g < ISO_ROW_GROUPS; g++)
+        for (int b = 0; b < bricks; b++) values->lo[g][b] = INFINITY, values->hi[g][b] = -INFINITY;
+}
+
+/* A group that says nothing: no voxels, or none that is finite. */
+static inline bool is_empty(float lo, float hi) {
+    return !(lo <= hi);
+}
+
+/* Bricks from their groups. Groups without voxels count as finite. */
+static void fold_groups(const range_values *values, int bricks, iso_brick_reading *readings) {
+    float lo[ISO_BAND_BRICKS], hi[ISO_BAND_BRICKS];
+    uint8_t odd[ISO_BAND_BRICKS] = {0};
+    for (int b = 0; b < bricks; b++) lo[b] = INFINITY, hi[b] = -INFINITY;
+    for (int g = 0; g < ISO_ROW_GROUPS; g++)
+        for (int b = 0; b < bricks; b++) {
+            const float low = values->lo[g][b], high = values->hi[g][b];
+            odd[b] |= (key_of_value(low) < LEAST_KEY) | (key_of_value(high) > LARGEST_KEY);
+            lo[b] = !is_empty(low, high) & (low < lo[b]) ? low : lo[b];
+            hi[b] = !is_empty(low, high) & (high > hi[b]) ? high : hi[b];
+        }
+    for (int b = 0; b < bricks; b++) readings[b].range = (iso_brick_range){lo[b], hi[b], !odd[b]};
+}
+
+static void finish_groups(const range_values *values, int bricks, iso_brick_reading *readings) {
+    float lo[ISO_BAND_BRICKS], scale[ISO_BAND_BRICKS];
+    uint8_t low[ISO_BAND_BRICKS], high[ISO_BAND_BRICKS];
+    for (int b = 0; b < bricks; b++) {
+        lo[b] = readings[b].range.lo;
+        scale[b] = iso_range_scale(lo[b], readings[b].range.hi);
     }
+    for (int g = 0; g < ISO_ROW_GROUPS; g++) {
+        for (int b = 0; b < bricks; b++) {
+            const bool empty = is_empty(values->lo[g][b], values->hi[g][b]);
+            const uint8_t least = iso_range_step(values->lo[g][b], lo[b], scale[b]),
+                          most = iso_range_step(values->hi[g][b], lo[b], scale[b]);
+            low[b] = empty ? UINT8_MAX : least;
+            high[b] = empty ? 0 : most;
+        }
+        for (int b = 0; b < bricks; b++) {
+            readings[b].groups.lo[g] = low[b];
+            readings[b].groups.hi[g] = high[b];
+        }
+    }
+}
+
+/* ---- reading */
+
+static bool all_finite(const iso_brick_reading *readings, int bricks) {
+    bool all = true;
+    for (int b = 0; b < bricks; b++) all &= readings[b].range.finite;
+    return all;
+}
+
+void iso_brick_band_most(const iso_rgrid *grid, int most[2]) {
+    const int bricks = ISO_BAND_BRICKS / (int)iso_type_size(grid->type),
+              row = (grid->dims[0] - 1) / ISO_BRICK + 1;
+    most[0] = smaller(row, bricks);
+    most[1] = smaller(bricks / most[0], ISO_BAND_ROWS);
+}
+
+void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_brick_band *band,
+                      iso_brick_reading *readings) {
+    const int columns = band->count[0], rows = band->count[1], bricks = columns * rows;
+    assert(rows <= ISO_BAND_ROWS && bricks * (int)iso_type_size(grid->type) <= ISO_BAND_BRICKS);
+    range_box box = {.stride_y = grid->stride_y,
+                     .stride_z = grid->stride_z,
+                     .bricks = columns,
+                     .lines = rows * ISO_GROUPS_SIDE,
+                     .pitch = columns * ISO_BRICK + COLUMN_SLACK};
+    ptrdiff_t at = 0;
+    const ptrdiff_t stride[3] = {1, grid->stride_y, grid->stride_z};
+    const int count[3] = {columns, rows, 1};
+    for (int axis = 0; axis < 3; axis++) {
+        const int first = band->first[axis] * ISO_BRICK;
+        box.n[axis] = smaller(count[axis] * ISO_BRICK + 1, grid->dims[axis] - first);
+        at += first * stride[axis];
+    }
+    const char *data = (const char *)grid->data + at * (ptrdiff_t)iso_type_size(grid->type);
+    range_values values;
+    clear_values(&values, bricks);
+    kernel_of(grid->type, level)(data, &box, &values);
+    fold_groups(&values, bricks, readings);
+    if (!all_finite(readings, bricks)) {
+        bool finite[ISO_BAND_BRICKS];
+        for (int b = 0; b < bricks; b++) finite[b] = readings[b].range.finite;
+        clear_values(&values, bricks);
+        kernel_of(FINITE, level)(data, &box, &values);
+        fold_groups(&values, bricks, readings);
+        for (int b = 0; b < bricks; b++) readings[b].range.finite = finite[b];
+    }
+    finish_groups(&values, bricks, readings);
 }

@@ -15,6 +15,7 @@ typedef struct slot {
     uint32_t brick;
     iso_brick_place place;
     uint32_t block[ISO_SET_HEAPS];
+    uint64_t stamp;
 } slot;
 
 /* One extracted brick of a chunk; its items lie one after another in the chunk's arrays. */
@@ -53,6 +54,10 @@ static size_t brick_total(const iso_brick_set *set) {
 
 static slot *slot_at(const iso_brick_set *set, size_t number) {
     return (slot *)set->slots.data + number;
+}
+
+uint64_t iso_brick_set_stamp(const iso_brick_set *set, size_t number) {
+    return slot_at(set, number)->stamp;
 }
 
 static chunk *chunk_at(const iso_brick_set *set, size_t number) {
@@ -139,6 +144,7 @@ static iso_status place_result(iso_brick_set *set, const result *made, iso_error
         entry->place.count[heap] = made->count[heap];
     }
     entry->place.own = made->own;
+    entry->stamp = ++set->placed;
     write_span(set, number);
     return ISO_OK;
 }

@@ -79,6 +79,7 @@ typedef struct iso_brick_set {
     int bricks[3];
     bool full;         /* the next update does all bricks */
     uint64_t seen;     /* edits up to this one are in the set */
+    uint64_t placed;   /* results that got a place so far */
     uint32_t *span_of; /* by brick: 1 + its span's number, 0: none */
     iso_buffer spans, slots;
     size_t span_count;
@@ -102,6 +103,9 @@ void iso_brick_set_reset(iso_brick_set *set);
 
 /* Where a brick lies, by its number ((z * bricks_y + y) * bricks_x + x). */
 void iso_brick_set_coordinates(const iso_brick_set *set, uint32_t number, int brick[3]);
+
+/* Changes whenever what is in span `number` does, or another brick's comes there. */
+uint64_t iso_brick_set_stamp(const iso_brick_set *set, size_t number);
 
 /* An array of a heap; NULL when nothing is in it. */
 const void *iso_brick_set_items(const iso_brick_set *set, int heap, int array);

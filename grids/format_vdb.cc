@@ -22,6 +22,7 @@
 #include <openvdb/points/PointDataGrid.h>
 
 #include "grids/bridge_guard.hpp"
+#include "grids/level_set_vdb.hpp"
 #include "grids/module.h"
 #include "grids/vdb_check.h"
 
@@ -749,4 +750,4 @@ const iso_format format = {"vdb", "OpenVDB", nullptr, vdb_info, vdb_read};
 
 } // namespace
 
-ISO_MODULE(&format, nullptr);
+ISO_MODULE(&format, nullptr, iso_vdb_write_level_set);

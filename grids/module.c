@@ -16,7 +16,14 @@ typedef struct folders {
     int count;
 } folders;
 
-/* Beside the shared library that this code is in, or as far from the program as when both were installed. */
+/* Whether a path ends in /name. */
+static bool is_called(const char *path, const char *name) {
+    size_t length = strlen(path), tail = strlen(name);
+    return length > tail && path[length - tail - 1] == '/' && strcmp(path + length - tail, name) == 0;
+}
+
+/* Beside the shared library that this code is in, or as far from the program as when both were installed. A
+ * program in any other folder has none: what lies around it may be anyone's. */
 static bool relative_folder(char folder[PATH_MAX]) {
     static const char here = 0;
     Dl_info info;
@@ -27,6 +34,7 @@ static bool relative_folder(char folder[PATH_MAX]) {
     char own[PATH_MAX];
     if (!realpath(program ? "/proc/self/exe" : image->l_name, own)) return false;
     *strrchr(own, '/') = 0;
+    if (program && !is_called(own, ISO_PROGRAMS)) return false;
     return snprintf(folder, PATH_MAX, "%s/%s", own, program ? ISO_MODULES_FROM_PROGRAM : "isopoint") <
            PATH_MAX;
 }

@@ -8,20 +8,28 @@
  * iso_cpu_limit sets, is not read by readers.
  *
  * Modules are looked for in ISO_MODULE_PATH (a folder, and then only there), else in isopoint/ beside the
- * shared library or where the installation has it as seen from the program, else where it was installed.
- * Nothing is kept here: the dynamic linker knows what it has loaded, and no module is ever unloaded. */
+ * shared library or where the installation has it as seen from a program in bin/, else where it was
+ * installed. Nothing is kept here: the dynamic linker knows what it has loaded, and no module is ever
+ * unloaded. */
 #ifndef ISO_GRIDS_MODULE_H
 #define ISO_GRIDS_MODULE_H
 
+#include <stdio.h>
+
 #include "grids/dicom.h"
 #include "grids/format.h"
+#include "grids/hgrid.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 /* To be raised when a type that modules share with the library changes between two releases. */
-#define ISO_MODULE_ABI 1
+#define ISO_MODULE_ABI 2
+
+/* Writes an hgrid to `stream` (grids/level_set.h); `path` is for messages. */
+typedef iso_status iso_level_set_writer(FILE *stream, const char *path, const iso_hgrid *grid,
+                                        const char *name, iso_error *error);
 
 /* What a module cannot do is NULL. */
 typedef struct iso_module {
@@ -29,12 +37,13 @@ typedef struct iso_module {
     const char *version;
     const iso_format *format;
     iso_dicom_decoder *dicom_decode;
+    iso_level_set_writer *write_level_set;
 } iso_module;
 
 /* Defines the one symbol that a module exports. ISO_VERSION comes from the build. */
-#define ISO_MODULE(format, dicom_decode)                                                                     \
+#define ISO_MODULE(format, dicom_decode, write_level_set)                                                    \
     extern "C" const iso_module iso_module_table;                                                            \
-    const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, format, dicom_decode}
+    const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, format, dicom_decode, write_level_set}
 
 /* The table of module `name`, valid for ever. `path` is the file that needs it and `library` the library that
  * it brings, both for messages. ISO_ERR_UNSUPPORTED when the module or a library is not installed, or is of

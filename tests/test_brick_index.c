@@ -108,6 +108,38 @@ static iso_brick_range model_range(const iso_rgrid *grid, const int b[3]) {
     return range;
 }
 
+/* Which row groups have an edge, or a cell of one voxel more, that the isovalue crosses. */
+static uint32_t model_groups(const iso_rgrid *grid, const int b[3], float isovalue) {
+    const int *n = grid->dims;
+    uint32_t below = 0, above = 0;
+    for (int z = 0; z <= 16 && b[2] * 16 + z < n[2]; z++)
+        for (int y = 0; y <= 16 && b[1] * 16 + y < n[1]; y++)
+            for (int x = b[0] * 16; x <= b[0] * 16 + 16 && x < n[0]; x++) {
+                float value = iso_rgrid_at(grid, x, b[1] * 16 + y, b[2] * 16 + z);
+                if (!isfinite(value)) continue;
+                for (int corner = 0; corner < 4; corner++) {
+                    int gy = y / 4 - corner % 2, gz = z / 4 - corner / 2;
+                    if ((corner % 2 && y % 4) || (corner / 2 && z % 4)) continue;
+                    if (gy < 0 || gy > 3 || gz < 0 || gz > 3) continue;
+                    *(value < isovalue ? &below : &above) |= 1u << (4 * gz + gy);
+                }
+            }
+    return below & above;
+}
+
+/* Never one too few; for narrow integers none too many. */
+static void check_groups(const iso_rgrid *grid, const iso_brick_index *index, uint32_t brick,
+                         float isovalue) {
+    const int nx = (grid->dims[0] - 1) / 16 + 1, ny = (grid->dims[1] - 1) / 16 + 1;
+    const int at[3] = {(int)brick % nx, (int)brick / nx % ny, (int)brick / nx / ny};
+    const uint32_t model = model_groups(grid, at, isovalue),
+                   groups = iso_brick_index_groups(index, brick, isovalue);
+    const iso_brick_range range = iso_brick_index_range(index, brick);
+    if (model & ~groups)
+        fail_msg("brick %u, isovalue %.9g: groups %x, not %x", brick, isovalue, groups, model);
+    if (grid->type != ISO_FLOAT32 && range.hi - range.lo <= 255) assert_int_equal(groups, model);
+}
+
 /* All bricks' ranges, x fastest. */
 static iso_brick_range *model_ranges(const iso_rgrid *grid, size_t *total) {
     int n[3], b[3];
@@ -138,8 +170,9 @@ static void check_ranges(const iso_brick_index *index, const iso_brick_range *mo
 
 /* What a query may look at: its answer, an entry too many on each level of the tree, and edited bricks once
  * in their list and once in the tree. */
-static void check_query(const iso_brick_index *index, const iso_brick_range *model, float isovalue,
+static void check_query(const iso_rgrid *grid, const iso_brick_range *model, float isovalue,
                         iso_brick_query *query) {
+    const iso_brick_index *index = grid->index;
     assert_int_equal(iso_brick_index_query(index, isovalue, query, NULL), ISO_OK);
     const uint32_t *bricks = query->bricks.data;
     size_t found = 0, total = iso_brick_index_bricks(index);
@@ -149,6 +182,7 @@ static void check_query(const iso_brick_index *index, const iso_brick_range *mod
         if (!crosses) continue;
         if (found >= query->count || bricks[found] != i)
             fail_msg("isovalue %.9g: brick %u is missing, %zu found", isovalue, i, query->count);
+        check_groups(grid, index, i, isovalue);
         found++;
     }
     assert_int_equal(query->count, found);
@@ -178,11 +212,11 @@ static void check_queries(const iso_rgrid *grid, const iso_brick_index *index, i
     iso_brick_range *model = model_ranges(grid, &total);
     check_ranges(index, model, total);
     iso_brick_query query = {0};
-    for (size_t i = 0; i < sizeof fixed / sizeof *fixed; i++) check_query(index, model, fixed[i], &query);
-    for (int i = 0; i < count; i++) check_query(index, model, random_isovalue(grid, random), &query);
+    for (size_t i = 0; i < sizeof fixed / sizeof *fixed; i++) check_query(grid, model, fixed[i], &query);
+    for (int i = 0; i < count; i++) check_query(grid, model, random_isovalue(grid, random), &query);
     for (size_t i = 0; i < total && count; i += 1 + total / (size_t)count) {
-        check_query(index, model, model[i].lo, &query);
-        check_query(index, model, model[i].hi, &query);
+        check_query(grid, model, model[i].lo, &query);
+        check_query(grid, model, model[i].hi, &query);
     }
     iso_brick_query_free(&query);
     free(model);
@@ -202,6 +236,10 @@ static void ranges_and_queries_match_the_voxels(void **state) {
     }
 }
 
+static int least(int a, int b) {
+    return a < b ? a : b;
+}
+
 static void levels_agree(void **state) {
     (void)state;
     uint64_t random = 2;
@@ -211,16 +249,25 @@ static void levels_agree(void **state) {
         const int last[3] = {0, (grid->dims[1] - 1) / ISO_BRICK, (grid->dims[2] - 1) / ISO_BRICK};
         const int from[3] = {(int)below(&random, (uint32_t)n), (int)below(&random, (uint32_t)last[1] + 1),
                              (int)below(&random, (uint32_t)last[2] + 1)};
-        iso_brick_range *ranges = calloc((size_t)n, sizeof *ranges);
+        int most[2];
+        iso_brick_band_most(grid, most);
+        iso_brick_reading *generic = NULL;
         for (int level = 0; level <= (int)iso_cpu_supported(); level++) {
-            int count = 1 + (int)below(&random, (uint32_t)(n - from[0]));
-            iso_brick_ranges(grid, (iso_cpu_level)level, from, count, ranges);
-            for (int i = 0; i < count; i++) {
-                iso_brick_range model = model_range(grid, (const int[3]){from[0] + i, from[1], from[2]});
-                assert_true(same_range(&ranges[i], &model));
+            iso_brick_reading *readings = calloc(ISO_BAND_BRICKS, sizeof *readings);
+            iso_brick_band band = {{from[0], from[1], from[2]},
+                                   {least(most[0], n - from[0]), least(most[1], last[1] + 1 - from[1])}};
+            iso_brick_ranges(grid, (iso_cpu_level)level, &band, readings);
+            for (int i = 0; i < band.count[0] * band.count[1]; i++) {
+                const int at[3] = {from[0] + i % band.count[0], from[1] + i / band.count[0], from[2]};
+                iso_brick_range model = model_range(grid, at);
+                assert_true(same_range(&readings[i].range, &model));
             }
+            if (!generic) generic = readings;
+            for (int i = 0; i < ISO_BAND_BRICKS; i++)
+                assert_memory_equal(&readings[i].groups, &generic[i].groups, sizeof generic[i].groups);
+            if (readings != generic) free(readings);
         }
-        free(ranges);
+        free(generic);
         iso_rgrid_destroy(grid);
     }
 }

@@ -74,6 +74,32 @@ static void what_is_written_is_read(void **state) {
     }
 }
 
+/* Several rounds of bands, for one thread and for three: the same file, and the picture comes back. */
+static void threads_write_the_same_file(void **state) {
+    (void)state;
+    const int sizes[][2] = {{1, 1}, {300, 9000}, {16384, 40}};
+    for (size_t k = 0; k < 6; k++) {
+        iso_image image = random_image(sizes[k / 2][0], sizes[k / 2][1], k % 2), back = {0};
+        uint8_t *bytes[2];
+        size_t size[2];
+        for (int many = 0; many < 2; many++) {
+            iso_pool *pool = NULL;
+            assert_int_equal(iso_pool_create(many ? 3 : 1, &pool, NULL), ISO_OK);
+            assert_int_equal(iso_png_write_with(PATH, &image, &(iso_png_opts){.pool = pool}, NULL), ISO_OK);
+            iso_pool_destroy(pool);
+            bytes[many] = slurp(PATH, &size[many]);
+        }
+        assert_int_equal(size[0], size[1]);
+        assert_memory_equal(bytes[0], bytes[1], size[0]);
+        assert_int_equal(iso_png_read(PATH, &back, NULL), ISO_OK);
+        assert_memory_equal(back.rgba, image.rgba, (size_t)image.width * (size_t)image.height * 4);
+        free(bytes[0]);
+        free(bytes[1]);
+        iso_image_free(&image);
+        iso_image_free(&back);
+    }
+}
+
 static void sides_are_checked(void **state) {
     (void)state;
     const int sizes[][2] = {{0, 5}, {5, 0}, {-1, 5}, {ISO_IMAGE_MAX + 1, 1}, {1, ISO_IMAGE_MAX + 1}};
@@ -319,13 +345,10 @@ static void a_full_disk_is_reported(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_written_is_read),
-        cmocka_unit_test(sides_are_checked),
-        cmocka_unit_test(texts_are_kept),
-        cmocka_unit_test(every_kind_is_read),
-        cmocka_unit_test(broken_files_are_named),
-        cmocka_unit_test(unreadable_files_are_named),
-        cmocka_unit_test(unwritable_paths_are_named),
+        cmocka_unit_test(what_is_written_is_read),    cmocka_unit_test(threads_write_the_same_file),
+        cmocka_unit_test(sides_are_checked),          cmocka_unit_test(texts_are_kept),
+        cmocka_unit_test(every_kind_is_read),         cmocka_unit_test(broken_files_are_named),
+        cmocka_unit_test(unreadable_files_are_named), cmocka_unit_test(unwritable_paths_are_named),
         cmocka_unit_test(a_full_disk_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

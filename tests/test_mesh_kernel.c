@@ -124,6 +124,7 @@ static size_t check_grid(const iso_grid *grid, double isovalue, iso_cpu_level le
         for (int y = 0; y < dims[1]; y += ISO_BRICK) {
             const int origin[3] = {0, y, z};
             bench->words.blocks = (dims[0] + ISO_EDGE_BLOCK_X - 1) / ISO_EDGE_BLOCK_X;
+            for (int b = 0; b < bench->words.blocks; b++) bench->words.wanted[b] = ISO_EDGE_WHOLE;
             runner.kernel.edges->classify(&runner.source, origin, &bench->words);
             for (int b = 0; b < bench->words.blocks; b++) {
                 memcpy(bench->block.origin, (int[3]){b * ISO_EDGE_BLOCK_X, y, z}, sizeof(int[3]));

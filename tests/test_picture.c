@@ -103,6 +103,10 @@ static void strips_are_the_whole_picture(void **state) {
     iso_camera camera = camera_at(20);
     iso_picture_opts opts = options(&s, &camera, side, factor * factor);
     iso_image strips = image_of(side), whole = image_of(side);
+    iso_aov aov, whole_aov;
+    assert_int_equal(iso_aov_create(side, side, &aov, NULL), ISO_OK);
+    assert_int_equal(iso_aov_create(side, side, &whole_aov, NULL), ISO_OK);
+    opts.aov = &aov;
     size_t covered = 0, counted = 0;
     assert_int_equal(iso_picture_render(&opts, &strips, &covered, NULL), ISO_OK);
     assert_int_equal(s.strips, 2);
@@ -116,6 +120,13 @@ static void strips_are_the_whole_picture(void **state) {
     const iso_strip strip = {&view, &gbuffer, factor, 0};
     iso_shade(&opts.shading, &strip, &whole, NULL);
     assert_memory_equal(strips.rgba, whole.rgba, (size_t)side * (size_t)side * 4);
+    iso_strip_measure(&strip, &whole_aov, NULL);
+    size_t plane = (size_t)side * (size_t)side * sizeof(float);
+    assert_memory_equal(aov.depth, whole_aov.depth, plane);
+    assert_memory_equal(aov.coverage, whole_aov.coverage, plane);
+    for (int axis = 0; axis < 3; axis++) assert_memory_equal(aov.normal[axis], whole_aov.normal[axis], plane);
+    iso_aov_free(&aov);
+    iso_aov_free(&whole_aov);
     size_t samples = (size_t)view.width * (size_t)view.height;
     for (size_t i = 0; i < samples; i++) counted += gbuffer.surface[i] != ISO_SURFACE_NONE;
     assert_int_equal(covered, counted);

@@ -102,7 +102,7 @@ static void freezing_moves_nothing(void **state) {
 
 static iso_brush random_brush(uint32_t *seed) {
     iso_brush brush = {.tool = (iso_tool)(sculpt_uniform(seed) * (ISO_TOOL_MOVE)),
-                       .shape = (iso_shape)(sculpt_uniform(seed) * ISO_SHAPE_STAMP),
+                       .shape = (iso_solid)(sculpt_uniform(seed) * ISO_SOLID_STAMP),
                        .falloff = (iso_falloff)(sculpt_uniform(seed) * ISO_FALLOFF_COUNT),
                        .radius = 2 + 16 * sculpt_uniform(seed),
                        .strength = sculpt_uniform(seed),
@@ -212,12 +212,12 @@ static void signs_are_those_of_a_bit_model(void **state) {
 static void volumes_are_known(void **state) {
     (void)state;
     static const struct {
-        iso_shape shape;
+        iso_solid shape;
         double aspect, volume; /* of radius 1 */
-    } solids[] = {{ISO_SHAPE_SPHERE, 0.5, 4 * ISO_PI / 3},
-                  {ISO_SHAPE_BOX, 0.8, 2 * 1.6 * 1.6},
-                  {ISO_SHAPE_CYLINDER, 0.7, ISO_PI * 1.4},
-                  {ISO_SHAPE_TORUS, 0.4, 2 * ISO_PI * ISO_PI * 0.16}};
+    } solids[] = {{ISO_SOLID_SPHERE, 0.5, 4 * ISO_PI / 3},
+                  {ISO_SOLID_BOX, 0.8, 2 * 1.6 * 1.6},
+                  {ISO_SOLID_CYLINDER, 0.7, ISO_PI * 1.4},
+                  {ISO_SOLID_TORUS, 0.4, 2 * ISO_PI * ISO_PI * 0.16}};
     for (size_t i = 0; i < sizeof solids / sizeof *solids; i++) {
         iso_hgrid *grid = sculpt_ball(96, iso_vec3_make(-500, 0, 0), 1); /* nothing in it */
         iso_editor *editor = make_editor(grid, NULL);
@@ -225,7 +225,7 @@ static void volumes_are_known(void **state) {
             .tool = ISO_TOOL_ADD, .shape = solids[i].shape, .aspect = solids[i].aspect, .radius = 20};
         sculpt_touch(editor, &brush, iso_vec3_make(47.3, 46.8, 48.1), iso_vec3_unit(iso_vec3_make(1, 2, 3)));
         double got = sculpt_volume(grid), wanted = solids[i].volume * 8000;
-        print_message("%s: volume %.0f, wanted %.0f\n", iso_shape_name(solids[i].shape), got, wanted);
+        print_message("%s: volume %.0f, wanted %.0f\n", iso_solid_name(solids[i].shape), got, wanted);
         assert_true(fabs(got / wanted - 1) < 0.005);
         iso_brush all = {.tool = ISO_TOOL_CARVE, .radius = 40};
         sculpt_touch(editor, &all, iso_vec3_make(47.3, 46.8, 48.1), iso_vec3_make(0, 0, 1));
@@ -370,7 +370,7 @@ static void bad_brushes_are_named(void **state) {
                {{.radius = 1, .aspect = NAN}, &touch, "aspect"},
                {{.radius = 1, .tool = (iso_tool)77}, &touch, "tool"},
                {{.radius = 1, .tool = ISO_TOOL_MOVE}, &touch, "move"},
-               {{.radius = 1, .shape = ISO_SHAPE_STAMP}, &touch, "stamp"},
+               {{.radius = 1, .shape = ISO_SOLID_STAMP}, &touch, "stamp"},
                {{.radius = 1}, &lost, "nan"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         iso_error error = {0};

@@ -51,7 +51,7 @@ static iso_sample random_sample(uint32_t *seed) {
 
 static iso_brush random_brush(uint32_t *seed) {
     iso_brush b = {.tool = (iso_tool)(sculpt_uniform(seed) * (ISO_TOOL_MOVE + 1)),
-                   .shape = (iso_shape)(sculpt_uniform(seed) * ISO_SHAPE_STAMP),
+                   .shape = (iso_solid)(sculpt_uniform(seed) * ISO_SOLID_STAMP),
                    .radius = 0.5 + 4 * sculpt_uniform(seed),
                    .strength = sculpt_uniform(seed),
                    .symmetry = sculpt_uniform(seed) < 0.2 ? 5 : 0,

@@ -29,6 +29,9 @@ typedef struct simd_results {
     float packed[SIMD_ITEMS + ISO_LANES_MAX];
     int32_t packedi[SIMD_ITEMS + ISO_LANES_MAX];
     int packed_count;
+    float gathered[4][SIMD_ITEMS], scattered[SIMD_ITEMS][5];
+    float even[SIMD_ITEMS], odd[SIMD_ITEMS], zipped[2 * SIMD_ITEMS];
+    uint8_t stored_u8[SIMD_ITEMS];
 } simd_results;
 
 static int same_bits(float a, float b) {
@@ -99,6 +102,14 @@ static void operate_plain(const simd_inputs *in, simd_results *out) {
         const int truths[SIMD_TRUTHS] = {
             a < b, a <= b, a == b, k < l, k == l, a < b && k < l, a < b || k < l, a < b && !(k < l), a <= b};
         for (int t = 0; t < SIMD_TRUTHS; t++) out->truth[t][i] = (uint8_t)truths[t];
+        for (int row = 0; row < 4; row++) out->gathered[row][i] = in->b[in->u8[i] + row];
+        const float four[4] = {a, b, in->small[i], -a};
+        memcpy(out->scattered[i], four, sizeof four);
+        out->stored_u8[i] = (uint8_t)k;
+        out->zipped[2 * i] = a;
+        out->zipped[2 * i + 1] = b;
+        out->even[i] = in->a[2 * i % SIMD_ITEMS];
+        out->odd[i] = in->a[(2 * i + 1) % SIMD_ITEMS];
         if (!(a < b)) continue;
         out->packed[out->packed_count] = a;
         out->packedi[out->packed_count++] = k;

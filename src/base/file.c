@@ -97,3 +97,9 @@ void iso_sink_abort(iso_sink *sink) {
     free(sink->temporary);
     *sink = (iso_sink){0};
 }
+
+bool iso_file_same(const char *a, const char *b) {
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && S_ISREG(second.st_mode) &&
+           first.st_dev == second.st_dev && first.st_ino == second.st_ino;
+}

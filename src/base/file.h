@@ -6,6 +6,7 @@
 #ifndef ISO_BASE_FILE_H
 #define ISO_BASE_FILE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -25,6 +26,9 @@ iso_status iso_sink_open(const char *path, iso_sink *sink, iso_error *error);
 
 /* Flushes, closes and renames. On any failure the temporary file is removed and ISO_ERR_WRITE returned. */
 iso_status iso_sink_commit(iso_sink *sink, iso_error *error);
+
+/* Whether both names lead to the same regular file that is there: writing one would destroy the other. */
+bool iso_file_same(const char *a, const char *b);
 
 /* Closes and removes the temporary file. Safe after commit and on a zeroed sink. */
 void iso_sink_abort(iso_sink *sink);

@@ -7,6 +7,7 @@
 #ifndef ISO_BASE_PRIMITIVES_H
 #define ISO_BASE_PRIMITIVES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -51,6 +52,13 @@ typedef struct iso_point_span {
     size_t first; /* index of the span's first point */
 } iso_point_span;
 
+/* Boxes around a span's positions (relative to the brick, like them) and around its normals scaled to |x| +
+ * |y| + |z| = 1; lo > hi when there is nothing. */
+typedef struct iso_point_bounds {
+    float lo[3], hi[3];
+    float normal_lo[3], normal_hi[3];
+} iso_point_bounds;
+
 /* Points, borrowed from whoever owns them. Exactly one of `packed` and `surfels` is set (both NULL when
  * empty). */
 typedef struct iso_point_view {
@@ -61,6 +69,10 @@ typedef struct iso_point_view {
     size_t span_count;
     iso_transform transform;
     double radius; /* mm; half of sqrt(2) x the largest spacing for extracted points (2003, section 4.1) */
+    const uint8_t (*colors)[3]; /* per point, red green blue, display values; NULL: the surface's for all */
+    const iso_point_bounds *bounds; /* one per span; NULL: not known */
+    bool closed; /* the points lie on closed surfaces with their normals outwards: seen from outside, those
+                    that face away are hidden */
 } iso_point_view;
 
 /* Number of points in all spans. */

@@ -78,6 +78,16 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 /* The lanes where the mask is true, packed, to memory: up to ISO_LANES items are overwritten. */
 #define v_compress ISO_V(v_compress)   /* (float *, vm, vf) */
 #define v_compressi ISO_V(v_compressi) /* (int32_t *, vm, vi) */
+/* Four floats a lane. (base, index, out): out[k] of a lane is base[index of the lane + k]; (base, step, in):
+ * base[step * lane + k] becomes in[k] of the lane. */
+#define v_load4 ISO_V(v_load4)
+#define v_store4 ISO_V(v_store4)
+/* Two vectors as one row of twice as many items: its items of even or odd number, and back. */
+#define v_even ISO_V(v_even)         /* (vf a, vf b) */
+#define v_odd ISO_V(v_odd)           /* (vf a, vf b) */
+#define v_zip_low ISO_V(v_zip_low)   /* the first half of a0 b0 a1 b1 .. */
+#define v_zip_high ISO_V(v_zip_high) /* and the second */
+#define v_store_u8 ISO_V(v_store_u8) /* (uint8_t *, vi): the low 8 bits of each */
 
 /* ---- what vector operators say, once for every width: N lanes of float F, int32_t I, bytes of both */
 
@@ -159,7 +169,7 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
         return whole + (vi_##level)(value < __builtin_convertvector(whole, vf_##level));                     \
     }
 
-/* One of the four slides of a level; `lanes` are the numbers of the lanes taken. */
+/* One of the slides and shuffles of a level; `lanes` are the numbers of the lanes taken. */
 #define ISO_SIMD_SLIDE(name, level, target, ...)                                                             \
     target static inline vf_##level name##_##level(vf_##level before, vf_##level after) {                    \
         return __builtin_shufflevector(before, after, __VA_ARGS__);                                          \
@@ -176,6 +186,10 @@ ISO_SIMD_SLIDE(v_next1, generic, , 1, 2, 3, 4)
 ISO_SIMD_SLIDE(v_next2, generic, , 2, 3, 4, 5)
 ISO_SIMD_SLIDE(v_last1, generic, , 3, 4, 5, 6)
 ISO_SIMD_SLIDE(v_last2, generic, , 2, 3, 4, 5)
+ISO_SIMD_SLIDE(v_even, generic, , 0, 2, 4, 6)
+ISO_SIMD_SLIDE(v_odd, generic, , 1, 3, 5, 7)
+ISO_SIMD_SLIDE(v_zip_low, generic, , 0, 4, 1, 5)
+ISO_SIMD_SLIDE(v_zip_high, generic, , 2, 6, 3, 7)
 
 static inline vi_generic v_lanes_generic(void) {
     return (vi_generic){0, 1, 2, 3};
@@ -225,6 +239,18 @@ static inline void v_compress_generic(float *to, vm_generic mask, vf_generic val
         to[count] = value[lane];
         count += mask[lane] & 1;
     }
+}
+static inline void v_store_u8_generic(uint8_t *to, vi_generic value) {
+    for (int lane = 0; lane < ISO_LANES_generic; lane++) to[lane] = (uint8_t)value[lane];
+}
+
+static inline void v_load4_generic(const float *base, const int32_t *index, vf_generic out[4]) {
+    for (int k = 0; k < 4; k++)
+        out[k] = (vf_generic){base[index[0] + k], base[index[1] + k], base[index[2] + k], base[index[3] + k]};
+}
+static inline void v_store4_generic(float *base, int step, const vf_generic in[4]) {
+    for (int lane = 0; lane < ISO_LANES_generic; lane++)
+        for (int k = 0; k < 4; k++) base[lane * step + k] = in[k][lane];
 }
 
 #if ISO_HAVE_X86

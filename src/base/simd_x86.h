@@ -16,6 +16,10 @@ ISO_SIMD_SLIDE(v_next1, avx2, ISO_TARGET_AVX2, 1, 2, 3, 4, 5, 6, 7, 8)
 ISO_SIMD_SLIDE(v_next2, avx2, ISO_TARGET_AVX2, 2, 3, 4, 5, 6, 7, 8, 9)
 ISO_SIMD_SLIDE(v_last1, avx2, ISO_TARGET_AVX2, 7, 8, 9, 10, 11, 12, 13, 14)
 ISO_SIMD_SLIDE(v_last2, avx2, ISO_TARGET_AVX2, 6, 7, 8, 9, 10, 11, 12, 13)
+ISO_SIMD_SLIDE(v_even, avx2, ISO_TARGET_AVX2, 0, 2, 4, 6, 8, 10, 12, 14)
+ISO_SIMD_SLIDE(v_odd, avx2, ISO_TARGET_AVX2, 1, 3, 5, 7, 9, 11, 13, 15)
+ISO_SIMD_SLIDE(v_zip_low, avx2, ISO_TARGET_AVX2, 0, 8, 1, 9, 2, 10, 3, 11)
+ISO_SIMD_SLIDE(v_zip_high, avx2, ISO_TARGET_AVX2, 4, 12, 5, 13, 6, 14, 7, 15)
 
 ISO_TARGET_AVX2 static inline vi_avx2 v_lanes_avx2(void) {
     return (vi_avx2){0, 1, 2, 3, 4, 5, 6, 7};
@@ -61,6 +65,41 @@ ISO_TARGET_AVX2 static inline void v_compress_avx2(float *to, vm_avx2 mask, vf_a
     __m256i lanes = iso_packed_lanes_avx2(v_mask_avx2(mask));
     _mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)value, lanes));
 }
+/* Rows of four floats lie in 128-bit halves: rows[j] has lanes j and j + 4. */
+ISO_TARGET_AVX2 static inline void v_load4_avx2(const float *base, const int32_t *index, vf_avx2 out[4]) {
+    __m256 rows[4], t[4];
+    for (int j = 0; j < 4; j++)
+        rows[j] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(base + index[j])),
+                                       _mm_loadu_ps(base + index[j + 4]), 1);
+    for (int j = 0; j < 4; j += 2) {
+        t[j] = _mm256_unpacklo_ps(rows[j], rows[j + 1]);
+        t[j + 1] = _mm256_unpackhi_ps(rows[j], rows[j + 1]);
+    }
+    for (int k = 0; k < 4; k += 2) {
+        out[k] = (vf_avx2)_mm256_shuffle_ps(t[k / 2], t[2 + k / 2], 0x44);
+        out[k + 1] = (vf_avx2)_mm256_shuffle_ps(t[k / 2], t[2 + k / 2], 0xee);
+    }
+}
+ISO_TARGET_AVX2 static inline void v_store4_avx2(float *base, int step, const vf_avx2 in[4]) {
+    __m256 t[4];
+    for (int k = 0; k < 4; k += 2) {
+        t[k] = _mm256_unpacklo_ps((__m256)in[k], (__m256)in[k + 1]);
+        t[k + 1] = _mm256_unpackhi_ps((__m256)in[k], (__m256)in[k + 1]);
+    }
+    for (int j = 0; j < 4; j++) {
+        __m256 row = j % 2 ? _mm256_shuffle_ps(t[j / 2], t[2 + j / 2], 0xee)
+                           : _mm256_shuffle_ps(t[j / 2], t[2 + j / 2], 0x44);
+        _mm_storeu_ps(base + j * step, _mm256_castps256_ps128(row));
+        _mm_storeu_ps(base + (j + 4) * step, _mm256_extractf128_ps(row, 1));
+    }
+}
+ISO_TARGET_AVX2 static inline void v_store_u8_avx2(uint8_t *to, vi_avx2 value) {
+    const __m256i first = _mm256_set1_epi32(0x0c080400);
+    __m256i bytes = _mm256_shuffle_epi8((__m256i)value, first); /* each half's four, in its every 32 bits */
+    int32_t low = _mm256_extract_epi32(bytes, 0), high = _mm256_extract_epi32(bytes, 4);
+    memcpy(to, &low, 4);
+    memcpy(to + 4, &high, 4);
+}
 
 /* ---- AVX-512 */
 
@@ -75,6 +114,11 @@ ISO_SIMD_SLIDE(v_last1, avx512, ISO_TARGET_AVX512, 15, 16, 17, 18, 19, 20, 21, 2
                30)
 ISO_SIMD_SLIDE(v_last2, avx512, ISO_TARGET_AVX512, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28,
                29)
+ISO_SIMD_SLIDE(v_even, avx512, ISO_TARGET_AVX512, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30)
+ISO_SIMD_SLIDE(v_odd, avx512, ISO_TARGET_AVX512, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31)
+ISO_SIMD_SLIDE(v_zip_low, avx512, ISO_TARGET_AVX512, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23)
+ISO_SIMD_SLIDE(v_zip_high, avx512, ISO_TARGET_AVX512, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30,
+               15, 31)
 
 ISO_TARGET_AVX512 static inline vi_avx512 v_lanes_avx512(void) {
     return (vi_avx512){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
@@ -145,6 +189,43 @@ ISO_TARGET_AVX512 static inline void v_compressi_avx512(int32_t *to, vm_avx512 m
 }
 ISO_TARGET_AVX512 static inline void v_compress_avx512(float *to, vm_avx512 mask, vf_avx512 value) {
     _mm512_storeu_ps(to, _mm512_maskz_compress_ps(mask, (__m512)value));
+}
+/* Rows of four floats lie in 128-bit quarters: rows[j] has lanes j, j + 4, j + 8 and j + 12. */
+ISO_TARGET_AVX512 static inline void v_load4_avx512(const float *base, const int32_t *index,
+                                                    vf_avx512 out[4]) {
+    __m512 rows[4], t[4];
+    for (int j = 0; j < 4; j++) {
+        rows[j] = _mm512_castps128_ps512(_mm_loadu_ps(base + index[j]));
+        rows[j] = _mm512_insertf32x4(rows[j], _mm_loadu_ps(base + index[j + 4]), 1);
+        rows[j] = _mm512_insertf32x4(rows[j], _mm_loadu_ps(base + index[j + 8]), 2);
+        rows[j] = _mm512_insertf32x4(rows[j], _mm_loadu_ps(base + index[j + 12]), 3);
+    }
+    for (int j = 0; j < 4; j += 2) {
+        t[j] = _mm512_unpacklo_ps(rows[j], rows[j + 1]);
+        t[j + 1] = _mm512_unpackhi_ps(rows[j], rows[j + 1]);
+    }
+    for (int k = 0; k < 4; k += 2) {
+        out[k] = (vf_avx512)_mm512_shuffle_ps(t[k / 2], t[2 + k / 2], 0x44);
+        out[k + 1] = (vf_avx512)_mm512_shuffle_ps(t[k / 2], t[2 + k / 2], 0xee);
+    }
+}
+ISO_TARGET_AVX512 static inline void v_store4_avx512(float *base, int step, const vf_avx512 in[4]) {
+    __m512 t[4];
+    for (int k = 0; k < 4; k += 2) {
+        t[k] = _mm512_unpacklo_ps((__m512)in[k], (__m512)in[k + 1]);
+        t[k + 1] = _mm512_unpackhi_ps((__m512)in[k], (__m512)in[k + 1]);
+    }
+    for (int j = 0; j < 4; j++) {
+        __m512 row = j % 2 ? _mm512_shuffle_ps(t[j / 2], t[2 + j / 2], 0xee)
+                           : _mm512_shuffle_ps(t[j / 2], t[2 + j / 2], 0x44);
+        _mm_storeu_ps(base + j * step, _mm512_castps512_ps128(row));
+        _mm_storeu_ps(base + (j + 4) * step, _mm512_extractf32x4_ps(row, 1));
+        _mm_storeu_ps(base + (j + 8) * step, _mm512_extractf32x4_ps(row, 2));
+        _mm_storeu_ps(base + (j + 12) * step, _mm512_extractf32x4_ps(row, 3));
+    }
+}
+ISO_TARGET_AVX512 static inline void v_store_u8_avx512(uint8_t *to, vi_avx512 value) {
+    _mm_storeu_si128((__m128i *)to, _mm512_cvtepi32_epi8((__m512i)value));
 }
 #endif
 

@@ -8,7 +8,7 @@
 #include <immintrin.h>
 #endif
 
-enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64 };
+enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64, ISO_EDGE_PARTS = 32 };
 
 /* Points of one axis on their way through fill. Arrays are padded so that whole vectors can be computed. */
 typedef struct iso_edge_batch {
@@ -83,18 +83,34 @@ static void iso_edge_border_stencil(const iso_edge_source *source, const int low
     }
 }
 
-/* Moves a batch to the bricks' places; lanes: four 16-bit counts of points that are already there. */
-__attribute__((always_inline)) static inline uint64_t
-iso_edge_scatter(const iso_edge_batch *batch, const iso_edge_output *output, uint64_t lanes) {
+/* Part of a batch: what a job put into it. */
+typedef struct iso_edge_part {
+    iso_edge_job *job;
+    int from, end;
+} iso_edge_part;
+
+/* Those of a batch, which are all next to the grid's border or none. */
+typedef struct iso_edge_parts {
+    int count;
+    bool border;
+    iso_edge_part part[ISO_EDGE_PARTS];
+} iso_edge_parts;
+
+/* Moves a part to its bricks' places. */
+__attribute__((always_inline)) static inline void iso_edge_scatter(const iso_edge_batch *batch,
+                                                                   const iso_edge_part *part) {
+    const iso_edge_output *output = &part->job->output;
+    uint64_t lanes = part->job->lanes;
     if (output->packed[0]) {
-        for (int i = 0; i < batch->count; i++) {
+        for (int i = part->from; i < part->end; i++) {
             int brick = batch->x[i] >> 4;
             output->packed[brick][lanes >> (16 * brick) & 0xffff] = batch->packed[i];
             lanes += (uint64_t)1 << (16 * brick);
         }
-        return lanes;
+        part->job->lanes = lanes;
+        return;
     }
-    for (int i = 0; i < batch->count; i++) {
+    for (int i = part->from; i < part->end; i++) {
         const int brick = batch->x[i] >> 4;
         const uint64_t place = lanes >> (16 * brick) & 0xffff;
         iso_surfel *surfel = output->surfels[brick] + place;
@@ -103,7 +119,7 @@ iso_edge_scatter(const iso_edge_batch *batch, const iso_edge_output *output, uin
         if (output->keys[0]) output->keys[brick][place] = batch->key[i];
         lanes += (uint64_t)1 << (16 * brick);
     }
-    return lanes;
+    part->job->lanes = lanes;
 }
 
 /* The steps of fill are opaque calls. gcc 12 deletes or reorders their stores when it analyses them together
@@ -115,25 +131,12 @@ iso_edge_scatter(const iso_edge_batch *batch, const iso_edge_output *output, uin
 #endif
 #define ISO_INLINE __attribute__((always_inline)) static inline
 
-void iso_edge_block_keep(iso_edge_block *block, unsigned bricks) {
+/* The bits of a block's word that are wanted and in the grid, of which `voxels` are left along x. */
+static uint64_t iso_edge_columns(iso_edge_wanted wanted, int voxels) {
     uint64_t lanes = 0;
-    for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++) {
-        if (bricks >> brick & 1) {
-            lanes |= (uint64_t)0xffff << (16 * brick);
-        } else {
-            block->points[brick] = 0;
-        }
-    }
-    for (int axis = 0; axis < 3; axis++) {
-        iso_edge_list *list = &block->axes[axis];
-        int kept = 0;
-        for (int i = 0; i < list->count; i++) {
-            list->mask[kept] = list->mask[i] & lanes;
-            list->row[kept] = list->row[i];
-            kept += list->mask[kept] != 0;
-        }
-        list->count = kept;
-    }
+    for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++)
+        lanes |= (uint64_t)(wanted.bricks >> brick & 1) * 0xffff << (16 * brick);
+    return voxels < ISO_EDGE_BLOCK_X ? lanes & (((uint64_t)1 << voxels) - 1) : lanes;
 }
 
 void iso_edge_source_prepare(iso_edge_source *source) {
@@ -145,7 +148,7 @@ void iso_edge_source_prepare(iso_edge_source *source) {
 #include "extract/edge_kernel_variants.inc"
 
 #define ISO_EDGE_KERNEL(name)                                                                                \
-    { count_##name, fill_##name, classify_##name, fill_entries_##name }
+    { count_##name, fill_##name, classify_##name }
 static const iso_edge_kernel generic_kernels[] = {
     [ISO_UINT8] = ISO_EDGE_KERNEL(uint8_generic),
     [ISO_INT16] = ISO_EDGE_KERNEL(int16_generic),

@@ -3,15 +3,6 @@
 
 #include "grids/brick_index.h"
 
-typedef struct run_scratch {
-    iso_edge_words words;
-    iso_edge_block blocks[ISO_EDGE_STRETCH];
-} run_scratch;
-
-size_t iso_edge_run_scratch_bytes(void) {
-    return (sizeof(run_scratch) + ISO_ALIGNMENT - 1) / ISO_ALIGNMENT * ISO_ALIGNMENT;
-}
-
 void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_surface *surface,
                           bool floats) {
     *runner = (iso_edge_runner){
@@ -53,80 +44,187 @@ static bool kernel_can(const iso_brick_set *set, const iso_rgrid *grid, const in
     return true;
 }
 
-iso_edge_stretch iso_edge_stretch_find(const iso_rgrid *grid, const iso_brick_set *set,
-                                       const uint32_t *bricks, size_t count) {
-    iso_edge_stretch found = {0};
-    for (size_t i = 0; i < count; i++) {
+/* ---- which stretches */
+
+/* The rows of a brick that can have edges: without an index that is up to date, all. */
+static uint16_t groups_of(const iso_edge_walk *walk, uint32_t brick) {
+    const iso_brick_index *index = walk->grid->index;
+    if (!index || !iso_brick_index_current(index)) return ISO_EDGE_WHOLE.groups;
+    return (uint16_t)iso_brick_index_groups(index, brick, walk->source->isovalue);
+}
+
+/* The longest stretch that starts at the next brick. */
+static void find_stretch(const iso_edge_walk *walk, iso_edge_stretch *found) {
+    *found = (iso_edge_stretch){.blocks = 0};
+    for (size_t i = walk->next; i < walk->count; i++) {
         int brick[3];
-        iso_brick_set_coordinates(set, bricks[i], brick);
-        int block = brick[0] / ISO_EDGE_BRICKS;
-        if (i == 0) {
-            found.first_block = block;
-            found.row[0] = brick[1];
-            found.row[1] = brick[2];
-        }
-        if (brick[1] != found.row[0] || brick[2] != found.row[1]) break;
-        int number = block - found.first_block;
-        if (number > found.blocks || number >= ISO_EDGE_STRETCH || !kernel_can(set, grid, brick)) break;
-        found.blocks = number + 1;
-        found.asked[number] |= 1u << brick[0] % ISO_EDGE_BRICKS;
-        found.bricks++;
+        iso_brick_set_coordinates(walk->set, walk->bricks[i], brick);
+        const int at[3] = {brick[0] / ISO_EDGE_BRICKS * ISO_EDGE_BLOCK_X, brick[1] * ISO_BRICK,
+                           brick[2] * ISO_BRICK};
+        if (!found->bricks)
+            for (int axis = 0; axis < 3; axis++) found->origin[axis] = at[axis];
+        if (at[1] != found->origin[1] || at[2] != found->origin[2]) return;
+        const int block = (at[0] - found->origin[0]) / ISO_EDGE_BLOCK_X;
+        if (block > found->blocks || block >= ISO_EDGE_STRETCH) return;
+        if (!kernel_can(walk->set, walk->grid, brick)) return;
+        found->blocks = block + 1;
+        found->wanted[block].bricks |= (uint8_t)(1u << brick[0] % ISO_EDGE_BRICKS);
+        found->wanted[block].groups |= groups_of(walk, walk->bricks[i]);
+        found->bricks++;
     }
-    return found;
 }
 
-/* Lists the points of the run's bricks; returns how many. */
-static size_t count_run(const iso_edge_runner *runner, const iso_edge_stretch *asked, run_scratch *scratch) {
-    iso_edge_block *blocks = scratch->blocks;
-    scratch->words.blocks = asked->blocks;
-    for (int b = 0; b < asked->blocks; b++) {
-        blocks[b].origin[0] = (asked->first_block + b) * ISO_EDGE_BLOCK_X;
-        blocks[b].origin[1] = asked->row[0] * ISO_BRICK;
-        blocks[b].origin[2] = asked->row[1] * ISO_BRICK;
+/* A call that gcc cannot see into: fetching has no effect that it knows of, and is dropped with all around
+ * it. */
+#ifdef __clang__
+#define FETCHER __attribute__((noinline))
+#else
+#define FETCHER __attribute__((noipa))
+#endif
+
+/* Fetches into the second cache what a stretch will read. (Into the first, half as many lines are under way
+ * at a time.) */
+FETCHER static void fetch_stretch(const iso_edge_walk *walk, const iso_edge_stretch *stretch) {
+    const ptrdiff_t size = (ptrdiff_t)iso_type_size(walk->grid->type);
+    const iso_edge_source *source = walk->source;
+    const char *origin =
+        (const char *)source->data +
+        (stretch->origin[0] + stretch->origin[1] * source->stride_y + stretch->origin[2] * source->stride_z) *
+            size;
+    int most[3]; /* voxels after the origin */
+    for (int axis = 0; axis < 3; axis++) most[axis] = source->dims[axis] - 1 - stretch->origin[axis];
+    for (int b = 0; b < stretch->blocks; b++) {
+        const iso_edge_wanted wanted = stretch->wanted[b];
+        if (!wanted.bricks) continue;
+        const int from = (b * ISO_EDGE_BRICKS + __builtin_ctz(wanted.bricks)) * ISO_BRICK,
+                  end = (b * ISO_EDGE_BRICKS + 32 - __builtin_clz(wanted.bricks)) * ISO_BRICK;
+        const ptrdiff_t last = (end < most[0] ? end : most[0]) * size;
+        for (int z = 0; z < ISO_EDGE_SIDE && z <= most[2]; z++)
+            for (uint32_t rows = iso_edge_rows_read(wanted, z); rows; rows &= rows - 1) {
+                const int y = __builtin_ctz(rows);
+                if (y > most[1]) break;
+                const char *row = origin + (y * source->stride_y + z * source->stride_z) * size;
+                for (ptrdiff_t at = from * size; at < last; at += 64) __builtin_prefetch(row + at, 0, 2);
+                __builtin_prefetch(row + last, 0, 2);
+            }
     }
-    runner->kernel->count(&runner->source, &scratch->words, blocks);
-    size_t total = 0;
-    for (int b = 0; b < asked->blocks; b++) {
-        bool others = false;
-        for (int k = 0; k < ISO_EDGE_BRICKS; k++)
-            others |= blocks[b].points[k] && !(asked->asked[b] >> k & 1);
-        if (others) iso_edge_block_keep(&blocks[b], asked->asked[b]);
-        for (int k = 0; k < ISO_EDGE_BRICKS; k++) total += blocks[b].points[k];
-    }
-    return total;
 }
 
-static void fill_run(const iso_edge_runner *runner, const iso_edge_stretch *asked, const uint32_t *bricks,
-                     run_scratch *scratch, size_t total, iso_brick_sink *sink) {
-    size_t item_bytes = runner->floats ? sizeof(iso_surfel) : sizeof(iso_point);
-    char *room = iso_brick_sink_room(sink, 0, total);
+/* Where most rows are read, they are in the cache by the time that this would find out. */
+static bool is_sparse(const iso_edge_stretch *stretch) {
+    int groups = 0;
+    for (int b = 0; b < stretch->blocks; b++) groups += __builtin_popcount(stretch->wanted[b].groups);
+    return groups <= ISO_ROW_GROUPS / 2 * stretch->blocks;
+}
+
+/* What the index knows of bricks that come later still. */
+static void fetch_index(const iso_edge_walk *walk, size_t from, size_t end) {
+    enum { BRICKS = 8 };
+    if (!walk->grid->index) return;
+    for (size_t i = from + BRICKS; i < end + BRICKS && i < walk->count; i++)
+        iso_brick_index_fetch(walk->grid->index, walk->bricks[i]);
+}
+
+const iso_edge_stretch *iso_edge_walk_next(iso_edge_walk *walk) {
+    while (walk->next < walk->count && walk->end - walk->first < ISO_EDGE_AHEAD) {
+        iso_edge_stretch *found = &walk->stretch[walk->end++ % (ISO_EDGE_AHEAD + 1)];
+        find_stretch(walk, found);
+        const size_t next = walk->next + (found->bricks ? found->bricks : 1);
+        fetch_index(walk, walk->next, next);
+        if (is_sparse(found)) fetch_stretch(walk, found);
+        walk->next = next;
+    }
+    return walk->first < walk->end ? &walk->stretch[walk->first++ % (ISO_EDGE_AHEAD + 1)] : NULL;
+}
+
+/* ---- what is made of them */
+
+/* Stretches are gathered until there is work enough: small ones cost much each. */
+enum { RUN_BLOCKS = 2 * ISO_EDGE_STRETCH, RUN_POINTS = 2048 };
+
+typedef struct run_scratch {
+    iso_edge_words words;
+    iso_edge_block blocks[RUN_BLOCKS];
+    iso_edge_job jobs[RUN_BLOCKS];
+} run_scratch;
+
+size_t iso_edge_run_scratch_bytes(void) {
+    return (sizeof(run_scratch) + ISO_ALIGNMENT - 1) / ISO_ALIGNMENT * ISO_ALIGNMENT;
+}
+
+/* A run under way: blocks that are counted. */
+typedef struct edge_run {
+    const iso_edge_runner *runner;
+    run_scratch *scratch;
+    iso_brick_sink *sink;
+    const uint32_t *bricks; /* the first one of those blocks */
+    int blocks;
+    size_t points;
+} edge_run;
+
+static void count_stretch(edge_run *run, const iso_edge_stretch *stretch) {
+    iso_edge_words *words = &run->scratch->words;
+    iso_edge_block *blocks = run->scratch->blocks + run->blocks;
+    words->blocks = stretch->blocks;
+    for (int b = 0; b < stretch->blocks; b++) words->wanted[b] = stretch->wanted[b];
+    for (int axis = 0; axis < 3; axis++) blocks[0].origin[axis] = stretch->origin[axis];
+    run->runner->kernel->count(&run->runner->source, words, blocks);
+    for (int b = 0; b < stretch->blocks; b++)
+        for (int k = 0; k < ISO_EDGE_BRICKS; k++) run->points += blocks[b].points[k];
+    run->blocks += stretch->blocks;
+}
+
+/* Where the points of a block go, from `room` on; returns where those of the next do. */
+static char *make_job(const iso_edge_runner *runner, const iso_edge_block *block, char *room,
+                      iso_edge_job *job) {
+    const size_t item_bytes = runner->floats ? sizeof(iso_surfel) : sizeof(iso_point);
+    *job = (iso_edge_job){.origin = {block->origin[0], block->origin[1], block->origin[2]}};
+    for (int axis = 0; axis < 3; axis++) {
+        const iso_edge_list *list = &block->axes[axis];
+        job->axes[axis] = (iso_edge_entries){list->mask, list->row, list->count};
+    }
+    for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
+        if (runner->floats)
+            job->output.surfels[k] = (iso_surfel *)room;
+        else
+            job->output.packed[k] = (iso_point *)room;
+        room += block->points[k] * item_bytes;
+    }
+    return room;
+}
+
+/* Makes the points of the blocks that are counted. */
+static void fill_blocks(edge_run *run) {
+    const int count = run->blocks;
+    char *room = count ? iso_brick_sink_room(run->sink, 0, run->points) : NULL;
+    run->blocks = 0;
+    run->points = 0;
     if (!room) return;
-    for (int b = 0; b < asked->blocks; b++) {
-        const iso_edge_block *block = &scratch->blocks[b];
-        iso_edge_output output = {0};
-        for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
-            if (runner->floats)
-                output.surfels[k] = (iso_surfel *)room;
-            else
-                output.packed[k] = (iso_point *)room;
-            room += block->points[k] * item_bytes;
-            if (asked->asked[b] >> k & 1)
-                iso_brick_sink_add(sink, *bricks++, &(iso_brick_output){.count = {block->points[k]}});
-        }
-        runner->kernel->fill(&runner->source, block, &output);
+    for (int b = 0; b < count; b++) {
+        const iso_edge_block *block = &run->scratch->blocks[b];
+        room = make_job(run->runner, block, room, &run->scratch->jobs[b]);
+        for (int k = 0; k < ISO_EDGE_BRICKS; k++)
+            if (block->bricks >> k & 1)
+                iso_brick_sink_add(run->sink, *run->bricks++,
+                                   &(iso_brick_output){.count = {block->points[k]}});
     }
+    run->runner->kernel->fill(&run->runner->source, run->scratch->jobs, count);
 }
 
 void iso_edge_run(const iso_edge_runner *runner, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink) {
-    for (size_t i = 0; i < count && !iso_brick_sink_failed(sink);) {
-        iso_edge_stretch asked = iso_edge_stretch_find(runner->grid, set, bricks + i, count - i);
-        if (!asked.bricks) {
-            iso_brick_sink_extract(sink, bricks[i++]);
+    edge_run run = {.runner = runner, .scratch = scratch, .sink = sink, .bricks = bricks};
+    iso_edge_walk walk = {
+        .grid = runner->grid, .source = &runner->source, .set = set, .bricks = bricks, .count = count};
+    for (const iso_edge_stretch *stretch; (stretch = iso_edge_walk_next(&walk));) {
+        if (run.blocks + stretch->blocks > RUN_BLOCKS || !stretch->bricks) fill_blocks(&run);
+        if (iso_brick_sink_failed(sink)) return;
+        if (!stretch->bricks) {
+            iso_brick_sink_extract(sink, *run.bricks++);
             continue;
         }
-        size_t total = count_run(runner, &asked, scratch);
-        fill_run(runner, &asked, bricks + i, scratch, total, sink);
-        i += asked.bricks;
+        count_stretch(&run, stretch);
+        if (run.points >= RUN_POINTS) fill_blocks(&run);
     }
+    fill_blocks(&run);
 }

@@ -18,18 +18,31 @@ typedef struct iso_edge_runner {
 void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_surface *surface,
                           bool floats);
 
-/* Bricks of a list that lie in neighbouring blocks of one row; bit k of `asked`: brick k of the block. */
+/* Bricks of a list that lie in neighbouring blocks of one row, and which of their rows are looked at. */
 enum { ISO_EDGE_STRETCH = 8 };
 typedef struct iso_edge_stretch {
-    int first_block, row[2]; /* in blocks along x; brick y and z */
+    int origin[3]; /* of the first block, in voxels */
     int blocks;
-    unsigned asked[ISO_EDGE_STRETCH];
-    size_t bricks;
+    iso_edge_wanted wanted[ISO_EDGE_STRETCH];
+    size_t bricks; /* 0: one that the kernel cannot do */
 } iso_edge_stretch;
 
-/* The longest stretch that starts at the first brick; 0 bricks when the kernel cannot do that one. */
-iso_edge_stretch iso_edge_stretch_find(const iso_rgrid *grid, const iso_brick_set *set,
-                                       const uint32_t *bricks, size_t count);
+/* A list of bricks, ascending, as stretches: they are found some time before their turn, so that what they
+ * read is in the cache by then. Everything is borrowed. */
+enum { ISO_EDGE_AHEAD = 4 };
+typedef struct iso_edge_walk {
+    const iso_rgrid *grid;
+    const iso_edge_source *source;
+    const iso_brick_set *set;
+    const uint32_t *bricks;
+    size_t count;
+    size_t next;       /* brick that is not in a stretch yet; 0 at first, as those below */
+    size_t first, end; /* stretches that are found, in a ring */
+    iso_edge_stretch stretch[ISO_EDGE_AHEAD + 1];
+} iso_edge_walk;
+
+/* The next stretch, valid until the next call; NULL after the last one. */
+const iso_edge_stretch *iso_edge_walk_next(iso_edge_walk *walk);
 
 size_t iso_edge_run_scratch_bytes(void);
 

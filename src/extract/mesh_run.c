@@ -61,14 +61,13 @@ static bool block_room(const iso_mesh_block *block, iso_brick_sink *sink, iso_me
 static bool run_stretch(const iso_mesh_runner *runner, const iso_edge_stretch *stretch,
                         const uint32_t *bricks, run_scratch *scratch, iso_brick_sink *sink) {
     iso_mesh_block *block = &scratch->block;
-    block->origin[0] = stretch->first_block * ISO_EDGE_BLOCK_X;
-    block->origin[1] = stretch->row[0] * ISO_BRICK;
-    block->origin[2] = stretch->row[1] * ISO_BRICK;
+    for (int axis = 0; axis < 3; axis++) block->origin[axis] = stretch->origin[axis];
     scratch->words.blocks = stretch->blocks;
+    for (int b = 0; b < stretch->blocks; b++) scratch->words.wanted[b] = stretch->wanted[b];
     runner->kernel.edges->classify(&runner->source, block->origin, &scratch->words);
     for (int b = 0; b < stretch->blocks; b++, block->origin[0] += ISO_EDGE_BLOCK_X) {
         iso_mesh_output output;
-        block->bricks = stretch->asked[b];
+        block->bricks = stretch->wanted[b].bricks;
         runner->kernel.list(&runner->source, &scratch->words, b, block);
         if (!block_room(block, sink, &output)) return false;
         iso_mesh_kernel_fill(&runner->kernel, &runner->source, block, &output);
@@ -84,14 +83,16 @@ static bool run_stretch(const iso_mesh_runner *runner, const iso_edge_stretch *s
 
 void iso_mesh_run(const iso_mesh_runner *runner, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink) {
-    for (size_t i = 0; i < count && !iso_brick_sink_failed(sink);) {
-        iso_edge_stretch stretch = iso_edge_stretch_find(runner->grid, set, bricks + i, count - i);
-        if (!stretch.bricks) {
-            iso_brick_sink_extract(sink, bricks[i++]);
+    iso_edge_walk walk = {
+        .grid = runner->grid, .source = &runner->source, .set = set, .bricks = bricks, .count = count};
+    for (const iso_edge_stretch *stretch; (stretch = iso_edge_walk_next(&walk));) {
+        if (iso_brick_sink_failed(sink)) return;
+        if (!stretch->bricks) {
+            iso_brick_sink_extract(sink, *bricks++);
             continue;
         }
-        if (!run_stretch(runner, &stretch, bricks + i, scratch, sink)) return;
-        i += stretch.bricks;
+        if (!run_stretch(runner, stretch, bricks, scratch, sink)) return;
+        bricks += stretch->bricks;
     }
 }
 
@@ -106,6 +107,7 @@ static bool window_fits(const iso_brick_window *window) {
 /* The words of a block whose first brick is the window's; what follows repeats its last voxel. */
 static void classify_window(const iso_brick_window *window, float isovalue, iso_edge_words *words) {
     words->blocks = 1;
+    words->wanted[0] = ISO_EDGE_WHOLE;
     for (int z = 0; z < ISO_EDGE_SIDE; z++)
         for (int y = 0; y < ISO_EDGE_SIDE; y++) {
             const float *row = window->values + iso_window_index(0, y, z);

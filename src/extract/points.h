@@ -70,6 +70,12 @@ void iso_point_set_isovalue(iso_point_set *set, double isovalue);
 /* The points, borrowed until the next update or destroy. Items between spans, after updates, mean nothing. */
 iso_point_view iso_point_set_view(const iso_point_set *set);
 
+/* Finds what drawing can leave out: bounds of each span, and whether the points lie on closed surfaces (that
+ * is: none of them is within a voxel of the volume's border, or near a voxel that is not finite).
+ * Until the next update the view holds both; without this call it has no bounds and is not closed. Looks at
+ * the spans that changed only. ISO_ERR_NOMEM. */
+iso_status iso_point_set_bound(iso_point_set *set, iso_error *error);
+
 /* What the last updates met. */
 typedef struct iso_points_stats {
     size_t points;   /* now in the set */

@@ -163,12 +163,16 @@ iso_view iso_view_scaled(const iso_view *view, int factor) {
     scaled.cy *= factor;
     scaled.width *= factor;
     scaled.height *= factor;
+    scaled.above *= factor;
+    scaled.below *= factor;
     return scaled;
 }
 
 iso_view iso_view_rows(const iso_view *view, int y0, int height) {
     iso_view rows = *view;
     rows.cy -= y0;
+    rows.above += y0;
+    rows.below += view->height - y0 - height;
     rows.height = height;
     return rows;
 }

@@ -63,6 +63,8 @@ typedef struct iso_view {
     double focal;       /* perspective: pixels per unit of x/z; orthographic: pixels per mm */
     double cx, cy;      /* pixel of the optical axis */
     int width, height;
+    int above,
+        below; /* rows of the picture over and under these, for what looks beyond a pixel; 0 when whole */
     bool orthographic;
     double near; /* mm; nothing nearer than this is drawn (perspective: > 0; orthographic: may be negative) */
 } iso_view;

@@ -252,7 +252,7 @@ static bool set_info(writer *w, const iso_exr_info *info) {
 }
 
 static bool write_header(writer *w, const iso_exr_info *info) {
-    enum { LEVEL = 1 }; /* higher ones save a few percent of a noisy plane and take several times as long */
+    enum { LEVEL = 1 }; /* 9 saves two percent of a real picture and takes three times as long */
     exr_file *s = &w->file;
     exr_context_t c = w->context;
     if (!note(s, exr_add_part(c, NULL, EXR_STORAGE_SCANLINE, NULL)) ||
@@ -373,6 +373,9 @@ static iso_status read_window(reader *r, int *width, int *height, iso_error *err
     if (wide < 1 || high < 1 || wide > ISO_IMAGE_MAX || high > ISO_IMAGE_MAX)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: %lldx%lld pixels, sides must be 1..%d", r->path,
                         (long long)wide, (long long)high, ISO_IMAGE_MAX);
+    if (r->rows < 1) /* what the library makes of some broken headers */
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a readable OpenEXR picture: chunks without rows",
+                        r->path);
     r->first_y = window.min.y;
     *width = (int)wide;
     *height = (int)high;

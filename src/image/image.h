@@ -4,8 +4,10 @@
 #ifndef ISO_IMAGE_IMAGE_H
 #define ISO_IMAGE_IMAGE_H
 
+#include <stddef.h>
 #include <stdint.h>
 
+#include "base/parallel.h"
 #include "base/status.h"
 
 #ifdef __cplusplus
@@ -35,6 +37,20 @@ typedef struct iso_png_text {
  * ISO_ERR_NOMEM. */
 iso_status iso_png_write(const char *path, const iso_image *image, const iso_png_text *texts, int text_count,
                          iso_error *error);
+
+/* The same, compressed by all threads of a pool: the same bytes. */
+typedef struct iso_png_opts {
+    const iso_png_text *texts;
+    int text_count;
+    iso_pool *pool;
+} iso_png_opts;
+iso_status iso_png_write_with(const char *path, const iso_image *image, const iso_png_opts *opts,
+                              iso_error *error);
+
+/* The same bytes in memory: *bytes (the caller's, to free()) and *size.
+ * ISO_ERR_NOMEM. */
+iso_status iso_png_encode(const iso_image *image, iso_pool *pool, uint8_t **bytes, size_t *size,
+                          iso_error *error);
 
 /* Reads any PNG as 8-bit RGBA; gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT (also for
  * sides beyond ISO_IMAGE_MAX), ISO_ERR_NOMEM. */

@@ -1,5 +1,6 @@
 /* PNG by libpng. Its errors arrive by longjmp: every function that calls setjmp keeps what must survive the
  * jump in a struct that its caller owns and cleans up. */
+#define _GNU_SOURCE
 #include "image/image.h"
 
 #include <errno.h>
@@ -7,11 +8,12 @@
 #include <setjmp.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "image/png_pack.h"
 
 /* Why libpng gave up, and where to. */
 typedef struct trouble {
@@ -35,10 +37,10 @@ typedef struct writer {
     png_structp png;
     png_infop info;
     FILE *stream;
-    const iso_image *image;
-    uint8_t *row; /* one RGB row, NULL when the picture keeps its alpha */
+    iso_png_packer packer;
     png_text *texts;
     int text_count;
+    bool out_of_memory;
     trouble trouble;
 } writer;
 
@@ -55,35 +57,36 @@ static void flush_nothing(png_structp png) {
 }
 
 static bool is_opaque(const iso_image *image) {
-    size_t pixels = (size_t)image->width * (size_t)image->height;
-    for (size_t i = 0; i < pixels; i++)
-        if (image->rgba[4 * i + 3] != 255) return false;
+    size_t width = (size_t)image->width;
+    for (int y = 0; y < image->height; y++) {
+        const uint8_t *row = image->rgba + (size_t)y * width * 4;
+        uint8_t all = 255;
+        for (size_t x = 0; x < width; x++) all &= row[4 * x + 3];
+        if (all != 255) return false;
+    }
     return true;
 }
 
-static const uint8_t *packed_row(writer *w, int y) {
-    const uint8_t *rgba = w->image->rgba + (size_t)y * (size_t)w->image->width * 4;
-    if (!w->row) return rgba;
-    for (int x = 0; x < w->image->width; x++) memcpy(w->row + 3 * x, rgba + 4 * x, 3);
-    return w->row;
-}
-
-/* Level 1 with run lengths after the Sub filter: rendered pictures are smooth, so most of the gain is in the
- * filter, and searching for longer matches costs more than the render. */
+/* libpng writes what is around the pixels; png_write_end would miss its own. */
 static bool write_picture(writer *w) {
     if (setjmp(w->trouble.escape)) return false;
     png_set_write_fn(w->png, w, write_bytes, flush_nothing);
-    png_set_IHDR(w->png, w->info, (png_uint_32)w->image->width, (png_uint_32)w->image->height, 8,
-                 w->row ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE,
+    png_set_IHDR(w->png, w->info, (png_uint_32)w->packer.image->width, (png_uint_32)w->packer.image->height,
+                 8, w->packer.opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_compression_level(w->png, 1);
-    png_set_compression_strategy(w->png, Z_RLE);
-    png_set_compression_buffer_size(w->png, 1 << 16);
-    png_set_filter(w->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     if (w->text_count) png_set_text(w->png, w->info, w->texts, w->text_count);
     png_write_info(w->png, w->info);
-    for (int y = 0; y < w->image->height; y++) png_write_row(w->png, packed_row(w, y));
-    png_write_end(w->png, w->info);
+    for (;;) {
+        if (iso_png_pack(&w->packer) != ISO_OK) {
+            w->out_of_memory = true;
+            png_error(w->png, "out of memory");
+        }
+        if (w->packer.part_count == 0) break;
+        for (int i = 0; i < w->packer.part_count; i++)
+            png_write_chunk(w->png, (png_const_bytep) "IDAT", w->packer.parts[i].bytes,
+                            w->packer.parts[i].size);
+    }
+    png_write_chunk(w->png, (png_const_bytep) "IEND", NULL, 0);
     return true;
 }
 
@@ -102,14 +105,16 @@ static png_text text_chunk(const iso_png_text *text) {
     return chunk;
 }
 
-static iso_status prepare_writer(writer *w, const iso_image *image, const iso_png_text *texts, int count) {
-    w->image = image;
+static iso_status prepare_writer(writer *w, const iso_image *image, const iso_png_opts *opts) {
+    w->packer.image = image;
+    w->packer.opaque = is_opaque(image);
+    w->packer.pool = opts->pool;
     w->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w->trouble, on_error, on_warning);
     if (!w->png || !(w->info = png_create_info_struct(w->png))) return ISO_ERR_NOMEM;
-    if (is_opaque(image) && !(w->row = iso_alloc((size_t)image->width * 3))) return ISO_ERR_NOMEM;
+    int count = opts->text_count;
     if (count && !(w->texts = iso_alloc_zero((size_t)count, sizeof *w->texts))) return ISO_ERR_NOMEM;
     w->text_count = count;
-    for (int i = 0; i < count; i++) w->texts[i] = text_chunk(&texts[i]);
+    for (int i = 0; i < count; i++) w->texts[i] = text_chunk(&opts->texts[i]);
     return ISO_OK;
 }
 
@@ -120,23 +125,51 @@ static iso_status write_to_sink(writer *w, const char *path, iso_error *error) {
     if (write_picture(w)) return iso_sink_commit(&sink, error);
     const char *name = sink.target ? path : "standard output";
     const char *reason = w->trouble.code ? strerror(w->trouble.code) : w->trouble.text;
-    iso_status status = iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", name, reason);
+    iso_status status = w->out_of_memory ? ISO_ERR_NOMEM : ISO_ERR_WRITE;
+    iso_fail(error, status, "%s: cannot write: %s", name, reason);
     iso_sink_abort(&sink);
     return status;
 }
 
-iso_status iso_png_write(const char *path, const iso_image *image, const iso_png_text *texts, int text_count,
-                         iso_error *error) {
+static void free_writer(writer *w) {
+    png_destroy_write_struct(&w->png, &w->info);
+    iso_png_packer_free(&w->packer);
+    iso_free(w->texts);
+}
+
+iso_status iso_png_write_with(const char *path, const iso_image *image, const iso_png_opts *opts,
+                              iso_error *error) {
     writer w = {0};
-    iso_status status = prepare_writer(&w, image, texts, text_count);
+    iso_status status = prepare_writer(&w, image, opts);
     if (status != ISO_OK)
         iso_fail(error, status, "%s: out of memory", path);
     else
         status = write_to_sink(&w, path, error);
-    png_destroy_write_struct(&w.png, &w.info);
-    iso_free(w.row);
-    iso_free(w.texts);
+    free_writer(&w);
     return status;
+}
+
+iso_status iso_png_encode(const iso_image *image, iso_pool *pool, uint8_t **bytes, size_t *size,
+                          iso_error *error) {
+    writer w = {0};
+    char *block = NULL;
+    size_t length = 0;
+    bool good = prepare_writer(&w, image, &(iso_png_opts){.pool = pool}) == ISO_OK;
+    good = good && (w.stream = open_memstream(&block, &length)) != NULL && write_picture(&w);
+    if (w.stream) good = fclose(w.stream) == 0 && good;
+    free_writer(&w);
+    if (!good) {
+        free(block);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a %dx%d PNG", image->width, image->height);
+    }
+    *bytes = (uint8_t *)block;
+    *size = length;
+    return ISO_OK;
+}
+
+iso_status iso_png_write(const char *path, const iso_image *image, const iso_png_text *texts, int text_count,
+                         iso_error *error) {
+    return iso_png_write_with(path, image, &(iso_png_opts){texts, text_count, NULL}, error);
 }
 
 typedef struct reader {

@@ -1,9 +1,11 @@
 /* points_io: points as PLY, out and in.
  *
  * Binary little-endian PLY with per-vertex float properties x y z nx ny nz radius, world millimetres, normals
- * out of the solid, one comment naming the program. Reading accepts ASCII and both binary byte orders, any
- * scalar types, and skips further properties and elements. Normals are made unit; a zero or non-finite one, a
- * position that is not finite, or a radius that is not positive drops the point.
+ * out of the solid, one comment naming the program; and uchar red green blue where points have colours.
+ * Reading accepts ASCII and both binary byte orders, any scalar types, and skips further properties and
+ * elements. Normals are made unit; a zero or non-finite one, a position that is not finite, or a radius that
+ * is not positive drops the point. red green blue count when all three are there: integers as 0 .. 255,
+ * floats as 0 .. 1, clamped.
  */
 #ifndef ISO_IO_POINTS_IO_H
 #define ISO_IO_POINTS_IO_H
@@ -24,6 +26,7 @@ iso_status iso_points_write_ply(const char *path, const iso_point_view *view, co
 typedef struct iso_points {
     iso_surfel *surfels;
     float *radii;
+    uint8_t (*colors)[3]; /* NULL when the file has none */
     iso_point_span span;
 } iso_points;
 

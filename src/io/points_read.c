@@ -9,21 +9,27 @@
 #include "io/ply.h"
 #include "io/points_io.h"
 
-enum { VALUES = 7 }; /* x y z nx ny nz radius */
-static const char *const value_names[VALUES] = {"x", "y", "z", "nx", "ny", "nz", "radius"};
+enum { NEEDED = 7, RED = NEEDED, VALUES = NEEDED + 3 };
+static const char *const value_names[VALUES] = {"x",  "y",      "z",   "nx",    "ny",
+                                                "nz", "radius", "red", "green", "blue"};
 
 /* Points as they come in. */
 typedef struct collector {
-    iso_buffer surfels, radii;
+    iso_buffer surfels, radii, colors;
+    bool colored;
     size_t count;
     uint64_t max_memory; /* 0: no limit */
 } collector;
 
-enum { BYTES_PER_POINT = sizeof(iso_surfel) + sizeof(float) };
+enum { BYTES_PER_POINT = sizeof(iso_surfel) + sizeof(float), BYTES_PER_COLOR = 3 };
+
+static size_t bytes_per_point(const collector *points) {
+    return BYTES_PER_POINT + (points->colored ? BYTES_PER_COLOR : 0);
+}
 
 /* Which value each property of the element holds, -1 for none. Says which of the seven are missing. */
 static iso_status assign_values(const iso_ply *ply, const iso_ply_element *element,
-                                int slot[ISO_PLY_PROPERTIES], iso_error *error) {
+                                int slot[ISO_PLY_PROPERTIES], bool *colored, iso_error *error) {
     bool found[VALUES] = {false};
     for (int i = 0; i < element->property_count; i++) {
         const iso_ply_property *property = &ply->properties[element->first_property + i];
@@ -35,7 +41,8 @@ static iso_status assign_values(const iso_ply *ply, const iso_ply_element *eleme
             }
     }
     char missing[64] = "";
-    for (int value = 0; value < VALUES; value++)
+    *colored = found[RED] && found[RED + 1] && found[RED + 2];
+    for (int value = 0; value < NEEDED; value++)
         if (!found[value]) {
             strcat(missing, " ");
             strcat(missing, value_names[value]);
@@ -55,6 +62,8 @@ static iso_status read_values(iso_ply *ply, const iso_ply_element *element, cons
             continue;
         }
         ISO_TRY(iso_ply_read_value(ply, property->type, &value, error));
+        bool fraction = property->type == ISO_PLY_FLOAT32 || property->type == ISO_PLY_FLOAT64;
+        if (slot[i] >= RED && fraction) value *= 255;
         if (slot[i] >= 0) values[slot[i]] = value;
     }
     return ISO_OK;
@@ -81,16 +90,23 @@ static bool make_normal(const double n[3], float normal[3]) {
 
 /* Makes the point; false when it must be dropped. */
 static bool make_point(const double values[VALUES], iso_surfel *surfel, float *radius) {
-    for (int i = 0; i < VALUES; i++)
+    for (int i = 0; i < NEEDED; i++)
         if (!(fabs(values[i]) <= FLT_MAX)) return false;
     for (int axis = 0; axis < 3; axis++) surfel->position[axis] = (float)values[axis];
     *radius = (float)values[6];
     return *radius > 0 && make_normal(values + 3, surfel->normal);
 }
 
+static void make_color(const double values[VALUES], uint8_t color[3]) {
+    for (int k = 0; k < 3; k++) {
+        double value = values[RED + k];
+        color[k] = (uint8_t)(value > 0 ? value < 255 ? value + 0.5 : 255 : 0);
+    }
+}
+
 /* Room for `count` points, the ones collected so far kept. */
 static iso_status reserve(collector *points, size_t count, const char *path, iso_error *error) {
-    if (points->max_memory && count > points->max_memory / BYTES_PER_POINT)
+    if (points->max_memory && count > points->max_memory / bytes_per_point(points))
         return iso_fail(error, ISO_ERR_LIMIT, "%s: %zu points take more than the limit of %llu bytes", path,
                         count, (unsigned long long)points->max_memory);
     iso_error inner = {0};
@@ -99,6 +115,9 @@ static iso_status reserve(collector *points, size_t count, const char *path, iso
     if (status == ISO_OK)
         status =
             iso_buffer_reserve(&points->radii, count * sizeof(float), points->count * sizeof(float), &inner);
+    if (status == ISO_OK && points->colored)
+        status = iso_buffer_reserve(&points->colors, count * BYTES_PER_COLOR, points->count * BYTES_PER_COLOR,
+                                    &inner);
     if (status == ISO_OK) return ISO_OK;
     return iso_fail(error, status, "%s: out of memory for %zu points", path, count);
 }
@@ -108,7 +127,7 @@ static iso_status reserve(collector *points, size_t count, const char *path, iso
 static iso_status read_points(iso_ply *ply, const iso_ply_element *element, collector *points,
                               iso_error *error) {
     int slot[ISO_PLY_PROPERTIES];
-    ISO_TRY(assign_values(ply, element, slot, error));
+    ISO_TRY(assign_values(ply, element, slot, &points->colored, error));
     ISO_TRY(iso_ply_check_size(ply, element, error));
     if (element->count > UINT32_MAX)
         return iso_fail(error, ISO_ERR_LIMIT, "%s: more than %lu points", ply->path,
@@ -123,7 +142,10 @@ static iso_status read_points(iso_ply *ply, const iso_ply_element *element, coll
             ISO_TRY(reserve(points, room, ply->path, error));
         }
         iso_surfel *surfel = (iso_surfel *)points->surfels.data + points->count;
-        if (make_point(values, surfel, (float *)points->radii.data + points->count)) points->count++;
+        if (!make_point(values, surfel, (float *)points->radii.data + points->count)) continue;
+        if (points->colored)
+            make_color(values, (uint8_t *)points->colors.data + points->count * BYTES_PER_COLOR);
+        points->count++;
     }
     if (points->count == 0)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: none of its %llu points is usable", ply->path,
@@ -155,10 +177,12 @@ iso_status iso_points_read_ply(const char *path, uint64_t max_memory, iso_points
     if (status != ISO_OK) {
         iso_buffer_free(&points.surfels);
         iso_buffer_free(&points.radii);
+        iso_buffer_free(&points.colors);
         return status;
     }
     *out = (iso_points){.surfels = points.surfels.data,
                         .radii = points.radii.data,
+                        .colors = points.colors.data,
                         .span = {.count = (uint32_t)points.count}};
     return ISO_OK;
 }
@@ -166,12 +190,14 @@ iso_status iso_points_read_ply(const char *path, uint64_t max_memory, iso_points
 void iso_points_free(iso_points *points) {
     iso_free(points->surfels);
     iso_free(points->radii);
+    iso_free(points->colors);
     *points = (iso_points){0};
 }
 
 iso_point_view iso_points_view(const iso_points *points) {
     return (iso_point_view){.surfels = points->surfels,
                             .radii = points->radii,
+                            .colors = (const uint8_t(*)[3])points->colors,
                             .spans = &points->span,
                             .span_count = 1,
                             .transform = iso_transform_identity(),

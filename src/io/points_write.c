@@ -4,14 +4,16 @@
 #include "base/file.h"
 #include "io/encode.h"
 
-enum { BYTES_PER_POINT = 7 * 4 };
+enum { FLOATS_PER_POINT = 7, BYTES_PER_POINT = FLOATS_PER_POINT * 4 };
 
-static void write_header(FILE *stream, size_t count, const char *comment) {
+static void write_header(FILE *stream, size_t count, bool colored, const char *comment) {
     fputs("ply\nformat binary_little_endian 1.0\n", stream);
     iso_encode_comment(stream, "comment ", comment);
     fprintf(stream, "element vertex %zu\n", count);
     static const char *const names[] = {"x", "y", "z", "nx", "ny", "nz", "radius"};
-    for (int i = 0; i < 7; i++) fprintf(stream, "property float %s\n", names[i]);
+    static const char *const colors[] = {"red", "green", "blue"};
+    for (int i = 0; i < FLOATS_PER_POINT; i++) fprintf(stream, "property float %s\n", names[i]);
+    for (int i = 0; colored && i < 3; i++) fprintf(stream, "property uchar %s\n", colors[i]);
     fputs("end_header\n", stream);
 }
 
@@ -38,6 +40,7 @@ static void write_span(FILE *stream, const iso_point_view *view, const iso_affin
         end = iso_encode_vec3(end, keep ? normal : iso_affine_normal(affine, normal));
         iso_encode_float(end, view->radii ? view->radii[span->first + i] : (float)view->radius);
         fwrite(bytes, sizeof bytes, 1, stream);
+        if (view->colors) fwrite(view->colors[span->first + i], sizeof *view->colors, 1, stream);
     }
 }
 
@@ -46,7 +49,7 @@ iso_status iso_points_write_ply(const char *path, const iso_point_view *view, co
     iso_sink sink;
     ISO_TRY(iso_sink_open(path, &sink, error));
     iso_affine affine = iso_transform_affine(&view->transform);
-    write_header(sink.stream, iso_point_view_count(view), comment);
+    write_header(sink.stream, iso_point_view_count(view), view->colors != NULL, comment);
     for (size_t i = 0; i < view->span_count && !ferror(sink.stream); i++)
         write_span(sink.stream, view, &affine, &view->spans[i]);
     return iso_sink_commit(&sink, error);

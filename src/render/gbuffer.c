@@ -5,15 +5,18 @@
 
 #include "base/memory.h"
 
+enum { SAMPLE_BYTES = 5 * sizeof(float) + 1 }; /* of all planes */
+
 iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_error *error) {
     size_t samples;
     if (width < 1 || height < 1 || !iso_size_multiply((size_t)width, (size_t)height, &samples) ||
-        samples > SIZE_MAX / sizeof(float))
+        samples > SIZE_MAX / SAMPLE_BYTES)
         return iso_fail(error, ISO_ERR_NOMEM, "a buffer of %dx%d samples is impossible", width, height);
     iso_gbuffer made = {.width = width,
                         .height = height,
                         .depth = iso_alloc(samples * sizeof(float)),
-                        .surface = iso_alloc(samples)};
+                        .surface = iso_alloc(samples),
+                        .samples = samples};
     for (int axis = 0; axis < 3; axis++) made.normal[axis] = iso_alloc(samples * sizeof(float));
     if (!made.depth || !made.normal[0] || !made.normal[1] || !made.normal[2] || !made.surface) {
         iso_gbuffer_free(&made);
@@ -23,10 +26,20 @@ iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_e
     return ISO_OK;
 }
 
+iso_status iso_gbuffer_add_color(iso_gbuffer *gbuffer, iso_error *error) {
+    if (gbuffer->color) return ISO_OK;
+    gbuffer->color = iso_alloc_zero(gbuffer->samples, sizeof *gbuffer->color);
+    if (!gbuffer->color)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the colours of %zu samples",
+                        gbuffer->samples);
+    return ISO_OK;
+}
+
 void iso_gbuffer_free(iso_gbuffer *gbuffer) {
     iso_free(gbuffer->depth);
     for (int axis = 0; axis < 3; axis++) iso_free(gbuffer->normal[axis]);
     iso_free(gbuffer->surface);
+    iso_free(gbuffer->color);
     *gbuffer = (iso_gbuffer){0};
 }
 
@@ -34,6 +47,7 @@ static void clear_samples(iso_gbuffer *gbuffer, size_t first, size_t count) {
     float *depth = gbuffer->depth + first;
     for (size_t i = 0; i < count; i++) depth[i] = INFINITY;
     memset(gbuffer->surface + first, ISO_SURFACE_NONE, count);
+    if (gbuffer->color) memset(gbuffer->color + first, 0, count * sizeof *gbuffer->color);
 }
 
 void iso_gbuffer_clear(iso_gbuffer *gbuffer) {

@@ -23,6 +23,11 @@ typedef struct iso_gbuffer {
     float *normal[3]; /* planes x, y, z: unit, view space, pointing out of the solid (not flipped to the
                          viewer) */
     uint8_t *surface; /* which surface */
+    /* NULL, or colours of single samples: red in the low byte, then green and blue (display values), and
+     * above them the surface's number + 1. One that names another surface than the sample's is out of date.
+     */
+    uint32_t *color;
+    size_t samples; /* that there is room for */
 } iso_gbuffer;
 
 /* The normal of sample `index`. */
@@ -32,8 +37,10 @@ static inline iso_vec3 iso_gbuffer_normal(const iso_gbuffer *gbuffer, size_t ind
 
 /* Planes uninitialised; iso_gbuffer_free when done. ISO_ERR_NOMEM. */
 iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_error *error);
+/* Makes the plane of colours, when there is none yet; of no sample. ISO_ERR_NOMEM. */
+iso_status iso_gbuffer_add_color(iso_gbuffer *gbuffer, iso_error *error);
 void iso_gbuffer_free(iso_gbuffer *gbuffer);
-/* Depth INFINITY, surface ISO_SURFACE_NONE everywhere. */
+/* Depth INFINITY, surface ISO_SURFACE_NONE everywhere; so colours are of no sample. */
 void iso_gbuffer_clear(iso_gbuffer *gbuffer);
 /* The same by all threads: the first touch of fresh memory takes longer than anything that is written to it.
  */

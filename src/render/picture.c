@@ -50,7 +50,7 @@ iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, si
         return iso_fail(error, ISO_ERR_USAGE, "%d samples a pixel: must be a square number 1, 4, 9 .. 64",
                         opts->samples);
     int rows = strip_rows(opts, factor);
-    iso_view pixels = iso_view_make(opts->camera, opts->width, opts->height);
+    iso_view pixels = opts->view ? *opts->view : iso_view_make(opts->camera, opts->width, opts->height);
     picture p = {.opts = opts, .view = iso_view_scaled(&pixels, factor), .factor = factor, .image = image};
     ISO_TRY(iso_gbuffer_create(opts->width * factor, rows * factor, &p.gbuffer, error));
     iso_status status = ISO_OK;

@@ -18,6 +18,7 @@ typedef iso_status iso_draw_fn(void *context, const iso_view *view, iso_gbuffer 
 
 typedef struct iso_picture_opts {
     const iso_camera *camera;
+    const iso_view *view; /* of width x height pixels, instead of the camera; or NULL */
     int width, height;
     int samples; /* per pixel: a square number 1, 4, 9 .. 64; 0 means 1 */
     iso_shading shading;

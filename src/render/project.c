@@ -22,6 +22,19 @@ iso_projector iso_projector_make(const iso_view *view, const iso_transform *tran
     return projector;
 }
 
+void iso_projector_eye(const iso_projector *projector, const iso_transform *transform, double eye[3]) {
+    const iso_view *view = projector->view;
+    const double *forward = view->rotation + 6;
+    iso_affine affine = iso_transform_affine(transform);
+    iso_vec3 index =
+        view->orthographic
+            ? iso_affine_vector_to_index(&affine, iso_vec3_make(forward[0], forward[1], forward[2]))
+            : iso_affine_point_to_index(&affine, view->eye);
+    eye[0] = index.x;
+    eye[1] = index.y;
+    eye[2] = index.z;
+}
+
 void iso_projector_normal(const iso_projector *projector, const float n[3], float out[3]) {
     const float *m = projector->normal;
     float v[3], square = 0;

@@ -35,6 +35,9 @@ static inline iso_vec3 iso_projector_point(const iso_projector *projector, const
                          m[6] * x + m[7] * y + m[8] * z + o[2]);
 }
 
+/* The eye in index coordinates, or (orthographic) the direction of the view. */
+void iso_projector_eye(const iso_projector *projector, const iso_transform *transform, double eye[3]);
+
 /* Unit view space normal of an index space one; towards the viewer when that one has no direction. */
 void iso_projector_normal(const iso_projector *projector, const float normal[3], float out[3]);
 

@@ -25,7 +25,8 @@ static const int SHIFT[4] = {0, 8, 16, 24};
 typedef struct sample_row {
     const float *normal[3];
     const uint8_t *surface;
-    const float *u; /* slopes of the rays: (u, v, 1) */
+    const uint32_t *color; /* or NULL */
+    const float *u;        /* slopes of the rays: (u, v, 1) */
     float v;
 } sample_row;
 
@@ -34,7 +35,11 @@ static sample_row row_at(const iso_shade_job *job, const float *u, int x, int y)
     const iso_view *view = job->strip->view;
     size_t at = (size_t)y * (size_t)g->width + (size_t)x;
     float v = view->orthographic ? 0 : (float)((y + 0.5 - view->cy) / view->focal);
-    return (sample_row){{g->normal[0] + at, g->normal[1] + at, g->normal[2] + at}, g->surface + at, u, v};
+    return (sample_row){{g->normal[0] + at, g->normal[1] + at, g->normal[2] + at},
+                        g->surface + at,
+                        g->color ? g->color + at : NULL,
+                        u,
+                        v};
 }
 
 static void find_slopes(const iso_view *view, int x, int count, float *u) {
@@ -46,6 +51,7 @@ static void find_slopes(const iso_view *view, int x, int count, float *u) {
 typedef struct last_samples {
     float normal[3][ISO_LANES_MAX], u[ISO_LANES_MAX];
     uint8_t surface[ISO_LANES_MAX];
+    uint32_t color[ISO_LANES_MAX];
 } last_samples;
 
 static sample_row copy_last(const sample_row *row, int at, int count, last_samples *last) {
@@ -55,7 +61,12 @@ static sample_row copy_last(const sample_row *row, int at, int count, last_sampl
     for (int axis = 0; axis < 3; axis++) memcpy(last->normal[axis], row->normal[axis] + at, floats);
     memcpy(last->u, row->u + at, floats);
     memcpy(last->surface, row->surface + at, (size_t)count);
-    return (sample_row){{last->normal[0], last->normal[1], last->normal[2]}, last->surface, last->u, row->v};
+    if (row->color) memcpy(last->color, row->color + at, (size_t)count * sizeof *last->color);
+    return (sample_row){{last->normal[0], last->normal[1], last->normal[2]},
+                        last->surface,
+                        row->color ? last->color : NULL,
+                        last->u,
+                        row->v};
 }
 
 /* Sums of columns to sums of pixels. */

@@ -5,14 +5,14 @@
 
 #define ISO_NAME(name, text) text,
 static const char *const tools[] = {ISO_TOOLS(ISO_NAME)};
-static const char *const shapes[] = {ISO_SHAPES(ISO_NAME)};
+static const char *const shapes[] = {ISO_SOLIDS(ISO_NAME)};
 static const char *const falloffs[] = {ISO_FALLOFFS(ISO_NAME)};
 #undef ISO_NAME
 
 const char *iso_tool_name(iso_tool tool) {
     return tools[tool];
 }
-const char *iso_shape_name(iso_shape shape) {
+const char *iso_solid_name(iso_solid shape) {
     return shapes[shape];
 }
 const char *iso_falloff_name(iso_falloff falloff) {
@@ -33,10 +33,10 @@ iso_status iso_tool_find(const char *name, iso_tool *tool, iso_error *error) {
     return ISO_OK;
 }
 
-iso_status iso_shape_find(const char *name, iso_shape *shape, iso_error *error) {
-    int found = find(shapes, ISO_SHAPE_COUNT, name);
+iso_status iso_solid_find(const char *name, iso_solid *shape, iso_error *error) {
+    int found = find(shapes, ISO_SOLID_COUNT, name);
     if (found < 0) return iso_fail(error, ISO_ERR_USAGE, "no shape is called '%s'", name);
-    *shape = (iso_shape)found;
+    *shape = (iso_solid)found;
     return ISO_OK;
 }
 
@@ -53,7 +53,7 @@ typedef struct range {
 } range;
 
 iso_status iso_brush_check(const iso_brush *brush, iso_error *error) {
-    if ((unsigned)brush->tool >= ISO_TOOL_COUNT || (unsigned)brush->shape >= ISO_SHAPE_COUNT ||
+    if ((unsigned)brush->tool >= ISO_TOOL_COUNT || (unsigned)brush->shape >= ISO_SOLID_COUNT ||
         (unsigned)brush->falloff >= ISO_FALLOFF_COUNT || brush->symmetry > 7)
         return iso_fail(error, ISO_ERR_USAGE,
                         "brush: tool %d, shape %d, falloff %d, symmetry %u: no such thing", (int)brush->tool,

@@ -40,7 +40,7 @@ typedef enum iso_tool {
 
 /* The solid of a set operation, centred on the sample, its z axis along the sample's normal. Sizes are in
  * units of the radius. */
-#define ISO_SHAPES(X)                                                                                        \
+#define ISO_SOLIDS(X)                                                                                        \
     X(SPHERE, "sphere")                                                                                      \
     X(BOX, "box")           /* half sides 1, `aspect`, `aspect` */                                           \
     X(CAPSULE, "capsule")   /* from the sample before to this one */                                         \
@@ -48,12 +48,12 @@ typedef enum iso_tool {
     X(TORUS, "torus")       /* ring radius 1, tube radius `aspect` */                                        \
     X(STAMP, "stamp")       /* a field of its own (src/sculpt/edit.h) */
 
-typedef enum iso_shape {
-#define ISO_SHAPE_ENUM(name, text) ISO_SHAPE_##name,
-    ISO_SHAPES(ISO_SHAPE_ENUM)
-#undef ISO_SHAPE_ENUM
-        ISO_SHAPE_COUNT
-} iso_shape;
+typedef enum iso_solid {
+#define ISO_SOLID_ENUM(name, text) ISO_SOLID_##name,
+    ISO_SOLIDS(ISO_SOLID_ENUM)
+#undef ISO_SOLID_ENUM
+        ISO_SOLID_COUNT
+} iso_solid;
 
 /* How the effect of a deforming touch fades from 1 at the centre to 0 at the radius. */
 #define ISO_FALLOFFS(X)                                                                                      \
@@ -69,18 +69,18 @@ typedef enum iso_falloff {
 } iso_falloff;
 
 const char *iso_tool_name(iso_tool tool);
-const char *iso_shape_name(iso_shape shape);
+const char *iso_solid_name(iso_solid shape);
 const char *iso_falloff_name(iso_falloff falloff);
 /* ISO_ERR_USAGE, naming what was asked for, when there is no such name. */
 iso_status iso_tool_find(const char *name, iso_tool *tool, iso_error *error);
-iso_status iso_shape_find(const char *name, iso_shape *shape, iso_error *error);
+iso_status iso_solid_find(const char *name, iso_solid *shape, iso_error *error);
 iso_status iso_falloff_find(const char *name, iso_falloff *falloff, iso_error *error);
 
 /* Zero fields mean: sphere, smooth falloff, strength 1 where a strength applies, aspect 0.5, blend 0.25 of
  * the radius, spacing 0.25 of the radius, no symmetry. */
 typedef struct iso_brush {
     iso_tool tool;
-    iso_shape shape;
+    iso_solid shape;
     iso_falloff falloff;
     double radius;   /* mm, > 0 */
     double strength; /* 0 .. 1 */

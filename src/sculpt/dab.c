@@ -17,13 +17,13 @@ bool iso_tool_is_warp(iso_tool tool) {
 static double shape_reach(const iso_dabs *dabs) {
     const double aspect = (double)dabs->aspect;
     switch (dabs->shape) {
-    case ISO_SHAPE_BOX:
+    case ISO_SOLID_BOX:
         return sqrt(1 + 2 * aspect * aspect);
-    case ISO_SHAPE_CYLINDER:
+    case ISO_SOLID_CYLINDER:
         return sqrt(1 + aspect * aspect);
-    case ISO_SHAPE_TORUS:
+    case ISO_SOLID_TORUS:
         return 1 + aspect;
-    case ISO_SHAPE_STAMP:
+    case ISO_SOLID_STAMP:
         return sqrt(3);
     default:
         return 1;

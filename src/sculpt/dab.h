@@ -27,7 +27,7 @@ typedef struct iso_dab {
 /* A touch in index coordinates: what is the same for all bricks. */
 typedef struct iso_dabs {
     iso_tool tool;
-    iso_shape shape;
+    iso_solid shape;
     iso_falloff falloff;
     float radius, strength, aspect, blend; /* voxels, but strength and aspect */
     float band;

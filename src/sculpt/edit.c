@@ -47,7 +47,7 @@ iso_status iso_editor_create(iso_hgrid *grid, const iso_editor_opts *opts, iso_e
     }
     editor->affine = iso_transform_affine(&grid->transform);
     editor->spacing = grid->transform.spacing[0];
-    editor->iterations = opts->iterations ? opts->iterations : 4;
+    editor->iterations = opts->iterations > 0 ? opts->iterations : opts->iterations < 0 ? 0 : 4;
     editor->told = iso_alloc_zero(cell_count(grid), sizeof *editor->told);
     if (!editor->told) {
         iso_editor_destroy(editor);
@@ -168,7 +168,7 @@ static void make_dabs(const iso_editor *editor, const iso_brush *brush, const is
 
 /* Distance from the box of a cell's voxels to the dab (its centre, or the way it came). */
 static double cell_distance(const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
-    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SHAPE_CAPSULE;
+    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SOLID_CAPSULE;
     double centre[3], half = 0.5 * (ISO_BRICK - 1), t = 0, along = 0, square = 0;
     for (int axis = 0; axis < 3; axis++) {
         double d = segment ? dab->from[axis] - dab->centre[axis] : 0;
@@ -207,7 +207,7 @@ static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso
     bool clipped = false;
     double reach = iso_dabs_reach(dabs),
            solid = reach - (iso_tool_is_set_operation(dabs->tool) ? (double)dabs->band : 0);
-    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SHAPE_CAPSULE;
+    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SOLID_CAPSULE;
     for (int axis = 0; axis < 3; axis++) {
         double a = dab->centre[axis], b = segment ? dab->from[axis] : a;
         double first = fmin(a, b), last = fmax(a, b), top = editor->work.grid->dims[axis] - 1;
@@ -392,12 +392,13 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
     if (iso_work_failed(work))
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a touch of the brush");
     bool any;
-    ISO_TRY(iso_work_settle(work, &any, error));
+    ISO_TRY(iso_work_settle(work, editor->iterations > 0, &any, error));
     if (!any) return ISO_OK;
     for (size_t i = 0; i < work->job_count; i++) stats->edited += iso_work_job(work, i)->edited;
     stats->redistanced += work->job_count;
     bool blends = dabs->tool == ISO_TOOL_BLEND_ADD || dabs->tool == ISO_TOOL_BLEND_CARVE;
-    iso_work_redistance(work, editor->iterations, blends || !iso_tool_is_set_operation(dabs->tool));
+    if (editor->iterations > 0)
+        iso_work_redistance(work, editor->iterations, blends || !iso_tool_is_set_operation(dabs->tool));
     return finish(editor, stats, error);
 }
 
@@ -414,7 +415,7 @@ static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, 
     }
     if (brush->tool == ISO_TOOL_MOVE && !editor->opts.kept)
         return iso_fail(error, ISO_ERR_USAGE, "move needs a step that keeps what it changes");
-    if (brush->shape == ISO_SHAPE_STAMP && iso_tool_is_set_operation(brush->tool) && !editor->opts.stamp)
+    if (brush->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(brush->tool) && !editor->opts.stamp)
         return iso_fail(error, ISO_ERR_USAGE, "a stamp needs a shape of its own");
     return ISO_OK;
 }

@@ -29,7 +29,7 @@ typedef struct iso_editor iso_editor;
 
 typedef struct iso_editor_opts {
     iso_pool *pool; /* borrowed; NULL: the calling thread. Results do not depend on it */
-    int iterations; /* of redistancing a touch; 0 means 4 (2 are enough while a hand drags spheres) */
+    int iterations; /* of redistancing a touch; 0 means 4, < 0 none (for measuring: the field goes bad) */
 } iso_editor_opts;
 
 /* The grid is borrowed until destroy. */
@@ -45,7 +45,7 @@ typedef struct iso_step_opts {
     /* The cell's content as `before` got it, for cells that were told in this step: its floats, or NULL and
      * *state for an empty one. NULL: MOVE is not possible (ISO_ERR_USAGE). */
     const float *(*kept)(void *context, uint32_t cell, int32_t *state);
-    const iso_hgrid *stamp; /* for ISO_SHAPE_STAMP; its world box is scaled to the brush; borrowed */
+    const iso_hgrid *stamp; /* for ISO_SOLID_STAMP; its world box is scaled to the brush; borrowed */
 } iso_step_opts;
 void iso_editor_step(iso_editor *editor, const iso_step_opts *opts);
 

@@ -46,7 +46,7 @@ char *iso_event_header_text(const iso_journal_start *start) {
 
 static json_t *brush_json(const iso_brush *brush) {
     return json_pack("{ss ss ss sf sf sf sf sf si so sb sb}", "tool", iso_tool_name(brush->tool), "shape",
-                     iso_shape_name(brush->shape), "falloff", iso_falloff_name(brush->falloff), "radius",
+                     iso_solid_name(brush->shape), "falloff", iso_falloff_name(brush->falloff), "radius",
                      brush->radius, "strength", brush->strength, "aspect", brush->aspect, "blend",
                      brush->blend, "spacing", brush->spacing, "symmetry", (int)brush->symmetry, "mirror",
                      vector_json(brush->mirror), "pressure_radius", brush->pressure_radius,
@@ -158,7 +158,7 @@ static bool read_brush(const json_t *object, iso_brush *brush) {
     json_int_t symmetry = json_integer_value(json_object_get(object, "symmetry"));
     brush->symmetry = symmetry >= 0 && symmetry < 8 ? (unsigned)symmetry : 8;
     return get_name(object, "tool", &tool) && iso_tool_find(tool, &brush->tool, NULL) == ISO_OK &&
-           get_name(object, "shape", &shape) && iso_shape_find(shape, &brush->shape, NULL) == ISO_OK &&
+           get_name(object, "shape", &shape) && iso_solid_find(shape, &brush->shape, NULL) == ISO_OK &&
            get_name(object, "falloff", &falloff) &&
            iso_falloff_find(falloff, &brush->falloff, NULL) == ISO_OK &&
            get_number(object, "radius", &brush->radius) && get_number(object, "strength", &brush->strength) &&

@@ -216,7 +216,7 @@ static iso_status touch_along(iso_session *session, const iso_sample *sample, is
                               iso_error *error) {
     const iso_brush *brush = &session->brush;
     if (brush->tool == ISO_TOOL_MOVE ||
-        (brush->shape == ISO_SHAPE_CAPSULE && brush->tool <= ISO_TOOL_BLEND_CARVE))
+        (brush->shape == ISO_SOLID_CAPSULE && brush->tool <= ISO_TOOL_BLEND_CARVE))
         return touch(session, sample, stats, error); /* these reach back to the sample before by themselves */
     double spacing = brush->radius * (brush->spacing > 0 ? brush->spacing : 0.25);
     const iso_sample from = session->previous;
@@ -235,7 +235,7 @@ iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const
     char name[64];
     snprintf(name, sizeof name, "%s%s%s", iso_tool_name(brush->tool),
              brush->tool <= ISO_TOOL_BLEND_CARVE ? " " : "",
-             brush->tool <= ISO_TOOL_BLEND_CARVE ? iso_shape_name(brush->shape) : "");
+             brush->tool <= ISO_TOOL_BLEND_CARVE ? iso_solid_name(brush->shape) : "");
     ISO_TRY(iso_history_begin(session->history, name, error));
     iso_step_opts step = iso_history_step(session->history);
     step.stamp = session->stamp;

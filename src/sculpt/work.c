@@ -45,6 +45,7 @@ void iso_work_clear(iso_work *work) {
     for (size_t i = 0; i < work->job_count; i++) work->job_of[iso_work_job(work, i)->cell] = 0;
     work->job_count = 0;
     work->now = 0;
+    work->classified = false;
 }
 
 const float *iso_work_before(const iso_work *work, int32_t state) {
@@ -209,12 +210,12 @@ static iso_status add_neighbours(iso_work *work, size_t number, iso_error *error
     return ISO_OK;
 }
 
-iso_status iso_work_settle(iso_work *work, bool *any, iso_error *error) {
+iso_status iso_work_settle(iso_work *work, bool neighbours, bool *any, iso_error *error) {
     iso_parallel_for(work->pool, work->job_count, settle_job, work);
     drop_unchanged(work);
     size_t edited = work->job_count;
     *any = edited > 0;
-    for (size_t i = 0; i < edited; i++) ISO_TRY(add_neighbours(work, i, error));
+    for (size_t i = 0; i < edited && neighbours; i++) ISO_TRY(add_neighbours(work, i, error));
     ISO_TRY(iso_work_reserve(work, error));
     iso_work_load(work, edited);
     return ISO_OK;
@@ -283,6 +284,7 @@ void iso_work_redistance(iso_work *work, int iterations, bool rescale) {
     int phi = work->now, one = (phi + 1) % ISO_WORK_FIELDS, two = (phi + 2) % ISO_WORK_FIELDS, from = phi,
         to = one;
     run(&(pass){work, phi, one, phi}, classify_job);
+    work->classified = true;
     if (rescale) {
         run(&(pass){work, phi, one, phi}, rescale_job);
         run(&(pass){work, one, two, phi}, correct_job);
@@ -328,7 +330,7 @@ static void clear_ghost(void *context, size_t index, int worker) {
 }
 
 void iso_work_compare(iso_work *work, bool *any) {
-    iso_parallel_for(work->pool, work->job_count, clear_ghost, work);
+    if (work->classified) iso_parallel_for(work->pool, work->job_count, clear_ghost, work);
     iso_parallel_for(work->pool, work->job_count, settle_job, work);
     *any = false;
     for (size_t i = 0; i < work->job_count; i++) *any |= iso_work_job(work, i)->edited;

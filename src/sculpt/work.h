@@ -48,7 +48,8 @@ typedef struct iso_work {
     uint16_t **masked;  /* by cell: 256 rows of frozen voxels; NULL: none */
     iso_buffer jobs, field[ISO_WORK_FIELDS];
     size_t job_count;
-    int now; /* the field that holds the jobs' values */
+    int now;         /* the field that holds the jobs' values */
+    bool classified; /* the jobs' band states are known */
     iso_worker *workers;
 } iso_work;
 
@@ -83,9 +84,9 @@ void iso_work_load(iso_work *work, size_t first);
  * border repeat the outermost voxels (kept in `border` while the stencil is used). */
 void iso_work_stencil(const iso_work *work, int field, size_t job, iso_border *border, iso_stencil *stencil);
 
-/* After the brush has written field `now`: finds what it changed, drops jobs where nothing did, and lists
- * their neighbours within reach. *any: whether anything changed. */
-iso_status iso_work_settle(iso_work *work, bool *any, iso_error *error);
+/* After the brush has written field `now`: finds what it changed, drops jobs where nothing did, and lists the
+ * neighbours that redistancing may reach. *any: whether anything changed. */
+iso_status iso_work_settle(iso_work *work, bool neighbours, bool *any, iso_error *error);
 
 /* Makes the listed cells a distance field; `rescale`: voxels at the interface that the brush changed too. */
 void iso_work_redistance(iso_work *work, int iterations, bool rescale);

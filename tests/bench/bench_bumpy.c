@@ -214,6 +214,7 @@ iso_status bench_bumpy_create(int side, int piece_bricks, bool with_mesh, iso_po
     view->packed = all.points.data;
     view->spans = all.spans.data;
     view->span_count = all.span_count;
+    view->closed = true;
     view->radius = 0.5 * sqrt(2) * places.spacing; /* as for extracted points */
     for (int axis = 0; axis < 3; axis++) {
         view->transform.spacing[axis] = places.spacing;

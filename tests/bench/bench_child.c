@@ -69,7 +69,7 @@ static void choose_processors(launch *plan, int threads) {
 }
 
 static void become(const launch *plan) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    prctl(PR_SET_PDEATHSIG, SIGTERM); /* an X server removes its socket then */
     if (plan->bound) sched_setaffinity(0, sizeof plan->processors, &plan->processors);
     if (dup2(plan->in[0], STDIN_FILENO) < 0 || dup2(plan->out[1], STDOUT_FILENO) < 0) _exit(127);
     execvpe(plan->argv[0], (char *const *)plan->argv, plan->environment);
@@ -139,7 +139,7 @@ bool bench_child_end(bench_child *child) {
 }
 
 void bench_child_stop(bench_child *child) {
-    if (child && child->process > 0) kill(child->process, SIGKILL);
+    if (child && child->process > 0) kill(child->process, SIGTERM);
     bench_child_end(child);
 }
 

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "render/pullpush.h"
 #include "render/shading.h"
 
 /* ---- the methods ---- */
@@ -34,10 +35,47 @@ static iso_status draw_raycast(bench_frame *frame, const iso_target *target, iso
     return iso_draw_raycast(target, frame->caster, error);
 }
 
+static iso_status open_pullpush(bench_frame *frame, iso_error *error) {
+    ISO_TRY(open_points(frame, error));
+    return iso_pullpush_create(&frame->pullpush, error);
+}
+
+static iso_status draw_gaussian(bench_frame *frame, const iso_target *target, iso_error *error) {
+    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_GAUSSIAN, frame->pullpush};
+    return iso_draw_pullpush(target, &frame->points, &opts, error);
+}
+
+static void close_pullpush(bench_frame *frame) {
+    iso_pullpush_destroy(frame->pullpush);
+}
+
+static iso_status open_exact(bench_frame *frame, iso_error *error) {
+    ISO_TRY(bench_subject_exact(frame->subject, &frame->exact, error));
+    frame->primitives = iso_exact_stats(frame->exact).cells;
+    return ISO_OK;
+}
+
+static iso_status draw_exact(bench_frame *frame, const iso_target *target, iso_error *error) {
+    return iso_draw_exact(target, frame->exact, error);
+}
+
 const bench_method bench_methods[] = {
-    {.name = "points", .on_bumpy = true, .on_volumes = true, .open = open_points, .draw = draw_points},
+    {.name = "points",
+     .kernels = true,
+     .on_bumpy = true,
+     .on_volumes = true,
+     .open = open_points,
+     .draw = draw_points},
     {.name = "mesh", .on_bumpy = true, .on_volumes = true, .open = open_mesh, .draw = draw_mesh},
-    {.name = "raycast", .on_volumes = true, .open = open_raycast, .draw = draw_raycast},
+    {.name = "raycast", .slow = true, .on_volumes = true, .open = open_raycast, .draw = draw_raycast},
+    {.name = "pullpush/gaussian",
+     .kernels = true,
+     .on_bumpy = true,
+     .on_volumes = true,
+     .open = open_pullpush,
+     .draw = draw_gaussian,
+     .close = close_pullpush},
+    {.name = "exact", .kernels = true, .on_volumes = true, .open = open_exact, .draw = draw_exact},
 };
 const int bench_method_count = sizeof bench_methods / sizeof *bench_methods;
 
@@ -63,7 +101,7 @@ static iso_status run_frame(bench_row *row, bench_sample *sample, iso_error *err
     iso_gbuffer *gbuffer = &frame->subject->gbuffer;
     iso_target target = {.view = &frame->view.view, .gbuffer = gbuffer, .pool = frame->pool};
     bench_clock clock = bench_clock_start();
-    iso_gbuffer_clear(gbuffer);
+    iso_gbuffer_clear_bands(gbuffer, frame->pool);
     ISO_TRY(frame->method->draw(frame, &target, error));
     const iso_strip strip = {.view = &frame->view.view, .gbuffer = gbuffer, .factor = 1};
     iso_shade(&shading, &strip, &frame->subject->image, frame->pool);
@@ -88,3 +126,5 @@ static void close_frame(bench_row *row) {
 
 const bench_kind bench_frame_kind = {
     .open = open_frame, .run = run_frame, .finish = finish_frame, .close = close_frame};
+const bench_kind bench_slow_frame_kind = {
+    .open = open_frame, .run = run_frame, .finish = finish_frame, .close = close_frame, .rounds = 3};

@@ -15,6 +15,7 @@ typedef struct bench_frame bench_frame;
 typedef struct bench_method {
     const char *name;
     bool kernels;              /* there is a variant for each instruction set */
+    bool slow;                 /* takes seconds: three rounds are enough */
     bool on_bumpy, on_volumes; /* which subjects it is measured on */
     /* Gets what is drawn into the frame, and its number of primitives. */
     iso_status (*open)(bench_frame *frame, iso_error *error);
@@ -31,7 +32,8 @@ struct bench_frame {
     iso_point_view points; /* whichever open asked for */
     iso_mesh_view mesh;
     const iso_raycaster *caster;
-    void *state; /* whatever the method keeps */
+    const iso_exact *exact;
+    struct iso_pullpush *pullpush; /* owned */
 };
 
 /* What a row draws: row->plan, owned by the row. `method` is NULL in VTK's rows. */
@@ -41,7 +43,7 @@ struct bench_frame_plan {
     int view; /* number for bench_subject_view */
 };
 
-extern const bench_kind bench_frame_kind;
+extern const bench_kind bench_frame_kind, bench_slow_frame_kind;
 extern const bench_method bench_methods[];
 extern const int bench_method_count;
 

@@ -222,6 +222,11 @@ static double pairwise_ratio(const bench_row *row, const bench_row *other) {
     return bench_median(ratios, count);
 }
 
+static double cpu_ratio(const bench_row *row, const bench_row *other) {
+    double ours = bench_median(row->cpu, row->rounds);
+    return ours > 0 ? bench_median(other->cpu, other->rounds) / ours : 0;
+}
+
 /* The same comparison as the measure makes, 0 when it makes none. */
 static double measured(const bench_row *measure, const char *counter) {
     for (int i = 0; i < measure->against_count; i++)
@@ -242,6 +247,7 @@ static void compare_row(bench_row *row) {
         }
         bench_count(row, against->counter, bench_ratio(row, against->other), least, 0);
         if (against->pairwise) bench_count(row, against->pairwise, pairwise_ratio(row, against->other), 0, 0);
+        if (against->cpu) bench_count(row, against->cpu, cpu_ratio(row, against->other), 0, 0);
     }
     if (row->rounds && row->kind->finish) row->kind->finish(row);
 }

@@ -59,6 +59,7 @@ typedef struct bench_kind {
 typedef struct bench_against {
     const char *counter;
     const char *pairwise; /* name of the median of the rounds' ratios; NULL: left out */
+    const char *cpu; /* name of the ratio of processor time, which bears company better; NULL: left out */
     bench_row *other;
     double least; /* what is asked for; 0: nothing */
     /* With another row's counter of the same name as the measure: `least` is a fraction of that. */
@@ -147,6 +148,8 @@ iso_status bench_write_json(bench_state *bench, iso_error *error);
 /* bench_extract.c, bench_render.c: all their groups. */
 iso_status bench_extract(bench_state *bench, iso_error *error);
 iso_status bench_render(bench_state *bench, iso_error *error);
+/* bench_sculpt.c */
+iso_status bench_sculpt(bench_state *bench, iso_error *error);
 
 /* Parts of bench_extract in files of their own: bench_edit.c and bench_process.c. */
 iso_status bench_edit_group(bench_state *bench, iso_error *error);

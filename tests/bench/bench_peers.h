@@ -2,6 +2,7 @@
 #ifndef ISO_TESTS_BENCH_PEERS_H
 #define ISO_TESTS_BENCH_PEERS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "grids/grid.h"
@@ -33,6 +34,11 @@ iso_status bench_volume_to_mesh_create(const iso_hgrid *grid, int threads, bench
 iso_status bench_volume_to_mesh_run(bench_volume_to_mesh *peer, iso_error *error);
 size_t bench_volume_to_mesh_points(const bench_volume_to_mesh *peer);
 void bench_volume_to_mesh_destroy(bench_volume_to_mesh *peer);
+
+/* A sphere united with a copy of the level set (csgUnion; copying is not timed), then meshed: all of it, or
+ * only what lies in the sphere's box. */
+iso_status bench_vdb_sculpt_run(bench_volume_to_mesh *peer, const double centre[3], double radius,
+                                bool clipped, double *seconds, iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -45,4 +45,9 @@ size_t bench_volume_to_mesh_points(const bench_volume_to_mesh *peer) {
 void bench_volume_to_mesh_destroy(bench_volume_to_mesh *peer) {
     (void)peer;
 }
+iso_status bench_vdb_sculpt_run(bench_volume_to_mesh *peer, const double centre[3], double radius,
+                                bool clipped, double *seconds, iso_error *error) {
+    (void)peer, (void)centre, (void)radius, (void)clipped, (void)seconds;
+    return iso_fail(error, ISO_ERR_UNSUPPORTED, "built without OpenVDB");
+}
 #endif

@@ -1,9 +1,13 @@
 /* bench_peers_vdb: openvdb::tools::volumeToMesh as a row of the bench. */
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <vector>
 
 #include <openvdb/openvdb.h>
+#include <openvdb/tools/Clip.h>
+#include <openvdb/tools/Composite.h>
+#include <openvdb/tools/LevelSetSphere.h>
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tools/VolumeToMesh.h>
 #include <tbb/global_control.h>
@@ -92,4 +96,31 @@ size_t bench_volume_to_mesh_points(const bench_volume_to_mesh *peer) {
 
 void bench_volume_to_mesh_destroy(bench_volume_to_mesh *peer) {
     delete peer;
+}
+
+/* csgUnion empties its second operand and changes its first: the sphere is made, and the grid copied, before
+ * the clock starts. */
+iso_status bench_vdb_sculpt_run(bench_volume_to_mesh *peer, const double centre[3], double radius,
+                                bool clipped, double *seconds, iso_error *error) {
+    return iso::guard("OpenVDB", error, [&] {
+        tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(peer->threads));
+        const openvdb::Vec3f at(static_cast<float>(centre[0]), static_cast<float>(centre[1]),
+                                static_cast<float>(centre[2]));
+        auto sphere = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(static_cast<float>(radius), at,
+                                                                               1.0f, 3.0f);
+        auto copy = peer->grid->deepCopy();
+        std::vector<openvdb::Vec3s> points;
+        std::vector<openvdb::Vec4I> quads;
+        const auto start = std::chrono::steady_clock::now();
+        openvdb::tools::csgUnion(*copy, *sphere);
+        if (clipped) {
+            const openvdb::Vec3d reach(radius + 4);
+            const openvdb::BBoxd box(openvdb::Vec3d(at) - reach, openvdb::Vec3d(at) + reach);
+            openvdb::tools::volumeToMesh(*openvdb::tools::clip(*copy, box), points, quads, 0.0);
+        } else
+            openvdb::tools::volumeToMesh(*copy, points, quads, 0.0);
+        *seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        peer->points = points.size();
+        return ISO_OK;
+    });
 }

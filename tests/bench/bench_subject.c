@@ -82,8 +82,21 @@ iso_status bench_subject_caster(bench_subject *s, const iso_raycaster **caster, 
     return ISO_OK;
 }
 
+iso_status bench_subject_exact(bench_subject *s, const iso_exact **exact, iso_error *error) {
+    const iso_grid *grid;
+    ISO_TRY(bench_subject_grid(s, &grid, error));
+    if (!s->exact) {
+        iso_exact_opts opts = {.isovalue = s->isovalue, .pool = s->pool};
+        ISO_TRY(iso_exact_create(grid, &opts, &s->exact, error));
+        ISO_TRY(iso_exact_update(s->exact, error));
+    }
+    *exact = s->exact;
+    return ISO_OK;
+}
+
 void bench_subject_end(bench_subject *s) {
     bench_vtk_end(&s->vtk);
+    iso_exact_destroy(s->exact);
     iso_raycaster_destroy(s->caster);
     iso_mesh_set_destroy(s->mesh);
     iso_point_set_destroy(s->points);
@@ -107,21 +120,40 @@ iso_status bench_subject_frame(bench_subject *s, iso_error *error) {
     return iso_image_create(side, side, &s->image, error);
 }
 
-/* The bumpy sphere as it is always seen; a volume from the front, the left and above, as a whole. */
+/* The smallest sphere around `centre` with all points in it. */
+static double radius_around(const iso_point_view *points, iso_vec3 centre) {
+    iso_affine affine = iso_transform_affine(&points->transform);
+    double most = 0;
+    for (size_t k = 0; k < points->span_count; k++) {
+        const iso_point_span *span = &points->spans[k];
+        for (size_t i = span->first; i < span->first + span->count; i++) {
+            const float *p = iso_point_view_get(points, i).position;
+            iso_vec3 at = iso_vec3_make(span->brick[0] * (double)ISO_BRICK + p[0],
+                                        span->brick[1] * (double)ISO_BRICK + p[1],
+                                        span->brick[2] * (double)ISO_BRICK + p[2]);
+            most = fmax(most, iso_vec3_length(iso_vec3_sub(iso_affine_point(&affine, at), centre)));
+        }
+    }
+    return most;
+}
+
+/* The bumpy sphere as it is always seen; a volume's surface from the front, the left and above, as a whole.
+ */
 static iso_status fit(bench_subject *s, bench_view *out, iso_error *error) {
-    ISO_TRY(make(s, error));
+    iso_point_view points;
+    ISO_TRY(bench_subject_points(s, &points, error));
     if (s->bumpy_side) {
         out->camera = (iso_camera){.position = {1.318, 0.75, 2.413}, .view_up = {0, 1, 0}, .view_angle = 38};
     } else {
-        const int *dims = iso_grid_dims(s->grid);
-        iso_box box = {.hi = iso_vec3_make(dims[0] - 1, dims[1] - 1, dims[2] - 1)};
-        iso_affine affine = iso_transform_affine(iso_grid_transform(s->grid));
-        iso_box world = iso_box_transform(&box, &affine);
-        out->camera = (iso_camera){.view_angle = 30};
-        iso_vec3 forward;
-        iso_direction_vectors(ISO_ISOMETRIC, iso_vec3_make(0, 0, 1), &forward, &out->camera.view_up);
-        out->camera.position = iso_vec3_scale(forward, -1);
-        iso_camera_fit(&out->camera, &world, 1, 1);
+        iso_affine affine = iso_transform_affine(&points.transform);
+        iso_box box = iso_point_view_bounds(&points), world = iso_box_transform(&box, &affine);
+        iso_vec3 centre = iso_vec3_scale(iso_vec3_add(world.lo, world.hi), 0.5);
+        iso_vec3 towards = iso_vec3_make(sin(0.6) * cos(0.35), -cos(0.6) * cos(0.35), sin(0.35));
+        double distance = radius_around(&points, centre) / sin(15 * ISO_PI / 180);
+        out->camera = (iso_camera){.position = iso_vec3_add(centre, iso_vec3_scale(towards, distance)),
+                                   .focal_point = centre,
+                                   .view_up = {0, 0, 1},
+                                   .view_angle = 30};
     }
     out->view = iso_view_make(&out->camera, picture_side(s), picture_side(s));
     return ISO_OK;
@@ -150,8 +182,8 @@ static uint32_t *sum_samples(const iso_gbuffer *g) {
     return sums;
 }
 
-/* The pixel nearest to the middle around which a quarter and a sixteenth of the picture's side are covered by
- * half, but not wholly; the middle when there is none. */
+/* The covered pixel nearest to the middle around which a quarter and a sixteenth of the picture's side are
+ * covered by half, but not wholly; the middle when there is none. */
 static void find_aim(const uint32_t *sums, int side, int aim[2]) {
     double nearest = INFINITY;
     aim[0] = aim[1] = side / 2;
@@ -162,6 +194,7 @@ static void find_aim(const uint32_t *sums, int side, int aim[2]) {
             const int here[2] = {x, y};
             double wide = covered_part(sums, side, here, side / 4);
             double close = covered_part(sums, side, here, side / 16);
+            if (covered_part(sums, side, here, 1) == 0) continue;
             if (wide < 0.5 || wide > 0.95 || close < 0.5 || close > 0.95) continue;
             nearest = distance;
             aim[0] = x;

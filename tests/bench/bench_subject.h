@@ -10,6 +10,7 @@
 #include "grids/volume.h"
 #include "image/image.h"
 #include "render/draw.h"
+#include "truth/exact.h"
 #include "truth/raycast.h"
 
 #ifdef __cplusplus
@@ -53,6 +54,7 @@ typedef struct bench_subject {
     iso_point_set *points;
     iso_mesh_set *mesh;
     iso_raycaster *caster;
+    iso_exact *exact;
     bench_view views[BENCH_VIEWS];
     bool aimed[BENCH_VIEWS];
     bench_vtk vtk;
@@ -65,6 +67,7 @@ typedef struct bench_subject {
 iso_status bench_subject_points(bench_subject *subject, iso_point_view *points, iso_error *error);
 iso_status bench_subject_mesh(bench_subject *subject, iso_mesh_view *mesh, iso_error *error);
 iso_status bench_subject_caster(bench_subject *subject, const iso_raycaster **caster, iso_error *error);
+iso_status bench_subject_exact(bench_subject *subject, const iso_exact **exact, iso_error *error);
 iso_status bench_subject_grid(bench_subject *subject, const iso_grid **grid, iso_error *error);
 /* Number 0: everything in sight; 1: four times as large, aimed at the nearest place to the middle that has
  * surface and background, as the quality of pictures is measured. */

@@ -2,7 +2,7 @@ if isorender scene:sphere:16 --no-image --aov in/try.exr 2>&1 | grep -q "built w
 # a ball of radius 8 voxels of 0.5 mm around 15.75 25.75 35.75, seen from the front (along +y)
 python3 -c 'from check import *; ball("in/ball.mha", header="ElementSpacing = 0.5 0.5 0.5\nOffset = 10 20 30\n")'
 for samples in 1 4; do
-    for method in points mesh raycast; do
+    for method in exact points mesh raycast; do
         isorender in/ball.mha $method.png --isovalue 500 --method $method --samples $samples --resolution 90x70 \
             --aov $method$samples.exr --json=$method.json --quiet
     done
@@ -14,7 +14,7 @@ isorender in/ball.mha --isovalue 500 --method mesh --samples 4 --resolution 90x7
 cmp alone.exr mesh4.exr
 python3 - <<'P'
 from check import *
-for name in ("points1", "points4", "mesh1", "mesh4", "raycast1", "raycast4"):
+for name in ("exact1", "exact4", "points1", "points4", "mesh1", "mesh4", "raycast1", "raycast4"):
     e, j = Exr(name + ".exr"), report(name[:-1] + ".json")
     expect((e.width, e.height, e.names) == (90, 70, ["A", "N.X", "N.Y", "N.Z", "Z"]), name, e.names)
     expect(struct.unpack("<f", e.attributes["isopointVoxel"]) == (0.5,), e.attributes)

@@ -1,2 +1,7 @@
 isorender --quiet scene:sphere:32 --points in/p.ply --no-image
+for method in exact raycast; do
+    ! isorender in/p.ply --method $method 2>in/message || exit 1
+    grep -q "holds points, not a volume: --method $method needs a volume" in/message
+done
+isorender in/p.ply in/p.png --method pullpush --quiet --resolution 50x50
 isorender in/p.ply --method mesh

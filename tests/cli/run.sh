@@ -31,7 +31,7 @@ matches() {
 
 (
     cd "$work/run" || exit 99
-    export PATH="$programs:$PATH" TMPDIR="$work/tmp" PYTHONPATH="$here" PYTHONDONTWRITEBYTECODE=1 LC_ALL=C
+    export PATH="$programs:$PATH" TMPDIR="$work/tmp" PYTHONPATH="$here" volumes="$(dirname "$(dirname "$here")")/volumes" PYTHONDONTWRITEBYTECODE=1 LC_ALL=C
     exec bash -eu "$base.sh"
 ) >"$work/stdout" 2>"$work/stderr" </dev/null
 status=$?

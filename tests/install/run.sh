@@ -53,7 +53,7 @@ P
 has_vti=$([ -e "$modules/libisopoint-vti.so" ] && echo 1 || echo 0)
 is_light "$root/bin/isorender"
 count() {
-    "$root/bin/isorender" "$1" --isovalue 100 --no-image --json --quiet | grep -o '"points": *[0-9]*' | grep -o '[0-9]*$'
+    "$root/bin/isorender" "$1" --isovalue 100 --method points --no-image --json --quiet | grep -o '"points": *[0-9]*' | grep -o '[0-9]*$'
 }
 [ "$(count "$work/small.mha")" = 24 ] || fail "isorender found $(count "$work/small.mha") points in a .mha"
 if [ "$has_vti" = 1 ]; then
@@ -67,8 +67,9 @@ cmake --build "$work/cmake" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
 config=$(dirname "$(find "$root" -name isopoint.pc)")
 flags=$(PKG_CONFIG_PATH=$config pkg-config --cflags --libs isopoint)
 # shellcheck disable=SC2086
-${CC:-cc} -o "$work/consumer" "$here/consumer.c" $flags -Wl,-rpath,"$(dirname "$library")"
-for program in "$work/cmake/consumer" "$work/consumer"; do
+mkdir "$work/tools"
+${CC:-cc} -o "$work/tools/consumer" "$here/consumer.c" $flags -Wl,-rpath,"$(dirname "$library")"
+for program in "$work/cmake/consumer" "$work/tools/consumer"; do
     is_light "$program"
     [ "$("$program" "$work/small.mha" 100)" = 24 ] || fail "$program cannot read a .mha"
     [ "$has_vti" = 0 ] || [ "$("$program" "$work/small.vti" 100)" = 24 ] || fail "$program cannot read a .vti"
@@ -83,5 +84,8 @@ if [ -n "$(find "$prefix/lib" -name libisopoint-vti.so 2>/dev/null)" ]; then
     exit 0
 fi
 not_installed "$root/bin/isorender" "$work/small.vti" --isovalue 100 --no-image --json
-not_installed "$work/consumer" "$work/small.vti" 100
+# What lies around a program that is not in bin/ is not ours.
+mkdir -p "$work/lib/isopoint"
+echo "not a module" >"$work/lib/isopoint/libisopoint-vti.so"
+not_installed "$work/tools/consumer" "$work/small.vti" 100
 [ "$(count "$work/small.mha")" = 24 ] || fail "without a module, isorender cannot read a .mha"

@@ -1,0 +1,51 @@
+/* isosculpt: what its parts share. */
+#ifndef ISO_APPS_ISOSCULPT_H
+#define ISO_APPS_ISOSCULPT_H
+
+#include "apps/options.h"
+#include "extract/mesh.h"
+#include "extract/points.h"
+#include "sculpt/session.h"
+
+typedef enum isosculpt_help { ISOSCULPT_HELP_NONE, ISOSCULPT_HELP, ISOSCULPT_VERSION } isosculpt_help;
+
+typedef struct isosculpt_settings {
+    const char *replay, *output, *mesh, *json_path;
+    int json, headless, quiet, threads, extract;
+    double voxel_size;
+    uint64_t undo_memory;
+    isosculpt_help help;
+    iso_help_form help_form;
+} isosculpt_settings;
+
+const iso_program *isosculpt_program(void);
+
+/* Parses and checks. ISO_ERR_USAGE. */
+iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_settings *settings,
+                                    iso_operands *operands, iso_error *error);
+
+/* What a replay did, and how long each touch of the hand took. */
+typedef struct isosculpt_times {
+    double *seconds; /* one a sample, owned */
+    size_t count, room;
+} isosculpt_times;
+
+typedef struct isosculpt_report {
+    iso_journal_start start;
+    size_t strokes, samples, undone;
+    iso_edit_stats edits;
+    isosculpt_times edit, extract;
+    double total;
+    size_t voxels, bricks, bytes, points;
+} isosculpt_report;
+
+void isosculpt_report_free(isosculpt_report *report);
+
+/* Plays a stroke file and writes what was asked for. *code: the exit status. */
+iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, iso_error *error);
+
+/* The report as JSON, to settings->json_path or standard output. ISO_ERR_WRITE. */
+iso_status isosculpt_report_write(const isosculpt_settings *settings, const isosculpt_report *report,
+                                  iso_error *error);
+
+#endif

@@ -1,0 +1,125 @@
+/* The command line of isosculpt. */
+#include <string.h>
+
+#include "apps/isosculpt.h"
+
+#ifndef ISO_VERSION
+#error "ISO_VERSION comes from CMake"
+#endif
+
+enum group { SESSION, OUTPUT, RUNNING };
+
+static const char *const groups[] = {"Session", "Output", "Running", NULL};
+static const char *const usage[] = {"--replay STROKES --headless [--output OUT] [--json]", NULL};
+
+static iso_status apply_json(void *target, const char *value, iso_error *error) {
+    isosculpt_settings *settings = target;
+    (void)error;
+    settings->json = 1;
+    settings->json_path = value;
+    return ISO_OK;
+}
+
+static iso_status apply_version(void *target, const char *value, iso_error *error) {
+    isosculpt_settings *settings = target;
+    (void)value;
+    (void)error;
+    settings->help = ISOSCULPT_VERSION;
+    return ISO_OK;
+}
+
+static iso_status apply_help(void *target, const char *value, iso_error *error) {
+    static const char *const forms[] = {"screen", "markdown", "man", "bash"};
+    isosculpt_settings *settings = target;
+    settings->help = ISOSCULPT_HELP;
+    settings->help_form = ISO_HELP_SCREEN;
+    for (int i = 0; value && i < 4; i++)
+        if (strcmp(value, forms[i]) == 0) {
+            settings->help_form = (iso_help_form)i;
+            return ISO_OK;
+        }
+    return value ? iso_fail(error, ISO_ERR_USAGE, "'%s' is not man, markdown or bash", value) : ISO_OK;
+}
+
+#define AT(member) .offset = offsetof(isosculpt_settings, member)
+
+static const iso_option options[] = {
+    {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
+    {"headless", NULL, NULL, "open no window", .group = SESSION, .kind = ISO_OPTION_FLAG, AT(headless)},
+    {"voxel-size", NULL, "MM", "play at another voxel size", .group = SESSION, .kind = ISO_OPTION_REAL,
+     AT(voxel_size), .standard = "the file's", .low = 1e-6, .high = 1e6},
+    {"undo-memory", NULL, "SIZE", "memory for undo; more goes to disk", .group = SESSION,
+     .kind = ISO_OPTION_SIZE, AT(undo_memory), .standard = "1G"},
+
+    {"output", "o", "FILE", "write the result: .vdb level set, .ply points, .stl or .obj mesh",
+     .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(output)},
+    {"mesh", NULL, "FILE", "write a mesh: .ply, .stl or .obj", .group = OUTPUT, .kind = ISO_OPTION_TEXT,
+     AT(mesh)},
+    {"json", NULL, "FILE", "say what was done as JSON, to standard output without a file", .group = OUTPUT,
+     .kind = ISO_OPTION_CALL, .apply = apply_json, .flags = ISO_OPTION_VALUE_OPTIONAL},
+
+    {"extract", NULL, NULL, "extract the points after every sample, as a window does, and time it",
+     .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(extract)},
+    {"threads", NULL, "N", "threads to use; the result does not depend on it", .group = RUNNING,
+     .kind = ISO_OPTION_INT, AT(threads), .standard = "one a processor", .low = 1, .high = 1024},
+    {"quiet", "q", NULL, "say nothing but errors", .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(quiet)},
+    {"version", NULL, NULL, "print the version", .group = RUNNING, .kind = ISO_OPTION_CALL,
+     .apply = apply_version},
+    {"help", "h", "FORM", "print this; FORM may be man, markdown or bash", .group = RUNNING,
+     .kind = ISO_OPTION_CALL, .apply = apply_help, .flags = ISO_OPTION_VALUE_OPTIONAL},
+};
+
+static const char *const exit_text[] = {"0  done",
+                                        "2  wrong usage",
+                                        "3  the stroke file cannot be read, or is damaged",
+                                        "4  no window can be opened: use --headless",
+                                        "5  out of memory",
+                                        "6  nothing is left of the solid",
+                                        "7  an output could not be written",
+                                        NULL};
+static const char *const example_text[] = {
+    "isosculpt --replay bear.strokes --headless --output bear.vdb",
+    "isosculpt --replay bear.strokes --headless --voxel-size 0.5 --output bear.stl --json", NULL};
+static const iso_section sections[] = {{"Exit status", exit_text}, {"Examples", example_text}};
+
+const iso_program *isosculpt_program(void) {
+    static const iso_program program = {.name = "isosculpt",
+                                        .version = ISO_VERSION,
+                                        .summary =
+                                            "models a signed distance field by hand and never loses work",
+                                        .usage = usage,
+                                        .groups = groups,
+                                        .options = options,
+                                        .option_count = sizeof options / sizeof *options,
+                                        .sections = sections,
+                                        .section_count = sizeof sections / sizeof *sections};
+    return &program;
+}
+
+/* Whether a name ends in one of the suffixes (separated by blanks). */
+static bool has_suffix(const char *name, const char *suffixes) {
+    const char *dot = strrchr(name, '.');
+    const char *found = dot ? strstr(suffixes, dot) : NULL;
+    size_t length = dot ? strlen(dot) : 0;
+    return found && length > 1 && (found[length] == ' ' || found[length] == 0);
+}
+
+iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_settings *settings,
+                                    iso_operands *operands, iso_error *error) {
+    memset(settings, 0, sizeof *settings);
+    ISO_TRY(iso_options_parse(isosculpt_program(), argc, argv, settings, operands, error));
+    if (settings->help) return ISO_OK;
+    if (operands->count > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a stroke file is given with --replay",
+                        operands->values[0]);
+    if (!settings->headless)
+        return iso_fail(error, ISO_ERR_BACKEND,
+                        "this version opens no window yet: use --replay FILE --headless");
+    if (!settings->replay) return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE");
+    if (settings->output && !has_suffix(settings->output, ".vdb .ply .stl .obj"))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as .vdb, .ply, .stl or .obj",
+                        settings->output);
+    if (settings->mesh && !has_suffix(settings->mesh, ".ply .stl .obj"))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", settings->mesh);
+    return ISO_OK;
+}

@@ -1,0 +1,246 @@
+/* Plays a stroke file without a window. */
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "apps/isosculpt.h"
+#include "apps/json.h"
+#include "base/file.h"
+#include "base/memory.h"
+#include "grids/level_set.h"
+#include "io/mesh_io.h"
+#include "io/points_io.h"
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static iso_status add_time(isosculpt_times *times, double seconds, iso_error *error) {
+    if (times->count == times->room) {
+        size_t room = times->room ? 2 * times->room : 1024;
+        double *more = realloc(times->seconds, room * sizeof *more);
+        if (!more) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu times", room);
+        times->seconds = more;
+        times->room = room;
+    }
+    times->seconds[times->count++] = seconds;
+    return ISO_OK;
+}
+
+void isosculpt_report_free(isosculpt_report *report) {
+    free(report->edit.seconds);
+    free(report->extract.seconds);
+}
+
+/* ---- the field that the session began with */
+
+/* The same place in space, in voxels of another size: whole bricks, no fewer than before. */
+static iso_status rescale(iso_journal_start *start, double voxel_size, iso_error *error) {
+    for (int axis = 0; axis < 3; axis++) {
+        double voxels = ceil(start->dims[axis] * start->voxel_size / voxel_size / ISO_BRICK) * ISO_BRICK;
+        if (voxels > ISO_HGRID_MAX)
+            return iso_fail(error, ISO_ERR_LIMIT, "voxels of %g mm: %g of them along %c, at most %d",
+                            voxel_size, voxels, "xyz"[axis], ISO_HGRID_MAX);
+        start->dims[axis] = (int)voxels;
+    }
+    start->voxel_size = voxel_size;
+    return ISO_OK;
+}
+
+static iso_status make_field(const isosculpt_settings *settings, iso_journal_start *start, iso_hgrid **grid,
+                             iso_error *error) {
+    if (strcmp(start->source, "ball") != 0)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                        "%s: sessions that began with a file ('%s') cannot be played yet", settings->replay,
+                        start->source);
+    if (settings->voxel_size > 0) ISO_TRY(rescale(start, settings->voxel_size, error));
+    return iso_session_ball(start, grid, error);
+}
+
+/* ---- playing */
+
+typedef struct player {
+    const isosculpt_settings *settings;
+    isosculpt_report *report;
+    iso_pool *pool;
+    iso_session *session;
+    iso_point_set *points;
+} player;
+
+static iso_status extract(player *p, iso_error *error) {
+    double start = now();
+    ISO_TRY(iso_point_set_update(p->points, error));
+    return add_time(&p->report->extract, now() - start, error);
+}
+
+static iso_status play(player *p, const iso_event *event, iso_error *error) {
+    isosculpt_report *report = p->report;
+    iso_edit_stats made = {0};
+    bool sample = event->kind == ISO_EVENT_BEGIN || event->kind == ISO_EVENT_SAMPLE;
+    double start = now();
+    ISO_TRY(iso_session_play(p->session, event, &made, error));
+    report->strokes += event->kind == ISO_EVENT_BEGIN;
+    report->undone += event->kind == ISO_EVENT_UNDO;
+    report->samples += sample;
+    report->edits.edited += made.edited;
+    report->edits.redistanced += made.redistanced;
+    report->edits.created += made.created;
+    report->edits.pruned += made.pruned;
+    report->edits.clipped |= made.clipped;
+    if (!sample) return ISO_OK;
+    ISO_TRY(add_time(&report->edit, now() - start, error));
+    return p->points ? extract(p, error) : ISO_OK;
+}
+
+static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *error) {
+    iso_event event;
+    bool more = true, drawing = false;
+    for (;;) {
+        ISO_TRY(iso_journal_next(reader, &event, &more, error));
+        if (!more) break;
+        ISO_TRY(play(p, &event, error));
+        if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
+    }
+    return drawing ? iso_session_end(p->session, error) : ISO_OK; /* it broke off here */
+}
+
+/* ---- outputs */
+
+static iso_status write_points(player *p, const char *path, iso_error *error) {
+    iso_grid grid = {.hgrid = iso_session_grid(p->session)};
+    iso_points_opts opts = {.floats = true, .pool = p->pool};
+    iso_point_set *set;
+    ISO_TRY(iso_point_set_create(&grid, &opts, &set, error));
+    iso_status status = iso_point_set_update(set, error);
+    iso_point_view view = iso_point_set_view(set);
+    p->report->points = iso_point_view_count(&view);
+    if (status == ISO_OK && p->report->points == 0)
+        status = iso_fail(error, ISO_ERR_EMPTY, "%s: nothing is left of the solid", p->settings->replay);
+    if (status == ISO_OK && path) status = iso_points_write_ply(path, &view, "isosculpt", error);
+    iso_point_set_destroy(set);
+    return status;
+}
+
+static iso_status write_mesh(player *p, const char *path, iso_error *error) {
+    iso_grid grid = {.hgrid = iso_session_grid(p->session)};
+    iso_mesh_opts opts = {.pool = p->pool};
+    iso_mesh_set *set;
+    ISO_TRY(iso_mesh_set_create(&grid, &opts, &set, error));
+    iso_status status = iso_mesh_set_update(set, error);
+    iso_mesh_view view = iso_mesh_set_view(set);
+    if (status == ISO_OK) status = iso_mesh_write(path, &view, "isosculpt", error);
+    iso_mesh_set_destroy(set);
+    return status;
+}
+
+static bool ends_with(const char *text, const char *suffix) {
+    size_t length = strlen(text), tail = strlen(suffix);
+    return length >= tail && strcmp(text + length - tail, suffix) == 0;
+}
+
+static iso_status write_outputs(player *p, iso_error *error) {
+    const char *output = p->settings->output;
+    bool points = output && ends_with(output, ".ply");
+    ISO_TRY(write_points(p, points ? output : NULL, error));
+    if (output && ends_with(output, ".vdb"))
+        ISO_TRY(iso_level_set_write_vdb(output, iso_session_grid(p->session), "surface", error));
+    else if (output && !points)
+        ISO_TRY(write_mesh(p, output, error));
+    return p->settings->mesh ? write_mesh(p, p->settings->mesh, error) : ISO_OK;
+}
+
+static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
+    double start = now();
+    if (p->settings->extract) {
+        iso_grid grid = {.hgrid = iso_session_grid(p->session)};
+        iso_points_opts opts = {.pool = p->pool};
+        ISO_TRY(iso_point_set_create(&grid, &opts, &p->points, error));
+        ISO_TRY(iso_point_set_update(p->points, error));
+    }
+    ISO_TRY(play_all(p, reader, error));
+    p->report->total = now() - start;
+    const iso_hgrid *grid = iso_session_grid(p->session);
+    p->report->bricks = iso_hgrid_brick_count(grid);
+    p->report->bytes = iso_hgrid_bytes(grid);
+    ISO_TRY(write_outputs(p, error));
+    if (!p->settings->quiet && p->report->edits.clipped)
+        fprintf(stderr, "isosculpt: %s: a brush reached beyond the grid: what lies outside is lost\n",
+                p->settings->replay);
+    return p->settings->json ? isosculpt_report_write(p->settings, p->report, error) : ISO_OK;
+}
+
+iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, iso_error *error) {
+    isosculpt_report report = {0};
+    iso_journal_reader *reader;
+    ISO_TRY(iso_journal_open(settings->replay, &report.start, &reader, error));
+    player p = {.settings = settings, .report = &report, .pool = pool};
+    iso_hgrid *grid = NULL;
+    iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory};
+    iso_status status = make_field(settings, &report.start, &grid, error);
+    if (status == ISO_OK) status = iso_session_create(grid, &report.start, &opts, &p.session, error);
+    if (status == ISO_OK) status = run(&p, reader, error);
+    iso_point_set_destroy(p.points);
+    iso_session_destroy(p.session);
+    iso_journal_reader_free(reader);
+    isosculpt_report_free(&report);
+    return status;
+}
+
+/* ---- the report */
+
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void put_times(iso_json *json, const char *key, const isosculpt_times *times) {
+    if (!times->count) return;
+    qsort(times->seconds, times->count, sizeof *times->seconds, compare);
+    iso_json_begin_object(json, key);
+    iso_json_integer(json, "count", times->count);
+    iso_json_real(json, "p50", times->seconds[times->count / 2]);
+    iso_json_real(json, "p99", times->seconds[times->count * 99 / 100]);
+    iso_json_real(json, "max", times->seconds[times->count - 1]);
+    iso_json_end_object(json);
+}
+
+static void put_report(FILE *stream, const isosculpt_settings *settings, const isosculpt_report *report) {
+    iso_json json = {.stream = stream};
+    iso_json_begin_object(&json, NULL);
+    iso_json_string(&json, "schema", "isosculpt 1");
+    iso_json_string(&json, "version", isosculpt_program()->version);
+    iso_json_string(&json, "strokes_file", settings->replay);
+    iso_json_ints(&json, "dims", report->start.dims, 3);
+    iso_json_real(&json, "voxel_size", report->start.voxel_size);
+    iso_json_integer(&json, "strokes", report->strokes);
+    iso_json_integer(&json, "samples", report->samples);
+    iso_json_integer(&json, "undone", report->undone);
+    iso_json_integer(&json, "cells_edited", report->edits.edited);
+    iso_json_integer(&json, "cells_redistanced", report->edits.redistanced);
+    iso_json_integer(&json, "cells_created", report->edits.created);
+    iso_json_integer(&json, "cells_pruned", report->edits.pruned);
+    iso_json_bool(&json, "clipped", report->edits.clipped);
+    iso_json_integer(&json, "bricks", report->bricks);
+    iso_json_integer(&json, "bytes", report->bytes);
+    iso_json_integer(&json, "points", report->points);
+    iso_json_integer(&json, "peak_bytes", iso_memory_peak());
+    iso_json_begin_object(&json, "seconds");
+    iso_json_real(&json, "total", report->total);
+    put_times(&json, "edit", &report->edit);
+    put_times(&json, "extract", &report->extract);
+    iso_json_end_object(&json);
+    iso_json_end_object(&json);
+}
+
+iso_status isosculpt_report_write(const isosculpt_settings *settings, const isosculpt_report *report,
+                                  iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(settings->json_path ? settings->json_path : "-", &sink, error));
+    put_report(sink.stream, settings, report);
+    return iso_sink_commit(&sink, error);
+}

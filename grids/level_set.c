@@ -1,0 +1,75 @@
+#include "grids/level_set.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "grids/module.h"
+
+iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, const char *name,
+                                   iso_error *error) {
+    const double *s = grid->transform.spacing;
+    if (fabs(s[0] - s[1]) > 1e-6 * s[0] || fabs(s[0] - s[2]) > 1e-6 * s[0])
+        return iso_fail(error, ISO_ERR_USAGE, "%s: voxels of %g x %g x %g mm are no cubes", path, s[0], s[1],
+                        s[2]);
+    const iso_module *module;
+    ISO_TRY(iso_module_load(path, "vdb", "OpenVDB", &module, error));
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    iso_status status = module->write_level_set(sink.stream, path, grid, name, error);
+    if (status == ISO_OK) return iso_sink_commit(&sink, error);
+    iso_sink_abort(&sink);
+    return status;
+}
+
+static int clamp(int value, int count) {
+    return value < 0 ? 0 : value >= count ? count - 1 : value;
+}
+
+/* A cell's values; whether any differs from the first. */
+static bool read_cell(const iso_hgrid *from, const int first[3], float values[ISO_BRICK_VOXELS]) {
+    bool mixed = false;
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        values[i] = iso_hgrid_at(from, clamp(first[0] + i % ISO_BRICK, from->dims[0]),
+                                 clamp(first[1] + i / ISO_BRICK % ISO_BRICK, from->dims[1]),
+                                 clamp(first[2] + i / ISO_BRICK / ISO_BRICK, from->dims[2]));
+        mixed |= values[i] != values[0];
+    }
+    return mixed || fabsf(values[0]) < from->band;
+}
+
+static iso_status fill(const iso_hgrid *from, const int offset[3], iso_hgrid *grid, iso_error *error) {
+    int at[3];
+    for (at[2] = 0; at[2] < grid->cells[2]; at[2]++)
+        for (at[1] = 0; at[1] < grid->cells[1]; at[1]++)
+            for (at[0] = 0; at[0] < grid->cells[0]; at[0]++) {
+                float values[ISO_BRICK_VOXELS], *brick;
+                int first[3];
+                for (int axis = 0; axis < 3; axis++) first[axis] = ISO_BRICK * at[axis] - offset[axis];
+                bool full = read_cell(from, first, values);
+                iso_hgrid_coalesce(grid, at[0], at[1], at[2],
+                                   values[0] < 0 ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE);
+                if (!full) continue;
+                ISO_TRY(iso_hgrid_split(grid, at[0], at[1], at[2], &brick, error));
+                memcpy(brick, values, sizeof values);
+            }
+    return ISO_OK;
+}
+
+iso_status iso_level_set_reframe(const iso_hgrid *from, const int offset[3], const int dims[3],
+                                 iso_hgrid **out, iso_error *error) {
+    iso_transform transform = from->transform;
+    const iso_affine affine = iso_transform_affine(&transform);
+    const iso_vec3 origin = iso_affine_point(&affine, iso_vec3_make(-offset[0], -offset[1], -offset[2]));
+    transform.origin[0] = origin.x;
+    transform.origin[1] = origin.y;
+    transform.origin[2] = origin.z;
+    iso_hgrid *grid;
+    ISO_TRY(iso_hgrid_create(dims, from->band, &transform, &grid, error));
+    iso_status status = fill(from, offset, grid, error);
+    if (status == ISO_OK)
+        *out = grid;
+    else
+        iso_hgrid_destroy(grid);
+    return status;
+}

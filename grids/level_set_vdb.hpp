@@ -1,0 +1,12 @@
+/* level_set_vdb: what OpenVDB's module does beside reading. */
+#ifndef ISO_GRIDS_LEVEL_SET_VDB_HPP
+#define ISO_GRIDS_LEVEL_SET_VDB_HPP
+
+#include <cstdio>
+
+#include "grids/hgrid.h"
+
+iso_status iso_vdb_write_level_set(FILE *stream, const char *path, const iso_hgrid *grid, const char *name,
+                                   iso_error *error);
+
+#endif

@@ -1,0 +1,105 @@
+/* metrics: how far a picture is from the truth.
+ *
+ * Two pictures of the same size: the truth and a candidate. Each has colours, float channels (depth, normal,
+ * coverage), or both; a metric whose inputs are missing is NaN. */
+#ifndef ISO_COMPARE_METRICS_H
+#define ISO_COMPARE_METRICS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/parallel.h"
+#include "base/status.h"
+#include "compare/silhouette.h"
+#include "render/shading.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Planes of width * height; NULL: not known. All borrowed. At least one of rgba and coverage is there. */
+typedef struct iso_compare_picture {
+    int width, height;
+    const uint8_t *rgba;    /* straight alpha; display values (sRGB) */
+    const float *color;     /* three unrounded display values 0 .. 255 a pixel: where both pictures have them,
+                               PSNR is of these instead */
+    const float *depth;     /* view z, mm; read where both pictures are covered; not finite: unknown there */
+    const float *normal[3]; /* read where depth is; need not be unit; zero or not finite: unknown there */
+    const float *coverage;  /* 0 .. 1 */
+} iso_compare_picture;
+
+/* All zero means the default. */
+typedef struct iso_compare_opts {
+    /* Under transparent pixels, and the colour that means "not covered" in pictures without transparency and
+     * coverage. Zero is black. */
+    iso_rgb background;
+    double voxel;             /* mm that a voxel measures; 0: depth errors are not known in voxels */
+    double pixels_per_voxel;  /* 0: dilations are not known in voxels */
+    double pixels_per_degree; /* for FLIP; 0: the authors' */
+    float *flip_map;          /* width * height, filled when both have colours; NULL */
+    iso_pool *pool;
+} iso_compare_opts;
+
+/* X(field, title, unit, larger is better). The fields are also the names in JSON and of bounds. */
+#define ISO_METRIC_MAP(X)                                                                                    \
+    X(psnr_in, "PSNR, both silhouettes widened by 2 pixels", "dB", true)                                     \
+    X(psnr, "PSNR, whole picture", "dB", true)                                                               \
+    X(ssim, "SSIM (2004), luma", "", true)                                                                   \
+    X(flip, "LDR-FLIP (2020)", "", false)                                                                    \
+    X(iou, "silhouettes, shared part", "", true)                                                             \
+    X(dilation_mean, "silhouette's dilation, mean, signed", "pixels", false)                                 \
+    X(dilation_max, "silhouette's dilation, largest", "pixels", false)                                       \
+    X(dilation_mean_voxel, "the same, mean", "voxels", false)                                                \
+    X(dilation_max_voxel, "the same, largest", "voxels", false)                                              \
+    X(holes, "holes", "%", false)                                                                            \
+    X(normal_error_deg, "normal error, mean", "degrees", false)                                              \
+    X(depth_error_voxel, "depth error, mean", "voxels", false)                                               \
+    X(wrong, "more than 2 voxels off", "%", false)                                                           \
+    X(pixels_differing, "pixels that differ by more than 1/255", "pixels", false)
+
+/* NaN: not known, or nothing to measure.
+ *
+ * psnr      10 log10(255^2 / (mean squared difference of R, G and B + 1e-9)): 138.1 dB for equal pictures
+ * psnr_in   the same over the pixels of either silhouette widened by 2 pixels
+ * ssim      see compare/ssim.h
+ * flip      see compare/flip.h
+ * iou, dilation_mean, dilation_max, holes: see compare/silhouette.h
+ * normal_error_deg   mean angle where both are covered, depth is known (or not given) and not wrong
+ * depth_error_voxel  mean |difference of depth| where both are covered and not wrong
+ * wrong              percent of the pixels covered by both that lie more than 2 voxels apart in depth
+ * pixels_differing   pixels with a difference of more than 1 of 255 in any channel */
+typedef struct iso_metrics {
+#define ISO_X(field, title, unit, larger) double field;
+    ISO_METRIC_MAP(ISO_X)
+#undef ISO_X
+    size_t covered[2];       /* pixels of the silhouettes: truth's, candidate's */
+    size_t missing, extra;   /* that only the truth's has, that only the candidate's has */
+    size_t depth_off;        /* pixels covered by both that lie more than 1e-3 voxel apart in depth */
+    size_t others_differing; /* of the pixels that differ in colour, those that are none of these */
+    iso_silhouette_source sources[2];
+} iso_metrics;
+
+/* ISO_ERR_MISMATCH when sizes differ, ISO_ERR_NOMEM. The same for every number of threads. */
+iso_status iso_compare(const iso_compare_picture *truth, const iso_compare_picture *candidate,
+                       const iso_compare_opts *opts, iso_metrics *metrics, iso_error *error);
+
+/* One row a metric, in the order of the map. */
+typedef struct iso_metric {
+    const char *name, *title, *unit;
+    bool larger_is_better;
+    size_t offset; /* of the double in iso_metrics */
+} iso_metric;
+
+const iso_metric *iso_metric_list(size_t *count);
+const iso_metric *iso_metric_find(const char *name); /* NULL: there is none */
+double iso_metric_value(const iso_metric *metric, const iso_metrics *metrics);
+
+/* Whether a value is worse than a bound: smaller where larger is better, else larger; of mean dilations the
+ * magnitude counts. An unknown value is worse than any bound. */
+bool iso_metric_is_worse(const iso_metric *metric, double value, double bound);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

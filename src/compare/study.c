@@ -1,0 +1,214 @@
+#include "compare/study.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "render/picture.h"
+
+/* Radians: to the right of the front, and upwards. Degrees: full view angle. */
+static const double SIDEWAYS = 0.6, UPWARDS = 0.35, VIEW_ANGLE = 30;
+
+/* ---- views ---- */
+
+static iso_vec3 vertex_of(const iso_mesh_view *mesh, const iso_mesh_span *span, uint32_t i,
+                          const iso_affine *affine) {
+    const float *p = mesh->vertices[span->first_vertex + i].position;
+    return iso_affine_point(affine, iso_vec3_make(span->brick[0] * (double)ISO_BRICK + p[0],
+                                                  span->brick[1] * (double)ISO_BRICK + p[1],
+                                                  span->brick[2] * (double)ISO_BRICK + p[2]));
+}
+
+iso_status iso_study_bound(const iso_mesh_view *mesh, iso_study_ball *ball, iso_error *error) {
+    iso_affine affine = iso_transform_affine(&mesh->transform);
+    iso_box box = iso_box_empty();
+    for (size_t s = 0; s < mesh->span_count; s++)
+        for (uint32_t i = 0; i < mesh->spans[s].own_count; i++)
+            iso_box_add(&box, vertex_of(mesh, &mesh->spans[s], i, &affine));
+    if (iso_box_is_empty(&box)) return iso_fail(error, ISO_ERR_EMPTY, "the surface is empty");
+    ball->center = iso_vec3_scale(iso_vec3_add(box.lo, box.hi), 0.5);
+    ball->radius = 0;
+    for (size_t s = 0; s < mesh->span_count; s++)
+        for (uint32_t i = 0; i < mesh->spans[s].own_count; i++) {
+            iso_vec3 vertex = vertex_of(mesh, &mesh->spans[s], i, &affine);
+            double distance = iso_vec3_length(iso_vec3_sub(vertex, ball->center));
+            if (distance > ball->radius) ball->radius = distance;
+        }
+    return ISO_OK;
+}
+
+static void set_row(double row[3], iso_vec3 v) {
+    row[0] = v.x;
+    row[1] = v.y;
+    row[2] = v.z;
+}
+
+iso_view iso_study_fit(const iso_study_ball *ball, int side, double azimuth) {
+    double half = VIEW_ANGLE / 2 * (ISO_PI / 180), sine, cosine, along, across, up, flat;
+    iso_sincos(half, &sine, &cosine);
+    iso_sincos(SIDEWAYS + azimuth * (ISO_PI / 180), &along, &across);
+    iso_sincos(UPWARDS, &up, &flat);
+    iso_vec3 outward = iso_vec3_make(along * flat, -across * flat, up);
+    double distance = (ball->radius > 0 ? ball->radius : 1) / sine;
+    iso_view view = {.eye = iso_vec3_add(ball->center, iso_vec3_scale(outward, distance)),
+                     .focal = side / 2.0 * (cosine / sine),
+                     .cx = side / 2.0,
+                     .cy = side / 2.0,
+                     .width = side,
+                     .height = side,
+                     .near = 1e-4 * distance};
+    iso_vec3 forward = iso_vec3_scale(outward, -1);
+    iso_vec3 right = iso_vec3_unit(iso_vec3_cross(forward, iso_vec3_make(0, 0, 1)));
+    set_row(view.rotation, right);
+    set_row(view.rotation + 3, iso_vec3_cross(forward, right));
+    set_row(view.rotation + 6, forward);
+    return view;
+}
+
+iso_view iso_study_zoom(const iso_view *fit, const int aim[2], double zoom) {
+    iso_view view = *fit;
+    view.focal *= zoom;
+    view.cx = fit->width / 2.0 - (aim[0] - (fit->width / 2.0 - 0.5)) * zoom;
+    view.cy = fit->height / 2.0 - (aim[1] - (fit->height / 2.0 - 0.5)) * zoom;
+    return view;
+}
+
+/* ---- where to look ---- */
+
+/* Covered part of the square of 2 * half pixels around (x, y), from a table of sums with a border of 0. */
+static double covered_part(const uint32_t *sums, int side, int x, int y, int half) {
+    size_t row = (size_t)side + 1;
+    size_t top = (size_t)(y - half) * row, bottom = (size_t)(y + half) * row;
+    uint32_t count = sums[bottom + (size_t)(x + half)] - sums[top + (size_t)(x + half)] -
+                     sums[bottom + (size_t)(x - half)] + sums[top + (size_t)(x - half)];
+    return count / (4.0 * half * half);
+}
+
+static bool shows_silhouettes(const uint32_t *sums, int side, int x, int y) {
+    double wide = covered_part(sums, side, x, y, side / 8),
+           narrow = covered_part(sums, side, x, y, side / 32);
+    return wide >= 0.5 && wide <= 0.95 && narrow >= 0.5 && narrow <= 0.95;
+}
+
+iso_status iso_study_aim(const uint8_t *mask, int side, int aim[2], iso_error *error) {
+    size_t row = (size_t)side + 1;
+    uint32_t *sums = iso_alloc_zero(row * row, sizeof *sums);
+    if (!sums) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for aiming");
+    for (size_t y = 0; y < (size_t)side; y++)
+        for (size_t x = 0; x < (size_t)side; x++)
+            sums[(y + 1) * row + x + 1] = mask[y * (size_t)side + x] + sums[y * row + x + 1] +
+                                          sums[(y + 1) * row + x] - sums[y * row + x];
+    int nearest = INT32_MAX;
+    aim[0] = aim[1] = side / 2;
+    for (int y = side / 8; y < side - side / 8; y++)
+        for (int x = side / 8; x < side - side / 8; x++) {
+            int dx = x - side / 2, dy = y - side / 2, distance = dx * dx + dy * dy;
+            if (distance >= nearest || !mask[(size_t)y * (size_t)side + (size_t)x]) continue;
+            if (!shows_silhouettes(sums, side, x, y)) continue;
+            nearest = distance;
+            aim[0] = x;
+            aim[1] = y;
+        }
+    iso_free(sums);
+    return ISO_OK;
+}
+
+/* ---- pictures ---- */
+
+void iso_study_frame_free(iso_study_frame *frame) {
+    iso_image_free(&frame->image);
+    iso_aov_free(&frame->aov);
+    *frame = (iso_study_frame){0};
+}
+
+iso_status iso_study_frame_create(int side, bool channels, iso_study_frame *frame, iso_error *error) {
+    iso_study_frame made = {0};
+    ISO_TRY(iso_image_create(side, side, &made.image, error));
+    iso_status status = channels ? iso_aov_create(side, side, &made.aov, error) : ISO_OK;
+    if (status == ISO_OK)
+        *frame = made;
+    else
+        iso_study_frame_free(&made);
+    return status;
+}
+
+typedef struct drawing {
+    const iso_subject *subject;
+    const iso_method *method;
+} drawing;
+
+static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    const drawing *d = context;
+    iso_target target = {view, gbuffer, d->subject->pool, 0};
+    return d->method->draw(d->subject, &target, error);
+}
+
+iso_status iso_study_draw(const iso_subject *subject, const iso_method *method, const iso_view *view,
+                          const iso_study_look *look, iso_study_frame *frame, iso_error *error) {
+    assert(frame->image.width == view->width && frame->image.height == view->height);
+    drawing d = {subject, method};
+    iso_picture_opts opts = {.view = view,
+                             .width = view->width,
+                             .height = view->height,
+                             .samples = look->samples,
+                             .shading = {&look->color, 1, look->background, look->transparent},
+                             .draw = draw,
+                             .draw_context = &d,
+                             .pool = subject->pool,
+                             .aov = frame->aov.depth ? &frame->aov : NULL};
+    return iso_picture_render(&opts, &frame->image, NULL, error);
+}
+
+iso_compare_picture iso_study_picture(const iso_study_frame *frame) {
+    return (iso_compare_picture){.width = frame->image.width,
+                                 .height = frame->image.height,
+                                 .rgba = frame->image.rgba,
+                                 .depth = frame->aov.depth,
+                                 .normal = {frame->aov.normal[0], frame->aov.normal[1], frame->aov.normal[2]},
+                                 .coverage = frame->aov.coverage};
+}
+
+static float clamp_255(float value) {
+    return value < 0 ? 0 : value > 255 ? 255 : value;
+}
+
+/* Cosine between a pixel's normal and the direction to the eye. */
+static float facing(const iso_study_frame *frame, const iso_view *view, int x, int y) {
+    size_t i = (size_t)y * (size_t)view->width + (size_t)x;
+    float *const *n = frame->aov.normal;
+    iso_vec3 origin, ray;
+    iso_view_ray(view, x + 0.5, y + 0.5, &origin, &ray);
+    float cosine = (float)fabs(iso_vec3_dot(iso_vec3_unit(ray), iso_vec3_make(n[0][i], n[1][i], n[2][i])));
+    return cosine < 1 ? cosine : 1;
+}
+
+void iso_study_light(const iso_study_frame *frame, const iso_view *view, const iso_study_look *look,
+                     float *color) {
+    const float base[3] = {look->color.r, look->color.g, look->color.b};
+    const float background[3] = {look->background.r, look->background.g, look->background.b};
+    for (int y = 0; y < view->height; y++)
+        for (int x = 0; x < view->width; x++, color += 3) {
+            if (frame->aov.coverage[(size_t)y * (size_t)view->width + (size_t)x] == 0) {
+                memcpy(color, background, sizeof background);
+                continue;
+            }
+            float cosine = facing(frame, view, x, y), power8 = cosine;
+            for (int i = 0; i < 3; i++) power8 *= power8;
+            float power32 = power8 * power8 * power8 * power8, shine = 0.3f * 255 * power8 * power32;
+            for (int c = 0; c < 3; c++) color[c] = clamp_255(base[c] * (0.15f + 0.8f * cosine) + shine);
+        }
+}
+
+double iso_study_change(const iso_study_frame *a, const iso_study_frame *b) {
+    size_t count = (size_t)a->image.width * (size_t)a->image.height, pixels = 0;
+    uint64_t sum = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (a->aov.coverage[i] < 0.5f && b->aov.coverage[i] < 0.5f) continue;
+        pixels++;
+        for (size_t c = 0; c < 3; c++)
+            sum += (uint64_t)abs(a->image.rgba[4 * i + c] - b->image.rgba[4 * i + c]);
+    }
+    return pixels ? (double)sum / (3.0 * (double)pixels) : NAN;
+}

@@ -1,0 +1,116 @@
+#include "image/png_pack.h"
+
+#include <string.h>
+#include <zlib.h>
+
+#include "base/memory.h"
+
+enum {
+    BAND_BYTES =
+        1 << 17,  /* of pixels: small enough for many threads, large beside what a band's start costs */
+    SLACK = 64,   /* of a part, for the stream's header and checksum and for flushing */
+    FILTER_UP = 2 /* PNG's number of the filter */
+};
+
+static int channels_of(const iso_png_packer *packer) {
+    return packer->opaque ? 3 : 4;
+}
+
+static int band_rows(const iso_png_packer *packer) {
+    int rows = BAND_BYTES / (packer->image->width * channels_of(packer));
+    return rows ? rows : 1;
+}
+
+static size_t row_bytes(const iso_png_packer *packer) {
+    return 1 + (size_t)packer->image->width * (size_t)channels_of(packer);
+}
+
+/* A row less the one above it: pictures of surfaces are smooth, and rows of background become zeros. */
+static void filter_row(const iso_png_packer *packer, int y, uint8_t *out) {
+    size_t width = (size_t)packer->image->width;
+    const uint8_t *row = packer->image->rgba + (size_t)y * width * 4, *above = row - width * 4;
+    *out++ = FILTER_UP;
+    if (packer->opaque && y > 0)
+        for (size_t x = 0; x < width; x++)
+            for (int c = 0; c < 3; c++) out[3 * x + c] = (uint8_t)(row[4 * x + c] - above[4 * x + c]);
+    else if (packer->opaque)
+        for (size_t x = 0; x < width; x++) memcpy(out + 3 * x, row + 4 * x, 3);
+    else if (y > 0)
+        for (size_t i = 0; i < 4 * width; i++) out[i] = (uint8_t)(row[i] - above[i]);
+    else
+        memcpy(out, row, 4 * width);
+}
+
+/* Filters and deflates rows first .. end - 1 through `filtered`, which holds one. Level 1 with run lengths:
+ * most of the gain is in the filter, and searching for longer matches costs more than the render. */
+static bool deflate_rows(const iso_png_packer *packer, int first, int end, uint8_t *filtered,
+                         iso_png_part *part) {
+    z_stream z = {0};
+    if (deflateInit2(&z, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_RLE) != Z_OK) return false;
+    size_t bytes = row_bytes(packer), room = deflateBound(&z, bytes * (size_t)(end - first)) + SLACK;
+    part->bytes = iso_alloc(room);
+    part->checksum = (uint32_t)adler32(0, NULL, 0);
+    if (part->bytes && first == 0) memcpy(part->bytes, "\x78\x01", part->size = 2);
+    z.next_out = part->bytes + part->size;
+    z.avail_out = (uInt)(room - part->size);
+    int code = part->bytes ? Z_OK : Z_MEM_ERROR;
+    for (int y = first; y < end && code == Z_OK; y++) {
+        filter_row(packer, y, filtered);
+        part->checksum = (uint32_t)adler32(part->checksum, filtered, (uInt)bytes);
+        z.next_in = filtered;
+        z.avail_in = (uInt)bytes;
+        bool last = y == packer->image->height - 1;
+        code = deflate(&z, last ? Z_FINISH : y == end - 1 ? Z_SYNC_FLUSH : Z_NO_FLUSH);
+    }
+    part->size += z.total_out;
+    deflateEnd(&z);
+    return code == Z_OK || code == Z_STREAM_END;
+}
+
+static void pack_band(void *context, size_t index, int worker) {
+    (void)worker;
+    iso_png_packer *packer = context;
+    int rows = band_rows(packer), first = packer->next_row + (int)index * rows;
+    int left = packer->image->height - first;
+    uint8_t *filtered = iso_alloc(row_bytes(packer));
+    iso_png_part *part = &packer->parts[index];
+    part->failed =
+        !filtered || !deflate_rows(packer, first, first + (left < rows ? left : rows), filtered, part);
+    iso_free(filtered);
+}
+
+/* The stream ends with the checksum of all that it holds. */
+static void end_stream(iso_png_packer *packer) {
+    iso_png_part *last = &packer->parts[packer->part_count - 1];
+    for (int shift = 24; shift >= 0; shift -= 8)
+        last->bytes[last->size++] = (uint8_t)(packer->checksum >> shift);
+}
+
+static void free_parts(iso_png_packer *packer) {
+    for (int i = 0; i < packer->part_count; i++) iso_free(packer->parts[i].bytes);
+    memset(packer->parts, 0, sizeof packer->parts);
+    packer->part_count = 0;
+}
+
+iso_status iso_png_pack(iso_png_packer *packer) {
+    free_parts(packer);
+    int height = packer->image->height, rows = band_rows(packer), left = height - packer->next_row;
+    int bands = (left + rows - 1) / rows;
+    packer->part_count = bands < ISO_PNG_ROUND ? bands : ISO_PNG_ROUND;
+    if (packer->next_row == 0) packer->checksum = (uint32_t)adler32(0, NULL, 0);
+    iso_parallel_for(packer->pool, (size_t)packer->part_count, pack_band, packer);
+    for (int i = 0; i < packer->part_count; i++) {
+        if (packer->parts[i].failed) return ISO_ERR_NOMEM;
+        int count = height - packer->next_row < rows ? height - packer->next_row : rows;
+        size_t bytes = row_bytes(packer) * (size_t)count;
+        packer->checksum =
+            (uint32_t)adler32_combine(packer->checksum, packer->parts[i].checksum, (z_off_t)bytes);
+        packer->next_row += count;
+    }
+    if (packer->part_count && packer->next_row == height) end_stream(packer);
+    return ISO_OK;
+}
+
+void iso_png_packer_free(iso_png_packer *packer) {
+    free_parts(packer);
+}

@@ -1,0 +1,285 @@
+#include "render/point_blocks.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "base/point_bounds.h"
+
+enum {
+    BLOCK_POINTS = 4096,
+    CHUNK_BLOCKS = 512, /* one task's */
+    FAR_ROW = 1 << 28   /* rows beyond are as good as it */
+};
+
+/* Points this many projected radii beyond the picture's sides still matter. */
+static const double GUARD_RADII = 1.1;
+
+/* What one task found out about its blocks. */
+typedef struct chunk {
+    size_t seen;
+    float radius[2];
+    double lo[3], hi[3]; /* view space */
+} chunk;
+
+typedef struct survey {
+    const iso_point_view *points;
+    const iso_projector *projector;
+    double eye[3]; /* in index coordinates, or (orthographic) the direction of the view */
+    iso_point_block *blocks;
+    chunk *chunks;
+    size_t count;
+} survey;
+
+/* Ranges in view space: of a block's centres, and of its discs' radii in mm. */
+typedef struct extent {
+    double lo[3], hi[3];
+    double radius[2];
+} extent;
+
+/* (not fmin and fmax, which are calls) */
+static double least(double a, double b) {
+    return a < b ? a : b;
+}
+
+static double most(double a, double b) {
+    return a > b ? a : b;
+}
+
+static void radius_range(const iso_point_view *points, const iso_point_block *block, double range[2]) {
+    range[0] = range[1] = ISO_DISC_RADII * most(points->radius, 0);
+    if (!points->radii) return;
+    range[0] = DBL_MAX;
+    range[1] = 0;
+    for (size_t i = block->first; i < block->first + block->count; i++) {
+        double radius = ISO_DISC_RADII * most((double)points->radii[i], 0);
+        range[0] = least(range[0], radius);
+        range[1] = most(range[1], radius);
+    }
+}
+
+/* False when there is no point in the block. */
+static bool block_extent(const survey *s, const iso_point_block *block, const iso_point_bounds *bounds,
+                         extent *out) {
+    if (!(bounds->lo[0] <= bounds->hi[0])) return false;
+    double center[3], half[3];
+    for (int k = 0; k < 3; k++) {
+        double lo = bounds->lo[k], hi = bounds->hi[k];
+        center[k] = block->brick[k] * (double)ISO_BRICK + (lo + hi) / 2;
+        half[k] = (hi - lo) / 2;
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        const double *m = s->projector->matrix + 3 * axis;
+        double at = m[0] * center[0] + m[1] * center[1] + m[2] * center[2] + s->projector->origin[axis];
+        double reach = fabs(m[0]) * half[0] + fabs(m[1]) * half[1] + fabs(m[2]) * half[2];
+        out->lo[axis] = at - reach;
+        out->hi[axis] = at + reach;
+    }
+    radius_range(s->points, block, out->radius);
+    return true;
+}
+
+/* The sides of the whole picture, in pixels from the optical axis: left, right or top, bottom. */
+static void picture_side(const iso_view *view, int axis, double side[2]) {
+    side[0] = axis == 0 ? -view->cx : -view->above - view->cy;
+    side[1] = axis == 0 ? view->width - view->cx : view->height + view->below - view->cy;
+}
+
+/* The least depth at which something of [lo, hi], widened by the radii, is between the sides; `near` at
+ * least. */
+static double nearest_depth(const iso_view *view, const extent *e, double near) {
+    double nearest = near, widen = GUARD_RADII * e->radius[1];
+    for (int axis = 0; axis < 2; axis++) {
+        double side[2];
+        picture_side(view, axis, side);
+        double lo = (e->lo[axis] - widen) * view->focal, hi = (e->hi[axis] + widen) * view->focal;
+        if (side[1] > 0 && lo > nearest * side[1]) nearest = lo / side[1];
+        if (side[0] < 0 && hi < nearest * side[0]) nearest = hi / side[0];
+    }
+    return nearest;
+}
+
+/* Whether [lo, hi], widened by the radii, comes between the picture's sides on this axis, at scales (pixels
+ * per mm) of the nearest and the farthest; its range of pixels without the radii goes to `pixels`. */
+static bool meets_sides(const iso_view *view, const extent *e, int axis, const double scale[2],
+                        double pixels[2]) {
+    double side[2], lo = e->lo[axis], hi = e->hi[axis], widen = GUARD_RADII * e->radius[1];
+    picture_side(view, axis, side);
+    pixels[0] = lo * scale[lo < 0 ? 0 : 1];
+    pixels[1] = hi * scale[hi > 0 ? 0 : 1];
+    lo -= widen;
+    hi += widen;
+    return lo * scale[lo < 0 ? 0 : 1] < side[1] && hi * scale[hi > 0 ? 0 : 1] > side[0];
+}
+
+static int32_t whole_row(double row) {
+    row = floor(row);
+    return (int32_t)(row < -FAR_ROW ? -FAR_ROW : row > FAR_ROW ? FAR_ROW : row);
+}
+
+static void look(const iso_view *view, const extent *e, iso_point_block *block) {
+    if (!(e->hi[2] >= view->near)) return;
+    double scale[2] = {view->focal, view->focal}, columns[2], rows[2];
+    if (!view->orthographic) {
+        double near = nearest_depth(view, e, most(e->lo[2], view->near));
+        if (!(near <= e->hi[2])) return;
+        scale[0] /= near;
+        scale[1] /= e->hi[2];
+    }
+    if (!meets_sides(view, e, 0, scale, columns) || !meets_sides(view, e, 1, scale, rows)) return;
+    block->seen = true;
+    block->row[0] = whole_row(rows[0] - 1);
+    block->row[1] = whole_row(rows[1] + 1);
+    block->radius[0] = (float)(e->radius[0] * scale[1]);
+    block->radius[1] = (float)(e->radius[1] * scale[0]);
+}
+
+/* Where normal . (position - eye) lies, from the boxes around both, widened by far more than a point's own
+ * test can err: then a block's answer is what each of its points would say. */
+static void face(const survey *s, const iso_point_bounds *bounds, iso_point_block *block) {
+    bool orthographic = s->projector->view->orthographic;
+    double lowest = 0, highest = 0, size = 0;
+    for (int k = 0; k < 3; k++) {
+        double corner = block->brick[k] * (double)ISO_BRICK - s->eye[k];
+        double lo = orthographic ? s->eye[k] : corner + bounds->lo[k];
+        double hi = orthographic ? s->eye[k] : corner + bounds->hi[k];
+        double a = lo * bounds->normal_lo[k], b = lo * bounds->normal_hi[k], c = hi * bounds->normal_lo[k],
+               d = hi * bounds->normal_hi[k];
+        lowest += least(least(a, b), least(c, d));
+        highest += most(most(a, b), most(c, d));
+        size += most(fabs(lo), fabs(hi));
+    }
+    block->averted = lowest > 1e-5 * size;
+    block->facing = highest < -1e-5 * size;
+}
+
+/* Without bounds, packed points can be anywhere in [-2, 18) and face anywhere; floats are looked at. */
+static iso_point_bounds bounds_of(const iso_point_view *points, const iso_point_block *block) {
+    if (points->bounds) return points->bounds[block->span];
+    iso_point_bounds bounds = {{-2, -2, -2}, {18, 18, 18}, {-1, -1, -1}, {1, 1, 1}};
+    if (points->surfels) iso_point_bounds_find(points, block->first, block->count, &bounds);
+    return bounds;
+}
+
+static void survey_chunk(void *context, size_t index, int worker) {
+    (void)worker;
+    const survey *s = context;
+    chunk found = {
+        .radius = {FLT_MAX, 0}, .lo = {DBL_MAX, DBL_MAX, DBL_MAX}, .hi = {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
+    size_t end = (index + 1) * CHUNK_BLOCKS;
+    for (size_t i = index * CHUNK_BLOCKS; i < end && i < s->count; i++) {
+        iso_point_block *block = &s->blocks[i];
+        iso_point_bounds bounds = bounds_of(s->points, block);
+        extent e;
+        block->seen = block->averted = block->facing = false;
+        if (!block_extent(s, block, &bounds, &e)) continue;
+        for (int axis = 0; axis < 3; axis++) {
+            found.lo[axis] = least(found.lo[axis], e.lo[axis]);
+            found.hi[axis] = most(found.hi[axis], e.hi[axis]);
+        }
+        look(s->projector->view, &e, block);
+        if (!block->seen) continue;
+        if (s->points->closed) face(s, &bounds, block);
+        found.seen++;
+        if (block->radius[0] < found.radius[0]) found.radius[0] = block->radius[0];
+        if (block->radius[1] > found.radius[1]) found.radius[1] = block->radius[1];
+    }
+    s->chunks[index] = found;
+}
+
+static void sum_up(iso_point_blocks *blocks, const chunk *chunks, size_t count) {
+    double lo[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, hi[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX};
+    blocks->seen = 0;
+    blocks->radius[0] = FLT_MAX;
+    blocks->radius[1] = 0;
+    for (size_t i = 0; i < count; i++) {
+        blocks->seen += chunks[i].seen;
+        blocks->radius[0] = fminf(blocks->radius[0], chunks[i].radius[0]);
+        blocks->radius[1] = fmaxf(blocks->radius[1], chunks[i].radius[1]);
+        for (int axis = 0; axis < 3; axis++) {
+            lo[axis] = least(lo[axis], chunks[i].lo[axis]);
+            hi[axis] = most(hi[axis], chunks[i].hi[axis]);
+        }
+    }
+    blocks->around_eye = true;
+    for (int axis = 0; axis < 3; axis++) blocks->around_eye &= lo[axis] <= 0 && hi[axis] >= 0;
+}
+
+static size_t count_blocks(const iso_point_view *points) {
+    size_t count = 0;
+    for (size_t s = 0; s < points->span_count; s++)
+        count += ((size_t)points->spans[s].count + BLOCK_POINTS - 1) / BLOCK_POINTS;
+    return count;
+}
+
+static void cut(const iso_point_view *points, iso_point_block *block) {
+    for (size_t s = 0; s < points->span_count; s++) {
+        const iso_point_span *span = &points->spans[s];
+        for (uint32_t done = 0; done < span->count; block++) {
+            uint32_t left = span->count - done;
+            block->count = left < BLOCK_POINTS ? left : BLOCK_POINTS;
+            block->first = span->first + done;
+            block->span = s;
+            memcpy(block->brick, span->brick, sizeof block->brick);
+            done += block->count;
+        }
+    }
+}
+
+iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view *points,
+                                 const iso_projector *projector, iso_pool *pool, iso_error *error) {
+    size_t count = count_blocks(points), chunks = (count + CHUNK_BLOCKS - 1) / CHUNK_BLOCKS;
+    ISO_TRY(iso_buffer_reserve(&blocks->blocks, count * sizeof(iso_point_block), 0, error));
+    ISO_TRY(iso_buffer_reserve(&blocks->chunks, chunks * sizeof(chunk), 0, error));
+    blocks->count = count;
+    cut(points, blocks->blocks.data);
+    survey s = {.points = points,
+                .projector = projector,
+                .blocks = blocks->blocks.data,
+                .chunks = blocks->chunks.data,
+                .count = count};
+    iso_projector_eye(projector, &points->transform, s.eye);
+    iso_parallel_for(pool, chunks, survey_chunk, &s);
+    sum_up(blocks, s.chunks, chunks);
+    return ISO_OK;
+}
+
+/* Bands first .. last that the block's rows are in; none when first > last. */
+static iso_rows bands_of(const iso_point_block *block, bool cull, double first_row, int base, int band_rows,
+                         int bands) {
+    double size = (double)band_rows * (1 << base);
+    double first = floor((block->row[0] - first_row) / size),
+           last = floor((block->row[1] - first_row) / size);
+    if (!block->seen || (cull && block->averted) || first >= bands || last < 0) return (iso_rows){0, -1};
+    return (iso_rows){first < 0 ? 0 : (int)first, last >= bands ? bands - 1 : (int)last};
+}
+
+iso_status iso_point_blocks_deal(iso_point_blocks *blocks, const iso_view *view, const iso_pyramid *pyramid,
+                                 int band_rows, bool cull, iso_error *error) {
+    const int base = pyramid->shape.base, rows = pyramid->level[base].height;
+    const int bands = (rows + band_rows - 1) / band_rows;
+    const double first_row = pyramid->shape.row - view->cy; /* from the optical axis */
+    const iso_point_block *block = blocks->blocks.data;
+    ISO_TRY(iso_buffer_reserve(&blocks->start, ((size_t)bands + 2) * sizeof(size_t), 0, error));
+    size_t *start = blocks->start.data;
+    memset(start, 0, ((size_t)bands + 2) * sizeof(size_t));
+    for (size_t i = 0; i < blocks->count; i++) {
+        iso_rows in = bands_of(&block[i], cull, first_row, base, band_rows, bands);
+        for (int b = in.first; b <= in.last; b++) start[b + 2]++;
+    }
+    for (int b = 0; b < bands; b++) start[b + 2] += start[b + 1];
+    ISO_TRY(iso_buffer_reserve(&blocks->order, (start[bands + 1] + 1) * sizeof(uint32_t), 0, error));
+    uint32_t *order = blocks->order.data;
+    for (size_t i = 0; i < blocks->count; i++) {
+        iso_rows in = bands_of(&block[i], cull, first_row, base, band_rows, bands);
+        for (int b = in.first; b <= in.last; b++) order[start[b + 1]++] = (uint32_t)i;
+    }
+    return ISO_OK;
+}
+
+void iso_point_blocks_free(iso_point_blocks *blocks) {
+    iso_buffer_free(&blocks->blocks);
+    iso_buffer_free(&blocks->chunks);
+    iso_buffer_free(&blocks->order);
+    iso_buffer_free(&blocks->start);
+    *blocks = (iso_point_blocks){0};
+}

@@ -1,0 +1,49 @@
+/* point_blocks: points cut into blocks that are culled and dealt out to bands of rows together. Internal to
+ * render. */
+#ifndef ISO_RENDER_POINT_BLOCKS_H
+#define ISO_RENDER_POINT_BLOCKS_H
+
+#include "base/memory.h"
+#include "render/project.h"
+#include "render/pyramid.h"
+
+/* The radius of a point's disc, in the point's own radii: discs that only just meet leave holes. */
+#define ISO_DISC_RADII 1.25f
+
+/* A span, or a part of a long one. */
+typedef struct iso_point_block {
+    int32_t brick[3];
+    uint32_t count;
+    size_t first;
+    size_t span;
+    /* In this view: */
+    bool averted, facing; /* all its points face away from the eye, or to it */
+    bool seen;            /* by the whole picture or the points' radii around it */
+    int32_t row[2];       /* first and last pixel row of its points' centres, counted from the optical axis */
+    float radius[2];      /* smallest and largest projected radius of discs that may be seen, pixels */
+} iso_point_block;
+
+typedef struct iso_point_blocks {
+    iso_buffer blocks, chunks;
+    size_t count;
+    /* Of the blocks seen: */
+    size_t seen;
+    float radius[2];
+    bool around_eye; /* the eye is inside the box around all blocks, seen or not */
+    /* Blocks by band: those of band b are order[start[b]] .. order[start[b + 1] - 1]. */
+    iso_buffer order, start;
+} iso_point_blocks;
+
+/* Cuts the points into blocks and looks at each from the view. The same for every strip of a picture.
+ * ISO_ERR_NOMEM. */
+iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view *points,
+                                 const iso_projector *projector, iso_pool *pool, iso_error *error);
+
+/* Deals the blocks seen (averted ones too unless `cull`) out to bands of `band_rows` rows of the pyramid's
+ * base level. ISO_ERR_NOMEM. */
+iso_status iso_point_blocks_deal(iso_point_blocks *blocks, const iso_view *view, const iso_pyramid *pyramid,
+                                 int band_rows, bool cull, iso_error *error);
+
+void iso_point_blocks_free(iso_point_blocks *blocks);
+
+#endif

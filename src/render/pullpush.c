@@ -1,0 +1,312 @@
+#include "render/pullpush.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "render/pullpush_kernel.h"
+
+enum {
+    BAND_BYTES = 1 << 20, /* of keys that one thread works on: what a second-level cache holds */
+    BAND_ROWS_LEAST = 16,
+    BAND_ROWS_MOST = 128,
+    TASK_PIXELS = 1 << 15, /* of a level, for one task */
+    FEW_PIXELS = 1 << 13   /* not worth waking threads */
+};
+
+/* Pixels^2 of the screen-space filter. */
+static const float LOW_PASS = 0.5f;
+/* The smallest projected radius that points may have in pixels of their level. */
+static const float BASE_RADIUS = 8;
+/* exp(-2 q) for q in 0 .. 1, within 0.0025. */
+static const float GAUSSIAN[4] = {1, -1.9457733f, 1.6291067f, -0.5504321f};
+static const float BOX[4] = {1, 0, 0, 0};
+
+struct iso_pullpush {
+    iso_point_blocks blocks;
+    iso_pyramid pyramid;
+};
+
+/* One call. */
+typedef struct frame {
+    const iso_target *target;
+    const iso_point_view *points;
+    const iso_pullpush_kernel *kernel;
+    iso_projector projector;
+    iso_point_blocks *blocks;
+    iso_pyramid *pyramid;
+    iso_point_projection projection;
+    iso_reconstruction_job job;
+    int band_rows, band_levels;       /* levels that a band of the base level pulls by itself */
+    int level, task_rows, level_rows; /* the step at hand */
+} frame;
+
+/* ---- preparation */
+
+/* Levels up to which a disc of `radius` pixels matters: until its low-passed radius is half a pixel. */
+static int top_level(float radius) {
+    float square = radius * radius + LOW_PASS;
+    int top = 1;
+    while (top < ISO_PYRAMID_TOP && square > 0.25f * (float)(1 << 2 * top)) top++;
+    return top;
+}
+
+/* The level at which discs of `radius` pixels are still well apart. */
+static int base_level(float radius, int top) {
+    int base = 0;
+    while (base < top - 1 && radius >= BASE_RADIUS * (float)(2 << base)) base++;
+    return base;
+}
+
+static void set_up_projection(frame *f, bool cull) {
+    const iso_view *view = f->target->view;
+    const iso_pyramid_shape *shape = &f->pyramid->shape;
+    const double pixel = 1.0 / (1 << shape->base), step = f->points->packed ? 20.0 / 16384 : 1;
+    iso_point_projection *p = &f->projection;
+    *p = (iso_point_projection){.points = f->points,
+                                .pyramid = f->pyramid,
+                                .cull = cull,
+                                .orthographic = view->orthographic,
+                                .near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near,
+                                .low = f->points->packed ? -2 : 0,
+                                .per_voxel = 1 / step,
+                                .rows_before = shape->rows_before >> shape->base};
+    for (int row = 0; row < 3; row++) {
+        double scale = row < 2 ? view->focal * pixel : 1;
+        p->origin[row] = f->projector.origin[row] * scale;
+        for (int k = 0; k < 3; k++) {
+            p->matrix[3 * row + k] = f->projector.matrix[3 * row + k] * scale;
+            p->step[3 * row + k] = (float)(p->matrix[3 * row + k] * step);
+        }
+    }
+    iso_projector_eye(&f->projector, &f->points->transform, p->eye);
+    /* counted from the whole frame, so that strips round alike */
+    p->column = (float)((view->cx - shape->column) * pixel);
+    p->row = (float)((view->cy - shape->row + shape->rows_before) * pixel);
+}
+
+static void set_up_job(frame *f, iso_reconstruction reconstruction, bool two_sided) {
+    const iso_view *view = f->target->view;
+    const iso_pyramid_shape *shape = &f->pyramid->shape;
+    f->job = (iso_reconstruction_job){
+        .pyramid = f->pyramid,
+        .target = f->target,
+        .radius = f->points->radius > 0 ? ISO_DISC_RADII * (float)f->points->radius : 0,
+        .scale = (float)view->focal,
+        .orthographic = view->orthographic,
+        .two_sided = two_sided,
+        .ray = {(float)(view->cx - shape->column), (float)(view->cy - shape->row)},
+        .slope = view->orthographic ? 0 : (float)(1 / view->focal),
+        .low_pass = LOW_PASS};
+    memcpy(f->job.normal, f->projector.normal, sizeof f->job.normal);
+    memcpy(f->job.weight, reconstruction == ISO_RECONSTRUCTION_BOX ? BOX : GAUSSIAN, sizeof f->job.weight);
+}
+
+static void choose_bands(frame *f) {
+    size_t row = f->pyramid->key_stride * sizeof(int64_t);
+    int most = f->pyramid->shape.top - f->pyramid->shape.base;
+    f->band_rows = BAND_ROWS_LEAST;
+    f->band_levels = 4;
+    while (f->band_rows < BAND_ROWS_MOST && (size_t)f->band_rows * 2 * row <= BAND_BYTES) {
+        f->band_rows *= 2;
+        f->band_levels++;
+    }
+    if (f->band_levels > most) f->band_levels = most;
+}
+
+static iso_status prepare(frame *f, iso_reconstruction reconstruction, iso_error *error) {
+    const iso_view *view = f->target->view;
+    int top = top_level(f->blocks->radius[1]), base = base_level(f->blocks->radius[0], top);
+    bool cull = f->points->closed && !f->blocks->around_eye;
+    iso_pyramid_shape shape = iso_pyramid_shape_of(view, base, top);
+    if (f->points->radii) shape.planes |= 1u << ISO_PLANE_RADIUS;
+    if (f->points->colors) shape.planes |= 7u << ISO_PLANE_RED;
+    shape.indexed = shape.planes != 0;
+    ISO_TRY(iso_pyramid_reshape(f->pyramid, &shape, error));
+    choose_bands(f);
+    set_up_projection(f, cull);
+    set_up_job(f, reconstruction, !cull);
+    return iso_point_blocks_deal(f->blocks, view, f->pyramid, f->band_rows, cull, error);
+}
+
+/* ---- the steps, by rows */
+
+static iso_rows rows_within(int first, int count, int height) {
+    return (iso_rows){first, first + count <= height ? first + count - 1 : height - 1};
+}
+
+/* The beginning of the next block into the cache; the rest is fetched as it is read. */
+static void fetch_block(const frame *f, const iso_point_block *block) {
+    if (!f->points->packed) return;
+    const char *start = (const char *)(f->points->packed + block->first);
+    for (int line = 0; line < 8; line++) __builtin_prefetch(start + 64 * line);
+}
+
+static void project_band(const frame *f, size_t band, iso_rows rows) {
+    const iso_pyramid *p = f->pyramid;
+    const size_t *start = f->blocks->start.data;
+    const uint32_t *order = f->blocks->order.data;
+    const iso_point_block *block = f->blocks->blocks.data;
+    int height = p->level[p->shape.base].height;
+    /* and, after the last, the row that makes their number even */
+    size_t count = (size_t)(rows.last - rows.first + 1 + (rows.last == height - 1)) * p->key_stride;
+    int64_t *keys = p->keys + (size_t)rows.first * p->key_stride;
+    for (size_t i = 0; i < count; i++) keys[i] = ISO_KEY_NONE;
+    for (size_t i = start[band]; i < start[band + 1]; i++) {
+        if (i + 1 < start[band + 1]) fetch_block(f, &block[order[i + 1]]);
+        f->kernel->project(&f->projection, &block[order[i]], rows);
+    }
+}
+
+/* What the band's points have besides their keys, from their numbers. */
+static void fetch_attributes(const frame *f, iso_rows rows) {
+    const iso_pyramid *p = f->pyramid;
+    const iso_pyramid_level *level = &p->level[p->shape.base];
+    for (int y = rows.first; y <= rows.last; y++) {
+        const int64_t *keys = p->keys + (size_t)y * p->key_stride;
+        const int32_t *index = p->index + (size_t)y * p->key_stride;
+        for (int x = 0; x < level->width; x++) {
+            if (keys[x] == ISO_KEY_NONE) continue;
+            size_t at = (size_t)y * level->stride + (size_t)x, point = (size_t)index[x];
+            if (f->points->radii)
+                level->plane[ISO_PLANE_RADIUS][at] = ISO_DISC_RADII * fmaxf(f->points->radii[point], 0);
+            for (int k = 0; f->points->colors && k < 3; k++)
+                level->plane[ISO_PLANE_RED + k][at] = f->points->colors[point][k];
+        }
+    }
+}
+
+/* A band of the base level, and what it covers of the levels above as far as that is whole rows. */
+static void do_band(void *context, size_t band, int worker) {
+    (void)worker;
+    const frame *f = context;
+    const iso_pyramid *p = f->pyramid;
+    int base = p->shape.base;
+    iso_rows rows = rows_within((int)band * f->band_rows, f->band_rows, p->level[base].height);
+    project_band(f, band, rows);
+    if (p->index) fetch_attributes(f, rows);
+    if (base > 0) f->kernel->unpack(&f->job, rows);
+    for (int i = 1; i <= f->band_levels; i++) {
+        const iso_pyramid_level *level = &p->level[base + i];
+        f->kernel->pull(&f->job, base + i,
+                        rows_within((int)band * (f->band_rows >> i), f->band_rows >> i, level->height));
+    }
+}
+
+static void pull_rows(void *context, size_t index, int worker) {
+    (void)worker;
+    const frame *f = context;
+    f->kernel->pull(&f->job, f->level, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
+}
+
+static void shape_rows(void *context, size_t index, int worker) {
+    (void)worker;
+    const frame *f = context;
+    f->kernel->ellipses(&f->job, f->level,
+                        rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
+}
+
+static void push_rows(void *context, size_t index, int worker) {
+    (void)worker;
+    const frame *f = context;
+    f->kernel->push(&f->job, f->level, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
+}
+
+/* Rows of level 1 are needed as soon as they and their neighbours are there, so that they are still in the
+ * cache: those inside a task by the task, the ones between tasks afterwards. */
+static void push_and_finish(void *context, size_t index, int worker) {
+    (void)worker;
+    const frame *f = context;
+    iso_rows rows = rows_within((int)index * f->task_rows, f->task_rows, f->level_rows);
+    int ready = 2 * rows.first, end = f->pyramid->level[1].height;
+    for (int y = rows.first; y <= rows.last; y++) {
+        f->kernel->push(&f->job, 2, (iso_rows){y, y});
+        int last = 2 * y + 2 < end ? 2 * y : end - 2;
+        f->kernel->finish(&f->job, (iso_rows){ready + 1, last});
+        ready = last;
+    }
+}
+
+static void finish_between(void *context, size_t index, int worker) {
+    (void)worker;
+    const frame *f = context;
+    int first = 2 * (int)index * f->task_rows, end = f->pyramid->level[1].height;
+    iso_rows rows = rows_within(2 * (int)index * f->task_rows, 2 * f->task_rows, end);
+    f->kernel->finish(&f->job, (iso_rows){rows.first, rows.first});
+    if (rows.last > first) f->kernel->finish(&f->job, (iso_rows){rows.last, rows.last});
+}
+
+static void finish_rows(void *context, size_t index, int worker) {
+    (void)worker;
+    const frame *f = context;
+    f->kernel->finish(&f->job, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
+}
+
+/* Runs a step over all rows of a level. */
+static void for_level(frame *f, int number, iso_task *task) {
+    const iso_pyramid_level *level = &f->pyramid->level[number];
+    size_t pixels = level->stride * (size_t)level->height;
+    f->level = number;
+    f->level_rows = level->height;
+    f->task_rows = (int)(TASK_PIXELS / level->stride) + 1;
+    int tasks = (level->height + f->task_rows - 1) / f->task_rows;
+    iso_parallel_for(pixels > FEW_PIXELS ? f->target->pool : NULL, (size_t)tasks, task, f);
+}
+
+static void reconstruct(frame *f) {
+    const iso_pyramid_shape *shape = &f->pyramid->shape;
+    int bands = (f->pyramid->level[shape->base].height + f->band_rows - 1) / f->band_rows;
+    iso_parallel_for(f->target->pool, (size_t)bands, do_band, f);
+    for (int level = shape->base + f->band_levels + 1; level <= shape->top; level++)
+        for_level(f, level, pull_rows);
+    for_level(f, shape->top, shape_rows);
+    for (int level = shape->top; level > 2; level--) for_level(f, level, push_rows);
+    if (shape->top == 1) {
+        for_level(f, 1, finish_rows);
+    } else {
+        for_level(f, 2, push_and_finish);
+        for_level(f, 2, finish_between);
+    }
+}
+
+/* ---- the interface */
+
+iso_status iso_pullpush_create(iso_pullpush **pullpush, iso_error *error) {
+    iso_pullpush *made = iso_alloc_zero(1, sizeof *made);
+    if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for pull-push");
+    *pullpush = made;
+    return ISO_OK;
+}
+
+void iso_pullpush_destroy(iso_pullpush *pullpush) {
+    if (!pullpush) return;
+    iso_point_blocks_free(&pullpush->blocks);
+    iso_pyramid_free(&pullpush->pyramid);
+    iso_free(pullpush);
+}
+
+static iso_status draw(iso_pullpush *workspace, const iso_target *target, const iso_point_view *points,
+                       iso_reconstruction reconstruction, iso_error *error) {
+    frame f = {.target = target,
+               .points = points,
+               .kernel = iso_pullpush_kernel_get(iso_cpu_best()),
+               .projector = iso_projector_make(target->view, &points->transform),
+               .blocks = &workspace->blocks,
+               .pyramid = &workspace->pyramid};
+    ISO_TRY(iso_point_blocks_make(f.blocks, points, &f.projector, target->pool, error));
+    if (f.blocks->seen == 0) return ISO_OK;
+    if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
+    ISO_TRY(prepare(&f, reconstruction, error));
+    reconstruct(&f);
+    return ISO_OK;
+}
+
+iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *points,
+                             const iso_pullpush_opts *opts, iso_error *error) {
+    assert(target->view->width == target->gbuffer->width && target->view->height == target->gbuffer->height);
+    iso_pullpush once = {0}, *workspace = opts && opts->workspace ? opts->workspace : &once;
+    iso_status status =
+        draw(workspace, target, points, opts ? opts->reconstruction : ISO_RECONSTRUCTION_AUTO, error);
+    iso_point_blocks_free(&once.blocks);
+    iso_pyramid_free(&once.pyramid);
+    return status;
+}

@@ -1,0 +1,74 @@
+#include "truth/exact_kernel.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Steps that are large, or that gcc 12 should not analyse together with their callers. */
+#ifdef __clang__
+#define ISO_EXACT_STEP __attribute__((noinline))
+#else
+#define ISO_EXACT_STEP __attribute__((noipa))
+#endif
+
+/* How much larger than [-1, 1] cells are taken to be, so that rounding leaves no gaps between them: 5e-6
+ * voxel. Next to the eye rays are known less well. */
+#define ISO_EXACT_WIDER 1e-5f
+#define ISO_EXACT_WIDER_NEAR 4e-5f
+
+/* Pixels of a cell's box from which on it does not pay to fill its last vector from other cells. */
+#define ISO_EXACT_ALONE 32
+
+enum { RECORD_FLOATS = sizeof(iso_exact_record) / sizeof(float) };
+
+void iso_exact_place_near(const iso_exact_frame *frame, iso_exact_scratch *scratch) {
+    const double half[3] = {0.5, 0.5, 0.5};
+    for (int i = 0; i < scratch->block->cells; i++) {
+        const int local[3] = {scratch->position[i] & 7, scratch->position[i] >> 3 & 7,
+                              scratch->position[i] >> 6};
+        iso_exact_record *record = &scratch->record[i];
+        double centre[3];
+        for (int axis = 0; axis < 3; axis++) {
+            centre[axis] = (double)ISO_BRICK * scratch->span->brick[axis] + scratch->block->origin[axis] +
+                           local[axis] + 0.5;
+            record->eye[axis] = (float)(2 * (frame->eye[axis] - centre[axis]));
+            record->half[axis] = 1 + ISO_EXACT_WIDER_NEAR;
+            record->shift[axis] = 0;
+        }
+        record->place[0] = record->place[1] = record->scale = 0;
+        record->depth = (float)-frame->middle;
+        record->behind = (float)-frame->target->view->near;
+        int pixels[4] = {0, -1, 0, -1};
+        iso_exact_pixels(frame, centre, half, scratch->clip, pixels);
+        for (int k = 0; k < 4; k++) scratch->box[k][i] = pixels[k];
+    }
+}
+
+static void set_cell(const iso_exact_scratch *scratch, int cell, int voxel[3]) {
+    const int position = scratch->position[cell];
+    const int local[3] = {position & 7, position >> 3 & 7, position >> 6};
+    for (int axis = 0; axis < 3; axis++)
+        voxel[axis] = ISO_BRICK * scratch->span->brick[axis] + scratch->block->origin[axis] + local[axis];
+}
+
+#define ISO_LEVEL generic
+#include "truth/exact_kernel_body.inc"
+#undef ISO_LEVEL
+#if ISO_HAVE_X86
+#define ISO_LEVEL avx2
+#include "truth/exact_kernel_body.inc"
+#undef ISO_LEVEL
+#define ISO_LEVEL avx512
+#include "truth/exact_kernel_body.inc"
+#undef ISO_LEVEL
+#endif
+
+const iso_exact_kernel *iso_exact_kernel_get(iso_cpu_level level) {
+    static const iso_exact_kernel kernels[ISO_CPU_LEVELS] = {
+        [ISO_CPU_GENERIC] = {draw_generic, finish_generic},
+#if ISO_HAVE_X86
+        [ISO_CPU_AVX2] = {draw_avx2, finish_avx2},
+        [ISO_CPU_AVX512] = {draw_avx512, finish_avx512},
+#endif
+    };
+    return &kernels[level];
+}

@@ -1,0 +1,94 @@
+/* exact_kernel: draws visible blocks into a band of rows. Internal to truth.
+ *
+ * One kernel body (exact_kernel_body.inc), included once per instruction set; every variant gives the same
+ * bytes. A block's cells are set up as vectors of cells, each cell's free pixels are then tested as vectors
+ * of pixels, and the pixels that it fills wait in a queue, from any cells and blocks, until there are enough
+ * of them to find roots and normals as whole vectors. Blocks and cells come front to back, so the first
+ * crossing that a pixel meets is the nearest one: a bit per pixel says that it is still free. */
+#ifndef ISO_TRUTH_EXACT_KERNEL_H
+#define ISO_TRUTH_EXACT_KERNEL_H
+
+#include "base/simd.h"
+#include "truth/exact_frame.h"
+
+enum {
+    ISO_EXACT_CELL_ROOM = ISO_EXACT_CELLS + ISO_LANES_MAX,
+    ISO_EXACT_LIST = 1024,
+    ISO_EXACT_LIST_ROOM = ISO_EXACT_LIST + 64 + ISO_LANES_MAX,
+    ISO_EXACT_HITS = 256,
+    ISO_EXACT_HIT_ROOM = ISO_EXACT_HITS + 3 * ISO_LANES_MAX,
+};
+
+/* A cell as pixels are tested against it. The field, scaled so that its largest corner is about 1, is f[0] +
+ * f[1] u + f[2] v + f[3] w + f[4] uv + f[5] vw + f[6] uw + f[7] uvw over u, v, w in [-1, 1]. Where cells are
+ * large in the picture, u, v and w count from the middle of the box in which the surface lies, which then is
+ * the cell's part that pixels are tested against. A pixel's ray passes the middle's depth `depth` at `eye` +
+ * `scale`
+ * * (pixel - place) across the view. */
+typedef struct iso_exact_record {
+    float field[8];
+    float place[2]; /* the projected middle, pixels from view.origin */
+    float scale;    /* mm per pixel at the middle's depth; 0: rays start at `eye` instead */
+    float depth;    /* relative to frame->middle */
+    float half[4];  /* of the box in which the surface lies, u v w */
+    float shift[4]; /* its middle in the cell's coordinates, u v w */
+    float eye[3];   /* the eye in the cell's coordinates where scale is 0, else 0 */
+    float behind;   /* mm from the near plane to `depth` */
+} iso_exact_record;
+
+/* Bits 0 .. 5 of a cell's flags: all four corners of its face -x +x -y +y -z +z equal the isovalue.
+ * TOUCHING: no corner is above it, so the surface is in faces only. UNSEEN: and there are none. */
+enum { ISO_EXACT_FACES = 63, ISO_EXACT_TOUCHING = 64, ISO_EXACT_UNSEEN = 128 };
+
+/* Pixels that will be drawn: the cubic f[0] + f[1] x + .. along the ray through the cell, x in [0, 1], with
+ * one change of state in it; where the ray is at x = 0 and how it goes on; depths there. */
+typedef struct iso_exact_hits {
+    int count, slots;
+    float cubic[4][ISO_EXACT_HIT_ROOM], entry[3][ISO_EXACT_HIT_ROOM], step[3][ISO_EXACT_HIT_ROOM],
+        depth[ISO_EXACT_HIT_ROOM], length[ISO_EXACT_HIT_ROOM];
+    int32_t pixel[ISO_EXACT_HIT_ROOM], slot[ISO_EXACT_HIT_ROOM];
+    float root[ISO_EXACT_HIT_ROOM];
+    int voxel[ISO_EXACT_HIT_ROOM][3];         /* by slot: the cell, */
+    float gradient[ISO_EXACT_HIT_ROOM][8][4]; /* and the gradients at its corners; x, y, z and any */
+} iso_exact_hits;
+
+/* One worker's. */
+typedef struct iso_exact_scratch {
+    iso_rows rows;  /* of the band */
+    int words;      /* of `open` per row; the last one stays 0 */
+    uint64_t *open; /* bit x & 63 of word x / 64 of row y - rows.first: the pixel is still free */
+
+    /* the block that is being drawn */
+    const iso_exact_span *span;
+    const iso_exact_block *block;
+    iso_exact_view view;
+    int clip[4];                            /* x0 x1 y0 y1 */
+    uint16_t position[ISO_EXACT_CELL_ROOM]; /* z << 6 | y << 3 | x */
+    iso_exact_record record[ISO_EXACT_CELL_ROOM];
+    int32_t box[4][ISO_EXACT_CELL_ROOM]; /* x0 x1 y0 y1 */
+    int32_t flags[ISO_EXACT_CELL_ROOM], slot[ISO_EXACT_CELL_ROOM];
+    uint64_t alive[ISO_EXACT_SIDE];    /* by front-to-back rank, */
+    uint16_t cell_of[ISO_EXACT_CELLS]; /* and which cell that is */
+
+    /* Pairs of a pixel (y << 16 | x) and the cell (its record, counted in floats) that it is to be tested
+     * against, front to back. Before `careful` there may be some that need more than the plain test. */
+    int32_t pixel[ISO_EXACT_LIST_ROOM], owner[ISO_EXACT_LIST_ROOM];
+    int pairs, careful;
+    bool alone; /* cells are so large that each is tested by itself */
+    iso_exact_hits hits;
+} iso_exact_scratch;
+
+typedef struct iso_exact_kernel {
+    /* Draws a block that is visible in the band. */
+    void (*draw)(const iso_exact_frame *frame, const iso_exact_visible *visible, iso_exact_scratch *scratch);
+    /* Writes what is still in the queue. */
+    void (*finish)(const iso_exact_frame *frame, iso_exact_scratch *scratch);
+} iso_exact_kernel;
+
+const iso_exact_kernel *iso_exact_kernel_get(iso_cpu_level level);
+
+/* Places and boxes of the cells of a block next to the eye, one by one in double. Boxes of cells that cannot
+ * be seen are empty. */
+void iso_exact_place_near(const iso_exact_frame *frame, iso_exact_scratch *scratch);
+
+#endif

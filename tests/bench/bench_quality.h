@@ -1,0 +1,33 @@
+/* bench_quality: ./run bench quality, how near the methods come to the truth. */
+#ifndef ISO_TESTS_BENCH_QUALITY_H
+#define ISO_TESTS_BENCH_QUALITY_H
+
+#include "compare/method.h"
+#include "compare/metrics.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { QUALITY_NAME = 64 };
+
+/* One picture of a method, and how far it is from the truth. */
+typedef struct quality_row {
+    char volume[QUALITY_NAME];
+    int zoom;
+    const iso_method *method;
+    double pixels_per_voxel, seconds;
+    iso_metrics metrics;
+} quality_row;
+
+/* bench_quality_asked.c: prints what the project asks for and these rows do not reach, and how many of what
+ * is asked they do reach. */
+void quality_print_asked(const quality_row *rows, int count);
+
+/* The whole program, from the command line behind the name `quality`; the exit status. */
+int bench_quality(int argc, char **argv);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

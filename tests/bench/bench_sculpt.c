@@ -1,0 +1,203 @@
+/* What a touch of the brush costs, from the hand to new points: against OpenVDB doing the same to the whole
+ * field, or to the brush's box, and against the same touch without keeping the field a distance field. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "bench_harness.h"
+#include "bench_peers.h"
+#include "bench_scenes.h"
+#include "extract/points.h"
+#include "sculpt/edit.h"
+#include "sculpt/history.h"
+
+/* A stroke is so many touches, a quarter of the radius apart; then it is undone and the next begins
+ * elsewhere. */
+enum { STROKE = 24, PLACES = 512, TIMES = 65536 };
+
+typedef struct sculpting {
+    iso_hgrid *grid; /* borrowed */
+    iso_editor *editor;
+    iso_history *history;
+    iso_point_set *set;
+    bench_volume_to_mesh *peer;
+    iso_vec3 places[PLACES];
+    int place_count, stroke, step;
+    double *times;
+    int time_count;
+} sculpting;
+
+typedef enum sculpt_kind { KEEPS_DISTANCES, SET_ONLY, PEER_WHOLE, PEER_CLIPPED } sculpt_kind;
+
+typedef struct sculpt_plan {
+    sculpt_kind kind;
+    int radius;
+} sculpt_plan;
+
+/* Points of bricks far from each other, as in bench_edit.c. */
+static void scatter_places(sculpting *work) {
+    iso_point_view view = iso_point_set_view(work->set);
+    uint32_t at = 0;
+    for (int i = 0; i < PLACES && view.span_count; i++, at += 2654435761u) {
+        const iso_point_span *span = &view.spans[(size_t)at * view.span_count >> 32];
+        if (!span->count) continue;
+        const float *p = iso_point_view_get(&view, span->first + span->count / 2).position;
+        work->places[work->place_count++] = iso_vec3_make(span->brick[0] * (double)ISO_BRICK + p[0],
+                                                          span->brick[1] * (double)ISO_BRICK + p[1],
+                                                          span->brick[2] * (double)ISO_BRICK + p[2]);
+    }
+}
+
+static iso_status open_ours(bench_row *row, sculpting *work, const sculpt_plan *plan, iso_error *error) {
+    (void)row;
+    iso_editor_opts editor = {.iterations = plan->kind == SET_ONLY ? -1 : 0};
+    iso_history_opts history = {0};
+    work->times = calloc(TIMES, sizeof *work->times);
+    if (!work->times) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    ISO_TRY(iso_editor_create(work->grid, &editor, &work->editor, error));
+    return iso_history_create(work->grid, &history, &work->history, error);
+}
+
+static iso_status open_sculpt(bench_row *row, iso_error *error) {
+    const sculpt_plan *plan = row->plan;
+    iso_grid *head = NULL;
+    ISO_TRY(bench_scene_head(row->bench->scenes, row->size, &head, error));
+    sculpting *work = calloc(1, sizeof *work);
+    if (!work) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    row->context = work;
+    work->grid = head->hgrid;
+    iso_points_opts opts = {.isovalue = 0};
+    ISO_TRY(iso_point_set_create(head, &opts, &work->set, error));
+    ISO_TRY(iso_point_set_update(work->set, error));
+    scatter_places(work);
+    if (!work->place_count) return iso_fail(error, ISO_ERR_EMPTY, "the head has no surface");
+    return plan->kind <= SET_ONLY ? open_ours(row, work, plan, error)
+                                  : bench_volume_to_mesh_create(work->grid, 1, &work->peer, error);
+}
+
+static iso_vec3 next_centre(sculpting *work, const sculpt_plan *plan) {
+    iso_vec3 at = work->places[work->stroke % work->place_count];
+    at.y += 0.25 * plan->radius * work->step;
+    return at;
+}
+
+static iso_status run_peer(const sculpt_plan *plan, sculpting *work, bench_sample *sample, iso_error *error) {
+    iso_vec3 at = next_centre(work, plan);
+    const double centre[3] = {at.x, at.y, at.z};
+    double seconds = 0;
+    work->stroke++;
+    ISO_TRY(
+        bench_vdb_sculpt_run(work->peer, centre, plan->radius, plan->kind == PEER_CLIPPED, &seconds, error));
+    sample->wall += seconds * 1e3;
+    sample->cpu += seconds * 1e3;
+    return ISO_OK;
+}
+
+/* A touch and the extraction of what it changed; the stroke's undo is not timed. */
+static iso_status run_ours(const sculpt_plan *plan, sculpting *work, bench_sample *sample, iso_error *error) {
+    const iso_affine affine = iso_transform_affine(&work->grid->transform);
+    iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = plan->radius * work->grid->transform.spacing[0]};
+    iso_sample s = {
+        .position = iso_affine_point(&affine, next_centre(work, plan)), .normal = {0, 0, 1}, .pressure = 1};
+    iso_touch touch = {s, s, s};
+    if (work->step == 0) {
+        ISO_TRY(iso_history_begin(work->history, "stroke", error));
+        iso_step_opts step = iso_history_step(work->history);
+        iso_editor_step(work->editor, &step);
+    }
+    bench_clock clock = bench_clock_start();
+    double before = sample->wall;
+    ISO_TRY(iso_editor_touch(work->editor, &brush, &touch, NULL, error));
+    ISO_TRY(iso_point_set_update(work->set, error));
+    bench_clock_stop(&clock, sample);
+    if (work->time_count < TIMES) work->times[work->time_count++] = sample->wall - before;
+    if (++work->step < STROKE) return ISO_OK;
+    work->step = 0;
+    work->stroke++;
+    ISO_TRY(iso_history_end(work->history, error));
+    ISO_TRY(iso_history_undo(work->history, error));
+    ISO_TRY(iso_history_clear(work->history, error));
+    return iso_point_set_update(work->set, error);
+}
+
+static iso_status run_sculpt(bench_row *row, bench_sample *sample, iso_error *error) {
+    const sculpt_plan *plan = row->plan;
+    sculpting *work = row->context;
+    sample->primitives = 1;
+    return plan->kind <= SET_ONLY ? run_ours(plan, work, sample, error) : run_peer(plan, work, sample, error);
+}
+
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void finish_sculpt(bench_row *row) {
+    sculpting *work = row->context;
+    if (!work->time_count) return;
+    qsort(work->times, (size_t)work->time_count, sizeof *work->times, compare);
+    double p50 = work->times[work->time_count / 2], p99 = work->times[work->time_count * 99 / 100];
+    bench_count(row, "p50_us", p50 * 1e3, 0, 0);
+    bench_count(row, "p99_us", p99 * 1e3, 0, 0);
+    bench_count(row, "p99_vs_p50", p99 / p50, 0, row->size >= 1024 ? 4 : 0);
+    /* the second comparison of a row that keeps distances is with the one that does not */
+    for (int i = 0; i < row->against_count; i++) {
+        const sculpt_plan *other = row->against[i].other->plan;
+        if (other->kind != SET_ONLY || !row->against[i].other->context) continue;
+        double ratio = bench_ratio(row, row->against[i].other);
+        if (ratio > 0) bench_count(row, "time_vs_set_only", 1 / ratio, 0, row->size >= 1024 ? 5 : 0);
+    }
+}
+
+static void close_sculpt(bench_row *row) {
+    sculpting *work = row->context;
+    if (!work) return;
+    iso_point_set_destroy(work->set);
+    iso_history_destroy(work->history);
+    iso_editor_destroy(work->editor);
+    if (work->peer) bench_volume_to_mesh_destroy(work->peer);
+    free(work->times);
+    free(work);
+}
+
+static const bench_kind ours_kind = {.open = open_sculpt,
+                                     .run = run_sculpt,
+                                     .finish = finish_sculpt,
+                                     .close = close_sculpt,
+                                     .batch = 4 * STROKE};
+static const bench_kind peer_kind = {
+    .open = open_sculpt, .run = run_sculpt, .close = close_sculpt, .batch = 1, .rounds = 3};
+
+static bench_row *add_row(bench_state *bench, sculpt_kind kind, int size, int radius, const char *name) {
+    bench_row *row = bench_add(bench, kind <= SET_ONLY ? &ours_kind : &peer_kind, "sculpt/add/head%d/r%d%s",
+                               size, radius, name);
+    sculpt_plan *plan = calloc(1, sizeof *plan);
+    if (!plan) abort(); /* (as bench_add does when there are too many rows) */
+    *plan = (sculpt_plan){kind, radius};
+    row->plan = plan;
+    row->head = true;
+    row->size = size;
+    return row;
+}
+
+iso_status bench_sculpt(bench_state *bench, iso_error *error) {
+    static const struct {
+        int radius;
+        double whole;
+    } brushes[] = {{8, 4000}, {16, 2500}, {32, 1000}, {64, 250}};
+    bool small = bench->settings->small;
+    int size = small ? 64 : 1024;
+    iso_status status = ISO_OK;
+    for (int i = 0; i < (small ? 1 : 4) && status == ISO_OK; i++) {
+        int radius = brushes[i].radius;
+        bench_row *whole = add_row(bench, PEER_WHOLE, size, radius, "/openvdb");
+        bench_row *clipped = add_row(bench, PEER_CLIPPED, size, radius, "/openvdb_clipped");
+        bench_row *plain = add_row(bench, SET_ONLY, size, radius, "/set_only");
+        bench_row *ours = add_row(bench, KEEPS_DISTANCES, size, radius, "");
+        bench_compare(ours, whole, "ratio_vs_openvdb", NULL, small ? 0 : brushes[i].whole);
+        bench_compare(ours, clipped, "ratio_vs_openvdb_clipped", NULL, small ? 0 : 10);
+        bench_compare(ours, plain, "ratio_vs_set_only", NULL, 0);
+        status = bench_run_group(bench, "a touch that adds a sphere, and the points it changed", error);
+    }
+    bench_scene_drop_head(bench->scenes);
+    return status;
+}

@@ -1,0 +1,1 @@
+isocompare images nowhere.png neither.png

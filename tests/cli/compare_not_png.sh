@@ -1,0 +1,2 @@
+echo hello >in/a.png
+isocompare images in/a.png in/a.png

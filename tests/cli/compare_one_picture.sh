@@ -1,0 +1,1 @@
+isocompare images a.png

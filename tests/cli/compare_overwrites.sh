@@ -1,0 +1,2 @@
+isorender scene:torus:32 in/a.png --resolution 40x40 --quiet
+isocompare images in/a.png in/a.png --difference in/../in/a.png

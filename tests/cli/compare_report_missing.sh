@@ -1,0 +1,1 @@
+isocompare report nowhere.nrrd --output made

@@ -1,0 +1,2 @@
+echo x >in/file
+isocompare report scene:torus:32 --output in/file

@@ -1,0 +1,1 @@
+isocompare report scene:torus:32

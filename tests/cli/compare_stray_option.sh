@@ -1,0 +1,1 @@
+isocompare report scene:torus:32 --output made --fail-under psnr=3

@@ -1,0 +1,1 @@
+isocompare pictures a.png b.png

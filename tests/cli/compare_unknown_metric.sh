@@ -1,0 +1,1 @@
+isocompare images a.png b.png --fail-under beauty=3

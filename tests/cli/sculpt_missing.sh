@@ -1,0 +1,1 @@
+isosculpt --replay in/no.strokes --headless

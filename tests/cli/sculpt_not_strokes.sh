@@ -1,0 +1,1 @@
+isosculpt --replay $volumes/README.md --headless

@@ -1,0 +1,1 @@
+isosculpt --replay $volumes/bear.strokes --headless --output a.png

@@ -1,0 +1,1 @@
+isosculpt --replay $volumes/bear.strokes --headless --voxel-size 0.001
