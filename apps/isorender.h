@@ -138,8 +138,9 @@ typedef struct isorender_backend {
     iso_gl_engine *engine;
 } isorender_backend;
 
-/* Whether the settings name a backend that can do what they ask for, as far as that can be told now. */
-iso_status isorender_backend_check(const isorender_settings *settings, iso_error *error);
+/* Whether the settings name a backend that can do what they ask for, as far as that can be told now. Without
+ * a method, what asks for OpenGL gets points. */
+iso_status isorender_backend_check(isorender_settings *settings, iso_error *error);
 /* ISO_ERR_BACKEND when the one that is asked for cannot be used. isorender_backend_close, also after that. */
 iso_status isorender_backend_open(const isorender_settings *settings, isorender_backend *backend,
                                   iso_error *error);

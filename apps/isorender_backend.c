@@ -12,15 +12,16 @@ static bool is_any(const char *name, const char *a, const char *b) {
     return strcmp(name, a) == 0 || strcmp(name, b) == 0;
 }
 
-iso_status isorender_backend_check(const isorender_settings *settings, iso_error *error) {
+iso_status isorender_backend_check(isorender_settings *settings, iso_error *error) {
     const char *name = settings->backend;
     bool gl = is_any(name, "egl", "osmesa");
     if (!gl && !is_any(name, "auto", "cpu"))
         return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
+    bool attenuated = settings->scaling == ISO_SCALING_ATTENUATED;
+    if ((gl || attenuated) && settings->method == ISORENDER_UNCHOSEN) settings->method = ISORENDER_POINTS;
     if (gl && !has_gl(settings->method))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--backend %s draws points and meshes only: other methods need the cpu", name);
-    bool attenuated = settings->scaling == ISO_SCALING_ATTENUATED;
     if (attenuated && (settings->method != ISORENDER_POINTS || strcmp(name, "cpu") == 0))
         return iso_fail(
             error, ISO_ERR_USAGE,
@@ -111,7 +112,7 @@ void isorender_backends_list(int threads) {
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
     for (int i = 0; i < job->surface_count; i++) {
         iso_gl_shape **shape = &job->shapes[i];
-        if (job->settings->method == ISORENDER_MESH) {
+        if (job->method == ISORENDER_MESH) {
             iso_mesh_view mesh = iso_mesh_set_view(job->surfaces[i].mesh);
             ISO_TRY(iso_gl_upload_mesh(job->backend->engine, &mesh, shape, error));
         } else {

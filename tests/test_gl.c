@@ -158,6 +158,52 @@ static void attenuated_points_have_the_width_of_equation_7(void **state) {
     gl_contexts_close(&contexts);
 }
 
+static double uniform(uint32_t *seed) {
+    *seed = *seed * 1664525u + 1013904223u;
+    return (double)(*seed >> 8) / (1 << 24);
+}
+
+/* Spans in any order with room between them, points smaller and larger than pixels, each with a radius. */
+static void spans_lie_anywhere(void **state) {
+    (void)state;
+    enum { SPANS = 20, EACH = 50, STRIDE = 70 };
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    static iso_surfel surfels[SPANS * STRIDE];
+    static iso_point packed[SPANS * STRIDE];
+    static float radii[SPANS * STRIDE];
+    iso_point_span spans[SPANS];
+    uint32_t seed = 7;
+    for (int i = 0; i < SPANS * STRIDE; i++) {
+        for (int axis = 0; axis < 3; axis++) {
+            surfels[i].position[axis] = (float)(-1.9 + 19.8 * uniform(&seed));
+            surfels[i].normal[axis] = (float)(uniform(&seed) - 0.5);
+        }
+        packed[i] = iso_point_pack(&surfels[i]);
+        radii[i] = (float)(0.6 * uniform(&seed) * uniform(&seed));
+    }
+    for (int s = 0; s < SPANS; s++)
+        spans[s] =
+            (iso_point_span){{s % 3 - 1, s % 5 - 2, s % 2}, EACH, (size_t)STRIDE * ((7 * s + 3) % SPANS)};
+    const iso_box box = {{-16, -32, 0}, {32, 48, 32}};
+    iso_view views[2] = {gl_side_view(&box, 0, false, 300, 200), gl_side_view(&box, 6, true, 90, 120)};
+    for (int c = 0; c < contexts.count; c++)
+        for (int floats = 0; floats < 2; floats++) {
+            iso_point_view points = {.packed = floats ? NULL : packed,
+                                     .surfels = floats ? surfels : NULL,
+                                     .radii = radii,
+                                     .spans = spans,
+                                     .span_count = SPANS,
+                                     .transform = iso_transform_identity()};
+            points.transform.spacing[1] = 0.7;
+            points.transform.direction[1] = 0.3;
+            iso_gl_engine *engine = make_engine(contexts.context[c]);
+            gl_check_points(engine, &points, views, 2, "scattered spans");
+            iso_gl_engine_destroy(engine);
+        }
+    gl_contexts_close(&contexts);
+}
+
 /* Radii of their own, several surfaces, the nearer one in front whatever the order, nothing at all. */
 static void surfaces_hide_one_another(void **state) {
     (void)state;
@@ -339,6 +385,7 @@ int main(void) {
         cmocka_unit_test(pictures_are_the_cpu_engines),
         cmocka_unit_test(limits_of_the_driver_do_not_show),
         cmocka_unit_test(attenuated_points_have_the_width_of_equation_7),
+        cmocka_unit_test(spans_lie_anywhere),
         cmocka_unit_test(surfaces_hide_one_another),
         cmocka_unit_test(every_shader_compiles),
         cmocka_unit_test(contexts_live_side_by_side),

@@ -1,5 +1,5 @@
 python3 -c 'from check import *; ball("in/ball.mha")'
-isorender in/ball.mha cpu.png --isovalue 500 --backend cpu --method points --json --quiet >cpu.json
+isorender in/ball.mha cpu.png --isovalue 500 --method points --backend cpu --json --quiet >cpu.json
 tried=0
 for backend in egl osmesa; do
     isorender --list-backends | grep "^$backend" | grep -qv 'cannot be used' || { echo "no $backend here"; continue; }
