@@ -171,13 +171,14 @@ static void place_ready(ordered_run *run) {
     }
 }
 
-/* The least index that is not placed never waits for its slot: the one that had it is placed. So there is
- * always somebody at work. */
+/* An index waits until the one that has its slot is over; a later one that wants it as well waits longer. The
+ * least index that is not placed waits for a `finish` at most, so there is always somebody at work. */
 static void ordered_task(void *context, size_t index, int number) {
     ordered_run *run = context;
     const size_t slot = index % run->steps->slots;
     pthread_mutex_lock(&run->mutex);
-    while (run->state[slot] != SLOT_FREE) pthread_cond_wait(&run->changed, &run->mutex);
+    while (index >= run->placed + run->steps->slots || run->state[slot] != SLOT_FREE)
+        pthread_cond_wait(&run->changed, &run->mutex);
     run->state[slot] = SLOT_WORKING;
     pthread_mutex_unlock(&run->mutex);
     run->steps->work(run->context, index, slot, number);

@@ -47,10 +47,11 @@ typedef struct iso_edge_source {
 void iso_edge_source_prepare(iso_edge_source *source);
 
 /* The non-empty words of one axis: bit x of mask is an edge at voxel x of the row. */
+enum { ISO_EDGE_LIST_SLACK = 8 }; /* words written past the end of a list */
 typedef struct iso_edge_list {
     int count;
-    uint64_t mask[ISO_EDGE_ROWS + 1];
-    uint16_t row[ISO_EDGE_ROWS + 1];
+    uint64_t mask[ISO_EDGE_ROWS + ISO_EDGE_LIST_SLACK];
+    uint16_t row[ISO_EDGE_ROWS + ISO_EDGE_LIST_SLACK];
 } iso_edge_list;
 
 /* A list, borrowed. */
