@@ -65,13 +65,15 @@ typedef struct iso_refined_job {
     const float (*corner)[3]; /* of each block: where its first step of position lies in view space */
     float step[9];            /* a step of position, in view space */
     float normal[9];          /* index covector to view space */
-    float radius, reach;      /* of a disc, mm: of points without their own, and per mm of those with */
+    float radius;             /* of points without their own, mm */
+    float reach[2];           /* a disc's radius in those of its point, and how much more for large ones */
+    float grow_from, grow;    /* pixels of the point's radius from where it grows, and 1 / pixels of growth */
     float focal, slope;       /* pixels per mm at depth 1, and its inverse; orthographic: slope 0 */
     float axis[2];            /* pixel of the optical axis, in the whole frame */
     float near;
     bool orthographic;
     bool cull;   /* leave out points that face away */
-    float small; /* pixels: smaller discs are gathered, others splatted */
+    float small; /* pixels of the point's radius: smaller discs are gathered, others splatted */
 } iso_refined_job;
 
 enum {
