@@ -93,6 +93,8 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
     iso_points_opts opts = {.isovalue = surface->isovalue,
                             .primitive = (iso_primitive)job->settings->primitive,
                             .floats = job->settings->points != NULL,
+                            .shapes = job->method == ISORENDER_PULLPUSH &&
+                                      job->settings->reconstruction == ISO_RECONSTRUCTION_REFINED,
                             .pool = job->pool};
     ISO_TRY(iso_point_set_create(&job->volume.grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));

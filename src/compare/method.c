@@ -6,7 +6,7 @@
 
 static iso_status make_points(iso_subject *subject, iso_error *error) {
     if (!subject->workspace) ISO_TRY(iso_pullpush_create(&subject->workspace, error));
-    iso_points_opts opts = {.isovalue = subject->isovalue, .pool = subject->pool};
+    iso_points_opts opts = {.isovalue = subject->isovalue, .shapes = true, .pool = subject->pool};
     ISO_TRY(iso_point_set_create(subject->grid, &opts, &subject->points, error));
     return iso_point_set_update(subject->points, error);
 }
@@ -110,6 +110,9 @@ static iso_status draw_pyramid(const iso_subject *subject, const iso_target *tar
     return iso_draw_pullpush(target, &view, &opts, error);
 }
 
+static iso_status draw_refined(const iso_subject *subject, const iso_target *target, iso_error *error) {
+    return draw_pyramid(subject, target, ISO_RECONSTRUCTION_REFINED, error);
+}
 static iso_status draw_pullpush(const iso_subject *subject, const iso_target *target, iso_error *error) {
     return draw_pyramid(subject, target, ISO_RECONSTRUCTION_AUTO, error);
 }
@@ -141,6 +144,7 @@ static const iso_method METHODS[] = {
     {"points", "attenuated points (2003)", POINTS, draw_points},
     {"pullpush-box", "pull-push, box filter (2008)", POINTS, draw_box},
     {"pullpush-gaussian", "pull-push, Gaussian filter (2008)", POINTS, draw_gaussian},
+    {"pullpush-refined", "pull-push, curved discs", POINTS, draw_refined},
     {"pullpush", "pull-push, its default", POINTS, draw_pullpush},
     {"mesh", "Marching Cubes mesh", MESH, draw_mesh},
     {"exact", "the trilinear surface, cell by cell", CELLS, draw_exact},
