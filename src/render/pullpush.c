@@ -300,8 +300,7 @@ static iso_status draw(iso_pullpush *workspace, const iso_target *target, const 
     if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
     const bool refined =
         reconstruction == ISO_RECONSTRUCTION_AUTO || reconstruction == ISO_RECONSTRUCTION_REFINED;
-    if (refined && iso_refined_can(f.blocks))
-        return iso_refined_draw(&workspace->refined, target, points, f.blocks, error);
+    if (refined) return iso_refined_draw(&workspace->refined, target, points, f.blocks, error);
     ISO_TRY(prepare(&f, reconstruction, error));
     reconstruct(&f);
     return ISO_OK;

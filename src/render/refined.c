@@ -18,7 +18,8 @@ enum {
 static const float BALL_RADII[2] = {1.2f, 0.215f};
 /* Pixels of a point's radius. */
 static const float GROW_FROM = 4.5f, GROW_OVER = 6;
-static const float SMALL = 1.75f;
+/* Bands whose discs are no larger than this are done pixel by pixel. */
+static const float SCATTERED = 4;
 
 /* One call. */
 typedef struct frame {
@@ -27,13 +28,8 @@ typedef struct frame {
     const iso_point_blocks *blocks;
     iso_refined *workspace;
     int band_rows, bands;
-    size_t stride, tiles;
-    size_t key_bytes, disc_bytes, sum_bytes, used_bytes, worker_bytes; /* of one worker */
+    size_t stride, pixels; /* of a band: in a row, and in all */
 } frame;
-
-bool iso_refined_can(const iso_point_blocks *blocks) {
-    return blocks->count <= (size_t)1 << (32 - ISO_REFINED_POINT_BITS);
-}
 
 /* ---- preparation */
 
@@ -72,23 +68,15 @@ static void set_up_job(frame *f, const iso_projector *projector) {
     job->near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near;
     job->orthographic = view->orthographic;
     job->cull = job->points->closed && !f->blocks->around_eye;
-    job->small = SMALL;
 }
 
 static void choose_bands(frame *f) {
     const iso_view *view = f->job.target->view;
-    const size_t columns = (size_t)(view->width + LANES - 1) / LANES * LANES;
-    f->stride = columns + ISO_REFINED_LEFT + 2 * LANES;
-    f->tiles = columns / ISO_REFINED_TILE;
-    size_t rows = SUM_BYTES / (columns * ISO_SUMS * sizeof(float)) / ROWS_LEAST * ROWS_LEAST;
+    f->stride = (size_t)(view->width + LANES - 1) / LANES * LANES;
+    size_t rows = SUM_BYTES / (f->stride * ISO_SUMS * sizeof(float)) / ROWS_LEAST * ROWS_LEAST;
     f->band_rows = rows < ROWS_LEAST ? ROWS_LEAST : rows > ROWS_MOST ? ROWS_MOST : (int)rows;
     f->bands = (view->height + f->band_rows - 1) / f->band_rows;
-    const size_t rows_of_keys = (size_t)(f->band_rows + 2 * ISO_REFINED_WINDOW);
-    f->key_bytes = rows_of_keys * f->stride * sizeof(int64_t);
-    f->disc_bytes = (size_t)ISO_DISC_VALUES * ISO_REFINED_RING * f->stride * sizeof(float);
-    f->sum_bytes = columns * (size_t)f->band_rows * ISO_SUMS * sizeof(float);
-    f->used_bytes = f->tiles * (size_t)f->band_rows;
-    f->worker_bytes = (f->key_bytes + f->disc_bytes + f->sum_bytes + f->used_bytes + 63) & ~(size_t)63;
+    f->pixels = f->stride * (size_t)f->band_rows;
 }
 
 /* Projected radii of a block's points, a little widened. */
@@ -106,7 +94,7 @@ static iso_rows bands_of(const frame *f, const iso_point_block *block) {
     const iso_view *view = f->job.target->view;
     const double wide = view->orthographic ? 0 : (fabs(view->cx) + view->width) / view->focal,
                  tall = view->orthographic ? 0 : (fabs(view->cy) + view->height + view->above) / view->focal;
-    double reach = disc_radius(block) * 1.04 * sqrt(1 + wide * wide + tall * tall) + ISO_REFINED_WINDOW + 1;
+    double reach = disc_radius(block) * 1.04 * sqrt(1 + wide * wide + tall * tall) + 2;
     const double first = floor((block->row[0] + view->cy - reach) / f->band_rows),
                  last = floor((block->row[1] + view->cy + reach) / f->band_rows);
     if (!block->seen || (f->job.cull && block->averted) || !(first < f->bands && last >= 0))
@@ -138,27 +126,19 @@ static iso_status deal(frame *f, iso_error *error) {
 
 /* ---- bands */
 
-static iso_refined_band worker_band(const frame *f, int worker, iso_rows rows) {
-    char *memory = (char *)f->workspace->memory.data + (size_t)worker * f->worker_bytes;
-    iso_refined_band band = {.rows = rows, .stride = f->stride, .tiles = f->tiles, .keys = (int64_t *)memory};
-    float *plane = (float *)(memory + f->key_bytes);
-    for (int k = 0; k < ISO_DISC_VALUES; k++, plane += ISO_REFINED_RING * f->stride) band.disc[k] = plane;
-    band.sums = plane;
-    band.used = (uint8_t *)plane + f->sum_bytes;
-    return band;
+static size_t worker_bytes(const frame *f) {
+    return f->pixels * (ISO_SUMS * sizeof(float) + sizeof(float) + 1);
 }
 
-static bool project(const frame *f, const iso_refined_band *band, const uint32_t *order, size_t count) {
-    const iso_point_block *block = f->blocks->blocks.data;
-    bool any = false;
-    const size_t keys = (size_t)(band->rows.last - band->rows.first + 1 + 2 * ISO_REFINED_WINDOW) * f->stride;
-    for (size_t i = 0; i < count; i++) {
-        if (point_radius(&block[order[i]], 0) >= SMALL) continue;
-        for (size_t k = 0; k < keys && !any; k++) band->keys[k] = ISO_KEY_NONE;
-        any = true;
-        f->kernel->project(&f->job, band, order[i]);
-    }
-    return any;
+static iso_refined_band worker_band(const frame *f, int worker, iso_rows rows) {
+    char *memory = (char *)f->workspace->memory.data + (size_t)worker * worker_bytes(f);
+    float *sums = (float *)memory, *front = sums + f->pixels * ISO_SUMS;
+    return (iso_refined_band){.rows = rows,
+                              .stride = f->stride,
+                              .tiles = f->stride / ISO_REFINED_TILE,
+                              .sums = sums,
+                              .front = front,
+                              .used = (uint8_t *)(front + f->pixels)};
 }
 
 static void do_band(void *context, size_t number, int worker) {
@@ -171,15 +151,17 @@ static void do_band(void *context, size_t number, int worker) {
     const int first = (int)number * f->band_rows, height = f->job.target->view->height;
     const iso_rows rows = {first, (first + f->band_rows < height ? first + f->band_rows : height) - 1};
     const iso_refined_band band = worker_band(f, worker, rows);
-    const bool small = project(f, &band, order, count);
-    bool large = false;
-    for (size_t i = 0; i < count && !large; i++) large = point_radius(&block[order[i]], 1) >= SMALL;
-    if (large) memset(band.used, 0, f->used_bytes);
-    if (small) f->kernel->gather(&f->job, &band, large);
-    if (!large) return;
-    for (size_t i = 0; i < count; i++)
-        if (point_radius(&block[order[i]], 1) >= SMALL) f->kernel->splat(&f->job, &band, order[i]);
-    f->kernel->finish(&f->job, &band);
+    float most = 0;
+    for (size_t i = 0; i < count; i++) most = fmaxf(most, disc_radius(&block[order[i]]));
+    if (most <= SCATTERED) {
+        for (size_t i = 0; i < f->pixels; i++) band.front[i] = ISO_NOWHERE;
+        for (size_t i = 0; i < count; i++) f->kernel->scatter(&f->job, &band, order[i]);
+        f->kernel->finish_pixels(&f->job, &band);
+    } else {
+        memset(band.used, 0, f->pixels);
+        for (size_t i = 0; i < count; i++) f->kernel->splat(&f->job, &band, order[i]);
+        f->kernel->finish_tiles(&f->job, &band);
+    }
 }
 
 iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, const iso_point_view *points,
@@ -194,7 +176,7 @@ iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, co
     ISO_TRY(set_up_corners(&f, &projector, error));
     ISO_TRY(deal(&f, error));
     const size_t workers = (size_t)iso_pool_threads(target->pool);
-    ISO_TRY(iso_buffer_reserve(&workspace->memory, workers * f.worker_bytes, 0, error));
+    ISO_TRY(iso_buffer_reserve(&workspace->memory, workers * worker_bytes(&f), 0, error));
     iso_parallel_for(target->pool, (size_t)f.bands, do_band, &f);
     return ISO_OK;
 }

@@ -24,9 +24,6 @@ typedef struct iso_refined {
     iso_buffer corners, order, start, memory;
 } iso_refined;
 
-/* Whether there are not too many blocks for refined. */
-bool iso_refined_can(const iso_point_blocks *blocks);
-
 /* Draws points whose blocks have been made for this view. ISO_ERR_NOMEM. */
 iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, const iso_point_view *points,
                             const iso_point_blocks *blocks, iso_error *error);

@@ -31,21 +31,46 @@ static inline bool cover_columns(const rf_cover *cover, int first, int last, boo
     return span[0] <= span[1];
 }
 
+#define REFINED_KERNEL                                                                                       \
+    static const iso_refined_kernel ISO_V(kernel) = {ISO_V(scatter), ISO_V(splat), ISO_V(finish_pixels),     \
+                                                     ISO_V(finish_tiles)}
+
+/* The sums of one pixel, in fours, which every instruction set has. */
+enum { QUADS = ISO_SUMS / 4 };
+
 #define ISO_LEVEL generic
 #include "render/refined_disc.inc"
 
-#include "render/refined_steps.inc"
+#include "render/refined_common.inc"
+
+#include "render/refined_scatter.inc"
+
+#include "render/refined_splat.inc"
+
+REFINED_KERNEL;
 #undef ISO_LEVEL
 #if ISO_HAVE_X86
 #define ISO_LEVEL avx2
 #include "render/refined_disc.inc"
 
-#include "render/refined_steps.inc"
+#include "render/refined_common.inc"
+
+#include "render/refined_scatter.inc"
+
+#include "render/refined_splat.inc"
+
+REFINED_KERNEL;
 #undef ISO_LEVEL
 #define ISO_LEVEL avx512
 #include "render/refined_disc.inc"
 
-#include "render/refined_steps.inc"
+#include "render/refined_common.inc"
+
+#include "render/refined_scatter.inc"
+
+#include "render/refined_splat.inc"
+
+REFINED_KERNEL;
 #undef ISO_LEVEL
 #endif
 

@@ -10,14 +10,13 @@
 #include "render/draw.h"
 #include "render/point_blocks.h"
 
-/* Sums over the discs that a pixel's ray meets at the front. */
+/* Sums over the discs that a pixel's ray meets at the front, weighted. They come in fours. */
 enum {
-    ISO_SUM_FRONT,  /* not a sum: the nearest depth, ISO_NOWHERE where there is none */
-    ISO_SUM_WEIGHT, /* the others are weighted */
-    ISO_SUM_DEPTH,
+    ISO_SUM_WEIGHT,
     ISO_SUM_NX, /* discs' normals at their centres */
     ISO_SUM_NY,
     ISO_SUM_NZ,
+    ISO_SUM_DEPTH,
     ISO_SUM_QX, /* from their centres to where the ray meets them, mm */
     ISO_SUM_QY,
     ISO_SUM_QZ,
@@ -27,7 +26,8 @@ enum {
     ISO_SUM_YY,
     ISO_SUM_YZ,
     ISO_SUM_ZZ,
-    ISO_SUM_SIDE, /* 1, or -1 for discs that were turned to the eye */
+    ISO_SUM_SIDE,  /* 1, or -1 for discs that were turned to the eye */
+    ISO_SUM_FRONT, /* not a sum: the nearest depth, ISO_NOWHERE where there is none */
     ISO_SUMS
 };
 
@@ -51,8 +51,7 @@ enum {
     ISO_DISC_A,
     ISO_DISC_RADIUS,  /* mm */
     ISO_DISC_INVERSE, /* 1 / radius^2 */
-    ISO_DISC_CLOSE,   /* small discs: 1 / pixels^2 of the circle that they cover at least; others: the radius
-                         of one that they stay within, pixels */
+    ISO_DISC_PIXELS,  /* of a circle that it stays within, as seen from the eye */
     ISO_DISC_SIDE,
     ISO_DISC_VALUES
 };
@@ -72,39 +71,31 @@ typedef struct iso_refined_job {
     float axis[2];            /* pixel of the optical axis, in the whole frame */
     float near;
     bool orthographic;
-    bool cull;   /* leave out points that face away */
-    float small; /* pixels of the point's radius: smaller discs are gathered, others splatted */
+    bool cull; /* leave out points that face away */
 } iso_refined_job;
 
-enum {
-    ISO_REFINED_LEFT = 16,
-    ISO_REFINED_RING = 8,
-    ISO_REFINED_TILE = 4,       /* columns */
-    ISO_REFINED_WINDOW = 2,     /* pixels to each side that may hold the disc of one */
-    ISO_REFINED_POINT_BITS = 12 /* of a key for the number in its block, the rest for the block */
-};
+enum { ISO_REFINED_TILE = 4 /* columns */ };
 
-/* A band of the view's rows and what a worker keeps of it. Column c of keys and discs is at c +
- * ISO_REFINED_LEFT, of sums at c. */
+/* A band of the view's rows and what a worker keeps of it. Discs of a few pixels are best taken a vector at a
+ * time to single pixels (scatter), whose sums lie together; larger ones one at a time to tiles of pixels
+ * (splat), whose vectors of each sum lie together. Both ways do the same to every pixel. */
 typedef struct iso_refined_band {
     iso_rows rows;
-    size_t stride;                /* of rows of all planes */
-    int64_t *keys;                /* from row rows.first - ISO_REFINED_WINDOW on */
-    float *disc[ISO_DISC_VALUES]; /* ISO_REFINED_RING rows, row y at y mod that */
-    float *sums;                  /* by tiles, see refined_steps.inc */
-    uint8_t *used;                /* tiles that have sums */
-    size_t tiles;                 /* in a row of them */
+    size_t stride; /* pixels in a row */
+    size_t tiles;  /* in a row of them */
+    float *sums;   /* of single pixels, ISO_SUMS each, or by tiles */
+    float *front;  /* single pixels' */
+    uint8_t *used; /* tiles that have sums */
 } iso_refined_band;
 
 typedef struct iso_refined_kernel {
-    /* The small discs' points of a block (its number) into the keys. */
-    void (*project)(const iso_refined_job *job, const iso_refined_band *band, uint32_t block);
-    /* From keys to sums, or (without `tiles`) to the gbuffer. */
-    void (*gather)(const iso_refined_job *job, const iso_refined_band *band, bool tiles);
-    /* Adds the other discs of a block to the sums. */
+    /* Adds the discs of a block (its number) to pixels, of which `front` tells which have sums. */
+    void (*scatter)(const iso_refined_job *job, const iso_refined_band *band, uint32_t block);
+    /* The same to tiles. */
     void (*splat)(const iso_refined_job *job, const iso_refined_band *band, uint32_t block);
     /* From sums to the gbuffer. */
-    void (*finish)(const iso_refined_job *job, const iso_refined_band *band);
+    void (*finish_pixels)(const iso_refined_job *job, const iso_refined_band *band);
+    void (*finish_tiles)(const iso_refined_job *job, const iso_refined_band *band);
 } iso_refined_kernel;
 
 const iso_refined_kernel *iso_refined_kernel_get(iso_cpu_level level);
