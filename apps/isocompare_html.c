@@ -15,7 +15,7 @@ static const char *const STYLE[] = {
     "--card:#1b2028;--best:#1e3327;--link:#8db4ee}}",
     "*{box-sizing:border-box}body{margin:0;background:var(--page);color:var(--ink);",
     "font:15px/1.5 system-ui,-apple-system,\"Segoe UI\",Roboto,\"Helvetica Neue\",sans-serif}",
-    "main{max-width:1280px;margin:0 auto;padding:40px 24px 80px}",
+    "main{max-width:1440px;margin:0 auto;padding:40px 24px 80px}",
     "h1{font-size:30px;line-height:1.2;margin:0 0 6px;letter-spacing:-.01em;overflow-wrap:anywhere}",
     "h2{font-size:20px;margin:48px 0 4px}h3{font-size:15px;margin:28px 0 10px}",
     "p{margin:6px 0 14px;max-width:76ch}.soft{color:var(--soft)}",
@@ -24,7 +24,7 @@ static const char *const STYLE[] = {
     ".facts b{display:block;font-size:17px;font-weight:600}.facts span{color:var(--soft);font-size:13px}",
     ".legend{display:flex;flex-wrap:wrap;gap:6px 18px;margin:10px 0 0;padding:0;list-style:none}",
     ".legend i{display:inline-block;width:11px;height:11px;border-radius:3px;margin-right:7px}",
-    ".row{display:grid;grid-template-columns:repeat(var(--columns),minmax(190px,1fr));gap:14px;margin-top:"
+    ".row{display:grid;grid-template-columns:repeat(var(--columns),minmax(150px,1fr));gap:14px;margin-top:"
     "14px;",
     "overflow-x:auto}",
     ".key{font-size:13px;color:var(--soft);align-self:end;padding:0 12px 10px 0}.key b{color:var(--ink);",
@@ -210,13 +210,12 @@ static bool has_column(const report *r, report_sampling sampling, const iso_metr
     return false;
 }
 
+/* Of signed values the magnitude counts. */
 static bool is_best(const report *r, const report_view *v, report_sampling sampling, const iso_metric *metric,
                     double value) {
     for (int m = 1; m < r->method_count; m++) {
         double other = iso_metric_value(metric, &v->cells[m].metrics[sampling]);
-        if (!isnan(other) && iso_metric_is_worse(metric, value, other) &&
-            !iso_metric_is_worse(metric, other, value))
-            return false;
+        if (!isnan(other) && iso_metric_is_worse(metric, value, fabs(other))) return false;
     }
     return r->method_count > 2 && !isnan(value);
 }

@@ -14,17 +14,18 @@ static iso_status print_help(const isorender_settings *settings, iso_error *erro
     if (settings->help != ISORENDER_BACKENDS) return ISO_OK;
     iso_pool *pool = NULL;
     ISO_TRY(iso_pool_create(settings->threads, &pool, error));
-    printf("cpu  generic, %d thread%s\n", iso_pool_threads(pool), iso_pool_threads(pool) > 1 ? "s" : "");
+    isorender_backends_list(iso_pool_threads(pool));
     iso_pool_destroy(pool);
     return ISO_OK;
 }
 
 /* One input that fails does not stop the others; the first failure gives the exit status. */
-static int run_all(const isorender_settings *settings, const isorender_plan *plans, iso_pool *pool) {
+static int run_all(const isorender_settings *settings, const isorender_plan *plans, iso_pool *pool,
+                   const isorender_backend *backend) {
     int worst = 0;
     for (int i = 0; i < settings->input_count; i++) {
         iso_error error = {0};
-        iso_status status = isorender_run(settings, &plans[i], pool, &error);
+        iso_status status = isorender_run(settings, &plans[i], pool, backend, &error);
         if (status == ISO_OK) continue;
         int code = fail(&error, status);
         if (worst == 0) worst = code;
@@ -32,12 +33,22 @@ static int run_all(const isorender_settings *settings, const isorender_plan *pla
     return worst;
 }
 
+static bool draws_any(const isorender_settings *settings, const isorender_plan *plans) {
+    for (int i = 0; i < settings->input_count && !settings->info; i++)
+        if (isorender_plan_draws(&plans[i])) return true;
+    return false;
+}
+
 static iso_status run(const isorender_settings *settings, int *code, iso_error *error) {
     isorender_plan *plans = NULL;
     iso_pool *pool = NULL;
     ISO_TRY(isorender_plans_make(settings, &plans, error));
+    isorender_backend backend = {.name = "cpu", .renderer = "cpu generic"};
     iso_status status = iso_pool_create(settings->threads, &pool, error);
-    if (status == ISO_OK) *code = run_all(settings, plans, pool);
+    if (status == ISO_OK && draws_any(settings, plans))
+        status = isorender_backend_open(settings, &backend, error);
+    if (status == ISO_OK) *code = run_all(settings, plans, pool, &backend);
+    isorender_backend_close(&backend);
     iso_pool_destroy(pool);
     isorender_plans_free(plans, settings->input_count);
     return status;

@@ -15,6 +15,7 @@
 #include "grids/volume.h"
 #include "image/camera.h"
 #include "io/points_io.h"
+#include "render/gl/engine.h"
 #include "render/pullpush.h"
 #include "render/shading.h"
 #include "truth/exact.h"
@@ -68,6 +69,7 @@ typedef struct isorender_settings {
     int method;         /* isorender_method */
     int reconstruction; /* iso_reconstruction */
     const char *backend;
+    int scaling; /* iso_point_scaling */
     int width, height, samples, turntable, no_image;
     iso_rgb background;
     int transparent;
@@ -128,6 +130,24 @@ iso_status isorender_plan_frame(const char *name, int frame, char **path, iso_er
  * make its kind; leaves nothing behind. */
 iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *error);
 
+/* ---- which engine draws (isorender_backend.c) ---- */
+
+typedef struct isorender_backend {
+    const char *name, *renderer; /* "cpu", "egl", "osmesa"; what the driver calls itself */
+    iso_gl_context *context;     /* both NULL: the cpu engine */
+    iso_gl_engine *engine;
+} isorender_backend;
+
+/* Whether the settings name a backend that can do what they ask for, as far as that can be told now. Without
+ * a method, what asks for OpenGL gets points. */
+iso_status isorender_backend_check(isorender_settings *settings, iso_error *error);
+/* ISO_ERR_BACKEND when the one that is asked for cannot be used. isorender_backend_close, also after that. */
+iso_status isorender_backend_open(const isorender_settings *settings, isorender_backend *backend,
+                                  iso_error *error);
+void isorender_backend_close(isorender_backend *backend);
+/* To stdout: every backend, and what it is or why it cannot be used. */
+void isorender_backends_list(int threads);
+
 /* ---- the work on one input ---- */
 
 typedef struct isorender_surface {
@@ -152,6 +172,7 @@ typedef struct isorender_job {
     const isorender_settings *settings;
     const isorender_plan *plan;
     iso_pool *pool;
+    const isorender_backend *backend;
     char *copy;       /* temporary copy of stdin, or NULL */
     const char *path; /* what to read */
 
@@ -166,6 +187,7 @@ typedef struct isorender_job {
 
     isorender_surface surfaces[ISORENDER_SURFACES];
     int surface_count;
+    iso_gl_shape *shapes[ISORENDER_SURFACES]; /* of the gl engine */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count;
     iso_box bounds_local, bounds_world; /* mm */
 
@@ -183,7 +205,7 @@ typedef struct isorender_job {
 
 /* The whole way of one input. On failure nothing that it wrote is left. */
 iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
-                         iso_error *error);
+                         const isorender_backend *backend, iso_error *error);
 
 /* isorender_input.c: header and notes; then the voxels or points. */
 iso_status isorender_open(isorender_job *job, iso_error *error);
@@ -199,6 +221,12 @@ iso_point_view isorender_points_view(const isorender_job *job, int surface);
 /* isorender_picture.c */
 iso_status isorender_render(isorender_job *job, iso_error *error);
 uint64_t isorender_picture_bytes(const isorender_settings *settings);
+
+/* isorender_backend.c: surfaces to the GPU, a picture from there, and the surfaces away again. */
+iso_status isorender_gl_upload(isorender_job *job, iso_error *error);
+iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
+                             iso_error *error);
+void isorender_gl_forget(isorender_job *job);
 
 /* isorender_report.c */
 iso_status isorender_report_json(const isorender_job *job, iso_error *error);

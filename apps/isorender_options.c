@@ -22,6 +22,7 @@ static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --outpu
 static const char *const methods[] = {"exact", "points", "pullpush", "mesh", "raycast", NULL};
 static const char *const reconstructions[] = {"auto", "box", "gaussian", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
+static const char *const scalings[] = {"exact", "attenuated", NULL};
 static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated", NULL};
 
 /* ---- values that are not plain numbers ---- */
@@ -219,6 +220,9 @@ static const iso_option options[] = {
     {"reconstruction", NULL, "NAME",
      "how pullpush fills in: box, gaussian (weights inside ellipses; Marroquim 2008); auto is the best",
      .group = PICTURE, .standard = "auto", CHOICE(reconstruction, reconstructions)},
+    {"point-scaling", NULL, "NAME",
+     "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
+     .group = PICTURE, .standard = "exact", CHOICE(scaling, scalings)},
     {"resolution", NULL, "WxH", "size of the picture in pixels", .group = PICTURE, .standard = "1024x1024",
      CALL(apply_resolution)},
     {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE, .standard = "1",
@@ -269,8 +273,10 @@ static const iso_option options[] = {
     {"json", NULL, "FILE", "one object with what was read, made and measured, to stdout without a FILE",
      .group = OUTPUT, CALL(isorender_apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
-    {"backend", "rendering-backend", "NAME", "auto or cpu", .group = RUNNING, .standard = "auto",
-     TEXT(backend), QUIETLY},
+    {"backend", "rendering-backend", "NAME",
+     "cpu, egl or osmesa (OpenGL without a window: points and mesh); auto is a GPU where EGL finds one, else "
+     "cpu",
+     .group = RUNNING, .standard = "auto", TEXT(backend), QUIETLY},
     {"list-backends", "list-rendering-backends", NULL, "say what can render here", .group = RUNNING,
      CALL(apply_list_backends), QUIETLY},
     {"progress", "loading-progress", NULL, "tell how far it is", .group = RUNNING, FLAG(progress), QUIETLY},
@@ -418,12 +424,6 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
     return ISO_OK;
 }
 
-static iso_status check_backend(const isorender_settings *settings, iso_error *error) {
-    if (strcmp(settings->backend, "auto") == 0 || strcmp(settings->backend, "cpu") == 0) return ISO_OK;
-    return iso_fail(error, ISO_ERR_BACKEND,
-                    "backend '%s' is not built into this version (see --list-backends)", settings->backend);
-}
-
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error) {
     *settings = (isorender_settings){.method = ISORENDER_UNCHOSEN,
@@ -438,7 +438,11 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     ISO_TRY(iso_options_parse(isorender_program(), argc, argv, settings, operands, error));
     if (settings->help) return ISO_OK;
-    ISO_TRY(check_backend(settings, error));
+    /* OpenGL draws points and meshes: asked for by name, it is given points. */
+    bool gl = strcmp(settings->backend, "auto") != 0 && strcmp(settings->backend, "cpu") != 0;
+    if (settings->method == ISORENDER_UNCHOSEN && (gl || settings->scaling == ISO_SCALING_ATTENUATED))
+        settings->method = ISORENDER_POINTS;
+    ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(check_outputs(settings, error));
     return check_surfaces(settings, error);

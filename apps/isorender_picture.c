@@ -66,6 +66,7 @@ static iso_status make_camera(isorender_job *job, iso_error *error) {
 
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const isorender_job *job = context;
+    if (job->backend->engine) return isorender_gl_draw(job, view, gbuffer, error);
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
@@ -250,6 +251,9 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);
     c.aov.voxel = smallest_spacing(job);
+    double start = isorender_now();
+    if (status == ISO_OK && job->backend->engine) status = isorender_gl_upload(job, error);
+    job->seconds.render += isorender_now() - start;
     if (status == ISO_OK) status = render_frames(job, &c, error);
     iso_image_free(&c.image);
     iso_aov_free(&c.aov);

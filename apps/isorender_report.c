@@ -178,6 +178,19 @@ static void put_files(iso_json *json, const isorender_job *job) {
     if (job->plan->mesh) iso_json_string(json, "mesh_path", job->plan->mesh);
 }
 
+static void put_backend(iso_json *json, const isorender_backend *backend) {
+    iso_json_string(json, "backend", backend->name);
+    iso_json_string(json, "renderer", backend->renderer);
+    if (!backend->context) return;
+    iso_gl_info info = iso_gl_context_info(backend->context);
+    iso_json_begin_object(json, "gl");
+    iso_json_string(json, "context", info.name);
+    iso_json_string(json, "vendor", info.vendor);
+    iso_json_string(json, "version", info.version);
+    iso_json_integer(json, "messages", iso_gl_context_messages(backend->context).count);
+    iso_json_end_object(json);
+}
+
 static iso_status put_report(iso_json *json, const isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     iso_json_begin_object(json, NULL);
@@ -196,8 +209,7 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     put_files(json, job);
     put_seconds(json, &job->seconds);
     iso_json_integer(json, "peak_bytes", iso_memory_peak());
-    iso_json_string(json, "backend", "cpu");
-    iso_json_string(json, "renderer", "cpu generic");
+    put_backend(json, job->backend);
     if (!settings->info) iso_json_string(json, "method", isorender_method_name(job->method));
     iso_json_integer(json, "threads", (uint64_t)iso_pool_threads(job->pool));
     ISO_TRY(put_images(json, job, error));

@@ -89,6 +89,7 @@ static void name_input(const isorender_job *job, iso_error *error) {
 }
 
 static void free_surfaces(isorender_job *job) {
+    isorender_gl_forget(job);
     for (int i = 0; i < job->surface_count; i++) {
         iso_point_set_destroy(job->surfaces[i].points);
         iso_mesh_set_destroy(job->surfaces[i].mesh);
@@ -99,12 +100,13 @@ static void free_surfaces(isorender_job *job) {
 }
 
 iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
-                         iso_error *error) {
+                         const isorender_backend *backend, iso_error *error) {
     isorender_job *job = calloc(1, sizeof *job);
     if (!job) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", plan->input);
     job->settings = settings;
     job->plan = plan;
     job->pool = pool;
+    job->backend = backend;
     iso_status status = work(job, error);
     if (status != ISO_OK) {
         remove_outputs(job);

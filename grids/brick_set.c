@@ -6,7 +6,6 @@
 
 enum {
     CHUNK_BRICKS = 32,      /* one task's */
-    CHUNKS_PER_WORKER = 8,  /* of one batch: enough to even out, few enough to keep their results small */
     SURVEY_BRICKS = 1 << 12 /* bricks that one task only looks at */
 };
 
@@ -22,9 +21,10 @@ typedef struct slot {
 typedef struct result {
     uint32_t brick, own;
     uint32_t count[ISO_SET_HEAPS];
+    size_t first[ISO_SET_HEAPS]; /* place in the set's arrays, once it has one */
 } result;
 
-/* What one task made. Kept and reused between batches. */
+/* What one task made. Kept and reused. */
 typedef struct chunk {
     iso_buffer array[ISO_SET_ARRAYS];
     size_t used[ISO_SET_HEAPS];
@@ -34,12 +34,14 @@ typedef struct chunk {
     bool failed;
 } chunk;
 
-/* One batch: bricks[0 .. count-1] in chunks. */
-typedef struct batch {
+/* Bricks on their way through chunks. */
+typedef struct extraction {
     iso_brick_set *set;
     const uint32_t *bricks;
     size_t count;
-} batch;
+    iso_status status; /* of placing; what comes after a failure has no place */
+    iso_error *error;
+} extraction;
 
 void iso_brick_set_coordinates(const iso_brick_set *set, uint32_t number, int brick[3]) {
     uint32_t columns = (uint32_t)set->bricks[0], rows = (uint32_t)set->bricks[1];
@@ -211,7 +213,7 @@ void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t number) {
     iso_brick_sink_add(sink, number, &output);
 }
 
-/* Bricks of a batch's list, all of which may have something. */
+/* Bricks of the list, all of which may have something. */
 static void extract_present(iso_brick_sink *sink, const uint32_t *bricks, size_t count) {
     const iso_brick_kernel *kernel = &sink->set->kernel;
     if (kernel->run) {
@@ -222,10 +224,10 @@ static void extract_present(iso_brick_sink *sink, const uint32_t *bricks, size_t
         iso_brick_sink_extract(sink, bricks[i]);
 }
 
-static void extract_chunk(void *context, size_t index, int worker) {
-    const batch *work = context;
+static void extract_chunk(void *context, size_t index, size_t number, int worker) {
+    const extraction *work = context;
     iso_brick_set *set = work->set;
-    chunk *part = chunk_at(set, index);
+    chunk *part = chunk_at(set, number);
     memset(part->used, 0, sizeof part->used);
     part->count = part->placed = part->extracted = part->rejected = 0;
     iso_brick_sink sink = {.set = set, .part = part};
@@ -244,25 +246,47 @@ static void extract_chunk(void *context, size_t index, int worker) {
     part->failed = iso_brick_sink_failed(&sink);
 }
 
-static iso_status place_batch(iso_brick_set *set, size_t chunks, iso_error *error) {
-    iso_status status = ISO_OK;
-    for (size_t c = 0; c < chunks && status == ISO_OK; c++) {
-        chunk *part = chunk_at(set, c);
-        while (part->placed < part->count && status == ISO_OK) {
-            status = place_result(set, &part->results[part->placed], error);
-            if (status == ISO_OK) part->placed++;
-        }
-        if (status == ISO_OK && part->failed)
-            status = iso_fail(error, ISO_ERR_NOMEM, "out of memory while extracting bricks");
-        set->extracted += part->extracted;
-        if (set->full) set->rejected += part->rejected;
+/* Whether placing the chunk moves nothing in the arrays: so it is while they are filled for the first time
+ * and have room. */
+static bool moves_nothing(const iso_brick_set *set, const chunk *part) {
+    for (int i = 0; i < ISO_SET_ARRAYS; i++) {
+        const iso_span_heap *heap = &set->heap[i / ISO_SPAN_ARRAYS];
+        const size_t end = heap->end + part->used[i / ISO_SPAN_ARRAYS];
+        if (end * set->kernel.item_bytes[i] > heap->array[i % ISO_SPAN_ARRAYS].bytes) return false;
     }
+    return set->full;
+}
+
+/* Where the chunk's results are to go. Spans may slide together on the way. */
+static void note_places(iso_brick_set *set, chunk *part) {
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
         if (!set->heap[heap].moved) continue;
         for (size_t i = 0; i < set->span_count; i++) write_span(set, i);
         set->heap[heap].moved = false;
     }
-    return status;
+    for (size_t r = 0; r < part->placed; r++) {
+        result *made = &part->results[r];
+        if (!set->span_of[made->brick]) continue; /* nothing was made */
+        const iso_brick_place *place = &slot_at(set, set->span_of[made->brick] - 1)->place;
+        memcpy(made->first, place->first, sizeof made->first);
+    }
+}
+
+static bool place_chunk(void *context, size_t number, bool alone) {
+    extraction *work = context;
+    iso_brick_set *set = work->set;
+    chunk *part = chunk_at(set, number);
+    if (!alone && !moves_nothing(set, part)) return false;
+    while (part->placed < part->count && work->status == ISO_OK) {
+        work->status = place_result(set, &part->results[part->placed], work->error);
+        if (work->status == ISO_OK) part->placed++;
+    }
+    if (work->status == ISO_OK && part->failed)
+        work->status = iso_fail(work->error, ISO_ERR_NOMEM, "out of memory while extracting bricks");
+    set->extracted += part->extracted;
+    if (set->full) set->rejected += part->rejected;
+    note_places(set, part);
+    return true;
 }
 
 /* One of a chunk's arrays to the bricks' places: as few copies as those places allow, which is one when the
@@ -277,7 +301,7 @@ static void copy_array(const iso_brick_set *set, const chunk *part, int array) {
     for (size_t r = 0; r < part->placed; r++) {
         const result *made = &part->results[r];
         if (!made->count[heap]) continue;
-        const size_t first = slot_at(set, set->span_of[made->brick] - 1)->place.first[heap];
+        const size_t first = made->first[heap];
         if (count && first != to + count) {
             iso_copy_stream(target + to * bytes, source + from * bytes, count * bytes);
             count = 0;
@@ -292,11 +316,10 @@ static void copy_array(const iso_brick_set *set, const chunk *part, int array) {
     if (count) iso_copy_stream(target + to * bytes, source + from * bytes, count * bytes);
 }
 
-static void copy_chunk(void *context, size_t index, int worker) {
-    (void)worker;
-    const batch *work = context;
+static void copy_chunk(void *context, size_t number) {
+    const extraction *work = context;
     for (int i = 0; i < ISO_SET_ARRAYS; i++)
-        if (work->set->kernel.item_bytes[i]) copy_array(work->set, chunk_at(work->set, index), i);
+        if (work->set->kernel.item_bytes[i]) copy_array(work->set, chunk_at(work->set, number), i);
     iso_copy_stream_end();
 }
 
@@ -312,26 +335,24 @@ static iso_status reserve_chunks(iso_brick_set *set, size_t wanted, iso_error *e
 }
 
 static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, size_t count, iso_error *error) {
-    size_t workers = (size_t)iso_pool_threads(set->pool),
-           batch_bricks = workers * CHUNKS_PER_WORKER * CHUNK_BRICKS;
-    if (batch_bricks > count) batch_bricks = count;
+    const size_t workers = (size_t)iso_pool_threads(set->pool),
+                 chunks = (count + CHUNK_BRICKS - 1) / CHUNK_BRICKS;
     if (set->full && set->kernel.run && workers == 1) {
         ISO_TRY(iso_buffer_reserve(&set->scratch, set->kernel.scratch_bytes, 0, error));
         iso_brick_sink sink = {.set = set, .scratch = set->scratch.data, .error = error};
         extract_present(&sink, bricks, count);
         return sink.status;
     }
-    ISO_TRY(reserve_chunks(set, (batch_bricks + CHUNK_BRICKS - 1) / CHUNK_BRICKS, error));
+    iso_ordered steps = {.work = extract_chunk,
+                         .place = place_chunk,
+                         .finish = copy_chunk,
+                         .slots = iso_ordered_slots(set->pool)};
+    if (steps.slots > chunks) steps.slots = chunks ? chunks : 1;
+    ISO_TRY(reserve_chunks(set, steps.slots, error));
     ISO_TRY(iso_buffer_reserve(&set->scratch, workers * set->kernel.scratch_bytes, 0, error));
-    for (size_t first = 0; first < count; first += batch_bricks) {
-        batch work = {set, bricks + first, count - first < batch_bricks ? count - first : batch_bricks};
-        size_t chunks = (work.count + CHUNK_BRICKS - 1) / CHUNK_BRICKS;
-        iso_parallel_for(set->pool, chunks, extract_chunk, &work);
-        iso_status status = place_batch(set, chunks, error);
-        iso_parallel_for(set->pool, chunks, copy_chunk, &work);
-        if (status != ISO_OK) return status;
-    }
-    return ISO_OK;
+    extraction work = {set, bricks, count, ISO_OK, error};
+    iso_parallel_ordered(set->pool, chunks, &steps, &work);
+    return work.status;
 }
 
 /* All bricks of the grid, tested over threads. */

@@ -62,7 +62,10 @@ static void copy_part(const cell_row *source, int cx, int local_x, int count, fl
     int32_t number = source->cells[cx];
     if (number >= 0) {
         const float *from = iso_hgrid_brick(source->grid, number) + source->offset + local_x;
-        memcpy(out, from, (size_t)count * sizeof *out);
+        if (count == ISO_BRICK) /* copied by vectors, without a call */
+            memcpy(out, from, ISO_BRICK * sizeof *out);
+        else
+            for (int i = 0; i < count; i++) out[i] = from[i];
     } else {
         float value = iso_hgrid_empty_value(source->grid, number);
         for (int i = 0; i < count; i++) out[i] = value;

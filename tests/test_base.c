@@ -121,6 +121,75 @@ static void every_index_runs_once(void **state) {
     assert_null(pool);
 }
 
+/* What goes through slots: each holds the index that is in it, and what has been done with it. Plain data:
+ * the thread sanitizer sees whether anybody looks at a slot out of turn. */
+enum { ORDERED_ITEMS = 3000, ORDERED_SLOTS = 64 };
+typedef struct ordered_tally {
+    size_t slot[ORDERED_SLOTS], placed, moved;
+    size_t place_of[ORDERED_ITEMS]; /* by index: 1 + how many were placed before it */
+    size_t *array;                  /* moves now and then, with nobody writing to it */
+    unsigned char finished[ORDERED_ITEMS];
+} ordered_tally;
+
+static void ordered_work(void *context, size_t index, size_t slot, int worker) {
+    ordered_tally *t = context;
+    (void)worker;
+    volatile unsigned spin = (unsigned)(index * 2654435761u) >> 20; /* some take longer */
+    while (spin) spin--;
+    t->slot[slot] = index;
+}
+
+static bool ordered_place(void *context, size_t slot, bool alone) {
+    ordered_tally *t = context;
+    if (t->placed % 7 == 3) {
+        if (!alone) return false;
+        size_t *moved = malloc(ORDERED_ITEMS * sizeof *moved);
+        assert_non_null(moved);
+        memcpy(moved, t->array, ORDERED_ITEMS * sizeof *moved);
+        free(t->array);
+        t->array = moved;
+        t->moved++;
+    }
+    t->place_of[t->slot[slot]] = ++t->placed;
+    return true;
+}
+
+static void ordered_finish(void *context, size_t slot) {
+    ordered_tally *t = context;
+    const size_t index = t->slot[slot];
+    t->array[index] = index + 1;
+    t->finished[index]++;
+}
+
+static void results_are_placed_in_order(void **state) {
+    (void)state;
+    const int threads[] = {1, 2, 7};
+    static ordered_tally t;
+    for (int i = 0; i < 3; i++) {
+        iso_pool *pool = NULL;
+        assert_int_equal(iso_pool_create(threads[i], &pool, NULL), ISO_OK);
+        for (int round = 0; round < 20; round++) {
+            const size_t count = round < 3 ? (size_t)round : ORDERED_ITEMS - (size_t)round;
+            iso_ordered steps = {ordered_work, ordered_place, ordered_finish, iso_ordered_slots(pool)};
+            assert_true(steps.slots >= (size_t)threads[i] && steps.slots <= ORDERED_SLOTS);
+            if (round % 4 == 3) steps.slots = (size_t)threads[i] / 2 + 1; /* fewer are right too */
+            memset(&t, 0, sizeof t);
+            t.array = calloc(ORDERED_ITEMS, sizeof *t.array);
+            assert_non_null(t.array);
+            iso_parallel_ordered(pool, count, &steps, &t);
+            for (size_t k = 0; k < count; k++) {
+                assert_int_equal(t.place_of[k], k + 1);
+                assert_int_equal(t.finished[k], 1);
+                assert_int_equal(t.array[k], k + 1);
+            }
+            assert_int_equal(t.placed, count);
+            assert_true(count < 4 || t.moved >= count / 7);
+            free(t.array);
+        }
+        iso_pool_destroy(pool);
+    }
+}
+
 static int exists(const char *path) {
     FILE *file = fopen(path, "r");
     if (file) fclose(file);
@@ -198,6 +267,7 @@ int main(void) {
         cmocka_unit_test(affine_inverts_itself),
         cmocka_unit_test(packed_points_keep_their_precision),
         cmocka_unit_test(every_index_runs_once),
+        cmocka_unit_test(results_are_placed_in_order),
         cmocka_unit_test(sinks_write_all_or_nothing),
         cmocka_unit_test(buffers_keep_their_contents),
         cmocka_unit_test(cpu_level_can_be_limited),

@@ -217,7 +217,10 @@ static void test_usage_errors(void **state) {
     expect_failure("x.vti --isovalue 1,2 --mesh p.ply", ISO_ERR_USAGE, "one isovalue");
     expect_failure("x.vti --no-image", ISO_ERR_USAGE, "nothing to do");
     expect_failure("a.vti b.vti -o {model}.png --json", ISO_ERR_USAGE, "template");
-    expect_failure("--backend egl x.vti", ISO_ERR_BACKEND, "'egl' is not built into this version");
+    expect_failure("--backend glx x.vti", ISO_ERR_BACKEND, "no backend 'glx'");
+    expect_failure("--backend egl --method raycast x.vti", ISO_ERR_USAGE, "points and meshes only");
+    expect_failure("--backend cpu --point-scaling attenuated x.vti", ISO_ERR_USAGE,
+                   "--backend egl or osmesa");
 }
 
 /* What the table says must be usable: every name once, and every form of help names every option. */

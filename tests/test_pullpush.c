@@ -109,7 +109,8 @@ static void draw(const iso_view *view, const iso_point_view *points, const iso_p
                  iso_pool *pool, iso_gbuffer *gbuffer) {
     iso_error error = {0};
     iso_target target = {view, gbuffer, pool, 0};
-    ok(iso_draw_pullpush(&target, points, opts, &error), &error);
+    const iso_pullpush_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
+    ok(iso_draw_pullpush(&target, points, opts ? opts : &gaussian, &error), &error);
 }
 
 static iso_gbuffer drawn(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts) {
@@ -263,7 +264,7 @@ static void workspaces_hold_nothing(void **state) {
     painted p = paint(&gyroid.points, false);
     iso_pullpush *workspace;
     assert_int_equal(iso_pullpush_create(&workspace, NULL), ISO_OK);
-    iso_pullpush_opts opts = {.workspace = workspace};
+    iso_pullpush_opts opts = {ISO_RECONSTRUCTION_GAUSSIAN, workspace};
     uint32_t seed = 3;
     for (int i = 0; i < 30; i++) {
         const scene *s = i % 2 ? &sphere : &gyroid;
@@ -500,6 +501,7 @@ static void nearer_surfaces_win(void **state) {
     assert_true(front && back);
     make_sheet(front, 50, 0, 1);
     make_sheet(back, 60, 0, 1);
+    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
     iso_view view = plain_view(60, 60, true, 3);
     view.cx = 15; /* the sheet at the left */
     view.cy = 200;
@@ -511,14 +513,14 @@ static void nearer_surfaces_win(void **state) {
         for (int k = 0; k < 2; k++) {
             bool near = (k == 0) == (order == 0);
             iso_target target = {near ? &view : &other, g, NULL, near ? 3 : 9};
-            assert_int_equal(iso_draw_pullpush(&target, near ? &front->points : &back->points, NULL, NULL),
+            assert_int_equal(iso_draw_pullpush(&target, near ? &front->points : &back->points, &opts, NULL),
                              ISO_OK);
         }
     }
     same(&a, 0, &b);
     iso_gbuffer alone = clear_gbuffer(60, 60, false);
     iso_target target = {&view, &alone, NULL, 3};
-    assert_int_equal(iso_draw_pullpush(&target, &front->points, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_draw_pullpush(&target, &front->points, &opts, NULL), ISO_OK);
     for (size_t i = 0; i < 3600; i++)
         assert_int_equal(a.surface[i], alone.surface[i] == 3 ? 3 : a.surface[i] == 9 ? 9 : ISO_SURFACE_NONE);
     iso_gbuffer_free(&a);

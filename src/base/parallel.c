@@ -6,6 +6,7 @@
 #include <sched.h>
 #include <stdatomic.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "base/memory.h"
 
@@ -130,4 +131,71 @@ void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *contex
     pthread_mutex_lock(&pool->mutex);
     while (pool->busy) pthread_cond_wait(&pool->work_done, &pool->mutex);
     pthread_mutex_unlock(&pool->mutex);
+}
+
+/* ---- in order */
+
+enum { SLOTS_PER_THREAD = 4 };
+
+/* A slot's, in turn. */
+typedef enum slot_state { SLOT_FREE, SLOT_WORKING, SLOT_READY, SLOT_FINISHING } slot_state;
+
+typedef struct ordered_run {
+    const iso_ordered *steps;
+    void *context;
+    pthread_mutex_t mutex;
+    pthread_cond_t changed;
+    size_t placed, finishing;
+    uint8_t state[MAX_THREADS * SLOTS_PER_THREAD]; /* slot_state */
+} ordered_run;
+
+/* Everything whose turn it is, by whoever gets there. With the mutex held. */
+static void place_ready(ordered_run *run) {
+    const iso_ordered *steps = run->steps;
+    for (;;) {
+        const size_t slot = run->placed % steps->slots;
+        if (run->state[slot] != SLOT_READY) return;
+        if (!steps->place(run->context, slot, run->finishing == 0)) {
+            pthread_cond_wait(&run->changed, &run->mutex);
+            continue;
+        }
+        run->state[slot] = SLOT_FINISHING;
+        run->placed++;
+        run->finishing++;
+        pthread_mutex_unlock(&run->mutex);
+        steps->finish(run->context, slot);
+        pthread_mutex_lock(&run->mutex);
+        run->finishing--;
+        run->state[slot] = SLOT_FREE;
+        pthread_cond_broadcast(&run->changed);
+    }
+}
+
+/* The least index that is not placed never waits for its slot: the one that had it is placed. So there is
+ * always somebody at work. */
+static void ordered_task(void *context, size_t index, int number) {
+    ordered_run *run = context;
+    const size_t slot = index % run->steps->slots;
+    pthread_mutex_lock(&run->mutex);
+    while (run->state[slot] != SLOT_FREE) pthread_cond_wait(&run->changed, &run->mutex);
+    run->state[slot] = SLOT_WORKING;
+    pthread_mutex_unlock(&run->mutex);
+    run->steps->work(run->context, index, slot, number);
+    pthread_mutex_lock(&run->mutex);
+    run->state[slot] = SLOT_READY;
+    place_ready(run);
+    pthread_mutex_unlock(&run->mutex);
+}
+
+size_t iso_ordered_slots(const iso_pool *pool) {
+    return (size_t)iso_pool_threads(pool) * SLOTS_PER_THREAD;
+}
+
+void iso_parallel_ordered(iso_pool *pool, size_t count, const iso_ordered *steps, void *context) {
+    ordered_run run = {.steps = steps, .context = context};
+    pthread_mutex_init(&run.mutex, NULL);
+    pthread_cond_init(&run.changed, NULL);
+    iso_parallel_for(pool, count, ordered_task, &run);
+    pthread_cond_destroy(&run.changed);
+    pthread_mutex_destroy(&run.mutex);
 }

@@ -5,6 +5,7 @@
 #ifndef ISO_BASE_PARALLEL_H
 #define ISO_BASE_PARALLEL_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/status.h"
@@ -30,6 +31,23 @@ int iso_pool_threads(const iso_pool *pool);
  * in order. The caller's thread is worker 0. Not reentrant: a task must not use its own pool, and one pool
  * serves one caller at a time. */
 void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *context);
+
+/* Work whose results are put in order while more is under way. Of each index, `work` is done first, then
+ * `place`, then `finish`; `place` in the order of indices and one at a time. What an index has made lies in
+ * its slot, index % slots, which no other index uses before its `finish` is over. */
+typedef struct iso_ordered {
+    void (*work)(void *context, size_t index, size_t slot, int worker);
+    /* `alone`: no `finish` is under way. Otherwise it may do nothing and return false: it is called again
+     * when that is so. */
+    bool (*place)(void *context, size_t slot, bool alone);
+    void (*finish)(void *context, size_t slot);
+    size_t slots; /* iso_ordered_slots(pool) at most, 1 at least */
+} iso_ordered;
+
+size_t iso_ordered_slots(const iso_pool *pool);
+
+/* Indices 0 .. count-1. As iso_parallel_for otherwise. */
+void iso_parallel_ordered(iso_pool *pool, size_t count, const iso_ordered *steps, void *context);
 
 #ifdef __cplusplus
 }

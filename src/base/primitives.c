@@ -57,6 +57,27 @@ iso_surfel iso_point_unpack(iso_point point) {
     return surfel;
 }
 
+void iso_shape_frame(const float n[3], float u[3], float v[3]) {
+    const float sign = copysignf(1, n[2]), a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
+    u[0] = 1 + sign * (n[0] * n[0] * a);
+    u[1] = sign * b;
+    u[2] = -(sign * n[0]);
+    v[0] = b;
+    v[1] = sign + n[1] * n[1] * a;
+    v[2] = -n[1];
+}
+
+static int16_t shape_steps(float value) {
+    return (int16_t)((int32_t)(value * (1 / ISO_SHAPE_STEP) + 32768.5f) - 32768);
+}
+
+iso_shape iso_shape_pack(float uu, float uv, float vv) {
+    float norm = sqrtf(uu * uu + 2 * (uv * uv) + vv * vv);
+    if (!(norm < 1e15f)) return (iso_shape){0, 0, 0};
+    float scale = norm > ISO_SHAPE_MOST ? ISO_SHAPE_MOST / norm : 1;
+    return (iso_shape){shape_steps(uu * scale), shape_steps(uv * scale), shape_steps(vv * scale)};
+}
+
 size_t iso_point_view_count(const iso_point_view *view) {
     size_t count = 0;
     for (size_t i = 0; i < view->span_count; i++) count += view->spans[i].count;

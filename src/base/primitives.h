@@ -45,6 +45,23 @@ iso_surfel iso_point_unpack(iso_point point);
 #define ISO_POINT_STEP (20.0f / 16384)
 enum { ISO_POINT_COORDINATE_BITS = 14, ISO_POINT_NORMAL_BITS = 11, ISO_POINT_NORMAL_STEPS = 2047 };
 
+/* How a surface bends at a point, in 6 bytes: its shape operator S (second fundamental form) in index space,
+ * symmetric, in the frame (u, v) that iso_shape_frame makes of the point's normal as iso_point_view_get gives
+ * it. A step q along the surface turns the outward normal by S q: entries are in 1 / voxel, positive where
+ * the surface is convex (1 / r on a sphere). Steps of ISO_SHAPE_STEP; norms are clamped to ISO_SHAPE_MOST. */
+typedef struct iso_shape {
+    int16_t uu, uv, vv;
+} iso_shape;
+
+#define ISO_SHAPE_STEP (1.0f / 16000)
+#define ISO_SHAPE_MOST 2.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */
+
+/* Two unit vectors at right angles to a unit normal and to each other, u x v = normal (Duff et al. 2017,
+ * "Building an orthonormal basis, revisited"). */
+void iso_shape_frame(const float normal[3], float u[3], float v[3]);
+/* Nearest, with the norm clamped; all 0 when an entry is not finite. */
+iso_shape iso_shape_pack(float uu, float uv, float vv);
+
 /* The primitives of one brick. */
 typedef struct iso_point_span {
     int32_t brick[3];
@@ -64,7 +81,8 @@ typedef struct iso_point_bounds {
 typedef struct iso_point_view {
     const iso_point *packed;
     const iso_surfel *surfels;
-    const float *radii; /* per point, mm, indexed like the points; NULL: `radius` holds for all */
+    const iso_shape *shapes; /* per point, indexed like the points; NULL: points are flat */
+    const float *radii;      /* per point, mm, indexed like the points; NULL: `radius` holds for all */
     const iso_point_span *spans;
     size_t span_count;
     iso_transform transform;

@@ -3,12 +3,10 @@
 
 #include "grids/brick_index.h"
 
-void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_surface *surface,
-                          bool floats) {
+void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_surface *surface) {
     *runner = (iso_edge_runner){
         .grid = grid,
         .kernel = iso_edge_kernel_get(grid->type, iso_cpu_best()),
-        .floats = floats,
         .source = {.data = grid->data,
                    .stride_y = grid->stride_y,
                    .stride_z = grid->stride_z,
@@ -193,13 +191,31 @@ static char *make_job(const iso_edge_runner *runner, const iso_edge_block *block
     return room;
 }
 
+/* Shapes of a block's points; returns where the next block's go. */
+static iso_shape *make_shapes(const iso_edge_runner *runner, const iso_edge_block *block,
+                              const iso_edge_output *output, iso_shape *shapes) {
+    const float outward = runner->source.level_set ? 1 : -1;
+    for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
+        if (!block->points[k]) continue;
+        const int brick[3] = {block->origin[0] / ISO_BRICK + k, block->origin[1] / ISO_BRICK,
+                              block->origin[2] / ISO_BRICK};
+        const iso_shape_source source = iso_shape_source_grid(runner->grid, brick, outward);
+        const iso_shape_points points = {output->packed[k], output->surfels[k], block->points[k]};
+        iso_shapes_of_edges(&source, &points, shapes);
+        shapes += block->points[k];
+    }
+    return shapes;
+}
+
 /* Makes the points of the blocks that are counted. */
 static void fill_blocks(edge_run *run) {
     const int count = run->blocks;
+    const bool shaped = run->runner->shapes;
     char *room = count ? iso_brick_sink_room(run->sink, 0, run->points) : NULL;
+    iso_shape *shapes = room && shaped ? iso_brick_sink_room(run->sink, 1, run->points) : NULL;
     run->blocks = 0;
     run->points = 0;
-    if (!room) return;
+    if (!room || (shaped && !shapes)) return;
     for (int b = 0; b < count; b++) {
         const iso_edge_block *block = &run->scratch->blocks[b];
         room = make_job(run->runner, block, room, &run->scratch->jobs[b]);
@@ -209,6 +225,8 @@ static void fill_blocks(edge_run *run) {
                                    &(iso_brick_output){.count = {block->points[k]}});
     }
     run->runner->kernel->fill(&run->runner->source, run->scratch->jobs, count);
+    for (int b = 0; b < count && shapes; b++)
+        shapes = make_shapes(run->runner, &run->scratch->blocks[b], &run->scratch->jobs[b].output, shapes);
 }
 
 void iso_edge_run(const iso_edge_runner *runner, const iso_brick_set *set, const uint32_t *bricks,

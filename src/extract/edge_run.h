@@ -5,6 +5,7 @@
 
 #include "extract/brick.h"
 #include "extract/edge_kernel.h"
+#include "extract/shape.h"
 #include "grids/brick_set.h"
 
 /* What runs need to know; made once per surface. */
@@ -13,10 +14,11 @@ typedef struct iso_edge_runner {
     const iso_edge_kernel *kernel;
     iso_edge_source source;
     bool floats; /* surfels instead of packed points */
+    bool shapes; /* with each point, in the sink's second array */
 } iso_edge_runner;
 
-void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_surface *surface,
-                          bool floats);
+/* With `floats` and `shapes` off. */
+void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_surface *surface);
 
 /* Bricks of a list that lie in neighbouring blocks of one row, and which of their rows are looked at. */
 enum { ISO_EDGE_STRETCH = 8 };

@@ -121,22 +121,23 @@ static void set_irregular_aside(iso_foot_scratch *scratch, uint32_t queued) {
 
 /* Each of those again by itself; the others close up in place. */
 static void settle_irregular(const iso_foot_surface *surface, const iso_foot_brick *brick,
-                             const iso_foot_scratch *scratch, uint32_t queued, iso_foot_output *output) {
+                             iso_foot_scratch *scratch, uint32_t queued, iso_foot_output *output) {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < queued; i++) {
         if (!(scratch->voxel[i] & IRREGULAR)) {
             if (output->packed) output->packed[kept] = output->packed[i];
             if (output->surfels) output->surfels[kept] = output->surfels[i];
-            kept++;
+            scratch->voxel[kept++] = scratch->voxel[i];
             continue;
         }
         iso_foot_stencil stencil;
         iso_surfel surfel;
-        stencil_of(brick, (size_t)(scratch->voxel[i] & ~IRREGULAR), &stencil);
+        const int32_t voxel = scratch->voxel[i] & ~IRREGULAR;
+        stencil_of(brick, (size_t)voxel, &stencil);
         if (!iso_foot_point(surface, &stencil, &surfel)) continue;
         if (output->packed) output->packed[kept] = iso_point_pack(&surfel);
         if (output->surfels) output->surfels[kept] = surfel;
-        kept++;
+        scratch->voxel[kept++] = voxel;
     }
     output->count = kept;
 }

@@ -66,7 +66,8 @@ typedef struct iso_foot_output {
 } iso_foot_output;
 
 typedef struct iso_foot_kernel {
-    /* Makes the brick's points, in z, y, x order of their voxels; sets output->count and ->rejected. */
+    /* Makes the brick's points, in z, y, x order of their voxels, which it leaves in scratch->voxel; sets
+     * output->count and ->rejected. */
     void (*extract)(const iso_foot_surface *surface, const iso_foot_brick *brick, iso_foot_scratch *scratch,
                     iso_foot_output *output);
 } iso_foot_kernel;

@@ -98,6 +98,7 @@ void iso_foot_points_direct(const iso_brick_window *window, const iso_foot_surfa
                 float value = window->values[iso_window_index(x, y, z)];
                 if (!(value >= surface->at && value < surface->top)) continue;
                 iso_foot_stencil stencil = stencil_at(window, (int[3]){x, y, z});
+                if (out->voxels) out->voxels[out->count] = z << 8 | y << 4 | x;
                 if (iso_foot_point(surface, &stencil, &out->points[out->count]))
                     out->count++;
                 else

@@ -39,6 +39,7 @@ bool iso_foot_point(const iso_foot_surface *surface, const iso_foot_stencil *ste
 /* Room for ISO_BRICK_VOXELS points is needed. */
 typedef struct iso_foot_points {
     iso_surfel *points;
+    int32_t *voxels; /* whose each is, z << 8 | y << 4 | x; NULL: not wanted */
     uint32_t count, rejected;
 } iso_foot_points;
 

@@ -15,6 +15,8 @@ typedef struct point_scratch {
     iso_brick_window window;
     iso_surfel surfels[ISO_EDGES_OWN];
     iso_point packed[ISO_EDGES_OWN];
+    iso_shape shapes[ISO_EDGES_OWN];
+    int32_t voxels[ISO_BRICK_VOXELS];
 } point_scratch;
 
 struct iso_point_set {
@@ -39,6 +41,17 @@ static void output_points(const iso_point_set *points, point_scratch *scratch, u
                           iso_brick_output *output) {
     output->count[0] = count;
     output->items[0] = points->opts.floats ? (const void *)scratch->surfels : scratch->packed;
+    output->items[1] = scratch->shapes;
+}
+
+static iso_shape_points shape_points(const iso_point_set *points, const point_scratch *scratch,
+                                     uint32_t count) {
+    if (points->opts.floats) return (iso_shape_points){.surfels = scratch->surfels, .count = count};
+    return (iso_shape_points){.packed = scratch->packed, .count = count};
+}
+
+static iso_shape_feet shape_feet_of(const iso_point_set *points, const int32_t *voxels) {
+    return (iso_shape_feet){voxels, points->foot_surface.at, points->foot_surface.band};
 }
 
 static void pack_points(const iso_point_set *points, point_scratch *scratch, uint32_t count) {
@@ -59,6 +72,11 @@ static void extract_edges(const void *context, const int brick[3], void *memory,
     iso_edge_points_own(&scratch->window, &points->surface, &edges);
     for (uint32_t i = 0; i < edges.count && edges.scaled; i++)
         scratch->packed[i] = iso_point_pack_scaled(&scratch->surfels[i]);
+    if (points->opts.shapes) {
+        const iso_shape_source source = iso_shape_source_window(&scratch->window, points->surface.outward);
+        const iso_shape_points made = shape_points(points, scratch, edges.count);
+        iso_shapes_of_edges(&source, &made, scratch->shapes);
+    }
     output_points(points, scratch, edges.count, output);
 }
 
@@ -82,10 +100,16 @@ static void extract_feet(const void *context, const int brick[3], void *memory, 
     const iso_point_set *points = context;
     point_scratch *scratch = memory;
     iso_brick_window_fill(&points->grid, brick, &scratch->window);
-    iso_foot_points feet = {.points = scratch->surfels};
+    iso_foot_points feet = {.points = scratch->surfels, .voxels = scratch->voxels};
     iso_foot_points_direct(&scratch->window, &points->foot_surface, &feet);
     output->rejected = feet.rejected;
     pack_points(points, scratch, feet.count);
+    if (points->opts.shapes) {
+        const iso_shape_source source = iso_shape_source_window(&scratch->window, points->surface.outward);
+        const iso_shape_points made = shape_points(points, scratch, feet.count);
+        const iso_shape_feet from = shape_feet_of(points, scratch->voxels);
+        iso_shapes_of_feet(&source, &made, &from, scratch->shapes);
+    }
     output_points(points, scratch, feet.count, output);
 }
 
@@ -94,21 +118,41 @@ static const float *values_of(const iso_point_set *points, uint32_t brick) {
     return iso_hgrid_brick(grid, grid->cell[brick]);
 }
 
+/* What run_feet works in. */
+typedef struct feet_scratch {
+    iso_foot_scratch kernel;
+    iso_brick_window window;
+} feet_scratch;
+
+static void shape_feet(const iso_point_set *points, const int brick[3], const iso_foot_output *feet,
+                       feet_scratch *scratch, iso_shape *shapes) {
+    if (!feet->count) return;
+    iso_brick_window_fill(&points->grid, brick, &scratch->window);
+    const iso_shape_source source = iso_shape_source_window(&scratch->window, points->surface.outward);
+    const iso_shape_points made = {feet->packed, feet->surfels, feet->count};
+    const iso_shape_feet from = shape_feet_of(points, scratch->kernel.voxel);
+    iso_shapes_of_feet(&source, &made, &from, shapes);
+}
+
 /* The next brick of the list is fetched into the cache meanwhile. */
 static void run_feet(const void *context, const uint32_t *bricks, size_t count, void *memory,
                      iso_brick_sink *sink) {
     const iso_point_set *points = context;
+    feet_scratch *scratch = memory;
     for (size_t i = 0; i < count && !iso_brick_sink_failed(sink); i++) {
         int brick[3];
         iso_brick_set_coordinates(&points->set, bricks[i], brick);
+        const bool shaped = points->opts.shapes;
         void *room = iso_brick_sink_room(sink, 0, ISO_FOOT_ROOM);
-        if (!room) return;
+        iso_shape *shapes = room && shaped ? iso_brick_sink_room(sink, 1, ISO_FOOT_ROOM) : NULL;
+        if (!room || (shaped && !shapes)) return;
         iso_foot_brick around;
-        iso_foot_brick_of(points->grid.hgrid, brick, memory, &around);
+        iso_foot_brick_of(points->grid.hgrid, brick, &scratch->kernel, &around);
         around.next = values_of(points, bricks[i + 1 < count ? i + 1 : i]);
         iso_foot_output feet = {.packed = points->opts.floats ? NULL : room,
                                 .surfels = points->opts.floats ? room : NULL};
-        points->foot_kernel->extract(&points->foot_surface, &around, memory, &feet);
+        points->foot_kernel->extract(&points->foot_surface, &around, &scratch->kernel, &feet);
+        if (shaped) shape_feet(points, brick, &feet, scratch, shapes);
         iso_brick_sink_add(sink, bricks[i],
                            &(iso_brick_output){.count = {feet.count}, .rejected = feet.rejected});
     }
@@ -128,6 +172,10 @@ static void extract_iterated(const void *context, const int brick[3], void *memo
     iso_foot_points_iterated(&points->grid, &scratch->window, &points->surface, &feet);
     output->rejected = feet.rejected;
     pack_points(points, scratch, feet.count);
+    if (points->opts.shapes) {
+        const iso_shape_points made = shape_points(points, scratch, feet.count);
+        iso_shapes_of_places(&points->grid, brick, points->surface.outward, &made, scratch->shapes);
+    }
     output_points(points, scratch, feet.count, output);
 }
 
@@ -141,7 +189,8 @@ static void write_span(void *span, const iso_brick_place *place) {
 
 static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
     iso_brick_kernel kernel = {
-        .item_bytes = {opts->floats ? sizeof(iso_surfel) : sizeof(iso_point)},
+        .item_bytes = {opts->floats ? sizeof(iso_surfel) : sizeof(iso_point),
+                       opts->shapes ? sizeof(iso_shape) : 0},
         .scratch_bytes = sizeof(point_scratch),
         .span_bytes = sizeof(iso_point_span),
         .write_span = write_span,
@@ -153,7 +202,7 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
         kernel.extract = extract_feet;
         if (!dense) {
             kernel.run = run_feet;
-            kernel.scratch_bytes = sizeof(iso_foot_scratch);
+            kernel.scratch_bytes = sizeof(feet_scratch);
             kernel.bricks_only = true;
         }
         break;
@@ -180,8 +229,11 @@ static void set_surface(iso_point_set *points) {
     points->surface = iso_surface_of(&points->grid, points->opts.isovalue);
     float band = points->grid.hgrid ? points->grid.hgrid->band : INFINITY;
     points->foot_surface = iso_foot_surface_of(&points->surface, band);
-    if (points->grid.rgrid)
-        iso_edge_runner_init(&points->runner, points->grid.rgrid, &points->surface, points->opts.floats);
+    if (points->grid.rgrid) {
+        iso_edge_runner_init(&points->runner, points->grid.rgrid, &points->surface);
+        points->runner.floats = points->opts.floats;
+        points->runner.shapes = points->opts.shapes;
+    }
 }
 
 iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opts, iso_point_set **set,
@@ -236,6 +288,7 @@ iso_point_view iso_point_set_view(const iso_point_set *set) {
     iso_point_view view = {
         .packed = set->opts.floats ? NULL : items,
         .surfels = set->opts.floats ? items : NULL,
+        .shapes = set->opts.shapes ? iso_brick_set_items(&set->set, 0, 1) : NULL,
         .spans = set->set.spans.data,
         .span_count = set->set.span_count,
         .transform = *iso_grid_transform(&set->grid),

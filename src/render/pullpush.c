@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/pullpush_kernel.h"
+#include "render/refined.h"
 
 enum {
     BAND_BYTES = 1 << 20, /* of keys that one thread works on: what a second-level cache holds */
@@ -25,6 +26,7 @@ static const float BOX[4] = {1, 0, 0, 0};
 struct iso_pullpush {
     iso_point_blocks blocks;
     iso_pyramid pyramid;
+    iso_refined refined;
 };
 
 /* One call. */
@@ -274,6 +276,7 @@ void iso_pullpush_destroy(iso_pullpush *pullpush) {
     if (!pullpush) return;
     iso_point_blocks_free(&pullpush->blocks);
     iso_pyramid_free(&pullpush->pyramid);
+    iso_refined_free(&pullpush->refined);
     iso_free(pullpush);
 }
 
@@ -318,6 +321,10 @@ static iso_status draw(iso_pullpush *workspace, const iso_target *target, const 
     ISO_TRY(iso_point_blocks_make(f.blocks, points, &f.projector, target->pool, error));
     if (f.blocks->seen == 0) return ISO_OK;
     if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
+    const bool refined =
+        reconstruction == ISO_RECONSTRUCTION_AUTO || reconstruction == ISO_RECONSTRUCTION_REFINED;
+    if (refined && iso_refined_can(f.blocks))
+        return iso_refined_draw(&workspace->refined, target, points, f.blocks, error);
     int rows = rows_at_once(&f, view);
     for (int first = 0; first < view->height; first += rows)
         ISO_TRY(
@@ -333,5 +340,6 @@ iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *poi
         draw(workspace, target, points, opts ? opts->reconstruction : ISO_RECONSTRUCTION_AUTO, error);
     iso_point_blocks_free(&once.blocks);
     iso_pyramid_free(&once.pyramid);
+    iso_refined_free(&once.refined);
     return status;
 }

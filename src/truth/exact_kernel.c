@@ -1,7 +1,6 @@
 #include "truth/exact_kernel.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Steps that are large, or that gcc 12 should not analyse together with their callers. */
@@ -17,7 +16,9 @@
 #define ISO_EXACT_WIDER_NEAR 4e-5f
 
 /* Pixels of a cell's box from which on it does not pay to fill its last vector from other cells. */
-#define ISO_EXACT_ALONE 24
+#define ISO_EXACT_ALONE 32
+
+enum { RECORD_FLOATS = sizeof(iso_exact_record) / sizeof(float) };
 
 void iso_exact_place_near(const iso_exact_frame *frame, iso_exact_scratch *scratch) {
     const double half[3] = {0.5, 0.5, 0.5};
@@ -30,6 +31,8 @@ void iso_exact_place_near(const iso_exact_frame *frame, iso_exact_scratch *scrat
             centre[axis] = (double)ISO_BRICK * scratch->span->brick[axis] + scratch->block->origin[axis] +
                            local[axis] + 0.5;
             record->eye[axis] = (float)(2 * (frame->eye[axis] - centre[axis]));
+            record->half[axis] = 1 + ISO_EXACT_WIDER_NEAR;
+            record->shift[axis] = 0;
         }
         record->place[0] = record->place[1] = record->scale = 0;
         record->depth = (float)-frame->middle;

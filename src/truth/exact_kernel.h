@@ -20,13 +20,18 @@ enum {
 };
 
 /* A cell as pixels are tested against it. The field, scaled so that its largest corner is about 1, is f[0] +
- * f[1] u + f[2] v + f[3] w + f[4] uv + f[5] vw + f[6] uw + f[7] uvw over u, v, w in [-1, 1]. A pixel's ray
- * passes the centre's depth `depth` at `eye` + `scale` * (pixel - place) across the view. */
+ * f[1] u + f[2] v + f[3] w + f[4] uv + f[5] vw + f[6] uw + f[7] uvw over u, v, w in [-1, 1]. Where cells are
+ * large in the picture, u, v and w count from the middle of the box in which the surface lies, which then is
+ * the cell's part that pixels are tested against. A pixel's ray passes the middle's depth `depth` at `eye` +
+ * `scale`
+ * * (pixel - place) across the view. */
 typedef struct iso_exact_record {
     float field[8];
-    float place[2]; /* the projected centre, pixels from view.origin */
-    float scale;    /* mm per pixel at the centre's depth; 0: rays start at `eye` instead */
+    float place[2]; /* the projected middle, pixels from view.origin */
+    float scale;    /* mm per pixel at the middle's depth; 0: rays start at `eye` instead */
     float depth;    /* relative to frame->middle */
+    float half[4];  /* of the box in which the surface lies, u v w */
+    float shift[4]; /* its middle in the cell's coordinates, u v w */
     float eye[3];   /* the eye in the cell's coordinates where scale is 0, else 0 */
     float behind;   /* mm from the near plane to `depth` */
 } iso_exact_record;

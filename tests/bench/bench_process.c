@@ -258,7 +258,7 @@ iso_status bench_process_groups(bench_state *bench, iso_error *error) {
 static const struct picture_method {
     const char *name;
     double least;
-} picture_methods[] = {{"points", 0}, {"mesh", 0}};
+} picture_methods[] = {{"points", 0}, {"mesh", 0}, {"exact", 3}};
 
 iso_status bench_picture_group(bench_state *bench, iso_error *error) {
     enum { METHODS = sizeof picture_methods / sizeof *picture_methods };

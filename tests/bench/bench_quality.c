@@ -309,11 +309,11 @@ static iso_status turn_all(session *s, iso_error *error) {
     ISO_TRY(turn(s, iso_method_truth(), &truth, error));
     printf("\n%s, %d frames half a degree apart: mean change between frames, of 255\n", s->name,
            s->state->settings->frames);
-    printf("  %-10s %8.3f\n", iso_method_truth()->name, truth);
+    printf("  %-18s %8.3f\n", iso_method_truth()->name, truth);
     for (size_t m = 0; m < count; m++) {
         if (!is_wanted(s, &methods[m])) continue;
         ISO_TRY(turn(s, &methods[m], &change, error));
-        printf("  %-10s %8.3f  %.2f times raycast's (at most 1.5 is asked for)\n", methods[m].name, change,
+        printf("  %-18s %8.3f  %.2f times raycast's (at most 1.5 is asked for)\n", methods[m].name, change,
                change / truth);
     }
     printf("\n");

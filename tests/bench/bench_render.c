@@ -12,16 +12,27 @@ static bool is_method(const bench_method *method, const char *name) {
     return strcmp(method->name, name) == 0;
 }
 
+/* Pull-push is judged by the bumpy sphere, at full size and with what this machine does best. */
+static bool is_judged_pullpush(const bench_row *row, const bench_method *method) {
+    const bench_frame_plan *plan = row->plan;
+    return is_method(method, "pullpush/gaussian") && row->level == row->bench->best && plan &&
+           plan->subject->bumpy_side && !row->bench->settings->small;
+}
+
+static bool is_judged_exact(const bench_row *row, const bench_method *method) {
+    return is_method(method, "exact") && row->level != ISO_CPU_GENERIC && !row->bench->settings->small;
+}
+
 /* Of VTK's time for the mesh. */
 static double asked_of_vtk(const bench_row *row, const bench_method *method) {
-    if (is_method(method, "pullpush/gaussian")) return row->level == row->bench->best ? 40 : 0;
-    if (!is_method(method, "exact")) return 0;
-    return row->level == ISO_CPU_AVX512 ? 20 : row->level == ISO_CPU_AVX2 ? 10 : 0;
+    if (is_judged_pullpush(row, method)) return 40;
+    if (!is_judged_exact(row, method)) return 0;
+    return row->level == ISO_CPU_AVX512 ? 20 : 10;
 }
 
 /* Of one thread's time. */
 static double asked_of_scaling(const bench_row *row, const bench_method *method) {
-    bool asked = is_method(method, "pullpush/gaussian") || is_method(method, "exact");
+    bool asked = is_judged_pullpush(row, method) || is_judged_exact(row, method);
     return asked && row->threads == 2 ? 1.6 : 0;
 }
 
@@ -109,21 +120,23 @@ static int single_thread(const bench_settings *settings) {
 }
 
 static void compare_exact(const frame_group *group, bench_row *row, int subject, int view, int t) {
+    const bench_method *method = &bench_methods[method_number("exact")];
     bench_compare(row, row_of(group, subject, view, "raycast", row, t), "ratio_vs_raycast", NULL,
-                  row->level == group->bench->best ? 5 : 0);
+                  is_judged_exact(row, method) ? 5 : 0);
     bench_compare(row, row_of(group, subject, view, "pullpush/gaussian", row, t), "ratio_vs_pullpush", NULL,
                   0);
 }
 
 /* A twentyfold of points in at most five times the time; refined in three times gaussian's. */
 static void compare_pullpush(const frame_group *group, bench_row *row, const bench_method *method,
-                             int subject, int t) {
+                             int subject, int view, int t) {
     if (is_method(method, "pullpush/refined"))
-        bench_compare(row, row_of(group, subject, 0, "pullpush/gaussian", row, t), "ratio_vs_gaussian", NULL,
-                      1.0 / 3);
-    bool most = subject == SUBJECTS - 1 && is_method(method, "pullpush/gaussian") && row->threads == 1;
-    if (most && group->subject_count == SUBJECTS)
-        bench_compare(row, row_of(group, 1, 0, method->name, row, t), "ratio_vs_1M", NULL, 1.0 / 5);
+        bench_compare(row, row_of(group, subject, view, "pullpush/gaussian", row, t), "ratio_vs_gaussian",
+                      NULL, 1.0 / 3);
+    bool most = group->subject_count == SUBJECTS && subject == SUBJECTS - 1;
+    if (most && is_method(method, "pullpush/gaussian"))
+        bench_compare(row, group->rows[1][view][method_number(method->name)][row->level][t], "ratio_vs_1M",
+                      NULL, is_judged_pullpush(row, method) ? 1.0 / 5 : 0);
 }
 
 static void compare_row(const frame_group *group, int subject, int view, int number, int t) {
@@ -132,16 +145,14 @@ static void compare_row(const frame_group *group, int subject, int view, int num
     for (int level = 0; level < ISO_CPU_LEVELS; level++) {
         bench_row *row = group->rows[subject][view][number][level][t];
         if (!row) continue;
-        bool full_size = !group->bench->settings->small;
-        bench_against *vtk =
-            bench_compare(row, group->vtk[subject][view][t], "ratio_vs_vtk_frame",
-                          "ratio_vs_vtk_frame_pairwise", full_size ? asked_of_vtk(row, method) : 0);
+        bench_against *vtk = bench_compare(row, group->vtk[subject][view][t], "ratio_vs_vtk_frame",
+                                           "ratio_vs_vtk_frame_pairwise", asked_of_vtk(row, method));
         if (vtk && row->threads == 1) vtk->cpu = "ratio_vs_vtk_frame_cpu";
         if (is_method(method, "exact")) compare_exact(group, row, subject, view, t);
-        compare_pullpush(group, row, method, subject, t);
+        compare_pullpush(group, row, method, subject, view, t);
         if (single >= 0 && single != t)
             bench_compare(row, group->rows[subject][view][number][level][single], "scaling", NULL,
-                          full_size ? asked_of_scaling(row, method) : 0);
+                          asked_of_scaling(row, method));
     }
 }
 

@@ -40,7 +40,7 @@ wanted += [f"render/raycast/{what}/threads:{n}" for what in views for n in (1, 2
 wanted += [f"render/{method}/{what}/generic/threads:{n}" for method in ("points", "pullpush/gaussian")
            for what in [*spheres, "25k", *views] for n in (1, 2)]
 wanted += [f"render/exact/{what}/generic/threads:{n}" for what in views for n in (1, 2)]
-wanted += [f"process/isorender_mesh/ct48.vti/threads:{n}" for n in (1, 2)]
+wanted += [f"process/isorender_{method}/ct48.vti/threads:{n}" for method in ("mesh", "exact") for n in (1, 2)]
 for name in wanted:
     assert name in rows, f"{name} is missing"
 
@@ -81,5 +81,5 @@ for what in [*spheres, *views]:
 exact = rows["render/exact/ct48/fit/generic/threads:2"]
 assert exact["ratio_vs_raycast"] > 0 and exact["ratio_vs_pullpush"] > 0 and exact["scaling"] > 0
 if "process/vtk_picture/ct48.vti/threads:2" in rows:
-    assert rows["process/isorender_mesh/ct48.vti/threads:2"]["ratio_vs_vtk_process"] > 0
+    assert rows["process/isorender_exact/ct48.vti/threads:2"]["ratio_vs_vtk_process"] > 0
 END

@@ -53,7 +53,7 @@ P
 has_vti=$([ -e "$modules/libisopoint-vti.so" ] && echo 1 || echo 0)
 is_light "$root/bin/isorender"
 count() {
-    "$root/bin/isorender" "$1" --isovalue 100 --no-image --json --quiet | grep -o '"points": *[0-9]*' | grep -o '[0-9]*$'
+    "$root/bin/isorender" "$1" --isovalue 100 --method points --no-image --json --quiet | grep -o '"points": *[0-9]*' | grep -o '[0-9]*$'
 }
 [ "$(count "$work/small.mha")" = 24 ] || fail "isorender found $(count "$work/small.mha") points in a .mha"
 if [ "$has_vti" = 1 ]; then

@@ -1,0 +1,33 @@
+/* Triangles. Positions are computed in doubles: what neighbouring bricks share must get the same bits from
+ * both, or the surface leaks. */
+layout(std140, binding = ISO_GL_FRAME) uniform frame_block { ISO_GL_FRAME_FIELDS };
+
+layout(location = ISO_GL_POSITION) in vec3 position;
+layout(location = ISO_GL_NORMAL) in vec3 normal;
+layout(location = ISO_GL_BRICK) in ivec3 brick;
+
+smooth out vec4 normal_depth;
+
+dvec2 snapped(dvec2 at) {
+    return floor(at * ISO_GL_SUBPIXEL + 0.5) / ISO_GL_SUBPIXEL;
+}
+
+void main() {
+    dvec4 index = dvec4(dvec3(brick) * ISO_GL_BRICK_SIDE + dvec3(position), 1.0);
+    precise dvec3 at = dvec3(dot(row_x, index), dot(row_y, index), dot(row_z, index));
+    vec3 n = vec3(dot(normal_x.xyz, normal), dot(normal_y.xyz, normal), dot(normal_z.xyz, normal));
+    float size = length(n);
+    normal_depth = vec4(size > 0.0 ? n / size : vec3(0.0, 0.0, -1.0), float(at.z));
+
+    bool orthographic = flags.y != 0u;
+    dvec2 across = 2.0 / dvec2(screen.xy), corner = across * (pixels.yz + screen.z) - 1.0;
+    if (orthographic) {
+        dvec2 center = snapped(at.xy * pixels.x);
+        gl_Position = vec4(vec2(across * center + corner), (depths.x - float(at.z)) * depths.y, 1.0);
+    } else if (at.z >= pixels.w) {
+        dvec2 center = snapped(at.xy * (pixels.x / at.z));
+        gl_Position = vec4(vec2((across * center + corner) * at.z), float(pixels.w), float(at.z));
+    } else { /* cut off at the near plane, where the triangle goes on with other vertices */
+        gl_Position = vec4(vec2(across * at.xy * pixels.x + corner * at.z), float(pixels.w), float(at.z));
+    }
+}

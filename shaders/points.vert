@@ -1,0 +1,91 @@
+/* Attenuated points: Baerentzen and Christensen 2003, section 4.1. Discs that face the picture.
+ *
+ * SURFELS 1: points in floats, else packed in 8 bytes.
+ * QUADS 1: one instance a point, four vertices: those that are wider than the driver's points can be.
+ * Without it: all others, as points. */
+#ifndef SURFELS
+#define SURFELS 0
+#endif
+#ifndef QUADS
+#define QUADS 0
+#endif
+
+layout(std140, binding = ISO_GL_FRAME) uniform frame_block { ISO_GL_FRAME_FIELDS };
+
+#if SURFELS
+layout(location = ISO_GL_POSITION) in vec3 position;
+layout(location = ISO_GL_NORMAL) in vec3 normal;
+#else
+layout(location = ISO_GL_PACKED) in uvec2 bits;
+#endif
+layout(location = ISO_GL_RADIUS) in float radius;
+layout(location = ISO_GL_ORIGIN) in vec3 origin;
+
+flat out vec4 normal_depth;
+flat out vec3 disc; /* centre and radius, pixels */
+
+#if !SURFELS
+vec3 unpack_position() {
+    const uint mask = (1u << ISO_GL_COORDINATE_BITS) - 1u;
+    uvec3 steps = uvec3(bits.x, bits.x >> ISO_GL_COORDINATE_BITS,
+                        bits.x >> 2 * ISO_GL_COORDINATE_BITS | bits.y << 32 - 2 * ISO_GL_COORDINATE_BITS);
+    return ISO_GL_COORDINATE_LOW + ISO_GL_COORDINATE_STEP * vec3(steps & mask);
+}
+
+/* Octahedral: Meyer et al. 2010. */
+vec3 unpack_normal() {
+    uint both = bits.y >> 3 * ISO_GL_COORDINATE_BITS - 32;
+    uvec2 steps = uvec2(both & uint(ISO_GL_NORMAL_STEPS), both >> ISO_GL_NORMAL_BITS);
+    vec2 uv = vec2(steps) * (2.0 / ISO_GL_NORMAL_STEPS) - 1.0;
+    float w = 1.0 - abs(uv.x) - abs(uv.y);
+    float fold = max(-w, 0.0);
+    uv -= mix(vec2(fold), vec2(-fold), lessThan(uv, vec2(0.0)));
+    return normalize(vec3(uv, w));
+}
+#endif
+
+vec3 view_normal(vec3 n) {
+    vec3 v = vec3(dot(normal_x.xyz, n), dot(normal_y.xyz, n), dot(normal_z.xyz, n));
+    float size = length(v);
+    return size > 0.0 ? v / size : vec3(0.0, 0.0, -1.0);
+}
+
+/* Eq. 3-4: by depth. Eq. 5-8: by the distance to the eye and a bound that holds in the whole picture. */
+float pixels_of(float mm, vec3 at) {
+    float focal = float(pixels.x);
+    if (flags.y != 0u) return mm * focal;
+    if (flags.z != 0u) return mm * focal * points.y / length(at);
+    return mm * focal / at.z;
+}
+
+void leave_out() {
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    gl_PointSize = 1.0;
+}
+
+void main() {
+#if SURFELS
+    vec3 p = position, n = normal;
+#else
+    vec3 p = unpack_position(), n = unpack_normal();
+#endif
+    vec3 at = vec3(dot(turn_x.xyz, p), dot(turn_y.xyz, p), dot(turn_z.xyz, p)) + origin;
+    bool orthographic = flags.y != 0u;
+    float near = float(pixels.w), scale = orthographic ? float(pixels.x) : float(pixels.x) / at.z;
+    vec2 center = at.xy * scale + vec2(pixels.yz);
+    disc = vec3(center, pixels_of(max(radius, 0.0), at));
+    normal_depth = vec4(view_normal(n), at.z);
+    float side = 2.0 * max(disc.z, 0.5) + ISO_GL_POINT_MARGIN;
+    /* written so that what is not a number is left out */
+    bool seen = at.z >= near && abs(center.x) < 1e15 && abs(center.y) < 1e15 && (side > points.x) == bool(QUADS);
+    if (!seen) {
+        leave_out();
+        return;
+    }
+#if QUADS
+    center += side * (vec2(gl_VertexID & 1, gl_VertexID >> 1) - 0.5);
+#endif
+    float depth = orthographic ? (depths.x - at.z) * depths.y : near / at.z;
+    gl_Position = vec4(2.0 * (center + screen.z) / screen.xy - 1.0, depth, 1.0);
+    gl_PointSize = side;
+}

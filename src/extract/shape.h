@@ -1,0 +1,58 @@
+/* shape: how the surface bends at extracted points, from the grid. Internal to extract.
+ *
+ * The shape operator of a level set is P H P / |g|, with g the gradient, H the Hessian and P the projection
+ * onto the tangent plane (Goldman 2005, "Curvature formulas for implicit curves and surfaces"). At voxels, g
+ * and H are central differences over their 18 nearest neighbours, which is what the trilinear surface itself
+ * bends like; wider ones are smoother and lose thin things.
+ *
+ * Beyond the grid's border values go on linearly; where a value that is needed is not finite, or the gradient
+ * vanishes, a point is flat. */
+#ifndef ISO_EXTRACT_SHAPE_H
+#define ISO_EXTRACT_SHAPE_H
+
+#include <stddef.h>
+
+#include "base/primitives.h"
+#include "extract/brick.h"
+#include "grids/rgrid.h"
+
+/* Where values come from: a dense array, or a window of an hgrid. */
+typedef struct iso_shape_source {
+    iso_type type;
+    const void *data;             /* of the brick's voxel (0, 0, 0) */
+    ptrdiff_t stride_y, stride_z; /* elements */
+    int first[3], last[3];        /* the grid's first and last voxel, counted from there */
+    float outward;                /* as in iso_surface */
+} iso_shape_source;
+
+iso_shape_source iso_shape_source_grid(const iso_rgrid *grid, const int brick[3], float outward);
+iso_shape_source iso_shape_source_window(const iso_brick_window *window, float outward);
+
+/* Points of one brick; one of the two arrays. */
+typedef struct iso_shape_points {
+    const iso_point *packed;
+    const iso_surfel *surfels;
+    uint32_t count;
+} iso_shape_points;
+
+/* Shapes of a brick's edge points, which come axis by axis: g and H interpolated between the edge's ends.
+ * Reads one voxel beyond both ends along the edge, and one to each side: no more than the points
+ * themselves. */
+void iso_shapes_of_edges(const iso_shape_source *source, const iso_shape_points *points, iso_shape *shapes);
+
+/* Where foot points come from. */
+typedef struct iso_shape_feet {
+    const int32_t *voxels; /* z << 8 | y << 4 | x */
+    float at, band;        /* as in iso_foot_surface */
+} iso_shape_feet;
+
+/* Shapes of foot points of a distance field: those of the parallel surfaces through their voxels, which lie d
+ * = value - at off the surface, taken back to it: S (1 - d S)^-1. */
+void iso_shapes_of_feet(const iso_shape_source *source, const iso_shape_points *points,
+                        const iso_shape_feet *feet, iso_shape *shapes);
+
+/* Shapes of points anywhere in any scalar field: those at the nearest voxels of `grid`. */
+void iso_shapes_of_places(const iso_grid *grid, const int brick[3], float outward,
+                          const iso_shape_points *points, iso_shape *shapes);
+
+#endif

@@ -1,0 +1,437 @@
+#include "render/gl/engine.h"
+
+#include <assert.h>
+#include <glad/gl.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "render/gl/shape.h"
+#include "render/gl/shared.h"
+#include "render/project.h"
+
+/* Parts of a picture are at most this wide and high: 21 bytes a pixel on the GPU. */
+enum { MOST_SIDE = 4096 };
+static const size_t READ_BYTES = (size_t)8 << 20;
+
+_Static_assert(offsetof(iso_gl_frame, turn_x) == 128 && offsetof(iso_gl_frame, screen) == 224 &&
+                   sizeof(iso_gl_frame) == 288,
+               "std140 has it like this");
+
+/* ---- creation */
+
+static int integer(const GladGLContext *gl, GLenum name) {
+    GLint value[2] = {0, 0};
+    gl->GetIntegerv(name, value);
+    return value[0];
+}
+
+/* Points are drawn while their centres are in the viewport, so that it is wider than the picture by half the
+ * widest point. */
+static int viewport_margin(const iso_gl_engine *engine) {
+    return (int)(engine->max_point / 2) + 1;
+}
+
+static void make_buffers(iso_gl_engine *engine, const GladGLContext *gl) {
+    GLfloat range[2] = {1, 1};
+    gl->GetFloatv(GL_POINT_SIZE_RANGE, range);
+    engine->max_point = range[1] < 1024 ? range[1] : 1024;
+    int side = integer(gl, GL_MAX_TEXTURE_SIZE), view = integer(gl, GL_MAX_VIEWPORT_DIMS);
+    view -= 2 * viewport_margin(engine);
+    engine->max_side = side < view ? side : view;
+    if (engine->max_side > MOST_SIDE) engine->max_side = MOST_SIDE;
+    gl->CreateBuffers(1, &engine->frame);
+    gl->NamedBufferStorage(engine->frame, sizeof(iso_gl_frame), NULL, GL_DYNAMIC_STORAGE_BIT);
+    gl->CreateBuffers(1, &engine->commands);
+    gl->CreateBuffers(1, &engine->instances);
+}
+
+iso_status iso_gl_engine_create(iso_gl_context *context, iso_gl_engine **engine, iso_error *error) {
+    iso_gl_engine *made = iso_alloc_zero(1, sizeof *made);
+    if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an engine");
+    made->context = context;
+    iso_status status = iso_gl_enter(context, error);
+    if (status == ISO_OK) {
+        make_buffers(made, context->gl);
+        status = iso_gl_leave(context, ISO_OK, error);
+    }
+    if (status == ISO_OK)
+        *engine = made;
+    else
+        iso_gl_engine_destroy(made);
+    return status;
+}
+
+static void delete_target(iso_gl_engine *engine, const GladGLContext *gl) {
+    const GLuint textures[] = {engine->color, engine->surface, engine->depth};
+    gl->DeleteTextures(3, textures); /* 0 is ignored */
+    gl->DeleteFramebuffers(1, &engine->framebuffer);
+    engine->framebuffer = engine->color = engine->surface = engine->depth = 0;
+    engine->width = engine->height = 0;
+}
+
+void iso_gl_engine_destroy(iso_gl_engine *engine) {
+    if (!engine) return;
+    iso_gl_context *context = engine->context;
+    if (iso_gl_enter(context, NULL) == ISO_OK) {
+        const GladGLContext *gl = context->gl;
+        const GLuint buffers[] = {engine->frame, engine->commands, engine->instances};
+        delete_target(engine, gl);
+        gl->DeleteBuffers(3, buffers);
+        for (int i = 0; i < ISO_GL_PROGRAMS; i++) gl->DeleteProgram(engine->programs[i]);
+        iso_gl_leave(context, ISO_OK, NULL);
+    }
+    iso_free(engine);
+}
+
+iso_status iso_gl_engine_program(iso_gl_engine *engine, iso_gl_program program, unsigned *name,
+                                 iso_error *error) {
+    if (!engine->programs[program])
+        ISO_TRY(iso_gl_program_build(engine->context, program, &engine->programs[program], error));
+    *name = engine->programs[program];
+    return ISO_OK;
+}
+
+/* ---- the framebuffer */
+
+static GLuint make_texture(const GladGLContext *gl, GLenum format, int width, int height) {
+    GLuint texture;
+    gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
+    gl->TextureStorage2D(texture, 1, format, width, height);
+    return texture;
+}
+
+static iso_status need_target(iso_gl_engine *engine, int width, int height, iso_error *error) {
+    const GladGLContext *gl = engine->context->gl;
+    if (engine->framebuffer && engine->width >= width && engine->height >= height) return ISO_OK;
+    if (width < engine->width) width = engine->width;
+    if (height < engine->height) height = engine->height;
+    delete_target(engine, gl);
+    engine->color = make_texture(gl, GL_RGBA32F, width, height);
+    engine->surface = make_texture(gl, GL_R8UI, width, height);
+    engine->depth = make_texture(gl, GL_DEPTH_COMPONENT32F, width, height);
+    gl->CreateFramebuffers(1, &engine->framebuffer);
+    gl->NamedFramebufferTexture(engine->framebuffer, GL_COLOR_ATTACHMENT0, engine->color, 0);
+    gl->NamedFramebufferTexture(engine->framebuffer, GL_COLOR_ATTACHMENT1, engine->surface, 0);
+    gl->NamedFramebufferTexture(engine->framebuffer, GL_DEPTH_ATTACHMENT, engine->depth, 0);
+    const GLenum outputs[] = {GL_COLOR_ATTACHMENT0 + ISO_GL_NORMAL_DEPTH,
+                              GL_COLOR_ATTACHMENT0 + ISO_GL_SURFACE};
+    gl->NamedFramebufferDrawBuffers(engine->framebuffer, 2, outputs);
+    if (gl->CheckNamedFramebufferStatus(engine->framebuffer, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+        delete_target(engine, gl);
+        return iso_fail(error, ISO_ERR_BACKEND, "%s: no framebuffer of %d x %d pixels", engine->context->name,
+                        width, height);
+    }
+    engine->width = width;
+    engine->height = height;
+    return ISO_OK;
+}
+
+/* Depth is reversed, 1 at the near plane: floats are finest near 0, where far things are. */
+static void begin_part(const iso_gl_engine *engine, const iso_view *view) {
+    const GladGLContext *gl = engine->context->gl;
+    const GLfloat nothing[4] = {0, 0, -1, INFINITY}, far = 0;
+    const GLuint none[4] = {ISO_SURFACE_NONE};
+    int margin = viewport_margin(engine);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, engine->framebuffer);
+    gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl->Viewport(-margin, -margin, view->width + 2 * margin, view->height + 2 * margin);
+    gl->Enable(GL_SCISSOR_TEST);
+    gl->Scissor(0, 0, view->width, view->height);
+    gl->Enable(GL_DEPTH_TEST);
+    gl->DepthFunc(GL_GREATER);
+    gl->Enable(GL_PROGRAM_POINT_SIZE);
+    gl->ClearBufferfv(GL_COLOR, ISO_GL_NORMAL_DEPTH, nothing);
+    gl->ClearBufferuiv(GL_COLOR, ISO_GL_SURFACE, none);
+    gl->ClearBufferfv(GL_DEPTH, 0, &far);
+}
+
+static void take_row(const iso_gbuffer *to, size_t start, const float *pixels, int count) {
+    for (int i = 0; i < count; i++) {
+        for (int axis = 0; axis < 3; axis++) to->normal[axis][start + (size_t)i] = pixels[4 * i + axis];
+        to->depth[start + (size_t)i] = pixels[4 * i + 3];
+    }
+}
+
+/* Where a part of the picture lies in it. */
+typedef struct corner {
+    int x, y;
+} corner;
+
+static iso_status read_part(const iso_gl_engine *engine, const iso_view *view, corner at, iso_gbuffer *to,
+                            iso_error *error) {
+    const GladGLContext *gl = engine->context->gl;
+    size_t row = (size_t)view->width * 4 * sizeof(float);
+    int step = row < READ_BYTES ? (int)(READ_BYTES / row) : 1;
+    if (step > view->height) step = view->height;
+    float *pixels = iso_alloc(row * (size_t)step);
+    if (!pixels) return iso_fail(error, ISO_ERR_NOMEM, "out of memory to read a picture back");
+    gl->NamedFramebufferReadBuffer(engine->framebuffer, GL_COLOR_ATTACHMENT0 + ISO_GL_NORMAL_DEPTH);
+    for (int y = 0; y < view->height; y += step) {
+        int rows = view->height - y < step ? view->height - y : step;
+        gl->ReadPixels(0, y, view->width, rows, GL_RGBA, GL_FLOAT, pixels);
+        for (int i = 0; i < rows; i++)
+            take_row(to, (size_t)(at.y + y + i) * (size_t)to->width + (size_t)at.x,
+                     pixels + (size_t)i * (size_t)view->width * 4, view->width);
+    }
+    iso_free(pixels);
+    gl->NamedFramebufferReadBuffer(engine->framebuffer, GL_COLOR_ATTACHMENT0 + ISO_GL_SURFACE);
+    gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    gl->PixelStorei(GL_PACK_ROW_LENGTH, to->width);
+    gl->ReadPixels(0, 0, view->width, view->height, GL_RED_INTEGER, GL_UNSIGNED_BYTE,
+                   to->surface + (size_t)at.y * (size_t)to->width + (size_t)at.x);
+    gl->PixelStorei(GL_PACK_ROW_LENGTH, 0);
+    return ISO_OK;
+}
+
+/* ---- one shape */
+
+/* As GL wants them, in one buffer; the fields of both kinds fit in five numbers. */
+typedef struct points_command {
+    uint32_t count, instances, first, first_instance;
+} points_command;
+
+typedef struct mesh_command {
+    uint32_t count, instances, first;
+    int32_t base;
+    uint32_t first_instance;
+} mesh_command;
+
+typedef struct shape_draw {
+    iso_gl_engine *engine;
+    const iso_gl_draw_opts *opts;
+    const iso_gl_shape *shape;
+    iso_projector projector; /* of the part's view */
+    double widening;         /* of attenuated points: 1 / sqrt(k) */
+    double range[2];         /* of depth, orthographic */
+} shape_draw;
+
+static double squared(double x) {
+    return x * x;
+}
+
+/* 1 / sqrt(k) of eq. 6, where k = 1 / (1 + 2 tan^2) is that of a square picture. */
+static double widening_of(const iso_gl_draw_opts *opts) {
+    const iso_view *view = opts->view;
+    if (opts->scaling != ISO_SCALING_ATTENUATED || view->orthographic) return 1;
+    double x = opts->tan_x, y = opts->tan_y;
+    if (!(x > 0)) x = fmax(view->cx, view->width - view->cx) / view->focal;
+    if (!(y > 0)) y = fmax(view->cy, view->height - view->cy) / view->focal;
+    return sqrt(1 + squared(x) + squared(y));
+}
+
+static void set_row(float to[4], const double *m, double last) {
+    for (int i = 0; i < 3; i++) to[i] = (float)m[i];
+    to[3] = (float)last;
+}
+
+static void put_frame(const shape_draw *draw, int surface) {
+    const GladGLContext *gl = draw->engine->context->gl;
+    const iso_projector *p = &draw->projector;
+    const iso_view *view = p->view;
+    double cx = view->cx, cy = view->cy;
+    if (draw->shape->mesh) {
+        cx = floor(cx * ISO_GL_SUBPIXEL + 0.5) / ISO_GL_SUBPIXEL;
+        cy = floor(cy * ISO_GL_SUBPIXEL + 0.5) / ISO_GL_SUBPIXEL;
+    }
+    int margin = viewport_margin(draw->engine);
+    iso_gl_frame f = {
+        .pixels = {view->focal, cx, cy, fmax(view->near, -1e30)},
+        .screen = {(float)(view->width + 2 * margin), (float)(view->height + 2 * margin), (float)margin},
+        .depths = {(float)draw->range[1], (float)(1 / (draw->range[1] - draw->range[0]))},
+        .points = {(float)draw->engine->max_point, (float)draw->widening},
+        .flags = {(unsigned)surface, view->orthographic, draw->opts->scaling == ISO_SCALING_ATTENUATED}};
+    double *rows[] = {f.row_x, f.row_y, f.row_z};
+    float *turns[] = {f.turn_x, f.turn_y, f.turn_z}, *normals[] = {f.normal_x, f.normal_y, f.normal_z};
+    for (int k = 0; k < 3; k++) {
+        memcpy(rows[k], p->matrix + 3 * k, 3 * sizeof *rows[k]);
+        rows[k][3] = p->origin[k];
+        set_row(turns[k], p->matrix + 3 * k, 0);
+        memcpy(normals[k], p->normal + 3 * k, 3 * sizeof *normals[k]);
+    }
+    gl->NamedBufferSubData(draw->engine->frame, 0, sizeof f, &f);
+    gl->BindBufferBase(GL_UNIFORM_BUFFER, ISO_GL_FRAME, draw->engine->frame);
+}
+
+static bool is_seen(const shape_draw *draw, const iso_gl_span *span) {
+    if (!span->count) return false;
+    iso_rows rows = iso_projector_rows(&draw->projector, &span->box, span->radius * draw->widening);
+    return rows.first <= rows.last;
+}
+
+static iso_vec3 span_origin(const shape_draw *draw, const iso_gl_span *span) {
+    const float corner_position[3] = {0, 0, 0};
+    return iso_projector_point(&draw->projector, span->brick, corner_position);
+}
+
+static void draw_all(const shape_draw *draw, size_t count, const void *commands, const void *instances) {
+    const iso_gl_engine *engine = draw->engine;
+    const GladGLContext *gl = engine->context->gl;
+    bool mesh = draw->shape->mesh;
+    size_t size = mesh ? sizeof(mesh_command) : sizeof(points_command);
+    gl->NamedBufferData(engine->commands, (GLsizeiptr)(count * size), commands, GL_STREAM_DRAW);
+    gl->NamedBufferData(engine->instances, (GLsizeiptr)(count * 3 * sizeof(float)), instances,
+                        GL_STREAM_DRAW);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, engine->commands);
+    gl->BindVertexArray(draw->shape->array);
+    if (mesh)
+        gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, NULL, (GLsizei)count, 0);
+    else
+        gl->MultiDrawArraysIndirect(GL_POINTS, NULL, (GLsizei)count, 0);
+}
+
+static iso_status draw_mesh(const shape_draw *draw, iso_buffer *room, iso_error *error) {
+    const iso_gl_shape *shape = draw->shape;
+    size_t commands_size = shape->span_count * sizeof(mesh_command), seen = 0;
+    ISO_TRY(iso_buffer_reserve(room, commands_size + shape->span_count * 3 * sizeof(int32_t), 0, error));
+    mesh_command *commands = room->data;
+    int32_t(*bricks)[3] = (int32_t(*)[3])((char *)room->data + commands_size);
+    for (size_t s = 0; s < shape->span_count; s++) {
+        const iso_gl_span *span = &shape->spans[s];
+        if (!is_seen(draw, span)) continue;
+        commands[seen] = (mesh_command){span->count, 1, span->first, span->base, (uint32_t)seen};
+        memcpy(bricks[seen++], span->brick, sizeof *bricks);
+    }
+    unsigned program;
+    ISO_TRY(iso_gl_engine_program(draw->engine, ISO_GL_MESH, &program, error));
+    draw->engine->context->gl->UseProgram(program);
+    if (seen) draw_all(draw, seen, commands, bricks);
+    return ISO_OK;
+}
+
+/* Whether one of the span's points may be wider than the driver draws. */
+static bool may_be_wide(const shape_draw *draw, const iso_gl_span *span) {
+    const iso_view *view = draw->projector.view;
+    double scale = view->focal;
+    if (!view->orthographic) {
+        double nearest = INFINITY;
+        for (int k = 0; k < 8; k++) {
+            iso_vec3 p = iso_box_corner(&span->box, k);
+            const double *m = draw->projector.matrix + 6;
+            nearest = fmin(nearest, m[0] * p.x + m[1] * p.y + m[2] * p.z + draw->projector.origin[2]);
+        }
+        scale = draw->widening * view->focal / fmax(nearest, view->near);
+    }
+    return 2.001 * span->radius * scale + 1 > draw->engine->max_point;
+}
+
+static void draw_wide(const shape_draw *draw, const iso_gl_span *span) {
+    const GladGLContext *gl = draw->engine->context->gl;
+    iso_vec3 origin = span_origin(draw, span);
+    gl->BindVertexArray(draw->shape->quad_array);
+    gl->VertexAttrib3f(ISO_GL_ORIGIN, (GLfloat)origin.x, (GLfloat)origin.y, (GLfloat)origin.z);
+    gl->DrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)span->count, span->first);
+}
+
+static iso_status draw_wide_points(const shape_draw *draw, iso_error *error) {
+    const iso_gl_shape *shape = draw->shape;
+    unsigned program = 0;
+    for (size_t s = 0; s < shape->span_count; s++) {
+        const iso_gl_span *span = &shape->spans[s];
+        if (!is_seen(draw, span) || !may_be_wide(draw, span)) continue;
+        if (!program) {
+            ISO_TRY(iso_gl_engine_program(
+                draw->engine, shape->surfels ? ISO_GL_QUADS_SURFELS : ISO_GL_QUADS_PACKED, &program, error));
+            draw->engine->context->gl->UseProgram(program);
+        }
+        draw_wide(draw, span);
+    }
+    return ISO_OK;
+}
+
+static iso_status draw_points(const shape_draw *draw, iso_buffer *room, iso_error *error) {
+    const iso_gl_shape *shape = draw->shape;
+    const GladGLContext *gl = draw->engine->context->gl;
+    size_t commands_size = shape->span_count * sizeof(points_command), seen = 0;
+    ISO_TRY(iso_buffer_reserve(room, commands_size + shape->span_count * 3 * sizeof(float), 0, error));
+    points_command *commands = room->data;
+    float(*origins)[3] = (float(*)[3])((char *)room->data + commands_size);
+    for (size_t s = 0; s < shape->span_count; s++) {
+        const iso_gl_span *span = &shape->spans[s];
+        if (!is_seen(draw, span)) continue;
+        iso_vec3 origin = span_origin(draw, span);
+        commands[seen] = (points_command){span->count, 1, span->first, (uint32_t)seen};
+        origins[seen][0] = (float)origin.x;
+        origins[seen][1] = (float)origin.y;
+        origins[seen++][2] = (float)origin.z;
+    }
+    unsigned program;
+    ISO_TRY(iso_gl_engine_program(draw->engine, shape->surfels ? ISO_GL_POINTS_SURFELS : ISO_GL_POINTS_PACKED,
+                                  &program, error));
+    gl->UseProgram(program);
+    if (!shape->has_radii) gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)shape->radius);
+    if (seen) draw_all(draw, seen, commands, origins);
+    return draw_wide_points(draw, error);
+}
+
+/* ---- the picture */
+
+/* Depths of everything, for orthographic views: a little more than they are. */
+static void depth_range(const iso_gl_draw_opts *opts, double range[2]) {
+    range[0] = INFINITY;
+    range[1] = -INFINITY;
+    for (int i = 0; i < opts->shape_count; i++) {
+        const iso_gl_shape *shape = opts->shapes[i];
+        iso_projector p = iso_projector_make(opts->view, &shape->transform);
+        for (size_t s = 0; s < shape->span_count; s++)
+            for (int k = 0; k < 8 && !iso_box_is_empty(&shape->spans[s].box); k++) {
+                iso_vec3 c = iso_box_corner(&shape->spans[s].box, k);
+                double z = p.matrix[6] * c.x + p.matrix[7] * c.y + p.matrix[8] * c.z + p.origin[2];
+                range[0] = fmin(range[0], z);
+                range[1] = fmax(range[1], z);
+            }
+    }
+    if (!(range[0] <= range[1])) range[0] = range[1] = 0;
+    double slack = 1e-3 * (range[1] - range[0]) + 1e-3 * fabs(range[1]) + 1e-6;
+    range[0] -= slack;
+    range[1] += slack;
+}
+
+typedef struct picture {
+    iso_gl_engine *engine;
+    const iso_gl_draw_opts *opts;
+    double range[2], widening;
+    iso_buffer room;
+} picture;
+
+static iso_status draw_part(picture *p, const iso_view *view, corner at, iso_gbuffer *gbuffer,
+                            iso_error *error) {
+    ISO_TRY(need_target(p->engine, view->width, view->height, error));
+    begin_part(p->engine, view);
+    for (int i = 0; i < p->opts->shape_count; i++) {
+        const iso_gl_shape *shape = p->opts->shapes[i];
+        shape_draw draw = {.engine = p->engine,
+                           .opts = p->opts,
+                           .shape = shape,
+                           .projector = iso_projector_make(view, &shape->transform),
+                           .widening = p->widening,
+                           .range = {p->range[0], p->range[1]}};
+        put_frame(&draw, i);
+        ISO_TRY(shape->mesh ? draw_mesh(&draw, &p->room, error) : draw_points(&draw, &p->room, error));
+    }
+    return read_part(p->engine, view, at, gbuffer, error);
+}
+
+static iso_status draw_parts(picture *p, iso_gbuffer *gbuffer, iso_error *error) {
+    const iso_view *whole = p->opts->view;
+    int side = p->engine->max_side;
+    for (int y = 0; y < whole->height; y += side)
+        for (int x = 0; x < whole->width; x += side) {
+            iso_view view = iso_view_rows(whole, y, whole->height - y < side ? whole->height - y : side);
+            view.cx -= x;
+            view.width = whole->width - x < side ? whole->width - x : side;
+            ISO_TRY(draw_part(p, &view, (corner){x, y}, gbuffer, error));
+        }
+    return ISO_OK;
+}
+
+iso_status iso_gl_draw(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_gbuffer *gbuffer,
+                       iso_error *error) {
+    assert(opts->view->width == gbuffer->width && opts->view->height == gbuffer->height);
+    assert(opts->shape_count >= 0 && opts->shape_count <= ISO_SURFACE_MAX);
+    picture p = {.engine = engine, .opts = opts, .widening = widening_of(opts)};
+    depth_range(opts, p.range);
+    ISO_TRY(iso_gl_enter(engine->context, error));
+    iso_status status = draw_parts(&p, gbuffer, error);
+    iso_buffer_free(&p.room);
+    return iso_gl_leave(engine->context, status, error);
+}

@@ -1,0 +1,59 @@
+/* engine: points and meshes into a gbuffer by OpenGL, with the conventions of render/draw.h.
+ *
+ * The gbuffer is read back and shaded by render/shading.h, as the cpu engine's is: pictures of both engines
+ * agree but for pixels where rounding decides. An engine is used by one thread at a time, as its context is.
+ */
+#ifndef ISO_RENDER_GL_ENGINE_H
+#define ISO_RENDER_GL_ENGINE_H
+
+#include "base/primitives.h"
+#include "image/camera.h"
+#include "render/gbuffer.h"
+#include "render/gl/context.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct iso_gl_engine iso_gl_engine;
+
+/* The context is kept, and must live as long as the engine. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+iso_status iso_gl_engine_create(iso_gl_context *context, iso_gl_engine **engine, iso_error *error);
+/* Its shapes must be gone. NULL is fine. */
+void iso_gl_engine_destroy(iso_gl_engine *engine);
+
+/* A surface in the GPU's memory: copied, so that the view's owner may change it. Errors: ISO_ERR_NOMEM,
+ * ISO_ERR_LIMIT (2^31 vertices, 2^32 points or indices), ISO_ERR_BACKEND. Keeps the engine. */
+typedef struct iso_gl_shape iso_gl_shape;
+iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_shape **shape,
+                                iso_error *error);
+iso_status iso_gl_upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_shape **shape,
+                              iso_error *error);
+void iso_gl_shape_destroy(iso_gl_shape *shape);
+
+/* How wide points are (2003, section 4.1). */
+typedef enum iso_point_scaling {
+    ISO_SCALING_EXACT,     /* eq. 3-4: by depth z, as the cpu engine does */
+    ISO_SCALING_ATTENUATED /* eq. 5-8: by the distance to the eye d, with z >= d sqrt(k) everywhere in the
+                              picture, as fixed-function OpenGL had it: never narrower than the exact ones */
+} iso_point_scaling;
+
+typedef struct iso_gl_draw_opts {
+    const iso_view *view;              /* borrowed */
+    const iso_gl_shape *const *shapes; /* shape i is surface i of the gbuffer */
+    int shape_count;
+    iso_point_scaling scaling;
+    /* Attenuated: tangents of half the angles of the whole picture, across and upwards; for a picture that is
+     * not square k = 1 / (1 + tan_x^2 + tan_y^2). 0: those of `view`, which is then the whole picture. */
+    double tan_x, tan_y;
+} iso_gl_draw_opts;
+
+/* Draws all shapes and fills the whole gbuffer, which has the view's size. Pictures larger than the driver's
+ * limits are drawn in parts. Errors: ISO_ERR_NOMEM, ISO_ERR_BACKEND; the gbuffer is then undefined. */
+iso_status iso_gl_draw(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_gbuffer *gbuffer,
+                       iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,74 @@
+/* Built without glad: there are no contexts, and nothing can be made of one. */
+#include <stddef.h>
+
+#include "render/gl/engine.h"
+
+static iso_status refuse(iso_error *error) {
+    return iso_fail(error, ISO_ERR_BACKEND, "this isopoint was built without glad (OpenGL)");
+}
+
+iso_status iso_gl_context_create(const iso_gl_context_opts *opts, iso_gl_context **context,
+                                 iso_error *error) {
+    (void)opts, (void)context;
+    return refuse(error);
+}
+
+iso_status iso_gl_context_open_egl(bool hardware_only, iso_gl_context **context, iso_error *error) {
+    (void)hardware_only, (void)context;
+    return refuse(error);
+}
+
+iso_status iso_gl_devices(iso_gl_device *devices, int capacity, int *count, iso_error *error) {
+    (void)devices, (void)capacity, (void)count;
+    return refuse(error);
+}
+
+void iso_gl_context_destroy(iso_gl_context *context) {
+    (void)context;
+}
+
+iso_gl_info iso_gl_context_info(const iso_gl_context *context) {
+    (void)context;
+    return (iso_gl_info){"", "", "", "", false};
+}
+
+iso_gl_messages iso_gl_context_messages(const iso_gl_context *context) {
+    (void)context;
+    return (iso_gl_messages){0, ""};
+}
+
+bool iso_gl_renderer_is_software(const char *renderer) {
+    (void)renderer;
+    return true;
+}
+
+iso_status iso_gl_engine_create(iso_gl_context *context, iso_gl_engine **engine, iso_error *error) {
+    (void)context, (void)engine;
+    return refuse(error);
+}
+
+void iso_gl_engine_destroy(iso_gl_engine *engine) {
+    (void)engine;
+}
+
+iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_shape **shape,
+                                iso_error *error) {
+    (void)engine, (void)points, (void)shape;
+    return refuse(error);
+}
+
+iso_status iso_gl_upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_shape **shape,
+                              iso_error *error) {
+    (void)engine, (void)mesh, (void)shape;
+    return refuse(error);
+}
+
+void iso_gl_shape_destroy(iso_gl_shape *shape) {
+    (void)shape;
+}
+
+iso_status iso_gl_draw(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_gbuffer *gbuffer,
+                       iso_error *error) {
+    (void)engine, (void)opts, (void)gbuffer;
+    return refuse(error);
+}

@@ -1,0 +1,39 @@
+/* platform: what EGL and OSMesa have in common. Inside render/gl only. */
+#ifndef ISO_RENDER_GL_PLATFORM_H
+#define ISO_RENDER_GL_PLATFORM_H
+
+#include "render/gl/context.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Any function: as dlsym, but without its conversion of a data pointer. */
+typedef void (*iso_gl_function)(void);
+
+typedef struct iso_gl_platform iso_gl_platform;
+struct iso_gl_platform {
+    void *library; /* of dlopen, never closed */
+    void *display, *context, *pixels;
+    iso_gl_function (*address)(const iso_gl_platform *platform, const char *name);
+    bool (*enter)(const iso_gl_platform *platform);
+    void (*leave)(const iso_gl_platform *platform);
+    void (*destroy)(iso_gl_platform *platform);
+};
+
+/* Core profile contexts of at least this version; major 0: whatever the driver gives. Not current afterwards.
+ * ISO_ERR_BACKEND. */
+iso_status iso_gl_egl_open(const iso_gl_context_opts *opts, int major, int minor, iso_gl_platform *platform,
+                           iso_error *error);
+iso_status iso_gl_osmesa_open(const iso_gl_context_opts *opts, int major, int minor,
+                              iso_gl_platform *platform, iso_error *error);
+
+/* dlopen of `name`, from ISO_GL_LIBRARY_PATH when that is set. ISO_ERR_BACKEND with the loader's words. */
+iso_status iso_gl_library_open(const char *name, void **library, iso_error *error);
+/* NULL when it is not there. */
+iso_gl_function iso_gl_library_symbol(void *library, const char *name);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,36 @@
+/* program: shaders by name and defines. Inside render/gl, and for the test that compiles all of them. */
+#ifndef ISO_RENDER_GL_PROGRAM_H
+#define ISO_RENDER_GL_PROGRAM_H
+
+#include "render/gl/context.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The files of shaders/ and shared.h, ended by a row of NULLs; made by shaders/embed.cmake. */
+typedef struct iso_gl_text {
+    const char *name, *text;
+} iso_gl_text;
+extern const iso_gl_text iso_gl_texts[];
+
+typedef enum iso_gl_program {
+    ISO_GL_POINTS_PACKED,
+    ISO_GL_POINTS_SURFELS,
+    ISO_GL_QUADS_PACKED,
+    ISO_GL_QUADS_SURFELS,
+    ISO_GL_MESH
+} iso_gl_program;
+enum { ISO_GL_PROGRAMS = 5 };
+
+const char *iso_gl_program_name(iso_gl_program program);
+
+/* Compiles and links in the current context; *name is GL's number. ISO_ERR_BACKEND with the driver's log.
+ * Texts come from the folder ISO_SHADER_DIR where that is set and has the file. */
+iso_status iso_gl_program_build(iso_gl_context *context, iso_gl_program program, unsigned *name,
+                                iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,35 @@
+/* refined: a surface from points as second-order discs. Internal to render; render/pullpush.h has the face.
+ *
+ * What pull-push costs pictures is that it averages points before it asks where the surface is. Here each
+ * point is a disc of its own: the quadric n.q + q.Sq / 2 = 0 around it, q from the point, with S its shape
+ * operator (Guennebaud and Gross 2007 fit spheres to like purpose), within a ball. So that discs round off
+ * at silhouettes as the surface does, instead of running on as paraboloids, S gets a curvature along the
+ * normal as well: the largest principal one where that is convex. A sphere's disc is then the sphere, a
+ * cylinder's the cylinder.
+ *
+ * A pixel's ray meets the discs around it. Those within 1.5 radii behind the front are averaged with Gaussian
+ * weights: depth from where the ray meets each; the normal is the mean of the discs' plus the mean shape
+ * operator times the mean offset, which is exact where normals change linearly and averages noise elsewhere.
+ *
+ * Discs smaller than a few pixels keep one point to a pixel, as pull-push does, and each pixel gathers those
+ * around it. Larger ones are splatted over the pixels that they cover. */
+#ifndef ISO_RENDER_REFINED_H
+#define ISO_RENDER_REFINED_H
+
+#include "render/draw.h"
+#include "render/point_blocks.h"
+
+/* Zero-initialise. */
+typedef struct iso_refined {
+    iso_buffer corners, order, start, memory;
+} iso_refined;
+
+/* Whether there are not too many blocks for refined. */
+bool iso_refined_can(const iso_point_blocks *blocks);
+
+/* Draws points whose blocks have been made for this view. ISO_ERR_NOMEM. */
+iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, const iso_point_view *points,
+                            const iso_point_blocks *blocks, iso_error *error);
+void iso_refined_free(iso_refined *workspace);
+
+#endif

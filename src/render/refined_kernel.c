@@ -1,0 +1,59 @@
+#include "render/refined_kernel.h"
+
+#include <string.h>
+
+#include "base/simd.h"
+
+/* Loops over the values of discs and sums, so that these stay in registers: more of them than compilers
+ * unroll by themselves. */
+#define ISO_UNROLL _Pragma("GCC unroll 24")
+
+/* The pixels that a disc may cover: columns box[0] .. box[2] of the view and rows box[1] .. box[3], within a
+ * circle. Positions count from pixels' centres. */
+typedef struct rf_cover {
+    int32_t box[4];
+    float x, y, radius;
+} rf_cover;
+
+/* The columns that the disc may cover in rows first .. last; false when none. */
+static inline bool cover_columns(const rf_cover *cover, int first, int last, bool whole, int span[2]) {
+    span[0] = cover->box[0];
+    span[1] = cover->box[2];
+    if (whole) return true;
+    const float above = (float)first - cover->y, below = cover->y - (float)last;
+    const float off = above > 0 ? above : below > 0 ? below : 0;
+    const float square = cover->radius * cover->radius - off * off;
+    if (!(square >= 0)) return false;
+    const float half = sqrtf(square);
+    const float lo = cover->x - half, hi = cover->x + half;
+    if (lo > (float)span[0]) span[0] = (int)lo;
+    if (hi < (float)span[1]) span[1] = (int)hi;
+    return span[0] <= span[1];
+}
+
+#define ISO_LEVEL generic
+#include "render/refined_disc.inc"
+
+#include "render/refined_steps.inc"
+#undef ISO_LEVEL
+#if ISO_HAVE_X86
+#define ISO_LEVEL avx2
+#include "render/refined_disc.inc"
+
+#include "render/refined_steps.inc"
+#undef ISO_LEVEL
+#define ISO_LEVEL avx512
+#include "render/refined_disc.inc"
+
+#include "render/refined_steps.inc"
+#undef ISO_LEVEL
+#endif
+
+const iso_refined_kernel *iso_refined_kernel_get(iso_cpu_level level) {
+#if ISO_HAVE_X86
+    if (level >= ISO_CPU_AVX512) return &kernel_avx512;
+    if (level >= ISO_CPU_AVX2) return &kernel_avx2;
+#endif
+    (void)level;
+    return &kernel_generic;
+}

@@ -1,0 +1,110 @@
+/* refined_kernel: the steps of the refined reconstruction (render/refined.h) on a band of rows, for each
+ * instruction set. Internal to render.
+ *
+ * What becomes of a pixel depends on the points and the view alone, not on the band it is in: points come in
+ * the order of their blocks, and a block's in their own. */
+#ifndef ISO_RENDER_REFINED_KERNEL_H
+#define ISO_RENDER_REFINED_KERNEL_H
+
+#include "base/cpu.h"
+#include "render/draw.h"
+#include "render/point_blocks.h"
+
+/* Sums over the discs that a pixel's ray meets at the front. */
+enum {
+    ISO_SUM_FRONT,  /* not a sum: the nearest depth, ISO_NOWHERE where there is none */
+    ISO_SUM_WEIGHT, /* the others are weighted */
+    ISO_SUM_DEPTH,
+    ISO_SUM_NX, /* discs' normals at their centres */
+    ISO_SUM_NY,
+    ISO_SUM_NZ,
+    ISO_SUM_QX, /* from their centres to where the ray meets them, mm */
+    ISO_SUM_QY,
+    ISO_SUM_QZ,
+    ISO_SUM_XX, /* shape operators, 1 / mm */
+    ISO_SUM_XY,
+    ISO_SUM_XZ,
+    ISO_SUM_YY,
+    ISO_SUM_YZ,
+    ISO_SUM_ZZ,
+    ISO_SUM_SIDE, /* 1, or -1 for discs that were turned to the eye */
+    ISO_SUMS
+};
+
+/* A disc: a point seen from the eye, in view space and pixels of the whole frame. */
+enum {
+    ISO_DISC_X, /* pixels */
+    ISO_DISC_Y,
+    ISO_DISC_Z, /* mm; ISO_NOWHERE: no disc */
+    ISO_DISC_NX,
+    ISO_DISC_NY,
+    ISO_DISC_NZ,
+    ISO_DISC_XX, /* shape operator, with the normal's own curvature (refined.h) */
+    ISO_DISC_XY,
+    ISO_DISC_XZ,
+    ISO_DISC_YY,
+    ISO_DISC_YZ,
+    ISO_DISC_ZZ,
+    ISO_DISC_B0, /* along a ray with direction d: n.d + q.Sd = B0 + BX qx + BY qy, and A = d.Sd */
+    ISO_DISC_BX,
+    ISO_DISC_BY,
+    ISO_DISC_A,
+    ISO_DISC_RADIUS,  /* mm */
+    ISO_DISC_INVERSE, /* 1 / radius^2 */
+    ISO_DISC_CLOSE,   /* small discs: 1 / pixels^2 of the circle that they cover at least; others: the radius
+                         of one that they stay within, pixels */
+    ISO_DISC_SIDE,
+    ISO_DISC_VALUES
+};
+
+/* What a call does. */
+typedef struct iso_refined_job {
+    const iso_target *target;
+    const iso_point_view *points;
+    const iso_point_block *blocks;
+    const float (*corner)[3]; /* of each block: where its first step of position lies in view space */
+    float step[9];            /* a step of position, in view space */
+    float normal[9];          /* index covector to view space */
+    float radius, reach;      /* of a disc, mm: of points without their own, and per mm of those with */
+    float focal, slope;       /* pixels per mm at depth 1, and its inverse; orthographic: slope 0 */
+    float axis[2];            /* pixel of the optical axis, in the whole frame */
+    float near;
+    bool orthographic;
+    bool cull;   /* leave out points that face away */
+    float small; /* pixels: smaller discs are gathered, others splatted */
+} iso_refined_job;
+
+enum {
+    ISO_REFINED_LEFT = 16,
+    ISO_REFINED_RING = 8,
+    ISO_REFINED_TILE = 4,       /* columns */
+    ISO_REFINED_WINDOW = 2,     /* pixels to each side that may hold the disc of one */
+    ISO_REFINED_POINT_BITS = 12 /* of a key for the number in its block, the rest for the block */
+};
+
+/* A band of the view's rows and what a worker keeps of it. Column c of keys and discs is at c +
+ * ISO_REFINED_LEFT, of sums at c. */
+typedef struct iso_refined_band {
+    iso_rows rows;
+    size_t stride;                /* of rows of all planes */
+    int64_t *keys;                /* from row rows.first - ISO_REFINED_WINDOW on */
+    float *disc[ISO_DISC_VALUES]; /* ISO_REFINED_RING rows, row y at y mod that */
+    float *sums;                  /* by tiles, see refined_steps.inc */
+    uint8_t *used;                /* tiles that have sums */
+    size_t tiles;                 /* in a row of them */
+} iso_refined_band;
+
+typedef struct iso_refined_kernel {
+    /* The small discs' points of a block (its number) into the keys. */
+    void (*project)(const iso_refined_job *job, const iso_refined_band *band, uint32_t block);
+    /* From keys to sums, or (without `tiles`) to the gbuffer. */
+    void (*gather)(const iso_refined_job *job, const iso_refined_band *band, bool tiles);
+    /* Adds the other discs of a block to the sums. */
+    void (*splat)(const iso_refined_job *job, const iso_refined_band *band, uint32_t block);
+    /* From sums to the gbuffer. */
+    void (*finish)(const iso_refined_job *job, const iso_refined_band *band);
+} iso_refined_kernel;
+
+const iso_refined_kernel *iso_refined_kernel_get(iso_cpu_level level);
+
+#endif

@@ -1,0 +1,22 @@
+python3 -c 'from check import *; ball("in/ball.mha")'
+isorender in/ball.mha cpu.png --isovalue 500 --method points --backend cpu --json --quiet >cpu.json
+tried=0
+for backend in egl osmesa; do
+    isorender --list-backends | grep "^$backend" | grep -qv 'cannot be used' || { echo "no $backend here"; continue; }
+    isorender in/ball.mha $backend.png --isovalue 500 --backend $backend --samples 4 --json --quiet >$backend.json
+    isorender in/ball.mha $backend.png --isovalue 500 --backend $backend --json --quiet >$backend.json
+    isorender in/ball.mha --isovalue 500 --backend $backend --method mesh --turntable 3 -o 'mesh_{n}.png' --quiet
+    isorender in/ball.mha wide.png --isovalue 500 --backend $backend --point-scaling attenuated --json --quiet >wide.json
+    BACKEND=$backend python3 - <<'P'
+import os
+from check import *
+backend = os.environ["BACKEND"]
+cpu, gl, wide = report("cpu.json"), report(backend + ".json"), report("wide.json")
+expect(gl["backend"] == backend and gl["renderer"] and gl["gl"]["messages"] == 0, gl)
+a, b = cpu["image"]["covered"], gl["image"]["covered"]
+expect(abs(a - b) <= 30, (a, b))
+expect(b < wide["image"]["covered"] < 1.05 * b, (b, wide["image"]["covered"]))
+P
+    tried=$((tried + 1))
+done
+[ $tried -gt 0 ] || exit 77

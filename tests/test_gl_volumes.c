@@ -1,0 +1,90 @@
+/* The gl engine against the cpu engine, on the real volumes, from six sides. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "gl_support.h"
+#include "grids/volume.h"
+
+enum { SIDE = 256 };
+
+/* Of each volume one file; isovalues as INDEX.tsv has them. */
+static const struct {
+    const char *path, *raw;
+    double isovalue;
+} volumes[] = {
+    {"hydrogenatom/hydrogenatom.raw", "128x128x128:uint8", 20},
+    {"tooth_seg3d/tooth.nhdr", NULL, 750},
+    {"stent/stent.nrrd", NULL, 600},
+    {"brainsmall_den/brainsmall.den", "128x128x84:uint8::62", 40},
+    {"headsq_raw/quarter.nhdr", NULL, 1150},
+    {"ironprot/ironProt.vtk", NULL, 128},
+    {"vase/vase_1comp.vti", NULL, 120},
+    {"headmr/HeadMRVolume.mhd", NULL, 40},
+    {"nrrd_FLAIR/FLAIR.nrrd", NULL, 60},
+    {"mricron/ch2better.nii.gz", NULL, 60},
+    {"vdb_sphere/sphere.vdb", NULL, 0},
+    {"vdb_usd_smoke/smoke_000003.vdb", NULL, 0.3},
+    {"vdb_usd_smoke/densityAndHeat.vdb", NULL, 0.3},
+};
+
+static bool read_volume(size_t i, iso_volume *volume) {
+    char path[1024];
+    snprintf(path, sizeof path, "%s/%s", ISO_TEST_VOLUMES, volumes[i].path);
+    iso_raw_layout layout;
+    iso_volume_opts opts = {.max_memory = 0};
+    if (volumes[i].raw) {
+        assert_int_equal(iso_raw_layout_parse(volumes[i].raw, &layout, NULL), ISO_OK);
+        opts.raw = &layout;
+    }
+    iso_error error = {ISO_OK, ""};
+    if (iso_volume_read(path, &opts, volume, &error) == ISO_OK) return true;
+    printf("not tested: %s\n", error.text);
+    return false;
+}
+
+static void check_volume(size_t i, const iso_volume *volume, const gl_contexts *contexts) {
+    gl_surface s = gl_surface_make(&volume->grid, volumes[i].isovalue);
+    iso_point_view points = iso_point_set_view(s.packed);
+    iso_mesh_view mesh = iso_mesh_set_view(s.mesh);
+    iso_view views[GL_SIDES];
+    for (int side = 0; side < GL_SIDES; side++)
+        views[side] = gl_side_view(&s.box, side, side % 2, SIDE, SIDE);
+    for (int c = 0; c < contexts->count; c++) {
+        iso_gl_engine *engine;
+        assert_int_equal(iso_gl_engine_create(contexts->context[c], &engine, NULL), ISO_OK);
+        double of_points = gl_check_points(engine, &points, views, GL_SIDES, volumes[i].path);
+        double of_mesh = gl_check_mesh(engine, &mesh, views, GL_SIDES, volumes[i].path);
+        printf("%s, %s: points %.1f dB, mesh %.1f dB\n", iso_gl_context_info(contexts->context[c]).name,
+               volumes[i].path, of_points, of_mesh);
+        iso_gl_engine_destroy(engine);
+    }
+    gl_surface_free(&s);
+}
+
+static void pictures_are_the_cpu_engines(void **state) {
+    (void)state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    int seen = 0;
+    for (size_t i = 0; i < sizeof volumes / sizeof *volumes; i++) {
+        iso_volume volume;
+        if (!read_volume(i, &volume)) continue;
+        check_volume(i, &volume, &contexts);
+        iso_volume_free(&volume);
+        seen++;
+    }
+    gl_contexts_close(&contexts);
+    if (!seen) skip();
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(pictures_are_the_cpu_engines)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,400 @@
+/* shapes: against surfaces whose curvature is known, against a reference in double that knows no bricks, and
+ * every instruction set against the plainest. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/cpu.h"
+#include "extract/points.h"
+#include "extract_support.h"
+#include "grids/scenes.h"
+
+static iso_point_set *make_set(const iso_grid *grid, const iso_points_opts *opts) {
+    iso_point_set *set = NULL;
+    iso_error error = {0};
+    if (iso_point_set_create(grid, opts, &set, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (iso_point_set_update(set, &error) != ISO_OK) fail_msg("%s", error.text);
+    return set;
+}
+
+/* A point of a view in index coordinates, with its shape as a matrix. */
+typedef struct bent_point {
+    iso_vec3 position, normal;
+    double s[3][3];
+} bent_point;
+
+static bent_point get_point(const iso_point_view *view, const iso_point_span *span, uint32_t i) {
+    const iso_surfel surfel = iso_point_view_get(view, span->first + i);
+    const iso_shape shape = view->shapes[span->first + i];
+    const double uu = shape.uu * (double)ISO_SHAPE_STEP, uv = shape.uv * (double)ISO_SHAPE_STEP,
+                 vv = shape.vv * (double)ISO_SHAPE_STEP;
+    bent_point point;
+    float u[3], v[3];
+    iso_shape_frame(surfel.normal, u, v);
+    point.position =
+        iso_vec3_make(16 * span->brick[0] + surfel.position[0], 16 * span->brick[1] + surfel.position[1],
+                      16 * span->brick[2] + surfel.position[2]);
+    point.normal = iso_vec3_make(surfel.normal[0], surfel.normal[1], surfel.normal[2]);
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++)
+            point.s[r][c] = uu * u[r] * u[c] + uv * (u[r] * v[c] + v[r] * u[c]) + vv * v[r] * v[c];
+    return point;
+}
+
+static double largest_difference(double a[3][3], double b[3][3]) {
+    double most = 0;
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) most = fmax(most, fabs(a[r][c] - b[r][c]));
+    return most;
+}
+
+static void frames_are_right_handed_and_unit(void **state) {
+    (void)state;
+    test_random random = {5};
+    for (int i = 0; i < 2000; i++) {
+        iso_vec3 n =
+            iso_vec3_unit(iso_vec3_make(test_random_real(&random, -1, 1), test_random_real(&random, -1, 1),
+                                        i % 3 ? test_random_real(&random, -1, 1) : 0));
+        if (i < 2) n = iso_vec3_make(0, 0, i ? -1 : 1);
+        const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
+        float u[3], v[3];
+        iso_shape_frame(normal, u, v);
+        const iso_vec3 uu = iso_vec3_make(u[0], u[1], u[2]), vv = iso_vec3_make(v[0], v[1], v[2]);
+        const iso_vec3 off = iso_vec3_sub(iso_vec3_cross(uu, vv), n);
+        assert_true(iso_vec3_length(off) < 1e-5);
+        assert_true(fabs(iso_vec3_length(uu) - 1) < 1e-5 && fabs(iso_vec3_dot(uu, vv)) < 1e-5);
+    }
+}
+
+static void packing_clamps_and_rounds(void **state) {
+    (void)state;
+    const iso_shape small = iso_shape_pack(0.5f, -0.25f, 0.125f);
+    assert_int_equal(small.uu, 8000);
+    assert_int_equal(small.uv, -4000);
+    assert_int_equal(small.vv, 2000);
+    const iso_shape large = iso_shape_pack(30, 0, -40); /* norm 50 becomes 2 */
+    assert_int_equal(large.uu, 19200);
+    assert_int_equal(large.uv, 0);
+    assert_int_equal(large.vv, -25600);
+    const float odd[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 3; i++) {
+        const iso_shape none = iso_shape_pack(odd[i], 1, 1);
+        assert_true(none.uu == 0 && none.uv == 0 && none.vv == 0);
+    }
+}
+
+/* ---- analytic surfaces */
+
+/* The shape operator of a scene's surface at p (0: not there, near an edge of the solid, say). */
+typedef int analytic(double size, iso_vec3 p, iso_vec3 n, double s[3][3]);
+
+static void add_outer(double s[3][3], iso_vec3 a, double k) {
+    const double v[3] = {a.x, a.y, a.z};
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) s[r][c] += k * v[r] * v[c];
+}
+
+static iso_vec3 from_centre(double size, iso_vec3 p) {
+    const double c = floor(size / 2) - 0.5;
+    return iso_vec3_sub(p, iso_vec3_make(c, c, c));
+}
+
+static int sphere_shape(double size, iso_vec3 p, iso_vec3 n, double s[3][3]) {
+    (void)p, (void)n;
+    const double k = 1 / (0.4 * size);
+    memset(s, 0, 9 * sizeof(double));
+    for (int i = 0; i < 3; i++) s[i][i] = k;
+    const iso_vec3 out = iso_vec3_unit(from_centre(size, p));
+    add_outer(s, out, -k);
+    return 1;
+}
+
+/* Flat along the axis, round about it; the caps are flat. Not within 3 voxels of a rim. */
+static int cylinder_shape(double size, iso_vec3 p, iso_vec3 n, double s[3][3]) {
+    const iso_vec3 axis = iso_vec3_unit(iso_vec3_make(0.35, 0.25, 0.9)), q = from_centre(size, p);
+    const double along = iso_vec3_dot(q, axis), half = 0.32 * size, radius = 0.2 * size;
+    const iso_vec3 radial = iso_vec3_sub(q, iso_vec3_scale(axis, along));
+    memset(s, 0, 9 * sizeof(double));
+    if (fabs(fabs(along) - half) < 3 && iso_vec3_length(radial) > radius - 3) return 0;
+    if (fabs(iso_vec3_dot(n, axis)) < 0.5)
+        add_outer(s, iso_vec3_cross(axis, iso_vec3_unit(radial)), 1 / radius);
+    return 1;
+}
+
+static int torus_shape(double size, iso_vec3 p, iso_vec3 n, double s[3][3]) {
+    const double tube = 0.1 * size;
+    const iso_vec3 q = from_centre(size, p);
+    const double across = sqrt(q.x * q.x + q.y * q.y);
+    const iso_vec3 out = iso_vec3_make(q.x / across, q.y / across, 0),
+                   round = iso_vec3_make(-out.y, out.x, 0);
+    memset(s, 0, 9 * sizeof(double));
+    add_outer(s, round, iso_vec3_dot(n, out) / across);
+    add_outer(s, iso_vec3_cross(n, round), 1 / tube);
+    return 1;
+}
+
+static void check_analytic(const char *name, int size, analytic *shape, double tolerance) {
+    for (int dense = 0; dense < 2; dense++)
+        for (int primitive = ISO_PRIMITIVE_EDGE; primitive <= ISO_PRIMITIVE_FOOT_ITERATED; primitive++)
+            for (int floats = 0; floats < 2; floats++) {
+                iso_grid grid = {0};
+                const iso_scene_opts scene = {.size = size, .dense = dense};
+                assert_int_equal(iso_scene_create(name, &scene, &grid, NULL, NULL), ISO_OK);
+                const iso_points_opts opts = {
+                    .primitive = (iso_primitive)primitive, .floats = floats, .shapes = true};
+                iso_point_set *set = make_set(&grid, &opts);
+                iso_point_view view = iso_point_set_view(set);
+                size_t checked = 0;
+                for (size_t k = 0; k < view.span_count; k++)
+                    for (uint32_t i = 0; i < view.spans[k].count; i++) {
+                        bent_point p = get_point(&view, &view.spans[k], i);
+                        double wanted[3][3];
+                        if (!shape(size, p.position, p.normal, wanted)) continue;
+                        checked++;
+                        double off = largest_difference(p.s, wanted);
+                        /* a dense level set does not say that its far values are clamped */
+                        if (off > (dense && primitive == ISO_PRIMITIVE_FOOT ? 10 : 1) * tolerance)
+                            fail_msg("%s: off by %g at %g %g %g (%s, %s)", name, off, p.position.x,
+                                     p.position.y, p.position.z, iso_primitive_name(opts.primitive),
+                                     dense ? "dense" : "sparse");
+                    }
+                assert_true(checked > 1000);
+                iso_point_set_destroy(set);
+                iso_grid_destroy(&grid);
+            }
+}
+
+static void curvatures_of_known_surfaces(void **state) {
+    (void)state;
+    check_analytic("sphere", 48, sphere_shape, 0.004);
+    check_analytic("cylinder", 80, cylinder_shape, 0.006);
+    check_analytic("torus", 100, torus_shape, 0.012);
+}
+
+/* ---- edge points against a reference */
+
+/* Beyond the border, values go on linearly. */
+static double wide_value(const iso_grid *grid, int x, int y, int z) {
+    const int *dims = iso_grid_dims(grid);
+    int at[3] = {x, y, z};
+    for (int k = 0; k < 3; k++) {
+        if (at[k] >= 0 && at[k] < dims[k]) continue;
+        if (dims[k] == 1) {
+            at[k] = 0;
+            return wide_value(grid, at[0], at[1], at[2]);
+        }
+        const int edge = at[k] < 0 ? 0 : dims[k] - 1, step = at[k] < 0 ? 1 : -1,
+                  beyond = at[k] < 0 ? -at[k] : at[k] - edge;
+        at[k] = edge;
+        const double here = wide_value(grid, at[0], at[1], at[2]);
+        at[k] = edge + step;
+        return here + beyond * (here - wide_value(grid, at[0], at[1], at[2]));
+    }
+    return iso_grid_at(grid, x, y, z);
+}
+
+static void voxel_bend(const iso_grid *grid, const int p[3], double g[3], double h[3][3]) {
+    static const int unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+#define AT(v) wide_value(grid, p[0] + (v)[0], p[1] + (v)[1], p[2] + (v)[2])
+    for (int i = 0; i < 3; i++) {
+        const int *a = unit[i], low[3] = {-a[0], -a[1], -a[2]}, zero[3] = {0, 0, 0};
+        g[i] = (AT(a) - AT(low)) / 2;
+        h[i][i] = AT(a) + AT(low) - 2 * AT(zero);
+        for (int j = 0; j < i; j++) {
+            const int *b = unit[j];
+            int v[4][3];
+            for (int k = 0; k < 3; k++) {
+                v[0][k] = a[k] + b[k];
+                v[1][k] = a[k] - b[k];
+                v[2][k] = b[k] - a[k];
+                v[3][k] = -a[k] - b[k];
+            }
+            h[i][j] = h[j][i] = (AT(v[0]) - AT(v[1]) - AT(v[2]) + AT(v[3])) / 4;
+        }
+    }
+#undef AT
+}
+
+/* The shape at an edge point, from where it lies. */
+static void reference_shape(const iso_grid *grid, const bent_point *point, double s[3][3]) {
+    const double at[3] = {point->position.x, point->position.y, point->position.z};
+    int low[3], high[3], axis = 0;
+    for (int k = 1; k < 3; k++)
+        if (fabs(at[k] - rint(at[k])) > fabs(at[axis] - rint(at[axis]))) axis = k;
+    for (int k = 0; k < 3; k++) low[k] = high[k] = (int)(k == axis ? floor(at[k]) : rint(at[k]));
+    high[axis]++;
+    const double t = at[axis] - low[axis];
+    double g[2][3], h[2][3][3], gradient[3], length = 0;
+    voxel_bend(grid, low, g[0], h[0]);
+    voxel_bend(grid, high, g[1], h[1]);
+    for (int k = 0; k < 3; k++) {
+        gradient[k] = g[0][k] + t * (g[1][k] - g[0][k]);
+        length += gradient[k] * gradient[k];
+    }
+    length = sqrt(length);
+    const double n[3] = {point->normal.x, point->normal.y, point->normal.z};
+    double tangent[3][3], norm = 0;
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) tangent[r][c] = (r == c) - n[r] * n[c];
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) {
+            s[r][c] = 0;
+            for (int i = 0; i < 3; i++)
+                for (int j = 0; j < 3; j++)
+                    s[r][c] += tangent[r][i] * (h[0][i][j] + t * (h[1][i][j] - h[0][i][j])) * tangent[j][c];
+            s[r][c] *= (iso_grid_is_level_set(grid) ? 1 : -1) / length;
+            norm += s[r][c] * s[r][c];
+        }
+    norm = sqrt(norm);
+    for (int r = 0; r < 3 && norm > ISO_SHAPE_MOST; r++)
+        for (int c = 0; c < 3; c++) s[r][c] *= ISO_SHAPE_MOST / norm;
+    if (!isfinite(norm)) memset(s, 0, 9 * sizeof(double));
+}
+
+static size_t check_against_reference(const iso_grid *grid, const iso_point_view *view) {
+    size_t checked = 0;
+    for (size_t k = 0; k < view->span_count; k++)
+        for (uint32_t i = 0; i < view->spans[k].count; i++) {
+            bent_point point = get_point(view, &view->spans[k], i);
+            double wanted[3][3];
+            reference_shape(grid, &point, wanted);
+            double off = largest_difference(point.s, wanted);
+            if (off > 2e-3)
+                fail_msg("off by %g at %g %g %g", off, point.position.x, point.position.y, point.position.z);
+            checked++;
+        }
+    return checked;
+}
+
+static void edge_shapes_match_the_reference(void **state) {
+    (void)state;
+    static const iso_type types[] = {ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32};
+    test_random random = {3};
+    size_t checked = 0;
+    for (int round = 0; round < 48; round++) {
+        int dims[3];
+        test_random_dims(&random, round % 6 ? 2 : 1, round % 8 == 7 ? 70 : 20, dims);
+        iso_grid grid = test_rgrid(dims, types[round % 4]);
+        test_fill(&grid, TEST_SMOOTH, &random);
+        grid.rgrid->level_set = round % 5 == 0;
+        const iso_points_opts opts = {
+            .isovalue = 100.3, .primitive = ISO_PRIMITIVE_EDGE, .floats = true, .shapes = true};
+        iso_point_set *set = make_set(&grid, &opts);
+        iso_point_view view = iso_point_set_view(set);
+        checked += check_against_reference(&grid, &view);
+        iso_point_set_destroy(set);
+        iso_grid_destroy(&grid);
+    }
+    assert_true(checked > 20000);
+}
+
+/* Values that are not finite, and no gradient at all, make flat points. */
+static void odd_values_are_flat(void **state) {
+    (void)state;
+    iso_grid grid = test_rgrid((int[3]){20, 20, 20}, ISO_FLOAT32);
+    for (int z = 0; z < 20; z++)
+        for (int y = 0; y < 20; y++)
+            for (int x = 0; x < 20; x++)
+                test_set(&grid, x, y, z, 150 - 8 * sqrt((x - 9.) * (x - 9) + (y - 9.) * (y - 9)));
+    test_set(&grid, 15, 9, 9, NAN);
+    test_set(&grid, 3, 9, 9, INFINITY);
+    const iso_points_opts opts = {.isovalue = 100, .floats = true, .shapes = true};
+    iso_point_set *set = make_set(&grid, &opts);
+    iso_point_view view = iso_point_set_view(set);
+    size_t flat = 0, bent = 0;
+    for (size_t k = 0; k < view.span_count; k++)
+        for (uint32_t i = 0; i < view.spans[k].count; i++) {
+            const iso_shape shape = view.shapes[view.spans[k].first + i];
+            const bent_point point = get_point(&view, &view.spans[k], i);
+            bool near = false;
+            for (int end = 0; end < 2; end++)
+                near |= fabs(point.position.x - (end ? 15 : 3)) < 3 && fabs(point.position.y - 9) < 3 &&
+                        fabs(point.position.z - 9) < 3;
+            const bool none = shape.uu == 0 && shape.uv == 0 && shape.vv == 0;
+            assert_true(near || !none);
+            flat += none;
+            bent += !none;
+        }
+    assert_true(flat > 2 && bent > 300);
+    iso_point_set_destroy(set);
+    iso_grid_destroy(&grid);
+}
+
+/* ---- variants */
+
+static void check_levels(const iso_grid *grid, const iso_points_opts *opts) {
+    assert_int_equal(iso_cpu_limit(ISO_CPU_GENERIC), ISO_CPU_GENERIC);
+    iso_point_set *plain = make_set(grid, opts);
+    iso_point_view a = iso_point_set_view(plain);
+    assert_non_null(a.shapes);
+    for (int level = ISO_CPU_AVX2; level <= ISO_CPU_AVX512; level++) {
+        if (iso_cpu_limit((iso_cpu_level)level) != (iso_cpu_level)level) continue;
+        iso_point_set *other = make_set(grid, opts);
+        iso_point_view b = iso_point_set_view(other);
+        test_same_points(&a, &b);
+        iso_point_set_destroy(other);
+    }
+    iso_cpu_limit(ISO_CPU_AVX512);
+    iso_point_set_destroy(plain);
+}
+
+static void same_bytes_for_every_instruction_set(void **state) {
+    (void)state;
+    static const iso_type types[] = {ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32};
+    test_random random = {9};
+    for (int round = 0; round < 16; round++) {
+        iso_grid grid = test_rgrid((int[3]){70, 37, 35}, types[round % 4]);
+        test_fill(&grid, round / 8 ? TEST_NOISE : TEST_SMOOTH, &random);
+        check_levels(&grid, &(iso_points_opts){.isovalue = 100, .floats = round / 4 % 2, .shapes = true});
+        iso_grid_destroy(&grid);
+    }
+    for (int primitive = ISO_PRIMITIVE_EDGE; primitive <= ISO_PRIMITIVE_FOOT_ITERATED; primitive++) {
+        iso_grid grid = test_ball_grid(50, iso_vec3_make(24, 25, 23.3), 15, 0);
+        test_stamp_ball(&grid, &(test_ball){iso_vec3_make(30, 36, 30), 4, 1});
+        check_levels(&grid, &(iso_points_opts){.primitive = (iso_primitive)primitive, .shapes = true});
+        iso_grid_destroy(&grid);
+    }
+}
+
+/* Packed points differ from floats by their rounding only. */
+static void packed_points_have_the_same_shapes(void **state) {
+    (void)state;
+    test_random random = {13};
+    iso_grid grid = test_rgrid((int[3]){60, 40, 50}, ISO_UINT16);
+    test_fill(&grid, TEST_SMOOTH, &random);
+    iso_points_opts opts = {.isovalue = 100, .shapes = true};
+    iso_point_set *packed = make_set(&grid, &opts);
+    opts.floats = true;
+    iso_point_set *floats = make_set(&grid, &opts);
+    iso_point_view a = iso_point_set_view(packed), b = iso_point_set_view(floats);
+    assert_int_equal(a.span_count, b.span_count);
+    for (size_t k = 0; k < a.span_count; k++) {
+        assert_int_equal(a.spans[k].count, b.spans[k].count);
+        for (uint32_t i = 0; i < a.spans[k].count; i++) {
+            bent_point p = get_point(&a, &a.spans[k], i), q = get_point(&b, &b.spans[k], i);
+            assert_true(largest_difference(p.s, q.s) < 0.02);
+        }
+    }
+    iso_point_set_destroy(packed);
+    iso_point_set_destroy(floats);
+    iso_grid_destroy(&grid);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frames_are_right_handed_and_unit),
+        cmocka_unit_test(packing_clamps_and_rounds),
+        cmocka_unit_test(curvatures_of_known_surfaces),
+        cmocka_unit_test(edge_shapes_match_the_reference),
+        cmocka_unit_test(odd_values_are_flat),
+        cmocka_unit_test(same_bytes_for_every_instruction_set),
+        cmocka_unit_test(packed_points_have_the_same_shapes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
