@@ -560,6 +560,38 @@ static void colors_come_through(void **state) {
     free(s);
 }
 
+/* A picture of points that are all of one colour is that of a surface of this colour. */
+static void colors_are_shaded(void **state) {
+    (void)state;
+    scene s = make_scene("sphere", 32, true);
+    painted p = paint(&s.points, false);
+    p.points.radii = NULL;
+    size_t count = iso_point_view_count(&s.points);
+    for (size_t i = 0; i < count; i++) memcpy(p.colors[i], (const uint8_t[3]){30, 200, 90}, 3);
+    iso_view view = look_at(&s, 1, 1, false, 75, 63); /* no whole number of vectors */
+    iso_gbuffer g[2] = {drawn(&view, &p.points, NULL), drawn(&view, &s.points, NULL)};
+    assert_null(g[1].color);
+    iso_image image[2][2];
+    for (int k = 0; k < 2; k++)
+        for (int factor = 1; factor <= 3; factor += 2) {
+            const iso_rgb color = k ? (iso_rgb){30, 200, 90} : (iso_rgb){1, 2, 3};
+            const iso_shading shading = {.colors = &color, .color_count = 1, .background = {9, 9, 9}};
+            iso_image *to = &image[k][factor / 2];
+            iso_strip strip = {&view, &g[k], factor, 0};
+            assert_int_equal(iso_image_create(75 / factor, 63 / factor, to, NULL), ISO_OK);
+            iso_shade(&shading, &strip, to, NULL);
+        }
+    assert_memory_equal(image[0][0].rgba, image[1][0].rgba, 75 * 63 * 4);
+    assert_memory_equal(image[0][1].rgba, image[1][1].rgba, 25 * 21 * 4);
+    for (int k = 0; k < 2; k++) {
+        iso_gbuffer_free(&g[k]);
+        iso_image_free(&image[k][0]);
+        iso_image_free(&image[k][1]);
+    }
+    free_painted(&p);
+    free_scene(&s);
+}
+
 /* Of equal points the first shows, in whatever order spans come. */
 static void equal_points_have_an_order(void **state) {
     (void)state;
@@ -755,6 +787,7 @@ int main(void) {
         cmocka_unit_test(eye_inside),
         cmocka_unit_test(nearer_surfaces_win),
         cmocka_unit_test(colors_come_through),
+        cmocka_unit_test(colors_are_shaded),
         cmocka_unit_test(equal_points_have_an_order),
         cmocka_unit_test(closed_is_known),
         cmocka_unit_test(open_surfaces_show_their_inside),

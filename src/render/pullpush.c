@@ -321,8 +321,8 @@ static iso_status draw(iso_pullpush *workspace, const iso_target *target, const 
     ISO_TRY(iso_point_blocks_make(f.blocks, points, &f.projector, target->pool, error));
     if (f.blocks->seen == 0) return ISO_OK;
     if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
-    const bool refined =
-        reconstruction == ISO_RECONSTRUCTION_AUTO || reconstruction == ISO_RECONSTRUCTION_REFINED;
+    const bool refined = reconstruction == ISO_RECONSTRUCTION_REFINED ||
+                         (reconstruction == ISO_RECONSTRUCTION_AUTO && !points->colors);
     if (refined && iso_refined_can(f.blocks))
         return iso_refined_draw(&workspace->refined, target, points, f.blocks, error);
     int rows = rows_at_once(&f, view);
