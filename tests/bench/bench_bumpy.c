@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/point_bounds.h"
 #include "extract/points.h"
 
 /* ---- the field, in units of the picture's world: negative inside ---- */
@@ -133,18 +134,23 @@ typedef struct gathering {
     iso_pool *pool;
     bench_bumpy *bumpy;
     bool with_mesh;
-    iso_buffer points, spans;
+    iso_buffer points, shapes, spans;
     size_t point_count, span_count;
 } gathering;
 
+static iso_status make_room(gathering *all, const iso_point_view *view, iso_error *error) {
+    size_t had = all->point_count, has = had + iso_point_view_count(view);
+    ISO_TRY(iso_buffer_reserve(&all->points, has * sizeof(iso_point), had * sizeof(iso_point), error));
+    ISO_TRY(iso_buffer_reserve(&all->shapes, has * sizeof(iso_shape), had * sizeof(iso_shape), error));
+    return iso_buffer_reserve(&all->spans, (all->span_count + view->span_count) * sizeof(iso_point_span),
+                              all->span_count * sizeof(iso_point_span), error);
+}
+
 /* Spans of the piece's own cells; those of the brick around it are another piece's. */
 static iso_status keep_spans(gathering *all, const piece *p, const iso_point_view *view, iso_error *error) {
-    ISO_TRY(iso_buffer_reserve(&all->points,
-                               (all->point_count + iso_point_view_count(view)) * sizeof(iso_point),
-                               all->point_count * sizeof(iso_point), error));
-    ISO_TRY(iso_buffer_reserve(&all->spans, (all->span_count + view->span_count) * sizeof(iso_point_span),
-                               all->span_count * sizeof(iso_point_span), error));
+    ISO_TRY(make_room(all, view, error));
     iso_point *points = all->points.data;
+    iso_shape *shapes = all->shapes.data;
     iso_point_span *spans = all->spans.data;
     for (size_t s = 0; s < view->span_count; s++) {
         iso_point_span span = view->spans[s];
@@ -153,6 +159,7 @@ static iso_status keep_spans(gathering *all, const piece *p, const iso_point_vie
             own = own && span.brick[axis] > 0 && span.brick[axis] < p->cells[axis] - 1;
         if (!own) continue;
         memcpy(points + all->point_count, view->packed + span.first, span.count * sizeof *points);
+        memcpy(shapes + all->point_count, view->shapes + span.first, span.count * sizeof *shapes);
         for (int axis = 0; axis < 3; axis++) span.brick[axis] += p->base[axis];
         span.first = all->point_count;
         all->point_count += span.count;
@@ -163,7 +170,7 @@ static iso_status keep_spans(gathering *all, const piece *p, const iso_point_vie
 
 static iso_status gather_points(gathering *all, const piece *p, const iso_grid *grid, iso_error *error) {
     iso_point_set *set = NULL;
-    iso_points_opts opts = {.primitive = ISO_PRIMITIVE_EDGE, .pool = all->pool};
+    iso_points_opts opts = {.primitive = ISO_PRIMITIVE_EDGE, .shapes = true, .pool = all->pool};
     ISO_TRY(iso_point_set_create(grid, &opts, &set, error));
     iso_status status = iso_point_set_update(set, error);
     iso_point_view view = iso_point_set_view(set);
@@ -201,6 +208,20 @@ static iso_status gather(gathering *all, int count, int size, iso_error *error) 
     return ISO_OK;
 }
 
+static void bound_span(void *context, size_t index, int worker) {
+    (void)worker;
+    const iso_point_view *view = context;
+    const iso_point_span *span = &view->spans[index];
+    iso_point_bounds_find(view, span->first, span->count, (iso_point_bounds *)&view->bounds[index]);
+}
+
+static iso_status bound_spans(iso_point_view *view, iso_pool *pool, iso_error *error) {
+    view->bounds = iso_alloc_zero(view->span_count, sizeof *view->bounds);
+    if (!view->bounds) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    iso_parallel_for(pool, view->span_count, bound_span, view);
+    return ISO_OK;
+}
+
 iso_status bench_bumpy_create(int side, int piece_bricks, bool with_mesh, iso_pool *pool, bench_bumpy *bumpy,
                               iso_error *error) {
     int bricks = (side + ISO_BRICK - 1) / ISO_BRICK;
@@ -212,6 +233,7 @@ iso_status bench_bumpy_create(int side, int piece_bricks, bool with_mesh, iso_po
     iso_status status = gather(&all, count, size, error);
     iso_point_view *view = &bumpy->points;
     view->packed = all.points.data;
+    view->shapes = all.shapes.data;
     view->spans = all.spans.data;
     view->span_count = all.span_count;
     view->closed = true;
@@ -221,13 +243,15 @@ iso_status bench_bumpy_create(int side, int piece_bricks, bool with_mesh, iso_po
         view->transform.origin[axis] = -1;
     }
     lattice_free(&places);
-    return status;
+    return status == ISO_OK ? bound_spans(view, pool, error) : status;
 }
 
 void bench_bumpy_free(bench_bumpy *bumpy) {
     iso_mesh_set_destroy(bumpy->mesh);
     iso_grid_destroy(&bumpy->grid);
     iso_free((void *)bumpy->points.packed);
+    iso_free((void *)bumpy->points.shapes);
+    iso_free((void *)bumpy->points.bounds);
     iso_free((void *)bumpy->points.spans);
     *bumpy = (bench_bumpy){0};
 }

@@ -45,6 +45,11 @@ static iso_status draw_gaussian(bench_frame *frame, const iso_target *target, is
     return iso_draw_pullpush(target, &frame->points, &opts, error);
 }
 
+static iso_status draw_refined(bench_frame *frame, const iso_target *target, iso_error *error) {
+    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_REFINED, frame->pullpush};
+    return iso_draw_pullpush(target, &frame->points, &opts, error);
+}
+
 static void close_pullpush(bench_frame *frame) {
     iso_pullpush_destroy(frame->pullpush);
 }
@@ -74,6 +79,13 @@ const bench_method bench_methods[] = {
      .on_volumes = true,
      .open = open_pullpush,
      .draw = draw_gaussian,
+     .close = close_pullpush},
+    {.name = "pullpush/refined",
+     .kernels = true,
+     .on_bumpy = true,
+     .on_volumes = true,
+     .open = open_pullpush,
+     .draw = draw_refined,
      .close = close_pullpush},
     {.name = "exact", .kernels = true, .on_volumes = true, .open = open_exact, .draw = draw_exact},
 };

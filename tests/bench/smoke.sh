@@ -37,7 +37,7 @@ wanted += ["extract/isovalue/ct48/212.5", "extract/dirty/head64/r8", "extract/me
 spheres, views = ("4k", "8k", "14k"), [f"{ct}/{view}" for ct in ("ct32", "ct48") for view in ("fit", "4x")]
 wanted += [f"render/mesh/{what}/threads:{n}" for what in [*spheres, *views] for n in (1, 2)]
 wanted += [f"render/raycast/{what}/threads:{n}" for what in views for n in (1, 2)]
-wanted += [f"render/{method}/{what}/generic/threads:{n}" for method in ("points", "pullpush/gaussian")
+wanted += [f"render/{method}/{what}/generic/threads:{n}" for method in ("points", "pullpush/gaussian", "pullpush/refined")
            for what in [*spheres, "25k", *views] for n in (1, 2)]
 wanted += [f"render/exact/{what}/generic/threads:{n}" for what in views for n in (1, 2)]
 wanted += [f"process/isorender_{method}/ct48.vti/threads:{n}" for method in ("mesh", "exact") for n in (1, 2)]
@@ -67,6 +67,7 @@ for what in spheres:
     assert abs(triangles - 2 * points) < 0.01 * points, f"{points} points and {triangles} triangles are not closed"
 assert rows["render/points/25k/generic/threads:1"]["primitives"] == 26606
 assert rows["render/pullpush/gaussian/25k/generic/threads:1"]["ratio_vs_1M"] > 0
+assert rows["render/pullpush/refined/25k/generic/threads:1"]["ratio_vs_gaussian"] > 0
 
 # VTK and all methods show the same thing, from the same place.
 for what in [*spheres, *views]:
