@@ -194,12 +194,15 @@ int iso_exact_see_span(const iso_exact_frame *frame, uint32_t number, iso_exact_
             centre[axis] = first + half[axis];
         }
         if (!box_pixels(frame, centre, half, clip, pixels)) continue;
-        visible[count++] = (iso_exact_visible){number,
-                                               (uint32_t)(block - iso_exact_blocks(frame->exact)),
-                                               (uint16_t)pixels[0],
-                                               (uint16_t)pixels[1],
-                                               (uint16_t)pixels[2],
-                                               (uint16_t)pixels[3]};
+        visible[count++] = (iso_exact_visible){
+            .span = number,
+            .block = (uint32_t)(block - iso_exact_blocks(frame->exact)),
+            .x0 = (uint16_t)pixels[0],
+            .x1 = (uint16_t)pixels[1],
+            .y0 = (uint16_t)pixels[2],
+            .y1 = (uint16_t)pixels[3],
+            .corners = iso_exact_corners(frame->exact, span, block),
+        };
     }
     return count;
 }

@@ -35,6 +35,7 @@ typedef struct iso_exact_frame {
 typedef struct iso_exact_visible {
     uint32_t span, block; /* block: counted from the first of the set */
     uint16_t x0, x1, y0, y1;
+    const void *corners; /* of its cells */
 } iso_exact_visible;
 
 /* How a block's cells are projected, in floats. */
