@@ -226,6 +226,10 @@ iso_exact_view iso_exact_view_of(const iso_exact_frame *frame, const iso_exact_s
         .behind = (float)fmin(p[2] - near, FLT_MAX),
     };
     for (int i = 0; i < 3; i++) view.along[i] = (float)m[6 + i];
+    for (int k = 0; k < 2; k++) {
+        view.origin[k] = frame->axis[k];
+        view.off_axis[k] = (float)frame->offset[k];
+    }
     if (view.near) return view;
     view.cell_pixels = 1;
     for (int k = 0; k < 2; k++) {
@@ -234,6 +238,7 @@ iso_exact_view iso_exact_view_of(const iso_exact_frame *frame, const iso_exact_s
         const double reference = frame->perspective ? (float)(p[k] / p[2]) : 0;
         const double projected = focal * (frame->perspective ? reference : p[k]), pixel = floor(projected);
         view.origin[k] = frame->axis[k] + (int)pixel;
+        view.off_axis[k] = (float)(pixel + frame->offset[k]);
         view.place[k] = (float)(projected - pixel - frame->offset[k]);
         view.residue[k] = frame->perspective ? (float)(p[k] - reference * p[2]) : 0;
         view.reference[k] = (float)reference;

@@ -42,7 +42,8 @@ typedef struct iso_exact_visible {
 typedef struct iso_exact_view {
     bool near;           /* some cells may lie next to the eye: they are done one by one, relative to it */
     bool clip;           /* the near plane may cut cells */
-    int origin[2];       /* pixel that pixels are counted from */
+    int origin[2];       /* pixel that pixels are counted from, */
+    float off_axis[2];   /* and how far its centre is from the optical axis */
     float place[2];      /* projected centre of the block, pixels from there */
     float residue[2];    /* what the reference direction misses of the centre, mm */
     float reference[2];  /* x / z of the reference direction */
