@@ -20,10 +20,7 @@
 
 /* Pairs of several cells that are tested together: vectors of them overlap in time, but a pixel that is taken
  * by one of them is listed, for nothing, for later ones. */
-#ifndef BATCH
-#define BATCH 64
-#endif
-#define ISO_EXACT_BATCH BATCH
+#define ISO_EXACT_BATCH 64
 
 enum { RECORD_FLOATS = sizeof(iso_exact_record) / sizeof(float) };
 
