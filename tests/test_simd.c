@@ -29,7 +29,7 @@ typedef struct simd_results {
     float packed[SIMD_ITEMS + ISO_LANES_MAX];
     int32_t packedi[SIMD_ITEMS + ISO_LANES_MAX];
     int packed_count;
-    float gathered[4][SIMD_ITEMS], scattered[SIMD_ITEMS][5];
+    float gathered[12][SIMD_ITEMS], scattered[SIMD_ITEMS][5];
     float even[SIMD_ITEMS], odd[SIMD_ITEMS], zipped[2 * SIMD_ITEMS];
     uint8_t stored_u8[SIMD_ITEMS];
 } simd_results;
@@ -102,7 +102,7 @@ static void operate_plain(const simd_inputs *in, simd_results *out) {
         const int truths[SIMD_TRUTHS] = {
             a < b, a <= b, a == b, k < l, k == l, a < b && k < l, a < b || k < l, a < b && !(k < l), a <= b};
         for (int t = 0; t < SIMD_TRUTHS; t++) out->truth[t][i] = (uint8_t)truths[t];
-        for (int row = 0; row < 4; row++) out->gathered[row][i] = in->b[in->u8[i] + row];
+        for (int row = 0; row < 12; row++) out->gathered[row][i] = in->b[in->u8[i] + row];
         const float four[4] = {a, b, in->small[i], -a};
         memcpy(out->scattered[i], four, sizeof four);
         out->stored_u8[i] = (uint8_t)k;

@@ -78,8 +78,9 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 /* The lanes where the mask is true, packed, to memory: up to ISO_LANES items are overwritten. */
 #define v_compress ISO_V(v_compress)   /* (float *, vm, vf) */
 #define v_compressi ISO_V(v_compressi) /* (int32_t *, vm, vi) */
-/* Four floats a lane. (base, index, out): out[k] of a lane is base[index of the lane + k]; (base, step, in):
- * base[step * lane + k] becomes in[k] of the lane. */
+/* Floats of each lane's own, in fours. (base, index, quads, out): out[k] of a lane is base[index of the lane
+ * + k], k below 4 * quads (1 to 4, constant); indices from 0. (base, step, in): base[step * lane + k] becomes
+ * in[k] of the lane, k below 4. */
 #define v_load4 ISO_V(v_load4)
 #define v_store4 ISO_V(v_store4)
 /* Two vectors as one row of twice as many items: its items of even or odd number, and back. */
@@ -244,8 +245,8 @@ static inline void v_store_u8_generic(uint8_t *to, vi_generic value) {
     for (int lane = 0; lane < ISO_LANES_generic; lane++) to[lane] = (uint8_t)value[lane];
 }
 
-static inline void v_load4_generic(const float *base, const int32_t *index, vf_generic out[4]) {
-    for (int k = 0; k < 4; k++)
+static inline void v_load4_generic(const float *base, const int32_t *index, int quads, vf_generic *out) {
+    for (int k = 0; k < 4 * quads; k++)
         out[k] = (vf_generic){base[index[0] + k], base[index[1] + k], base[index[2] + k], base[index[3] + k]};
 }
 static inline void v_store4_generic(float *base, int step, const vf_generic in[4]) {

@@ -65,19 +65,25 @@ ISO_TARGET_AVX2 static inline void v_compress_avx2(float *to, vm_avx2 mask, vf_a
     __m256i lanes = iso_packed_lanes_avx2(v_mask_avx2(mask));
     _mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)value, lanes));
 }
-/* Rows of four floats lie in 128-bit halves: rows[j] has lanes j and j + 4. */
-ISO_TARGET_AVX2 static inline void v_load4_avx2(const float *base, const int32_t *index, vf_avx2 out[4]) {
-    __m256 rows[4], t[4];
-    for (int j = 0; j < 4; j++)
-        rows[j] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(base + index[j])),
-                                       _mm_loadu_ps(base + index[j + 4]), 1);
-    for (int j = 0; j < 4; j += 2) {
-        t[j] = _mm256_unpacklo_ps(rows[j], rows[j + 1]);
-        t[j + 1] = _mm256_unpackhi_ps(rows[j], rows[j + 1]);
+/* Rows of four floats lie in 128-bit halves: rows[quad][j] has lanes j and j + 4. */
+ISO_TARGET_AVX2 static inline __attribute__((always_inline)) void
+v_load4_avx2(const float *base, const int32_t *index, int quads, vf_avx2 *out) {
+    __m256 rows[4][4];
+    for (int j = 0; j < 4; j++) {
+        const float *low = base + (uint32_t)index[j], *high = base + (uint32_t)index[j + 4];
+        for (int q = 0; q < quads; q++)
+            rows[q][j] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(low + 4 * q)),
+                                              _mm_loadu_ps(high + 4 * q), 1);
     }
-    for (int k = 0; k < 4; k += 2) {
-        out[k] = (vf_avx2)_mm256_shuffle_ps(t[k / 2], t[2 + k / 2], 0x44);
-        out[k + 1] = (vf_avx2)_mm256_shuffle_ps(t[k / 2], t[2 + k / 2], 0xee);
+    for (int q = 0; q < quads; q++, out += 4) {
+        const __m256 a = _mm256_unpacklo_ps(rows[q][0], rows[q][1]),
+                     b = _mm256_unpackhi_ps(rows[q][0], rows[q][1]),
+                     c = _mm256_unpacklo_ps(rows[q][2], rows[q][3]),
+                     d = _mm256_unpackhi_ps(rows[q][2], rows[q][3]);
+        out[0] = (vf_avx2)_mm256_shuffle_ps(a, c, 0x44);
+        out[1] = (vf_avx2)_mm256_shuffle_ps(a, c, 0xee);
+        out[2] = (vf_avx2)_mm256_shuffle_ps(b, d, 0x44);
+        out[3] = (vf_avx2)_mm256_shuffle_ps(b, d, 0xee);
     }
 }
 ISO_TARGET_AVX2 static inline void v_store4_avx2(float *base, int step, const vf_avx2 in[4]) {
@@ -190,23 +196,29 @@ ISO_TARGET_AVX512 static inline void v_compressi_avx512(int32_t *to, vm_avx512 m
 ISO_TARGET_AVX512 static inline void v_compress_avx512(float *to, vm_avx512 mask, vf_avx512 value) {
     _mm512_storeu_ps(to, _mm512_maskz_compress_ps(mask, (__m512)value));
 }
-/* Rows of four floats lie in 128-bit quarters: rows[j] has lanes j, j + 4, j + 8 and j + 12. */
-ISO_TARGET_AVX512 static inline void v_load4_avx512(const float *base, const int32_t *index,
-                                                    vf_avx512 out[4]) {
-    __m512 rows[4], t[4];
+/* Rows of four floats lie in 128-bit quarters: rows[quad][j] has lanes j, j + 4, j + 8 and j + 12. */
+ISO_TARGET_AVX512 static inline __attribute__((always_inline)) void
+v_load4_avx512(const float *base, const int32_t *index, int quads, vf_avx512 *out) {
+    __m512 rows[4][4];
     for (int j = 0; j < 4; j++) {
-        rows[j] = _mm512_castps128_ps512(_mm_loadu_ps(base + index[j]));
-        rows[j] = _mm512_insertf32x4(rows[j], _mm_loadu_ps(base + index[j + 4]), 1);
-        rows[j] = _mm512_insertf32x4(rows[j], _mm_loadu_ps(base + index[j + 8]), 2);
-        rows[j] = _mm512_insertf32x4(rows[j], _mm_loadu_ps(base + index[j + 12]), 3);
+        const float *lane[4];
+        for (int k = 0; k < 4; k++) lane[k] = base + (uint32_t)index[j + 4 * k];
+        for (int q = 0; q < quads; q++) {
+            __m512 row = _mm512_castps128_ps512(_mm_loadu_ps(lane[0] + 4 * q));
+            row = _mm512_insertf32x4(row, _mm_loadu_ps(lane[1] + 4 * q), 1);
+            row = _mm512_insertf32x4(row, _mm_loadu_ps(lane[2] + 4 * q), 2);
+            rows[q][j] = _mm512_insertf32x4(row, _mm_loadu_ps(lane[3] + 4 * q), 3);
+        }
     }
-    for (int j = 0; j < 4; j += 2) {
-        t[j] = _mm512_unpacklo_ps(rows[j], rows[j + 1]);
-        t[j + 1] = _mm512_unpackhi_ps(rows[j], rows[j + 1]);
-    }
-    for (int k = 0; k < 4; k += 2) {
-        out[k] = (vf_avx512)_mm512_shuffle_ps(t[k / 2], t[2 + k / 2], 0x44);
-        out[k + 1] = (vf_avx512)_mm512_shuffle_ps(t[k / 2], t[2 + k / 2], 0xee);
+    for (int q = 0; q < quads; q++, out += 4) {
+        const __m512 a = _mm512_unpacklo_ps(rows[q][0], rows[q][1]),
+                     b = _mm512_unpackhi_ps(rows[q][0], rows[q][1]),
+                     c = _mm512_unpacklo_ps(rows[q][2], rows[q][3]),
+                     d = _mm512_unpackhi_ps(rows[q][2], rows[q][3]);
+        out[0] = (vf_avx512)_mm512_shuffle_ps(a, c, 0x44);
+        out[1] = (vf_avx512)_mm512_shuffle_ps(a, c, 0xee);
+        out[2] = (vf_avx512)_mm512_shuffle_ps(b, d, 0x44);
+        out[3] = (vf_avx512)_mm512_shuffle_ps(b, d, 0xee);
     }
 }
 ISO_TARGET_AVX512 static inline void v_store4_avx512(float *base, int step, const vf_avx512 in[4]) {

@@ -7,22 +7,27 @@
 
 enum { SAMPLE_BYTES = 5 * sizeof(float) + 1 }; /* of all planes */
 
+/* From the end of a plane to the next one. A sample's parts are used together: without these odd lines
+ * between them, planes of 1024 x 1024 samples would all compete for the same few places of a cache. */
+enum { GAP = 5 * ISO_ALIGNMENT };
+
+static size_t plane_bytes(size_t samples) {
+    return (samples * sizeof(float) + ISO_ALIGNMENT - 1) / ISO_ALIGNMENT * ISO_ALIGNMENT + GAP;
+}
+
+/* One block, which begins with the depths. */
 iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_error *error) {
     size_t samples;
     if (width < 1 || height < 1 || !iso_size_multiply((size_t)width, (size_t)height, &samples) ||
-        samples > SIZE_MAX / SAMPLE_BYTES)
+        samples > (SIZE_MAX - 8 * (GAP + ISO_ALIGNMENT)) / SAMPLE_BYTES)
         return iso_fail(error, ISO_ERR_NOMEM, "a buffer of %dx%d samples is impossible", width, height);
-    iso_gbuffer made = {.width = width,
-                        .height = height,
-                        .depth = iso_alloc(samples * sizeof(float)),
-                        .surface = iso_alloc(samples),
-                        .samples = samples};
-    for (int axis = 0; axis < 3; axis++) made.normal[axis] = iso_alloc(samples * sizeof(float));
-    if (!made.depth || !made.normal[0] || !made.normal[1] || !made.normal[2] || !made.surface) {
-        iso_gbuffer_free(&made);
-        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %dx%d samples", width, height);
-    }
-    *gbuffer = made;
+    const size_t bytes = plane_bytes(samples);
+    char *block = iso_alloc(4 * bytes + samples);
+    if (!block) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %dx%d samples", width, height);
+    *gbuffer = (iso_gbuffer){.width = width, .height = height, .depth = (float *)block, .samples = samples};
+    for (int axis = 0; axis < 3; axis++)
+        gbuffer->normal[axis] = (float *)(block + (size_t)(1 + axis) * bytes);
+    gbuffer->surface = (uint8_t *)(block + 4 * bytes);
     return ISO_OK;
 }
 
@@ -37,8 +42,6 @@ iso_status iso_gbuffer_add_color(iso_gbuffer *gbuffer, iso_error *error) {
 
 void iso_gbuffer_free(iso_gbuffer *gbuffer) {
     iso_free(gbuffer->depth);
-    for (int axis = 0; axis < 3; axis++) iso_free(gbuffer->normal[axis]);
-    iso_free(gbuffer->surface);
     iso_free(gbuffer->color);
     *gbuffer = (iso_gbuffer){0};
 }

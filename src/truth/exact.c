@@ -53,28 +53,38 @@ static void source_of_rgrid(const iso_rgrid *grid, const int brick[3], iso_exact
                                  source->isovalue};
 }
 
-/* `count` voxels of a brick's row, or of a cell's that has no brick. */
-static void copy_hgrid_row(const iso_hgrid *grid, const int cell[3], int row, int count, float *out) {
-    int32_t brick = grid->cell[iso_hgrid_cell_index(grid, cell[0], cell[1], cell[2])];
-    if (brick >= 0) {
-        memcpy(out, iso_hgrid_brick(grid, brick) + row * ISO_BRICK, (size_t)count * sizeof *out);
-    } else {
-        for (int i = 0; i < count; i++) out[i] = iso_hgrid_empty_value(grid, brick);
+/* A cell of an hgrid: its brick's values, or the value of all of them. */
+typedef struct hgrid_cell {
+    const float *values;
+    float value;
+} hgrid_cell;
+
+static hgrid_cell cell_at(const iso_hgrid *grid, const int brick[3], int number) {
+    int at[3];
+    for (int axis = 0; axis < 3; axis++) {
+        at[axis] = brick[axis] + (number >> axis & 1);
+        if (at[axis] >= grid->cells[axis]) at[axis] = brick[axis]; /* which is not looked at */
     }
+    const int32_t state = grid->cell[iso_hgrid_cell_index(grid, at[0], at[1], at[2])];
+    if (state >= 0) return (hgrid_cell){.values = iso_hgrid_brick(grid, state)};
+    return (hgrid_cell){.value = iso_hgrid_empty_value(grid, state)};
 }
 
+/* The brick and the first voxels of those above it. */
 static void source_of_hgrid(const iso_hgrid *grid, const int brick[3], iso_exact_source *source,
                             float *window) {
-    const int width = source->cells[0] < ISO_BRICK ? source->cells[0] + 1 : ISO_BRICK;
+    hgrid_cell cells[8];
+    for (int i = 0; i < 8; i++) cells[i] = cell_at(grid, brick, i);
     for (int z = 0; z <= source->cells[2]; z++)
         for (int y = 0; y <= source->cells[1]; y++) {
-            const int row = z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK;
-            int cell[3] = {brick[0], brick[1] + y / ISO_BRICK, brick[2] + z / ISO_BRICK};
+            const hgrid_cell *cell = &cells[y / ISO_BRICK * 2 + z / ISO_BRICK * 4];
+            const int row = (z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK) * ISO_BRICK;
             float *out = window + (z * LATTICE + y) * LATTICE;
-            copy_hgrid_row(grid, cell, row, width, out);
-            for (int x = width; x < LATTICE; x++) out[x] = 0;
-            cell[0]++;
-            if (source->cells[0] == ISO_BRICK) copy_hgrid_row(grid, cell, row, 1, out + ISO_BRICK);
+            if (cell->values)
+                memcpy(out, cell->values + row, ISO_BRICK * sizeof *out);
+            else
+                for (int x = 0; x < ISO_BRICK; x++) out[x] = cell->value;
+            out[ISO_BRICK] = cell[1].values ? cell[1].values[row] : cell[1].value;
         }
     source->voxels = window;
     source->stride_y = LATTICE;

@@ -82,9 +82,7 @@ static void draw_band(void *context, size_t index, int worker) {
     open_band(draw, scratch, index);
     for (size_t task = 0; task < draw->task_count; task++) {
         const iso_exact_visible *visible = draw->visible + task * SPANS_PER_TASK * ISO_EXACT_BLOCKS;
-        for (int i = 0; i < draw->visible_count[task]; i++)
-            if (visible[i].y0 <= scratch->rows.last && visible[i].y1 >= scratch->rows.first)
-                draw->kernel->draw(&draw->frame, &visible[i], scratch);
+        draw->kernel->draw(&draw->frame, visible, draw->visible_count[task], scratch);
     }
     draw->kernel->finish(&draw->frame, scratch);
 }

@@ -194,12 +194,15 @@ int iso_exact_see_span(const iso_exact_frame *frame, uint32_t number, iso_exact_
             centre[axis] = first + half[axis];
         }
         if (!box_pixels(frame, centre, half, clip, pixels)) continue;
-        visible[count++] = (iso_exact_visible){number,
-                                               (uint32_t)(block - iso_exact_blocks(frame->exact)),
-                                               (uint16_t)pixels[0],
-                                               (uint16_t)pixels[1],
-                                               (uint16_t)pixels[2],
-                                               (uint16_t)pixels[3]};
+        visible[count++] = (iso_exact_visible){
+            .span = number,
+            .block = (uint32_t)(block - iso_exact_blocks(frame->exact)),
+            .x0 = (uint16_t)pixels[0],
+            .x1 = (uint16_t)pixels[1],
+            .y0 = (uint16_t)pixels[2],
+            .y1 = (uint16_t)pixels[3],
+            .corners = iso_exact_corners(frame->exact, span, block),
+        };
     }
     return count;
 }
@@ -223,6 +226,10 @@ iso_exact_view iso_exact_view_of(const iso_exact_frame *frame, const iso_exact_s
         .behind = (float)fmin(p[2] - near, FLT_MAX),
     };
     for (int i = 0; i < 3; i++) view.along[i] = (float)m[6 + i];
+    for (int k = 0; k < 2; k++) {
+        view.origin[k] = frame->axis[k];
+        view.off_axis[k] = (float)frame->offset[k];
+    }
     if (view.near) return view;
     view.cell_pixels = 1;
     for (int k = 0; k < 2; k++) {
@@ -231,6 +238,7 @@ iso_exact_view iso_exact_view_of(const iso_exact_frame *frame, const iso_exact_s
         const double reference = frame->perspective ? (float)(p[k] / p[2]) : 0;
         const double projected = focal * (frame->perspective ? reference : p[k]), pixel = floor(projected);
         view.origin[k] = frame->axis[k] + (int)pixel;
+        view.off_axis[k] = (float)(pixel + frame->offset[k]);
         view.place[k] = (float)(projected - pixel - frame->offset[k]);
         view.residue[k] = frame->perspective ? (float)(p[k] - reference * p[2]) : 0;
         view.reference[k] = (float)reference;

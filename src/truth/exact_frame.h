@@ -35,13 +35,15 @@ typedef struct iso_exact_frame {
 typedef struct iso_exact_visible {
     uint32_t span, block; /* block: counted from the first of the set */
     uint16_t x0, x1, y0, y1;
+    const void *corners; /* of its cells */
 } iso_exact_visible;
 
 /* How a block's cells are projected, in floats. */
 typedef struct iso_exact_view {
     bool near;           /* some cells may lie next to the eye: they are done one by one, relative to it */
     bool clip;           /* the near plane may cut cells */
-    int origin[2];       /* pixel that pixels are counted from */
+    int origin[2];       /* pixel that pixels are counted from, */
+    float off_axis[2];   /* and how far its centre is from the optical axis */
     float place[2];      /* projected centre of the block, pixels from there */
     float residue[2];    /* what the reference direction misses of the centre, mm */
     float reference[2];  /* x / z of the reference direction */

@@ -48,6 +48,26 @@ static void gradients_anywhere(const iso_grid *grid, const int cell[3], float gr
     }
 }
 
+/* Four voxels of an hgrid's row, all inside, from x on. */
+static inline void fetch_row(const iso_hgrid *grid, const int at[3], float out[4]) {
+    const int local = at[0] % ISO_BRICK, first = local + 4 <= ISO_BRICK ? 4 : ISO_BRICK - local;
+    const size_t cell = iso_hgrid_cell_index(grid, at[0] / ISO_BRICK, at[1] / ISO_BRICK, at[2] / ISO_BRICK);
+    const ptrdiff_t row = (at[2] % ISO_BRICK * ISO_BRICK + at[1] % ISO_BRICK) * ISO_BRICK;
+    for (int part = 0, x = 0; x < 4; part++) {
+        const int end = part ? 4 : first;
+        const int32_t brick = grid->cell[cell + (size_t)part];
+        const float *voxels = brick < 0 ? NULL : iso_hgrid_brick(grid, brick) + row + (part ? -first : local);
+        for (; x < end; x++) out[x] = voxels ? voxels[x] : iso_hgrid_empty_value(grid, brick);
+    }
+}
+
+/* A cell with voxels all around it. */
+static void fetch_within(const iso_hgrid *grid, const int cell[3], voxels_around around) {
+    for (int z = 0; z < 4; z++)
+        for (int y = 0; y < 4; y++)
+            fetch_row(grid, (const int[3]){cell[0] - 1, cell[1] + y - 1, cell[2] + z - 1}, around[z][y]);
+}
+
 /* Whether a cell has voxels all around it. */
 static inline bool is_within(const int cell[3], const int dims[3]) {
     return cell[0] > 0 && cell[1] > 0 && cell[2] > 0 && cell[0] + 2 < dims[0] && cell[1] + 2 < dims[1] &&

@@ -18,6 +18,10 @@
 /* Pixels of a cell's box from which on it does not pay to fill its last vector from other cells. */
 #define ISO_EXACT_ALONE 32
 
+/* Pairs of several cells that are tested together: vectors of them overlap in time, but a pixel that is taken
+ * by one of them is listed, for nothing, for later ones. */
+#define ISO_EXACT_BATCH 64
+
 enum { RECORD_FLOATS = sizeof(iso_exact_record) / sizeof(float) };
 
 void iso_exact_place_near(const iso_exact_frame *frame, iso_exact_scratch *scratch) {

@@ -61,6 +61,7 @@ typedef struct iso_exact_scratch {
     /* the block that is being drawn */
     const iso_exact_span *span;
     const iso_exact_block *block;
+    const void *corners;
     iso_exact_view view;
     int clip[4];                            /* x0 x1 y0 y1 */
     uint16_t position[ISO_EXACT_CELL_ROOM]; /* z << 6 | y << 3 | x */
@@ -79,8 +80,9 @@ typedef struct iso_exact_scratch {
 } iso_exact_scratch;
 
 typedef struct iso_exact_kernel {
-    /* Draws a block that is visible in the band. */
-    void (*draw)(const iso_exact_frame *frame, const iso_exact_visible *visible, iso_exact_scratch *scratch);
+    /* Draws those of `count` blocks that are visible in the band. */
+    void (*draw)(const iso_exact_frame *frame, const iso_exact_visible *visible, int count,
+                 iso_exact_scratch *scratch);
     /* Writes what is still in the queue. */
     void (*finish)(const iso_exact_frame *frame, iso_exact_scratch *scratch);
 } iso_exact_kernel;
