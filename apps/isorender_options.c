@@ -218,9 +218,9 @@ static const iso_option options[] = {
      "space), mesh (Marching Cubes) or raycast (as exact, by other means, slow); files of points: points",
      .group = PICTURE, .standard = "exact", CHOICE(method, methods)},
     {"reconstruction", NULL, "NAME",
-     "how pullpush fills in: box, gaussian (weights inside ellipses; Marroquim 2008) or refined (points as "
-     "curved "
-     "discs, several times slower); auto is gaussian",
+     "how pullpush fills in: box or gaussian (equal or Gaussian weights in ellipses; Marroquim 2008), "
+     "refined "
+     "(second-order discs); auto is refined, or gaussian for points that have colours",
      .group = PICTURE, .standard = "auto", CHOICE(reconstruction, reconstructions)},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",

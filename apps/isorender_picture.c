@@ -224,7 +224,11 @@ uint64_t isorender_picture_bytes(const isorender_settings *settings) {
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
     uint64_t samples = pixels * (uint64_t)settings->samples * SAMPLE;
     uint64_t aov = settings->aov ? pixels * ISO_AOV_PLANES * sizeof(float) : 0;
-    return 4 * pixels + aov + (samples < STRIP ? samples : STRIP);
+    uint64_t bytes = 4 * pixels + aov + (samples < STRIP ? samples : STRIP);
+    if (settings->method != ISORENDER_PULLPUSH) return bytes;
+    enum { PYRAMID = 24 }; /* bytes a sample; drawn in parts as well */
+    uint64_t pyramid = pixels * (uint64_t)settings->samples * PYRAMID;
+    return bytes + (pyramid < STRIP ? pyramid : STRIP);
 }
 
 /* The name of all frames as ffmpeg wants it: {n:3} becomes %03d. */

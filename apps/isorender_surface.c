@@ -88,13 +88,19 @@ static iso_status fail_empty(isorender_job *job, double isovalue, iso_error *err
                     histogram->minimum, histogram->maximum);
 }
 
+/* Whether points are drawn as curved discs. */
+static bool is_refined(const isorender_job *job) {
+    int reconstruction = job->settings->reconstruction;
+    return job->method == ISORENDER_PULLPUSH &&
+           (reconstruction == ISO_RECONSTRUCTION_REFINED || reconstruction == ISO_RECONSTRUCTION_AUTO);
+}
+
 static iso_status extract_points(isorender_job *job, isorender_surface *surface, iso_error *error) {
     /* Exported points keep all bits of their positions; 8 bytes are enough for a picture. */
     iso_points_opts opts = {.isovalue = surface->isovalue,
                             .primitive = (iso_primitive)job->settings->primitive,
                             .floats = job->settings->points != NULL,
-                            .shapes = job->method == ISORENDER_PULLPUSH &&
-                                      job->settings->reconstruction == ISO_RECONSTRUCTION_REFINED,
+                            .shapes = is_refined(job),
                             .pool = job->pool};
     ISO_TRY(iso_point_set_create(&job->volume.grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));

@@ -11,6 +11,8 @@
 
 #include <cmocka.h>
 
+#include "base/cpu.h"
+#include "base/point_bounds.h"
 #include "extract/points.h"
 #include "extract_support.h"
 #include "grids/spans.h"
@@ -633,6 +635,96 @@ static void thousands_of_edits_take_bounded_memory(void **state) {
     iso_grid_destroy(&grid);
 }
 
+/* ---- bounds */
+
+static void check_bounds(const iso_point_view *view, const iso_point_bounds *bounds, size_t first,
+                         size_t count) {
+    iso_point_bounds wanted;
+    for (int k = 0; k < 3; k++) {
+        wanted.lo[k] = wanted.normal_lo[k] = INFINITY;
+        wanted.hi[k] = wanted.normal_hi[k] = -INFINITY;
+    }
+    for (size_t i = first; i < first + count; i++) {
+        iso_surfel s = iso_point_view_get(view, i);
+        const float *p = s.position, *n = s.normal;
+        if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2])) continue;
+        float sum = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]);
+        for (int k = 0; k < 3; k++) {
+            wanted.lo[k] = fminf(wanted.lo[k], p[k]);
+            wanted.hi[k] = fmaxf(wanted.hi[k], p[k]);
+            if (!(sum > 0 && sum < INFINITY)) continue;
+            wanted.normal_lo[k] = fminf(wanted.normal_lo[k], n[k] / sum);
+            wanted.normal_hi[k] = fmaxf(wanted.normal_hi[k], n[k] / sum);
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        if (!(wanted.lo[k] <= wanted.hi[k])) {
+            assert_true(bounds->lo[k] > bounds->hi[k]);
+            continue;
+        }
+        near(bounds->lo[k], wanted.lo[k], 1e-6);
+        near(bounds->hi[k], wanted.hi[k], 1e-6);
+        near(bounds->normal_lo[k], wanted.normal_lo[k], 1e-6);
+        near(bounds->normal_hi[k], wanted.normal_hi[k], 1e-6);
+    }
+}
+
+static void bounds_enclose_tightly(void **state) {
+    (void)state;
+    enum { MANY = 200 };
+    test_random random = {17};
+    iso_surfel surfels[MANY];
+    iso_point packed[MANY];
+    for (int i = 0; i < MANY; i++) {
+        for (int k = 0; k < 3; k++) {
+            surfels[i].position[k] = (float)test_random_real(&random, -2, 17.9);
+            surfels[i].normal[k] = (float)test_random_real(&random, -1, 1);
+        }
+        packed[i] = iso_point_pack(&surfels[i]);
+        if (i % 13 == 5) surfels[i].position[i % 3] = i % 2 ? NAN : -INFINITY;
+        if (i % 17 == 3) memset(surfels[i].normal, 0, sizeof surfels[i].normal);
+    }
+    for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++) {
+        iso_cpu_limit((iso_cpu_level)level);
+        for (int floats = 0; floats < 2; floats++)
+            for (size_t count = 0; count < 40; count++) {
+                iso_point_view view = {.packed = floats ? NULL : packed, .surfels = floats ? surfels : NULL};
+                iso_point_bounds bounds;
+                size_t first = (size_t)test_random_int(&random, 0, MANY - (int)count);
+                iso_point_bounds_find(&view, first, count, &bounds);
+                check_bounds(&view, &bounds, first, count);
+            }
+    }
+    iso_cpu_limit(ISO_CPU_AVX512);
+}
+
+static void bounds_follow_edits(void **state) {
+    (void)state;
+    for (int sparse = 0; sparse < 2; sparse++)
+        for (int threads = 1; threads <= 2; threads++) {
+            iso_pool *pool = NULL;
+            if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
+            iso_grid grid = test_ball_grid(70, iso_vec3_make(34, 35, 33), 20, !sparse);
+            iso_points_opts opts = {.primitive = sparse ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE,
+                                    .pool = pool};
+            iso_point_set *set = make_set(&grid, &opts);
+            test_random random = {(uint64_t)(5 + sparse)};
+            for (int edit = 0; edit < 25; edit++) {
+                if (edit) test_random_edit(&grid, &random);
+                assert_int_equal(iso_point_set_update(set, NULL), ISO_OK);
+                assert_null(iso_point_set_view(set).bounds);
+                if (edit % 4 == 3) continue; /* not asked for every time */
+                assert_int_equal(iso_point_set_bound(set, NULL), ISO_OK);
+                iso_point_view view = iso_point_set_view(set);
+                for (size_t i = 0; i < view.span_count; i++)
+                    check_bounds(&view, &view.bounds[i], view.spans[i].first, view.spans[i].count);
+            }
+            iso_point_set_destroy(set);
+            iso_grid_destroy(&grid);
+            iso_pool_destroy(pool);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(edge_points_match_the_reference),
@@ -650,6 +742,8 @@ int main(void) {
         cmocka_unit_test(sliding_keeps_the_points),
         cmocka_unit_test(few_bricks_are_extracted),
         cmocka_unit_test(thousands_of_edits_take_bounded_memory),
+        cmocka_unit_test(bounds_enclose_tightly),
+        cmocka_unit_test(bounds_follow_edits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

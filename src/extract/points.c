@@ -352,6 +352,9 @@ static void bound_spans(void *context, size_t index, int worker) {
 }
 
 iso_status iso_point_set_bound(iso_point_set *set, iso_error *error) {
+    const iso_brick_index *index; /* which float bricks are finite */
+    if (set->grid.rgrid && set->grid.rgrid->type == ISO_FLOAT32)
+        ISO_TRY(iso_rgrid_index(set->grid.rgrid, set->opts.pool, &index, error));
     size_t count = set->set.span_count, had = set->bounded.bytes / sizeof(bounded_span);
     ISO_TRY(iso_buffer_reserve(&set->bounds, count * sizeof(iso_point_bounds), set->bounds.bytes, error));
     ISO_TRY(iso_buffer_reserve(&set->bounded, count * sizeof(bounded_span), set->bounded.bytes, error));

@@ -11,13 +11,14 @@ enum {
     BAND_ROWS_LEAST = 16,
     BAND_ROWS_MOST = 128,
     TASK_PIXELS = 1 << 15, /* of a level, for one task */
-    FEW_PIXELS = 1 << 13   /* not worth waking threads */
+    FEW_PIXELS = 1 << 13,  /* not worth waking threads */
+    STRIP_ROWS_LEAST = 64
 };
 
 /* Pixels^2 of the screen-space filter. */
-static const float LOW_PASS = 0.5f;
-/* The smallest projected radius that points may have in pixels of their level. */
-static const float BASE_RADIUS = 8;
+static const float LOW_PASS = 1.0f;
+/* A pyramid that would take more is made for a part of the picture at a time. */
+static const size_t PYRAMID_BYTES = (size_t)256 << 20;
 /* exp(-2 q) for q in 0 .. 1, within 0.0025. */
 static const float GAUSSIAN[4] = {1, -1.9457733f, 1.6291067f, -0.5504321f};
 static const float BOX[4] = {1, 0, 0, 0};
@@ -32,6 +33,7 @@ struct iso_pullpush {
 typedef struct frame {
     const iso_target *target;
     const iso_point_view *points;
+    iso_reconstruction reconstruction;
     const iso_pullpush_kernel *kernel;
     iso_projector projector;
     iso_point_blocks *blocks;
@@ -43,21 +45,6 @@ typedef struct frame {
 } frame;
 
 /* ---- preparation */
-
-/* Levels up to which a disc of `radius` pixels matters: until its low-passed radius is half a pixel. */
-static int top_level(float radius) {
-    float square = radius * radius + LOW_PASS;
-    int top = 1;
-    while (top < ISO_PYRAMID_TOP && square > 0.25f * (float)(1 << 2 * top)) top++;
-    return top;
-}
-
-/* The level at which discs of `radius` pixels are still well apart. */
-static int base_level(float radius, int top) {
-    int base = 0;
-    while (base < top - 1 && radius >= BASE_RADIUS * (float)(2 << base)) base++;
-    return base;
-}
 
 static void set_up_projection(frame *f, bool cull) {
     const iso_view *view = f->target->view;
@@ -86,7 +73,7 @@ static void set_up_projection(frame *f, bool cull) {
     p->row = (float)((view->cy - shape->row + shape->rows_before) * pixel);
 }
 
-static void set_up_job(frame *f, iso_reconstruction reconstruction, bool two_sided) {
+static void set_up_job(frame *f, bool two_sided) {
     const iso_view *view = f->target->view;
     const iso_pyramid_shape *shape = &f->pyramid->shape;
     f->job = (iso_reconstruction_job){
@@ -96,11 +83,11 @@ static void set_up_job(frame *f, iso_reconstruction reconstruction, bool two_sid
         .scale = (float)view->focal,
         .orthographic = view->orthographic,
         .two_sided = two_sided,
-        .ray = {(float)(view->cx - shape->column), (float)(view->cy - shape->row)},
+        .ray = {(float)(view->cx - shape->column), (float)(view->cy - shape->row + shape->rows_before)},
         .slope = view->orthographic ? 0 : (float)(1 / view->focal),
         .low_pass = LOW_PASS};
     memcpy(f->job.normal, f->projector.normal, sizeof f->job.normal);
-    memcpy(f->job.weight, reconstruction == ISO_RECONSTRUCTION_BOX ? BOX : GAUSSIAN, sizeof f->job.weight);
+    memcpy(f->job.weight, f->reconstruction == ISO_RECONSTRUCTION_BOX ? BOX : GAUSSIAN, sizeof f->job.weight);
 }
 
 static void choose_bands(frame *f) {
@@ -115,18 +102,24 @@ static void choose_bands(frame *f) {
     if (f->band_levels > most) f->band_levels = most;
 }
 
-static iso_status prepare(frame *f, iso_reconstruction reconstruction, iso_error *error) {
-    const iso_view *view = f->target->view;
-    int top = top_level(f->blocks->radius[1]), base = base_level(f->blocks->radius[0], top);
-    bool cull = f->points->closed && !f->blocks->around_eye;
+static iso_pyramid_shape choose_shape(const frame *f, const iso_view *view) {
+    int base, top;
+    iso_pyramid_levels(f->blocks->radius, LOW_PASS, &base, &top);
     iso_pyramid_shape shape = iso_pyramid_shape_of(view, base, top);
     if (f->points->radii) shape.planes |= 1u << ISO_PLANE_RADIUS;
     if (f->points->colors) shape.planes |= 7u << ISO_PLANE_RED;
     shape.indexed = shape.planes != 0;
+    return shape;
+}
+
+static iso_status prepare(frame *f, iso_error *error) {
+    const iso_view *view = f->target->view;
+    bool cull = f->points->closed && !f->blocks->around_eye;
+    iso_pyramid_shape shape = choose_shape(f, view);
     ISO_TRY(iso_pyramid_reshape(f->pyramid, &shape, error));
     choose_bands(f);
     set_up_projection(f, cull);
-    set_up_job(f, reconstruction, !cull);
+    set_up_job(f, !cull);
     return iso_point_blocks_deal(f->blocks, view, f->pyramid, f->band_rows, cull, error);
 }
 
@@ -287,22 +280,54 @@ void iso_pullpush_destroy(iso_pullpush *pullpush) {
     iso_free(pullpush);
 }
 
+/* Rows first .. first + count - 1 of the picture: the same as when all are drawn at once. */
+static iso_status draw_rows(frame *f, const iso_target *whole, int first, int count, iso_error *error) {
+    const iso_gbuffer *all = whole->gbuffer;
+    size_t skip = (size_t)first * (size_t)all->width;
+    iso_view view = iso_view_rows(whole->view, first, count);
+    iso_gbuffer rows = *all;
+    rows.height = count;
+    rows.depth += skip;
+    rows.surface += skip;
+    if (rows.color) rows.color += skip;
+    for (int axis = 0; axis < 3; axis++) rows.normal[axis] += skip;
+    iso_target target = {&view, &rows, whole->pool, whole->surface};
+    f->target = &target;
+    ISO_TRY(prepare(f, error));
+    reconstruct(f);
+    return ISO_OK;
+}
+
+/* Rows that fit into PYRAMID_BYTES, or few. */
+static int rows_at_once(const frame *f, const iso_view *view) {
+    int rows = view->height;
+    for (; rows > STRIP_ROWS_LEAST; rows = (rows + 1) / 2) {
+        iso_view strip = iso_view_rows(view, 0, rows);
+        iso_pyramid_shape shape = choose_shape(f, &strip);
+        if (iso_pyramid_bytes(&shape) <= PYRAMID_BYTES) break;
+    }
+    return rows;
+}
+
 static iso_status draw(iso_pullpush *workspace, const iso_target *target, const iso_point_view *points,
                        iso_reconstruction reconstruction, iso_error *error) {
-    frame f = {.target = target,
-               .points = points,
+    const iso_view *view = target->view;
+    frame f = {.points = points,
+               .reconstruction = reconstruction,
                .kernel = iso_pullpush_kernel_get(iso_cpu_best()),
-               .projector = iso_projector_make(target->view, &points->transform),
+               .projector = iso_projector_make(view, &points->transform),
                .blocks = &workspace->blocks,
                .pyramid = &workspace->pyramid};
     ISO_TRY(iso_point_blocks_make(f.blocks, points, &f.projector, target->pool, error));
     if (f.blocks->seen == 0) return ISO_OK;
     if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
-    const bool refined =
-        reconstruction == ISO_RECONSTRUCTION_AUTO || reconstruction == ISO_RECONSTRUCTION_REFINED;
+    const bool refined = reconstruction == ISO_RECONSTRUCTION_REFINED ||
+                         (reconstruction == ISO_RECONSTRUCTION_AUTO && !points->colors);
     if (refined) return iso_refined_draw(&workspace->refined, target, points, f.blocks, error);
-    ISO_TRY(prepare(&f, reconstruction, error));
-    reconstruct(&f);
+    int rows = rows_at_once(&f, view);
+    for (int first = 0; first < view->height; first += rows)
+        ISO_TRY(
+            draw_rows(&f, target, first, view->height - first < rows ? view->height - first : rows, error));
     return ISO_OK;
 }
 

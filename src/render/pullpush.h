@@ -20,10 +20,11 @@ extern "C" {
 #endif
 
 typedef enum iso_reconstruction {
-    ISO_RECONSTRUCTION_AUTO,     /* the best there is */
+    ISO_RECONSTRUCTION_AUTO,     /* refined; gaussian for points that have colours */
     ISO_RECONSTRUCTION_BOX,      /* ellipses with equal weights (figure 4a) */
     ISO_RECONSTRUCTION_GAUSSIAN, /* with Gaussian ones (figure 4b) */
-    ISO_RECONSTRUCTION_REFINED   /* second-order discs instead of averages (render/refined.h) */
+    ISO_RECONSTRUCTION_REFINED /* second-order discs instead of averages (render/refined.h); knows no colours
+                                */
 } iso_reconstruction;
 
 /* Memory that frames can share. One call uses it at a time. */

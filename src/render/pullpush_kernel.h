@@ -36,7 +36,8 @@ typedef struct iso_reconstruction_job {
     float scale;     /* pixels per mm at depth 1 (orthographic: at any depth) */
     bool orthographic;
     bool two_sided;      /* points that face away are there too: normals are not averaged across */
-    float ray[2], slope; /* x / z of pixel column c of level 0 is (c + 0.5 - ray[0]) * slope; y likewise */
+    float ray[2], slope; /* x / z of pixel column c of level 0 is (c + 0.5 - ray[0]) * slope; y likewise, rows
+                            being counted from the whole frame */
     float low_pass;      /* added to the squared axes of ellipses, pixels^2 */
     float weight[4];     /* of q, 0 .. 1: a polynomial */
 } iso_reconstruction_job;

@@ -9,8 +9,19 @@ enum {
     RIGHT = 2 * LANES /* border columns; pairs of vectors of an odd row end up to RIGHT beyond */
 };
 
+/* The smallest projected radius that discs may have in pixels of their level. */
+static const float BASE_RADIUS = 8;
+
 static int round_up(int value, int multiple) {
     return (value + multiple - 1) / multiple * multiple;
+}
+
+void iso_pyramid_levels(const float radius[2], float low_pass, int *base, int *top) {
+    float square = radius[1] * radius[1] + low_pass;
+    *top = 1;
+    while (*top < ISO_PYRAMID_TOP && square > 0.25f * (float)(1 << 2 * *top)) ++*top;
+    *base = 0;
+    while (*base < *top - 1 && radius[0] >= BASE_RADIUS * (float)(2 << *base)) ++*base;
 }
 
 /* Rows of level 0, from the whole frame's first, that rows lo .. hi depend on: at each step up a pixel takes
@@ -50,19 +61,30 @@ static size_t plane_floats(const iso_pyramid_level *level) {
     return level->stride * (size_t)(level->height + 2);
 }
 
-/* Sets the levels' sizes and returns the bytes of all their planes. */
-static size_t measure(iso_pyramid *pyramid) {
-    const iso_pyramid_shape *shape = &pyramid->shape;
-    size_t bytes = 0;
-    int width = shape->width, height = shape->height;
+static iso_pyramid_level level_of(const iso_pyramid_shape *shape, int number) {
+    int less = (1 << number) - 1;
+    int width = (shape->width + less) >> number, height = (shape->height + less) >> number;
+    return (iso_pyramid_level){
+        .width = width, .height = height, .stride = (size_t)(LEFT + round_up(width, LANES) + RIGHT)};
+}
+
+static size_t key_stride_of(const iso_pyramid_level *base) {
+    return (size_t)round_up(base->width, 2 * LANES);
+}
+
+/* One more row: an odd number of rows is made even. */
+static size_t key_count(const iso_pyramid_level *base) {
+    return key_stride_of(base) * (size_t)(base->height + 1);
+}
+
+size_t iso_pyramid_bytes(const iso_pyramid_shape *shape) {
+    const iso_pyramid_level base = level_of(shape, shape->base);
+    if (key_count(&base) > INT32_MAX) return SIZE_MAX; /* places of keys are 32-bit numbers */
+    size_t bytes = key_count(&base) * (sizeof(int64_t) + (shape->indexed ? sizeof(int32_t) : 0));
     for (int l = 0; l <= shape->top; l++) {
-        iso_pyramid_level *level = &pyramid->level[l];
-        *level = (iso_pyramid_level){
-            .width = width, .height = height, .stride = (size_t)(LEFT + round_up(width, LANES) + RIGHT)};
+        iso_pyramid_level level = level_of(shape, l);
         for (int p = 0; p < ISO_PLANES; p++)
-            if (has_plane(shape, l, p)) bytes += plane_floats(level) * sizeof(float);
-        width = (width + 1) / 2;
-        height = (height + 1) / 2;
+            if (has_plane(shape, l, p)) bytes += plane_floats(&level) * sizeof(float);
     }
     return bytes;
 }
@@ -102,22 +124,19 @@ static void lay_planes(iso_pyramid *pyramid, char *memory) {
 
 iso_status iso_pyramid_reshape(iso_pyramid *pyramid, const iso_pyramid_shape *shape, iso_error *error) {
     if (pyramid->memory.data && memcmp(shape, &pyramid->shape, sizeof *shape) == 0) return ISO_OK;
+    size_t bytes = iso_pyramid_bytes(shape);
+    if (bytes == SIZE_MAX) return iso_fail(error, ISO_ERR_NOMEM, "a picture of that size is impossible");
+    pyramid->shape = (iso_pyramid_shape){0}; /* until the memory is there */
+    ISO_TRY(iso_buffer_reserve(&pyramid->memory, bytes, 0, error));
+    memset(pyramid->memory.data, 0, bytes);
     pyramid->shape = *shape;
-    size_t planes = measure(pyramid);
+    for (int l = 0; l <= shape->top; l++) pyramid->level[l] = level_of(shape, l);
     const iso_pyramid_level *base = &pyramid->level[shape->base];
-    pyramid->key_stride = (size_t)round_up(base->width, 2 * LANES);
-    size_t pixels = pyramid->key_stride * (size_t)(base->height + 1);
-    size_t index = shape->indexed ? pixels * sizeof(int32_t) : 0;
-    iso_status status =
-        iso_buffer_reserve(&pyramid->memory, pixels * sizeof(int64_t) + index + planes, 0, error);
-    if (status != ISO_OK) {
-        pyramid->shape = (iso_pyramid_shape){0};
-        return status;
-    }
+    pyramid->key_stride = key_stride_of(base);
+    size_t index = shape->indexed ? key_count(base) * sizeof(int32_t) : 0;
     char *memory = pyramid->memory.data;
-    memset(memory, 0, pixels * sizeof(int64_t) + index + planes);
     pyramid->keys = (int64_t *)memory;
-    memory += pixels * sizeof(int64_t);
+    memory += key_count(base) * sizeof(int64_t);
     pyramid->index = shape->indexed ? (int32_t *)memory : NULL;
     lay_planes(pyramid, memory + index);
     return ISO_OK;

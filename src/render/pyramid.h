@@ -79,8 +79,16 @@ typedef struct iso_pyramid {
     iso_buffer memory;
 } iso_pyramid;
 
+/* The levels that discs of projected radii radius[0] .. radius[1] need, with low_pass (pixels^2) added to
+ * their squares: up to that of which the largest is half a pixel, and down to that in which the smallest
+ * are 8. */
+void iso_pyramid_levels(const float radius[2], float low_pass, int *base, int *top);
+
 /* The shape of a view's pyramid: its levels and what there is in it */
 iso_pyramid_shape iso_pyramid_shape_of(const iso_view *view, int base, int top);
+
+/* Bytes that a pyramid of this shape takes; SIZE_MAX when it is impossible. */
+size_t iso_pyramid_bytes(const iso_pyramid_shape *shape);
 
 /* Gives the pyramid this shape; what lay in it is lost, its memory is kept and reused. Borders are made,
  * pixels are not. ISO_ERR_NOMEM. */

@@ -1,0 +1,92 @@
+/* point_colors: colours of points in PLY, out and in. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "io/points_io.h"
+
+#define FILE_PLY ISO_TEST_TMP "/test_point_colors.ply"
+
+static void ok(iso_status status, const iso_error *error) {
+    if (status != ISO_OK) fail_msg("%s", error->text);
+}
+
+static void read_text(const char *text, iso_points *points) {
+    FILE *file = fopen(FILE_PLY, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
+    fclose(file);
+    iso_error error = {0};
+    ok(iso_points_read_ply(FILE_PLY, 0, points, &error), &error);
+}
+
+static void colors_come_back(void **state) {
+    (void)state;
+    enum { COUNT = 50 };
+    iso_surfel surfels[COUNT];
+    uint8_t colors[COUNT][3];
+    for (int i = 0; i < COUNT; i++) {
+        surfels[i] = (iso_surfel){{(float)i, (float)(i * i), 0.25f}, {0, 0.6f, 0.8f}};
+        for (int k = 0; k < 3; k++) colors[i][k] = (uint8_t)(i * (k + 3));
+    }
+    const iso_point_span span = {.count = COUNT};
+    const iso_point_view view = {.surfels = surfels,
+                                 .colors = (const uint8_t(*)[3])colors,
+                                 .spans = &span,
+                                 .span_count = 1,
+                                 .transform = iso_transform_identity(),
+                                 .radius = 2};
+    iso_error error = {0};
+    iso_points points;
+    ok(iso_points_write_ply(FILE_PLY, &view, NULL, &error), &error);
+    ok(iso_points_read_ply(FILE_PLY, 0, &points, &error), &error);
+    assert_int_equal(points.span.count, COUNT);
+    assert_memory_equal(points.surfels, surfels, sizeof surfels);
+    assert_memory_equal(points.colors, colors, sizeof colors);
+    assert_ptr_equal(iso_points_view(&points).colors, points.colors);
+    iso_points_free(&points);
+    assert_null(points.colors);
+    /* the limit counts them */
+    size_t needed = COUNT * (sizeof(iso_surfel) + sizeof(float) + 3);
+    ok(iso_points_read_ply(FILE_PLY, needed, &points, &error), &error);
+    iso_points_free(&points);
+    assert_int_equal(iso_points_read_ply(FILE_PLY, needed - 1, &points, &error), ISO_ERR_LIMIT);
+}
+
+#define VERTICES                                                                                             \
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"        \
+    "property float nx\nproperty float ny\nproperty float nz\nproperty float radius\n"
+#define POINT "1 2 3 0 0 1 0.5 "
+#define NO_POINT "1 2 3 0 0 0 0.5 "
+
+/* Any types, any order, dropped points between; fractions are of 255; two of three are none. */
+static void colors_of_other_programs(void **state) {
+    (void)state;
+    iso_points points;
+    read_text(VERTICES "property int blue\nproperty uchar red\nproperty double green\nend_header\n" POINT
+                       "7 255 0.5\n" NO_POINT "9 9 9\n" POINT "-4 300 2\n",
+              &points);
+    const uint8_t wanted[2][3] = {{255, 128, 7}, {255, 255, 0}};
+    assert_int_equal(points.span.count, 2);
+    assert_memory_equal(points.colors, wanted, sizeof wanted);
+    iso_points_free(&points);
+    read_text(VERTICES "property uchar red\nproperty uchar blue\nend_header\n" POINT "1 2\n" POINT
+                       "3 4\n" POINT "5 6\n",
+              &points);
+    assert_null(points.colors);
+    assert_null(iso_points_view(&points).colors);
+    iso_points_free(&points);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(colors_come_back),
+        cmocka_unit_test(colors_of_other_programs),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
