@@ -18,8 +18,6 @@ enum {
 static const float BALL_RADII[2] = {1.2f, 0.215f};
 /* Pixels of a point's radius. */
 static const float GROW_FROM = 4.5f, GROW_OVER = 6;
-/* Bands whose discs are no larger than this are done pixel by pixel. */
-static const float SCATTERED = 4;
 
 /* One call. */
 typedef struct frame {
@@ -51,6 +49,20 @@ static iso_status set_up_corners(frame *f, const iso_projector *projector, iso_e
     return ISO_OK;
 }
 
+/* The largest slope of a ray to one end of the picture. */
+static double largest_slope(double axis, double end, double focal) {
+    return fmax(fabs(axis), fabs(end - axis)) / focal;
+}
+
+/* Seen aslant, balls are longer than wide: by how much at most, and a little for rounding. */
+static float slant_of(const iso_view *view) {
+    if (view->orthographic) return 1.04f;
+    const double x = largest_slope(view->cx, view->width, view->focal),
+                 y = largest_slope(view->cy + view->above, view->above + view->height + view->below,
+                                   view->focal);
+    return (float)(1.04 * sqrt(1 + x * x + y * y));
+}
+
 static void set_up_job(frame *f, const iso_projector *projector) {
     iso_refined_job *job = &f->job;
     const iso_view *view = job->target->view;
@@ -65,6 +77,9 @@ static void set_up_job(frame *f, const iso_projector *projector) {
     job->slope = view->orthographic ? 0 : (float)(1 / view->focal);
     job->axis[0] = (float)view->cx;
     job->axis[1] = (float)(view->cy + view->above);
+    job->slant = slant_of(view);
+    const double *spacing = job->points->transform.spacing;
+    if (spacing[0] == spacing[1] && spacing[1] == spacing[2]) job->per_length = (float)spacing[0];
     job->near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near;
     job->orthographic = view->orthographic;
     job->cull = job->points->closed && !f->blocks->around_eye;
@@ -92,9 +107,7 @@ static float disc_radius(const iso_point_block *block) {
 /* Bands first .. last that a block's discs can reach. */
 static iso_rows bands_of(const frame *f, const iso_point_block *block) {
     const iso_view *view = f->job.target->view;
-    const double wide = view->orthographic ? 0 : (fabs(view->cx) + view->width) / view->focal,
-                 tall = view->orthographic ? 0 : (fabs(view->cy) + view->height + view->above) / view->focal;
-    double reach = disc_radius(block) * 1.04 * sqrt(1 + wide * wide + tall * tall) + 2;
+    const double reach = disc_radius(block) * f->job.slant + 2;
     const double first = floor((block->row[0] + view->cy - reach) / f->band_rows),
                  last = floor((block->row[1] + view->cy + reach) / f->band_rows);
     if (!block->seen || (f->job.cull && block->averted) || !(first < f->bands && last >= 0))
@@ -153,7 +166,7 @@ static void do_band(void *context, size_t number, int worker) {
     const iso_refined_band band = worker_band(f, worker, rows);
     float most = 0;
     for (size_t i = 0; i < count; i++) most = fmaxf(most, disc_radius(&block[order[i]]));
-    if (most <= SCATTERED) {
+    if (2 * most * f->job.slant + 1 <= ISO_REFINED_BOX) {
         for (size_t i = 0; i < f->pixels; i++) band.front[i] = ISO_NOWHERE;
         for (size_t i = 0; i < count; i++) f->kernel->scatter(&f->job, &band, order[i]);
         f->kernel->finish_pixels(&f->job, &band);

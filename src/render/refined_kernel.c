@@ -1,5 +1,6 @@
 #include "render/refined_kernel.h"
 
+#include <assert.h>
 #include <string.h>
 
 #include "base/simd.h"
@@ -37,6 +38,8 @@ static inline bool cover_columns(const rf_cover *cover, int first, int last, boo
 
 /* The sums of one pixel, in fours, which every instruction set has. */
 enum { QUADS = ISO_SUMS / 4 };
+/* Pixels of a disc's box, at most. */
+enum { STEPS = ISO_REFINED_BOX * ISO_REFINED_BOX };
 
 #define ISO_LEVEL generic
 #include "render/refined_disc.inc"

@@ -69,12 +69,17 @@ typedef struct iso_refined_job {
     float grow_from, grow;    /* pixels of the point's radius from where it grows, and 1 / pixels of growth */
     float focal, slope;       /* pixels per mm at depth 1, and its inverse; orthographic: slope 0 */
     float axis[2];            /* pixel of the optical axis, in the whole frame */
+    float slant;              /* how much larger a ball's shadow can be than it would be at the axis */
+    float per_length;         /* 1 / length in view space of unit normals; 0: they differ */
     float near;
     bool orthographic;
     bool cull; /* leave out points that face away */
 } iso_refined_job;
 
-enum { ISO_REFINED_TILE = 4 /* columns */ };
+enum {
+    ISO_REFINED_TILE = 4, /* columns */
+    ISO_REFINED_BOX = 8   /* columns and rows that a scattered disc may cover */
+};
 
 /* A band of the view's rows and what a worker keeps of it. Discs of a few pixels are best taken a vector at a
  * time to single pixels (scatter), whose sums lie together; larger ones one at a time to tiles of pixels
