@@ -18,7 +18,8 @@ static iso_status run(const isosculpt_settings *settings, iso_error *error) {
     if (settings->help) return ISO_OK;
     iso_pool *pool = NULL;
     ISO_TRY(iso_pool_create(settings->threads, &pool, error));
-    iso_status status = isosculpt_replay(settings, pool, error);
+    iso_status status = settings->headless ? isosculpt_replay(settings, pool, error)
+                                           : isosculpt_window(settings, pool, error);
     iso_pool_destroy(pool);
     return status;
 }

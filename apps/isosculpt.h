@@ -10,8 +10,9 @@
 typedef enum isosculpt_help { ISOSCULPT_HELP_NONE, ISOSCULPT_HELP, ISOSCULPT_VERSION } isosculpt_help;
 
 typedef struct isosculpt_settings {
+    const char *strokes; /* the operand: to continue in a window */
     const char *replay, *output, *mesh, *json_path;
-    int json, headless, quiet, threads, extract;
+    int json, headless, recover, quiet, threads, extract;
     double voxel_size;
     uint64_t undo_memory;
     isosculpt_help help;
@@ -43,6 +44,10 @@ void isosculpt_report_free(isosculpt_report *report);
 
 /* Plays a stroke file and writes what was asked for. *code: the exit status. */
 iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, iso_error *error);
+
+/* Opens the window and returns when it is closed. ISO_ERR_BACKEND: none can be opened, or the build has none.
+ */
+iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, iso_error *error);
 
 /* The report as JSON, to settings->json_path or standard output. ISO_ERR_WRITE. */
 iso_status isosculpt_report_write(const isosculpt_settings *settings, const isosculpt_report *report,

@@ -10,7 +10,7 @@
 enum group { SESSION, OUTPUT, RUNNING };
 
 static const char *const groups[] = {"Session", "Output", "Running", NULL};
-static const char *const usage[] = {"--replay STROKES --headless [--output OUT] [--json]", NULL};
+static const char *const usage[] = {"[STROKES]", "--replay STROKES --headless [--output OUT] [--json]", NULL};
 
 static iso_status apply_json(void *target, const char *value, iso_error *error) {
     isosculpt_settings *settings = target;
@@ -44,6 +44,8 @@ static iso_status apply_help(void *target, const char *value, iso_error *error) 
 #define AT(member) .offset = offsetof(isosculpt_settings, member)
 
 static const iso_option options[] = {
+    {"recover", NULL, NULL, "continue the last session that was not closed", .group = SESSION,
+     .kind = ISO_OPTION_FLAG, AT(recover)},
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
     {"headless", NULL, NULL, "open no window", .group = SESSION, .kind = ISO_OPTION_FLAG, AT(headless)},
     {"voxel-size", NULL, "MM", "play at another voxel size", .group = SESSION, .kind = ISO_OPTION_REAL,
@@ -78,6 +80,7 @@ static const char *const exit_text[] = {"0  done",
                                         "7  an output could not be written",
                                         NULL};
 static const char *const example_text[] = {
+    "isosculpt                    # a new ball", "isosculpt bear.strokes       # goes on where the file ends",
     "isosculpt --replay bear.strokes --headless --output bear.vdb",
     "isosculpt --replay bear.strokes --headless --voxel-size 0.5 --output bear.stl --json", NULL};
 static const iso_section sections[] = {{"Exit status", exit_text}, {"Examples", example_text}};
@@ -104,17 +107,31 @@ static bool has_suffix(const char *name, const char *suffixes) {
     return found && length > 1 && (found[length] == ' ' || found[length] == 0);
 }
 
+/* What a window makes no use of is not taken in silence. */
+static iso_status check_window(isosculpt_settings *settings, const iso_operands *operands, iso_error *error) {
+    if (settings->replay || settings->output || settings->mesh || settings->json || settings->extract)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--replay, --output, --mesh, --json and --extract need --headless");
+    if (settings->voxel_size > 0) return iso_fail(error, ISO_ERR_USAGE, "--voxel-size needs --headless");
+    if (operands->count > 1 || (operands->count && settings->recover))
+        return iso_fail(error, ISO_ERR_USAGE, "one session at a time: '%s' is too many",
+                        operands->values[operands->count - 1]);
+    if (operands->count && !has_suffix(operands->values[0], ".strokes"))
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: only .strokes files can be continued yet",
+                        operands->values[0]);
+    if (operands->count) settings->strokes = operands->values[0];
+    return ISO_OK;
+}
+
 iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_settings *settings,
                                     iso_operands *operands, iso_error *error) {
     memset(settings, 0, sizeof *settings);
     ISO_TRY(iso_options_parse(isosculpt_program(), argc, argv, settings, operands, error));
     if (settings->help) return ISO_OK;
+    if (!settings->headless) return check_window(settings, operands, error);
     if (operands->count > 0)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a stroke file is given with --replay",
+        return iso_fail(error, ISO_ERR_USAGE, "%s: with --headless a stroke file is given with --replay",
                         operands->values[0]);
-    if (!settings->headless)
-        return iso_fail(error, ISO_ERR_BACKEND,
-                        "this version opens no window yet: use --replay FILE --headless");
     if (!settings->replay) return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE");
     if (settings->output && !has_suffix(settings->output, ".vdb .ply .stl .obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as .vdb, .ply, .stl or .obj",

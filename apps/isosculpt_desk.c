@@ -1,0 +1,300 @@
+#define _DEFAULT_SOURCE /* flock */
+#include "apps/isosculpt_desk.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "grids/level_set.h"
+
+static const char STROKES[] = ".strokes", OPEN[] = ".open", UNDO[] = ".undo";
+
+/* The new ball: half the side of its grid. */
+enum { BALL_VOXELS = 384 };
+static const double BALL_VOXEL = 0.5, BALL_RADIUS = 40;
+
+double isosculpt_now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static iso_status join(char out[ISOSCULPT_PATH], const char *a, const char *b, iso_error *error) {
+    size_t first = strlen(a), second = strlen(b);
+    if (first + second >= ISOSCULPT_PATH)
+        return iso_fail(error, ISO_ERR_WRITE, "%s: the name is too long", a);
+    memmove(out, a, first);
+    memcpy(out + first, b, second + 1);
+    return ISO_OK;
+}
+
+static bool ends_with(const char *text, const char *suffix) {
+    size_t length = strlen(text), tail = strlen(suffix);
+    return length > tail && strcmp(text + length - tail, suffix) == 0;
+}
+
+/* ---- the folder */
+
+static iso_status make_folders(char *path, iso_error *error) {
+    for (char *slash = path + 1;; slash++) {
+        if (*slash != '/' && *slash != 0) continue;
+        char rest = *slash;
+        *slash = 0;
+        int failed = mkdir(path, 0700);
+        if (failed && errno != EEXIST)
+            return iso_fail(error, ISO_ERR_WRITE, "%s: cannot make the folder: %s", path, strerror(errno));
+        *slash = rest;
+        if (!rest) return ISO_OK;
+    }
+}
+
+iso_status isosculpt_desk_folder(char folder[ISOSCULPT_PATH], iso_error *error) {
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    if (state && state[0] == '/') /* the specification: others are to be ignored */
+        ISO_TRY(join(folder, state, "/isopoint", error));
+    else if (home && home[0] == '/')
+        ISO_TRY(join(folder, home, "/.local/state/isopoint", error));
+    else
+        return iso_fail(error, ISO_ERR_WRITE, "neither XDG_STATE_HOME nor HOME says where journals go");
+    return make_folders(folder, error);
+}
+
+/* ---- markers */
+
+/* Locks NAME.strokes.open, made when it is not there. ISO_ERR_WRITE. */
+static iso_status mark(const char *journal, int *marker, iso_error *error) {
+    char path[ISOSCULPT_PATH];
+    ISO_TRY(join(path, journal, OPEN, error));
+    int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (file < 0) return iso_fail(error, ISO_ERR_WRITE, "%s: %s", path, strerror(errno));
+    if (flock(file, LOCK_EX | LOCK_NB)) {
+        close(file);
+        return iso_fail(error, ISO_ERR_WRITE, "%s: another program has it open", journal);
+    }
+    *marker = file + 1;
+    return ISO_OK;
+}
+
+void isosculpt_desk_dismiss(const char *journal) {
+    char path[ISOSCULPT_PATH];
+    if (join(path, journal, OPEN, NULL) == ISO_OK) unlink(path);
+}
+
+static bool is_held(const char *marker) {
+    int file = open(marker, O_RDWR | O_CLOEXEC);
+    bool held = file < 0 || flock(file, LOCK_EX | LOCK_NB) != 0;
+    if (file >= 0) close(file);
+    return held;
+}
+
+bool isosculpt_desk_unclosed(const char *folder, char path[ISOSCULPT_PATH]) {
+    DIR *directory = opendir(folder);
+    if (!directory) return false;
+    struct timespec newest = {0};
+    bool found = false;
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        char marker[2 * ISOSCULPT_PATH], journal[2 * ISOSCULPT_PATH];
+        struct stat about;
+        if (!ends_with(entry->d_name, ".strokes.open")) continue;
+        int length = snprintf(marker, sizeof marker, "%s/%s", folder, entry->d_name);
+        if (length >= ISOSCULPT_PATH) continue;
+        snprintf(journal, sizeof journal, "%.*s", length - (int)strlen(OPEN), marker);
+        if (stat(journal, &about) || is_held(marker)) continue;
+        const struct timespec t = about.st_mtim;
+        if (found && (t.tv_sec < newest.tv_sec || (t.tv_sec == newest.tv_sec && t.tv_nsec < newest.tv_nsec)))
+            continue;
+        found = true;
+        newest = t;
+        memcpy(path, journal, strlen(journal) + 1);
+    }
+    closedir(directory);
+    return found;
+}
+
+/* ---- opening and closing */
+
+static iso_status open_session(isosculpt_desk *desk, const char *journal, bool resume, iso_error *error) {
+    iso_hgrid *grid;
+    ISO_TRY(iso_session_ball(&desk->start, &grid, error));
+    iso_session_opts opts = {
+        .pool = desk->pool, .journal = journal, .resume = resume, .undo_memory = desk->undo_memory};
+    ISO_TRY(iso_session_create(grid, &desk->start, &opts, &desk->session, error));
+    desk->began = isosculpt_now();
+    desk->changes = desk->saved = 0;
+    return ISO_OK;
+}
+
+/* NAME by the time; a number is added when two begin in one second. */
+static iso_status name_journal(const char *folder, char path[ISOSCULPT_PATH], iso_error *error) {
+    time_t now = time(NULL);
+    struct tm local;
+    char stamp[64], name[128];
+    localtime_r(&now, &local);
+    strftime(stamp, sizeof stamp, "%Y-%m-%d-%H%M%S", &local);
+    for (int number = 1; number < 100; number++) {
+        if (number == 1)
+            snprintf(name, sizeof name, "/%s%s", stamp, STROKES);
+        else
+            snprintf(name, sizeof name, "/%s-%d%s", stamp, number, STROKES);
+        ISO_TRY(join(path, folder, name, error));
+        if (access(path, F_OK)) return ISO_OK;
+    }
+    return iso_fail(error, ISO_ERR_WRITE, "%s: too many journals of this second", folder);
+}
+
+static iso_status new_journal(isosculpt_desk *desk, const char *folder, iso_error *error) {
+    if (!folder) return iso_fail(error, ISO_ERR_WRITE, "there is no folder for it");
+    ISO_TRY(name_journal(folder, desk->journal, error));
+    ISO_TRY(mark(desk->journal, &desk->marker, error));
+    iso_status status = open_session(desk, desk->journal, false, error);
+    desk->made = status == ISO_OK;
+    return status;
+}
+
+static void unmark(isosculpt_desk *desk) {
+    if (!desk->marker) return;
+    isosculpt_desk_dismiss(desk->journal);
+    close(desk->marker - 1);
+    desk->marker = 0;
+}
+
+iso_status isosculpt_desk_new(isosculpt_desk *desk, const char *folder, iso_error *error) {
+    const double origin = -0.5 * (BALL_VOXELS - 1) * BALL_VOXEL;
+    desk->start = (iso_journal_start){.source = "ball",
+                                      .voxel_size = BALL_VOXEL,
+                                      .dims = {BALL_VOXELS, BALL_VOXELS, BALL_VOXELS},
+                                      .origin = {origin, origin, origin},
+                                      .radius = BALL_RADIUS};
+    iso_error reason = {0};
+    iso_status status = new_journal(desk, folder, &reason);
+    if (status == ISO_OK) return ISO_OK;
+    unmark(desk);
+    desk->journal[0] = 0;
+    snprintf(desk->trouble, sizeof desk->trouble, "%s", reason.text);
+    return open_session(desk, NULL, false, error);
+}
+
+iso_status isosculpt_desk_open(isosculpt_desk *desk, const char *journal, iso_error *error) {
+    iso_journal_reader *reader;
+    ISO_TRY(iso_journal_open(journal, &desk->start, &reader, error));
+    iso_journal_reader_free(reader);
+    if (strcmp(desk->start.source, "ball") != 0)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                        "%s: sessions that began with a file ('%s') cannot be continued yet", journal,
+                        desk->start.source);
+    ISO_TRY(join(desk->journal, journal, "", error));
+    ISO_TRY(mark(journal, &desk->marker, error));
+    iso_status status = open_session(desk, journal, true, error);
+    if (status == ISO_OK) return ISO_OK;
+    if (desk->marker) close(desk->marker - 1); /* the marker stays: what could not be opened was not closed */
+    desk->marker = 0;
+    desk->journal[0] = 0;
+    return status;
+}
+
+/* A new session in which nothing was done leaves nothing. */
+static void remove_empty(const isosculpt_desk *desk) {
+    char path[ISOSCULPT_PATH];
+    unlink(desk->journal);
+    if (join(path, desk->journal, UNDO, NULL) == ISO_OK) unlink(path);
+}
+
+void isosculpt_desk_close(isosculpt_desk *desk) {
+    isosculpt_desk_saving(desk, true, NULL, NULL);
+    bool drawn = desk->session && iso_session_journal_status(desk->session, NULL) == ISO_OK;
+    iso_session_destroy(desk->session);
+    if (drawn && desk->made && desk->changes == 0) remove_empty(desk);
+    if (drawn) unmark(desk);
+    if (desk->marker) close(desk->marker - 1); /* a journal that lags behind was not closed well */
+    *desk = (isosculpt_desk){.pool = desk->pool, .undo_memory = desk->undo_memory};
+}
+
+/* ---- saving */
+
+struct isosculpt_saver {
+    pthread_t thread;
+    atomic_bool done;
+    iso_hgrid *grid; /* a copy */
+    char path[ISOSCULPT_PATH];
+    size_t changes;
+    iso_status status;
+    iso_error error;
+};
+
+void isosculpt_desk_target(const isosculpt_desk *desk, char path[ISOSCULPT_PATH]) {
+    const char *journal = desk->journal[0] ? desk->journal : "sculpture.strokes";
+    size_t length = strlen(journal) - (ends_with(journal, STROKES) ? strlen(STROKES) : 0);
+    snprintf(path, ISOSCULPT_PATH, "%.*s.vdb",
+             (int)(length < ISOSCULPT_PATH - 16 ? length : ISOSCULPT_PATH - 16), journal);
+}
+
+/* The old file keeps its name until the new one is whole, and is then PATH.bak. */
+static iso_status replace(const char *fresh, const char *path, iso_error *error) {
+    char backup[ISOSCULPT_PATH];
+    ISO_TRY(join(backup, path, ".bak", error));
+    unlink(backup);
+    if (link(path, backup) && errno != ENOENT && rename(path, backup)) /* no links here */
+        return iso_fail(error, ISO_ERR_WRITE, "%s: %s", backup, strerror(errno));
+    if (rename(fresh, path)) return iso_fail(error, ISO_ERR_WRITE, "%s: %s", path, strerror(errno));
+    return ISO_OK;
+}
+
+static iso_status save(isosculpt_saver *saver) {
+    char fresh[ISOSCULPT_PATH];
+    ISO_TRY(join(fresh, saver->path, ".new", &saver->error));
+    iso_status status = iso_level_set_write_vdb(fresh, saver->grid, "surface", &saver->error);
+    if (status == ISO_OK) status = replace(fresh, saver->path, &saver->error);
+    if (status != ISO_OK) unlink(fresh);
+    return status;
+}
+
+static void *save_thread(void *context) {
+    isosculpt_saver *saver = context;
+    saver->status = save(saver);
+    atomic_store(&saver->done, true);
+    return NULL;
+}
+
+iso_status isosculpt_desk_save(isosculpt_desk *desk, iso_error *error) {
+    if (desk->saver) return iso_fail(error, ISO_ERR_USAGE, "the last save is still running");
+    const iso_hgrid *grid = iso_session_grid(desk->session);
+    const int lo[3] = {0, 0, 0}, hi[3] = {grid->dims[0] - 1, grid->dims[1] - 1, grid->dims[2] - 1};
+    isosculpt_saver *saver = calloc(1, sizeof *saver);
+    if (!saver) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for saving");
+    iso_status status = iso_hgrid_crop(grid, lo, hi, &saver->grid, error);
+    isosculpt_desk_target(desk, saver->path);
+    saver->changes = desk->changes;
+    if (status == ISO_OK && pthread_create(&saver->thread, NULL, save_thread, saver)) {
+        iso_hgrid_destroy(saver->grid);
+        status = iso_fail(error, ISO_ERR_NOMEM, "no thread can be started for saving");
+    }
+    if (status == ISO_OK)
+        desk->saver = saver;
+    else
+        free(saver);
+    return status;
+}
+
+isosculpt_saving isosculpt_desk_saving(isosculpt_desk *desk, bool wait, iso_status *status,
+                                       iso_error *error) {
+    isosculpt_saver *saver = desk->saver;
+    if (!saver) return ISOSCULPT_SAVE_IDLE;
+    if (!wait && !atomic_load(&saver->done)) return ISOSCULPT_SAVE_RUNNING;
+    pthread_join(saver->thread, NULL);
+    if (saver->status == ISO_OK) desk->saved = saver->changes;
+    if (status) *status = saver->status;
+    if (error) *error = saver->error;
+    iso_hgrid_destroy(saver->grid);
+    free(saver);
+    desk->saver = NULL;
+    return ISOSCULPT_SAVE_DONE;
+}

@@ -1,0 +1,74 @@
+/* desk: the session that a window works on, with its files: the journal and its folder, what an earlier
+ * session left unclosed, and saving.
+ *
+ * Beside a journal NAME.strokes that a program has open lies NAME.strokes.open, locked as long as that
+ * program lives. A marker that nobody holds is left of a program that was killed: its journal is offered. */
+#ifndef ISO_APPS_ISOSCULPT_DESK_H
+#define ISO_APPS_ISOSCULPT_DESK_H
+
+#include "sculpt/session.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISOSCULPT_PATH = ISO_JOURNAL_TEXT };
+
+typedef struct isosculpt_saver isosculpt_saver;
+
+/* Zero-initialise. */
+typedef struct isosculpt_desk {
+    iso_session *session; /* owned */
+    iso_journal_start start;
+    char journal[ISOSCULPT_PATH]; /* "" when there is none */
+    char trouble[512];            /* why there is no journal; "" when there is one */
+    int marker;                   /* 1 + file descriptor of NAME.strokes.open; 0: none */
+    bool made;                    /* the journal is new: removed when nothing was done in it */
+    size_t changes, saved;        /* done to the field since the desk was opened; of these in the .vdb */
+    double began;                 /* monotonic seconds */
+    iso_pool *pool;               /* borrowed */
+    size_t undo_memory;
+    isosculpt_saver *saver; /* owned; NULL when nothing is being saved */
+} isosculpt_desk;
+
+/* $XDG_STATE_HOME/isopoint, or ~/.local/state/isopoint; made when it is not there. ISO_ERR_WRITE. */
+iso_status isosculpt_desk_folder(char folder[ISOSCULPT_PATH], iso_error *error);
+
+/* The newest journal in the folder that was not closed and that nobody has open; false: none. */
+bool isosculpt_desk_unclosed(const char *folder, char path[ISOSCULPT_PATH]);
+
+/* The journal will not be offered again; the stroke file stays. */
+void isosculpt_desk_dismiss(const char *journal);
+
+/* A new ball, its journal in the folder and named by the time. Where no journal can be written (or `folder`
+ * is NULL) the desk works without, and says so in `trouble`. */
+iso_status isosculpt_desk_new(isosculpt_desk *desk, const char *folder, iso_error *error);
+
+/* Continues a stroke file. ISO_ERR_IO, ISO_ERR_FORMAT; ISO_ERR_WRITE when another program has it open or
+ * it cannot be written. */
+iso_status isosculpt_desk_open(isosculpt_desk *desk, const char *journal, iso_error *error);
+
+/* Waits for a save, ends the session and closes its journal. The pool and undo_memory stay. */
+void isosculpt_desk_close(isosculpt_desk *desk);
+
+/* Where saving goes: the journal's name with .vdb. */
+void isosculpt_desk_target(const isosculpt_desk *desk, char path[ISOSCULPT_PATH]);
+
+/* Begins to save the field as it is, in a thread of its own: the file appears whole, what was there becomes
+ * PATH.bak. ISO_ERR_USAGE while a save is running, ISO_ERR_NOMEM. */
+iso_status isosculpt_desk_save(isosculpt_desk *desk, iso_error *error);
+
+typedef enum isosculpt_saving {
+    ISOSCULPT_SAVE_IDLE,
+    ISOSCULPT_SAVE_RUNNING,
+    ISOSCULPT_SAVE_DONE
+} isosculpt_saving;
+/* How the save stands; DONE once, with *status and *error its outcome. `wait`: until it is done. */
+isosculpt_saving isosculpt_desk_saving(isosculpt_desk *desk, bool wait, iso_status *status, iso_error *error);
+
+double isosculpt_now(void); /* monotonic seconds */
+
+#ifdef __cplusplus
+}
+#endif
+#endif

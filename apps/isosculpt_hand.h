@@ -1,0 +1,82 @@
+/* hand: mouse and keys, made into strokes, camera moves and commands. Knows no window: coordinates are pixels
+ * of the picture, keys are names. */
+#ifndef ISO_APPS_ISOSCULPT_HAND_H
+#define ISO_APPS_ISOSCULPT_HAND_H
+
+#include "apps/isosculpt_desk.h"
+#include "apps/isosculpt_view.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum isosculpt_button { ISOSCULPT_LEFT, ISOSCULPT_RIGHT, ISOSCULPT_MIDDLE } isosculpt_button;
+
+enum { ISOSCULPT_SHIFT = 1, ISOSCULPT_CTRL = 2, ISOSCULPT_ALT = 4 };
+
+/* Letters and digits are themselves, in lower case. */
+typedef enum isosculpt_key {
+    ISOSCULPT_KEY_FRONT = 256, /* the number pad's 1, 3 and 7 */
+    ISOSCULPT_KEY_SIDE,
+    ISOSCULPT_KEY_TOP,
+    ISOSCULPT_KEY_ESCAPE
+} isosculpt_key;
+
+typedef enum isosculpt_drag {
+    ISOSCULPT_DRAG_NONE,
+    ISOSCULPT_DRAG_BRUSH,
+    ISOSCULPT_DRAG_ORBIT,
+    ISOSCULPT_DRAG_PAN
+} isosculpt_drag;
+
+/* What needs to be drawn, and what the window must do. */
+typedef enum isosculpt_wish {
+    ISOSCULPT_WISH_NONE = 0,
+    ISOSCULPT_WISH_PICTURE = 1, /* camera or field changed */
+    ISOSCULPT_WISH_SAVE = 2
+} isosculpt_wish;
+
+typedef struct isosculpt_hand {
+    isosculpt_desk *desk; /* borrowed */
+    isosculpt_view *view; /* borrowed */
+    iso_brush brush;      /* as chosen; modifiers change the tool of one stroke */
+    isosculpt_drag drag;
+    isosculpt_button button; /* of the drag */
+    char adjusting;          /* 'x' or 'c' while that key is down, 0 else */
+    double x, y;             /* of the cursor */
+    double depth;            /* of the stroke's last pick */
+    iso_vec3 normal;         /* likewise */
+    iso_tool tool;           /* of the stroke */
+    bool clipped;            /* a brush reached beyond the grid */
+    unsigned wishes;         /* isosculpt_wish, until the window has seen to them */
+    isosculpt_latency edit;
+    iso_error error; /* of the last stroke, undo or redo; text[0] == 0: none */
+} isosculpt_hand;
+
+/* The tool of key 1 .. 9. */
+enum { ISOSCULPT_TOOLS = 9 };
+iso_tool isosculpt_hand_tool(int number);
+/* The tool of a stroke with these modifiers: Shift smooths, Ctrl or Alt inverts. */
+iso_tool isosculpt_hand_modified(iso_tool tool, unsigned modifiers);
+
+/* Desk and view are borrowed until the hand is given others. */
+void isosculpt_hand_init(isosculpt_hand *hand, isosculpt_desk *desk, isosculpt_view *view);
+
+void isosculpt_hand_press(isosculpt_hand *hand, isosculpt_button button, unsigned modifiers, double x,
+                          double y);
+void isosculpt_hand_move(isosculpt_hand *hand, double x, double y);
+void isosculpt_hand_release(isosculpt_hand *hand, isosculpt_button button);
+void isosculpt_hand_scroll(isosculpt_hand *hand, double steps);
+/* `down` false: released. Whether the key means anything. */
+bool isosculpt_hand_key(isosculpt_hand *hand, int key, unsigned modifiers, bool down);
+
+/* Undoes or redoes until `position` steps are done. */
+void isosculpt_hand_history(isosculpt_hand *hand, size_t position);
+
+/* Where the brush would touch; false: the cursor is beside the surface, or something is dragged. */
+bool isosculpt_hand_under(const isosculpt_hand *hand, isosculpt_pick *pick);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,386 @@
+#include "apps/isosculpt_panel.h"
+
+#include <cmath>
+#include <cstdio>
+#include <new>
+
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <GLFW/glfw3.h>
+
+#include "grids/bridge_guard.hpp"
+
+struct rectangle {
+    ImVec2 position, size;
+    bool holds(double x, double y) const {
+        return x >= position.x && y >= position.y && x < position.x + size.x && y < position.y + size.y;
+    }
+};
+
+struct isosculpt_panel {
+    float scale;
+    bool modal;
+    rectangle place; /* of the panel, as last drawn */
+};
+
+static const ImVec4 RED{1.0f, 0.42f, 0.36f, 1.0f}, GREY{0.72f, 0.74f, 0.77f, 1.0f},
+    GREEN{0.62f, 0.86f, 0.62f, 1.0f};
+
+/* ---- the picture and the ring */
+
+static ImVec2 at_window(const isosculpt_screen *screen, double x, double y) {
+    return ImVec2((float)(x / screen->pixels), (float)(y / screen->pixels));
+}
+
+/* Two unit vectors across the normal. */
+static void across(iso_vec3 normal, iso_vec3 *u, iso_vec3 *v) {
+    iso_vec3 other = std::fabs(normal.x) < 0.6 ? iso_vec3_make(1, 0, 0) : iso_vec3_make(0, 1, 0);
+    *u = iso_vec3_unit(iso_vec3_cross(normal, other));
+    *v = iso_vec3_cross(normal, *u);
+}
+
+static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, double radius,
+                      const isosculpt_pick &pick) {
+    constexpr int CORNERS = 64;
+    const isosculpt_layer *layer = &screen->hand->view->drawn;
+    ImVec2 corners[CORNERS];
+    iso_vec3 u, v;
+    double x, y, sine, cosine;
+    across(pick.normal, &u, &v);
+    for (int i = 0; i < CORNERS; i++) {
+        iso_sincos(2 * ISO_PI * i / CORNERS, &sine, &cosine);
+        iso_vec3 offset = iso_vec3_add(iso_vec3_scale(u, radius * cosine), iso_vec3_scale(v, radius * sine));
+        if (!isosculpt_layer_pixel(layer, iso_vec3_add(pick.position, offset), &x, &y)) return;
+        corners[i] = at_window(screen, x, y);
+    }
+    list->AddPolyline(corners, CORNERS, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed, 3.5f);
+    list->AddPolyline(corners, CORNERS, IM_COL32(255, 255, 255, 230), ImDrawFlags_Closed, 1.5f);
+}
+
+static void draw_brush(const isosculpt_screen *screen, ImDrawList *list) {
+    const isosculpt_hand *hand = screen->hand;
+    isosculpt_pick pick;
+    double x, y;
+    if (!isosculpt_hand_under(hand, &pick)) return;
+    draw_ring(screen, list, hand->brush.radius, pick);
+    iso_vec3 tip = iso_vec3_add(pick.position, iso_vec3_scale(pick.normal, 0.4 * hand->brush.radius));
+    if (isosculpt_layer_pixel(&hand->view->drawn, tip, &x, &y))
+        list->AddLine(at_window(screen, hand->x, hand->y), at_window(screen, x, y),
+                      IM_COL32(255, 255, 255, 160), 1.5f);
+}
+
+static void draw_picture(const isosculpt_screen *screen, bool ring) {
+    ImDrawList *list = ImGui::GetBackgroundDrawList();
+    if (screen->texture)
+        list->AddImage((ImTextureID)(intptr_t)screen->texture, ImVec2(0, 0),
+                       at_window(screen, screen->width, screen->height));
+    if (ring) draw_brush(screen, list);
+}
+
+/* ---- parts of the panel */
+
+static void section_brush(isosculpt_hand *hand) {
+    static const char *const names[] = {"1 add",     "2 carve", "3 clay", "4 smooth", "5 inflate",
+                                        "6 flatten", "7 pinch", "8 move", "9 mask"};
+    const float width = ImGui::GetContentRegionAvail().x / 3 - ImGui::GetStyle().ItemSpacing.x * 0.67f;
+    for (int i = 0; i < ISOSCULPT_TOOLS; i++) {
+        bool chosen = hand->brush.tool == isosculpt_hand_tool(i + 1);
+        if (i % 3) ImGui::SameLine();
+        if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+        if (ImGui::Button(names[i], ImVec2(width, 0))) hand->brush.tool = isosculpt_hand_tool(i + 1);
+        if (chosen) ImGui::PopStyleColor();
+    }
+    const double voxel = hand->desk->start.voxel_size, low = 2 * voxel, high = 128 * voxel, none = 0.02,
+                 full = 1;
+    ImGui::SliderScalar("radius", ImGuiDataType_Double, &hand->brush.radius, &low, &high, "%.2f mm",
+                        ImGuiSliderFlags_Logarithmic);
+    ImGui::SliderScalar("strength", ImGuiDataType_Double, &hand->brush.strength, &none, &full, "%.2f",
+                        ImGuiSliderFlags_AlwaysClamp);
+    ImGui::TextUnformatted("symmetry");
+    for (unsigned axis = 0; axis < 3; axis++) {
+        const char name[2] = {(char)('x' + axis), 0};
+        ImGui::SameLine();
+        ImGui::CheckboxFlags(name, &hand->brush.symmetry, 1u << axis);
+    }
+}
+
+static bool color_edit(const char *label, iso_rgb *color) {
+    float rgb[3] = {(float)color->r / 255, (float)color->g / 255, (float)color->b / 255};
+    if (!ImGui::ColorEdit3(label, rgb, ImGuiColorEditFlags_NoInputs)) return false;
+    *color = iso_rgb{(uint8_t)std::lround(255 * rgb[0]), (uint8_t)std::lround(255 * rgb[1]),
+                     (uint8_t)std::lround(255 * rgb[2])};
+    return true;
+}
+
+static void section_picture(isosculpt_hand *hand) {
+    isosculpt_view *view = hand->view;
+    bool changed = false;
+    if (ImGui::BeginCombo("method", isosculpt_method_name(view->method))) {
+        for (int i = 0; i < ISOSCULPT_METHOD_COUNT; i++)
+            if (ImGui::Selectable(isosculpt_method_name((isosculpt_method)i), i == (int)view->method)) {
+                view->method = (isosculpt_method)i;
+                changed = true;
+            }
+        ImGui::EndCombo();
+    }
+    changed |= color_edit("surface", &view->color);
+    ImGui::SameLine();
+    changed |= color_edit("background", &view->background);
+    ImGui::TextColored(GREY, "engine: cpu; light: key and fill, from the eye");
+    if (changed) hand->wishes |= ISOSCULPT_WISH_PICTURE;
+}
+
+static void section_history(isosculpt_hand *hand, float scale) {
+    const iso_history *history = iso_session_history(hand->desk->session);
+    const size_t position = iso_history_position(history), count = iso_history_count(history);
+    size_t wanted = position;
+    ImGui::BeginChild("steps", ImVec2(0, 110 * scale), true);
+    if (ImGui::Selectable("the beginning", position == 0)) wanted = 0;
+    ImGuiListClipper clipper;
+    clipper.Begin((int)count);
+    while (clipper.Step())
+        for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; i++) {
+            char label[96];
+            snprintf(label, sizeof label, "%d  %s", i + 1, iso_history_name(history, (size_t)i));
+            bool undone = (size_t)i >= position;
+            if (undone) ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+            if (ImGui::Selectable(label, (size_t)i + 1 == position)) wanted = (size_t)i + 1;
+            if (undone) ImGui::PopStyleColor();
+        }
+    if (hand->drag == ISOSCULPT_DRAG_BRUSH || ImGui::GetScrollY() >= ImGui::GetScrollMaxY())
+        ImGui::SetScrollHereY(1);
+    ImGui::EndChild();
+    if (wanted != position) isosculpt_hand_history(hand, wanted);
+}
+
+static void latency_row(const char *name, const isosculpt_latency *latency) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(name);
+    for (double quantile : {0.5, 0.99}) {
+        ImGui::TableNextColumn();
+        if (latency->count)
+            ImGui::Text("%.2f", 1e3 * isosculpt_latency_quantile(latency, quantile));
+        else
+            ImGui::TextUnformatted("-");
+    }
+}
+
+static void section_numbers(isosculpt_hand *hand) {
+    const iso_hgrid *grid = iso_session_grid(hand->desk->session);
+    ImGui::Text("%d x %d x %d voxels of %g mm", grid->dims[0], grid->dims[1], grid->dims[2],
+                grid->transform.spacing[0]);
+    ImGui::Text("%.2f M stored (%.0f MB), %zu points",
+                1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid),
+                1e-6 * (double)iso_hgrid_bytes(grid), isosculpt_view_points(hand->view));
+    if (!ImGui::BeginTable("latency", 3)) return;
+    ImGui::TableSetupColumn("milliseconds");
+    ImGui::TableSetupColumn("p50");
+    ImGui::TableSetupColumn("p99");
+    ImGui::TableHeadersRow();
+    latency_row("edit", &hand->edit);
+    latency_row("extract", &hand->view->extract);
+    latency_row("draw", &hand->view->draw);
+    ImGui::EndTable();
+}
+
+static void section_files(isosculpt_screen *screen) {
+    isosculpt_hand *hand = screen->hand;
+    const isosculpt_desk *desk = hand->desk;
+    iso_error error = {ISO_OK, ""};
+    ImGui::PushTextWrapPos(0);
+    if (!desk->journal[0])
+        ImGui::TextColored(RED, "No journal is written: %s. What you make is in memory only: save it.",
+                           desk->trouble);
+    else if (iso_session_journal_status(desk->session, &error) != ISO_OK)
+        ImGui::TextColored(RED,
+                           "The journal lags behind: %s. Nothing is lost in memory, and it is tried again.",
+                           error.text);
+    else
+        ImGui::TextColored(GREEN, "Journal: %s", desk->journal);
+    if (hand->error.text[0]) ImGui::TextColored(RED, "%s", hand->error.text);
+    if (hand->clipped) ImGui::TextColored(RED, "A brush reached beyond the grid: what lies outside is lost.");
+    if (screen->saving)
+        ImGui::TextUnformatted("Saving ...");
+    else if (screen->message[0])
+        ImGui::TextColored(screen->message_is_bad ? RED : GREY, "%s", screen->message);
+    ImGui::PopTextWrapPos();
+    if (ImGui::Button("Save .vdb")) hand->wishes |= ISOSCULPT_WISH_SAVE;
+    ImGui::SameLine();
+    if (ImGui::Button("Help")) screen->help = !screen->help;
+    ImGui::SameLine();
+    ImGui::TextColored(GREY, "%s", desk->changes == desk->saved ? "" : "not saved as .vdb");
+}
+
+static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const float width = 250 * panel->scale, gap = 8 * panel->scale;
+    ImGui::SetNextWindowPos(ImVec2(gap, gap), ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowSize(ImVec2(width, std::fmin(display.y - 2 * gap, 620 * panel->scale)),
+                             ImGuiCond_FirstUseEver);
+    ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings);
+    ImGui::PushItemWidth(-80 * panel->scale);
+    if (ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen)) section_brush(screen->hand);
+    if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) section_picture(screen->hand);
+    if (ImGui::CollapsingHeader("History", ImGuiTreeNodeFlags_DefaultOpen))
+        section_history(screen->hand, panel->scale);
+    if (ImGui::CollapsingHeader("Numbers", ImGuiTreeNodeFlags_DefaultOpen)) section_numbers(screen->hand);
+    if (ImGui::CollapsingHeader("Files", ImGuiTreeNodeFlags_DefaultOpen)) section_files(screen);
+    ImGui::PopItemWidth();
+    panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
+    ImGui::End();
+}
+
+/* ---- help and questions */
+
+static void draw_help(isosculpt_screen *screen) {
+    static const char *const rows[][2] = {{"left drag on the surface", "the brush"},
+                                          {"left drag beside it, middle drag", "orbit"},
+                                          {"right drag", "pan"},
+                                          {"wheel", "zoom"},
+                                          {"Shift + left drag", "smooth"},
+                                          {"Alt or Ctrl + left drag", "the brush, inverted"},
+                                          {"[  ]", "smaller, larger brush"},
+                                          {"X, C + moving the mouse", "size, strength"},
+                                          {"1 .. 9", "brushes"},
+                                          {"Escape", "take back the stroke being drawn"},
+                                          {"Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "undo, redo"},
+                                          {"Ctrl+S", "save as .vdb"},
+                                          {"F", "look at what is under the cursor, or at all"},
+                                          {"number pad 1, 3, 7", "front, right, top"},
+                                          {"F12, Shift+F12", "picture of the sculpture, of the window"},
+                                          {"Tab, H", "panel, this sheet"}};
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+    ImGui::Begin("Help", &screen->help,
+                 ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoCollapse);
+    if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+        for (const auto &row : rows)
+            for (const char *text : row) {
+                ImGui::TableNextColumn();
+                ImGui::TextUnformatted(text);
+            }
+        ImGui::EndTable();
+    }
+    ImGui::End();
+}
+
+/* A question in the middle; while it is there the sculpture is out of reach. */
+static bool begin_question(const char *title) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
+    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+    return ImGui::BeginPopupModal(title, nullptr,
+                                  ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
+}
+
+static void answer_button(isosculpt_screen *screen, const char *label, unsigned answers) {
+    if (!ImGui::Button(label)) return;
+    screen->answers |= answers;
+    ImGui::CloseCurrentPopup();
+}
+
+static void ask_recover(isosculpt_screen *screen) {
+    if (!begin_question("Recover?")) return;
+    ImGui::Text("A session was not closed:\n%s\n\nIts strokes are all there.", screen->offered);
+    answer_button(screen, "Recover it", ISOSCULPT_ANSWER_RECOVER);
+    ImGui::SameLine();
+    answer_button(screen, "Start new (the file stays)", ISOSCULPT_ANSWER_DISMISS);
+    ImGui::EndPopup();
+}
+
+static void ask_close(isosculpt_screen *screen) {
+    const char *journal = screen->hand->desk->journal;
+    if (!begin_question("Close?")) return;
+    if (journal[0])
+        ImGui::Text("What you did is not in a .vdb file. The stroke file has all of it:\n%s", journal);
+    else
+        ImGui::TextColored(RED, "What you did is in no file.");
+    answer_button(screen, "Save .vdb and close", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_CLOSE);
+    ImGui::SameLine();
+    answer_button(screen, "Close", ISOSCULPT_ANSWER_CLOSE);
+    ImGui::SameLine();
+    answer_button(screen, "Stay", ISOSCULPT_ANSWER_STAY);
+    ImGui::EndPopup();
+}
+
+/* ---- a frame */
+
+static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
+    panel->modal = screen->offered || screen->closing;
+    panel->place = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
+    if (screen->panel) draw_panel(panel, screen);
+    if (screen->help) draw_help(screen);
+    if (screen->offered)
+        ask_recover(screen);
+    else if (screen->closing)
+        ask_close(screen);
+    const isosculpt_hand *hand = screen->hand;
+    bool over = panel->place.holds(hand->x / screen->pixels, hand->y / screen->pixels);
+    draw_picture(screen, !panel->modal && (!over || hand->drag == ISOSCULPT_DRAG_BRUSH));
+}
+
+iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error) {
+    return iso::guard("Dear ImGui", error, [&] {
+        ImGui_ImplOpenGL3_NewFrame();
+        ImGui_ImplGlfw_NewFrame();
+        ImGui::NewFrame();
+        draw_all(panel, screen);
+        ImGui::Render();
+        ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+        return ISO_OK;
+    });
+}
+
+bool isosculpt_panel_has_pointer(const isosculpt_panel *panel, double x, double y) {
+    return panel->modal || panel->place.holds(x, y) || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+}
+
+bool isosculpt_panel_has_keys(const isosculpt_panel *panel) {
+    return panel->modal || ImGui::GetIO().WantTextInput;
+}
+
+/* ---- life */
+
+static void set_style(float scale) {
+    ImGuiIO &io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    ImFontConfig font;
+    font.SizePixels = std::floor(13 * scale);
+    io.Fonts->AddFontDefault(&font);
+    ImGui::StyleColorsDark();
+    ImGui::GetStyle().WindowRounding = 5;
+    ImGui::GetStyle().FrameRounding = 3;
+    ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 0.88f;
+    ImGui::GetStyle().ScaleAllSizes(scale);
+}
+
+iso_status isosculpt_panel_create(void *window, double scale, isosculpt_panel **out, iso_error *error) {
+    return iso::guard("Dear ImGui", error, [&] {
+        isosculpt_panel *panel = new isosculpt_panel{};
+        panel->scale = (float)scale;
+        IMGUI_CHECKVERSION();
+        ImGui::CreateContext();
+        set_style(panel->scale);
+        bool ready = ImGui_ImplGlfw_InitForOpenGL((GLFWwindow *)window, true);
+        if (ready && ImGui_ImplOpenGL3_Init("#version 150")) {
+            *out = panel;
+            return ISO_OK;
+        }
+        if (ready) ImGui_ImplGlfw_Shutdown();
+        ImGui::DestroyContext();
+        delete panel;
+        return iso_fail(error, ISO_ERR_BACKEND, "OpenGL cannot be used by Dear ImGui");
+    });
+}
+
+void isosculpt_panel_destroy(isosculpt_panel *panel) {
+    if (!panel) return;
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+    delete panel;
+}

@@ -1,0 +1,53 @@
+/* panel: all that is drawn over the picture: the panel, the help sheet, questions and the brush's ring. Dear
+ * ImGui is behind it and nowhere else. One a program: Dear ImGui keeps its context in a global. */
+#ifndef ISO_APPS_ISOSCULPT_PANEL_H
+#define ISO_APPS_ISOSCULPT_PANEL_H
+
+#include "apps/isosculpt_hand.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Answers of the person to what the panel shows, for the window. */
+enum {
+    ISOSCULPT_ANSWER_RECOVER = 1, /* the journal that was offered */
+    ISOSCULPT_ANSWER_DISMISS = 2, /* do not offer it again */
+    ISOSCULPT_ANSWER_CLOSE = 4,
+    ISOSCULPT_ANSWER_STAY = 8,
+    ISOSCULPT_ANSWER_SAVE = 16
+};
+
+/* What the panel shows and changes; the window's. */
+typedef struct isosculpt_screen {
+    isosculpt_hand *hand;
+    unsigned texture;    /* of the picture; 0: none yet */
+    int width, height;   /* framebuffer */
+    double pixels;       /* framebuffer pixels a window coordinate */
+    bool panel, help;    /* shown */
+    bool closing;        /* ask whether to close */
+    const char *offered; /* ask whether to recover this journal; NULL: do not */
+    bool saving;         /* a save is running */
+    char message[600];   /* of the last command; "" none */
+    bool message_is_bad;
+    unsigned answers;
+} isosculpt_screen;
+
+typedef struct isosculpt_panel isosculpt_panel;
+
+/* For a GLFWwindow whose context is current; its callbacks are set already and are called by ours. `scale`:
+ * of text and widgets. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+iso_status isosculpt_panel_create(void *window, double scale, isosculpt_panel **panel, iso_error *error);
+void isosculpt_panel_destroy(isosculpt_panel *panel);
+
+/* One frame into the current framebuffer. */
+iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error);
+
+/* Whether the pointer at a window position, or the keys, belong to the panel. */
+bool isosculpt_panel_has_pointer(const isosculpt_panel *panel, double x, double y);
+bool isosculpt_panel_has_keys(const isosculpt_panel *panel);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,111 @@
+/* view: what a window shows of a field, and what lies under its cursor. Knows no window.
+ *
+ * While the hand moves a fast method draws, at a lower resolution where the machine needs it; at rest the
+ * exact surface. Each method re-extracts only what the change log names. All picture coordinates are pixels
+ * of the full picture, y down. */
+#ifndef ISO_APPS_ISOSCULPT_VIEW_H
+#define ISO_APPS_ISOSCULPT_VIEW_H
+
+#include "extract/mesh.h"
+#include "extract/points.h"
+#include "image/camera.h"
+#include "image/image.h"
+#include "render/gbuffer.h"
+#include "render/pullpush.h"
+#include "render/shading.h"
+#include "truth/exact.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* AUTO: pullpush while the hand moves, exact at rest. */
+#define ISOSCULPT_METHODS(X)                                                                                 \
+    X(AUTO, "auto")                                                                                          \
+    X(POINTS, "points")                                                                                      \
+    X(PULLPUSH, "pullpush")                                                                                  \
+    X(EXACT, "exact")                                                                                        \
+    X(MESH, "mesh")
+typedef enum isosculpt_method {
+#define ISOSCULPT_METHOD_ENUM(name, text) ISOSCULPT_##name,
+    ISOSCULPT_METHODS(ISOSCULPT_METHOD_ENUM)
+#undef ISOSCULPT_METHOD_ENUM
+        ISOSCULPT_METHOD_COUNT
+} isosculpt_method;
+const char *isosculpt_method_name(isosculpt_method method);
+
+/* The last ISOSCULPT_LATENCIES times, seconds. Zero-initialise. */
+enum { ISOSCULPT_LATENCIES = 256 };
+typedef struct isosculpt_latency {
+    double seconds[ISOSCULPT_LATENCIES];
+    size_t count; /* ever added */
+} isosculpt_latency;
+void isosculpt_latency_add(isosculpt_latency *latency, double seconds);
+/* 0 .. 1 of them are faster; 0 when there are none. */
+double isosculpt_latency_quantile(const isosculpt_latency *latency, double quantile);
+
+/* A picture as it was drawn: what a stroke picks from, while newer ones are drawn. */
+typedef struct isosculpt_layer {
+    iso_gbuffer gbuffer; /* room; the used part is view.width x view.height */
+    iso_view view;
+    int factor; /* a sample is factor x factor pixels of the full picture */
+} isosculpt_layer;
+
+/* Zero-initialise. Camera, method, color and background may be changed between calls. */
+typedef struct isosculpt_view {
+    iso_camera camera;
+    isosculpt_method method;
+    iso_rgb color, background;
+    int factor; /* of pictures while the hand moves: 1 .. ISOSCULPT_FACTOR_MAX; found by their times */
+
+    iso_grid grid;  /* borrowed */
+    iso_pool *pool; /* borrowed */
+    iso_point_set *points;
+    iso_mesh_set *mesh;
+    iso_exact *exact;
+    iso_pullpush *workspace;
+    isosculpt_layer drawn, held; /* the last picture; the one that a stroke began on */
+    iso_image image;             /* room; its width and height are the last picture's */
+    size_t image_room;           /* pixels */
+    int width, height;           /* the full picture, as last drawn */
+    isosculpt_latency extract, draw;
+    size_t covered; /* samples of the last picture that show the surface */
+} isosculpt_view;
+
+enum { ISOSCULPT_FACTOR_MAX = 3 };
+
+/* Grid and pool are borrowed until free; the camera looks at the whole from the front. ISO_ERR_NOMEM. */
+iso_status isosculpt_view_init(isosculpt_view *view, iso_hgrid *grid, iso_pool *pool, iso_error *error);
+void isosculpt_view_free(isosculpt_view *view);
+
+/* Draws into view->image, which is the picture's size or, while moving, a factor smaller. ISO_ERR_NOMEM. */
+iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool moving, iso_error *error);
+
+/* Points of the surface, as last extracted. */
+size_t isosculpt_view_points(const isosculpt_view *view);
+
+/* What lies at a pixel of a layer, world; false: nothing. */
+typedef struct isosculpt_pick {
+    iso_vec3 position, normal;
+    double depth; /* view z, mm */
+} isosculpt_pick;
+bool isosculpt_layer_pick(const isosculpt_layer *layer, double x, double y, isosculpt_pick *pick);
+/* The world point of a pixel at a depth. */
+iso_vec3 isosculpt_layer_point(const isosculpt_layer *layer, double x, double y, double depth);
+/* The pixel of a world point; false: behind the eye. */
+bool isosculpt_layer_pixel(const isosculpt_layer *layer, iso_vec3 world, double *x, double *y);
+
+/* Keeps the last picture as view->held, for picks, until the next hold. */
+void isosculpt_view_hold(isosculpt_view *view);
+
+/* The camera. Pixels are of the full picture. */
+void isosculpt_view_orbit(isosculpt_view *view, double dx, double dy);
+void isosculpt_view_pan(isosculpt_view *view, double dx, double dy);
+void isosculpt_view_zoom(isosculpt_view *view, double factor); /* things appear `factor` times larger */
+void isosculpt_view_look(isosculpt_view *view, iso_direction direction);
+void isosculpt_view_focus(isosculpt_view *view, const iso_vec3 *at); /* NULL: the whole */
+
+#ifdef __cplusplus
+}
+#endif
+#endif

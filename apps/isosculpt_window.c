@@ -1,0 +1,409 @@
+/* The window of isosculpt: GLFW, its events, and when to draw what. */
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <GLFW/glfw3.h>
+
+#include "apps/isosculpt.h"
+#include "apps/isosculpt_panel.h"
+
+#ifndef GL_CLAMP_TO_EDGE
+#define GL_CLAMP_TO_EDGE 0x812F /* OpenGL 1.2 */
+#endif
+
+/* Seconds without a change after which the picture becomes the exact surface; between looks at the journal.
+ */
+static const double REST = 0.15, IDLE = 0.25;
+/* Frames after an event: Dear ImGui shows some answers only in the next. */
+enum { FRAMES = 3, WIDTH = 1280, HEIGHT = 800 };
+
+typedef struct window {
+    GLFWwindow *glfw;
+    const isosculpt_settings *settings;
+    iso_pool *pool;
+    isosculpt_desk desk;
+    isosculpt_view view;
+    isosculpt_hand hand;
+    isosculpt_screen screen;
+    isosculpt_panel *panel;
+    char folder[ISOSCULPT_PATH], offered[ISOSCULPT_PATH];
+    bool has_folder;
+    int texture_width, texture_height;
+    int frames;       /* still to be drawn */
+    double changed;   /* when the picture last had to be drawn */
+    bool rough;       /* the picture is not the one for rest */
+    bool close_after; /* a save, which must succeed */
+    bool shoot, shoot_all;
+    iso_error error; /* of drawing: it ends the program */
+} window;
+
+static window *of(GLFWwindow *glfw) {
+    return glfwGetWindowUserPointer(glfw);
+}
+
+static void say(window *w, bool bad, const char *text) {
+    snprintf(w->screen.message, sizeof w->screen.message, "%s", text);
+    w->screen.message_is_bad = bad;
+    w->frames = FRAMES;
+}
+
+/* ---- events */
+
+static unsigned modifiers(int mods) {
+    return (mods & GLFW_MOD_SHIFT ? ISOSCULPT_SHIFT : 0u) | (mods & GLFW_MOD_CONTROL ? ISOSCULPT_CTRL : 0u) |
+           (mods & GLFW_MOD_ALT ? ISOSCULPT_ALT : 0u);
+}
+
+static void on_move(GLFWwindow *glfw, double x, double y) {
+    window *w = of(glfw);
+    w->frames = FRAMES;
+    isosculpt_hand_move(&w->hand, x * w->screen.pixels, y * w->screen.pixels);
+}
+
+static void on_button(GLFWwindow *glfw, int button, int action, int mods) {
+    static const isosculpt_button buttons[] = {ISOSCULPT_LEFT, ISOSCULPT_RIGHT, ISOSCULPT_MIDDLE};
+    window *w = of(glfw);
+    w->frames = FRAMES;
+    if (button < 0 || button > GLFW_MOUSE_BUTTON_MIDDLE) return;
+    double x = w->hand.x, y = w->hand.y; /* of the last event: GLFW sends the position first */
+    if (action == GLFW_RELEASE)
+        isosculpt_hand_release(&w->hand, buttons[button]);
+    else if (!isosculpt_panel_has_pointer(w->panel, x / w->screen.pixels, y / w->screen.pixels))
+        isosculpt_hand_press(&w->hand, buttons[button], modifiers(mods), x, y);
+}
+
+static void on_scroll(GLFWwindow *glfw, double dx, double dy) {
+    (void)dx;
+    window *w = of(glfw);
+    w->frames = FRAMES;
+    double pixels = w->screen.pixels;
+    if (!isosculpt_panel_has_pointer(w->panel, w->hand.x / pixels, w->hand.y / pixels))
+        isosculpt_hand_scroll(&w->hand, dy);
+}
+
+/* What a key stands for on this keyboard; the number pad's are views. */
+static int key_of(int key, int scancode) {
+    if (key == GLFW_KEY_KP_1) return ISOSCULPT_KEY_FRONT;
+    if (key == GLFW_KEY_KP_3) return ISOSCULPT_KEY_SIDE;
+    if (key == GLFW_KEY_KP_7) return ISOSCULPT_KEY_TOP;
+    if (key == GLFW_KEY_ESCAPE) return ISOSCULPT_KEY_ESCAPE;
+    if (key < 0 || key > 127) return 0;
+    const char *name = glfwGetKeyName(key, scancode);
+    if (name && isalpha((unsigned char)name[0]) && !name[1]) return tolower((unsigned char)name[0]);
+    return tolower(key); /* digits and brackets by their place */
+}
+
+static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods) {
+    window *w = of(glfw);
+    w->frames = FRAMES;
+    int meant = key_of(key, scancode);
+    if (action == GLFW_RELEASE) {
+        isosculpt_hand_key(&w->hand, meant, modifiers(mods), false);
+        return;
+    }
+    if (isosculpt_panel_has_keys(w->panel)) return;
+    if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
+    if (action == GLFW_PRESS && key == GLFW_KEY_F12)
+        *(mods & GLFW_MOD_SHIFT ? &w->shoot_all : &w->shoot) = true;
+    if (action == GLFW_PRESS && meant == 'h') w->screen.help = !w->screen.help;
+    isosculpt_hand_key(&w->hand, meant, modifiers(mods), true);
+}
+
+static void on_refresh(GLFWwindow *glfw) {
+    of(glfw)->frames = FRAMES;
+}
+
+static void on_size(GLFWwindow *glfw, int width, int height) {
+    window *w = of(glfw);
+    (void)width;
+    (void)height;
+    w->frames = FRAMES;
+    w->hand.wishes |= ISOSCULPT_WISH_PICTURE;
+}
+
+static void set_callbacks(window *w) {
+    glfwSetWindowUserPointer(w->glfw, w);
+    glfwSetCursorPosCallback(w->glfw, on_move);
+    glfwSetMouseButtonCallback(w->glfw, on_button);
+    glfwSetScrollCallback(w->glfw, on_scroll);
+    glfwSetKeyCallback(w->glfw, on_key);
+    glfwSetWindowRefreshCallback(w->glfw, on_refresh);
+    glfwSetFramebufferSizeCallback(w->glfw, on_size);
+}
+
+/* ---- the sculpture on the desk */
+
+/* The hand and the view of what is on the desk. The brush and the look stay as they are. */
+static iso_status show_desk(window *w, iso_error *error) {
+    iso_brush brush = w->hand.brush;
+    isosculpt_view_free(&w->view);
+    ISO_TRY(isosculpt_view_init(&w->view, iso_session_grid(w->desk.session), w->pool, error));
+    isosculpt_hand_init(&w->hand, &w->desk, &w->view);
+    if (brush.radius > 0) w->hand.brush = brush;
+    w->hand.wishes = ISOSCULPT_WISH_PICTURE;
+    return ISO_OK;
+}
+
+static iso_status open_first(window *w, iso_error *error) {
+    const isosculpt_settings *settings = w->settings;
+    iso_error reason = {0};
+    w->has_folder = isosculpt_desk_folder(w->folder, &reason) == ISO_OK;
+    if (settings->strokes) return isosculpt_desk_open(&w->desk, settings->strokes, error);
+    bool unclosed = w->has_folder && isosculpt_desk_unclosed(w->folder, w->offered);
+    if (settings->recover && unclosed) return isosculpt_desk_open(&w->desk, w->offered, error);
+    if (unclosed) w->screen.offered = w->offered;
+    if (settings->recover) say(w, false, "There is nothing to recover: no session was left unclosed.");
+    ISO_TRY(isosculpt_desk_new(&w->desk, w->has_folder ? w->folder : NULL, error));
+    if (reason.text[0]) snprintf(w->desk.trouble, sizeof w->desk.trouble, "%s", reason.text);
+    return ISO_OK;
+}
+
+/* In place of the new ball. Where it cannot be opened, a new ball it is. */
+static iso_status recover(window *w, iso_error *error) {
+    iso_error reason = {0};
+    isosculpt_view_free(&w->view);
+    isosculpt_desk_close(&w->desk);
+    if (isosculpt_desk_open(&w->desk, w->offered, &reason) != ISO_OK) {
+        say(w, true, reason.text);
+        ISO_TRY(isosculpt_desk_new(&w->desk, w->folder, error));
+    }
+    return show_desk(w, error);
+}
+
+/* ---- files */
+
+static void start_save(window *w) {
+    iso_error reason = {0};
+    if (isosculpt_desk_save(&w->desk, &reason) != ISO_OK) say(w, true, reason.text);
+}
+
+static void finish_save(window *w) {
+    iso_error reason = {0};
+    iso_status status = ISO_OK;
+    char path[ISOSCULPT_PATH], text[sizeof w->screen.message];
+    isosculpt_saving saving = isosculpt_desk_saving(&w->desk, false, &status, &reason);
+    w->screen.saving = saving == ISOSCULPT_SAVE_RUNNING;
+    if (saving != ISOSCULPT_SAVE_DONE) return;
+    isosculpt_desk_target(&w->desk, path);
+    snprintf(text, sizeof text, "%s%.500s",
+             status == ISO_OK ? "Saved " : "Not saved: ", status == ISO_OK ? path : reason.text);
+    say(w, status != ISO_OK, text);
+    if (w->close_after && status == ISO_OK) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
+    if (status != ISO_OK) w->close_after = false;
+}
+
+/* The first name beside the strokes that is free. */
+static bool name_shot(const isosculpt_desk *desk, char path[ISOSCULPT_PATH]) {
+    char base[ISOSCULPT_PATH];
+    isosculpt_desk_target(desk, base);
+    for (int number = 1; number < 10000; number++) {
+        int length = snprintf(path, ISOSCULPT_PATH, "%.*s-%d.png", (int)strlen(base) - 4, base, number);
+        if (length < ISOSCULPT_PATH && access(path, F_OK)) return true;
+    }
+    return false;
+}
+
+static void write_shot(window *w, const iso_image *image) {
+    char path[ISOSCULPT_PATH], text[sizeof w->screen.message];
+    iso_error reason = {0};
+    iso_png_opts opts = {.pool = w->pool};
+    bool named = name_shot(&w->desk, path);
+    bool written = named && iso_png_write_with(path, image, &opts, &reason) == ISO_OK;
+    snprintf(text, sizeof text, "%s%.500s", written ? "Picture: " : "No picture: ",
+             written ? path
+             : named ? reason.text
+                     : "there is no free name");
+    say(w, !written, text);
+}
+
+/* What is in the framebuffer, panel and all; OpenGL's first row is the lowest. */
+static void shoot_window(window *w) {
+    iso_image image;
+    int width = w->screen.width, height = w->screen.height;
+    if (iso_image_create(width, height, &image, NULL) != ISO_OK) return;
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    for (int row = 0; row < height; row++)
+        glReadPixels(0, height - 1 - row, width, 1, GL_RGBA, GL_UNSIGNED_BYTE,
+                     image.rgba + (size_t)row * (size_t)width * 4);
+    for (size_t i = 3; i < (size_t)width * (size_t)height * 4; i += 4) image.rgba[i] = 255;
+    write_shot(w, &image);
+    iso_image_free(&image);
+}
+
+/* ---- drawing */
+
+static void upload(window *w) {
+    const iso_image *image = &w->view.image;
+    if (!w->screen.texture) glGenTextures(1, &w->screen.texture);
+    glBindTexture(GL_TEXTURE_2D, w->screen.texture);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    if (w->texture_width == image->width && w->texture_height == image->height) {
+        glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image->width, image->height, GL_RGBA, GL_UNSIGNED_BYTE,
+                        image->rgba);
+        return;
+    }
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, image->width, image->height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                 image->rgba);
+    w->texture_width = image->width;
+    w->texture_height = image->height;
+}
+
+static iso_status draw_picture(window *w, bool moving, iso_error *error) {
+    ISO_TRY(isosculpt_view_draw(&w->view, w->screen.width, w->screen.height, moving, error));
+    upload(w);
+    w->rough = moving;
+    w->frames = FRAMES;
+    return ISO_OK;
+}
+
+/* The picture that is due now, if any. */
+static iso_status update_picture(window *w, iso_error *error) {
+    if (w->hand.wishes & ISOSCULPT_WISH_PICTURE) {
+        w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_PICTURE;
+        w->changed = isosculpt_now();
+        ISO_TRY(draw_picture(w, true, error));
+    } else if (w->rough && (w->shoot || isosculpt_now() - w->changed > REST))
+        ISO_TRY(draw_picture(w, false, error));
+    if (w->shoot && !w->rough) {
+        w->shoot = false;
+        write_shot(w, &w->view.image);
+    }
+    return ISO_OK;
+}
+
+static void measure(window *w) {
+    int width, height;
+    glfwGetWindowSize(w->glfw, &width, &height);
+    glfwGetFramebufferSize(w->glfw, &w->screen.width, &w->screen.height);
+    w->screen.pixels = width > 0 ? (double)w->screen.width / width : 1;
+}
+
+static iso_status draw(window *w, iso_error *error) {
+    measure(w);
+    if (w->screen.width <= 0 || w->screen.height <= 0) return ISO_OK; /* iconified */
+    ISO_TRY(update_picture(w, error));
+    if (w->frames <= 0) return ISO_OK;
+    w->frames--;
+    glViewport(0, 0, w->screen.width, w->screen.height);
+    ISO_TRY(isosculpt_panel_draw(w->panel, &w->screen, error));
+    if (w->shoot_all) {
+        w->shoot_all = false;
+        shoot_window(w);
+    }
+    glfwSwapBuffers(w->glfw);
+    return ISO_OK;
+}
+
+/* ---- the loop */
+
+static iso_status obey(window *w, iso_error *error) {
+    unsigned answers = w->screen.answers;
+    w->screen.answers = 0;
+    if ((w->hand.wishes & ISOSCULPT_WISH_SAVE) || (answers & ISOSCULPT_ANSWER_SAVE)) start_save(w);
+    w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_SAVE;
+    if (answers & (ISOSCULPT_ANSWER_CLOSE | ISOSCULPT_ANSWER_STAY)) w->screen.closing = false;
+    if (answers & ISOSCULPT_ANSWER_CLOSE) {
+        w->close_after = true;
+        if (!(answers & ISOSCULPT_ANSWER_SAVE)) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
+    }
+    if (answers & (ISOSCULPT_ANSWER_RECOVER | ISOSCULPT_ANSWER_DISMISS)) w->screen.offered = NULL;
+    if (answers & ISOSCULPT_ANSWER_DISMISS) isosculpt_desk_dismiss(w->offered);
+    return answers & ISOSCULPT_ANSWER_RECOVER ? recover(w, error) : ISO_OK;
+}
+
+/* Whether the loop ends: a window closed over unsaved changes asks first, and closes when it is closed again.
+ */
+static bool is_over(window *w) {
+    if (!glfwWindowShouldClose(w->glfw)) return false;
+    if (w->desk.changes == w->desk.saved || w->close_after || w->screen.closing) return true;
+    glfwSetWindowShouldClose(w->glfw, GLFW_FALSE);
+    w->screen.closing = true;
+    w->frames = FRAMES;
+    return false;
+}
+
+static void wait_events(window *w) {
+    double wait = w->rough ? w->changed + REST - isosculpt_now() : IDLE;
+    if (w->screen.saving) wait = fmin(wait, 0.05);
+    if (w->frames > 0 || w->hand.wishes || w->screen.answers || wait <= 0) {
+        glfwPollEvents();
+        return;
+    }
+    double start = isosculpt_now();
+    glfwWaitEventsTimeout(wait);
+    if (isosculpt_now() - start > 0.9 * IDLE) w->frames = 1; /* the journal's state may have changed */
+}
+
+static iso_status loop(window *w, iso_error *error) {
+    while (!is_over(w)) {
+        ISO_TRY(draw(w, error));
+        wait_events(w);
+        finish_save(w);
+        ISO_TRY(obey(w, error));
+    }
+    return ISO_OK;
+}
+
+/* ---- life */
+
+static iso_status no_window(iso_error *error, const char *what) {
+    const char *reason = NULL;
+    glfwGetError(&reason);
+    return iso_fail(error, ISO_ERR_BACKEND, "%s: %s; without a window: --replay FILE --headless", what,
+                    reason ? reason : "no reason is given");
+}
+
+/* The content scale in window coordinates: where those are no pixels, the system scales already. */
+static double text_scale(window *w) {
+    float x = 1, y = 1;
+    glfwGetWindowContentScale(w->glfw, &x, &y);
+    double scale = (double)x / w->screen.pixels;
+    return scale > 0.5 && scale < 8 ? scale : 1;
+}
+
+static iso_status make_window(window *w, iso_error *error) {
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 2);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+    int width = WIDTH, height = HEIGHT, x, y, room_x = 0, room_y = 0;
+    GLFWmonitor *monitor = glfwGetPrimaryMonitor();
+    if (monitor) glfwGetMonitorWorkarea(monitor, &x, &y, &room_x, &room_y);
+    if (room_x > 0 && room_x < width) width = room_x;
+    if (room_y > 0 && room_y < height) height = room_y;
+    w->glfw = glfwCreateWindow(width, height, "isosculpt", NULL, NULL);
+    if (!w->glfw) return no_window(error, "no window with OpenGL 3.2 can be opened");
+    glfwMakeContextCurrent(w->glfw);
+    glfwSwapInterval(1);
+    set_callbacks(w);
+    measure(w);
+    return isosculpt_panel_create(w->glfw, text_scale(w), &w->panel, error);
+}
+
+static iso_status run(window *w, iso_error *error) {
+    ISO_TRY(make_window(w, error));
+    ISO_TRY(open_first(w, error));
+    ISO_TRY(show_desk(w, error));
+    return loop(w, error);
+}
+
+iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, iso_error *error) {
+    window w = {.settings = settings, .pool = pool, .screen = {.hand = &w.hand, .panel = true, .pixels = 1}};
+    w.desk.pool = pool;
+    w.desk.undo_memory = (size_t)settings->undo_memory;
+    if (!glfwInit()) return no_window(error, "no window system");
+    iso_status status = run(&w, error);
+    isosculpt_view_free(&w.view);
+    isosculpt_desk_close(&w.desk);
+    isosculpt_panel_destroy(w.panel);
+    glfwTerminate();
+    return status;
+}
