@@ -172,8 +172,9 @@ static double ellipse(const work *w, const cell *c, int number, int cx, int cy, 
     double xx = square * (1 - m[0] * m[0]) + w->opts->low_pass, xy = -square * m[0] * m[1],
            yy = square * (1 - m[1] * m[1]) + w->opts->low_pass;
     double dx = x - c->x, dy = y - c->y, out = dx * m[0] + dy * m[1], flat = m[0] * m[0] + m[1] * m[1];
-    double reach = (square + w->opts->low_pass) * along * along + w->opts->edge * flat;
-    if (!c->hides && out * along < 0 && out * out > flat * reach) return INFINITY;
+    double reach =
+        (square + w->opts->facing) * along * along + (c->hides ? w->opts->facing : w->opts->edge) * flat;
+    if (out * along < 0 && out * out > flat * reach) return INFINITY;
     return (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy);
 }
 
@@ -189,8 +190,7 @@ static bool is_beyond(const work *w, const cell *c, int x, int y) {
     }
     double along = dot3(c->n, ray) / normal / sqrt(dot3(ray, ray)), radius = c->radius * scale;
     double out = ((x + 0.5 - c->x) * c->n[0] + (y + 0.5 - c->y) * c->n[1]) / normal;
-    return out * along < 0 &&
-           out * out > (radius * radius + w->opts->low_pass) * along * along + w->opts->edge;
+    return out * along < 0 && out * out > (radius * radius + w->opts->facing) * along * along + w->opts->edge;
 }
 
 static void push(work *w, int number) {

@@ -149,12 +149,13 @@ static iso_view look_at(const scene *s, int side, double zoom, bool orthographic
 }
 
 static reference_opts layout_of(const iso_view *view, const iso_point_view *points, bool box) {
-    reference_opts opts = {.box = box, .low_pass = 1, .edge = 0.04, .disc_radii = ISO_DISC_RADII};
+    reference_opts opts = {
+        .box = box, .low_pass = 2, .facing = 1, .edge = 0.04, .disc_radii = ISO_DISC_RADII};
     iso_error error = {0};
     iso_point_blocks blocks = {0};
     iso_projector projector = iso_projector_make(view, &points->transform);
     ok(iso_point_blocks_make(&blocks, points, &projector, NULL, &error), &error);
-    iso_pyramid_levels(blocks.radius, 1, &opts.base, &opts.top);
+    iso_pyramid_levels(blocks.radius, 2, &opts.base, &opts.top);
     opts.guard = iso_pyramid_shape_of(view, opts.base, opts.top).guard;
     opts.cull = points->closed && !blocks.around_eye;
     iso_point_blocks_free(&blocks);

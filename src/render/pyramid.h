@@ -33,7 +33,7 @@ enum {
     /* The ellipse: at a distance d, in pixels of the level, from its centre, q = WIDE d.d + (d.THIN)^2;
      * inside q < 1 and d.THIN <= OUT, THIN pointing to where the surface ends. WIDE is infinite where there
      * is no point. Before ellipses are made, HIDDEN says where a surface goes on behind the end of another:
-     * then OUT will be infinite, else there would be a gap between the two. */
+     * there OUT is more, else there would be a gap between the two; it is in the last bit of OUT then. */
     ISO_PLANE_WIDE,
     ISO_PLANE_HIDDEN = ISO_PLANE_WIDE, /* 1 or 0 */
     ISO_PLANE_THIN_X,
