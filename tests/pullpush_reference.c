@@ -6,7 +6,7 @@
 #include "render/project.h"
 
 typedef struct cell {
-    bool valid;
+    bool valid, hides; /* hides: a surface goes on behind it */
     double n[3], depth, low, high;
     double x, y; /* the ellipse's centre, pixels of level 0 from the frame's corner */
     double radius, rgb[3];
@@ -109,6 +109,7 @@ static cell mix(const work *w, const share *shares, int count) {
         const cell *c = shares[i].from;
         double weight = shares[i].weight;
         if (!joins(w, c, front)) continue;
+        sum.hides = sum.hides || c->hides;
         total += weight;
         for (int k = 0; k < 3; k++) sum.n[k] += weight * c->n[k];
         for (int k = 0; k < 3; k++) sum.rgb[k] += weight * c->rgb[k];
@@ -139,12 +140,19 @@ static void pull(work *w, int number) {
                 const cell *c = cell_at(fine, 2 * x + (k & 1), 2 * y + (k >> 1));
                 if (c && c->valid) shares[count++] = (share){c, 1};
             }
-            if (count) *cell_at(coarse, x, y) = mix(w, shares, count);
+            if (!count) continue;
+            cell made = mix(w, shares, count), front = made;
+            for (int i = 0; i < count; i++)
+                if (shares[i].from->low == made.low) front = *shares[i].from;
+            for (int i = 0; i < count; i++)
+                if (!joins(w, shares[i].from, &front)) made.hides = true;
+            *cell_at(coarse, x, y) = made;
         }
 }
 
 /* q of the ellipse of a coarser pixel, `number` the level and (cx, cy) the pixel, at (x, y): the shadow of
- * its disc along the ray to the pixel's centre. */
+ * its disc along the ray to the pixel's centre; infinite where that is too far out for what is seen edge-on.
+ */
 static double ellipse(const work *w, const cell *c, int number, int cx, int cy, double x, double y) {
     const iso_view *view = w->view;
     double size = w->levels[number].size, n[3] = {c->n[0], c->n[1], c->n[2]}, ray[3] = {0, 0, 1};
@@ -163,8 +171,26 @@ static double ellipse(const work *w, const cell *c, int number, int cx, int cy, 
     double radius = c->radius * view->focal / (view->orthographic ? 1 : c->depth), square = radius * radius;
     double xx = square * (1 - m[0] * m[0]) + w->opts->low_pass, xy = -square * m[0] * m[1],
            yy = square * (1 - m[1] * m[1]) + w->opts->low_pass;
-    double dx = x - c->x, dy = y - c->y;
+    double dx = x - c->x, dy = y - c->y, out = dx * m[0] + dy * m[1], flat = m[0] * m[0] + m[1] * m[1];
+    double reach =
+        (square + w->opts->facing) * along * along + (c->hides ? w->opts->facing : w->opts->edge) * flat;
+    if (out * along < 0 && out * out > flat * reach) return INFINITY;
     return (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy);
+}
+
+/* Whether a point of level 0 leaves its pixel's centre (x + 0.5, y + 0.5) out, by the same rule but along the
+ * ray to that. */
+static bool is_beyond(const work *w, const cell *c, int x, int y) {
+    const iso_view *view = w->view;
+    double ray[3] = {0, 0, 1}, normal = sqrt(dot3(c->n, c->n)), scale = view->focal;
+    if (!view->orthographic) {
+        ray[0] = (x + 0.5 - w->opts->guard - view->cx) / view->focal;
+        ray[1] = (y + 0.5 - w->opts->guard - view->cy) / view->focal;
+        scale /= c->depth;
+    }
+    double along = dot3(c->n, ray) / normal / sqrt(dot3(ray, ray)), radius = c->radius * scale;
+    double out = ((x + 0.5 - c->x) * c->n[0] + (y + 0.5 - c->y) * c->n[1]) / normal;
+    return out * along < 0 && out * out > (radius * radius + w->opts->facing) * along * along + w->opts->edge;
 }
 
 static void push(work *w, int number) {
@@ -184,6 +210,7 @@ static void push(work *w, int number) {
                 shares[count++] = (share){c, w->opts->box ? 1 : exp(-2 * q)};
             }
             cell *own = cell_at(fine, x, y);
+            if (number == 0 && !count && own->valid && is_beyond(w, own, x, y)) own->valid = false;
             if (!count || (own->valid && own->low <= front->high)) continue;
             *own = mix(w, shares, count);
         }

@@ -9,7 +9,7 @@
 typedef struct reference_opts {
     bool box, cull;
     int base, top, guard;
-    double low_pass, disc_radii;
+    double low_pass, facing, edge, disc_radii;
 } reference_opts;
 
 /* Draws into a cleared gbuffer of the view's size, which must be whole (no strip). */

@@ -16,7 +16,9 @@ enum {
 };
 
 /* Pixels^2 of the screen-space filter. */
-static const float LOW_PASS = 1.0f;
+static const float LOW_PASS = 2;
+/* The same on the side where the surface ends, seen face-on and edge-on. */
+static const float FACING = 1, EDGE = 0.04f;
 /* A pyramid that would take more is made for a part of the picture at a time. */
 static const size_t PYRAMID_BYTES = (size_t)256 << 20;
 /* exp(-2 q) for q in 0 .. 1, within 0.0025. */
@@ -85,7 +87,9 @@ static void set_up_job(frame *f, bool two_sided) {
         .two_sided = two_sided,
         .ray = {(float)(view->cx - shape->column), (float)(view->cy - shape->row + shape->rows_before)},
         .slope = view->orthographic ? 0 : (float)(1 / view->focal),
-        .low_pass = LOW_PASS};
+        .low_pass = LOW_PASS,
+        .facing = FACING,
+        .edge = EDGE};
     memcpy(f->job.normal, f->projector.normal, sizeof f->job.normal);
     memcpy(f->job.weight, f->reconstruction == ISO_RECONSTRUCTION_BOX ? BOX : GAUSSIAN, sizeof f->job.weight);
 }

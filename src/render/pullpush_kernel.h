@@ -39,6 +39,7 @@ typedef struct iso_reconstruction_job {
     float ray[2], slope; /* x / z of pixel column c of level 0 is (c + 0.5 - ray[0]) * slope; y likewise, rows
                             being counted from the whole frame */
     float low_pass;      /* added to the squared axes of ellipses, pixels^2 */
+    float facing, edge;  /* the same on the side where the surface ends, seen face-on and edge-on */
     float weight[4];     /* of q, 0 .. 1: a polynomial */
 } iso_reconstruction_job;
 

@@ -30,11 +30,15 @@ enum {
     ISO_PLANE_HIGH,
     ISO_PLANE_DX, /* from the pixel's centre to the ellipse's, in pixels of the level */
     ISO_PLANE_DY,
-    /* The ellipse: at a distance d, in pixels of the level, from its centre, q = WIDE d.d + (d.THIN)^2, and
-     * q < 1 inside; WIDE is infinite where there is no point. */
+    /* The ellipse: at a distance d, in pixels of the level, from its centre, q = WIDE d.d + (d.THIN)^2;
+     * inside q < 1 and d.THIN <= OUT, THIN pointing to where the surface ends. WIDE is infinite where there
+     * is no point. Before ellipses are made, HIDDEN says where a surface goes on behind the end of another:
+     * there OUT is more, else there would be a gap between the two; it is in the last bit of OUT then. */
     ISO_PLANE_WIDE,
+    ISO_PLANE_HIDDEN = ISO_PLANE_WIDE, /* 1 or 0 */
     ISO_PLANE_THIN_X,
     ISO_PLANE_THIN_Y,
+    ISO_PLANE_OUT,
     /* Averages that only some points need; level 0 has no plane but these. */
     ISO_PLANE_RADIUS, /* mm */
     ISO_PLANE_RED,    /* 0 .. 255 */
