@@ -54,6 +54,22 @@ static void set_cell(const iso_exact_scratch *scratch, int cell, int voxel[3]) {
         voxel[axis] = ISO_BRICK * scratch->span->brick[axis] + scratch->block->origin[axis] + local[axis];
 }
 
+/* The lowest bits of a number, moved to where a mask has bits. */
+static inline uint64_t deposit_generic(uint64_t bits, uint64_t mask) {
+    uint64_t to = 0;
+    for (; mask; mask &= mask - 1, bits >>= 1)
+        if (bits & 1) to |= mask & (0 - mask);
+    return to;
+}
+#if ISO_HAVE_X86
+ISO_TARGET_AVX2 static inline uint64_t deposit_avx2(uint64_t bits, uint64_t mask) {
+    return _pdep_u64(bits, mask);
+}
+ISO_TARGET_AVX512 static inline uint64_t deposit_avx512(uint64_t bits, uint64_t mask) {
+    return _pdep_u64(bits, mask);
+}
+#endif
+
 #define ISO_LEVEL generic
 #include "truth/exact_kernel_body.inc"
 #undef ISO_LEVEL

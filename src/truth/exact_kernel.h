@@ -16,7 +16,9 @@ enum {
     ISO_EXACT_LIST = 1024,
     ISO_EXACT_LIST_ROOM = ISO_EXACT_LIST + 64 + ISO_LANES_MAX,
     ISO_EXACT_HITS = 256,
-    ISO_EXACT_HIT_ROOM = ISO_EXACT_HITS + 3 * ISO_LANES_MAX,
+    ISO_EXACT_ALONE_LIST = 256, /* pairs of a large cell */
+    ISO_EXACT_ALONE_ROOM = ISO_EXACT_ALONE_LIST + 64,
+    ISO_EXACT_HIT_ROOM = ISO_EXACT_HITS + ISO_EXACT_ALONE_ROOM + 3 * ISO_LANES_MAX,
 };
 
 /* A cell as pixels are tested against it. The field, scaled so that its largest corner is about 1, is f[0] +
@@ -52,6 +54,12 @@ typedef struct iso_exact_hits {
     float gradient[ISO_EXACT_HIT_ROOM][8][4]; /* and the gradients at its corners; x, y, z and any */
 } iso_exact_hits;
 
+/* Up to 64 pixels of a row, some of which are paired with a large cell. */
+typedef struct iso_exact_window {
+    uint64_t listed; /* bit n: the pixel n to the right of the first */
+    int32_t pixel;   /* the first, y << 16 | x */
+} iso_exact_window;
+
 /* One worker's. */
 typedef struct iso_exact_scratch {
     iso_rows rows;  /* of the band */
@@ -75,7 +83,10 @@ typedef struct iso_exact_scratch {
      * against, front to back. Before `careful` there may be some that need more than the plain test. */
     int32_t pixel[ISO_EXACT_LIST_ROOM], owner[ISO_EXACT_LIST_ROOM];
     int pairs, careful;
-    bool alone; /* cells are so large that each is tested by itself */
+    bool alone; /* cells are so large that each is tested by itself; then.. */
+    int windows;
+    iso_exact_window window[ISO_EXACT_ALONE_ROOM];  /* ..these are where the pairs lie, */
+    uint64_t struck[ISO_EXACT_ALONE_ROOM / 64 + 1]; /* and bits of the pairs that hit */
     iso_exact_hits hits;
 } iso_exact_scratch;
 
