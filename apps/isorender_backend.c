@@ -12,6 +12,12 @@ static bool is_any(const char *name, const char *a, const char *b) {
     return strcmp(name, a) == 0 || strcmp(name, b) == 0;
 }
 
+/* The gl engine reads every sample back. */
+static bool is_too_large(const isorender_settings *settings) {
+    uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
+    return pixels * (uint64_t)settings->samples > ISO_GL_SAMPLES_MAX;
+}
+
 iso_status isorender_backend_check(isorender_settings *settings, iso_error *error) {
     const char *name = settings->backend;
     bool gl = is_any(name, "egl", "osmesa");
@@ -26,6 +32,12 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(
             error, ISO_ERR_USAGE,
             "--point-scaling attenuated is for --method points with OpenGL (--backend egl or osmesa)");
+    bool draws = !settings->info && (!settings->no_image || settings->aov);
+    if ((gl || attenuated) && draws && is_too_large(settings))
+        return iso_fail(error, ISO_ERR_LIMIT,
+                        "%dx%d with %d samples a pixel is more than OpenGL is used for here (2^32 samples): "
+                        "--backend cpu draws it",
+                        settings->width, settings->height, settings->samples);
     return ISO_OK;
 }
 
@@ -45,6 +57,7 @@ iso_status isorender_backend_open(const isorender_settings *settings, isorender_
     bool attenuated = settings->scaling == ISO_SCALING_ATTENUATED;
     *backend = made;
     if (strcmp(settings->backend, "cpu") == 0 || !has_gl(settings->method)) return ISO_OK;
+    if (is_too_large(settings)) return ISO_OK; /* or nothing is drawn */
     iso_status status = open_context(settings, &made.context, error);
     if (status != ISO_OK && automatic && !attenuated)
         return ISO_OK; /* without a GPU the cpu engine is faster */
@@ -108,6 +121,14 @@ void isorender_backends_list(int threads) {
 }
 
 /* ---- pictures */
+
+uint64_t isorender_gl_bytes(const isorender_job *job) {
+    const isorender_backend *backend = job->backend;
+    if (!backend->engine || iso_gl_context_info(backend->context).hardware) return 0;
+    int factor = 1;
+    while (factor * factor < job->settings->samples) factor++;
+    return iso_gl_draw_bytes(backend->engine, job->settings->width * factor, job->settings->height * factor);
+}
 
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
     for (int i = 0; i < job->surface_count; i++) {

@@ -9,8 +9,9 @@
 #include "render/gl/shared.h"
 #include "render/project.h"
 
-/* Parts of a picture are at most this wide and high: 21 bytes a pixel on the GPU. */
-enum { MOST_SIDE = 4096 };
+/* Parts of a picture are at most this wide and high. Drivers of OpenGL 4.5 can do
+ * 16384, less what the widest points need around it. */
+enum { MOST_SIDE = 4096, LEAST_SIDE = 256 };
 static const size_t READ_BYTES = (size_t)8 << 20;
 
 _Static_assert(offsetof(iso_gl_frame, turn_x) == 128 && offsetof(iso_gl_frame, screen) == 224 &&
@@ -19,10 +20,14 @@ _Static_assert(offsetof(iso_gl_frame, turn_x) == 128 && offsetof(iso_gl_frame, s
 
 /* ---- creation */
 
-static int integer(const GladGLContext *gl, GLenum name) {
-    GLint value[2] = {0, 0};
-    gl->GetIntegerv(name, value);
-    return value[0];
+/* What the driver can draw at once, as a square; the rest is drawn in parts. */
+static int widest_part(const GladGLContext *gl, int margin) {
+    GLint texture = 0, view[2] = {0, 0}, side = MOST_SIDE;
+    gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
+    gl->GetIntegerv(GL_MAX_VIEWPORT_DIMS, view);
+    const GLint limits[] = {texture, view[0] - 2 * margin, view[1] - 2 * margin};
+    for (int i = 0; i < 3; i++) side = limits[i] < side ? limits[i] : side;
+    return side;
 }
 
 /* Points are drawn while their centres are in the viewport, so that it is wider than the picture by half the
@@ -35,14 +40,17 @@ static void make_buffers(iso_gl_engine *engine, const GladGLContext *gl) {
     GLfloat range[2] = {1, 1};
     gl->GetFloatv(GL_POINT_SIZE_RANGE, range);
     engine->max_point = range[1] < 1024 ? range[1] : 1024;
-    int side = integer(gl, GL_MAX_TEXTURE_SIZE), view = integer(gl, GL_MAX_VIEWPORT_DIMS);
-    view -= 2 * viewport_margin(engine);
-    engine->max_side = side < view ? side : view;
-    if (engine->max_side > MOST_SIDE) engine->max_side = MOST_SIDE;
+    engine->max_side = widest_part(gl, viewport_margin(engine));
     gl->CreateBuffers(1, &engine->frame);
     gl->NamedBufferStorage(engine->frame, sizeof(iso_gl_frame), NULL, GL_DYNAMIC_STORAGE_BIT);
     gl->CreateBuffers(1, &engine->commands);
     gl->CreateBuffers(1, &engine->instances);
+}
+
+static iso_status check_limits(const iso_gl_engine *engine, iso_error *error) {
+    if (engine->max_side >= LEAST_SIDE) return ISO_OK;
+    return iso_fail(error, ISO_ERR_BACKEND, "%s: pictures of the driver are at most %d pixels wide",
+                    engine->context->name, engine->max_side);
 }
 
 iso_status iso_gl_engine_create(iso_gl_context *context, iso_gl_engine **engine, iso_error *error) {
@@ -52,7 +60,7 @@ iso_status iso_gl_engine_create(iso_gl_context *context, iso_gl_engine **engine,
     iso_status status = iso_gl_enter(context, error);
     if (status == ISO_OK) {
         make_buffers(made, context->gl);
-        status = iso_gl_leave(context, ISO_OK, error);
+        status = iso_gl_leave(context, check_limits(made, error), error);
     }
     if (status == ISO_OK)
         *engine = made;
@@ -92,6 +100,13 @@ iso_status iso_gl_engine_program(iso_gl_engine *engine, iso_gl_program program, 
 }
 
 /* ---- the framebuffer */
+
+enum { TARGET_BYTES = 21 }; /* a pixel: RGBA32F, R8UI, DEPTH_COMPONENT32F */
+
+uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height) {
+    uint64_t side = (uint64_t)engine->max_side, w = (uint64_t)width, h = (uint64_t)height;
+    return (w < side ? w : side) * (h < side ? h : side) * TARGET_BYTES + READ_BYTES;
+}
 
 static GLuint make_texture(const GladGLContext *gl, GLenum format, int width, int height) {
     GLuint texture;
@@ -420,6 +435,7 @@ static iso_status draw_parts(picture *p, iso_gbuffer *gbuffer, iso_error *error)
             view.cx -= x;
             view.width = whole->width - x < side ? whole->width - x : side;
             ISO_TRY(draw_part(p, &view, (corner){x, y}, gbuffer, error));
+            ISO_TRY(iso_gl_check(p->engine->context, error)); /* nothing comes after a loss */
         }
     return ISO_OK;
 }

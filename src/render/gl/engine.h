@@ -22,6 +22,13 @@ iso_status iso_gl_engine_create(iso_gl_context *context, iso_gl_engine **engine,
 /* Its shapes must be gone. NULL is fine. */
 void iso_gl_engine_destroy(iso_gl_engine *engine);
 
+/* The largest picture, in samples: reading it back takes minutes where the cpu engine takes one. */
+#define ISO_GL_SAMPLES_MAX (UINT64_C(1) << 32)
+
+/* Bytes that drawing takes from the GPU, or where the driver has none from main memory, for pictures of this
+ * many samples: the same for all above the size of a part. */
+uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height);
+
 /* A surface in the GPU's memory: copied, so that the view's owner may change it. Errors: ISO_ERR_NOMEM,
  * ISO_ERR_LIMIT (2^31 vertices, 2^32 points or indices), ISO_ERR_BACKEND. Keeps the engine. */
 typedef struct iso_gl_shape iso_gl_shape;
