@@ -70,6 +70,7 @@ typedef struct isorender_settings {
     int reconstruction; /* iso_reconstruction */
     const char *backend;
     int scaling; /* iso_point_scaling */
+    int strips;
     int width, height, samples, turntable, no_image;
     iso_rgb background;
     int transparent;
