@@ -443,7 +443,6 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     ISO_TRY(iso_options_parse(isorender_program(), argc, argv, settings, operands, error));
     if (settings->help) return ISO_OK;
-    /* OpenGL draws points and meshes: asked for by name, it is given points. */
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(check_outputs(settings, error));
