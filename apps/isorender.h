@@ -70,6 +70,7 @@ typedef struct isorender_settings {
     int reconstruction; /* iso_reconstruction */
     const char *backend;
     int scaling; /* iso_point_scaling */
+    int strips;
     int width, height, samples, turntable, no_image;
     iso_rgb background;
     int transparent;
@@ -224,6 +225,7 @@ uint64_t isorender_picture_bytes(const isorender_settings *settings);
 
 /* isorender_backend.c: surfaces to the GPU, a picture from there, and the surfaces away again. */
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error);
+uint64_t isorender_gl_bytes(const isorender_job *job); /* of main memory, for a picture */
 iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
                              iso_error *error);
 void isorender_gl_forget(isorender_job *job);

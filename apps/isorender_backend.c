@@ -12,20 +12,47 @@ static bool is_any(const char *name, const char *a, const char *b) {
     return strcmp(name, a) == 0 || strcmp(name, b) == 0;
 }
 
-iso_status isorender_backend_check(isorender_settings *settings, iso_error *error) {
-    const char *name = settings->backend;
-    bool gl = is_any(name, "egl", "osmesa");
-    if (!gl && !is_any(name, "auto", "cpu"))
-        return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
+/* The gl engine reads every sample back. */
+static bool is_too_large(const isorender_settings *settings) {
+    uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
+    return pixels * (uint64_t)settings->samples > ISO_GL_SAMPLES_MAX;
+}
+
+/* Options that only OpenGL has, and the method that each is for. */
+static bool needs_gl(const isorender_settings *settings) {
+    return settings->scaling == ISO_SCALING_ATTENUATED || settings->strips;
+}
+
+static iso_status check_needs(const isorender_settings *settings, iso_error *error) {
+    bool cpu = strcmp(settings->backend, "cpu") == 0;
     bool attenuated = settings->scaling == ISO_SCALING_ATTENUATED;
-    if ((gl || attenuated) && settings->method == ISORENDER_UNCHOSEN) settings->method = ISORENDER_POINTS;
-    if (gl && !has_gl(settings->method))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--backend %s draws points and meshes only: other methods need the cpu", name);
-    if (attenuated && (settings->method != ISORENDER_POINTS || strcmp(name, "cpu") == 0))
+    if (attenuated && (settings->method != ISORENDER_POINTS || cpu))
         return iso_fail(
             error, ISO_ERR_USAGE,
             "--point-scaling attenuated is for --method points with OpenGL (--backend egl or osmesa)");
+    if (settings->strips && (settings->method != ISORENDER_MESH || cpu))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--strips is for --method mesh with OpenGL (--backend egl or osmesa)");
+    return ISO_OK;
+}
+
+iso_status isorender_backend_check(isorender_settings *settings, iso_error *error) {
+    const char *name = settings->backend;
+    bool gl = is_any(name, "egl", "osmesa"), needed = needs_gl(settings);
+    if (!gl && !is_any(name, "auto", "cpu"))
+        return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
+    if ((gl || needed) && settings->method == ISORENDER_UNCHOSEN)
+        settings->method = settings->strips ? ISORENDER_MESH : ISORENDER_POINTS;
+    if (gl && !has_gl(settings->method))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--backend %s draws points and meshes only: other methods need the cpu", name);
+    ISO_TRY(check_needs(settings, error));
+    bool draws = !settings->info && (!settings->no_image || settings->aov);
+    if ((gl || needed) && draws && is_too_large(settings))
+        return iso_fail(error, ISO_ERR_LIMIT,
+                        "%dx%d with %d samples a pixel is more than OpenGL is used for here (2^32 samples): "
+                        "--backend cpu draws it",
+                        settings->width, settings->height, settings->samples);
     return ISO_OK;
 }
 
@@ -42,11 +69,11 @@ iso_status isorender_backend_open(const isorender_settings *settings, isorender_
                                   iso_error *error) {
     isorender_backend made = {.name = "cpu", .renderer = "cpu generic"};
     bool automatic = strcmp(settings->backend, "auto") == 0;
-    bool attenuated = settings->scaling == ISO_SCALING_ATTENUATED;
     *backend = made;
     if (strcmp(settings->backend, "cpu") == 0 || !has_gl(settings->method)) return ISO_OK;
+    if (is_too_large(settings)) return ISO_OK; /* or nothing is drawn */
     iso_status status = open_context(settings, &made.context, error);
-    if (status != ISO_OK && automatic && !attenuated)
+    if (status != ISO_OK && automatic && !needs_gl(settings))
         return ISO_OK; /* without a GPU the cpu engine is faster */
     if (status != ISO_OK) return status;
     status = iso_gl_engine_create(made.context, &made.engine, error);
@@ -109,12 +136,24 @@ void isorender_backends_list(int threads) {
 
 /* ---- pictures */
 
+uint64_t isorender_gl_bytes(const isorender_job *job) {
+    const isorender_backend *backend = job->backend;
+    if (!backend->engine || iso_gl_context_info(backend->context).hardware) return 0;
+    int factor = 1;
+    while (factor * factor < job->settings->samples) factor++;
+    return iso_gl_draw_bytes(backend->engine, job->settings->width * factor, job->settings->height * factor);
+}
+
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
     for (int i = 0; i < job->surface_count; i++) {
         iso_gl_shape **shape = &job->shapes[i];
         if (job->method == ISORENDER_MESH) {
+            ISO_TRY(iso_mesh_set_bound(job->surfaces[i].mesh, error));
             iso_mesh_view mesh = iso_mesh_set_view(job->surfaces[i].mesh);
-            ISO_TRY(iso_gl_upload_mesh(job->backend->engine, &mesh, shape, error));
+            if (job->settings->strips)
+                ISO_TRY(iso_gl_upload_strips(job->backend->engine, &mesh, shape, error));
+            else
+                ISO_TRY(iso_gl_upload_mesh(job->backend->engine, &mesh, shape, error));
         } else {
             iso_point_view points = isorender_points_view(job, i);
             ISO_TRY(iso_gl_upload_points(job->backend->engine, &points, shape, error));

@@ -225,6 +225,9 @@ static const iso_option options[] = {
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
      .group = PICTURE, .standard = "exact", CHOICE(scaling, scalings)},
+    {"strips", NULL, NULL,
+     "draw the mesh as triangle strips; --json tells how many indices they save (needs OpenGL)",
+     .group = PICTURE, FLAG(strips)},
     {"resolution", NULL, "WxH", "size of the picture in pixels", .group = PICTURE, .standard = "1024x1024",
      CALL(apply_resolution)},
     {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE, .standard = "1",
@@ -440,10 +443,6 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     ISO_TRY(iso_options_parse(isorender_program(), argc, argv, settings, operands, error));
     if (settings->help) return ISO_OK;
-    /* OpenGL draws points and meshes: asked for by name, it is given points. */
-    bool gl = strcmp(settings->backend, "auto") != 0 && strcmp(settings->backend, "cpu") != 0;
-    if (settings->method == ISORENDER_UNCHOSEN && (gl || settings->scaling == ISO_SCALING_ATTENUATED))
-        settings->method = ISORENDER_POINTS;
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(check_outputs(settings, error));

@@ -178,7 +178,21 @@ static void put_files(iso_json *json, const isorender_job *job) {
     if (job->plan->mesh) iso_json_string(json, "mesh_path", job->plan->mesh);
 }
 
-static void put_backend(iso_json *json, const isorender_backend *backend) {
+/* As 2003, table 2: indices of the strips, restarts included, in percent of three a triangle. */
+static void put_strips(iso_json *json, const isorender_job *job) {
+    uint64_t indices = 0, triangles = 0;
+    for (int i = 0; i < job->surface_count && job->shapes[i]; i++) {
+        iso_gl_shape_stats stats = iso_gl_shape_measure(job->shapes[i]);
+        indices += stats.indices;
+        triangles += stats.triangles;
+    }
+    if (!triangles) return;
+    iso_json_integer(json, "strip_indices", indices);
+    iso_json_real(json, "strip_percent", 100 * (double)indices / (3 * (double)triangles));
+}
+
+static void put_backend(iso_json *json, const isorender_job *job) {
+    const isorender_backend *backend = job->backend;
     iso_json_string(json, "backend", backend->name);
     iso_json_string(json, "renderer", backend->renderer);
     if (!backend->context) return;
@@ -188,6 +202,7 @@ static void put_backend(iso_json *json, const isorender_backend *backend) {
     iso_json_string(json, "vendor", info.vendor);
     iso_json_string(json, "version", info.version);
     iso_json_integer(json, "messages", iso_gl_context_messages(backend->context).count);
+    if (job->settings->strips) put_strips(json, job);
     iso_json_end_object(json);
 }
 
@@ -209,7 +224,7 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     put_files(json, job);
     put_seconds(json, &job->seconds);
     iso_json_integer(json, "peak_bytes", iso_memory_peak());
-    put_backend(json, job->backend);
+    put_backend(json, job);
     if (!settings->info) iso_json_string(json, "method", isorender_method_name(job->method));
     iso_json_integer(json, "threads", (uint64_t)iso_pool_threads(job->pool));
     ISO_TRY(put_images(json, job, error));

@@ -14,7 +14,6 @@ typedef struct slot {
     uint32_t brick;
     iso_brick_place place;
     uint32_t block[ISO_SET_HEAPS];
-    uint64_t stamp;
 } slot;
 
 /* One extracted brick of a chunk; its items lie one after another in the chunk's arrays. */
@@ -58,8 +57,8 @@ static slot *slot_at(const iso_brick_set *set, size_t number) {
     return (slot *)set->slots.data + number;
 }
 
-uint64_t iso_brick_set_stamp(const iso_brick_set *set, size_t number) {
-    return slot_at(set, number)->stamp;
+const uint64_t *iso_brick_set_stamps(const iso_brick_set *set) {
+    return set->stamps.data;
 }
 
 static chunk *chunk_at(const iso_brick_set *set, size_t number) {
@@ -92,6 +91,8 @@ static void remove_slot(iso_brick_set *set, uint32_t brick) {
     set->span_of[brick] = 0;
     if (number == last) return;
     *slot_at(set, number) = *slot_at(set, last);
+    uint64_t *stamps = set->stamps.data;
+    stamps[number] = stamps[last];
     set->span_of[slot_at(set, number)->brick] = (uint32_t)number + 1;
     write_span(set, number);
 }
@@ -100,6 +101,8 @@ static iso_status add_slot(iso_brick_set *set, uint32_t brick, iso_error *error)
     size_t count = set->span_count, span_bytes = set->kernel.span_bytes;
     ISO_TRY(iso_buffer_reserve(&set->slots, (count + 1) * sizeof(slot), count * sizeof(slot), error));
     ISO_TRY(iso_buffer_reserve(&set->spans, (count + 1) * span_bytes, count * span_bytes, error));
+    ISO_TRY(
+        iso_buffer_reserve(&set->stamps, (count + 1) * sizeof(uint64_t), count * sizeof(uint64_t), error));
     slot *entry = slot_at(set, count);
     *entry = (slot){.brick = brick};
     int coordinates[3];
@@ -146,7 +149,7 @@ static iso_status place_result(iso_brick_set *set, const result *made, iso_error
         entry->place.count[heap] = made->count[heap];
     }
     entry->place.own = made->own;
-    entry->stamp = ++set->placed;
+    ((uint64_t *)set->stamps.data)[number] = ++set->placed;
     write_span(set, number);
     return ISO_OK;
 }
@@ -480,6 +483,7 @@ void iso_brick_set_free(iso_brick_set *set) {
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) iso_span_heap_free(&set->heap[heap]);
     iso_buffer_free(&set->spans);
     iso_buffer_free(&set->slots);
+    iso_buffer_free(&set->stamps);
     iso_buffer_free(&set->scratch);
     iso_buffer_free(&set->list);
     iso_brick_query_free(&set->query);

@@ -81,7 +81,7 @@ typedef struct iso_brick_set {
     uint64_t seen;     /* edits up to this one are in the set */
     uint64_t placed;   /* results that got a place so far */
     uint32_t *span_of; /* by brick: 1 + its span's number, 0: none */
-    iso_buffer spans, slots;
+    iso_buffer spans, slots, stamps;
     size_t span_count;
     iso_span_heap heap[ISO_SET_HEAPS];
     iso_buffer scratch, list, chunks;
@@ -104,8 +104,9 @@ void iso_brick_set_reset(iso_brick_set *set);
 /* Where a brick lies, by its number ((z * bricks_y + y) * bricks_x + x). */
 void iso_brick_set_coordinates(const iso_brick_set *set, uint32_t number, int brick[3]);
 
-/* Changes whenever what is in span `number` does, or another brick's comes there. */
-uint64_t iso_brick_set_stamp(const iso_brick_set *set, size_t number);
+/* A number for each span, never 0, that changes whenever what is in the span does or another brick's comes
+ * there. Not when it only moves. NULL when there is no span. */
+const uint64_t *iso_brick_set_stamps(const iso_brick_set *set);
 
 /* An array of a heap; NULL when nothing is in it. */
 const void *iso_brick_set_items(const iso_brick_set *set, int heap, int array);

@@ -163,6 +163,53 @@ static double uniform(uint32_t *seed) {
     return (double)(*seed >> 8) / (1 << 24);
 }
 
+/* The same surface in bricks far from the volume's corner, under voxels of a hundredth of a millimetre: index
+ * coordinates of millions that the origin takes back. In floats they would be off by a tenth of a voxel. */
+static void precision_does_not_depend_on_the_origin(void **state) {
+    (void)state;
+    static const int32_t shift[3] = {100000, -70000, 30000};
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    iso_grid grid;
+    gl_surface s = scene_surface("gyroid", 40, true, &grid);
+    iso_mesh_view mesh = iso_mesh_set_view(s.mesh);
+    iso_point_view points = iso_point_set_view(s.floats);
+    iso_mesh_span *mesh_spans = malloc(mesh.span_count * sizeof *mesh_spans);
+    iso_point_span *point_spans = malloc(points.span_count * sizeof *point_spans);
+    assert_true(mesh_spans && point_spans);
+    iso_transform far = iso_transform_identity();
+    for (int axis = 0; axis < 3; axis++) {
+        far.spacing[axis] = 0.01;
+        far.origin[axis] = -0.01 * ISO_BRICK * shift[axis];
+        for (size_t i = 0; i < mesh.span_count; i++) {
+            if (axis == 0) mesh_spans[i] = mesh.spans[i];
+            mesh_spans[i].brick[axis] += shift[axis];
+        }
+        for (size_t i = 0; i < points.span_count; i++) {
+            if (axis == 0) point_spans[i] = points.spans[i];
+            point_spans[i].brick[axis] += shift[axis];
+        }
+    }
+    mesh.spans = mesh_spans;
+    points.spans = point_spans;
+    mesh.transform = points.transform = far;
+    points.radius = 0.007;
+    const iso_box box = {{0, 0, 0}, {0.4, 0.4, 0.4}};
+    iso_view views[2] = {gl_side_view(&box, 2, false, 230, 250), gl_side_view(&box, 5, true, 230, 210)};
+    for (int c = 0; c < contexts.count; c++) {
+        iso_gl_engine *engine = make_engine(contexts.context[c]);
+        double worst = gl_check_mesh(engine, &mesh, views, 2, "far mesh");
+        worst = fmin(worst, gl_check_points(engine, &points, views, 2, "far points"));
+        printf("%s: %.1f dB\n", iso_gl_context_info(contexts.context[c]).name, worst);
+        iso_gl_engine_destroy(engine);
+    }
+    free(mesh_spans);
+    free(point_spans);
+    gl_surface_free(&s);
+    iso_grid_destroy(&grid);
+    gl_contexts_close(&contexts);
+}
+
 /* Spans in any order with room between them, points smaller and larger than pixels, each with a radius. */
 static void spans_lie_anywhere(void **state) {
     (void)state;
@@ -385,6 +432,7 @@ int main(void) {
         cmocka_unit_test(pictures_are_the_cpu_engines),
         cmocka_unit_test(limits_of_the_driver_do_not_show),
         cmocka_unit_test(attenuated_points_have_the_width_of_equation_7),
+        cmocka_unit_test(precision_does_not_depend_on_the_origin),
         cmocka_unit_test(spans_lie_anywhere),
         cmocka_unit_test(surfaces_hide_one_another),
         cmocka_unit_test(every_shader_compiles),

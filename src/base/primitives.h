@@ -69,8 +69,8 @@ typedef struct iso_point_span {
     size_t first; /* index of the span's first point */
 } iso_point_span;
 
-/* Boxes around a span's positions (relative to the brick, like them) and around its normals scaled to |x| +
- * |y| + |z| = 1; lo > hi when there is nothing. */
+/* Boxes around a span's positions (relative to the brick, like them) and around its normals (a mesh's: those
+ * of its triangles) scaled to |x| + |y| + |z| = 1; lo > hi when there is nothing. */
 typedef struct iso_point_bounds {
     float lo[3], hi[3];
     float normal_lo[3], normal_hi[3];
@@ -88,6 +88,9 @@ typedef struct iso_point_view {
     iso_transform transform;
     double radius; /* mm; half of sqrt(2) x the largest spacing for extracted points (2003, section 4.1) */
     const uint8_t (*colors)[3]; /* per point, red green blue, display values; NULL: the surface's for all */
+    /* One per span, never 0: changes when what the span holds does or another brick's comes there, not when
+     * it only moves. NULL: not known. */
+    const uint64_t *stamps;
     const iso_point_bounds *bounds; /* one per span; NULL: not known */
     bool closed; /* the points lie on closed surfaces with their normals outwards: seen from outside, those
                     that face away are hidden */
@@ -139,6 +142,9 @@ typedef struct iso_mesh_view {
     const iso_mesh_span *spans;
     size_t span_count;
     iso_transform transform;
+    const uint64_t *stamps;         /* as an iso_point_view's */
+    const iso_point_bounds *bounds; /* one per span; NULL: not known */
+    bool closed; /* the triangles are whole surfaces: seen from outside, those that face away are hidden */
 } iso_mesh_view;
 
 /* Welded counts: vertices that are owned, and all triangles. */

@@ -1,6 +1,7 @@
 #include "extract/mesh.h"
 
 #include "extract/mesh_run.h"
+#include "extract/span_bounds.h"
 #include "grids/brick_set.h"
 
 enum { VERTICES, TRIANGLES }; /* heaps */
@@ -16,6 +17,7 @@ struct iso_mesh_set {
     iso_grid grid;
     double isovalue;
     iso_mesh_runner runner;
+    iso_span_bounds bounds;
 };
 
 static bool may_exist(const void *context, const int brick[3]) {
@@ -94,17 +96,21 @@ iso_status iso_mesh_set_create(const iso_grid *grid, const iso_mesh_opts *opts, 
 void iso_mesh_set_destroy(iso_mesh_set *set) {
     if (!set) return;
     iso_brick_set_free(&set->set);
+    iso_span_bounds_free(&set->bounds);
     iso_free(set);
 }
 
 iso_status iso_mesh_set_update(iso_mesh_set *set, iso_error *error) {
     if (!isfinite(set->isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not finite");
-    return iso_brick_set_update(&set->set, error);
+    iso_status status = iso_brick_set_update(&set->set, error);
+    iso_span_bounds_forget(&set->bounds, status == ISO_OK);
+    return status;
 }
 
 void iso_mesh_set_isovalue(iso_mesh_set *set, double isovalue) {
     if (isovalue == set->isovalue) return;
     set_surface(set, isovalue);
+    iso_span_bounds_forget(&set->bounds, false);
     iso_brick_set_reset(&set->set);
 }
 
@@ -116,5 +122,56 @@ iso_mesh_view iso_mesh_set_view(const iso_mesh_set *set) {
         .spans = set->set.spans.data,
         .span_count = set->set.span_count,
         .transform = *iso_grid_transform(&set->grid),
+        .stamps = iso_brick_set_stamps(&set->set),
+        .bounds = iso_span_bounds_of(&set->bounds),
+        .closed = set->bounds.closed,
     };
+}
+
+/* ---- bounds */
+
+/* Of the triangle's plane, in index space; false of one without an area. */
+static bool plane_normal(const iso_surfel *vertices, const uint16_t triangle[3], double normal[3]) {
+    const float *a = vertices[triangle[0]].position, *b = vertices[triangle[1]].position,
+                *c = vertices[triangle[2]].position;
+    double u[3], v[3], size = 0;
+    for (int k = 0; k < 3; k++) {
+        u[k] = (double)b[k] - (double)a[k];
+        v[k] = (double)c[k] - (double)a[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        normal[k] = u[i] * v[j] - u[j] * v[i];
+        size += fabs(normal[k]);
+    }
+    for (int k = 0; k < 3; k++) normal[k] /= size;
+    return size > 0;
+}
+
+static void find_bounds(const void *context, size_t number, iso_point_bounds *bounds) {
+    const iso_mesh_view *view = context;
+    const iso_mesh_span *span = &view->spans[number];
+    const iso_surfel *vertices = view->vertices + span->first_vertex;
+    *bounds = (iso_point_bounds){{INFINITY, INFINITY, INFINITY},
+                                 {-INFINITY, -INFINITY, -INFINITY},
+                                 {INFINITY, INFINITY, INFINITY},
+                                 {-INFINITY, -INFINITY, -INFINITY}};
+    for (uint32_t i = 0; i < span->vertex_count; i++)
+        for (int k = 0; k < 3; k++) {
+            bounds->lo[k] = fminf(bounds->lo[k], vertices[i].position[k]);
+            bounds->hi[k] = fmaxf(bounds->hi[k], vertices[i].position[k]);
+        }
+    for (uint32_t i = 0; i < span->triangle_count; i++) {
+        double normal[3];
+        if (!plane_normal(vertices, view->triangles[span->first_triangle + i], normal)) continue;
+        for (int k = 0; k < 3; k++) {
+            bounds->normal_lo[k] = fminf(bounds->normal_lo[k], (float)normal[k]);
+            bounds->normal_hi[k] = fmaxf(bounds->normal_hi[k], (float)normal[k]);
+        }
+    }
+}
+
+iso_status iso_mesh_set_bound(iso_mesh_set *set, iso_error *error) {
+    const iso_mesh_view view = iso_mesh_set_view(set);
+    return iso_span_bounds_update(&set->bounds, &set->set, find_bounds, &view, error);
 }

@@ -39,6 +39,10 @@ void iso_mesh_set_isovalue(iso_mesh_set *set, double isovalue);
 /* The mesh, borrowed until the next update or destroy. */
 iso_mesh_view iso_mesh_set_view(const iso_mesh_set *set);
 
+/* As iso_point_set_bound: bounds of each span with the normals of its triangles, and whether they are whole
+ * surfaces. */
+iso_status iso_mesh_set_bound(iso_mesh_set *set, iso_error *error);
+
 /* One flat array of welded vertices and triangles, for export and measuring: vertices in index coordinates
  * (not brick-relative), in span order; duplicates replaced by their owner. Arrays are owned by the caller:
  * iso_weld_free. ISO_ERR_USAGE when a copy has no owner: the last update had failed. */

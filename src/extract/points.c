@@ -7,7 +7,7 @@
 #include "extract/edge_run.h"
 #include "extract/foot_kernel.h"
 #include "extract/foot_points.h"
-#include "grids/brick_index.h"
+#include "extract/span_bounds.h"
 #include "grids/brick_set.h"
 
 /* One worker's. */
@@ -27,9 +27,7 @@ struct iso_point_set {
     iso_edge_runner runner; /* edge points of an rgrid */
     iso_foot_surface foot_surface;
     const iso_foot_kernel *foot_kernel; /* foot points of an hgrid */
-    iso_buffer bounds;                  /* iso_point_bounds of each span */
-    iso_buffer bounded;                 /* and what they are of */
-    bool has_bounds, closed;
+    iso_span_bounds bounds;
 };
 
 const char *iso_primitive_name(iso_primitive primitive) {
@@ -264,22 +262,22 @@ iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opt
 void iso_point_set_destroy(iso_point_set *set) {
     if (!set) return;
     iso_brick_set_free(&set->set);
-    iso_buffer_free(&set->bounds);
-    iso_buffer_free(&set->bounded);
+    iso_span_bounds_free(&set->bounds);
     iso_free(set);
 }
 
 iso_status iso_point_set_update(iso_point_set *set, iso_error *error) {
     if (!isfinite(set->opts.isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not finite");
-    set->has_bounds = false;
-    return iso_brick_set_update(&set->set, error);
+    iso_status status = iso_brick_set_update(&set->set, error);
+    iso_span_bounds_forget(&set->bounds, status == ISO_OK);
+    return status;
 }
 
 void iso_point_set_isovalue(iso_point_set *set, double isovalue) {
     if (isovalue == set->opts.isovalue) return;
     set->opts.isovalue = isovalue;
     set_surface(set);
-    set->has_bounds = false;
+    iso_span_bounds_forget(&set->bounds, false);
     iso_brick_set_reset(&set->set);
 }
 
@@ -292,78 +290,26 @@ iso_point_view iso_point_set_view(const iso_point_set *set) {
         .spans = set->set.spans.data,
         .span_count = set->set.span_count,
         .transform = *iso_grid_transform(&set->grid),
+        .stamps = iso_brick_set_stamps(&set->set),
     };
     const double *spacing = view.transform.spacing;
     double largest = fmax(spacing[0], fmax(spacing[1], spacing[2]));
     view.radius = sqrt(0.5) * largest;
-    view.bounds = set->has_bounds ? set->bounds.data : NULL;
-    view.closed = set->has_bounds && set->closed;
+    view.bounds = iso_span_bounds_of(&set->bounds);
+    view.closed = set->bounds.closed;
     return view;
 }
 
 /* ---- bounds */
 
-enum { BOUND_SPANS = 256 }; /* one task's */
-
-/* Which state of a span its bounds are of, and whether the surface may end in it. */
-typedef struct bounded_span {
-    uint64_t stamp;
-    bool open;
-} bounded_span;
-
-/* The surface ends at the border of the volume and around voxels that are not finite. A surface that crosses
- * the border has points within a voxel of it, whatever their kind. */
-static bool may_be_open(const iso_point_set *set, const iso_point_span *span,
-                        const iso_point_bounds *bounds) {
-    const iso_rgrid *rgrid = set->grid.rgrid;
-    const int *dims = rgrid ? rgrid->dims : set->grid.hgrid->dims;
-    for (int axis = 0; axis < 3; axis++) {
-        float corner = (float)(span->brick[axis] * ISO_BRICK);
-        if (corner + bounds->lo[axis] < 1 || corner + bounds->hi[axis] > (float)(dims[axis] - 2)) return true;
-    }
-    if (!rgrid || rgrid->type != ISO_FLOAT32) return false;
-    const iso_brick_index *index = rgrid->index;
-    if (!index || !iso_brick_index_current(index)) return true;
-    for (int corner = 0; corner < 8; corner++) { /* cells of lower neighbours touch the brick's voxels */
-        int brick[3];
-        for (int axis = 0; axis < 3; axis++) {
-            brick[axis] = span->brick[axis] - (corner >> axis & 1);
-            if (brick[axis] < 0) brick[axis] = 0;
-        }
-        if (!iso_brick_index_finite(index, iso_brick_index_number(index, brick))) return true;
-    }
-    return false;
-}
-
-static void bound_spans(void *context, size_t index, int worker) {
-    (void)worker;
-    const iso_point_set *set = context;
-    const iso_point_view view = iso_point_set_view(set);
-    iso_point_bounds *bounds = set->bounds.data;
-    bounded_span *bounded = set->bounded.data;
-    size_t end = (index + 1) * BOUND_SPANS;
-    for (size_t i = index * BOUND_SPANS; i < end && i < view.span_count; i++) {
-        uint64_t stamp = iso_brick_set_stamp(&set->set, i);
-        if (bounded[i].stamp == stamp) continue;
-        const iso_point_span *span = &view.spans[i];
-        iso_point_bounds_find(&view, span->first, span->count, &bounds[i]);
-        bounded[i] = (bounded_span){stamp, may_be_open(set, span, &bounds[i])};
-    }
+static void find_bounds(const void *context, size_t span, iso_point_bounds *bounds) {
+    const iso_point_view *view = context;
+    iso_point_bounds_find(view, view->spans[span].first, view->spans[span].count, bounds);
 }
 
 iso_status iso_point_set_bound(iso_point_set *set, iso_error *error) {
-    const iso_brick_index *index; /* which float bricks are finite */
-    if (set->grid.rgrid && set->grid.rgrid->type == ISO_FLOAT32)
-        ISO_TRY(iso_rgrid_index(set->grid.rgrid, set->opts.pool, &index, error));
-    size_t count = set->set.span_count, had = set->bounded.bytes / sizeof(bounded_span);
-    ISO_TRY(iso_buffer_reserve(&set->bounds, count * sizeof(iso_point_bounds), set->bounds.bytes, error));
-    ISO_TRY(iso_buffer_reserve(&set->bounded, count * sizeof(bounded_span), set->bounded.bytes, error));
-    bounded_span *bounded = set->bounded.data;
-    for (size_t i = had; i < set->bounded.bytes / sizeof(bounded_span); i++) bounded[i].stamp = 0;
-    iso_parallel_for(set->opts.pool, (count + BOUND_SPANS - 1) / BOUND_SPANS, bound_spans, set);
-    set->has_bounds = set->closed = true;
-    for (size_t i = 0; i < count; i++) set->closed &= !bounded[i].open;
-    return ISO_OK;
+    const iso_point_view view = iso_point_set_view(set);
+    return iso_span_bounds_update(&set->bounds, &set->set, find_bounds, &view, error);
 }
 
 iso_points_stats iso_point_set_stats(const iso_point_set *set) {

@@ -36,24 +36,15 @@ typedef struct extent {
     double radius[2];
 } extent;
 
-/* (not fmin and fmax, which are calls) */
-static double least(double a, double b) {
-    return a < b ? a : b;
-}
-
-static double most(double a, double b) {
-    return a > b ? a : b;
-}
-
 static void radius_range(const iso_point_view *points, const iso_point_block *block, double range[2]) {
-    range[0] = range[1] = ISO_DISC_RADII * most(points->radius, 0);
+    range[0] = range[1] = ISO_DISC_RADII * iso_most(points->radius, 0);
     if (!points->radii) return;
     range[0] = DBL_MAX;
     range[1] = 0;
     for (size_t i = block->first; i < block->first + block->count; i++) {
-        double radius = ISO_DISC_RADII * most((double)points->radii[i], 0);
-        range[0] = least(range[0], radius);
-        range[1] = most(range[1], radius);
+        double radius = ISO_DISC_RADII * iso_most((double)points->radii[i], 0);
+        range[0] = iso_least(range[0], radius);
+        range[1] = iso_most(range[1], radius);
     }
 }
 
@@ -120,7 +111,7 @@ static void look(const iso_view *view, const extent *e, iso_point_block *block) 
     if (!(e->hi[2] >= view->near)) return;
     double scale[2] = {view->focal, view->focal}, columns[2], rows[2];
     if (!view->orthographic) {
-        double near = nearest_depth(view, e, most(e->lo[2], view->near));
+        double near = nearest_depth(view, e, iso_most(e->lo[2], view->near));
         if (!(near <= e->hi[2])) return;
         scale[0] /= near;
         scale[1] /= e->hi[2];
@@ -131,25 +122,6 @@ static void look(const iso_view *view, const extent *e, iso_point_block *block) 
     block->row[1] = whole_row(rows[1] + 1);
     block->radius[0] = (float)(e->radius[0] * scale[1]);
     block->radius[1] = (float)(e->radius[1] * scale[0]);
-}
-
-/* Where normal . (position - eye) lies, from the boxes around both, widened by far more than a point's own
- * test can err: then a block's answer is what each of its points would say. */
-static void face(const survey *s, const iso_point_bounds *bounds, iso_point_block *block) {
-    bool orthographic = s->projector->view->orthographic;
-    double lowest = 0, highest = 0, size = 0;
-    for (int k = 0; k < 3; k++) {
-        double corner = block->brick[k] * (double)ISO_BRICK - s->eye[k];
-        double lo = orthographic ? s->eye[k] : corner + bounds->lo[k];
-        double hi = orthographic ? s->eye[k] : corner + bounds->hi[k];
-        double a = lo * bounds->normal_lo[k], b = lo * bounds->normal_hi[k], c = hi * bounds->normal_lo[k],
-               d = hi * bounds->normal_hi[k];
-        lowest += least(least(a, b), least(c, d));
-        highest += most(most(a, b), most(c, d));
-        size += most(fabs(lo), fabs(hi));
-    }
-    block->averted = lowest > 1e-5 * size;
-    block->facing = highest < -1e-5 * size;
 }
 
 /* Without bounds, packed points can be anywhere in [-2, 18) and face anywhere; floats are looked at. */
@@ -173,12 +145,16 @@ static void survey_chunk(void *context, size_t index, int worker) {
         block->seen = block->averted = block->facing = false;
         if (!block_extent(s, block, &bounds, &e)) continue;
         for (int axis = 0; axis < 3; axis++) {
-            found.lo[axis] = least(found.lo[axis], e.lo[axis]);
-            found.hi[axis] = most(found.hi[axis], e.hi[axis]);
+            found.lo[axis] = iso_least(found.lo[axis], e.lo[axis]);
+            found.hi[axis] = iso_most(found.hi[axis], e.hi[axis]);
         }
         look(s->projector->view, &e, block);
         if (!block->seen) continue;
-        if (s->points->closed) face(s, &bounds, block);
+        if (s->points->closed) {
+            iso_facing facing = iso_projector_facing(s->projector, s->eye, block->brick, &bounds);
+            block->averted = facing == ISO_FACING_AWAY;
+            block->facing = facing == ISO_FACING_EYE;
+        }
         found.seen++;
         if (block->radius[0] < found.radius[0]) found.radius[0] = block->radius[0];
         if (block->radius[1] > found.radius[1]) found.radius[1] = block->radius[1];
@@ -196,8 +172,8 @@ static void sum_up(iso_point_blocks *blocks, const chunk *chunks, size_t count) 
         blocks->radius[0] = fminf(blocks->radius[0], chunks[i].radius[0]);
         blocks->radius[1] = fmaxf(blocks->radius[1], chunks[i].radius[1]);
         for (int axis = 0; axis < 3; axis++) {
-            lo[axis] = least(lo[axis], chunks[i].lo[axis]);
-            hi[axis] = most(hi[axis], chunks[i].hi[axis]);
+            lo[axis] = iso_least(lo[axis], chunks[i].lo[axis]);
+            hi[axis] = iso_most(hi[axis], chunks[i].hi[axis]);
         }
     }
     blocks->around_eye = true;

@@ -96,6 +96,25 @@ iso_rows iso_projector_rows(const iso_projector *projector, const iso_box *box, 
     return pixel_range(y0 * view->focal + view->cy, y1 * view->focal + view->cy, view->height);
 }
 
+/* Where normal . (position - eye) lies, from the boxes around both. */
+iso_facing iso_projector_facing(const iso_projector *projector, const double eye[3], const int32_t brick[3],
+                                const iso_point_bounds *bounds) {
+    bool orthographic = projector->view->orthographic;
+    double lowest = 0, highest = 0, size = 0;
+    for (int k = 0; k < 3; k++) {
+        double corner = brick[k] * (double)ISO_BRICK - eye[k];
+        double lo = orthographic ? eye[k] : corner + bounds->lo[k];
+        double hi = orthographic ? eye[k] : corner + bounds->hi[k];
+        double a = lo * bounds->normal_lo[k], b = lo * bounds->normal_hi[k], c = hi * bounds->normal_lo[k],
+               d = hi * bounds->normal_hi[k];
+        lowest += iso_least(iso_least(a, b), iso_least(c, d));
+        highest += iso_most(iso_most(a, b), iso_most(c, d));
+        size += iso_most(fabs(lo), fabs(hi));
+    }
+    if (lowest > 1e-5 * size) return ISO_FACING_AWAY;
+    return highest < -1e-5 * size ? ISO_FACING_EYE : ISO_FACING_BOTH;
+}
+
 iso_box iso_surfel_bounds(const iso_surfel *surfels, size_t count, const int32_t brick[3]) {
     iso_box box = iso_box_empty();
     for (size_t i = 0; i < count; i++) {

@@ -16,6 +16,15 @@
 extern "C" {
 #endif
 
+/* (not fmin and fmax, which are calls) */
+static inline double iso_least(double a, double b) {
+    return a < b ? a : b;
+}
+
+static inline double iso_most(double a, double b) {
+    return a > b ? a : b;
+}
+
 typedef struct iso_projector {
     const iso_view *view;        /* borrowed */
     double matrix[9], origin[3]; /* index to view space */
@@ -54,6 +63,12 @@ typedef struct iso_rows {
 /* Rows of the view that primitives with centres in `box` (index coordinates) and of `radius` mm can touch:
  * too many rather than too few; none when they are all out of sight. */
 iso_rows iso_projector_rows(const iso_projector *projector, const iso_box *box, double radius);
+
+/* Whether everything in a span's bounds faces the eye, or away from it, by far more than a primitive's own
+ * test can err; `eye` is iso_projector_eye's. */
+typedef enum iso_facing { ISO_FACING_BOTH, ISO_FACING_EYE, ISO_FACING_AWAY } iso_facing;
+iso_facing iso_projector_facing(const iso_projector *projector, const double eye[3], const int32_t brick[3],
+                                const iso_point_bounds *bounds);
 
 /* Box of surfels in index coordinates; those that are not finite are left out. */
 iso_box iso_surfel_bounds(const iso_surfel *surfels, size_t count, const int32_t brick[3]);

@@ -6,6 +6,8 @@ for backend in egl osmesa; do
     isorender in/ball.mha $backend.png --isovalue 500 --backend $backend --samples 4 --json --quiet >$backend.json
     isorender in/ball.mha $backend.png --isovalue 500 --backend $backend --json --quiet >$backend.json
     isorender in/ball.mha --isovalue 500 --backend $backend --method mesh --turntable 3 -o 'mesh_{n}.png' --quiet
+    isorender in/ball.mha mesh.png --isovalue 500 --backend $backend --method mesh --json --quiet >mesh.json
+    isorender in/ball.mha strips.png --isovalue 500 --backend $backend --strips --json --quiet >strips.json
     isorender in/ball.mha wide.png --isovalue 500 --backend $backend --point-scaling attenuated --json --quiet >wide.json
     BACKEND=$backend python3 - <<'P'
 import os
@@ -13,6 +15,12 @@ from check import *
 backend = os.environ["BACKEND"]
 cpu, gl, wide = report("cpu.json"), report(backend + ".json"), report("wide.json")
 expect(gl["backend"] == backend and gl["renderer"] and gl["gl"]["messages"] == 0, gl)
+mesh, strips = report("mesh.json"), report("strips.json")
+expect(strips["method"] == "mesh" and "strip_indices" not in mesh["gl"], strips["method"])
+expect(strips["image"]["covered"] == mesh["image"]["covered"], strips["image"])
+percent = strips["gl"]["strip_indices"] / strips["primitives"]["triangles"] / 3 * 100
+expect(abs(percent - strips["gl"]["strip_percent"]) < 1e-6, strips["gl"])
+expect(30 < strips["gl"]["strip_percent"] < 55, strips["gl"])
 a, b = cpu["image"]["covered"], gl["image"]["covered"]
 expect(abs(a - b) <= 30, (a, b))
 expect(b < wide["image"]["covered"] < 1.05 * b, (b, wide["image"]["covered"]))

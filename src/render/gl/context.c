@@ -35,8 +35,14 @@ iso_gl_messages iso_gl_context_messages(const iso_gl_context *context) {
 
 /* ---- use */
 
+static iso_status tell_lost(const iso_gl_context *context, iso_error *error) {
+    return iso_fail(error, ISO_ERR_BACKEND, "%s: the context was lost (%s)", context->name,
+                    context->renderer);
+}
+
 iso_status iso_gl_enter(iso_gl_context *context, iso_error *error) {
     context->failure[0] = 0;
+    if (context->lost) return tell_lost(context, error);
     if (context->platform.enter(&context->platform)) return ISO_OK;
     return iso_fail(error, ISO_ERR_BACKEND, "%s: the context cannot be made current", context->name);
 }
@@ -51,8 +57,6 @@ static const char *error_name(GLenum code) {
         return "GL_INVALID_OPERATION";
     case GL_INVALID_FRAMEBUFFER_OPERATION:
         return "GL_INVALID_FRAMEBUFFER_OPERATION";
-    case GL_CONTEXT_LOST:
-        return "GL_CONTEXT_LOST";
     default:
         return "an unknown error";
     }
@@ -64,17 +68,16 @@ static GLenum take_errors(const GladGLContext *gl) {
     for (int i = 0; i < 64; i++) {
         GLenum code = gl->GetError();
         if (code == GL_NO_ERROR) break;
-        if (first == GL_NO_ERROR || code == GL_OUT_OF_MEMORY) first = code;
+        if (first == GL_NO_ERROR || code == GL_OUT_OF_MEMORY || code == GL_CONTEXT_LOST) first = code;
     }
     return first;
 }
 
-static iso_status find_failure(const iso_gl_context *context, iso_error *error) {
+iso_status iso_gl_check(iso_gl_context *context, iso_error *error) {
     const GladGLContext *gl = context->gl;
-    if (gl->GetGraphicsResetStatus() != GL_NO_ERROR)
-        return iso_fail(error, ISO_ERR_BACKEND, "%s: the context was lost (%s)", context->name,
-                        context->renderer);
     GLenum code = take_errors(gl);
+    context->lost = context->lost || code == GL_CONTEXT_LOST || gl->GetGraphicsResetStatus() != GL_NO_ERROR;
+    if (context->lost) return tell_lost(context, error);
     if (code == GL_OUT_OF_MEMORY)
         return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory of %s", context->name, context->renderer);
     if (*context->failure) return iso_fail(error, ISO_ERR_BACKEND, "%s: %s", context->name, context->failure);
@@ -85,9 +88,9 @@ static iso_status find_failure(const iso_gl_context *context, iso_error *error) 
 
 iso_status iso_gl_leave(iso_gl_context *context, iso_status status, iso_error *error) {
     iso_error found = {ISO_OK, ""};
-    iso_status late = find_failure(context, &found);
+    iso_status late = iso_gl_check(context, &found);
     context->platform.leave(&context->platform);
-    if (status != ISO_OK || late == ISO_OK) return status;
+    if (late == ISO_OK || (status != ISO_OK && !context->lost)) return status;
     return iso_fail(error, late, "%s", found.text);
 }
 

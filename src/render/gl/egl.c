@@ -21,6 +21,8 @@ enum {
     EGL_CONTEXT_OPENGL_PROFILE_MASK = 0x30FD,
     EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT = 1,
     EGL_CONTEXT_OPENGL_DEBUG = 0x31B0,
+    EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY = 0x31BD,
+    EGL_LOSE_CONTEXT_ON_RESET = 0x31BF,
     EGL_PLATFORM_DEVICE_EXT = 0x313F,
     EGL_PLATFORM_SURFACELESS_MESA = 0x31DD,
     DEVICES = 32
@@ -141,7 +143,7 @@ static egl_handle create(const egl *e, const iso_gl_context_opts *opts, int majo
                          egl_handle display) {
     const int32_t wanted[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
     egl_handle config = NULL; /* EGL_NO_CONFIG_KHR */
-    int32_t count = 0, attributes[9], used = 0;
+    int32_t count = 0, attributes[16], used = 0;
     e->ChooseConfig(display, wanted, &config, 1, &count);
     if (major) {
         const int32_t version[] = {EGL_CONTEXT_MAJOR_VERSION,       major,
@@ -153,6 +155,11 @@ static egl_handle create(const egl *e, const iso_gl_context_opts *opts, int majo
     if (major && opts->debug) {
         attributes[used++] = EGL_CONTEXT_OPENGL_DEBUG;
         attributes[used++] = 1;
+    }
+    /* a driver that loses the context then says so, instead of drawing nothing */
+    if (major && has_word(e->QueryString(display, EGL_EXTENSIONS), "EGL_EXT_create_context_robustness")) {
+        attributes[used++] = EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY;
+        attributes[used++] = EGL_LOSE_CONTEXT_ON_RESET;
     }
     attributes[used] = EGL_NONE;
     return e->CreateContext(display, count ? config : NULL, NULL, attributes);

@@ -9,8 +9,9 @@
 #include "render/gl/shared.h"
 #include "render/project.h"
 
-/* Parts of a picture are at most this wide and high: 21 bytes a pixel on the GPU. */
-enum { MOST_SIDE = 4096 };
+/* Parts of a picture are at most this wide and high. Drivers of OpenGL 4.5 can do
+ * 16384, less what the widest points need around it. */
+enum { MOST_SIDE = 4096, LEAST_SIDE = 256 };
 static const size_t READ_BYTES = (size_t)8 << 20;
 
 _Static_assert(offsetof(iso_gl_frame, turn_x) == 128 && offsetof(iso_gl_frame, screen) == 224 &&
@@ -19,10 +20,14 @@ _Static_assert(offsetof(iso_gl_frame, turn_x) == 128 && offsetof(iso_gl_frame, s
 
 /* ---- creation */
 
-static int integer(const GladGLContext *gl, GLenum name) {
-    GLint value[2] = {0, 0};
-    gl->GetIntegerv(name, value);
-    return value[0];
+/* What the driver can draw at once, as a square; the rest is drawn in parts. */
+static int widest_part(const GladGLContext *gl, int margin) {
+    GLint texture = 0, view[2] = {0, 0}, side = MOST_SIDE;
+    gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
+    gl->GetIntegerv(GL_MAX_VIEWPORT_DIMS, view);
+    const GLint limits[] = {texture, view[0] - 2 * margin, view[1] - 2 * margin};
+    for (int i = 0; i < 3; i++) side = limits[i] < side ? limits[i] : side;
+    return side;
 }
 
 /* Points are drawn while their centres are in the viewport, so that it is wider than the picture by half the
@@ -35,14 +40,17 @@ static void make_buffers(iso_gl_engine *engine, const GladGLContext *gl) {
     GLfloat range[2] = {1, 1};
     gl->GetFloatv(GL_POINT_SIZE_RANGE, range);
     engine->max_point = range[1] < 1024 ? range[1] : 1024;
-    int side = integer(gl, GL_MAX_TEXTURE_SIZE), view = integer(gl, GL_MAX_VIEWPORT_DIMS);
-    view -= 2 * viewport_margin(engine);
-    engine->max_side = side < view ? side : view;
-    if (engine->max_side > MOST_SIDE) engine->max_side = MOST_SIDE;
+    engine->max_side = widest_part(gl, viewport_margin(engine));
     gl->CreateBuffers(1, &engine->frame);
     gl->NamedBufferStorage(engine->frame, sizeof(iso_gl_frame), NULL, GL_DYNAMIC_STORAGE_BIT);
     gl->CreateBuffers(1, &engine->commands);
     gl->CreateBuffers(1, &engine->instances);
+}
+
+static iso_status check_limits(const iso_gl_engine *engine, iso_error *error) {
+    if (engine->max_side >= LEAST_SIDE) return ISO_OK;
+    return iso_fail(error, ISO_ERR_BACKEND, "%s: pictures of the driver are at most %d pixels wide",
+                    engine->context->name, engine->max_side);
 }
 
 iso_status iso_gl_engine_create(iso_gl_context *context, iso_gl_engine **engine, iso_error *error) {
@@ -52,7 +60,7 @@ iso_status iso_gl_engine_create(iso_gl_context *context, iso_gl_engine **engine,
     iso_status status = iso_gl_enter(context, error);
     if (status == ISO_OK) {
         make_buffers(made, context->gl);
-        status = iso_gl_leave(context, ISO_OK, error);
+        status = iso_gl_leave(context, check_limits(made, error), error);
     }
     if (status == ISO_OK)
         *engine = made;
@@ -92,6 +100,13 @@ iso_status iso_gl_engine_program(iso_gl_engine *engine, iso_gl_program program, 
 }
 
 /* ---- the framebuffer */
+
+enum { TARGET_BYTES = 21 }; /* a pixel: RGBA32F, R8UI, DEPTH_COMPONENT32F */
+
+uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height) {
+    uint64_t side = (uint64_t)engine->max_side, w = (uint64_t)width, h = (uint64_t)height;
+    return (w < side ? w : side) * (h < side ? h : side) * TARGET_BYTES + READ_BYTES;
+}
 
 static GLuint make_texture(const GladGLContext *gl, GLenum format, int width, int height) {
     GLuint texture;
@@ -140,6 +155,7 @@ static void begin_part(const iso_gl_engine *engine, const iso_view *view) {
     gl->Enable(GL_DEPTH_TEST);
     gl->DepthFunc(GL_GREATER);
     gl->Enable(GL_PROGRAM_POINT_SIZE);
+    gl->Enable(GL_PRIMITIVE_RESTART_FIXED_INDEX);
     gl->ClearBufferfv(GL_COLOR, ISO_GL_NORMAL_DEPTH, nothing);
     gl->ClearBufferuiv(GL_COLOR, ISO_GL_SURFACE, none);
     gl->ClearBufferfv(GL_DEPTH, 0, &far);
@@ -252,10 +268,40 @@ static void put_frame(const shape_draw *draw, int surface) {
     gl->BindBufferBase(GL_UNIFORM_BUFFER, ISO_GL_FRAME, draw->engine->frame);
 }
 
+/* View space z of the box's nearest corner. */
+static double nearest_depth(const shape_draw *draw, const iso_box *box) {
+    const double *m = draw->projector.matrix + 6;
+    double nearest = INFINITY;
+    for (int k = 0; k < 8; k++) {
+        iso_vec3 p = iso_box_corner(box, k);
+        nearest = fmin(nearest, m[0] * p.x + m[1] * p.y + m[2] * p.z + draw->projector.origin[2]);
+    }
+    return nearest;
+}
+
 static bool is_seen(const shape_draw *draw, const iso_gl_span *span) {
     if (!span->count) return false;
     iso_rows rows = iso_projector_rows(&draw->projector, &span->box, span->radius * draw->widening);
     return rows.first <= rows.last;
+}
+
+/* Whether triangles that face away are hidden: of a closed surface, all of it in front of the eye and of the
+ * near plane. (Points are discs that face the picture: past the outline they show from whichever side.) */
+static bool hides_averted(const shape_draw *draw) {
+    const iso_gl_shape *shape = draw->shape;
+    if (!shape->mesh || !shape->closed || draw->engine->keep_averted) return false;
+    const iso_gl_span *spans = shape->spans.data;
+    for (size_t s = 0; s < shape->span_count; s++)
+        if (!iso_box_is_empty(&spans[s].box) &&
+            !(nearest_depth(draw, &spans[s].box) > draw->projector.view->near))
+            return false;
+    return true;
+}
+
+static bool is_averted(const shape_draw *draw, const double eye[3], size_t s) {
+    const iso_gl_span *spans = draw->shape->spans.data;
+    const iso_point_bounds *bounds = draw->shape->bounds.data;
+    return iso_projector_facing(&draw->projector, eye, spans[s].brick, &bounds[s]) == ISO_FACING_AWAY;
 }
 
 static iso_vec3 span_origin(const shape_draw *draw, const iso_gl_span *span) {
@@ -264,17 +310,19 @@ static iso_vec3 span_origin(const shape_draw *draw, const iso_gl_span *span) {
 }
 
 static void draw_all(const shape_draw *draw, size_t count, const void *commands, const void *instances) {
-    const iso_gl_engine *engine = draw->engine;
+    iso_gl_engine *engine = draw->engine;
     const GladGLContext *gl = engine->context->gl;
     bool mesh = draw->shape->mesh;
     size_t size = mesh ? sizeof(mesh_command) : sizeof(points_command);
+    engine->drawn += count;
     gl->NamedBufferData(engine->commands, (GLsizeiptr)(count * size), commands, GL_STREAM_DRAW);
     gl->NamedBufferData(engine->instances, (GLsizeiptr)(count * 3 * sizeof(float)), instances,
                         GL_STREAM_DRAW);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, engine->commands);
     gl->BindVertexArray(draw->shape->array);
     if (mesh)
-        gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, NULL, (GLsizei)count, 0);
+        gl->MultiDrawElementsIndirect(draw->shape->stripped ? GL_TRIANGLE_STRIP : GL_TRIANGLES,
+                                      GL_UNSIGNED_SHORT, NULL, (GLsizei)count, 0);
     else
         gl->MultiDrawArraysIndirect(GL_POINTS, NULL, (GLsizei)count, 0);
 }
@@ -285,9 +333,17 @@ static iso_status draw_mesh(const shape_draw *draw, iso_buffer *room, iso_error 
     ISO_TRY(iso_buffer_reserve(room, commands_size + shape->span_count * 3 * sizeof(int32_t), 0, error));
     mesh_command *commands = room->data;
     int32_t(*bricks)[3] = (int32_t(*)[3])((char *)room->data + commands_size);
+    const iso_gl_span *spans = shape->spans.data;
+    bool hides = hides_averted(draw);
+    double eye[3];
+    iso_projector_eye(&draw->projector, &shape->transform, eye);
     for (size_t s = 0; s < shape->span_count; s++) {
-        const iso_gl_span *span = &shape->spans[s];
+        const iso_gl_span *span = &spans[s];
         if (!is_seen(draw, span)) continue;
+        if (hides && is_averted(draw, eye, s)) {
+            draw->engine->averted++;
+            continue;
+        }
         commands[seen] = (mesh_command){span->count, 1, span->first, span->base, (uint32_t)seen};
         memcpy(bricks[seen++], span->brick, sizeof *bricks);
     }
@@ -303,13 +359,7 @@ static bool may_be_wide(const shape_draw *draw, const iso_gl_span *span) {
     const iso_view *view = draw->projector.view;
     double scale = view->focal;
     if (!view->orthographic) {
-        double nearest = INFINITY;
-        for (int k = 0; k < 8; k++) {
-            iso_vec3 p = iso_box_corner(&span->box, k);
-            const double *m = draw->projector.matrix + 6;
-            nearest = fmin(nearest, m[0] * p.x + m[1] * p.y + m[2] * p.z + draw->projector.origin[2]);
-        }
-        scale = draw->widening * view->focal / fmax(nearest, view->near);
+        scale = draw->widening * view->focal / fmax(nearest_depth(draw, &span->box), view->near);
     }
     return 2.001 * span->radius * scale + 1 > draw->engine->max_point;
 }
@@ -325,8 +375,9 @@ static void draw_wide(const shape_draw *draw, const iso_gl_span *span) {
 static iso_status draw_wide_points(const shape_draw *draw, iso_error *error) {
     const iso_gl_shape *shape = draw->shape;
     unsigned program = 0;
+    const iso_gl_span *spans = shape->spans.data;
     for (size_t s = 0; s < shape->span_count; s++) {
-        const iso_gl_span *span = &shape->spans[s];
+        const iso_gl_span *span = &spans[s];
         if (!is_seen(draw, span) || !may_be_wide(draw, span)) continue;
         if (!program) {
             ISO_TRY(iso_gl_engine_program(
@@ -345,8 +396,9 @@ static iso_status draw_points(const shape_draw *draw, iso_buffer *room, iso_erro
     ISO_TRY(iso_buffer_reserve(room, commands_size + shape->span_count * 3 * sizeof(float), 0, error));
     points_command *commands = room->data;
     float(*origins)[3] = (float(*)[3])((char *)room->data + commands_size);
+    const iso_gl_span *spans = shape->spans.data;
     for (size_t s = 0; s < shape->span_count; s++) {
-        const iso_gl_span *span = &shape->spans[s];
+        const iso_gl_span *span = &spans[s];
         if (!is_seen(draw, span)) continue;
         iso_vec3 origin = span_origin(draw, span);
         commands[seen] = (points_command){span->count, 1, span->first, (uint32_t)seen};
@@ -372,9 +424,10 @@ static void depth_range(const iso_gl_draw_opts *opts, double range[2]) {
     for (int i = 0; i < opts->shape_count; i++) {
         const iso_gl_shape *shape = opts->shapes[i];
         iso_projector p = iso_projector_make(opts->view, &shape->transform);
+        const iso_gl_span *spans = shape->spans.data;
         for (size_t s = 0; s < shape->span_count; s++)
-            for (int k = 0; k < 8 && !iso_box_is_empty(&shape->spans[s].box); k++) {
-                iso_vec3 c = iso_box_corner(&shape->spans[s].box, k);
+            for (int k = 0; k < 8 && !iso_box_is_empty(&spans[s].box); k++) {
+                iso_vec3 c = iso_box_corner(&spans[s].box, k);
                 double z = p.matrix[6] * c.x + p.matrix[7] * c.y + p.matrix[8] * c.z + p.origin[2];
                 range[0] = fmin(range[0], z);
                 range[1] = fmax(range[1], z);
@@ -420,6 +473,7 @@ static iso_status draw_parts(picture *p, iso_gbuffer *gbuffer, iso_error *error)
             view.cx -= x;
             view.width = whole->width - x < side ? whole->width - x : side;
             ISO_TRY(draw_part(p, &view, (corner){x, y}, gbuffer, error));
+            ISO_TRY(iso_gl_check(p->engine->context, error)); /* nothing comes after a loss */
         }
     return ISO_OK;
 }
@@ -430,6 +484,7 @@ iso_status iso_gl_draw(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_
     assert(opts->shape_count >= 0 && opts->shape_count <= ISO_SURFACE_MAX);
     picture p = {.engine = engine, .opts = opts, .widening = widening_of(opts)};
     depth_range(opts, p.range);
+    engine->drawn = engine->averted = 0;
     ISO_TRY(iso_gl_enter(engine->context, error));
     iso_status status = draw_parts(&p, gbuffer, error);
     iso_buffer_free(&p.room);

@@ -19,12 +19,14 @@ struct iso_gl_context {
     size_t message_count;
     char message[ISO_GL_TEXT]; /* the first */
     char failure[ISO_GL_TEXT]; /* the first message that means that a picture may be wrong, since enter */
+    bool lost;                 /* for good: drivers tell of it once */
 };
 
-/* Makes the context current. ISO_ERR_BACKEND. */
+/* Makes the context current. ISO_ERR_BACKEND, of a lost context always. */
 iso_status iso_gl_enter(iso_gl_context *context, iso_error *error);
-/* Leaves none current and returns `status`, unless that is ISO_OK and something went wrong since
- * iso_gl_enter: ISO_ERR_NOMEM (of the GPU), ISO_ERR_BACKEND. */
+/* What went wrong since iso_gl_enter: ISO_ERR_NOMEM (of the GPU), ISO_ERR_BACKEND. For work in many steps. */
+iso_status iso_gl_check(iso_gl_context *context, iso_error *error);
+/* Leaves none current and returns `status`, unless that is ISO_OK and iso_gl_check finds something. */
 iso_status iso_gl_leave(iso_gl_context *context, iso_status status, iso_error *error);
 
 #ifdef __cplusplus

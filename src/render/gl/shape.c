@@ -1,5 +1,6 @@
 #include "render/gl/shape.h"
 
+#include <assert.h>
 #include <glad/gl.h>
 #include <string.h>
 
@@ -13,10 +14,12 @@ _Static_assert(ISO_GL_BRICK_SIDE == ISO_BRICK && ISO_GL_COORDINATE_BITS == ISO_P
                "shaders unpack what base/primitives.h packs");
 _Static_assert(sizeof(iso_surfel) == 24 && sizeof(iso_point) == 8, "as vertex arrays have it");
 
-/* An array of the shape's owner, of which spans name parts: the parts are put side by side. */
+/* An array of the shape's owner, of which spans name parts, and the buffer that holds it: each part lies in
+ * the buffer where it lies in the array, so that what does not change does not move. */
 typedef struct source {
     const void *data;
     size_t item; /* bytes */
+    iso_gl_buffer *to;
 } source;
 
 typedef struct part {
@@ -40,23 +43,70 @@ static part triangles_of(const void *view, size_t span) {
     return (part){s->first_triangle, s->triangle_count};
 }
 
-/* Parts that follow one another in the source go up together. */
-static unsigned upload(const GladGLContext *gl, source from, const void *view, size_t spans, part_of *get) {
-    size_t total = 0, done = 0;
-    for (size_t s = 0; s < spans; s++) total += get(view, s).count;
-    GLuint buffer;
-    gl->CreateBuffers(1, &buffer);
-    gl->NamedBufferStorage(buffer, (GLsizeiptr)((total ? total : 1) * from.item), NULL,
-                           GL_DYNAMIC_STORAGE_BIT);
-    for (size_t s = 0; s < spans;) {
-        part run = get(view, s++);
-        while (s < spans && get(view, s).first == run.first + run.count) run.count += get(view, s++).count;
-        if (!run.count) continue;
-        gl->NamedBufferSubData(buffer, (GLintptr)(done * from.item), (GLsizeiptr)(run.count * from.item),
-                               (const char *)from.data + run.first * from.item);
-        done += run.count;
+static size_t end_of(const void *view, size_t spans, part_of *get) {
+    size_t end = 0;
+    for (size_t s = 0; s < spans; s++) {
+        part p = get(view, s);
+        if (p.first + p.count > end) end = p.first + p.count;
     }
-    return buffer;
+    return end;
+}
+
+/* Room for `end` items; what is in the buffer stays. */
+static void fit(const GladGLContext *gl, const source *from, size_t end) {
+    iso_gl_buffer *to = from->to;
+    if (to->name && end <= to->room) return;
+    size_t room = to->name ? end + end / 2 : end;
+    if (!room) room = 1;
+    GLuint made;
+    gl->CreateBuffers(1, &made);
+    gl->NamedBufferStorage(made, (GLsizeiptr)(room * from->item), NULL, GL_DYNAMIC_STORAGE_BIT);
+    if (to->name) gl->CopyNamedBufferSubData(to->name, made, 0, 0, (GLsizeiptr)(to->room * from->item));
+    gl->DeleteBuffers(1, &to->name); /* 0 is ignored */
+    *to = (iso_gl_buffer){made, room};
+}
+
+static void send(iso_gl_shape *shape, const source *from, part p) {
+    if (!p.count) return;
+    shape->engine->context->gl->NamedBufferSubData(from->to->name, (GLintptr)(p.first * from->item),
+                                                   (GLsizeiptr)(p.count * from->item),
+                                                   (const char *)from->data + p.first * from->item);
+    shape->uploaded += p.count * from->item;
+}
+
+/* The spans that changed; those that follow one another go up together. */
+static void send_changed(iso_gl_shape *shape, const source *from, const void *view, part_of *get) {
+    const iso_gl_span *spans = shape->spans.data;
+    for (size_t s = 0; s < shape->span_count;) {
+        if (!spans[s].changed) {
+            s++;
+            continue;
+        }
+        part run = get(view, s++);
+        while (s < shape->span_count && spans[s].changed && get(view, s).first == run.first + run.count)
+            run.count += get(view, s++).count;
+        send(shape, from, run);
+    }
+}
+
+/* Strips of a span lie at ISO_GL_STRIP_ROOM indices for each triangle before it. */
+static iso_status send_strips(iso_gl_shape *shape, const iso_mesh_view *mesh, iso_error *error) {
+    enum { INDEX = sizeof(uint16_t) };
+    iso_gl_span *spans = shape->spans.data;
+    const source from = {NULL, ISO_GL_STRIP_ROOM * INDEX, &shape->indices};
+    fit(shape->engine->context->gl, &from, end_of(mesh, shape->span_count, triangles_of));
+    for (size_t s = 0; s < shape->span_count; s++) {
+        const iso_mesh_span *span = &mesh->spans[s];
+        if (!spans[s].changed || !span->triangle_count) continue;
+        size_t count;
+        ISO_TRY(iso_gl_strips_make(&shape->strips, mesh, span, &count, error));
+        spans[s].count = (uint32_t)count;
+        shape->engine->context->gl->NamedBufferSubData(
+            shape->indices.name, (GLintptr)(span->first_triangle * from.item), (GLsizeiptr)(count * INDEX),
+            iso_gl_strips_indices(&shape->strips));
+        shape->uploaded += count * INDEX;
+    }
+    return ISO_OK;
 }
 
 static void describe_floats(const GladGLContext *gl, unsigned array, unsigned slot, unsigned binding,
@@ -73,8 +123,6 @@ static unsigned make_array(const GladGLContext *gl, const iso_gl_shape *shape, u
     GLuint array;
     gl->CreateVertexArrays(1, &array);
     bool floats = shape->mesh || shape->surfels;
-    gl->VertexArrayVertexBuffer(array, BIND_VERTICES, shape->vertices, 0,
-                                floats ? sizeof(iso_surfel) : sizeof(iso_point));
     gl->VertexArrayBindingDivisor(array, BIND_VERTICES, divisor);
     if (floats) {
         describe_floats(gl, array, ISO_GL_POSITION, BIND_VERTICES, 3, offsetof(iso_surfel, position));
@@ -85,7 +133,6 @@ static unsigned make_array(const GladGLContext *gl, const iso_gl_shape *shape, u
         gl->VertexArrayAttribBinding(array, ISO_GL_PACKED, BIND_VERTICES);
     }
     if (shape->has_radii) {
-        gl->VertexArrayVertexBuffer(array, BIND_RADII, shape->radii, 0, sizeof(float));
         gl->VertexArrayBindingDivisor(array, BIND_RADII, divisor);
         describe_floats(gl, array, ISO_GL_RADIUS, BIND_RADII, 1, 0);
     }
@@ -105,6 +152,29 @@ static void add_spans(iso_gl_shape *shape, const GladGLContext *gl) {
     gl->VertexArrayAttribBinding(shape->array, slot, BIND_SPANS);
 }
 
+/* Buffers may have been made anew. */
+static void bind_buffers(const iso_gl_shape *shape, unsigned array) {
+    const GladGLContext *gl = shape->engine->context->gl;
+    bool floats = shape->mesh || shape->surfels;
+    gl->VertexArrayVertexBuffer(array, BIND_VERTICES, shape->vertices.name, 0,
+                                floats ? sizeof(iso_surfel) : sizeof(iso_point));
+    if (shape->has_radii) gl->VertexArrayVertexBuffer(array, BIND_RADII, shape->radii.name, 0, sizeof(float));
+    if (shape->mesh) gl->VertexArrayElementBuffer(array, shape->indices.name);
+}
+
+static void make_arrays(iso_gl_shape *shape) {
+    const GladGLContext *gl = shape->engine->context->gl;
+    if (!shape->array) {
+        shape->array = make_array(gl, shape, 0);
+        add_spans(shape, gl);
+        if (!shape->mesh) shape->quad_array = make_array(gl, shape, 1);
+    }
+    bind_buffers(shape, shape->array);
+    if (shape->quad_array) bind_buffers(shape, shape->quad_array);
+}
+
+/* ---- what a draw knows of spans */
+
 static double largest_radius(const iso_point_view *points, const iso_point_span *span) {
     if (!points->radii) return points->radius > 0 ? points->radius : 0;
     double radius = 0;
@@ -117,50 +187,181 @@ static iso_box packed_box(const int32_t brick[3]) {
     return iso_surfel_bounds(corners, 2, brick);
 }
 
+/* Without stamps everything counts as changed. */
+static bool has_changed(const iso_gl_span *had, const uint64_t *stamps, size_t s, const size_t first[2]) {
+    return !stamps || had->stamp != stamps[s] || had->place[0] != first[0] || had->place[1] != first[1];
+}
+
 static void describe_points(iso_gl_shape *shape, const iso_point_view *points) {
-    uint32_t first = 0;
+    iso_gl_span *spans = shape->spans.data;
     for (size_t s = 0; s < shape->span_count; s++) {
         const iso_point_span *from = &points->spans[s];
-        iso_gl_span *to = &shape->spans[s];
-        *to = (iso_gl_span){.count = from->count, .first = first, .radius = largest_radius(points, from)};
+        const size_t first[2] = {from->first, 0};
+        iso_gl_span *to = &spans[s];
+        to->changed = has_changed(to, points->stamps, s, first);
+        if (!to->changed) continue;
+        *to = (iso_gl_span){.changed = true,
+                            .stamp = points->stamps ? points->stamps[s] : 0,
+                            .place = {from->first, 0},
+                            .count = from->count,
+                            .first = (uint32_t)from->first,
+                            .radius = largest_radius(points, from)};
         memcpy(to->brick, from->brick, sizeof to->brick);
         to->box = points->surfels ? iso_surfel_bounds(points->surfels + from->first, from->count, from->brick)
                                   : packed_box(from->brick);
-        first += from->count;
     }
 }
 
 static void describe_mesh(iso_gl_shape *shape, const iso_mesh_view *mesh) {
-    uint32_t first = 0;
-    int32_t base = 0;
+    uint32_t each = shape->stripped ? ISO_GL_STRIP_ROOM : 3;
+    iso_gl_span *spans = shape->spans.data;
     for (size_t s = 0; s < shape->span_count; s++) {
         const iso_mesh_span *from = &mesh->spans[s];
-        iso_gl_span *to = &shape->spans[s];
-        *to = (iso_gl_span){.count = 3 * from->triangle_count, .first = first, .base = base};
+        const size_t first[2] = {from->first_vertex, from->first_triangle};
+        iso_gl_span *to = &spans[s];
+        to->changed = has_changed(to, mesh->stamps, s, first);
+        if (!to->changed) continue;
+        *to = (iso_gl_span){.changed = true,
+                            .stamp = mesh->stamps ? mesh->stamps[s] : 0,
+                            .place = {first[0], first[1]},
+                            .count = 3 * from->triangle_count,
+                            .triangles = from->triangle_count,
+                            .first = each * (uint32_t)from->first_triangle,
+                            .base = (int32_t)from->first_vertex};
         memcpy(to->brick, from->brick, sizeof to->brick);
         to->box = iso_surfel_bounds(mesh->vertices + from->first_vertex, from->vertex_count, from->brick);
-        first += 3 * from->triangle_count;
-        base += (int32_t)from->vertex_count;
     }
 }
 
-static iso_status make_shape(iso_gl_engine *engine, const iso_transform *transform, size_t spans,
-                             iso_gl_shape **shape, iso_error *error) {
-    iso_gl_shape *made = iso_alloc_zero(1, sizeof *made);
-    iso_gl_span *room = iso_alloc_zero(spans ? spans : 1, sizeof *room);
-    if (!made || !room) {
-        iso_free(made);
-        iso_free(room);
-        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu spans", spans);
-    }
-    *made = (iso_gl_shape){.engine = engine, .transform = *transform, .spans = room, .span_count = spans};
-    *shape = made;
+/* Room for the spans; new ones have no stamp. */
+static iso_status fit_spans(iso_gl_shape *shape, size_t count, iso_error *error) {
+    size_t had = shape->spans.bytes / sizeof(iso_gl_span), kept = shape->span_count;
+    ISO_TRY(iso_buffer_reserve(&shape->spans, (count ? count : 1) * sizeof(iso_gl_span),
+                               had * sizeof(iso_gl_span), error));
+    iso_gl_span *spans = shape->spans.data;
+    for (size_t s = kept; s < count; s++) spans[s].stamp = 0;
+    shape->span_count = count;
     return ISO_OK;
 }
 
-/* Ends an upload: the context is left, and the shape given out or destroyed. */
-static iso_status finish(iso_gl_shape *made, iso_gl_shape **shape, iso_error *error) {
-    iso_status status = iso_gl_leave(made->engine->context, ISO_OK, error);
+/* Bounds of all spans, for a surface that is closed. */
+static iso_status keep_bounds(iso_gl_shape *shape, const iso_point_bounds *bounds, bool closed,
+                              iso_error *error) {
+    shape->closed = false;
+    if (!bounds || !closed) return ISO_OK;
+    size_t bytes = shape->span_count * sizeof *bounds;
+    ISO_TRY(iso_buffer_reserve(&shape->bounds, bytes ? bytes : 1, 0, error));
+    memcpy(shape->bounds.data, bounds, bytes);
+    shape->closed = true;
+    return ISO_OK;
+}
+
+/* ---- from views to the GPU */
+
+/* Software drivers keep buffers in main memory, and are stopped when it ends. */
+static iso_status check_memory(const iso_gl_shape *shape, uint64_t bytes, iso_error *error) {
+    const iso_gl_context *context = shape->engine->context;
+    uint64_t available = iso_memory_available();
+    if (!iso_gl_renderer_is_software(context->renderer) || bytes <= available) return ISO_OK;
+    return iso_fail(error, ISO_ERR_LIMIT, "%s: a copy of the surface needs %.0f MB, %.0f MB are free",
+                    context->name, (double)bytes / 1e6, (double)available / 1e6);
+}
+
+static uint64_t growth(const iso_gl_buffer *buffer, size_t end, size_t item) {
+    return end <= buffer->room ? 0 : (uint64_t)end * item;
+}
+
+static iso_status send_points(iso_gl_shape *shape, const iso_point_view *points, iso_error *error) {
+    const GladGLContext *gl = shape->engine->context->gl;
+    source vertices = {points->surfels, sizeof *points->surfels, &shape->vertices};
+    if (!points->surfels) vertices = (source){points->packed, sizeof *points->packed, &shape->vertices};
+    const source radii = {points->radii, sizeof *points->radii, &shape->radii};
+    size_t end = end_of(points, points->span_count, points_of);
+    if (end > UINT32_MAX) return iso_fail(error, ISO_ERR_LIMIT, "more than 2^32 - 1 points");
+    ISO_TRY(check_memory(shape,
+                         growth(&shape->vertices, end, vertices.item) +
+                             (points->radii ? growth(&shape->radii, end, radii.item) : 0),
+                         error));
+    ISO_TRY(fit_spans(shape, points->span_count, error));
+    ISO_TRY(keep_bounds(shape, points->bounds, points->closed, error));
+    describe_points(shape, points);
+    fit(gl, &vertices, end);
+    send_changed(shape, &vertices, points, points_of);
+    if (points->radii) {
+        fit(gl, &radii, end);
+        send_changed(shape, &radii, points, points_of);
+    }
+    return ISO_OK;
+}
+
+static iso_status send_mesh(iso_gl_shape *shape, const iso_mesh_view *mesh, iso_error *error) {
+    const GladGLContext *gl = shape->engine->context->gl;
+    const source vertices = {mesh->vertices, sizeof *mesh->vertices, &shape->vertices};
+    const source triangles = {mesh->triangles, sizeof *mesh->triangles, &shape->indices};
+    size_t vertex_end = end_of(mesh, mesh->span_count, vertices_of);
+    size_t triangle_end = end_of(mesh, mesh->span_count, triangles_of);
+    if (vertex_end > INT32_MAX || triangle_end > UINT32_MAX / ISO_GL_STRIP_ROOM)
+        return iso_fail(error, ISO_ERR_LIMIT, "more than 2^31 - 1 vertices or 2^30 - 1 triangles");
+    size_t item = shape->stripped ? ISO_GL_STRIP_ROOM * sizeof(uint16_t) : triangles.item;
+    ISO_TRY(check_memory(shape,
+                         growth(&shape->vertices, vertex_end, vertices.item) +
+                             growth(&shape->indices, triangle_end, item),
+                         error));
+    ISO_TRY(fit_spans(shape, mesh->span_count, error));
+    ISO_TRY(keep_bounds(shape, mesh->bounds, mesh->closed, error));
+    describe_mesh(shape, mesh);
+    fit(gl, &vertices, vertex_end);
+    send_changed(shape, &vertices, mesh, vertices_of);
+    if (shape->stripped) return send_strips(shape, mesh, error);
+    fit(gl, &triangles, triangle_end);
+    send_changed(shape, &triangles, mesh, triangles_of);
+    return ISO_OK;
+}
+
+/* After a failure the next update sends everything. */
+static void forget_spans(iso_gl_shape *shape) {
+    shape->span_count = 0;
+}
+
+iso_status iso_gl_update_points(iso_gl_shape *shape, const iso_point_view *points, iso_error *error) {
+    assert(!shape->mesh && shape->has_radii == (points->radii != NULL));
+    ISO_TRY(iso_gl_enter(shape->engine->context, error));
+    shape->transform = points->transform;
+    shape->radius = points->radius;
+    shape->uploaded = 0;
+    iso_status status = send_points(shape, points, error);
+    if (status == ISO_OK) make_arrays(shape);
+    status = iso_gl_leave(shape->engine->context, status, error);
+    if (status != ISO_OK) forget_spans(shape);
+    return status;
+}
+
+iso_status iso_gl_update_mesh(iso_gl_shape *shape, const iso_mesh_view *mesh, iso_error *error) {
+    assert(shape->mesh);
+    ISO_TRY(iso_gl_enter(shape->engine->context, error));
+    shape->transform = mesh->transform;
+    shape->uploaded = 0;
+    iso_status status = send_mesh(shape, mesh, error);
+    if (status == ISO_OK) make_arrays(shape);
+    status = iso_gl_leave(shape->engine->context, status, error);
+    if (status != ISO_OK) forget_spans(shape);
+    return status;
+}
+
+static iso_status make_shape(iso_gl_engine *engine, iso_gl_shape **made, iso_error *error) {
+    *made = iso_alloc_zero(1, sizeof **made);
+    if (!*made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a surface");
+    (*made)->engine = engine;
+    return ISO_OK;
+}
+
+iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_shape **shape,
+                                iso_error *error) {
+    iso_gl_shape *made;
+    ISO_TRY(make_shape(engine, &made, error));
+    made->surfels = points->surfels != NULL;
+    made->has_radii = points->radii != NULL;
+    iso_status status = iso_gl_update_points(made, points, error);
     if (status == ISO_OK)
         *shape = made;
     else
@@ -168,79 +369,52 @@ static iso_status finish(iso_gl_shape *made, iso_gl_shape **shape, iso_error *er
     return status;
 }
 
-iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_shape **shape,
-                                iso_error *error) {
-    const GladGLContext *gl = engine->context->gl;
-    if (iso_point_view_count(points) > UINT32_MAX)
-        return iso_fail(error, ISO_ERR_LIMIT, "more than 2^32 - 1 points");
+static iso_status upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, bool stripped,
+                              iso_gl_shape **shape, iso_error *error) {
     iso_gl_shape *made;
-    ISO_TRY(make_shape(engine, &points->transform, points->span_count, &made, error));
-    made->surfels = points->surfels != NULL;
-    made->has_radii = points->radii != NULL;
-    made->radius = points->radius;
-    describe_points(made, points);
-    iso_status status = iso_gl_enter(engine->context, error);
-    if (status != ISO_OK) {
-        iso_free(made->spans);
-        iso_free(made);
-        return status;
-    }
-    source vertices = {points->surfels, sizeof *points->surfels};
-    if (!points->surfels) vertices = (source){points->packed, sizeof *points->packed};
-    made->vertices = upload(gl, vertices, points, points->span_count, points_of);
-    if (points->radii)
-        made->radii =
-            upload(gl, (source){points->radii, sizeof *points->radii}, points, points->span_count, points_of);
-    made->array = make_array(gl, made, 0);
-    made->quad_array = make_array(gl, made, 1);
-    add_spans(made, gl);
-    return finish(made, shape, error);
-}
-
-static bool is_too_large(const iso_mesh_view *mesh) {
-    size_t vertices = 0, triangles = 0;
-    for (size_t s = 0; s < mesh->span_count; s++) {
-        vertices += mesh->spans[s].vertex_count;
-        triangles += mesh->spans[s].triangle_count;
-    }
-    return vertices > INT32_MAX || triangles > UINT32_MAX / 3;
+    ISO_TRY(make_shape(engine, &made, error));
+    made->mesh = true;
+    made->stripped = stripped;
+    iso_status status = iso_gl_update_mesh(made, mesh, error);
+    if (status == ISO_OK)
+        *shape = made;
+    else
+        iso_gl_shape_destroy(made);
+    return status;
 }
 
 iso_status iso_gl_upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_shape **shape,
                               iso_error *error) {
-    const GladGLContext *gl = engine->context->gl;
-    if (is_too_large(mesh))
-        return iso_fail(error, ISO_ERR_LIMIT, "more than 2^31 - 1 vertices or 2^32 - 1 indices");
-    iso_gl_shape *made;
-    ISO_TRY(make_shape(engine, &mesh->transform, mesh->span_count, &made, error));
-    made->mesh = true;
-    describe_mesh(made, mesh);
-    iso_status status = iso_gl_enter(engine->context, error);
-    if (status != ISO_OK) {
-        iso_free(made->spans);
-        iso_free(made);
-        return status;
+    return upload_mesh(engine, mesh, false, shape, error);
+}
+
+iso_status iso_gl_upload_strips(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_shape **shape,
+                                iso_error *error) {
+    return upload_mesh(engine, mesh, true, shape, error);
+}
+
+iso_gl_shape_stats iso_gl_shape_measure(const iso_gl_shape *shape) {
+    iso_gl_shape_stats stats = {.uploaded = shape->uploaded};
+    const iso_gl_span *spans = shape->spans.data;
+    for (size_t s = 0; shape->mesh && s < shape->span_count; s++) {
+        stats.indices += spans[s].triangles ? spans[s].count : 0;
+        stats.triangles += spans[s].triangles;
     }
-    made->vertices =
-        upload(gl, (source){mesh->vertices, sizeof *mesh->vertices}, mesh, mesh->span_count, vertices_of);
-    made->indices =
-        upload(gl, (source){mesh->triangles, sizeof *mesh->triangles}, mesh, mesh->span_count, triangles_of);
-    made->array = make_array(gl, made, 0);
-    gl->VertexArrayElementBuffer(made->array, made->indices);
-    add_spans(made, gl);
-    return finish(made, shape, error);
+    return stats;
 }
 
 void iso_gl_shape_destroy(iso_gl_shape *shape) {
     if (!shape) return;
     iso_gl_context *context = shape->engine->context;
     if (iso_gl_enter(context, NULL) == ISO_OK) {
-        const GLuint buffers[] = {shape->vertices, shape->radii, shape->indices};
+        const GLuint buffers[] = {shape->vertices.name, shape->radii.name, shape->indices.name};
         const GLuint arrays[] = {shape->array, shape->quad_array};
         context->gl->DeleteVertexArrays(2, arrays); /* 0 is ignored */
         context->gl->DeleteBuffers(3, buffers);
         iso_gl_leave(context, ISO_OK, NULL);
     }
-    iso_free(shape->spans);
+    iso_gl_strips_free(&shape->strips);
+    iso_buffer_free(&shape->bounds);
+    iso_buffer_free(&shape->spans);
     iso_free(shape);
 }

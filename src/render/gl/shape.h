@@ -4,9 +4,11 @@
 
 #include <stdint.h>
 
+#include "base/memory.h"
 #include "render/gl/engine.h"
 #include "render/gl/internal.h"
 #include "render/gl/program.h"
+#include "render/gl/strips.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,22 +17,36 @@ extern "C" {
 /* What a draw has to know of a span without asking the GPU. */
 typedef struct iso_gl_span {
     int32_t brick[3];
-    uint32_t count; /* points, or indices */
-    uint32_t first; /* point, or index */
-    int32_t base;   /* vertex that indices count from */
-    iso_box box;    /* index coordinates */
-    double radius;  /* mm, the largest; 0 of triangles */
+    uint32_t count;     /* points, or indices */
+    uint32_t first;     /* point, or index */
+    uint32_t triangles; /* of a mesh */
+    int32_t base;       /* vertex that indices count from */
+    bool changed;       /* by the last update */
+    uint64_t stamp;     /* of what was uploaded; 0: none */
+    size_t place[2];    /* where that lay: points, or vertices and triangles */
+    iso_box box;        /* index coordinates */
+    double radius;      /* mm, the largest; 0 of triangles */
 } iso_gl_span;
+
+typedef struct iso_gl_buffer {
+    unsigned name;
+    size_t room; /* items */
+} iso_gl_buffer;
 
 struct iso_gl_shape {
     iso_gl_engine *engine;
     iso_transform transform;
-    iso_gl_span *spans;
+    iso_buffer spans; /* of iso_gl_span */
     size_t span_count;
-    bool mesh, surfels, has_radii;
-    double radius; /* of all points without radii */
-    /* Vertices, their radii, indices; one vertex array draws points or triangles, the other quads. */
-    unsigned vertices, radii, indices, array, quad_array;
+    bool mesh, stripped, surfels, has_radii;
+    bool closed; /* then there are bounds: one iso_point_bounds a span */
+    iso_buffer bounds;
+    double radius;     /* of all points without radii */
+    uint64_t uploaded; /* bytes, by the last update */
+    iso_gl_strips strips;
+    /* One vertex array draws points or triangles, the other quads. */
+    iso_gl_buffer vertices, radii, indices;
+    unsigned array, quad_array;
 };
 
 struct iso_gl_engine {
@@ -42,6 +58,8 @@ struct iso_gl_engine {
     int width, height;
     unsigned framebuffer, color, surface, depth;
     unsigned frame, commands, instances; /* buffers */
+    bool keep_averted;                   /* for tests: nothing is left out for facing away */
+    size_t drawn, averted;               /* spans, by the last draw; what its parts share counts for each */
 };
 
 /* The program, compiled when it is asked for the first time. */
