@@ -247,7 +247,7 @@ static void draw_help(isosculpt_screen *screen) {
                                           {"1 .. 9", "brushes"},
                                           {"Escape", "take back the stroke being drawn"},
                                           {"Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "undo, redo"},
-                                          {"Ctrl+S", "save as .vdb"},
+                                          {"Ctrl+S, Ctrl+Q", "save as .vdb, close"},
                                           {"F", "look at what is under the cursor, or at all"},
                                           {"number pad 1, 3, 7", "front, right, top"},
                                           {"F12, Shift+F12", "picture of the sculpture, of the window"},

@@ -74,18 +74,18 @@ size_t isosculpt_view_points(const isosculpt_view *view) {
 
 /* ---- memory for pictures */
 
-static iso_status make_room(isosculpt_view *view, int width, int height, iso_error *error) {
-    isosculpt_layer *layer = &view->drawn;
-    size_t pixels = (size_t)width * (size_t)height;
-    if ((size_t)layer->gbuffer.width * (size_t)layer->gbuffer.height < pixels) {
-        iso_gbuffer more;
-        ISO_TRY(iso_gbuffer_create(width, height, &more, error));
-        iso_gbuffer_free(&layer->gbuffer);
-        layer->gbuffer = more;
+static iso_status make_room(isosculpt_view *view, const iso_view *samples, iso_error *error) {
+    iso_gbuffer *gbuffer = &view->drawn.gbuffer, more;
+    iso_image image;
+    size_t pixels = (size_t)view->width * (size_t)view->height;
+    size_t needed = (size_t)samples->width * (size_t)samples->height;
+    if ((size_t)gbuffer->width * (size_t)gbuffer->height < needed) {
+        ISO_TRY(iso_gbuffer_create(samples->width, samples->height, &more, error));
+        iso_gbuffer_free(gbuffer);
+        *gbuffer = more;
     }
     if (view->image_room >= pixels) return ISO_OK;
-    iso_image image;
-    ISO_TRY(iso_image_create(width, height, &image, error));
+    ISO_TRY(iso_image_create(view->width, view->height, &image, error));
     iso_image_free(&view->image);
     view->image = image;
     view->image_room = pixels;
@@ -143,11 +143,11 @@ static iso_status draw_surface(isosculpt_view *view, isosculpt_method method, co
                                       : iso_draw_pullpush(target, &points, &opts, error);
 }
 
-static void shade(isosculpt_view *view, iso_gbuffer *gbuffer) {
+static void shade(isosculpt_view *view, iso_gbuffer *gbuffer, int factor) {
     iso_shading shading = {.colors = &view->color, .color_count = 1, .background = view->background};
-    iso_strip strip = {.view = &view->drawn.view, .gbuffer = gbuffer, .factor = 1};
-    view->image.width = gbuffer->width;
-    view->image.height = gbuffer->height;
+    iso_strip strip = {.view = &view->drawn.view, .gbuffer = gbuffer, .factor = factor};
+    view->image.width = gbuffer->width / factor;
+    view->image.height = gbuffer->height / factor;
     view->covered = iso_shade(&shading, &strip, &view->image, view->pool);
 }
 
@@ -156,24 +156,34 @@ static void adapt(isosculpt_view *view, double seconds) {
     if (seconds < FAST && view->factor > 1) view->factor--;
 }
 
-iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool moving, iso_error *error) {
-    isosculpt_method method = method_now(view, moving);
-    int factor = moving ? view->factor : 1;
-    int columns = (width + factor - 1) / factor, rows = (height + factor - 1) / factor;
-    ISO_TRY(extract(view, method, error));
-    double start = isosculpt_now();
-    ISO_TRY(make_room(view, width, height, error));
-    view->width = width;
-    view->height = height;
-    view->drawn.view = iso_view_make(&view->camera, columns, rows);
-    view->drawn.factor = factor;
+static iso_status draw(isosculpt_view *view, isosculpt_method method, const iso_view *samples, int factor,
+                       iso_error *error) {
+    ISO_TRY(make_room(view, samples, error));
+    view->drawn.view = *samples;
+    view->drawn.samples = (double)samples->width / view->width;
     iso_gbuffer gbuffer = used(&view->drawn);
     iso_gbuffer_clear_bands(&gbuffer, view->pool);
     iso_target target = {.view = &view->drawn.view, .gbuffer = &gbuffer, .pool = view->pool};
     ISO_TRY(draw_surface(view, method, &target, error));
-    shade(view, &gbuffer);
+    shade(view, &gbuffer, factor);
+    return ISO_OK;
+}
+
+iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, isosculpt_quality quality,
+                               iso_error *error) {
+    const bool moving = quality == ISOSCULPT_MOVING;
+    const isosculpt_method method = method_now(view, moving);
+    const int coarse = moving ? view->factor : 1, fine = quality == ISOSCULPT_FINE ? 2 : 1;
+    ISO_TRY(extract(view, method, error));
+    double start = isosculpt_now();
+    view->width = width;
+    view->height = height;
+    iso_view samples =
+        iso_view_make(&view->camera, (width + coarse - 1) / coarse, (height + coarse - 1) / coarse);
+    if (fine > 1) samples = iso_view_scaled(&samples, fine);
+    ISO_TRY(draw(view, method, &samples, fine, error));
     double seconds = isosculpt_now() - start;
-    isosculpt_latency_add(&view->draw, seconds);
+    if (moving) isosculpt_latency_add(&view->draw, seconds);
     if (moving) adapt(view, seconds);
     return ISO_OK;
 }
@@ -182,8 +192,8 @@ iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool
 
 bool isosculpt_layer_pick(const isosculpt_layer *layer, double x, double y, isosculpt_pick *pick) {
     const iso_view *v = &layer->view;
-    if (!layer->factor || !(x >= 0) || !(y >= 0)) return false;
-    double column = floor(x / layer->factor), row = floor(y / layer->factor);
+    if (!(layer->samples > 0) || !(x >= 0) || !(y >= 0)) return false;
+    double column = floor(x * layer->samples), row = floor(y * layer->samples);
     if (column >= v->width || row >= v->height) return false;
     size_t at = (size_t)row * (size_t)v->width + (size_t)column;
     if (layer->gbuffer.surface[at] == ISO_SURFACE_NONE) return false;
@@ -199,17 +209,17 @@ bool isosculpt_layer_pick(const isosculpt_layer *layer, double x, double y, isos
 
 iso_vec3 isosculpt_layer_point(const isosculpt_layer *layer, double x, double y, double depth) {
     iso_vec3 origin, direction;
-    iso_view_ray(&layer->view, x / layer->factor, y / layer->factor, &origin, &direction);
+    iso_view_ray(&layer->view, x * layer->samples, y * layer->samples, &origin, &direction);
     return iso_vec3_add(origin, iso_vec3_scale(direction, depth));
 }
 
 bool isosculpt_layer_pixel(const isosculpt_layer *layer, iso_vec3 world, double *x, double *y) {
     const iso_view *v = &layer->view;
     iso_vec3 p = iso_view_point(v, world);
-    if (!layer->factor || !(p.z > v->near)) return false;
+    if (!(layer->samples > 0) || !(p.z > v->near)) return false;
     double scale = v->orthographic ? v->focal : v->focal / p.z;
-    *x = (v->cx + scale * p.x) * layer->factor;
-    *y = (v->cy + scale * p.y) * layer->factor;
+    *x = (v->cx + scale * p.x) / layer->samples;
+    *y = (v->cy + scale * p.y) / layer->samples;
     return true;
 }
 

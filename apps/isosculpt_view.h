@@ -44,11 +44,15 @@ void isosculpt_latency_add(isosculpt_latency *latency, double seconds);
 /* 0 .. 1 of them are faster; 0 when there are none. */
 double isosculpt_latency_quantile(const isosculpt_latency *latency, double quantile);
 
+/* How much time a picture may take: while the hand moves; at rest; at rest for longer, with four samples a
+ * pixel. */
+typedef enum isosculpt_quality { ISOSCULPT_MOVING, ISOSCULPT_REST, ISOSCULPT_FINE } isosculpt_quality;
+
 /* A picture as it was drawn: what a stroke picks from, while newer ones are drawn. */
 typedef struct isosculpt_layer {
     iso_gbuffer gbuffer; /* room; the used part is view.width x view.height */
     iso_view view;
-    int factor; /* a sample is factor x factor pixels of the full picture */
+    double samples; /* along a pixel of the full picture; 0: nothing was drawn yet */
 } isosculpt_layer;
 
 /* Zero-initialise. Camera, method, color and background may be changed between calls. */
@@ -64,12 +68,12 @@ typedef struct isosculpt_view {
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_pullpush *workspace;
-    isosculpt_layer drawn, held; /* the last picture; the one that a stroke began on */
-    iso_image image;             /* room; its width and height are the last picture's */
-    size_t image_room;           /* pixels */
-    int width, height;           /* the full picture, as last drawn */
-    isosculpt_latency extract, draw;
-    size_t covered; /* samples of the last picture that show the surface */
+    isosculpt_layer drawn, held;     /* the last picture; the one that a stroke began on */
+    iso_image image;                 /* room; its width and height are the last picture's */
+    size_t image_room;               /* pixels */
+    int width, height;               /* the full picture, as last drawn */
+    isosculpt_latency extract, draw; /* draw: of pictures while the hand moves */
+    size_t covered;                  /* samples of the last picture that show the surface */
 } isosculpt_view;
 
 enum { ISOSCULPT_FACTOR_MAX = 3 };
@@ -79,7 +83,8 @@ iso_status isosculpt_view_init(isosculpt_view *view, iso_hgrid *grid, iso_pool *
 void isosculpt_view_free(isosculpt_view *view);
 
 /* Draws into view->image, which is the picture's size or, while moving, a factor smaller. ISO_ERR_NOMEM. */
-iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool moving, iso_error *error);
+iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, isosculpt_quality quality,
+                               iso_error *error);
 
 /* Points of the surface, as last extracted. */
 size_t isosculpt_view_points(const isosculpt_view *view);

@@ -15,9 +15,9 @@
 #define GL_CLAMP_TO_EDGE 0x812F /* OpenGL 1.2 */
 #endif
 
-/* Seconds without a change after which the picture becomes the exact surface; between looks at the journal.
- */
-static const double REST = 0.15, IDLE = 0.25;
+/* Seconds without a change after which the picture becomes the exact surface, and a smoother one; between
+ * looks at the journal. */
+static const double REST[] = {[ISOSCULPT_REST] = 0.12, [ISOSCULPT_FINE] = 0.6}, IDLE = 0.25;
 /* Frames after an event: Dear ImGui shows some answers only in the next. */
 enum { FRAMES = 3, WIDTH = 1280, HEIGHT = 800 };
 
@@ -33,10 +33,10 @@ typedef struct window {
     char folder[ISOSCULPT_PATH], offered[ISOSCULPT_PATH];
     bool has_folder;
     int texture_width, texture_height;
-    int frames;       /* still to be drawn */
-    double changed;   /* when the picture last had to be drawn */
-    bool rough;       /* the picture is not the one for rest */
-    bool close_after; /* a save, which must succeed */
+    int frames;                /* still to be drawn */
+    double changed;            /* when the picture last had to be drawn */
+    isosculpt_quality quality; /* of the picture */
+    bool close_after;          /* a save, which must succeed */
     bool shoot, shoot_all;
     iso_error error; /* of drawing: it ends the program */
 } window;
@@ -256,12 +256,18 @@ static void upload(window *w) {
     w->texture_height = image->height;
 }
 
-static iso_status draw_picture(window *w, bool moving, iso_error *error) {
-    ISO_TRY(isosculpt_view_draw(&w->view, w->screen.width, w->screen.height, moving, error));
+static iso_status draw_picture(window *w, isosculpt_quality quality, iso_error *error) {
+    ISO_TRY(isosculpt_view_draw(&w->view, w->screen.width, w->screen.height, quality, error));
     upload(w);
-    w->rough = moving;
+    w->quality = quality;
     w->frames = FRAMES;
     return ISO_OK;
+}
+
+/* Seconds until a better picture is due; < 0: it is; none is due once it is the best. */
+static double until_better(const window *w) {
+    if (w->quality == ISOSCULPT_FINE) return IDLE;
+    return w->shoot ? -1 : w->changed + REST[w->quality + 1] - isosculpt_now();
 }
 
 /* The picture that is due now, if any. */
@@ -269,10 +275,10 @@ static iso_status update_picture(window *w, iso_error *error) {
     if (w->hand.wishes & ISOSCULPT_WISH_PICTURE) {
         w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_PICTURE;
         w->changed = isosculpt_now();
-        ISO_TRY(draw_picture(w, true, error));
-    } else if (w->rough && (w->shoot || isosculpt_now() - w->changed > REST))
-        ISO_TRY(draw_picture(w, false, error));
-    if (w->shoot && !w->rough) {
+        ISO_TRY(draw_picture(w, ISOSCULPT_MOVING, error));
+    } else if (until_better(w) < 0)
+        ISO_TRY(draw_picture(w, w->shoot ? ISOSCULPT_FINE : w->quality + 1, error));
+    if (w->shoot && w->quality == ISOSCULPT_FINE) {
         w->shoot = false;
         write_shot(w, &w->view.image);
     }
@@ -308,7 +314,8 @@ static iso_status obey(window *w, iso_error *error) {
     unsigned answers = w->screen.answers;
     w->screen.answers = 0;
     if ((w->hand.wishes & ISOSCULPT_WISH_SAVE) || (answers & ISOSCULPT_ANSWER_SAVE)) start_save(w);
-    w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_SAVE;
+    if (w->hand.wishes & ISOSCULPT_WISH_CLOSE) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
+    w->hand.wishes &= ~(unsigned)(ISOSCULPT_WISH_SAVE | ISOSCULPT_WISH_CLOSE);
     if (answers & (ISOSCULPT_ANSWER_CLOSE | ISOSCULPT_ANSWER_STAY)) w->screen.closing = false;
     if (answers & ISOSCULPT_ANSWER_CLOSE) {
         w->close_after = true;
@@ -331,7 +338,7 @@ static bool is_over(window *w) {
 }
 
 static void wait_events(window *w) {
-    double wait = w->rough ? w->changed + REST - isosculpt_now() : IDLE;
+    double wait = fmin(until_better(w), IDLE);
     if (w->screen.saving) wait = fmin(wait, 0.05);
     if (w->frames > 0 || w->hand.wishes || w->screen.answers || wait <= 0) {
         glfwPollEvents();
