@@ -81,10 +81,11 @@ static void begin(isosculpt_hand *hand, unsigned modifiers, double x, double y) 
     bool tube = hand->tool == ISO_TOOL_ADD || hand->tool == ISO_TOOL_CARVE;
     if (tube && brush.shape == ISO_SOLID_SPHERE)
         brush.shape = ISO_SOLID_CAPSULE; /* without ridges between touches */
-    isosculpt_view_hold(hand->view);
+    iso_status status = isosculpt_view_hold(hand->view, &hand->error);
+    if (status != ISO_OK) return;
     iso_sample sample = sample_at(hand, x, y);
     double start = isosculpt_now();
-    iso_status status = iso_session_begin(hand->desk->session, &brush, &sample, &stats, &hand->error);
+    status = iso_session_begin(hand->desk->session, &brush, &sample, &stats, &hand->error);
     isosculpt_latency_add(&hand->edit, isosculpt_now() - start);
     if (status == ISO_OK) {
         hand->drag = ISOSCULPT_DRAG_BRUSH;

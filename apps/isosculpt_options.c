@@ -20,6 +20,11 @@ static iso_status apply_json(void *target, const char *value, iso_error *error) 
     return ISO_OK;
 }
 
+static iso_status apply_resolution(void *target, const char *value, iso_error *error) {
+    isosculpt_settings *settings = target;
+    return iso_parse_resolution(value, settings->resolution, error);
+}
+
 static iso_status apply_version(void *target, const char *value, iso_error *error) {
     isosculpt_settings *settings = target;
     (void)value;
@@ -62,6 +67,10 @@ static const iso_option options[] = {
 
     {"extract", NULL, NULL, "extract the points after every sample, as a window does, and time it",
      .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(extract)},
+    {"draw", NULL, NULL, "draw the picture after every sample, as a window does, and time it",
+     .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(draw)},
+    {"resolution", NULL, "WxH", "size of the pictures that --draw draws", .group = RUNNING,
+     .kind = ISO_OPTION_CALL, .apply = apply_resolution, .standard = "1280x800"},
     {"threads", NULL, "N", "threads to use; the result does not depend on it", .group = RUNNING,
      .kind = ISO_OPTION_INT, AT(threads), .standard = "one a processor", .low = 1, .high = 1024},
     {"quiet", "q", NULL, "say nothing but errors", .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(quiet)},
@@ -109,9 +118,10 @@ static bool has_suffix(const char *name, const char *suffixes) {
 
 /* What a window makes no use of is not taken in silence. */
 static iso_status check_window(isosculpt_settings *settings, const iso_operands *operands, iso_error *error) {
-    if (settings->replay || settings->output || settings->mesh || settings->json || settings->extract)
+    if (settings->replay || settings->output || settings->mesh || settings->json || settings->extract ||
+        settings->draw)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--replay, --output, --mesh, --json and --extract need --headless");
+                        "--replay, --output, --mesh, --json, --extract and --draw need --headless");
     if (settings->voxel_size > 0) return iso_fail(error, ISO_ERR_USAGE, "--voxel-size needs --headless");
     if (operands->count > 1 || (operands->count && settings->recover))
         return iso_fail(error, ISO_ERR_USAGE, "one session at a time: '%s' is too many",

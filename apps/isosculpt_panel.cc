@@ -115,19 +115,19 @@ static bool color_edit(const char *label, iso_rgb *color) {
 }
 
 static void section_picture(isosculpt_hand *hand) {
-    isosculpt_view *view = hand->view;
+    isosculpt_look *look = &hand->view->look;
     bool changed = false;
-    if (ImGui::BeginCombo("method", isosculpt_method_name(view->method))) {
+    if (ImGui::BeginCombo("method", isosculpt_method_name(look->method))) {
         for (int i = 0; i < ISOSCULPT_METHOD_COUNT; i++)
-            if (ImGui::Selectable(isosculpt_method_name((isosculpt_method)i), i == (int)view->method)) {
-                view->method = (isosculpt_method)i;
+            if (ImGui::Selectable(isosculpt_method_name((isosculpt_method)i), i == (int)look->method)) {
+                look->method = (isosculpt_method)i;
                 changed = true;
             }
         ImGui::EndCombo();
     }
-    changed |= color_edit("surface", &view->color);
+    changed |= color_edit("surface", &look->color);
     ImGui::SameLine();
-    changed |= color_edit("background", &view->background);
+    changed |= color_edit("background", &look->background);
     ImGui::TextColored(GREY, "engine: cpu; light: key and fill, from the eye");
     if (changed) hand->wishes |= ISOSCULPT_WISH_PICTURE;
 }

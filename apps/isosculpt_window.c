@@ -33,10 +33,9 @@ typedef struct window {
     char folder[ISOSCULPT_PATH], offered[ISOSCULPT_PATH];
     bool has_folder;
     int texture_width, texture_height;
-    int frames;                /* still to be drawn */
-    double changed;            /* when the picture last had to be drawn */
-    isosculpt_quality quality; /* of the picture */
-    bool close_after;          /* a save, which must succeed */
+    int frames;       /* still to be drawn */
+    double changed;   /* when the picture last had to be drawn */
+    bool close_after; /* a save, which must succeed */
     bool shoot, shoot_all;
     iso_error error; /* of drawing: it ends the program */
 } window;
@@ -236,16 +235,8 @@ static void shoot_window(window *w) {
 
 /* ---- drawing */
 
-static void upload(window *w) {
+static void make_texture(window *w) {
     const iso_image *image = &w->view.image;
-    if (!w->screen.texture) glGenTextures(1, &w->screen.texture);
-    glBindTexture(GL_TEXTURE_2D, w->screen.texture);
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    if (w->texture_width == image->width && w->texture_height == image->height) {
-        glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image->width, image->height, GL_RGBA, GL_UNSIGNED_BYTE,
-                        image->rgba);
-        return;
-    }
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -256,32 +247,58 @@ static void upload(window *w) {
     w->texture_height = image->height;
 }
 
-static iso_status draw_picture(window *w, isosculpt_quality quality, iso_error *error) {
-    ISO_TRY(isosculpt_view_draw(&w->view, w->screen.width, w->screen.height, quality, error));
-    upload(w);
-    w->quality = quality;
-    w->frames = FRAMES;
-    return ISO_OK;
+/* What was drawn last. */
+static void upload(window *w) {
+    const iso_image *image = &w->view.image;
+    const isosculpt_damage *fresh = &w->view.fresh;
+    if (!w->screen.texture) glGenTextures(1, &w->screen.texture);
+    glBindTexture(GL_TEXTURE_2D, w->screen.texture);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    if (w->texture_width != image->width || w->texture_height != image->height) {
+        make_texture(w);
+        return;
+    }
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, image->width);
+    for (int i = 0; i < fresh->count; i++) {
+        isosculpt_rectangle r = fresh->rectangle[i];
+        glTexSubImage2D(GL_TEXTURE_2D, 0, r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0, GL_RGBA, GL_UNSIGNED_BYTE,
+                        image->rgba + ((size_t)r.y0 * (size_t)image->width + (size_t)r.x0) * 4);
+    }
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
 }
 
 /* Seconds until a better picture is due; < 0: it is; none is due once it is the best. */
 static double until_better(const window *w) {
-    if (w->quality == ISOSCULPT_FINE) return IDLE;
-    return w->shoot ? -1 : w->changed + REST[w->quality + 1] - isosculpt_now();
+    if (w->view.quality == ISOSCULPT_FINE) return IDLE;
+    return w->shoot ? -1 : w->changed + REST[w->view.quality + 1] - isosculpt_now();
+}
+
+/* One step to a better picture. */
+static iso_status improve(window *w, iso_error *error) {
+    if (w->view.quality == ISOSCULPT_REST) return isosculpt_view_refine(&w->view, error);
+    return isosculpt_view_draw(&w->view, w->screen.width, w->screen.height, false, error);
+}
+
+static iso_status draw_due(window *w, iso_error *error) {
+    if (w->hand.wishes & ISOSCULPT_WISH_PICTURE) {
+        w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_PICTURE;
+        w->changed = isosculpt_now();
+        ISO_TRY(isosculpt_view_draw(&w->view, w->screen.width, w->screen.height, true, error));
+    } else if (until_better(w) < 0)
+        ISO_TRY(improve(w, error));
+    else
+        return ISO_OK;
+    upload(w);
+    w->frames = FRAMES;
+    return ISO_OK;
 }
 
 /* The picture that is due now, if any. */
 static iso_status update_picture(window *w, iso_error *error) {
-    if (w->hand.wishes & ISOSCULPT_WISH_PICTURE) {
-        w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_PICTURE;
-        w->changed = isosculpt_now();
-        ISO_TRY(draw_picture(w, ISOSCULPT_MOVING, error));
-    } else if (until_better(w) < 0)
-        ISO_TRY(draw_picture(w, w->shoot ? ISOSCULPT_FINE : w->quality + 1, error));
-    if (w->shoot && w->quality == ISOSCULPT_FINE) {
-        w->shoot = false;
-        write_shot(w, &w->view.image);
-    }
+    ISO_TRY(draw_due(w, error));
+    if (!w->shoot || w->view.quality != ISOSCULPT_FINE) return ISO_OK;
+    w->shoot = false;
+    write_shot(w, &w->view.image);
     return ISO_OK;
 }
 
