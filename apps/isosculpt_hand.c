@@ -27,9 +27,23 @@ iso_tool isosculpt_hand_modified(iso_tool tool, unsigned modifiers) {
     return tool;
 }
 
+static bool mask_at(const void *session, int x, int y, int z) {
+    return iso_session_masked(session, x, y, z);
+}
+
+/* The picture shows what is frozen. */
+static void show_mask(isosculpt_hand *hand) {
+    const iso_session *session = hand->desk->session;
+    bool any = iso_session_has_mask(session),
+         masks = hand->tool == ISO_TOOL_MASK || hand->tool == ISO_TOOL_UNMASK;
+    hand->view->repaint |= any != (hand->view->mask.at != NULL) || masks;
+    hand->view->mask = any ? (isosculpt_mask){mask_at, session} : (isosculpt_mask){NULL, NULL};
+}
+
 void isosculpt_hand_init(isosculpt_hand *hand, isosculpt_desk *desk, isosculpt_view *view) {
     *hand = (isosculpt_hand){.desk = desk, .view = view, .x = -1, .y = -1};
     hand->brush = (iso_brush){.tool = ISO_TOOL_ADD, .radius = 16 * desk->start.voxel_size, .strength = 0.5};
+    show_mask(hand);
 }
 
 /* ---- strokes */
@@ -67,6 +81,7 @@ static iso_sample sample_at(isosculpt_hand *hand, double x, double y) {
 static void done(isosculpt_hand *hand, iso_status status, const iso_edit_stats *stats) {
     hand->clipped |= stats->clipped;
     hand->wishes |= ISOSCULPT_WISH_PICTURE;
+    show_mask(hand);
     if (status == ISO_OK)
         hand->error.text[0] = 0;
     else if (!hand->error.text[0])

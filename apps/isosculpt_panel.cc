@@ -125,10 +125,19 @@ static void section_picture(isosculpt_hand *hand) {
             }
         ImGui::EndCombo();
     }
-    changed |= color_edit("surface", &look->color);
+    if (ImGui::BeginCombo("light", isosculpt_light_name(look->paint.light))) {
+        for (int i = 0; i < ISOSCULPT_LIGHT_COUNT; i++)
+            if (ImGui::Selectable(isosculpt_light_name((isosculpt_light)i), i == (int)look->paint.light)) {
+                look->paint.light = (isosculpt_light)i;
+                changed = true;
+            }
+        ImGui::EndCombo();
+    }
+    changed |= color_edit("surface", &look->paint.color);
     ImGui::SameLine();
-    changed |= color_edit("background", &look->background);
-    ImGui::TextColored(GREY, "engine: cpu; light: key and fill, from the eye");
+    changed |= color_edit("background", &look->paint.background);
+    ImGui::SameLine();
+    ImGui::TextColored(GREY, "engine: cpu");
     if (changed) hand->wishes |= ISOSCULPT_WISH_PICTURE;
 }
 
@@ -172,13 +181,13 @@ static void section_numbers(isosculpt_hand *hand) {
     const iso_hgrid *grid = iso_session_grid(hand->desk->session);
     ImGui::Text("%d x %d x %d voxels of %g mm", grid->dims[0], grid->dims[1], grid->dims[2],
                 grid->transform.spacing[0]);
-    ImGui::Text("%.2f M stored (%.0f MB), %zu points",
-                1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid),
-                1e-6 * (double)iso_hgrid_bytes(grid), isosculpt_view_points(hand->view));
-    if (!ImGui::BeginTable("latency", 3)) return;
-    ImGui::TableSetupColumn("milliseconds");
-    ImGui::TableSetupColumn("p50");
-    ImGui::TableSetupColumn("p99");
+    ImGui::Text("%.2f M stored in %.0f MB", 1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid),
+                1e-6 * (double)iso_hgrid_bytes(grid));
+    ImGui::Text("%zu points", isosculpt_view_points(hand->view));
+    if (!ImGui::BeginTable("latency", 3, ImGuiTableFlags_RowBg)) return;
+    ImGui::TableSetupColumn("milliseconds", ImGuiTableColumnFlags_WidthStretch, 2);
+    ImGui::TableSetupColumn("p50", ImGuiTableColumnFlags_WidthStretch, 1);
+    ImGui::TableSetupColumn("p99", ImGuiTableColumnFlags_WidthStretch, 1);
     ImGui::TableHeadersRow();
     latency_row("edit", &hand->edit);
     latency_row("extract", &hand->view->extract);
@@ -216,12 +225,12 @@ static void section_files(isosculpt_screen *screen) {
 
 static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
-    const float width = 250 * panel->scale, gap = 8 * panel->scale;
+    const float width = 296 * panel->scale, gap = 8 * panel->scale;
     ImGui::SetNextWindowPos(ImVec2(gap, gap), ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowSize(ImVec2(width, std::fmin(display.y - 2 * gap, 620 * panel->scale)),
+    ImGui::SetNextWindowSize(ImVec2(width, std::fmin(display.y - 2 * gap, 700 * panel->scale)),
                              ImGuiCond_FirstUseEver);
     ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings);
-    ImGui::PushItemWidth(-80 * panel->scale);
+    ImGui::PushItemWidth(-76 * panel->scale);
     if (ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen)) section_brush(screen->hand);
     if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) section_picture(screen->hand);
     if (ImGui::CollapsingHeader("History", ImGuiTreeNodeFlags_DefaultOpen))

@@ -1,4 +1,5 @@
 /* The picture of a view: as a whole, or the parts of it that an edit changed. */
+#include <math.h>
 #include <string.h>
 
 #include "apps/isosculpt_desk.h"
@@ -79,10 +80,45 @@ static iso_status draw_surface(isosculpt_view *view, isosculpt_method method, co
                                       : iso_draw_pullpush(target, &points, &opts, error);
 }
 
+typedef struct masking {
+    const isosculpt_view *view;
+    const iso_strip *strip;
+    const iso_image *image;
+    iso_affine affine;
+} masking;
+
+static bool is_masked(const masking *m, size_t sample, double x, double y) {
+    const int *dims = m->view->grid.hgrid->dims;
+    iso_vec3 origin, direction;
+    if (m->strip->gbuffer->surface[sample] == ISO_SURFACE_NONE) return false;
+    iso_view_ray(m->strip->view, x, y, &origin, &direction);
+    iso_vec3 world =
+        iso_vec3_add(origin, iso_vec3_scale(direction, (double)m->strip->gbuffer->depth[sample]));
+    iso_vec3 p = iso_affine_point_to_index(&m->affine, world);
+    const double at[3] = {p.x, p.y, p.z};
+    int voxel[3];
+    for (int axis = 0; axis < 3; axis++)
+        voxel[axis] = (int)fmin(fmax(floor(at[axis] + 0.5), 0), dims[axis] - 1);
+    return m->view->mask.at(m->view->mask.context, voxel[0], voxel[1], voxel[2]);
+}
+
+static void mask_row(void *context, size_t row, int worker) {
+    (void)worker;
+    const masking *m = context;
+    const size_t factor = (size_t)m->strip->factor, width = (size_t)m->image->width;
+    for (size_t column = 0; column < width; column++) {
+        size_t x = column * factor + factor / 2, y = row * factor + factor / 2;
+        uint8_t *rgba = m->image->rgba + (row * width + column) * 4;
+        if (!is_masked(m, y * width * factor + x, (double)x + 0.5, (double)y + 0.5)) continue;
+        for (int k = 0; k < 3; k++) rgba[k] = (uint8_t)(rgba[k] * 2 / 5);
+    }
+}
+
 static void shade(isosculpt_view *view, const iso_strip *strip, iso_image *image) {
-    iso_shading shading = {
-        .colors = &view->look.color, .color_count = 1, .background = view->look.background};
-    iso_shade(&shading, strip, image, view->pool);
+    isosculpt_paint_strip(&view->look.paint, strip, image, view->pool);
+    if (!view->mask.at) return;
+    masking m = {view, strip, image, iso_transform_affine(&view->grid.hgrid->transform)};
+    iso_parallel_for(view->pool, (size_t)image->height, mask_row, &m);
 }
 
 static isosculpt_rectangle whole_image(const isosculpt_view *view) {
@@ -173,7 +209,8 @@ static bool same_rgb(iso_rgb a, iso_rgb b) {
 }
 
 static bool same_look(const isosculpt_look *a, const isosculpt_look *b) {
-    return a->method == b->method && same_rgb(a->color, b->color) && same_rgb(a->background, b->background);
+    return a->method == b->method && a->paint.light == b->paint.light &&
+           same_rgb(a->paint.color, b->paint.color) && same_rgb(a->paint.background, b->paint.background);
 }
 
 /* The picture differs from what is to be shown by edits alone. */
@@ -209,6 +246,7 @@ static iso_status patch(isosculpt_view *view, iso_error *error) {
     double start = isosculpt_now();
     view->fresh = (isosculpt_damage){.count = 0};
     isosculpt_damage_add_edits(&view->fresh, &view->drawn.view, view->grid.hgrid, view->seen);
+    if (view->repaint) isosculpt_damage_add(&view->fresh, whole_image(view));
     if (!view->fresh.count) return ISO_OK;
     view->quality = ISOSCULPT_REST;
     if (2 * isosculpt_damage_area(&view->fresh) > isosculpt_rectangle_area(whole_image(view)))
@@ -233,6 +271,7 @@ iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool
     else
         ISO_TRY(redraw(view, moving && !(still && exact), error));
     view->seen = now;
+    view->repaint = false;
     return ISO_OK;
 }
 
@@ -258,6 +297,7 @@ iso_status isosculpt_view_refine(isosculpt_view *view, iso_error *error) {
         ISO_TRY(draw_piece(view, method, piece, PIECE_FACTOR, error));
         isosculpt_damage_add(&view->fresh, piece);
     }
-    if (!view->rough.count) view->quality = ISOSCULPT_FINE;
-    return ISO_OK;
+    if (view->rough.count) return ISO_OK;
+    view->quality = ISOSCULPT_FINE;
+    return extract(view, ISOSCULPT_PULLPUSH, error); /* for when the camera moves */
 }

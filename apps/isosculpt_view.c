@@ -41,7 +41,8 @@ double isosculpt_latency_quantile(const isosculpt_latency *latency, double quant
 
 iso_status isosculpt_view_init(isosculpt_view *view, iso_hgrid *grid, iso_pool *pool, iso_error *error) {
     const iso_rgb clay = {206, 142, 112}, dusk = {46, 50, 56};
-    *view = (isosculpt_view){.look = {.color = clay, .background = dusk}, .factor = 1, .pool = pool};
+    *view =
+        (isosculpt_view){.look = {.paint = {.color = clay, .background = dusk}}, .factor = 1, .pool = pool};
     view->grid.hgrid = grid;
     view->camera.view_angle = 30;
     iso_points_opts points = {.pool = pool};

@@ -8,13 +8,13 @@
 #define ISO_APPS_ISOSCULPT_VIEW_H
 
 #include "apps/isosculpt_damage.h"
+#include "apps/isosculpt_light.h"
 #include "extract/mesh.h"
 #include "extract/points.h"
 #include "image/camera.h"
 #include "image/image.h"
 #include "render/gbuffer.h"
 #include "render/pullpush.h"
-#include "render/shading.h"
 #include "truth/exact.h"
 
 #ifdef __cplusplus
@@ -51,8 +51,14 @@ typedef enum isosculpt_quality { ISOSCULPT_MOVING, ISOSCULPT_REST, ISOSCULPT_FIN
 
 typedef struct isosculpt_look {
     isosculpt_method method;
-    iso_rgb color, background;
+    isosculpt_paint paint;
 } isosculpt_look;
+
+/* Frozen voxels look darker. `at`: whether one is frozen; called by several threads. Zero: none are. */
+typedef struct isosculpt_mask {
+    bool (*at)(const void *context, int x, int y, int z);
+    const void *context; /* borrowed */
+} isosculpt_mask;
 
 /* A picture as it was drawn: what a stroke picks from, while newer ones are drawn. */
 typedef struct isosculpt_layer {
@@ -65,6 +71,7 @@ typedef struct isosculpt_layer {
 typedef struct isosculpt_view {
     iso_camera camera;
     isosculpt_look look;
+    isosculpt_mask mask;
     int factor; /* of pictures while the camera moves: 1 .. ISOSCULPT_FACTOR_MAX; found by their times */
 
     iso_grid grid;  /* borrowed */
@@ -88,6 +95,7 @@ typedef struct isosculpt_view {
     isosculpt_quality quality;
     bool exactly;           /* the exact surface, at least one sample a pixel */
     uint64_t seen;          /* edits up to this one */
+    bool repaint;           /* the mask changed */
     isosculpt_damage fresh; /* what the last call drew; pixels of the image */
     isosculpt_damage rough; /* what has one sample a pixel */
 

@@ -166,14 +166,15 @@ static void test_fine_picture(void **state) {
     assert_true(isosculpt_damage_area(&view.rough) <= drawn && drawn < (size_t)WIDTH * HEIGHT);
     refine(&view);
     assert_int_equal(iso_image_create(WIDTH, HEIGHT, &image, NULL), ISO_OK);
-    iso_picture_opts opts = {
-        .camera = &view.camera,
-        .width = WIDTH,
-        .height = HEIGHT,
-        .samples = 4,
-        .shading = {.colors = &view.look.color, .color_count = 1, .background = view.look.background},
-        .draw = draw_exact,
-        .draw_context = view.exact};
+    iso_picture_opts opts = {.camera = &view.camera,
+                             .width = WIDTH,
+                             .height = HEIGHT,
+                             .samples = 4,
+                             .shading = {.colors = &view.look.paint.color,
+                                         .color_count = 1,
+                                         .background = view.look.paint.background},
+                             .draw = draw_exact,
+                             .draw_context = view.exact};
     assert_int_equal(iso_picture_render(&opts, &image, NULL, NULL), ISO_OK);
     assert_memory_equal(view.image.rgba, image.rgba, (size_t)WIDTH * HEIGHT * 4);
     iso_image_free(&image);
