@@ -2,14 +2,13 @@
 
 #include <math.h>
 
-/* The sphere's picture: normals (x, y) from -1 to 1 on SIDE x SIDE pixels. */
-enum { SIDE = 128 };
+enum { SIDE = ISOSCULPT_SPHERE };
 
 typedef struct matcap {
     const iso_strip *strip;
     iso_image *image;
     iso_rgb background;
-    uint8_t sphere[SIDE][SIDE][3];
+    const isosculpt_sphere *sphere;
 } matcap;
 
 const char *isosculpt_light_name(isosculpt_light light) {
@@ -48,9 +47,8 @@ static brightness bright(isosculpt_light light, double x, double y, double z) {
         return (brightness){0.55 + 0.45 * ramp(-0.4, 1, key),
                             0.25 * eighth_power(1 - z) + 0.35 * eighth_power(key * key)};
     default: /* a dark room with two windows: shows every dent */
-        return (brightness){0.12 + 0.35 * ramp(-0.2, 1, -y) + 0.55 * ramp(0.05, 0.15, key - 0.45) -
-                                0.35 * ramp(0.75, 0.9, key),
-                            0.55 * ramp(0.75, 0.9, key) + 0.30 * ramp(0.55, 0.7, x + 0.4 * y)};
+        return (brightness){0.22 + 0.30 * ramp(-1, 1, -y) + 0.45 * ramp(0.25, 0.7, key),
+                            0.50 * ramp(0.80, 0.95, key) + 0.18 * ramp(0.55, 0.85, x + 0.4 * y)};
     }
 }
 
@@ -58,16 +56,24 @@ static uint8_t mixed(brightness b, uint8_t surface) {
     return (uint8_t)fmin(fmax(surface * b.surface + 255 * b.light, 0), 255);
 }
 
-static void make_sphere(const isosculpt_paint *paint, matcap *cap) {
+static void make_sphere(const isosculpt_paint *paint, isosculpt_sphere *sphere) {
+    const iso_rgb color = paint->color;
+    sphere->light = paint->light;
+    sphere->color = color;
     for (int row = 0; row < SIDE; row++)
         for (int column = 0; column < SIDE; column++) {
             double x = (column + 0.5) * 2 / SIDE - 1, y = (row + 0.5) * 2 / SIDE - 1, r = x * x + y * y;
             double z = r < 1 ? sqrt(1 - r) : 0, length = r < 1 ? 1 : sqrt(r);
             brightness b = bright(paint->light, x / length, y / length, z);
-            cap->sphere[row][column][0] = mixed(b, paint->color.r);
-            cap->sphere[row][column][1] = mixed(b, paint->color.g);
-            cap->sphere[row][column][2] = mixed(b, paint->color.b);
+            sphere->rgb[row][column][0] = mixed(b, color.r);
+            sphere->rgb[row][column][1] = mixed(b, color.g);
+            sphere->rgb[row][column][2] = mixed(b, color.b);
         }
+}
+
+static bool is_of(const isosculpt_sphere *sphere, const isosculpt_paint *paint) {
+    return sphere->light == paint->light && sphere->color.r == paint->color.r &&
+           sphere->color.g == paint->color.g && sphere->color.b == paint->color.b;
 }
 
 /* ---- looking up */
@@ -79,7 +85,7 @@ static const uint8_t *look_up(const matcap *cap, size_t sample) {
     int row = (int)((gbuffer->normal[1][sample] * turned * 0.5f + 0.5f) * SIDE);
     column = column < 0 ? 0 : column >= SIDE ? SIDE - 1 : column;
     row = row < 0 ? 0 : row >= SIDE ? SIDE - 1 : row;
-    return cap->sphere[row][column];
+    return cap->sphere->rgb[row][column];
 }
 
 static void shade_pixel(const matcap *cap, size_t first, uint8_t rgba[4]) {
@@ -106,14 +112,14 @@ static void shade_row(void *context, size_t row, int worker) {
     for (size_t x = 0; x < width; x++) shade_pixel(cap, first + x * factor, out + 4 * x);
 }
 
-void isosculpt_paint_strip(const isosculpt_paint *paint, const iso_strip *strip, iso_image *image,
-                           iso_pool *pool) {
+void isosculpt_paint_strip(const isosculpt_paint *paint, isosculpt_sphere *sphere, const iso_strip *strip,
+                           iso_image *image, iso_pool *pool) {
     if (paint->light == ISOSCULPT_LIGHT_LAMPS) {
         iso_shading shading = {.colors = &paint->color, .color_count = 1, .background = paint->background};
         iso_shade(&shading, strip, image, pool);
         return;
     }
-    matcap cap = {.strip = strip, .image = image, .background = paint->background};
-    make_sphere(paint, &cap);
+    if (!is_of(sphere, paint)) make_sphere(paint, sphere);
+    matcap cap = {strip, image, paint->background, sphere};
     iso_parallel_for(pool, (size_t)(strip->gbuffer->height / strip->factor), shade_row, &cap);
 }

@@ -27,9 +27,18 @@ typedef struct isosculpt_paint {
     iso_rgb color, background;
 } isosculpt_paint;
 
+/* A picture of the lit sphere: normals (x, y) from -1 to 1. Zero-initialise; made when first needed, and
+ * again for another paint. */
+enum { ISOSCULPT_SPHERE = 256 };
+typedef struct isosculpt_sphere {
+    isosculpt_light light;
+    iso_rgb color;
+    uint8_t rgb[ISOSCULPT_SPHERE][ISOSCULPT_SPHERE][3];
+} isosculpt_sphere;
+
 /* Shades a strip, as iso_shade does. */
-void isosculpt_paint_strip(const isosculpt_paint *paint, const iso_strip *strip, iso_image *image,
-                           iso_pool *pool);
+void isosculpt_paint_strip(const isosculpt_paint *paint, isosculpt_sphere *sphere, const iso_strip *strip,
+                           iso_image *image, iso_pool *pool);
 
 #ifdef __cplusplus
 }

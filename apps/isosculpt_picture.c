@@ -110,12 +110,12 @@ static void mask_row(void *context, size_t row, int worker) {
         size_t x = column * factor + factor / 2, y = row * factor + factor / 2;
         uint8_t *rgba = m->image->rgba + (row * width + column) * 4;
         if (!is_masked(m, y * width * factor + x, (double)x + 0.5, (double)y + 0.5)) continue;
-        for (int k = 0; k < 3; k++) rgba[k] = (uint8_t)(rgba[k] * 2 / 5);
+        for (int k = 0; k < 3; k++) rgba[k] = (uint8_t)(rgba[k] * 3 / 5);
     }
 }
 
 static void shade(isosculpt_view *view, const iso_strip *strip, iso_image *image) {
-    isosculpt_paint_strip(&view->look.paint, strip, image, view->pool);
+    isosculpt_paint_strip(&view->look.paint, &view->sphere, strip, image, view->pool);
     if (!view->mask.at) return;
     masking m = {view, strip, image, iso_transform_affine(&view->grid.hgrid->transform)};
     iso_parallel_for(view->pool, (size_t)image->height, mask_row, &m);

@@ -80,6 +80,7 @@ typedef struct isosculpt_view {
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_pullpush *workspace;
+    isosculpt_sphere sphere;
 
     isosculpt_layer drawn, held; /* the last picture; the one that a stroke began on */
     iso_image image;             /* room; its width and height are the last picture's */
