@@ -277,25 +277,27 @@ static void draw_help(isosculpt_screen *screen) {
     ImGui::End();
 }
 
-/* A question in the middle; while it is there the sculpture is out of reach. */
-static bool begin_question(const char *title) {
+/* A question in the middle; while it is there the sculpture is out of reach. Answers come from here or from
+ * keys. */
+static bool begin_question(const char *title, bool asked) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
-    if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
+    if (asked && !ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
     ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
-    return ImGui::BeginPopupModal(title, nullptr,
-                                  ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
+    bool open = ImGui::BeginPopupModal(title, nullptr,
+                                       ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
+    if (open && !asked) ImGui::CloseCurrentPopup();
+    return open;
 }
 
 static void answer_button(isosculpt_screen *screen, const char *label, unsigned answers) {
-    if (!ImGui::Button(label)) return;
-    screen->answers |= answers;
-    ImGui::CloseCurrentPopup();
+    if (ImGui::Button(label)) screen->answers |= answers;
 }
 
 static void ask_recover(isosculpt_screen *screen) {
-    if (!begin_question("Recover?")) return;
-    ImGui::Text("A session was not closed:\n%s\n\nIts strokes are all there.", screen->offered);
-    answer_button(screen, "Recover it", ISOSCULPT_ANSWER_RECOVER);
+    if (!begin_question("Recover?", screen->offered)) return;
+    ImGui::Text("A session was not closed:\n%s\n\nIts strokes are all there.",
+                screen->offered ? screen->offered : "");
+    answer_button(screen, "Recover it (Enter)", ISOSCULPT_ANSWER_RECOVER);
     ImGui::SameLine();
     answer_button(screen, "Start new (the file stays)", ISOSCULPT_ANSWER_DISMISS);
     ImGui::EndPopup();
@@ -303,16 +305,16 @@ static void ask_recover(isosculpt_screen *screen) {
 
 static void ask_close(isosculpt_screen *screen) {
     const char *journal = screen->hand->desk->journal;
-    if (!begin_question("Close?")) return;
+    if (!begin_question("Close?", screen->closing)) return;
     if (journal[0])
         ImGui::Text("What you did is not in a .vdb file. The stroke file has all of it:\n%s", journal);
     else
         ImGui::TextColored(RED, "What you did is in no file.");
-    answer_button(screen, "Save .vdb and close", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_CLOSE);
+    answer_button(screen, "Save .vdb and close (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_CLOSE);
     ImGui::SameLine();
     answer_button(screen, "Close", ISOSCULPT_ANSWER_CLOSE);
     ImGui::SameLine();
-    answer_button(screen, "Stay", ISOSCULPT_ANSWER_STAY);
+    answer_button(screen, "Stay (Escape)", ISOSCULPT_ANSWER_STAY);
     ImGui::EndPopup();
 }
 
@@ -323,10 +325,8 @@ static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     panel->place = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
     if (screen->panel) draw_panel(panel, screen);
     if (screen->help) draw_help(screen);
-    if (screen->offered)
-        ask_recover(screen);
-    else if (screen->closing)
-        ask_close(screen);
+    ask_recover(screen);
+    if (!screen->offered) ask_close(screen);
     const isosculpt_hand *hand = screen->hand;
     bool over = panel->place.holds(hand->x / screen->pixels, hand->y / screen->pixels);
     draw_picture(screen, !panel->modal && (!over || hand->drag == ISOSCULPT_DRAG_BRUSH));
@@ -364,6 +364,7 @@ static void set_style(float scale) {
     ImGui::GetStyle().WindowRounding = 5;
     ImGui::GetStyle().FrameRounding = 3;
     ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 0.88f;
+    ImGui::GetStyle().Colors[ImGuiCol_ModalWindowDimBg] = ImVec4(0, 0, 0, 0.45f);
     ImGui::GetStyle().ScaleAllSizes(scale);
 }
 

@@ -96,6 +96,31 @@ static int key_of(int key, int scancode) {
     return tolower(key); /* digits and brackets by their place */
 }
 
+/* A window closed over unsaved changes asks first, and closes when it is closed again. */
+static void want_close(window *w) {
+    bool ask = w->desk.changes != w->desk.saved && !w->close_after && !w->screen.closing;
+    glfwSetWindowShouldClose(w->glfw, !ask);
+    w->screen.closing = ask;
+    w->frames = FRAMES;
+}
+
+static void on_close(GLFWwindow *glfw) {
+    want_close(of(glfw));
+}
+
+/* While a question is asked keys answer it and do nothing else. */
+static bool answer(window *w, int key) {
+    bool yes = key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
+    if (!w->screen.offered && !w->screen.closing) return false;
+    if (w->screen.offered)
+        w->screen.answers |= yes ? ISOSCULPT_ANSWER_RECOVER : 0u;
+    else if (yes)
+        w->screen.answers |= ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_CLOSE;
+    else if (key == GLFW_KEY_ESCAPE)
+        w->screen.closing = false;
+    return true;
+}
+
 static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods) {
     window *w = of(glfw);
     w->frames = FRAMES;
@@ -104,12 +129,14 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
         isosculpt_hand_key(&w->hand, meant, modifiers(mods), false);
         return;
     }
-    if (isosculpt_panel_has_keys(w->panel)) return;
+    if (answer(w, key) || isosculpt_panel_has_keys(w->panel)) return;
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
     if (action == GLFW_PRESS && key == GLFW_KEY_F12)
         *(mods & GLFW_MOD_SHIFT ? &w->shoot_all : &w->shoot) = true;
     if (action == GLFW_PRESS && meant == 'h') w->screen.help = !w->screen.help;
     isosculpt_hand_key(&w->hand, meant, modifiers(mods), true);
+    if (w->hand.wishes & ISOSCULPT_WISH_CLOSE) want_close(w);
+    w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_CLOSE;
 }
 
 static void on_refresh(GLFWwindow *glfw) {
@@ -130,11 +157,19 @@ static void set_callbacks(window *w) {
     glfwSetMouseButtonCallback(w->glfw, on_button);
     glfwSetScrollCallback(w->glfw, on_scroll);
     glfwSetKeyCallback(w->glfw, on_key);
+    glfwSetWindowCloseCallback(w->glfw, on_close);
     glfwSetWindowRefreshCallback(w->glfw, on_refresh);
     glfwSetFramebufferSizeCallback(w->glfw, on_size);
 }
 
 /* ---- the sculpture on the desk */
+
+static void show_title(window *w) {
+    char title[ISOSCULPT_PATH + 32];
+    const char *slash = strrchr(w->desk.journal, '/'), *name = slash ? slash + 1 : w->desk.journal;
+    snprintf(title, sizeof title, "isosculpt%s%s", name[0] ? ": " : "", name);
+    glfwSetWindowTitle(w->glfw, title);
+}
 
 /* The hand and the view of what is on the desk. The brush and the look stay as they are. */
 static iso_status show_desk(window *w, iso_error *error) {
@@ -143,6 +178,7 @@ static iso_status show_desk(window *w, iso_error *error) {
     ISO_TRY(isosculpt_view_init(&w->view, iso_session_grid(w->desk.session), w->pool, error));
     isosculpt_hand_init(&w->hand, &w->desk, &w->view);
     if (brush.radius > 0) w->hand.brush = brush;
+    show_title(w);
     w->hand.wishes = ISOSCULPT_WISH_PICTURE;
     return ISO_OK;
 }
@@ -331,8 +367,7 @@ static iso_status obey(window *w, iso_error *error) {
     unsigned answers = w->screen.answers;
     w->screen.answers = 0;
     if ((w->hand.wishes & ISOSCULPT_WISH_SAVE) || (answers & ISOSCULPT_ANSWER_SAVE)) start_save(w);
-    if (w->hand.wishes & ISOSCULPT_WISH_CLOSE) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
-    w->hand.wishes &= ~(unsigned)(ISOSCULPT_WISH_SAVE | ISOSCULPT_WISH_CLOSE);
+    w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_SAVE;
     if (answers & (ISOSCULPT_ANSWER_CLOSE | ISOSCULPT_ANSWER_STAY)) w->screen.closing = false;
     if (answers & ISOSCULPT_ANSWER_CLOSE) {
         w->close_after = true;
@@ -341,17 +376,6 @@ static iso_status obey(window *w, iso_error *error) {
     if (answers & (ISOSCULPT_ANSWER_RECOVER | ISOSCULPT_ANSWER_DISMISS)) w->screen.offered = NULL;
     if (answers & ISOSCULPT_ANSWER_DISMISS) isosculpt_desk_dismiss(w->offered);
     return answers & ISOSCULPT_ANSWER_RECOVER ? recover(w, error) : ISO_OK;
-}
-
-/* Whether the loop ends: a window closed over unsaved changes asks first, and closes when it is closed again.
- */
-static bool is_over(window *w) {
-    if (!glfwWindowShouldClose(w->glfw)) return false;
-    if (w->desk.changes == w->desk.saved || w->close_after || w->screen.closing) return true;
-    glfwSetWindowShouldClose(w->glfw, GLFW_FALSE);
-    w->screen.closing = true;
-    w->frames = FRAMES;
-    return false;
 }
 
 static void wait_events(window *w) {
@@ -367,7 +391,7 @@ static void wait_events(window *w) {
 }
 
 static iso_status loop(window *w, iso_error *error) {
-    while (!is_over(w)) {
+    while (!glfwWindowShouldClose(w->glfw)) {
         ISO_TRY(draw(w, error));
         wait_events(w);
         finish_save(w);
