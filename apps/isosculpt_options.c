@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "apps/isosculpt.h"
+#include "apps/isosculpt_keys.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"
@@ -34,16 +35,9 @@ static iso_status apply_version(void *target, const char *value, iso_error *erro
 }
 
 static iso_status apply_help(void *target, const char *value, iso_error *error) {
-    static const char *const forms[] = {"screen", "markdown", "man", "bash"};
     isosculpt_settings *settings = target;
     settings->help = ISOSCULPT_HELP;
-    settings->help_form = ISO_HELP_SCREEN;
-    for (int i = 0; value && i < 4; i++)
-        if (strcmp(value, forms[i]) == 0) {
-            settings->help_form = (iso_help_form)i;
-            return ISO_OK;
-        }
-    return value ? iso_fail(error, ISO_ERR_USAGE, "'%s' is not man, markdown or bash", value) : ISO_OK;
+    return iso_parse_help_form(value, &settings->help_form, error);
 }
 
 #define AT(member) .offset = offsetof(isosculpt_settings, member)
@@ -65,8 +59,8 @@ static const iso_option options[] = {
     {"json", NULL, "FILE", "say what was done as JSON, to standard output without a file", .group = OUTPUT,
      .kind = ISO_OPTION_CALL, .apply = apply_json, .flags = ISO_OPTION_VALUE_OPTIONAL},
 
-    {"extract", NULL, NULL, "extract the points after every sample, as a window does, and time it",
-     .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(extract)},
+    {"extract", NULL, NULL, "extract the points after every sample, and time it", .group = RUNNING,
+     .kind = ISO_OPTION_FLAG, AT(extract)},
     {"draw", NULL, NULL, "draw the picture after every sample, as a window does, and time it",
      .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(draw)},
     {"resolution", NULL, "WxH", "size of the pictures that --draw draws", .group = RUNNING,
@@ -92,7 +86,11 @@ static const char *const example_text[] = {
     "isosculpt                    # a new ball", "isosculpt bear.strokes       # goes on where the file ends",
     "isosculpt --replay bear.strokes --headless --output bear.vdb",
     "isosculpt --replay bear.strokes --headless --voxel-size 0.5 --output bear.stl --json", NULL};
-static const iso_section sections[] = {{"Exit status", exit_text}, {"Examples", example_text}};
+#define KEY_LINE(key, meaning) key ": " meaning,
+static const char *const key_text[] = {ISOSCULPT_KEYS(KEY_LINE) NULL};
+#undef KEY_LINE
+static const iso_section sections[] = {
+    {"Mouse and keys", key_text}, {"Exit status", exit_text}, {"Examples", example_text}};
 
 const iso_program *isosculpt_program(void) {
     static const iso_program program = {.name = "isosculpt",

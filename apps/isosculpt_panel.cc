@@ -10,6 +10,7 @@
 
 #include <GLFW/glfw3.h>
 
+#include "apps/isosculpt_keys.h"
 #include "grids/bridge_guard.hpp"
 
 struct rectangle {
@@ -245,22 +246,9 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
 /* ---- help and questions */
 
 static void draw_help(isosculpt_screen *screen) {
-    static const char *const rows[][2] = {{"left drag on the surface", "the brush"},
-                                          {"left drag beside it, middle drag", "orbit"},
-                                          {"right drag", "pan"},
-                                          {"wheel", "zoom"},
-                                          {"Shift + left drag", "smooth"},
-                                          {"Alt or Ctrl + left drag", "the brush, inverted"},
-                                          {"[  ]", "smaller, larger brush"},
-                                          {"X, C + moving the mouse", "size, strength"},
-                                          {"1 .. 9", "brushes"},
-                                          {"Escape", "take back the stroke being drawn"},
-                                          {"Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "undo, redo"},
-                                          {"Ctrl+S, Ctrl+Q", "save as .vdb, close"},
-                                          {"F", "look at what is under the cursor, or at all"},
-                                          {"number pad 1, 3, 7", "front, right, top"},
-                                          {"F12, Shift+F12", "picture of the sculpture, of the window"},
-                                          {"Tab, H", "panel, this sheet"}};
+#define KEY_ROW(key, meaning) {key, meaning},
+    static const char *const rows[][2] = {ISOSCULPT_KEYS(KEY_ROW)};
+#undef KEY_ROW
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
     ImGui::Begin("Help", &screen->help,
