@@ -209,6 +209,7 @@ static void step(isosculpt_hand *hand, bool redo) {
         redo ? iso_session_redo(session, &hand->error) : iso_session_undo(session, &hand->error);
     hand->desk->changes += status == ISO_OK;
     done(hand, status, &stats);
+    hand->view->repaint |= hand->view->mask.at != NULL; /* the step may be one of masking */
 }
 
 void isosculpt_hand_history(isosculpt_hand *hand, size_t position) {

@@ -99,6 +99,13 @@ for at in "560 290" "700 290" "640 260" "560 390" "640 340" "720 390" "560 480" 
     # shellcheck disable=SC2086
     stroke $at 30 20
 done
+picture masked
+xdotool keydown alt
+# shellcheck disable=SC2086
+stroke $at 30 20
+xdotool keyup alt
+picture free
+cmp -s "$work/masked.png" "$work/free.png" && fail "what is frozen does not look it"
 key 1
 xdotool keydown shift
 stroke 620 400 20 10
@@ -107,20 +114,20 @@ stroke 660 520 20 10
 xdotool keyup alt keydown ctrl
 stroke 520 420 10 20
 xdotool keyup ctrl
-expected="add carve blend-add smooth inflate flatten pinch move mask smooth carve carve "
+expected="add carve blend-add smooth inflate flatten pinch move mask unmask smooth carve carve "
 [ "$(tools)" = "$expected" ] || fail "tools: $(tools)"
 picture sculpted
 cmp -s "$work/new.png" "$work/sculpted.png" && fail "strokes are not to be seen"
 
-# ---- undo brings back every bit of the picture, redo the other
+# ---- undo brings back every bit of the picture, redo the other; more of them than there are do nothing
 strokes=$(events end)
-undone=$((strokes - 1)) # a mask is no step
-for i in $(seq $undone); do key ctrl+z; done
-until_ "undo" has_events undo $undone
-for i in $(seq $undone); do key ctrl+shift+z; done
-until_ "redo" has_events redo $undone
+for i in $(seq $((strokes + 2))); do key ctrl+z; done
+picture undone
+cmp "$work/undone.png" "$work/new.png" || fail "undo: another picture"
+for i in $(seq $((strokes + 2))); do key ctrl+shift+z; done
 picture redone
-cmp -s "$work/redone.png" "$work/sculpted.png" || fail "redo: another picture"
+cmp "$work/redone.png" "$work/sculpted.png" || fail "redo: another picture"
+has_events undo "$(events redo)" || fail "as many undone as redone"
 
 # ---- the camera: orbit beside the ball and with the middle button, pan, wheel, views
 drag 1 1100 650 60 40
