@@ -76,17 +76,10 @@ static iso_status apply_background(void *target, const char *value, iso_error *e
 
 static iso_status apply_resolution(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
-    size_t digits = strspn(value, "0123456789");
-    char width[16] = "";
-    int w, h;
-    bool separated = digits > 0 && digits < sizeof width && (value[digits] == 'x' || value[digits] == ',');
-    if (separated) memcpy(width, value, digits);
-    if (!separated || !iso_parse_int(width, &w) || !iso_parse_int(value + digits + 1, &h))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not WxH, such as 1920x1080", value);
-    if (w < 1 || h < 1 || w > ISO_IMAGE_MAX || h > ISO_IMAGE_MAX)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: sides must be 1 to %d pixels", value, ISO_IMAGE_MAX);
-    settings->width = w;
-    settings->height = h;
+    int size[2];
+    ISO_TRY(iso_parse_resolution(value, size, error));
+    settings->width = size[0];
+    settings->height = size[1];
     return ISO_OK;
 }
 

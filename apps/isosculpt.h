@@ -12,7 +12,8 @@ typedef enum isosculpt_help { ISOSCULPT_HELP_NONE, ISOSCULPT_HELP, ISOSCULPT_VER
 typedef struct isosculpt_settings {
     const char *strokes; /* the operand: to continue in a window */
     const char *replay, *output, *mesh, *json_path;
-    int json, headless, recover, quiet, threads, extract;
+    int json, headless, recover, quiet, threads, extract, draw;
+    int resolution[2]; /* of the pictures that are drawn; 0: 1280 x 800 */
     double voxel_size;
     uint64_t undo_memory;
     isosculpt_help help;
@@ -35,9 +36,10 @@ typedef struct isosculpt_report {
     iso_journal_start start;
     size_t strokes, samples, undone;
     iso_edit_stats edits;
-    isosculpt_times edit, extract;
+    isosculpt_times edit, extract, draw, step; /* step: all that a sample takes */
     double total;
-    size_t voxels, bricks, bytes, points;
+    size_t bricks, bytes, points;
+    int resolution[2]; /* of the pictures */
 } isosculpt_report;
 
 void isosculpt_report_free(isosculpt_report *report);

@@ -27,9 +27,23 @@ iso_tool isosculpt_hand_modified(iso_tool tool, unsigned modifiers) {
     return tool;
 }
 
+static bool mask_at(const void *session, int x, int y, int z) {
+    return iso_session_masked(session, x, y, z);
+}
+
+/* The picture shows what is frozen. */
+static void show_mask(isosculpt_hand *hand) {
+    const iso_session *session = hand->desk->session;
+    bool any = iso_session_has_mask(session),
+         masks = hand->tool == ISO_TOOL_MASK || hand->tool == ISO_TOOL_UNMASK;
+    hand->view->repaint |= any != (hand->view->mask.at != NULL) || masks;
+    hand->view->mask = any ? (isosculpt_mask){mask_at, session} : (isosculpt_mask){NULL, NULL};
+}
+
 void isosculpt_hand_init(isosculpt_hand *hand, isosculpt_desk *desk, isosculpt_view *view) {
     *hand = (isosculpt_hand){.desk = desk, .view = view, .x = -1, .y = -1};
     hand->brush = (iso_brush){.tool = ISO_TOOL_ADD, .radius = 16 * desk->start.voxel_size, .strength = 0.5};
+    show_mask(hand);
 }
 
 /* ---- strokes */
@@ -67,6 +81,7 @@ static iso_sample sample_at(isosculpt_hand *hand, double x, double y) {
 static void done(isosculpt_hand *hand, iso_status status, const iso_edit_stats *stats) {
     hand->clipped |= stats->clipped;
     hand->wishes |= ISOSCULPT_WISH_PICTURE;
+    show_mask(hand);
     if (status == ISO_OK)
         hand->error.text[0] = 0;
     else if (!hand->error.text[0])
@@ -78,21 +93,36 @@ static void begin(isosculpt_hand *hand, unsigned modifiers, double x, double y) 
     hand->tool = isosculpt_hand_modified(hand->brush.tool, modifiers);
     iso_brush brush = hand->brush;
     brush.tool = hand->tool;
-    isosculpt_view_hold(hand->view);
+    bool tube = hand->tool == ISO_TOOL_ADD || hand->tool == ISO_TOOL_CARVE;
+    if (tube && brush.shape == ISO_SOLID_SPHERE)
+        brush.shape = ISO_SOLID_CAPSULE; /* without ridges between touches */
+    iso_status status = isosculpt_view_hold(hand->view, &hand->error);
+    if (status != ISO_OK) return;
     iso_sample sample = sample_at(hand, x, y);
     double start = isosculpt_now();
-    iso_status status = iso_session_begin(hand->desk->session, &brush, &sample, &stats, &hand->error);
+    status = iso_session_begin(hand->desk->session, &brush, &sample, &stats, &hand->error);
     isosculpt_latency_add(&hand->edit, isosculpt_now() - start);
     if (status == ISO_OK) {
         hand->drag = ISOSCULPT_DRAG_BRUSH;
         hand->desk->changes++;
+        hand->last = sample;
     }
     done(hand, status, &stats);
 }
 
-static void go_on(isosculpt_hand *hand, double x, double y) {
+/* Tools that touch at every sample get one only when the hand has moved by so much; the session spaces the
+ * touches of others. */
+static double least_move(const isosculpt_hand *hand) {
+    if (hand->tool == ISO_TOOL_ADD || hand->tool == ISO_TOOL_CARVE) return 0.15 * hand->brush.radius;
+    return hand->tool == ISO_TOOL_MOVE ? hand->desk->start.voxel_size : 0;
+}
+
+static void go_on(isosculpt_hand *hand, double x, double y, bool last) {
     iso_edit_stats stats = {0};
     iso_sample sample = sample_at(hand, x, y);
+    double moved = iso_vec3_length(iso_vec3_sub(sample.position, hand->last.position));
+    if (moved <= (last ? 0 : least_move(hand))) return;
+    hand->last = sample;
     double start = isosculpt_now();
     iso_status status = iso_session_sample(hand->desk->session, &sample, &stats, &hand->error);
     isosculpt_latency_add(&hand->edit, isosculpt_now() - start);
@@ -141,7 +171,7 @@ void isosculpt_hand_move(isosculpt_hand *hand, double x, double y) {
     hand->x = x;
     hand->y = y;
     if (hand->adjusting && !hand->drag) adjust(hand, dx);
-    if (hand->drag == ISOSCULPT_DRAG_BRUSH) go_on(hand, x, y);
+    if (hand->drag == ISOSCULPT_DRAG_BRUSH) go_on(hand, x, y, false);
     if (hand->drag == ISOSCULPT_DRAG_ORBIT) isosculpt_view_orbit(hand->view, dx, dy);
     if (hand->drag == ISOSCULPT_DRAG_PAN) isosculpt_view_pan(hand->view, dx, dy);
     if (hand->drag) hand->wishes |= ISOSCULPT_WISH_PICTURE;
@@ -149,7 +179,10 @@ void isosculpt_hand_move(isosculpt_hand *hand, double x, double y) {
 
 void isosculpt_hand_release(isosculpt_hand *hand, isosculpt_button button) {
     if (!hand->drag || button != hand->button) return;
-    if (hand->drag == ISOSCULPT_DRAG_BRUSH) end(hand, false);
+    if (hand->drag == ISOSCULPT_DRAG_BRUSH) {
+        go_on(hand, hand->x, hand->y, true);
+        end(hand, false);
+    }
     hand->drag = ISOSCULPT_DRAG_NONE;
 }
 
@@ -176,6 +209,7 @@ static void step(isosculpt_hand *hand, bool redo) {
         redo ? iso_session_redo(session, &hand->error) : iso_session_undo(session, &hand->error);
     hand->desk->changes += status == ISO_OK;
     done(hand, status, &stats);
+    hand->view->repaint |= hand->view->mask.at != NULL; /* the step may be one of masking */
 }
 
 void isosculpt_hand_history(isosculpt_hand *hand, size_t position) {
@@ -190,6 +224,8 @@ void isosculpt_hand_history(isosculpt_hand *hand, size_t position) {
 static bool command(isosculpt_hand *hand, int key, bool shift) {
     if (key == 's')
         hand->wishes |= ISOSCULPT_WISH_SAVE;
+    else if (key == 'q')
+        hand->wishes |= ISOSCULPT_WISH_CLOSE;
     else if (key == 'z' || key == 'y')
         step(hand, key == 'y' || shift);
     else

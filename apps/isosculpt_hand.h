@@ -33,7 +33,8 @@ typedef enum isosculpt_drag {
 typedef enum isosculpt_wish {
     ISOSCULPT_WISH_NONE = 0,
     ISOSCULPT_WISH_PICTURE = 1, /* camera or field changed */
-    ISOSCULPT_WISH_SAVE = 2
+    ISOSCULPT_WISH_SAVE = 2,
+    ISOSCULPT_WISH_CLOSE = 4
 } isosculpt_wish;
 
 typedef struct isosculpt_hand {
@@ -46,6 +47,7 @@ typedef struct isosculpt_hand {
     double x, y;             /* of the cursor */
     double depth;            /* of the stroke's last pick */
     iso_vec3 normal;         /* likewise */
+    iso_sample last;         /* of the stroke, that the session was given */
     iso_tool tool;           /* of the stroke */
     bool clipped;            /* a brush reached beyond the grid */
     unsigned wishes;         /* isosculpt_wish, until the window has seen to them */

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "apps/isosculpt.h"
+#include "apps/isosculpt_keys.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"
@@ -20,6 +21,11 @@ static iso_status apply_json(void *target, const char *value, iso_error *error) 
     return ISO_OK;
 }
 
+static iso_status apply_resolution(void *target, const char *value, iso_error *error) {
+    isosculpt_settings *settings = target;
+    return iso_parse_resolution(value, settings->resolution, error);
+}
+
 static iso_status apply_version(void *target, const char *value, iso_error *error) {
     isosculpt_settings *settings = target;
     (void)value;
@@ -29,16 +35,9 @@ static iso_status apply_version(void *target, const char *value, iso_error *erro
 }
 
 static iso_status apply_help(void *target, const char *value, iso_error *error) {
-    static const char *const forms[] = {"screen", "markdown", "man", "bash"};
     isosculpt_settings *settings = target;
     settings->help = ISOSCULPT_HELP;
-    settings->help_form = ISO_HELP_SCREEN;
-    for (int i = 0; value && i < 4; i++)
-        if (strcmp(value, forms[i]) == 0) {
-            settings->help_form = (iso_help_form)i;
-            return ISO_OK;
-        }
-    return value ? iso_fail(error, ISO_ERR_USAGE, "'%s' is not man, markdown or bash", value) : ISO_OK;
+    return iso_parse_help_form(value, &settings->help_form, error);
 }
 
 #define AT(member) .offset = offsetof(isosculpt_settings, member)
@@ -60,8 +59,12 @@ static const iso_option options[] = {
     {"json", NULL, "FILE", "say what was done as JSON, to standard output without a file", .group = OUTPUT,
      .kind = ISO_OPTION_CALL, .apply = apply_json, .flags = ISO_OPTION_VALUE_OPTIONAL},
 
-    {"extract", NULL, NULL, "extract the points after every sample, as a window does, and time it",
-     .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(extract)},
+    {"extract", NULL, NULL, "extract the points after every sample, and time it", .group = RUNNING,
+     .kind = ISO_OPTION_FLAG, AT(extract)},
+    {"draw", NULL, NULL, "draw the picture after every sample, as a window does, and time it",
+     .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(draw)},
+    {"resolution", NULL, "WxH", "size of the pictures that --draw draws", .group = RUNNING,
+     .kind = ISO_OPTION_CALL, .apply = apply_resolution, .standard = "1280x800"},
     {"threads", NULL, "N", "threads to use; the result does not depend on it", .group = RUNNING,
      .kind = ISO_OPTION_INT, AT(threads), .standard = "one a processor", .low = 1, .high = 1024},
     {"quiet", "q", NULL, "say nothing but errors", .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(quiet)},
@@ -83,7 +86,11 @@ static const char *const example_text[] = {
     "isosculpt                    # a new ball", "isosculpt bear.strokes       # goes on where the file ends",
     "isosculpt --replay bear.strokes --headless --output bear.vdb",
     "isosculpt --replay bear.strokes --headless --voxel-size 0.5 --output bear.stl --json", NULL};
-static const iso_section sections[] = {{"Exit status", exit_text}, {"Examples", example_text}};
+#define KEY_LINE(key, meaning) key ": " meaning,
+static const char *const key_text[] = {ISOSCULPT_KEYS(KEY_LINE) NULL};
+#undef KEY_LINE
+static const iso_section sections[] = {
+    {"Mouse and keys", key_text}, {"Exit status", exit_text}, {"Examples", example_text}};
 
 const iso_program *isosculpt_program(void) {
     static const iso_program program = {.name = "isosculpt",
@@ -109,9 +116,10 @@ static bool has_suffix(const char *name, const char *suffixes) {
 
 /* What a window makes no use of is not taken in silence. */
 static iso_status check_window(isosculpt_settings *settings, const iso_operands *operands, iso_error *error) {
-    if (settings->replay || settings->output || settings->mesh || settings->json || settings->extract)
+    if (settings->replay || settings->output || settings->mesh || settings->json || settings->extract ||
+        settings->draw)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--replay, --output, --mesh, --json and --extract need --headless");
+                        "--replay, --output, --mesh, --json, --extract and --draw need --headless");
     if (settings->voxel_size > 0) return iso_fail(error, ISO_ERR_USAGE, "--voxel-size needs --headless");
     if (operands->count > 1 || (operands->count && settings->recover))
         return iso_fail(error, ISO_ERR_USAGE, "one session at a time: '%s' is too many",

@@ -10,6 +10,7 @@
 
 #include <GLFW/glfw3.h>
 
+#include "apps/isosculpt_keys.h"
 #include "grids/bridge_guard.hpp"
 
 struct rectangle {
@@ -115,20 +116,29 @@ static bool color_edit(const char *label, iso_rgb *color) {
 }
 
 static void section_picture(isosculpt_hand *hand) {
-    isosculpt_view *view = hand->view;
+    isosculpt_look *look = &hand->view->look;
     bool changed = false;
-    if (ImGui::BeginCombo("method", isosculpt_method_name(view->method))) {
+    if (ImGui::BeginCombo("method", isosculpt_method_name(look->method))) {
         for (int i = 0; i < ISOSCULPT_METHOD_COUNT; i++)
-            if (ImGui::Selectable(isosculpt_method_name((isosculpt_method)i), i == (int)view->method)) {
-                view->method = (isosculpt_method)i;
+            if (ImGui::Selectable(isosculpt_method_name((isosculpt_method)i), i == (int)look->method)) {
+                look->method = (isosculpt_method)i;
                 changed = true;
             }
         ImGui::EndCombo();
     }
-    changed |= color_edit("surface", &view->color);
+    if (ImGui::BeginCombo("light", isosculpt_light_name(look->paint.light))) {
+        for (int i = 0; i < ISOSCULPT_LIGHT_COUNT; i++)
+            if (ImGui::Selectable(isosculpt_light_name((isosculpt_light)i), i == (int)look->paint.light)) {
+                look->paint.light = (isosculpt_light)i;
+                changed = true;
+            }
+        ImGui::EndCombo();
+    }
+    changed |= color_edit("surface", &look->paint.color);
     ImGui::SameLine();
-    changed |= color_edit("background", &view->background);
-    ImGui::TextColored(GREY, "engine: cpu; light: key and fill, from the eye");
+    changed |= color_edit("background", &look->paint.background);
+    ImGui::SameLine();
+    ImGui::TextColored(GREY, "engine: cpu");
     if (changed) hand->wishes |= ISOSCULPT_WISH_PICTURE;
 }
 
@@ -172,13 +182,13 @@ static void section_numbers(isosculpt_hand *hand) {
     const iso_hgrid *grid = iso_session_grid(hand->desk->session);
     ImGui::Text("%d x %d x %d voxels of %g mm", grid->dims[0], grid->dims[1], grid->dims[2],
                 grid->transform.spacing[0]);
-    ImGui::Text("%.2f M stored (%.0f MB), %zu points",
-                1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid),
-                1e-6 * (double)iso_hgrid_bytes(grid), isosculpt_view_points(hand->view));
-    if (!ImGui::BeginTable("latency", 3)) return;
-    ImGui::TableSetupColumn("milliseconds");
-    ImGui::TableSetupColumn("p50");
-    ImGui::TableSetupColumn("p99");
+    ImGui::Text("%.2f M stored in %.0f MB", 1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid),
+                1e-6 * (double)iso_hgrid_bytes(grid));
+    ImGui::Text("%zu points", isosculpt_view_points(hand->view));
+    if (!ImGui::BeginTable("latency", 3, ImGuiTableFlags_RowBg)) return;
+    ImGui::TableSetupColumn("milliseconds", ImGuiTableColumnFlags_WidthStretch, 2);
+    ImGui::TableSetupColumn("p50", ImGuiTableColumnFlags_WidthStretch, 1);
+    ImGui::TableSetupColumn("p99", ImGuiTableColumnFlags_WidthStretch, 1);
     ImGui::TableHeadersRow();
     latency_row("edit", &hand->edit);
     latency_row("extract", &hand->view->extract);
@@ -216,12 +226,12 @@ static void section_files(isosculpt_screen *screen) {
 
 static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
-    const float width = 250 * panel->scale, gap = 8 * panel->scale;
+    const float width = 296 * panel->scale, gap = 8 * panel->scale;
     ImGui::SetNextWindowPos(ImVec2(gap, gap), ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowSize(ImVec2(width, std::fmin(display.y - 2 * gap, 620 * panel->scale)),
+    ImGui::SetNextWindowSize(ImVec2(width, std::fmin(display.y - 2 * gap, 700 * panel->scale)),
                              ImGuiCond_FirstUseEver);
     ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings);
-    ImGui::PushItemWidth(-80 * panel->scale);
+    ImGui::PushItemWidth(-76 * panel->scale);
     if (ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen)) section_brush(screen->hand);
     if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) section_picture(screen->hand);
     if (ImGui::CollapsingHeader("History", ImGuiTreeNodeFlags_DefaultOpen))
@@ -236,22 +246,9 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
 /* ---- help and questions */
 
 static void draw_help(isosculpt_screen *screen) {
-    static const char *const rows[][2] = {{"left drag on the surface", "the brush"},
-                                          {"left drag beside it, middle drag", "orbit"},
-                                          {"right drag", "pan"},
-                                          {"wheel", "zoom"},
-                                          {"Shift + left drag", "smooth"},
-                                          {"Alt or Ctrl + left drag", "the brush, inverted"},
-                                          {"[  ]", "smaller, larger brush"},
-                                          {"X, C + moving the mouse", "size, strength"},
-                                          {"1 .. 9", "brushes"},
-                                          {"Escape", "take back the stroke being drawn"},
-                                          {"Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "undo, redo"},
-                                          {"Ctrl+S", "save as .vdb"},
-                                          {"F", "look at what is under the cursor, or at all"},
-                                          {"number pad 1, 3, 7", "front, right, top"},
-                                          {"F12, Shift+F12", "picture of the sculpture, of the window"},
-                                          {"Tab, H", "panel, this sheet"}};
+#define KEY_ROW(key, meaning) {key, meaning},
+    static const char *const rows[][2] = {ISOSCULPT_KEYS(KEY_ROW)};
+#undef KEY_ROW
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
     ImGui::Begin("Help", &screen->help,
@@ -268,25 +265,27 @@ static void draw_help(isosculpt_screen *screen) {
     ImGui::End();
 }
 
-/* A question in the middle; while it is there the sculpture is out of reach. */
-static bool begin_question(const char *title) {
+/* A question in the middle; while it is there the sculpture is out of reach. Answers come from here or from
+ * keys. */
+static bool begin_question(const char *title, bool asked) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
-    if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
+    if (asked && !ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
     ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
-    return ImGui::BeginPopupModal(title, nullptr,
-                                  ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
+    bool open = ImGui::BeginPopupModal(title, nullptr,
+                                       ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
+    if (open && !asked) ImGui::CloseCurrentPopup();
+    return open;
 }
 
 static void answer_button(isosculpt_screen *screen, const char *label, unsigned answers) {
-    if (!ImGui::Button(label)) return;
-    screen->answers |= answers;
-    ImGui::CloseCurrentPopup();
+    if (ImGui::Button(label)) screen->answers |= answers;
 }
 
 static void ask_recover(isosculpt_screen *screen) {
-    if (!begin_question("Recover?")) return;
-    ImGui::Text("A session was not closed:\n%s\n\nIts strokes are all there.", screen->offered);
-    answer_button(screen, "Recover it", ISOSCULPT_ANSWER_RECOVER);
+    if (!begin_question("Recover?", screen->offered)) return;
+    ImGui::Text("A session was not closed:\n%s\n\nIts strokes are all there.",
+                screen->offered ? screen->offered : "");
+    answer_button(screen, "Recover it (Enter)", ISOSCULPT_ANSWER_RECOVER);
     ImGui::SameLine();
     answer_button(screen, "Start new (the file stays)", ISOSCULPT_ANSWER_DISMISS);
     ImGui::EndPopup();
@@ -294,16 +293,16 @@ static void ask_recover(isosculpt_screen *screen) {
 
 static void ask_close(isosculpt_screen *screen) {
     const char *journal = screen->hand->desk->journal;
-    if (!begin_question("Close?")) return;
+    if (!begin_question("Close?", screen->closing)) return;
     if (journal[0])
         ImGui::Text("What you did is not in a .vdb file. The stroke file has all of it:\n%s", journal);
     else
         ImGui::TextColored(RED, "What you did is in no file.");
-    answer_button(screen, "Save .vdb and close", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_CLOSE);
+    answer_button(screen, "Save .vdb and close (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_CLOSE);
     ImGui::SameLine();
     answer_button(screen, "Close", ISOSCULPT_ANSWER_CLOSE);
     ImGui::SameLine();
-    answer_button(screen, "Stay", ISOSCULPT_ANSWER_STAY);
+    answer_button(screen, "Stay (Escape)", ISOSCULPT_ANSWER_STAY);
     ImGui::EndPopup();
 }
 
@@ -314,10 +313,8 @@ static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     panel->place = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
     if (screen->panel) draw_panel(panel, screen);
     if (screen->help) draw_help(screen);
-    if (screen->offered)
-        ask_recover(screen);
-    else if (screen->closing)
-        ask_close(screen);
+    ask_recover(screen);
+    if (!screen->offered) ask_close(screen);
     const isosculpt_hand *hand = screen->hand;
     bool over = panel->place.holds(hand->x / screen->pixels, hand->y / screen->pixels);
     draw_picture(screen, !panel->modal && (!over || hand->drag == ISOSCULPT_DRAG_BRUSH));
@@ -355,6 +352,7 @@ static void set_style(float scale) {
     ImGui::GetStyle().WindowRounding = 5;
     ImGui::GetStyle().FrameRounding = 3;
     ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 0.88f;
+    ImGui::GetStyle().Colors[ImGuiCol_ModalWindowDimBg] = ImVec4(0, 0, 0, 0.45f);
     ImGui::GetStyle().ScaleAllSizes(scale);
 }
 

@@ -1,24 +1,18 @@
 /* Plays a stroke file without a window. */
-#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "apps/isosculpt.h"
+#include "apps/isosculpt_desk.h"
+#include "apps/isosculpt_view.h"
 #include "apps/json.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "grids/level_set.h"
 #include "io/mesh_io.h"
 #include "io/points_io.h"
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static iso_status add_time(isosculpt_times *times, double seconds, iso_error *error) {
     if (times->count == times->room) {
@@ -35,6 +29,8 @@ static iso_status add_time(isosculpt_times *times, double seconds, iso_error *er
 void isosculpt_report_free(isosculpt_report *report) {
     free(report->edit.seconds);
     free(report->extract.seconds);
+    free(report->draw.seconds);
+    free(report->step.seconds);
 }
 
 /* ---- the field that the session began with */
@@ -70,31 +66,42 @@ typedef struct player {
     iso_pool *pool;
     iso_session *session;
     iso_point_set *points;
+    isosculpt_view *view; /* NULL: nothing is drawn */
 } player;
 
 static iso_status extract(player *p, iso_error *error) {
-    double start = now();
+    double start = isosculpt_now();
     ISO_TRY(iso_point_set_update(p->points, error));
-    return add_time(&p->report->extract, now() - start, error);
+    return add_time(&p->report->extract, isosculpt_now() - start, error);
+}
+
+static iso_status draw(player *p, iso_error *error) {
+    double start = isosculpt_now();
+    ISO_TRY(isosculpt_view_draw(p->view, p->report->resolution[0], p->report->resolution[1], true, error));
+    return add_time(&p->report->draw, isosculpt_now() - start, error);
+}
+
+static void count(isosculpt_report *report, const iso_event *event, const iso_edit_stats *made) {
+    report->strokes += event->kind == ISO_EVENT_BEGIN;
+    report->undone += event->kind == ISO_EVENT_UNDO;
+    report->samples += event->kind <= ISO_EVENT_SAMPLE;
+    report->edits.edited += made->edited;
+    report->edits.redistanced += made->redistanced;
+    report->edits.created += made->created;
+    report->edits.pruned += made->pruned;
+    report->edits.clipped |= made->clipped;
 }
 
 static iso_status play(player *p, const iso_event *event, iso_error *error) {
-    isosculpt_report *report = p->report;
     iso_edit_stats made = {0};
-    bool sample = event->kind == ISO_EVENT_BEGIN || event->kind == ISO_EVENT_SAMPLE;
-    double start = now();
+    double start = isosculpt_now();
     ISO_TRY(iso_session_play(p->session, event, &made, error));
-    report->strokes += event->kind == ISO_EVENT_BEGIN;
-    report->undone += event->kind == ISO_EVENT_UNDO;
-    report->samples += sample;
-    report->edits.edited += made.edited;
-    report->edits.redistanced += made.redistanced;
-    report->edits.created += made.created;
-    report->edits.pruned += made.pruned;
-    report->edits.clipped |= made.clipped;
-    if (!sample) return ISO_OK;
-    ISO_TRY(add_time(&report->edit, now() - start, error));
-    return p->points ? extract(p, error) : ISO_OK;
+    count(p->report, event, &made);
+    if (event->kind > ISO_EVENT_SAMPLE) return ISO_OK;
+    ISO_TRY(add_time(&p->report->edit, isosculpt_now() - start, error));
+    if (p->points) ISO_TRY(extract(p, error));
+    if (p->view) ISO_TRY(draw(p, error));
+    return add_time(&p->report->step, isosculpt_now() - start, error);
 }
 
 static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *error) {
@@ -154,16 +161,25 @@ static iso_status write_outputs(player *p, iso_error *error) {
     return p->settings->mesh ? write_mesh(p, p->settings->mesh, error) : ISO_OK;
 }
 
-static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
-    double start = now();
+/* What a window would have made before the first stroke. */
+static iso_status prepare(player *p, iso_error *error) {
+    const int *size = p->report->resolution;
+    iso_grid grid = {.hgrid = iso_session_grid(p->session)};
+    iso_points_opts opts = {.pool = p->pool};
     if (p->settings->extract) {
-        iso_grid grid = {.hgrid = iso_session_grid(p->session)};
-        iso_points_opts opts = {.pool = p->pool};
         ISO_TRY(iso_point_set_create(&grid, &opts, &p->points, error));
         ISO_TRY(iso_point_set_update(p->points, error));
     }
+    if (!p->view) return ISO_OK;
+    ISO_TRY(isosculpt_view_init(p->view, grid.hgrid, p->pool, error));
+    return isosculpt_view_draw(p->view, size[0], size[1], false, error);
+}
+
+static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
+    ISO_TRY(prepare(p, error));
+    double start = isosculpt_now();
     ISO_TRY(play_all(p, reader, error));
-    p->report->total = now() - start;
+    p->report->total = isosculpt_now() - start;
     const iso_hgrid *grid = iso_session_grid(p->session);
     p->report->bricks = iso_hgrid_brick_count(grid);
     p->report->bytes = iso_hgrid_bytes(grid);
@@ -178,13 +194,17 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     isosculpt_report report = {0};
     iso_journal_reader *reader;
     ISO_TRY(iso_journal_open(settings->replay, &report.start, &reader, error));
-    player p = {.settings = settings, .report = &report, .pool = pool};
+    isosculpt_view view = {0};
+    player p = {.settings = settings, .report = &report, .pool = pool, .view = settings->draw ? &view : NULL};
+    report.resolution[0] = settings->resolution[0] ? settings->resolution[0] : 1280;
+    report.resolution[1] = settings->resolution[1] ? settings->resolution[1] : 800;
     iso_hgrid *grid = NULL;
     iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory};
     iso_status status = make_field(settings, &report.start, &grid, error);
     if (status == ISO_OK) status = iso_session_create(grid, &report.start, &opts, &p.session, error);
     if (status == ISO_OK) status = run(&p, reader, error);
     iso_point_set_destroy(p.points);
+    isosculpt_view_free(&view);
     iso_session_destroy(p.session);
     iso_journal_reader_free(reader);
     isosculpt_report_free(&report);
@@ -229,10 +249,13 @@ static void put_report(FILE *stream, const isosculpt_settings *settings, const i
     iso_json_integer(&json, "bytes", report->bytes);
     iso_json_integer(&json, "points", report->points);
     iso_json_integer(&json, "peak_bytes", iso_memory_peak());
+    if (settings->draw) iso_json_ints(&json, "resolution", report->resolution, 2);
     iso_json_begin_object(&json, "seconds");
     iso_json_real(&json, "total", report->total);
     put_times(&json, "edit", &report->edit);
     put_times(&json, "extract", &report->extract);
+    put_times(&json, "draw", &report->draw);
+    put_times(&json, "step", &report->step);
     iso_json_end_object(&json);
     iso_json_end_object(&json);
 }

@@ -8,8 +8,6 @@
 #include "base/memory.h"
 
 static const double DEGREES_A_PIXEL = 0.4;
-/* Pictures while the hand moves: slower ones get coarser, and finer again when that would be fast enough. */
-static const double TOO_SLOW = 0.020, FAST = 0.006;
 
 const char *isosculpt_method_name(isosculpt_method method) {
 #define METHOD_TEXT(name, text) text,
@@ -43,7 +41,8 @@ double isosculpt_latency_quantile(const isosculpt_latency *latency, double quant
 
 iso_status isosculpt_view_init(isosculpt_view *view, iso_hgrid *grid, iso_pool *pool, iso_error *error) {
     const iso_rgb clay = {206, 142, 112}, dusk = {46, 50, 56};
-    *view = (isosculpt_view){.color = clay, .background = dusk, .factor = 1, .pool = pool};
+    *view =
+        (isosculpt_view){.look = {.paint = {.color = clay, .background = dusk}}, .factor = 1, .pool = pool};
     view->grid.hgrid = grid;
     view->camera.view_angle = 30;
     iso_points_opts points = {.pool = pool};
@@ -64,7 +63,9 @@ void isosculpt_view_free(isosculpt_view *view) {
     iso_pullpush_destroy(view->workspace);
     iso_gbuffer_free(&view->drawn.gbuffer);
     iso_gbuffer_free(&view->held.gbuffer);
+    iso_gbuffer_free(&view->piece);
     iso_image_free(&view->image);
+    iso_image_free(&view->piece_image);
     *view = (isosculpt_view){0};
 }
 
@@ -72,118 +73,12 @@ size_t isosculpt_view_points(const isosculpt_view *view) {
     return iso_point_set_stats(view->points).points;
 }
 
-/* ---- memory for pictures */
-
-static iso_status make_room(isosculpt_view *view, int width, int height, iso_error *error) {
-    isosculpt_layer *layer = &view->drawn;
-    size_t pixels = (size_t)width * (size_t)height;
-    if ((size_t)layer->gbuffer.width * (size_t)layer->gbuffer.height < pixels) {
-        iso_gbuffer more;
-        ISO_TRY(iso_gbuffer_create(width, height, &more, error));
-        iso_gbuffer_free(&layer->gbuffer);
-        layer->gbuffer = more;
-    }
-    if (view->image_room >= pixels) return ISO_OK;
-    iso_image image;
-    ISO_TRY(iso_image_create(width, height, &image, error));
-    iso_image_free(&view->image);
-    view->image = image;
-    view->image_room = pixels;
-    return ISO_OK;
-}
-
-/* The part of a layer's memory that its picture uses. */
-static iso_gbuffer used(const isosculpt_layer *layer) {
-    iso_gbuffer part = layer->gbuffer;
-    part.width = layer->view.width;
-    part.height = layer->view.height;
-    return part;
-}
-
-/* ---- drawing */
-
-static isosculpt_method method_now(const isosculpt_view *view, bool moving) {
-    if (view->method != ISOSCULPT_AUTO) return view->method;
-    return moving ? ISOSCULPT_PULLPUSH : ISOSCULPT_EXACT;
-}
-
-static iso_status make_extractor(isosculpt_view *view, isosculpt_method method, iso_error *error) {
-    iso_mesh_opts mesh = {.pool = view->pool};
-    iso_exact_opts exact = {.pool = view->pool};
-    if (method == ISOSCULPT_MESH && !view->mesh)
-        return iso_mesh_set_create(&view->grid, &mesh, &view->mesh, error);
-    if (method == ISOSCULPT_EXACT && !view->exact)
-        return iso_exact_create(&view->grid, &exact, &view->exact, error);
-    return ISO_OK;
-}
-
-static iso_status extract(isosculpt_view *view, isosculpt_method method, iso_error *error) {
-    ISO_TRY(make_extractor(view, method, error));
-    double start = isosculpt_now();
-    if (method == ISOSCULPT_MESH)
-        ISO_TRY(iso_mesh_set_update(view->mesh, error));
-    else if (method == ISOSCULPT_EXACT)
-        ISO_TRY(iso_exact_update(view->exact, error));
-    else
-        ISO_TRY(iso_point_set_update(view->points, error));
-    isosculpt_latency_add(&view->extract, isosculpt_now() - start);
-    return ISO_OK;
-}
-
-static iso_status draw_surface(isosculpt_view *view, isosculpt_method method, const iso_target *target,
-                               iso_error *error) {
-    if (method == ISOSCULPT_EXACT) return iso_draw_exact(target, view->exact, error);
-    if (method == ISOSCULPT_MESH) {
-        iso_mesh_view mesh = iso_mesh_set_view(view->mesh);
-        return iso_draw_mesh(target, &mesh, error);
-    }
-    iso_point_view points = iso_point_set_view(view->points);
-    iso_pullpush_opts opts = {.workspace = view->workspace};
-    return method == ISOSCULPT_POINTS ? iso_draw_points(target, &points, error)
-                                      : iso_draw_pullpush(target, &points, &opts, error);
-}
-
-static void shade(isosculpt_view *view, iso_gbuffer *gbuffer) {
-    iso_shading shading = {.colors = &view->color, .color_count = 1, .background = view->background};
-    iso_strip strip = {.view = &view->drawn.view, .gbuffer = gbuffer, .factor = 1};
-    view->image.width = gbuffer->width;
-    view->image.height = gbuffer->height;
-    view->covered = iso_shade(&shading, &strip, &view->image, view->pool);
-}
-
-static void adapt(isosculpt_view *view, double seconds) {
-    if (seconds > TOO_SLOW && view->factor < ISOSCULPT_FACTOR_MAX) view->factor++;
-    if (seconds < FAST && view->factor > 1) view->factor--;
-}
-
-iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool moving, iso_error *error) {
-    isosculpt_method method = method_now(view, moving);
-    int factor = moving ? view->factor : 1;
-    int columns = (width + factor - 1) / factor, rows = (height + factor - 1) / factor;
-    ISO_TRY(extract(view, method, error));
-    double start = isosculpt_now();
-    ISO_TRY(make_room(view, width, height, error));
-    view->width = width;
-    view->height = height;
-    view->drawn.view = iso_view_make(&view->camera, columns, rows);
-    view->drawn.factor = factor;
-    iso_gbuffer gbuffer = used(&view->drawn);
-    iso_gbuffer_clear_bands(&gbuffer, view->pool);
-    iso_target target = {.view = &view->drawn.view, .gbuffer = &gbuffer, .pool = view->pool};
-    ISO_TRY(draw_surface(view, method, &target, error));
-    shade(view, &gbuffer);
-    double seconds = isosculpt_now() - start;
-    isosculpt_latency_add(&view->draw, seconds);
-    if (moving) adapt(view, seconds);
-    return ISO_OK;
-}
-
 /* ---- picking */
 
 bool isosculpt_layer_pick(const isosculpt_layer *layer, double x, double y, isosculpt_pick *pick) {
     const iso_view *v = &layer->view;
-    if (!layer->factor || !(x >= 0) || !(y >= 0)) return false;
-    double column = floor(x / layer->factor), row = floor(y / layer->factor);
+    if (!(layer->samples > 0) || !(x >= 0) || !(y >= 0)) return false;
+    double column = floor(x * layer->samples), row = floor(y * layer->samples);
     if (column >= v->width || row >= v->height) return false;
     size_t at = (size_t)row * (size_t)v->width + (size_t)column;
     if (layer->gbuffer.surface[at] == ISO_SURFACE_NONE) return false;
@@ -199,24 +94,53 @@ bool isosculpt_layer_pick(const isosculpt_layer *layer, double x, double y, isos
 
 iso_vec3 isosculpt_layer_point(const isosculpt_layer *layer, double x, double y, double depth) {
     iso_vec3 origin, direction;
-    iso_view_ray(&layer->view, x / layer->factor, y / layer->factor, &origin, &direction);
+    iso_view_ray(&layer->view, x * layer->samples, y * layer->samples, &origin, &direction);
     return iso_vec3_add(origin, iso_vec3_scale(direction, depth));
 }
 
 bool isosculpt_layer_pixel(const isosculpt_layer *layer, iso_vec3 world, double *x, double *y) {
     const iso_view *v = &layer->view;
     iso_vec3 p = iso_view_point(v, world);
-    if (!layer->factor || !(p.z > v->near)) return false;
+    if (!(layer->samples > 0) || !(p.z > v->near)) return false;
     double scale = v->orthographic ? v->focal : v->focal / p.z;
-    *x = (v->cx + scale * p.x) * layer->factor;
-    *y = (v->cy + scale * p.y) * layer->factor;
+    *x = (v->cx + scale * p.x) / layer->samples;
+    *y = (v->cy + scale * p.y) / layer->samples;
     return true;
 }
 
-void isosculpt_view_hold(isosculpt_view *view) {
-    isosculpt_layer last = view->drawn;
-    view->drawn = view->held;
-    view->held = last;
+typedef struct planes {
+    const isosculpt_layer *from;
+    isosculpt_layer *to;
+} planes;
+
+static void copy_plane(void *context, size_t index, int worker) {
+    (void)worker;
+    const planes *p = context;
+    const iso_gbuffer *from = &p->from->gbuffer;
+    iso_gbuffer *to = &p->to->gbuffer;
+    size_t samples = (size_t)p->from->view.width * (size_t)p->from->view.height;
+    if (index < 3)
+        memcpy(to->normal[index], from->normal[index], samples * sizeof *from->normal[index]);
+    else if (index == 3)
+        memcpy(to->depth, from->depth, samples * sizeof *from->depth);
+    else
+        memcpy(to->surface, from->surface, samples * sizeof *from->surface);
+}
+
+iso_status isosculpt_view_hold(isosculpt_view *view, iso_error *error) {
+    const isosculpt_layer *drawn = &view->drawn;
+    isosculpt_layer *held = &view->held;
+    iso_gbuffer more;
+    if (held->gbuffer.samples < drawn->gbuffer.samples) {
+        ISO_TRY(iso_gbuffer_create(drawn->gbuffer.width, drawn->gbuffer.height, &more, error));
+        iso_gbuffer_free(&held->gbuffer);
+        held->gbuffer = more;
+    }
+    held->view = drawn->view;
+    held->samples = drawn->samples;
+    planes p = {drawn, held};
+    iso_parallel_for(view->pool, 5, copy_plane, &p);
+    return ISO_OK;
 }
 
 /* ---- the camera */

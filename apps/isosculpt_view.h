@@ -1,25 +1,27 @@
 /* view: what a window shows of a field, and what lies under its cursor. Knows no window.
  *
- * While the hand moves a fast method draws, at a lower resolution where the machine needs it; at rest the
- * exact surface. Each method re-extracts only what the change log names. All picture coordinates are pixels
- * of the full picture, y down. */
+ * While the camera moves a fast method draws, at a lower resolution where the machine needs it; at rest the
+ * exact surface, in the end with four samples a pixel. A stroke redraws only the parts of the picture that it
+ * changed, exactly. Each method re-extracts only what the change log names. All picture coordinates are
+ * pixels of the full picture, y down. */
 #ifndef ISO_APPS_ISOSCULPT_VIEW_H
 #define ISO_APPS_ISOSCULPT_VIEW_H
 
+#include "apps/isosculpt_damage.h"
+#include "apps/isosculpt_light.h"
 #include "extract/mesh.h"
 #include "extract/points.h"
 #include "image/camera.h"
 #include "image/image.h"
 #include "render/gbuffer.h"
 #include "render/pullpush.h"
-#include "render/shading.h"
 #include "truth/exact.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* AUTO: pullpush while the hand moves, exact at rest. */
+/* AUTO: pullpush while the camera moves, exact at rest and under the brush. */
 #define ISOSCULPT_METHODS(X)                                                                                 \
     X(AUTO, "auto")                                                                                          \
     X(POINTS, "points")                                                                                      \
@@ -44,19 +46,33 @@ void isosculpt_latency_add(isosculpt_latency *latency, double seconds);
 /* 0 .. 1 of them are faster; 0 when there are none. */
 double isosculpt_latency_quantile(const isosculpt_latency *latency, double quantile);
 
+/* How good a picture is: drawn while the camera moves; at rest; with four samples a pixel. */
+typedef enum isosculpt_quality { ISOSCULPT_MOVING, ISOSCULPT_REST, ISOSCULPT_FINE } isosculpt_quality;
+
+typedef struct isosculpt_look {
+    isosculpt_method method;
+    isosculpt_paint paint;
+} isosculpt_look;
+
+/* Frozen voxels look darker. `at`: whether one is frozen; called by several threads. Zero: none are. */
+typedef struct isosculpt_mask {
+    bool (*at)(const void *context, int x, int y, int z);
+    const void *context; /* borrowed */
+} isosculpt_mask;
+
 /* A picture as it was drawn: what a stroke picks from, while newer ones are drawn. */
 typedef struct isosculpt_layer {
     iso_gbuffer gbuffer; /* room; the used part is view.width x view.height */
     iso_view view;
-    int factor; /* a sample is factor x factor pixels of the full picture */
+    double samples; /* along a pixel of the full picture; 0: nothing was drawn yet */
 } isosculpt_layer;
 
-/* Zero-initialise. Camera, method, color and background may be changed between calls. */
+/* Zero-initialise. Camera and look may be changed between calls. */
 typedef struct isosculpt_view {
     iso_camera camera;
-    isosculpt_method method;
-    iso_rgb color, background;
-    int factor; /* of pictures while the hand moves: 1 .. ISOSCULPT_FACTOR_MAX; found by their times */
+    isosculpt_look look;
+    isosculpt_mask mask;
+    int factor; /* of pictures while the camera moves: 1 .. ISOSCULPT_FACTOR_MAX; found by their times */
 
     iso_grid grid;  /* borrowed */
     iso_pool *pool; /* borrowed */
@@ -64,12 +80,27 @@ typedef struct isosculpt_view {
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_pullpush *workspace;
+    isosculpt_sphere sphere;
+
     isosculpt_layer drawn, held; /* the last picture; the one that a stroke began on */
     iso_image image;             /* room; its width and height are the last picture's */
     size_t image_room;           /* pixels */
-    int width, height;           /* the full picture, as last drawn */
-    isosculpt_latency extract, draw;
-    size_t covered; /* samples of the last picture that show the surface */
+    iso_gbuffer piece;           /* room for a part of the picture */
+    iso_image piece_image;
+    size_t piece_room; /* pixels */
+
+    /* What is in the image: */
+    int width, height; /* the full picture */
+    iso_camera drawn_camera;
+    isosculpt_look drawn_look;
+    isosculpt_quality quality;
+    bool exactly;           /* the exact surface, at least one sample a pixel */
+    uint64_t seen;          /* edits up to this one */
+    bool repaint;           /* the mask changed */
+    isosculpt_damage fresh; /* what the last call drew; pixels of the image */
+    isosculpt_damage rough; /* what has one sample a pixel */
+
+    isosculpt_latency extract, draw; /* draw: while the hand moves */
 } isosculpt_view;
 
 enum { ISOSCULPT_FACTOR_MAX = 3 };
@@ -78,8 +109,13 @@ enum { ISOSCULPT_FACTOR_MAX = 3 };
 iso_status isosculpt_view_init(isosculpt_view *view, iso_hgrid *grid, iso_pool *pool, iso_error *error);
 void isosculpt_view_free(isosculpt_view *view);
 
-/* Draws into view->image, which is the picture's size or, while moving, a factor smaller. ISO_ERR_NOMEM. */
+/* Brings view->image up to date; it is the picture's size or, while the camera moves, a factor smaller.
+ * `moving`: it should be quick. ISO_ERR_NOMEM. */
 iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool moving, iso_error *error);
+
+/* Smooths a part of a picture at rest; view->quality is ISOSCULPT_FINE when nothing is left to do.
+ * ISO_ERR_NOMEM. */
+iso_status isosculpt_view_refine(isosculpt_view *view, iso_error *error);
 
 /* Points of the surface, as last extracted. */
 size_t isosculpt_view_points(const isosculpt_view *view);
@@ -95,8 +131,8 @@ iso_vec3 isosculpt_layer_point(const isosculpt_layer *layer, double x, double y,
 /* The pixel of a world point; false: behind the eye. */
 bool isosculpt_layer_pixel(const isosculpt_layer *layer, iso_vec3 world, double *x, double *y);
 
-/* Keeps the last picture as view->held, for picks, until the next hold. */
-void isosculpt_view_hold(isosculpt_view *view);
+/* Keeps the last picture as view->held, for picks, until the next hold. ISO_ERR_NOMEM. */
+iso_status isosculpt_view_hold(isosculpt_view *view, iso_error *error);
 
 /* The camera. Pixels are of the full picture. */
 void isosculpt_view_orbit(isosculpt_view *view, double dx, double dy);

@@ -15,9 +15,9 @@
 #define GL_CLAMP_TO_EDGE 0x812F /* OpenGL 1.2 */
 #endif
 
-/* Seconds without a change after which the picture becomes the exact surface; between looks at the journal.
- */
-static const double REST = 0.15, IDLE = 0.25;
+/* Seconds without a change after which the picture becomes the exact surface, and a smoother one; between
+ * looks at the journal. */
+static const double REST[] = {[ISOSCULPT_REST] = 0.12, [ISOSCULPT_FINE] = 0.6}, IDLE = 0.25;
 /* Frames after an event: Dear ImGui shows some answers only in the next. */
 enum { FRAMES = 3, WIDTH = 1280, HEIGHT = 800 };
 
@@ -35,7 +35,6 @@ typedef struct window {
     int texture_width, texture_height;
     int frames;       /* still to be drawn */
     double changed;   /* when the picture last had to be drawn */
-    bool rough;       /* the picture is not the one for rest */
     bool close_after; /* a save, which must succeed */
     bool shoot, shoot_all;
     iso_error error; /* of drawing: it ends the program */
@@ -97,6 +96,31 @@ static int key_of(int key, int scancode) {
     return tolower(key); /* digits and brackets by their place */
 }
 
+/* A window closed over unsaved changes asks first, and closes when it is closed again. */
+static void want_close(window *w) {
+    bool ask = w->desk.changes != w->desk.saved && !w->close_after && !w->screen.closing;
+    glfwSetWindowShouldClose(w->glfw, !ask);
+    w->screen.closing = ask;
+    w->frames = FRAMES;
+}
+
+static void on_close(GLFWwindow *glfw) {
+    want_close(of(glfw));
+}
+
+/* While a question is asked keys answer it and do nothing else. */
+static bool answer(window *w, int key) {
+    bool yes = key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
+    if (!w->screen.offered && !w->screen.closing) return false;
+    if (w->screen.offered)
+        w->screen.answers |= yes ? ISOSCULPT_ANSWER_RECOVER : 0u;
+    else if (yes)
+        w->screen.answers |= ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_CLOSE;
+    else if (key == GLFW_KEY_ESCAPE)
+        w->screen.closing = false;
+    return true;
+}
+
 static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods) {
     window *w = of(glfw);
     w->frames = FRAMES;
@@ -105,12 +129,14 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
         isosculpt_hand_key(&w->hand, meant, modifiers(mods), false);
         return;
     }
-    if (isosculpt_panel_has_keys(w->panel)) return;
+    if (answer(w, key) || isosculpt_panel_has_keys(w->panel)) return;
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
     if (action == GLFW_PRESS && key == GLFW_KEY_F12)
         *(mods & GLFW_MOD_SHIFT ? &w->shoot_all : &w->shoot) = true;
     if (action == GLFW_PRESS && meant == 'h') w->screen.help = !w->screen.help;
     isosculpt_hand_key(&w->hand, meant, modifiers(mods), true);
+    if (w->hand.wishes & ISOSCULPT_WISH_CLOSE) want_close(w);
+    w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_CLOSE;
 }
 
 static void on_refresh(GLFWwindow *glfw) {
@@ -131,11 +157,19 @@ static void set_callbacks(window *w) {
     glfwSetMouseButtonCallback(w->glfw, on_button);
     glfwSetScrollCallback(w->glfw, on_scroll);
     glfwSetKeyCallback(w->glfw, on_key);
+    glfwSetWindowCloseCallback(w->glfw, on_close);
     glfwSetWindowRefreshCallback(w->glfw, on_refresh);
     glfwSetFramebufferSizeCallback(w->glfw, on_size);
 }
 
 /* ---- the sculpture on the desk */
+
+static void show_title(window *w) {
+    char title[ISOSCULPT_PATH + 32];
+    const char *slash = strrchr(w->desk.journal, '/'), *name = slash ? slash + 1 : w->desk.journal;
+    snprintf(title, sizeof title, "isosculpt%s%s", name[0] ? ": " : "", name);
+    glfwSetWindowTitle(w->glfw, title);
+}
 
 /* The hand and the view of what is on the desk. The brush and the look stay as they are. */
 static iso_status show_desk(window *w, iso_error *error) {
@@ -144,6 +178,7 @@ static iso_status show_desk(window *w, iso_error *error) {
     ISO_TRY(isosculpt_view_init(&w->view, iso_session_grid(w->desk.session), w->pool, error));
     isosculpt_hand_init(&w->hand, &w->desk, &w->view);
     if (brush.radius > 0) w->hand.brush = brush;
+    show_title(w);
     w->hand.wishes = ISOSCULPT_WISH_PICTURE;
     return ISO_OK;
 }
@@ -236,16 +271,8 @@ static void shoot_window(window *w) {
 
 /* ---- drawing */
 
-static void upload(window *w) {
+static void make_texture(window *w) {
     const iso_image *image = &w->view.image;
-    if (!w->screen.texture) glGenTextures(1, &w->screen.texture);
-    glBindTexture(GL_TEXTURE_2D, w->screen.texture);
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    if (w->texture_width == image->width && w->texture_height == image->height) {
-        glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image->width, image->height, GL_RGBA, GL_UNSIGNED_BYTE,
-                        image->rgba);
-        return;
-    }
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -256,26 +283,58 @@ static void upload(window *w) {
     w->texture_height = image->height;
 }
 
-static iso_status draw_picture(window *w, bool moving, iso_error *error) {
-    ISO_TRY(isosculpt_view_draw(&w->view, w->screen.width, w->screen.height, moving, error));
+/* What was drawn last. */
+static void upload(window *w) {
+    const iso_image *image = &w->view.image;
+    const isosculpt_damage *fresh = &w->view.fresh;
+    if (!w->screen.texture) glGenTextures(1, &w->screen.texture);
+    glBindTexture(GL_TEXTURE_2D, w->screen.texture);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    if (w->texture_width != image->width || w->texture_height != image->height) {
+        make_texture(w);
+        return;
+    }
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, image->width);
+    for (int i = 0; i < fresh->count; i++) {
+        isosculpt_rectangle r = fresh->rectangle[i];
+        glTexSubImage2D(GL_TEXTURE_2D, 0, r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0, GL_RGBA, GL_UNSIGNED_BYTE,
+                        image->rgba + ((size_t)r.y0 * (size_t)image->width + (size_t)r.x0) * 4);
+    }
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+}
+
+/* Seconds until a better picture is due; < 0: it is; none is due once it is the best. */
+static double until_better(const window *w) {
+    if (w->view.quality == ISOSCULPT_FINE) return IDLE;
+    return w->shoot ? -1 : w->changed + REST[w->view.quality + 1] - isosculpt_now();
+}
+
+/* One step to a better picture. */
+static iso_status improve(window *w, iso_error *error) {
+    if (w->view.quality == ISOSCULPT_REST) return isosculpt_view_refine(&w->view, error);
+    return isosculpt_view_draw(&w->view, w->screen.width, w->screen.height, false, error);
+}
+
+static iso_status draw_due(window *w, iso_error *error) {
+    if (w->hand.wishes & ISOSCULPT_WISH_PICTURE) {
+        w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_PICTURE;
+        w->changed = isosculpt_now();
+        ISO_TRY(isosculpt_view_draw(&w->view, w->screen.width, w->screen.height, true, error));
+    } else if (until_better(w) < 0)
+        ISO_TRY(improve(w, error));
+    else
+        return ISO_OK;
     upload(w);
-    w->rough = moving;
     w->frames = FRAMES;
     return ISO_OK;
 }
 
 /* The picture that is due now, if any. */
 static iso_status update_picture(window *w, iso_error *error) {
-    if (w->hand.wishes & ISOSCULPT_WISH_PICTURE) {
-        w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_PICTURE;
-        w->changed = isosculpt_now();
-        ISO_TRY(draw_picture(w, true, error));
-    } else if (w->rough && (w->shoot || isosculpt_now() - w->changed > REST))
-        ISO_TRY(draw_picture(w, false, error));
-    if (w->shoot && !w->rough) {
-        w->shoot = false;
-        write_shot(w, &w->view.image);
-    }
+    ISO_TRY(draw_due(w, error));
+    if (!w->shoot || w->view.quality != ISOSCULPT_FINE) return ISO_OK;
+    w->shoot = false;
+    write_shot(w, &w->view.image);
     return ISO_OK;
 }
 
@@ -319,19 +378,8 @@ static iso_status obey(window *w, iso_error *error) {
     return answers & ISOSCULPT_ANSWER_RECOVER ? recover(w, error) : ISO_OK;
 }
 
-/* Whether the loop ends: a window closed over unsaved changes asks first, and closes when it is closed again.
- */
-static bool is_over(window *w) {
-    if (!glfwWindowShouldClose(w->glfw)) return false;
-    if (w->desk.changes == w->desk.saved || w->close_after || w->screen.closing) return true;
-    glfwSetWindowShouldClose(w->glfw, GLFW_FALSE);
-    w->screen.closing = true;
-    w->frames = FRAMES;
-    return false;
-}
-
 static void wait_events(window *w) {
-    double wait = w->rough ? w->changed + REST - isosculpt_now() : IDLE;
+    double wait = fmin(until_better(w), IDLE);
     if (w->screen.saving) wait = fmin(wait, 0.05);
     if (w->frames > 0 || w->hand.wishes || w->screen.answers || wait <= 0) {
         glfwPollEvents();
@@ -343,7 +391,7 @@ static void wait_events(window *w) {
 }
 
 static iso_status loop(window *w, iso_error *error) {
-    while (!is_over(w)) {
+    while (!glfwWindowShouldClose(w->glfw)) {
         ISO_TRY(draw(w, error));
         wait_events(w);
         finish_save(w);

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "image/image.h"
+
 /* ---- numbers ---- */
 
 /* strtod also takes blanks, hexadecimal, inf and nan: none of them is meant on a command line. The programs
@@ -66,6 +68,21 @@ bool iso_parse_size(const char *text, uint64_t *out) {
     if (*end || value < 1 || value >= 0x1p63) return false;
     *out = (uint64_t)value;
     return true;
+}
+
+iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error) {
+    size_t digits = strspn(text, "0123456789");
+    char width[16] = "";
+    int w, h;
+    bool separated = digits > 0 && digits < sizeof width && (text[digits] == 'x' || text[digits] == ',');
+    if (separated) memcpy(width, text, digits);
+    if (!separated || !iso_parse_int(width, &w) || !iso_parse_int(text + digits + 1, &h))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not WxH, such as 1920x1080", text);
+    if (w < 1 || h < 1 || w > ISO_IMAGE_MAX || h > ISO_IMAGE_MAX)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: sides must be 1 to %d pixels", text, ISO_IMAGE_MAX);
+    size[0] = w;
+    size[1] = h;
+    return ISO_OK;
 }
 
 bool iso_parse_color(const char *text, uint8_t rgb[3]) {

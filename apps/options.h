@@ -93,6 +93,8 @@ bool iso_parse_int(const char *text, int *out);
 bool iso_parse_real(const char *text, double *out); /* finite */
 bool iso_parse_reals(const char *text, int count, double *out);
 bool iso_parse_size(const char *text, uint64_t *out);
+/* WxH or W,H: sides of a picture, 1 .. ISO_IMAGE_MAX. ISO_ERR_USAGE says what is wrong. */
+iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error);
 bool iso_parse_color(const char *text, uint8_t rgb[3]); /* RRGGBB or #RRGGBB in hexadecimal */
 
 /* Where text goes: help for a screen, a table for the README, a man page, a bash completion script. */

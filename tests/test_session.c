@@ -530,12 +530,36 @@ static void moving_keeps_the_volume(void **state) {
     iso_session_destroy(session);
 }
 
+/* A drag puts back what it did before and drags anew: that must not grow from sample to sample. */
+static void moving_costs_what_it_reaches(void **state) {
+    (void)state;
+    iso_session_opts opts = {0};
+    iso_session *session = open_session(&opts);
+    iso_brush brush = {.tool = ISO_TOOL_MOVE, .radius = 3, .strength = 1};
+    iso_sample sample = {.position = {0, 0, 10}, .normal = {0, 0, 1}, .pressure = 1};
+    iso_edit_stats first = {0}, last = {0};
+    assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
+    for (int i = 0; i < 60; i++) {
+        sample.position.z += i % 2 ? 0.5 : -0.45;
+        memset(&last, 0, sizeof last);
+        assert_int_equal(iso_session_sample(session, &sample, &last, NULL), ISO_OK);
+        if (i == 0) first = last;
+    }
+    print_message("cells edited by the first sample %zu, by the last %zu\n", first.edited, last.edited);
+    assert_true(first.edited > 0 && last.edited <= 2 * first.edited + 8);
+    iso_session_destroy(session);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(undo_restores_every_bit),          cmocka_unit_test(cancelled_strokes_leave_nothing),
-        cmocka_unit_test(journals_resume_to_the_same_bits), cmocka_unit_test(torn_and_damaged_lines),
-        cmocka_unit_test(numbers_come_back_exactly),        cmocka_unit_test(full_disks_are_said),
-        cmocka_unit_test(killed_sessions_survive),          cmocka_unit_test(snapshots_round_trip),
-        cmocka_unit_test(moving_keeps_the_volume)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(moving_costs_what_it_reaches),
+                                       cmocka_unit_test(undo_restores_every_bit),
+                                       cmocka_unit_test(cancelled_strokes_leave_nothing),
+                                       cmocka_unit_test(journals_resume_to_the_same_bits),
+                                       cmocka_unit_test(torn_and_damaged_lines),
+                                       cmocka_unit_test(numbers_come_back_exactly),
+                                       cmocka_unit_test(full_disks_are_said),
+                                       cmocka_unit_test(killed_sessions_survive),
+                                       cmocka_unit_test(snapshots_round_trip),
+                                       cmocka_unit_test(moving_keeps_the_volume)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -325,11 +325,12 @@ static bool fill_window(const iso_editor *editor, iso_tool tool, const int brick
     return true;
 }
 
-static void warp_job(const edit_pass *pass, const iso_job *job, iso_worker *worker, float *out) {
+static void warp_job(const edit_pass *pass, iso_job *job, iso_worker *worker, float *out) {
     const iso_editor *editor = pass->editor;
     const iso_tool tool = pass->dabs->tool;
+    job->source = source_of(editor, tool, job->cell);
     if (!editor->work.dab->warp(pass->dabs, job->at, &worker->warp)) {
-        memcpy(out, source_of(editor, tool, job->cell), ISO_BRICK_VOXELS * sizeof(float));
+        memcpy(out, job->source, ISO_BRICK_VOXELS * sizeof(float));
         return;
     }
     iso_field_window window;
@@ -343,7 +344,7 @@ static void warp_job(const edit_pass *pass, const iso_job *job, iso_worker *work
 static void edit_job(void *context, size_t index, int worker) {
     const edit_pass *pass = context;
     iso_work *work = &pass->editor->work;
-    const iso_job *job = iso_work_job(work, index);
+    iso_job *job = iso_work_job(work, index);
     float *out = iso_work_field(work, 0, index);
     if (iso_tool_is_warp(pass->dabs->tool)) {
         warp_job(pass, job, &work->workers[worker], out);

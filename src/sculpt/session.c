@@ -175,6 +175,12 @@ iso_hgrid *iso_session_grid(iso_session *session) {
 iso_history *iso_session_history(iso_session *session) {
     return session->history;
 }
+bool iso_session_has_mask(const iso_session *session) {
+    return iso_editor_has_mask(session->editor);
+}
+bool iso_session_masked(const iso_session *session, int x, int y, int z) {
+    return iso_editor_masked(session->editor, x, y, z);
+}
 iso_status iso_session_journal_status(iso_session *session, iso_error *error) {
     return session->journal ? iso_journal_status(session->journal, error) : ISO_OK;
 }

@@ -31,6 +31,8 @@ void iso_session_destroy(iso_session *session);
 
 iso_hgrid *iso_session_grid(iso_session *session); /* borrowed; do not write */
 iso_history *iso_session_history(iso_session *session);
+bool iso_session_has_mask(const iso_session *session);
+bool iso_session_masked(const iso_session *session, int x, int y, int z); /* a voxel inside the grid */
 
 /* A stroke: begin with its first sample, then samples, then end or cancel. A sample makes as many touches as
  * the spacing asks for (none when the hand has hardly moved). stats add up. */

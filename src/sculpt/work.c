@@ -71,6 +71,7 @@ iso_status iso_work_add(iso_work *work, const int at[3], bool edited, iso_error 
     job->cell = cell;
     for (int axis = 0; axis < 3; axis++) job->at[axis] = at[axis];
     job->state = work->grid->cell[cell];
+    job->source = NULL;
     job->edited = edited;
     memset(&job->changed, 0, sizeof job->changed);
     work->job_of[cell] = (uint32_t)work->job_count;
@@ -140,14 +141,33 @@ static void find_box(iso_job *job) {
     }
 }
 
-static void settle_job(void *context, size_t index, int worker) {
+static bool differs(const iso_work *work, iso_job *job, const float *before, float *values) {
+    return work->dab->settle(before, iso_work_masked(work, job->cell), values, &job->changed);
+}
+
+static void compare_job(void *context, size_t index, int worker) {
     (void)worker;
     const iso_work *work = context;
     iso_job *job = iso_work_job(work, index);
-    const float *before = iso_work_before(work, job->state);
-    job->edited = work->dab->settle(before, iso_work_masked(work, job->cell),
-                                    iso_work_field(work, work->now, index), &job->changed);
+    job->edited =
+        differs(work, job, iso_work_before(work, job->state), iso_work_field(work, work->now, index));
     if (job->edited) find_box(job);
+}
+
+/* A brush that begins with other values than the grid's has changed what it changed of those: what it only
+ * puts back makes no neighbours change. */
+static void settle_job(void *context, size_t index, int worker) {
+    const iso_work *work = context;
+    iso_job *job = iso_work_job(work, index);
+    float *values = iso_work_field(work, work->now, index);
+    if (!job->source) {
+        compare_job(context, index, worker);
+        return;
+    }
+    const float *before = iso_work_before(work, job->state);
+    bool moved = differs(work, job, job->source, values);
+    find_box(job);
+    job->edited = moved || memcmp(values, before, ISO_BRICK_VOXELS * sizeof *values) != 0;
 }
 
 /* Closes up: jobs that nothing happened to go. */
@@ -331,7 +351,7 @@ static void clear_ghost(void *context, size_t index, int worker) {
 
 void iso_work_compare(iso_work *work, bool *any) {
     if (work->classified) iso_parallel_for(work->pool, work->job_count, clear_ghost, work);
-    iso_parallel_for(work->pool, work->job_count, settle_job, work);
+    iso_parallel_for(work->pool, work->job_count, compare_job, work);
     *any = false;
     for (size_t i = 0; i < work->job_count; i++) *any |= iso_work_job(work, i)->edited;
 }

@@ -16,6 +16,7 @@ typedef struct iso_job {
     uint32_t cell;
     int at[3];
     int32_t state;          /* the grid's entry before */
+    const float *source;    /* what the brush began with; NULL: the grid's floats */
     bool edited;            /* the brush wrote it; else it is a neighbour that redistancing may reach */
     iso_voxel_bits changed; /* by the brush; later by all that was done */
     iso_band_state band;

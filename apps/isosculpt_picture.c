@@ -1,0 +1,303 @@
+/* The picture of a view: as a whole, or the parts of it that an edit changed. */
+#include <math.h>
+#include <string.h>
+
+#include "apps/isosculpt_desk.h"
+#include "apps/isosculpt_view.h"
+
+/* Pictures while the camera moves: slower ones get coarser, and finer again when that would be fast enough.
+ */
+static const double TOO_SLOW = 0.020, FAST = 0.006;
+/* Smoothing is done in parts of so many pixels, between which events are seen to. */
+enum { PIECE_PIXELS = 1 << 17, PIECE_FACTOR = 2 };
+
+/* ---- memory */
+
+static iso_status room_for_samples(iso_gbuffer *gbuffer, int width, int height, iso_error *error) {
+    iso_gbuffer more;
+    if (gbuffer->samples < (size_t)width * (size_t)height) {
+        ISO_TRY(iso_gbuffer_create(width, height, &more, error));
+        iso_gbuffer_free(gbuffer);
+        *gbuffer = more;
+    }
+    gbuffer->width = width;
+    gbuffer->height = height;
+    return ISO_OK;
+}
+
+static iso_status room_for_pixels(iso_image *image, size_t *room, int width, int height, iso_error *error) {
+    iso_image more;
+    size_t pixels = (size_t)width * (size_t)height;
+    if (*room < pixels) {
+        ISO_TRY(iso_image_create(width, height, &more, error));
+        iso_image_free(image);
+        *image = more;
+        *room = pixels;
+    }
+    image->width = width;
+    image->height = height;
+    return ISO_OK;
+}
+
+/* ---- extracting */
+
+static iso_status make_extractor(isosculpt_view *view, isosculpt_method method, iso_error *error) {
+    iso_mesh_opts mesh = {.pool = view->pool};
+    iso_exact_opts exact = {.pool = view->pool};
+    if (method == ISOSCULPT_MESH && !view->mesh)
+        return iso_mesh_set_create(&view->grid, &mesh, &view->mesh, error);
+    if (method == ISOSCULPT_EXACT && !view->exact)
+        return iso_exact_create(&view->grid, &exact, &view->exact, error);
+    return ISO_OK;
+}
+
+static iso_status extract(isosculpt_view *view, isosculpt_method method, iso_error *error) {
+    ISO_TRY(make_extractor(view, method, error));
+    double start = isosculpt_now();
+    if (method == ISOSCULPT_MESH)
+        ISO_TRY(iso_mesh_set_update(view->mesh, error));
+    else if (method == ISOSCULPT_EXACT)
+        ISO_TRY(iso_exact_update(view->exact, error));
+    else
+        ISO_TRY(iso_point_set_update(view->points, error));
+    isosculpt_latency_add(&view->extract, isosculpt_now() - start);
+    return ISO_OK;
+}
+
+/* ---- drawing */
+
+static iso_status draw_surface(isosculpt_view *view, isosculpt_method method, const iso_target *target,
+                               iso_error *error) {
+    iso_gbuffer_clear_bands(target->gbuffer, view->pool);
+    if (method == ISOSCULPT_EXACT) return iso_draw_exact(target, view->exact, error);
+    if (method == ISOSCULPT_MESH) {
+        iso_mesh_view mesh = iso_mesh_set_view(view->mesh);
+        return iso_draw_mesh(target, &mesh, error);
+    }
+    iso_point_view points = iso_point_set_view(view->points);
+    iso_pullpush_opts opts = {.workspace = view->workspace};
+    return method == ISOSCULPT_POINTS ? iso_draw_points(target, &points, error)
+                                      : iso_draw_pullpush(target, &points, &opts, error);
+}
+
+typedef struct masking {
+    const isosculpt_view *view;
+    const iso_strip *strip;
+    const iso_image *image;
+    iso_affine affine;
+} masking;
+
+static bool is_masked(const masking *m, size_t sample, double x, double y) {
+    const int *dims = m->view->grid.hgrid->dims;
+    iso_vec3 origin, direction;
+    if (m->strip->gbuffer->surface[sample] == ISO_SURFACE_NONE) return false;
+    iso_view_ray(m->strip->view, x, y, &origin, &direction);
+    iso_vec3 world =
+        iso_vec3_add(origin, iso_vec3_scale(direction, (double)m->strip->gbuffer->depth[sample]));
+    iso_vec3 p = iso_affine_point_to_index(&m->affine, world);
+    const double at[3] = {p.x, p.y, p.z};
+    int voxel[3];
+    for (int axis = 0; axis < 3; axis++)
+        voxel[axis] = (int)fmin(fmax(floor(at[axis] + 0.5), 0), dims[axis] - 1);
+    return m->view->mask.at(m->view->mask.context, voxel[0], voxel[1], voxel[2]);
+}
+
+static void mask_row(void *context, size_t row, int worker) {
+    (void)worker;
+    const masking *m = context;
+    const size_t factor = (size_t)m->strip->factor, width = (size_t)m->image->width;
+    for (size_t column = 0; column < width; column++) {
+        size_t x = column * factor + factor / 2, y = row * factor + factor / 2;
+        uint8_t *rgba = m->image->rgba + (row * width + column) * 4;
+        if (!is_masked(m, y * width * factor + x, (double)x + 0.5, (double)y + 0.5)) continue;
+        for (int k = 0; k < 3; k++) rgba[k] = (uint8_t)(rgba[k] * 3 / 5);
+    }
+}
+
+static void shade(isosculpt_view *view, const iso_strip *strip, iso_image *image) {
+    isosculpt_paint_strip(&view->look.paint, &view->sphere, strip, image, view->pool);
+    if (!view->mask.at) return;
+    masking m = {view, strip, image, iso_transform_affine(&view->grid.hgrid->transform)};
+    iso_parallel_for(view->pool, (size_t)image->height, mask_row, &m);
+}
+
+static isosculpt_rectangle whole_image(const isosculpt_view *view) {
+    return (isosculpt_rectangle){0, 0, view->image.width, view->image.height};
+}
+
+/* All of the picture, a sample for factor x factor pixels. */
+static iso_status draw_whole(isosculpt_view *view, isosculpt_method method, int factor, iso_error *error) {
+    isosculpt_layer *drawn = &view->drawn;
+    drawn->samples = 0; /* until it is drawn */
+    view->exactly = false;
+    drawn->view = iso_view_make(&view->camera, (view->width + factor - 1) / factor,
+                                (view->height + factor - 1) / factor);
+    const int width = drawn->view.width, height = drawn->view.height;
+    ISO_TRY(room_for_samples(&drawn->gbuffer, width, height, error));
+    ISO_TRY(room_for_pixels(&view->image, &view->image_room, width, height, error));
+    iso_target target = {.view = &drawn->view, .gbuffer = &drawn->gbuffer, .pool = view->pool};
+    ISO_TRY(draw_surface(view, method, &target, error));
+    iso_strip strip = {.view = &drawn->view, .gbuffer = &drawn->gbuffer, .factor = 1};
+    shade(view, &strip, &view->image);
+    drawn->samples = (double)width / view->width;
+    view->drawn_camera = view->camera;
+    view->drawn_look = view->look;
+    view->exactly = method == ISOSCULPT_EXACT && factor == 1;
+    view->fresh = view->rough = (isosculpt_damage){.rectangle = {whole_image(view)}, .count = 1};
+    return ISO_OK;
+}
+
+/* Part of the picture as a picture of its own. */
+static iso_view window_of(const iso_view *view, isosculpt_rectangle r) {
+    iso_view window = *view;
+    window.cx -= r.x0;
+    window.cy -= r.y0;
+    window.width = r.x1 - r.x0;
+    window.height = r.y1 - r.y0;
+    return window;
+}
+
+static void put_pixels(isosculpt_view *view, isosculpt_rectangle r) {
+    const size_t bytes = (size_t)(r.x1 - r.x0) * 4;
+    for (int y = r.y0; y < r.y1; y++)
+        memcpy(view->image.rgba + ((size_t)y * (size_t)view->image.width + (size_t)r.x0) * 4,
+               view->piece_image.rgba + (size_t)(y - r.y0) * bytes, bytes);
+}
+
+static void put_samples(isosculpt_view *view, isosculpt_rectangle r) {
+    const iso_gbuffer *from = &view->piece;
+    iso_gbuffer *to = &view->drawn.gbuffer;
+    const size_t count = (size_t)(r.x1 - r.x0);
+    for (int y = r.y0; y < r.y1; y++) {
+        size_t at = (size_t)(y - r.y0) * count, out = (size_t)y * (size_t)to->width + (size_t)r.x0;
+        memcpy(to->depth + out, from->depth + at, count * sizeof *to->depth);
+        memcpy(to->surface + out, from->surface + at, count * sizeof *to->surface);
+        for (int axis = 0; axis < 3; axis++)
+            memcpy(to->normal[axis] + out, from->normal[axis] + at, count * sizeof *to->normal[axis]);
+    }
+}
+
+/* Part of the picture, factor x factor samples a pixel. */
+static iso_status draw_piece(isosculpt_view *view, isosculpt_method method, isosculpt_rectangle r, int factor,
+                             iso_error *error) {
+    iso_view pixels = window_of(&view->drawn.view, r), samples = iso_view_scaled(&pixels, factor);
+    ISO_TRY(room_for_samples(&view->piece, samples.width, samples.height, error));
+    ISO_TRY(room_for_pixels(&view->piece_image, &view->piece_room, pixels.width, pixels.height, error));
+    iso_target target = {.view = &samples, .gbuffer = &view->piece, .pool = view->pool};
+    ISO_TRY(draw_surface(view, method, &target, error));
+    iso_strip strip = {.view = &samples, .gbuffer = &view->piece, .factor = factor};
+    shade(view, &strip, &view->piece_image);
+    put_pixels(view, r);
+    if (factor == 1) put_samples(view, r);
+    return ISO_OK;
+}
+
+/* ---- what there is to draw */
+
+static bool same_vec(iso_vec3 a, iso_vec3 b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool same_camera(const iso_camera *a, const iso_camera *b) {
+    return same_vec(a->position, b->position) && same_vec(a->focal_point, b->focal_point) &&
+           same_vec(a->view_up, b->view_up) && a->view_angle == b->view_angle &&
+           a->orthographic == b->orthographic && a->parallel_scale == b->parallel_scale;
+}
+
+static bool same_rgb(iso_rgb a, iso_rgb b) {
+    return a.r == b.r && a.g == b.g && a.b == b.b;
+}
+
+static bool same_look(const isosculpt_look *a, const isosculpt_look *b) {
+    return a->method == b->method && a->paint.light == b->paint.light &&
+           same_rgb(a->paint.color, b->paint.color) && same_rgb(a->paint.background, b->paint.background);
+}
+
+/* The picture differs from what is to be shown by edits alone. */
+static bool is_still(const isosculpt_view *view, int width, int height) {
+    return view->drawn.samples > 0 && view->width == width && view->height == height &&
+           same_camera(&view->camera, &view->drawn_camera) && same_look(&view->look, &view->drawn_look);
+}
+
+static isosculpt_method method_now(const isosculpt_view *view, bool moving) {
+    if (view->look.method != ISOSCULPT_AUTO) return view->look.method;
+    return moving ? ISOSCULPT_PULLPUSH : ISOSCULPT_EXACT;
+}
+
+static void adapt(isosculpt_view *view, double seconds) {
+    if (seconds > TOO_SLOW && view->factor < ISOSCULPT_FACTOR_MAX) view->factor++;
+    if (seconds < FAST && view->factor > 1) view->factor--;
+}
+
+static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
+    const isosculpt_method method = method_now(view, moving);
+    ISO_TRY(extract(view, method, error));
+    double start = isosculpt_now();
+    ISO_TRY(draw_whole(view, method, moving ? view->factor : 1, error));
+    view->quality = moving ? ISOSCULPT_MOVING : ISOSCULPT_REST;
+    if (moving) adapt(view, isosculpt_now() - start);
+    if (moving) isosculpt_latency_add(&view->draw, isosculpt_now() - start);
+    return ISO_OK;
+}
+
+/* What edits changed in an exact picture; all of it when that is most of it. */
+static iso_status patch(isosculpt_view *view, iso_error *error) {
+    ISO_TRY(extract(view, ISOSCULPT_EXACT, error));
+    double start = isosculpt_now();
+    view->fresh = (isosculpt_damage){.count = 0};
+    isosculpt_damage_add_edits(&view->fresh, &view->drawn.view, view->grid.hgrid, view->seen);
+    if (view->repaint) isosculpt_damage_add(&view->fresh, whole_image(view));
+    if (!view->fresh.count) return ISO_OK;
+    view->quality = ISOSCULPT_REST;
+    if (2 * isosculpt_damage_area(&view->fresh) > isosculpt_rectangle_area(whole_image(view)))
+        ISO_TRY(draw_whole(view, ISOSCULPT_EXACT, 1, error));
+    else
+        for (int i = 0; i < view->fresh.count; i++) {
+            ISO_TRY(draw_piece(view, ISOSCULPT_EXACT, view->fresh.rectangle[i], 1, error));
+            isosculpt_damage_add(&view->rough, view->fresh.rectangle[i]);
+        }
+    isosculpt_latency_add(&view->draw, isosculpt_now() - start);
+    return ISO_OK;
+}
+
+iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool moving, iso_error *error) {
+    const uint64_t now = iso_change_log_now(view->grid.hgrid->log);
+    const bool still = is_still(view, width, height);
+    const bool exact = method_now(view, false) == ISOSCULPT_EXACT;
+    view->width = width;
+    view->height = height;
+    if (still && exact && view->exactly)
+        ISO_TRY(patch(view, error));
+    else
+        ISO_TRY(redraw(view, moving && !(still && exact), error));
+    view->seen = now;
+    view->repaint = false;
+    return ISO_OK;
+}
+
+/* ---- smoothing */
+
+/* Takes some rows off what is rough. Methods that look beyond a pixel draw all at once. */
+static isosculpt_rectangle take_piece(isosculpt_damage *rough, bool all) {
+    isosculpt_rectangle *last = &rough->rectangle[rough->count - 1], piece = *last;
+    int rows = PIECE_PIXELS / (piece.x1 - piece.x0) + 1;
+    if (all || piece.y1 - piece.y0 <= rows)
+        rough->count--;
+    else
+        piece.y1 = last->y0 = piece.y0 + rows;
+    return piece;
+}
+
+iso_status isosculpt_view_refine(isosculpt_view *view, iso_error *error) {
+    const isosculpt_method method = method_now(view, false);
+    if (view->quality != ISOSCULPT_REST) return ISO_OK;
+    view->fresh = (isosculpt_damage){.count = 0};
+    if (view->rough.count) {
+        isosculpt_rectangle piece = take_piece(&view->rough, method != ISOSCULPT_EXACT);
+        ISO_TRY(draw_piece(view, method, piece, PIECE_FACTOR, error));
+        isosculpt_damage_add(&view->fresh, piece);
+    }
+    if (view->rough.count) return ISO_OK;
+    view->quality = ISOSCULPT_FINE;
+    return extract(view, ISOSCULPT_PULLPUSH, error); /* for when the camera moves */
+}

@@ -1,0 +1,191 @@
+#!/bin/bash
+# A real window under Xvfb, driven with xdotool: what mouse and keys do is read from the journal, the saved
+# files and the pictures. run.sh BIN, the folder of the programs. 77: nothing to drive it with.
+#
+# Waits for what should happen, for as long as LIMIT seconds; never for a time.
+set -u
+bin=$(cd "$1" && pwd)
+LIMIT=30
+
+for tool in Xvfb xdotool; do
+    command -v $tool >/dev/null || { echo "skipped: there is no $tool"; exit 77; }
+done
+work=$(mktemp -d)
+export XDG_STATE_HOME=$work/state HOME=$work LC_ALL=C
+unset WAYLAND_DISPLAY
+state=$XDG_STATE_HOME/isopoint
+program= closing= server=
+trap 'kill -9 $program $closing $server 2>/dev/null; wait 2>/dev/null; rm -rf "$work"' EXIT
+
+fail() {
+    echo "FAILED: $*"
+    echo "--- what the program said:"
+    cat "$work/said"
+    echo "--- journals:"
+    for file in "$state"/*.strokes; do cut -c1-100 "$file" | tail -5; done
+    exit 1
+}
+
+# until TEXT COMMAND: until the command succeeds
+until_() {
+    local what=$1 end=$((SECONDS + LIMIT))
+    shift
+    until "$@"; do
+        [ $SECONDS -lt $end ] || fail "$what: not within $LIMIT s"
+        [ -z "$program" ] || kill -0 "$program" 2>/dev/null || fail "$what: the program has ended"
+        sleep 0.05
+    done
+}
+
+# ---- without a window
+env -u DISPLAY "$bin/isosculpt" 2>"$work/said"
+code=$?
+grep -q "built without GLFW" "$work/said" && { echo "skipped: built without a window"; exit 77; }
+[ $code -eq 4 ] || fail "no display: exit status $code, not 4"
+grep -q -- "--headless" "$work/said" || fail "no display: --headless is not named"
+
+# ---- a display
+mkfifo "$work/number"
+Xvfb -displayfd 3 -screen 0 1280x800x24 -nolisten tcp 3>"$work/number" >/dev/null 2>&1 &
+server=$!
+read -r -t "$LIMIT" number <"$work/number" || fail "Xvfb does not start"
+export DISPLAY=:$number
+
+start() {
+    "$bin/isosculpt" "$@" >"$work/said" 2>&1 &
+    program=$!
+    until_ "a window" xdotool search --onlyvisible --name '^isosculpt' >/dev/null 2>&1
+    until_ "a journal" journal_is_there
+}
+journal_is_there() { journal=$(ls -t "$state"/*.strokes 2>/dev/null | head -1) && [ -n "$journal" ]; }
+events() { grep -c "\"event\":\"$1\"" "$journal"; }
+has_events() { [ "$(events "$1")" -eq "$2" ]; }
+key() { xdotool key "$@"; }
+# drag BUTTON X Y DX DY: in ten steps
+drag() {
+    local moves=() step
+    for step in 1 2 3 4 5 6 7 8 9 10; do
+        moves+=(mousemove $(($2 + $4 * step / 10)) $(($3 + $5 * step / 10)))
+    done
+    xdotool mousemove "$2" "$3" mousedown "$1" "${moves[@]}" mouseup "$1"
+}
+# stroke X Y DX DY: and wait for its end
+stroke() {
+    local ends
+    ends=$(events end)
+    drag 1 "$@"
+    until_ "the end of a stroke at $1,$2" has_events end $((ends + 1))
+}
+has_ended() { ! kill -0 "$1" 2>/dev/null; }
+tools() { grep -o '"tool":"[a-z-]*"' "$journal" | cut -d'"' -f4 | tr '\n' ' '; }
+# picture NAME: F12 and the file that it makes
+picture() {
+    local count=0 file
+    while [ -e "${journal%.strokes}-$((count + 1)).png" ]; do count=$((count + 1)); done
+    file=${journal%.strokes}-$((count + 1)).png
+    key F12
+    until_ "picture $file" test -s "$file"
+    cp "$file" "$work/$1.png"
+}
+
+start
+picture new # and so it is ready
+
+# ---- every brush, where the ball is; modifiers; beside it nothing happens to the field
+brush=0
+for at in "560 290" "700 290" "640 260" "560 390" "640 340" "720 390" "560 480" "640 440" "700 500"; do
+    brush=$((brush + 1))
+    key $brush
+    # shellcheck disable=SC2086
+    stroke $at 30 20
+done
+picture masked
+xdotool keydown alt
+# shellcheck disable=SC2086
+stroke $at 30 20
+xdotool keyup alt
+picture free
+cmp -s "$work/masked.png" "$work/free.png" && fail "what is frozen does not look it"
+key 1
+xdotool keydown shift
+stroke 620 400 20 10
+xdotool keyup shift keydown alt
+stroke 660 520 20 10
+xdotool keyup alt keydown ctrl
+stroke 520 420 10 20
+xdotool keyup ctrl
+expected="add carve blend-add smooth inflate flatten pinch move mask unmask smooth carve carve "
+[ "$(tools)" = "$expected" ] || fail "tools: $(tools)"
+picture sculpted
+cmp -s "$work/new.png" "$work/sculpted.png" && fail "strokes are not to be seen"
+
+# ---- undo brings back every bit of the picture, redo the other; more of them than there are do nothing
+strokes=$(events end)
+for i in $(seq $((strokes + 2))); do key ctrl+z; done
+picture undone
+cmp "$work/undone.png" "$work/new.png" || fail "undo: another picture"
+for i in $(seq $((strokes + 2))); do key ctrl+shift+z; done
+picture redone
+cmp "$work/redone.png" "$work/sculpted.png" || fail "redo: another picture"
+has_events undo "$(events redo)" || fail "as many undone as redone"
+
+# ---- the camera: orbit beside the ball and with the middle button, pan, wheel, views
+drag 1 1100 650 60 40
+picture orbit
+cmp -s "$work/redone.png" "$work/orbit.png" && fail "a drag beside the surface does not orbit"
+drag 2 640 400 40 0
+drag 3 640 400 30 30
+xdotool click 4 click 5 click 4
+key KP_1
+key bracketright
+key f
+has_events end "$strokes" || fail "moving the camera made strokes"
+picture front
+
+# ---- saving; what is saved is what the journal says
+vdb=${journal%.strokes}.vdb
+key ctrl+s
+until_ "$vdb" test -s "$vdb"
+"$bin/isosculpt" --replay "$journal" --headless --quiet --output "$work/replayed.vdb" --json="$work/replay.json" ||
+    fail "the journal does not play"
+grep -q "\"strokes\": $strokes," "$work/replay.json" || fail "the journal has other strokes"
+for name in "$vdb" "$work/replayed.vdb"; do
+    mkdir "$work/look"
+    cp "$name" "$work/look/model.vdb"
+    (cd "$work/look" && "$bin/isorender" model.vdb model.png --resolution 200x200 --quiet) || fail "$name"
+    mv "$work/look" "$name.look"
+done
+cmp "$vdb.look/model.png" "$work/replayed.vdb.look/model.png" || fail "what was saved is not what was sculpted"
+
+# ---- closing asks while there is something to save
+stroke 640 400 20 20
+key ctrl+q
+key Escape
+picture stayed
+stroke 600 420 20 20 # so it stayed
+key ctrl+q
+key Return
+closing=$program
+program=
+until_ "closing" has_ended "$closing"
+wait "$closing"
+code=$?
+[ $code -eq 0 ] || fail "exit status $code"
+[ -s "$vdb.bak" ] || fail "the file before is not kept"
+[ ! -e "$journal.open" ] || fail "the journal still counts as open"
+
+# ---- killed, and recovered
+rm -rf "$state"
+start
+picture new
+stroke 640 400 20 20
+kill -9 "$program"
+wait "$program" 2>/dev/null
+[ -e "$journal.open" ] || fail "nobody will know that it was not closed"
+before=$journal
+start --recover
+[ "$journal" = "$before" ] || fail "another journal: $journal"
+picture recovered
+stroke 560 380 20 20
+[ "$(tools)" = "add add " ] || fail "after recovery: $(tools)"
+echo "passed"
