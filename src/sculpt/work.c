@@ -24,13 +24,15 @@ iso_status iso_work_init(iso_work *work, iso_hgrid *grid, iso_pool *pool, iso_er
         for (int i = 0; work->constant[sign] && i < ISO_BRICK_VOXELS; i++)
             work->constant[sign][i] = sign ? -grid->band : grid->band;
     }
-    if (work->job_of && work->workers && work->constant[0] && work->constant[1]) return ISO_OK;
+    iso_status mask = iso_mask_init(&work->mask, cells, NULL);
+    if (work->job_of && work->workers && work->constant[0] && work->constant[1] && mask == ISO_OK)
+        return ISO_OK;
     iso_work_free(work);
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory for sculpting %zu cells", cells);
 }
 
 void iso_work_free(iso_work *work) {
-    iso_work_mask_clear(work);
+    iso_mask_free(&work->mask);
     iso_free(work->job_of);
     iso_free(work->constant[0]);
     iso_free(work->constant[1]);
@@ -145,7 +147,7 @@ static void settle_job(void *context, size_t index, int worker) {
     const iso_work *work = context;
     iso_job *job = iso_work_job(work, index);
     const float *before = iso_work_before(work, job->state);
-    job->edited = work->dab->settle(before, iso_work_masked(work, job->cell),
+    job->edited = work->dab->settle(before, iso_mask_bits(&work->mask, job->cell),
                                     iso_work_field(work, work->now, index), &job->changed);
     if (job->edited) find_box(job);
 }
@@ -235,7 +237,7 @@ static void classify_job(void *context, size_t index, int worker) {
     iso_work_stencil(p->work, p->from, index, p->work->workers[worker].border, &stencil);
     p->work->redistancer->classify(&stencil, p->work->grid->band, &job->band);
     memcpy(iso_work_field(p->work, p->to, index), stencil.self, ISO_BRICK_VOXELS * sizeof(float));
-    const iso_voxel_bits *masked = iso_work_masked(p->work, job->cell);
+    const iso_voxel_bits *masked = iso_mask_bits(&p->work->mask, job->cell);
     for (int row = 0; masked && row < ISO_BRICK_ROWS; row++) {
         job->band.frozen.row[row] |= masked->row[row];
         job->changed.row[row] &= (uint16_t)~masked->row[row];
@@ -397,55 +399,4 @@ iso_status iso_work_commit(iso_work *work, iso_edit_stats *stats, iso_error *err
     }
     *stats = made;
     return ISO_OK;
-}
-
-/* ---- the mask */
-
-static void mask_cell(uint16_t *rows, const iso_dabs *dabs, const iso_dab *dab, const int at[3],
-                      bool freeze) {
-    const double radius = (double)dabs->radius;
-    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
-        const int voxel[3] = {i % ISO_BRICK, i / ISO_BRICK % ISO_BRICK, i / ISO_BRICK_ROWS};
-        double square = 0;
-        for (int axis = 0; axis < 3; axis++) {
-            double d = ISO_BRICK * (double)at[axis] + voxel[axis] - dab->centre[axis];
-            square += d * d;
-        }
-        if (square > radius * radius) continue;
-        const uint16_t bit = (uint16_t)(1u << voxel[0]);
-        rows[i / ISO_BRICK] = (uint16_t)(freeze ? rows[i / ISO_BRICK] | bit : rows[i / ISO_BRICK] & ~bit);
-    }
-}
-
-static iso_status mask_dab(iso_work *work, const iso_dabs *dabs, const iso_dab *dab, iso_error *error) {
-    const bool freeze = dabs->tool == ISO_TOOL_MASK;
-    int lo[3], hi[3], at[3];
-    for (int axis = 0; axis < 3; axis++) {
-        double top = work->grid->dims[axis] - 1, radius = (double)dabs->radius;
-        lo[axis] = (int)(fmax(fmin(dab->centre[axis] - radius, top), 0) / ISO_BRICK);
-        hi[axis] = (int)(fmax(fmin(dab->centre[axis] + radius, top), 0) / ISO_BRICK);
-    }
-    for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
-        for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
-            for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++) {
-                uint16_t **rows = &work->masked[iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])];
-                if (!*rows && !freeze) continue;
-                if (!*rows) *rows = iso_alloc_zero(ISO_BRICK_ROWS, sizeof **rows);
-                if (!*rows) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the mask");
-                mask_cell(*rows, dabs, dab, at, freeze);
-            }
-    return ISO_OK;
-}
-
-iso_status iso_work_mask(iso_work *work, const iso_dabs *dabs, iso_error *error) {
-    if (!work->masked) work->masked = iso_alloc_zero(cell_count(work->grid), sizeof *work->masked);
-    if (!work->masked) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the mask");
-    for (int i = 0; i < dabs->count; i++) ISO_TRY(mask_dab(work, dabs, &dabs->dab[i], error));
-    return ISO_OK;
-}
-
-void iso_work_mask_clear(iso_work *work) {
-    for (size_t i = 0; work->masked && i < cell_count(work->grid); i++) iso_free(work->masked[i]);
-    iso_free(work->masked);
-    work->masked = NULL;
 }
