@@ -50,8 +50,8 @@ iso_sample session_random_sample(uint32_t *seed) {
     return s;
 }
 
-iso_brush session_random_brush(uint32_t *seed) {
-    iso_brush b = {.tool = (iso_tool)(sculpt_uniform(seed) * ISO_TOOL_COUNT),
+iso_brush session_random_brush(uint32_t *seed, int tools) {
+    iso_brush b = {.tool = (iso_tool)(sculpt_uniform(seed) * tools),
                    .shape = (iso_solid)(sculpt_uniform(seed) * ISO_SOLID_STAMP),
                    .radius = 0.5 + 4 * sculpt_uniform(seed),
                    .strength = sculpt_uniform(seed),
@@ -60,7 +60,7 @@ iso_brush session_random_brush(uint32_t *seed) {
     return b;
 }
 
-iso_event session_random_event(uint32_t *seed, bool *drawing) {
+iso_event session_random_event(uint32_t *seed, int tools, bool *drawing) {
     iso_event event;
     memset(&event, 0, sizeof event);
     double chance = sculpt_uniform(seed);
@@ -71,7 +71,7 @@ iso_event session_random_event(uint32_t *seed, bool *drawing) {
         return event;
     }
     event.kind = chance < 0.6 ? ISO_EVENT_BEGIN : chance < 0.85 ? ISO_EVENT_UNDO : ISO_EVENT_REDO;
-    event.brush = session_random_brush(seed);
+    event.brush = session_random_brush(seed, tools);
     *drawing = event.kind == ISO_EVENT_BEGIN;
     return event;
 }

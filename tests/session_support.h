@@ -16,9 +16,9 @@ void session_remove_files(const char *journal);
 iso_session *session_open(const iso_session_opts *opts);
 
 iso_sample session_random_sample(uint32_t *seed);
-iso_brush session_random_brush(uint32_t *seed); /* of every tool */
+iso_brush session_random_brush(uint32_t *seed, int tools); /* of the first so many tools */
 /* The next of an endless line of events; `drawing` is the caller's state. */
-iso_event session_random_event(uint32_t *seed, bool *drawing);
+iso_event session_random_event(uint32_t *seed, int tools, bool *drawing);
 
 /* What a session has made: the field and what is frozen. */
 typedef struct session_field {

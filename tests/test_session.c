@@ -22,7 +22,7 @@
 static void play_random(iso_session *session, int events, uint32_t seed) {
     bool drawing = false;
     for (int i = 0; i < events || drawing; i++) {
-        iso_event event = session_random_event(&seed, &drawing);
+        iso_event event = session_random_event(&seed, ISO_TOOL_COUNT, &drawing);
         iso_error error = {0};
         iso_status status = iso_session_play(session, &event, NULL, &error);
         if (status != ISO_OK && event.kind != ISO_EVENT_UNDO && event.kind != ISO_EVENT_REDO)
@@ -47,7 +47,7 @@ static void undo_restores_every_bit(void **state) {
         uint32_t seed = 77;
         for (int i = 0; i < STROKES;) {
             before[i] = session_field_of(session);
-            iso_brush brush = session_random_brush(&seed);
+            iso_brush brush = session_random_brush(&seed, ISO_TOOL_COUNT);
             iso_vec3 at = iso_vec3_scale(session_random_sample(&seed).normal, 10);
             iso_sample sample = {.position = at, .normal = iso_vec3_unit(at), .pressure = 1}, next = sample;
             next.position = iso_vec3_scale(iso_vec3_unit(iso_vec3_add(at, iso_vec3_make(3, 1, 2))), 10);
@@ -87,7 +87,7 @@ static void cancelled_strokes_leave_nothing(void **state) {
     uint32_t seed = 5;
     for (int i = 0; i < 20; i++) {
         session_field before = session_field_of(session);
-        iso_brush brush = session_random_brush(&seed);
+        iso_brush brush = session_random_brush(&seed, ISO_TOOL_COUNT);
         iso_sample sample = session_random_sample(&seed), next = session_random_sample(&seed);
         assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
         assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_ERR_USAGE);
@@ -261,7 +261,7 @@ static void numbers_come_back_exactly(void **state) {
         put[i].kind = i % 2 ? ISO_EVENT_SAMPLE : ISO_EVENT_BEGIN;
         put[i].sample = session_random_sample(&seed);
         put[i].sample.position.x *= pow(10, (int)(sculpt_uniform(&seed) * 60) - 30);
-        if (put[i].kind == ISO_EVENT_BEGIN) put[i].brush = session_random_brush(&seed);
+        if (put[i].kind == ISO_EVENT_BEGIN) put[i].brush = session_random_brush(&seed, ISO_TOOL_COUNT);
         assert_int_equal(iso_journal_put(j, &put[i], NULL), ISO_OK);
     }
     assert_int_equal(iso_journal_close(j, NULL), ISO_OK);
@@ -323,7 +323,7 @@ static void play_until_killed(const char *journal, uint32_t seed, int said) {
     iso_session_opts opts = {.journal = journal, .snapshot_strokes = 5};
     iso_session *session = session_open(&opts);
     for (;;) {
-        iso_brush brush = session_random_brush(&seed);
+        iso_brush brush = session_random_brush(&seed, ISO_TOOL_COUNT);
         iso_sample sample = session_random_sample(&seed), next = session_random_sample(&seed);
         if (iso_session_begin(session, &brush, &sample, NULL, NULL) != ISO_OK) _exit(1);
         if (iso_session_sample(session, &next, NULL, NULL) != ISO_OK) _exit(1);

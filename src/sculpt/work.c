@@ -95,13 +95,18 @@ void iso_work_load(iso_work *work, size_t first) {
 
 /* ---- stencils */
 
-/* The neighbour across face `face` as the grid's border has it: the outermost layer, repeated. */
+/* The neighbour across face `face` as the grid's border has it: the outermost layer, repeated. Only what a
+ * stencil can read is made: whole rows along x, two layers along y and z. */
 static void repeat_layer(const float *self, int face, float *out) {
-    static const int steps[3] = {1, ISO_BRICK, ISO_BRICK_ROWS};
-    const int axis = face / 2, step = steps[axis], layer = face % 2 ? ISO_BRICK - 1 : 0;
-    for (int at = 0; at < ISO_BRICK_VOXELS; at++) {
-        int along = at / step % ISO_BRICK;
-        out[at] = self[at + (layer - along) * step];
+    const int axis = face / 2, layer = face % 2 ? ISO_BRICK - 1 : 0;
+    for (int row = 0; axis == 0 && row < ISO_BRICK_ROWS; row++)
+        for (int x = 0; x < ISO_BRICK; x++) out[row * ISO_BRICK + x] = self[row * ISO_BRICK + layer];
+    const int step = axis == 1 ? ISO_BRICK : ISO_BRICK_ROWS, along = axis == 1 ? ISO_BRICK_ROWS : ISO_BRICK;
+    const int near = face % 2 ? 0 : ISO_BRICK - 1, next = face % 2 ? 1 : ISO_BRICK - 2;
+    for (int i = 0; axis > 0 && i < ISO_BRICK; i++) {
+        const float *from = self + layer * step + i * along;
+        memcpy(out + near * step + i * along, from, ISO_BRICK * sizeof *out);
+        memcpy(out + next * step + i * along, from, ISO_BRICK * sizeof *out);
     }
 }
 
