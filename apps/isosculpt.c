@@ -1,4 +1,5 @@
 /* isosculpt: a signed distance field modelled by hand. */
+#define _XOPEN_SOURCE 700 /* SIGXFSZ */
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
@@ -26,6 +27,7 @@ static iso_status run(const isosculpt_settings *settings, iso_error *error) {
 
 int main(int argc, char **argv) {
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a full disk, not the end */
     iso_error error = {0};
     isosculpt_settings settings;
     iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};

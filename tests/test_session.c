@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -310,6 +312,99 @@ static void full_disks_are_said(void **state) {
     unlink(journal);
 }
 
+static iso_status wait_for_journal(iso_session *session, bool well, iso_error *error) {
+    iso_status status = ISO_OK;
+    for (int i = 0; i < 100; i++) {
+        status = iso_session_journal_status(session, error);
+        if ((status == ISO_OK) == well) break;
+        usleep(50000);
+    }
+    return status;
+}
+
+/* A disk that fills up in the middle of a line: it is said, the work goes on, and when there is room again
+ * all of it is written. A second time there is never room: what had been written can be opened. */
+static void disks_that_fill_up_lose_nothing(void **state) {
+    (void)state;
+    struct rlimit before, full;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
+    for (int round = 0; round < 2; round++) {
+        const char *journal = session_path("filling.strokes");
+        iso_error error = {0};
+        session_remove_files(journal);
+        const iso_session_opts opts = {.journal = journal, .snapshot_strokes = 3, .undo_memory = 20000};
+        iso_session *session = session_open(&opts);
+        full = before;
+        full.rlim_cur = 7001;
+        assert_int_equal(setrlimit(RLIMIT_FSIZE, &full), 0);
+        play_random(session, 60, 6);
+        assert_int_equal(wait_for_journal(session, false, &error), ISO_ERR_WRITE);
+        assert_non_null(strstr(error.text, "kept in memory"));
+        play_random(session, 40, 7);
+        while (iso_session_undo(session, NULL) == ISO_OK) {
+        }
+        while (iso_session_redo(session, NULL) == ISO_OK) {
+        }
+        session_field wanted = session_field_of(session);
+        if (round == 0) {
+            assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+            assert_int_equal(wait_for_journal(session, true, &error), ISO_OK);
+        }
+        iso_session_destroy(session);
+        assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+        if (round == 0)
+            check_resumes_to(journal, &wanted);
+        else {
+            iso_session_opts again = {.journal = journal, .resume = true, .snapshot_strokes = -1};
+            session = session_open(&again);
+            assert_true(iso_history_count(iso_session_history(session)) > 3);
+            iso_session_destroy(session);
+        }
+        session_field_free(&wanted);
+        session_remove_files(journal);
+    }
+    signal(SIGXFSZ, handler);
+}
+
+/* A folder that can no longer be written: no snapshots, nothing to spill undo steps to, and still all of them
+ * can be undone; a new session says that it has no journal. */
+static void read_only_folders_lose_nothing(void **state) {
+    (void)state;
+    const char *folder = session_path("folder");
+    char journal[600], other[600];
+    mkdir(folder, 0777);
+    snprintf(journal, sizeof journal, "%s/a.strokes", folder);
+    snprintf(other, sizeof other, "%s/b.strokes", folder);
+    session_remove_files(journal);
+    const iso_session_opts opts = {.journal = journal, .snapshot_strokes = 2, .undo_memory = 20000};
+    iso_session *session = session_open(&opts);
+    session_field first = session_field_of(session);
+    const uid_t user = geteuid();
+    assert_int_equal(chmod(folder, 0555), 0);
+    if (user == 0) assert_int_equal(seteuid(65534), 0); /* who may do everything would see no such folder */
+    play_random(session, 50, 6);
+    while (iso_session_undo(session, NULL) == ISO_OK) {
+    }
+    assert_true(session_is(session, &first));
+    while (iso_session_redo(session, NULL) == ISO_OK) {
+    }
+    assert_int_equal(iso_history_spilled(iso_session_history(session)), 0);
+    iso_error error = {0};
+    iso_journal *none;
+    assert_int_equal(iso_journal_create(other, &SESSION_START, &none, &error), ISO_ERR_WRITE);
+    assert_non_null(strstr(error.text, other));
+    if (user == 0) assert_int_equal(seteuid(user), 0);
+    assert_int_equal(chmod(folder, 0777), 0);
+    session_field now = session_field_of(session);
+    iso_session_destroy(session);
+    check_resumes_to(journal, &now);
+    session_field_free(&first);
+    session_field_free(&now);
+    session_remove_files(journal);
+    rmdir(folder);
+}
+
 /* ---- kill -9 */
 
 static double seconds_now(void) {
@@ -476,6 +571,7 @@ int main(void) {
         cmocka_unit_test(undo_restores_every_bit),          cmocka_unit_test(cancelled_strokes_leave_nothing),
         cmocka_unit_test(journals_resume_to_the_same_bits), cmocka_unit_test(torn_and_damaged_lines),
         cmocka_unit_test(numbers_come_back_exactly),        cmocka_unit_test(full_disks_are_said),
+        cmocka_unit_test(disks_that_fill_up_lose_nothing),  cmocka_unit_test(read_only_folders_lose_nothing),
         cmocka_unit_test(killed_sessions_survive),          cmocka_unit_test(snapshots_round_trip),
         cmocka_unit_test(moving_keeps_the_volume)};
     return cmocka_run_group_tests(tests, NULL, NULL);
