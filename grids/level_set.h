@@ -39,9 +39,9 @@ typedef struct iso_resampling {
 
 /* A field with the sides of any grid at any voxel size: cubic voxels along the grid's own axes, whole bricks,
  * a band of 3. Inside is at or above the isovalue, below it for a level set, never beyond the grid and never
- * where a value is not finite. Voxels beside the interface hold the value less the isovalue, scaled (all by
- * the same factor); all others +-band: it is no distance field before it is redistanced. ISO_ERR_EMPTY when
- * nothing is inside or nothing outside. */
+ * where a value is not finite. Voxels hold the value less the isovalue, scaled (all by the same factor) and
+ * clamped below the band: it is no distance field before it is redistanced.
+ * ISO_ERR_EMPTY when nothing is inside or nothing outside. */
 iso_status iso_level_set_from_grid(const char *path, const iso_grid *from, const iso_resampling *how,
                                    iso_hgrid **grid, iso_error *error);
 

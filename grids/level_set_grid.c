@@ -8,8 +8,11 @@
 
 /* Cells this many voxels from the interface have bricks: the band and what central differences see. */
 enum { REACH = 4 };
-/* Values at the interface are scaled so that nearly all stay below this. */
-static const double INTERFACE_MOST = 2.9;
+/* Values at the interface are scaled so that nearly all stay below this: their neighbours', which say how
+ * steep the field is there, are then inside the band as well. */
+static const double INTERFACE_MOST = 1.2;
+/* Voxels away from the interface: inside the band, so that redistancing works on them. */
+static const double BEYOND = 2.99;
 
 typedef struct resampling {
     const iso_grid *from;
@@ -156,15 +159,11 @@ static void count_magnitude(void *context, float *value, bool interface) {
  * pass half-way. */
 static void scale_value(void *context, float *value, bool interface) {
     const magnitudes *m = context;
-    const float band = 3, most = (float)INTERFACE_MOST, side = *value < 0 ? -1 : 1;
-    if (!interface)
-        *value = side * band;
-    else if (!isfinite(*value))
+    const float side = *value < 0 ? -1 : 1, scaled = fabsf(*value) * m->factor, most = (float)BEYOND;
+    if (interface && !isfinite(*value))
         *value = 0.5f;
-    else {
-        const float scaled = fabsf(*value) * m->factor;
-        *value = side * (scaled < 1e-4f ? 1e-4f : scaled > most ? most : scaled);
-    }
+    else
+        *value = side * (scaled < 1e-4f ? 1e-4f : scaled < most ? scaled : most);
 }
 
 /* By the power of two that all but a thousandth stay below. */
@@ -181,7 +180,6 @@ static iso_status scale_values(const resampling *r, const char *path, iso_error 
     iso_free(m);
     if (!any)
         return iso_fail(error, ISO_ERR_EMPTY, "%s: nothing is inside at isovalue %g", path, r->isovalue);
-    iso_hgrid_prune(r->to);
     return ISO_OK;
 }
 
