@@ -1,4 +1,5 @@
 /* The command line of isosculpt. */
+#include <math.h>
 #include <string.h>
 
 #include "apps/isosculpt.h"
@@ -11,7 +12,8 @@
 enum group { SESSION, OUTPUT, RUNNING };
 
 static const char *const groups[] = {"Session", "Output", "Running", NULL};
-static const char *const usage[] = {"[STROKES]", "--replay STROKES --headless [--output OUT] [--json]", NULL};
+static const char *const usage[] = {"[STROKES]", "--replay STROKES --headless [--output OUT] [--json]",
+                                    "--open FILE --headless [--replay STROKES] [--output OUT]", NULL};
 
 static iso_status apply_json(void *target, const char *value, iso_error *error) {
     isosculpt_settings *settings = target;
@@ -46,9 +48,14 @@ static const iso_option options[] = {
     {"recover", NULL, NULL, "continue the last session that was not closed", .group = SESSION,
      .kind = ISO_OPTION_FLAG, AT(recover)},
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
+    {"open", NULL, "FILE",
+     "begin with a level set (.vdb), a mesh (.stl, .obj, .ply) or a volume at --isovalue", .group = SESSION,
+     .kind = ISO_OPTION_TEXT, AT(open)},
+    {"isovalue", NULL, "V", "of the volume that is opened", .group = SESSION, .kind = ISO_OPTION_REAL,
+     AT(isovalue), .low = -1e300, .high = 1e300},
     {"headless", NULL, NULL, "open no window", .group = SESSION, .kind = ISO_OPTION_FLAG, AT(headless)},
-    {"voxel-size", NULL, "MM", "play at another voxel size", .group = SESSION, .kind = ISO_OPTION_REAL,
-     AT(voxel_size), .standard = "the file's", .low = 1e-6, .high = 1e6},
+    {"voxel-size", NULL, "MM", "open or play at another voxel size", .group = SESSION,
+     .kind = ISO_OPTION_REAL, AT(voxel_size), .standard = "the file's", .low = 1e-6, .high = 1e6},
     {"undo-memory", NULL, "SIZE", "memory for undo; more goes to disk", .group = SESSION,
      .kind = ISO_OPTION_SIZE, AT(undo_memory), .standard = "1G"},
 
@@ -83,9 +90,12 @@ static const char *const exit_text[] = {"0  done",
                                         "7  an output could not be written",
                                         NULL};
 static const char *const example_text[] = {
-    "isosculpt                    # a new ball", "isosculpt bear.strokes       # goes on where the file ends",
+    "isosculpt                    # a new ball",
+    "isosculpt bear.strokes       # goes on where the file ends",
     "isosculpt --replay bear.strokes --headless --output bear.vdb",
-    "isosculpt --replay bear.strokes --headless --voxel-size 0.5 --output bear.stl --json", NULL};
+    "isosculpt --open teapot.stl --headless --voxel-size 0.5 --output teapot.vdb",
+    "isosculpt --replay bear.strokes --headless --voxel-size 0.5 --output bear.stl --json",
+    NULL};
 #define KEY_LINE(key, meaning) key ": " meaning,
 static const char *const key_text[] = {ISOSCULPT_KEYS(KEY_LINE) NULL};
 #undef KEY_LINE
@@ -120,7 +130,8 @@ static iso_status check_window(isosculpt_settings *settings, const iso_operands 
         settings->draw)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--replay, --output, --mesh, --json, --extract and --draw need --headless");
-    if (settings->voxel_size > 0) return iso_fail(error, ISO_ERR_USAGE, "--voxel-size needs --headless");
+    if (settings->voxel_size > 0 || settings->open)
+        return iso_fail(error, ISO_ERR_USAGE, "--voxel-size and --open need --headless");
     if (operands->count > 1 || (operands->count && settings->recover))
         return iso_fail(error, ISO_ERR_USAGE, "one session at a time: '%s' is too many",
                         operands->values[operands->count - 1]);
@@ -134,13 +145,17 @@ static iso_status check_window(isosculpt_settings *settings, const iso_operands 
 iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_settings *settings,
                                     iso_operands *operands, iso_error *error) {
     memset(settings, 0, sizeof *settings);
+    settings->isovalue = NAN;
     ISO_TRY(iso_options_parse(isosculpt_program(), argc, argv, settings, operands, error));
     if (settings->help) return ISO_OK;
     if (!settings->headless) return check_window(settings, operands, error);
     if (operands->count > 0)
         return iso_fail(error, ISO_ERR_USAGE, "%s: with --headless a stroke file is given with --replay",
                         operands->values[0]);
-    if (!settings->replay) return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE");
+    if (!settings->replay && !settings->open)
+        return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE or --open FILE");
+    if (!settings->open && !isnan(settings->isovalue))
+        return iso_fail(error, ISO_ERR_USAGE, "--isovalue needs --open FILE");
     if (settings->output && !has_suffix(settings->output, ".vdb .ply .stl .obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as .vdb, .ply, .stl or .obj",
                         settings->output);

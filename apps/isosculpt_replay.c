@@ -6,6 +6,7 @@
 
 #include "apps/isosculpt.h"
 #include "apps/isosculpt_desk.h"
+#include "apps/isosculpt_source.h"
 #include "apps/isosculpt_view.h"
 #include "apps/json.h"
 #include "base/file.h"
@@ -48,12 +49,14 @@ static iso_status rescale(iso_journal_start *start, double voxel_size, iso_error
     return ISO_OK;
 }
 
-static iso_status make_field(const isosculpt_settings *settings, iso_journal_start *start, iso_hgrid **grid,
-                             iso_error *error) {
+static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_journal_start *start,
+                             iso_hgrid **grid, iso_error *error) {
+    if (settings->open) {
+        const isosculpt_source source = {settings->open, settings->isovalue, settings->voxel_size, pool};
+        return isosculpt_source_open(&source, start, grid, error);
+    }
     if (strcmp(start->source, "ball") != 0)
-        return iso_fail(error, ISO_ERR_UNSUPPORTED,
-                        "%s: sessions that began with a file ('%s') cannot be played yet", settings->replay,
-                        start->source);
+        return isosculpt_source_find(settings->replay, settings->voxel_size, pool, start, grid, error);
     if (settings->voxel_size > 0) ISO_TRY(rescale(start, settings->voxel_size, error));
     return iso_session_ball(start, grid, error);
 }
@@ -118,6 +121,10 @@ static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *err
 
 /* ---- outputs */
 
+static const char *name_of(const isosculpt_settings *settings) {
+    return settings->replay ? settings->replay : settings->open;
+}
+
 static iso_status write_points(player *p, const char *path, iso_error *error) {
     iso_grid grid = {.hgrid = iso_session_grid(p->session)};
     iso_points_opts opts = {.floats = true, .pool = p->pool};
@@ -127,7 +134,7 @@ static iso_status write_points(player *p, const char *path, iso_error *error) {
     iso_point_view view = iso_point_set_view(set);
     p->report->points = iso_point_view_count(&view);
     if (status == ISO_OK && p->report->points == 0)
-        status = iso_fail(error, ISO_ERR_EMPTY, "%s: nothing is left of the solid", p->settings->replay);
+        status = iso_fail(error, ISO_ERR_EMPTY, "%s: nothing is left of the solid", name_of(p->settings));
     if (status == ISO_OK && path) status = iso_points_write_ply(path, &view, "isosculpt", error);
     iso_point_set_destroy(set);
     return status;
@@ -178,7 +185,7 @@ static iso_status prepare(player *p, iso_error *error) {
 static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     ISO_TRY(prepare(p, error));
     double start = isosculpt_now();
-    ISO_TRY(play_all(p, reader, error));
+    if (reader) ISO_TRY(play_all(p, reader, error));
     p->report->total = isosculpt_now() - start;
     const iso_hgrid *grid = iso_session_grid(p->session);
     p->report->bricks = iso_hgrid_brick_count(grid);
@@ -186,21 +193,21 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     ISO_TRY(write_outputs(p, error));
     if (!p->settings->quiet && p->report->edits.clipped)
         fprintf(stderr, "isosculpt: %s: a brush reached beyond the grid: what lies outside is lost\n",
-                p->settings->replay);
+                name_of(p->settings));
     return p->settings->json ? isosculpt_report_write(p->settings, p->report, error) : ISO_OK;
 }
 
 iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, iso_error *error) {
     isosculpt_report report = {0};
-    iso_journal_reader *reader;
-    ISO_TRY(iso_journal_open(settings->replay, &report.start, &reader, error));
+    iso_journal_reader *reader = NULL;
+    if (settings->replay) ISO_TRY(iso_journal_open(settings->replay, &report.start, &reader, error));
     isosculpt_view view = {0};
     player p = {.settings = settings, .report = &report, .pool = pool, .view = settings->draw ? &view : NULL};
     report.resolution[0] = settings->resolution[0] ? settings->resolution[0] : 1280;
     report.resolution[1] = settings->resolution[1] ? settings->resolution[1] : 800;
     iso_hgrid *grid = NULL;
     iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory};
-    iso_status status = make_field(settings, &report.start, &grid, error);
+    iso_status status = make_field(settings, pool, &report.start, &grid, error);
     if (status == ISO_OK) status = iso_session_create(grid, &report.start, &opts, &p.session, error);
     if (status == ISO_OK) status = run(&p, reader, error);
     iso_point_set_destroy(p.points);
@@ -234,7 +241,8 @@ static void put_report(FILE *stream, const isosculpt_settings *settings, const i
     iso_json_begin_object(&json, NULL);
     iso_json_string(&json, "schema", "isosculpt 1");
     iso_json_string(&json, "version", isosculpt_program()->version);
-    iso_json_string(&json, "strokes_file", settings->replay);
+    if (settings->replay) iso_json_string(&json, "strokes_file", settings->replay);
+    iso_json_string(&json, "source", report->start.source);
     iso_json_ints(&json, "dims", report->start.dims, 3);
     iso_json_real(&json, "voxel_size", report->start.voxel_size);
     iso_json_integer(&json, "strokes", report->strokes);

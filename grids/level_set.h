@@ -1,8 +1,9 @@
-/* level_set: hgrids out to .vdb files, and into other frames. */
+/* level_set: hgrids out to .vdb files, from meshes and other grids, and into other frames. */
 #ifndef ISO_GRIDS_LEVEL_SET_H
 #define ISO_GRIDS_LEVEL_SET_H
 
-#include "grids/hgrid.h"
+#include "base/parallel.h"
+#include "grids/grid.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -14,6 +15,35 @@ extern "C" {
  * (ISO_ERR_USAGE). ISO_ERR_WRITE; ISO_ERR_UNSUPPORTED without OpenVDB's module. */
 iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, const char *name,
                                    iso_error *error);
+
+/* The grid that a mesh is put into: whole bricks of cubic voxels along the world's axes, the mesh's box in
+ * the middle with at least `margin` voxels around it. */
+typedef struct iso_mesh_frame {
+    double voxel; /* mm */
+    int margin;
+} iso_mesh_frame;
+
+/* The level set of what a closed mesh encloses, by OpenVDB's meshToLevelSet; which way its triangles face
+ * does not matter. `path` is for messages. ISO_ERR_EMPTY when it encloses nothing (an open mesh),
+ * ISO_ERR_LIMIT when the grid would be too large, ISO_ERR_UNSUPPORTED without OpenVDB's module. */
+iso_status iso_level_set_from_mesh(const char *path, const iso_triangles *mesh, const iso_mesh_frame *frame,
+                                   iso_hgrid **grid, iso_error *error);
+
+/* How a grid becomes a level set. */
+typedef struct iso_resampling {
+    double isovalue; /* stored; of an hgrid 0 */
+    double voxel;    /* mm; 0: the grid's smallest spacing */
+    int margin;      /* voxels around it */
+    iso_pool *pool;  /* borrowed; NULL: the calling thread */
+} iso_resampling;
+
+/* A field with the sides of any grid at any voxel size: cubic voxels along the grid's own axes, whole bricks,
+ * a band of 3. Inside is at or above the isovalue, below it for a level set, never beyond the grid and never
+ * where a value is not finite. Voxels hold the value less the isovalue, scaled (all by the same factor) and
+ * clamped below the band: it is no distance field before it is redistanced.
+ * ISO_ERR_EMPTY when nothing is inside or nothing outside. */
+iso_status iso_level_set_from_grid(const char *path, const iso_grid *from, const iso_resampling *how,
+                                   iso_hgrid **grid, iso_error *error);
 
 /* A new grid of `dims` voxels whose voxel i is voxel i - offset of `from`, its transform moved along; beyond
  * `from` its outermost voxels are repeated. As iso_hgrid_create. */

@@ -293,7 +293,7 @@ static void keepers_are_told_before(void **state) {
     int failures = 0;
     for (int step = 0; step < 20; step++) {
         told t = {.grid = grid, .before = sculpt_copy(grid), .fail_at = step % 5 == 4 ? 1 : -1};
-        iso_step_opts opts = {.keeper = {remember, &t}};
+        iso_step_opts opts = {.keeper = {.before = remember, .context = &t}};
         iso_editor_step(editor, &opts);
         uint64_t seen = iso_change_log_now(grid->log);
         iso_status status = ISO_OK;

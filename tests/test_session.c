@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -16,71 +18,13 @@
 
 #include "sculpt/session.h"
 #include "sculpt/snapshot.h"
-#include "sculpt_support.h"
-
-static const iso_journal_start START = {.source = "ball",
-                                        .voxel_size = 0.5,
-                                        .dims = {64, 64, 64},
-                                        .origin = {-15.75, -15.75, -15.75},
-                                        .radius = 10};
-
-static const char *path_of(const char *name) {
-    static char path[4][512];
-    static int turn;
-    turn = (turn + 1) % 4;
-    snprintf(path[turn], sizeof path[turn], "%s/session_%d_%s", ISO_TEST_TMP, (int)getpid(), name);
-    return path[turn];
-}
-
-static iso_session *open_session(const iso_session_opts *opts) {
-    iso_hgrid *grid;
-    iso_session *session;
-    iso_error error = {0};
-    if (iso_session_ball(&START, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
-    if (iso_session_create(grid, &START, opts, &session, &error) != ISO_OK) fail_msg("%s", error.text);
-    return session;
-}
-
-static iso_sample random_sample(uint32_t *seed) {
-    iso_sample s = {.pressure = sculpt_uniform(seed), .seconds = sculpt_uniform(seed) * 100};
-    double *p[6] = {&s.position.x, &s.position.y, &s.position.z, &s.normal.x, &s.normal.y, &s.normal.z};
-    for (int i = 0; i < 6; i++) *p[i] = (sculpt_uniform(seed) - 0.5) * (i < 3 ? 32 : 1);
-    s.normal = iso_vec3_unit(s.normal);
-    return s;
-}
-
-static iso_brush random_brush(uint32_t *seed) {
-    iso_brush b = {.tool = (iso_tool)(sculpt_uniform(seed) * (ISO_TOOL_MOVE + 1)),
-                   .shape = (iso_solid)(sculpt_uniform(seed) * ISO_SOLID_STAMP),
-                   .radius = 0.5 + 4 * sculpt_uniform(seed),
-                   .strength = sculpt_uniform(seed),
-                   .symmetry = sculpt_uniform(seed) < 0.2 ? 5 : 0,
-                   .pressure_strength = sculpt_uniform(seed) < 0.5};
-    return b;
-}
-
-/* The next of an endless line of events; `drawing` is the caller's state. */
-static iso_event random_event(uint32_t *seed, bool *drawing) {
-    iso_event event;
-    memset(&event, 0, sizeof event);
-    double chance = sculpt_uniform(seed);
-    event.sample = random_sample(seed);
-    if (*drawing) {
-        event.kind = chance < 0.5 ? ISO_EVENT_SAMPLE : chance < 0.95 ? ISO_EVENT_END : ISO_EVENT_CANCEL;
-        *drawing = event.kind == ISO_EVENT_SAMPLE;
-        return event;
-    }
-    event.kind = chance < 0.6 ? ISO_EVENT_BEGIN : chance < 0.85 ? ISO_EVENT_UNDO : ISO_EVENT_REDO;
-    event.brush = random_brush(seed);
-    *drawing = event.kind == ISO_EVENT_BEGIN;
-    return event;
-}
+#include "session_support.h"
 
 /* Plays events; an undo or redo that there is nothing for is refused and not recorded. */
 static void play_random(iso_session *session, int events, uint32_t seed) {
     bool drawing = false;
     for (int i = 0; i < events || drawing; i++) {
-        iso_event event = random_event(&seed, &drawing);
+        iso_event event = session_random_event(&seed, ISO_TOOL_COUNT, &drawing);
         iso_error error = {0};
         iso_status status = iso_session_play(session, &event, NULL, &error);
         if (status != ISO_OK && event.kind != ISO_EVENT_UNDO && event.kind != ISO_EVENT_REDO)
@@ -94,19 +38,19 @@ static void undo_restores_every_bit(void **state) {
     (void)state;
     enum { STROKES = 24 };
     for (int round = 0; round < 2; round++) {
-        const char *journal = path_of("undo.strokes");
+        const char *journal = session_path("undo.strokes");
         unlink(journal);
         /* the second time hardly anything may stay in memory */
         iso_session_opts opts = {
             .undo_memory = round ? 20000 : 0, .journal = journal, .snapshot_strokes = -1};
-        iso_session *session = open_session(&opts);
+        iso_session *session = session_open(&opts);
         iso_history *history = iso_session_history(session);
-        iso_hgrid *before[STROKES + 1];
+        session_field before[STROKES + 1];
         uint32_t seed = 77;
         for (int i = 0; i < STROKES;) {
-            before[i] = sculpt_copy(iso_session_grid(session));
-            iso_brush brush = random_brush(&seed);
-            iso_vec3 at = iso_vec3_scale(random_sample(&seed).normal, 10);
+            before[i] = session_field_of(session);
+            iso_brush brush = session_random_brush(&seed, ISO_TOOL_COUNT);
+            iso_vec3 at = iso_vec3_scale(session_random_sample(&seed).normal, 10);
             iso_sample sample = {.position = at, .normal = iso_vec3_unit(at), .pressure = 1}, next = sample;
             next.position = iso_vec3_scale(iso_vec3_unit(iso_vec3_add(at, iso_vec3_make(3, 1, 2))), 10);
             assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
@@ -115,25 +59,25 @@ static void undo_restores_every_bit(void **state) {
             if (iso_history_count(history) == (size_t)i + 1)
                 i++;
             else /* nothing changed: no step */
-                iso_hgrid_destroy(before[i]);
+                session_field_free(&before[i]);
         }
-        before[STROKES] = sculpt_copy(iso_session_grid(session));
+        before[STROKES] = session_field_of(session);
         if (round) assert_true(iso_history_spilled(history) > 0 && iso_history_bytes(history) < 400000);
         for (int walk = 0; walk < 3; walk++) {
             for (int i = STROKES; i-- > 0;) {
                 assert_int_equal(iso_session_undo(session, NULL), ISO_OK);
-                assert_true(sculpt_same(iso_session_grid(session), before[i]));
+                assert_true(session_is(session, &before[i]));
             }
             assert_int_equal(iso_session_undo(session, NULL), ISO_ERR_USAGE);
             for (int i = 1; i <= STROKES; i++) {
                 assert_int_equal(iso_session_redo(session, NULL), ISO_OK);
-                assert_true(sculpt_same(iso_session_grid(session), before[i]));
+                assert_true(session_is(session, &before[i]));
             }
             assert_int_equal(iso_session_redo(session, NULL), ISO_ERR_USAGE);
         }
         assert_true(strlen(iso_history_name(history, 0)) > 0);
         iso_session_destroy(session);
-        for (int i = 0; i <= STROKES; i++) iso_hgrid_destroy(before[i]);
+        for (int i = 0; i <= STROKES; i++) session_field_free(&before[i]);
         unlink(journal);
     }
 }
@@ -141,18 +85,18 @@ static void undo_restores_every_bit(void **state) {
 static void cancelled_strokes_leave_nothing(void **state) {
     (void)state;
     iso_session_opts opts = {0};
-    iso_session *session = open_session(&opts);
+    iso_session *session = session_open(&opts);
     uint32_t seed = 5;
     for (int i = 0; i < 20; i++) {
-        iso_hgrid *before = sculpt_copy(iso_session_grid(session));
-        iso_brush brush = random_brush(&seed);
-        iso_sample sample = random_sample(&seed), next = random_sample(&seed);
+        session_field before = session_field_of(session);
+        iso_brush brush = session_random_brush(&seed, ISO_TOOL_COUNT);
+        iso_sample sample = session_random_sample(&seed), next = session_random_sample(&seed);
         assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
         assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_ERR_USAGE);
         assert_int_equal(iso_session_sample(session, &next, NULL, NULL), ISO_OK);
         assert_int_equal(iso_session_cancel(session, NULL), ISO_OK);
-        assert_true(sculpt_same(iso_session_grid(session), before));
-        iso_hgrid_destroy(before);
+        assert_true(session_is(session, &before));
+        session_field_free(&before);
     }
     assert_int_equal(iso_history_count(iso_session_history(session)), 0);
     assert_int_equal(iso_session_sample(session, &(iso_sample){.pressure = 1}, NULL, NULL), ISO_ERR_USAGE);
@@ -161,19 +105,10 @@ static void cancelled_strokes_leave_nothing(void **state) {
 
 /* ---- journal */
 
-static void remove_files(const char *journal) {
-    char name[600];
-    unlink(journal);
-    for (int i = 1; i < 60; i++) {
-        snprintf(name, sizeof name, "%s.%d.snapshot", journal, i);
-        unlink(name);
-    }
-}
-
-static void check_resumes_to(const char *journal, const iso_hgrid *wanted) {
+static void check_resumes_to(const char *journal, const session_field *wanted) {
     iso_session_opts opts = {.journal = journal, .resume = true, .snapshot_strokes = -1};
-    iso_session *session = open_session(&opts);
-    assert_true(sculpt_same(iso_session_grid(session), wanted));
+    iso_session *session = session_open(&opts);
+    assert_true(session_is(session, wanted));
     iso_session_destroy(session);
 }
 
@@ -181,12 +116,12 @@ static void check_resumes_to(const char *journal, const iso_hgrid *wanted) {
 static void journals_resume_to_the_same_bits(void **state) {
     (void)state;
     for (int snapshots = 0; snapshots < 3; snapshots++) {
-        const char *journal = path_of("resume.strokes");
-        remove_files(journal);
+        const char *journal = session_path("resume.strokes");
+        session_remove_files(journal);
         iso_session_opts opts = {.journal = journal, .snapshot_strokes = snapshots ? 4 : -1};
-        iso_session *session = open_session(&opts);
+        iso_session *session = session_open(&opts);
         play_random(session, 70, 31 + (uint32_t)snapshots);
-        iso_hgrid *wanted = sculpt_copy(iso_session_grid(session));
+        session_field wanted = session_field_of(session);
         iso_session_destroy(session);
         if (snapshots == 2) /* the newest is damaged */
             for (int i = 40; i > 0; i--) {
@@ -200,16 +135,16 @@ static void journals_resume_to_the_same_bits(void **state) {
                 fclose(file);
                 break;
             }
-        check_resumes_to(journal, wanted);
+        check_resumes_to(journal, &wanted);
         opts.resume = true;
-        session = open_session(&opts);
+        session = session_open(&opts);
         play_random(session, 30, 99);
-        iso_hgrid_destroy(wanted);
-        wanted = sculpt_copy(iso_session_grid(session));
+        session_field_free(&wanted);
+        wanted = session_field_of(session);
         iso_session_destroy(session);
-        check_resumes_to(journal, wanted);
-        iso_hgrid_destroy(wanted);
-        remove_files(journal);
+        check_resumes_to(journal, &wanted);
+        session_field_free(&wanted);
+        session_remove_files(journal);
     }
 }
 
@@ -250,10 +185,10 @@ static int count_events(const char *path, iso_status *status, iso_error *error) 
 
 static void torn_and_damaged_lines(void **state) {
     (void)state;
-    const char *journal = path_of("torn.strokes"), *part = path_of("part.strokes");
-    remove_files(journal);
+    const char *journal = session_path("torn.strokes"), *part = session_path("part.strokes");
+    session_remove_files(journal);
     iso_session_opts opts = {.journal = journal, .snapshot_strokes = -1};
-    iso_session *session = open_session(&opts);
+    iso_session *session = session_open(&opts);
     play_random(session, 60, 8);
     iso_session_destroy(session);
     size_t size, header = 0;
@@ -307,16 +242,16 @@ static void torn_and_damaged_lines(void **state) {
     assert_int_equal(count_events(part, &status, &error), whole);
     assert_int_equal(status, ISO_OK);
     free(bytes);
-    remove_files(journal);
+    session_remove_files(journal);
     unlink(part);
 }
 
 static void numbers_come_back_exactly(void **state) {
     (void)state;
-    const char *journal = path_of("numbers.strokes");
+    const char *journal = session_path("numbers.strokes");
     unlink(journal);
     iso_journal *j;
-    iso_journal_start start = START, got_start;
+    iso_journal_start start = SESSION_START, got_start;
     strcpy(start.source, "a \"quoted\\ path \xc3\xa9\n.vdb");
     start.source_crc = 0xfedcba98u;
     assert_int_equal(iso_journal_create(journal, &start, &j, NULL), ISO_OK);
@@ -326,9 +261,9 @@ static void numbers_come_back_exactly(void **state) {
     assert_non_null(put);
     for (int i = 0; i < EVENTS; i++) {
         put[i].kind = i % 2 ? ISO_EVENT_SAMPLE : ISO_EVENT_BEGIN;
-        put[i].sample = random_sample(&seed);
+        put[i].sample = session_random_sample(&seed);
         put[i].sample.position.x *= pow(10, (int)(sculpt_uniform(&seed) * 60) - 30);
-        if (put[i].kind == ISO_EVENT_BEGIN) put[i].brush = random_brush(&seed);
+        if (put[i].kind == ISO_EVENT_BEGIN) put[i].brush = session_random_brush(&seed, ISO_TOOL_COUNT);
         assert_int_equal(iso_journal_put(j, &put[i], NULL), ISO_OK);
     }
     assert_int_equal(iso_journal_close(j, NULL), ISO_OK);
@@ -359,21 +294,115 @@ static void full_disks_are_said(void **state) {
         print_message("no /dev/full: left out\n");
         return;
     }
-    const char *journal = path_of("full.strokes");
+    const char *journal = session_path("full.strokes");
     unlink(journal);
     iso_journal *j;
     iso_error error = {0};
-    assert_int_equal(iso_journal_create(journal, &START, &j, NULL), ISO_OK);
+    assert_int_equal(iso_journal_create(journal, &SESSION_START, &j, NULL), ISO_OK);
     assert_int_equal(iso_journal_close(j, NULL), ISO_OK);
-    assert_int_equal(iso_journal_create("/no/such/folder/x.strokes", &START, &j, &error), ISO_ERR_WRITE);
+    assert_int_equal(iso_journal_create("/no/such/folder/x.strokes", &SESSION_START, &j, &error),
+                     ISO_ERR_WRITE);
     assert_non_null(strstr(error.text, "/no/such/folder"));
-    const char *link = path_of("link.strokes");
+    const char *link = session_path("link.strokes");
     unlink(link);
     assert_int_equal(symlink("/dev/full", link), 0);
-    iso_status status = iso_journal_create(link, &START, &j, &error);
+    iso_status status = iso_journal_create(link, &SESSION_START, &j, &error);
     assert_int_equal(status, ISO_ERR_WRITE);
     unlink(link);
     unlink(journal);
+}
+
+static iso_status wait_for_journal(iso_session *session, bool well, iso_error *error) {
+    iso_status status = ISO_OK;
+    for (int i = 0; i < 100; i++) {
+        status = iso_session_journal_status(session, error);
+        if ((status == ISO_OK) == well) break;
+        usleep(50000);
+    }
+    return status;
+}
+
+/* A disk that fills up in the middle of a line: it is said, the work goes on, and when there is room again
+ * all of it is written. A second time there is never room: what had been written can be opened. */
+static void disks_that_fill_up_lose_nothing(void **state) {
+    (void)state;
+    struct rlimit before, full;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
+    for (int round = 0; round < 2; round++) {
+        const char *journal = session_path("filling.strokes");
+        iso_error error = {0};
+        session_remove_files(journal);
+        const iso_session_opts opts = {.journal = journal, .snapshot_strokes = 3, .undo_memory = 20000};
+        iso_session *session = session_open(&opts);
+        full = before;
+        full.rlim_cur = 7001;
+        assert_int_equal(setrlimit(RLIMIT_FSIZE, &full), 0);
+        play_random(session, 60, 6);
+        assert_int_equal(wait_for_journal(session, false, &error), ISO_ERR_WRITE);
+        assert_non_null(strstr(error.text, "kept in memory"));
+        play_random(session, 40, 7);
+        while (iso_session_undo(session, NULL) == ISO_OK) {
+        }
+        while (iso_session_redo(session, NULL) == ISO_OK) {
+        }
+        session_field wanted = session_field_of(session);
+        if (round == 0) {
+            assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+            assert_int_equal(wait_for_journal(session, true, &error), ISO_OK);
+        }
+        iso_session_destroy(session);
+        assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+        if (round == 0)
+            check_resumes_to(journal, &wanted);
+        else {
+            iso_session_opts again = {.journal = journal, .resume = true, .snapshot_strokes = -1};
+            session = session_open(&again);
+            assert_true(iso_history_count(iso_session_history(session)) > 3);
+            iso_session_destroy(session);
+        }
+        session_field_free(&wanted);
+        session_remove_files(journal);
+    }
+    signal(SIGXFSZ, handler);
+}
+
+/* A folder that can no longer be written: no snapshots, nothing to spill undo steps to, and still all of them
+ * can be undone; a new session says that it has no journal. */
+static void read_only_folders_lose_nothing(void **state) {
+    (void)state;
+    const char *folder = session_path("folder");
+    char journal[600], other[600];
+    mkdir(folder, 0777);
+    snprintf(journal, sizeof journal, "%s/a.strokes", folder);
+    snprintf(other, sizeof other, "%s/b.strokes", folder);
+    session_remove_files(journal);
+    const iso_session_opts opts = {.journal = journal, .snapshot_strokes = 2, .undo_memory = 20000};
+    iso_session *session = session_open(&opts);
+    session_field first = session_field_of(session);
+    const uid_t user = geteuid();
+    assert_int_equal(chmod(folder, 0555), 0);
+    if (user == 0) assert_int_equal(seteuid(65534), 0); /* who may do everything would see no such folder */
+    play_random(session, 50, 6);
+    while (iso_session_undo(session, NULL) == ISO_OK) {
+    }
+    assert_true(session_is(session, &first));
+    while (iso_session_redo(session, NULL) == ISO_OK) {
+    }
+    assert_int_equal(iso_history_spilled(iso_session_history(session)), 0);
+    iso_error error = {0};
+    iso_journal *none;
+    assert_int_equal(iso_journal_create(other, &SESSION_START, &none, &error), ISO_ERR_WRITE);
+    assert_non_null(strstr(error.text, other));
+    if (user == 0) assert_int_equal(seteuid(user), 0);
+    assert_int_equal(chmod(folder, 0777), 0);
+    session_field now = session_field_of(session);
+    iso_session_destroy(session);
+    check_resumes_to(journal, &now);
+    session_field_free(&first);
+    session_field_free(&now);
+    session_remove_files(journal);
+    rmdir(folder);
 }
 
 /* ---- kill -9 */
@@ -387,10 +416,10 @@ static double seconds_now(void) {
 /* Plays strokes until it is killed, and says so after each. */
 static void play_until_killed(const char *journal, uint32_t seed, int said) {
     iso_session_opts opts = {.journal = journal, .snapshot_strokes = 5};
-    iso_session *session = open_session(&opts);
+    iso_session *session = session_open(&opts);
     for (;;) {
-        iso_brush brush = random_brush(&seed);
-        iso_sample sample = random_sample(&seed), next = random_sample(&seed);
+        iso_brush brush = session_random_brush(&seed, ISO_TOOL_COUNT);
+        iso_sample sample = session_random_sample(&seed), next = session_random_sample(&seed);
         if (iso_session_begin(session, &brush, &sample, NULL, NULL) != ISO_OK) _exit(1);
         if (iso_session_sample(session, &next, NULL, NULL) != ISO_OK) _exit(1);
         if (iso_session_end(session, NULL) != ISO_OK) _exit(1);
@@ -418,9 +447,9 @@ static void killed_sessions_survive(void **state) {
     int rounds = text ? atoi(text) : 3;
     uint32_t seed = 1;
     for (int round = 0; round < rounds; round++) {
-        const char *journal = path_of("killed.strokes");
+        const char *journal = session_path("killed.strokes");
         int said[2], finished = 0;
-        remove_files(journal);
+        session_remove_files(journal);
         assert_int_equal(pipe(said), 0);
         pid_t child = fork();
         assert_true(child >= 0);
@@ -442,7 +471,7 @@ static void killed_sessions_survive(void **state) {
                      ended);
         /* what is recovered is what the same events make */
         iso_session_opts opts = {.journal = journal, .resume = true, .snapshot_strokes = -1}, plain = {0};
-        iso_session *recovered = open_session(&opts), *again = open_session(&plain);
+        iso_session *recovered = session_open(&opts), *again = session_open(&plain);
         iso_journal_start start;
         iso_journal_reader *reader;
         assert_int_equal(iso_journal_open(journal, &start, &reader, NULL), ISO_OK);
@@ -451,10 +480,12 @@ static void killed_sessions_survive(void **state) {
         while (iso_journal_next(reader, &event, &more, NULL) == ISO_OK && more)
             assert_int_equal(iso_session_play(again, &event, NULL, NULL), ISO_OK);
         iso_journal_reader_free(reader);
-        assert_true(sculpt_same(iso_session_grid(recovered), iso_session_grid(again)));
+        session_field wanted = session_field_of(again);
+        assert_true(session_is(recovered, &wanted));
+        session_field_free(&wanted);
         iso_session_destroy(recovered);
         iso_session_destroy(again);
-        remove_files(journal);
+        session_remove_files(journal);
     }
 }
 
@@ -462,15 +493,19 @@ static void killed_sessions_survive(void **state) {
 
 static void snapshots_round_trip(void **state) {
     (void)state;
-    const char *path = path_of("round.snapshot"), *bad = path_of("bad.snapshot");
+    const char *path = session_path("round.snapshot"), *bad = session_path("bad.snapshot");
     iso_session_opts opts = {0};
-    iso_session *session = open_session(&opts);
+    iso_session *session = session_open(&opts);
     play_random(session, 40, 12);
     iso_hgrid *grid = iso_session_grid(session), *other;
-    assert_int_equal(iso_snapshot_write(path, grid, NULL), ISO_OK);
-    assert_int_equal(iso_session_ball(&START, &other, NULL), ISO_OK);
-    assert_int_equal(iso_snapshot_read(path, other, NULL), ISO_OK);
-    assert_true(sculpt_same(grid, other));
+    const iso_mask *wanted = iso_session_mask(session);
+    iso_mask mask = {0};
+    assert_true(wanted->used > 0);
+    assert_int_equal(iso_mask_init(&mask, wanted->cells, NULL), ISO_OK);
+    assert_int_equal(iso_snapshot_write(path, grid, wanted, NULL), ISO_OK);
+    assert_int_equal(iso_session_ball(&SESSION_START, &other, NULL), ISO_OK);
+    assert_int_equal(iso_snapshot_read(path, other, &mask, NULL), ISO_OK);
+    assert_true(sculpt_same(grid, other) && session_same_mask(&mask, wanted));
     size_t size;
     char *bytes = slurp(path, &size);
     iso_hgrid *before = sculpt_copy(other);
@@ -478,13 +513,14 @@ static void snapshots_round_trip(void **state) {
         bytes[at] = (char)(bytes[at] ^ 4);
         spill_bytes(bad, bytes, size);
         bytes[at] = (char)(bytes[at] ^ 4);
-        assert_int_equal(iso_snapshot_read(bad, other, NULL), ISO_ERR_FORMAT);
+        assert_int_equal(iso_snapshot_read(bad, other, &mask, NULL), ISO_ERR_FORMAT);
         spill_bytes(bad, bytes, at);
-        assert_int_equal(iso_snapshot_read(bad, other, NULL), ISO_ERR_FORMAT);
+        assert_int_equal(iso_snapshot_read(bad, other, &mask, NULL), ISO_ERR_FORMAT);
     }
-    assert_true(sculpt_same(before, other));
-    assert_int_equal(iso_snapshot_read("/no/such.snapshot", other, NULL), ISO_ERR_IO);
+    assert_true(sculpt_same(before, other) && session_same_mask(&mask, wanted));
+    assert_int_equal(iso_snapshot_read("/no/such.snapshot", other, &mask, NULL), ISO_ERR_IO);
     free(bytes);
+    iso_mask_free(&mask);
     iso_hgrid_destroy(before);
     iso_hgrid_destroy(other);
     iso_session_destroy(session);
@@ -534,7 +570,7 @@ static void moving_keeps_the_volume(void **state) {
 static void moving_costs_what_it_reaches(void **state) {
     (void)state;
     iso_session_opts opts = {0};
-    iso_session *session = open_session(&opts);
+    iso_session *session = session_open(&opts);
     iso_brush brush = {.tool = ISO_TOOL_MOVE, .radius = 3, .strength = 1};
     iso_sample sample = {.position = {0, 0, 10}, .normal = {0, 0, 1}, .pressure = 1};
     iso_edit_stats first = {0}, last = {0};
@@ -558,6 +594,8 @@ int main(void) {
                                        cmocka_unit_test(torn_and_damaged_lines),
                                        cmocka_unit_test(numbers_come_back_exactly),
                                        cmocka_unit_test(full_disks_are_said),
+                                       cmocka_unit_test(disks_that_fill_up_lose_nothing),
+                                       cmocka_unit_test(read_only_folders_lose_nothing),
                                        cmocka_unit_test(killed_sessions_survive),
                                        cmocka_unit_test(snapshots_round_trip),
                                        cmocka_unit_test(moving_keeps_the_volume)};

@@ -147,6 +147,13 @@ typedef struct iso_mesh_view {
     bool closed; /* the triangles are whole surfaces: seen from outside, those that face away are hidden */
 } iso_mesh_view;
 
+/* Triangles as files have them, in world millimetres; corners need not be shared. */
+typedef struct iso_triangles {
+    float (*vertices)[3];
+    uint32_t (*triangles)[3];
+    size_t vertex_count, triangle_count;
+} iso_triangles;
+
 /* Welded counts: vertices that are owned, and all triangles. */
 size_t iso_mesh_view_vertex_count(const iso_mesh_view *view);
 size_t iso_mesh_view_triangle_count(const iso_mesh_view *view);

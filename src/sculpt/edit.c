@@ -11,8 +11,9 @@ struct iso_editor {
     double spacing;
     int iterations;
     iso_step_opts opts;
-    uint32_t step;   /* number of the current step */
-    uint32_t *told;  /* by cell: the step that last told it */
+    uint32_t step;  /* number of the current step */
+    uint32_t *told; /* by cell: the step that last told it */
+    uint32_t *mask_told;
     iso_buffer list; /* cells told in this step */
     size_t list_count;
 };
@@ -49,7 +50,8 @@ iso_status iso_editor_create(iso_hgrid *grid, const iso_editor_opts *opts, iso_e
     editor->spacing = grid->transform.spacing[0];
     editor->iterations = opts->iterations > 0 ? opts->iterations : opts->iterations < 0 ? 0 : 4;
     editor->told = iso_alloc_zero(cell_count(grid), sizeof *editor->told);
-    if (!editor->told) {
+    editor->mask_told = iso_alloc_zero(cell_count(grid), sizeof *editor->mask_told);
+    if (!editor->told || !editor->mask_told) {
         iso_editor_destroy(editor);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an editor of %zu cells", cell_count(grid));
     }
@@ -62,6 +64,7 @@ void iso_editor_destroy(iso_editor *editor) {
     iso_work_free(&editor->work);
     iso_buffer_free(&editor->list);
     iso_free(editor->told);
+    iso_free(editor->mask_told);
     iso_free(editor);
 }
 
@@ -403,6 +406,54 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
     return finish(editor, stats, error);
 }
 
+/* ---- masking */
+
+/* The voxels of a cell inside the dab's radius; whether any changes. */
+static bool mask_cell(iso_voxel_bits *bits, const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
+    const double radius = (double)dabs->radius;
+    bool any = false;
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        const int voxel[3] = {i % ISO_BRICK, i / ISO_BRICK % ISO_BRICK, i / ISO_BRICK_ROWS};
+        double square = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double d = ISO_BRICK * (double)at[axis] + voxel[axis] - dab->centre[axis];
+            square += d * d;
+        }
+        if (square > radius * radius) continue;
+        const uint16_t bit = (uint16_t)(1u << voxel[0]), old = bits->row[i / ISO_BRICK];
+        bits->row[i / ISO_BRICK] = (uint16_t)(dabs->tool == ISO_TOOL_MASK ? old | bit : old & ~bit);
+        any |= bits->row[i / ISO_BRICK] != old;
+    }
+    return any;
+}
+
+static iso_status touch_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
+                                  const int at[3], iso_error *error) {
+    const iso_keeper *keeper = &editor->opts.keeper;
+    iso_mask *mask = &editor->work.mask;
+    const uint32_t cell = (uint32_t)iso_hgrid_cell_index(editor->work.grid, at[0], at[1], at[2]);
+    const iso_voxel_bits *before = iso_mask_bits(mask, cell);
+    iso_voxel_bits bits = {{0}};
+    if (before) bits = *before;
+    if (!mask_cell(&bits, dabs, dab, at)) return ISO_OK;
+    if (keeper->mask_before && editor->mask_told[cell] != editor->step)
+        ISO_TRY(keeper->mask_before(keeper->context, cell, before, error));
+    editor->mask_told[cell] = editor->step;
+    return iso_mask_set(mask, cell, &bits, error);
+}
+
+static iso_status touch_mask(iso_editor *editor, const iso_dabs *dabs, iso_error *error) {
+    for (int i = 0; i < dabs->count; i++) {
+        int lo[3], hi[3], at[3];
+        cell_range(editor, dabs, &dabs->dab[i], lo, hi);
+        for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
+            for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
+                for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++)
+                    ISO_TRY(touch_mask_cell(editor, dabs, &dabs->dab[i], at, error));
+    }
+    return ISO_OK;
+}
+
 static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                               iso_error *error) {
     ISO_TRY(iso_brush_check(brush, error));
@@ -429,7 +480,7 @@ iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const is
     iso_edit_stats made = {0};
     iso_status status = ISO_OK;
     if (brush->tool == ISO_TOOL_MASK || brush->tool == ISO_TOOL_UNMASK)
-        status = iso_work_mask(&editor->work, &dabs, error);
+        status = touch_mask(editor, &dabs, error);
     else if (dabs.radius > 0) /* (no pressure: nothing) */
         status = touch_field(editor, &dabs, &made, error);
     iso_work_clear(&editor->work);
@@ -463,14 +514,18 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *
 
 bool iso_editor_masked(const iso_editor *editor, int x, int y, int z) {
     size_t cell = iso_hgrid_cell_index(editor->work.grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
-    const iso_voxel_bits *bits = iso_work_masked(&editor->work, (uint32_t)cell);
+    const iso_voxel_bits *bits = iso_mask_bits(&editor->work.mask, cell);
     return bits && bits->row[z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK] >> (x % ISO_BRICK) & 1;
 }
 
 bool iso_editor_has_mask(const iso_editor *editor) {
-    return editor->work.masked != NULL;
+    return editor->work.mask.used > 0;
 }
 
 void iso_editor_mask_clear(iso_editor *editor) {
-    iso_work_mask_clear(&editor->work);
+    iso_mask_clear(&editor->work.mask);
+}
+
+iso_mask *iso_editor_mask(iso_editor *editor) {
+    return &editor->work.mask;
 }

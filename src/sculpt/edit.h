@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "grids/hgrid.h"
 #include "sculpt/brush.h"
+#include "sculpt/mask.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -22,6 +23,8 @@ extern "C" {
  * floats, NULL when empty. A status other than ISO_OK stops the touch before anything is written. */
 typedef struct iso_keeper {
     iso_status (*before)(void *context, uint32_t cell, int32_t state, const float *brick, iso_error *error);
+    /* The same of a cell's frozen voxels (NULL: none) before MASK or UNMASK changes them. */
+    iso_status (*mask_before)(void *context, uint32_t cell, const iso_voxel_bits *bits, iso_error *error);
     void *context;
 } iso_keeper;
 
@@ -72,6 +75,7 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *
 bool iso_editor_masked(const iso_editor *editor, int x, int y, int z);
 bool iso_editor_has_mask(const iso_editor *editor);
 void iso_editor_mask_clear(iso_editor *editor);
+iso_mask *iso_editor_mask(iso_editor *editor); /* the editor's own, for who restores it */
 
 #ifdef __cplusplus
 }

@@ -12,12 +12,19 @@ static const size_t DEFAULT_MEMORY = (size_t)1 << 30;
 /* Copies that a step has room for from the start. */
 enum { FIRST_COPIES = 64 };
 
-/* A cell as a step holds it. */
+/* What a step holds of a cell, beside ISO_CELL_OUTSIDE and ISO_CELL_INSIDE. */
+enum { BRICK = 0, MASK_BITS = 1, MASK_NONE = 2 };
+
+/* A cell as a step holds it: its values, or its frozen voxels. */
 typedef struct saved_cell {
     uint32_t cell;
-    int32_t state;      /* ISO_CELL_OUTSIDE, ISO_CELL_INSIDE, or 0: a brick */
-    size_t first, size; /* its bytes */
+    int32_t state;
+    size_t first, size; /* its bytes; first, in the open step: which of the raw bricks or masks */
 } saved_cell;
+
+static bool is_mask(const saved_cell *cell) {
+    return cell->state >= MASK_BITS;
+}
 
 /* The cells of a step: their state before it when it is done, after it when it is undone. */
 typedef struct step {
@@ -31,6 +38,7 @@ typedef struct step {
 
 struct iso_history {
     iso_hgrid *grid;
+    iso_mask *mask;
     size_t memory, used; /* bytes of all steps in memory */
     char *path;
     FILE *file;
@@ -43,8 +51,8 @@ struct iso_history {
     uint32_t *copy_of; /* by cell: 1 + its copy, 0: none */
     saved_cell *copies;
     size_t copy_count, copy_room;
-    iso_buffer raw; /* 4096 floats a copy, in the order of copies that are bricks */
-    size_t raw_count;
+    iso_buffer raw, raw_masks; /* 4096 floats a brick; iso_voxel_bits */
+    size_t raw_count, raw_mask_count;
 };
 
 static size_t cell_count(const iso_hgrid *grid) {
@@ -63,6 +71,7 @@ iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso
     iso_history *history = iso_alloc_zero(1, sizeof *history);
     if (!history) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history");
     history->grid = grid;
+    history->mask = opts->mask;
     history->memory = opts->memory ? opts->memory : DEFAULT_MEMORY;
     history->copy_of = iso_alloc_zero(cell_count(grid), sizeof *history->copy_of);
     if (opts->spill) history->path = duplicate(opts->spill);
@@ -86,7 +95,7 @@ static void free_step(iso_history *history, step *s) {
 
 static void close_step(iso_history *history) {
     for (size_t i = 0; i < history->copy_count; i++) history->copy_of[history->copies[i].cell] = 0;
-    history->copy_count = history->raw_count = 0;
+    history->copy_count = history->raw_count = history->raw_mask_count = 0;
     history->open = false;
     iso_free(history->name);
     history->name = NULL;
@@ -105,6 +114,7 @@ void iso_history_destroy(iso_history *history) {
     iso_free(history->copies);
     iso_free(history->copy_of);
     iso_buffer_free(&history->raw);
+    iso_buffer_free(&history->raw_masks);
     iso_free(history);
 }
 
@@ -148,7 +158,8 @@ static iso_status fetch(iso_history *history, step *s, iso_error *error) {
     for (size_t i = 0; i < s->count; i++) {
         float brick[ISO_BRICK_VOXELS];
         const saved_cell *c = &s->cells[i];
-        if (c->state != 0 || iso_cell_unpack(bytes + c->first, c->size, history->grid->band, brick)) continue;
+        if (c->state != BRICK || iso_cell_unpack(bytes + c->first, c->size, history->grid->band, brick))
+            continue;
         iso_free(bytes);
         return iso_fail(error, ISO_ERR_IO, "step '%s' is damaged in '%s'", s->name, history->path);
     }
@@ -159,33 +170,41 @@ static iso_status fetch(iso_history *history, step *s, iso_error *error) {
 
 /* ---- packing */
 
-/* A cell's brick: the next of the raw ones, or (*next NULL) the grid's. */
-static const float *brick_of(const iso_history *history, const saved_cell *cell, const float **next) {
-    if (!*next) return iso_hgrid_brick(history->grid, history->grid->cell[cell->cell]);
-    const float *brick = *next;
-    *next += ISO_BRICK_VOXELS;
-    return brick;
+/* A brick or the bits of a mask: the open step's copy, or (NULL) what is there now. */
+static const void *content_of(const iso_history *history, const saved_cell *cell, const saved_cell *copy) {
+    if (is_mask(cell))
+        return copy ? (const iso_voxel_bits *)history->raw_masks.data + copy->first
+                    : iso_mask_bits(history->mask, cell->cell);
+    return copy ? (const float *)history->raw.data + copy->first * ISO_BRICK_VOXELS
+                : iso_hgrid_brick(history->grid, history->grid->cell[cell->cell]);
 }
 
-/* Packs the step's cells, which are bricks where their state says so: the bricks of `raw` one after another,
- * or (NULL) the grid's. */
-static iso_status pack(const iso_history *history, step *s, const float *raw, iso_error *error) {
-    const float band = history->grid->band, *next = raw;
+/* Packs the step's cells: the open step's copies, or (NULL) what is there now. */
+static iso_status pack(const iso_history *history, step *s, const saved_cell *copies, iso_error *error) {
+    const float band = history->grid->band;
     size_t total = 0;
     for (size_t i = 0; i < s->count; i++) {
         saved_cell *c = &s->cells[i];
+        c->size = 0;
+        if (c->state == BRICK)
+            c->size = iso_cell_pack_size(content_of(history, c, copies ? &copies[i] : NULL), band);
+        if (c->state == MASK_BITS) c->size = sizeof(iso_voxel_bits);
         c->first = total;
-        c->size = c->state == 0 ? iso_cell_pack_size(brick_of(history, c, &next), band) : 0;
         total += c->size;
     }
     s->bytes = iso_alloc(total);
     if (!s->bytes)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step of %zu bytes", total);
     s->size = total;
-    next = raw;
-    for (size_t i = 0; i < s->count; i++)
-        if (s->cells[i].state == 0)
-            iso_cell_pack(brick_of(history, &s->cells[i], &next), band, s->bytes + s->cells[i].first);
+    for (size_t i = 0; i < s->count; i++) {
+        const saved_cell *c = &s->cells[i];
+        if (!c->size) continue;
+        const void *content = content_of(history, c, copies ? &copies[i] : NULL);
+        if (c->state == BRICK)
+            iso_cell_pack(content, band, s->bytes + c->first);
+        else
+            memcpy(s->bytes + c->first, content, c->size);
+    }
     return ISO_OK;
 }
 
@@ -195,40 +214,58 @@ static void cell_position(const iso_hgrid *grid, uint32_t cell, int at[3]) {
     at[2] = (int)(cell / (uint32_t)grid->cells[0] / (uint32_t)grid->cells[1]);
 }
 
-/* All that can fail before cells are put back: the log's entries, and bricks where there are none. */
+/* All that can fail before cells are put back: the log's entries, and room for bricks and masks. */
 static iso_status make_ready(iso_history *history, const saved_cell *cells, size_t count, iso_error *error) {
     iso_change_log_begin(history->grid->log);
     for (size_t i = 0; i < count; i++) {
         int at[3], lo[3], hi[3];
         float *brick;
+        if (cells[i].state == MASK_BITS) ISO_TRY(iso_mask_reserve(history->mask, cells[i].cell, error));
+        if (is_mask(&cells[i])) continue;
         cell_position(history->grid, cells[i].cell, at);
         for (int axis = 0; axis < 3; axis++) {
             lo[axis] = ISO_BRICK * at[axis];
             hi[axis] = lo[axis] + ISO_BRICK - 1;
         }
         ISO_TRY(iso_change_log_touch(history->grid->log, lo, hi, error));
-        if (cells[i].state == 0) ISO_TRY(iso_hgrid_split(history->grid, at[0], at[1], at[2], &brick, error));
+        if (cells[i].state == BRICK)
+            ISO_TRY(iso_hgrid_split(history->grid, at[0], at[1], at[2], &brick, error));
     }
     return ISO_OK;
 }
 
-/* Puts saved cells into the grid. `raw`: their bricks as floats; else packed bytes. */
+static void restore_mask(iso_history *history, const saved_cell *cell, const void *content) {
+    iso_voxel_bits bits;
+    if (cell->state == MASK_BITS) memcpy(&bits, content, sizeof bits);
+    iso_mask_set(history->mask, cell->cell, cell->state == MASK_BITS ? &bits : NULL,
+                 NULL); /* (room was made) */
+}
+
+static void restore_cell(iso_history *history, const saved_cell *cell) {
+    int at[3];
+    cell_position(history->grid, cell->cell, at);
+    iso_hgrid_coalesce(history->grid, at[0], at[1], at[2], cell->state);
+}
+
+/* Puts saved cells back: packed bytes or (NULL) the open step's copies. */
 static iso_status restore(iso_history *history, const saved_cell *cells, size_t count, const uint8_t *bytes,
-                          const float *raw, iso_error *error) {
+                          iso_error *error) {
     ISO_TRY(make_ready(history, cells, count, error));
-    size_t brick = 0;
     for (size_t i = 0; i < count; i++) {
-        int at[3];
-        cell_position(history->grid, cells[i].cell, at);
-        if (cells[i].state != 0) {
-            iso_hgrid_coalesce(history->grid, at[0], at[1], at[2], cells[i].state);
+        const saved_cell *c = &cells[i];
+        if (is_mask(c)) {
+            restore_mask(history, c, bytes ? (const void *)(bytes + c->first) : content_of(history, c, c));
             continue;
         }
-        float *values = iso_hgrid_brick(history->grid, history->grid->cell[cells[i].cell]);
-        if (raw)
-            memcpy(values, raw + brick++ * ISO_BRICK_VOXELS, ISO_BRICK_VOXELS * sizeof(float));
+        if (c->state != BRICK) {
+            restore_cell(history, c);
+            continue;
+        }
+        float *values = iso_hgrid_brick(history->grid, history->grid->cell[c->cell]);
+        if (bytes)
+            iso_cell_unpack(bytes + c->first, c->size, history->grid->band, values);
         else
-            iso_cell_unpack(bytes + cells[i].first, cells[i].size, history->grid->band, values);
+            memcpy(values, content_of(history, c, c), ISO_BRICK_VOXELS * sizeof(float));
     }
     return ISO_OK;
 }
@@ -247,33 +284,45 @@ iso_status iso_history_begin(iso_history *history, const char *name, iso_error *
     return ISO_OK;
 }
 
-static iso_status make_copy_room(iso_history *history, bool brick, iso_error *error) {
-    if (history->copy_count == history->copy_room) {
-        size_t room = history->copy_room ? 2 * history->copy_room : 256;
-        saved_cell *copies = iso_alloc(room * sizeof *copies);
-        if (!copies)
-            return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step of %zu cells", room);
-        if (history->copies) memcpy(copies, history->copies, history->copy_count * sizeof *copies);
-        iso_free(history->copies);
-        history->copies = copies;
-        history->copy_room = room;
-    }
-    size_t bytes = history->raw_count * ISO_BRICK_VOXELS * sizeof(float);
-    return brick ? iso_buffer_reserve(&history->raw, bytes + ISO_BRICK_VOXELS * sizeof(float), bytes, error)
-                 : ISO_OK;
+static iso_status make_copy_room(iso_history *history, iso_error *error) {
+    if (history->copy_count < history->copy_room) return ISO_OK;
+    size_t room = history->copy_room ? 2 * history->copy_room : 256;
+    saved_cell *copies = iso_alloc(room * sizeof *copies);
+    if (!copies) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step of %zu cells", room);
+    if (history->copies) memcpy(copies, history->copies, history->copy_count * sizeof *copies);
+    iso_free(history->copies);
+    history->copies = copies;
+    history->copy_room = room;
+    return ISO_OK;
+}
+
+/* Room for one more item of `size` bytes in a buffer that holds `count`. */
+static iso_status make_room(iso_buffer *buffer, size_t count, size_t size, iso_error *error) {
+    return iso_buffer_reserve(buffer, (count + 1) * size, count * size, error);
 }
 
 static iso_status keep_cell(void *context, uint32_t cell, int32_t state, const float *brick,
                             iso_error *error) {
     iso_history *history = context;
+    const size_t size = ISO_BRICK_VOXELS * sizeof(float);
     if (history->copy_of[cell]) return ISO_OK;
-    ISO_TRY(make_copy_room(history, brick != NULL, error));
+    ISO_TRY(make_copy_room(history, error));
+    if (brick) ISO_TRY(make_room(&history->raw, history->raw_count, size, error));
     saved_cell *copy = &history->copies[history->copy_count++];
-    *copy = (saved_cell){.cell = cell, .state = brick ? 0 : state, .first = history->raw_count};
-    if (brick)
-        memcpy((float *)history->raw.data + history->raw_count++ * ISO_BRICK_VOXELS, brick,
-               ISO_BRICK_VOXELS * sizeof(float));
+    *copy = (saved_cell){.cell = cell, .state = brick ? BRICK : state, .first = history->raw_count};
+    if (brick) memcpy((uint8_t *)history->raw.data + history->raw_count++ * size, brick, size);
     history->copy_of[cell] = (uint32_t)history->copy_count;
+    return ISO_OK;
+}
+
+static iso_status keep_mask(void *context, uint32_t cell, const iso_voxel_bits *bits, iso_error *error) {
+    iso_history *history = context;
+    ISO_TRY(make_copy_room(history, error));
+    if (bits) ISO_TRY(make_room(&history->raw_masks, history->raw_mask_count, sizeof *bits, error));
+    saved_cell *copy = &history->copies[history->copy_count++];
+    *copy =
+        (saved_cell){.cell = cell, .state = bits ? MASK_BITS : MASK_NONE, .first = history->raw_mask_count};
+    if (bits) ((iso_voxel_bits *)history->raw_masks.data)[history->raw_mask_count++] = *bits;
     return ISO_OK;
 }
 
@@ -281,13 +330,14 @@ static const float *kept_cell(void *context, uint32_t cell, int32_t *state) {
     const iso_history *history = context;
     if (!history->copy_of[cell]) return NULL;
     const saved_cell *copy = &history->copies[history->copy_of[cell] - 1];
-    if (copy->state == 0) return (const float *)history->raw.data + copy->first * ISO_BRICK_VOXELS;
+    if (copy->state == BRICK) return (const float *)history->raw.data + copy->first * ISO_BRICK_VOXELS;
     *state = copy->state;
     return NULL;
 }
 
 iso_step_opts iso_history_step(iso_history *history) {
-    return (iso_step_opts){.keeper = {keep_cell, history}, .kept = kept_cell};
+    return (iso_step_opts){.keeper = {keep_cell, history->mask ? keep_mask : NULL, history},
+                           .kept = kept_cell};
 }
 
 static iso_status make_step_room(iso_history *history, iso_error *error) {
@@ -314,7 +364,7 @@ iso_status iso_history_end(iso_history *history, iso_error *error) {
     if (!made.cells)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step of %zu cells", made.count);
     memcpy(made.cells, history->copies, made.count * sizeof *made.cells);
-    iso_status status = pack(history, &made, history->raw.data, error);
+    iso_status status = pack(history, &made, history->copies, error);
     if (status != ISO_OK) {
         iso_free(made.cells);
         return status;
@@ -332,23 +382,26 @@ iso_status iso_history_end(iso_history *history, iso_error *error) {
 
 iso_status iso_history_cancel(iso_history *history, iso_error *error) {
     if (!history->open) return iso_fail(error, ISO_ERR_USAGE, "no step is open");
-    if (history->copy_count)
-        ISO_TRY(restore(history, history->copies, history->copy_count, NULL, history->raw.data, error));
+    if (history->copy_count) ISO_TRY(restore(history, history->copies, history->copy_count, NULL, error));
     close_step(history);
     return ISO_OK;
 }
 
-/* Exchanges what a step holds with what the grid holds. */
+static int32_t state_now(const iso_history *history, const saved_cell *cell) {
+    if (is_mask(cell)) return iso_mask_bits(history->mask, cell->cell) ? MASK_BITS : MASK_NONE;
+    int32_t state = history->grid->cell[cell->cell];
+    return state >= 0 ? BRICK : state;
+}
+
+/* Exchanges what a step holds with what is there. */
 static iso_status exchange(iso_history *history, step *s, iso_error *error) {
     ISO_TRY(fetch(history, s, error));
     step now = {.count = s->count, .cells = iso_alloc(s->count * sizeof *now.cells)};
     if (!now.cells) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for undoing %zu cells", s->count);
-    for (size_t i = 0; i < s->count; i++) {
-        int32_t state = history->grid->cell[s->cells[i].cell];
-        now.cells[i] = (saved_cell){.cell = s->cells[i].cell, .state = state >= 0 ? 0 : state};
-    }
+    for (size_t i = 0; i < s->count; i++)
+        now.cells[i] = (saved_cell){.cell = s->cells[i].cell, .state = state_now(history, &s->cells[i])};
     iso_status status = pack(history, &now, NULL, error);
-    if (status == ISO_OK) status = restore(history, s->cells, s->count, s->bytes, NULL, error);
+    if (status == ISO_OK) status = restore(history, s->cells, s->count, s->bytes, error);
     if (status != ISO_OK) {
         iso_free(now.cells);
         iso_free(now.bytes);

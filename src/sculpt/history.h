@@ -1,5 +1,6 @@
 /* history: undo without limit. Every step keeps the cells that it changed as they were before, packed without
- * loss (cell_pack.h), and undo and redo restore them bit for bit through the change log. Memory is capped;
+ * loss (cell_pack.h), and the frozen voxels that it changed; undo and redo restore them bit for bit through
+ * the change log. Memory is capped;
  * what does not fit goes to a file beside the journal, oldest first, and comes back from there. One thread at
  * a time, the grid's writer. */
 #ifndef ISO_SCULPT_HISTORY_H
@@ -15,7 +16,8 @@ extern "C" {
 typedef struct iso_history iso_history;
 
 typedef struct iso_history_opts {
-    size_t memory; /* bytes; 0 means 1 GiB */
+    iso_mask *mask; /* of the field; borrowed; NULL: no step changes it */
+    size_t memory;  /* bytes; 0 means 1 GiB */
     const char
         *spill; /* path of the file that takes what does not fit; copied. NULL: memory grows beyond its cap */
 } iso_history_opts;

@@ -14,18 +14,12 @@
 
 #include "base/cpu.h"
 #include "base/primitives.h"
-
-enum { ISO_BRICK_ROWS = ISO_BRICK * ISO_BRICK };
+#include "sculpt/mask.h"
 
 /* A brick and its neighbours across the faces -x, +x, -y, +y, -z, +z: 4096 floats each, 64-byte aligned. */
 typedef struct iso_stencil {
     const float *self, *face[6];
 } iso_stencil;
-
-/* Bits of voxels, one word a row of x. */
-typedef struct iso_voxel_bits {
-    uint16_t row[ISO_BRICK_ROWS];
-} iso_voxel_bits;
 
 /* What the steps need to know of a brick. */
 typedef struct iso_band_state {

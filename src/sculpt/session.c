@@ -36,17 +36,15 @@ static iso_status record_kind(iso_session *session, iso_event_kind kind, iso_err
     return record(session, &event, error);
 }
 
-/* A snapshot that cannot be written costs replay time, nothing else: the journal stays as it is. Masks are
- * not in it, so there is none while something is masked. */
+/* A snapshot that cannot be written costs replay time, nothing else: the journal stays as it is. */
 static iso_status take_snapshot(iso_session *session, iso_error *error) {
     iso_event event;
     memset(&event, 0, sizeof event);
     event.kind = ISO_EVENT_SNAPSHOT;
-    if (iso_editor_has_mask(session->editor)) return ISO_OK;
     int size = snprintf(event.text, sizeof event.text, "%s.%d.snapshot", session->journal_path,
                         session->snapshots + 1);
     if (size < 0 || (size_t)size >= sizeof event.text ||
-        iso_snapshot_write(event.text, session->grid, NULL) != ISO_OK)
+        iso_snapshot_write(event.text, session->grid, iso_editor_mask(session->editor), NULL) != ISO_OK)
         return ISO_OK;
     session->snapshots++;
     return record(session, &event, error);
@@ -68,7 +66,9 @@ static iso_status play_from(iso_session *session, int from, int *count, iso_erro
         status = iso_journal_next(reader, &event, &more, error);
         if (status != ISO_OK || !more) break;
         if (event.kind == ISO_EVENT_SNAPSHOT) {
-            if (++*count == from) status = iso_snapshot_read(event.text, session->grid, error);
+            if (++*count == from)
+                status =
+                    iso_snapshot_read(event.text, session->grid, iso_editor_mask(session->editor), error);
         } else if (*count >= from && from >= 0)
             status = iso_session_play(session, &event, NULL, error);
     }
@@ -135,6 +135,7 @@ static iso_status set_up(iso_session *session, const iso_journal_start *start, c
         history.spill = spill;
     ISO_TRY(keep_paths(session, opts->journal, error));
     ISO_TRY(iso_editor_create(session->grid, &editor, &session->editor, error));
+    history.mask = iso_editor_mask(session->editor);
     ISO_TRY(iso_history_create(session->grid, &history, &session->history, error));
     if (!opts->journal) return ISO_OK;
     return opts->resume ? resume(session, error)
@@ -171,6 +172,9 @@ void iso_session_destroy(iso_session *session) {
 
 iso_hgrid *iso_session_grid(iso_session *session) {
     return session->grid;
+}
+const iso_mask *iso_session_mask(const iso_session *session) {
+    return iso_editor_mask(session->editor);
 }
 iso_history *iso_session_history(iso_session *session) {
     return session->history;

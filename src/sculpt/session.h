@@ -29,7 +29,8 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
 /* Closes the journal; what was not saved stays in it. */
 void iso_session_destroy(iso_session *session);
 
-iso_hgrid *iso_session_grid(iso_session *session); /* borrowed; do not write */
+iso_hgrid *iso_session_grid(iso_session *session);            /* borrowed; do not write */
+const iso_mask *iso_session_mask(const iso_session *session); /* borrowed */
 iso_history *iso_session_history(iso_session *session);
 bool iso_session_has_mask(const iso_session *session);
 bool iso_session_masked(const iso_session *session, int x, int y, int z); /* a voxel inside the grid */

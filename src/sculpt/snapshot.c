@@ -9,15 +9,17 @@
 #include "sculpt/cell_pack.h"
 #include "sculpt/crc32c.h"
 
-/* The file: a head, for each cell its state and packed bytes, and the CRC-32C of all before it.
+/* The file: a head, for each cell its state and packed bytes, for each cell with frozen voxels its number and
+ * their bits, and the CRC-32C of all before it.
  * Little-endian, as all machines are that this runs on. */
 typedef struct head {
     char magic[8];
     int32_t dims[3];
     float band;
+    uint32_t masks;
 } head;
 
-static const char MAGIC[8] = "isosnap";
+static const char MAGIC[8] = "isosnp2";
 
 static head head_of(const iso_hgrid *grid) {
     head h = {.band = grid->band};
@@ -35,11 +37,23 @@ static void put(FILE *file, uint32_t *crc, const void *bytes, size_t size) {
     fwrite(bytes, 1, size, file); /* (errors are found when the sink commits) */
 }
 
-iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, iso_error *error) {
+static void put_mask(FILE *file, uint32_t *crc, const iso_mask *mask) {
+    for (size_t i = 0; mask->used && i < mask->cells; i++) {
+        const uint32_t cell = (uint32_t)i;
+        const iso_voxel_bits *bits = iso_mask_bits(mask, i);
+        if (!bits) continue;
+        put(file, crc, &cell, sizeof cell);
+        put(file, crc, bits, sizeof *bits);
+    }
+}
+
+iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, const iso_mask *mask,
+                              iso_error *error) {
     iso_sink sink;
     ISO_TRY(iso_sink_open(path, &sink, error));
     uint32_t crc = 0;
-    const head h = head_of(grid);
+    head h = head_of(grid);
+    h.masks = (uint32_t)mask->used;
     put(sink.stream, &crc, &h, sizeof h);
     for (size_t i = 0; i < cell_count(grid); i++) {
         uint8_t bytes[ISO_CELL_PACK_MAX];
@@ -52,6 +66,7 @@ iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, iso_error
         put(sink.stream, &crc, &size, sizeof size);
         if (size >= 0) put(sink.stream, &crc, bytes, (size_t)size);
     }
+    put_mask(sink.stream, &crc, mask);
     fwrite(&crc, 1, sizeof crc, sink.stream);
     return iso_sink_commit(&sink, error);
 }
@@ -61,6 +76,7 @@ iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, iso_error
 typedef struct reading {
     const char *path;
     const uint8_t *at, *end;
+    uint32_t masks;
 } reading;
 
 static iso_status load(const char *path, iso_buffer *buffer, size_t *size, iso_error *error) {
@@ -91,6 +107,24 @@ static bool next_cell(reading *r, int32_t *size, const uint8_t **bytes) {
     return true;
 }
 
+/* The next cell with frozen voxels; the file is known to hold it. */
+static uint32_t next_mask(reading *r, iso_voxel_bits *bits) {
+    uint32_t cell;
+    memcpy(&cell, r->at, sizeof cell);
+    memcpy(bits, r->at + sizeof cell, sizeof *bits);
+    r->at += sizeof cell + sizeof *bits;
+    return cell;
+}
+
+static bool masks_are_sound(reading *r, size_t cells) {
+    iso_voxel_bits bits;
+    const size_t each = sizeof(uint32_t) + sizeof bits;
+    if ((size_t)(r->end - r->at) != r->masks * each) return false;
+    for (uint32_t i = 0; i < r->masks; i++)
+        if (next_mask(r, &bits) >= cells) return false;
+    return true;
+}
+
 static iso_status check(reading r, const iso_hgrid *grid, iso_error *error) {
     float brick[ISO_BRICK_VOXELS];
     for (size_t i = 0; i < cell_count(grid); i++) {
@@ -100,10 +134,21 @@ static iso_status check(reading r, const iso_hgrid *grid, iso_error *error) {
             (size >= 0 && !iso_cell_unpack(bytes, (size_t)size, grid->band, brick)))
             return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
     }
-    return r.at == r.end ? ISO_OK : iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
+    return masks_are_sound(&r, cell_count(grid)) ? ISO_OK
+                                                 : iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
 }
 
-static iso_status fill(reading r, iso_hgrid *grid, iso_error *error) {
+static iso_status fill_mask(reading *r, iso_mask *mask, iso_error *error) {
+    iso_mask_clear(mask);
+    for (uint32_t i = 0; i < r->masks; i++) {
+        iso_voxel_bits bits;
+        const uint32_t cell = next_mask(r, &bits);
+        ISO_TRY(iso_mask_set(mask, cell, &bits, error));
+    }
+    return ISO_OK;
+}
+
+static iso_status fill(reading r, iso_hgrid *grid, iso_mask *mask, iso_error *error) {
     const int lo[3] = {0, 0, 0}, hi[3] = {grid->dims[0] - 1, grid->dims[1] - 1, grid->dims[2] - 1};
     ISO_TRY(iso_hgrid_touch(grid, lo, hi, error));
     for (size_t i = 0; i < cell_count(grid); i++) {
@@ -120,31 +165,39 @@ static iso_status fill(reading r, iso_hgrid *grid, iso_error *error) {
         ISO_TRY(iso_hgrid_split(grid, at[0], at[1], at[2], &brick, error));
         iso_cell_unpack(bytes, (size_t)size, grid->band, brick);
     }
-    return ISO_OK;
+    return fill_mask(&r, mask, error);
 }
 
-static iso_status read_buffer(const char *path, const iso_buffer *buffer, size_t size, iso_hgrid *grid,
+/* A file as it was loaded. */
+typedef struct loaded {
+    const uint8_t *bytes;
+    size_t size;
+} loaded;
+
+static iso_status read_loaded(const char *path, const loaded *file, iso_hgrid *grid, iso_mask *mask,
                               iso_error *error) {
-    const uint8_t *bytes = buffer->data;
-    const head wanted = head_of(grid);
+    const uint8_t *bytes = file->bytes;
+    const size_t size = file->size;
+    head wanted = head_of(grid);
     uint32_t crc;
     if (size < sizeof wanted + sizeof crc || memcmp(bytes, MAGIC, sizeof MAGIC))
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a snapshot", path);
     memcpy(&crc, bytes + size - sizeof crc, sizeof crc);
     if (crc != iso_crc32c(0, bytes, size - sizeof crc))
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", path);
+    memcpy(&wanted.masks, bytes + offsetof(head, masks), sizeof wanted.masks);
     if (memcmp(bytes, &wanted, sizeof wanted))
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' is a snapshot of another grid", path);
-    reading r = {path, bytes + sizeof wanted, bytes + size - sizeof crc};
+    reading r = {path, bytes + sizeof wanted, bytes + size - sizeof crc, wanted.masks};
     ISO_TRY(check(r, grid, error));
-    return fill(r, grid, error);
+    return fill(r, grid, mask, error);
 }
 
-iso_status iso_snapshot_read(const char *path, iso_hgrid *grid, iso_error *error) {
+iso_status iso_snapshot_read(const char *path, iso_hgrid *grid, iso_mask *mask, iso_error *error) {
     iso_buffer buffer = {0};
     size_t size = 0;
     iso_status status = load(path, &buffer, &size, error);
-    if (status == ISO_OK) status = read_buffer(path, &buffer, size, grid, error);
+    if (status == ISO_OK) status = read_loaded(path, &(loaded){buffer.data, size}, grid, mask, error);
     iso_buffer_free(&buffer);
     return status;
 }

@@ -24,13 +24,15 @@ iso_status iso_work_init(iso_work *work, iso_hgrid *grid, iso_pool *pool, iso_er
         for (int i = 0; work->constant[sign] && i < ISO_BRICK_VOXELS; i++)
             work->constant[sign][i] = sign ? -grid->band : grid->band;
     }
-    if (work->job_of && work->workers && work->constant[0] && work->constant[1]) return ISO_OK;
+    iso_status mask = iso_mask_init(&work->mask, cells, NULL);
+    if (work->job_of && work->workers && work->constant[0] && work->constant[1] && mask == ISO_OK)
+        return ISO_OK;
     iso_work_free(work);
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory for sculpting %zu cells", cells);
 }
 
 void iso_work_free(iso_work *work) {
-    iso_work_mask_clear(work);
+    iso_mask_free(&work->mask);
     iso_free(work->job_of);
     iso_free(work->constant[0]);
     iso_free(work->constant[1]);
@@ -94,13 +96,18 @@ void iso_work_load(iso_work *work, size_t first) {
 
 /* ---- stencils */
 
-/* The neighbour across face `face` as the grid's border has it: the outermost layer, repeated. */
+/* The neighbour across face `face` as the grid's border has it: the outermost layer, repeated. Only what a
+ * stencil can read is made: whole rows along x, two layers along y and z. */
 static void repeat_layer(const float *self, int face, float *out) {
-    static const int steps[3] = {1, ISO_BRICK, ISO_BRICK_ROWS};
-    const int axis = face / 2, step = steps[axis], layer = face % 2 ? ISO_BRICK - 1 : 0;
-    for (int at = 0; at < ISO_BRICK_VOXELS; at++) {
-        int along = at / step % ISO_BRICK;
-        out[at] = self[at + (layer - along) * step];
+    const int axis = face / 2, layer = face % 2 ? ISO_BRICK - 1 : 0;
+    for (int row = 0; axis == 0 && row < ISO_BRICK_ROWS; row++)
+        for (int x = 0; x < ISO_BRICK; x++) out[row * ISO_BRICK + x] = self[row * ISO_BRICK + layer];
+    const int step = axis == 1 ? ISO_BRICK : ISO_BRICK_ROWS, along = axis == 1 ? ISO_BRICK_ROWS : ISO_BRICK;
+    const int near = face % 2 ? 0 : ISO_BRICK - 1, next = face % 2 ? 1 : ISO_BRICK - 2;
+    for (int i = 0; axis > 0 && i < ISO_BRICK; i++) {
+        const float *from = self + layer * step + i * along;
+        memcpy(out + near * step + i * along, from, ISO_BRICK * sizeof *out);
+        memcpy(out + next * step + i * along, from, ISO_BRICK * sizeof *out);
     }
 }
 
@@ -142,7 +149,7 @@ static void find_box(iso_job *job) {
 }
 
 static bool differs(const iso_work *work, iso_job *job, const float *before, float *values) {
-    return work->dab->settle(before, iso_work_masked(work, job->cell), values, &job->changed);
+    return work->dab->settle(before, iso_mask_bits(&work->mask, job->cell), values, &job->changed);
 }
 
 static void compare_job(void *context, size_t index, int worker) {
@@ -255,7 +262,7 @@ static void classify_job(void *context, size_t index, int worker) {
     iso_work_stencil(p->work, p->from, index, p->work->workers[worker].border, &stencil);
     p->work->redistancer->classify(&stencil, p->work->grid->band, &job->band);
     memcpy(iso_work_field(p->work, p->to, index), stencil.self, ISO_BRICK_VOXELS * sizeof(float));
-    const iso_voxel_bits *masked = iso_work_masked(p->work, job->cell);
+    const iso_voxel_bits *masked = iso_mask_bits(&p->work->mask, job->cell);
     for (int row = 0; masked && row < ISO_BRICK_ROWS; row++) {
         job->band.frozen.row[row] |= masked->row[row];
         job->changed.row[row] &= (uint16_t)~masked->row[row];
@@ -417,55 +424,4 @@ iso_status iso_work_commit(iso_work *work, iso_edit_stats *stats, iso_error *err
     }
     *stats = made;
     return ISO_OK;
-}
-
-/* ---- the mask */
-
-static void mask_cell(uint16_t *rows, const iso_dabs *dabs, const iso_dab *dab, const int at[3],
-                      bool freeze) {
-    const double radius = (double)dabs->radius;
-    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
-        const int voxel[3] = {i % ISO_BRICK, i / ISO_BRICK % ISO_BRICK, i / ISO_BRICK_ROWS};
-        double square = 0;
-        for (int axis = 0; axis < 3; axis++) {
-            double d = ISO_BRICK * (double)at[axis] + voxel[axis] - dab->centre[axis];
-            square += d * d;
-        }
-        if (square > radius * radius) continue;
-        const uint16_t bit = (uint16_t)(1u << voxel[0]);
-        rows[i / ISO_BRICK] = (uint16_t)(freeze ? rows[i / ISO_BRICK] | bit : rows[i / ISO_BRICK] & ~bit);
-    }
-}
-
-static iso_status mask_dab(iso_work *work, const iso_dabs *dabs, const iso_dab *dab, iso_error *error) {
-    const bool freeze = dabs->tool == ISO_TOOL_MASK;
-    int lo[3], hi[3], at[3];
-    for (int axis = 0; axis < 3; axis++) {
-        double top = work->grid->dims[axis] - 1, radius = (double)dabs->radius;
-        lo[axis] = (int)(fmax(fmin(dab->centre[axis] - radius, top), 0) / ISO_BRICK);
-        hi[axis] = (int)(fmax(fmin(dab->centre[axis] + radius, top), 0) / ISO_BRICK);
-    }
-    for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
-        for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
-            for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++) {
-                uint16_t **rows = &work->masked[iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])];
-                if (!*rows && !freeze) continue;
-                if (!*rows) *rows = iso_alloc_zero(ISO_BRICK_ROWS, sizeof **rows);
-                if (!*rows) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the mask");
-                mask_cell(*rows, dabs, dab, at, freeze);
-            }
-    return ISO_OK;
-}
-
-iso_status iso_work_mask(iso_work *work, const iso_dabs *dabs, iso_error *error) {
-    if (!work->masked) work->masked = iso_alloc_zero(cell_count(work->grid), sizeof *work->masked);
-    if (!work->masked) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the mask");
-    for (int i = 0; i < dabs->count; i++) ISO_TRY(mask_dab(work, dabs, &dabs->dab[i], error));
-    return ISO_OK;
-}
-
-void iso_work_mask_clear(iso_work *work) {
-    for (size_t i = 0; work->masked && i < cell_count(work->grid); i++) iso_free(work->masked[i]);
-    iso_free(work->masked);
-    work->masked = NULL;
 }

@@ -46,7 +46,7 @@ typedef struct iso_work {
     const iso_dab_kernel *dab;
     float *constant[2]; /* bricks of +band and -band */
     uint32_t *job_of;   /* by cell: 1 + its job, 0: none */
-    uint16_t **masked;  /* by cell: 256 rows of frozen voxels; NULL: none */
+    iso_mask mask;
     iso_buffer jobs, field[ISO_WORK_FIELDS];
     size_t job_count;
     int now;         /* the field that holds the jobs' values */
@@ -65,9 +65,6 @@ static inline iso_job *iso_work_job(const iso_work *work, size_t job) {
 }
 static inline float *iso_work_field(const iso_work *work, int field, size_t job) {
     return (float *)work->field[field].data + job * ISO_BRICK_VOXELS;
-}
-static inline const iso_voxel_bits *iso_work_masked(const iso_work *work, uint32_t cell) {
-    return work->masked ? (const iso_voxel_bits *)work->masked[cell] : NULL;
 }
 
 /* The floats of a cell with this entry in the grid. */
@@ -97,9 +94,5 @@ void iso_work_compare(iso_work *work, bool *any);
 
 /* Writes what differs, under one edit of the change log. ISO_ERR_NOMEM: nothing was written. */
 iso_status iso_work_commit(iso_work *work, iso_edit_stats *stats, iso_error *error);
-
-/* Freezes, or frees, the voxels inside the dabs' radius. ISO_ERR_NOMEM: some are. */
-iso_status iso_work_mask(iso_work *work, const iso_dabs *dabs, iso_error *error);
-void iso_work_mask_clear(iso_work *work);
 
 #endif

@@ -1,0 +1,187 @@
+#define _XOPEN_SOURCE 700
+#include "apps/isosculpt_source.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "grids/level_set.h"
+#include "grids/volume.h"
+#include "io/mesh_read.h"
+#include "sculpt/crc32c.h"
+#include "sculpt/edit.h"
+
+/* Room around, for what will be added; redistancing steps that fill the band. */
+enum { MARGIN = 32, MESH_VOXELS = 256, ITERATIONS = 16 };
+
+/* ---- checksums */
+
+/* Of a file's bytes; a folder (of DICOM slices) has none. */
+static iso_status checksum(const char *path, uint32_t *crc, iso_error *error) {
+    struct stat about;
+    *crc = 0;
+    if (stat(path, &about) == 0 && S_ISDIR(about.st_mode)) return ISO_OK;
+    FILE *file = fopen(path, "rb");
+    if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    static const size_t SIZE = 1 << 20;
+    unsigned char *bytes = malloc(SIZE);
+    for (size_t got = 1; bytes && got; *crc = iso_crc32c(*crc, bytes, got)) got = fread(bytes, 1, SIZE, file);
+    const bool failed = ferror(file);
+    fclose(file);
+    free(bytes);
+    if (!bytes) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    return failed ? iso_fail(error, ISO_ERR_IO, "%s: cannot read", path) : ISO_OK;
+}
+
+/* ---- meshes */
+
+static bool is_mesh(const char *path) {
+    static const char *const suffixes[] = {".stl", ".obj", ".ply"};
+    const char *dot = strrchr(path, '.');
+    for (int i = 0; dot && i < 3; i++)
+        if (strcasecmp(dot, suffixes[i]) == 0) return true;
+    return false;
+}
+
+static double longest_side(const iso_triangles *mesh) {
+    double longest = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t i = 0; i < mesh->vertex_count; i++) {
+            low = fmin(low, (double)mesh->vertices[i][axis]);
+            high = fmax(high, (double)mesh->vertices[i][axis]);
+        }
+        longest = fmax(longest, high - low);
+    }
+    return longest;
+}
+
+static iso_status from_mesh(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    iso_triangles mesh;
+    ISO_TRY(iso_mesh_read(source->path, &mesh, error));
+    const iso_mesh_frame frame = {source->voxel > 0 ? source->voxel : longest_side(&mesh) / MESH_VOXELS,
+                                  MARGIN};
+    iso_status status = iso_level_set_from_mesh(source->path, &mesh, &frame, grid, error);
+    iso_mesh_free(&mesh);
+    return status;
+}
+
+/* ---- volumes */
+
+static bool has_cubes(const iso_hgrid *grid) {
+    const double *s = grid->transform.spacing;
+    return fabs(s[0] - s[1]) <= 1e-6 * s[0] && fabs(s[0] - s[2]) <= 1e-6 * s[0];
+}
+
+/* Bit for bit, in whole bricks and with room around. */
+static iso_status take_level_set(const iso_hgrid *from, iso_hgrid **grid, iso_error *error) {
+    const int offset[3] = {MARGIN, MARGIN, MARGIN};
+    int dims[3];
+    for (int axis = 0; axis < 3; axis++)
+        dims[axis] = (from->dims[axis] + 2 * MARGIN + ISO_BRICK - 1) / ISO_BRICK * ISO_BRICK;
+    return iso_level_set_reframe(from, offset, dims, grid, error);
+}
+
+static iso_status make_distances(iso_hgrid *grid, iso_pool *pool, iso_error *error) {
+    iso_editor *editor;
+    const iso_editor_opts opts = {.pool = pool};
+    ISO_TRY(iso_editor_create(grid, &opts, &editor, error));
+    iso_status status = iso_editor_redistance(editor, ITERATIONS, error);
+    iso_editor_destroy(editor);
+    return status;
+}
+
+static iso_status sample(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
+                         iso_error *error) {
+    iso_resampling how = {.voxel = source->voxel, .margin = MARGIN, .pool = source->pool};
+    if (!isnan(source->isovalue))
+        how.isovalue = iso_grid_stored(from, source->isovalue);
+    else if (!iso_grid_is_level_set(from))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: needs --isovalue", source->path);
+    ISO_TRY(iso_level_set_from_grid(source->path, from, &how, grid, error));
+    iso_status status = make_distances(*grid, source->pool, error);
+    if (status != ISO_OK) iso_hgrid_destroy(*grid);
+    return status;
+}
+
+static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    const iso_volume_opts opts = {.pool = source->pool};
+    iso_volume volume;
+    ISO_TRY(iso_volume_read(source->path, &opts, &volume, error));
+    const iso_hgrid *sparse = volume.grid.hgrid;
+    const double own = sparse ? sparse->transform.spacing[0] : 0;
+    const bool as_it_is = sparse && has_cubes(sparse) && (source->voxel <= 0 || source->voxel == own) &&
+                          (isnan(source->isovalue) || source->isovalue == 0);
+    iso_status status =
+        as_it_is ? take_level_set(sparse, grid, error) : sample(source, &volume.grid, grid, error);
+    iso_volume_free(&volume);
+    return status;
+}
+
+/* ---- opening */
+
+static iso_status open_file(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    return is_mesh(source->path) ? from_mesh(source, grid, error) : from_volume(source, grid, error);
+}
+
+static void describe(const isosculpt_source *source, const iso_hgrid *grid, iso_journal_start *start) {
+    const double *origin = grid->transform.origin;
+    start->voxel_size = grid->transform.spacing[0];
+    start->origin = iso_vec3_make(origin[0], origin[1], origin[2]);
+    start->isovalue = isnan(source->isovalue) ? 0 : source->isovalue;
+    for (int axis = 0; axis < 3; axis++) start->dims[axis] = grid->dims[axis];
+}
+
+iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
+                                 iso_error *error) {
+    memset(start, 0, sizeof *start);
+    char *path = realpath(source->path, NULL);
+    if (!path) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", source->path, strerror(errno));
+    const int length = snprintf(start->source, sizeof start->source, "%s", path);
+    free(path);
+    if (length >= (int)sizeof start->source)
+        return iso_fail(error, ISO_ERR_IO, "%s: the name is too long", source->path);
+    ISO_TRY(checksum(source->path, &start->source_crc, error));
+    ISO_TRY(open_file(source, grid, error));
+    describe(source, *grid, start);
+    return ISO_OK;
+}
+
+/* The file where it was, or one of its name beside the stroke file. */
+static iso_status find_file(const char *strokes, const char *path, char found[2 * ISO_JOURNAL_TEXT],
+                            iso_error *error) {
+    const char *slash = strrchr(strokes, '/'), *name = strrchr(path, '/');
+    snprintf(found, 2 * ISO_JOURNAL_TEXT, "%s", path);
+    if (access(found, R_OK) == 0) return ISO_OK;
+    const int missing = errno;
+    snprintf(found, 2 * ISO_JOURNAL_TEXT, "%.*s%s", slash ? (int)(slash + 1 - strokes) : 0, strokes,
+             name ? name + 1 : path);
+    if (access(found, R_OK) == 0) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: began with '%s', which cannot be read (%s) and is not beside it",
+                    strokes, path, strerror(missing));
+}
+
+iso_status isosculpt_source_find(const char *strokes, double voxel, iso_pool *pool, iso_journal_start *start,
+                                 iso_hgrid **grid, iso_error *error) {
+    char found[2 * ISO_JOURNAL_TEXT];
+    uint32_t crc;
+    ISO_TRY(find_file(strokes, start->source, found, error));
+    ISO_TRY(checksum(found, &crc, error));
+    if (crc != start->source_crc)
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: '%s' is not what it was when the session began (checksum %08x, then %08x)",
+                        strokes, found, crc, start->source_crc);
+    const isosculpt_source source = {found, start->isovalue, voxel > 0 ? voxel : start->voxel_size, pool};
+    const iso_journal_start wanted = *start;
+    ISO_TRY(open_file(&source, grid, error));
+    describe(&source, *grid, start);
+    if (voxel > 0 || memcmp(wanted.dims, start->dims, sizeof wanted.dims) == 0) return ISO_OK;
+    iso_hgrid_destroy(*grid);
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: '%s' makes a grid of another size than the session's",
+                    strokes, found);
+}

@@ -1,0 +1,35 @@
+/* source: what a session begins with, when it is no new ball: a level set, any volume at an isovalue, or a
+ * mesh, as a field that can be sculpted. */
+#ifndef ISO_APPS_ISOSCULPT_SOURCE_H
+#define ISO_APPS_ISOSCULPT_SOURCE_H
+
+#include "base/parallel.h"
+#include "grids/hgrid.h"
+#include "sculpt/journal.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct isosculpt_source {
+    const char *path;
+    double isovalue; /* physical; NAN: not given, which only level sets and meshes can do without */
+    double voxel;    /* mm; 0: the file's smallest spacing, or a 256th of a mesh's longest side */
+    iso_pool *pool;  /* borrowed */
+} isosculpt_source;
+
+/* Reads the file and says in *start what a journal says of it. A level set (.vdb) at its own voxel size is
+ * taken as it is; a volume is sampled and made a distance field; a mesh goes through OpenVDB. All with 32
+ * voxels of room around. ISO_ERR_USAGE: a volume without an isovalue; else as the readers. */
+iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
+                                 iso_error *error);
+
+/* The same from a journal's header (voxel_size 0: the header's): the file by its path, or beside the stroke
+ * file `strokes`. ISO_ERR_IO when it is not there, ISO_ERR_FORMAT when it is not the same any more. */
+iso_status isosculpt_source_find(const char *strokes, double voxel, iso_pool *pool, iso_journal_start *start,
+                                 iso_hgrid **grid, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

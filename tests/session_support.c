@@ -1,0 +1,104 @@
+#include "session_support.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+const iso_journal_start SESSION_START = {.source = "ball",
+                                         .voxel_size = 0.5,
+                                         .dims = {64, 64, 64},
+                                         .origin = {-15.75, -15.75, -15.75},
+                                         .radius = 10};
+
+const char *session_path(const char *name) {
+    static char path[4][512];
+    static int turn;
+    turn = (turn + 1) % 4;
+    snprintf(path[turn], sizeof path[turn], "%s/session_%d_%s", ISO_TEST_TMP, (int)getpid(), name);
+    return path[turn];
+}
+
+void session_remove_files(const char *journal) {
+    char name[600];
+    unlink(journal);
+    for (int i = 1; i < 10000; i++) {
+        snprintf(name, sizeof name, "%s.%d.snapshot", journal, i);
+        if (unlink(name) && i >= 60) return;
+    }
+}
+
+iso_session *session_open(const iso_session_opts *opts) {
+    iso_hgrid *grid;
+    iso_session *session;
+    iso_error error = {0};
+    if (iso_session_ball(&SESSION_START, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (iso_session_create(grid, &SESSION_START, opts, &session, &error) != ISO_OK)
+        fail_msg("%s", error.text);
+    return session;
+}
+
+iso_sample session_random_sample(uint32_t *seed) {
+    iso_sample s = {.pressure = sculpt_uniform(seed), .seconds = sculpt_uniform(seed) * 100};
+    double *p[6] = {&s.position.x, &s.position.y, &s.position.z, &s.normal.x, &s.normal.y, &s.normal.z};
+    for (int i = 0; i < 6; i++) *p[i] = (sculpt_uniform(seed) - 0.5) * (i < 3 ? 32 : 1);
+    s.normal = iso_vec3_unit(s.normal);
+    return s;
+}
+
+iso_brush session_random_brush(uint32_t *seed, int tools) {
+    iso_brush b = {.tool = (iso_tool)(sculpt_uniform(seed) * tools),
+                   .shape = (iso_solid)(sculpt_uniform(seed) * ISO_SOLID_STAMP),
+                   .radius = 0.5 + 4 * sculpt_uniform(seed),
+                   .strength = sculpt_uniform(seed),
+                   .symmetry = sculpt_uniform(seed) < 0.2 ? 5 : 0,
+                   .pressure_strength = sculpt_uniform(seed) < 0.5};
+    return b;
+}
+
+iso_event session_random_event(uint32_t *seed, int tools, bool *drawing) {
+    iso_event event;
+    memset(&event, 0, sizeof event);
+    double chance = sculpt_uniform(seed);
+    event.sample = session_random_sample(seed);
+    if (*drawing) {
+        event.kind = chance < 0.5 ? ISO_EVENT_SAMPLE : chance < 0.95 ? ISO_EVENT_END : ISO_EVENT_CANCEL;
+        *drawing = event.kind == ISO_EVENT_SAMPLE;
+        return event;
+    }
+    event.kind = chance < 0.6 ? ISO_EVENT_BEGIN : chance < 0.85 ? ISO_EVENT_UNDO : ISO_EVENT_REDO;
+    event.brush = session_random_brush(seed, tools);
+    *drawing = event.kind == ISO_EVENT_BEGIN;
+    return event;
+}
+
+session_field session_field_of(iso_session *session) {
+    session_field field = {.grid = sculpt_copy(iso_session_grid(session))};
+    const iso_mask *mask = iso_session_mask(session);
+    assert_int_equal(iso_mask_init(&field.mask, mask->cells, NULL), ISO_OK);
+    for (size_t i = 0; i < mask->cells; i++)
+        assert_int_equal(iso_mask_set(&field.mask, i, iso_mask_bits(mask, i), NULL), ISO_OK);
+    return field;
+}
+
+void session_field_free(session_field *field) {
+    iso_hgrid_destroy(field->grid);
+    iso_mask_free(&field->mask);
+}
+
+bool session_same_mask(const iso_mask *a, const iso_mask *b) {
+    for (size_t i = 0; i < a->cells; i++) {
+        const iso_voxel_bits *x = iso_mask_bits(a, i), *y = iso_mask_bits(b, i);
+        if (!x != !y || (x && memcmp(x, y, sizeof *x))) return false;
+    }
+    return a->used == b->used;
+}
+
+bool session_is(iso_session *session, const session_field *field) {
+    return sculpt_same(iso_session_grid(session), field->grid) &&
+           session_same_mask(iso_session_mask(session), &field->mask);
+}
