@@ -110,6 +110,18 @@ iso_status iso_hgrid_split(iso_hgrid *grid, int cx, int cy, int cz, float **bric
     return ISO_OK;
 }
 
+void iso_hgrid_reserve(iso_hgrid *grid, int bricks) {
+    iso_brick_pool *pool = &grid->pool;
+    enum { PAGE = 4096 / sizeof(float) };
+    if (pool->ready < pool->next) pool->ready = pool->next;
+    for (; pool->ready < pool->next + bricks; pool->ready++) {
+        if ((size_t)pool->ready == pool->chunk_count * ISO_POOL_CHUNK && add_chunk(pool, NULL) != ISO_OK)
+            return;
+        float *voxels = iso_hgrid_brick(grid, pool->ready);
+        for (int i = 0; i < ISO_BRICK_VOXELS; i += PAGE) voxels[i] = 0;
+    }
+}
+
 void iso_hgrid_coalesce(iso_hgrid *grid, int cx, int cy, int cz, int32_t state) {
     int32_t *cell = &grid->cell[iso_hgrid_cell_index(grid, cx, cy, cz)];
     if (*cell >= 0) give_brick(grid, *cell);

@@ -35,6 +35,7 @@ typedef struct iso_brick_pool {
     size_t chunk_count, chunk_room;
     int32_t first_free; /* -1: none */
     int32_t next;       /* bricks from here on were never used */
+    int32_t ready;      /* bricks up to here have been written to */
     size_t used;
 } iso_brick_pool;
 
@@ -72,6 +73,10 @@ static inline float iso_hgrid_empty_value(const iso_hgrid *grid, int32_t state) 
 /* The brick of a cell, made (filled with the empty cell's value) when there is none. Not a change by itself:
  * touch what you write. ISO_ERR_NOMEM leaves the grid as it was. */
 iso_status iso_hgrid_split(iso_hgrid *grid, int cx, int cy, int cz, float **brick, iso_error *error);
+
+/* Touches the memory of the next `bricks` bricks, so that making them costs no page faults: for who has time
+ * now and not then. What cannot be had is left for later. */
+void iso_hgrid_reserve(iso_hgrid *grid, int bricks);
 
 /* Makes a cell empty (state ISO_CELL_OUTSIDE or ISO_CELL_INSIDE); its brick goes back to the pool. */
 void iso_hgrid_coalesce(iso_hgrid *grid, int cx, int cy, int cz, int32_t state);

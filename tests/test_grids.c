@@ -714,8 +714,34 @@ static void data_of_our_own_is_freed(void **state) {
     iso_rgrid_destroy(grid);
 }
 
+/* Bricks that lie ready are taken in the same order and filled as others are; what is ready is not in use. */
+static void reserved_bricks_are_as_others(void **state) {
+    (void)state;
+    const int dims[3] = {160, 160, 160};
+    iso_hgrid *plain, *reserved;
+    assert_int_equal(iso_hgrid_create(dims, 3, NULL, &plain, NULL), ISO_OK);
+    assert_int_equal(iso_hgrid_create(dims, 3, NULL, &reserved, NULL), ISO_OK);
+    for (int i = 0; i < 600; i++) {
+        const int c[3] = {i % 10, i / 10 % 10, i / 100};
+        float *brick;
+        if (i % 50 == 0) {
+            iso_hgrid_reserve(reserved, 300);
+            assert_int_equal(iso_hgrid_brick_count(reserved), iso_hgrid_brick_count(plain));
+        }
+        iso_hgrid_coalesce(reserved, c[0], c[1], c[2], i % 3 ? ISO_CELL_OUTSIDE : ISO_CELL_INSIDE);
+        assert_int_equal(iso_hgrid_split(plain, c[0], c[1], c[2], &brick, NULL), ISO_OK);
+        assert_int_equal(iso_hgrid_split(reserved, c[0], c[1], c[2], &brick, NULL), ISO_OK);
+        const size_t cell = iso_hgrid_cell_index(plain, c[0], c[1], c[2]);
+        assert_int_equal(plain->cell[cell], reserved->cell[cell]);
+        for (int k = 0; k < ISO_BRICK_VOXELS; k++) assert_true(brick[k] == (i % 3 ? 3.0f : -3.0f));
+    }
+    iso_hgrid_destroy(plain);
+    iso_hgrid_destroy(reserved);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(reserved_bricks_are_as_others),
         cmocka_unit_test(windows_hold_the_clamped_voxels),
         cmocka_unit_test(crossing_bricks_are_found),
         cmocka_unit_test(samples_are_trilinear),

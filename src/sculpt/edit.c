@@ -488,6 +488,14 @@ iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const is
     return status;
 }
 
+/* All that is not frozen. */
+static void change_all(const iso_work *work, iso_job *job) {
+    const iso_voxel_bits *masked = iso_mask_bits(&work->mask, job->cell);
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        job->changed.row[row] = masked ? (uint16_t)~masked->row[row] : 0xffff;
+    iso_work_find_box(job);
+}
+
 iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *error) {
     iso_work *work = &editor->work;
     iso_status status = ISO_OK;
@@ -500,8 +508,7 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *
     if (status == ISO_OK) status = iso_work_reserve(work, error);
     if (status == ISO_OK) {
         iso_work_load(work, 0);
-        for (size_t i = 0; i < work->job_count; i++)
-            memset(&iso_work_job(work, i)->changed, 0xff, sizeof(iso_voxel_bits));
+        for (size_t i = 0; i < work->job_count; i++) change_all(work, iso_work_job(work, i));
         iso_work_redistance(work, iterations, true);
         iso_edit_stats stats = {0};
         status = finish(editor, &stats, error);

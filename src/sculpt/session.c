@@ -8,6 +8,8 @@
 #include "sculpt/snapshot.h"
 
 enum { DEFAULT_SNAPSHOT_STROKES = 200 };
+/* Bricks that lie ready for a stroke: 4 MiB. */
+enum { RESERVE = 256 };
 
 struct iso_session {
     iso_hgrid *grid;
@@ -137,6 +139,7 @@ static iso_status set_up(iso_session *session, const iso_journal_start *start, c
     ISO_TRY(iso_editor_create(session->grid, &editor, &session->editor, error));
     history.mask = iso_editor_mask(session->editor);
     ISO_TRY(iso_history_create(session->grid, &history, &session->history, error));
+    iso_hgrid_reserve(session->grid, RESERVE);
     if (!opts->journal) return ISO_OK;
     return opts->resume ? resume(session, error)
                         : iso_journal_create(opts->journal, start, &session->journal, error);
@@ -274,6 +277,7 @@ iso_status iso_session_end(iso_session *session, iso_error *error) {
     session->drawing = false;
     ISO_TRY(record_kind(session, ISO_EVENT_END, error));
     session->strokes++;
+    iso_hgrid_reserve(session->grid, RESERVE);
     bool due = session->snapshot_every > 0 && session->strokes % session->snapshot_every == 0;
     return due && session->journal && !session->playing ? take_snapshot(session, error) : ISO_OK;
 }

@@ -5,6 +5,8 @@
 
 /* Voxels that redistancing reads on each side: the band. */
 enum { REACH = 3 };
+/* Voxels around a change within which distances can change: the band, and one for the stencil's sake. */
+enum { SPREAD = REACH + 1 };
 
 static size_t cell_count(const iso_hgrid *grid) {
     return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
@@ -133,7 +135,7 @@ void iso_work_stencil(const iso_work *work, int field, size_t number, iso_border
 
 /* ---- what changed */
 
-static void find_box(iso_job *job) {
+void iso_work_find_box(iso_job *job) {
     uint32_t x = 0, y = 0, z = 0;
     for (int row = 0; row < ISO_BRICK_ROWS; row++) {
         if (!job->changed.row[row]) continue;
@@ -158,7 +160,7 @@ static void compare_job(void *context, size_t index, int worker) {
     iso_job *job = iso_work_job(work, index);
     job->edited =
         differs(work, job, iso_work_before(work, job->state), iso_work_field(work, work->now, index));
-    if (job->edited) find_box(job);
+    if (job->edited) iso_work_find_box(job);
 }
 
 /* A brush that begins with other values than the grid's has changed what it changed of those: what it only
@@ -173,7 +175,7 @@ static void settle_job(void *context, size_t index, int worker) {
     }
     const float *before = iso_work_before(work, job->state);
     bool moved = differs(work, job, job->source, values);
-    find_box(job);
+    iso_work_find_box(job);
     job->edited = moved || memcmp(values, before, ISO_BRICK_VOXELS * sizeof *values) != 0;
 }
 
@@ -255,18 +257,60 @@ typedef struct pass {
     int from, to, phi; /* fields */
 } pass;
 
+/* Adds the changed rows of the job beside (side: -1, 0, 1 an axis) that are within SPREAD, in rows of this
+ * one: plane[z + SPREAD] bit (y + SPREAD). */
+static void add_rows(const iso_job *beside, const int side[3], uint32_t plane[ISO_BRICK + 2 * SPREAD]) {
+    const uint16_t near = side[0] == 0  ? 0xffff
+                          : side[0] < 0 ? (uint16_t)(0xffff << (ISO_BRICK - SPREAD))
+                                        : (1 << SPREAD) - 1;
+    int lo[3], hi[3];
+    for (int axis = 1; axis < 3; axis++) {
+        lo[axis] =
+            side[axis] < 0 && beside->lo[axis] < ISO_BRICK - SPREAD ? ISO_BRICK - SPREAD : beside->lo[axis];
+        hi[axis] = side[axis] > 0 && beside->hi[axis] >= SPREAD ? SPREAD - 1 : beside->hi[axis];
+    }
+    for (int z = lo[2]; z <= hi[2]; z++)
+        for (int y = lo[1]; y <= hi[1]; y++)
+            if (beside->changed.row[z * ISO_BRICK + y] & near)
+                plane[z + ISO_BRICK * side[2] + SPREAD] |= 1u << (y + ISO_BRICK * side[1] + SPREAD);
+}
+
+/* Rows from which no change is near need not be made distances again: they are. */
+static void limit_rows(const iso_work *work, iso_job *job) {
+    uint32_t plane[ISO_BRICK + 2 * SPREAD] = {0};
+    for (int k = 0; k < 27; k++) {
+        const int side[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        int at[3];
+        bool within = true;
+        for (int axis = 0; axis < 3; axis++) {
+            at[axis] = job->at[axis] + side[axis];
+            within &= at[axis] >= 0 && at[axis] < work->grid->cells[axis];
+        }
+        if (!within) continue;
+        const uint32_t number = work->job_of[iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])];
+        if (number && iso_work_job(work, number - 1)->edited)
+            add_rows(iso_work_job(work, number - 1), side, plane);
+    }
+    for (int z = 0; z < ISO_BRICK + 2 * SPREAD; z++)
+        for (int step = 0; step < SPREAD; step++) plane[z] |= plane[z] << 1 | plane[z] >> 1;
+    for (int z = 0; z < ISO_BRICK; z++) {
+        uint32_t rows = 0;
+        for (int step = 0; step <= 2 * SPREAD; step++) rows |= plane[z + step];
+        rows = rows >> SPREAD & 0xffff;
+        job->band.active[z / 2] &= rows << 16 * (z % 2) | 0xffffu << 16 * (1 - z % 2);
+    }
+}
+
 static void classify_job(void *context, size_t index, int worker) {
     const pass *p = context;
     iso_job *job = iso_work_job(p->work, index);
     iso_stencil stencil;
     iso_work_stencil(p->work, p->from, index, p->work->workers[worker].border, &stencil);
     p->work->redistancer->classify(&stencil, p->work->grid->band, &job->band);
+    limit_rows(p->work, job);
     memcpy(iso_work_field(p->work, p->to, index), stencil.self, ISO_BRICK_VOXELS * sizeof(float));
     const iso_voxel_bits *masked = iso_mask_bits(&p->work->mask, job->cell);
-    for (int row = 0; masked && row < ISO_BRICK_ROWS; row++) {
-        job->band.frozen.row[row] |= masked->row[row];
-        job->changed.row[row] &= (uint16_t)~masked->row[row];
-    }
+    for (int row = 0; masked && row < ISO_BRICK_ROWS; row++) job->band.frozen.row[row] |= masked->row[row];
 }
 
 static void rescale_job(void *context, size_t index, int worker) {

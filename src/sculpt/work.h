@@ -86,7 +86,11 @@ void iso_work_stencil(const iso_work *work, int field, size_t job, iso_border *b
  * neighbours that redistancing may reach. *any: whether anything changed. */
 iso_status iso_work_settle(iso_work *work, bool neighbours, bool *any, iso_error *error);
 
-/* Makes the listed cells a distance field; `rescale`: voxels at the interface that the brush changed too. */
+/* Sets a job's box from what has changed in it. */
+void iso_work_find_box(iso_job *job);
+
+/* Makes the listed cells a distance field where something changed near by (jobs that are `edited`, their
+ * bits and boxes); `rescale`: voxels at the interface that the brush changed too. */
 void iso_work_redistance(iso_work *work, int iterations, bool rescale);
 
 /* Finds what differs from the grid now; *any: whether anything does. */

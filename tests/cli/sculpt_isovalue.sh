@@ -1,0 +1,1 @@
+isosculpt --open $volumes/stent.nrrd --headless --output a.vdb
