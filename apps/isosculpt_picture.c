@@ -229,8 +229,9 @@ static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
     const isosculpt_method method = view->look.method;
     ISO_TRY(extract(view, method, error));
     double start = isosculpt_now();
-    ISO_TRY(draw_whole(view, method, moving ? view->factor : 1, error));
-    view->quality = moving ? ISOSCULPT_MOVING : ISOSCULPT_REST;
+    const int factor = moving ? view->factor : 1;
+    ISO_TRY(draw_whole(view, method, factor, error));
+    view->quality = factor > 1 ? ISOSCULPT_MOVING : ISOSCULPT_REST;
     if (moving) adapt(view, isosculpt_now() - start);
     if (moving) isosculpt_latency_add(&view->draw, isosculpt_now() - start);
     return ISO_OK;
