@@ -41,8 +41,11 @@ static void show_mask(isosculpt_hand *hand) {
 }
 
 void isosculpt_hand_init(isosculpt_hand *hand, isosculpt_desk *desk, isosculpt_view *view) {
-    *hand = (isosculpt_hand){.desk = desk, .view = view, .x = -1, .y = -1};
-    hand->brush = (iso_brush){.tool = ISO_TOOL_ADD, .radius = 16 * desk->start.voxel_size, .strength = 0.5};
+    *hand = (isosculpt_hand){.desk = desk, .view = view, .x = -1, .y = -1, .pressure = 1};
+    hand->brush = (iso_brush){.tool = ISO_TOOL_ADD,
+                              .radius = 16 * desk->start.voxel_size,
+                              .strength = 0.5,
+                              .pressure_radius = true};
     show_mask(hand);
 }
 
@@ -56,7 +59,9 @@ static bool is_set_operation(iso_tool tool) {
  * adds, above it when it carves. */
 static iso_vec3 centre(const isosculpt_hand *hand, iso_vec3 position, iso_vec3 normal) {
     if (!is_set_operation(hand->tool)) return position;
-    double away = (1 - hand->brush.strength) * hand->brush.radius;
+    const double radius = hand->brush.radius * (hand->brush.pressure_radius ? hand->pressure : 1),
+                 strength = hand->brush.strength * (hand->brush.pressure_strength ? hand->pressure : 1);
+    double away = (1 - strength) * radius;
     bool adds = hand->tool == ISO_TOOL_ADD || hand->tool == ISO_TOOL_BLEND_ADD;
     return iso_vec3_add(position, iso_vec3_scale(normal, adds ? -away : away));
 }
@@ -74,7 +79,7 @@ static iso_sample sample_at(isosculpt_hand *hand, double x, double y) {
     iso_vec3 position = isosculpt_layer_point(layer, x, y, hand->depth);
     return (iso_sample){.position = centre(hand, position, hand->normal),
                         .normal = hand->normal,
-                        .pressure = 1,
+                        .pressure = hand->pressure,
                         .seconds = isosculpt_now() - hand->desk->began};
 }
 

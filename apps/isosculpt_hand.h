@@ -45,6 +45,7 @@ typedef struct isosculpt_hand {
     isosculpt_button button; /* of the drag */
     char adjusting;          /* 'x' or 'c' while that key is down, 0 else */
     double x, y;             /* of the cursor */
+    double pressure;         /* of the pen, 0 .. 1; 1 for a mouse */
     double depth;            /* of the stroke's last pick */
     iso_vec3 normal;         /* likewise */
     iso_sample last;         /* of the stroke, that the session was given */

@@ -82,7 +82,8 @@ static void draw_picture(const isosculpt_screen *screen, bool ring) {
 
 /* ---- parts of the panel */
 
-static void section_brush(isosculpt_hand *hand) {
+static void section_brush(const isosculpt_screen *screen) {
+    isosculpt_hand *hand = screen->hand;
     static const char *const names[] = {"1 add",     "2 carve", "3 clay", "4 smooth", "5 inflate",
                                         "6 flatten", "7 pinch", "8 move", "9 mask"};
     const float width = ImGui::GetContentRegionAvail().x / 3 - ImGui::GetStyle().ItemSpacing.x * 0.67f;
@@ -105,6 +106,12 @@ static void section_brush(isosculpt_hand *hand) {
         ImGui::SameLine();
         ImGui::CheckboxFlags(name, &hand->brush.symmetry, 1u << axis);
     }
+    if (!screen->pen) return;
+    ImGui::TextUnformatted("pressure");
+    ImGui::SameLine();
+    ImGui::Checkbox("size", &hand->brush.pressure_radius);
+    ImGui::SameLine();
+    ImGui::Checkbox("strength##pen", &hand->brush.pressure_strength);
 }
 
 static bool color_edit(const char *label, iso_rgb *color) {
@@ -232,7 +239,7 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
                              ImGuiCond_FirstUseEver);
     ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings);
     ImGui::PushItemWidth(-76 * panel->scale);
-    if (ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen)) section_brush(screen->hand);
+    if (ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen)) section_brush(screen);
     if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) section_picture(screen->hand);
     if (ImGui::CollapsingHeader("History", ImGuiTreeNodeFlags_DefaultOpen))
         section_history(screen->hand, panel->scale);
@@ -336,8 +343,8 @@ bool isosculpt_panel_has_pointer(const isosculpt_panel *panel, double x, double 
     return panel->modal || panel->place.holds(x, y) || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
 }
 
-bool isosculpt_panel_has_keys(const isosculpt_panel *panel) {
-    return panel->modal || ImGui::GetIO().WantTextInput;
+bool isosculpt_panel_has_keys(void) {
+    return ImGui::GetIO().WantTextInput;
 }
 
 /* ---- life */

@@ -25,6 +25,7 @@ typedef struct isosculpt_screen {
     int width, height;   /* framebuffer */
     double pixels;       /* framebuffer pixels a window coordinate */
     bool panel, help;    /* shown */
+    bool pen;            /* one with pressure is there */
     bool closing;        /* ask whether to close */
     const char *offered; /* ask whether to recover this journal; NULL: do not */
     bool saving;         /* a save is running */
@@ -45,7 +46,7 @@ iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen
 
 /* Whether the pointer at a window position, or the keys, belong to the panel. */
 bool isosculpt_panel_has_pointer(const isosculpt_panel *panel, double x, double y);
-bool isosculpt_panel_has_keys(const isosculpt_panel *panel);
+bool isosculpt_panel_has_keys(void);
 
 #ifdef __cplusplus
 }

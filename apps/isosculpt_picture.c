@@ -60,7 +60,8 @@ static iso_status extract(isosculpt_view *view, isosculpt_method method, iso_err
         ISO_TRY(iso_exact_update(view->exact, error));
     else
         ISO_TRY(iso_point_set_update(view->points, error));
-    isosculpt_latency_add(&view->extract, isosculpt_now() - start);
+    if (iso_change_log_now(view->grid.hgrid->log) != view->seen)
+        isosculpt_latency_add(&view->extract, isosculpt_now() - start);
     return ISO_OK;
 }
 
@@ -219,22 +220,18 @@ static bool is_still(const isosculpt_view *view, int width, int height) {
            same_camera(&view->camera, &view->drawn_camera) && same_look(&view->look, &view->drawn_look);
 }
 
-static isosculpt_method method_now(const isosculpt_view *view, bool moving) {
-    if (view->look.method != ISOSCULPT_AUTO) return view->look.method;
-    return moving ? ISOSCULPT_PULLPUSH : ISOSCULPT_EXACT;
-}
-
 static void adapt(isosculpt_view *view, double seconds) {
     if (seconds > TOO_SLOW && view->factor < ISOSCULPT_FACTOR_MAX) view->factor++;
     if (seconds < FAST && view->factor > 1) view->factor--;
 }
 
 static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
-    const isosculpt_method method = method_now(view, moving);
+    const isosculpt_method method = view->look.method;
     ISO_TRY(extract(view, method, error));
     double start = isosculpt_now();
-    ISO_TRY(draw_whole(view, method, moving ? view->factor : 1, error));
-    view->quality = moving ? ISOSCULPT_MOVING : ISOSCULPT_REST;
+    const int factor = moving ? view->factor : 1;
+    ISO_TRY(draw_whole(view, method, factor, error));
+    view->quality = factor > 1 ? ISOSCULPT_MOVING : ISOSCULPT_REST;
     if (moving) adapt(view, isosculpt_now() - start);
     if (moving) isosculpt_latency_add(&view->draw, isosculpt_now() - start);
     return ISO_OK;
@@ -263,7 +260,7 @@ static iso_status patch(isosculpt_view *view, iso_error *error) {
 iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool moving, iso_error *error) {
     const uint64_t now = iso_change_log_now(view->grid.hgrid->log);
     const bool still = is_still(view, width, height);
-    const bool exact = method_now(view, false) == ISOSCULPT_EXACT;
+    const bool exact = view->look.method == ISOSCULPT_EXACT;
     view->width = width;
     view->height = height;
     if (still && exact && view->exactly)
@@ -289,7 +286,7 @@ static isosculpt_rectangle take_piece(isosculpt_damage *rough, bool all) {
 }
 
 iso_status isosculpt_view_refine(isosculpt_view *view, iso_error *error) {
-    const isosculpt_method method = method_now(view, false);
+    const isosculpt_method method = view->look.method;
     if (view->quality != ISOSCULPT_REST) return ISO_OK;
     view->fresh = (isosculpt_damage){.count = 0};
     if (view->rough.count) {
@@ -299,5 +296,5 @@ iso_status isosculpt_view_refine(isosculpt_view *view, iso_error *error) {
     }
     if (view->rough.count) return ISO_OK;
     view->quality = ISOSCULPT_FINE;
-    return extract(view, ISOSCULPT_PULLPUSH, error); /* for when the camera moves */
+    return extract(view, ISOSCULPT_POINTS, error); /* they are counted */
 }

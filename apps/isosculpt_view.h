@@ -1,9 +1,9 @@
 /* view: what a window shows of a field, and what lies under its cursor. Knows no window.
  *
- * While the camera moves a fast method draws, at a lower resolution where the machine needs it; at rest the
- * exact surface, in the end with four samples a pixel. A stroke redraws only the parts of the picture that it
- * changed, exactly. Each method re-extracts only what the change log names. All picture coordinates are
- * pixels of the full picture, y down. */
+ * While the camera moves the picture has a lower resolution where the machine needs it; at rest, in the end,
+ * four samples a pixel. A stroke redraws only the parts of an exact picture that it changed. Each method
+ * re-extracts only what the change log names. All picture coordinates are pixels of the full picture, y down.
+ */
 #ifndef ISO_APPS_ISOSCULPT_VIEW_H
 #define ISO_APPS_ISOSCULPT_VIEW_H
 
@@ -21,12 +21,11 @@
 extern "C" {
 #endif
 
-/* AUTO: pullpush while the camera moves, exact at rest and under the brush. */
+/* What draws; exact is both the best and, on a processor, as fast as any. */
 #define ISOSCULPT_METHODS(X)                                                                                 \
-    X(AUTO, "auto")                                                                                          \
-    X(POINTS, "points")                                                                                      \
-    X(PULLPUSH, "pullpush")                                                                                  \
     X(EXACT, "exact")                                                                                        \
+    X(PULLPUSH, "pullpush")                                                                                  \
+    X(POINTS, "points")                                                                                      \
     X(MESH, "mesh")
 typedef enum isosculpt_method {
 #define ISOSCULPT_METHOD_ENUM(name, text) ISOSCULPT_##name,

@@ -10,6 +10,7 @@
 
 #include "apps/isosculpt.h"
 #include "apps/isosculpt_panel.h"
+#include "apps/isosculpt_pen.h"
 
 #ifndef GL_CLAMP_TO_EDGE
 #define GL_CLAMP_TO_EDGE 0x812F /* OpenGL 1.2 */
@@ -30,6 +31,7 @@ typedef struct window {
     isosculpt_hand hand;
     isosculpt_screen screen;
     isosculpt_panel *panel;
+    isosculpt_pen *pen;
     char folder[ISOSCULPT_PATH], offered[ISOSCULPT_PATH];
     bool has_folder;
     int texture_width, texture_height;
@@ -60,6 +62,8 @@ static unsigned modifiers(int mods) {
 static void on_move(GLFWwindow *glfw, double x, double y) {
     window *w = of(glfw);
     w->frames = FRAMES;
+    if (w->hand.drag == ISOSCULPT_DRAG_BRUSH && isosculpt_pen_present(w->pen))
+        w->hand.pressure = isosculpt_pen_pressure(w->pen);
     isosculpt_hand_move(&w->hand, x * w->screen.pixels, y * w->screen.pixels);
 }
 
@@ -71,8 +75,11 @@ static void on_button(GLFWwindow *glfw, int button, int action, int mods) {
     double x = w->hand.x, y = w->hand.y; /* of the last event: GLFW sends the position first */
     if (action == GLFW_RELEASE)
         isosculpt_hand_release(&w->hand, buttons[button]);
-    else if (!isosculpt_panel_has_pointer(w->panel, x / w->screen.pixels, y / w->screen.pixels))
+    else if (!isosculpt_panel_has_pointer(w->panel, x / w->screen.pixels, y / w->screen.pixels)) {
+        w->hand.pressure = isosculpt_pen_pressure(w->pen);
+        w->screen.pen = isosculpt_pen_present(w->pen);
         isosculpt_hand_press(&w->hand, buttons[button], modifiers(mods), x, y);
+    }
 }
 
 static void on_scroll(GLFWwindow *glfw, double dx, double dy) {
@@ -129,7 +136,7 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
         isosculpt_hand_key(&w->hand, meant, modifiers(mods), false);
         return;
     }
-    if (answer(w, key) || isosculpt_panel_has_keys(w->panel)) return;
+    if (answer(w, key) || isosculpt_panel_has_keys()) return;
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
     if (action == GLFW_PRESS && key == GLFW_KEY_F12)
         *(mods & GLFW_MOD_SHIFT ? &w->shoot_all : &w->shoot) = true;
@@ -433,6 +440,8 @@ static iso_status make_window(window *w, iso_error *error) {
     glfwSwapInterval(1);
     set_callbacks(w);
     measure(w);
+    w->pen = isosculpt_pen_open();
+    w->screen.pen = isosculpt_pen_present(w->pen);
     return isosculpt_panel_create(w->glfw, text_scale(w), &w->panel, error);
 }
 
@@ -452,6 +461,7 @@ iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, 
     isosculpt_view_free(&w.view);
     isosculpt_desk_close(&w.desk);
     isosculpt_panel_destroy(w.panel);
+    isosculpt_pen_close(w.pen);
     glfwTerminate();
     return status;
 }

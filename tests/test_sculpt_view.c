@@ -140,7 +140,13 @@ static void test_stroke_right_after_camera(void **state) {
     view.factor = 3;
     draw(&view, true);
     assert_int_equal(view.image.width, WIDTH / 3);
+    assert_int_equal(view.quality, ISOSCULPT_MOVING);
     stroke(session, &view, &seed);
+    assert_as_new(&view, session, NULL);
+    isosculpt_view_orbit(&view, 10, 0);
+    view.factor = 1;
+    draw(&view, true); /* fast enough: it is the picture at rest */
+    assert_int_equal(view.quality, ISOSCULPT_REST);
     assert_as_new(&view, session, NULL);
     isosculpt_view_free(&view);
     iso_session_destroy(session);
