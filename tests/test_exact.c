@@ -159,6 +159,38 @@ static void rays_along_axes(void **state) {
 }
 
 /* No cells, no picture; and a plane of voxels is no volume. */
+/* The field rises to a ridge in the plane between two cells and falls again; rays a few millionths of a voxel
+ * apart meet the ridge from just below the isovalue to just above. */
+static void nothing_is_hit_just_below_a_ridge(void **state) {
+    (void)state;
+    const double step = 1e-6, rounding = 1e-6;
+    const int size = 16;
+    for (int axis = 0; axis < 3; axis++)
+        for (int up = 0; up < 2; up++) {
+            const int rising = (axis + 1) % 3, level = (axis + 2) % 3;
+            int dims[3], at[3];
+            dims[axis] = 3;
+            dims[rising] = dims[level] = 2;
+            iso_grid grid = test_rgrid(dims, ISO_UINT8);
+            uint8_t *voxel = grid.rgrid->data;
+            for (at[2] = 0; at[2] < dims[2]; at[2]++)
+                for (at[1] = 0; at[1] < dims[1]; at[1]++)
+                    for (at[0] = 0; at[0] < dims[0]; at[0]++)
+                        *voxel++ = at[axis] != 1 ? 20 : at[rising] ? 50 : 30;
+            const iso_view view = axis_view(axis, up, step, 0.5 - 8.25 * step, size);
+            iso_gbuffer exact = picture_of(&grid, 40, &view, NULL), truth = truth_of(&grid, 40, &view);
+            for (int i = 0; i < size * size; i++) {
+                const double beyond = (i % size - 8.25) * step; /* of where the ridge is at the isovalue */
+                assert_int_equal(truth.surface[i] != ISO_SURFACE_NONE, beyond >= 0);
+                if (fabs(beyond) > rounding)
+                    assert_int_equal(exact.surface[i] != ISO_SURFACE_NONE, beyond >= 0);
+            }
+            iso_gbuffer_free(&exact);
+            iso_gbuffer_free(&truth);
+            iso_grid_destroy(&grid);
+        }
+}
+
 static void thin_grids_are_empty(void **state) {
     (void)state;
     test_random random = {6};
@@ -488,6 +520,7 @@ int main(void) {
         cmocka_unit_test(any_magnitude_of_values),
         cmocka_unit_test(hgrids_equal_raycast),
         cmocka_unit_test(rays_along_axes),
+        cmocka_unit_test(nothing_is_hit_just_below_a_ridge),
         cmocka_unit_test(thin_grids_are_empty),
         cmocka_unit_test(strips_equal_the_whole),
         cmocka_unit_test(levels_and_threads_give_the_same_bytes),
