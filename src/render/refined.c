@@ -101,7 +101,8 @@ static float point_radius(const iso_point_block *block, int end) {
 
 /* The largest radius of its discs in pixels. */
 static float disc_radius(const iso_point_block *block) {
-    return point_radius(block, 1) * (BALL_RADII[0] + BALL_RADII[1]);
+    const float radius = point_radius(block, 1), wide = (radius - GROW_FROM) / GROW_OVER;
+    return radius * (BALL_RADII[0] + fminf(fmaxf(wide, 0), 1) * BALL_RADII[1]);
 }
 
 /* Bands first .. last that a block's discs can reach. */
@@ -140,7 +141,7 @@ static iso_status deal(frame *f, iso_error *error) {
 /* ---- bands */
 
 static size_t worker_bytes(const frame *f) {
-    return f->pixels * (ISO_SUMS * sizeof(float) + sizeof(float) + 1);
+    return f->pixels * (ISO_SUMS + 1) * sizeof(float);
 }
 
 static iso_refined_band worker_band(const frame *f, int worker, iso_rows rows) {
@@ -150,8 +151,7 @@ static iso_refined_band worker_band(const frame *f, int worker, iso_rows rows) {
                               .stride = f->stride,
                               .tiles = f->stride / ISO_REFINED_TILE,
                               .sums = sums,
-                              .front = front,
-                              .used = (uint8_t *)(front + f->pixels)};
+                              .front = front};
 }
 
 static void do_band(void *context, size_t number, int worker) {
@@ -166,12 +166,11 @@ static void do_band(void *context, size_t number, int worker) {
     const iso_refined_band band = worker_band(f, worker, rows);
     float most = 0;
     for (size_t i = 0; i < count; i++) most = fmaxf(most, disc_radius(&block[order[i]]));
+    for (size_t i = 0; i < f->pixels; i++) band.front[i] = ISO_NOWHERE;
     if (2 * most * f->job.slant + 1 <= ISO_REFINED_BOX) {
-        for (size_t i = 0; i < f->pixels; i++) band.front[i] = ISO_NOWHERE;
         for (size_t i = 0; i < count; i++) f->kernel->scatter(&f->job, &band, order[i]);
         f->kernel->finish_pixels(&f->job, &band);
     } else {
-        memset(band.used, 0, f->pixels);
         for (size_t i = 0; i < count; i++) f->kernel->splat(&f->job, &band, order[i]);
         f->kernel->finish_tiles(&f->job, &band);
     }
