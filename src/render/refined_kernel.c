@@ -34,7 +34,8 @@ static inline bool cover_columns(const rf_cover *cover, int first, int last, boo
 
 #define REFINED_KERNEL                                                                                       \
     static const iso_refined_kernel ISO_V(kernel) = {ISO_V(scatter), ISO_V(splat), ISO_V(finish_pixels),     \
-                                                     ISO_V(finish_tiles)}
+                                                     ISO_V(finish_tiles), ISO_V(survey_pixels),              \
+                                                     ISO_V(survey_tiles)}
 
 /* The sums of one pixel, in fours, which every instruction set has. */
 enum { QUADS = ISO_SUMS / 4 };

@@ -91,6 +91,9 @@ typedef struct iso_refined_band {
     size_t tiles;  /* in a row of them */
     float *sums;   /* of single pixels, ISO_SUMS each, or by tiles */
     float *front;  /* nearest depths, ISO_NOWHERE where there is none; of single pixels, or by tiles */
+    /* Discs whose centres are behind this for their cell of 2^shift pixels a side are hidden. */
+    const float *hidden;
+    int shift, cells; /* in a row of them */
 } iso_refined_band;
 
 typedef struct iso_refined_kernel {
@@ -101,6 +104,9 @@ typedef struct iso_refined_kernel {
     /* From sums to the gbuffer. */
     void (*finish_pixels)(const iso_refined_job *job, const iso_refined_band *band);
     void (*finish_tiles)(const iso_refined_job *job, const iso_refined_band *band);
+    /* The deepest front of each cell of the band. */
+    void (*survey_pixels)(const iso_refined_band *band, float *deepest);
+    void (*survey_tiles)(const iso_refined_band *band, float *deepest);
 } iso_refined_kernel;
 
 const iso_refined_kernel *iso_refined_kernel_get(iso_cpu_level level);
