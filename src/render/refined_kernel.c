@@ -9,6 +9,14 @@
  * unroll by themselves. */
 #define ISO_UNROLL _Pragma("GCC unroll 24")
 
+/* Pixels: how discs of less bend within them is too little to be seen. */
+static const float FLAT_RADIUS = 0.9f;
+
+/* Whether a block's points have shapes that matter. */
+static inline bool has_shapes(const iso_refined_job *job, const iso_point_block *block) {
+    return job->points->shapes && block->radius[1] >= FLAT_RADIUS;
+}
+
 /* The pixels that a disc may cover: columns box[0] .. box[2] of the view and rows box[1] .. box[3], within a
  * circle. Positions count from pixels' centres. */
 typedef struct rf_cover {
@@ -33,9 +41,9 @@ static inline bool cover_columns(const rf_cover *cover, int first, int last, boo
 }
 
 #define REFINED_KERNEL                                                                                       \
-    static const iso_refined_kernel ISO_V(kernel) = {ISO_V(scatter), ISO_V(splat), ISO_V(finish_pixels),     \
-                                                     ISO_V(finish_tiles), ISO_V(survey_pixels),              \
-                                                     ISO_V(survey_tiles)}
+    static const iso_refined_kernel ISO_V(kernel) = {ISO_V(scatter),       ISO_V(splat),                     \
+                                                     ISO_V(finish_pixels), ISO_V(finish_tiles),              \
+                                                     ISO_V(survey_pixels), ISO_V(survey_tiles)}
 
 /* The sums of one pixel, in fours, which every instruction set has. */
 enum { QUADS = ISO_SUMS / 4 };
