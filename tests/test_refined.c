@@ -405,7 +405,7 @@ static void known_surfaces(void **state) {
                              e.depth, e.worst_depth, e.degrees);
                 const double outline = 2 * sqrt(ISO_PI * (double)(e.seen + e.holes));
                 if ((double)e.holes > 0.04 * outline + 4 ||
-                    (c == 0 && (double)e.extra > 0.15 * FOCALS[f] * outline + 4))
+                    (c == 0 && (double)e.extra > (tiny ? 0.5 : 0.15) * FOCALS[f] * outline + 4))
                     fail_msg("surface %d, %g pixels a voxel: %zu holes, %zu extra", c, FOCALS[f], e.holes,
                              e.extra);
             }
