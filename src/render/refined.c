@@ -9,7 +9,10 @@ enum {
     ROWS_LEAST = 16,
     ROWS_MOST = 64,
     SUM_BYTES = 4 << 20, /* of sums that one worker keeps */
-    LANES = 16           /* of the widest vectors */
+    LANES = 16,          /* of the widest vectors */
+    CELL_SHIFT_LEAST = 3,
+    LAYERS = 4096, /* of depth, which blocks are sorted into */
+    LOOKS = 12     /* at what is hidden, while a band is drawn */
 };
 
 /* The ball of a disc, in the point's own radii: for extracted points 0.85 voxel, which is about the least
@@ -27,6 +30,8 @@ typedef struct frame {
     iso_refined *workspace;
     int band_rows, bands;
     size_t stride, pixels; /* of a band: in a row, and in all */
+    int shift, cells;      /* of what is hidden: see iso_refined_band; cells of a band in all */
+    float behind;          /* mm that hidden discs' centres are behind what hides them, at least */
 } frame;
 
 /* ---- preparation */
@@ -37,7 +42,6 @@ static iso_status set_up_corners(frame *f, const iso_projector *projector, iso_e
     ISO_TRY(iso_buffer_reserve(&f->workspace->corners, f->blocks->count * sizeof(float[3]), 0, error));
     float(*corner)[3] = f->workspace->corners.data;
     for (size_t i = 0; i < f->blocks->count; i++) {
-        if (!block[i].seen) continue;
         double at[3];
         for (int k = 0; k < 3; k++) at[k] = block[i].brick[k] * (double)ISO_BRICK + low;
         for (int k = 0; k < 3; k++) {
@@ -94,6 +98,19 @@ static void choose_bands(frame *f) {
     f->pixels = f->stride * (size_t)f->band_rows;
 }
 
+/* Cells are as large as discs, which so lie in their own and the eight around it. */
+static void set_up_hiding(frame *f) {
+    const float most = f->blocks->radius[1] / ISO_DISC_RADII * (BALL_RADII[0] + BALL_RADII[1]) * f->job.slant;
+    f->shift = CELL_SHIFT_LEAST;
+    while (f->shift < 16 && most > (float)(1 << f->shift)) f->shift++;
+    const size_t side = (size_t)1 << f->shift;
+    f->cells = (int)((f->stride + side - 1) >> f->shift) * (int)((f->band_rows + side - 1) >> f->shift);
+    /* A disc may reach towards the eye by its radius, and joins what is 1.5 radii before it; where that was
+     * turned, what faces the eye takes its place from as far behind. */
+    const float radius = f->job.radius * (BALL_RADII[0] + BALL_RADII[1]);
+    f->behind = f->job.points->radii ? ISO_NOWHERE : (f->job.cull ? 2.6f : 4.1f) * radius;
+}
+
 /* Projected radii of a block's points, a little widened. */
 static float point_radius(const iso_point_block *block, int end) {
     return block->radius[end] * (end ? 1.001f : 0.999f) / ISO_DISC_RADII;
@@ -101,7 +118,8 @@ static float point_radius(const iso_point_block *block, int end) {
 
 /* The largest radius of its discs in pixels. */
 static float disc_radius(const iso_point_block *block) {
-    return point_radius(block, 1) * (BALL_RADII[0] + BALL_RADII[1]);
+    const float radius = point_radius(block, 1), wide = (radius - GROW_FROM) / GROW_OVER;
+    return radius * (BALL_RADII[0] + fminf(fmaxf(wide, 0), 1) * BALL_RADII[1]);
 }
 
 /* Bands first .. last that a block's discs can reach. */
@@ -115,12 +133,35 @@ static iso_rows bands_of(const frame *f, const iso_point_block *block) {
     return (iso_rows){first < 0 ? 0 : (int)first, last < f->bands ? (int)last : f->bands - 1};
 }
 
-/* Lists the blocks of each band, in their order: band b's are order[start[b]] .. order[start[b + 1] - 1]. */
+/* Sorts the blocks by depth, as their corners have it: what is in front comes first and hides the rest. All
+ * of them take part, so that a strip of a picture has them in the same order. */
+static iso_status sort(frame *f, uint32_t **sorted, iso_error *error) {
+    const float(*corner)[3] = f->job.corner;
+    const size_t count = f->blocks->count;
+    ISO_TRY(iso_buffer_reserve(&f->workspace->sorted, count * sizeof **sorted, 0, error));
+    *sorted = f->workspace->sorted.data;
+    size_t start[LAYERS + 1] = {0};
+    float least = INFINITY, most = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        least = fminf(least, corner[i][2]);
+        most = fmaxf(most, corner[i][2]);
+    }
+    const float scale = most > least ? (LAYERS - 1) / (most - least) : 0;
+    for (size_t i = 0; i < count; i++) start[(size_t)((corner[i][2] - least) * scale) + 1]++;
+    for (size_t k = 1; k <= LAYERS; k++) start[k] += start[k - 1];
+    for (size_t i = 0; i < count; i++)
+        (*sorted)[start[(size_t)((corner[i][2] - least) * scale)]++] = (uint32_t)i;
+    return ISO_OK;
+}
+
+/* Lists the blocks of each band, sorted: band b's are order[start[b]] .. order[start[b + 1] - 1]. */
 static iso_status deal(frame *f, iso_error *error) {
     const iso_point_block *block = f->blocks->blocks.data;
     iso_refined *w = f->workspace;
     const size_t bands = (size_t)f->bands;
     ISO_TRY(iso_buffer_reserve(&w->start, (bands + 2) * sizeof(size_t), 0, error));
+    uint32_t *sorted;
+    ISO_TRY(sort(f, &sorted, error));
     size_t *start = w->start.data;
     memset(start, 0, (bands + 2) * sizeof(size_t));
     for (size_t i = 0; i < f->blocks->count; i++) {
@@ -131,8 +172,8 @@ static iso_status deal(frame *f, iso_error *error) {
     ISO_TRY(iso_buffer_reserve(&w->order, (start[bands + 1] + 1) * sizeof(uint32_t), 0, error));
     uint32_t *order = w->order.data;
     for (size_t i = 0; i < f->blocks->count; i++) {
-        const iso_rows in = bands_of(f, &block[i]);
-        for (int b = in.first; b <= in.last; b++) order[start[b + 1]++] = (uint32_t)i;
+        const iso_rows in = bands_of(f, &block[sorted[i]]);
+        for (int b = in.first; b <= in.last; b++) order[start[b + 1]++] = sorted[i];
     }
     return ISO_OK;
 }
@@ -140,7 +181,7 @@ static iso_status deal(frame *f, iso_error *error) {
 /* ---- bands */
 
 static size_t worker_bytes(const frame *f) {
-    return f->pixels * (ISO_SUMS * sizeof(float) + sizeof(float) + 1);
+    return (f->pixels * (ISO_SUMS + 1) + 2 * (size_t)f->cells) * sizeof(float);
 }
 
 static iso_refined_band worker_band(const frame *f, int worker, iso_rows rows) {
@@ -151,7 +192,25 @@ static iso_refined_band worker_band(const frame *f, int worker, iso_rows rows) {
                               .tiles = f->stride / ISO_REFINED_TILE,
                               .sums = sums,
                               .front = front,
-                              .used = (uint8_t *)(front + f->pixels)};
+                              .hidden = front + f->pixels,
+                              .shift = f->shift,
+                              .cells = (int)((f->stride - 1) >> f->shift) + 1};
+}
+
+/* What is hidden by all that the band has so far. */
+static void look(const frame *f, const iso_refined_band *band, bool tiles) {
+    float *hidden = band->front + f->pixels, *deepest = hidden + f->cells;
+    const int wide = band->cells, high = f->cells / wide;
+    for (int i = 0; i < f->cells; i++) deepest[i] = -ISO_NOWHERE;
+    (tiles ? f->kernel->survey_tiles : f->kernel->survey_pixels)(band, deepest);
+    for (int y = 0; y < high; y++)
+        for (int x = 0; x < wide; x++) {
+            float most = -ISO_NOWHERE;
+            for (int v = y > 0 ? y - 1 : 0; v <= y + 1 && v < high; v++)
+                for (int u = x > 0 ? x - 1 : 0; u <= x + 1 && u < wide; u++)
+                    most = fmaxf(most, deepest[v * wide + u]);
+            hidden[y * wide + x] = most + f->behind;
+        }
 }
 
 static void do_band(void *context, size_t number, int worker) {
@@ -166,15 +225,14 @@ static void do_band(void *context, size_t number, int worker) {
     const iso_refined_band band = worker_band(f, worker, rows);
     float most = 0;
     for (size_t i = 0; i < count; i++) most = fmaxf(most, disc_radius(&block[order[i]]));
-    if (2 * most * f->job.slant + 1 <= ISO_REFINED_BOX) {
-        for (size_t i = 0; i < f->pixels; i++) band.front[i] = ISO_NOWHERE;
-        for (size_t i = 0; i < count; i++) f->kernel->scatter(&f->job, &band, order[i]);
-        f->kernel->finish_pixels(&f->job, &band);
-    } else {
-        memset(band.used, 0, f->pixels);
-        for (size_t i = 0; i < count; i++) f->kernel->splat(&f->job, &band, order[i]);
-        f->kernel->finish_tiles(&f->job, &band);
+    const bool tiles = 2 * most * f->job.slant + 1 > ISO_REFINED_BOX;
+    const size_t rounds = count / LOOKS + 1;
+    for (size_t i = 0; i < f->pixels; i++) band.front[i] = ISO_NOWHERE;
+    for (size_t i = 0; i < count; i++) {
+        if (i % rounds == 0) look(f, &band, tiles);
+        (tiles ? f->kernel->splat : f->kernel->scatter)(&f->job, &band, order[i]);
     }
+    (tiles ? f->kernel->finish_tiles : f->kernel->finish_pixels)(&f->job, &band);
 }
 
 iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, const iso_point_view *points,
@@ -186,6 +244,7 @@ iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, co
     const iso_projector projector = iso_projector_make(target->view, &points->transform);
     set_up_job(&f, &projector);
     choose_bands(&f);
+    set_up_hiding(&f);
     ISO_TRY(set_up_corners(&f, &projector, error));
     ISO_TRY(deal(&f, error));
     const size_t workers = (size_t)iso_pool_threads(target->pool);
@@ -196,6 +255,7 @@ iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, co
 
 void iso_refined_free(iso_refined *workspace) {
     iso_buffer_free(&workspace->corners);
+    iso_buffer_free(&workspace->sorted);
     iso_buffer_free(&workspace->order);
     iso_buffer_free(&workspace->start);
     iso_buffer_free(&workspace->memory);

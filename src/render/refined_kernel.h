@@ -16,18 +16,18 @@ enum {
     ISO_SUM_NX, /* discs' normals at their centres */
     ISO_SUM_NY,
     ISO_SUM_NZ,
-    ISO_SUM_DEPTH,
-    ISO_SUM_QX, /* from their centres to where the ray meets them, mm */
-    ISO_SUM_QY,
-    ISO_SUM_QZ,
     ISO_SUM_XX, /* shape operators, 1 / mm */
     ISO_SUM_XY,
     ISO_SUM_XZ,
     ISO_SUM_YY,
     ISO_SUM_YZ,
     ISO_SUM_ZZ,
-    ISO_SUM_SIDE,  /* 1, or -1 for discs that were turned to the eye */
-    ISO_SUM_FRONT, /* not a sum: the nearest depth, ISO_NOWHERE where there is none */
+    ISO_SUM_SQUARE, /* of their norms */
+    ISO_SUM_SIDE,   /* 1, or -1 for discs that were turned to the eye */
+    ISO_SUM_DEPTH,
+    ISO_SUM_QX, /* from discs' centres to where the ray meets them, mm */
+    ISO_SUM_QY,
+    ISO_SUM_QZ,
     ISO_SUMS
 };
 
@@ -45,6 +45,8 @@ enum {
     ISO_DISC_YY,
     ISO_DISC_YZ,
     ISO_DISC_ZZ,
+    ISO_DISC_SQUARE, /* of its norm */
+    ISO_DISC_SIDE,
     ISO_DISC_B0, /* along a ray with direction d: n.d + q.Sd = B0 + BX qx + BY qy, and A = d.Sd */
     ISO_DISC_BX,
     ISO_DISC_BY,
@@ -52,7 +54,6 @@ enum {
     ISO_DISC_RADIUS,  /* mm */
     ISO_DISC_INVERSE, /* 1 / radius^2 */
     ISO_DISC_PIXELS,  /* of a circle that it stays within, as seen from the eye */
-    ISO_DISC_SIDE,
     ISO_DISC_VALUES
 };
 
@@ -89,8 +90,10 @@ typedef struct iso_refined_band {
     size_t stride; /* pixels in a row */
     size_t tiles;  /* in a row of them */
     float *sums;   /* of single pixels, ISO_SUMS each, or by tiles */
-    float *front;  /* single pixels' */
-    uint8_t *used; /* tiles that have sums */
+    float *front;  /* nearest depths, ISO_NOWHERE where there is none; of single pixels, or by tiles */
+    /* Discs whose centres are behind this for their cell of 2^shift pixels a side are hidden. */
+    const float *hidden;
+    int shift, cells; /* in a row of them */
 } iso_refined_band;
 
 typedef struct iso_refined_kernel {
@@ -101,6 +104,9 @@ typedef struct iso_refined_kernel {
     /* From sums to the gbuffer. */
     void (*finish_pixels)(const iso_refined_job *job, const iso_refined_band *band);
     void (*finish_tiles)(const iso_refined_job *job, const iso_refined_band *band);
+    /* The deepest front of each cell of the band. */
+    void (*survey_pixels)(const iso_refined_band *band, float *deepest);
+    void (*survey_tiles)(const iso_refined_band *band, float *deepest);
 } iso_refined_kernel;
 
 const iso_refined_kernel *iso_refined_kernel_get(iso_cpu_level level);

@@ -1,0 +1,163 @@
+#include "refined_reference.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/project.h"
+
+typedef struct disc {
+    double at[3], n[3], s[3][3], radius;
+    bool turned;
+} disc;
+
+/* Where a ray meets a disc. */
+typedef struct hit {
+    const disc *from;
+    double depth, weight, q[3];
+} hit;
+
+static double dot3(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void bend(const double s[3][3], const double d[3], double out[3]) {
+    for (int k = 0; k < 3; k++) out[k] = dot3(s[k], d);
+}
+
+static void turn(const iso_projector *projector, const float from[3], double to[3]) {
+    for (int k = 0; k < 3; k++) {
+        to[k] = 0;
+        for (int i = 0; i < 3; i++) to[k] += projector->normal[3 * k + i] * (double)from[i];
+    }
+}
+
+/* S in view space, and the largest curvature along the normal too, where that is convex. */
+static void shape_of(const iso_projector *projector, const iso_point_view *points, size_t i, double length,
+                     disc *d) {
+    const iso_surfel surfel = iso_point_view_get(points, i);
+    const iso_shape shape = points->shapes[i];
+    float u[3], v[3];
+    double a[3], b[3], trace = 0, square = 0;
+    iso_shape_frame(surfel.normal, u, v);
+    turn(projector, u, a);
+    turn(projector, v, b);
+    const double step = (double)ISO_SHAPE_STEP / length;
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) {
+            d->s[r][c] = step * (shape.uu * a[r] * a[c] + shape.uv * (a[r] * b[c] + b[r] * a[c]) +
+                                 shape.vv * b[r] * b[c]);
+            square += d->s[r][c] * d->s[r][c];
+            trace += r == c ? d->s[r][c] : 0;
+        }
+    const double most = (trace + sqrt(fmax(2 * square - trace * trace, 0))) / 2;
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) d->s[r][c] += fmax(most, 0) * d->n[r] * d->n[c];
+}
+
+static bool make_disc(const iso_view *view, const iso_projector *projector, const iso_point_view *points,
+                      const iso_point_span *span, size_t i, bool cull, disc *d) {
+    const iso_surfel surfel = iso_point_view_get(points, i);
+    double index[3], ray[3] = {0, 0, 1}, sd[3];
+    for (int k = 0; k < 3; k++) index[k] = span->brick[k] * (double)ISO_BRICK + (double)surfel.position[k];
+    for (int k = 0; k < 3; k++) d->at[k] = dot3(projector->matrix + 3 * k, index) + projector->origin[k];
+    if (d->at[2] < view->near) return false;
+    turn(projector, surfel.normal, d->n);
+    const double length = sqrt(dot3(d->n, d->n));
+    for (int k = 0; k < 3; k++) d->n[k] /= length;
+    memset(d->s, 0, sizeof d->s);
+    const double pixels = points->radius * view->focal / (view->orthographic ? 1 : d->at[2]);
+    if (points->shapes) shape_of(projector, points, i, length, d);
+    d->radius = points->radius * (1.2 + 0.215 * fmin(fmax((pixels - 4.5) / 6, 0), 1));
+    for (int k = 0; k < 2 && !view->orthographic; k++) ray[k] = d->at[k] / d->at[2];
+    const double along = dot3(d->n, ray);
+    bend(d->s, ray, sd);
+    d->turned = along > 0 && (along * along > 0.04 * dot3(ray, ray) || !(dot3(ray, sd) > 0));
+    if (!d->turned) return true;
+    for (int r = 0; r < 3; r++) {
+        d->n[r] = -d->n[r];
+        for (int c = 0; c < 3; c++) d->s[r][c] = -d->s[r][c];
+    }
+    return !cull;
+}
+
+/* The nearer place where n.q + q.Sq / 2 = 0, in the disc's ball. */
+static bool meet(const iso_view *view, const disc *d, double u, double v, hit *h) {
+    const double z = view->orthographic ? 1 : d->at[2], e[3] = {u * z - d->at[0], v * z - d->at[1], 0},
+                 ray[3] = {view->orthographic ? 0 : u, view->orthographic ? 0 : v, 1};
+    double sd[3], se[3];
+    bend(d->s, ray, sd);
+    bend(d->s, e, se);
+    const double a = dot3(ray, sd), b = dot3(d->n, ray) + dot3(e, sd), c = 2 * dot3(d->n, e) + dot3(e, se);
+    if (b * b < a * c) return false;
+    const double t = c / (sqrt(b * b - a * c) - b);
+    if (!(fabs(t) <= d->radius)) return false;
+    for (int k = 0; k < 3; k++) h->q[k] = e[k] + t * ray[k];
+    const double far = dot3(h->q, h->q) / (d->radius * d->radius);
+    h->from = d;
+    h->depth = d->at[2] + t;
+    h->weight = exp(-2 * far);
+    return far < 1;
+}
+
+static int nearest_first(const void *a, const void *b) {
+    const hit *x = a, *y = b;
+    return (x->depth > y->depth) - (x->depth < y->depth);
+}
+
+/* Weighted means over what is in front; all of one side, which is the one that faces the eye if there is. */
+static void settle(const hit *hits, size_t count, bool cull, size_t at, iso_gbuffer *g) {
+    size_t first = 0;
+    double front = hits[0].depth, weight = 0, depth = 0, n[3] = {0}, q[3] = {0}, s[3][3] = {{0}}, square = 0;
+    for (size_t i = 1; i < count && hits[first].from->turned; i++)
+        if (!hits[i].from->turned && hits[i].depth <= front + 1.5 * hits[i].from->radius) first = i;
+    front = hits[first].depth;
+    for (size_t i = first; i < count; i++) {
+        const hit *h = &hits[i];
+        const disc *d = h->from;
+        if (d->turned != hits[first].from->turned || h->depth > front + 1.5 * d->radius) continue;
+        weight += h->weight;
+        depth += h->weight * h->depth;
+        for (int k = 0; k < 3; k++) {
+            n[k] += h->weight * d->n[k];
+            q[k] += h->weight * h->q[k];
+            for (int c = 0; c < 3; c++) {
+                s[k][c] += h->weight * d->s[k][c];
+                square += h->weight * d->s[k][c] * d->s[k][c];
+            }
+        }
+    }
+    double norm = 0, sq[3];
+    for (int k = 0; k < 9; k++) norm += s[k / 3][k % 3] * s[k / 3][k % 3];
+    const double alike = square > 0 ? norm / weight / square : 0;
+    bend(s, q, sq);
+    for (int k = 0; k < 3; k++) n[k] += alike * sq[k] / weight;
+    const double length = sqrt(dot3(n, n)) * (!cull && hits[first].from->turned ? -1 : 1);
+    for (int k = 0; k < 3; k++) g->normal[k][at] = (float)(n[k] / length);
+    g->depth[at] = (float)(depth / weight);
+    g->surface[at] = 0;
+}
+
+void refined_reference(const iso_view *view, const iso_point_view *points, iso_gbuffer *gbuffer) {
+    const iso_projector projector = iso_projector_make(view, &points->transform);
+    const size_t most = iso_point_view_count(points);
+    disc *discs = calloc(most, sizeof *discs);
+    hit *hits = calloc(most, sizeof *hits);
+    if (!discs || !hits) abort();
+    size_t count = 0;
+    for (size_t k = 0; k < points->span_count; k++)
+        for (size_t i = 0; i < points->spans[k].count; i++)
+            count += make_disc(view, &projector, points, &points->spans[k], points->spans[k].first + i,
+                               points->closed, &discs[count]);
+    for (int y = 0; y < view->height; y++)
+        for (int x = 0; x < view->width; x++) {
+            const double u = (x + 0.5 - view->cx) / view->focal, v = (y + 0.5 - view->cy) / view->focal;
+            size_t met = 0;
+            for (size_t i = 0; i < count; i++) met += meet(view, &discs[i], u, v, &hits[met]);
+            if (!met) continue;
+            qsort(hits, met, sizeof *hits, nearest_first);
+            settle(hits, met, points->closed, (size_t)y * (size_t)view->width + (size_t)x, gbuffer);
+        }
+    free(discs);
+    free(hits);
+}

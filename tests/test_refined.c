@@ -1,0 +1,598 @@
+/* The refined reconstruction: against a plain one in double precision that knows nothing of bands, vectors
+ * and hiding, against surfaces that are known, and against itself. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/cpu.h"
+#include "extract/points.h"
+#include "grids/scenes.h"
+#include "refined_reference.h"
+#include "render/pullpush.h"
+
+static void ok(iso_status status, const iso_error *error) {
+    if (status != ISO_OK) fail_msg("%s", error->text);
+}
+
+/* ---- points to draw */
+
+typedef struct scene {
+    iso_grid grid;
+    iso_point_set *set;
+    iso_point_view points;
+} scene;
+
+static scene make_scene(const char *name, int size) {
+    iso_error error = {0};
+    scene s = {0};
+    double isovalue;
+    iso_scene_opts opts = {.size = size};
+    ok(iso_scene_create(name, &opts, &s.grid, &isovalue, &error), &error);
+    iso_points_opts points = {.isovalue = isovalue, .shapes = true};
+    ok(iso_point_set_create(&s.grid, &points, &s.set, &error), &error);
+    ok(iso_point_set_update(s.set, &error), &error);
+    ok(iso_point_set_bound(s.set, &error), &error);
+    s.points = iso_point_set_view(s.set);
+    return s;
+}
+
+static void free_scene(scene *s) {
+    iso_point_set_destroy(s->set);
+    iso_grid_destroy(&s->grid);
+}
+
+/* Points of one's own, as floats, in one span. */
+typedef struct cloud {
+    iso_surfel *surfels;
+    iso_shape *shapes;
+    iso_point_span span;
+    iso_point_view points;
+} cloud;
+
+static cloud *make_cloud(size_t count) {
+    cloud *c = calloc(1, sizeof *c);
+    assert_non_null(c);
+    c->surfels = calloc(count, sizeof *c->surfels);
+    c->shapes = calloc(count, sizeof *c->shapes);
+    assert_true(c->surfels && c->shapes);
+    c->points = (iso_point_view){.surfels = c->surfels,
+                                 .shapes = c->shapes,
+                                 .spans = &c->span,
+                                 .span_count = 1,
+                                 .transform = iso_transform_identity(),
+                                 .radius = sqrt(0.5)};
+    return c;
+}
+
+static void free_cloud(cloud *c) {
+    free(c->surfels);
+    free(c->shapes);
+    free(c);
+}
+
+static void add_point(cloud *c, const double at[3], const double normal[3]) {
+    iso_surfel *s = &c->surfels[c->span.count++];
+    for (int k = 0; k < 3; k++) {
+        s->position[k] = (float)at[k];
+        s->normal[k] = (float)normal[k];
+    }
+}
+
+/* A shape that bends by `bend` along a direction, and by `across` at right angles to it. */
+static void bend_point(cloud *c, const double along[3], double bend, double across) {
+    const uint32_t i = c->span.count - 1;
+    float u[3], v[3];
+    iso_shape_frame(c->surfels[i].normal, u, v);
+    double x = 0, y = 0;
+    for (int k = 0; k < 3; k++) {
+        x += (double)u[k] * along[k];
+        y += (double)v[k] * along[k];
+    }
+    c->shapes[i] = iso_shape_pack((float)(bend * x * x + across * y * y), (float)((bend - across) * x * y),
+                                  (float)(bend * y * y + across * x * x));
+}
+
+enum { RADIUS = 12, DISTANCE = 60 };
+static const double SPACING = 0.75; /* voxels between points */
+
+/* A sphere around (0, 0, DISTANCE); the part with z < cut. */
+static cloud *make_sphere(double cut) {
+    const int count = (int)(4 * ISO_PI * RADIUS * RADIUS / (SPACING * SPACING));
+    cloud *c = make_cloud((size_t)count);
+    for (int i = 0; i < count; i++) {
+        const double z = 1 - (2 * i + 1.0) / count, turn = i * ISO_PI * (3 - sqrt(5)), r = sqrt(1 - z * z);
+        const double n[3] = {r * cos(turn), r * sin(turn), z},
+                     at[3] = {RADIUS * n[0], RADIUS * n[1], RADIUS * n[2] + DISTANCE};
+        if (RADIUS * z > cut) continue;
+        add_point(c, at, n);
+        bend_point(c, n, 1.0 / RADIUS, 1.0 / RADIUS);
+    }
+    return c;
+}
+
+enum { LONG = 30 };
+
+/* A cylinder along x; without ends. */
+static cloud *make_cylinder(void) {
+    const int around = (int)(2 * ISO_PI * RADIUS / SPACING), along = (int)(LONG / SPACING);
+    cloud *c = make_cloud((size_t)around * (size_t)along);
+    for (int i = 0; i < around * along; i++) {
+        const double turn = 2 * ISO_PI * (i % around + 0.5 * (i / around % 2)) / around;
+        const double n[3] = {0, cos(turn), sin(turn)}, t[3] = {0, -n[2], n[1]},
+                     at[3] = {(i / around + 0.5) * SPACING - LONG / 2.0, RADIUS * n[1],
+                              RADIUS * n[2] + DISTANCE};
+        add_point(c, at, n);
+        bend_point(c, t, 1.0 / RADIUS, 0);
+    }
+    return c;
+}
+
+enum { SIDE = 60 };
+
+/* The plane z = DISTANCE + slope x. */
+static cloud *make_plane(double slope) {
+    const int count = (int)(SIDE / SPACING);
+    const double length = sqrt(1 + slope * slope), n[3] = {slope / length, 0, -1 / length};
+    cloud *c = make_cloud((size_t)count * (size_t)count);
+    for (int i = 0; i < count * count; i++) {
+        const double x = (i % count + 0.5) * SPACING - SIDE / 2.0,
+                     y = (i / count + 0.5) * SPACING - SIDE / 2.0;
+        add_point(c, (const double[3]){x, y, DISTANCE + slope * x}, n);
+    }
+    return c;
+}
+
+/* ---- pictures */
+
+static iso_gbuffer clear_gbuffer(const iso_view *view, bool colored) {
+    iso_gbuffer g;
+    assert_int_equal(iso_gbuffer_create(view->width, view->height, &g, NULL), ISO_OK);
+    if (colored) assert_int_equal(iso_gbuffer_add_color(&g, NULL), ISO_OK);
+    for (int axis = 0; axis < 3; axis++)
+        memset(g.normal[axis], 0, sizeof(float) * (size_t)view->width * (size_t)view->height);
+    iso_gbuffer_clear(&g);
+    return g;
+}
+
+static iso_gbuffer drawn(const iso_view *view, const iso_point_view *points, iso_pool *pool) {
+    iso_error error = {0};
+    iso_gbuffer g = clear_gbuffer(view, false);
+    const iso_target target = {view, &g, pool, 0};
+    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_REFINED};
+    ok(iso_draw_pullpush(&target, points, &opts, &error), &error);
+    return g;
+}
+
+static size_t samples_of(const iso_view *view) {
+    return (size_t)view->width * (size_t)view->height;
+}
+
+static bool is_there(const iso_gbuffer *g, size_t i) {
+    return g->surface[i] != ISO_SURFACE_NONE;
+}
+
+/* Rows of `a` from a_row on are all of b. */
+static void same(const iso_gbuffer *a, int a_row, const iso_gbuffer *b) {
+    const size_t start = (size_t)a_row * (size_t)a->width, samples = (size_t)b->width * (size_t)b->height;
+    assert_memory_equal(a->depth + start, b->depth, samples * sizeof(float));
+    assert_memory_equal(a->surface + start, b->surface, samples);
+    for (int axis = 0; axis < 3; axis++)
+        assert_memory_equal(a->normal[axis] + start, b->normal[axis], samples * sizeof(float));
+}
+
+static iso_view look_at(const scene *s, int side, double zoom, bool orthographic, int width, int height) {
+    const iso_affine affine = iso_transform_affine(&s->points.transform);
+    const iso_box index = iso_point_view_bounds(&s->points), world = iso_box_transform(&index, &affine);
+    iso_camera camera = {
+        .view_up = {0, 0, 1}, .view_angle = 30, .orthographic = orthographic, .parallel_scale = 1};
+    camera.position = iso_vec3_make(0.3 + side % 3, -1.3, 0.4 * (side / 3) + 0.2);
+    iso_camera_fit(&camera, &world, (double)width / height, 1);
+    iso_camera_zoom(&camera, zoom);
+    return iso_view_make(&camera, width, height);
+}
+
+/* Index coordinates are view coordinates: x right, y down, z forward, the eye at the origin. */
+static iso_view plain_view(int width, int height, bool orthographic, double focal) {
+    return (iso_view){.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                      .focal = focal,
+                      .cx = width / 2.0,
+                      .cy = height / 2.0,
+                      .width = width,
+                      .height = height,
+                      .orthographic = orthographic,
+                      .near = orthographic ? -1e300 : 0.01};
+}
+
+/* ---- against the reference */
+
+/* What may differ: pixels where rounding decides, and where surfaces within a thickness come in an order. */
+static void like_reference(const iso_view *view, const iso_point_view *points, double most) {
+    iso_gbuffer got = drawn(view, points, NULL), wanted = clear_gbuffer(view, false);
+    refined_reference(view, points, &wanted);
+    size_t off = 0, seen = 0;
+    for (size_t i = 0; i < samples_of(view); i++) {
+        const bool a = is_there(&got, i), b = is_there(&wanted, i);
+        seen += b;
+        double cosine = 0;
+        for (int k = 0; k < 3; k++) cosine += (double)got.normal[k][i] * (double)wanted.normal[k][i];
+        off += a != b ||
+               (a && !(fabsf(got.depth[i] - wanted.depth[i]) < 0.01 * points->radius && cosine > 0.9999));
+    }
+    assert_true(seen > samples_of(view) / 50);
+    if ((double)off > most * (double)seen) fail_msg("%zu of %zu samples differ", off, seen);
+    iso_gbuffer_free(&got);
+    iso_gbuffer_free(&wanted);
+}
+
+static void like_the_reference(void **state) {
+    (void)state;
+    static const char *const names[] = {"sphere", "gyroid", "cylinder"};
+    static const double zooms[] = {0.5, 1, 4, 14};
+    for (int n = 0; n < 3; n++) {
+        scene s = make_scene(names[n], 32);
+        for (int z = 0; z < 4; z++) {
+            const iso_view view = look_at(&s, n + z, zooms[z], (n + z) % 3 == 0, 83 + 10 * n, 101);
+            like_reference(&view, &s.points, n == 1 ? 0.03 : 0.01);
+        }
+        s.points.closed = false;
+        s.points.transform.spacing[2] *= 1.5;
+        const iso_view view = look_at(&s, n, 2, false, 90, 67);
+        like_reference(&view, &s.points, n == 1 ? 0.03 : 0.01);
+        free_scene(&s);
+    }
+}
+
+/* ---- against itself */
+
+static void every_variant(const iso_view *view, const iso_point_view *points, const iso_gbuffer *wanted) {
+    for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++)
+        for (int threads = 1; threads <= 3; threads++) {
+            iso_pool *pool = NULL;
+            iso_cpu_limit((iso_cpu_level)level);
+            if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
+            iso_gbuffer got = drawn(view, points, pool);
+            same(wanted, 0, &got);
+            iso_gbuffer_free(&got);
+            iso_pool_destroy(pool);
+        }
+    iso_cpu_limit(ISO_CPU_AVX512);
+}
+
+static void every_strip(const iso_view *view, const iso_point_view *points, const iso_gbuffer *wanted) {
+    static const int heights[] = {7, 24, 61};
+    for (int h = 0; h < 3; h++)
+        for (int y = 0; y < view->height; y += heights[h]) {
+            const int count = view->height - y < heights[h] ? view->height - y : heights[h];
+            const iso_view rows = iso_view_rows(view, y, count);
+            iso_gbuffer strip = drawn(&rows, points, NULL);
+            same(wanted, y, &strip);
+            iso_gbuffer_free(&strip);
+        }
+}
+
+/* Open ones have turned points too. */
+static void same_bytes_everywhere(void **state) {
+    (void)state;
+    static const char *const names[] = {"gyroid", "sphere", "head"};
+    static const double zooms[] = {0.7, 3, 11, 60};
+    for (int n = 0; n < 3; n++) {
+        scene s = make_scene(names[n], 40);
+        for (int z = 0; z < 4; z++) {
+            if (z == 2) s.points.closed = false;
+            const iso_view view = look_at(&s, n + 2 * z, zooms[z], z == 1, 131 - 9 * n, 143);
+            iso_gbuffer whole = drawn(&view, &s.points, NULL);
+            every_variant(&view, &s.points, &whole);
+            every_strip(&view, &s.points, &whole);
+            iso_gbuffer_free(&whole);
+        }
+        free_scene(&s);
+    }
+}
+
+/* ---- surfaces that are known */
+
+/* What a ray meets: depth and outward normal; false when nothing. */
+typedef bool known_surface(const double origin[3], const double ray[3], double *depth, double normal[3]);
+
+/* The nearer of two roots of a t^2 + 2 b t + c. */
+static bool nearer_root(double a, double b, double c, double *t) {
+    if (!(b * b >= a * c)) return false;
+    *t = (-b - sqrt(b * b - a * c)) / a;
+    return true;
+}
+
+static bool meet_round(const double origin[3], const double ray[3], int first, double *depth,
+                       double normal[3]) {
+    double a = 0, b = 0, c = -(double)RADIUS * RADIUS, from[3] = {origin[0], origin[1], origin[2] - DISTANCE};
+    for (int k = first; k < 3; k++) {
+        a += ray[k] * ray[k];
+        b += ray[k] * from[k];
+        c += from[k] * from[k];
+    }
+    if (!nearer_root(a, b, c, depth)) return false;
+    for (int k = 0; k < 3; k++) normal[k] = k < first ? 0 : (from[k] + *depth * ray[k]) / RADIUS;
+    return true;
+}
+
+static bool meet_sphere(const double origin[3], const double ray[3], double *depth, double normal[3]) {
+    return meet_round(origin, ray, 0, depth, normal);
+}
+
+static bool meet_cylinder(const double origin[3], const double ray[3], double *depth, double normal[3]) {
+    return meet_round(origin, ray, 1, depth, normal) &&
+           fabs(origin[0] + *depth * ray[0]) < LONG / 2.0 - 1.5; /* its ends are ragged */
+}
+
+static const double SLOPE = 0.5;
+
+static bool meet_plane(const double origin[3], const double ray[3], double *depth, double normal[3]) {
+    *depth = (DISTANCE + SLOPE * origin[0] - origin[2]) / (ray[2] - SLOPE * ray[0]);
+    const double length = sqrt(1 + SLOPE * SLOPE);
+    normal[0] = SLOPE / length;
+    normal[1] = 0;
+    normal[2] = -1 / length;
+    for (int k = 0; k < 2; k++)
+        if (fabs(origin[k] + *depth * ray[k]) > SIDE / 2.0 - 1.5) return false;
+    return true;
+}
+
+typedef struct errors {
+    double depth, degrees; /* mean */
+    double worst_depth;    /* of all but the last percent */
+    size_t seen, holes, extra;
+} errors;
+
+static int by_size(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static errors compare(const iso_view *view, const iso_gbuffer *g, known_surface *surface) {
+    errors e = {0};
+    size_t met = 0;
+    double *depths = calloc(samples_of(view), sizeof *depths);
+    assert_non_null(depths);
+    for (size_t i = 0; i < samples_of(view); i++) {
+        const double u = ((double)(i % (size_t)view->width) + 0.5 - view->cx) / view->focal,
+                     v = ((double)(i / (size_t)view->width) + 0.5 - view->cy) / view->focal;
+        const double still[3] = {0, 0, 1}, at[3] = {u, v, 0}, zero[3] = {0, 0, 0}, ray[3] = {u, v, 1};
+        double depth, normal[3], cosine = 0;
+        const bool here =
+            surface(view->orthographic ? at : zero, view->orthographic ? still : ray, &depth, normal);
+        e.extra += is_there(g, i) && !here;
+        e.holes += here && !is_there(g, i);
+        met += here;
+        if (!here || !is_there(g, i)) continue;
+        for (int k = 0; k < 3; k++) cosine += normal[k] * (double)g->normal[k][i];
+        depths[e.seen] = fabs(depth - (double)g->depth[i]);
+        e.depth += depths[e.seen++];
+        e.degrees += acos(fmin(cosine, 1)) * 180 / ISO_PI;
+    }
+    assert_true(e.seen > 100 && met >= e.seen);
+    qsort(depths, e.seen, sizeof *depths, by_size);
+    e.worst_depth = depths[e.seen - 1 - e.seen / 100];
+    free(depths);
+    e.depth /= (double)e.seen;
+    e.degrees /= (double)e.seen;
+    return e;
+}
+
+static const double FOCALS[] = {0.8, 1.6, 3.3, 7, 15}; /* pixels a voxel */
+
+/* Discs with the surface's own shape lie in it, but for the steps of shapes. */
+static void known_surfaces(void **state) {
+    (void)state;
+    cloud *const clouds[] = {make_sphere(RADIUS), make_cylinder(), make_plane(SLOPE)};
+    known_surface *const surfaces[] = {meet_sphere, meet_cylinder, meet_plane};
+    for (int c = 0; c < 3; c++)
+        for (int f = 0; f < 5; f++)
+            for (int orthographic = 0; orthographic < 2; orthographic++) {
+                const double focal = FOCALS[f] * (orthographic ? 1 : DISTANCE - RADIUS);
+                const iso_view view = plain_view(220, 210, orthographic, focal);
+                clouds[c]->points.closed = c == 0;
+                iso_gbuffer g = drawn(&view, &clouds[c]->points, NULL);
+                const errors e = compare(&view, &g, surfaces[c]);
+                iso_gbuffer_free(&g);
+                const bool tiny = f == 0 && c < 2; /* less than a pixel: flat discs */
+                const double depth = tiny ? 0.03 : 0.003, degrees = tiny ? 2.2 : c == 2 ? 0.05 : 0.4;
+                if (e.depth > depth || e.worst_depth > 12 * depth || e.degrees > degrees)
+                    fail_msg("surface %d, %g pixels a voxel: depth %g, %g, normal %g degrees", c, FOCALS[f],
+                             e.depth, e.worst_depth, e.degrees);
+                const double outline = 2 * sqrt(ISO_PI * (double)(e.seen + e.holes));
+                if ((double)e.holes > 0.04 * outline + 4 ||
+                    (c == 0 && (double)e.extra > (tiny ? 0.5 : 0.15) * FOCALS[f] * outline + 4))
+                    fail_msg("surface %d, %g pixels a voxel: %zu holes, %zu extra", c, FOCALS[f], e.holes,
+                             e.extra);
+            }
+    for (int c = 0; c < 3; c++) free_cloud(clouds[c]);
+}
+
+/* Nothing of the far side's normals comes through at the silhouette of an open surface. */
+static void sides_do_not_mix(void **state) {
+    (void)state;
+    cloud *c = make_sphere(RADIUS);
+    for (int f = 1; f < 5; f++) {
+        const iso_view view = plain_view(220, 210, true, FOCALS[f]);
+        iso_gbuffer g = drawn(&view, &c->points, NULL);
+        size_t off = 0, seen = 0;
+        for (size_t i = 0; i < samples_of(&view); i++) {
+            const double x = ((double)(i % 220) + 0.5 - view.cx) / view.focal,
+                         y = ((double)(i / 220) + 0.5 - view.cy) / view.focal, r = hypot(x, y) / RADIUS;
+            if (!is_there(&g, i) || !(r < 1)) continue;
+            const double n[3] = {x / RADIUS, y / RADIUS, -sqrt(1 - r * r)};
+            double cosine = 0;
+            for (int k = 0; k < 3; k++) cosine += n[k] * (double)g.normal[k][i];
+            seen++;
+            off += cosine < 0.98;
+        }
+        iso_gbuffer_free(&g);
+        if (off * 1000 > seen) fail_msg("%zu of %zu normals at %g pixels a voxel", off, seen, FOCALS[f]);
+    }
+    free_cloud(c);
+}
+
+/* The inside of half a sphere: the far half, seen from where its other half was, normals out of the solid. */
+static void insides_are_seen(void **state) {
+    (void)state;
+    cloud *c = make_sphere(RADIUS);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < c->span.count; i++)
+        if (c->surfels[i].position[2] > DISTANCE) {
+            c->surfels[kept] = c->surfels[i];
+            c->shapes[kept++] = c->shapes[i];
+        }
+    c->span.count = kept;
+    const iso_view view = plain_view(160, 160, true, 6);
+    iso_gbuffer g = drawn(&view, &c->points, NULL);
+    for (size_t i = 0; i < samples_of(&view); i++) {
+        const double x = ((double)(i % 160) + 0.5 - view.cx) / 6, y = ((double)(i / 160) + 0.5 - view.cy) / 6;
+        const double square = x * x + y * y;
+        if (square > 0.8 * RADIUS * RADIUS) continue;
+        const double z = sqrt(RADIUS * RADIUS - square);
+        assert_true(is_there(&g, i));
+        assert_true(fabs((double)g.depth[i] - DISTANCE - z) < 0.03);
+        assert_true((double)g.normal[0][i] * x + (double)g.normal[1][i] * y + (double)g.normal[2][i] * z >
+                    0.999 * RADIUS);
+    }
+    iso_gbuffer_free(&g);
+    c->points.closed = true; /* then they are hidden by what is not there */
+    g = drawn(&view, &c->points, NULL);
+    size_t seen = 0;
+    for (size_t i = 0; i < samples_of(&view); i++) seen += is_there(&g, i);
+    assert_true(seen < 500); /* a rim */
+    iso_gbuffer_free(&g);
+    free_cloud(c);
+}
+
+/* A perspective view from far away is the orthographic one. */
+static void far_away(void **state) {
+    (void)state;
+    scene s = make_scene("gyroid", 24);
+    iso_view flat = look_at(&s, 1, 1.5, true, 120, 110), deep = flat;
+    const double distance = 1e5;
+    iso_vec3 origin, ray;
+    iso_view_ray(&flat, flat.cx, flat.cy, &origin, &ray);
+    deep.orthographic = false;
+    deep.eye = iso_vec3_sub(flat.eye, iso_vec3_scale(ray, distance));
+    deep.focal = flat.focal * distance;
+    deep.near = 1;
+    iso_gbuffer a = drawn(&flat, &s.points, NULL), b = drawn(&deep, &s.points, NULL);
+    size_t off = 0, seen = 0;
+    for (size_t i = 0; i < samples_of(&flat); i++) {
+        seen += is_there(&a, i);
+        double cosine = 0;
+        for (int k = 0; k < 3; k++) cosine += (double)a.normal[k][i] * (double)b.normal[k][i];
+        off += is_there(&a, i) != is_there(&b, i) || (is_there(&a, i) && cosine < 0.99);
+    }
+    assert_true(seen > 2000);
+    if (off * 20 > seen) fail_msg("%zu of %zu", off, seen);
+    iso_gbuffer_free(&a);
+    iso_gbuffer_free(&b);
+    free_scene(&s);
+}
+
+/* Points before the near plane are left out; the eye may be in their midst. */
+static void near_plane(void **state) {
+    (void)state;
+    cloud *c = make_plane(0);
+    iso_view view = plain_view(100, 100, false, 200);
+    view.near = DISTANCE - 0.01;
+    iso_gbuffer g = drawn(&view, &c->points, NULL);
+    for (size_t i = 0; i < samples_of(&view); i++) assert_true(is_there(&g, i));
+    iso_gbuffer_free(&g);
+    view.near = DISTANCE + 0.01;
+    g = drawn(&view, &c->points, NULL);
+    for (size_t i = 0; i < samples_of(&view); i++) assert_false(is_there(&g, i));
+    iso_gbuffer_free(&g);
+    free_cloud(c);
+    scene s = make_scene("gyroid", 32);
+    iso_view inside = look_at(&s, 0, 1, false, 120, 110);
+    const iso_affine affine = iso_transform_affine(&s.points.transform);
+    inside.eye = iso_affine_point(&affine, iso_vec3_make(15.3, 16.1, 15.8));
+    inside.near = 0.3;
+    g = drawn(&inside, &s.points, NULL);
+    for (size_t i = 0; i < samples_of(&inside); i++) {
+        if (!is_there(&g, i)) continue;
+        const iso_vec3 n = iso_gbuffer_normal(&g, i);
+        assert_true(isfinite(g.depth[i]) && fabs(iso_vec3_length(n) - 1) < 1e-3);
+    }
+    every_variant(&inside, &s.points, &g);
+    iso_gbuffer_free(&g);
+    free_scene(&s);
+}
+
+/* Hiding leaves out nothing that shows: layers that are hidden by the first change no byte. */
+static void hidden_points_change_nothing(void **state) {
+    (void)state;
+    for (int f = 0; f < 5; f++) {
+        cloud *front = make_plane(SLOPE), *all = make_plane(SLOPE);
+        const uint32_t count = all->span.count;
+        all->surfels = realloc(all->surfels, 3 * count * sizeof *all->surfels);
+        all->shapes = realloc(all->shapes, 3 * count * sizeof *all->shapes);
+        assert_true(all->surfels && all->shapes);
+        iso_point_span spans[3];
+        for (uint32_t layer = 0; layer < 3; layer++) {
+            spans[layer] = (iso_point_span){{0, 0, (int32_t)layer}, count, layer * (size_t)count};
+            memcpy(all->surfels + layer * count, front->surfels, count * sizeof *all->surfels);
+            memcpy(all->shapes + layer * count, front->shapes, count * sizeof *all->shapes);
+        }
+        all->points.surfels = all->surfels;
+        all->points.shapes = all->shapes;
+        all->points.spans = spans;
+        all->points.span_count = 3;
+        const iso_view view = plain_view(150, 130, f % 2, FOCALS[f] * (f % 2 ? 1 : DISTANCE));
+        iso_gbuffer a = drawn(&view, &front->points, NULL), b = drawn(&view, &all->points, NULL);
+        for (size_t i = 0; i < samples_of(&view); i++) {
+            if (!is_there(&a, i)) continue;
+            assert_true(a.depth[i] == b.depth[i]);
+            for (int k = 0; k < 3; k++) assert_true(a.normal[k][i] == b.normal[k][i]);
+        }
+        iso_gbuffer_free(&a);
+        iso_gbuffer_free(&b);
+        free_cloud(front);
+        free_cloud(all);
+    }
+}
+
+/* Points with colours are drawn by gaussian unless told otherwise; others by refined. */
+static void what_is_the_default(void **state) {
+    (void)state;
+    cloud *c = make_sphere(RADIUS);
+    uint8_t(*colors)[3] = calloc(c->span.count, sizeof *colors);
+    assert_non_null(colors);
+    const iso_view view = plain_view(120, 120, true, 4);
+    for (int colored = 0; colored < 2; colored++) {
+        c->points.colors = colored ? (const uint8_t(*)[3])colors : NULL;
+        iso_gbuffer g[2];
+        for (int k = 0; k < 2; k++) {
+            iso_error error = {0};
+            g[k] = clear_gbuffer(&view, colored);
+            const iso_target target = {&view, &g[k], NULL, 0};
+            const iso_reconstruction named =
+                colored ? ISO_RECONSTRUCTION_GAUSSIAN : ISO_RECONSTRUCTION_REFINED;
+            const iso_pullpush_opts opts = {.reconstruction = k ? named : ISO_RECONSTRUCTION_AUTO};
+            ok(iso_draw_pullpush(&target, &c->points, &opts, &error), &error);
+        }
+        same(&g[0], 0, &g[1]);
+        iso_gbuffer_free(&g[0]);
+        iso_gbuffer_free(&g[1]);
+    }
+    free(colors);
+    free_cloud(c);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(like_the_reference),  cmocka_unit_test(same_bytes_everywhere),
+        cmocka_unit_test(known_surfaces),      cmocka_unit_test(sides_do_not_mix),
+        cmocka_unit_test(insides_are_seen),    cmocka_unit_test(far_away),
+        cmocka_unit_test(near_plane),          cmocka_unit_test(hidden_points_change_nothing),
+        cmocka_unit_test(what_is_the_default),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
