@@ -61,8 +61,11 @@ static void check_volume(size_t i, const iso_volume *volume, const gl_contexts *
         assert_int_equal(iso_gl_engine_create(contexts->context[c], &engine, NULL), ISO_OK);
         double of_points = gl_check_points(engine, &points, views, GL_SIDES, volumes[i].path);
         double of_mesh = gl_check_mesh(engine, &mesh, views, GL_SIDES, volumes[i].path);
-        printf("%s, %s: points %.1f dB, mesh %.1f dB\n", iso_gl_context_info(contexts->context[c]).name,
-               volumes[i].path, of_points, of_mesh);
+        double of_pullpush =
+            gl_check_pullpush(engine, &points, ISO_RECONSTRUCTION_GAUSSIAN, views, GL_SIDES, volumes[i].path);
+        printf("%s, %s: points %.1f dB, mesh %.1f dB, pullpush %.1f dB\n",
+               iso_gl_context_info(contexts->context[c]).name, volumes[i].path, of_points, of_mesh,
+               of_pullpush);
         iso_gl_engine_destroy(engine);
     }
     gl_surface_free(&s);

@@ -22,6 +22,22 @@ iso_status iso_gl_engine_create(iso_gl_context *context, iso_gl_engine **engine,
 /* Its shapes must be gone. NULL is fine. */
 void iso_gl_engine_destroy(iso_gl_engine *engine);
 
+/* What the GPU does for pictures: points or triangles (draw), and the steps of pull-push. */
+typedef enum iso_gl_pass {
+    ISO_GL_PASS_DRAW,
+    ISO_GL_PASS_PROJECT,
+    ISO_GL_PASS_PULL,
+    ISO_GL_PASS_PUSH,
+    ISO_GL_PASS_FINISH
+} iso_gl_pass;
+enum { ISO_GL_PASSES = 5 };
+const char *iso_gl_pass_name(iso_gl_pass pass); /* "draw", "project", .. */
+
+/* Seconds that the GPU took for each, by its own clock, in all pictures since the engine was made or told to
+ * forget. */
+void iso_gl_engine_seconds(const iso_gl_engine *engine, double seconds[ISO_GL_PASSES]);
+void iso_gl_engine_forget_seconds(iso_gl_engine *engine);
+
 /* A surface in the GPU's memory: copied, so that the view's owner may change it. Errors: ISO_ERR_NOMEM,
  * ISO_ERR_LIMIT (2^31 vertices, 2^32 points or indices), ISO_ERR_BACKEND. Keeps the engine. */
 typedef struct iso_gl_shape iso_gl_shape;

@@ -168,6 +168,24 @@ static iso_status finish(iso_gl_shape *made, iso_gl_shape **shape, iso_error *er
     return status;
 }
 
+/* Blocks say where they begin in their span, as its points may come to lie elsewhere in the GPU's memory. */
+static iso_status measure_blocks(iso_gl_shape *shape, const iso_point_view *points, iso_error *error) {
+    shape->blocks = iso_alloc_zero(1, sizeof *shape->blocks);
+    if (!shape->blocks) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for blocks of points");
+    ISO_TRY(iso_point_blocks_measure(shape->blocks, points, error));
+    iso_point_block *block = shape->blocks->blocks.data;
+    for (size_t i = 0; i < shape->blocks->count; i++) block[i].first -= points->spans[block[i].span].first;
+    return ISO_OK;
+}
+
+/* What a shape has outside the GPU. */
+static void free_shape(iso_gl_shape *shape) {
+    if (shape->blocks) iso_point_blocks_free(shape->blocks);
+    iso_free(shape->blocks);
+    iso_free(shape->spans);
+    iso_free(shape);
+}
+
 iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_shape **shape,
                                 iso_error *error) {
     const GladGLContext *gl = engine->context->gl;
@@ -178,11 +196,12 @@ iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *poi
     made->surfels = points->surfels != NULL;
     made->has_radii = points->radii != NULL;
     made->radius = points->radius;
+    made->closed = points->closed;
     describe_points(made, points);
-    iso_status status = iso_gl_enter(engine->context, error);
+    iso_status status = measure_blocks(made, points, error);
+    if (status == ISO_OK) status = iso_gl_enter(engine->context, error);
     if (status != ISO_OK) {
-        iso_free(made->spans);
-        iso_free(made);
+        free_shape(made);
         return status;
     }
     source vertices = {points->surfels, sizeof *points->surfels};
@@ -217,8 +236,7 @@ iso_status iso_gl_upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, 
     describe_mesh(made, mesh);
     iso_status status = iso_gl_enter(engine->context, error);
     if (status != ISO_OK) {
-        iso_free(made->spans);
-        iso_free(made);
+        free_shape(made);
         return status;
     }
     made->vertices =
@@ -241,6 +259,5 @@ void iso_gl_shape_destroy(iso_gl_shape *shape) {
         context->gl->DeleteBuffers(3, buffers);
         iso_gl_leave(context, ISO_OK, NULL);
     }
-    iso_free(shape->spans);
-    iso_free(shape);
+    free_shape(shape);
 }

@@ -7,6 +7,8 @@
 #include "render/gl/engine.h"
 #include "render/gl/internal.h"
 #include "render/gl/program.h"
+#include "render/gl/timer.h"
+#include "render/point_blocks.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -27,11 +29,25 @@ struct iso_gl_shape {
     iso_transform transform;
     iso_gl_span *spans;
     size_t span_count;
-    bool mesh, surfels, has_radii;
-    double radius; /* of all points without radii */
+    bool mesh, surfels, has_radii, closed;
+    iso_point_blocks *blocks; /* of points: where each begins in its span, and what they are; owned */
+    double radius;            /* of all points without radii */
     /* Vertices, their radii, indices; one vertex array draws points or triangles, the other quads. */
     unsigned vertices, radii, indices, array, quad_array;
 };
+
+/* Buffers of pull-push. */
+typedef enum iso_gl_storage {
+    ISO_GL_STORE_UNIFORMS,
+    ISO_GL_STORE_BLOCKS,
+    ISO_GL_STORE_KEYS,
+    ISO_GL_STORE_DISCS,
+    ISO_GL_STORE_SHADES,
+    ISO_GL_STORE_RANGES,
+    ISO_GL_STORE_SHAPES,
+    ISO_GL_STORE_PICTURE
+} iso_gl_storage;
+enum { ISO_GL_STORES = 8 };
 
 struct iso_gl_engine {
     iso_gl_context *context;
@@ -42,6 +58,12 @@ struct iso_gl_engine {
     int width, height;
     unsigned framebuffer, color, surface, depth;
     unsigned frame, commands, instances; /* buffers */
+    /* Buffers that grow as they must, 0 where not needed so far. */
+    unsigned storage[ISO_GL_STORES];
+    size_t storage_bytes[ISO_GL_STORES];
+    size_t max_storage; /* bytes of one that shaders can see */
+    bool wide_atomics;  /* on 64 bits of it */
+    iso_gl_timer timer;
 };
 
 /* The program, compiled when it is asked for the first time. */
