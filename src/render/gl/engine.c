@@ -53,6 +53,7 @@ iso_status iso_gl_engine_create(iso_gl_context *context, iso_gl_engine **engine,
     iso_gl_engine *made = iso_alloc_zero(1, sizeof *made);
     if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an engine");
     made->context = context;
+    made->timer.by_clock = iso_gl_renderer_is_software(context->renderer);
     iso_status status = iso_gl_enter(context, error);
     if (status == ISO_OK) {
         make_buffers(made, context->gl);
@@ -400,7 +401,6 @@ typedef struct picture {
 } picture;
 
 static iso_status draw_shapes(picture *p, const iso_view *view, iso_error *error) {
-    begin_part(p->engine, view);
     for (int i = 0; i < p->opts->shape_count; i++) {
         const iso_gl_shape *shape = p->opts->shapes[i];
         shape_draw draw = {.engine = p->engine,
@@ -418,9 +418,10 @@ static iso_status draw_shapes(picture *p, const iso_view *view, iso_error *error
 static iso_status draw_part(picture *p, const iso_view *view, corner at, iso_gbuffer *gbuffer,
                             iso_error *error) {
     ISO_TRY(need_target(p->engine, view->width, view->height, error));
+    begin_part(p->engine, view);
     iso_gl_timer_begin(&p->engine->timer, p->engine->context->gl, ISO_GL_PASS_DRAW);
     iso_status status = draw_shapes(p, view, error);
-    iso_gl_timer_end(p->engine->context->gl);
+    iso_gl_timer_end(&p->engine->timer, p->engine->context->gl);
     ISO_TRY(status);
     ISO_TRY(read_part(p->engine, view, at, gbuffer, error));
     iso_gl_timer_read(&p->engine->timer, p->engine->context->gl);

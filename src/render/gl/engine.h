@@ -33,8 +33,8 @@ typedef enum iso_gl_pass {
 enum { ISO_GL_PASSES = 5 };
 const char *iso_gl_pass_name(iso_gl_pass pass); /* "draw", "project", .. */
 
-/* Seconds that the GPU took for each, by its own clock, in all pictures since the engine was made or told to
- * forget. */
+/* Seconds that the GPU took for each, by its own clock (software renderers: by the computer's), in all
+ * pictures since the engine was made or told to forget. */
 void iso_gl_engine_seconds(const iso_gl_engine *engine, double seconds[ISO_GL_PASSES]);
 void iso_gl_engine_forget_seconds(iso_gl_engine *engine);
 

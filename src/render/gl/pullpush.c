@@ -266,7 +266,7 @@ static iso_status reconstruct(const drawing *d, iso_buffer *room, iso_error *err
     iso_gl_timer *timer = &f->engine->timer;
     iso_gl_timer_begin(timer, f->gl, ISO_GL_PASS_PROJECT);
     iso_status status = project_all(d, room, error);
-    iso_gl_timer_end(f->gl);
+    iso_gl_timer_end(timer, f->gl);
     ISO_TRY(status);
     bind(f, ISO_GL_SHADES, ISO_GL_STORE_SHADES);
     bind(f, ISO_GL_RANGES, ISO_GL_STORE_RANGES);
@@ -274,15 +274,15 @@ static iso_status reconstruct(const drawing *d, iso_buffer *room, iso_error *err
     bind(f, ISO_GL_PICTURE, ISO_GL_STORE_PICTURE);
     iso_gl_timer_begin(timer, f->gl, ISO_GL_PASS_PULL);
     status = pull(d, error);
-    iso_gl_timer_end(f->gl);
+    iso_gl_timer_end(timer, f->gl);
     ISO_TRY(status);
     iso_gl_timer_begin(timer, f->gl, ISO_GL_PASS_PUSH);
     status = push(d, error);
-    iso_gl_timer_end(f->gl);
+    iso_gl_timer_end(timer, f->gl);
     ISO_TRY(status);
     iso_gl_timer_begin(timer, f->gl, ISO_GL_PASS_FINISH);
     status = run(d, ISO_GL_FINISH, 0, error);
-    iso_gl_timer_end(f->gl);
+    iso_gl_timer_end(timer, f->gl);
     return status;
 }
 
