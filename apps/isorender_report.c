@@ -178,6 +178,16 @@ static void put_files(iso_json *json, const isorender_job *job) {
     if (job->plan->mesh) iso_json_string(json, "mesh_path", job->plan->mesh);
 }
 
+/* Seconds that the GPU took for the pictures, by what it did. */
+static void put_passes(iso_json *json, const iso_gl_engine *engine) {
+    double seconds[ISO_GL_PASSES];
+    iso_gl_engine_seconds(engine, seconds);
+    iso_json_begin_object(json, "seconds");
+    for (int pass = 0; pass < ISO_GL_PASSES; pass++)
+        if (seconds[pass] > 0) iso_json_real(json, iso_gl_pass_name((iso_gl_pass)pass), seconds[pass]);
+    iso_json_end_object(json);
+}
+
 static void put_backend(iso_json *json, const isorender_backend *backend) {
     iso_json_string(json, "backend", backend->name);
     iso_json_string(json, "renderer", backend->renderer);
@@ -188,6 +198,7 @@ static void put_backend(iso_json *json, const isorender_backend *backend) {
     iso_json_string(json, "vendor", info.vendor);
     iso_json_string(json, "version", info.version);
     iso_json_integer(json, "messages", iso_gl_context_messages(backend->context).count);
+    put_passes(json, backend->engine);
     iso_json_end_object(json);
 }
 
