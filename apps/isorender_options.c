@@ -213,7 +213,8 @@ static const iso_option options[] = {
     {"reconstruction", NULL, "NAME",
      "how pullpush fills in: box or gaussian (equal or Gaussian weights in ellipses; Marroquim 2008), "
      "refined "
-     "(second-order discs); auto is refined, or gaussian for points that have colours",
+     "(second-order discs, cpu only); auto is refined, or gaussian with OpenGL and for points that have "
+     "colours",
      .group = PICTURE, .standard = "auto", CHOICE(reconstruction, reconstructions)},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
@@ -272,8 +273,8 @@ static const iso_option options[] = {
      .group = OUTPUT, CALL(isorender_apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
     {"backend", "rendering-backend", "NAME",
-     "cpu, egl or osmesa (OpenGL without a window: points and mesh); auto is a GPU where EGL finds one, else "
-     "cpu",
+     "cpu, egl or osmesa (OpenGL without a window: points, pullpush and mesh); auto is a GPU where EGL finds "
+     "one, else cpu; but what needs the cpu is drawn by it",
      .group = RUNNING, .standard = "auto", TEXT(backend), QUIETLY},
     {"list-backends", "list-rendering-backends", NULL, "say what can render here", .group = RUNNING,
      CALL(apply_list_backends), QUIETLY},

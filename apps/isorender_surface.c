@@ -92,7 +92,8 @@ static iso_status fail_empty(isorender_job *job, double isovalue, iso_error *err
 static bool is_refined(const isorender_job *job) {
     int reconstruction = job->settings->reconstruction;
     return job->method == ISORENDER_PULLPUSH &&
-           (reconstruction == ISO_RECONSTRUCTION_REFINED || reconstruction == ISO_RECONSTRUCTION_AUTO);
+           (reconstruction == ISO_RECONSTRUCTION_REFINED ||
+            (reconstruction == ISO_RECONSTRUCTION_AUTO && !job->backend->engine));
 }
 
 static iso_status extract_points(isorender_job *job, isorender_surface *surface, iso_error *error) {
