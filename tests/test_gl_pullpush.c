@@ -120,7 +120,8 @@ static double uniform(uint32_t *seed) {
 
 enum { SPANS = 6, EACH = 9000, POINTS = SPANS * EACH };
 
-/* Points of a sphere of radius 7 around (8, 8, 8) in each of the spans, which are out of order. */
+/* Points of a thin shell of radius 7 around (8, 8, 8) in each of the spans, which are out of order: every
+ * other one is of its inside. */
 typedef struct many_points {
     iso_surfel *surfels;
     float *radii;
@@ -136,8 +137,8 @@ static void make_many(many_points *m) {
         double z = 2 * uniform(&seed) - 1, turn = 2 * ISO_PI * uniform(&seed), r = sqrt(1 - z * z);
         const double n[3] = {r * cos(turn), r * sin(turn), z};
         for (int axis = 0; axis < 3; axis++) {
-            m->surfels[i].position[axis] = (float)(8 + 7 * n[axis]);
-            m->surfels[i].normal[axis] = (float)(3 * n[axis]);
+            m->surfels[i].position[axis] = (float)(8 + (i % 2 ? 6.95 : 7) * n[axis]);
+            m->surfels[i].normal[axis] = (float)((i % 2 ? -3 : 3) * n[axis]);
         }
         m->radii[i] = (float)(0.15 + 0.3 * uniform(&seed));
     }
@@ -195,7 +196,7 @@ static void expect_same(const iso_gbuffer *a, const iso_gbuffer *b) {
     assert_memory_equal(a->surface, b->surface, samples);
 }
 
-/* With points that are alike in depth and place, whose order would show. */
+/* With points that are alike in depth and place, and some in their normals too: their order would show. */
 static void every_time_is_the_same(void **state) {
     (void)state;
     gl_contexts contexts;
@@ -206,6 +207,7 @@ static void every_time_is_the_same(void **state) {
         if (i % 3 == 0) {
             memcpy(m.surfels[i].position, m.surfels[i - 1].position, sizeof m.surfels[i].position);
             if (i % 2) memcpy(m.surfels[i].normal, m.surfels[i - 1].normal, sizeof m.surfels[i].normal);
+            m.radii[i] = m.radii[i - 1];
         }
     const iso_box box = {{0, -16, 0}, {32, 32, 48}};
     const iso_view view = gl_side_view(&box, 1, false, 250, 210);
@@ -215,6 +217,7 @@ static void every_time_is_the_same(void **state) {
         iso_gbuffer first = gl_gbuffer(&view);
         const iso_gl_pullpush_opts opts = {&view, (const iso_gl_shape *const *)&shape, 1,
                                            ISO_RECONSTRUCTION_AUTO};
+        gl_check_pullpush(engine, &m.view, ISO_RECONSTRUCTION_GAUSSIAN, &view, 1, "points that are alike");
         assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &first, NULL), ISO_OK);
         for (int round = 0; round < 10; round++) {
             iso_gbuffer again = gl_gbuffer(&view);

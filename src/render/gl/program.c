@@ -9,7 +9,8 @@
 
 #include "render/gl/internal.h"
 
-enum { STAGES = 2, PIECES = 3 };
+/* HEAD: texts before the pieces. */
+enum { STAGES = 2, PIECES = 3, HEAD = 4 };
 
 /* Stages are of the program's own files; pieces come before each of them. */
 typedef struct recipe {
@@ -127,7 +128,7 @@ static GLenum type_of(const char *file) {
 
 /* What a shader is put together from, in order; texts that are read from disk are its own. */
 typedef struct source {
-    const char *part[2 * PIECES + 5];
+    const char *part[HEAD + 2 * (PIECES + 1)];
     char *own[PIECES + 1];
     int parts, owned;
 } source;
@@ -145,7 +146,7 @@ static iso_status compile(iso_gl_context *context, const recipe *r, const char *
                           iso_error *error) {
     const GladGLContext *gl = context->gl;
     source s = {.part = {"#version 450 core\n", r->defines, "#define ISO_GLSL 1\n", embedded("shared.h")},
-                .parts = 4};
+                .parts = HEAD};
     for (int i = 0; i < PIECES && r->pieces[i]; i++) add_file(&s, r->pieces[i]);
     add_file(&s, file);
     GLuint made = gl->CreateShader(type_of(file));
