@@ -1,4 +1,7 @@
 /* base: geometry, packed points, the thread pool, sinks. */
+#define _GNU_SOURCE
+#include <dirent.h>
+#include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -190,34 +195,81 @@ static void results_are_placed_in_order(void **state) {
     }
 }
 
-static int exists(const char *path) {
-    FILE *file = fopen(path, "r");
-    if (file) fclose(file);
-    return file != NULL;
+static bool no_nameless_files; /* as on file systems that have none */
+
+int __real_access(const char *path, int mode);
+int __wrap_access(const char *path, int mode);
+int __wrap_access(const char *path, int mode) {
+    return no_nameless_files ? -1 : __real_access(path, mode);
 }
 
-static void sinks_write_all_or_nothing(void **state) {
-    (void)state;
-    const char *path = ISO_TEST_TMP "/sink.txt";
-    remove(path);
+/* What a folder holds beside "." and "..". */
+static int count_files(const char *folder) {
+    DIR *listing = opendir(folder);
+    int count = -2;
+    assert_non_null(listing);
+    while (readdir(listing)) count++;
+    closedir(listing);
+    return count;
+}
+
+static void check_contents(const char *path, const char *wanted) {
+    char text[16] = "";
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    assert_non_null(fgets(text, sizeof text, file));
+    fclose(file);
+    assert_string_equal(text, wanted);
+}
+
+static void write_text(const char *path, const char *text) {
+    iso_sink sink;
+    iso_error error = {0};
+    assert_int_equal(iso_sink_open(path, &sink, &error), ISO_OK);
+    fputs(text, sink.stream);
+    assert_int_equal(iso_sink_commit(&sink, &error), ISO_OK);
+    iso_sink_abort(&sink); /* harmless after commit */
+}
+
+/* Files appear whole, replace what was there and leave nothing else; `before_commit` files are seen while one
+ * is being written. */
+static void check_sink(const char *folder, int before_commit) {
+    char path[512];
+    snprintf(path, sizeof path, "%s/sink.txt", folder);
     iso_sink sink;
     iso_error error = {0};
     assert_int_equal(iso_sink_open(path, &sink, &error), ISO_OK);
     fputs("half", sink.stream);
-    assert_false(exists(path));
-    char temporary[512];
-    snprintf(temporary, sizeof temporary, "%s", sink.temporary);
+    assert_int_equal(count_files(folder), before_commit);
     iso_sink_abort(&sink);
-    assert_false(exists(path));
-    assert_false(exists(temporary));
+    assert_int_equal(count_files(folder), 0);
 
-    assert_int_equal(iso_sink_open(path, &sink, &error), ISO_OK);
-    fputs("whole", sink.stream);
-    assert_int_equal(iso_sink_commit(&sink, &error), ISO_OK);
-    assert_true(exists(path));
-    iso_sink_abort(&sink); /* harmless after commit */
+    write_text(path, "whole");
+    check_contents(path, "whole");
+    chmod(path, 0640);
+    write_text(path, "second");
+    check_contents(path, "second");
+    struct stat info;
+    assert_int_equal(stat(path, &info), 0);
+    assert_int_equal(info.st_mode & 0777, 0640);
+    assert_int_equal(count_files(folder), 1);
     remove(path);
+}
 
+static void sinks_write_all_or_nothing(void **state) {
+    (void)state;
+    char folder[] = ISO_TEST_TMP "/sink.XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    no_nameless_files = true;
+    check_sink(folder, 1);
+    no_nameless_files = false;
+    int nameless = open(folder, O_TMPFILE | O_WRONLY, 0600);
+    check_sink(folder, nameless < 0);
+    if (nameless >= 0) close(nameless);
+    rmdir(folder);
+
+    iso_sink sink;
+    iso_error error = {0};
     assert_int_equal(iso_sink_open("/nonexistent/folder/x", &sink, &error), ISO_ERR_WRITE);
     assert_non_null(strstr(error.text, "/nonexistent/folder/x"));
     assert_int_equal(iso_sink_open("/", &sink, &error), ISO_ERR_WRITE);

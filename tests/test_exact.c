@@ -14,6 +14,7 @@
 #include "base/cpu.h"
 #include "exact_support.h"
 #include "extract_support.h"
+#include "view_support.h"
 
 static void ok(iso_status status, const iso_error *error) {
     if (status != ISO_OK) fail_msg("%s", error->text);
@@ -21,84 +22,18 @@ static void ok(iso_status status, const iso_error *error) {
 
 /* ---- volumes and views */
 
-enum { TRANSFORMS = 3 };
-
-static iso_transform make_transform(int kind) {
-    iso_transform transform = iso_transform_identity();
-    if (kind == 0) return transform;
-    /* columns: a rotation (from an integer quaternion), mirrored for kind 2 */
-    const double rotation[9] = {2.0 / 3,  -1.0 / 3, 2.0 / 3, 2.0 / 3, 2.0 / 3,
-                                -1.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3};
-    const double spacing[3] = {0.7, 1.9, 1.2};
-    for (int i = 0; i < 9; i++) transform.direction[i] = rotation[i] * (kind == 2 && i % 3 == 1 ? -1 : 1);
-    for (int i = 0; i < 3; i++) {
-        transform.spacing[i] = spacing[i];
-        transform.origin[i] = 31.25 - 17 * i;
-    }
-    return transform;
-}
-
-typedef enum test_view { PERSPECTIVE, ORTHOGRAPHIC, INSIDE, CUT, VIEW_KINDS } test_view;
-
-/* A view of the whole grid, from its middle, or with the near plane through its middle. */
 static iso_view make_view(const iso_grid *grid, test_view kind, int size, test_random *random) {
-    const int *dims = iso_grid_dims(grid);
-    iso_affine affine = iso_transform_affine(iso_grid_transform(grid));
-    iso_vec3 middle = iso_affine_point(
-        &affine, iso_vec3_make(0.5 * (dims[0] - 1), 0.5 * (dims[1] - 1), 0.5 * (dims[2] - 1)));
-    double reach = iso_vec3_length(iso_vec3_sub(middle, iso_affine_point(&affine, (iso_vec3){0, 0, 0})));
-    iso_vec3 away = iso_vec3_unit(iso_vec3_make(
-        test_random_real(random, -1, 1), test_random_real(random, -1, 1), test_random_real(random, -1, 1)));
-    iso_camera camera = {.focal_point = middle,
-                         .position = iso_vec3_add(middle, iso_vec3_scale(away, 2.2 * reach)),
-                         .view_up = {0.1, 0.3, 1},
-                         .view_angle = 45,
-                         .orthographic = kind == ORTHOGRAPHIC,
-                         .parallel_scale = 0.7 * reach};
-    if (kind == INSIDE) {
-        camera.position = iso_vec3_add(middle, iso_vec3_scale(away, 0.1 * reach));
-        camera.view_angle = 100;
-    }
-    iso_view view = iso_view_make(&camera, size, size);
-    if (kind == CUT) view.near = 2.2 * reach;
-    return view;
-}
-
-/* Looks along index axis `axis` (up or down) of an identity grid; `step` voxels between samples, the first at
- * `first` on both other axes. */
-static iso_view axis_view(int axis, bool up, double step, double first, int size) {
-    iso_view view = {
-        .focal = 1 / step, .width = size, .height = size, .orthographic = true, .near = -DBL_MAX};
-    int right = (axis + 1) % 3, down = (axis + 2) % 3;
-    view.rotation[right] = 1;
-    view.rotation[3 + down] = up ? 1 : -1;
-    view.rotation[6 + axis] = up ? 1 : -1;
-    view.cx = 0.5 - first / step;
-    view.cy = up ? view.cx : 0.5 + first / step + (size - 1);
-    return view;
+    return test_view_make(
+        grid, kind, size,
+        iso_vec3_unit(iso_vec3_make(test_random_real(random, -1, 1), test_random_real(random, -1, 1),
+                                    test_random_real(random, -1, 1))));
 }
 
 static void set_transform(const iso_grid *grid, int kind) {
     if (grid->rgrid)
-        grid->rgrid->transform = make_transform(kind);
+        grid->rgrid->transform = test_transform(kind);
     else
-        grid->hgrid->transform = make_transform(kind);
-}
-
-/* ---- pictures */
-
-static void same_pictures(const iso_gbuffer *a, const iso_gbuffer *b) {
-    size_t samples = (size_t)(a->width * a->height);
-    assert_memory_equal(a->depth, b->depth, samples * sizeof *a->depth);
-    assert_memory_equal(a->surface, b->surface, samples);
-    for (int axis = 0; axis < 3; axis++)
-        assert_memory_equal(a->normal[axis], b->normal[axis], samples * sizeof(float));
-}
-
-static size_t covered(const iso_gbuffer *gbuffer) {
-    size_t count = 0;
-    for (int i = 0; i < gbuffer->width * gbuffer->height; i++) count += isfinite(gbuffer->depth[i]) != 0;
-    return count;
+        grid->hgrid->transform = test_transform(kind);
 }
 
 /* ---- exact against the truth */
@@ -121,14 +56,14 @@ static void random_grids_equal_raycast(void **state) {
     test_random random = {1};
     for (int pattern = TEST_NOISE; pattern <= TEST_SMOOTH; pattern++) {
         test_verdict verdict = {0};
-        for (int round = 0; round < 4 * TRANSFORMS * VIEW_KINDS; round++) {
+        for (int round = 0; round < 4 * TEST_TRANSFORMS * TEST_VIEWS; round++) {
             int dims[3];
             test_random_dims(&random, 3, 21, dims);
             iso_grid grid = test_rgrid(dims, types[round % 4]);
-            set_transform(&grid, round / 4 % TRANSFORMS);
+            set_transform(&grid, round / 4 % TEST_TRANSFORMS);
             grid.rgrid->level_set = round % 3 == 0;
             test_fill(&grid, pattern, &random);
-            iso_view view = make_view(&grid, round / 4 / TRANSFORMS, 72, &random);
+            iso_view view = make_view(&grid, round / 4 / TEST_TRANSFORMS, 72, &random);
             judge(&grid, pattern == TEST_SMOOTH ? 100.3 : 100, &view, &verdict);
             iso_grid_destroy(&grid);
         }
@@ -141,16 +76,16 @@ static void cells_that_are_not_finite_are_empty(void **state) {
     (void)state;
     test_random random = {2};
     test_verdict verdict = {0};
-    for (int round = 0; round < TRANSFORMS * VIEW_KINDS; round++) {
+    for (int round = 0; round < TEST_TRANSFORMS * TEST_VIEWS; round++) {
         iso_grid grid = test_rgrid((const int[3]){20, 9, 18}, ISO_FLOAT32);
-        set_transform(&grid, round % TRANSFORMS);
+        set_transform(&grid, round % TEST_TRANSFORMS);
         test_fill(&grid, TEST_NOISE, &random);
         float *values = grid.rgrid->data;
         for (int i = 0; i < 20 * 9 * 18 / 25; i++) {
             static const float bad[] = {NAN, INFINITY, -INFINITY};
             values[test_random_int(&random, 0, 20 * 9 * 18 - 1)] = bad[i % 3];
         }
-        iso_view view = make_view(&grid, round / TRANSFORMS, 72, &random);
+        iso_view view = make_view(&grid, round / TEST_TRANSFORMS, 72, &random);
         judge(&grid, 140, &view, &verdict);
         iso_grid_destroy(&grid);
     }
@@ -168,7 +103,7 @@ static void any_magnitude_of_values(void **state) {
         test_fill(&grid, TEST_NOISE, &random);
         float *values = grid.rgrid->data;
         for (int k = 0; k < 12 * 11 * 13; k++) values[k] = (float)((values[k] - 125) * 2.6 * scales[i]);
-        iso_view view = make_view(&grid, PERSPECTIVE, 100, &random);
+        iso_view view = make_view(&grid, TEST_PERSPECTIVE, 100, &random);
         judge(&grid, -3 * scales[i], &view, &verdict);
         char name[32];
         snprintf(name, sizeof name, "values up to %g", 325 * scales[i]);
@@ -193,10 +128,10 @@ static void hgrids_equal_raycast(void **state) {
     (void)state;
     test_random random = {4};
     test_verdict verdict = {0};
-    for (int round = 0; round < TRANSFORMS * VIEW_KINDS; round++) {
+    for (int round = 0; round < TEST_TRANSFORMS * TEST_VIEWS; round++) {
         iso_grid grid = random_balls(50, 12, &random);
-        set_transform(&grid, round % TRANSFORMS);
-        iso_view view = make_view(&grid, round / TRANSFORMS, 100, &random);
+        set_transform(&grid, round % TEST_TRANSFORMS);
+        iso_view view = make_view(&grid, round / TEST_TRANSFORMS, 100, &random);
         judge(&grid, round % 2 ? 0 : 0.37, &view, &verdict);
         iso_grid_destroy(&grid);
     }
@@ -213,9 +148,9 @@ static void rays_along_axes(void **state) {
     for (int round = 0; round < 24; round++) {
         iso_grid grid = test_rgrid((const int[3]){18, 18, 18}, types[round % 4]);
         test_fill(&grid, round % 2 ? TEST_NOISE : TEST_SMOOTH, &random);
-        iso_view view = axis_view(round % 3, round / 3 % 2, 0.2431, 0.0713, 70);
+        iso_view view = test_axis_view(round % 3, round / 3 % 2, 0.2431, 0.0713, 70);
         judge(&grid, 100.5, &view, &between);
-        view = axis_view(round % 3, round / 3 % 2, 1.0 / 3, 0, 52);
+        view = test_axis_view(round % 3, round / 3 % 2, 1.0 / 3, 0, 52);
         judge(&grid, 100.5, &view, &along);
         iso_grid_destroy(&grid);
     }
@@ -231,10 +166,10 @@ static void thin_grids_are_empty(void **state) {
     for (int i = 0; i < 5; i++) {
         iso_grid grid = test_rgrid(thin[i], types[i % 4]);
         test_fill(&grid, TEST_NOISE, &random);
-        iso_view view = make_view(&grid, PERSPECTIVE, 16, &random);
-        if (thin[i][1] == 1 && thin[i][0] == 1) view = axis_view(1, true, 0.25, 0, 16);
+        iso_view view = make_view(&grid, TEST_PERSPECTIVE, 16, &random);
+        if (thin[i][1] == 1 && thin[i][0] == 1) view = test_axis_view(1, true, 0.25, 0, 16);
         iso_gbuffer gbuffer = picture_of(&grid, 100, &view, NULL);
-        assert_int_equal(covered(&gbuffer), 0);
+        assert_int_equal(test_covered(&gbuffer), 0);
         iso_exact *exact = make_exact(&grid, 100, NULL);
         assert_int_equal(iso_exact_stats(exact).cells, 0);
         const iso_box box = iso_exact_bounds(exact, NULL);
@@ -245,9 +180,9 @@ static void thin_grids_are_empty(void **state) {
     }
     iso_grid grid = test_rgrid((const int[3]){9, 9, 9}, ISO_UINT8),
              empty = test_hgrid((const int[3]){40, 9, 9}, 3);
-    iso_view view = make_view(&grid, PERSPECTIVE, 16, &random);
+    iso_view view = make_view(&grid, TEST_PERSPECTIVE, 16, &random);
     iso_gbuffer dense = picture_of(&grid, 100, &view, NULL), sparse = picture_of(&empty, 0, &view, NULL);
-    assert_int_equal(covered(&dense) + covered(&sparse), 0);
+    assert_int_equal(test_covered(&dense) + test_covered(&sparse), 0);
     iso_gbuffer_free(&dense);
     iso_gbuffer_free(&sparse);
     iso_grid_destroy(&grid);
@@ -265,9 +200,9 @@ static iso_grid smooth_grid(const int dims[3], iso_type type, test_random *rando
 static void strips_equal_the_whole(void **state) {
     (void)state;
     test_random random = {7};
-    for (int kind = 0; kind < VIEW_KINDS; kind++) {
+    for (int kind = 0; kind < TEST_VIEWS; kind++) {
         iso_grid grid = smooth_grid((const int[3]){40, 37, 33}, ISO_INT16, &random);
-        set_transform(&grid, kind % TRANSFORMS);
+        set_transform(&grid, kind % TEST_TRANSFORMS);
         iso_view view = make_view(&grid, kind, 150, &random);
         view.height = 131;
         view.cx += 0.3125;
@@ -287,8 +222,8 @@ static void strips_equal_the_whole(void **state) {
             draw_exact(exact, &strip, &part, NULL);
             y += height;
         }
-        assert_true(covered(&whole) > 1000);
-        same_pictures(&whole, &parts);
+        assert_true(test_covered(&whole) > 1000);
+        test_same_pictures(&whole, &parts);
         iso_exact_destroy(exact);
         iso_gbuffer_free(&whole);
         iso_gbuffer_free(&parts);
@@ -308,8 +243,8 @@ static void levels_and_threads_give_the_same_bytes(void **state) {
         iso_grid grid = round % 4 == 3 ? random_balls(60, 14, &random)
                                        : test_rgrid((const int[3]){45, 39, 50}, types[round / 4 % 4]);
         if (grid.rgrid) test_fill(&grid, pattern, &random);
-        set_transform(&grid, round % TRANSFORMS);
-        iso_view view = make_view(&grid, round / 4 % VIEW_KINDS, round % 2 ? 210 : 40, &random);
+        set_transform(&grid, round % TEST_TRANSFORMS);
+        iso_view view = make_view(&grid, round / 4 % TEST_VIEWS, round % 2 ? 210 : 40, &random);
         const double isovalue = grid.rgrid ? 100 : 0;
         iso_cpu_limit(ISO_CPU_GENERIC);
         iso_gbuffer wanted = picture_of(&grid, isovalue, &view, NULL);
@@ -317,10 +252,10 @@ static void levels_and_threads_give_the_same_bytes(void **state) {
             for (int threads = 0; threads < 2; threads++) {
                 iso_cpu_limit(level);
                 iso_gbuffer got = picture_of(&grid, isovalue, &view, threads ? pool : NULL);
-                same_pictures(&got, &wanted);
+                test_same_pictures(&got, &wanted);
                 iso_gbuffer_free(&got);
             }
-        assert_true(covered(&wanted) > 200);
+        assert_true(test_covered(&wanted) > 200);
         iso_gbuffer_free(&wanted);
         iso_grid_destroy(&grid);
     }
@@ -337,7 +272,7 @@ static void any_size_of_picture(void **state) {
     iso_grid grid = smooth_grid((const int[3]){10, 9, 8}, ISO_FLOAT32, &random);
     test_verdict verdict = {0};
     for (int i = 0; i < 8; i++) {
-        iso_view view = make_view(&grid, i % VIEW_KINDS, 512, &random);
+        iso_view view = make_view(&grid, i % TEST_VIEWS, 512, &random);
         const double factor = fmin(sizes[i][0], sizes[i][1]) > 500 ? 3 : 1;
         view.focal *= factor;
         view.width = sizes[i][0];
@@ -355,7 +290,7 @@ static void same_as_new(const iso_grid *grid, const iso_exact *exact, const iso_
     iso_gbuffer got = empty_picture(view), wanted = empty_picture(view);
     draw_exact(exact, view, &got, NULL);
     draw_exact(fresh, view, &wanted, NULL);
-    same_pictures(&got, &wanted);
+    test_same_pictures(&got, &wanted);
     assert_int_equal(iso_exact_stats(exact).cells, iso_exact_stats(fresh).cells);
     const iso_box a = iso_exact_bounds(exact, NULL), b = iso_exact_bounds(fresh, NULL);
     assert_memory_equal(&a, &b, sizeof a);
@@ -386,7 +321,7 @@ static void updates_equal_rebuilding(void **state) {
             } else {
                 iso_gbuffer got = empty_picture(&view), wanted = picture_of(&grid, 0, &view, NULL);
                 draw_exact(exact, &view, &got, NULL);
-                same_pictures(&got, &wanted);
+                test_same_pictures(&got, &wanted);
                 iso_gbuffer_free(&got);
                 iso_gbuffer_free(&wanted);
             }
@@ -396,7 +331,7 @@ static void updates_equal_rebuilding(void **state) {
         ok(iso_exact_update(exact, &error), &error);
         iso_gbuffer got = empty_picture(&view), wanted = picture_of(&grid, isovalue + 0.5, &view, NULL);
         draw_exact(exact, &view, &got, NULL);
-        same_pictures(&got, &wanted);
+        test_same_pictures(&got, &wanted);
         iso_gbuffer_free(&got);
         iso_gbuffer_free(&wanted);
         iso_exact_destroy(exact);
@@ -411,7 +346,7 @@ static void surfaces_are_drawn_over_each_other(void **state) {
     test_random random = {11};
     iso_error error = {0};
     iso_grid grid = smooth_grid((const int[3]){40, 40, 40}, ISO_UINT8, &random);
-    iso_view view = make_view(&grid, PERSPECTIVE, 120, &random);
+    iso_view view = make_view(&grid, TEST_PERSPECTIVE, 120, &random);
     const double isovalues[] = {140, 100, 60};
     iso_gbuffer exact_picture = empty_picture(&view), truth = empty_picture(&view),
                 back = empty_picture(&view);
@@ -431,7 +366,7 @@ static void surfaces_are_drawn_over_each_other(void **state) {
         iso_exact_destroy(exact);
         iso_exact_destroy(last);
     }
-    same_pictures(&exact_picture, &back);
+    test_same_pictures(&exact_picture, &back);
     size_t wrong = 0, seen[3] = {0};
     for (int i = 0; i < view.width * view.height; i++) {
         wrong += exact_picture.surface[i] != truth.surface[i];
@@ -501,7 +436,7 @@ static void bounds_are_those_of_points(void **state) {
         test_random_dims(&random, 2, 50, dims);
         iso_grid grid = round % 6 == 5 ? random_balls(40, 3, &random) : test_rgrid(dims, types[round % 4]);
         if (grid.rgrid) test_fill(&grid, round % 3, &random);
-        set_transform(&grid, round % TRANSFORMS);
+        set_transform(&grid, round % TEST_TRANSFORMS);
         const double isovalue = grid.rgrid ? 100 : 0;
         const iso_points_opts opts = {.isovalue = isovalue, .primitive = ISO_PRIMITIVE_EDGE, .floats = true};
         iso_point_set *points;

@@ -10,36 +10,9 @@
 
 #include <cmocka.h>
 
-#include "base/memory.h"
 #include "exact_support.h"
 #include "extract_support.h"
-
-static long calls_left = -1; /* -1: never refuse */
-
-static bool refuse(void) {
-    if (calls_left < 0 || calls_left-- > 0) return false;
-    calls_left = 0;
-    return true;
-}
-
-iso_status __real_iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error);
-iso_status __wrap_iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error);
-iso_status __wrap_iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error) {
-    if (bytes && refuse()) return iso_fail(error, ISO_ERR_NOMEM, "refused");
-    return __real_iso_buffer_reserve(buffer, bytes, keep, error);
-}
-
-void *__real_iso_alloc(size_t bytes);
-void *__wrap_iso_alloc(size_t bytes);
-void *__wrap_iso_alloc(size_t bytes) {
-    return refuse() ? NULL : __real_iso_alloc(bytes);
-}
-
-void *__real_iso_alloc_zero(size_t count, size_t size);
-void *__wrap_iso_alloc_zero(size_t count, size_t size);
-void *__wrap_iso_alloc_zero(size_t count, size_t size) {
-    return refuse() ? NULL : __real_iso_alloc_zero(count, size);
-}
+#include "refused_memory.h"
 
 static iso_view front_view(const iso_grid *grid) {
     const int *dims = iso_grid_dims(grid);
@@ -74,10 +47,10 @@ static void first_updates_fail_cleanly(void **state) {
         iso_grid grid = noisy_grid(&random);
         const iso_exact_opts opts = {.isovalue = 100};
         iso_exact *exact = NULL;
-        calls_left = call;
+        test_refuse_memory_after(call);
         iso_status status = iso_exact_create(&grid, &opts, &exact, NULL);
         if (status == ISO_OK) status = iso_exact_update(exact, NULL);
-        calls_left = -1;
+        test_grant_memory();
         failed = status != ISO_OK;
         assert_true(status == ISO_OK || status == ISO_ERR_NOMEM);
         if (exact) {
@@ -101,9 +74,9 @@ static void later_updates_make_up(void **state) {
     iso_exact *exact = make_exact(&grid, 100, NULL);
     for (long call = 0; call < 12; call++) {
         test_random_edit(&grid, &random);
-        calls_left = call;
+        test_refuse_memory_after(call);
         const iso_status status = iso_exact_update(exact, NULL);
-        calls_left = -1;
+        test_grant_memory();
         assert_true(status == ISO_OK || status == ISO_ERR_NOMEM);
         const iso_view view = front_view(&grid);
         iso_gbuffer gbuffer = empty_picture(&view);
@@ -126,9 +99,9 @@ static void drawing_fails_cleanly(void **state) {
     const iso_target target = {&view, &gbuffer, NULL, 0};
     bool failed = true;
     for (long call = 0; failed; call++) {
-        calls_left = call;
+        test_refuse_memory_after(call);
         const iso_status status = iso_draw_exact(&target, exact, NULL);
-        calls_left = -1;
+        test_grant_memory();
         failed = status != ISO_OK;
         assert_true(status == ISO_OK || status == ISO_ERR_NOMEM);
         for (int i = 0; i < 64 * 64 && failed; i++) assert_true(gbuffer.depth[i] == (float)INFINITY);

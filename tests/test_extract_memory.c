@@ -8,39 +8,10 @@
 
 #include <cmocka.h>
 
-#include "base/memory.h"
 #include "extract/mesh.h"
 #include "extract/points.h"
 #include "extract_support.h"
-
-static long calls_left = -1; /* -1: never refuse */
-static long refused;
-
-static bool refuse(void) {
-    if (calls_left < 0 || calls_left-- > 0) return false;
-    calls_left = 0;
-    refused++;
-    return true;
-}
-
-iso_status __real_iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error);
-iso_status __wrap_iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error);
-iso_status __wrap_iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error) {
-    if (bytes && refuse()) return iso_fail(error, ISO_ERR_NOMEM, "refused");
-    return __real_iso_buffer_reserve(buffer, bytes, keep, error);
-}
-
-void *__real_iso_alloc(size_t bytes);
-void *__wrap_iso_alloc(size_t bytes);
-void *__wrap_iso_alloc(size_t bytes) {
-    return refuse() ? NULL : __real_iso_alloc(bytes);
-}
-
-void *__real_iso_alloc_zero(size_t count, size_t size);
-void *__wrap_iso_alloc_zero(size_t count, size_t size);
-void *__wrap_iso_alloc_zero(size_t count, size_t size) {
-    return refuse() ? NULL : __real_iso_alloc_zero(count, size);
-}
+#include "refused_memory.h"
 
 typedef struct extent {
     size_t first, count;
@@ -133,13 +104,12 @@ static void first_extractions_fail_cleanly(void **state) {
     bool done = false;
     for (long allowed = 0; !done; allowed++) {
         iso_point_set *points = NULL;
-        refused = 0;
-        calls_left = allowed;
+        test_refuse_memory_after(allowed);
         iso_status status = iso_point_set_create(&grid, &(iso_points_opts){0}, &points, NULL);
         if (status == ISO_OK) status = iso_point_set_update(points, NULL);
-        calls_left = -1;
+        test_grant_memory();
         done = status == ISO_OK;
-        assert_int_equal(status, refused ? ISO_ERR_NOMEM : ISO_OK);
+        assert_int_equal(status, test_refusals() ? ISO_ERR_NOMEM : ISO_OK);
         if (!points) continue;
         iso_point_view view = iso_point_set_view(points);
         if (!done) assert_int_equal(view.span_count, 0);
@@ -150,17 +120,16 @@ static void first_extractions_fail_cleanly(void **state) {
     for (long allowed = 0; !done; allowed++) {
         iso_mesh_set *mesh = NULL;
         iso_weld weld = {0};
-        refused = 0;
-        calls_left = allowed;
+        test_refuse_memory_after(allowed);
         iso_status status = iso_mesh_set_create(&grid, &(iso_mesh_opts){0}, &mesh, NULL);
         if (status == ISO_OK) status = iso_mesh_set_update(mesh, NULL);
         if (status == ISO_OK) {
             iso_mesh_view view = iso_mesh_set_view(mesh);
             status = iso_mesh_weld(&view, &weld, NULL);
         }
-        calls_left = -1;
+        test_grant_memory();
         done = status == ISO_OK;
-        assert_int_equal(status, refused ? ISO_ERR_NOMEM : ISO_OK);
+        assert_int_equal(status, test_refusals() ? ISO_ERR_NOMEM : ISO_OK);
         iso_weld_free(&weld);
         if (mesh) check_mesh_recovers(&grid, mesh);
         iso_mesh_set_destroy(mesh);
@@ -178,11 +147,11 @@ static void updates_fail_cleanly(void **state) {
     for (int edit = 0; edit < 300; edit++) {
         test_random_edit(&grid, &random);
         long allowed = test_random_int(&random, 0, 40); /* anywhere in the work of an update */
-        calls_left = allowed;
+        test_refuse_memory_after(allowed);
         failed += iso_point_set_update(points, NULL) != ISO_OK;
-        calls_left = 2 * allowed;
+        test_refuse_memory_after(2 * allowed);
         failed += iso_mesh_set_update(mesh, NULL) != ISO_OK;
-        calls_left = -1;
+        test_grant_memory();
         iso_point_view point_view = iso_point_set_view(points);
         iso_mesh_view mesh_view = iso_mesh_set_view(mesh);
         check_points_are_sound(&point_view);

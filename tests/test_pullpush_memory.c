@@ -8,37 +8,8 @@
 
 #include <cmocka.h>
 
-#include "base/memory.h"
+#include "refused_memory.h"
 #include "render/pullpush.h"
-
-static long calls_left = -1; /* -1: never refuse */
-static long refused;
-
-static bool refuse(void) {
-    if (calls_left < 0 || calls_left-- > 0) return false;
-    calls_left = 0;
-    refused++;
-    return true;
-}
-
-iso_status __real_iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error);
-iso_status __wrap_iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error);
-iso_status __wrap_iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error) {
-    if (bytes && refuse()) return iso_fail(error, ISO_ERR_NOMEM, "refused");
-    return __real_iso_buffer_reserve(buffer, bytes, keep, error);
-}
-
-void *__real_iso_alloc(size_t bytes);
-void *__wrap_iso_alloc(size_t bytes);
-void *__wrap_iso_alloc(size_t bytes) {
-    return refuse() ? NULL : __real_iso_alloc(bytes);
-}
-
-void *__real_iso_alloc_zero(size_t count, size_t size);
-void *__wrap_iso_alloc_zero(size_t count, size_t size);
-void *__wrap_iso_alloc_zero(size_t count, size_t size) {
-    return refuse() ? NULL : __real_iso_alloc_zero(count, size);
-}
 
 enum { SIDE = 20, COUNT = SIDE * SIDE, SIZE = 70 };
 
@@ -87,11 +58,10 @@ static void refusals_are_reported(void **state) {
         assert_int_equal(draw(NULL, reconstruction, colored, &wanted), ISO_OK);
         long place = 0;
         for (;; place++) {
-            refused = 0;
-            calls_left = place;
+            test_refuse_memory_after(place);
             iso_status status = draw(workspace, reconstruction, colored, &got);
-            calls_left = -1;
-            if (!refused) {
+            test_grant_memory();
+            if (!test_refusals()) {
                 assert_int_equal(status, ISO_OK);
                 break;
             }
@@ -104,10 +74,10 @@ static void refusals_are_reported(void **state) {
         iso_gbuffer_free(&got);
         iso_pullpush_destroy(workspace);
     }
-    calls_left = 0;
+    test_refuse_memory_after(0);
     iso_pullpush *workspace;
     assert_int_equal(iso_pullpush_create(&workspace, NULL), ISO_ERR_NOMEM);
-    calls_left = -1;
+    test_grant_memory();
 }
 
 int main(void) {

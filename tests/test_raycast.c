@@ -13,6 +13,7 @@
 
 #include "extract/mesh.h"
 #include "truth/raycast.h"
+#include "view_support.h"
 static double uniform(uint32_t *state) {
     *state = *state * 1664525u + 1013904223u;
     return (double)(*state >> 8) / (1 << 24);
@@ -79,61 +80,15 @@ static double holes_field(int x, int y, int z, void *context) {
                          : value;
 }
 
-enum { TRANSFORMS = 3 };
-
-static iso_transform make_transform(int kind) {
-    iso_transform transform = iso_transform_identity();
-    if (kind == 0) return transform;
-    /* columns: a rotation (from an integer quaternion), mirrored for kind 2 */
-    const double rotation[9] = {2.0 / 3,  -1.0 / 3, 2.0 / 3, 2.0 / 3, 2.0 / 3,
-                                -1.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3};
-    const double spacing[3] = {0.7, 1.9, 1.2};
-    for (int i = 0; i < 9; i++) transform.direction[i] = rotation[i] * (kind == 2 && i % 3 == 1 ? -1 : 1);
-    for (int i = 0; i < 3; i++) {
-        transform.spacing[i] = spacing[i];
-        transform.origin[i] = 31.25 - 17 * i;
-    }
-    return transform;
-}
-
 /* ---- views */
 
-typedef enum test_view { PERSPECTIVE, ORTHOGRAPHIC, INSIDE, VIEW_KINDS } test_view;
+/* Views that do not cut the volume. */
+enum { WHOLE_VIEWS = TEST_CUT };
 
-/* A view of the whole grid, or from its middle. */
 static iso_view make_view(const iso_grid *grid, test_view kind, int size, uint32_t *seed) {
-    const int *dims = iso_grid_dims(grid);
-    iso_affine affine = iso_transform_affine(iso_grid_transform(grid));
-    iso_vec3 middle = iso_affine_point(
-        &affine, iso_vec3_make(0.5 * (dims[0] - 1), 0.5 * (dims[1] - 1), 0.5 * (dims[2] - 1)));
-    double reach = iso_vec3_length(iso_vec3_sub(middle, iso_affine_point(&affine, (iso_vec3){0, 0, 0})));
-    iso_vec3 away =
-        iso_vec3_unit(iso_vec3_make(uniform(seed) - 0.5, uniform(seed) - 0.5, uniform(seed) - 0.5));
-    iso_camera camera = {.focal_point = middle,
-                         .position = iso_vec3_add(middle, iso_vec3_scale(away, 2.2 * reach)),
-                         .view_up = {0.1, 0.3, 1},
-                         .view_angle = 45,
-                         .orthographic = kind == ORTHOGRAPHIC,
-                         .parallel_scale = 0.7 * reach};
-    if (kind == INSIDE) {
-        camera.position = iso_vec3_add(middle, iso_vec3_scale(away, 0.1 * reach));
-        camera.view_angle = 100;
-    }
-    return iso_view_make(&camera, size, size);
-}
-
-/* Looks along index axis `axis` (up or down) of an identity grid; `step` voxels between samples, the first at
- * `first` on both other axes. */
-static iso_view axis_view(int axis, bool up, double step, double first, int size) {
-    iso_view view = {
-        .focal = 1 / step, .width = size, .height = size, .orthographic = true, .near = -DBL_MAX};
-    int right = (axis + 1) % 3, down = (axis + 2) % 3;
-    view.rotation[right] = 1;
-    view.rotation[3 + down] = up ? 1 : -1;
-    view.rotation[6 + axis] = up ? 1 : -1;
-    view.cx = 0.5 - first / step;
-    view.cy = up ? view.cx : 0.5 + first / step + (size - 1);
-    return view;
+    return test_view_make(
+        grid, kind, size,
+        iso_vec3_unit(iso_vec3_make(uniform(seed) - 0.5, uniform(seed) - 0.5, uniform(seed) - 0.5)));
 }
 
 static iso_gbuffer cast(const iso_grid *grid, double isovalue, const iso_view *view, iso_pool *pool) {
@@ -149,22 +104,6 @@ static iso_gbuffer cast(const iso_grid *grid, double isovalue, const iso_view *v
     for (int i = 0; i < view->width * view->height; i++)
         assert_int_equal(gbuffer.surface[i], isfinite(gbuffer.depth[i]) ? 3 : ISO_SURFACE_NONE);
     return gbuffer;
-}
-
-static size_t covered(const iso_gbuffer *gbuffer) {
-    size_t count = 0;
-    for (int i = 0; i < gbuffer->width * gbuffer->height; i++) count += isfinite(gbuffer->depth[i]) != 0;
-    return count;
-}
-
-/* Same bytes in every plane; normals only where something was drawn. */
-static void same_pictures(const iso_gbuffer *a, const iso_gbuffer *b) {
-    size_t samples = (size_t)(a->width * a->height);
-    assert_memory_equal(a->depth, b->depth, samples * sizeof *a->depth);
-    assert_memory_equal(a->surface, b->surface, samples);
-    for (size_t i = 0; i < samples; i++)
-        for (int axis = 0; axis < 3 && isfinite(a->depth[i]); axis++)
-            assert_memory_equal(&a->normal[axis][i], &b->normal[axis][i], sizeof(float));
 }
 
 /* ---- dense sampling */
@@ -276,10 +215,10 @@ static void check_verdict(const test_verdict *verdict, const char *name, double 
 static void noise_agrees_with_dense_sampling(void **state) {
     (void)state;
     uint32_t seed = 11;
-    for (int kind = 0; kind < TRANSFORMS; kind++) {
+    for (int kind = 0; kind < TEST_TRANSFORMS; kind++) {
         test_verdict verdict = {0};
-        iso_transform transform = make_transform(kind);
-        for (int view_kind = 0; view_kind < VIEW_KINDS; view_kind++) {
+        iso_transform transform = test_transform(kind);
+        for (int view_kind = 0; view_kind < WHOLE_VIEWS; view_kind++) {
             iso_grid grid = make_rgrid(9, 7, 8, ISO_FLOAT32, &transform);
             fill_rgrid(&grid, noise_field, &seed);
             iso_view view = make_view(&grid, view_kind, 40, &seed);
@@ -297,8 +236,8 @@ static void every_type_agrees_with_dense_sampling(void **state) {
     static const iso_type types[] = {ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32};
     for (int type = 0; type < 4; type++) {
         test_verdict between = {0}, at = {0};
-        for (int view_kind = 0; view_kind < VIEW_KINDS; view_kind++) {
-            iso_transform transform = make_transform(view_kind);
+        for (int view_kind = 0; view_kind < WHOLE_VIEWS; view_kind++) {
+            iso_transform transform = test_transform(view_kind);
             iso_grid grid = make_rgrid(6, 9, 7, types[type], &transform);
             fill_rgrid(&grid, step_field, &seed);
             iso_view view = make_view(&grid, view_kind, 30, &seed);
@@ -316,8 +255,8 @@ static void cells_with_nan_are_empty(void **state) {
     (void)state;
     uint32_t seed = 13;
     test_verdict verdict = {0};
-    for (int view_kind = 0; view_kind < VIEW_KINDS; view_kind++) {
-        iso_transform transform = make_transform(view_kind);
+    for (int view_kind = 0; view_kind < WHOLE_VIEWS; view_kind++) {
+        iso_transform transform = test_transform(view_kind);
         iso_grid grid = make_rgrid(18, 9, 8, ISO_FLOAT32, &transform);
         fill_rgrid(&grid, holes_field, &seed);
         iso_view view = make_view(&grid, view_kind, 40, &seed);
@@ -353,15 +292,15 @@ static double ball_field(int x, int y, int z, void *context) {
 static void a_sphere_is_a_sphere(void **state) {
     (void)state;
     uint32_t seed = 3;
-    for (int round = 0; round < 2 * TRANSFORMS * 2; round++) {
-        iso_transform transform = make_transform(round % TRANSFORMS);
+    for (int round = 0; round < 2 * TEST_TRANSFORMS * 2; round++) {
+        iso_transform transform = test_transform(round % TEST_TRANSFORMS);
         iso_grid grid = make_rgrid(58, 40, 44, ISO_FLOAT32, &transform);
         iso_affine affine = iso_transform_affine(&transform);
         test_ball b = {iso_affine_point(&affine, iso_vec3_make(28.3, 19.1, 21.7)), 16, affine,
-                       round / TRANSFORMS % 2 ? 1 : -1};
+                       round / TEST_TRANSFORMS % 2 ? 1 : -1};
         grid.rgrid->level_set = b.sign > 0;
         fill_rgrid(&grid, ball_field, &b);
-        iso_view view = make_view(&grid, round % 2 ? PERSPECTIVE : ORTHOGRAPHIC, 64, &seed);
+        iso_view view = make_view(&grid, round % 2 ? TEST_PERSPECTIVE : TEST_ORTHOGRAPHIC, 64, &seed);
         iso_gbuffer gbuffer = cast(&grid, 0, &view, NULL);
         size_t hits = 0;
         for (int y = 0; y < 64; y++)
@@ -401,10 +340,10 @@ static double saddle_field(int x, int y, int z, void *context) {
 static void depth_is_exact_to_a_float(void **state) {
     (void)state;
     uint32_t seed = 21;
-    iso_transform transform = make_transform(1);
+    iso_transform transform = test_transform(1);
     iso_grid grid = make_rgrid(9, 10, 8, ISO_FLOAT32, &transform);
     fill_rgrid(&grid, saddle_field, NULL);
-    iso_view view = make_view(&grid, PERSPECTIVE, 64, &seed);
+    iso_view view = make_view(&grid, TEST_PERSPECTIVE, 64, &seed);
     iso_gbuffer gbuffer = cast(&grid, 1.5, &view, NULL);
     double worst = 0;
     for (int y = 0; y < 64; y++)
@@ -450,7 +389,7 @@ static void a_wall_in_a_voxel_plane_has_no_holes(void **state) {
         iso_transform identity = iso_transform_identity();
         iso_grid grid = make_rgrid(N, N, N, ISO_UINT8, &identity);
         fill_rgrid(&grid, wall_field, &w);
-        iso_view view = axis_view(w.axis, up, 0.5, 0, SAMPLES);
+        iso_view view = test_axis_view(w.axis, up, 0.5, 0, SAMPLES);
         iso_gbuffer gbuffer = cast(&grid, 1, &view, NULL);
         for (int i = 0; i < SAMPLES * SAMPLES; i++) {
             double wanted = up ? w.plane : -w.plane;
@@ -473,10 +412,10 @@ static void a_wall_in_the_border_is_seen(void **state) {
     size_t through = 0;
     for (int round = 0; round < 36; round++) {
         test_wall w = {round % 3, round / 3 % 2 * 18, true};
-        iso_transform transform = make_transform(round / 6 % TRANSFORMS);
+        iso_transform transform = test_transform(round / 6 % TEST_TRANSFORMS);
         iso_grid grid = make_rgrid(19, 19, 19, ISO_UINT8, &transform);
         fill_rgrid(&grid, wall_field, &w);
-        iso_view view = make_view(&grid, round / 18 ? PERSPECTIVE : ORTHOGRAPHIC, 30, &seed);
+        iso_view view = make_view(&grid, round / 18 ? TEST_PERSPECTIVE : TEST_ORTHOGRAPHIC, 30, &seed);
         iso_gbuffer gbuffer = cast(&grid, 1, &view, NULL);
         for (int i = 0; i < 900; i++) {
             index_ray ray = make_ray(&grid, &view, i % 30, i / 30);
@@ -502,7 +441,7 @@ static void rays_through_edges_and_corners_do_not_leak(void **state) {
         iso_transform identity = iso_transform_identity();
         iso_grid grid = make_rgrid(19, 19, 19, ISO_UINT8, &identity);
         fill_rgrid(&grid, step_field, &seed);
-        iso_view view = axis_view(2, true, 0.5, 0, 37);
+        iso_view view = test_axis_view(2, true, 0.5, 0, 37);
         if (round == 1) { /* along (1, 0, 1): a shear of the rows keeps the samples on voxels */
             view.rotation[6] = 1;
             view.rotation[8] = 1;
@@ -575,7 +514,7 @@ static void hits_on_edges_are_mesh_vertices(void **state) {
                 float *best = &first[(int)p[1]][(int)p[0]];
                 if (p[2] < *best) *best = p[2];
             }
-        iso_view view = axis_view(2, true, 1, 0, N);
+        iso_view view = test_axis_view(2, true, 1, 0, N);
         iso_gbuffer gbuffer = cast(&grid, isovalue, &view, NULL);
         for (int i = 0; i < N * N; i++)
             if (!(gbuffer.depth[i] == first[i / N][i % N] ||
@@ -621,21 +560,21 @@ static double hgrid_field(int x, int y, int z, void *context) {
 static void an_hgrid_looks_like_its_dense_twin(void **state) {
     (void)state;
     uint32_t seed = 41;
-    for (int kind = 0; kind < TRANSFORMS; kind++) {
-        iso_transform transform = make_transform(kind);
+    for (int kind = 0; kind < TEST_TRANSFORMS; kind++) {
+        iso_transform transform = test_transform(kind);
         iso_grid sparse = make_hgrid(&transform);
         size_t cells = (size_t)(sparse.hgrid->cells[0] * sparse.hgrid->cells[1] * sparse.hgrid->cells[2]);
         assert_true(iso_hgrid_brick_count(sparse.hgrid) < cells);
         iso_grid dense = make_rgrid(70, 45, 61, ISO_FLOAT32, &transform);
         dense.rgrid->level_set = 1;
         fill_rgrid(&dense, hgrid_field, sparse.hgrid);
-        for (int view_kind = 0; view_kind < VIEW_KINDS; view_kind++) {
+        for (int view_kind = 0; view_kind < WHOLE_VIEWS; view_kind++) {
             iso_view view = make_view(&sparse, view_kind, 90, &seed);
             for (double isovalue = -1; isovalue <= 1; isovalue += 0.75) {
                 iso_gbuffer a = cast(&sparse, isovalue, &view, NULL);
                 iso_gbuffer b = cast(&dense, isovalue, &view, NULL);
-                assert_true(covered(&a) > 300);
-                same_pictures(&a, &b);
+                assert_true(test_covered(&a) > 300);
+                test_same_pictures(&a, &b);
                 iso_gbuffer_free(&a);
                 iso_gbuffer_free(&b);
             }
@@ -663,10 +602,10 @@ static void a_crop_looks_like_its_copy(void **state) {
         iso_error error = {0};
         ok(iso_rgrid_crop(grid.rgrid, lo, hi, &error), &error);
         copy.rgrid->transform = grid.rgrid->transform;
-        iso_view view = make_view(&grid, PERSPECTIVE, 50, &seed);
+        iso_view view = make_view(&grid, TEST_PERSPECTIVE, 50, &seed);
         iso_gbuffer a = cast(&grid, 2.5, &view, NULL), b = cast(&copy, 2.5, &view, NULL);
-        assert_true(covered(&a) > 500);
-        same_pictures(&a, &b);
+        assert_true(test_covered(&a) > 500);
+        test_same_pictures(&a, &b);
         iso_gbuffer_free(&a);
         iso_gbuffer_free(&b);
         iso_grid_destroy(&grid);
@@ -677,18 +616,18 @@ static void a_crop_looks_like_its_copy(void **state) {
 static void threads_do_not_matter(void **state) {
     (void)state;
     uint32_t seed = 43;
-    iso_transform transform = make_transform(1);
+    iso_transform transform = test_transform(1);
     iso_grid grid = make_hgrid(&transform);
-    iso_view view = make_view(&grid, PERSPECTIVE, 150, &seed);
+    iso_view view = make_view(&grid, TEST_PERSPECTIVE, 150, &seed);
     iso_gbuffer one = cast(&grid, 0, &view, NULL);
-    assert_true(covered(&one) > 1000);
+    assert_true(test_covered(&one) > 1000);
     static const int threads[] = {1, 2, 7};
     for (int i = 0; i < 3; i++) {
         iso_pool *pool;
         iso_error error = {0};
         ok(iso_pool_create(threads[i], &pool, &error), &error);
         iso_gbuffer many = cast(&grid, 0, &view, pool);
-        same_pictures(&one, &many);
+        test_same_pictures(&one, &many);
         iso_gbuffer_free(&many);
         iso_pool_destroy(pool);
     }
@@ -708,7 +647,7 @@ static void nothing_before_the_near_plane(void **state) {
     iso_transform identity = iso_transform_identity();
     iso_grid grid = make_rgrid(12, 12, 16, ISO_UINT8, &identity);
     fill_rgrid(&grid, slab_field, NULL);
-    iso_view view = axis_view(2, true, 1, 0.5, 11);
+    iso_view view = test_axis_view(2, true, 1, 0.5, 11);
     /* before, on and behind the front face at 3.5, in the slab, and behind its back at 9.5 */
     static const double near_planes[] = {-DBL_MAX, 3.25, 3.5, 3.75, 6, 9.25, 9.75, 100};
     static const double depths[] = {3.5, 3.5, 9.5, 9.5, 9.5, 9.5, INFINITY, INFINITY};
@@ -730,7 +669,7 @@ static void nearer_samples_stay(void **state) {
     iso_transform identity = iso_transform_identity();
     iso_grid grid = make_rgrid(12, 12, 16, ISO_UINT8, &identity);
     fill_rgrid(&grid, slab_field, NULL);
-    iso_view view = axis_view(2, true, 1, 0.5, 11);
+    iso_view view = test_axis_view(2, true, 1, 0.5, 11);
     iso_gbuffer gbuffer;
     iso_raycaster *caster;
     iso_error error = {0};
@@ -770,9 +709,9 @@ static void nothing_to_see(void **state) {
             iso_grid grid = make_rgrid(dims[d][0], dims[d][1], dims[d][2], ISO_FLOAT32, &identity);
             if (kind < 2) fill_rgrid(&grid, constant_field, &constants[kind]);
             if (kind == 2) fill_rgrid(&grid, noise_field, &seed);
-            iso_view view = axis_view(2, true, 1, 0, 20);
+            iso_view view = test_axis_view(2, true, 1, 0, 20);
             iso_gbuffer gbuffer = cast(&grid, kind == 2 ? 0.5 : 3, &view, NULL);
-            assert_int_equal(covered(&gbuffer), 0);
+            assert_int_equal(test_covered(&gbuffer), 0);
             iso_gbuffer_free(&gbuffer);
             iso_grid_destroy(&grid);
         }

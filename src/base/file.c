@@ -36,27 +36,33 @@ static iso_status open_device(const char *path, iso_sink *sink, iso_error *error
     return ISO_OK;
 }
 
-iso_status iso_sink_open(const char *path, iso_sink *sink, iso_error *error) {
-    if (strcmp(path, "-") == 0) {
-        *sink = (iso_sink){.stream = stdout};
-        return ISO_OK;
-    }
-    struct stat info;
-    bool exists = stat(path, &info) == 0;
-    if (exists && S_ISDIR(info.st_mode)) return fail_path(error, path, EISDIR);
-    if (exists && !S_ISREG(info.st_mode)) return open_device(path, sink, error);
+/* A file without a name in the target's folder, gone when the process ends however it ends; where a file
+ * system has none (NFS, some FUSE) one with a name of its own, which a killed process leaves behind. */
+static int open_beside(const char *path, char *name) {
+    const char *slash = strrchr(path, '/');
+    char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
+    int descriptor = folder && access("/proc/self/fd", X_OK) == 0
+                         ? open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600)
+                         : -1;
+    free(folder);
+    if (descriptor < 0) return mkostemp(name, O_CLOEXEC);
+    *name = '\0';
+    return descriptor;
+}
+
+static iso_status open_unseen(const char *path, iso_sink *sink, iso_error *error) {
     char *target = strdup(path), *temporary = NULL;
     if (!target || asprintf(&temporary, "%s.XXXXXX", path) < 0) {
         free(target);
         return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
     }
-    int descriptor = mkstemp(temporary);
+    int descriptor = open_beside(path, temporary);
     int code = errno;
     FILE *stream = descriptor >= 0 ? fdopen(descriptor, "wb") : NULL;
     if (!stream) {
         if (descriptor >= 0) {
             close(descriptor);
-            unlink(temporary);
+            if (*temporary) unlink(temporary);
         }
         free(target);
         free(temporary);
@@ -67,16 +73,53 @@ iso_status iso_sink_open(const char *path, iso_sink *sink, iso_error *error) {
     return ISO_OK;
 }
 
+iso_status iso_sink_open(const char *path, iso_sink *sink, iso_error *error) {
+    if (strcmp(path, "-") == 0) {
+        *sink = (iso_sink){.stream = stdout};
+        return ISO_OK;
+    }
+    struct stat info;
+    bool exists = stat(path, &info) == 0;
+    if (exists && S_ISDIR(info.st_mode)) return fail_path(error, path, EISDIR);
+    if (exists && !S_ISREG(info.st_mode)) return open_device(path, sink, error);
+    return open_unseen(path, sink, error);
+}
+
+/* Gives a nameless file its target's name, which another file may have: then a passing one first, since a
+ * link replaces nothing. 0 or an errno. */
+static int name_file(int descriptor, const char *target) {
+    char source[64], *passing = NULL;
+    snprintf(source, sizeof source, "/proc/self/fd/%d", descriptor);
+    if (linkat(AT_FDCWD, source, AT_FDCWD, target, AT_SYMLINK_FOLLOW) == 0) return 0;
+    if (errno != EEXIST) return errno;
+    if (asprintf(&passing, "%s.%ld-%d", target, (long)getpid(), descriptor) < 0) return ENOMEM;
+    int code = 0;
+    if (linkat(AT_FDCWD, source, AT_FDCWD, passing, AT_SYMLINK_FOLLOW) != 0) {
+        code = errno;
+    } else if (rename(passing, target) != 0) {
+        code = errno;
+        unlink(passing);
+    }
+    free(passing);
+    return code;
+}
+
+/* Closes the sink's file, which gets its target's name if `code` is 0. 0 or an errno. */
+static int close_file(iso_sink *sink, int code) {
+    bool nameless = sink->temporary && !*sink->temporary;
+    if (!code && nameless) code = name_file(fileno(sink->stream), sink->target);
+    if (fclose(sink->stream) != 0 && !code) code = errno;
+    sink->stream = NULL;
+    if (!code && sink->temporary && !nameless && rename(sink->temporary, sink->target) != 0) code = errno;
+    return code;
+}
+
 iso_status iso_sink_commit(iso_sink *sink, iso_error *error) {
     const char *name = sink->target ? sink->target : "standard output";
     errno = 0;
     int code = 0;
     if (fflush(sink->stream) != 0 || ferror(sink->stream)) code = errno ? errno : EIO;
-    if (sink->target) {
-        if (fclose(sink->stream) != 0 && !code) code = errno;
-        sink->stream = NULL;
-        if (!code && sink->temporary && rename(sink->temporary, sink->target) != 0) code = errno;
-    }
+    if (sink->target) code = close_file(sink, code);
     iso_status status = code ? fail_path(error, name, code) : ISO_OK;
     if (code) {
         iso_sink_abort(sink);
@@ -91,7 +134,7 @@ iso_status iso_sink_commit(iso_sink *sink, iso_error *error) {
 void iso_sink_abort(iso_sink *sink) {
     if (sink->target) {
         if (sink->stream) fclose(sink->stream);
-        if (sink->temporary) unlink(sink->temporary);
+        if (sink->temporary && *sink->temporary) unlink(sink->temporary);
     }
     free(sink->target);
     free(sink->temporary);

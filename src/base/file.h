@@ -1,8 +1,9 @@
 /* file: outputs that appear whole or not at all.
  *
- * A sink writes to a new file beside its target and renames it on commit, after checking every write and
- * fsync-free flush; aborting removes it. "-" is stdout. A target that is there and no regular file (a device,
- * a pipe) is written to directly. One thread at a time per sink. */
+ * A sink writes to a new file in its target's folder, without a name where the system can do that, and gives
+ * it the target's name on commit, after checking every write and fsync-free flush; aborting removes it. "-"
+ * is stdout. A target that is there and no regular file (a device, a pipe) is written to directly. One thread
+ * at a time per sink. */
 #ifndef ISO_BASE_FILE_H
 #define ISO_BASE_FILE_H
 
@@ -17,8 +18,9 @@ extern "C" {
 #endif
 
 typedef struct iso_sink {
-    FILE *stream;             /* write to it freely; errors are found by iso_sink_commit */
-    char *target, *temporary; /* owned; both NULL for stdout, temporary NULL for a device */
+    FILE *stream; /* write to it freely; errors are found by iso_sink_commit */
+    char *target,
+        *temporary; /* owned; both NULL for stdout; temporary NULL for a device, "" without a name */
 } iso_sink;
 
 /* Opens a sink for `path`. ISO_ERR_WRITE names the path and the reason. On failure nothing is left behind. */

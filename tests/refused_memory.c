@@ -1,0 +1,45 @@
+#include "refused_memory.h"
+
+#include "base/memory.h"
+
+static long calls_left = -1; /* -1: never refuse */
+static long refusals;
+
+void test_refuse_memory_after(long calls) {
+    calls_left = calls;
+    refusals = 0;
+}
+
+void test_grant_memory(void) {
+    calls_left = -1;
+}
+
+long test_refusals(void) {
+    return refusals;
+}
+
+static bool refuse(void) {
+    if (calls_left < 0 || calls_left-- > 0) return false;
+    calls_left = 0;
+    refusals++;
+    return true;
+}
+
+iso_status __real_iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error);
+iso_status __wrap_iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error);
+iso_status __wrap_iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error) {
+    if (bytes && refuse()) return iso_fail(error, ISO_ERR_NOMEM, "refused");
+    return __real_iso_buffer_reserve(buffer, bytes, keep, error);
+}
+
+void *__real_iso_alloc(size_t bytes);
+void *__wrap_iso_alloc(size_t bytes);
+void *__wrap_iso_alloc(size_t bytes) {
+    return refuse() ? NULL : __real_iso_alloc(bytes);
+}
+
+void *__real_iso_alloc_zero(size_t count, size_t size);
+void *__wrap_iso_alloc_zero(size_t count, size_t size);
+void *__wrap_iso_alloc_zero(size_t count, size_t size) {
+    return refuse() ? NULL : __real_iso_alloc_zero(count, size);
+}
