@@ -20,7 +20,7 @@ static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --outpu
                                     "[options] --scene NAME[:SIZE] [OUT.png]", NULL};
 
 static const char *const methods[] = {"exact", "points", "pullpush", "mesh", "raycast", NULL};
-static const char *const reconstructions[] = {"auto", "box", "gaussian", "refined", NULL};
+static const char *const reconstructions[] = {"refined", "box", "gaussian", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
 static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated", NULL};
@@ -218,10 +218,9 @@ static const iso_option options[] = {
      "space), mesh (Marching Cubes) or raycast (as exact, by other means, slow); files of points: points",
      .group = PICTURE, .standard = "exact", CHOICE(method, methods)},
     {"reconstruction", NULL, "NAME",
-     "how pullpush fills in: box or gaussian (equal or Gaussian weights in ellipses; Marroquim 2008), "
-     "refined "
-     "(second-order discs); auto is refined, or gaussian for points that have colours",
-     .group = PICTURE, .standard = "auto", CHOICE(reconstruction, reconstructions)},
+     "how pullpush fills in: refined (second-order discs; points that have colours: as gaussian), box or "
+     "gaussian (equal or Gaussian weights in ellipses; Marroquim 2008)",
+     .group = PICTURE, .standard = "refined", CHOICE(reconstruction, reconstructions)},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
      .group = PICTURE, .standard = "exact", CHOICE(scaling, scalings)},
