@@ -4,14 +4,10 @@
 #include "apps/isorender.h"
 #include "render/gl/pullpush.h"
 
-/* What both engines have. Pull-push is refined unless something else is asked for, and OpenGL has box and
- * gaussian: it takes these by itself only where OpenGL was named. */
-static bool has_gl(const isorender_settings *settings, bool named) {
-    if (settings->method == ISORENDER_POINTS || settings->method == ISORENDER_MESH) return true;
-    if (settings->method != ISORENDER_PULLPUSH) return false;
-    return settings->reconstruction == ISO_RECONSTRUCTION_BOX ||
-           settings->reconstruction == ISO_RECONSTRUCTION_GAUSSIAN ||
-           (named && settings->reconstruction == ISO_RECONSTRUCTION_AUTO);
+/* What both engines have. */
+static bool has_gl(const isorender_settings *settings) {
+    if (settings->method == ISORENDER_PULLPUSH) return settings->reconstruction != ISO_RECONSTRUCTION_REFINED;
+    return settings->method == ISORENDER_POINTS || settings->method == ISORENDER_MESH;
 }
 
 static bool is_any(const char *name, const char *a, const char *b) {
@@ -49,10 +45,12 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
     if ((gl || needed) && settings->method == ISORENDER_UNCHOSEN)
         settings->method = settings->strips ? ISORENDER_MESH : ISORENDER_POINTS;
-    if (gl && settings->method == ISORENDER_PULLPUSH && !has_gl(settings, true))
+    if (settings->reconstruction == ISORENDER_UNCHOSEN)
+        settings->reconstruction = gl ? ISO_RECONSTRUCTION_GAUSSIAN : ISO_RECONSTRUCTION_REFINED;
+    if (gl && settings->method == ISORENDER_PULLPUSH && !has_gl(settings))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--reconstruction refined needs the cpu: --backend %s has box and gaussian", name);
-    if (gl && !has_gl(settings, true))
+    if (gl && !has_gl(settings))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--backend %s has the methods points, pullpush and mesh: others need the cpu", name);
     ISO_TRY(check_needs(settings, error));
@@ -79,7 +77,7 @@ iso_status isorender_backend_open(const isorender_settings *settings, isorender_
     isorender_backend made = {.name = "cpu", .renderer = "cpu generic"};
     bool automatic = strcmp(settings->backend, "auto") == 0;
     *backend = made;
-    if (strcmp(settings->backend, "cpu") == 0 || !has_gl(settings, !automatic)) return ISO_OK;
+    if (strcmp(settings->backend, "cpu") == 0 || !has_gl(settings)) return ISO_OK;
     if (is_too_large(settings)) return ISO_OK; /* or nothing is drawn */
     iso_status status = open_context(settings, &made.context, error);
     if (status != ISO_OK && automatic && !needs_gl(settings))
@@ -155,8 +153,6 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
 
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
     iso_gl_engine_forget_seconds(job->backend->engine);
-    if (job->method == ISORENDER_PULLPUSH && job->settings->reconstruction == ISO_RECONSTRUCTION_AUTO)
-        isorender_say(job, "pullpush by OpenGL: --reconstruction gaussian (refined needs --backend cpu)");
     for (int i = 0; i < job->surface_count; i++) {
         iso_gl_shape **shape = &job->shapes[i];
         if (job->method == ISORENDER_MESH) {

@@ -216,7 +216,7 @@ static void every_time_is_the_same(void **state) {
         iso_gl_shape *shape = upload(engine, &m.view);
         iso_gbuffer first = gl_gbuffer(&view);
         const iso_gl_pullpush_opts opts = {&view, (const iso_gl_shape *const *)&shape, 1,
-                                           ISO_RECONSTRUCTION_AUTO};
+                                           ISO_RECONSTRUCTION_GAUSSIAN};
         gl_check_pullpush(engine, &m.view, ISO_RECONSTRUCTION_GAUSSIAN, &view, 1, "points that are alike");
         assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &first, NULL), ISO_OK);
         for (int round = 0; round < 10; round++) {
@@ -289,7 +289,7 @@ static void what_cannot_be_drawn_is_said(void **state) {
                                      ISO_RECONSTRUCTION_REFINED};
         assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &g, &error), ISO_ERR_UNSUPPORTED);
         assert_non_null(strstr(error.text, "refined"));
-        opts.reconstruction = ISO_RECONSTRUCTION_AUTO;
+        opts.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN;
         engine->max_storage = 1000;
         assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &g, &error), ISO_ERR_LIMIT);
         assert_non_null(strstr(error.text, "100 pixels wide"));
@@ -317,7 +317,7 @@ static void passes_are_timed(void **state) {
         const iso_gl_draw_opts draw = {
             .view = &view, .shapes = (const iso_gl_shape *const *)&shape, .shape_count = 1};
         const iso_gl_pullpush_opts opts = {&view, (const iso_gl_shape *const *)&shape, 1,
-                                           ISO_RECONSTRUCTION_AUTO};
+                                           ISO_RECONSTRUCTION_GAUSSIAN};
         for (int method = 0; method < 2; method++) {
             iso_gl_engine_forget_seconds(engine);
             for (int i = 0; i < 30; i++)

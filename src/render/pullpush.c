@@ -275,9 +275,8 @@ static iso_status draw(iso_pullpush *workspace, const iso_target *target, const 
     ISO_TRY(iso_point_blocks_make(f.blocks, points, &f.projector, target->pool, error));
     if (f.blocks->seen == 0) return ISO_OK;
     if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
-    const bool refined = reconstruction == ISO_RECONSTRUCTION_REFINED ||
-                         (reconstruction == ISO_RECONSTRUCTION_AUTO && !points->colors);
-    if (refined) return iso_refined_draw(&workspace->refined, target, points, f.blocks, error);
+    if (reconstruction == ISO_RECONSTRUCTION_REFINED && !points->colors)
+        return iso_refined_draw(&workspace->refined, target, points, f.blocks, error);
     int rows = rows_at_once(&f, view);
     for (int first = 0; first < view->height; first += rows)
         ISO_TRY(
@@ -290,7 +289,7 @@ iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *poi
     assert(target->view->width == target->gbuffer->width && target->view->height == target->gbuffer->height);
     iso_pullpush once = {0}, *workspace = opts && opts->workspace ? opts->workspace : &once;
     iso_status status =
-        draw(workspace, target, points, opts ? opts->reconstruction : ISO_RECONSTRUCTION_AUTO, error);
+        draw(workspace, target, points, opts ? opts->reconstruction : ISO_RECONSTRUCTION_REFINED, error);
     iso_point_blocks_free(&once.blocks);
     iso_pyramid_free(&once.pyramid);
     iso_refined_free(&once.refined);

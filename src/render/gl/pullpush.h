@@ -13,7 +13,7 @@ typedef struct iso_gl_pullpush_opts {
     const iso_view *view;              /* borrowed */
     const iso_gl_shape *const *shapes; /* of points; shape i is surface i of the gbuffer */
     int shape_count;
-    iso_reconstruction reconstruction; /* auto is gaussian here */
+    iso_reconstruction reconstruction; /* box or gaussian */
 } iso_gl_pullpush_opts;
 
 /* Draws all shapes and fills the whole gbuffer, which has the view's size, with what iso_draw_pullpush draws
