@@ -67,7 +67,7 @@ typedef struct isorender_settings {
     const char *points, *mesh, *aov;
 
     int method;         /* isorender_method */
-    int reconstruction; /* iso_reconstruction */
+    int reconstruction; /* iso_reconstruction; unchosen until the backend is checked */
     const char *backend;
     int scaling; /* iso_point_scaling */
     int strips;

@@ -2,10 +2,12 @@
 #include <string.h>
 
 #include "apps/isorender.h"
+#include "render/gl/pullpush.h"
 
-/* Methods that both engines have. */
-static bool has_gl(int method) {
-    return method == ISORENDER_POINTS || method == ISORENDER_MESH;
+/* What both engines have. */
+static bool has_gl(const isorender_settings *settings) {
+    if (settings->method == ISORENDER_PULLPUSH) return settings->reconstruction != ISO_RECONSTRUCTION_REFINED;
+    return settings->method == ISORENDER_POINTS || settings->method == ISORENDER_MESH;
 }
 
 static bool is_any(const char *name, const char *a, const char *b) {
@@ -43,9 +45,14 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
     if ((gl || needed) && settings->method == ISORENDER_UNCHOSEN)
         settings->method = settings->strips ? ISORENDER_MESH : ISORENDER_POINTS;
-    if (gl && !has_gl(settings->method))
+    if (settings->reconstruction == ISORENDER_UNCHOSEN)
+        settings->reconstruction = gl ? ISO_RECONSTRUCTION_GAUSSIAN : ISO_RECONSTRUCTION_REFINED;
+    if (gl && settings->method == ISORENDER_PULLPUSH && !has_gl(settings))
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--backend %s draws points and meshes only: other methods need the cpu", name);
+                        "--reconstruction refined needs the cpu: --backend %s has box and gaussian", name);
+    if (gl && !has_gl(settings))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--backend %s has the methods points, pullpush and mesh: others need the cpu", name);
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);
     if ((gl || needed) && draws && is_too_large(settings))
@@ -70,7 +77,7 @@ iso_status isorender_backend_open(const isorender_settings *settings, isorender_
     isorender_backend made = {.name = "cpu", .renderer = "cpu generic"};
     bool automatic = strcmp(settings->backend, "auto") == 0;
     *backend = made;
-    if (strcmp(settings->backend, "cpu") == 0 || !has_gl(settings->method)) return ISO_OK;
+    if (strcmp(settings->backend, "cpu") == 0 || !has_gl(settings)) return ISO_OK;
     if (is_too_large(settings)) return ISO_OK; /* or nothing is drawn */
     iso_status status = open_context(settings, &made.context, error);
     if (status != ISO_OK && automatic && !needs_gl(settings))
@@ -145,6 +152,7 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
 }
 
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
+    iso_gl_engine_forget_seconds(job->backend->engine);
     for (int i = 0; i < job->surface_count; i++) {
         iso_gl_shape **shape = &job->shapes[i];
         if (job->method == ISORENDER_MESH) {
@@ -156,6 +164,8 @@ iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
                 ISO_TRY(iso_gl_upload_mesh(job->backend->engine, &mesh, shape, error));
         } else {
             iso_point_view points = isorender_points_view(job, i);
+            if (points.colors && job->method == ISORENDER_PULLPUSH)
+                isorender_say(job, "the points' own colours are left out (they need --backend cpu)");
             ISO_TRY(iso_gl_upload_points(job->backend->engine, &points, shape, error));
         }
     }
@@ -172,8 +182,14 @@ void isorender_gl_forget(isorender_job *job) {
 iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
                              iso_error *error) {
     const isorender_settings *settings = job->settings;
+    const iso_gl_shape *const *shapes = (const iso_gl_shape *const *)job->shapes;
+    if (job->method == ISORENDER_PULLPUSH) {
+        const iso_gl_pullpush_opts pullpush = {view, shapes, job->surface_count,
+                                               (iso_reconstruction)settings->reconstruction};
+        return iso_gl_draw_pullpush(job->backend->engine, &pullpush, gbuffer, error);
+    }
     iso_gl_draw_opts opts = {.view = view,
-                             .shapes = (const iso_gl_shape *const *)job->shapes,
+                             .shapes = shapes,
                              .shape_count = job->surface_count,
                              .scaling = (iso_point_scaling)settings->scaling};
     /* The view may be a strip; the bound on depth is the whole picture's. */

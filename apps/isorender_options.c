@@ -20,7 +20,7 @@ static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --outpu
                                     "[options] --scene NAME[:SIZE] [OUT.png]", NULL};
 
 static const char *const methods[] = {"exact", "points", "pullpush", "mesh", "raycast", NULL};
-static const char *const reconstructions[] = {"auto", "box", "gaussian", "refined", NULL};
+static const char *const reconstructions[] = {"refined", "box", "gaussian", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
 static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated", NULL};
@@ -211,10 +211,9 @@ static const iso_option options[] = {
      "space), mesh (Marching Cubes) or raycast (as exact, by other means, slow); files of points: points",
      .group = PICTURE, .standard = "exact", CHOICE(method, methods)},
     {"reconstruction", NULL, "NAME",
-     "how pullpush fills in: box or gaussian (equal or Gaussian weights in ellipses; Marroquim 2008), "
-     "refined "
-     "(second-order discs); auto is refined, or gaussian for points that have colours",
-     .group = PICTURE, .standard = "auto", CHOICE(reconstruction, reconstructions)},
+     "how pullpush fills in: refined (second-order discs, cpu only; points that have colours: as gaussian), "
+     "box or gaussian (equal or Gaussian weights in ellipses; Marroquim 2008; what OpenGL is given)",
+     .group = PICTURE, .standard = "refined", CHOICE(reconstruction, reconstructions)},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
      .group = PICTURE, .standard = "exact", CHOICE(scaling, scalings)},
@@ -272,8 +271,8 @@ static const iso_option options[] = {
      .group = OUTPUT, CALL(isorender_apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
     {"backend", "rendering-backend", "NAME",
-     "cpu, egl or osmesa (OpenGL without a window: points and mesh); auto is a GPU where EGL finds one, else "
-     "cpu",
+     "cpu, egl or osmesa (OpenGL without a window: points, pullpush and mesh); auto is a GPU where EGL finds "
+     "one, else cpu; but what needs the cpu is drawn by it",
      .group = RUNNING, .standard = "auto", TEXT(backend), QUIETLY},
     {"list-backends", "list-rendering-backends", NULL, "say what can render here", .group = RUNNING,
      CALL(apply_list_backends), QUIETLY},
@@ -425,6 +424,7 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error) {
     *settings = (isorender_settings){.method = ISORENDER_UNCHOSEN,
+                                     .reconstruction = ISORENDER_UNCHOSEN,
                                      .backend = "auto",
                                      .width = 1024,
                                      .height = 1024,

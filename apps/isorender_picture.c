@@ -250,7 +250,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     canvas c = {0};
     iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
-    if (status == ISO_OK && job->method == ISORENDER_PULLPUSH)
+    if (status == ISO_OK && job->method == ISORENDER_PULLPUSH && !job->backend->engine)
         status = iso_pullpush_create(&job->pullpush, error);
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);

@@ -191,6 +191,16 @@ static void put_strips(iso_json *json, const isorender_job *job) {
     iso_json_real(json, "strip_percent", 100 * (double)indices / (3 * (double)triangles));
 }
 
+/* Seconds that the GPU took for the pictures, by what it did. */
+static void put_passes(iso_json *json, const iso_gl_engine *engine) {
+    double seconds[ISO_GL_PASSES];
+    iso_gl_engine_seconds(engine, seconds);
+    iso_json_begin_object(json, "seconds");
+    for (int pass = 0; pass < ISO_GL_PASSES; pass++)
+        if (seconds[pass] > 0) iso_json_real(json, iso_gl_pass_name((iso_gl_pass)pass), seconds[pass]);
+    iso_json_end_object(json);
+}
+
 static void put_backend(iso_json *json, const isorender_job *job) {
     const isorender_backend *backend = job->backend;
     iso_json_string(json, "backend", backend->name);
@@ -203,6 +213,7 @@ static void put_backend(iso_json *json, const isorender_job *job) {
     iso_json_string(json, "version", info.version);
     iso_json_integer(json, "messages", iso_gl_context_messages(backend->context).count);
     if (job->settings->strips) put_strips(json, job);
+    put_passes(json, backend->engine);
     iso_json_end_object(json);
 }
 

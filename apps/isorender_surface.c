@@ -90,9 +90,7 @@ static iso_status fail_empty(isorender_job *job, double isovalue, iso_error *err
 
 /* Whether points are drawn as curved discs. */
 static bool is_refined(const isorender_job *job) {
-    int reconstruction = job->settings->reconstruction;
-    return job->method == ISORENDER_PULLPUSH &&
-           (reconstruction == ISO_RECONSTRUCTION_REFINED || reconstruction == ISO_RECONSTRUCTION_AUTO);
+    return job->method == ISORENDER_PULLPUSH && job->settings->reconstruction == ISO_RECONSTRUCTION_REFINED;
 }
 
 static iso_status extract_points(isorender_job *job, isorender_surface *surface, iso_error *error) {

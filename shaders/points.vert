@@ -24,26 +24,6 @@ layout(location = ISO_GL_ORIGIN) in vec3 origin;
 flat out vec4 normal_depth;
 flat out vec3 disc; /* centre and radius, pixels */
 
-#if !SURFELS
-vec3 unpack_position() {
-    const uint mask = (1u << ISO_GL_COORDINATE_BITS) - 1u;
-    uvec3 steps = uvec3(bits.x, bits.x >> ISO_GL_COORDINATE_BITS,
-                        bits.x >> 2 * ISO_GL_COORDINATE_BITS | bits.y << 32 - 2 * ISO_GL_COORDINATE_BITS);
-    return ISO_GL_COORDINATE_LOW + ISO_GL_COORDINATE_STEP * vec3(steps & mask);
-}
-
-/* Octahedral: Meyer et al. 2010. */
-vec3 unpack_normal() {
-    uint both = bits.y >> 3 * ISO_GL_COORDINATE_BITS - 32;
-    uvec2 steps = uvec2(both & uint(ISO_GL_NORMAL_STEPS), both >> ISO_GL_NORMAL_BITS);
-    vec2 uv = vec2(steps) * (2.0 / ISO_GL_NORMAL_STEPS) - 1.0;
-    float w = 1.0 - abs(uv.x) - abs(uv.y);
-    float fold = max(-w, 0.0);
-    uv -= mix(vec2(fold), vec2(-fold), lessThan(uv, vec2(0.0)));
-    return normalize(vec3(uv, w));
-}
-#endif
-
 vec3 view_normal(vec3 n) {
     vec3 v = vec3(dot(normal_x.xyz, n), dot(normal_y.xyz, n), dot(normal_z.xyz, n));
     float size = length(v);
@@ -67,7 +47,8 @@ void main() {
 #if SURFELS
     vec3 p = position, n = normal;
 #else
-    vec3 p = unpack_position(), n = unpack_normal();
+    vec3 p = ISO_GL_COORDINATE_LOW + ISO_GL_COORDINATE_STEP * unpack_steps(bits);
+    vec3 n = normalize(unfold_normal(unpack_normal_bits(bits)));
 #endif
     vec3 at = vec3(dot(turn_x.xyz, p), dot(turn_y.xyz, p), dot(turn_z.xyz, p)) + origin;
     bool orthographic = flags.y != 0u;

@@ -128,6 +128,15 @@ void gl_surface_free(gl_surface *surface) {
     iso_mesh_set_destroy(surface->mesh);
 }
 
+/* The picture of the gl engine is held against the cpu's and freed. */
+static double check_picture(const iso_view *view, const iso_gbuffer *cpu, iso_gbuffer *gl, const char *name) {
+    gl_difference d = gl_compare(view, cpu, gl);
+    if (!(d.outline > 0 && d.psnr >= 40 && d.differ <= 0.01 * d.outline))
+        fail_msg("%s: %.1f dB, %d of %d pixels of the outline differ", name, d.psnr, d.differ, d.outline);
+    iso_gbuffer_free(gl);
+    return d.psnr;
+}
+
 static double check(iso_gl_engine *engine, const iso_view *view, const iso_gbuffer *cpu,
                     const iso_gl_shape *shape, const char *name) {
     iso_gbuffer gl = gl_gbuffer(view);
@@ -135,11 +144,29 @@ static double check(iso_gl_engine *engine, const iso_view *view, const iso_gbuff
     const iso_gl_draw_opts opts = {.view = view, .shapes = &shape, .shape_count = 1};
     iso_status status = iso_gl_draw(engine, &opts, &gl, &error);
     if (status != ISO_OK) fail_msg("%s: %s", name, error.text);
-    gl_difference d = gl_compare(view, cpu, &gl);
-    if (!(d.outline > 0 && d.psnr >= 40 && d.differ <= 0.01 * d.outline))
-        fail_msg("%s: %.1f dB, %d of %d pixels of the outline differ", name, d.psnr, d.differ, d.outline);
-    iso_gbuffer_free(&gl);
-    return d.psnr;
+    return check_picture(view, cpu, &gl, name);
+}
+
+double gl_check_pullpush(iso_gl_engine *engine, const iso_point_view *points,
+                         iso_reconstruction reconstruction, const iso_view *views, int count,
+                         const char *name) {
+    iso_gl_shape *shape;
+    iso_error error = {ISO_OK, ""};
+    double worst = INFINITY;
+    if (iso_gl_upload_points(engine, points, &shape, &error) != ISO_OK) fail_msg("%s", error.text);
+    for (int i = 0; i < count; i++) {
+        iso_gbuffer cpu = gl_gbuffer(&views[i]), gl = gl_gbuffer(&views[i]);
+        const iso_target target = {.view = &views[i], .gbuffer = &cpu};
+        assert_int_equal(
+            iso_draw_pullpush(&target, points, &(iso_pullpush_opts){.reconstruction = reconstruction}, NULL),
+            ISO_OK);
+        const iso_gl_pullpush_opts opts = {&views[i], (const iso_gl_shape *const *)&shape, 1, reconstruction};
+        if (iso_gl_draw_pullpush(engine, &opts, &gl, &error) != ISO_OK) fail_msg("%s: %s", name, error.text);
+        worst = fmin(worst, check_picture(&views[i], &cpu, &gl, name));
+        iso_gbuffer_free(&cpu);
+    }
+    iso_gl_shape_destroy(shape);
+    return worst;
 }
 
 double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views, int count,

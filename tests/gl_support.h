@@ -9,7 +9,7 @@
 #include "extract/points.h"
 #include "image/camera.h"
 #include "render/gbuffer.h"
-#include "render/gl/engine.h"
+#include "render/gl/pullpush.h"
 
 /* Contexts that tests draw with: those of this list that can be had here. */
 typedef struct gl_contexts {
@@ -51,6 +51,9 @@ void gl_surface_free(gl_surface *surface);
  * lowest PSNR. */
 double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views, int count,
                        const char *name);
+double gl_check_pullpush(iso_gl_engine *engine, const iso_point_view *points,
+                         iso_reconstruction reconstruction, const iso_view *views, int count,
+                         const char *name);
 double gl_check_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, const iso_view *views, int count,
                      const char *name);
 

@@ -170,6 +170,87 @@ static void a_lost_context_leaves_no_file(void **state) {
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) assert_false(is_there(names[i]));
 }
 
+/* ---- a hundred contexts of all kinds, some of them lost, made, used and destroyed in any order */
+
+enum { SLOTS = 8, CONTEXTS = 100 };
+
+typedef struct inhabitant {
+    iso_gl_context *context;
+    iso_gl_engine *engine;
+    iso_gl_shape *shape;
+    bool lost;
+} inhabitant;
+
+static bool move_in(inhabitant *who, const subject *s, iso_gl_kind kind, bool debug) {
+    const iso_gl_context_opts opts = {.kind = kind, .debug = debug};
+    *who = (inhabitant){.context = NULL};
+    if (iso_gl_context_create(&opts, &who->context, NULL) != ISO_OK) return false;
+    assert_int_equal(iso_gl_engine_create(who->context, &who->engine, NULL), ISO_OK);
+    assert_int_equal(iso_gl_upload_points(who->engine, &s->points, &who->shape, NULL), ISO_OK);
+    return true;
+}
+
+static void move_out(inhabitant *who) {
+    iso_gl_shape_destroy(who->shape);
+    iso_gl_engine_destroy(who->engine);
+    iso_gl_context_destroy(who->context);
+    *who = (inhabitant){.context = NULL};
+}
+
+/* All draw what the first one drew. */
+static void live(inhabitant *who, const subject *s, iso_gbuffer *first, bool *has_first) {
+    iso_gbuffer g = gl_gbuffer(&s->view);
+    const iso_gl_draw_opts opts = {
+        .view = &s->view, .shapes = (const iso_gl_shape *const *)&who->shape, .shape_count = 1};
+    iso_status status = iso_gl_draw(who->engine, &opts, &g, NULL);
+    assert_int_equal(status, who->lost ? ISO_ERR_BACKEND : ISO_OK);
+    size_t count = (size_t)g.width * (size_t)g.height;
+    if (!who->lost && *has_first) {
+        assert_memory_equal(first->surface, g.surface, count);
+        assert_memory_equal(first->depth, g.depth, count * sizeof(float));
+    } else if (!who->lost) {
+        memcpy(first->surface, g.surface, count);
+        memcpy(first->depth, g.depth, count * sizeof(float));
+        *has_first = true;
+    }
+    iso_gbuffer_free(&g);
+}
+
+static void contexts_come_and_go_in_any_order(void **state) {
+    (void)state;
+    subject s;
+    make_subject(&s);
+    uint32_t seed = 5;
+    inhabitant slots[SLOTS] = {{.context = NULL}};
+    iso_gbuffer first = gl_gbuffer(&s.view);
+    bool has_first = false;
+    int made = 0, tried = 0, lost = 0;
+    while (tried < CONTEXTS) {
+        seed = seed * 1664525u + 1013904223u;
+        inhabitant *who = &slots[seed >> 8 & (SLOTS - 1)];
+        uint32_t dice = seed >> 16 & 255;
+        if (!who->context) {
+            made += move_in(who, &s, (iso_gl_kind)(dice % ISO_GL_KINDS), dice & 64);
+            tried++;
+        } else if (dice < 80) {
+            move_out(who);
+        } else if (dice < 90 && !who->lost) {
+            calls_until_loss = 0;
+            who->context->gl->GetGraphicsResetStatus = reset_status;
+            who->lost = true;
+            lost++;
+            live(who, &s, &first, &has_first);
+        } else {
+            live(who, &s, &first, &has_first);
+        }
+    }
+    for (int i = 0; i < SLOTS; i++)
+        if (slots[i].context) move_out(&slots[i]);
+    iso_gbuffer_free(&first);
+    printf("%d contexts, %d of them lost\n", made, lost);
+    if (!made) skip();
+}
+
 /* ---- limits */
 
 static GLint most_texture, most_view[2];
@@ -221,6 +302,7 @@ int main(void) {
         cmocka_unit_test(a_lost_context_says_so),
         cmocka_unit_test(a_lost_context_ends_the_picture),
         cmocka_unit_test(a_lost_context_leaves_no_file),
+        cmocka_unit_test(contexts_come_and_go_in_any_order),
         cmocka_unit_test(small_drivers_draw_in_parts_or_not_at_all),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -49,8 +49,9 @@ static bool read_volume(size_t i, iso_volume *volume) {
     return false;
 }
 
-static void check_volume(size_t i, const iso_volume *volume, const gl_contexts *contexts) {
+static void check_volume(size_t i, const iso_volume *volume, const gl_contexts *contexts, bool pullpush) {
     gl_surface s = gl_surface_make(&volume->grid, volumes[i].isovalue);
+    if (pullpush) assert_int_equal(iso_point_set_bound(s.packed, NULL), ISO_OK);
     iso_point_view points = iso_point_set_view(s.packed);
     iso_mesh_view mesh = iso_mesh_set_view(s.mesh);
     iso_view views[GL_SIDES];
@@ -59,24 +60,28 @@ static void check_volume(size_t i, const iso_volume *volume, const gl_contexts *
     for (int c = 0; c < contexts->count; c++) {
         iso_gl_engine *engine;
         assert_int_equal(iso_gl_engine_create(contexts->context[c], &engine, NULL), ISO_OK);
-        double of_points = gl_check_points(engine, &points, views, GL_SIDES, volumes[i].path);
-        double of_mesh = gl_check_mesh(engine, &mesh, views, GL_SIDES, volumes[i].path);
-        printf("%s, %s: points %.1f dB, mesh %.1f dB\n", iso_gl_context_info(contexts->context[c]).name,
-               volumes[i].path, of_points, of_mesh);
+        printf("%s, %s:", iso_gl_context_info(contexts->context[c]).name, volumes[i].path);
+        if (pullpush)
+            printf(" pullpush %.1f dB\n", gl_check_pullpush(engine, &points, ISO_RECONSTRUCTION_GAUSSIAN,
+                                                            views, GL_SIDES, volumes[i].path));
+        else
+            printf(" points %.1f dB, mesh %.1f dB\n",
+                   gl_check_points(engine, &points, views, GL_SIDES, volumes[i].path),
+                   gl_check_mesh(engine, &mesh, views, GL_SIDES, volumes[i].path));
         iso_gl_engine_destroy(engine);
     }
     gl_surface_free(&s);
 }
 
 static void pictures_are_the_cpu_engines(void **state) {
-    (void)state;
+    const bool *pullpush = *state;
     gl_contexts contexts;
     if (!gl_contexts_open(&contexts)) skip();
     int seen = 0;
     for (size_t i = 0; i < sizeof volumes / sizeof *volumes; i++) {
         iso_volume volume;
         if (!read_volume(i, &volume)) continue;
-        check_volume(i, &volume, &contexts);
+        check_volume(i, &volume, &contexts, *pullpush);
         iso_volume_free(&volume);
         seen++;
     }
@@ -84,7 +89,9 @@ static void pictures_are_the_cpu_engines(void **state) {
     if (!seen) skip();
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(pictures_are_the_cpu_engines)};
+/* Points and meshes; `pullpush`: that. */
+int main(int argc, char **argv) {
+    bool pullpush = argc > 1 && strcmp(argv[1], "pullpush") == 0;
+    const struct CMUnitTest tests[] = {cmocka_unit_test_prestate(pictures_are_the_cpu_engines, &pullpush)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

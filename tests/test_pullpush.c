@@ -20,6 +20,8 @@
 #include "render/pyramid.h"
 #include "render/shading.h"
 #include "truth/raycast.h"
+#include "truth_support.h"
+#include "view_support.h"
 
 static void ok(iso_status status, const iso_error *error) {
     if (status != ISO_OK) fail_msg("%s", error->text);
@@ -119,13 +121,6 @@ static iso_gbuffer drawn(const iso_view *view, const iso_point_view *points, con
     return g;
 }
 
-static size_t covered(const iso_gbuffer *g) {
-    size_t count = 0;
-    for (size_t i = 0; i < (size_t)g->width * (size_t)g->height; i++)
-        count += g->surface[i] != ISO_SURFACE_NONE;
-    return count;
-}
-
 /* Rows of `a` from a_row on are all of b. */
 static void same(const iso_gbuffer *a, int a_row, const iso_gbuffer *b) {
     size_t start = (size_t)a_row * (size_t)a->width, samples = (size_t)b->width * (size_t)b->height;
@@ -171,7 +166,7 @@ static void like_reference(const iso_view *view, const iso_point_view *points, b
     iso_gbuffer wanted = clear_gbuffer(view->width, view->height, points->colors != NULL);
     reference_opts layout = layout_of(view, points, box);
     reference_pullpush(&layout, view, points, &wanted);
-    size_t samples = (size_t)view->width * (size_t)view->height, off = 0, seen = covered(&wanted);
+    size_t samples = (size_t)view->width * (size_t)view->height, off = 0, seen = test_covered(&wanted);
     assert_true(seen > samples / 50);
     for (size_t i = 0; i < samples; i++) {
         bool a = got.surface[i] != ISO_SURFACE_NONE, b = wanted.surface[i] != ISO_SURFACE_NONE;
@@ -248,7 +243,7 @@ static void same_bytes_everywhere(void **state) {
             iso_view view = look_at(&s, n + 2 * z, zooms[z], z == 1, 131 - 9 * n, 143);
             const iso_point_view *points = z == 2 ? &p.points : &s.points;
             iso_gbuffer whole = drawn(&view, points, NULL);
-            assert_true(covered(&whole) > 100);
+            assert_true(test_covered(&whole) > 100);
             every_variant(&view, points, &whole);
             every_strip(&view, points, &whole);
             iso_gbuffer_free(&whole);
@@ -408,7 +403,7 @@ static void single_points(void **state) {
         iso_gbuffer g = drawn(&view, &points, NULL);
         double x = 0.3 * radius + view.cx, y = -0.2 * radius + view.cy;
         double area = ISO_PI * (ISO_DISC_RADII * ISO_DISC_RADII * radius * radius + 1);
-        size_t seen = covered(&g), own = (size_t)(floor(y) * view.width + floor(x));
+        size_t seen = test_covered(&g), own = (size_t)(floor(y) * view.width + floor(x));
         assert_int_equal(g.surface[own], 0);
         assert_true(fabsf(g.depth[own] - 10) < 1e-5f);
         /* a pixel of a coarser level gives to its neighbours only: the disc's outer parts may be missing */
@@ -423,12 +418,12 @@ static void single_points(void **state) {
     points.span_count = 0;
     iso_view view = plain_view(40, 30, false, 10);
     iso_gbuffer g = drawn(&view, &points, NULL);
-    assert_int_equal(covered(&g), 0);
+    assert_int_equal(test_covered(&g), 0);
     iso_gbuffer_free(&g);
     points.span_count = 1;
     span.count = 0;
     g = drawn(&view, &points, NULL);
-    assert_int_equal(covered(&g), 0);
+    assert_int_equal(test_covered(&g), 0);
     iso_gbuffer_free(&g);
 }
 
@@ -459,7 +454,7 @@ static void near_plane(void **state) {
         iso_view view = plain_view(120, 100, orthographic, 60);
         view.near = 1.5;
         iso_gbuffer g = drawn(&view, &points, NULL);
-        assert_true(covered(&g) > 3000);
+        assert_true(test_covered(&g) > 3000);
         for (size_t i = 0; i < 120 * 100; i++) {
             if (g.surface[i] == ISO_SURFACE_NONE) continue;
             assert_true(g.depth[i] >= 1.5f && g.depth[i] < 1e30f);
@@ -484,7 +479,7 @@ static void eye_inside(void **state) {
     camera.focal_point = iso_vec3_add(center, iso_vec3_make(0.3, 1, 0.2));
     iso_view view = iso_view_make(&camera, 128, 128);
     iso_gbuffer g = drawn(&view, &s.points, NULL);
-    assert_int_equal(covered(&g), 128 * 128);
+    assert_int_equal(test_covered(&g), 128 * 128);
     for (size_t i = 0; i < 128 * 128; i++) {
         assert_true(g.depth[i] > 14 && g.depth[i] < 20);
         assert_true(g.normal[2][i] > 0.5f); /* out of the solid, away from the eye */
@@ -674,8 +669,8 @@ static void open_surfaces_show_their_inside(void **state) {
     iso_point_view closed = s.points;
     closed.closed = true;
     iso_gbuffer shut = drawn(&view, &closed, NULL);
-    assert_true(covered(&open) > 3000);
-    assert_true(covered(&shut) < covered(&open) / 4);
+    assert_true(test_covered(&open) > 3000);
+    assert_true(test_covered(&shut) < test_covered(&open) / 4);
     size_t inside = 0;
     for (size_t i = 0; i < 10000; i++) inside += open.surface[i] == 0 && open.normal[2][i] > 0.3f;
     assert_true(inside > 2000);
@@ -685,57 +680,6 @@ static void open_surfaces_show_their_inside(void **state) {
 }
 
 /* ---- against the truth */
-
-static double psnr(const iso_view *view, const iso_gbuffer *a, const iso_gbuffer *b) {
-    const iso_rgb color = {0xD9, 0xB3, 0x6C};
-    const iso_shading shading = {.colors = &color, .color_count = 1, .background = {40, 40, 60}};
-    const iso_gbuffer *g[2] = {a, b};
-    iso_image image[2];
-    for (int k = 0; k < 2; k++) {
-        assert_int_equal(iso_image_create(view->width, view->height, &image[k], NULL), ISO_OK);
-        iso_strip strip = {view, g[k], 1, 0};
-        iso_shade(&shading, &strip, &image[k], NULL);
-    }
-    double sum = 0, count = 0;
-    for (size_t i = 0; i < (size_t)view->width * (size_t)view->height; i++) {
-        if (a->surface[i] == ISO_SURFACE_NONE && b->surface[i] == ISO_SURFACE_NONE) continue;
-        count += 3;
-        for (int c = 0; c < 3; c++) {
-            double d = image[0].rgba[4 * i + (size_t)c] - (double)image[1].rgba[4 * i + (size_t)c];
-            sum += d * d;
-        }
-    }
-    for (int k = 0; k < 2; k++) iso_image_free(&image[k]);
-    return 10 * log10(255 * 255 / (sum / count));
-}
-
-/* Samples of the truth's inside, two pixels from its outline, that are not covered. */
-static size_t holes(const iso_gbuffer *truth, const iso_gbuffer *got, size_t *inside) {
-    size_t missing = 0;
-    *inside = 0;
-    for (int y = 2; y < truth->height - 2; y++)
-        for (int x = 2; x < truth->width - 2; x++) {
-            bool in = true;
-            for (int k = 0; k < 25; k++)
-                in &= truth->surface[(y + k / 5 - 2) * truth->width + x + k % 5 - 2] != ISO_SURFACE_NONE;
-            *inside += in;
-            missing += in && got->surface[y * truth->width + x] == ISO_SURFACE_NONE;
-        }
-    return missing;
-}
-
-/* Pixels by which the silhouette is larger than the truth's, per pixel of its outline. */
-static double dilation(const iso_gbuffer *truth, const iso_gbuffer *got) {
-    size_t outline = 0;
-    for (int y = 1; y < truth->height - 1; y++)
-        for (int x = 1; x < truth->width - 1; x++) {
-            const uint8_t *at = truth->surface + y * truth->width + x;
-            bool open = at[-1] == ISO_SURFACE_NONE || at[1] == ISO_SURFACE_NONE ||
-                        at[-truth->width] == ISO_SURFACE_NONE || at[truth->width] == ISO_SURFACE_NONE;
-            outline += *at != ISO_SURFACE_NONE && open;
-        }
-    return outline ? ((double)covered(got) - (double)covered(truth)) / (double)outline : 0;
-}
 
 static void near_the_truth(void **state) {
     (void)state;
@@ -758,8 +702,8 @@ static void near_the_truth(void **state) {
         ok(iso_raycaster_create(&s.grid, s.isovalue, NULL, &caster, &error), &error);
         iso_target target = {&view, &truth, NULL, 0};
         ok(iso_draw_raycast(&target, caster, &error), &error);
-        size_t inside, missing = holes(&truth, &got, &inside);
-        double decibels = psnr(&view, &truth, &got), wider = dilation(&truth, &got);
+        size_t inside, missing = test_holes(&truth, &got, &inside);
+        double decibels = test_psnr(&view, &truth, &got), wider = test_dilation(&truth, &got);
         print_message("%-8s zoom %4g: %.1f dB, %.2f holes in a thousand, %.2f pixels wider\n", cases[k].name,
                       cases[k].zoom, decibels, 1e3 * (double)missing / (double)inside, wider);
         assert_true(wider < cases[k].wider);
@@ -784,7 +728,7 @@ static void large_pictures(void **state) {
     iso_view rows = iso_view_rows(&view, 1000, 200);
     iso_gbuffer strip = clear_gbuffer(rows.width, rows.height, false);
     draw(&rows, &s.points, NULL, pool, &strip);
-    assert_true(covered(&strip) > 100000);
+    assert_true(test_covered(&strip) > 100000);
     same(&whole, 1000, &strip);
     iso_gbuffer_free(&whole);
     iso_gbuffer_free(&strip);

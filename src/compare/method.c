@@ -113,9 +113,6 @@ static iso_status draw_pyramid(const iso_subject *subject, const iso_target *tar
 static iso_status draw_refined(const iso_subject *subject, const iso_target *target, iso_error *error) {
     return draw_pyramid(subject, target, ISO_RECONSTRUCTION_REFINED, error);
 }
-static iso_status draw_pullpush(const iso_subject *subject, const iso_target *target, iso_error *error) {
-    return draw_pyramid(subject, target, ISO_RECONSTRUCTION_AUTO, error);
-}
 
 static iso_status draw_gaussian(const iso_subject *subject, const iso_target *target, iso_error *error) {
     return draw_pyramid(subject, target, ISO_RECONSTRUCTION_GAUSSIAN, error);
@@ -144,8 +141,7 @@ static const iso_method METHODS[] = {
     {"points", "attenuated points (2003)", POINTS, draw_points},
     {"pullpush-box", "pull-push, box filter (2008)", POINTS, draw_box},
     {"pullpush-gaussian", "pull-push, Gaussian filter (2008)", POINTS, draw_gaussian},
-    {"pullpush-refined", "pull-push, curved discs", POINTS, draw_refined},
-    {"pullpush", "pull-push, its default", POINTS, draw_pullpush},
+    {"pullpush", "pull-push, curved discs", POINTS, draw_refined},
     {"mesh", "Marching Cubes mesh", MESH, draw_mesh},
     {"exact", "the trilinear surface, cell by cell", CELLS, draw_exact},
 };

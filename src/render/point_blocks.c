@@ -21,8 +21,16 @@ typedef struct chunk {
     double lo[3], hi[3]; /* view space */
 } chunk;
 
+/* What a block is, wherever it is seen from. */
+typedef struct block_measure {
+    iso_point_bounds bounds;
+    double radius[2]; /* mm, of its discs */
+} block_measure;
+
 typedef struct survey {
-    const iso_point_view *points;
+    const iso_point_view *points;  /* or, when they are out of reach: */
+    const block_measure *measures; /* one per block */
+    bool closed;
     const iso_projector *projector;
     double eye[3]; /* in index coordinates, or (orthographic) the direction of the view */
     iso_point_block *blocks;
@@ -49,8 +57,9 @@ static void radius_range(const iso_point_view *points, const iso_point_block *bl
 }
 
 /* False when there is no point in the block. */
-static bool block_extent(const survey *s, const iso_point_block *block, const iso_point_bounds *bounds,
+static bool block_extent(const survey *s, const iso_point_block *block, const block_measure *measure,
                          extent *out) {
+    const iso_point_bounds *bounds = &measure->bounds;
     if (!(bounds->lo[0] <= bounds->hi[0])) return false;
     double center[3], half[3];
     for (int k = 0; k < 3; k++) {
@@ -65,7 +74,7 @@ static bool block_extent(const survey *s, const iso_point_block *block, const is
         out->lo[axis] = at - reach;
         out->hi[axis] = at + reach;
     }
-    radius_range(s->points, block, out->radius);
+    memcpy(out->radius, measure->radius, sizeof out->radius);
     return true;
 }
 
@@ -132,6 +141,13 @@ static iso_point_bounds bounds_of(const iso_point_view *points, const iso_point_
     return bounds;
 }
 
+/* (radii are looked at only where there is a point) */
+static block_measure measure_block(const iso_point_view *points, const iso_point_block *block) {
+    block_measure measure = {.bounds = bounds_of(points, block)};
+    if (measure.bounds.lo[0] <= measure.bounds.hi[0]) radius_range(points, block, measure.radius);
+    return measure;
+}
+
 static void survey_chunk(void *context, size_t index, int worker) {
     (void)worker;
     const survey *s = context;
@@ -140,18 +156,18 @@ static void survey_chunk(void *context, size_t index, int worker) {
     size_t end = (index + 1) * CHUNK_BLOCKS;
     for (size_t i = index * CHUNK_BLOCKS; i < end && i < s->count; i++) {
         iso_point_block *block = &s->blocks[i];
-        iso_point_bounds bounds = bounds_of(s->points, block);
+        const block_measure measure = s->measures ? s->measures[i] : measure_block(s->points, block);
         extent e;
         block->seen = block->averted = block->facing = false;
-        if (!block_extent(s, block, &bounds, &e)) continue;
+        if (!block_extent(s, block, &measure, &e)) continue;
         for (int axis = 0; axis < 3; axis++) {
             found.lo[axis] = iso_least(found.lo[axis], e.lo[axis]);
             found.hi[axis] = iso_most(found.hi[axis], e.hi[axis]);
         }
         look(s->projector->view, &e, block);
         if (!block->seen) continue;
-        if (s->points->closed) {
-            iso_facing facing = iso_projector_facing(s->projector, s->eye, block->brick, &bounds);
+        if (s->closed) {
+            iso_facing facing = iso_projector_facing(s->projector, s->eye, block->brick, &measure.bounds);
             block->averted = facing == ISO_FACING_AWAY;
             block->facing = facing == ISO_FACING_EYE;
         }
@@ -201,22 +217,48 @@ static void cut(const iso_point_view *points, iso_point_block *block) {
     }
 }
 
-iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view *points,
-                                 const iso_projector *projector, iso_pool *pool, iso_error *error) {
-    size_t count = count_blocks(points), chunks = (count + CHUNK_BLOCKS - 1) / CHUNK_BLOCKS;
+static iso_status make_blocks(iso_point_blocks *blocks, const iso_point_view *points, iso_error *error) {
+    size_t count = count_blocks(points);
     ISO_TRY(iso_buffer_reserve(&blocks->blocks, count * sizeof(iso_point_block), 0, error));
-    ISO_TRY(iso_buffer_reserve(&blocks->chunks, chunks * sizeof(chunk), 0, error));
     blocks->count = count;
     cut(points, blocks->blocks.data);
-    survey s = {.points = points,
-                .projector = projector,
-                .blocks = blocks->blocks.data,
-                .chunks = blocks->chunks.data,
-                .count = count};
-    iso_projector_eye(projector, &points->transform, s.eye);
-    iso_parallel_for(pool, chunks, survey_chunk, &s);
-    sum_up(blocks, s.chunks, chunks);
     return ISO_OK;
+}
+
+static iso_status look_at_blocks(iso_point_blocks *blocks, survey *s, iso_pool *pool, iso_error *error) {
+    size_t chunks = (blocks->count + CHUNK_BLOCKS - 1) / CHUNK_BLOCKS;
+    ISO_TRY(iso_buffer_reserve(&blocks->chunks, chunks * sizeof(chunk), 0, error));
+    s->blocks = blocks->blocks.data;
+    s->chunks = blocks->chunks.data;
+    s->count = blocks->count;
+    iso_parallel_for(pool, chunks, survey_chunk, s);
+    sum_up(blocks, s->chunks, chunks);
+    return ISO_OK;
+}
+
+iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view *points,
+                                 const iso_projector *projector, iso_pool *pool, iso_error *error) {
+    ISO_TRY(make_blocks(blocks, points, error));
+    survey s = {.points = points, .closed = points->closed, .projector = projector};
+    iso_projector_eye(projector, &points->transform, s.eye);
+    return look_at_blocks(blocks, &s, pool, error);
+}
+
+iso_status iso_point_blocks_measure(iso_point_blocks *blocks, const iso_point_view *points,
+                                    iso_error *error) {
+    ISO_TRY(make_blocks(blocks, points, error));
+    ISO_TRY(iso_buffer_reserve(&blocks->extents, blocks->count * sizeof(block_measure), 0, error));
+    const iso_point_block *block = blocks->blocks.data;
+    block_measure *measure = blocks->extents.data;
+    for (size_t i = 0; i < blocks->count; i++) measure[i] = measure_block(points, &block[i]);
+    return ISO_OK;
+}
+
+iso_status iso_point_blocks_look(iso_point_blocks *blocks, bool closed, const iso_transform *transform,
+                                 const iso_projector *projector, iso_error *error) {
+    survey s = {.measures = blocks->extents.data, .closed = closed, .projector = projector};
+    iso_projector_eye(projector, transform, s.eye);
+    return look_at_blocks(blocks, &s, NULL, error);
 }
 
 /* Bands first .. last that the block's rows are in; none when first > last. */
@@ -255,6 +297,7 @@ iso_status iso_point_blocks_deal(iso_point_blocks *blocks, const iso_view *view,
 void iso_point_blocks_free(iso_point_blocks *blocks) {
     iso_buffer_free(&blocks->blocks);
     iso_buffer_free(&blocks->chunks);
+    iso_buffer_free(&blocks->extents);
     iso_buffer_free(&blocks->order);
     iso_buffer_free(&blocks->start);
     *blocks = (iso_point_blocks){0};

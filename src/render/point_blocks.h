@@ -25,6 +25,7 @@ typedef struct iso_point_block {
 
 typedef struct iso_point_blocks {
     iso_buffer blocks, chunks;
+    iso_buffer extents; /* what iso_point_blocks_measure found out */
     size_t count;
     /* Of the blocks seen: */
     size_t seen;
@@ -38,6 +39,12 @@ typedef struct iso_point_blocks {
  * ISO_ERR_NOMEM. */
 iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view *points,
                                  const iso_projector *projector, iso_pool *pool, iso_error *error);
+
+/* The same in two steps, for points that are out of reach when they are looked at: cuts and measures them;
+ * then looks at them from a view. ISO_ERR_NOMEM. */
+iso_status iso_point_blocks_measure(iso_point_blocks *blocks, const iso_point_view *points, iso_error *error);
+iso_status iso_point_blocks_look(iso_point_blocks *blocks, bool closed, const iso_transform *transform,
+                                 const iso_projector *projector, iso_error *error);
 
 /* Deals the blocks seen (averted ones too unless `cull`) out to bands of `band_rows` rows of the pyramid's
  * base level. ISO_ERR_NOMEM. */

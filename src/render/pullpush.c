@@ -1,9 +1,9 @@
 #include "render/pullpush.h"
 
 #include <assert.h>
-#include <string.h>
 
 #include "render/pullpush_kernel.h"
+#include "render/pullpush_setup.h"
 #include "render/refined.h"
 
 enum {
@@ -15,15 +15,8 @@ enum {
     STRIP_ROWS_LEAST = 64
 };
 
-/* Pixels^2 of the screen-space filter. */
-static const float LOW_PASS = 2;
-/* The same on the side where the surface ends, seen face-on and edge-on. */
-static const float FACING = 1, EDGE = 0.04f;
 /* A pyramid that would take more is made for a part of the picture at a time. */
 static const size_t PYRAMID_BYTES = (size_t)256 << 20;
-/* exp(-2 q) for q in 0 .. 1, within 0.0025. */
-static const float GAUSSIAN[4] = {1, -1.9457733f, 1.6291067f, -0.5504321f};
-static const float BOX[4] = {1, 0, 0, 0};
 
 struct iso_pullpush {
     iso_point_blocks blocks;
@@ -48,52 +41,6 @@ typedef struct frame {
 
 /* ---- preparation */
 
-static void set_up_projection(frame *f, bool cull) {
-    const iso_view *view = f->target->view;
-    const iso_pyramid_shape *shape = &f->pyramid->shape;
-    const double pixel = 1.0 / (1 << shape->base), step = f->points->packed ? 20.0 / 16384 : 1;
-    iso_point_projection *p = &f->projection;
-    *p = (iso_point_projection){.points = f->points,
-                                .pyramid = f->pyramid,
-                                .cull = cull,
-                                .orthographic = view->orthographic,
-                                .near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near,
-                                .low = f->points->packed ? -2 : 0,
-                                .per_voxel = 1 / step,
-                                .rows_before = shape->rows_before >> shape->base};
-    for (int row = 0; row < 3; row++) {
-        double scale = row < 2 ? view->focal * pixel : 1;
-        p->origin[row] = f->projector.origin[row] * scale;
-        for (int k = 0; k < 3; k++) {
-            p->matrix[3 * row + k] = f->projector.matrix[3 * row + k] * scale;
-            p->step[3 * row + k] = (float)(p->matrix[3 * row + k] * step);
-        }
-    }
-    iso_projector_eye(&f->projector, &f->points->transform, p->eye);
-    /* counted from the whole frame, so that strips round alike */
-    p->column = (float)((view->cx - shape->column) * pixel);
-    p->row = (float)((view->cy - shape->row + shape->rows_before) * pixel);
-}
-
-static void set_up_job(frame *f, bool two_sided) {
-    const iso_view *view = f->target->view;
-    const iso_pyramid_shape *shape = &f->pyramid->shape;
-    f->job = (iso_reconstruction_job){
-        .pyramid = f->pyramid,
-        .target = f->target,
-        .radius = f->points->radius > 0 ? ISO_DISC_RADII * (float)f->points->radius : 0,
-        .scale = (float)view->focal,
-        .orthographic = view->orthographic,
-        .two_sided = two_sided,
-        .ray = {(float)(view->cx - shape->column), (float)(view->cy - shape->row + shape->rows_before)},
-        .slope = view->orthographic ? 0 : (float)(1 / view->focal),
-        .low_pass = LOW_PASS,
-        .facing = FACING,
-        .edge = EDGE};
-    memcpy(f->job.normal, f->projector.normal, sizeof f->job.normal);
-    memcpy(f->job.weight, f->reconstruction == ISO_RECONSTRUCTION_BOX ? BOX : GAUSSIAN, sizeof f->job.weight);
-}
-
 static void choose_bands(frame *f) {
     size_t row = f->pyramid->key_stride * sizeof(int64_t);
     int most = f->pyramid->shape.top - f->pyramid->shape.base;
@@ -107,9 +54,7 @@ static void choose_bands(frame *f) {
 }
 
 static iso_pyramid_shape choose_shape(const frame *f, const iso_view *view) {
-    int base, top;
-    iso_pyramid_levels(f->blocks->radius, LOW_PASS, &base, &top);
-    iso_pyramid_shape shape = iso_pyramid_shape_of(view, base, top);
+    iso_pyramid_shape shape = iso_pullpush_shape(view, f->blocks->radius);
     if (f->points->radii) shape.planes |= 1u << ISO_PLANE_RADIUS;
     if (f->points->colors) shape.planes |= 7u << ISO_PLANE_RED;
     shape.indexed = shape.planes != 0;
@@ -122,8 +67,13 @@ static iso_status prepare(frame *f, iso_error *error) {
     iso_pyramid_shape shape = choose_shape(f, view);
     ISO_TRY(iso_pyramid_reshape(f->pyramid, &shape, error));
     choose_bands(f);
-    set_up_projection(f, cull);
-    set_up_job(f, !cull);
+    f->projection =
+        iso_pullpush_projection(&shape, &f->projector, &f->points->transform, f->points->packed, cull);
+    f->projection.points = f->points;
+    f->projection.pyramid = f->pyramid;
+    f->job = iso_pullpush_job(&shape, &f->projector, f->points->radius, f->reconstruction, !cull);
+    f->job.pyramid = f->pyramid;
+    f->job.target = f->target;
     return iso_point_blocks_deal(f->blocks, view, f->pyramid, f->band_rows, cull, error);
 }
 
@@ -325,9 +275,8 @@ static iso_status draw(iso_pullpush *workspace, const iso_target *target, const 
     ISO_TRY(iso_point_blocks_make(f.blocks, points, &f.projector, target->pool, error));
     if (f.blocks->seen == 0) return ISO_OK;
     if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
-    const bool refined = reconstruction == ISO_RECONSTRUCTION_REFINED ||
-                         (reconstruction == ISO_RECONSTRUCTION_AUTO && !points->colors);
-    if (refined) return iso_refined_draw(&workspace->refined, target, points, f.blocks, error);
+    if (reconstruction == ISO_RECONSTRUCTION_REFINED && !points->colors)
+        return iso_refined_draw(&workspace->refined, target, points, f.blocks, error);
     int rows = rows_at_once(&f, view);
     for (int first = 0; first < view->height; first += rows)
         ISO_TRY(
@@ -340,7 +289,7 @@ iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *poi
     assert(target->view->width == target->gbuffer->width && target->view->height == target->gbuffer->height);
     iso_pullpush once = {0}, *workspace = opts && opts->workspace ? opts->workspace : &once;
     iso_status status =
-        draw(workspace, target, points, opts ? opts->reconstruction : ISO_RECONSTRUCTION_AUTO, error);
+        draw(workspace, target, points, opts ? opts->reconstruction : ISO_RECONSTRUCTION_REFINED, error);
     iso_point_blocks_free(&once.blocks);
     iso_pyramid_free(&once.pyramid);
     iso_refined_free(&once.refined);

@@ -20,11 +20,10 @@ extern "C" {
 #endif
 
 typedef enum iso_reconstruction {
-    ISO_RECONSTRUCTION_AUTO,     /* refined; gaussian for points that have colours */
-    ISO_RECONSTRUCTION_BOX,      /* ellipses with equal weights (figure 4a) */
-    ISO_RECONSTRUCTION_GAUSSIAN, /* with Gaussian ones (figure 4b) */
-    ISO_RECONSTRUCTION_REFINED /* second-order discs instead of averages (render/refined.h); knows no colours
-                                */
+    ISO_RECONSTRUCTION_REFINED, /* second-order discs instead of averages (render/refined.h); it knows no
+                                   colours: points that have them are drawn as by gaussian */
+    ISO_RECONSTRUCTION_BOX,     /* ellipses with equal weights (figure 4a) */
+    ISO_RECONSTRUCTION_GAUSSIAN /* with Gaussian ones (figure 4b) */
 } iso_reconstruction;
 
 /* Memory that frames can share. One call uses it at a time. */

@@ -61,7 +61,7 @@ static size_t plane_floats(const iso_pyramid_level *level) {
     return level->stride * (size_t)(level->height + 2);
 }
 
-static iso_pyramid_level level_of(const iso_pyramid_shape *shape, int number) {
+iso_pyramid_level iso_pyramid_level_of(const iso_pyramid_shape *shape, int number) {
     int less = (1 << number) - 1;
     int width = (shape->width + less) >> number, height = (shape->height + less) >> number;
     return (iso_pyramid_level){
@@ -78,11 +78,11 @@ static size_t key_count(const iso_pyramid_level *base) {
 }
 
 size_t iso_pyramid_bytes(const iso_pyramid_shape *shape) {
-    const iso_pyramid_level base = level_of(shape, shape->base);
+    const iso_pyramid_level base = iso_pyramid_level_of(shape, shape->base);
     if (key_count(&base) > INT32_MAX) return SIZE_MAX; /* places of keys are 32-bit numbers */
     size_t bytes = key_count(&base) * (sizeof(int64_t) + (shape->indexed ? sizeof(int32_t) : 0));
     for (int l = 0; l <= shape->top; l++) {
-        iso_pyramid_level level = level_of(shape, l);
+        iso_pyramid_level level = iso_pyramid_level_of(shape, l);
         for (int p = 0; p < ISO_PLANES; p++)
             if (has_plane(shape, l, p)) bytes += plane_floats(&level) * sizeof(float);
     }
@@ -130,7 +130,7 @@ iso_status iso_pyramid_reshape(iso_pyramid *pyramid, const iso_pyramid_shape *sh
     ISO_TRY(iso_buffer_reserve(&pyramid->memory, bytes, 0, error));
     memset(pyramid->memory.data, 0, bytes);
     pyramid->shape = *shape;
-    for (int l = 0; l <= shape->top; l++) pyramid->level[l] = level_of(shape, l);
+    for (int l = 0; l <= shape->top; l++) pyramid->level[l] = iso_pyramid_level_of(shape, l);
     const iso_pyramid_level *base = &pyramid->level[shape->base];
     pyramid->key_stride = key_stride_of(base);
     size_t index = shape->indexed ? key_count(base) * sizeof(int32_t) : 0;

@@ -91,6 +91,9 @@ void iso_pyramid_levels(const float radius[2], float low_pass, int *base, int *t
 /* The shape of a view's pyramid: its levels and what there is in it */
 iso_pyramid_shape iso_pyramid_shape_of(const iso_view *view, int base, int top);
 
+/* A level's size, without planes. */
+iso_pyramid_level iso_pyramid_level_of(const iso_pyramid_shape *shape, int number);
+
 /* Bytes that a pyramid of this shape takes; SIZE_MAX when it is impossible. */
 size_t iso_pyramid_bytes(const iso_pyramid_shape *shape);
 

@@ -100,6 +100,7 @@ static iso_status open_frame(bench_row *row, iso_error *error) {
     row->context = frame;
     frame->method = plan->method;
     frame->subject = plan->subject;
+    frame->gl = plan->gl;
     frame->pool = bench_pool(row->bench, row->threads);
     ISO_TRY(bench_subject_view(plan->subject, plan->view, &frame->view, error));
     ISO_TRY(bench_subject_frame(plan->subject, error));
@@ -128,6 +129,7 @@ static void finish_frame(bench_row *row) {
     double seconds = bench_row_median(row) * 1e-3;
     bench_count(row, "covered_pixels", (double)frame->covered, 0, 0);
     if (frame->primitives) bench_count(row, "items_per_second", (double)frame->primitives / seconds, 0, 0);
+    if (frame->method->finish) frame->method->finish(row);
 }
 
 static void close_frame(bench_row *row) {

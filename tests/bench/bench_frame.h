@@ -20,6 +20,7 @@ typedef struct bench_method {
     /* Gets what is drawn into the frame, and its number of primitives. */
     iso_status (*open)(bench_frame *frame, iso_error *error);
     iso_status (*draw)(bench_frame *frame, const iso_target *target, iso_error *error);
+    void (*finish)(bench_row *row);    /* adds counters; NULL: none */
     void (*close)(bench_frame *frame); /* what open made; NULL: nothing */
 } bench_method;
 
@@ -34,13 +35,16 @@ struct bench_frame {
     const iso_raycaster *caster;
     const iso_exact *exact;
     struct iso_pullpush *pullpush; /* owned */
+    struct bench_gl *gl;           /* the plan's */
+    struct bench_gl_frame *gl_frame;
 };
 
 /* What a row draws: row->plan, owned by the row. `method` is NULL in VTK's rows. */
 struct bench_frame_plan {
     const bench_method *method;
     bench_subject *subject;
-    int view; /* number for bench_subject_view */
+    int view;            /* number for bench_subject_view */
+    struct bench_gl *gl; /* for methods of bench_gl.h */
 };
 
 extern const bench_kind bench_frame_kind, bench_slow_frame_kind;

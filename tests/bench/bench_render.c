@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench_frame.h"
+#include "bench_gl.h"
 
 /* ---- what is asked for ---- */
 
@@ -38,13 +38,15 @@ static double asked_of_scaling(const bench_row *row, const bench_method *method)
 
 /* ---- the rows of a group ---- */
 
-enum { SUBJECTS = 4, METHODS = 16 };
+enum { SUBJECTS = 4, METHODS = 16, GL_METHODS = 4 };
 
 typedef struct frame_group {
     bench_state *bench;
     bench_subject subjects[SUBJECTS];
     int subject_count, view_count;
     bench_row *vtk[SUBJECTS][BENCH_VIEWS][BENCH_THREADS];
+    bench_gl *gl; /* NULL: not in this group */
+    bench_row *gl_rows[SUBJECTS][GL_METHODS];
     bench_row *rows[SUBJECTS][BENCH_VIEWS][METHODS][ISO_CPU_LEVELS][BENCH_THREADS];
 } frame_group;
 
@@ -58,7 +60,7 @@ static void describe(const frame_group *group, int subject, int view, char text[
 
 static void add_plan(bench_row *row, const bench_method *method, bench_subject *subject, int view) {
     bench_frame_plan *plan = calloc(1, sizeof *plan);
-    if (plan) *plan = (bench_frame_plan){method, subject, view};
+    if (plan) *plan = (bench_frame_plan){.method = method, .subject = subject, .view = view};
     row->plan = plan;
 }
 
@@ -94,6 +96,21 @@ static void add_method(frame_group *group, int subject, int view, int number) {
         }
 }
 
+/* OpenGL draws with what threads it likes; shading after it takes as many as a row may. */
+static void add_gl(frame_group *group, int subject) {
+    const bench_settings *settings = group->bench->settings;
+    for (int m = 0; m < bench_gl_method_count; m++) {
+        const bench_method *method = &bench_gl_methods[m];
+        if (group->subjects[subject].bumpy_meshless && is_method(method, "gl_mesh")) continue;
+        bench_row *row = bench_add(group->bench, &bench_slow_frame_kind, "render/%s/%s/%s", method->name,
+                                   group->subjects[subject].name, group->gl->name);
+        row->threads = settings->threads[settings->thread_count - 1];
+        add_plan(row, method, &group->subjects[subject], 0);
+        if (row->plan) ((bench_frame_plan *)row->plan)->gl = group->gl;
+        group->gl_rows[subject][m] = row;
+    }
+}
+
 /* ---- what they are compared with ---- */
 
 /* Position of a method in the table, -1 when there is none. */
@@ -127,6 +144,20 @@ static void compare_exact(const frame_group *group, bench_row *row, int subject,
                   0);
 }
 
+/* The same method by OpenGL. Pull-push is asked to be faster than a software renderer alone. */
+static void compare_gl(const frame_group *group, bench_row *row, const bench_method *method, int subject) {
+    const bool pullpush = is_method(method, "pullpush/gaussian");
+    if (!group->gl || !group->gl->context || row->level != group->bench->best) return;
+    for (int m = 0; m < bench_gl_method_count; m++) {
+        if (strcmp(bench_gl_methods[m].name + strlen("gl_"), pullpush ? "pullpush" : method->name) != 0)
+            continue;
+        bool asked =
+            is_judged_pullpush(row, method) && !iso_gl_context_info(group->gl->context).hardware &&
+            row->threads == group->bench->settings->threads[group->bench->settings->thread_count - 1];
+        bench_compare(row, group->gl_rows[subject][m], "ratio_vs_gl", NULL, asked ? 20 : 0);
+    }
+}
+
 /* A twentyfold of points in at most five times the time; refined in three times gaussian's. */
 static void compare_pullpush(const frame_group *group, bench_row *row, const bench_method *method,
                              int subject, int view, int t) {
@@ -152,6 +183,7 @@ static void compare_row(const frame_group *group, int subject, int view, int num
         if (vtk && row->threads == 1) vtk->cpu = "ratio_vs_vtk_frame_cpu";
         if (is_method(method, "exact")) compare_exact(group, row, subject, view, t);
         compare_pullpush(group, row, method, subject, view, t);
+        compare_gl(group, row, method, subject);
         if (single >= 0 && single != t)
             bench_compare(row, group->rows[subject][view][number][level][single], "scaling", NULL,
                           asked_of_scaling(row, method));
@@ -166,6 +198,18 @@ static void add_view(frame_group *group, int subject, int view) {
         bool fits = what->bumpy_side ? method->on_bumpy : method->on_volumes;
         if (fits && !(what->bumpy_meshless && is_method(method, "mesh"))) add_method(group, subject, view, m);
     }
+    if (group->gl && group->gl->context) add_gl(group, subject);
+}
+
+/* Of the most points that pull-push by OpenGL was measured with. */
+static void say_limit(const frame_group *group) {
+    const bench_row *most = NULL;
+    for (int s = 0; s < group->subject_count; s++)
+        for (int m = 0; m < bench_gl_method_count; m++) {
+            const bench_row *row = group->gl_rows[s][m];
+            if (row && row->rounds && is_method(&bench_gl_methods[m], "gl_pullpush")) most = row;
+        }
+    if (most) bench_gl_say_limit(group->gl, most);
 }
 
 static iso_status run_frames(frame_group *group, const char *title, iso_error *error) {
@@ -183,14 +227,14 @@ static iso_status run_frames(frame_group *group, const char *title, iso_error *e
 /* ---- the groups ---- */
 
 /* About 0.3, 1, 5 and 20 million points; the last one is too fine for one hgrid, and for VTK's patience. */
-static iso_status run_bumpy(bench_state *bench, iso_error *error) {
+static iso_status run_bumpy(bench_state *bench, bench_gl *gl, iso_error *error) {
     static const char *const names[SUBJECTS] = {"0.3M", "1M", "5M", "20M"};
     static const char *const small_names[SUBJECTS] = {"4k", "8k", "14k", "25k"};
     static const int sides[SUBJECTS] = {327, 597, 1336, 2672}, small_sides[SUBJECTS] = {40, 56, 72, 96};
     bool small = bench->settings->small;
     frame_group *group = calloc(1, sizeof *group);
     if (!group) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    *group = (frame_group){.bench = bench, .subject_count = SUBJECTS, .view_count = 1};
+    *group = (frame_group){.bench = bench, .gl = gl, .subject_count = SUBJECTS, .view_count = 1};
     for (int i = 0; i < SUBJECTS; i++) {
         bool last = i == SUBJECTS - 1;
         bench_subject *subject = &group->subjects[i];
@@ -201,6 +245,7 @@ static iso_status run_bumpy(bench_state *bench, iso_error *error) {
         snprintf(subject->name, sizeof subject->name, "%s", small ? small_names[i] : names[i]);
     }
     iso_status status = run_frames(group, "frames of a bumpy sphere, by points", error);
+    if (status == ISO_OK && group->gl) say_limit(group);
     free(group);
     return status;
 }
@@ -228,7 +273,11 @@ iso_status bench_render(bench_state *bench, iso_error *error) {
     bool small = bench->settings->small;
     bench_subject brain = {.name = "ch2better", .file = "mricron/ch2better.nii.gz", .isovalue = 60};
     if (small) brain = (bench_subject){.name = "headmr", .file = "headmr/HeadMRVolume.mhd", .isovalue = 40};
-    ISO_TRY(run_bumpy(bench, error));
+    bench_gl gl;
+    iso_status status = bench_gl_open(&gl, error);
+    if (status == ISO_OK) status = run_bumpy(bench, &gl, error);
+    bench_gl_close(&gl);
+    ISO_TRY(status);
     ISO_TRY(run_ct(bench, small ? 32 : 256, error));
     ISO_TRY(run_volume(bench, &brain, error));
     ISO_TRY(run_ct(bench, small ? 48 : 512, error));

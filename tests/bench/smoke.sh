@@ -41,6 +41,10 @@ wanted += [f"render/{method}/{what}/generic/threads:{n}" for method in ("points"
            for what in [*spheres, "25k", *views] for n in (1, 2)]
 wanted += [f"render/exact/{what}/generic/threads:{n}" for what in views for n in (1, 2)]
 wanted += [f"process/isorender_{method}/ct48.vti/threads:{n}" for method in ("mesh", "exact") for n in (1, 2)]
+drawn_by = next((name.rsplit("/", 1)[1] for name in listed if name.startswith("render/gl_points/")), None)
+if drawn_by:
+    wanted += [f"render/gl_{method}/{what}/{drawn_by}" for method in ("points", "pullpush") for what in [*spheres, "25k"]]
+    wanted += [f"render/gl_mesh/{what}/{drawn_by}" for what in spheres]
 for name in wanted:
     assert name in rows, f"{name} is missing"
 
@@ -68,6 +72,13 @@ for what in spheres:
 assert rows["render/points/25k/generic/threads:1"]["primitives"] == 26606
 assert rows["render/pullpush/gaussian/25k/generic/threads:1"]["ratio_vs_1M"] > 0
 assert rows["render/pullpush/refined/25k/generic/threads:1"]["ratio_vs_gaussian"] > 0
+
+if drawn_by:
+    pull = rows[f"render/gl_pullpush/4k/{drawn_by}"]
+    assert all(pull[key] > 0 for key in ("project_ms", "pull_ms", "push_ms", "finish_ms")), pull
+    assert "draw_ms" not in pull and rows[f"render/gl_mesh/4k/{drawn_by}"]["draw_ms"] > 0
+    assert rows["render/pullpush/gaussian/4k/generic/threads:1"]["covered_pixels"] == pull["covered_pixels"]
+    assert f"limit of render/gl_pullpush/25k/{drawn_by}" in text
 
 # VTK and all methods show the same thing, from the same place.
 for what in [*spheres, *views]:

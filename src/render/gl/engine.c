@@ -40,6 +40,10 @@ static void make_buffers(iso_gl_engine *engine, const GladGLContext *gl) {
     GLfloat range[2] = {1, 1};
     gl->GetFloatv(GL_POINT_SIZE_RANGE, range);
     engine->max_point = range[1] < 1024 ? range[1] : 1024;
+    GLint64 storage = 0;
+    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &storage);
+    engine->max_storage = storage > 0 ? (size_t)storage : 0;
+    engine->wide_atomics = iso_gl_has_wide_atomics(engine->context);
     engine->max_side = widest_part(gl, viewport_margin(engine));
     gl->CreateBuffers(1, &engine->frame);
     gl->NamedBufferStorage(engine->frame, sizeof(iso_gl_frame), NULL, GL_DYNAMIC_STORAGE_BIT);
@@ -57,6 +61,7 @@ iso_status iso_gl_engine_create(iso_gl_context *context, iso_gl_engine **engine,
     iso_gl_engine *made = iso_alloc_zero(1, sizeof *made);
     if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an engine");
     made->context = context;
+    made->timer.by_clock = iso_gl_renderer_is_software(context->renderer);
     iso_status status = iso_gl_enter(context, error);
     if (status == ISO_OK) {
         make_buffers(made, context->gl);
@@ -85,6 +90,8 @@ void iso_gl_engine_destroy(iso_gl_engine *engine) {
         const GLuint buffers[] = {engine->frame, engine->commands, engine->instances};
         delete_target(engine, gl);
         gl->DeleteBuffers(3, buffers);
+        gl->DeleteBuffers(ISO_GL_STORES, engine->storage);
+        iso_gl_timer_free(&engine->timer, gl);
         for (int i = 0; i < ISO_GL_PROGRAMS; i++) gl->DeleteProgram(engine->programs[i]);
         iso_gl_leave(context, ISO_OK, NULL);
     }
@@ -446,10 +453,7 @@ typedef struct picture {
     iso_buffer room;
 } picture;
 
-static iso_status draw_part(picture *p, const iso_view *view, corner at, iso_gbuffer *gbuffer,
-                            iso_error *error) {
-    ISO_TRY(need_target(p->engine, view->width, view->height, error));
-    begin_part(p->engine, view);
+static iso_status draw_shapes(picture *p, const iso_view *view, iso_error *error) {
     for (int i = 0; i < p->opts->shape_count; i++) {
         const iso_gl_shape *shape = p->opts->shapes[i];
         shape_draw draw = {.engine = p->engine,
@@ -461,7 +465,20 @@ static iso_status draw_part(picture *p, const iso_view *view, corner at, iso_gbu
         put_frame(&draw, i);
         ISO_TRY(shape->mesh ? draw_mesh(&draw, &p->room, error) : draw_points(&draw, &p->room, error));
     }
-    return read_part(p->engine, view, at, gbuffer, error);
+    return ISO_OK;
+}
+
+static iso_status draw_part(picture *p, const iso_view *view, corner at, iso_gbuffer *gbuffer,
+                            iso_error *error) {
+    ISO_TRY(need_target(p->engine, view->width, view->height, error));
+    begin_part(p->engine, view);
+    iso_gl_timer_begin(&p->engine->timer, p->engine->context->gl, ISO_GL_PASS_DRAW);
+    iso_status status = draw_shapes(p, view, error);
+    iso_gl_timer_end(&p->engine->timer, p->engine->context->gl);
+    ISO_TRY(status);
+    ISO_TRY(read_part(p->engine, view, at, gbuffer, error));
+    iso_gl_timer_read(&p->engine->timer, p->engine->context->gl);
+    return ISO_OK;
 }
 
 static iso_status draw_parts(picture *p, iso_gbuffer *gbuffer, iso_error *error) {

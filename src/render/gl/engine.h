@@ -29,6 +29,22 @@ void iso_gl_engine_destroy(iso_gl_engine *engine);
  * many samples: the same for all above the size of a part. */
 uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height);
 
+/* What the GPU does for pictures: points or triangles (draw), and the steps of pull-push. */
+typedef enum iso_gl_pass {
+    ISO_GL_PASS_DRAW,
+    ISO_GL_PASS_PROJECT,
+    ISO_GL_PASS_PULL,
+    ISO_GL_PASS_PUSH,
+    ISO_GL_PASS_FINISH
+} iso_gl_pass;
+enum { ISO_GL_PASSES = 5 };
+const char *iso_gl_pass_name(iso_gl_pass pass); /* "draw", "project", .. */
+
+/* Seconds that the GPU took for each, by its own clock (software renderers: by the computer's), in all
+ * pictures since the engine was made or told to forget. */
+void iso_gl_engine_seconds(const iso_gl_engine *engine, double seconds[ISO_GL_PASSES]);
+void iso_gl_engine_forget_seconds(iso_gl_engine *engine);
+
 /* A surface in the GPU's memory: copied, so that the view's owner may change it. What lies between the view's
  * spans takes room there as it does in the view. Errors: ISO_ERR_NOMEM, ISO_ERR_LIMIT (2^31 vertices, 2^32
  * points, 2^30 triangles; main memory, where the driver has no other), ISO_ERR_BACKEND. Keeps the engine. */

@@ -1,7 +1,7 @@
 /* Built without glad: there are no contexts, and nothing can be made of one. */
 #include <stddef.h>
 
-#include "render/gl/engine.h"
+#include "render/gl/pullpush.h"
 
 static iso_status refuse(iso_error *error) {
     return iso_fail(error, ISO_ERR_BACKEND, "this isopoint was built without glad (OpenGL)");
@@ -97,4 +97,24 @@ iso_status iso_gl_draw(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_
                        iso_error *error) {
     (void)engine, (void)opts, (void)gbuffer;
     return refuse(error);
+}
+
+iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, iso_gbuffer *gbuffer,
+                                iso_error *error) {
+    (void)engine, (void)opts, (void)gbuffer;
+    return refuse(error);
+}
+
+const char *iso_gl_pass_name(iso_gl_pass pass) {
+    (void)pass;
+    return "";
+}
+
+void iso_gl_engine_seconds(const iso_gl_engine *engine, double seconds[ISO_GL_PASSES]) {
+    (void)engine;
+    for (int i = 0; i < ISO_GL_PASSES; i++) seconds[i] = 0;
+}
+
+void iso_gl_engine_forget_seconds(iso_gl_engine *engine) {
+    (void)engine;
 }

@@ -9,17 +9,68 @@
 
 #include "render/gl/internal.h"
 
+/* HEAD: texts before the pieces. */
+enum { STAGES = 2, PIECES = 3, HEAD = 4 };
+
+/* Stages are of the program's own files; pieces come before each of them. */
 typedef struct recipe {
-    const char *name, *vertex, *fragment, *defines;
+    const char *name, *files[STAGES], *pieces[PIECES], *defines;
 } recipe;
 
+#define PROJECT "pullpush_project.comp"
+#define WIDE                                                                                                 \
+    "#extension GL_ARB_gpu_shader_int64 : require\n"                                                         \
+    "#extension GL_NV_shader_atomic_int64 : require\n"
+
 static const recipe recipes[ISO_GL_PROGRAMS] = {
-    [ISO_GL_POINTS_PACKED] = {"points", "points.vert", "points.frag", ""},
-    [ISO_GL_POINTS_SURFELS] = {"points of surfels", "points.vert", "points.frag", "#define SURFELS 1\n"},
-    [ISO_GL_QUADS_PACKED] = {"quads", "points.vert", "points.frag", "#define QUADS 1\n"},
-    [ISO_GL_QUADS_SURFELS] = {"quads of surfels", "points.vert", "points.frag",
+    [ISO_GL_POINTS_PACKED] = {"points", {"points.vert", "points.frag"}, {"unpack.glsl"}, ""},
+    [ISO_GL_POINTS_SURFELS] = {"points of surfels",
+                               {"points.vert", "points.frag"},
+                               {"unpack.glsl"},
+                               "#define SURFELS 1\n"},
+    [ISO_GL_QUADS_PACKED] = {"quads", {"points.vert", "points.frag"}, {"unpack.glsl"}, "#define QUADS 1\n"},
+    [ISO_GL_QUADS_SURFELS] = {"quads of surfels",
+                              {"points.vert", "points.frag"},
+                              {"unpack.glsl"},
                               "#define QUADS 1\n#define SURFELS 1\n"},
-    [ISO_GL_MESH] = {"mesh", "mesh.vert", "mesh.frag", ""},
+    [ISO_GL_MESH] = {"mesh", {"mesh.vert", "mesh.frag"}, {NULL}, ""},
+    [ISO_GL_PROJECT_DEPTHS] = {"projected depths", {PROJECT}, {"unpack.glsl"}, "#define KIND 0\n"},
+    [ISO_GL_PROJECT_PAYLOADS] = {"projected payloads", {PROJECT}, {"unpack.glsl"}, "#define KIND 1\n"},
+    [ISO_GL_PROJECT_DISCS] = {"projected discs", {PROJECT}, {"unpack.glsl"}, "#define KIND 2\n"},
+    [ISO_GL_PROJECT_KEYS] = {"projected keys", {PROJECT}, {"unpack.glsl"}, WIDE "#define KIND 3\n"},
+    [ISO_GL_PROJECT_SURFELS] = {"projected depths of surfels",
+                                {PROJECT},
+                                {"unpack.glsl"},
+                                "#define KIND 0\n#define SURFELS 1\n"},
+    [ISO_GL_PROJECT_SURFELS + 1] = {"projected payloads of surfels",
+                                    {PROJECT},
+                                    {"unpack.glsl"},
+                                    "#define KIND 1\n#define SURFELS 1\n"},
+    [ISO_GL_PROJECT_SURFELS + 2] = {"projected discs of surfels",
+                                    {PROJECT},
+                                    {"unpack.glsl"},
+                                    "#define KIND 2\n#define SURFELS 1\n"},
+    [ISO_GL_PROJECT_SURFELS + 3] = {"projected keys of surfels",
+                                    {PROJECT},
+                                    {"unpack.glsl"},
+                                    WIDE "#define KIND 3\n#define SURFELS 1\n"},
+    [ISO_GL_PULL_LEVEL] = {"pull", {"pullpush_pull.comp"}, {"unpack.glsl", "pullpush.glsl"}, ""},
+    [ISO_GL_PULL_KEYS] = {"pull of keys",
+                          {"pullpush_pull.comp"},
+                          {"unpack.glsl", "pullpush.glsl"},
+                          "#define KEYS 1\n"},
+    [ISO_GL_UNPACK] = {"unpacked keys",
+                       {"pullpush_pull.comp"},
+                       {"unpack.glsl", "pullpush.glsl"},
+                       "#define KEYS 2\n"},
+    [ISO_GL_PUSH] = {"push",
+                     {"pullpush_push.comp"},
+                     {"unpack.glsl", "pullpush.glsl", "pullpush_mix.glsl"},
+                     ""},
+    [ISO_GL_FINISH] = {"finish",
+                       {"pullpush_finish.comp"},
+                       {"unpack.glsl", "pullpush.glsl", "pullpush_mix.glsl"},
+                       ""},
 };
 
 const char *iso_gl_program_name(iso_gl_program program) {
@@ -48,16 +99,59 @@ static char *read_file(const char *folder, const char *name) {
     return text;
 }
 
-static iso_status compile(iso_gl_context *context, GLenum type, const char *file, const char *defines,
-                          GLuint *shader, iso_error *error) {
-    const GladGLContext *gl = context->gl;
+/* ---- 64 bits */
+
+static bool has_extension(const GladGLContext *gl, const char *name) {
+    GLint count = 0;
+    gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; i++)
+        if (strcmp((const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)i), name) == 0) return true;
+    return false;
+}
+
+bool iso_gl_has_wide_atomics(const iso_gl_context *context) {
+    return has_extension(context->gl, "GL_ARB_gpu_shader_int64") &&
+           has_extension(context->gl, "GL_NV_shader_atomic_int64");
+}
+
+bool iso_gl_program_fits(iso_gl_program program, bool wide_atomics) {
+    return wide_atomics || strncmp(recipes[program].defines, "#extension", strlen("#extension")) != 0;
+}
+
+/* ---- building */
+
+static GLenum type_of(const char *file) {
+    const char *ending = strrchr(file, '.');
+    if (strcmp(ending, ".comp") == 0) return GL_COMPUTE_SHADER;
+    return strcmp(ending, ".vert") == 0 ? GL_VERTEX_SHADER : GL_FRAGMENT_SHADER;
+}
+
+/* What a shader is put together from, in order; texts that are read from disk are its own. */
+typedef struct source {
+    const char *part[HEAD + 2 * (PIECES + 1)];
+    char *own[PIECES + 1];
+    int parts, owned;
+} source;
+
+/* Its lines are numbered from its first. */
+static void add_file(source *s, const char *file) {
     const char *folder = secure_getenv("ISO_SHADER_DIR");
     char *own = folder && *folder ? read_file(folder, file) : NULL;
-    const char *parts[] = {"#version 450 core\n#define ISO_GLSL 1\n", defines, embedded("shared.h"),
-                           "#line 1 1\n", own ? own : embedded(file)};
-    GLuint made = gl->CreateShader(type);
-    gl->ShaderSource(made, (GLsizei)(sizeof parts / sizeof *parts), parts, NULL);
-    free(own);
+    if (own) s->own[s->owned++] = own;
+    s->part[s->parts++] = "#line 1 1\n";
+    s->part[s->parts++] = own ? own : embedded(file);
+}
+
+static iso_status compile(iso_gl_context *context, const recipe *r, const char *file, GLuint *shader,
+                          iso_error *error) {
+    const GladGLContext *gl = context->gl;
+    source s = {.part = {"#version 450 core\n", r->defines, "#define ISO_GLSL 1\n", embedded("shared.h")},
+                .parts = HEAD};
+    for (int i = 0; i < PIECES && r->pieces[i]; i++) add_file(&s, r->pieces[i]);
+    add_file(&s, file);
+    GLuint made = gl->CreateShader(type_of(file));
+    gl->ShaderSource(made, s.parts, s.part, NULL);
+    for (int i = 0; i < s.owned; i++) free(s.own[i]);
     gl->CompileShader(made);
     GLint good = 0;
     gl->GetShaderiv(made, GL_COMPILE_STATUS, &good);
@@ -72,13 +166,13 @@ static iso_status compile(iso_gl_context *context, GLenum type, const char *file
     return iso_fail(error, ISO_ERR_BACKEND, "%s: shader %s: %s", context->name, file, log);
 }
 
-static iso_status link_program(iso_gl_context *context, const recipe *r, const GLuint shaders[2],
+static iso_status link_program(iso_gl_context *context, const recipe *r, const GLuint shaders[STAGES],
                                unsigned *name, iso_error *error) {
     const GladGLContext *gl = context->gl;
     GLuint made = gl->CreateProgram();
-    for (int i = 0; i < 2; i++) gl->AttachShader(made, shaders[i]);
+    for (int i = 0; i < STAGES && shaders[i]; i++) gl->AttachShader(made, shaders[i]);
     gl->LinkProgram(made);
-    for (int i = 0; i < 2; i++) gl->DetachShader(made, shaders[i]);
+    for (int i = 0; i < STAGES && shaders[i]; i++) gl->DetachShader(made, shaders[i]);
     GLint good = 0;
     gl->GetProgramiv(made, GL_LINK_STATUS, &good);
     if (good) {
@@ -95,13 +189,11 @@ static iso_status link_program(iso_gl_context *context, const recipe *r, const G
 iso_status iso_gl_program_build(iso_gl_context *context, iso_gl_program program, unsigned *name,
                                 iso_error *error) {
     const recipe *r = &recipes[program];
-    GLuint shaders[2];
-    ISO_TRY(compile(context, GL_VERTEX_SHADER, r->vertex, r->defines, &shaders[0], error));
-    iso_status status = compile(context, GL_FRAGMENT_SHADER, r->fragment, r->defines, &shaders[1], error);
-    if (status == ISO_OK) {
-        status = link_program(context, r, shaders, name, error);
-        context->gl->DeleteShader(shaders[1]);
-    }
-    context->gl->DeleteShader(shaders[0]);
+    GLuint shaders[STAGES] = {0};
+    iso_status status = ISO_OK;
+    for (int i = 0; status == ISO_OK && i < STAGES && r->files[i]; i++)
+        status = compile(context, r, r->files[i], &shaders[i], error);
+    if (status == ISO_OK) status = link_program(context, r, shaders, name, error);
+    for (int i = 0; i < STAGES; i++) context->gl->DeleteShader(shaders[i]); /* 0 is ignored */
     return status;
 }

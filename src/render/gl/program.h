@@ -19,11 +19,28 @@ typedef enum iso_gl_program {
     ISO_GL_POINTS_SURFELS,
     ISO_GL_QUADS_PACKED,
     ISO_GL_QUADS_SURFELS,
-    ISO_GL_MESH
+    ISO_GL_MESH,
+    /* Pull-push: projections by kind, of packed points and then of surfels, as pullpush_project.comp has them
+     */
+    ISO_GL_PROJECT_DEPTHS,
+    ISO_GL_PROJECT_PAYLOADS,
+    ISO_GL_PROJECT_DISCS,
+    ISO_GL_PROJECT_KEYS, /* only where iso_gl_has_wide_atomics */
+    ISO_GL_PROJECT_SURFELS,
+    ISO_GL_PULL_LEVEL = ISO_GL_PROJECT_SURFELS + 4,
+    ISO_GL_PULL_KEYS,
+    ISO_GL_UNPACK,
+    ISO_GL_PUSH,
+    ISO_GL_FINISH
 } iso_gl_program;
-enum { ISO_GL_PROGRAMS = 5 };
+enum { ISO_GL_PROGRAMS = ISO_GL_FINISH + 1 };
 
 const char *iso_gl_program_name(iso_gl_program program);
+
+/* Whether the context has atomic operations on 64 bits in storage buffers (it is current). */
+bool iso_gl_has_wide_atomics(const iso_gl_context *context);
+/* Whether the program can be built there at all. */
+bool iso_gl_program_fits(iso_gl_program program, bool wide_atomics);
 
 /* Compiles and links in the current context; *name is GL's number. ISO_ERR_BACKEND with the driver's log.
  * Texts come from the folder ISO_SHADER_DIR where that is set and has the file. */

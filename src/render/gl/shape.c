@@ -244,15 +244,22 @@ static iso_status fit_spans(iso_gl_shape *shape, size_t count, iso_error *error)
     return ISO_OK;
 }
 
-/* Bounds of all spans, for a surface that is closed. */
-static iso_status keep_bounds(iso_gl_shape *shape, const iso_point_bounds *bounds, bool closed,
-                              iso_error *error) {
+/* Bounds of all spans; a mesh without them does not count as closed. */
+static iso_status keep_bounds(iso_gl_shape *shape, const iso_mesh_view *mesh, iso_error *error) {
     shape->closed = false;
-    if (!bounds || !closed) return ISO_OK;
-    size_t bytes = shape->span_count * sizeof *bounds;
+    if (!mesh->bounds || !mesh->closed) return ISO_OK;
+    size_t bytes = shape->span_count * sizeof *mesh->bounds;
     ISO_TRY(iso_buffer_reserve(&shape->bounds, bytes ? bytes : 1, 0, error));
-    memcpy(shape->bounds.data, bounds, bytes);
+    memcpy(shape->bounds.data, mesh->bounds, bytes);
     shape->closed = true;
+    return ISO_OK;
+}
+
+/* Blocks say where they begin in their span, as its points may come to lie elsewhere. */
+static iso_status measure_blocks(iso_gl_shape *shape, const iso_point_view *points, iso_error *error) {
+    ISO_TRY(iso_point_blocks_measure(shape->blocks, points, error));
+    iso_point_block *block = shape->blocks->blocks.data;
+    for (size_t i = 0; i < shape->blocks->count; i++) block[i].first -= points->spans[block[i].span].first;
     return ISO_OK;
 }
 
@@ -283,7 +290,8 @@ static iso_status send_points(iso_gl_shape *shape, const iso_point_view *points,
                              (points->radii ? growth(&shape->radii, end, radii.item) : 0),
                          error));
     ISO_TRY(fit_spans(shape, points->span_count, error));
-    ISO_TRY(keep_bounds(shape, points->bounds, points->closed, error));
+    ISO_TRY(measure_blocks(shape, points, error));
+    shape->closed = points->closed;
     describe_points(shape, points);
     fit(gl, &vertices, end);
     send_changed(shape, &vertices, points, points_of);
@@ -308,7 +316,7 @@ static iso_status send_mesh(iso_gl_shape *shape, const iso_mesh_view *mesh, iso_
                              growth(&shape->indices, triangle_end, item),
                          error));
     ISO_TRY(fit_spans(shape, mesh->span_count, error));
-    ISO_TRY(keep_bounds(shape, mesh->bounds, mesh->closed, error));
+    ISO_TRY(keep_bounds(shape, mesh, error));
     describe_mesh(shape, mesh);
     fit(gl, &vertices, vertex_end);
     send_changed(shape, &vertices, mesh, vertices_of);
@@ -321,6 +329,7 @@ static iso_status send_mesh(iso_gl_shape *shape, const iso_mesh_view *mesh, iso_
 /* After a failure the next update sends everything. */
 static void forget_spans(iso_gl_shape *shape) {
     shape->span_count = 0;
+    if (shape->blocks) shape->blocks->count = 0;
 }
 
 iso_status iso_gl_update_points(iso_gl_shape *shape, const iso_point_view *points, iso_error *error) {
@@ -361,7 +370,10 @@ iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *poi
     ISO_TRY(make_shape(engine, &made, error));
     made->surfels = points->surfels != NULL;
     made->has_radii = points->radii != NULL;
-    iso_status status = iso_gl_update_points(made, points, error);
+    made->blocks = iso_alloc_zero(1, sizeof *made->blocks);
+    iso_status status = made->blocks
+                            ? iso_gl_update_points(made, points, error)
+                            : iso_fail(error, ISO_ERR_NOMEM, "out of memory for blocks of points");
     if (status == ISO_OK)
         *shape = made;
     else
@@ -403,6 +415,16 @@ iso_gl_shape_stats iso_gl_shape_measure(const iso_gl_shape *shape) {
     return stats;
 }
 
+/* What a shape has outside the GPU. */
+static void free_shape(iso_gl_shape *shape) {
+    if (shape->blocks) iso_point_blocks_free(shape->blocks);
+    iso_free(shape->blocks);
+    iso_gl_strips_free(&shape->strips);
+    iso_buffer_free(&shape->bounds);
+    iso_buffer_free(&shape->spans);
+    iso_free(shape);
+}
+
 void iso_gl_shape_destroy(iso_gl_shape *shape) {
     if (!shape) return;
     iso_gl_context *context = shape->engine->context;
@@ -413,8 +435,5 @@ void iso_gl_shape_destroy(iso_gl_shape *shape) {
         context->gl->DeleteBuffers(3, buffers);
         iso_gl_leave(context, ISO_OK, NULL);
     }
-    iso_gl_strips_free(&shape->strips);
-    iso_buffer_free(&shape->bounds);
-    iso_buffer_free(&shape->spans);
-    iso_free(shape);
+    free_shape(shape);
 }

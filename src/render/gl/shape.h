@@ -9,6 +9,8 @@
 #include "render/gl/internal.h"
 #include "render/gl/program.h"
 #include "render/gl/strips.h"
+#include "render/gl/timer.h"
+#include "render/point_blocks.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -38,16 +40,30 @@ struct iso_gl_shape {
     iso_transform transform;
     iso_buffer spans; /* of iso_gl_span */
     size_t span_count;
-    bool mesh, stripped, surfels, has_radii;
-    bool closed; /* then there are bounds: one iso_point_bounds a span */
-    iso_buffer bounds;
-    double radius;     /* of all points without radii */
-    uint64_t uploaded; /* bytes, by the last update */
+    bool mesh, stripped, surfels, has_radii, closed;
+    iso_buffer bounds;        /* of a closed mesh: one iso_point_bounds a span */
+    iso_point_blocks *blocks; /* of points: where each begins in its span, and what they are; owned */
+    double radius;            /* of all points without radii */
+    uint64_t uploaded;        /* bytes, by the last update */
     iso_gl_strips strips;
     /* One vertex array draws points or triangles, the other quads. */
     iso_gl_buffer vertices, radii, indices;
     unsigned array, quad_array;
 };
+
+/* Buffers of pull-push. */
+typedef enum iso_gl_storage {
+    ISO_GL_STORE_UNIFORMS,
+    ISO_GL_STORE_BLOCKS,
+    ISO_GL_STORE_KEYS,
+    ISO_GL_STORE_DISCS,
+    ISO_GL_STORE_SHADES,
+    ISO_GL_STORE_RANGES,
+    ISO_GL_STORE_SHAPES,
+    ISO_GL_STORE_ENDS,
+    ISO_GL_STORE_PICTURE
+} iso_gl_storage;
+enum { ISO_GL_STORES = 9 };
 
 struct iso_gl_engine {
     iso_gl_context *context;
@@ -60,6 +76,12 @@ struct iso_gl_engine {
     unsigned frame, commands, instances; /* buffers */
     bool keep_averted;                   /* for tests: nothing is left out for facing away */
     size_t drawn, averted;               /* spans, by the last draw; what its parts share counts for each */
+    /* Buffers that grow as they must, 0 where not needed so far. */
+    unsigned storage[ISO_GL_STORES];
+    size_t storage_bytes[ISO_GL_STORES];
+    size_t max_storage; /* bytes of one that shaders can see */
+    bool wide_atomics;  /* on 64 bits of it */
+    iso_gl_timer timer;
 };
 
 /* The program, compiled when it is asked for the first time. */

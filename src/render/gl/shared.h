@@ -13,6 +13,36 @@
 
 /* Uniform blocks. */
 #define ISO_GL_FRAME 0
+#define ISO_GL_PULLPUSH 1
+
+/* Uniforms of pull-push's passes. */
+#define ISO_GL_LEVEL 0 /* int: the level that a pass makes */
+#define ISO_GL_FIRST 0 /* uvec2, of projections: the first block, and one beyond the last */
+
+/* Storage buffers. Drivers need have no more than eight slots: what no pass uses together shares them. */
+#define ISO_GL_POINTS 0  /* uint: points as they are in C */
+#define ISO_GL_RADII 1   /* float: one a point, mm */
+#define ISO_GL_BLOCKS 2  /* iso_gl_block */
+#define ISO_GL_KEYS 3    /* uvec2, of the base level's pixels: payload, depth */
+#define ISO_GL_DISCS 4   /* uint, likewise: bits of the radius of the pixel's disc, mm */
+#define ISO_GL_SHADES 5  /* vec4, of the pixels of all levels above 0: normal, mean depth */
+#define ISO_GL_RANGES 6  /* vec4: least and greatest depth, from the pixel's centre to the ellipse's */
+#define ISO_GL_SHAPES 7  /* vec4: the ellipse (wide, thin x, thin y), the disc's radius */
+#define ISO_GL_ENDS 1    /* uint, likewise: how far the ellipse reaches to where the surface ends, bits of a float,
+                            the last of which says whether another surface goes on behind */
+#define ISO_GL_PICTURE 0 /* uint: planes of the gbuffer's: depth, normal x, y, z, surface */
+#define ISO_GL_PICTURE_PLANES 5
+
+/* Threads of a group: in a row, and in a square. */
+#define ISO_GL_GROUP 64
+#define ISO_GL_TILE 8
+
+/* Pull-push, as render/pyramid.h has it. */
+#define ISO_GL_LEVELS 11
+#define ISO_GL_NOWHERE 1e30
+#define ISO_GL_KEY_NONE 0xFFFFFFFFu /* no depth's, made to order */
+#define ISO_GL_DISC_RADII 1.25
+#define ISO_GL_FURTHEST 16777216.0 /* pixels from the axis */
 
 /* Outputs of fragments. */
 #define ISO_GL_NORMAL_DEPTH 0 /* rgba32f: view space normal, view z in mm */
@@ -36,10 +66,14 @@
 #define ISO_GL_FLOATS(name) vec4 name
 #define ISO_GL_DOUBLES(name) dvec4 name
 #define ISO_GL_UINTS(name) uvec4 name
+#define ISO_GL_INTS(name) ivec4 name
+#define ISO_GL_INT_ROWS(name, count) ivec4 name[count]
 #else
 #define ISO_GL_FLOATS(name) float name[4]
 #define ISO_GL_DOUBLES(name) double name[4]
 #define ISO_GL_UINTS(name) unsigned name[4]
+#define ISO_GL_INTS(name) int name[4]
+#define ISO_GL_INT_ROWS(name, count) int name[count][4]
 #endif
 
 /* std140. One draw of one surface. */
@@ -59,10 +93,40 @@
     ISO_GL_FLOATS(points); /* widest point that the driver draws, px; attenuated: 1 / sqrt(k) of eq. 6 */    \
     ISO_GL_UINTS(flags);   /* surface, orthographic, attenuated */
 
+/* std140. One surface by pull-push: an iso_point_projection and an iso_reconstruction_job. */
+#define ISO_GL_PULLPUSH_FIELDS                                                                               \
+    ISO_GL_FLOATS(step_x); /* steps of points to pixels of the base level at depth 1, and to mm */           \
+    ISO_GL_FLOATS(step_y);                                                                                   \
+    ISO_GL_FLOATS(step_z);                                                                                   \
+    ISO_GL_FLOATS(normal_x); /* index covector to view space */                                              \
+    ISO_GL_FLOATS(normal_y);                                                                                 \
+    ISO_GL_FLOATS(normal_z);                                                                                 \
+    ISO_GL_FLOATS(axis);   /* optical axis, pixels of the base level; near; pixels per mm at depth 1 */      \
+    ISO_GL_FLOATS(disc);   /* radius of points without one, mm; low-pass, facing, edge, pixels^2 */          \
+    ISO_GL_FLOATS(ray);    /* optical axis, pixels of level 0; slope */                                      \
+    ISO_GL_FLOATS(weight); /* of q, 0 .. 1: a polynomial */                                                  \
+    ISO_GL_INTS(                                                                                             \
+        lattice); /* base; rows of the whole frame before level 0's; the picture's pixel at its corner */    \
+    ISO_GL_INTS(picture);                   /* width, height, surface */                                     \
+    ISO_GL_UINTS(flags);                    /* orthographic, two-sided, points have radii */                 \
+    ISO_GL_INT_ROWS(levels, ISO_GL_LEVELS); /* width, height, first pixel in the buffers */
+
+/* std430. Points that are projected together. */
+#define ISO_GL_BLOCK_FIELDS                                                                                  \
+    ISO_GL_FLOATS(origin); /* of its first step, as the points' steps lead on from it */                     \
+    ISO_GL_FLOATS(eye);    /* steps; orthographic: direction of the view */                                  \
+    ISO_GL_UINTS(part);    /* first point in what is bound, count, leave out those that face away */
+
 #ifndef ISO_GLSL
 typedef struct iso_gl_frame {
     ISO_GL_FRAME_FIELDS
 } iso_gl_frame;
+typedef struct iso_gl_pullpush {
+    ISO_GL_PULLPUSH_FIELDS
+} iso_gl_pullpush;
+typedef struct iso_gl_block {
+    ISO_GL_BLOCK_FIELDS
+} iso_gl_block;
 #endif
 
 #endif

@@ -1,0 +1,93 @@
+/* A piece of pull-push's shaders: the pixels of a pyramid (render/pyramid.h), which lie in buffers, level after
+ * level. Pixels beyond a level's sides are empty. */
+layout(std140, binding = ISO_GL_PULLPUSH) uniform pullpush_block { ISO_GL_PULLPUSH_FIELDS };
+layout(std430, binding = ISO_GL_KEYS) buffer key_buffer { uvec2 keys[]; };
+layout(std430, binding = ISO_GL_DISCS) buffer disc_buffer { uint discs[]; };
+layout(std430, binding = ISO_GL_SHADES) buffer shade_buffer { vec4 shades[]; };
+layout(std430, binding = ISO_GL_RANGES) buffer range_buffer { vec4 ranges[]; };
+layout(std430, binding = ISO_GL_SHAPES) buffer shape_buffer { vec4 shapes[]; };
+layout(std430, binding = ISO_GL_ENDS) buffer end_buffer { uint ends[]; };
+
+bool orthographic = flags.x != 0u, two_sided = flags.y != 0u;
+
+struct pixel {
+    vec4 shade;   /* normal of any length, mean depth */
+    vec4 range;   /* least and greatest depth, offset of the ellipse's centre */
+    float radius; /* mm */
+    bool hides;   /* another surface goes on behind the end of this one */
+};
+
+const pixel NO_PIXEL = pixel(vec4(0.0), vec4(ISO_GL_NOWHERE, ISO_GL_NOWHERE, 0.0, 0.0), 0.0, false);
+
+bool is_inside(int level, ivec2 at) {
+    return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, levels[level].xy));
+}
+
+int place(int level, ivec2 at) {
+    return levels[level].z + at.y * levels[level].x + at.x;
+}
+
+/* Depths as they are before they are made to order. */
+float depth_of(uvec2 key) {
+    return uintBitsToFloat(key.y >> 31 != 0u ? key.y ^ 0x80000000u : ~key.y);
+}
+
+vec3 normal_of(uvec2 key) {
+    vec3 n = unfold_normal(key.x);
+    return vec3(dot(normal_x.xyz, n), dot(normal_y.xyz, n), dot(normal_z.xyz, n));
+}
+
+/* A pixel of the base level. */
+pixel decoded(ivec2 at) {
+    if (!is_inside(lattice.x, at)) return NO_PIXEL;
+    int index = at.y * levels[lattice.x].x + at.x;
+    uvec2 key = keys[index];
+    if (key.y == ISO_GL_KEY_NONE) return NO_PIXEL;
+    float depth = depth_of(key);
+    float radius = flags.z != 0u ? ISO_GL_DISC_RADII * uintBitsToFloat(discs[index]) : disc.x;
+    /* the middle of the 1/32 that the point lies in */
+    vec2 offset = vec2(key.x >> 22 & 31u, key.x >> 27) * (1.0 / 32.0) - 31.0 / 64.0;
+    return pixel(vec4(normal_of(key), depth), vec4(depth, depth + radius, offset), radius, false);
+}
+
+pixel fetched(int level, ivec2 at) {
+    if (!is_inside(level, at)) return NO_PIXEL;
+    int index = place(level, at);
+    return pixel(shades[index], ranges[index], shapes[index].w, (ends[index] & 1u) != 0u);
+}
+
+/* x / z and y / z of the ray to a pixel of a level, whose rows are counted from the whole frame. */
+vec2 slope_of(int level, ivec2 at) {
+    vec2 whole = vec2(at.x, at.y + (lattice.y >> level));
+    return ((whole + 0.5) * float(1 << level) - ray.xy) * ray.z;
+}
+
+/* The disc around a point, seen along the ray to the pixel: its shadow's inverse covariance, low-passed (Zwicker
+ * et al. 2001), as a circle, a direction in which it is thinner, which points to where the surface ends, and how
+ * far it reaches there: the low-pass fades with the angle, else silhouettes would grow by it. */
+vec4 ellipse(int level, ivec2 at, pixel p) {
+    if (p.range.x >= ISO_GL_NOWHERE) return vec4(0.0);
+    float shrink = 1.0 / float(1 << level);
+    vec3 added = disc.yzw * shrink * shrink; /* low-pass, facing, edge */
+    float radius = p.radius * axis.w * shrink;
+    if (!orthographic) radius /= p.shade.w;
+    vec2 slope = slope_of(level, at);
+    float ray_z = 1.0 / sqrt(dot(slope, slope) + 1.0);
+    float along = (dot(p.shade.xy, slope) + p.shade.z) * ray_z;
+    /* turned with the ray onto the axis: what is seen edge-on is thin off the axis too */
+    vec2 n = p.shade.xy - (along + p.shade.z) * ray_z / (1.0 + ray_z) * slope;
+    float flat_part = dot(n, n), square = max(flat_part + along * along, 1e-12);
+    float b = radius * radius, a = b + added.x, e = a * square - b * flat_part, inverse = 1.0 / (a * e);
+    float thin = sqrt(b * inverse), end = p.hides ? added.y : added.z;
+    float reach = sqrt(flat_part * ((b + added.y) * along * along + end * flat_part) / square);
+    return vec4(e * inverse, n * (along < 0.0 ? thin : -thin), reach * thin);
+}
+
+void store(int level, ivec2 at, pixel p) {
+    int index = place(level, at);
+    vec4 shape = ellipse(level, at, p);
+    shades[index] = p.shade;
+    ranges[index] = p.range;
+    shapes[index] = vec4(shape.xyz, p.radius);
+    ends[index] = (floatBitsToUint(shape.w) & ~1u) | uint(p.hides);
+}

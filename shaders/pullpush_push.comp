@@ -1,0 +1,29 @@
+/* A level, 1 or higher, from the one above: its gaps, and what lies behind the surface, are filled. */
+layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
+layout(location = ISO_GL_LEVEL) uniform int level;
+
+void main() {
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (!is_inside(level, at)) return;
+    bool pulled = level >= lattice.x;
+    float own = pulled ? ranges[place(level, at)].x : ISO_GL_NOWHERE;
+    mixture m = mixed(level + 1, at, own);
+    if (!m.made) { /* what was pulled stays, its ellipse too */
+        if (!pulled) store(level, at, NO_PIXEL);
+        return;
+    }
+    pixel p = pixel(mixed_shade(m), vec4(ISO_GL_NOWHERE, -ISO_GL_NOWHERE, 0.0, 0.0), 0.0, false);
+    ivec2 fine = at & 1;
+    for (int k = 0; k < 4; k++) {
+        if (m.weights[k] == 0.0) continue;
+        vec4 range = ranges[m.at[k]];
+        p.range.x = min(p.range.x, range.x);
+        p.range.y = max(p.range.y, range.y);
+        /* from the finer pixel's centre, in its size */
+        vec2 centre = 0.75 - 0.5 * vec2(fine) - vec2(k & 1, k >> 1);
+        p.range.zw += m.weights[k] * 2.0 * (range.zw - centre);
+        p.radius += m.weights[k] * shapes[m.at[k]].w;
+        p.hides = p.hides || (ends[m.at[k]] & 1u) != 0u;
+    }
+    store(level, at, p);
+}

@@ -1,0 +1,30 @@
+/* gl/pullpush: render/pullpush.h by OpenGL: box and gaussian reconstruction, by compute shaders. */
+#ifndef ISO_RENDER_GL_PULLPUSH_H
+#define ISO_RENDER_GL_PULLPUSH_H
+
+#include "render/gl/engine.h"
+#include "render/pullpush.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct iso_gl_pullpush_opts {
+    const iso_view *view;              /* borrowed */
+    const iso_gl_shape *const *shapes; /* of points; shape i is surface i of the gbuffer */
+    int shape_count;
+    iso_reconstruction reconstruction; /* box or gaussian */
+} iso_gl_pullpush_opts;
+
+/* Draws all shapes and fills the whole gbuffer, which has the view's size, with what iso_draw_pullpush draws
+ * but for rounding; colours are not drawn. The same bytes every time; where points of one pixel are alike in
+ * depth, normal and place, the smallest radius counts. Errors: ISO_ERR_UNSUPPORTED (refined reconstruction),
+ * ISO_ERR_NOMEM, ISO_ERR_LIMIT (a picture that the driver's storage buffers cannot hold rows of),
+ * ISO_ERR_BACKEND; the gbuffer is then undefined. */
+iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, iso_gbuffer *gbuffer,
+                                iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

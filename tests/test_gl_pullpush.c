@@ -1,0 +1,361 @@
+/* Pull-push of the gl engine against the cpu engine's: what decides how it is done, and limits. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "gl_support.h"
+#include "grids/scenes.h"
+#include "render/gl/shape.h"
+
+static iso_gl_engine *make_engine(iso_gl_context *context) {
+    iso_gl_engine *engine;
+    iso_error error = {ISO_OK, ""};
+    if (iso_gl_engine_create(context, &engine, &error) != ISO_OK) fail_msg("%s", error.text);
+    return engine;
+}
+
+/* A scene's points, as they come and with what culls them. */
+typedef struct scene {
+    iso_grid grid;
+    gl_surface surface;
+} scene;
+
+static scene make_scene(const char *name, int size) {
+    scene s;
+    double isovalue;
+    const iso_scene_opts opts = {.size = size, .dense = true};
+    assert_int_equal(iso_scene_create(name, &opts, &s.grid, &isovalue, NULL), ISO_OK);
+    s.surface = gl_surface_make(&s.grid, isovalue);
+    assert_int_equal(iso_point_set_bound(s.surface.packed, NULL), ISO_OK);
+    return s;
+}
+
+static void free_scene(scene *s) {
+    gl_surface_free(&s->surface);
+    iso_grid_destroy(&s->grid);
+}
+
+static double check_both(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views,
+                         int count, const char *name) {
+    double box = gl_check_pullpush(engine, points, ISO_RECONSTRUCTION_BOX, views, count, name);
+    return fmin(box, gl_check_pullpush(engine, points, ISO_RECONSTRUCTION_GAUSSIAN, views, count, name));
+}
+
+/* Packed points and floats, culled and two-sided. */
+static void scenes_look_as_from_the_cpu(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        int size, closed;
+    } cases[] = {{"sphere", 48, 1}, {"cube", 40, 1}, {"gyroid", 48, 0}, {"ct", 64, 0}};
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        scene s = make_scene(cases[i].name, cases[i].size);
+        iso_point_view packed = iso_point_set_view(s.surface.packed),
+                       floats = iso_point_set_view(s.surface.floats);
+        packed.closed = cases[i].closed;
+        iso_view views[GL_SIDES];
+        for (int side = 0; side < GL_SIDES; side++)
+            views[side] = gl_side_view(&s.surface.box, side, side % 2, 200 + 40 * side, 230);
+        for (int c = 0; c < contexts.count; c++) {
+            iso_gl_engine *engine = make_engine(contexts.context[c]);
+            double worst = check_both(engine, &packed, views, GL_SIDES, cases[i].name);
+            worst = fmin(worst, check_both(engine, &floats, views, GL_SIDES, cases[i].name));
+            printf("%s, %s: %.1f dB\n", iso_gl_context_info(contexts.context[c]).name, cases[i].name, worst);
+            iso_gl_engine_destroy(engine);
+        }
+        free_scene(&s);
+    }
+    gl_contexts_close(&contexts);
+}
+
+/* Inside the scene, with the near plane through it; so near that the base level is a coarse one. */
+static int near_views(const iso_box *box, iso_view views[4]) {
+    iso_vec3 middle = iso_vec3_scale(iso_vec3_add(box->lo, box->hi), 0.5);
+    iso_camera camera = {.view_angle = 70, .view_up = {0, 0, 1}};
+    for (int i = 0; i < 3; i++) {
+        camera.position = iso_vec3_add(middle, iso_vec3_make(1.3 * i, 0.7, 0.2 - i));
+        camera.focal_point = iso_vec3_add(camera.position, iso_vec3_make(3.0 - i, 10, 2));
+        views[i] = iso_view_make(&camera, 320, 250);
+    }
+    camera = (iso_camera){.orthographic = true, .parallel_scale = 2, .view_up = {0, 0, 1}};
+    camera.focal_point = middle;
+    camera.position = iso_vec3_add(middle, iso_vec3_make(3, 100, 1));
+    views[3] = iso_view_make(&camera, 400, 300);
+    return 4;
+}
+
+static void near_points_and_limits_do_not_show(void **state) {
+    (void)state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    scene s = make_scene("gyroid", 40);
+    iso_point_view points = iso_point_set_view(s.surface.packed);
+    iso_view views[4];
+    const iso_view tall = gl_side_view(&s.surface.box, 2, false, 300, 700);
+    int count = near_views(&s.surface.box, views);
+    for (int c = 0; c < contexts.count; c++) {
+        iso_gl_engine *engine = make_engine(contexts.context[c]);
+        double worst = check_both(engine, &points, views, count, "near");
+        engine->max_storage = (size_t)1 << 20; /* strips, and windows of points */
+        worst = fmin(worst, check_both(engine, &points, &tall, 1, "in strips"));
+        printf("%s: %.1f dB\n", iso_gl_context_info(contexts.context[c]).name, worst);
+        iso_gl_engine_destroy(engine);
+    }
+    free_scene(&s);
+    gl_contexts_close(&contexts);
+}
+
+static double uniform(uint32_t *seed) {
+    *seed = *seed * 1664525u + 1013904223u;
+    return (double)(*seed >> 8) / (1 << 24);
+}
+
+enum { SPANS = 6, EACH = 9000, POINTS = SPANS * EACH };
+
+/* Points of a thin shell of radius 7 around (8, 8, 8) in each of the spans, which are out of order: every
+ * other one is of its inside. */
+typedef struct many_points {
+    iso_surfel *surfels;
+    float *radii;
+    iso_point_span spans[SPANS];
+    iso_point_view view;
+} many_points;
+
+static void make_many(many_points *m) {
+    uint32_t seed = 5;
+    m->surfels = calloc(POINTS, sizeof *m->surfels);
+    m->radii = calloc(POINTS, sizeof *m->radii);
+    for (int i = 0; i < POINTS; i++) {
+        double z = 2 * uniform(&seed) - 1, turn = 2 * ISO_PI * uniform(&seed), r = sqrt(1 - z * z);
+        const double n[3] = {r * cos(turn), r * sin(turn), z};
+        for (int axis = 0; axis < 3; axis++) {
+            m->surfels[i].position[axis] = (float)(8 + (i % 2 ? 6.95 : 7) * n[axis]);
+            m->surfels[i].normal[axis] = (float)((i % 2 ? -3 : 3) * n[axis]);
+        }
+        m->radii[i] = (float)(0.15 + 0.3 * uniform(&seed));
+    }
+    m->surfels[17].position[1] = NAN;
+    m->surfels[18].position[2] = INFINITY;
+    m->surfels[19].normal[0] = NAN;
+    memset(m->surfels[20].normal, 0, sizeof m->surfels[20].normal);
+    for (int s = 0; s < SPANS; s++)
+        m->spans[s] = (iso_point_span){{s % 2, s / 2 - 1, s % 3}, EACH, (size_t)EACH * ((5 * s + 2) % SPANS)};
+    m->view = (iso_point_view){.surfels = m->surfels,
+                               .radii = m->radii,
+                               .spans = m->spans,
+                               .span_count = SPANS,
+                               .transform = iso_transform_identity()};
+    m->view.transform.spacing[1] = 0.8;
+    m->view.transform.direction[1] = 0.2;
+}
+
+static void free_many(many_points *m) {
+    free(m->surfels);
+    free(m->radii);
+}
+
+static void points_have_radii_of_their_own(void **state) {
+    (void)state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    many_points m;
+    make_many(&m);
+    const iso_box box = {{0, -16, 0}, {32, 32, 48}};
+    const iso_view views[3] = {gl_side_view(&box, 0, false, 300, 200), gl_side_view(&box, 2, true, 390, 320),
+                               gl_side_view(&box, 5, false, 1200, 1000)};
+    for (int c = 0; c < contexts.count; c++) {
+        iso_gl_engine *engine = make_engine(contexts.context[c]);
+        gl_check_pullpush(engine, &m.view, ISO_RECONSTRUCTION_GAUSSIAN, views, 3, "radii");
+        engine->max_storage = (size_t)1 << 20; /* less than the surfels take */
+        gl_check_pullpush(engine, &m.view, ISO_RECONSTRUCTION_GAUSSIAN, views, 1, "radii, in windows");
+        iso_gl_engine_destroy(engine);
+    }
+    free_many(&m);
+    gl_contexts_close(&contexts);
+}
+
+static iso_gl_shape *upload(iso_gl_engine *engine, const iso_point_view *points) {
+    iso_gl_shape *shape;
+    iso_error error = {ISO_OK, ""};
+    if (iso_gl_upload_points(engine, points, &shape, &error) != ISO_OK) fail_msg("%s", error.text);
+    return shape;
+}
+
+static void expect_same(const iso_gbuffer *a, const iso_gbuffer *b) {
+    size_t samples = (size_t)a->width * (size_t)a->height;
+    assert_memory_equal(a->depth, b->depth, samples * sizeof(float));
+    for (int k = 0; k < 3; k++) assert_memory_equal(a->normal[k], b->normal[k], samples * sizeof(float));
+    assert_memory_equal(a->surface, b->surface, samples);
+}
+
+/* With points that are alike in depth and place, and some in their normals too: their order would show. */
+static void every_time_is_the_same(void **state) {
+    (void)state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    many_points m;
+    make_many(&m);
+    for (int i = 100; i < POINTS; i++)
+        if (i % 3 == 0) {
+            memcpy(m.surfels[i].position, m.surfels[i - 1].position, sizeof m.surfels[i].position);
+            if (i % 2) memcpy(m.surfels[i].normal, m.surfels[i - 1].normal, sizeof m.surfels[i].normal);
+            m.radii[i] = m.radii[i - 1];
+        }
+    const iso_box box = {{0, -16, 0}, {32, 32, 48}};
+    const iso_view view = gl_side_view(&box, 1, false, 250, 210);
+    for (int c = 0; c < contexts.count; c++) {
+        iso_gl_engine *engine = make_engine(contexts.context[c]);
+        iso_gl_shape *shape = upload(engine, &m.view);
+        iso_gbuffer first = gl_gbuffer(&view);
+        const iso_gl_pullpush_opts opts = {&view, (const iso_gl_shape *const *)&shape, 1,
+                                           ISO_RECONSTRUCTION_GAUSSIAN};
+        gl_check_pullpush(engine, &m.view, ISO_RECONSTRUCTION_GAUSSIAN, &view, 1, "points that are alike");
+        assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &first, NULL), ISO_OK);
+        for (int round = 0; round < 10; round++) {
+            iso_gbuffer again = gl_gbuffer(&view);
+            assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &again, NULL), ISO_OK);
+            expect_same(&first, &again);
+            iso_gbuffer_free(&again);
+        }
+        iso_gbuffer_free(&first);
+        iso_gl_shape_destroy(shape);
+        iso_gl_engine_destroy(engine);
+    }
+    free_many(&m);
+    gl_contexts_close(&contexts);
+}
+
+/* Several surfaces, one within the other's box; none at all; and one out of sight. */
+static void surfaces_hide_one_another(void **state) {
+    (void)state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    scene s[2] = {make_scene("torus", 40), make_scene("sphere", 40)};
+    const iso_view views[2] = {gl_side_view(&s[0].surface.box, 0, false, 200, 190),
+                               gl_side_view(&s[0].surface.box, 3, true, 170, 200)};
+    for (int c = 0; c < contexts.count; c++) {
+        iso_gl_engine *engine = make_engine(contexts.context[c]);
+        iso_point_view points[2];
+        iso_gl_shape *shapes[2];
+        for (int i = 0; i < 2; i++) {
+            points[i] = iso_point_set_view(s[i].surface.packed);
+            shapes[i] = upload(engine, &points[i]);
+        }
+        for (int v = 0; v < 2; v++)
+            for (int count = 0; count <= 2; count++) {
+                iso_gbuffer gl = gl_gbuffer(&views[v]), cpu = gl_gbuffer(&views[v]);
+                const iso_gl_pullpush_opts opts = {&views[v], (const iso_gl_shape *const *)shapes, count,
+                                                   ISO_RECONSTRUCTION_GAUSSIAN};
+                assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &gl, NULL), ISO_OK);
+                const iso_pullpush_opts same = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
+                for (int i = 0; i < count; i++)
+                    iso_draw_pullpush(&(iso_target){&views[v], &cpu, NULL, (uint8_t)i}, &points[i], &same,
+                                      NULL);
+                gl_difference d = gl_compare(&views[v], &cpu, &gl);
+                if (!(d.psnr >= 40 && d.differ <= 0.01 * d.outline))
+                    fail_msg("%d surfaces: %.1f dB, %d of %d", count, d.psnr, d.differ, d.outline);
+                assert_true(count == 0 || d.outline > 0);
+                iso_gbuffer_free(&gl);
+                iso_gbuffer_free(&cpu);
+            }
+        for (int i = 0; i < 2; i++) iso_gl_shape_destroy(shapes[i]);
+        iso_gl_engine_destroy(engine);
+    }
+    for (int i = 0; i < 2; i++) free_scene(&s[i]);
+    gl_contexts_close(&contexts);
+}
+
+static void what_cannot_be_drawn_is_said(void **state) {
+    (void)state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    scene s = make_scene("sphere", 24);
+    iso_point_view points = iso_point_set_view(s.surface.packed);
+    const iso_view view = gl_side_view(&s.surface.box, 0, false, 100, 100);
+    for (int c = 0; c < contexts.count; c++) {
+        iso_gl_engine *engine = make_engine(contexts.context[c]);
+        iso_gl_shape *shape = upload(engine, &points);
+        iso_gbuffer g = gl_gbuffer(&view);
+        iso_error error = {ISO_OK, ""};
+        iso_gl_pullpush_opts opts = {&view, (const iso_gl_shape *const *)&shape, 1,
+                                     ISO_RECONSTRUCTION_REFINED};
+        assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &g, &error), ISO_ERR_UNSUPPORTED);
+        assert_non_null(strstr(error.text, "refined"));
+        opts.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN;
+        engine->max_storage = 1000;
+        assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &g, &error), ISO_ERR_LIMIT);
+        assert_non_null(strstr(error.text, "100 pixels wide"));
+        iso_gbuffer_free(&g);
+        iso_gl_shape_destroy(shape);
+        iso_gl_engine_destroy(engine);
+    }
+    free_scene(&s);
+    gl_contexts_close(&contexts);
+}
+
+/* Every pass of a method takes time, and no other's. */
+static void passes_are_timed(void **state) {
+    (void)state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    scene s = make_scene("gyroid", 48);
+    iso_point_view points = iso_point_set_view(s.surface.packed);
+    const iso_view view = gl_side_view(&s.surface.box, 0, false, 400, 400);
+    for (int c = 0; c < contexts.count; c++) {
+        iso_gl_engine *engine = make_engine(contexts.context[c]);
+        iso_gl_shape *shape = upload(engine, &points);
+        iso_gbuffer g = gl_gbuffer(&view);
+        double seconds[ISO_GL_PASSES];
+        const iso_gl_draw_opts draw = {
+            .view = &view, .shapes = (const iso_gl_shape *const *)&shape, .shape_count = 1};
+        const iso_gl_pullpush_opts opts = {&view, (const iso_gl_shape *const *)&shape, 1,
+                                           ISO_RECONSTRUCTION_GAUSSIAN};
+        for (int method = 0; method < 2; method++) {
+            iso_gl_engine_forget_seconds(engine);
+            for (int i = 0; i < 30; i++)
+                assert_int_equal(method ? iso_gl_draw_pullpush(engine, &opts, &g, NULL)
+                                        : iso_gl_draw(engine, &draw, &g, NULL),
+                                 ISO_OK);
+            iso_gl_engine_seconds(engine, seconds);
+            printf("%s:", iso_gl_context_info(contexts.context[c]).name);
+            for (int p = 0; p < ISO_GL_PASSES; p++) {
+                printf(" %s %.3f ms", iso_gl_pass_name((iso_gl_pass)p), seconds[p] * 1e3 / 30);
+                bool own = method == (p > ISO_GL_PASS_DRAW);
+                if (!own) assert_true(seconds[p] == 0);
+                if (own && !(seconds[p] > 0 && seconds[p] < 60))
+                    fail_msg("%s takes %g s", iso_gl_pass_name((iso_gl_pass)p), seconds[p]);
+            }
+            printf("\n");
+        }
+        engine->timer.by_clock = false; /* queries are made, whatever this driver's are worth */
+        for (int i = 0; i < 30; i++) assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &g, NULL), ISO_OK);
+        assert_int_equal(engine->timer.pending, 0);
+        assert_true(engine->timer.queries[ISO_GL_PASSES - 2] != 0);
+        iso_gbuffer_free(&g);
+        iso_gl_shape_destroy(shape);
+        iso_gl_engine_destroy(engine);
+    }
+    free_scene(&s);
+    gl_contexts_close(&contexts);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(scenes_look_as_from_the_cpu),
+        cmocka_unit_test(near_points_and_limits_do_not_show),
+        cmocka_unit_test(points_have_radii_of_their_own),
+        cmocka_unit_test(every_time_is_the_same),
+        cmocka_unit_test(surfaces_hide_one_another),
+        cmocka_unit_test(what_cannot_be_drawn_is_said),
+        cmocka_unit_test(passes_are_timed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
