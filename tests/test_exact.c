@@ -177,7 +177,7 @@ static void nothing_is_hit_just_below_a_ridge(void **state) {
                 for (at[1] = 0; at[1] < dims[1]; at[1]++)
                     for (at[0] = 0; at[0] < dims[0]; at[0]++)
                         *voxel++ = at[axis] != 1 ? 20 : at[rising] ? 50 : 30;
-            const iso_view view = axis_view(axis, up, step, 0.5 - 8.25 * step, size);
+            const iso_view view = test_axis_view(axis, up, step, 0.5 - 8.25 * step, size);
             iso_gbuffer exact = picture_of(&grid, 40, &view, NULL), truth = truth_of(&grid, 40, &view);
             for (int i = 0; i < size * size; i++) {
                 const double beyond = (i % size - 8.25) * step; /* of where the ridge is at the isovalue */
