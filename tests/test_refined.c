@@ -93,8 +93,9 @@ static void bend_point(cloud *c, const double along[3], double bend, double acro
         x += (double)u[k] * along[k];
         y += (double)v[k] * along[k];
     }
-    c->shapes[i] = iso_shape_pack((float)(bend * x * x + across * y * y), (float)((bend - across) * x * y),
-                                  (float)(bend * y * y + across * x * x));
+    const double more = bend - across;
+    c->shapes[i] =
+        iso_shape_pack((float)(across + more * x * x), (float)(more * x * y), (float)(across + more * y * y));
 }
 
 enum { RADIUS = 12, DISTANCE = 60 };
@@ -110,7 +111,7 @@ static cloud *make_sphere(double cut) {
                      at[3] = {RADIUS * n[0], RADIUS * n[1], RADIUS * n[2] + DISTANCE};
         if (RADIUS * z > cut) continue;
         add_point(c, at, n);
-        bend_point(c, n, 1.0 / RADIUS, 1.0 / RADIUS);
+        bend_point(c, n, 1.0 / RADIUS, 1.0 / RADIUS); /* in every direction */
     }
     return c;
 }

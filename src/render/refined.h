@@ -11,8 +11,12 @@
  * weights: depth from where the ray meets each; the normal is the mean of the discs' plus the mean shape
  * operator times the mean offset, which is exact where normals change linearly and averages noise elsewhere.
  *
- * Discs smaller than a few pixels keep one point to a pixel, as pull-push does, and each pixel gathers those
- * around it. Larger ones are splatted over the pixels that they cover. */
+ * Mean shapes count the less the more those of the discs differ, which is noise. Discs that face away and
+ * were turned never mix with others: at silhouettes, where both sides come together, the mean would face the
+ * eye.
+ *
+ * Blocks come from front to back; discs that lie behind all that is drawn around them are left out. Small
+ * discs are measured a vector at a time, larger ones splatted one by one (render/refined_kernel.h). */
 #ifndef ISO_RENDER_REFINED_H
 #define ISO_RENDER_REFINED_H
 
