@@ -68,6 +68,7 @@ typedef struct isorender_settings {
 
     int method;         /* isorender_method */
     int reconstruction; /* iso_reconstruction; unchosen until the backend is checked */
+    bool unrefined;     /* gaussian, as OpenGL was asked for, which has no refined reconstruction */
     const char *backend;
     int scaling; /* iso_point_scaling */
     int strips;

@@ -45,8 +45,10 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
     if ((gl || needed) && settings->method == ISORENDER_UNCHOSEN)
         settings->method = settings->strips ? ISORENDER_MESH : ISORENDER_POINTS;
-    if (settings->reconstruction == ISORENDER_UNCHOSEN)
+    if (settings->reconstruction == ISORENDER_UNCHOSEN) {
+        settings->unrefined = gl;
         settings->reconstruction = gl ? ISO_RECONSTRUCTION_GAUSSIAN : ISO_RECONSTRUCTION_REFINED;
+    }
     if (gl && settings->method == ISORENDER_PULLPUSH && !has_gl(settings))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--reconstruction refined needs the cpu: --backend %s has box and gaussian", name);
@@ -153,6 +155,8 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
 
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
     iso_gl_engine_forget_seconds(job->backend->engine);
+    if (job->method == ISORENDER_PULLPUSH && job->settings->unrefined)
+        isorender_say(job, "pullpush by OpenGL: --reconstruction gaussian (refined needs --backend cpu)");
     for (int i = 0; i < job->surface_count; i++) {
         iso_gl_shape **shape = &job->shapes[i];
         if (job->method == ISORENDER_MESH) {

@@ -196,6 +196,57 @@ static void expect_same(const iso_gbuffer *a, const iso_gbuffer *b) {
     assert_memory_equal(a->surface, b->surface, samples);
 }
 
+/* A picture of what is uploaded against one of the same points uploaded anew. */
+static void expect_as_anew(iso_gl_engine *engine, const iso_gl_shape *shape, const iso_point_view *points,
+                           const iso_view *view) {
+    iso_gl_shape *anew = upload(engine, points);
+    iso_gbuffer pictures[2];
+    for (int i = 0; i < 2; i++) {
+        const iso_gl_shape *drawn = i ? anew : shape;
+        const iso_gl_pullpush_opts opts = {view, &drawn, 1, ISO_RECONSTRUCTION_GAUSSIAN};
+        pictures[i] = gl_gbuffer(view);
+        assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &pictures[i], NULL), ISO_OK);
+    }
+    expect_same(&pictures[0], &pictures[1]);
+    for (int i = 0; i < 2; i++) iso_gbuffer_free(&pictures[i]);
+    iso_gl_shape_destroy(anew);
+}
+
+/* Spans that change, that move, that come and go; radii may grow. */
+static void updates_are_drawn(void **state) {
+    (void)state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    many_points m;
+    make_many(&m);
+    uint64_t stamps[SPANS] = {1, 2, 3, 4, 5, 6};
+    m.view.stamps = stamps;
+    const iso_box box = {{0, -16, 0}, {32, 32, 48}};
+    const iso_view view = gl_side_view(&box, 1, false, 250, 210);
+    for (int c = 0; c < contexts.count; c++) {
+        iso_gl_engine *engine = make_engine(contexts.context[c]);
+        m.view.span_count = SPANS - 1;
+        iso_gl_shape *shape = upload(engine, &m.view);
+        for (int round = 0; round < 4; round++) {
+            iso_point_span *span = &m.spans[round];
+            for (size_t i = span->first; i < span->first + span->count; i++) {
+                m.surfels[i].position[round % 3] -= 2;
+                m.radii[i] *= 1.5f;
+            }
+            stamps[round] += 100;
+            if (round == 2) span->count = EACH / 3;
+            if (round == 3) memcpy(span->brick, (const int32_t[3]){0, 1, 2}, sizeof span->brick);
+            m.view.span_count = round % 2 ? SPANS - 2 : SPANS;
+            assert_int_equal(iso_gl_update_points(shape, &m.view, NULL), ISO_OK);
+            expect_as_anew(engine, shape, &m.view, &view);
+        }
+        iso_gl_shape_destroy(shape);
+        iso_gl_engine_destroy(engine);
+    }
+    free_many(&m);
+    gl_contexts_close(&contexts);
+}
+
 /* With points that are alike in depth and place, and some in their normals too: their order would show. */
 static void every_time_is_the_same(void **state) {
     (void)state;
@@ -353,6 +404,7 @@ int main(void) {
         cmocka_unit_test(near_points_and_limits_do_not_show),
         cmocka_unit_test(points_have_radii_of_their_own),
         cmocka_unit_test(every_time_is_the_same),
+        cmocka_unit_test(updates_are_drawn),
         cmocka_unit_test(surfaces_hide_one_another),
         cmocka_unit_test(what_cannot_be_drawn_is_said),
         cmocka_unit_test(passes_are_timed),

@@ -247,6 +247,7 @@ static iso_status draw_rows(frame *f, const iso_target *whole, int first, int co
     for (int axis = 0; axis < 3; axis++) rows.normal[axis] += skip;
     iso_target target = {&view, &rows, whole->pool, whole->surface};
     f->target = &target;
+    f->projector.view = &view;
     ISO_TRY(prepare(f, error));
     reconstruct(f);
     return ISO_OK;

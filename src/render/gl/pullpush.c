@@ -375,6 +375,7 @@ static iso_status draw_strips(frame *f, const iso_gbuffer *gbuffer, iso_error *e
     for (int y = 0; y < whole->height; y += rows) {
         iso_view view = iso_view_rows(whole, y, whole->height - y < rows ? whole->height - y : rows);
         ISO_TRY(draw_strip(f, &view, (size_t)y * (size_t)whole->width, gbuffer, error));
+        ISO_TRY(iso_gl_check(f->engine->context, error)); /* nothing comes after a loss */
     }
     return ISO_OK;
 }

@@ -371,9 +371,8 @@ iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *poi
     made->surfels = points->surfels != NULL;
     made->has_radii = points->radii != NULL;
     made->blocks = iso_alloc_zero(1, sizeof *made->blocks);
-    iso_status status = made->blocks
-                            ? iso_gl_update_points(made, points, error)
-                            : iso_fail(error, ISO_ERR_NOMEM, "out of memory for blocks of points");
+    iso_status status = made->blocks ? iso_gl_update_points(made, points, error)
+                                     : iso_fail(error, ISO_ERR_NOMEM, "out of memory for blocks of points");
     if (status == ISO_OK)
         *shape = made;
     else

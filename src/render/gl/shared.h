@@ -28,8 +28,7 @@
 #define ISO_GL_SHADES 5  /* vec4, of the pixels of all levels above 0: normal, mean depth */
 #define ISO_GL_RANGES 6  /* vec4: least and greatest depth, from the pixel's centre to the ellipse's */
 #define ISO_GL_SHAPES 7  /* vec4: the ellipse (wide, thin x, thin y), the disc's radius */
-#define ISO_GL_ENDS 1    /* uint, likewise: how far the ellipse reaches to where the surface ends, bits of a float,
-                            the last of which says whether another surface goes on behind */
+#define ISO_GL_ENDS 1    /* uint: bits of its reach to where the surface ends; the last: it hides another */
 #define ISO_GL_PICTURE 0 /* uint: planes of the gbuffer's: depth, normal x, y, z, surface */
 #define ISO_GL_PICTURE_PLANES 5
 
