@@ -43,7 +43,7 @@ static iso_status run(const isorender_settings *settings, int *code, iso_error *
     isorender_plan *plans = NULL;
     iso_pool *pool = NULL;
     ISO_TRY(isorender_plans_make(settings, &plans, error));
-    isorender_backend backend = {.name = "cpu", .renderer = "cpu generic"};
+    isorender_backend backend = isorender_backend_cpu();
     iso_status status = iso_pool_create(settings->threads, &pool, error);
     if (status == ISO_OK && draws_any(settings, plans))
         status = isorender_backend_open(settings, &backend, error);

@@ -135,14 +135,16 @@ iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *
 /* ---- which engine draws (isorender_backend.c) ---- */
 
 typedef struct isorender_backend {
-    const char *name, *renderer; /* "cpu", "egl", "osmesa"; what the driver calls itself */
-    iso_gl_context *context;     /* both NULL: the cpu engine */
+    const char *name,
+        *renderer;           /* "cpu", "egl", "osmesa"; what the driver calls itself, or the instructions */
+    iso_gl_context *context; /* both NULL: the cpu engine */
     iso_gl_engine *engine;
 } isorender_backend;
 
 /* Whether the settings name a backend that can do what they ask for, as far as that can be told now. Without
  * a method, what asks for OpenGL gets points. */
 iso_status isorender_backend_check(isorender_settings *settings, iso_error *error);
+isorender_backend isorender_backend_cpu(void);
 /* ISO_ERR_BACKEND when the one that is asked for cannot be used. isorender_backend_close, also after that. */
 iso_status isorender_backend_open(const isorender_settings *settings, isorender_backend *backend,
                                   iso_error *error);

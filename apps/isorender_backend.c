@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "apps/isorender.h"
+#include "base/cpu.h"
 #include "render/gl/pullpush.h"
 
 /* What both engines have. */
@@ -74,9 +75,15 @@ static iso_status open_context(const isorender_settings *settings, iso_gl_contex
     return iso_gl_context_open_egl(strcmp(settings->backend, "auto") == 0, context, error);
 }
 
+isorender_backend isorender_backend_cpu(void) {
+    static const char *const names[ISO_CPU_LEVELS] = {
+        [ISO_CPU_GENERIC] = "cpu generic", [ISO_CPU_AVX2] = "cpu avx2", [ISO_CPU_AVX512] = "cpu avx512"};
+    return (isorender_backend){.name = "cpu", .renderer = names[iso_cpu_best()]};
+}
+
 iso_status isorender_backend_open(const isorender_settings *settings, isorender_backend *backend,
                                   iso_error *error) {
-    isorender_backend made = {.name = "cpu", .renderer = "cpu generic"};
+    isorender_backend made = isorender_backend_cpu();
     bool automatic = strcmp(settings->backend, "auto") == 0;
     *backend = made;
     if (strcmp(settings->backend, "cpu") == 0 || !has_gl(settings)) return ISO_OK;

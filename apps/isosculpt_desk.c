@@ -122,9 +122,9 @@ bool isosculpt_desk_unclosed(const char *folder, char path[ISOSCULPT_PATH]) {
 
 /* ---- opening and closing */
 
-static iso_status open_session(isosculpt_desk *desk, const char *journal, bool resume, iso_error *error) {
-    iso_hgrid *grid;
-    ISO_TRY(iso_session_ball(&desk->start, &grid, error));
+/* Takes over the grid. */
+static iso_status open_session(isosculpt_desk *desk, iso_hgrid *grid, const char *journal, bool resume,
+                               iso_error *error) {
     iso_session_opts opts = {
         .pool = desk->pool, .journal = journal, .resume = resume, .undo_memory = desk->undo_memory};
     ISO_TRY(iso_session_create(grid, &desk->start, &opts, &desk->session, error));
@@ -151,11 +151,16 @@ static iso_status name_journal(const char *folder, char path[ISOSCULPT_PATH], is
     return iso_fail(error, ISO_ERR_WRITE, "%s: too many journals of this second", folder);
 }
 
-static iso_status new_journal(isosculpt_desk *desk, const char *folder, iso_error *error) {
-    if (!folder) return iso_fail(error, ISO_ERR_WRITE, "there is no folder for it");
-    ISO_TRY(name_journal(folder, desk->journal, error));
-    ISO_TRY(mark(desk->journal, &desk->marker, error));
-    iso_status status = open_session(desk, desk->journal, false, error);
+/* Takes over the grid. */
+static iso_status new_journal(isosculpt_desk *desk, const char *folder, iso_hgrid *grid, iso_error *error) {
+    iso_status status = folder ? name_journal(folder, desk->journal, error)
+                               : iso_fail(error, ISO_ERR_WRITE, "there is no folder for it");
+    if (status == ISO_OK) status = mark(desk->journal, &desk->marker, error);
+    if (status != ISO_OK) {
+        iso_hgrid_destroy(grid);
+        return status;
+    }
+    status = open_session(desk, grid, desk->journal, false, error);
     desk->made = status == ISO_OK;
     return status;
 }
@@ -167,33 +172,45 @@ static void unmark(isosculpt_desk *desk) {
     desk->marker = 0;
 }
 
-iso_status isosculpt_desk_new(isosculpt_desk *desk, const char *folder, iso_error *error) {
+static iso_status make_field(isosculpt_desk *desk, const isosculpt_source *source, iso_hgrid **grid,
+                             iso_error *error) {
+    if (source) return isosculpt_source_open(source, &desk->start, grid, error);
     const double origin = -0.5 * (BALL_VOXELS - 1) * BALL_VOXEL;
     desk->start = (iso_journal_start){.source = "ball",
                                       .voxel_size = BALL_VOXEL,
                                       .dims = {BALL_VOXELS, BALL_VOXELS, BALL_VOXELS},
                                       .origin = {origin, origin, origin},
                                       .radius = BALL_RADIUS};
+    return iso_session_ball(&desk->start, grid, error);
+}
+
+iso_status isosculpt_desk_new(isosculpt_desk *desk, const char *folder, const isosculpt_source *source,
+                              iso_error *error) {
+    iso_hgrid *grid;
     iso_error reason = {0};
-    iso_status status = new_journal(desk, folder, &reason);
-    if (status == ISO_OK) return ISO_OK;
+    ISO_TRY(make_field(desk, source, &grid, error));
+    if (new_journal(desk, folder, grid, &reason) == ISO_OK) return ISO_OK;
     unmark(desk);
     desk->journal[0] = 0;
     snprintf(desk->trouble, sizeof desk->trouble, "%s", reason.text);
-    return open_session(desk, NULL, false, error);
+    ISO_TRY(make_field(desk, source, &grid, error)); /* it went with the journal's session */
+    return open_session(desk, grid, NULL, false, error);
+}
+
+static iso_status find_field(isosculpt_desk *desk, const char *journal, iso_hgrid **grid, iso_error *error) {
+    if (strcmp(desk->start.source, "ball") == 0) return iso_session_ball(&desk->start, grid, error);
+    return isosculpt_source_find(journal, 0, desk->pool, &desk->start, grid, error);
 }
 
 iso_status isosculpt_desk_open(isosculpt_desk *desk, const char *journal, iso_error *error) {
     iso_journal_reader *reader;
     ISO_TRY(iso_journal_open(journal, &desk->start, &reader, error));
     iso_journal_reader_free(reader);
-    if (strcmp(desk->start.source, "ball") != 0)
-        return iso_fail(error, ISO_ERR_UNSUPPORTED,
-                        "%s: sessions that began with a file ('%s') cannot be continued yet", journal,
-                        desk->start.source);
     ISO_TRY(join(desk->journal, journal, "", error));
     ISO_TRY(mark(journal, &desk->marker, error));
-    iso_status status = open_session(desk, journal, true, error);
+    iso_hgrid *grid;
+    iso_status status = find_field(desk, journal, &grid, error);
+    if (status == ISO_OK) status = open_session(desk, grid, journal, true, error);
     if (status == ISO_OK) return ISO_OK;
     if (desk->marker) close(desk->marker - 1); /* the marker stays: what could not be opened was not closed */
     desk->marker = 0;

@@ -6,6 +6,7 @@
 #ifndef ISO_APPS_ISOSCULPT_DESK_H
 #define ISO_APPS_ISOSCULPT_DESK_H
 
+#include "apps/isosculpt_source.h"
 #include "sculpt/session.h"
 
 #ifdef __cplusplus
@@ -40,12 +41,14 @@ bool isosculpt_desk_unclosed(const char *folder, char path[ISOSCULPT_PATH]);
 /* The journal will not be offered again; the stroke file stays. */
 void isosculpt_desk_dismiss(const char *journal);
 
-/* A new ball, its journal in the folder and named by the time. Where no journal can be written (or `folder`
- * is NULL) the desk works without, and says so in `trouble`. */
-iso_status isosculpt_desk_new(isosculpt_desk *desk, const char *folder, iso_error *error);
+/* What the source names, or a new ball (NULL); its journal in the folder and named by the time. Where no
+ * journal can be written (or `folder` is NULL) the desk works without, and says so in `trouble`. Errors: the
+ * source's. */
+iso_status isosculpt_desk_new(isosculpt_desk *desk, const char *folder, const isosculpt_source *source,
+                              iso_error *error);
 
-/* Continues a stroke file. ISO_ERR_IO, ISO_ERR_FORMAT; ISO_ERR_WRITE when another program has it open or
- * it cannot be written. */
+/* Continues a stroke file, from what it began with. ISO_ERR_IO, ISO_ERR_FORMAT; ISO_ERR_WRITE when another
+ * program has it open or it cannot be written. */
 iso_status isosculpt_desk_open(isosculpt_desk *desk, const char *journal, iso_error *error);
 
 /* Waits for a save, ends the session and closes its journal. The pool and undo_memory stay. */

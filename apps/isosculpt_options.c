@@ -12,7 +12,7 @@
 enum group { SESSION, OUTPUT, RUNNING };
 
 static const char *const groups[] = {"Session", "Output", "Running", NULL};
-static const char *const usage[] = {"[STROKES]", "--replay STROKES --headless [--output OUT] [--json]",
+static const char *const usage[] = {"[STROKES|FILE]", "--replay STROKES --headless [--output OUT] [--json]",
                                     "--open FILE --headless [--replay STROKES] [--output OUT]", NULL};
 
 static iso_status apply_json(void *target, const char *value, iso_error *error) {
@@ -93,6 +93,7 @@ static const char *const example_text[] = {
     "isosculpt                    # a new ball",
     "isosculpt bear.strokes       # goes on where the file ends",
     "isosculpt --replay bear.strokes --headless --output bear.vdb",
+    "isosculpt head.nrrd --isovalue 1150",
     "isosculpt --open teapot.stl --headless --voxel-size 0.5 --output teapot.vdb",
     "isosculpt --replay bear.strokes --headless --voxel-size 0.5 --output bear.stl --json",
     NULL};
@@ -124,22 +125,29 @@ static bool has_suffix(const char *name, const char *suffixes) {
     return found && length > 1 && (found[length] == ' ' || found[length] == 0);
 }
 
-/* What a window makes no use of is not taken in silence. */
+static iso_status check_isovalue(const isosculpt_settings *settings, iso_error *error) {
+    if (settings->open || isnan(settings->isovalue)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "--isovalue needs a file to open");
+}
+
+/* What a window makes no use of is not taken in silence. The operand is a stroke file or what --open takes.
+ */
 static iso_status check_window(isosculpt_settings *settings, const iso_operands *operands, iso_error *error) {
     if (settings->replay || settings->output || settings->mesh || settings->json || settings->extract ||
         settings->draw)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--replay, --output, --mesh, --json, --extract and --draw need --headless");
-    if (settings->voxel_size > 0 || settings->open)
-        return iso_fail(error, ISO_ERR_USAGE, "--voxel-size and --open need --headless");
-    if (operands->count > 1 || (operands->count && settings->recover))
+    if (operands->count + (settings->open != NULL) + (settings->recover != 0) > 1)
         return iso_fail(error, ISO_ERR_USAGE, "one session at a time: '%s' is too many",
-                        operands->values[operands->count - 1]);
-    if (operands->count && !has_suffix(operands->values[0], ".strokes"))
-        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: only .strokes files can be continued yet",
-                        operands->values[0]);
-    if (operands->count) settings->strokes = operands->values[0];
-    return ISO_OK;
+                        operands->count ? operands->values[operands->count - 1] : settings->open);
+    const char *operand = operands->count ? operands->values[0] : NULL;
+    if (operand && has_suffix(operand, ".strokes"))
+        settings->strokes = operand;
+    else if (operand)
+        settings->open = operand;
+    if (settings->voxel_size > 0 && !settings->open)
+        return iso_fail(error, ISO_ERR_USAGE, "--voxel-size needs a file to open, or --headless");
+    return check_isovalue(settings, error);
 }
 
 iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_settings *settings,
@@ -154,8 +162,7 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
                         operands->values[0]);
     if (!settings->replay && !settings->open)
         return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE or --open FILE");
-    if (!settings->open && !isnan(settings->isovalue))
-        return iso_fail(error, ISO_ERR_USAGE, "--isovalue needs --open FILE");
+    ISO_TRY(check_isovalue(settings, error));
     if (settings->output && !has_suffix(settings->output, ".vdb .ply .stl .obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as .vdb, .ply, .stl or .obj",
                         settings->output);

@@ -199,7 +199,9 @@ static iso_status open_first(window *w, iso_error *error) {
     if (settings->recover && unclosed) return isosculpt_desk_open(&w->desk, w->offered, error);
     if (unclosed) w->screen.offered = w->offered;
     if (settings->recover) say(w, false, "There is nothing to recover: no session was left unclosed.");
-    ISO_TRY(isosculpt_desk_new(&w->desk, w->has_folder ? w->folder : NULL, error));
+    const isosculpt_source source = {settings->open, settings->isovalue, settings->voxel_size, w->pool};
+    ISO_TRY(isosculpt_desk_new(&w->desk, w->has_folder ? w->folder : NULL, settings->open ? &source : NULL,
+                               error));
     if (reason.text[0]) snprintf(w->desk.trouble, sizeof w->desk.trouble, "%s", reason.text);
     return ISO_OK;
 }
@@ -211,7 +213,7 @@ static iso_status recover(window *w, iso_error *error) {
     isosculpt_desk_close(&w->desk);
     if (isosculpt_desk_open(&w->desk, w->offered, &reason) != ISO_OK) {
         say(w, true, reason.text);
-        ISO_TRY(isosculpt_desk_new(&w->desk, w->folder, error));
+        ISO_TRY(isosculpt_desk_new(&w->desk, w->folder, NULL, error));
     }
     return show_desk(w, error);
 }

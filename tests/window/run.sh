@@ -44,9 +44,9 @@ grep -q "built without GLFW" "$work/said" && { echo "skipped: built without a wi
 [ $code -eq 4 ] || fail "no display: exit status $code, not 4"
 grep -q -- "--headless" "$work/said" || fail "no display: --headless is not named"
 
-# ---- a display
+# ---- a display, which does not begin anew when its last client leaves
 mkfifo "$work/number"
-Xvfb -displayfd 3 -screen 0 1280x800x24 -nolisten tcp 3>"$work/number" >/dev/null 2>&1 &
+Xvfb -displayfd 3 -screen 0 1280x800x24 -nolisten tcp -noreset 3>"$work/number" >/dev/null 2>&1 &
 server=$!
 read -r -t "$LIMIT" number <"$work/number" || fail "Xvfb does not start"
 export DISPLAY=:$number
@@ -54,9 +54,10 @@ export DISPLAY=:$number
 start() {
     "$bin/isosculpt" "$@" >"$work/said" 2>&1 &
     program=$!
-    until_ "a window" xdotool search --onlyvisible --name '^isosculpt' >/dev/null 2>&1
+    until_ "a window" window_is_there
     until_ "a journal" journal_is_there
 }
+window_is_there() { xdotool search --onlyvisible --name '^isosculpt' >/dev/null 2>&1; }
 journal_is_there() { journal=$(ls -t "$state"/*.strokes 2>/dev/null | head -1) && [ -n "$journal" ]; }
 events() { grep -c "\"event\":\"$1\"" "$journal"; }
 has_events() { [ "$(events "$1")" -eq "$2" ]; }
@@ -189,4 +190,27 @@ start --recover
 picture recovered
 stroke 560 380 20 20
 [ "$(tools)" = "add add " ] || fail "after recovery: $(tools)"
+
+# ---- a window on a file, and again on the strokes that began with it
+kill -9 "$program"
+wait "$program" 2>/dev/null
+rm -rf "$state"
+start "$work/replayed.vdb"
+picture opened
+stroke 640 400 20 20
+key ctrl+q
+key Return
+closing=$program
+program=
+until_ "closing" has_ended "$closing"
+start "$journal"
+picture continued
+cmp -s "$work/opened.png" "$work/continued.png" && fail "the stroke on an opened file is lost"
+has_events end 1 || fail "strokes on an opened file: $(events end)"
+kill -9 "$program"
+wait "$program" 2>/dev/null
+program=
+"$bin/isosculpt" "$work/nothing.stl" 2>"$work/said"
+code=$?
+[ $code -eq 3 ] && grep -q "nothing.stl" "$work/said" || fail "a file that is not there: exit status $code, not 3"
 echo "passed"
