@@ -33,6 +33,16 @@
 #define ISO_TARGET_avx512 ISO_TARGET_AVX512
 enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LANES_MAX = 16 };
 
+/* Of the variants kernel_generic, kernel_avx2 and kernel_avx512 the one for a level. */
+#if ISO_HAVE_X86
+#define ISO_KERNEL(kernel, level)                                                                            \
+    ((level) >= ISO_CPU_AVX512 ? &kernel##_avx512                                                            \
+     : (level) >= ISO_CPU_AVX2 ? &kernel##_avx2                                                              \
+                               : &kernel##_generic)
+#else
+#define ISO_KERNEL(kernel, level) ((void)(level), &kernel##_generic)
+#endif
+
 #define vf ISO_V(vf)
 #define vi ISO_V(vi)
 #define vm ISO_V(vm)

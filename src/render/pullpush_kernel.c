@@ -21,10 +21,5 @@
 #endif
 
 const iso_pullpush_kernel *iso_pullpush_kernel_get(iso_cpu_level level) {
-#if ISO_HAVE_X86
-    if (level >= ISO_CPU_AVX512) return &kernel_avx512;
-    if (level >= ISO_CPU_AVX2) return &kernel_avx2;
-#endif
-    (void)level;
-    return &kernel_generic;
+    return ISO_KERNEL(kernel, level);
 }

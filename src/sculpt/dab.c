@@ -98,12 +98,5 @@ static void stamp_distances(const iso_dabs *dabs, const iso_local_dab *local, fl
 #endif
 
 const iso_dab_kernel *iso_dab_kernel_get(iso_cpu_level level) {
-    static const iso_dab_kernel *const kernels[ISO_CPU_LEVELS] = {
-        [ISO_CPU_GENERIC] = &dab_kernel_generic,
-#if ISO_HAVE_X86
-        [ISO_CPU_AVX2] = &dab_kernel_avx2,
-        [ISO_CPU_AVX512] = &dab_kernel_avx512,
-#endif
-    };
-    return level < ISO_CPU_LEVELS ? kernels[level] : NULL;
+    return ISO_KERNEL(dab_kernel, level);
 }
