@@ -169,16 +169,23 @@ double gl_check_pullpush(iso_gl_engine *engine, const iso_point_view *points,
     return worst;
 }
 
-double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views, int count,
-                       const char *name) {
-    iso_gl_shape *shape;
-    iso_error error = {ISO_OK, ""};
+/* Draws points or a mesh with the cpu engine. */
+typedef iso_status draw_fn(const iso_target *target, const void *view);
+
+static iso_status draw_points(const iso_target *target, const void *view) {
+    return iso_draw_points(target, view, NULL);
+}
+static iso_status draw_mesh(const iso_target *target, const void *view) {
+    return iso_draw_mesh(target, view, NULL);
+}
+
+/* Takes over the shape. */
+static double check_views(iso_gl_engine *engine, iso_gl_shape *shape, draw_fn *draw, const void *primitives,
+                          const iso_view *views, int count, const char *name) {
     double worst = INFINITY;
-    if (iso_gl_upload_points(engine, points, &shape, &error) != ISO_OK) fail_msg("%s", error.text);
     for (int i = 0; i < count; i++) {
         iso_gbuffer cpu = gl_gbuffer(&views[i]);
-        assert_int_equal(iso_draw_points(&(iso_target){.view = &views[i], .gbuffer = &cpu}, points, NULL),
-                         ISO_OK);
+        assert_int_equal(draw(&(iso_target){.view = &views[i], .gbuffer = &cpu}, primitives), ISO_OK);
         worst = fmin(worst, check(engine, &views[i], &cpu, shape, name));
         iso_gbuffer_free(&cpu);
     }
@@ -186,19 +193,18 @@ double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, cons
     return worst;
 }
 
+double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views, int count,
+                       const char *name) {
+    iso_gl_shape *shape;
+    iso_error error = {ISO_OK, ""};
+    if (iso_gl_upload_points(engine, points, &shape, &error) != ISO_OK) fail_msg("%s", error.text);
+    return check_views(engine, shape, draw_points, points, views, count, name);
+}
+
 double gl_check_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, const iso_view *views, int count,
                      const char *name) {
     iso_gl_shape *shape;
     iso_error error = {ISO_OK, ""};
-    double worst = INFINITY;
     if (iso_gl_upload_mesh(engine, mesh, &shape, &error) != ISO_OK) fail_msg("%s", error.text);
-    for (int i = 0; i < count; i++) {
-        iso_gbuffer cpu = gl_gbuffer(&views[i]);
-        assert_int_equal(iso_draw_mesh(&(iso_target){.view = &views[i], .gbuffer = &cpu}, mesh, NULL),
-                         ISO_OK);
-        worst = fmin(worst, check(engine, &views[i], &cpu, shape, name));
-        iso_gbuffer_free(&cpu);
-    }
-    iso_gl_shape_destroy(shape);
-    return worst;
+    return check_views(engine, shape, draw_mesh, mesh, views, count, name);
 }
