@@ -348,15 +348,16 @@ static void edit_job(void *context, size_t index, int worker) {
     const edit_pass *pass = context;
     iso_work *work = &pass->editor->work;
     iso_job *job = iso_work_job(work, index);
-    float *out = iso_work_field(work, 0, index);
-    if (iso_tool_is_warp(pass->dabs->tool)) {
+    float *out = iso_work_stage(work, worker);
+    if (iso_tool_is_warp(pass->dabs->tool))
         warp_job(pass, job, &work->workers[worker], out);
-        return;
+    else {
+        /* Neighbours must be the grid's, not values that are being made: the brush reads the field before. */
+        iso_stencil stencil;
+        iso_work_stencil(work, ISO_WORK_GRID, index, work->workers[worker].border, &stencil);
+        work->dab->edit(pass->dabs, job->at, &stencil, out);
     }
-    /* Neighbours must be the grid's, not values that are being made: the brush reads the field before. */
-    iso_stencil stencil;
-    iso_work_stencil(work, ISO_WORK_GRID, index, work->workers[worker].border, &stencil);
-    work->dab->edit(pass->dabs, job->at, &stencil, out);
+    iso_work_edited(work, index, worker);
 }
 
 /* ---- a touch */
@@ -402,7 +403,8 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
     stats->redistanced += work->job_count;
     bool blends = dabs->tool == ISO_TOOL_BLEND_ADD || dabs->tool == ISO_TOOL_BLEND_CARVE;
     if (editor->iterations > 0)
-        iso_work_redistance(work, editor->iterations, blends || !iso_tool_is_set_operation(dabs->tool));
+        ISO_TRY(iso_work_redistance(work, editor->iterations,
+                                    blends || !iso_tool_is_set_operation(dabs->tool), error));
     return finish(editor, stats, error);
 }
 
@@ -505,14 +507,10 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *
         cell_position(work->grid, (uint32_t)cell, at);
         status = iso_work_add(work, at, true, error);
     }
-    if (status == ISO_OK) status = iso_work_reserve(work, error);
-    if (status == ISO_OK) {
-        iso_work_load(work, 0);
-        for (size_t i = 0; i < work->job_count; i++) change_all(work, iso_work_job(work, i));
-        iso_work_redistance(work, iterations, true);
-        iso_edit_stats stats = {0};
-        status = finish(editor, &stats, error);
-    }
+    for (size_t i = 0; i < work->job_count; i++) change_all(work, iso_work_job(work, i));
+    if (status == ISO_OK) status = iso_work_redistance(work, iterations, true, error);
+    iso_edit_stats stats = {0};
+    if (status == ISO_OK) status = finish(editor, &stats, error);
     iso_work_clear(work);
     return status;
 }

@@ -21,24 +21,39 @@ typedef struct iso_stencil {
     const float *self, *face[6];
 } iso_stencil;
 
+/* A bit for each row of a brick: z * 16 + y. */
+enum { ISO_ROW_WORDS = ISO_BRICK_ROWS / 32 };
+typedef struct iso_row_bits {
+    uint32_t word[ISO_ROW_WORDS];
+} iso_row_bits;
+
 /* What the steps need to know of a brick. */
 typedef struct iso_band_state {
-    iso_voxel_bits frozen;                /* beside the interface, or masked by the caller */
-    uint32_t active[ISO_BRICK_ROWS / 32]; /* rows that hold, or touch, a voxel inside the band */
+    iso_voxel_bits frozen; /* beside the interface, or masked by the caller */
+    iso_row_bits active;   /* rows that hold, or touch, a voxel inside the band */
 } iso_band_state;
+
+/* A step of one brick. */
+typedef struct iso_relaxation {
+    iso_row_bits due;   /* rows to step */
+    iso_row_bits stale; /* rows of `out` that differ from the brick */
+    float band, least;  /* voxels */
+} iso_relaxation;
 
 /* 0.45 voxel a step. */
 typedef struct iso_redistancer {
-    /* Finds the state of a brick. */
-    void (*classify)(const iso_stencil *phi, float band, iso_band_state *state);
+    /* Finds the state of a brick in these rows; the other rows' is cleared. */
+    void (*classify)(const iso_stencil *phi, float band, const iso_row_bits *rows, iso_band_state *state);
     /* out = phi, but phi / |grad phi| where both `changed` and frozen. */
     void (*rescale)(const iso_stencil *phi, const iso_band_state *state, const iso_voxel_bits *changed,
                     float *out);
     /* out = scaled, but corrected for the crossings' ratios in phi where both `changed` and frozen. */
     void (*correct)(const iso_stencil *phi, const iso_stencil *scaled, const iso_band_state *state,
                     const iso_voxel_bits *changed, float *out);
-    /* One step; rows that are not active and voxels that are frozen are not written. */
-    void (*relax)(const iso_stencil *phi, const iso_band_state *state, float band, float *out);
+    /* One step: out becomes the brick after it, *moved the rows in which a voxel moved by more than `least`.
+     * Voxels that are frozen stay. */
+    void (*relax)(const iso_stencil *phi, const iso_voxel_bits *frozen, const iso_relaxation *step,
+                  float *out, iso_row_bits *moved);
 } iso_redistancer;
 
 /* NULL when the build has no such level. */

@@ -5,8 +5,12 @@
 
 /* Voxels that redistancing reads on each side: the band. */
 enum { REACH = 3 };
-/* Voxels around a change within which distances can change: the band, and one for the stencil's sake. */
-enum { SPREAD = REACH + 1 };
+enum { SPREAD = ISO_WORK_SPREAD };
+/* Bricks of a slab. */
+enum { SLAB = 128 };
+/* Voxels by which a step of redistancing must move something for the next one to be worth it near by. What is
+ * smaller is rounding of the differences: stepping on moves as much back as forth. */
+static const float LEAST = 0.005f;
 
 static size_t cell_count(const iso_hgrid *grid) {
     return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
@@ -42,7 +46,8 @@ void iso_work_free(iso_work *work) {
         iso_buffer_free(&work->workers[i].window);
     iso_free(work->workers);
     iso_buffer_free(&work->jobs);
-    for (int i = 0; i < ISO_WORK_FIELDS; i++) iso_buffer_free(&work->field[i]);
+    for (size_t i = 0; i < work->slab_count; i++) iso_free(((float **)work->slabs.data)[i]);
+    iso_buffer_free(&work->slabs);
 }
 
 void iso_work_clear(iso_work *work) {
@@ -50,6 +55,8 @@ void iso_work_clear(iso_work *work) {
     work->job_count = 0;
     work->now = 0;
     work->classified = false;
+    work->taken = 0;
+    for (int i = 0; i < iso_pool_threads(work->pool); i++) work->workers[i].stage = NULL;
 }
 
 const float *iso_work_before(const iso_work *work, int32_t state) {
@@ -72,28 +79,50 @@ iso_status iso_work_add(iso_work *work, const int at[3], bool edited, iso_error 
     size_t bytes = work->job_count * sizeof(iso_job);
     ISO_TRY(iso_buffer_reserve(&work->jobs, bytes + sizeof(iso_job), bytes, error));
     iso_job *job = iso_work_job(work, work->job_count++);
-    job->cell = cell;
+    *job = (iso_job){.cell = cell, .state = work->grid->cell[cell], .edited = edited};
     for (int axis = 0; axis < 3; axis++) job->at[axis] = at[axis];
-    job->state = work->grid->cell[cell];
-    job->source = NULL;
-    job->edited = edited;
-    memset(&job->changed, 0, sizeof job->changed);
+    job->value[work->now] = iso_work_before(work, job->state);
     work->job_of[cell] = (uint32_t)work->job_count;
     return ISO_OK;
 }
 
-iso_status iso_work_reserve(iso_work *work, iso_error *error) {
-    for (int i = 0; i < ISO_WORK_FIELDS; i++) {
-        size_t kept = work->field[i].bytes, wanted = work->job_count * ISO_BRICK_VOXELS * sizeof(float);
-        ISO_TRY(iso_buffer_reserve(&work->field[i], wanted, kept < wanted ? kept : wanted, error));
+/* ---- memory */
+
+/* So many more bricks can be taken. */
+static iso_status reserve(iso_work *work, size_t bricks, iso_error *error) {
+    const size_t wanted = work->taken + bricks;
+    while (work->slab_count * SLAB < wanted) {
+        const size_t bytes = work->slab_count * sizeof(float *);
+        ISO_TRY(iso_buffer_reserve(&work->slabs, bytes + sizeof(float *), bytes, error));
+        float *slab = iso_alloc((size_t)SLAB * ISO_BRICK_VOXELS * sizeof *slab);
+        if (!slab) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for sculpting %zu cells", wanted);
+        ((float **)work->slabs.data)[work->slab_count++] = slab;
     }
     return ISO_OK;
 }
 
-void iso_work_load(iso_work *work, size_t first) {
-    for (size_t i = first; i < work->job_count; i++)
-        memcpy(iso_work_field(work, work->now, i), iso_work_before(work, iso_work_job(work, i)->state),
-               ISO_BRICK_VOXELS * sizeof(float));
+/* (which brick goes to which job does not matter) */
+static float *take(iso_work *work) {
+    const size_t number = __atomic_fetch_add(&work->taken, 1, __ATOMIC_RELAXED);
+    return ((float **)work->slabs.data)[number / SLAB] + number % SLAB * ISO_BRICK_VOXELS;
+}
+
+iso_status iso_work_reserve(iso_work *work, iso_error *error) {
+    return reserve(work, work->job_count + (size_t)iso_pool_threads(work->pool), error);
+}
+
+/* Memory of the job's own that holds neither of two values. */
+static float *room(iso_work *work, iso_job *job, const float *one, const float *two) {
+    int i = 0;
+    while (job->own[i] && (job->own[i] == one || job->own[i] == two)) i++;
+    if (!job->own[i]) job->own[i] = take(work);
+    return job->own[i];
+}
+
+static bool is_own(const iso_job *job, const float *values) {
+    bool own = false;
+    for (int i = 0; i < ISO_WORK_FIELDS; i++) own |= job->own[i] == values;
+    return own;
 }
 
 /* ---- stencils */
@@ -117,7 +146,7 @@ void iso_work_stencil(const iso_work *work, int field, size_t number, iso_border
                       iso_stencil *stencil) {
     const iso_job *job = iso_work_job(work, number);
     const bool grid = field == ISO_WORK_GRID;
-    stencil->self = grid ? iso_work_before(work, job->state) : iso_work_field(work, field, number);
+    stencil->self = grid ? iso_work_before(work, job->state) : job->value[field];
     for (int face = 0; face < 6; face++) {
         int at[3] = {job->at[0], job->at[1], job->at[2]};
         at[face / 2] += face % 2 ? 1 : -1;
@@ -128,20 +157,30 @@ void iso_work_stencil(const iso_work *work, int field, size_t number, iso_border
         }
         size_t cell = iso_hgrid_cell_index(work->grid, at[0], at[1], at[2]);
         uint32_t beside = grid ? 0 : work->job_of[cell];
-        stencil->face[face] =
-            beside ? iso_work_field(work, field, beside - 1) : iso_work_before(work, work->grid->cell[cell]);
+        stencil->face[face] = beside ? iso_work_job(work, beside - 1)->value[field]
+                                     : iso_work_before(work, work->grid->cell[cell]);
     }
 }
 
 /* ---- what changed */
 
 void iso_work_find_box(iso_job *job) {
+    enum { LOW = (1 << SPREAD) - 1, HIGH = LOW << (ISO_BRICK - SPREAD) };
     uint32_t x = 0, y = 0, z = 0;
-    for (int row = 0; row < ISO_BRICK_ROWS; row++) {
-        if (!job->changed.row[row]) continue;
-        x |= job->changed.row[row];
-        y |= 1u << (row % ISO_BRICK);
-        z |= 1u << (row / ISO_BRICK);
+    for (int i = 0; i < ISO_BRICK; i++) {
+        uint32_t any = 0, low = 0, high = 0;
+        for (int k = 0; k < ISO_BRICK; k++) {
+            const uint32_t bits = job->changed.row[i * ISO_BRICK + k];
+            x |= bits;
+            any |= (uint32_t)(bits != 0) << k;
+            low |= (uint32_t)((bits & LOW) != 0) << k;
+            high |= (uint32_t)((bits & HIGH) != 0) << k;
+        }
+        job->rows.any[i] = (uint16_t)any;
+        job->rows.low[i] = (uint16_t)low;
+        job->rows.high[i] = (uint16_t)high;
+        y |= any;
+        z |= (uint32_t)(any != 0) << i;
     }
     const uint32_t bits[3] = {x, y, z};
     for (int axis = 0; axis < 3; axis++) {
@@ -150,56 +189,43 @@ void iso_work_find_box(iso_job *job) {
     }
 }
 
-static bool differs(const iso_work *work, iso_job *job, const float *before, float *values) {
-    return work->dab->settle(before, iso_mask_bits(&work->mask, job->cell), values, &job->changed);
-}
-
-static void compare_job(void *context, size_t index, int worker) {
-    (void)worker;
-    const iso_work *work = context;
-    iso_job *job = iso_work_job(work, index);
-    job->edited =
-        differs(work, job, iso_work_before(work, job->state), iso_work_field(work, work->now, index));
-    if (job->edited) iso_work_find_box(job);
+float *iso_work_stage(iso_work *work, int worker) {
+    iso_worker *own = &work->workers[worker];
+    if (!own->stage) own->stage = take(work);
+    return own->stage;
 }
 
 /* A brush that begins with other values than the grid's has changed what it changed of those: what it only
  * puts back makes no neighbours change. */
-static void settle_job(void *context, size_t index, int worker) {
-    const iso_work *work = context;
-    iso_job *job = iso_work_job(work, index);
-    float *values = iso_work_field(work, work->now, index);
-    if (!job->source) {
-        compare_job(context, index, worker);
-        return;
-    }
+void iso_work_edited(iso_work *work, size_t number, int worker) {
+    iso_job *job = iso_work_job(work, number);
+    float *values = work->workers[worker].stage;
     const float *before = iso_work_before(work, job->state);
-    bool moved = differs(work, job, job->source, values);
+    job->edited = work->dab->settle(job->source ? job->source : before, iso_mask_bits(&work->mask, job->cell),
+                                    values, &job->changed);
+    if (job->source) job->edited |= memcmp(values, before, ISO_BRICK_VOXELS * sizeof *values) != 0;
+    if (!job->edited) return;
     iso_work_find_box(job);
-    job->edited = moved || memcmp(values, before, ISO_BRICK_VOXELS * sizeof *values) != 0;
+    job->value[work->now] = job->own[0] = values;
+    work->workers[worker].stage = NULL;
 }
 
 /* Closes up: jobs that nothing happened to go. */
 static void drop_unchanged(iso_work *work) {
     size_t kept = 0;
     for (size_t i = 0; i < work->job_count; i++) {
-        iso_job *job = iso_work_job(work, i);
+        const iso_job *job = iso_work_job(work, i);
         work->job_of[job->cell] = 0;
         if (!job->edited) continue;
-        if (kept != i) {
-            *iso_work_job(work, kept) = *job;
-            memcpy(iso_work_field(work, work->now, kept), iso_work_field(work, work->now, i),
-                   ISO_BRICK_VOXELS * sizeof(float));
-        }
-        kept++;
-        work->job_of[iso_work_job(work, kept - 1)->cell] = (uint32_t)kept;
+        if (kept != i) *iso_work_job(work, kept) = *job;
+        work->job_of[job->cell] = (uint32_t)++kept;
     }
     work->job_count = kept;
 }
 
 /* Whether the job has a voxel inside the band within REACH of the neighbour at `side` (-1, 0, 1 an axis). */
 static bool band_near(const iso_work *work, size_t number, const int side[3]) {
-    const float *values = iso_work_field(work, work->now, number), band = work->grid->band;
+    const float *values = iso_work_values(work, number), band = work->grid->band;
     int lo[3], hi[3];
     for (int axis = 0; axis < 3; axis++) {
         lo[axis] = side[axis] > 0 ? ISO_BRICK - REACH : 0;
@@ -240,13 +266,10 @@ static iso_status add_neighbours(iso_work *work, size_t number, iso_error *error
 }
 
 iso_status iso_work_settle(iso_work *work, bool neighbours, bool *any, iso_error *error) {
-    iso_parallel_for(work->pool, work->job_count, settle_job, work);
     drop_unchanged(work);
     size_t edited = work->job_count;
     *any = edited > 0;
     for (size_t i = 0; i < edited && neighbours; i++) ISO_TRY(add_neighbours(work, i, error));
-    ISO_TRY(iso_work_reserve(work, error));
-    iso_work_load(work, edited);
     return ISO_OK;
 }
 
@@ -255,121 +278,207 @@ iso_status iso_work_settle(iso_work *work, bool neighbours, bool *any, iso_error
 typedef struct pass {
     iso_work *work;
     int from, to, phi; /* fields */
+    int turn;          /* of job->moved: which this step writes */
+    bool first;        /* step */
 } pass;
 
-/* Adds the changed rows of the job beside (side: -1, 0, 1 an axis) that are within SPREAD, in rows of this
- * one: plane[z + SPREAD] bit (y + SPREAD). */
-static void add_rows(const iso_job *beside, const int side[3], uint32_t plane[ISO_BRICK + 2 * SPREAD]) {
-    const uint16_t near = side[0] == 0  ? 0xffff
-                          : side[0] < 0 ? (uint16_t)(0xffff << (ISO_BRICK - SPREAD))
-                                        : (1 << SPREAD) - 1;
-    int lo[3], hi[3];
-    for (int axis = 1; axis < 3; axis++) {
-        lo[axis] =
-            side[axis] < 0 && beside->lo[axis] < ISO_BRICK - SPREAD ? ISO_BRICK - SPREAD : beside->lo[axis];
-        hi[axis] = side[axis] > 0 && beside->hi[axis] >= SPREAD ? SPREAD - 1 : beside->hi[axis];
+/* The cell beside another (side: -1, 0, 1 an axis) when it is a job; else NULL. */
+static const iso_job *job_beside(const iso_work *work, const iso_job *job, const int side[3]) {
+    int at[3];
+    for (int axis = 0; axis < 3; axis++) {
+        at[axis] = job->at[axis] + side[axis];
+        if (at[axis] < 0 || at[axis] >= work->grid->cells[axis]) return NULL;
     }
-    for (int z = lo[2]; z <= hi[2]; z++)
-        for (int y = lo[1]; y <= hi[1]; y++)
-            if (beside->changed.row[z * ISO_BRICK + y] & near)
-                plane[z + ISO_BRICK * side[2] + SPREAD] |= 1u << (y + ISO_BRICK * side[1] + SPREAD);
+    const uint32_t number = work->job_of[iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])];
+    return number ? iso_work_job(work, number - 1) : NULL;
+}
+
+/* Adds the changed rows of the job beside that are within SPREAD, in rows of this one: plane[z + SPREAD] bit
+ * (y + SPREAD). */
+static void add_rows(const iso_job *beside, const int side[3], uint32_t plane[ISO_BRICK + 2 * SPREAD]) {
+    const uint16_t *rows = side[0] == 0  ? beside->rows.any
+                           : side[0] < 0 ? beside->rows.high
+                                         : beside->rows.low;
+    const int first = side[2] < 0 ? ISO_BRICK - SPREAD : 0, last = side[2] > 0 ? SPREAD - 1 : ISO_BRICK - 1;
+    for (int z = first; z <= last; z++) {
+        const uint32_t bits = rows[z], into = side[1] == 0 ? bits << SPREAD
+                                              : side[1] < 0
+                                                  ? bits >> (ISO_BRICK - SPREAD)
+                                                  : (bits & ((1 << SPREAD) - 1)) << (ISO_BRICK + SPREAD);
+        plane[z + ISO_BRICK * side[2] + SPREAD] |= into;
+    }
+}
+
+static void set_rows(iso_row_bits *rows, int z, uint32_t bits) {
+    rows->word[z / 2] |= (bits & 0xffff) << 16 * (z % 2);
+}
+
+static uint32_t rows_of(const iso_row_bits *rows, int z) {
+    return rows->word[z / 2] >> 16 * (z % 2) & 0xffff;
 }
 
 /* Rows from which no change is near need not be made distances again: they are. */
-static void limit_rows(const iso_work *work, iso_job *job) {
+static void near_rows(const iso_work *work, const iso_job *job, iso_row_bits *near) {
     uint32_t plane[ISO_BRICK + 2 * SPREAD] = {0};
     for (int k = 0; k < 27; k++) {
         const int side[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
-        int at[3];
-        bool within = true;
-        for (int axis = 0; axis < 3; axis++) {
-            at[axis] = job->at[axis] + side[axis];
-            within &= at[axis] >= 0 && at[axis] < work->grid->cells[axis];
-        }
-        if (!within) continue;
-        const uint32_t number = work->job_of[iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])];
-        if (number && iso_work_job(work, number - 1)->edited)
-            add_rows(iso_work_job(work, number - 1), side, plane);
+        const iso_job *beside = job_beside(work, job, side);
+        if (beside && beside->edited) add_rows(beside, side, plane);
     }
     for (int z = 0; z < ISO_BRICK + 2 * SPREAD; z++)
         for (int step = 0; step < SPREAD; step++) plane[z] |= plane[z] << 1 | plane[z] >> 1;
+    memset(near, 0, sizeof *near);
     for (int z = 0; z < ISO_BRICK; z++) {
         uint32_t rows = 0;
         for (int step = 0; step <= 2 * SPREAD; step++) rows |= plane[z + step];
-        rows = rows >> SPREAD & 0xffff;
-        job->band.active[z / 2] &= rows << 16 * (z % 2) | 0xffffu << 16 * (1 - z % 2);
+        set_rows(near, z, rows >> SPREAD);
     }
+}
+
+static bool any_frozen(const iso_job *job) {
+    uint32_t any = 0;
+    for (int row = 0; row < ISO_BRICK_ROWS; row++) any |= job->band.frozen.row[row];
+    return any != 0;
 }
 
 static void classify_job(void *context, size_t index, int worker) {
     const pass *p = context;
     iso_job *job = iso_work_job(p->work, index);
     iso_stencil stencil;
+    iso_row_bits near;
     iso_work_stencil(p->work, p->from, index, p->work->workers[worker].border, &stencil);
-    p->work->redistancer->classify(&stencil, p->work->grid->band, &job->band);
-    limit_rows(p->work, job);
-    memcpy(iso_work_field(p->work, p->to, index), stencil.self, ISO_BRICK_VOXELS * sizeof(float));
+    near_rows(p->work, job, &near);
+    p->work->redistancer->classify(&stencil, p->work->grid->band, &near, &job->band);
+    job->interface = any_frozen(job);
+    if (!job->interface) { /* elsewhere in the brick? */
+        iso_band_state rest;
+        for (int i = 0; i < ISO_ROW_WORDS; i++) near.word[i] = ~near.word[i];
+        p->work->redistancer->classify(&stencil, p->work->grid->band, &near, &rest);
+        job->interface = false;
+        for (int row = 0; row < ISO_BRICK_ROWS; row++) job->interface |= rest.frozen.row[row] != 0;
+    }
     const iso_voxel_bits *masked = iso_mask_bits(&p->work->mask, job->cell);
     for (int row = 0; masked && row < ISO_BRICK_ROWS; row++) job->band.frozen.row[row] |= masked->row[row];
+    job->interface |= masked != NULL;
+}
+
+/* Whether the brush changed a voxel at the interface. */
+static bool is_rescaled(const iso_job *job) {
+    uint32_t any = 0;
+    for (int row = 0; row < ISO_BRICK_ROWS; row++) any |= job->band.frozen.row[row] & job->changed.row[row];
+    return any != 0;
 }
 
 static void rescale_job(void *context, size_t index, int worker) {
     const pass *p = context;
-    const iso_job *job = iso_work_job(p->work, index);
+    iso_job *job = iso_work_job(p->work, index);
+    job->value[p->to] = job->value[p->from];
+    if (!is_rescaled(job)) return;
     iso_stencil stencil;
     iso_work_stencil(p->work, p->from, index, p->work->workers[worker].border, &stencil);
-    p->work->redistancer->rescale(&stencil, &job->band, &job->changed, iso_work_field(p->work, p->to, index));
+    float *out = room(p->work, job, stencil.self, NULL);
+    p->work->redistancer->rescale(&stencil, &job->band, &job->changed, out);
+    job->value[p->to] = out;
 }
 
 static void correct_job(void *context, size_t index, int worker) {
     const pass *p = context;
-    const iso_job *job = iso_work_job(p->work, index);
+    iso_job *job = iso_work_job(p->work, index);
+    job->value[p->to] = job->value[p->from];
+    if (!is_rescaled(job)) return;
     iso_stencil phi, scaled;
     iso_work_stencil(p->work, p->phi, index, &p->work->workers[worker].border[0], &phi);
-    float *out = iso_work_field(p->work, p->to, index);
     iso_work_stencil(p->work, p->from, index, &p->work->workers[worker].border[1], &scaled);
+    float *out = room(p->work, job, phi.self, scaled.self);
     p->work->redistancer->correct(&phi, &scaled, &job->band, &job->changed, out);
+    job->value[p->to] = out;
 }
 
+/* Rows of the active ones whose stencils hold what the last step moved. */
+static void find_due(const pass *p, const iso_job *job, iso_row_bits *due) {
+    enum { FAR = 2 };                                                   /* what the stencil reaches */
+    uint32_t plane[ISO_BRICK + 2 * FAR] = {0}, across[ISO_BRICK] = {0}; /* bit y + FAR; bit y */
+    const int last = 1 - p->turn;
+    for (int z = 0; z < ISO_BRICK; z++) plane[z + FAR] = rows_of(&job->moved[last], z) << FAR;
+    for (int face = 0; face < 6; face++) {
+        const int up = face % 2, side[3] = {face / 2 == 0 ? 2 * up - 1 : 0, face / 2 == 1 ? 2 * up - 1 : 0,
+                                            face / 2 == 2 ? 2 * up - 1 : 0};
+        const iso_job *beside = job_beside(p->work, job, side);
+        if (!beside) continue;
+        const iso_row_bits *moved = &beside->moved[last];
+        for (int z = 0; z < ISO_BRICK && side[0]; z++) across[z] |= rows_of(moved, z);
+        for (int z = 0; z < ISO_BRICK && side[1]; z++)
+            plane[z + FAR] |= up ? (rows_of(moved, z) & ((1 << FAR) - 1)) << (ISO_BRICK + FAR)
+                                 : rows_of(moved, z) >> (ISO_BRICK - FAR);
+        for (int z = 0; z < FAR && side[2]; z++)
+            plane[up ? ISO_BRICK + FAR + z : z] |= rows_of(moved, up ? z : ISO_BRICK - FAR + z) << FAR;
+    }
+    memset(due, 0, sizeof *due);
+    for (int z = 0; z < ISO_BRICK; z++) {
+        uint32_t rows = plane[z + FAR];
+        rows |= rows << 1 | rows << 2 | rows >> 1 | rows >> 2;
+        rows |= plane[z] | plane[z + 1] | plane[z + 3] | plane[z + 4];
+        set_rows(due, z, rows >> FAR | across[z]);
+    }
+    for (int i = 0; i < ISO_ROW_WORDS; i++) due->word[i] &= job->band.active.word[i];
+}
+
+/* A step need only be taken where the one before has moved something. */
 static void relax_job(void *context, size_t index, int worker) {
     const pass *p = context;
+    iso_work *work = p->work;
+    iso_job *job = iso_work_job(work, index);
+    iso_relaxation step = {.due = job->band.active, .band = work->grid->band, .least = LEAST};
+    if (!p->first) find_due(p, job, &step.due);
+    uint32_t any = 0;
+    for (int i = 0; i < ISO_ROW_WORDS; i++) any |= step.due.word[i];
+    job->value[p->to] = job->value[p->from];
+    memset(&job->moved[p->turn], 0, sizeof job->moved[p->turn]);
+    if (!any) return;
     iso_stencil stencil;
-    iso_work_stencil(p->work, p->from, index, p->work->workers[worker].border, &stencil);
-    p->work->redistancer->relax(&stencil, &iso_work_job(p->work, index)->band, p->work->grid->band,
-                                iso_work_field(p->work, p->to, index));
-}
-
-/* Rows that no step writes must be the same in both fields that the steps alternate between. */
-static void copy_job(void *context, size_t index, int worker) {
-    (void)worker;
-    const pass *p = context;
-    memcpy(iso_work_field(p->work, p->to, index), iso_work_field(p->work, p->from, index),
-           ISO_BRICK_VOXELS * sizeof(float));
+    iso_work_stencil(work, p->from, index, work->workers[worker].border, &stencil);
+    float *out = job->spare ? job->spare : room(work, job, stencil.self, NULL);
+    if (job->spare)
+        step.stale = job->stale;
+    else
+        memset(&step.stale, 0xff, sizeof step.stale);
+    work->redistancer->relax(&stencil, &job->band.frozen, &step, out, &job->moved[p->turn]);
+    job->value[p->to] = out;
+    job->stale = step.due;
+    job->spare = is_own(job, stencil.self) ? (float *)stencil.self : NULL;
 }
 
 static void run(const pass *p, iso_task *task) {
     iso_parallel_for(p->work->pool, p->work->job_count, task, (void *)p);
 }
 
-void iso_work_redistance(iso_work *work, int iterations, bool rescale) {
-    int phi = work->now, one = (phi + 1) % ISO_WORK_FIELDS, two = (phi + 2) % ISO_WORK_FIELDS, from = phi,
-        to = one;
-    run(&(pass){work, phi, one, phi}, classify_job);
+iso_status iso_work_redistance(iso_work *work, int iterations, bool rescale, iso_error *error) {
+    pass p = {.work = work,
+              .from = work->now,
+              .to = (work->now + 1) % ISO_WORK_FIELDS,
+              .phi = work->now,
+              .first = true};
+    ISO_TRY(reserve(work, work->job_count * (rescale ? 3 : 2), error));
+    run(&p, classify_job);
     work->classified = true;
     if (rescale) {
-        run(&(pass){work, phi, one, phi}, rescale_job);
-        run(&(pass){work, one, two, phi}, correct_job);
-        from = two;
-        to = one;
-        run(&(pass){work, from, to, phi}, copy_job);
+        run(&p, rescale_job);
+        p.from = p.to;
+        p.to = (p.phi + 2) % ISO_WORK_FIELDS;
+        run(&p, correct_job);
+        p.from = p.to;
+        p.to = p.phi;
     }
     for (int i = 0; i < iterations; i++) {
-        run(&(pass){work, from, to, phi}, relax_job);
-        int swap = from;
-        from = to;
-        to = swap;
+        p.turn = i % 2;
+        p.first = i == 0;
+        run(&p, relax_job);
+        const int swap = p.from;
+        p.from = p.to;
+        p.to = swap;
     }
-    work->now = from;
+    work->now = p.from;
+    return ISO_OK;
 }
 
 /* Whether the interface may lie in the cell: its voxels beside it are known for jobs; of others only empty
@@ -377,27 +486,33 @@ void iso_work_redistance(iso_work *work, int iterations, bool rescale) {
 static bool may_have_interface(const iso_work *work, const int at[3]) {
     size_t cell = iso_hgrid_cell_index(work->grid, at[0], at[1], at[2]);
     if (!work->job_of[cell]) return work->grid->cell[cell] >= 0;
-    const iso_job *job = iso_work_job(work, work->job_of[cell] - 1);
-    uint32_t any = 0;
-    for (int row = 0; row < ISO_BRICK_ROWS; row++) any |= job->band.frozen.row[row];
-    return any != 0;
+    return iso_work_job(work, work->job_of[cell] - 1)->interface;
 }
 
 /* A surface that was taken away leaves distances to nothing behind. Where neither a cell nor any around it
  * has an interface, they go at once. */
 static void clear_ghost(void *context, size_t index, int worker) {
     (void)worker;
-    const iso_work *work = context;
-    const iso_job *job = iso_work_job(work, index);
+    iso_work *work = context;
+    iso_job *job = iso_work_job(work, index);
     for (int k = 0; k < 27; k++) {
         const int at[3] = {job->at[0] + k % 3 - 1, job->at[1] + k / 3 % 3 - 1, job->at[2] + k / 9 - 1};
         bool within = true;
         for (int axis = 0; axis < 3; axis++) within &= at[axis] >= 0 && at[axis] < work->grid->cells[axis];
         if (within && may_have_interface(work, at)) return;
     }
-    float *values = iso_work_field(work, work->now, index);
-    const float empty = values[0] < 0 ? -work->grid->band : work->grid->band;
-    for (int i = 0; i < ISO_BRICK_VOXELS; i++) values[i] = empty;
+    job->value[work->now] = work->constant[job->value[work->now][0] < 0];
+}
+
+static void compare_job(void *context, size_t index, int worker) {
+    (void)worker;
+    const iso_work *work = context;
+    iso_job *job = iso_work_job(work, index);
+    const float *before = iso_work_before(work, job->state), *values = iso_work_values(work, index);
+    /* (what is masked is put back in own memory only: elsewhere nothing of it has changed) */
+    job->edited = before != values && work->dab->settle(before, iso_mask_bits(&work->mask, job->cell),
+                                                        (float *)values, &job->changed);
+    if (job->edited) iso_work_find_box(job);
 }
 
 void iso_work_compare(iso_work *work, bool *any) {
@@ -432,7 +547,7 @@ static iso_status prepare(iso_work *work, iso_edit_stats *stats, iso_error *erro
             hi[axis] = ISO_BRICK * job->at[axis] + job->hi[axis];
         }
         ISO_TRY(iso_change_log_touch(work->grid->log, lo, hi, error));
-        if (job->state >= 0 || empty_state(work, iso_work_field(work, work->now, i))) continue;
+        if (job->state >= 0 || empty_state(work, iso_work_values(work, i))) continue;
         float *brick;
         ISO_TRY(iso_hgrid_split(work->grid, job->at[0], job->at[1], job->at[2], &brick, error));
         stats->created++;
@@ -457,7 +572,7 @@ iso_status iso_work_commit(iso_work *work, iso_edit_stats *stats, iso_error *err
     for (size_t i = 0; i < work->job_count; i++) {
         const iso_job *job = iso_work_job(work, i);
         if (!job->edited) continue;
-        const float *values = iso_work_field(work, work->now, i);
+        const float *values = iso_work_values(work, i);
         int32_t empty = empty_state(work, values);
         if (empty) {
             made.pruned += job->state >= 0;

@@ -11,6 +11,16 @@
 #include "sculpt/dab.h"
 #include "sculpt/edit.h"
 
+/* Values of a job that a pass may read and the next one writes; and, read only, the grid's own. */
+enum { ISO_WORK_FIELDS = 3, ISO_WORK_GRID = -1 };
+/* Voxels around a change within which distances can change: the band, and one for the stencil's sake. */
+enum { ISO_WORK_SPREAD = 4 };
+
+/* Rows of a brick with a change, a bit for each y: anywhere, and near its low and its high end. */
+typedef struct iso_changed_rows {
+    uint16_t any[ISO_BRICK], low[ISO_BRICK], high[ISO_BRICK];
+} iso_changed_rows;
+
 /* One cell. */
 typedef struct iso_job {
     uint32_t cell;
@@ -19,8 +29,15 @@ typedef struct iso_job {
     const float *source;    /* what the brush began with; NULL: the grid's floats */
     bool edited;            /* the brush wrote it; else it is a neighbour that redistancing may reach */
     iso_voxel_bits changed; /* by the brush; later by all that was done */
+    iso_changed_rows rows;  /* of `changed` */
     iso_band_state band;
-    uint8_t lo[3], hi[3]; /* box of `changed` */
+    bool interface;                      /* some voxel lies beside the interface, or is masked */
+    uint8_t lo[3], hi[3];                /* box of `changed` */
+    const float *value[ISO_WORK_FIELDS]; /* own memory, the grid's, or a constant brick */
+    float *own[ISO_WORK_FIELDS];         /* NULL: not taken yet */
+    float *spare; /* own memory with the current values but for the rows `stale`; NULL: none */
+    iso_row_bits stale;
+    iso_row_bits moved[2]; /* by the last step and the one before, taking turns */
 } iso_job;
 
 /* Neighbours beyond the grid's border, made up for one stencil. */
@@ -33,11 +50,9 @@ typedef struct iso_worker {
     iso_border border[2];
     iso_warp warp;
     iso_buffer window;
-    bool failed; /* no memory */
+    float *stage; /* where the next job is edited, unless the last one kept it; NULL: none yet */
+    bool failed;  /* no memory */
 } iso_worker;
-
-/* Values of a job that a step may read and the next one writes; and, read only, the grid's own. */
-enum { ISO_WORK_FIELDS = 3, ISO_WORK_GRID = -1 };
 
 typedef struct iso_work {
     iso_hgrid *grid;
@@ -47,11 +62,14 @@ typedef struct iso_work {
     float *constant[2]; /* bricks of +band and -band */
     uint32_t *job_of;   /* by cell: 1 + its job, 0: none */
     iso_mask mask;
-    iso_buffer jobs, field[ISO_WORK_FIELDS];
+    iso_buffer jobs;
     size_t job_count;
     int now;         /* the field that holds the jobs' values */
     bool classified; /* the jobs' band states are known */
     iso_worker *workers;
+    iso_buffer slabs; /* float *: bricks that jobs take, never moved */
+    size_t slab_count;
+    size_t taken; /* of them; atomic while jobs run */
 } iso_work;
 
 /* Zero-initialised storage; grid and pool are borrowed until free. */
@@ -63,8 +81,8 @@ void iso_work_clear(iso_work *work);
 static inline iso_job *iso_work_job(const iso_work *work, size_t job) {
     return (iso_job *)work->jobs.data + job;
 }
-static inline float *iso_work_field(const iso_work *work, int field, size_t job) {
-    return (float *)work->field[field].data + job * ISO_BRICK_VOXELS;
+static inline const float *iso_work_values(const iso_work *work, size_t job) {
+    return iso_work_job(work, job)->value[work->now];
 }
 
 /* The floats of a cell with this entry in the grid. */
@@ -72,26 +90,30 @@ const float *iso_work_before(const iso_work *work, int32_t state);
 /* Whether a worker ran out of memory since the last question. */
 bool iso_work_failed(iso_work *work);
 
-/* Lists a cell once; room for its values is made by iso_work_reserve. Values are not set. ISO_ERR_NOMEM. */
+/* Lists a cell once, with the grid's values. ISO_ERR_NOMEM. */
 iso_status iso_work_add(iso_work *work, const int at[3], bool edited, iso_error *error);
+/* Room for the brush's values of all listed cells. */
 iso_status iso_work_reserve(iso_work *work, iso_error *error);
-/* Jobs `first` and on take the grid's values. */
-void iso_work_load(iso_work *work, size_t first);
+
+/* Where a worker writes a job's new values; iso_work_edited is to follow. */
+float *iso_work_stage(iso_work *work, int worker);
+/* The job's values are those now, or, where they are the same as before, it is no longer `edited`. */
+void iso_work_edited(iso_work *work, size_t job, int worker);
 
 /* The stencil of a job's values in `field` (of the grid's where a neighbour is no job); faces on the grid's
  * border repeat the outermost voxels (kept in `border` while the stencil is used). */
 void iso_work_stencil(const iso_work *work, int field, size_t job, iso_border *border, iso_stencil *stencil);
 
-/* After the brush has written field `now`: finds what it changed, drops jobs where nothing did, and lists the
- * neighbours that redistancing may reach. *any: whether anything changed. */
+/* After the brush has been everywhere: drops jobs where nothing changed, and lists the neighbours that
+ * redistancing may reach. *any: whether anything changed. */
 iso_status iso_work_settle(iso_work *work, bool neighbours, bool *any, iso_error *error);
 
-/* Sets a job's box from what has changed in it. */
+/* Sets a job's box and rows from what has changed in it. */
 void iso_work_find_box(iso_job *job);
 
 /* Makes the listed cells a distance field where something changed near by (jobs that are `edited`, their
- * bits and boxes); `rescale`: voxels at the interface that the brush changed too. */
-void iso_work_redistance(iso_work *work, int iterations, bool rescale);
+ * bits and boxes); `rescale`: voxels at the interface that the brush changed too. ISO_ERR_NOMEM. */
+iso_status iso_work_redistance(iso_work *work, int iterations, bool rescale, iso_error *error);
 
 /* Finds what differs from the grid now; *any: whether anything does. */
 void iso_work_compare(iso_work *work, bool *any);
