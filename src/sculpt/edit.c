@@ -388,11 +388,19 @@ static iso_status finish(iso_editor *editor, iso_edit_stats *stats, iso_error *e
     return iso_work_commit(work, stats, error);
 }
 
+/* The end of the band that an exact solid shares with what it is united with, or cut from; 0 when the tool or
+ * the solid leaves no distances of its own. */
+static float away_side(const iso_dabs *dabs) {
+    if (dabs->count > 1 || dabs->shape == ISO_SOLID_STAMP) return 0;
+    return dabs->tool == ISO_TOOL_ADD ? dabs->band : dabs->tool == ISO_TOOL_CARVE ? -dabs->band : 0;
+}
+
 static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit_stats *stats,
                               iso_error *error) {
     iso_work *work = &editor->work;
     edit_pass pass = {.editor = editor, .dabs = dabs};
     ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
+    work->away = away_side(dabs);
     iso_parallel_for(work->pool, work->job_count, edit_job, &pass);
     if (iso_work_failed(work))
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a touch of the brush");
@@ -495,7 +503,7 @@ static void change_all(const iso_work *work, iso_job *job) {
     const iso_voxel_bits *masked = iso_mask_bits(&work->mask, job->cell);
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         job->changed.row[row] = masked ? (uint16_t)~masked->row[row] : 0xffff;
-    iso_work_find_box(job);
+    iso_work_find_box(job, &job->changed);
 }
 
 iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *error) {

@@ -10,6 +10,7 @@
 #ifndef ISO_SCULPT_REDISTANCE_H
 #define ISO_SCULPT_REDISTANCE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/cpu.h"
@@ -40,8 +41,21 @@ typedef struct iso_relaxation {
     float band, least;  /* voxels */
 } iso_relaxation;
 
+/* What a set operation with one exact solid left of a brick. Where all is the solid's, or all is as it was,
+ * it is as good a distance field as those are; what must be made one again begins at the seams, where a voxel
+ * that changed lies beside one that did not. A voxel at `away`, the end of the band that lies outside what
+ * was united, belongs to either. */
+typedef struct iso_seam_side {
+    const iso_voxel_bits *self, *face[6]; /* changed; of the stencil's bricks */
+    float away;
+} iso_seam_side;
+
 /* 0.45 voxel a step. */
 typedef struct iso_redistancer {
+    /* The changed voxels at a seam; whether there are any. */
+    bool (*find_seam)(const iso_stencil *phi, const iso_seam_side *side, iso_voxel_bits *seam);
+    /* Bit 0: some voxel is outside, bit 1: some is inside. */
+    uint32_t (*sides)(const float *values);
     /* Finds the state of a brick in these rows; the other rows' is cleared. */
     void (*classify)(const iso_stencil *phi, float band, const iso_row_bits *rows, iso_band_state *state);
     /* out = phi, but phi / |grad phi| where both `changed` and frozen. */

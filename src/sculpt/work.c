@@ -6,6 +6,8 @@
 /* Voxels that redistancing reads on each side: the band. */
 enum { REACH = 3 };
 enum { SPREAD = ISO_WORK_SPREAD };
+/* Of iso_job.sides. */
+enum { BOTH_SIDES = 3 };
 /* Bricks of a slab. */
 enum { SLAB = 128 };
 /* Voxels by which a step of redistancing must move something for the next one to be worth it near by. What is
@@ -54,7 +56,8 @@ void iso_work_clear(iso_work *work) {
     for (size_t i = 0; i < work->job_count; i++) work->job_of[iso_work_job(work, i)->cell] = 0;
     work->job_count = 0;
     work->now = 0;
-    work->classified = false;
+    work->redistanced = false;
+    work->away = 0;
     work->taken = 0;
     for (int i = 0; i < iso_pool_threads(work->pool); i++) work->workers[i].stage = NULL;
 }
@@ -164,13 +167,13 @@ void iso_work_stencil(const iso_work *work, int field, size_t number, iso_border
 
 /* ---- what changed */
 
-void iso_work_find_box(iso_job *job) {
+void iso_work_find_box(iso_job *job, const iso_voxel_bits *marked) {
     enum { LOW = (1 << SPREAD) - 1, HIGH = LOW << (ISO_BRICK - SPREAD) };
     uint32_t x = 0, y = 0, z = 0;
     for (int i = 0; i < ISO_BRICK; i++) {
         uint32_t any = 0, low = 0, high = 0;
         for (int k = 0; k < ISO_BRICK; k++) {
-            const uint32_t bits = job->changed.row[i * ISO_BRICK + k];
+            const uint32_t bits = marked->row[i * ISO_BRICK + k];
             x |= bits;
             any |= (uint32_t)(bits != 0) << k;
             low |= (uint32_t)((bits & LOW) != 0) << k;
@@ -205,7 +208,6 @@ void iso_work_edited(iso_work *work, size_t number, int worker) {
                                     values, &job->changed);
     if (job->source) job->edited |= memcmp(values, before, ISO_BRICK_VOXELS * sizeof *values) != 0;
     if (!job->edited) return;
-    iso_work_find_box(job);
     job->value[work->now] = job->own[0] = values;
     work->workers[worker].stage = NULL;
 }
@@ -223,6 +225,40 @@ static void drop_unchanged(iso_work *work) {
     work->job_count = kept;
 }
 
+/* The cell beside another (side: -1, 0, 1 an axis) when it is a job; else NULL. */
+static const iso_job *job_beside(const iso_work *work, const iso_job *job, const int side[3]) {
+    int at[3];
+    for (int axis = 0; axis < 3; axis++) {
+        at[axis] = job->at[axis] + side[axis];
+        if (at[axis] < 0 || at[axis] >= work->grid->cells[axis]) return NULL;
+    }
+    const uint32_t number = work->job_of[iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])];
+    return number ? iso_work_job(work, number - 1) : NULL;
+}
+
+/* Where redistancing of an edited job begins. */
+static void seam_job(void *context, size_t index, int worker) {
+    static const iso_voxel_bits none;
+    iso_work *work = context;
+    iso_job *job = iso_work_job(work, index);
+    iso_voxel_bits seam;
+    if (work->away == 0) {
+        iso_work_find_box(job, &job->changed);
+        return;
+    }
+    iso_stencil stencil;
+    iso_work_stencil(work, work->now, index, work->workers[worker].border, &stencil);
+    iso_seam_side side = {.self = &job->changed, .away = work->away};
+    for (int face = 0; face < 6; face++) {
+        int sides[3] = {0};
+        sides[face / 2] = face % 2 ? 1 : -1;
+        const iso_job *beside = job_beside(work, job, sides);
+        side.face[face] = beside ? &beside->changed : &none;
+    }
+    work->redistancer->find_seam(&stencil, &side, &seam);
+    iso_work_find_box(job, &seam);
+}
+
 /* Whether the job has a voxel inside the band within REACH of the neighbour at `side` (-1, 0, 1 an axis). */
 static bool band_near(const iso_work *work, size_t number, const int side[3]) {
     const float *values = iso_work_values(work, number), band = work->grid->band;
@@ -238,8 +274,8 @@ static bool band_near(const iso_work *work, size_t number, const int side[3]) {
     return false;
 }
 
-/* Whether a change of the job lies within REACH of that neighbour. */
-static bool change_near(const iso_job *job, const int side[3]) {
+/* Whether what redistancing begins from lies within REACH of that neighbour. */
+static bool begins_near(const iso_job *job, const int side[3]) {
     for (int axis = 0; axis < 3; axis++)
         if ((side[axis] < 0 && job->lo[axis] >= REACH) ||
             (side[axis] > 0 && job->hi[axis] < ISO_BRICK - REACH))
@@ -257,7 +293,7 @@ static iso_status add_neighbours(iso_work *work, size_t number, iso_error *error
             at[axis] = job->at[axis] + side[axis];
             within &= at[axis] >= 0 && at[axis] < work->grid->cells[axis];
         }
-        if (!within || !change_near(job, side)) continue;
+        if (!within || !begins_near(job, side)) continue;
         int32_t state = work->grid->cell[iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])];
         if (state < 0 && !band_near(work, number, side)) continue;
         ISO_TRY(iso_work_add(work, at, false, error));
@@ -269,6 +305,7 @@ iso_status iso_work_settle(iso_work *work, bool neighbours, bool *any, iso_error
     drop_unchanged(work);
     size_t edited = work->job_count;
     *any = edited > 0;
+    if (neighbours) iso_parallel_for(work->pool, edited, seam_job, work);
     for (size_t i = 0; i < edited && neighbours; i++) ISO_TRY(add_neighbours(work, i, error));
     return ISO_OK;
 }
@@ -282,18 +319,7 @@ typedef struct pass {
     bool first;        /* step */
 } pass;
 
-/* The cell beside another (side: -1, 0, 1 an axis) when it is a job; else NULL. */
-static const iso_job *job_beside(const iso_work *work, const iso_job *job, const int side[3]) {
-    int at[3];
-    for (int axis = 0; axis < 3; axis++) {
-        at[axis] = job->at[axis] + side[axis];
-        if (at[axis] < 0 || at[axis] >= work->grid->cells[axis]) return NULL;
-    }
-    const uint32_t number = work->job_of[iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])];
-    return number ? iso_work_job(work, number - 1) : NULL;
-}
-
-/* Adds the changed rows of the job beside that are within SPREAD, in rows of this one: plane[z + SPREAD] bit
+/* Adds the marked rows of the job beside that are within SPREAD, in rows of this one: plane[z + SPREAD] bit
  * (y + SPREAD). */
 static void add_rows(const iso_job *beside, const int side[3], uint32_t plane[ISO_BRICK + 2 * SPREAD]) {
     const uint16_t *rows = side[0] == 0  ? beside->rows.any
@@ -317,7 +343,7 @@ static uint32_t rows_of(const iso_row_bits *rows, int z) {
     return rows->word[z / 2] >> 16 * (z % 2) & 0xffff;
 }
 
-/* Rows from which no change is near need not be made distances again: they are. */
+/* The other rows need not be made distances again: they are. */
 static void near_rows(const iso_work *work, const iso_job *job, iso_row_bits *near) {
     uint32_t plane[ISO_BRICK + 2 * SPREAD] = {0};
     for (int k = 0; k < 27; k++) {
@@ -335,12 +361,6 @@ static void near_rows(const iso_work *work, const iso_job *job, iso_row_bits *ne
     }
 }
 
-static bool any_frozen(const iso_job *job) {
-    uint32_t any = 0;
-    for (int row = 0; row < ISO_BRICK_ROWS; row++) any |= job->band.frozen.row[row];
-    return any != 0;
-}
-
 static void classify_job(void *context, size_t index, int worker) {
     const pass *p = context;
     iso_job *job = iso_work_job(p->work, index);
@@ -349,17 +369,8 @@ static void classify_job(void *context, size_t index, int worker) {
     iso_work_stencil(p->work, p->from, index, p->work->workers[worker].border, &stencil);
     near_rows(p->work, job, &near);
     p->work->redistancer->classify(&stencil, p->work->grid->band, &near, &job->band);
-    job->interface = any_frozen(job);
-    if (!job->interface) { /* elsewhere in the brick? */
-        iso_band_state rest;
-        for (int i = 0; i < ISO_ROW_WORDS; i++) near.word[i] = ~near.word[i];
-        p->work->redistancer->classify(&stencil, p->work->grid->band, &near, &rest);
-        job->interface = false;
-        for (int row = 0; row < ISO_BRICK_ROWS; row++) job->interface |= rest.frozen.row[row] != 0;
-    }
     const iso_voxel_bits *masked = iso_mask_bits(&p->work->mask, job->cell);
     for (int row = 0; masked && row < ISO_BRICK_ROWS; row++) job->band.frozen.row[row] |= masked->row[row];
-    job->interface |= masked != NULL;
 }
 
 /* Whether the brush changed a voxel at the interface. */
@@ -460,7 +471,7 @@ iso_status iso_work_redistance(iso_work *work, int iterations, bool rescale, iso
               .first = true};
     ISO_TRY(reserve(work, work->job_count * (rescale ? 3 : 2), error));
     run(&p, classify_job);
-    work->classified = true;
+    work->redistanced = true;
     if (rescale) {
         run(&p, rescale_job);
         p.from = p.to;
@@ -481,12 +492,21 @@ iso_status iso_work_redistance(iso_work *work, int iterations, bool rescale, iso
     return ISO_OK;
 }
 
-/* Whether the interface may lie in the cell: its voxels beside it are known for jobs; of others only empty
- * cells are sure to have none. */
-static bool may_have_interface(const iso_work *work, const int at[3]) {
-    size_t cell = iso_hgrid_cell_index(work->grid, at[0], at[1], at[2]);
-    if (!work->job_of[cell]) return work->grid->cell[cell] >= 0;
-    return iso_work_job(work, work->job_of[cell] - 1)->interface;
+static void sides_job(void *context, size_t index, int worker) {
+    (void)worker;
+    const iso_work *work = context;
+    iso_job *job = iso_work_job(work, index);
+    job->sides = iso_mask_bits(&work->mask, job->cell)
+                     ? BOTH_SIDES
+                     : (uint8_t)work->redistancer->sides(iso_work_values(work, index));
+}
+
+/* The sides of the interface that a cell's voxels are on, for all that is known: bricks that are no jobs may
+ * have both. */
+static unsigned sides_of(const iso_work *work, const int at[3]) {
+    const size_t cell = iso_hgrid_cell_index(work->grid, at[0], at[1], at[2]);
+    if (work->job_of[cell]) return iso_work_job(work, work->job_of[cell] - 1)->sides;
+    return work->grid->cell[cell] >= 0 ? BOTH_SIDES : 1u << (work->grid->cell[cell] == ISO_CELL_INSIDE);
 }
 
 /* A surface that was taken away leaves distances to nothing behind. Where neither a cell nor any around it
@@ -495,13 +515,14 @@ static void clear_ghost(void *context, size_t index, int worker) {
     (void)worker;
     iso_work *work = context;
     iso_job *job = iso_work_job(work, index);
-    for (int k = 0; k < 27; k++) {
+    unsigned sides = job->sides;
+    for (int k = 0; k < 27 && sides != BOTH_SIDES; k++) {
         const int at[3] = {job->at[0] + k % 3 - 1, job->at[1] + k / 3 % 3 - 1, job->at[2] + k / 9 - 1};
         bool within = true;
         for (int axis = 0; axis < 3; axis++) within &= at[axis] >= 0 && at[axis] < work->grid->cells[axis];
-        if (within && may_have_interface(work, at)) return;
+        if (within) sides |= sides_of(work, at);
     }
-    job->value[work->now] = work->constant[job->value[work->now][0] < 0];
+    if (sides != BOTH_SIDES) job->value[work->now] = work->constant[sides >> 1];
 }
 
 static void compare_job(void *context, size_t index, int worker) {
@@ -512,11 +533,14 @@ static void compare_job(void *context, size_t index, int worker) {
     /* (what is masked is put back in own memory only: elsewhere nothing of it has changed) */
     job->edited = before != values && work->dab->settle(before, iso_mask_bits(&work->mask, job->cell),
                                                         (float *)values, &job->changed);
-    if (job->edited) iso_work_find_box(job);
+    if (job->edited) iso_work_find_box(job, &job->changed);
 }
 
 void iso_work_compare(iso_work *work, bool *any) {
-    if (work->classified) iso_parallel_for(work->pool, work->job_count, clear_ghost, work);
+    if (work->redistanced) {
+        iso_parallel_for(work->pool, work->job_count, sides_job, work);
+        iso_parallel_for(work->pool, work->job_count, clear_ghost, work);
+    }
     iso_parallel_for(work->pool, work->job_count, compare_job, work);
     *any = false;
     for (size_t i = 0; i < work->job_count; i++) *any |= iso_work_job(work, i)->edited;

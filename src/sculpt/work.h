@@ -16,10 +16,11 @@ enum { ISO_WORK_FIELDS = 3, ISO_WORK_GRID = -1 };
 /* Voxels around a change within which distances can change: the band, and one for the stencil's sake. */
 enum { ISO_WORK_SPREAD = 4 };
 
-/* Rows of a brick with a change, a bit for each y: anywhere, and near its low and its high end. */
-typedef struct iso_changed_rows {
+/* Rows of a brick with a voxel of some kind, a bit for each y: anywhere, and near the row's low and high end.
+ */
+typedef struct iso_marked_rows {
     uint16_t any[ISO_BRICK], low[ISO_BRICK], high[ISO_BRICK];
-} iso_changed_rows;
+} iso_marked_rows;
 
 /* One cell. */
 typedef struct iso_job {
@@ -29,10 +30,10 @@ typedef struct iso_job {
     const float *source;    /* what the brush began with; NULL: the grid's floats */
     bool edited;            /* the brush wrote it; else it is a neighbour that redistancing may reach */
     iso_voxel_bits changed; /* by the brush; later by all that was done */
-    iso_changed_rows rows;  /* of `changed` */
+    iso_marked_rows rows;   /* from which redistancing begins; of an edited job */
     iso_band_state band;
-    bool interface;                      /* some voxel lies beside the interface, or is masked */
-    uint8_t lo[3], hi[3];                /* box of `changed` */
+    uint8_t sides;                       /* of the interface: 1 outside, 2 inside, 3 both, or masked */
+    uint8_t lo[3], hi[3];                /* box of what redistancing begins from; later of `changed` */
     const float *value[ISO_WORK_FIELDS]; /* own memory, the grid's, or a constant brick */
     float *own[ISO_WORK_FIELDS];         /* NULL: not taken yet */
     float *spare; /* own memory with the current values but for the rows `stale`; NULL: none */
@@ -64,8 +65,9 @@ typedef struct iso_work {
     iso_mask mask;
     iso_buffer jobs;
     size_t job_count;
-    int now;         /* the field that holds the jobs' values */
-    bool classified; /* the jobs' band states are known */
+    float away; /* of iso_seam_side; 0: redistancing begins from all that changed */
+    int now;    /* the field that holds the jobs' values */
+    bool redistanced;
     iso_worker *workers;
     iso_buffer slabs; /* float *: bricks that jobs take, never moved */
     size_t slab_count;
@@ -108,8 +110,8 @@ void iso_work_stencil(const iso_work *work, int field, size_t job, iso_border *b
  * redistancing may reach. *any: whether anything changed. */
 iso_status iso_work_settle(iso_work *work, bool neighbours, bool *any, iso_error *error);
 
-/* Sets a job's box and rows from what has changed in it. */
-void iso_work_find_box(iso_job *job);
+/* Sets a job's box and rows from these voxels. */
+void iso_work_find_box(iso_job *job, const iso_voxel_bits *bits);
 
 /* Makes the listed cells a distance field where something changed near by (jobs that are `edited`, their
  * bits and boxes); `rescale`: voxels at the interface that the brush changed too. ISO_ERR_NOMEM. */
