@@ -96,17 +96,17 @@ void iso_hgrid_destroy(iso_hgrid *grid) {
     iso_free(grid);
 }
 
-iso_status iso_hgrid_split(iso_hgrid *grid, int cx, int cy, int cz, float **brick, iso_error *error) {
+iso_status iso_hgrid_split_unset(iso_hgrid *grid, int cx, int cy, int cz, iso_error *error) {
     int32_t *cell = &grid->cell[iso_hgrid_cell_index(grid, cx, cy, cz)];
-    if (*cell < 0) {
-        int32_t number;
-        ISO_TRY(take_brick(grid, &number, error));
-        float *voxels = iso_hgrid_brick(grid, number);
-        float value = iso_hgrid_empty_value(grid, *cell);
-        for (int i = 0; i < ISO_BRICK_VOXELS; i++) voxels[i] = value;
-        *cell = number;
-    }
-    *brick = iso_hgrid_brick(grid, *cell);
+    return *cell >= 0 ? ISO_OK : take_brick(grid, cell, error);
+}
+
+iso_status iso_hgrid_split(iso_hgrid *grid, int cx, int cy, int cz, float **brick, iso_error *error) {
+    const size_t cell = iso_hgrid_cell_index(grid, cx, cy, cz);
+    const int32_t state = grid->cell[cell];
+    ISO_TRY(iso_hgrid_split_unset(grid, cx, cy, cz, error));
+    *brick = iso_hgrid_brick(grid, grid->cell[cell]);
+    for (int i = 0; i < ISO_BRICK_VOXELS && state < 0; i++) (*brick)[i] = iso_hgrid_empty_value(grid, state);
     return ISO_OK;
 }
 

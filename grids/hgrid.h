@@ -74,6 +74,9 @@ static inline float iso_hgrid_empty_value(const iso_hgrid *grid, int32_t state) 
  * touch what you write. ISO_ERR_NOMEM leaves the grid as it was. */
 iso_status iso_hgrid_split(iso_hgrid *grid, int cx, int cy, int cz, float **brick, iso_error *error);
 
+/* The same when all of the brick is to be written anyway: a brick that is made holds anything. */
+iso_status iso_hgrid_split_unset(iso_hgrid *grid, int cx, int cy, int cz, iso_error *error);
+
 /* Touches the memory of the next `bricks` bricks, so that making them costs no page faults: for who has time
  * now and not then. What cannot be had is left for later. */
 void iso_hgrid_reserve(iso_hgrid *grid, int bricks);

@@ -10,9 +10,9 @@ enum { SPREAD = ISO_WORK_SPREAD };
 enum { BOTH_SIDES = 3 };
 /* Bricks of a slab. */
 enum { SLAB = 128 };
-/* Voxels by which a step of redistancing must move something for the next one to be worth it near by. What is
- * smaller is rounding of the differences: stepping on moves as much back as forth. */
-static const float LEAST = 0.005f;
+/* Voxels by which a step of redistancing must move something for the next one to be worth it near by: where
+ * the interface itself is rescaled distances have farther to go, step by step. */
+static const float LEAST_FROZEN = 0.02f, LEAST_RESCALED = 0.01f;
 
 static size_t cell_count(const iso_hgrid *grid) {
     return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
@@ -317,6 +317,7 @@ typedef struct pass {
     int from, to, phi; /* fields */
     int turn;          /* of job->moved: which this step writes */
     bool first;        /* step */
+    float least;       /* of iso_relaxation */
 } pass;
 
 /* Adds the marked rows of the job beside that are within SPREAD, in rows of this one: plane[z + SPREAD] bit
@@ -439,7 +440,7 @@ static void relax_job(void *context, size_t index, int worker) {
     const pass *p = context;
     iso_work *work = p->work;
     iso_job *job = iso_work_job(work, index);
-    iso_relaxation step = {.due = job->band.active, .band = work->grid->band, .least = LEAST};
+    iso_relaxation step = {.due = job->band.active, .band = work->grid->band, .least = p->least};
     if (!p->first) find_due(p, job, &step.due);
     uint32_t any = 0;
     for (int i = 0; i < ISO_ROW_WORDS; i++) any |= step.due.word[i];
@@ -468,7 +469,8 @@ iso_status iso_work_redistance(iso_work *work, int iterations, bool rescale, iso
               .from = work->now,
               .to = (work->now + 1) % ISO_WORK_FIELDS,
               .phi = work->now,
-              .first = true};
+              .first = true,
+              .least = rescale ? LEAST_RESCALED : LEAST_FROZEN};
     ISO_TRY(reserve(work, work->job_count * (rescale ? 3 : 2), error));
     run(&p, classify_job);
     work->redistanced = true;
@@ -558,8 +560,15 @@ static int32_t empty_state(const iso_work *work, const float *values) {
     return !same ? 0 : first > 0 ? ISO_CELL_OUTSIDE : ISO_CELL_INSIDE;
 }
 
-/* Everything that can fail: the log's entries (too many do no harm) and the bricks, which still hold what the
- * empty cells said. */
+static void find_empty(void *context, size_t index, int worker) {
+    (void)worker;
+    const iso_work *work = context;
+    iso_job *job = iso_work_job(work, index);
+    if (job->edited) job->empty = empty_state(work, iso_work_values(work, index));
+}
+
+/* Everything that can fail: the log's entries (too many do no harm) and the bricks, which hold nothing yet.
+ */
 static iso_status prepare(iso_work *work, iso_edit_stats *stats, iso_error *error) {
     iso_change_log_begin(work->grid->log);
     for (size_t i = 0; i < work->job_count; i++) {
@@ -571,9 +580,8 @@ static iso_status prepare(iso_work *work, iso_edit_stats *stats, iso_error *erro
             hi[axis] = ISO_BRICK * job->at[axis] + job->hi[axis];
         }
         ISO_TRY(iso_change_log_touch(work->grid->log, lo, hi, error));
-        if (job->state >= 0 || empty_state(work, iso_work_values(work, i))) continue;
-        float *brick;
-        ISO_TRY(iso_hgrid_split(work->grid, job->at[0], job->at[1], job->at[2], &brick, error));
+        if (job->state >= 0 || job->empty) continue;
+        ISO_TRY(iso_hgrid_split_unset(work->grid, job->at[0], job->at[1], job->at[2], error));
         stats->created++;
     }
     return ISO_OK;
@@ -588,6 +596,7 @@ static void take_back(iso_work *work) {
 
 iso_status iso_work_commit(iso_work *work, iso_edit_stats *stats, iso_error *error) {
     iso_edit_stats made = *stats;
+    iso_parallel_for(work->pool, work->job_count, find_empty, work);
     iso_status status = prepare(work, &made, error);
     if (status != ISO_OK) {
         take_back(work);
@@ -596,13 +605,11 @@ iso_status iso_work_commit(iso_work *work, iso_edit_stats *stats, iso_error *err
     for (size_t i = 0; i < work->job_count; i++) {
         const iso_job *job = iso_work_job(work, i);
         if (!job->edited) continue;
-        const float *values = iso_work_values(work, i);
-        int32_t empty = empty_state(work, values);
-        if (empty) {
+        if (job->empty) {
             made.pruned += job->state >= 0;
-            iso_hgrid_coalesce(work->grid, job->at[0], job->at[1], job->at[2], empty);
+            iso_hgrid_coalesce(work->grid, job->at[0], job->at[1], job->at[2], job->empty);
         } else
-            memcpy(iso_hgrid_brick(work->grid, work->grid->cell[job->cell]), values,
+            memcpy(iso_hgrid_brick(work->grid, work->grid->cell[job->cell]), iso_work_values(work, i),
                    ISO_BRICK_VOXELS * sizeof(float));
     }
     *stats = made;

@@ -32,6 +32,7 @@ typedef struct iso_job {
     iso_voxel_bits changed; /* by the brush; later by all that was done */
     iso_marked_rows rows;   /* from which redistancing begins; of an edited job */
     iso_band_state band;
+    int32_t empty;                       /* the cell's state when it is to be empty, else 0 */
     uint8_t sides;                       /* of the interface: 1 outside, 2 inside, 3 both, or masked */
     uint8_t lo[3], hi[3];                /* box of what redistancing begins from; later of `changed` */
     const float *value[ISO_WORK_FIELDS]; /* own memory, the grid's, or a constant brick */
