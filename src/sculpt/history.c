@@ -7,10 +7,9 @@
 
 #include "base/memory.h"
 #include "sculpt/cell_pack.h"
+#include "sculpt/slabs.h"
 
 static const size_t DEFAULT_MEMORY = (size_t)1 << 30;
-/* Copies that a step has room for from the start. */
-enum { FIRST_COPIES = 64 };
 
 /* What a step holds of a cell, beside ISO_CELL_OUTSIDE and ISO_CELL_INSIDE. */
 enum { BRICK = 0, MASK_BITS = 1, MASK_NONE = 2 };
@@ -51,7 +50,8 @@ struct iso_history {
     uint32_t *copy_of; /* by cell: 1 + its copy, 0: none */
     saved_cell *copies;
     size_t copy_count, copy_room;
-    iso_buffer raw, raw_masks; /* 4096 floats a brick; iso_voxel_bits */
+    iso_slabs raw;
+    iso_buffer raw_masks; /* iso_voxel_bits */
     size_t raw_count, raw_mask_count;
 };
 
@@ -75,8 +75,8 @@ iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso
     history->memory = opts->memory ? opts->memory : DEFAULT_MEMORY;
     history->copy_of = iso_alloc_zero(cell_count(grid), sizeof *history->copy_of);
     if (opts->spill) history->path = duplicate(opts->spill);
-    iso_status room =
-        iso_buffer_reserve(&history->raw, FIRST_COPIES * ISO_BRICK_VOXELS * sizeof(float), 0, NULL);
+    iso_status room = iso_slabs_reserve(&history->raw, 1, NULL);
+    iso_slabs_touch(&history->raw);
     if (!history->copy_of || (opts->spill && !history->path) || room != ISO_OK) {
         iso_history_destroy(history);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history of %zu cells",
@@ -113,7 +113,7 @@ void iso_history_destroy(iso_history *history) {
     iso_free(history->steps);
     iso_free(history->copies);
     iso_free(history->copy_of);
-    iso_buffer_free(&history->raw);
+    iso_slabs_free(&history->raw);
     iso_buffer_free(&history->raw_masks);
     iso_free(history);
 }
@@ -175,7 +175,7 @@ static const void *content_of(const iso_history *history, const saved_cell *cell
     if (is_mask(cell))
         return copy ? (const iso_voxel_bits *)history->raw_masks.data + copy->first
                     : iso_mask_bits(history->mask, cell->cell);
-    return copy ? (const float *)history->raw.data + copy->first * ISO_BRICK_VOXELS
+    return copy ? iso_slabs_brick(&history->raw, copy->first)
                 : iso_hgrid_brick(history->grid, history->grid->cell[cell->cell]);
 }
 
@@ -307,10 +307,10 @@ static iso_status keep_cell(void *context, uint32_t cell, int32_t state, const f
     const size_t size = ISO_BRICK_VOXELS * sizeof(float);
     if (history->copy_of[cell]) return ISO_OK;
     ISO_TRY(make_copy_room(history, error));
-    if (brick) ISO_TRY(make_room(&history->raw, history->raw_count, size, error));
+    if (brick) ISO_TRY(iso_slabs_reserve(&history->raw, history->raw_count + 1, error));
     saved_cell *copy = &history->copies[history->copy_count++];
     *copy = (saved_cell){.cell = cell, .state = brick ? BRICK : state, .first = history->raw_count};
-    if (brick) memcpy((uint8_t *)history->raw.data + history->raw_count++ * size, brick, size);
+    if (brick) memcpy(iso_slabs_brick(&history->raw, history->raw_count++), brick, size);
     history->copy_of[cell] = (uint32_t)history->copy_count;
     return ISO_OK;
 }
@@ -330,7 +330,7 @@ static const float *kept_cell(void *context, uint32_t cell, int32_t *state) {
     const iso_history *history = context;
     if (!history->copy_of[cell]) return NULL;
     const saved_cell *copy = &history->copies[history->copy_of[cell] - 1];
-    if (copy->state == BRICK) return (const float *)history->raw.data + copy->first * ISO_BRICK_VOXELS;
+    if (copy->state == BRICK) return iso_slabs_brick(&history->raw, copy->first);
     *state = copy->state;
     return NULL;
 }

@@ -8,8 +8,6 @@ enum { REACH = 3 };
 enum { SPREAD = ISO_WORK_SPREAD };
 /* Of iso_job.sides. */
 enum { BOTH_SIDES = 3 };
-/* Bricks of a slab. */
-enum { SLAB = 128 };
 /* Voxels by which a step of redistancing must move something for the next one to be worth it near by: where
  * the interface itself is rescaled distances have farther to go, step by step. */
 static const float LEAST_FROZEN = 0.02f, LEAST_RESCALED = 0.01f;
@@ -32,8 +30,10 @@ iso_status iso_work_init(iso_work *work, iso_hgrid *grid, iso_pool *pool, iso_er
         for (int i = 0; work->constant[sign] && i < ISO_BRICK_VOXELS; i++)
             work->constant[sign][i] = sign ? -grid->band : grid->band;
     }
-    iso_status mask = iso_mask_init(&work->mask, cells, NULL);
-    if (work->job_of && work->workers && work->constant[0] && work->constant[1] && mask == ISO_OK)
+    iso_status room = iso_mask_init(&work->mask, cells, NULL);
+    if (room == ISO_OK) room = iso_slabs_reserve(&work->slabs, 1, NULL);
+    iso_slabs_touch(&work->slabs);
+    if (work->job_of && work->workers && work->constant[0] && work->constant[1] && room == ISO_OK)
         return ISO_OK;
     iso_work_free(work);
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory for sculpting %zu cells", cells);
@@ -48,8 +48,7 @@ void iso_work_free(iso_work *work) {
         iso_buffer_free(&work->workers[i].window);
     iso_free(work->workers);
     iso_buffer_free(&work->jobs);
-    for (size_t i = 0; i < work->slab_count; i++) iso_free(((float **)work->slabs.data)[i]);
-    iso_buffer_free(&work->slabs);
+    iso_slabs_free(&work->slabs);
 }
 
 void iso_work_clear(iso_work *work) {
@@ -93,21 +92,12 @@ iso_status iso_work_add(iso_work *work, const int at[3], bool edited, iso_error 
 
 /* So many more bricks can be taken. */
 static iso_status reserve(iso_work *work, size_t bricks, iso_error *error) {
-    const size_t wanted = work->taken + bricks;
-    while (work->slab_count * SLAB < wanted) {
-        const size_t bytes = work->slab_count * sizeof(float *);
-        ISO_TRY(iso_buffer_reserve(&work->slabs, bytes + sizeof(float *), bytes, error));
-        float *slab = iso_alloc((size_t)SLAB * ISO_BRICK_VOXELS * sizeof *slab);
-        if (!slab) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for sculpting %zu cells", wanted);
-        ((float **)work->slabs.data)[work->slab_count++] = slab;
-    }
-    return ISO_OK;
+    return iso_slabs_reserve(&work->slabs, work->taken + bricks, error);
 }
 
 /* (which brick goes to which job does not matter) */
 static float *take(iso_work *work) {
-    const size_t number = __atomic_fetch_add(&work->taken, 1, __ATOMIC_RELAXED);
-    return ((float **)work->slabs.data)[number / SLAB] + number % SLAB * ISO_BRICK_VOXELS;
+    return iso_slabs_brick(&work->slabs, __atomic_fetch_add(&work->taken, 1, __ATOMIC_RELAXED));
 }
 
 iso_status iso_work_reserve(iso_work *work, iso_error *error) {

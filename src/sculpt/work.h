@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "sculpt/dab.h"
 #include "sculpt/edit.h"
+#include "sculpt/slabs.h"
 
 /* Values of a job that a pass may read and the next one writes; and, read only, the grid's own. */
 enum { ISO_WORK_FIELDS = 3, ISO_WORK_GRID = -1 };
@@ -70,9 +71,8 @@ typedef struct iso_work {
     int now;    /* the field that holds the jobs' values */
     bool redistanced;
     iso_worker *workers;
-    iso_buffer slabs; /* float *: bricks that jobs take, never moved */
-    size_t slab_count;
-    size_t taken; /* of them; atomic while jobs run */
+    iso_slabs slabs; /* of bricks that jobs take */
+    size_t taken;    /* of them; atomic while jobs run */
 } iso_work;
 
 /* Zero-initialised storage; grid and pool are borrowed until free. */
