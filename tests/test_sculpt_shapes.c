@@ -303,6 +303,28 @@ static void fields_are_distances_after_all(void **state) {
     check_band("all of them", session, 0.975);
 }
 
+/* Thin brushes drag the surface across the grid: it is drawn out to sheets and threads that tear, and comes
+ * to where the field knew of none. */
+static void far_drags_keep_a_band(void **state) {
+    (void)state;
+    iso_session *session = open_ball(&BALL);
+    uint32_t seed = 7;
+    for (int i = 0; i < 60; i++) {
+        const iso_brush brush = {
+            .tool = ISO_TOOL_MOVE, .radius = 2 + 6 * sculpt_uniform(&seed), .symmetry = i % 2 ? 5 : 0};
+        iso_vec3 from = {sculpt_uniform(&seed) - 0.5, sculpt_uniform(&seed) - 0.5,
+                         sculpt_uniform(&seed) - 0.5},
+                 to = {100 * sculpt_uniform(&seed) - 50, 100 * sculpt_uniform(&seed) - 50,
+                       100 * sculpt_uniform(&seed) - 50};
+        from = iso_vec3_scale(iso_vec3_unit(from), BALL.radius);
+        draw(session, &brush, from, to);
+        const sculpt_quality quality = sculpt_measure(iso_session_grid(session), 0);
+        if (quality.clamped) fail_msg("drag %d: %zu stencils are clamped", i, quality.clamped);
+        if (i % 3) assert_int_equal(iso_session_undo(session, NULL), ISO_OK);
+    }
+    iso_session_destroy(session);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(balls),
@@ -310,6 +332,7 @@ int main(void) {
         cmocka_unit_test(tunnel_through_a_slab),
         cmocka_unit_test(fields_are_distances),
         cmocka_unit_test(fields_are_distances_after_all),
+        cmocka_unit_test(far_drags_keep_a_band),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,6 +5,9 @@
 
 #include "sculpt/work.h"
 
+/* Until the band is whole again where it was torn. */
+enum { TORN_ITERATIONS = 12 };
+
 struct iso_editor {
     iso_work work;
     iso_affine affine;
@@ -401,6 +404,8 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
     edit_pass pass = {.editor = editor, .dabs = dabs};
     ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
     work->away = away_side(dabs);
+    work->torn =
+        dabs->tool == ISO_TOOL_MOVE; /* it draws out, and presses together, as far as the hand goes */
     iso_parallel_for(work->pool, work->job_count, edit_job, &pass);
     if (iso_work_failed(work))
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a touch of the brush");
@@ -411,7 +416,7 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
     stats->redistanced += work->job_count;
     bool blends = dabs->tool == ISO_TOOL_BLEND_ADD || dabs->tool == ISO_TOOL_BLEND_CARVE;
     if (editor->iterations > 0)
-        ISO_TRY(iso_work_redistance(work, editor->iterations,
+        ISO_TRY(iso_work_redistance(work, work->torn ? TORN_ITERATIONS : editor->iterations,
                                     blends || !iso_tool_is_set_operation(dabs->tool), error));
     return finish(editor, stats, error);
 }

@@ -31,6 +31,7 @@ typedef struct iso_row_bits {
 /* What the steps need to know of a brick. */
 typedef struct iso_band_state {
     iso_voxel_bits frozen; /* beside the interface, or masked by the caller */
+    iso_voxel_bits lost;   /* beside the interface, but at the band's end: its distance is not known */
     iso_row_bits active;   /* rows that hold, or touch, a voxel inside the band */
 } iso_band_state;
 
@@ -58,10 +59,10 @@ typedef struct iso_redistancer {
     uint32_t (*sides)(const float *values);
     /* Finds the state of a brick in these rows; the other rows' is cleared. */
     void (*classify)(const iso_stencil *phi, float band, const iso_row_bits *rows, iso_band_state *state);
-    /* out = phi, but phi / |grad phi| where both `changed` and frozen. */
+    /* out = phi, but phi / |grad phi| where both `changed` and frozen, or lost. */
     void (*rescale)(const iso_stencil *phi, const iso_band_state *state, const iso_voxel_bits *changed,
                     float *out);
-    /* out = scaled, but corrected for the crossings' ratios in phi where both `changed` and frozen. */
+    /* out = scaled, but corrected for the crossings' ratios in phi at the same voxels. */
     void (*correct)(const iso_stencil *phi, const iso_stencil *scaled, const iso_band_state *state,
                     const iso_voxel_bits *changed, float *out);
     /* One step: out becomes the brick after it, *moved the rows in which a voxel moved by more than `least`.

@@ -57,6 +57,7 @@ void iso_work_clear(iso_work *work) {
     work->now = 0;
     work->redistanced = false;
     work->away = 0;
+    work->torn = false;
     work->taken = 0;
     for (int i = 0; i < iso_pool_threads(work->pool); i++) work->workers[i].stage = NULL;
 }
@@ -285,7 +286,7 @@ static iso_status add_neighbours(iso_work *work, size_t number, iso_error *error
         }
         if (!within || !begins_near(job, side)) continue;
         int32_t state = work->grid->cell[iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])];
-        if (state < 0 && !band_near(work, number, side)) continue;
+        if (state < 0 && !work->torn && !band_near(work, number, side)) continue;
         ISO_TRY(iso_work_add(work, at, false, error));
     }
     return ISO_OK;
@@ -360,14 +361,20 @@ static void classify_job(void *context, size_t index, int worker) {
     iso_work_stencil(p->work, p->from, index, p->work->workers[worker].border, &stencil);
     near_rows(p->work, job, &near);
     p->work->redistancer->classify(&stencil, p->work->grid->band, &near, &job->band);
+    if (p->work->torn) job->band.active = near;
     const iso_voxel_bits *masked = iso_mask_bits(&p->work->mask, job->cell);
-    for (int row = 0; masked && row < ISO_BRICK_ROWS; row++) job->band.frozen.row[row] |= masked->row[row];
+    for (int row = 0; masked && row < ISO_BRICK_ROWS; row++) {
+        job->band.frozen.row[row] |= masked->row[row];
+        job->band.lost.row[row] &= (uint16_t)~masked->row[row];
+    }
 }
 
-/* Whether the brush changed a voxel at the interface. */
+/* Whether the brush changed a voxel at the interface, or brought the interface to one that it did not change.
+ */
 static bool is_rescaled(const iso_job *job) {
     uint32_t any = 0;
-    for (int row = 0; row < ISO_BRICK_ROWS; row++) any |= job->band.frozen.row[row] & job->changed.row[row];
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        any |= (job->band.frozen.row[row] & job->changed.row[row]) | job->band.lost.row[row];
     return any != 0;
 }
 

@@ -68,6 +68,7 @@ typedef struct iso_work {
     iso_buffer jobs;
     size_t job_count;
     float away; /* of iso_seam_side; 0: redistancing begins from all that changed */
+    bool torn;  /* what the brush left may lack its band: it is made anew, not only mended */
     int now;    /* the field that holds the jobs' values */
     bool redistanced;
     iso_worker *workers;
