@@ -243,6 +243,10 @@ iso_status iso_journal_put(iso_journal *j, const iso_event *event, iso_error *er
     return put ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the journal");
 }
 
+unsigned long long iso_journal_count(const iso_journal *j) {
+    return j->next; /* (the writing thread does not touch it) */
+}
+
 static iso_status report(const iso_journal *j, iso_error *error) {
     if (!j->failure) return ISO_OK;
     return iso_fail(error, ISO_ERR_WRITE, "cannot write '%s': %s (strokes are kept in memory)", j->path,

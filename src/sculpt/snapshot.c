@@ -1,6 +1,8 @@
 #include "sculpt/snapshot.h"
 
 #include <errno.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -69,6 +71,75 @@ iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, const iso
     put_mask(sink.stream, &crc, mask);
     fwrite(&crc, 1, sizeof crc, sink.stream);
     return iso_sink_commit(&sink, error);
+}
+
+/* ---- in a thread of its own */
+
+struct iso_snapshot {
+    pthread_t thread;
+    char *path;
+    iso_hold *hold;
+    iso_mask mask;
+    bool written;
+    atomic_bool done;
+};
+
+static iso_status write_held(iso_snapshot *snapshot) {
+    iso_hgrid *grid;
+    ISO_TRY(iso_hold_take(snapshot->hold, NULL, &grid, NULL));
+    iso_status status = iso_snapshot_write(snapshot->path, grid, &snapshot->mask, NULL);
+    iso_hgrid_destroy(grid);
+    return status;
+}
+
+static void *run(void *context) {
+    iso_snapshot *snapshot = context;
+    snapshot->written = write_held(snapshot) == ISO_OK;
+    atomic_store(&snapshot->done, true);
+    return NULL;
+}
+
+static iso_status copy_mask(const iso_mask *from, iso_mask *to, iso_error *error) {
+    ISO_TRY(iso_mask_init(to, from->cells, error));
+    for (size_t i = 0; from->used && i < from->cells; i++)
+        if (iso_mask_bits(from, i)) ISO_TRY(iso_mask_set(to, i, iso_mask_bits(from, i), error));
+    return ISO_OK;
+}
+
+static void free_snapshot(iso_snapshot *snapshot) {
+    if (snapshot->mask.cell) iso_mask_free(&snapshot->mask);
+    iso_free(snapshot->path);
+    iso_free(snapshot);
+}
+
+iso_status iso_snapshot_start(const char *path, iso_hold *hold, const iso_mask *mask, iso_snapshot **out,
+                              iso_error *error) {
+    iso_snapshot *snapshot = iso_alloc_zero(1, sizeof *snapshot);
+    if (!snapshot) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a snapshot");
+    const size_t size = strlen(path) + 1;
+    snapshot->hold = hold;
+    snapshot->path = iso_alloc(size);
+    if (snapshot->path) memcpy(snapshot->path, path, size);
+    iso_status status = snapshot->path ? copy_mask(mask, &snapshot->mask, error)
+                                       : iso_fail(error, ISO_ERR_NOMEM, "out of memory for a snapshot");
+    if (status == ISO_OK && pthread_create(&snapshot->thread, NULL, run, snapshot))
+        status = iso_fail(error, ISO_ERR_NOMEM, "no thread can be started for a snapshot");
+    if (status == ISO_OK)
+        *out = snapshot;
+    else
+        free_snapshot(snapshot);
+    return status;
+}
+
+bool iso_snapshot_done(const iso_snapshot *snapshot) {
+    return atomic_load(&snapshot->done);
+}
+
+bool iso_snapshot_finish(iso_snapshot *snapshot) {
+    pthread_join(snapshot->thread, NULL);
+    const bool written = snapshot->written;
+    free_snapshot(snapshot);
+    return written;
 }
 
 /* ---- reading: checked as a whole before anything is written */
