@@ -23,7 +23,8 @@ struct rectangle {
 struct isosculpt_panel {
     float scale;
     bool modal;
-    rectangle place; /* of the panel, as last drawn */
+    rectangle place, busy; /* of the panel and of what tells progress, as last drawn */
+    bool over(double x, double y) const { return place.holds(x, y) || busy.holds(x, y); }
 };
 
 static const ImVec4 RED{1.0f, 0.42f, 0.36f, 1.0f}, GREY{0.72f, 0.74f, 0.77f, 1.0f},
@@ -219,11 +220,11 @@ static void section_files(isosculpt_screen *screen) {
         ImGui::TextColored(GREEN, "Journal: %s", desk->journal);
     if (hand->error.text[0]) ImGui::TextColored(RED, "%s", hand->error.text);
     if (hand->clipped) ImGui::TextColored(RED, "A brush reached beyond the grid: what lies outside is lost.");
-    if (screen->saving)
-        ImGui::TextUnformatted("Saving ...");
-    else if (screen->message[0])
-        ImGui::TextColored(screen->message_is_bad ? RED : GREY, "%s", screen->message);
+    if (screen->message[0]) ImGui::TextColored(screen->message_is_bad ? RED : GREY, "%s", screen->message);
     ImGui::PopTextWrapPos();
+    ImGui::InputTextWithHint("##path", "file to open", screen->path, sizeof screen->path);
+    if (ImGui::Button("Open") && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_OPEN;
+    ImGui::SameLine();
     if (ImGui::Button("Save .vdb")) hand->wishes |= ISOSCULPT_WISH_SAVE;
     ImGui::SameLine();
     if (ImGui::Button("Help")) screen->help = !screen->help;
@@ -247,6 +248,31 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     if (ImGui::CollapsingHeader("Files", ImGuiTreeNodeFlags_DefaultOpen)) section_files(screen);
     ImGui::PopItemWidth();
     panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
+    ImGui::End();
+}
+
+/* ---- heavy work */
+
+/* At the lower edge, where it hides nothing; there even when the panel is not. */
+static void draw_busy(isosculpt_panel *panel, isosculpt_screen *screen) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y - 16 * panel->scale), ImGuiCond_Always,
+                            ImVec2(0.5f, 1));
+    ImGui::SetNextWindowSize(ImVec2(420 * panel->scale, 0), ImGuiCond_Always);
+    ImGui::Begin("##busy", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoFocusOnAppearing);
+    for (int i = 0; i < screen->busy_count; i++) {
+        const isosculpt_busy *busy = &screen->busy[i];
+        ImGui::PushID(i);
+        ImGui::TextUnformatted(busy->text);
+        ImGui::ProgressBar((float)busy->fraction, ImVec2(290 * panel->scale, 0));
+        ImGui::SameLine();
+        if (ImGui::Button(i ? "Cancel" : "Cancel (Escape)"))
+            screen->answers |= (unsigned)ISOSCULPT_ANSWER_CANCEL << i;
+        ImGui::PopID();
+    }
+    panel->busy = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
     ImGui::End();
 }
 
@@ -317,14 +343,15 @@ static void ask_close(isosculpt_screen *screen) {
 
 static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     panel->modal = screen->offered || screen->closing;
-    panel->place = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
-    if (screen->panel) draw_panel(panel, screen);
+    panel->place = panel->busy = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
+    if (screen->panel && !screen->blank) draw_panel(panel, screen);
+    if (screen->busy_count) draw_busy(panel, screen);
     if (screen->help) draw_help(screen);
     ask_recover(screen);
     if (!screen->offered) ask_close(screen);
     const isosculpt_hand *hand = screen->hand;
-    bool over = panel->place.holds(hand->x / screen->pixels, hand->y / screen->pixels);
-    draw_picture(screen, !panel->modal && (!over || hand->drag == ISOSCULPT_DRAG_BRUSH));
+    bool over = panel->over(hand->x / screen->pixels, hand->y / screen->pixels);
+    draw_picture(screen, !panel->modal && !screen->blank && (!over || hand->drag == ISOSCULPT_DRAG_BRUSH));
 }
 
 iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error) {
@@ -340,7 +367,7 @@ iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen
 }
 
 bool isosculpt_panel_has_pointer(const isosculpt_panel *panel, double x, double y) {
-    return panel->modal || panel->place.holds(x, y) || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+    return panel->modal || panel->over(x, y) || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
 }
 
 bool isosculpt_panel_has_keys(void) {

@@ -4,6 +4,7 @@
 #define ISO_APPS_ISOSCULPT_SOURCE_H
 
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "grids/hgrid.h"
 #include "sculpt/journal.h"
 
@@ -16,6 +17,7 @@ typedef struct isosculpt_source {
     double isovalue; /* physical; NAN: not given, which only level sets and meshes can do without */
     double voxel;    /* mm; 0: the file's smallest spacing, or a 256th of a mesh's longest side */
     iso_pool *pool;  /* borrowed */
+    const iso_progress *progress; /* told from any thread; cancelled: ISO_ERR_IO */
 } isosculpt_source;
 
 /* Reads the file and says in *start what a journal says of it. A level set (.vdb) at its own voxel size is
@@ -24,9 +26,10 @@ typedef struct isosculpt_source {
 iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
                                  iso_error *error);
 
-/* The same from a journal's header (voxel_size 0: the header's): the file by its path, or beside the stroke
- * file `strokes`. ISO_ERR_IO when it is not there, ISO_ERR_FORMAT when it is not the same any more. */
-iso_status isosculpt_source_find(const char *strokes, double voxel, iso_pool *pool, iso_journal_start *start,
+/* The same from a journal's header: the file by its path, or beside the stroke file `strokes`. Of `how`
+ * only voxel (0: the header's), pool and progress count. ISO_ERR_IO when it is not there, ISO_ERR_FORMAT when
+ * it is not the same any more. */
+iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
                                  iso_hgrid **grid, iso_error *error);
 
 #ifdef __cplusplus

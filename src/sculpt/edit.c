@@ -496,7 +496,8 @@ static void change_all(const iso_work *work, iso_job *job) {
     iso_work_find_box(job);
 }
 
-iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *error) {
+iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_progress *progress,
+                                 iso_error *error) {
     iso_work *work = &editor->work;
     iso_status status = ISO_OK;
     for (size_t cell = 0; cell < cell_count(work->grid) && status == ISO_OK; cell++) {
@@ -509,9 +510,12 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *
     if (status == ISO_OK) {
         iso_work_load(work, 0);
         for (size_t i = 0; i < work->job_count; i++) change_all(work, iso_work_job(work, i));
-        iso_work_redistance(work, iterations, true);
         iso_edit_stats stats = {0};
-        status = finish(editor, &stats, error);
+        work->progress = progress;
+        iso_work_redistance(work, iterations, true);
+        work->progress = NULL;
+        status = iso_progress_tell(progress, "the field", 1, error);
+        if (status == ISO_OK) status = finish(editor, &stats, error);
     }
     iso_work_clear(work);
     return status;

@@ -10,6 +10,7 @@
 #define ISO_SCULPT_EDIT_H
 
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "grids/hgrid.h"
 #include "sculpt/brush.h"
 #include "sculpt/mask.h"
@@ -68,8 +69,10 @@ typedef struct iso_touch {
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                             iso_edit_stats *stats, iso_error *error);
 
-/* Makes the whole narrow band a distance field again (imported fields). */
-iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *error);
+/* Makes the whole narrow band a distance field again (imported fields). Cancelled: ISO_ERR_IO, and the field
+ * is as it was. */
+iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_progress *progress,
+                                 iso_error *error);
 
 /* The frozen region, as bits per voxel: cells with none have no bits. Masked voxels keep their value. */
 bool iso_editor_masked(const iso_editor *editor, int x, int y, int z);
