@@ -204,10 +204,25 @@ static void section_numbers(isosculpt_hand *hand) {
     ImGui::EndTable();
 }
 
+static void file_buttons(isosculpt_screen *screen) {
+    isosculpt_hand *hand = screen->hand;
+    const isosculpt_desk *desk = hand->desk;
+    ImGui::SetNextItemWidth(-1);
+    ImGui::InputTextWithHint("##path", "a file, typed or dropped", screen->path, sizeof screen->path);
+    if (ImGui::Button("Open") && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_OPEN;
+    ImGui::SameLine();
+    if (ImGui::Button("Save .vdb")) hand->wishes |= ISOSCULPT_WISH_SAVE;
+    ImGui::SameLine();
+    if (ImGui::Button("Help")) screen->help = !screen->help;
+    ImGui::SameLine();
+    ImGui::TextColored(GREY, "%s", desk->changes == desk->saved ? "" : "not saved");
+}
+
 static void section_files(isosculpt_screen *screen) {
     isosculpt_hand *hand = screen->hand;
     const isosculpt_desk *desk = hand->desk;
     iso_error error = {ISO_OK, ""};
+    file_buttons(screen);
     ImGui::PushTextWrapPos(0);
     if (!desk->journal[0])
         ImGui::TextColored(RED, "No journal is written: %s. What you make is in memory only: save it.",
@@ -222,14 +237,6 @@ static void section_files(isosculpt_screen *screen) {
     if (hand->clipped) ImGui::TextColored(RED, "A brush reached beyond the grid: what lies outside is lost.");
     if (screen->message[0]) ImGui::TextColored(screen->message_is_bad ? RED : GREY, "%s", screen->message);
     ImGui::PopTextWrapPos();
-    ImGui::InputTextWithHint("##path", "file to open", screen->path, sizeof screen->path);
-    if (ImGui::Button("Open") && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_OPEN;
-    ImGui::SameLine();
-    if (ImGui::Button("Save .vdb")) hand->wishes |= ISOSCULPT_WISH_SAVE;
-    ImGui::SameLine();
-    if (ImGui::Button("Help")) screen->help = !screen->help;
-    ImGui::SameLine();
-    ImGui::TextColored(GREY, "%s", desk->changes == desk->saved ? "" : "not saved as .vdb");
 }
 
 static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
@@ -266,7 +273,7 @@ static void draw_busy(isosculpt_panel *panel, isosculpt_screen *screen) {
         const isosculpt_busy *busy = &screen->busy[i];
         ImGui::PushID(i);
         ImGui::TextUnformatted(busy->text);
-        ImGui::ProgressBar((float)busy->fraction, ImVec2(290 * panel->scale, 0));
+        ImGui::ProgressBar((float)busy->fraction, ImVec2(280 * panel->scale, 0));
         ImGui::SameLine();
         if (ImGui::Button(i ? "Cancel" : "Cancel (Escape)"))
             screen->answers |= (unsigned)ISOSCULPT_ANSWER_CANCEL << i;

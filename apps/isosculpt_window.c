@@ -32,6 +32,7 @@ typedef struct window {
     isosculpt_desk desk;
     isosculpt_view view;
     isosculpt_hand hand;
+    double voxel; /* of what the hand works on, mm; 0: nothing yet */
     isosculpt_screen screen;
     isosculpt_panel *panel;
     isosculpt_pen *pen;
@@ -150,12 +151,13 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
         isosculpt_hand_key(&w->hand, meant, modifiers(mods), false);
         return;
     }
-    if (answer(w, key) || isosculpt_panel_has_keys()) return;
+    if (answer(w, key)) return;
+    if (action == GLFW_PRESS && key == GLFW_KEY_F12)
+        *(mods & GLFW_MOD_SHIFT ? &w->shoot_all : &w->shoot) = true;
+    if (isosculpt_panel_has_keys()) return;
     if (key == GLFW_KEY_ESCAPE && w->hand.drag != ISOSCULPT_DRAG_BRUSH && w->screen.busy_count)
         w->screen.answers |= ISOSCULPT_ANSWER_CANCEL;
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
-    if (action == GLFW_PRESS && key == GLFW_KEY_F12)
-        *(mods & GLFW_MOD_SHIFT ? &w->shoot_all : &w->shoot) = true;
     if (action == GLFW_PRESS && meant == 'h') w->screen.help = !w->screen.help;
     if (!w->screen.blank || meant == 'q') isosculpt_hand_key(&w->hand, meant, modifiers(mods), true);
     if (w->hand.wishes & ISOSCULPT_WISH_CLOSE) want_close(w);
@@ -195,12 +197,16 @@ static void show_title(window *w) {
     glfwSetWindowTitle(w->glfw, title);
 }
 
-/* The hand for what is on the desk and in the view. The brush and the look stay as they are. */
-static void take_up(window *w, const isosculpt_look *look) {
+/* The hand for what is on the desk and in the view. The brush stays as it is, in voxels. */
+static void take_up(window *w) {
     iso_brush brush = w->hand.brush;
+    const double before = w->voxel, voxel = w->desk.start.voxel_size;
     isosculpt_hand_init(&w->hand, &w->desk, &w->view);
-    if (brush.radius > 0) w->hand.brush = brush;
-    if (look) w->view.look = *look;
+    if (before > 0) {
+        w->hand.brush = brush;
+        w->hand.brush.radius = brush.radius / before * voxel;
+    }
+    w->voxel = voxel;
     show_title(w);
     w->hand.wishes = ISOSCULPT_WISH_PICTURE;
     w->frames = FRAMES;
@@ -208,7 +214,7 @@ static void take_up(window *w, const isosculpt_look *look) {
 
 static iso_status show_desk(window *w, iso_error *error) {
     ISO_TRY(isosculpt_view_init(&w->view, iso_session_grid(w->desk.session), w->pool, error));
-    take_up(w, NULL);
+    take_up(w);
     return ISO_OK;
 }
 
@@ -270,8 +276,8 @@ static void replace_desk(window *w, isosculpt_opened *opened) {
     w->desk = opened->desk;
     w->view = opened->view;
     w->screen.blank = false;
-    w->screen.path[0] = 0;
-    take_up(w, &look);
+    w->view.look = look;
+    take_up(w);
 }
 
 /* What could not be opened leaves what was there; at the start that was nothing. */
@@ -299,8 +305,11 @@ static iso_status finish_opening(window *w, iso_error *error) {
 }
 
 /* What was typed in or dropped. */
-static void open_path(window *w, const char *path) {
+static void open_path(window *w, const char *named) {
+    char path[ISOSCULPT_PATH];
     iso_error reason = {0};
+    snprintf(path, sizeof path, "%s", named);
+    w->screen.path[0] = 0;
     if (!w->desk.journal[0] && w->desk.changes != w->desk.saved && !w->screen.blank)
         say(w, true, "What you did is in no file: save it first.");
     else if (start_opening(w, path, &reason) != ISO_OK)
@@ -457,6 +466,8 @@ static iso_status draw(window *w, iso_error *error) {
     if (w->frames <= 0) return ISO_OK;
     w->frames--;
     glViewport(0, 0, w->screen.width, w->screen.height);
+    glClearColor(0.18f, 0.196f, 0.22f, 1); /* seen until there is a picture */
+    glClear(GL_COLOR_BUFFER_BIT);
     ISO_TRY(isosculpt_panel_draw(w->panel, &w->screen, error));
     if (w->shoot_all && !w->screen.blank) {
         w->shoot_all = false;

@@ -207,6 +207,47 @@ start "$journal"
 picture continued
 cmp -s "$work/opened.png" "$work/continued.png" && fail "the stroke on an opened file is lost"
 has_events end 1 || fail "strokes on an opened file: $(events end)"
+
+# ---- opening beside what is there: a file by its name in the panel; one that is not there changes nothing
+before=$journal
+# (Dear ImGui sees the pointer where it is when a picture is drawn: a hand that is faster is tried again.)
+open_by_name() {
+    xdotool mousemove 100 602 click 1
+    sleep 0.2
+    xdotool key --delay 100 ctrl+a
+    xdotool type "$1"
+    sleep 0.2
+    xdotool mousemove 33 625 click 1
+    sleep 0.2
+}
+another_journal() {
+    open_by_name "$work/replayed.vdb"
+    [ "$(ls -t "$state"/*.strokes | head -1)" != "$before" ] && journal_is_there
+}
+open_by_name "$work/nothing.stl"
+picture unmoved
+cmp -s "$work/unmoved.png" "$work/continued.png" || fail "a file that is not there takes the session away"
+until_ "another journal" another_journal
+has_moved() { picture moved && cmp -s "$work/moved.png" "$work/opened.png"; }
+until_ "the opened file" has_moved
+[ ! -e "$before.open" ] || fail "the journal before still counts as open"
+kill -9 "$program"
+wait "$program" 2>/dev/null
+program=
+
+# ---- Escape takes back what is being opened
+rm -rf "$state"
+{
+    printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 256 256 256\nencoding: raw\n\n'
+    head -c 16777216 /dev/urandom
+} >"$work/noise.nrrd"
+"$bin/isosculpt" "$work/noise.nrrd" --isovalue 128 >"$work/said" 2>&1 &
+program=$!
+until_ "a window" window_is_there
+cancelled() { key Escape && journal_is_there; }
+until_ "a session without what was cancelled" cancelled
+grep -q '"source":"ball"' "$journal" || fail "Escape: $(head -c 100 "$journal")"
+picture cancelled
 kill -9 "$program"
 wait "$program" 2>/dev/null
 program=
