@@ -162,7 +162,7 @@ static void make_dabs(const iso_editor *editor, const iso_brush *brush, const is
     dabs->aspect = (float)(brush->aspect > 0 ? brush->aspect : 0.5);
     dabs->blend = blends ? (float)(blend < band ? blend : band) : 0;
     dabs->band = editor->work.grid->band;
-    dabs->stamp = editor->opts.stamp;
+    dabs->stamp = editor->opts.stamp ? iso_stamp_level(editor->opts.stamp, radius) : NULL;
     for (unsigned bits = 0; bits < 8; bits++)
         if (!(bits & ~brush->symmetry)) make_dab(editor, brush, touch, bits, &dabs->dab[dabs->count++]);
 }

@@ -14,6 +14,7 @@
 #include "grids/hgrid.h"
 #include "sculpt/brush.h"
 #include "sculpt/mask.h"
+#include "sculpt/stamp.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -49,7 +50,7 @@ typedef struct iso_step_opts {
     /* The cell's content as `before` got it, for cells that were told in this step: its floats, or NULL and
      * *state for an empty one. NULL: MOVE is not possible (ISO_ERR_USAGE). */
     const float *(*kept)(void *context, uint32_t cell, int32_t *state);
-    const iso_hgrid *stamp; /* for ISO_SOLID_STAMP; its world box is scaled to the brush; borrowed */
+    const iso_stamp *stamp; /* for ISO_SOLID_STAMP; borrowed */
 } iso_step_opts;
 void iso_editor_step(iso_editor *editor, const iso_step_opts *opts);
 

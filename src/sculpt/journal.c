@@ -295,11 +295,13 @@ struct iso_journal_reader {
     size_t room;
     unsigned long long number; /* of the next line */
     uint64_t sound;
+    iso_stamp *stamp; /* of the last event */
 };
 
 void iso_journal_reader_free(iso_journal_reader *reader) {
     if (!reader) return;
     if (reader->file) fclose(reader->file);
+    iso_stamp_free(reader->stamp);
     free(reader->line);
     iso_free(reader->path);
     iso_free(reader);
@@ -352,7 +354,10 @@ iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *
     *more = size >= 0;
     if (size < 0) return ISO_OK;
     const char *why;
+    iso_stamp_free(reader->stamp);
+    reader->stamp = NULL;
     if (iso_event_read(reader->line, (size_t)size, reader->number, event, &why)) {
+        reader->stamp = event->stamp;
         reader->number++;
         return ISO_OK;
     }

@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "sculpt/brush.h"
+#include "sculpt/stamp.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -36,7 +37,8 @@ typedef enum iso_event_kind {
     ISO_EVENT_CANCEL, /* the stroke is taken back */
     ISO_EVENT_UNDO,
     ISO_EVENT_REDO,
-    ISO_EVENT_SNAPSHOT /* the field as it was after the first `after` events is in the file `text` */
+    ISO_EVENT_SNAPSHOT, /* the field as it was after the first `after` events is in the file `text` */
+    ISO_EVENT_STAMP     /* what strokes stamp from here on */
 } iso_event_kind;
 
 typedef struct iso_event {
@@ -45,6 +47,7 @@ typedef struct iso_event {
     iso_sample sample; /* BEGIN, SAMPLE */
     char text[ISO_JOURNAL_TEXT];
     unsigned long long after;
+    iso_stamp *stamp; /* STAMP; borrowed: put packs it, a reader keeps it until its next event */
 } iso_event;
 
 /* ---- writing: a thread of its own writes; events are handed to it without waiting for the disk */

@@ -17,7 +17,7 @@ struct iso_session {
     iso_history *history;
     iso_journal *journal;
     char *journal_path;
-    const iso_hgrid *stamp;
+    iso_stamp *stamp; /* NULL: none yet */
     int snapshot_every, strokes, snapshots;
     bool drawing;
     bool playing; /* what is played is in the journal already */
@@ -147,7 +147,9 @@ typedef struct playing {
 static iso_status play_event(iso_session *session, const iso_event *event, void *context, iso_error *error) {
     playing *p = context;
     ISO_TRY(iso_progress_tell(p->progress, session->journal_path, (double)p->at / (double)p->count, error));
-    return p->at++ >= p->from ? iso_session_play(session, event, NULL, error) : ISO_OK;
+    const bool wanted = p->at >= p->from || event->kind == ISO_EVENT_STAMP;
+    p->at++;
+    return wanted ? iso_session_play(session, event, NULL, error) : ISO_OK;
 }
 
 /* Plays the journal. `from`: the number of the snapshot to begin at, 0: the beginning. */
@@ -244,7 +246,6 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a session");
     }
     session->grid = grid;
-    session->stamp = opts->stamp;
     session->snapshot_every = opts->snapshot_strokes ? opts->snapshot_strokes : DEFAULT_SNAPSHOT_STROKES;
     iso_status status = set_up(session, start, opts, error);
     if (status == ISO_OK)
@@ -258,6 +259,7 @@ void iso_session_destroy(iso_session *session) {
     if (!session) return;
     finish_snapshot(session, NULL);
     if (session->journal) iso_journal_close(session->journal, NULL);
+    iso_stamp_free(session->stamp);
     iso_history_destroy(session->history);
     iso_editor_destroy(session->editor);
     iso_hgrid_destroy(session->grid);
@@ -392,6 +394,27 @@ iso_status iso_session_redo(iso_session *session, iso_error *error) {
     return record_kind(session, ISO_EVENT_REDO, error);
 }
 
+iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_error *error) {
+    iso_event event;
+    memset(&event, 0, sizeof event);
+    event.kind = ISO_EVENT_STAMP;
+    event.stamp = stamp;
+    iso_status status = session->drawing ? iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn") : ISO_OK;
+    if (!stamp) status = iso_fail(error, ISO_ERR_USAGE, "there is no stamp");
+    if (status == ISO_OK) status = record(session, &event, error);
+    if (status != ISO_OK) {
+        iso_stamp_free(stamp);
+        return status;
+    }
+    iso_stamp_free(session->stamp);
+    session->stamp = stamp;
+    return ISO_OK;
+}
+
+const iso_stamp *iso_session_stamp(const iso_session *session) {
+    return session->stamp;
+}
+
 iso_status iso_session_play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
                             iso_error *error) {
     switch (event->kind) {
@@ -407,6 +430,8 @@ iso_status iso_session_play(iso_session *session, const iso_event *event, iso_ed
         return iso_session_undo(session, error);
     case ISO_EVENT_REDO:
         return iso_session_redo(session, error);
+    case ISO_EVENT_STAMP:
+        return iso_session_set_stamp(session, iso_stamp_share(event->stamp), error);
     default:
         return ISO_OK;
     }

@@ -22,7 +22,6 @@ typedef struct iso_session_opts {
     int snapshot_strokes; /* a snapshot beside the journal after so many strokes, written by a thread of its
                              own; 0 means 200, < 0 never */
     const iso_progress *progress; /* of resuming; cancelled: ISO_ERR_IO, and the journal is as it was */
-    const iso_hgrid *stamp;
 } iso_session_opts;
 
 /* Takes over the grid (also when it fails). `start` says what the grid is; the journal's header. Resuming
@@ -55,6 +54,11 @@ iso_status iso_session_redo(iso_session *session, iso_error *error);
 enum { ISO_SESSION_HOLDS = 4 };
 iso_status iso_session_hold(iso_session *session, iso_hold **hold, iso_error *error);
 void iso_session_release(iso_session *session, iso_hold *hold);
+
+/* What strokes with ISO_SOLID_STAMP use from now on; takes it over (also when it fails), and the journal gets
+ * all of it. ISO_ERR_USAGE while a stroke is drawn. */
+iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_error *error);
+const iso_stamp *iso_session_stamp(const iso_session *session); /* NULL: none yet */
 
 /* Why the journal lags behind, or ISO_OK. */
 iso_status iso_session_journal_status(iso_session *session, iso_error *error);

@@ -49,14 +49,11 @@ static void put_mask(FILE *file, uint32_t *crc, const iso_mask *mask) {
     }
 }
 
-iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, const iso_mask *mask,
-                              iso_error *error) {
-    iso_sink sink;
-    ISO_TRY(iso_sink_open(path, &sink, error));
+void iso_snapshot_put(FILE *stream, const iso_hgrid *grid, const iso_mask *mask) {
     uint32_t crc = 0;
     head h = head_of(grid);
     h.masks = (uint32_t)mask->used;
-    put(sink.stream, &crc, &h, sizeof h);
+    put(stream, &crc, &h, sizeof h);
     for (size_t i = 0; i < cell_count(grid); i++) {
         uint8_t bytes[ISO_CELL_PACK_MAX];
         int32_t size = grid->cell[i];
@@ -65,11 +62,18 @@ iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, const iso
             iso_cell_pack(brick, grid->band, bytes);
             size = (int32_t)iso_cell_pack_size(brick, grid->band);
         }
-        put(sink.stream, &crc, &size, sizeof size);
-        if (size >= 0) put(sink.stream, &crc, bytes, (size_t)size);
+        put(stream, &crc, &size, sizeof size);
+        if (size >= 0) put(stream, &crc, bytes, (size_t)size);
     }
-    put_mask(sink.stream, &crc, mask);
-    fwrite(&crc, 1, sizeof crc, sink.stream);
+    put_mask(stream, &crc, mask);
+    fwrite(&crc, 1, sizeof crc, stream);
+}
+
+iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, const iso_mask *mask,
+                              iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    iso_snapshot_put(sink.stream, grid, mask);
     return iso_sink_commit(&sink, error);
 }
 
@@ -239,16 +243,8 @@ static iso_status fill(reading r, iso_hgrid *grid, iso_mask *mask, iso_error *er
     return fill_mask(&r, mask, error);
 }
 
-/* A file as it was loaded. */
-typedef struct loaded {
-    const uint8_t *bytes;
-    size_t size;
-} loaded;
-
-static iso_status read_loaded(const char *path, const loaded *file, iso_hgrid *grid, iso_mask *mask,
-                              iso_error *error) {
-    const uint8_t *bytes = file->bytes;
-    const size_t size = file->size;
+iso_status iso_snapshot_get(const char *path, const uint8_t *bytes, size_t size, iso_hgrid *grid,
+                            iso_mask *mask, iso_error *error) {
     head wanted = head_of(grid);
     uint32_t crc;
     if (size < sizeof wanted + sizeof crc || memcmp(bytes, MAGIC, sizeof MAGIC))
@@ -268,7 +264,7 @@ iso_status iso_snapshot_read(const char *path, iso_hgrid *grid, iso_mask *mask, 
     iso_buffer buffer = {0};
     size_t size = 0;
     iso_status status = load(path, &buffer, &size, error);
-    if (status == ISO_OK) status = read_loaded(path, &(loaded){buffer.data, size}, grid, mask, error);
+    if (status == ISO_OK) status = iso_snapshot_get(path, buffer.data, size, grid, mask, error);
     iso_buffer_free(&buffer);
     return status;
 }

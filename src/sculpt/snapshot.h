@@ -3,12 +3,19 @@
 #ifndef ISO_SCULPT_SNAPSHOT_H
 #define ISO_SCULPT_SNAPSHOT_H
 
+#include <stdio.h>
+
 #include "sculpt/hold.h"
 #include "sculpt/mask.h"
 
 /* ISO_ERR_WRITE, ISO_ERR_NOMEM. */
 iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, const iso_mask *mask,
                               iso_error *error);
+
+/* The same to and from memory; errors in writing are the stream's. */
+void iso_snapshot_put(FILE *stream, const iso_hgrid *grid, const iso_mask *mask);
+iso_status iso_snapshot_get(const char *name, const uint8_t *bytes, size_t size, iso_hgrid *grid,
+                            iso_mask *mask, iso_error *error);
 
 /* The same in a thread of its own, of a field that is held; path and mask are copied, the hold is borrowed
  * until iso_snapshot_finish. ISO_ERR_NOMEM. */
