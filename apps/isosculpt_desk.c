@@ -250,7 +250,7 @@ void isosculpt_desk_close(isosculpt_desk *desk) {
     isosculpt_desk_saving(desk, true, NULL, NULL);
     bool drawn = desk->session && iso_session_journal_status(desk->session, NULL) == ISO_OK;
     iso_session_destroy(desk->session);
-    if (drawn && desk->made && desk->changes == 0) remove_empty(desk);
+    if (drawn && desk->made && !desk->kept && desk->changes == 0) remove_empty(desk);
     if (drawn) unmark(desk);
     if (desk->marker) close(desk->marker - 1); /* a journal that lags behind was not closed well */
     *desk = (isosculpt_desk){.pool = desk->pool, .undo_memory = desk->undo_memory};

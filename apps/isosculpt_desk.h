@@ -26,6 +26,7 @@ typedef struct isosculpt_desk {
     char trouble[512];            /* why there is no journal; "" when there is one */
     int marker;                   /* 1 + file descriptor of NAME.strokes.open; 0: none */
     bool made;                    /* the journal is new: removed when nothing was done in it */
+    bool kept;                    /* it holds something beside strokes */
     size_t changes, saved;        /* done to the field since the desk was opened; of these in the .vdb */
     double began;                 /* monotonic seconds */
     iso_pool *pool;               /* borrowed */

@@ -73,6 +73,12 @@ void isosculpt_hand_scroll(isosculpt_hand *hand, double steps);
 /* `down` false: released. Whether the key means anything. */
 bool isosculpt_hand_key(isosculpt_hand *hand, int key, unsigned modifiers, bool down);
 
+/* Adds with a stamp from now on; the session takes it over. Not while a stroke is drawn. */
+void isosculpt_hand_stamp(isosculpt_hand *hand, iso_stamp *stamp);
+
+/* Whether the tool has a shape. */
+bool isosculpt_hand_has_shape(iso_tool tool);
+
 /* Undoes or redoes until `position` steps are done. */
 void isosculpt_hand_history(isosculpt_hand *hand, size_t position);
 

@@ -12,6 +12,7 @@ struct isosculpt_opening {
 };
 
 void isosculpt_opened_free(isosculpt_opened *opened) {
+    iso_stamp_free(opened->stamp);
     isosculpt_view_free(&opened->view);
     if (opened->desk.session) isosculpt_desk_close(&opened->desk);
     iso_pool_destroy(opened->pool);
@@ -36,6 +37,7 @@ static iso_status open_desk(isosculpt_opening *opening, const iso_progress *prog
 /* The desk and what a window will draw first, so that it need not wait then. */
 static iso_status open_all(isosculpt_opening *opening, const iso_progress *progress, iso_error *error) {
     isosculpt_opened *opened = &opening->opened;
+    if (opening->request.stamp) return isosculpt_stamp_read(opening->path, progress, &opened->stamp, error);
     const iso_progress opening_desk = iso_progress_part(progress, 0, 0.9);
     ISO_TRY(iso_pool_create(opening->request.threads, &opened->pool, error));
     opened->desk.pool = opened->pool;
@@ -73,6 +75,10 @@ iso_status isosculpt_opening_start(const isosculpt_request *request, isosculpt_o
     else
         free(opening);
     return status;
+}
+
+bool isosculpt_opening_is_stamp(const isosculpt_opening *opening) {
+    return opening->request.stamp;
 }
 
 isosculpt_task *isosculpt_opening_task(const isosculpt_opening *opening) {

@@ -13,6 +13,7 @@ extern "C" {
 /* What is asked for; copied. */
 typedef struct isosculpt_request {
     const char *path;       /* strokes (.strokes), or what isosculpt_source takes */
+    bool stamp;             /* it is a mesh, wanted as a stamp and nothing else */
     const char *folder;     /* of new journals; NULL: none */
     double isovalue, voxel; /* isosculpt_source */
     int threads;            /* 0: one a processor */
@@ -27,6 +28,7 @@ typedef struct isosculpt_opened {
     iso_pool *pool;
     isosculpt_desk desk;
     isosculpt_view view;
+    iso_stamp *stamp; /* then the others are not there */
 } isosculpt_opened;
 void isosculpt_opened_free(isosculpt_opened *opened);
 
@@ -35,6 +37,7 @@ bool isosculpt_is_strokes(const char *path);
 /* ISO_ERR_NOMEM, ISO_ERR_IO (the name is too long). */
 iso_status isosculpt_opening_start(const isosculpt_request *request, isosculpt_opening **opening,
                                    iso_error *error);
+bool isosculpt_opening_is_stamp(const isosculpt_opening *opening);
 /* To ask how far it is, or to cancel. */
 isosculpt_task *isosculpt_opening_task(const isosculpt_opening *opening);
 const char *isosculpt_opening_path(const isosculpt_opening *opening);

@@ -53,6 +53,8 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_TEXT, AT(open)},
     {"isovalue", NULL, "V", "of the volume that is opened", .group = SESSION, .kind = ISO_OPTION_REAL,
      AT(isovalue), .low = -1e300, .high = 1e300},
+    {"stamp", NULL, "FILE", "add and carve with this mesh (.stl, .obj, .ply); the strokes keep it",
+     .group = SESSION, .kind = ISO_OPTION_TEXT, AT(stamp)},
     {"headless", NULL, NULL, "open no window", .group = SESSION, .kind = ISO_OPTION_FLAG, AT(headless)},
     {"voxel-size", NULL, "MM", "open or play at another voxel size", .group = SESSION,
      .kind = ISO_OPTION_REAL, AT(voxel_size), .standard = "the file's", .low = 1e-6, .high = 1e6},
@@ -162,6 +164,8 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
                         operands->values[0]);
     if (!settings->replay && !settings->open)
         return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE or --open FILE");
+    if (settings->stamp)
+        return iso_fail(error, ISO_ERR_USAGE, "--stamp is for a window: strokes hold their stamps");
     ISO_TRY(check_isovalue(settings, error));
     if (settings->output && !has_suffix(settings->output, ".vdb .ply .stl .obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as .vdb, .ply, .stl or .obj",

@@ -83,6 +83,30 @@ static void draw_picture(const isosculpt_screen *screen, bool ring) {
 
 /* ---- parts of the panel */
 
+/* The solid that is added or carved; a stamp is there when one was loaded. */
+static void choose_shape(isosculpt_hand *hand) {
+    static const iso_solid shapes[] = {ISO_SOLID_SPHERE, ISO_SOLID_BOX, ISO_SOLID_CYLINDER, ISO_SOLID_TORUS,
+                                       ISO_SOLID_STAMP};
+    iso_brush *brush = &hand->brush;
+    const iso_stamp *stamp = iso_session_stamp(hand->desk->session);
+    const auto name = [&](iso_solid shape) {
+        return shape == ISO_SOLID_STAMP && stamp ? stamp->name : iso_solid_name(shape);
+    };
+    if (brush->shape == ISO_SOLID_STAMP && !stamp) brush->shape = ISO_SOLID_SPHERE;
+    if (!isosculpt_hand_has_shape(brush->tool)) return;
+    if (ImGui::BeginCombo("shape", name(brush->shape))) {
+        for (iso_solid shape : shapes)
+            if ((shape != ISO_SOLID_STAMP || stamp) && ImGui::Selectable(name(shape), shape == brush->shape))
+                brush->shape = shape;
+        ImGui::EndCombo();
+    }
+    if (brush->shape == ISO_SOLID_SPHERE || brush->shape == ISO_SOLID_STAMP) return;
+    const double low = 0.05, high = 2;
+    if (!(brush->aspect > 0)) brush->aspect = 0.5;
+    ImGui::SliderScalar("aspect", ImGuiDataType_Double, &brush->aspect, &low, &high, "%.2f",
+                        ImGuiSliderFlags_AlwaysClamp);
+}
+
 static void section_brush(const isosculpt_screen *screen) {
     isosculpt_hand *hand = screen->hand;
     static const char *const names[] = {"1 add",     "2 carve", "3 clay", "4 smooth", "5 inflate",
@@ -101,6 +125,7 @@ static void section_brush(const isosculpt_screen *screen) {
                         ImGuiSliderFlags_Logarithmic);
     ImGui::SliderScalar("strength", ImGuiDataType_Double, &hand->brush.strength, &none, &full, "%.2f",
                         ImGuiSliderFlags_AlwaysClamp);
+    choose_shape(hand);
     ImGui::TextUnformatted("symmetry");
     for (unsigned axis = 0; axis < 3; axis++) {
         const char name[2] = {(char)('x' + axis), 0};
@@ -211,11 +236,12 @@ static void file_buttons(isosculpt_screen *screen) {
     ImGui::InputTextWithHint("##path", "a file, typed or dropped", screen->path, sizeof screen->path);
     if (ImGui::Button("Open") && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_OPEN;
     ImGui::SameLine();
-    if (ImGui::Button("Save .vdb")) hand->wishes |= ISOSCULPT_WISH_SAVE;
+    if (ImGui::Button("Stamp") && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_STAMP;
+    ImGui::SameLine();
+    const bool saved = desk->changes == desk->saved;
+    if (ImGui::Button(saved ? "Save .vdb###save" : "Save .vdb *###save")) hand->wishes |= ISOSCULPT_WISH_SAVE;
     ImGui::SameLine();
     if (ImGui::Button("Help")) screen->help = !screen->help;
-    ImGui::SameLine();
-    ImGui::TextColored(GREY, "%s", desk->changes == desk->saved ? "" : "not saved");
 }
 
 static void section_files(isosculpt_screen *screen) {

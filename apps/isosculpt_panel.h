@@ -16,8 +16,9 @@ enum {
     ISOSCULPT_ANSWER_CLOSE = 4,
     ISOSCULPT_ANSWER_STAY = 8,
     ISOSCULPT_ANSWER_SAVE = 16,
-    ISOSCULPT_ANSWER_OPEN = 32,  /* what `path` names */
-    ISOSCULPT_ANSWER_CANCEL = 64 /* busy[0], and its double busy[1] */
+    ISOSCULPT_ANSWER_OPEN = 32,   /* what `path` names */
+    ISOSCULPT_ANSWER_STAMP = 64,  /* the same, as a stamp */
+    ISOSCULPT_ANSWER_CANCEL = 128 /* busy[0], and its double busy[1] */
 };
 
 /* Heavy work that is under way. */

@@ -47,7 +47,7 @@ static iso_status checksum(const char *path, const iso_progress *progress, uint3
 
 /* ---- meshes */
 
-static bool is_mesh(const char *path) {
+bool isosculpt_is_mesh(const char *path) {
     static const char *const suffixes[] = {".stl", ".obj", ".ply"};
     const char *dot = strrchr(path, '.');
     for (int i = 0; dot && i < 3; i++)
@@ -76,6 +76,17 @@ static iso_status from_mesh(const isosculpt_source *source, iso_hgrid **grid, is
     const iso_mesh_frame frame = {source->voxel > 0 ? source->voxel : longest_side(&mesh) / MESH_VOXELS,
                                   MARGIN, &converting};
     iso_status status = iso_level_set_from_mesh(source->path, &mesh, &frame, grid, error);
+    iso_mesh_free(&mesh);
+    return status;
+}
+
+iso_status isosculpt_stamp_read(const char *path, const iso_progress *progress, iso_stamp **stamp,
+                                iso_error *error) {
+    const iso_progress reading = iso_progress_part(progress, 0, 0.4),
+                       converting = iso_progress_part(progress, 0.4, 1);
+    iso_triangles mesh;
+    ISO_TRY(iso_mesh_read(path, &reading, &mesh, error));
+    iso_status status = iso_stamp_from_mesh(path, &mesh, &converting, stamp, error);
     iso_mesh_free(&mesh);
     return status;
 }
@@ -143,7 +154,8 @@ static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, 
 /* ---- opening */
 
 static iso_status open_file(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
-    return is_mesh(source->path) ? from_mesh(source, grid, error) : from_volume(source, grid, error);
+    return isosculpt_is_mesh(source->path) ? from_mesh(source, grid, error)
+                                           : from_volume(source, grid, error);
 }
 
 static void describe(const isosculpt_source *source, const iso_hgrid *grid, iso_journal_start *start) {

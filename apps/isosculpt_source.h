@@ -32,6 +32,13 @@ iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_sta
 iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
                                  iso_hgrid **grid, iso_error *error);
 
+/* By its name. */
+bool isosculpt_is_mesh(const char *path);
+
+/* A mesh as a stamp. As iso_mesh_read and iso_stamp_from_mesh. */
+iso_status isosculpt_stamp_read(const char *path, const iso_progress *progress, iso_stamp **stamp,
+                                iso_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -41,6 +41,7 @@ typedef struct window {
     int texture_width, texture_height;
     int frames;       /* still to be drawn */
     double changed;   /* when the picture last had to be drawn */
+    bool stamp_asked; /* --stamp was seen to */
     bool save;        /* as soon as no stroke is drawn */
     bool close_after; /* a save, which must succeed */
     bool shoot, shoot_all;
@@ -121,12 +122,12 @@ static void on_close(GLFWwindow *glfw) {
     want_close(of(glfw));
 }
 
-/* What was dropped on the window; of several, the first. */
+/* What was dropped on the window, of several the first: a mesh is a stamp, all else is opened. */
 static void on_drop(GLFWwindow *glfw, int count, const char **paths) {
     window *w = of(glfw);
     if (count < 1) return;
     snprintf(w->screen.path, sizeof w->screen.path, "%s", paths[0]);
-    w->screen.answers |= ISOSCULPT_ANSWER_OPEN;
+    w->screen.answers |= isosculpt_is_mesh(paths[0]) ? ISOSCULPT_ANSWER_STAMP : ISOSCULPT_ANSWER_OPEN;
     w->frames = FRAMES;
 }
 
@@ -229,10 +230,11 @@ static void wake(void) {
 }
 
 /* Beside what is there, until it is whole. */
-static iso_status start_opening(window *w, const char *path, iso_error *error) {
+static iso_status start_opening(window *w, const char *path, bool stamp, iso_error *error) {
     const isosculpt_settings *settings = w->settings;
     const bool asked = path == settings->open;
     const isosculpt_request request = {.path = path,
+                                       .stamp = stamp,
                                        .folder = w->has_folder ? w->folder : NULL,
                                        .isovalue = asked ? settings->isovalue : NAN,
                                        .voxel = asked ? settings->voxel_size : 0,
@@ -248,7 +250,7 @@ static iso_status open_alone(window *w, const char *path, iso_error *error) {
     ISO_TRY(isosculpt_desk_blank(&w->desk, error));
     ISO_TRY(show_desk(w, error));
     w->screen.blank = true;
-    return start_opening(w, path, error);
+    return start_opening(w, path, false, error);
 }
 
 static iso_status open_first(window *w, iso_error *error) {
@@ -300,20 +302,31 @@ static iso_status finish_opening(window *w, iso_error *error) {
     iso_status status = isosculpt_opening_finish(w->opening, &opened, error);
     w->opening = NULL;
     if (status != ISO_OK) return without(w, cancelled, status, error);
-    replace_desk(w, &opened);
+    if (opened.stamp)
+        isosculpt_hand_stamp(&w->hand, opened.stamp);
+    else
+        replace_desk(w, &opened);
+    w->frames = FRAMES;
     return ISO_OK;
 }
 
 /* What was typed in or dropped. */
-static void open_path(window *w, const char *named) {
+static void open_path(window *w, const char *named, bool stamp) {
     char path[ISOSCULPT_PATH];
     iso_error reason = {0};
     snprintf(path, sizeof path, "%s", named);
     w->screen.path[0] = 0;
-    if (!w->desk.journal[0] && w->desk.changes != w->desk.saved && !w->screen.blank)
+    if (!stamp && !w->desk.journal[0] && w->desk.changes != w->desk.saved && !w->screen.blank)
         say(w, true, "What you did is in no file: save it first.");
-    else if (start_opening(w, path, &reason) != ISO_OK)
+    else if (start_opening(w, path, stamp, &reason) != ISO_OK)
         say(w, true, reason.text);
+}
+
+/* --stamp, once there is a session that can hold it. */
+static void ask_for_stamp(window *w) {
+    if (w->stamp_asked || w->screen.blank || w->opening || !w->settings->stamp) return;
+    w->stamp_asked = true;
+    open_path(w, w->settings->stamp, true);
 }
 
 /* ---- files */
@@ -498,7 +511,9 @@ static void show_busy(window *w) {
     isosculpt_task *tasks[ISOSCULPT_BUSY];
     const int before = w->screen.busy_count, count = running(w, tasks);
     w->screen.busy_count = 0;
-    if (w->opening) add_busy(w, "Opening", isosculpt_opening_path(w->opening), tasks[0]);
+    if (w->opening)
+        add_busy(w, isosculpt_opening_is_stamp(w->opening) ? "Stamp:" : "Opening",
+                 isosculpt_opening_path(w->opening), tasks[0]);
     isosculpt_desk_target(&w->desk, target);
     if (w->desk.saver) add_busy(w, "Saving", target, tasks[count - 1]);
     if (count || before) w->frames = w->frames > 0 ? w->frames : 1;
@@ -527,8 +542,10 @@ static iso_status obey(window *w, iso_error *error) {
     if (answers & (ISOSCULPT_ANSWER_RECOVER | ISOSCULPT_ANSWER_DISMISS)) w->screen.offered = NULL;
     if (answers & ISOSCULPT_ANSWER_DISMISS) isosculpt_desk_dismiss(w->offered);
     cancel(w, answers);
-    if (answers & ISOSCULPT_ANSWER_RECOVER) open_path(w, w->offered);
-    if (answers & ISOSCULPT_ANSWER_OPEN) open_path(w, w->screen.path);
+    if (answers & ISOSCULPT_ANSWER_RECOVER) open_path(w, w->offered, false);
+    if (answers & ISOSCULPT_ANSWER_OPEN) open_path(w, w->screen.path, false);
+    if (answers & ISOSCULPT_ANSWER_STAMP) open_path(w, w->screen.path, true);
+    ask_for_stamp(w);
     return finish_opening(w, error);
 }
 

@@ -159,6 +159,8 @@ for name in "$vdb" "$work/replayed.vdb"; do
 done
 cmp "$vdb.look/model.png" "$work/replayed.vdb.look/model.png" || fail "what was saved is not what was sculpted"
 
+cp "$journal" "$work/kept.strokes"
+
 # ---- closing asks while there is something to save
 stroke 640 400 20 20
 key ctrl+q
@@ -212,12 +214,12 @@ has_events end 1 || fail "strokes on an opened file: $(events end)"
 before=$journal
 # (Dear ImGui sees the pointer where it is when a picture is drawn: a hand that is faster is tried again.)
 open_by_name() {
-    xdotool mousemove 100 602 click 1
+    xdotool mousemove 100 627 click 1
     sleep 0.2
     xdotool key --delay 100 ctrl+a
     xdotool type "$1"
     sleep 0.2
-    xdotool mousemove 33 625 click 1
+    xdotool mousemove 33 650 click 1
     sleep 0.2
 }
 another_journal() {
@@ -231,6 +233,30 @@ until_ "another journal" another_journal
 has_moved() { picture moved && cmp -s "$work/moved.png" "$work/opened.png"; }
 until_ "the opened file" has_moved
 [ ! -e "$before.open" ] || fail "the journal before still counts as open"
+kill -9 "$program"
+wait "$program" 2>/dev/null
+program=
+
+# ---- a mesh as a stamp: it is in the journal, which plays without it
+rm -rf "$state"
+"$bin/isosculpt" --replay "$work/kept.strokes" --headless --quiet --output "$work/shape.stl" || fail "no mesh for a stamp"
+start --stamp "$work/shape.stl"
+until_ "the stamp in the journal" has_events stamp 1
+rm "$work/shape.stl"
+picture unstamped
+stroke 640 400 0 0
+grep -q '"shape":"stamp"' "$journal" || fail "the stamp is not used"
+picture stamped
+cmp -s "$work/unstamped.png" "$work/stamped.png" && fail "a stamp is not to be seen"
+key ctrl+z
+picture unstamped_again
+cmp "$work/unstamped.png" "$work/unstamped_again.png" || fail "undo of a stamp: another picture"
+key ctrl+shift+z ctrl+s
+vdb=${journal%.strokes}.vdb
+until_ "$vdb" test -s "$vdb"
+cp "$journal" "$work/stamped.strokes"
+"$bin/isosculpt" --replay "$work/stamped.strokes" --headless --quiet --output "$work/stamped.vdb" || fail "the stamp does not play"
+cmp <(tail -c +60 "$vdb") <(tail -c +60 "$work/stamped.vdb") || fail "the stamp plays to another field"
 kill -9 "$program"
 wait "$program" 2>/dev/null
 program=
