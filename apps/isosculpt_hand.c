@@ -166,9 +166,12 @@ void isosculpt_hand_press(isosculpt_hand *hand, isosculpt_button button, unsigne
     hand->button = button;
     if (button == ISOSCULPT_RIGHT)
         hand->drag = ISOSCULPT_DRAG_PAN;
-    else if (button == ISOSCULPT_LEFT && isosculpt_layer_pick(&hand->view->drawn, x, y, &pick))
-        begin(hand, modifiers, x, y);
-    else
+    else if (button == ISOSCULPT_LEFT && isosculpt_layer_pick(&hand->view->drawn, x, y, &pick)) {
+        if (hand->looking)
+            hand->wishes |= ISOSCULPT_WISH_SCULPT;
+        else
+            begin(hand, modifiers, x, y);
+    } else
         hand->drag = ISOSCULPT_DRAG_ORBIT;
 }
 

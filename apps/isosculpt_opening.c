@@ -1,5 +1,6 @@
 #include "apps/isosculpt_opening.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +15,7 @@ struct isosculpt_opening {
 void isosculpt_opened_free(isosculpt_opened *opened) {
     iso_stamp_free(opened->stamp);
     isosculpt_view_free(&opened->view);
+    isosculpt_volume_free(opened->volume);
     if (opened->desk.session) isosculpt_desk_close(&opened->desk);
     iso_pool_destroy(opened->pool);
     *opened = (isosculpt_opened){0};
@@ -25,25 +27,55 @@ bool isosculpt_is_strokes(const char *path) {
     return length > tail && strcmp(path + length - tail, suffix) == 0;
 }
 
-static iso_status open_desk(isosculpt_opening *opening, const iso_progress *progress, iso_error *error) {
+static iso_status open_desk(isosculpt_opening *opening, const isosculpt_volume *volume,
+                            const iso_progress *progress, iso_error *error) {
     const isosculpt_request *request = &opening->request;
-    isosculpt_desk *desk = &opening->opened.desk;
-    if (isosculpt_is_strokes(opening->path)) return isosculpt_desk_open(desk, opening->path, progress, error);
-    const isosculpt_source source = {opening->path, request->isovalue, request->voxel, opening->opened.pool,
-                                     progress};
-    return isosculpt_desk_new(desk, request->folder, &source, error);
+    isosculpt_opened *opened = &opening->opened;
+    const isosculpt_source source = {opening->path, request->isovalue, request->voxel,
+                                     opened->pool,  progress,          volume};
+    opened->desk.pool = opened->pool;
+    opened->desk.undo_memory = request->undo_memory;
+    ISO_TRY(isosculpt_is_strokes(opening->path)
+                ? isosculpt_desk_open(&opened->desk, opening->path, progress, error)
+                : isosculpt_desk_new(&opened->desk, request->folder, &source, error));
+    return isosculpt_view_init(&opened->view, iso_session_grid(opened->desk.session), opened->pool, error);
 }
 
-/* The desk and what a window will draw first, so that it need not wait then. */
+/* One that has isovalues to choose from is looked at, at first. */
+static iso_status open_volume(isosculpt_opening *opening, const iso_progress *progress, iso_error *error) {
+    isosculpt_opened *opened = &opening->opened;
+    const iso_progress reading = iso_progress_part(progress, 0, 0.4),
+                       rest = iso_progress_part(progress, 0.4, 1);
+    const double asked = opening->request.isovalue;
+    isosculpt_volume *volume;
+    ISO_TRY(isosculpt_volume_read(opening->path, opened->pool, &reading, &volume, error));
+    iso_status status;
+    if (volume->has_isovalues)
+        status = isosculpt_view_init_grid(&opened->view, &volume->volume.grid,
+                                          isnan(asked) ? volume->suggested : asked, opened->pool, error);
+    else
+        status = open_desk(opening, volume, &rest, error);
+    if (status == ISO_OK && volume->has_isovalues)
+        opened->volume = volume;
+    else
+        isosculpt_volume_free(volume);
+    return status;
+}
+
+static iso_status open_any(isosculpt_opening *opening, const iso_progress *progress, iso_error *error) {
+    const isosculpt_request *request = &opening->request;
+    if (request->sculpt || isosculpt_is_strokes(opening->path) || isosculpt_is_mesh(opening->path))
+        return open_desk(opening, request->sculpt, progress, error);
+    return open_volume(opening, progress, error);
+}
+
+/* What was asked for, and what a window will draw of it first, so that it need not wait then. */
 static iso_status open_all(isosculpt_opening *opening, const iso_progress *progress, iso_error *error) {
     isosculpt_opened *opened = &opening->opened;
     if (opening->request.stamp) return isosculpt_stamp_read(opening->path, progress, &opened->stamp, error);
-    const iso_progress opening_desk = iso_progress_part(progress, 0, 0.9);
+    const iso_progress most = iso_progress_part(progress, 0, 0.9);
     ISO_TRY(iso_pool_create(opening->request.threads, &opened->pool, error));
-    opened->desk.pool = opened->pool;
-    opened->desk.undo_memory = opening->request.undo_memory;
-    ISO_TRY(open_desk(opening, &opening_desk, error));
-    ISO_TRY(isosculpt_view_init(&opened->view, iso_session_grid(opened->desk.session), opened->pool, error));
+    ISO_TRY(open_any(opening, &most, error));
     ISO_TRY(iso_progress_tell(progress, opening->path, 0.95, error));
     enum { SMALL = 64 }; /* it is the surface that is made ready */
     ISO_TRY(isosculpt_view_draw(&opened->view, SMALL, SMALL, false, error));

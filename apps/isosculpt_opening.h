@@ -12,8 +12,10 @@ extern "C" {
 
 /* What is asked for; copied. */
 typedef struct isosculpt_request {
-    const char *path;       /* strokes (.strokes), or what isosculpt_source takes */
-    bool stamp;             /* it is a mesh, wanted as a stamp and nothing else */
+    const char *path; /* strokes (.strokes), or what isosculpt_source takes */
+    bool stamp;       /* it is a mesh, wanted as a stamp and nothing else */
+    const isosculpt_volume
+        *sculpt;            /* what is looked at, borrowed: it becomes a field; NULL: the path is read */
     const char *folder;     /* of new journals; NULL: none */
     double isovalue, voxel; /* isosculpt_source */
     int threads;            /* 0: one a processor */
@@ -28,7 +30,8 @@ typedef struct isosculpt_opened {
     iso_pool *pool;
     isosculpt_desk desk;
     isosculpt_view view;
-    iso_stamp *stamp; /* then the others are not there */
+    isosculpt_volume *volume; /* to be looked at first: then there is no desk */
+    iso_stamp *stamp;         /* then the others are not there */
 } isosculpt_opened;
 void isosculpt_opened_free(isosculpt_opened *opened);
 

@@ -212,11 +212,14 @@ static void latency_row(const char *name, const isosculpt_latency *latency) {
 }
 
 static void section_numbers(isosculpt_hand *hand) {
-    const iso_hgrid *grid = iso_session_grid(hand->desk->session);
-    ImGui::Text("%d x %d x %d voxels of %g mm", grid->dims[0], grid->dims[1], grid->dims[2],
-                grid->transform.spacing[0]);
-    ImGui::Text("%.2f M stored in %.0f MB", 1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid),
-                1e-6 * (double)iso_hgrid_bytes(grid));
+    const iso_grid *grid = &hand->view->grid;
+    const int *dims = iso_grid_dims(grid);
+    ImGui::Text("%d x %d x %d voxels of %g mm", dims[0], dims[1], dims[2],
+                iso_grid_transform(grid)->spacing[0]);
+    if (grid->hgrid)
+        ImGui::Text("%.2f M stored in %.0f MB",
+                    1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid->hgrid),
+                    1e-6 * (double)iso_hgrid_bytes(grid->hgrid));
     ImGui::Text("%zu points", isosculpt_view_points(hand->view));
     if (!ImGui::BeginTable("latency", 3, ImGuiTableFlags_RowBg)) return;
     ImGui::TableSetupColumn("milliseconds", ImGuiTableColumnFlags_WidthStretch, 2);
@@ -244,13 +247,52 @@ static void file_buttons(isosculpt_screen *screen) {
     if (ImGui::Button("Help")) screen->help = !screen->help;
 }
 
+/* Counts as columns, by their logarithms; the isovalue as a line, which follows the pointer. */
+static void draw_histogram(isosculpt_screen *screen, float scale) {
+    const iso_histogram *histogram = &screen->volume->histogram;
+    const ImVec2 at = ImGui::GetCursorScreenPos(), size(ImGui::GetContentRegionAvail().x, 110 * scale);
+    const double range = histogram->high - histogram->low;
+    ImDrawList *list = ImGui::GetWindowDrawList();
+    ImGui::InvisibleButton("histogram", size);
+    list->AddRectFilled(at, ImVec2(at.x + size.x, at.y + size.y), IM_COL32(20, 24, 30, 255));
+    uint64_t most = 1;
+    for (uint64_t count : histogram->bins) most = count > most ? count : most;
+    const float column = size.x / ISO_HISTOGRAM_BINS;
+    for (int i = 0; i < ISO_HISTOGRAM_BINS; i++) {
+        const double part = std::log1p((double)histogram->bins[i]) / std::log1p((double)most);
+        list->AddRectFilled(ImVec2(at.x + column * (float)i, at.y + size.y * (float)(1 - part)),
+                            ImVec2(at.x + column * (float)(i + 1), at.y + size.y),
+                            IM_COL32(120, 150, 190, 255));
+    }
+    screen->sliding = ImGui::IsItemActive();
+    if (screen->sliding && range > 0) {
+        const double part = (double)(ImGui::GetIO().MousePos.x - at.x) / (double)size.x;
+        screen->isovalue = histogram->low + std::fmin(std::fmax(part, 0), 1) * range;
+    }
+    const float x = at.x + size.x * (float)(range > 0 ? (screen->isovalue - histogram->low) / range : 0);
+    list->AddLine(ImVec2(x, at.y), ImVec2(x, at.y + size.y), IM_COL32(255, 190, 90, 255), 2 * scale);
+}
+
+static void section_isovalue(isosculpt_screen *screen, float scale) {
+    const iso_histogram *histogram = &screen->volume->histogram;
+    draw_histogram(screen, scale);
+    ImGui::SliderScalar("isovalue", ImGuiDataType_Double, &screen->isovalue, &histogram->low,
+                        &histogram->high, "%.6g", ImGuiSliderFlags_AlwaysClamp);
+    screen->sliding |= ImGui::IsItemActive();
+    if (ImGui::Button("Sculpt this")) screen->hand->wishes |= ISOSCULPT_WISH_SCULPT;
+    ImGui::SameLine();
+    ImGui::TextColored(GREY, "or touch it with a brush");
+}
+
 static void section_files(isosculpt_screen *screen) {
     isosculpt_hand *hand = screen->hand;
     const isosculpt_desk *desk = hand->desk;
     iso_error error = {ISO_OK, ""};
     file_buttons(screen);
     ImGui::PushTextWrapPos(0);
-    if (!desk->journal[0])
+    if (screen->volume)
+        ImGui::TextColored(GREY, "%s", screen->volume->path);
+    else if (!desk->journal[0])
         ImGui::TextColored(RED, "No journal is written: %s. What you make is in memory only: save it.",
                            desk->trouble);
     else if (iso_session_journal_status(desk->session, &error) != ISO_OK)
@@ -273,9 +315,13 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
                              ImGuiCond_FirstUseEver);
     ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings);
     ImGui::PushItemWidth(-76 * panel->scale);
-    if (ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen)) section_brush(screen);
+    const bool looking = screen->volume != nullptr;
+    screen->sliding = false;
+    if (looking && ImGui::CollapsingHeader("Isovalue", ImGuiTreeNodeFlags_DefaultOpen))
+        section_isovalue(screen, panel->scale);
+    if (!looking && ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen)) section_brush(screen);
     if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) section_picture(screen->hand);
-    if (ImGui::CollapsingHeader("History", ImGuiTreeNodeFlags_DefaultOpen))
+    if (!looking && ImGui::CollapsingHeader("History", ImGuiTreeNodeFlags_DefaultOpen))
         section_history(screen->hand, panel->scale);
     if (ImGui::CollapsingHeader("Numbers", ImGuiTreeNodeFlags_DefaultOpen)) section_numbers(screen->hand);
     if (ImGui::CollapsingHeader("Files", ImGuiTreeNodeFlags_DefaultOpen)) section_files(screen);
@@ -384,7 +430,8 @@ static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     if (!screen->offered) ask_close(screen);
     const isosculpt_hand *hand = screen->hand;
     bool over = panel->over(hand->x / screen->pixels, hand->y / screen->pixels);
-    draw_picture(screen, !panel->modal && !screen->blank && (!over || hand->drag == ISOSCULPT_DRAG_BRUSH));
+    draw_picture(screen, !panel->modal && !screen->blank && !screen->volume &&
+                             (!over || hand->drag == ISOSCULPT_DRAG_BRUSH));
 }
 
 iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error) {

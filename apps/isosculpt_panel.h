@@ -41,8 +41,11 @@ typedef struct isosculpt_screen {
     bool blank;          /* there is nothing to work on yet */
     isosculpt_busy busy[ISOSCULPT_BUSY];
     int busy_count;
-    char path[ISOSCULPT_PATH]; /* that is typed in, or was dropped */
-    char message[600];         /* of the last command; "" none */
+    char path[ISOSCULPT_PATH];      /* that is typed in, or was dropped */
+    const isosculpt_volume *volume; /* that is looked at; NULL: there is a field */
+    double isovalue;                /* chosen for it */
+    bool sliding;                   /* just now, by hand */
+    char message[600];              /* of the last command; "" none */
     bool message_is_bad;
     unsigned answers;
 } isosculpt_screen;

@@ -136,17 +136,65 @@ static int tell(void *context, double fraction) {
     return iso_progress_tell(context, "", fraction, NULL) != ISO_OK;
 }
 
+static iso_status find_isovalues(isosculpt_volume *volume, iso_pool *pool, iso_error *error) {
+    const iso_grid *grid = &volume->volume.grid;
+    double candidates[ISO_ISOVALUE_CANDIDATES];
+    volume->has_isovalues = grid->rgrid && !iso_grid_is_level_set(grid);
+    if (!volume->has_isovalues) return ISO_OK;
+    ISO_TRY(iso_histogram_compute(grid, pool, &volume->histogram, error));
+    volume->suggested = iso_isovalue_suggest(grid, &volume->histogram, candidates)
+                            ? candidates[0]
+                            : volume->histogram.low; /* a constant volume: nothing is to be seen */
+    return ISO_OK;
+}
+
+static iso_status read_volume(isosculpt_volume *volume, iso_pool *pool, const iso_progress *progress,
+                              iso_error *error) {
+    const iso_progress summing = iso_progress_part(progress, 0, 0.2);
+    iso_progress reading = iso_progress_part(progress, 0.2, 0.9);
+    const iso_volume_opts opts = {.pool = pool, .progress = tell, .progress_context = &reading};
+    ISO_TRY(checksum(volume->path, &summing, &volume->crc, error));
+    ISO_TRY(iso_volume_read(volume->path, &opts, &volume->volume, error));
+    return find_isovalues(volume, pool, error);
+}
+
+iso_status isosculpt_volume_read(const char *path, iso_pool *pool, const iso_progress *progress,
+                                 isosculpt_volume **out, iso_error *error) {
+    isosculpt_volume *volume = calloc(1, sizeof *volume);
+    if (!volume) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    iso_status status = ISO_OK;
+    if (snprintf(volume->path, sizeof volume->path, "%s", path) >= (int)sizeof volume->path)
+        status = iso_fail(error, ISO_ERR_IO, "%.400s: the name is too long", path);
+    if (status == ISO_OK) status = read_volume(volume, pool, progress, error);
+    if (status == ISO_OK)
+        *out = volume;
+    else
+        isosculpt_volume_free(volume);
+    return status;
+}
+
+void isosculpt_volume_free(isosculpt_volume *volume) {
+    if (!volume) return;
+    iso_volume_free(&volume->volume);
+    free(volume);
+}
+
+static iso_status from_grid(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
+                            iso_error *error) {
+    const iso_hgrid *sparse = from->hgrid;
+    const double own = sparse ? sparse->transform.spacing[0] : 0;
+    const bool as_it_is = sparse && has_cubes(sparse) && (source->voxel <= 0 || source->voxel == own) &&
+                          (isnan(source->isovalue) || source->isovalue == 0);
+    return as_it_is ? take_level_set(sparse, grid, error) : sample(source, from, grid, error);
+}
+
 static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    if (source->volume) return from_grid(source, &source->volume->volume.grid, grid, error);
     iso_progress reading = iso_progress_part(source->progress, 0.05, 0.4);
     const iso_volume_opts opts = {.pool = source->pool, .progress = tell, .progress_context = &reading};
     iso_volume volume;
     ISO_TRY(iso_volume_read(source->path, &opts, &volume, error));
-    const iso_hgrid *sparse = volume.grid.hgrid;
-    const double own = sparse ? sparse->transform.spacing[0] : 0;
-    const bool as_it_is = sparse && has_cubes(sparse) && (source->voxel <= 0 || source->voxel == own) &&
-                          (isnan(source->isovalue) || source->isovalue == 0);
-    iso_status status =
-        as_it_is ? take_level_set(sparse, grid, error) : sample(source, &volume.grid, grid, error);
+    iso_status status = from_grid(source, &volume.grid, grid, error);
     iso_volume_free(&volume);
     return status;
 }
@@ -176,7 +224,10 @@ iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_sta
     if (length >= (int)sizeof start->source)
         return iso_fail(error, ISO_ERR_IO, "%s: the name is too long", source->path);
     const iso_progress summing = iso_progress_part(source->progress, 0, 0.05);
-    ISO_TRY(checksum(source->path, &summing, &start->source_crc, error));
+    if (source->volume)
+        start->source_crc = source->volume->crc;
+    else
+        ISO_TRY(checksum(source->path, &summing, &start->source_crc, error));
     ISO_TRY(open_file(source, grid, error));
     describe(source, *grid, start);
     return ISO_OK;
@@ -207,8 +258,11 @@ iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *ho
         return iso_fail(error, ISO_ERR_FORMAT,
                         "%s: '%s' is not what it was when the session began (checksum %08x, then %08x)",
                         strokes, found, crc, start->source_crc);
-    const isosculpt_source source = {found, start->isovalue, how->voxel > 0 ? how->voxel : start->voxel_size,
-                                     how->pool, how->progress};
+    const isosculpt_source source = {.path = found,
+                                     .isovalue = start->isovalue,
+                                     .voxel = how->voxel > 0 ? how->voxel : start->voxel_size,
+                                     .pool = how->pool,
+                                     .progress = how->progress};
     const iso_journal_start wanted = *start;
     ISO_TRY(open_file(&source, grid, error));
     describe(&source, *grid, start);

@@ -5,19 +5,38 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "extract/isovalue.h"
 #include "grids/hgrid.h"
+#include "grids/volume.h"
 #include "sculpt/journal.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+/* A volume in memory, before it is sculpted. Read only: threads may share it. */
+typedef struct isosculpt_volume {
+    char path[ISO_JOURNAL_TEXT];
+    uint32_t crc; /* of the file */
+    iso_volume volume;
+    /* of volumes that have isovalues to choose from: */
+    bool has_isovalues; /* dense and no level set */
+    iso_histogram histogram;
+    double suggested;
+} isosculpt_volume;
+
+/* `pool` is borrowed for the call. As iso_volume_read; ISO_ERR_EMPTY when no voxel is a number. */
+iso_status isosculpt_volume_read(const char *path, iso_pool *pool, const iso_progress *progress,
+                                 isosculpt_volume **volume, iso_error *error);
+void isosculpt_volume_free(isosculpt_volume *volume); /* NULL is fine */
+
 typedef struct isosculpt_source {
     const char *path;
     double isovalue; /* physical; NAN: not given, which only level sets and meshes can do without */
     double voxel;    /* mm; 0: the file's smallest spacing, or a 256th of a mesh's longest side */
     iso_pool *pool;  /* borrowed */
-    const iso_progress *progress; /* told from any thread; cancelled: ISO_ERR_IO */
+    const iso_progress *progress;   /* told from any thread; cancelled: ISO_ERR_IO */
+    const isosculpt_volume *volume; /* the file's content, borrowed; NULL: it is read */
 } isosculpt_source;
 
 /* Reads the file and says in *start what a journal says of it. A level set (.vdb) at its own voxel size is

@@ -29,6 +29,7 @@ typedef struct window {
     iso_pool *pool;     /* the program's, or own_pool */
     iso_pool *own_pool; /* of what was opened; NULL: none */
     isosculpt_opening *opening;
+    isosculpt_volume *volume; /* that is looked at; NULL: the desk has a field */
     isosculpt_desk desk;
     isosculpt_view view;
     isosculpt_hand hand;
@@ -41,6 +42,7 @@ typedef struct window {
     int texture_width, texture_height;
     int frames;       /* still to be drawn */
     double changed;   /* when the picture last had to be drawn */
+    bool sculpting;   /* the volume is being made a field */
     bool stamp_asked; /* --stamp was seen to */
     bool save;        /* as soon as no stroke is drawn */
     bool close_after; /* a save, which must succeed */
@@ -193,7 +195,8 @@ static void set_callbacks(window *w) {
 
 static void show_title(window *w) {
     char title[ISOSCULPT_PATH + 32];
-    const char *slash = strrchr(w->desk.journal, '/'), *name = slash ? slash + 1 : w->desk.journal;
+    const char *path = w->volume ? w->volume->path : w->desk.journal, *slash = strrchr(path, '/'),
+               *name = slash ? slash + 1 : path;
     snprintf(title, sizeof title, "isosculpt%s%s", name[0] ? ": " : "", name);
     glfwSetWindowTitle(w->glfw, title);
 }
@@ -208,6 +211,7 @@ static void take_up(window *w) {
         w->hand.brush.radius = brush.radius / before * voxel;
     }
     w->voxel = voxel;
+    w->hand.looking = w->screen.volume != NULL;
     show_title(w);
     w->hand.wishes = ISOSCULPT_WISH_PICTURE;
     w->frames = FRAMES;
@@ -227,6 +231,20 @@ static iso_status show_ball(window *w, iso_error *error) {
 
 static void wake(void) {
     glfwPostEmptyEvent();
+}
+
+/* The volume that is looked at as a field at the isovalue that was chosen. */
+static iso_status start_sculpting(window *w, iso_error *error) {
+    const isosculpt_request request = {.path = w->volume->path,
+                                       .sculpt = w->volume,
+                                       .folder = w->has_folder ? w->folder : NULL,
+                                       .isovalue = w->view.isovalue,
+                                       .voxel = w->settings->voxel_size,
+                                       .threads = w->settings->threads,
+                                       .undo_memory = (size_t)w->settings->undo_memory,
+                                       .wake = wake};
+    if (w->opening) return iso_fail(error, ISO_ERR_USAGE, "another file is being opened");
+    return isosculpt_opening_start(&request, &w->opening, error);
 }
 
 /* Beside what is there, until it is whole. */
@@ -268,18 +286,31 @@ static iso_status open_first(window *w, iso_error *error) {
     return ISO_OK;
 }
 
-/* In place of what is on the desk, whose journal has all of it. */
-static void replace_desk(window *w, isosculpt_opened *opened) {
+/* In place of what is on the desk, whose journal has all of it. What a volume becomes is seen from where the
+ * volume was. */
+static iso_status replace_desk(window *w, isosculpt_opened *opened, iso_error *error) {
     const isosculpt_look look = w->view.look;
+    const iso_camera camera = w->view.camera;
+    const bool same_place = w->volume && !opened->volume && w->sculpting;
     isosculpt_view_free(&w->view);
     isosculpt_desk_close(&w->desk);
+    isosculpt_volume_free(w->volume);
     iso_pool_destroy(w->own_pool);
     w->pool = w->own_pool = opened->pool;
     w->desk = opened->desk;
     w->view = opened->view;
+    w->screen.volume = w->volume = opened->volume;
+    w->screen.isovalue = w->view.isovalue;
     w->screen.blank = false;
     w->view.look = look;
+    if (same_place) w->view.camera = camera;
+    if (w->volume) {
+        w->desk.pool = w->pool;
+        ISO_TRY(isosculpt_desk_blank(&w->desk, error));
+        w->desk.start.voxel_size = iso_grid_transform(&w->view.grid)->spacing[0];
+    }
     take_up(w);
+    return ISO_OK;
 }
 
 /* What could not be opened leaves what was there; at the start that was nothing. */
@@ -301,13 +332,17 @@ static iso_status finish_opening(window *w, iso_error *error) {
     const bool cancelled = isosculpt_task_cancelled(isosculpt_opening_task(w->opening));
     iso_status status = isosculpt_opening_finish(w->opening, &opened, error);
     w->opening = NULL;
-    if (status != ISO_OK) return without(w, cancelled, status, error);
+    if (status != ISO_OK) {
+        w->sculpting = false;
+        return without(w, cancelled, status, error);
+    }
     if (opened.stamp)
         isosculpt_hand_stamp(&w->hand, opened.stamp);
     else
-        replace_desk(w, &opened);
+        status = replace_desk(w, &opened, error);
+    w->sculpting = false;
     w->frames = FRAMES;
-    return ISO_OK;
+    return status;
 }
 
 /* What was typed in or dropped. */
@@ -316,15 +351,36 @@ static void open_path(window *w, const char *named, bool stamp) {
     iso_error reason = {0};
     snprintf(path, sizeof path, "%s", named);
     w->screen.path[0] = 0;
-    if (!stamp && !w->desk.journal[0] && w->desk.changes != w->desk.saved && !w->screen.blank)
+    if (stamp && w->volume)
+        say(w, true, "A stamp needs something to work on: sculpt this first.");
+    else if (!stamp && !w->desk.journal[0] && w->desk.changes != w->desk.saved && !w->screen.blank)
         say(w, true, "What you did is in no file: save it first.");
     else if (start_opening(w, path, stamp, &reason) != ISO_OK)
         say(w, true, reason.text);
 }
 
+/* What the panel says of the isovalue. */
+static void slide(window *w) {
+    if (!w->volume) return;
+    const bool rested = w->view.sliding && !w->screen.sliding;
+    w->view.sliding = w->screen.sliding;
+    if (w->screen.isovalue != w->view.isovalue) {
+        isosculpt_view_set_isovalue(&w->view, w->screen.isovalue);
+        w->hand.wishes |= ISOSCULPT_WISH_PICTURE;
+    } else if (rested)
+        w->changed = isosculpt_now(); /* the exact picture is due */
+}
+
+static void sculpt(window *w) {
+    iso_error reason = {0};
+    if (!w->volume || w->sculpting) return;
+    w->sculpting = start_sculpting(w, &reason) == ISO_OK;
+    if (!w->sculpting) say(w, true, reason.text);
+}
+
 /* --stamp, once there is a session that can hold it. */
 static void ask_for_stamp(window *w) {
-    if (w->stamp_asked || w->screen.blank || w->opening || !w->settings->stamp) return;
+    if (w->stamp_asked || w->screen.blank || w->volume || w->opening || !w->settings->stamp) return;
     w->stamp_asked = true;
     open_path(w, w->settings->stamp, true);
 }
@@ -335,6 +391,10 @@ static void start_save(window *w) {
     iso_error reason = {0};
     if (w->hand.drag == ISOSCULPT_DRAG_BRUSH) return;
     w->save = false;
+    if (w->volume) {
+        say(w, true, "There is nothing to save before it is sculpted.");
+        return;
+    }
     if (isosculpt_desk_save(&w->desk, wake, &reason) != ISO_OK) say(w, true, reason.text);
 }
 
@@ -429,7 +489,7 @@ static void upload(window *w) {
 
 /* Seconds until a better picture is due; < 0: it is; none is due once it is the best. */
 static double until_better(const window *w) {
-    if (w->screen.blank) return IDLE;
+    if (w->screen.blank || w->view.sliding) return IDLE;
     if (w->view.quality == ISOSCULPT_FINE) return IDLE;
     return w->shoot ? -1 : w->changed + REST[w->view.quality + 1] - isosculpt_now();
 }
@@ -512,7 +572,10 @@ static void show_busy(window *w) {
     const int before = w->screen.busy_count, count = running(w, tasks);
     w->screen.busy_count = 0;
     if (w->opening)
-        add_busy(w, isosculpt_opening_is_stamp(w->opening) ? "Stamp:" : "Opening",
+        add_busy(w,
+                 w->sculpting                             ? "Making a field of"
+                 : isosculpt_opening_is_stamp(w->opening) ? "Stamp:"
+                                                          : "Opening",
                  isosculpt_opening_path(w->opening), tasks[0]);
     isosculpt_desk_target(&w->desk, target);
     if (w->desk.saver) add_busy(w, "Saving", target, tasks[count - 1]);
@@ -545,6 +608,9 @@ static iso_status obey(window *w, iso_error *error) {
     if (answers & ISOSCULPT_ANSWER_RECOVER) open_path(w, w->offered, false);
     if (answers & ISOSCULPT_ANSWER_OPEN) open_path(w, w->screen.path, false);
     if (answers & ISOSCULPT_ANSWER_STAMP) open_path(w, w->screen.path, true);
+    if (w->hand.wishes & ISOSCULPT_WISH_SCULPT) sculpt(w);
+    w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_SCULPT;
+    slide(w);
     ask_for_stamp(w);
     return finish_opening(w, error);
 }
@@ -632,6 +698,7 @@ iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, 
     if (w.opening) abandon(&w);
     isosculpt_view_free(&w.view);
     isosculpt_desk_close(&w.desk);
+    isosculpt_volume_free(w.volume);
     iso_pool_destroy(w.own_pool);
     isosculpt_panel_destroy(w.panel);
     isosculpt_pen_close(w.pen);

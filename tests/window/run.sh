@@ -5,6 +5,7 @@
 # Waits for what should happen, for as long as LIMIT seconds; never for a time.
 set -u
 bin=$(cd "$1" && pwd)
+volumes=$(cd "$(dirname "$0")/../../volumes" && pwd)
 LIMIT=30
 
 for tool in Xvfb xdotool; do
@@ -261,13 +262,42 @@ kill -9 "$program"
 wait "$program" 2>/dev/null
 program=
 
+# ---- a volume is looked at, at an isovalue that the histogram chooses, until a brush touches it
+rm -rf "$state"
+"$bin/isosculpt" "$volumes/stent.nrrd" --isovalue 600 >"$work/said" 2>&1 &
+program=$!
+title_is() { xdotool search --onlyvisible --name "$1" >/dev/null 2>&1; }
+until_ "the volume" title_is 'stent.nrrd'
+journal_is_there && fail "a journal, though nothing was done"
+slide() {
+    xdotool mousemove 120 100 mousedown 1
+    sleep 0.2
+    xdotool mousemove 140 100
+    sleep 0.2
+    xdotool mouseup 1
+}
+slide
+is_sculpted() {
+    xdotool mousemove 640 400 click 1
+    sleep 0.2
+    xdotool mousemove 30 205 mousedown 1
+    sleep 0.2
+    xdotool mouseup 1
+    journal_is_there
+}
+until_ "a field" is_sculpted
+isovalue=$(grep -o '"isovalue":[^,]*' "$journal" | cut -d: -f2)
+awk "BEGIN { exit !($isovalue != 600) }" || fail "the histogram changes nothing"
+until_ "its title" title_is "$(basename "$journal")"
+kill -9 "$program"
+wait "$program" 2>/dev/null
+program=
+"$bin/isosculpt" --replay "$journal" --headless --quiet --output "$work/stent.vdb" || fail "strokes on a volume do not play"
+
 # ---- Escape takes back what is being opened
 rm -rf "$state"
-{
-    printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 256 256 256\nencoding: raw\n\n'
-    head -c 16777216 /dev/urandom
-} >"$work/noise.nrrd"
-"$bin/isosculpt" "$work/noise.nrrd" --isovalue 128 >"$work/said" 2>&1 &
+"$bin/isosculpt" --replay "$work/kept.strokes" --headless --quiet --output "$work/shape.stl" || fail "no mesh to open"
+"$bin/isosculpt" "$work/shape.stl" --voxel-size 0.1 >"$work/said" 2>&1 &
 program=$!
 until_ "a window" window_is_there
 cancelled() { key Escape && journal_is_there; }
