@@ -43,10 +43,11 @@ static void across(iso_vec3 normal, iso_vec3 *u, iso_vec3 *v) {
     *v = iso_vec3_cross(normal, *u);
 }
 
-static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, double radius,
-                      const isosculpt_pick &pick) {
+static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, const isosculpt_pick &pick,
+                      float scale) {
     constexpr int CORNERS = 64;
     const isosculpt_layer *layer = &screen->hand->view->drawn;
+    const double radius = screen->hand->brush.radius;
     ImVec2 corners[CORNERS];
     iso_vec3 u, v;
     double x, y, sine, cosine;
@@ -57,28 +58,28 @@ static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, double r
         if (!isosculpt_layer_pixel(layer, iso_vec3_add(pick.position, offset), &x, &y)) return;
         corners[i] = at_window(screen, x, y);
     }
-    list->AddPolyline(corners, CORNERS, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed, 3.5f);
-    list->AddPolyline(corners, CORNERS, IM_COL32(255, 255, 255, 230), ImDrawFlags_Closed, 1.5f);
+    list->AddPolyline(corners, CORNERS, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed, 3.5f * scale);
+    list->AddPolyline(corners, CORNERS, IM_COL32(255, 255, 255, 230), ImDrawFlags_Closed, 1.5f * scale);
 }
 
-static void draw_brush(const isosculpt_screen *screen, ImDrawList *list) {
+static void draw_brush(const isosculpt_screen *screen, ImDrawList *list, float scale) {
     const isosculpt_hand *hand = screen->hand;
     isosculpt_pick pick;
     double x, y;
     if (!isosculpt_hand_under(hand, &pick)) return;
-    draw_ring(screen, list, hand->brush.radius, pick);
+    draw_ring(screen, list, pick, scale);
     iso_vec3 tip = iso_vec3_add(pick.position, iso_vec3_scale(pick.normal, 0.4 * hand->brush.radius));
     if (isosculpt_layer_pixel(&hand->view->drawn, tip, &x, &y))
         list->AddLine(at_window(screen, hand->x, hand->y), at_window(screen, x, y),
-                      IM_COL32(255, 255, 255, 160), 1.5f);
+                      IM_COL32(255, 255, 255, 160), 1.5f * scale);
 }
 
-static void draw_picture(const isosculpt_screen *screen, bool ring) {
+static void draw_picture(const isosculpt_screen *screen, bool ring, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
     if (screen->texture)
         list->AddImage((ImTextureID)(intptr_t)screen->texture, ImVec2(0, 0),
                        at_window(screen, screen->width, screen->height));
-    if (ring) draw_brush(screen, list);
+    if (ring) draw_brush(screen, list, scale);
 }
 
 /* ---- parts of the panel */
@@ -430,8 +431,10 @@ static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     if (!screen->offered) ask_close(screen);
     const isosculpt_hand *hand = screen->hand;
     bool over = panel->over(hand->x / screen->pixels, hand->y / screen->pixels);
-    draw_picture(screen, !panel->modal && !screen->blank && !screen->volume &&
-                             (!over || hand->drag == ISOSCULPT_DRAG_BRUSH));
+    draw_picture(screen,
+                 !panel->modal && !screen->blank && !screen->volume &&
+                     (!over || hand->drag == ISOSCULPT_DRAG_BRUSH),
+                 panel->scale);
 }
 
 iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error) {

@@ -655,18 +655,25 @@ static double text_scale(window *w) {
     return scale > 0.5 && scale < 8 ? scale : 1;
 }
 
+/* No larger than the screen, which the content scale may have made it. */
+static void fit_screen(GLFWwindow *glfw) {
+    int width, height, x, y, room_x = 0, room_y = 0;
+    GLFWmonitor *monitor = glfwGetPrimaryMonitor();
+    if (monitor) glfwGetMonitorWorkarea(monitor, &x, &y, &room_x, &room_y);
+    glfwGetWindowSize(glfw, &width, &height);
+    const int fit_x = room_x > 0 && room_x < width ? room_x : width,
+              fit_y = room_y > 0 && room_y < height ? room_y : height;
+    if (fit_x < width || fit_y < height) glfwSetWindowSize(glfw, fit_x, fit_y);
+}
+
 static iso_status make_window(window *w, iso_error *error) {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 2);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
-    int width = WIDTH, height = HEIGHT, x, y, room_x = 0, room_y = 0;
-    GLFWmonitor *monitor = glfwGetPrimaryMonitor();
-    if (monitor) glfwGetMonitorWorkarea(monitor, &x, &y, &room_x, &room_y);
-    if (room_x > 0 && room_x < width) width = room_x;
-    if (room_y > 0 && room_y < height) height = room_y;
-    w->glfw = glfwCreateWindow(width, height, "isosculpt", NULL, NULL);
+    w->glfw = glfwCreateWindow(WIDTH, HEIGHT, "isosculpt", NULL, NULL);
     if (!w->glfw) return no_window(error, "no window with OpenGL 3.2 can be opened");
+    fit_screen(w->glfw);
     glfwMakeContextCurrent(w->glfw);
     glfwSwapInterval(1);
     set_callbacks(w);

@@ -307,6 +307,23 @@ picture cancelled
 kill -9 "$program"
 wait "$program" 2>/dev/null
 program=
+
+# ---- text twice as large: so is the window, but it fits its screen
+if command -v xrdb >/dev/null; then
+    rm -rf "$state"
+    echo "Xft.dpi: 192" | xrdb -merge -
+    start
+    picture large
+    fits() { xdotool search --onlyvisible --name '^isosculpt' getwindowgeometry | grep -q 'Geometry: 1280x800'; }
+    until_ "a window that fits" fits
+    stroke 640 400 20 20
+    picture large_stroke
+    cmp -s "$work/large.png" "$work/large_stroke.png" && fail "text twice as large: strokes are not to be seen"
+    kill -9 "$program"
+    wait "$program" 2>/dev/null
+    program=
+    xrdb -remove
+fi
 "$bin/isosculpt" "$work/nothing.stl" 2>"$work/said"
 code=$?
 [ $code -eq 3 ] && grep -q "nothing.stl" "$work/said" || fail "a file that is not there: exit status $code, not 3"
