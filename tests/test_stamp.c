@@ -84,7 +84,7 @@ static void stamps_are_text_and_back(void **state) {
     /* damage: what is taken all the same has only another place or size */
     uint32_t seed = 1;
     const size_t length = strlen(text);
-    for (int i = 0; i < 300; i++) {
+    for (int i = 0; i < 150; i++) {
         const size_t at = i < 100 ? (size_t)i : (size_t)(sculpt_uniform(&seed) * (double)length);
         const char before = text[at];
         text[at] = before == 'A' ? 'Q' : 'A';
@@ -93,7 +93,7 @@ static void stamps_are_text_and_back(void **state) {
         if (status == ISO_OK) iso_stamp_free(again);
         text[at] = before;
     }
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 20; i++) {
         const size_t at = (size_t)(sculpt_uniform(&seed) * (double)length);
         const char before = text[at];
         text[at] = i % 2 ? '*' : 0;
@@ -145,6 +145,8 @@ static void play(iso_session *session, uint32_t *seed, int events) {
     for (int i = 0; i < events; i++) {
         iso_event event = session_random_event(seed, ISO_TOOL_BLEND_CARVE + 1, &drawing);
         event.brush.shape = ISO_SOLID_STAMP;
+        event.brush.spacing = 1;
+        event.brush.radius /= 2;
         iso_session_play(session, &event, NULL, NULL);
     }
     if (drawing) assert_int_equal(iso_session_end(session, NULL), ISO_OK);
@@ -163,7 +165,7 @@ static void journals_hold_their_stamps(void **state) {
         iso_session *session = session_open(&opts);
         session_field start = session_field_of(session);
         assert_int_equal(iso_session_set_stamp(session, iso_stamp_share(stamp), NULL), ISO_OK);
-        play(session, &seed, 60);
+        play(session, &seed, 40);
         session_field wanted = session_field_of(session);
         size_t steps = iso_history_position(iso_session_history(session));
         while (iso_session_undo(session, NULL) == ISO_OK) {
