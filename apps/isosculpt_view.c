@@ -50,7 +50,7 @@ iso_status isosculpt_view_init_grid(isosculpt_view *view, const iso_grid *grid, 
     *view =
         (isosculpt_view){.look = {.paint = {.color = clay, .background = dusk}}, .factor = 1, .pool = pool};
     view->grid = *grid;
-    view->isovalue = isovalue;
+    view->isovalue = view->drawn_isovalue = isovalue;
     view->camera.view_angle = 30;
     iso_points_opts points = {.isovalue = isovalue, .pool = pool};
     iso_status status = iso_point_set_create(&view->grid, &points, &view->points, error);
