@@ -11,7 +11,7 @@ typedef enum isosculpt_help { ISOSCULPT_HELP_NONE, ISOSCULPT_HELP, ISOSCULPT_VER
 
 typedef struct isosculpt_settings {
     const char *strokes; /* the operand: to continue in a window */
-    const char *replay, *open, *output, *mesh, *json_path;
+    const char *replay, *open, *stamp, *output, *mesh, *json_path;
     int json, headless, recover, quiet, threads, extract, draw;
     int resolution[2];           /* of the pictures that are drawn; 0: 1280 x 800 */
     double voxel_size, isovalue; /* isovalue: NAN when not given */

@@ -42,8 +42,8 @@ static iso_status room_for_pixels(iso_image *image, size_t *room, int width, int
 /* ---- extracting */
 
 static iso_status make_extractor(isosculpt_view *view, isosculpt_method method, iso_error *error) {
-    iso_mesh_opts mesh = {.pool = view->pool};
-    iso_exact_opts exact = {.pool = view->pool};
+    iso_mesh_opts mesh = {.isovalue = view->isovalue, .pool = view->pool};
+    iso_exact_opts exact = {.isovalue = view->isovalue, .pool = view->pool};
     if (method == ISOSCULPT_MESH && !view->mesh)
         return iso_mesh_set_create(&view->grid, &mesh, &view->mesh, error);
     if (method == ISOSCULPT_EXACT && !view->exact)
@@ -60,7 +60,7 @@ static iso_status extract(isosculpt_view *view, isosculpt_method method, iso_err
         ISO_TRY(iso_exact_update(view->exact, error));
     else
         ISO_TRY(iso_point_set_update(view->points, error));
-    if (iso_change_log_now(view->grid.hgrid->log) != view->seen)
+    if (iso_change_log_now(iso_grid_log(&view->grid)) != view->seen || view->isovalue != view->drawn_isovalue)
         isosculpt_latency_add(&view->extract, isosculpt_now() - start);
     return ISO_OK;
 }
@@ -89,7 +89,7 @@ typedef struct masking {
 } masking;
 
 static bool is_masked(const masking *m, size_t sample, double x, double y) {
-    const int *dims = m->view->grid.hgrid->dims;
+    const int *dims = iso_grid_dims(&m->view->grid);
     iso_vec3 origin, direction;
     if (m->strip->gbuffer->surface[sample] == ISO_SURFACE_NONE) return false;
     iso_view_ray(m->strip->view, x, y, &origin, &direction);
@@ -118,7 +118,7 @@ static void mask_row(void *context, size_t row, int worker) {
 static void shade(isosculpt_view *view, const iso_strip *strip, iso_image *image) {
     isosculpt_paint_strip(&view->look.paint, &view->sphere, strip, image, view->pool);
     if (!view->mask.at) return;
-    masking m = {view, strip, image, iso_transform_affine(&view->grid.hgrid->transform)};
+    masking m = {view, strip, image, iso_transform_affine(iso_grid_transform(&view->grid))};
     iso_parallel_for(view->pool, (size_t)image->height, mask_row, &m);
 }
 
@@ -143,6 +143,7 @@ static iso_status draw_whole(isosculpt_view *view, isosculpt_method method, int 
     drawn->samples = (double)width / view->width;
     view->drawn_camera = view->camera;
     view->drawn_look = view->look;
+    view->drawn_isovalue = view->isovalue;
     view->exactly = method == ISOSCULPT_EXACT && factor == 1;
     view->fresh = view->rough = (isosculpt_damage){.rectangle = {whole_image(view)}, .count = 1};
     return ISO_OK;
@@ -217,7 +218,8 @@ static bool same_look(const isosculpt_look *a, const isosculpt_look *b) {
 /* The picture differs from what is to be shown by edits alone. */
 static bool is_still(const isosculpt_view *view, int width, int height) {
     return view->drawn.samples > 0 && view->width == width && view->height == height &&
-           same_camera(&view->camera, &view->drawn_camera) && same_look(&view->look, &view->drawn_look);
+           same_camera(&view->camera, &view->drawn_camera) && same_look(&view->look, &view->drawn_look) &&
+           view->isovalue == view->drawn_isovalue;
 }
 
 static void adapt(isosculpt_view *view, double seconds) {
@@ -226,12 +228,13 @@ static void adapt(isosculpt_view *view, double seconds) {
 }
 
 static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
-    const isosculpt_method method = view->look.method;
+    const bool quick = moving && view->sliding;
+    const isosculpt_method method = quick ? ISOSCULPT_PULLPUSH : view->look.method;
     ISO_TRY(extract(view, method, error));
     double start = isosculpt_now();
     const int factor = moving ? view->factor : 1;
     ISO_TRY(draw_whole(view, method, factor, error));
-    view->quality = factor > 1 ? ISOSCULPT_MOVING : ISOSCULPT_REST;
+    view->quality = factor > 1 || quick ? ISOSCULPT_MOVING : ISOSCULPT_REST;
     if (moving) adapt(view, isosculpt_now() - start);
     if (moving) isosculpt_latency_add(&view->draw, isosculpt_now() - start);
     return ISO_OK;
@@ -242,7 +245,8 @@ static iso_status patch(isosculpt_view *view, iso_error *error) {
     ISO_TRY(extract(view, ISOSCULPT_EXACT, error));
     double start = isosculpt_now();
     view->fresh = (isosculpt_damage){.count = 0};
-    isosculpt_damage_add_edits(&view->fresh, &view->drawn.view, view->grid.hgrid, view->seen);
+    if (view->grid.hgrid) /* (no one writes to others) */
+        isosculpt_damage_add_edits(&view->fresh, &view->drawn.view, view->grid.hgrid, view->seen);
     if (view->repaint) isosculpt_damage_add(&view->fresh, whole_image(view));
     if (!view->fresh.count) return ISO_OK;
     view->quality = ISOSCULPT_REST;
@@ -258,7 +262,7 @@ static iso_status patch(isosculpt_view *view, iso_error *error) {
 }
 
 iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool moving, iso_error *error) {
-    const uint64_t now = iso_change_log_now(view->grid.hgrid->log);
+    const uint64_t now = iso_change_log_now(iso_grid_log(&view->grid));
     const bool still = is_still(view, width, height);
     const bool exact = view->look.method == ISOSCULPT_EXACT;
     view->width = width;

@@ -58,6 +58,7 @@ void iso_work_clear(iso_work *work) {
     work->redistanced = false;
     work->away = 0;
     work->torn = false;
+    work->progress = NULL;
     work->taken = 0;
     for (int i = 0; i < iso_pool_threads(work->pool); i++) work->workers[i].stage = NULL;
 }
@@ -480,6 +481,7 @@ iso_status iso_work_redistance(iso_work *work, int iterations, bool rescale, iso
         p.to = p.phi;
     }
     for (int i = 0; i < iterations; i++) {
+        ISO_TRY(iso_progress_tell(work->progress, "the field", (double)i / iterations, error));
         p.turn = i % 2;
         p.first = i == 0;
         run(&p, relax_job);

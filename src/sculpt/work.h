@@ -72,8 +72,9 @@ typedef struct iso_work {
     int now;    /* the field that holds the jobs' values */
     bool redistanced;
     iso_worker *workers;
-    iso_slabs slabs; /* of bricks that jobs take */
-    size_t taken;    /* of them; atomic while jobs run */
+    iso_slabs slabs;              /* of bricks that jobs take */
+    size_t taken;                 /* of them; atomic while jobs run */
+    const iso_progress *progress; /* of redistancing; NULL: nobody waits */
 } iso_work;
 
 /* Zero-initialised storage; grid and pool are borrowed until free. */
