@@ -71,6 +71,8 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
                        {"pullpush_finish.comp"},
                        {"unpack.glsl", "pullpush.glsl", "pullpush_mix.glsl"},
                        ""},
+    [ISO_GL_SHADE_TARGET] = {"shading", {"shade.comp"}, {"phong.h"}, ""},
+    [ISO_GL_SHADE_PICTURE] = {"shading of pull-push", {"shade.comp"}, {"phong.h"}, "#define BUFFER 1\n"},
 };
 
 const char *iso_gl_program_name(iso_gl_program program) {

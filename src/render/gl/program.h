@@ -31,9 +31,11 @@ typedef enum iso_gl_program {
     ISO_GL_PULL_KEYS,
     ISO_GL_UNPACK,
     ISO_GL_PUSH,
-    ISO_GL_FINISH
+    ISO_GL_FINISH,
+    ISO_GL_SHADE_TARGET, /* colours: of what fragments made */
+    ISO_GL_SHADE_PICTURE /* and of what pull-push made */
 } iso_gl_program;
-enum { ISO_GL_PROGRAMS = ISO_GL_FINISH + 1 };
+enum { ISO_GL_PROGRAMS = ISO_GL_SHADE_PICTURE + 1 };
 
 const char *iso_gl_program_name(iso_gl_program program);
 

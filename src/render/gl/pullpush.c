@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "render/gl/output.h"
 #include "render/gl/shape.h"
 #include "render/gl/shared.h"
 #include "render/pullpush_setup.h"
@@ -330,7 +331,7 @@ static drawing drawing_of(const frame *f, int number, const iso_view *view) {
                      .cull = shape->closed && !blocks->around_eye};
 }
 
-static iso_status draw_strip(frame *f, const iso_view *view, size_t start, const iso_gbuffer *gbuffer,
+static iso_status draw_strip(frame *f, const iso_view *view, int row, const iso_gl_output *to,
                              iso_error *error) {
     const size_t samples = (size_t)view->width * (size_t)view->height;
     need_buffer(f, ISO_GL_STORE_PICTURE, samples * ISO_GL_PICTURE_PLANES * sizeof(float));
@@ -341,7 +342,10 @@ static iso_status draw_strip(frame *f, const iso_view *view, size_t start, const
         begin(&d, i);
         ISO_TRY(reconstruct(&d, &f->room, error));
     }
-    ISO_TRY(read_picture(f, gbuffer, start, samples, error));
+    if (to->gbuffer)
+        ISO_TRY(read_picture(f, to->gbuffer, (size_t)row * (size_t)view->width, samples, error));
+    else
+        ISO_TRY(iso_gl_canvas_shade(to, true, view, 0, row, error));
     iso_gl_timer_read(&f->engine->timer, f->gl);
     return ISO_OK;
 }
@@ -361,10 +365,13 @@ static size_t strip_bytes(const frame *f, int rows) {
     return most;
 }
 
-static iso_status draw_strips(frame *f, const iso_gbuffer *gbuffer, iso_error *error) {
+static iso_status draw_strips(frame *f, const iso_gl_output *to, iso_error *error) {
     const iso_view *whole = f->opts->view;
-    int rows = whole->height;
-    while (rows > STRIP_ROWS_LEAST && strip_bytes(f, rows) > f->storage) rows = (rows + 1) / 2;
+    int rows = whole->height, factor = iso_gl_output_factor(to);
+    while (rows > STRIP_ROWS_LEAST && strip_bytes(f, rows) > f->storage) {
+        rows = (rows + 1) / 2;
+        rows += (factor - rows % factor) % factor;
+    }
     if (strip_bytes(f, rows) > f->engine->max_storage)
         return iso_fail(
             error, ISO_ERR_LIMIT,
@@ -374,7 +381,7 @@ static iso_status draw_strips(frame *f, const iso_gbuffer *gbuffer, iso_error *e
             f->engine->max_storage);
     for (int y = 0; y < whole->height; y += rows) {
         iso_view view = iso_view_rows(whole, y, whole->height - y < rows ? whole->height - y : rows);
-        ISO_TRY(draw_strip(f, &view, (size_t)y * (size_t)whole->width, gbuffer, error));
+        ISO_TRY(draw_strip(f, &view, y, to, error));
         ISO_TRY(iso_gl_check(f->engine->context, error)); /* nothing comes after a loss */
     }
     return ISO_OK;
@@ -391,9 +398,8 @@ static iso_status look(const iso_gl_pullpush_opts *opts, iso_error *error) {
     return ISO_OK;
 }
 
-iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, iso_gbuffer *gbuffer,
-                                iso_error *error) {
-    assert(opts->view->width == gbuffer->width && opts->view->height == gbuffer->height);
+iso_status iso_gl_draw_pullpush_to(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts,
+                                   const iso_gl_output *to, iso_error *error) {
     assert(opts->shape_count >= 0 && opts->shape_count <= ISO_SURFACE_MAX);
     if (opts->reconstruction == ISO_RECONSTRUCTION_REFINED)
         return iso_fail(error, ISO_ERR_UNSUPPORTED,
@@ -402,7 +408,13 @@ iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opt
     frame f = {.engine = engine, .gl = engine->context->gl, .opts = opts};
     ISO_TRY(iso_gl_enter(engine->context, error));
     f.storage = engine->max_storage < STORAGE_BYTES ? engine->max_storage : STORAGE_BYTES;
-    iso_status status = draw_strips(&f, gbuffer, error);
+    iso_status status = draw_strips(&f, to, error);
     iso_buffer_free(&f.room);
     return iso_gl_leave(engine->context, status, error);
+}
+
+iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, iso_gbuffer *gbuffer,
+                                iso_error *error) {
+    assert(opts->view->width == gbuffer->width && opts->view->height == gbuffer->height);
+    return iso_gl_draw_pullpush_to(engine, opts, &(iso_gl_output){.gbuffer = gbuffer}, error);
 }

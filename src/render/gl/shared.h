@@ -14,6 +14,8 @@
 /* Uniform blocks. */
 #define ISO_GL_FRAME 0
 #define ISO_GL_PULLPUSH 1
+#define ISO_GL_SHADE 2
+#define ISO_GL_UNIFORM_SLOTS 3
 
 /* Uniforms of pull-push's passes. */
 #define ISO_GL_LEVEL 0 /* int: the level that a pass makes */
@@ -31,6 +33,15 @@
 #define ISO_GL_ENDS 1    /* uint: bits of its reach to where the surface ends; the last: it hides another */
 #define ISO_GL_PICTURE 0 /* uint: planes of the gbuffer's: depth, normal x, y, z, surface */
 #define ISO_GL_PICTURE_PLANES 5
+#define ISO_GL_STORAGE_SLOTS 8
+
+/* Textures and images of shading. */
+#define ISO_GL_NORMAL_DEPTHS 0 /* what fragments made */
+#define ISO_GL_SPHERE 1        /* a lit sphere's colours by the normal's x and y, -1 .. 1 */
+#define ISO_GL_TEXTURE_SLOTS 2
+#define ISO_GL_COLORS 0  /* rgba8: a canvas's */
+#define ISO_GL_SAMPLES 1 /* rgba32f: view space normal, view z */
+#define ISO_GL_IMAGE_SLOTS 2
 
 /* Threads of a group: in a row, and in a square. */
 #define ISO_GL_GROUP 64
@@ -116,6 +127,14 @@
     ISO_GL_FLOATS(eye);    /* steps; orthographic: direction of the view */                                  \
     ISO_GL_UINTS(part);    /* first point in what is bound, count, leave out those that face away */
 
+/* std140. A part of a picture, shaded: samples as in render/shading.h. */
+#define ISO_GL_SHADE_FIELDS                                                                                  \
+    ISO_GL_FLOATS(ray);        /* optical axis in the part's samples; 1 / focal, 0: orthographic */          \
+    ISO_GL_FLOATS(color);      /* 0 .. 1 */                                                                  \
+    ISO_GL_FLOATS(background); /* 0 .. 1 */                                                                  \
+    ISO_GL_INTS(part);         /* its size in pixels; the picture's pixel at its corner */                   \
+    ISO_GL_INTS(how);          /* samples along a pixel, whether they are kept, by a sphere's picture */
+
 #ifndef ISO_GLSL
 typedef struct iso_gl_frame {
     ISO_GL_FRAME_FIELDS
@@ -126,6 +145,9 @@ typedef struct iso_gl_pullpush {
 typedef struct iso_gl_block {
     ISO_GL_BLOCK_FIELDS
 } iso_gl_block;
+typedef struct iso_gl_shade {
+    ISO_GL_SHADE_FIELDS
+} iso_gl_shade;
 #endif
 
 #endif
