@@ -122,6 +122,34 @@ static bool color_edit(const char *label, iso_rgb *color) {
     return true;
 }
 
+/* Which engine is chosen, and where it is not the one that drew, that. */
+static bool engine_combo(isosculpt_view *view) {
+    static const char *const names[] = {"cpu", "gl"};
+    isosculpt_engine *engine = &view->look.engine;
+    bool changed = false;
+    if (!view->gl) {
+        ImGui::TextColored(GREY, "engine: cpu (there is no OpenGL 4.5)");
+        return false;
+    }
+    if (ImGui::BeginCombo("engine", names[*engine])) {
+        for (isosculpt_engine i : {ISOSCULPT_CPU, ISOSCULPT_GL})
+            if (ImGui::Selectable(names[i], i == *engine)) {
+                *engine = i;
+                view->gl_error.text[0] = 0;
+                changed = true;
+            }
+        ImGui::EndCombo();
+    }
+    ImGui::PushTextWrapPos(0);
+    if (view->gl_error.text[0])
+        ImGui::TextColored(RED, "%s", view->gl_error.text);
+    else
+        ImGui::TextColored(GREY, "drawn by %s",
+                           view->drawn.canvas ? isosculpt_gl_renderer(view->gl) : "the cpu engine");
+    ImGui::PopTextWrapPos();
+    return changed;
+}
+
 static void section_picture(isosculpt_hand *hand) {
     isosculpt_look *look = &hand->view->look;
     bool changed = false;
@@ -144,8 +172,7 @@ static void section_picture(isosculpt_hand *hand) {
     changed |= color_edit("surface", &look->paint.color);
     ImGui::SameLine();
     changed |= color_edit("background", &look->paint.background);
-    ImGui::SameLine();
-    ImGui::TextColored(GREY, "engine: cpu");
+    changed |= engine_combo(hand->view);
     if (changed) hand->wishes |= ISOSCULPT_WISH_PICTURE;
 }
 
