@@ -175,8 +175,6 @@ iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
                 ISO_TRY(iso_gl_upload_mesh(job->backend->engine, &mesh, shape, error));
         } else {
             iso_point_view points = isorender_points_view(job, i);
-            if (points.colors && job->method == ISORENDER_PULLPUSH)
-                isorender_say(job, "the points' own colours are left out (they need --backend cpu)");
             ISO_TRY(iso_gl_upload_points(job->backend->engine, &points, shape, error));
         }
     }

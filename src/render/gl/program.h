@@ -32,6 +32,8 @@ typedef enum iso_gl_program {
     ISO_GL_UNPACK,
     ISO_GL_PUSH,
     ISO_GL_FINISH,
+    ISO_GL_COLORED, /* the same from ISO_GL_PULL_LEVEL on, of points that have colours */
+    ISO_GL_COLORED_LAST = ISO_GL_COLORED + ISO_GL_FINISH - ISO_GL_PULL_LEVEL,
     ISO_GL_SHADE_TARGET, /* colours: of what fragments made */
     ISO_GL_SHADE_PICTURE /* and of what pull-push made */
 } iso_gl_program;

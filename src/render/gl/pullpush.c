@@ -14,7 +14,7 @@
 enum {
     STRIP_ROWS_LEAST = 64,
     /* Windows of points begin at a multiple of this: bytes that any driver takes as an offset. */
-    WINDOW_POINTS = 64
+    WINDOW_POINTS = 256
 };
 /* No storage buffer of the pyramid or the picture need be larger: a larger picture is made in strips. */
 static const size_t STORAGE_BYTES = (size_t)256 << 20;
@@ -25,7 +25,7 @@ _Static_assert(offsetof(iso_gl_pullpush, lattice) == 160 && offsetof(iso_gl_pull
                "std140 has it like this");
 _Static_assert(sizeof(iso_gl_block) == 48, "std430 has it like this");
 _Static_assert(WINDOW_POINTS * sizeof(iso_point) % 256 == 0 &&
-                   WINDOW_POINTS * sizeof(iso_surfel) % 256 == 0 && WINDOW_POINTS * sizeof(float) % 256 == 0,
+                   WINDOW_POINTS * sizeof(iso_surfel) % 256 == 0 && WINDOW_POINTS * 3 % 256 == 0,
                "256 is the widest alignment that a driver may ask for");
 
 /* Points of one dispatch, from a multiple of WINDOW_POINTS on, and its blocks. */
@@ -39,6 +39,7 @@ typedef struct frame {
     const GladGLContext *gl;
     const iso_gl_pullpush_opts *opts;
     size_t storage; /* bytes that a storage buffer of ours may have */
+    size_t planes;  /* of the picture */
     iso_buffer room;
 } frame;
 
@@ -98,12 +99,13 @@ static void set_uniforms(drawing *d, int surface) {
     const iso_reconstruction_job job =
         iso_pullpush_job(shape, &d->projector, d->shape->radius, d->frame->opts->reconstruction, !d->cull);
     iso_gl_pullpush *u = &d->uniforms;
-    *u = (iso_gl_pullpush){.axis = {p->column, p->row, p->near, job.scale},
-                           .disc = {job.radius, job.low_pass, job.facing, job.edge},
-                           .ray = {job.ray[0], job.ray[1], job.slope},
-                           .lattice = {shape->base, shape->rows_before, shape->column, shape->row},
-                           .picture = {d->view->width, d->view->height, surface},
-                           .flags = {d->view->orthographic, job.two_sided, d->shape->has_radii}};
+    *u = (iso_gl_pullpush){
+        .axis = {p->column, p->row, p->near, job.scale},
+        .disc = {job.radius, job.low_pass, job.facing, job.edge},
+        .ray = {job.ray[0], job.ray[1], job.slope},
+        .lattice = {shape->base, shape->rows_before, shape->column, shape->row},
+        .picture = {d->view->width, d->view->height, surface},
+        .flags = {d->view->orthographic, job.two_sided, d->shape->has_radii, d->shape->has_colors}};
     float *steps[] = {u->step_x, u->step_y, u->step_z}, *normals[] = {u->normal_x, u->normal_y, u->normal_z};
     for (int k = 0; k < 3; k++) {
         set_floats(steps[k], p->step + 3 * k, 3);
@@ -131,12 +133,14 @@ static void begin(drawing *d, int surface) {
     f->gl->NamedBufferSubData(f->engine->storage[ISO_GL_STORE_UNIFORMS], 0, sizeof d->uniforms, &d->uniforms);
     f->gl->BindBufferBase(GL_UNIFORM_BUFFER, ISO_GL_PULLPUSH, f->engine->storage[ISO_GL_STORE_UNIFORMS]);
     need_buffer(f, ISO_GL_STORE_KEYS, d->keys * 2 * sizeof(uint32_t));
-    need_buffer(f, ISO_GL_STORE_DISCS, (d->shape->has_radii ? d->keys : 1) * sizeof(uint32_t));
+    const size_t discs = (d->shape->has_colors ? 2 : d->shape->has_radii) * d->keys * sizeof(uint32_t);
+    need_buffer(f, ISO_GL_STORE_DISCS, discs ? discs : sizeof(uint32_t));
+    need_buffer(f, ISO_GL_STORE_TINTS, (d->shape->has_colors ? d->pixels : 1) * 4 * sizeof(float));
     for (int which = ISO_GL_STORE_SHADES; which <= ISO_GL_STORE_SHAPES; which++)
         need_buffer(f, (iso_gl_storage)which, d->pixels * 4 * sizeof(float));
     need_buffer(f, ISO_GL_STORE_ENDS, d->pixels * sizeof(uint32_t));
     fill_buffer(f, ISO_GL_STORE_KEYS, d->keys * 2 * sizeof(uint32_t), ISO_GL_KEY_NONE);
-    if (d->shape->has_radii) fill_buffer(f, ISO_GL_STORE_DISCS, d->keys * sizeof(uint32_t), ISO_GL_KEY_NONE);
+    if (discs) fill_buffer(f, ISO_GL_STORE_DISCS, discs, ISO_GL_KEY_NONE);
 }
 
 /* ---- points to keys */
@@ -191,6 +195,9 @@ static void bind_window(const drawing *d, const window *w) {
     if (d->shape->has_radii)
         gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, ISO_GL_RADII, d->shape->radii.name,
                             (GLintptr)(w->first * sizeof(float)), (GLsizeiptr)(count * sizeof(float)));
+    if (d->shape->has_colors)
+        gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, ISO_GL_PAINTS, d->shape->colors.name,
+                            (GLintptr)(w->first * 3), (GLsizeiptr)((count * 3 + 3) / 4 * 4));
 }
 
 static iso_status project(const drawing *d, int kind, const window *windows, size_t count, iso_error *error) {
@@ -231,7 +238,7 @@ static iso_status project_all(const drawing *d, iso_buffer *room, iso_error *err
         ISO_TRY(project(d, 0, windows, count, error));
         ISO_TRY(project(d, ISO_GL_PROJECT_PAYLOADS - ISO_GL_PROJECT_DEPTHS, windows, count, error));
     }
-    if (!d->shape->has_radii) return ISO_OK;
+    if (!d->shape->has_radii && !d->shape->has_colors) return ISO_OK;
     return project(d, ISO_GL_PROJECT_DISCS - ISO_GL_PROJECT_DEPTHS, windows, count, error);
 }
 
@@ -242,6 +249,7 @@ static iso_status run(const drawing *d, iso_gl_program program, int level, iso_e
     const GladGLContext *gl = d->frame->gl;
     const int *size = level ? d->uniforms.levels[level] : d->uniforms.picture;
     unsigned name;
+    if (d->shape->has_colors) program = (iso_gl_program)(program + ISO_GL_COLORED - ISO_GL_PULL_LEVEL);
     ISO_TRY(iso_gl_engine_program(d->frame->engine, program, &name, error));
     gl->UseProgram(name);
     if (level) gl->Uniform1i(ISO_GL_LEVEL, level);
@@ -275,6 +283,7 @@ static iso_status reconstruct(const drawing *d, iso_buffer *room, iso_error *err
     bind(f, ISO_GL_RANGES, ISO_GL_STORE_RANGES);
     bind(f, ISO_GL_SHAPES, ISO_GL_STORE_SHAPES);
     bind(f, ISO_GL_ENDS, ISO_GL_STORE_ENDS);
+    bind(f, ISO_GL_TINTS, ISO_GL_STORE_TINTS);
     bind(f, ISO_GL_PICTURE, ISO_GL_STORE_PICTURE);
     iso_gl_timer_begin(timer, f->gl, ISO_GL_PASS_PULL);
     status = pull(d, error);
@@ -297,7 +306,7 @@ static void clear_picture(const frame *f, size_t samples) {
     const GLuint none = ISO_SURFACE_NONE;
     const size_t plane = samples * sizeof(float);
     GLuint picture = f->engine->storage[ISO_GL_STORE_PICTURE];
-    fill_buffer(f, ISO_GL_STORE_PICTURE, ISO_GL_PICTURE_PLANES * plane, 0);
+    fill_buffer(f, ISO_GL_STORE_PICTURE, f->planes * plane, 0);
     f->gl->ClearNamedBufferSubData(picture, GL_R32F, 0, (GLsizeiptr)plane, GL_RED, GL_FLOAT, &far);
     f->gl->ClearNamedBufferSubData(picture, GL_R32UI, (GLintptr)(4 * plane), (GLsizeiptr)plane,
                                    GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
@@ -317,6 +326,8 @@ static iso_status read_picture(frame *f, const iso_gbuffer *to, size_t start, si
     gl->GetNamedBufferSubData(picture, (GLintptr)(4 * bytes), (GLsizeiptr)bytes, f->room.data);
     const uint32_t *surfaces = f->room.data;
     for (size_t i = 0; i < samples; i++) to->surface[start + i] = (uint8_t)surfaces[i];
+    if (f->planes > ISO_GL_PICTURE_PLANES)
+        gl->GetNamedBufferSubData(picture, (GLintptr)(5 * bytes), (GLsizeiptr)bytes, to->color + start);
     return ISO_OK;
 }
 
@@ -334,7 +345,7 @@ static drawing drawing_of(const frame *f, int number, const iso_view *view) {
 static iso_status draw_strip(frame *f, const iso_view *view, int row, const iso_gl_output *to,
                              iso_error *error) {
     const size_t samples = (size_t)view->width * (size_t)view->height;
-    need_buffer(f, ISO_GL_STORE_PICTURE, samples * ISO_GL_PICTURE_PLANES * sizeof(float));
+    need_buffer(f, ISO_GL_STORE_PICTURE, samples * f->planes * sizeof(float));
     clear_picture(f, samples);
     for (int i = 0; i < f->opts->shape_count; i++) {
         if (f->opts->shapes[i]->blocks->seen == 0) continue;
@@ -353,7 +364,7 @@ static iso_status draw_strip(frame *f, const iso_view *view, int row, const iso_
 /* The largest storage buffer that a strip of so many rows needs. */
 static size_t strip_bytes(const frame *f, int rows) {
     const iso_view view = iso_view_rows(f->opts->view, 0, rows);
-    size_t most = (size_t)view.width * (size_t)view.height * ISO_GL_PICTURE_PLANES * sizeof(float);
+    size_t most = (size_t)view.width * (size_t)view.height * f->planes * sizeof(float);
     for (int i = 0; i < f->opts->shape_count; i++) {
         if (f->opts->shapes[i]->blocks->seen == 0) continue;
         const drawing d = drawing_of(f, i, &view);
@@ -398,6 +409,12 @@ static iso_status look(const iso_gl_pullpush_opts *opts, iso_error *error) {
     return ISO_OK;
 }
 
+static bool has_colors(const iso_gl_pullpush_opts *opts) {
+    for (int i = 0; i < opts->shape_count; i++)
+        if (opts->shapes[i]->has_colors) return true;
+    return false;
+}
+
 iso_status iso_gl_draw_pullpush_to(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts,
                                    const iso_gl_output *to, iso_error *error) {
     assert(opts->shape_count >= 0 && opts->shape_count <= ISO_SURFACE_MAX);
@@ -405,7 +422,11 @@ iso_status iso_gl_draw_pullpush_to(iso_gl_engine *engine, const iso_gl_pullpush_
         return iso_fail(error, ISO_ERR_UNSUPPORTED,
                         "refined reconstruction needs the cpu: OpenGL has box and gaussian");
     ISO_TRY(look(opts, error));
-    frame f = {.engine = engine, .gl = engine->context->gl, .opts = opts};
+    frame f = {.engine = engine, .gl = engine->context->gl, .opts = opts, .planes = ISO_GL_PICTURE_PLANES};
+    if (has_colors(opts)) {
+        f.planes++;
+        if (to->gbuffer) ISO_TRY(iso_gbuffer_add_color(to->gbuffer, error));
+    }
     ISO_TRY(iso_gl_enter(engine->context, error));
     f.storage = engine->max_storage < STORAGE_BYTES ? engine->max_storage : STORAGE_BYTES;
     iso_status status = draw_strips(&f, to, error);

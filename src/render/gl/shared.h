@@ -22,16 +22,19 @@
 #define ISO_GL_FIRST 0 /* uvec2, of projections: the first block, and one beyond the last */
 
 /* Storage buffers. Drivers need have no more than eight slots: what no pass uses together shares them. */
-#define ISO_GL_POINTS 0  /* uint: points as they are in C */
-#define ISO_GL_RADII 1   /* float: one a point, mm */
-#define ISO_GL_BLOCKS 2  /* iso_gl_block */
-#define ISO_GL_KEYS 3    /* uvec2, of the base level's pixels: payload, depth */
-#define ISO_GL_DISCS 4   /* uint, likewise: bits of the radius of the pixel's disc, mm */
+#define ISO_GL_POINTS 0 /* uint: points as they are in C */
+#define ISO_GL_RADII 1  /* float: one a point, mm */
+#define ISO_GL_BLOCKS 2 /* iso_gl_block */
+#define ISO_GL_KEYS 3   /* uvec2, of the base level's pixels: payload, depth */
+#define ISO_GL_DISCS                                                                                         \
+    4 /* uint, likewise: bits of the radius of the pixel's disc, mm; behind them all, colours */
+#define ISO_GL_PAINTS 5  /* uint: three bytes a point: its colour */
+#define ISO_GL_TINTS 2   /* vec4, of the pixels of all levels above 0: colour, 0 .. 255 */
 #define ISO_GL_SHADES 5  /* vec4, of the pixels of all levels above 0: normal, mean depth */
 #define ISO_GL_RANGES 6  /* vec4: least and greatest depth, from the pixel's centre to the ellipse's */
 #define ISO_GL_SHAPES 7  /* vec4: the ellipse (wide, thin x, thin y), the disc's radius */
 #define ISO_GL_ENDS 1    /* uint: bits of its reach to where the surface ends; the last: it hides another */
-#define ISO_GL_PICTURE 0 /* uint: planes of the gbuffer's: depth, normal x, y, z, surface */
+#define ISO_GL_PICTURE 0 /* uint: planes of the gbuffer's: depth, normal x, y, z, surface, and of colours */
 #define ISO_GL_PICTURE_PLANES 5
 #define ISO_GL_STORAGE_SLOTS 8
 
@@ -118,7 +121,7 @@
     ISO_GL_INTS(                                                                                             \
         lattice); /* base; rows of the whole frame before level 0's; the picture's pixel at its corner */    \
     ISO_GL_INTS(picture);                   /* width, height, surface */                                     \
-    ISO_GL_UINTS(flags);                    /* orthographic, two-sided, points have radii */                 \
+    ISO_GL_UINTS(flags);                    /* orthographic, two-sided, points have radii, and colours */    \
     ISO_GL_INT_ROWS(levels, ISO_GL_LEVELS); /* width, height, first pixel in the buffers */
 
 /* std430. Points that are projected together. */
