@@ -378,6 +378,38 @@ static void surfaces_hide_one_another(void **state) {
     gl_contexts_close(&contexts);
 }
 
+/* What pictures are said to take is about what they take, and no more the larger they are. */
+static void memory_is_told(void **state) {
+    (void)state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    many_points m;
+    make_many(&m);
+    m.view.colors = (const uint8_t(*)[3])m.colors;
+    const iso_box box = {{0, -16, 0}, {32, 32, 48}};
+    for (int c = 0; c < contexts.count; c++)
+        for (int side = 500; side <= 1000; side += 500) {
+            iso_gl_engine *engine = make_engine(contexts.context[c]);
+            iso_gl_shape *shape = upload(engine, &m.view);
+            const iso_view view = gl_side_view(&box, 1, false, side, side);
+            const iso_gl_pullpush_opts opts = {&view, (const iso_gl_shape *const *)&shape, 1,
+                                               ISO_RECONSTRUCTION_GAUSSIAN};
+            iso_gbuffer g = gl_gbuffer(&view);
+            assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &g, NULL), ISO_OK);
+            double taken = 0, told = (double)iso_gl_pullpush_bytes(engine, side, side);
+            for (int i = 0; i < ISO_GL_STORES; i++)
+                if (i != ISO_GL_STORE_BLOCKS) taken += (double)engine->storage_bytes[i];
+            if (!(taken < 1.25 * told && taken > 0.8 * told)) fail_msg("%g taken, %g told", taken, told);
+            assert_true(iso_gl_pullpush_bytes(engine, 1 << 16, 1 << 16) ==
+                        iso_gl_pullpush_bytes(engine, 1 << 17, 1 << 17));
+            iso_gbuffer_free(&g);
+            iso_gl_shape_destroy(shape);
+            iso_gl_engine_destroy(engine);
+        }
+    free_many(&m);
+    gl_contexts_close(&contexts);
+}
+
 static void what_cannot_be_drawn_is_said(void **state) {
     (void)state;
     gl_contexts contexts;
@@ -461,6 +493,7 @@ int main(void) {
         cmocka_unit_test(every_time_is_the_same),
         cmocka_unit_test(updates_are_drawn),
         cmocka_unit_test(surfaces_hide_one_another),
+        cmocka_unit_test(memory_is_told),
         cmocka_unit_test(what_cannot_be_drawn_is_said),
         cmocka_unit_test(passes_are_timed),
     };

@@ -56,6 +56,11 @@ uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height) {
     return 0;
 }
 
+uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, int width, int height) {
+    (void)engine, (void)width, (void)height;
+    return 0;
+}
+
 iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_shape **shape,
                                 iso_error *error) {
     (void)engine, (void)points, (void)shape;

@@ -409,6 +409,21 @@ static iso_status look(const iso_gl_pullpush_opts *opts, iso_error *error) {
     return ISO_OK;
 }
 
+static size_t storage_of(const iso_gl_engine *engine) {
+    return engine->max_storage < STORAGE_BYTES ? engine->max_storage : STORAGE_BYTES;
+}
+
+uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, int width, int height) {
+    enum {
+        PICTURE = (ISO_GL_PICTURE_PLANES + 1) * sizeof(float),
+        BASE = (2 + 2) * sizeof(uint32_t),                /* keys; radii and colours */
+        ABOVE = 4 * 4 * sizeof(float) + sizeof(uint32_t), /* shades, ranges, shapes, tints; ends */
+        SAMPLE = PICTURE + BASE + (ABOVE + 2) / 3         /* of levels above 0: a third of a pixel */
+    };
+    const uint64_t samples = (uint64_t)width * (uint64_t)height, most = storage_of(engine) / PICTURE;
+    return (samples < most ? samples : most) * SAMPLE;
+}
+
 static bool has_colors(const iso_gl_pullpush_opts *opts) {
     for (int i = 0; i < opts->shape_count; i++)
         if (opts->shapes[i]->has_colors) return true;
@@ -428,7 +443,7 @@ iso_status iso_gl_draw_pullpush_to(iso_gl_engine *engine, const iso_gl_pullpush_
         if (to->gbuffer) ISO_TRY(iso_gbuffer_add_color(to->gbuffer, error));
     }
     ISO_TRY(iso_gl_enter(engine->context, error));
-    f.storage = engine->max_storage < STORAGE_BYTES ? engine->max_storage : STORAGE_BYTES;
+    f.storage = storage_of(engine);
     iso_status status = draw_strips(&f, to, error);
     iso_buffer_free(&f.room);
     return iso_gl_leave(engine->context, status, error);

@@ -24,6 +24,11 @@ typedef struct iso_gl_pullpush_opts {
 iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, iso_gbuffer *gbuffer,
                                 iso_error *error);
 
+/* Bytes that drawing takes from the GPU, or where the driver has none from main memory, for pictures of this
+ * many samples, with all that points may have: about, since how wide the guard band around the picture is
+ * depends on the points. */
+uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, int width, int height);
+
 #ifdef __cplusplus
 }
 #endif

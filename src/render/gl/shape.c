@@ -256,9 +256,13 @@ static iso_status keep_bounds(iso_gl_shape *shape, const iso_mesh_view *mesh, is
     return ISO_OK;
 }
 
+static bool is_same(const void *context, size_t span) {
+    return !((const iso_gl_span *)context)[span].changed;
+}
+
 /* Blocks say where they begin in their span, as its points may come to lie elsewhere. */
 static iso_status measure_blocks(iso_gl_shape *shape, const iso_point_view *points, iso_error *error) {
-    ISO_TRY(iso_point_blocks_measure(shape->blocks, points, error));
+    ISO_TRY(iso_point_blocks_measure(shape->blocks, points, is_same, shape->spans.data, error));
     iso_point_block *block = shape->blocks->blocks.data;
     for (size_t i = 0; i < shape->blocks->count; i++) block[i].first -= points->spans[block[i].span].first;
     return ISO_OK;
@@ -293,9 +297,9 @@ static iso_status send_points(iso_gl_shape *shape, const iso_point_view *points,
                              (points->colors ? growth(&shape->colors, end, colors.item) : 0),
                          error));
     ISO_TRY(fit_spans(shape, points->span_count, error));
-    ISO_TRY(measure_blocks(shape, points, error));
     shape->closed = points->closed;
     describe_points(shape, points);
+    ISO_TRY(measure_blocks(shape, points, error));
     fit(gl, &vertices, end);
     send_changed(shape, &vertices, points, points_of);
     if (points->radii) {
