@@ -138,16 +138,34 @@ static void add_file(source *s, const char *file) {
     s->part[s->parts++] = own ? own : embedded(file);
 }
 
-static iso_status compile(iso_gl_context *context, const recipe *r, const char *file, GLuint *shader,
-                          iso_error *error) {
-    const GladGLContext *gl = context->gl;
+static source source_of(const recipe *r, const char *file) {
     source s = {.part = {"#version 450 core\n", r->defines, "#define ISO_GLSL 1\n", embedded("shared.h")},
                 .parts = HEAD};
     for (int i = 0; i < PIECES && r->pieces[i]; i++) add_file(&s, r->pieces[i]);
     add_file(&s, file);
+    return s;
+}
+
+static void free_source(source *s) {
+    for (int i = 0; i < s->owned; i++) free(s->own[i]);
+}
+
+const char *iso_gl_program_write(iso_gl_program program, int stage, FILE *stream) {
+    const recipe *r = &recipes[program];
+    if (stage >= STAGES || !r->files[stage]) return NULL;
+    source s = source_of(r, r->files[stage]);
+    for (int i = 0; i < s.parts; i++) fputs(s.part[i], stream);
+    free_source(&s);
+    return r->files[stage];
+}
+
+static iso_status compile(iso_gl_context *context, const recipe *r, const char *file, GLuint *shader,
+                          iso_error *error) {
+    const GladGLContext *gl = context->gl;
+    source s = source_of(r, file);
     GLuint made = gl->CreateShader(type_of(file));
     gl->ShaderSource(made, s.parts, s.part, NULL);
-    for (int i = 0; i < s.owned; i++) free(s.own[i]);
+    free_source(&s);
     gl->CompileShader(made);
     GLint good = 0;
     gl->GetShaderiv(made, GL_COMPILE_STATUS, &good);

@@ -2,6 +2,8 @@
 #ifndef ISO_RENDER_GL_PROGRAM_H
 #define ISO_RENDER_GL_PROGRAM_H
 
+#include <stdio.h>
+
 #include "render/gl/context.h"
 
 #ifdef __cplusplus
@@ -45,6 +47,10 @@ const char *iso_gl_program_name(iso_gl_program program);
 bool iso_gl_has_wide_atomics(const iso_gl_context *context);
 /* Whether the program can be built there at all. */
 bool iso_gl_program_fits(iso_gl_program program, bool wide_atomics);
+
+/* The whole text of a program's stage (0, 1), for other compilers; returns the name of its file, or NULL:
+ * there is no such stage. */
+const char *iso_gl_program_write(iso_gl_program program, int stage, FILE *stream);
 
 /* Compiles and links in the current context; *name is GL's number. ISO_ERR_BACKEND with the driver's log.
  * Texts come from the folder ISO_SHADER_DIR where that is set and has the file. */
