@@ -143,9 +143,11 @@ static bool engine_combo(isosculpt_view *view) {
     ImGui::PushTextWrapPos(0);
     if (view->gl_error.text[0])
         ImGui::TextColored(RED, "%s", view->gl_error.text);
+    else if (view->drawn.canvas)
+        ImGui::TextColored(GREY, "drawn by %s%s", isosculpt_gl_renderer(view->gl),
+                           view->look.method == ISOSCULPT_PULLPUSH ? ", Gaussian (cpu: refined)" : "");
     else
-        ImGui::TextColored(GREY, "drawn by %s",
-                           view->drawn.canvas ? isosculpt_gl_renderer(view->gl) : "the cpu engine");
+        ImGui::TextColored(GREY, "drawn by the cpu engine");
     ImGui::PopTextWrapPos();
     return changed;
 }
