@@ -494,6 +494,7 @@ static iso_status open_engine(window *w, iso_error *error) {
     return ISO_OK;
 }
 
+/* ISO_GL_DEBUG asks the driver to watch, and here is what it said. */
 static void close_engine(window *w) {
     isosculpt_gl_destroy(w->gl);
     if (w->context && getenv("ISO_GL_DEBUG")) {
