@@ -72,6 +72,7 @@ static iso_status draw_surface(isosculpt_view *view, isosculpt_method method, co
     iso_gbuffer_clear_bands(target->gbuffer, view->pool);
     if (method == ISOSCULPT_EXACT) return iso_draw_exact(target, view->exact, error);
     if (method == ISOSCULPT_MESH) {
+        ISO_TRY(iso_mesh_set_bound(view->mesh, error)); /* half of it is turned away and left out */
         iso_mesh_view mesh = iso_mesh_set_view(view->mesh);
         return iso_draw_mesh(target, &mesh, error);
     }
