@@ -18,7 +18,7 @@ typedef enum isosculpt_backend {
 
 typedef struct isosculpt_settings {
     const char *strokes; /* the operand: to continue in a window */
-    const char *replay, *open, *output, *mesh, *json_path;
+    const char *replay, *open, *stamp, *output, *mesh, *json_path;
     int json, headless, recover, quiet, threads, extract, draw;
     int backend;                 /* isosculpt_backend */
     int resolution[2];           /* of the pictures that are drawn; 0: 1280 x 800 */

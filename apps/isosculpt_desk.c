@@ -4,8 +4,6 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -89,6 +87,12 @@ void isosculpt_desk_dismiss(const char *journal) {
     if (join(path, journal, OPEN, NULL) == ISO_OK) unlink(path);
 }
 
+/* Whether it counts as open, by whomever. */
+static bool is_marked(const char *journal) {
+    char path[ISOSCULPT_PATH];
+    return join(path, journal, OPEN, NULL) == ISO_OK && access(path, F_OK) == 0;
+}
+
 static bool is_held(const char *marker) {
     int file = open(marker, O_RDWR | O_CLOEXEC);
     bool held = file < 0 || flock(file, LOCK_EX | LOCK_NB) != 0;
@@ -123,10 +127,11 @@ bool isosculpt_desk_unclosed(const char *folder, char path[ISOSCULPT_PATH]) {
 /* ---- opening and closing */
 
 /* Takes over the grid. */
-static iso_status open_session(isosculpt_desk *desk, iso_hgrid *grid, const char *journal, bool resume,
+static iso_status open_session(isosculpt_desk *desk, iso_hgrid *grid, const iso_session_opts *how,
                                iso_error *error) {
-    iso_session_opts opts = {
-        .pool = desk->pool, .journal = journal, .resume = resume, .undo_memory = desk->undo_memory};
+    iso_session_opts opts = *how;
+    opts.pool = desk->pool;
+    opts.undo_memory = desk->undo_memory;
     ISO_TRY(iso_session_create(grid, &desk->start, &opts, &desk->session, error));
     desk->began = isosculpt_now();
     desk->changes = desk->saved = 0;
@@ -151,16 +156,15 @@ static iso_status name_journal(const char *folder, char path[ISOSCULPT_PATH], is
     return iso_fail(error, ISO_ERR_WRITE, "%s: too many journals of this second", folder);
 }
 
-/* Takes over the grid. */
-static iso_status new_journal(isosculpt_desk *desk, const char *folder, iso_hgrid *grid, iso_error *error) {
-    iso_status status = folder ? name_journal(folder, desk->journal, error)
-                               : iso_fail(error, ISO_ERR_WRITE, "there is no folder for it");
-    if (status == ISO_OK) status = mark(desk->journal, &desk->marker, error);
-    if (status != ISO_OK) {
-        iso_hgrid_destroy(grid);
-        return status;
-    }
-    status = open_session(desk, grid, desk->journal, false, error);
+/* Takes over the grid, unless it leaves it there because there can be no journal. */
+static iso_status new_journal(isosculpt_desk *desk, const char *folder, iso_hgrid **grid, iso_error *error) {
+    if (!folder) return iso_fail(error, ISO_ERR_WRITE, "there is no folder for it");
+    ISO_TRY(name_journal(folder, desk->journal, error));
+    ISO_TRY(mark(desk->journal, &desk->marker, error));
+    const iso_session_opts opts = {.journal = desk->journal};
+    iso_hgrid *taken = *grid;
+    *grid = NULL;
+    iso_status status = open_session(desk, taken, &opts, error);
     desk->made = status == ISO_OK;
     return status;
 }
@@ -189,30 +193,47 @@ iso_status isosculpt_desk_new(isosculpt_desk *desk, const char *folder, const is
     iso_hgrid *grid;
     iso_error reason = {0};
     ISO_TRY(make_field(desk, source, &grid, error));
-    if (new_journal(desk, folder, grid, &reason) == ISO_OK) return ISO_OK;
+    if (new_journal(desk, folder, &grid, &reason) == ISO_OK) return ISO_OK;
     unmark(desk);
     desk->journal[0] = 0;
     snprintf(desk->trouble, sizeof desk->trouble, "%s", reason.text);
-    ISO_TRY(make_field(desk, source, &grid, error)); /* it went with the journal's session */
-    return open_session(desk, grid, NULL, false, error);
+    if (!grid) ISO_TRY(make_field(desk, source, &grid, error)); /* it went with the journal's session */
+    return open_session(desk, grid, &(iso_session_opts){0}, error);
 }
 
-static iso_status find_field(isosculpt_desk *desk, const char *journal, iso_hgrid **grid, iso_error *error) {
+iso_status isosculpt_desk_blank(isosculpt_desk *desk, iso_error *error) {
+    iso_hgrid *grid;
+    const iso_transform *none = NULL;
+    desk->start =
+        (iso_journal_start){.source = "nothing", .voxel_size = 1, .dims = {ISO_BRICK, ISO_BRICK, ISO_BRICK}};
+    ISO_TRY(iso_hgrid_create(desk->start.dims, 0, none, &grid, error));
+    return open_session(desk, grid, &(iso_session_opts){0}, error);
+}
+
+static iso_status find_field(isosculpt_desk *desk, const char *journal, const iso_progress *progress,
+                             iso_hgrid **grid, iso_error *error) {
     if (strcmp(desk->start.source, "ball") == 0) return iso_session_ball(&desk->start, grid, error);
-    return isosculpt_source_find(journal, 0, desk->pool, &desk->start, grid, error);
+    const isosculpt_source how = {.pool = desk->pool, .progress = progress};
+    return isosculpt_source_find(journal, &how, &desk->start, grid, error);
 }
 
-iso_status isosculpt_desk_open(isosculpt_desk *desk, const char *journal, iso_error *error) {
+iso_status isosculpt_desk_open(isosculpt_desk *desk, const char *journal, const iso_progress *progress,
+                               iso_error *error) {
     iso_journal_reader *reader;
     ISO_TRY(iso_journal_open(journal, &desk->start, &reader, error));
     iso_journal_reader_free(reader);
     ISO_TRY(join(desk->journal, journal, "", error));
+    const bool marked = is_marked(journal);
     ISO_TRY(mark(journal, &desk->marker, error));
     iso_hgrid *grid;
-    iso_status status = find_field(desk, journal, &grid, error);
-    if (status == ISO_OK) status = open_session(desk, grid, journal, true, error);
+    const iso_progress reading = iso_progress_part(progress, 0, 0.3),
+                       playing = iso_progress_part(progress, 0.3, 1);
+    const iso_session_opts opts = {.journal = journal, .resume = true, .progress = &playing};
+    iso_status status = find_field(desk, journal, &reading, &grid, error);
+    if (status == ISO_OK) status = open_session(desk, grid, &opts, error);
     if (status == ISO_OK) return ISO_OK;
-    if (desk->marker) close(desk->marker - 1); /* the marker stays: what could not be opened was not closed */
+    if (!marked) unmark(desk); /* else it stays: what could not be opened was not closed */
+    if (desk->marker) close(desk->marker - 1);
     desk->marker = 0;
     desk->journal[0] = 0;
     return status;
@@ -229,7 +250,7 @@ void isosculpt_desk_close(isosculpt_desk *desk) {
     isosculpt_desk_saving(desk, true, NULL, NULL);
     bool drawn = desk->session && iso_session_journal_status(desk->session, NULL) == ISO_OK;
     iso_session_destroy(desk->session);
-    if (drawn && desk->made && desk->changes == 0) remove_empty(desk);
+    if (drawn && desk->made && !desk->kept && desk->changes == 0) remove_empty(desk);
     if (drawn) unmark(desk);
     if (desk->marker) close(desk->marker - 1); /* a journal that lags behind was not closed well */
     *desk = (isosculpt_desk){.pool = desk->pool, .undo_memory = desk->undo_memory};
@@ -238,13 +259,10 @@ void isosculpt_desk_close(isosculpt_desk *desk) {
 /* ---- saving */
 
 struct isosculpt_saver {
-    pthread_t thread;
-    atomic_bool done;
-    iso_hgrid *grid; /* a copy */
+    isosculpt_task *task;
+    iso_hold *hold; /* on the field */
     char path[ISOSCULPT_PATH];
     size_t changes;
-    iso_status status;
-    iso_error error;
 };
 
 void isosculpt_desk_target(const isosculpt_desk *desk, char path[ISOSCULPT_PATH]) {
@@ -265,52 +283,57 @@ static iso_status replace(const char *fresh, const char *path, iso_error *error)
     return ISO_OK;
 }
 
-static iso_status save(isosculpt_saver *saver) {
+static iso_status write_held(isosculpt_saver *saver, const char *fresh, const iso_progress *progress,
+                             iso_error *error) {
+    const iso_progress taking = iso_progress_part(progress, 0, 0.2),
+                       writing = iso_progress_part(progress, 0.2, 1);
+    iso_hgrid *grid;
+    ISO_TRY(iso_hold_take(saver->hold, &taking, &grid, error));
+    iso_status status = iso_level_set_write_vdb(fresh, grid, "surface", &writing, error);
+    iso_hgrid_destroy(grid);
+    return status;
+}
+
+static iso_status save(void *context, const iso_progress *progress, iso_error *error) {
+    isosculpt_saver *saver = context;
     char fresh[ISOSCULPT_PATH];
-    ISO_TRY(join(fresh, saver->path, ".new", &saver->error));
-    iso_status status = iso_level_set_write_vdb(fresh, saver->grid, "surface", &saver->error);
-    if (status == ISO_OK) status = replace(fresh, saver->path, &saver->error);
+    ISO_TRY(join(fresh, saver->path, ".new", error));
+    ISO_TRY(write_held(saver, fresh, progress, error));
+    iso_status status = replace(fresh, saver->path, error);
     if (status != ISO_OK) unlink(fresh);
     return status;
 }
 
-static void *save_thread(void *context) {
-    isosculpt_saver *saver = context;
-    saver->status = save(saver);
-    atomic_store(&saver->done, true);
-    return NULL;
-}
-
-iso_status isosculpt_desk_save(isosculpt_desk *desk, iso_error *error) {
+iso_status isosculpt_desk_save(isosculpt_desk *desk, void (*wake)(void), iso_error *error) {
     if (desk->saver) return iso_fail(error, ISO_ERR_USAGE, "the last save is still running");
-    const iso_hgrid *grid = iso_session_grid(desk->session);
-    const int lo[3] = {0, 0, 0}, hi[3] = {grid->dims[0] - 1, grid->dims[1] - 1, grid->dims[2] - 1};
     isosculpt_saver *saver = calloc(1, sizeof *saver);
     if (!saver) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for saving");
-    iso_status status = iso_hgrid_crop(grid, lo, hi, &saver->grid, error);
     isosculpt_desk_target(desk, saver->path);
     saver->changes = desk->changes;
-    if (status == ISO_OK && pthread_create(&saver->thread, NULL, save_thread, saver)) {
-        iso_hgrid_destroy(saver->grid);
-        status = iso_fail(error, ISO_ERR_NOMEM, "no thread can be started for saving");
-    }
-    if (status == ISO_OK)
+    iso_status status = iso_session_hold(desk->session, &saver->hold, error);
+    if (status == ISO_OK) status = isosculpt_task_start(save, saver, wake, &saver->task, error);
+    if (status == ISO_OK) {
         desk->saver = saver;
-    else
-        free(saver);
+        return ISO_OK;
+    }
+    if (saver->hold) iso_session_release(desk->session, saver->hold);
+    free(saver);
     return status;
+}
+
+isosculpt_task *isosculpt_desk_save_task(const isosculpt_desk *desk) {
+    return desk->saver ? desk->saver->task : NULL;
 }
 
 isosculpt_saving isosculpt_desk_saving(isosculpt_desk *desk, bool wait, iso_status *status,
                                        iso_error *error) {
     isosculpt_saver *saver = desk->saver;
     if (!saver) return ISOSCULPT_SAVE_IDLE;
-    if (!wait && !atomic_load(&saver->done)) return ISOSCULPT_SAVE_RUNNING;
-    pthread_join(saver->thread, NULL);
-    if (saver->status == ISO_OK) desk->saved = saver->changes;
-    if (status) *status = saver->status;
-    if (error) *error = saver->error;
-    iso_hgrid_destroy(saver->grid);
+    if (!wait && !isosculpt_task_done(saver->task)) return ISOSCULPT_SAVE_RUNNING;
+    const iso_status saved = isosculpt_task_finish(saver->task, error);
+    if (saved == ISO_OK) desk->saved = saver->changes;
+    if (status) *status = saved;
+    iso_session_release(desk->session, saver->hold);
     free(saver);
     desk->saver = NULL;
     return ISOSCULPT_SAVE_DONE;

@@ -7,6 +7,7 @@
 #define ISO_APPS_ISOSCULPT_DESK_H
 
 #include "apps/isosculpt_source.h"
+#include "apps/isosculpt_task.h"
 #include "sculpt/session.h"
 
 #ifdef __cplusplus
@@ -25,6 +26,7 @@ typedef struct isosculpt_desk {
     char trouble[512];            /* why there is no journal; "" when there is one */
     int marker;                   /* 1 + file descriptor of NAME.strokes.open; 0: none */
     bool made;                    /* the journal is new: removed when nothing was done in it */
+    bool kept;                    /* it holds something beside strokes */
     size_t changes, saved;        /* done to the field since the desk was opened; of these in the .vdb */
     double began;                 /* monotonic seconds */
     iso_pool *pool;               /* borrowed */
@@ -48,8 +50,12 @@ iso_status isosculpt_desk_new(isosculpt_desk *desk, const char *folder, const is
                               iso_error *error);
 
 /* Continues a stroke file, from what it began with. ISO_ERR_IO, ISO_ERR_FORMAT; ISO_ERR_WRITE when another
- * program has it open or it cannot be written. */
-iso_status isosculpt_desk_open(isosculpt_desk *desk, const char *journal, iso_error *error);
+ * program has it open or it cannot be written. Cancelled: ISO_ERR_IO, and the file is as it was. */
+iso_status isosculpt_desk_open(isosculpt_desk *desk, const char *journal, const iso_progress *progress,
+                               iso_error *error);
+
+/* A field of nothing, without a journal: before there is anything else. */
+iso_status isosculpt_desk_blank(isosculpt_desk *desk, iso_error *error);
 
 /* Waits for a save, ends the session and closes its journal. The pool and undo_memory stay. */
 void isosculpt_desk_close(isosculpt_desk *desk);
@@ -57,9 +63,12 @@ void isosculpt_desk_close(isosculpt_desk *desk);
 /* Where saving goes: the journal's name with .vdb. */
 void isosculpt_desk_target(const isosculpt_desk *desk, char path[ISOSCULPT_PATH]);
 
-/* Begins to save the field as it is, in a thread of its own: the file appears whole, what was there becomes
- * PATH.bak. ISO_ERR_USAGE while a save is running, ISO_ERR_NOMEM. */
-iso_status isosculpt_desk_save(isosculpt_desk *desk, iso_error *error);
+/* Begins to save the field as it is, in a thread of its own (`wake`: isosculpt_task_start): the file appears
+ * whole, what was there becomes PATH.bak. ISO_ERR_USAGE while a save is running or a stroke is drawn,
+ * ISO_ERR_NOMEM. */
+iso_status isosculpt_desk_save(isosculpt_desk *desk, void (*wake)(void), iso_error *error);
+/* The save that is running, to ask or to cancel: then there is no new file. NULL: none. */
+isosculpt_task *isosculpt_desk_save_task(const isosculpt_desk *desk);
 
 typedef enum isosculpt_saving {
     ISOSCULPT_SAVE_IDLE,

@@ -6,6 +6,8 @@
 static const double WHEEL = 1.1, SIZE = 1.15, SIZE_A_PIXEL = 1.01, STRENGTH_A_PIXEL = 0.005;
 /* Radii in voxels; strengths. */
 static const double RADIUS_MIN = 2, RADIUS_MAX = 256, STRENGTH_MIN = 0.02;
+/* Radii from one stamp of a stroke to the next. */
+static const double STAMP_SPACING = 1;
 
 iso_tool isosculpt_hand_tool(int number) {
     static const iso_tool tools[ISOSCULPT_TOOLS] = {ISO_TOOL_ADD,    ISO_TOOL_CARVE,   ISO_TOOL_BLEND_ADD,
@@ -51,14 +53,14 @@ void isosculpt_hand_init(isosculpt_hand *hand, isosculpt_desk *desk, isosculpt_v
 
 /* ---- strokes */
 
-static bool is_set_operation(iso_tool tool) {
+bool isosculpt_hand_has_shape(iso_tool tool) {
     return tool <= ISO_TOOL_BLEND_CARVE;
 }
 
 /* A solid goes in by as much of its radius as the strength says: its centre lies below the surface when it
  * adds, above it when it carves. */
 static iso_vec3 centre(const isosculpt_hand *hand, iso_vec3 position, iso_vec3 normal) {
-    if (!is_set_operation(hand->tool)) return position;
+    if (!isosculpt_hand_has_shape(hand->tool)) return position;
     const double radius = hand->brush.radius * (hand->brush.pressure_radius ? hand->pressure : 1),
                  strength = hand->brush.strength * (hand->brush.pressure_strength ? hand->pressure : 1);
     double away = (1 - strength) * radius;
@@ -101,6 +103,7 @@ static void begin(isosculpt_hand *hand, unsigned modifiers, double x, double y) 
     bool tube = hand->tool == ISO_TOOL_ADD || hand->tool == ISO_TOOL_CARVE;
     if (tube && brush.shape == ISO_SOLID_SPHERE)
         brush.shape = ISO_SOLID_CAPSULE; /* without ridges between touches */
+    if (brush.shape == ISO_SOLID_STAMP) brush.spacing = STAMP_SPACING;
     iso_status status = isosculpt_view_hold(hand->view, &hand->error);
     if (status != ISO_OK) return;
     iso_sample sample = sample_at(hand, x, y);
@@ -142,6 +145,16 @@ static void end(isosculpt_hand *hand, bool cancel) {
          &stats);
 }
 
+void isosculpt_hand_stamp(isosculpt_hand *hand, iso_stamp *stamp) {
+    iso_edit_stats stats = {0};
+    iso_status status = iso_session_set_stamp(hand->desk->session, stamp, &hand->error);
+    done(hand, status, &stats);
+    if (status != ISO_OK) return;
+    hand->desk->kept = true;
+    hand->brush.shape = ISO_SOLID_STAMP;
+    if (!isosculpt_hand_has_shape(hand->brush.tool)) hand->brush.tool = ISO_TOOL_ADD;
+}
+
 /* ---- the mouse */
 
 void isosculpt_hand_press(isosculpt_hand *hand, isosculpt_button button, unsigned modifiers, double x,
@@ -153,9 +166,12 @@ void isosculpt_hand_press(isosculpt_hand *hand, isosculpt_button button, unsigne
     hand->button = button;
     if (button == ISOSCULPT_RIGHT)
         hand->drag = ISOSCULPT_DRAG_PAN;
-    else if (button == ISOSCULPT_LEFT && isosculpt_layer_pick(&hand->view->drawn, x, y, &pick))
-        begin(hand, modifiers, x, y);
-    else
+    else if (button == ISOSCULPT_LEFT && isosculpt_layer_pick(&hand->view->drawn, x, y, &pick)) {
+        if (hand->looking)
+            hand->wishes |= ISOSCULPT_WISH_SCULPT;
+        else
+            begin(hand, modifiers, x, y);
+    } else
         hand->drag = ISOSCULPT_DRAG_ORBIT;
 }
 

@@ -34,7 +34,8 @@ typedef enum isosculpt_wish {
     ISOSCULPT_WISH_NONE = 0,
     ISOSCULPT_WISH_PICTURE = 1, /* camera or field changed */
     ISOSCULPT_WISH_SAVE = 2,
-    ISOSCULPT_WISH_CLOSE = 4
+    ISOSCULPT_WISH_CLOSE = 4,
+    ISOSCULPT_WISH_SCULPT = 8 /* the volume that is only looked at */
 } isosculpt_wish;
 
 typedef struct isosculpt_hand {
@@ -50,6 +51,7 @@ typedef struct isosculpt_hand {
     iso_vec3 normal;         /* likewise */
     iso_sample last;         /* of the stroke, that the session was given */
     iso_tool tool;           /* of the stroke */
+    bool looking;            /* at a volume: there is no field yet that a brush could work on */
     bool clipped;            /* a brush reached beyond the grid */
     unsigned wishes;         /* isosculpt_wish, until the window has seen to them */
     isosculpt_latency edit;
@@ -72,6 +74,12 @@ void isosculpt_hand_release(isosculpt_hand *hand, isosculpt_button button);
 void isosculpt_hand_scroll(isosculpt_hand *hand, double steps);
 /* `down` false: released. Whether the key means anything. */
 bool isosculpt_hand_key(isosculpt_hand *hand, int key, unsigned modifiers, bool down);
+
+/* Adds with a stamp from now on; the session takes it over. Not while a stroke is drawn. */
+void isosculpt_hand_stamp(isosculpt_hand *hand, iso_stamp *stamp);
+
+/* Whether the tool has a shape. */
+bool isosculpt_hand_has_shape(iso_tool tool);
 
 /* Undoes or redoes until `position` steps are done. */
 void isosculpt_hand_history(isosculpt_hand *hand, size_t position);

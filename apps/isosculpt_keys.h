@@ -12,7 +12,7 @@
     X("[  ]", "smaller, larger brush")                                                                       \
     X("X, C + moving the mouse", "size, strength")                                                           \
     X("1 .. 9", "brushes")                                                                                   \
-    X("Escape", "take back the stroke being drawn")                                                          \
+    X("Escape", "take back the stroke being drawn, or cancel opening and saving")                            \
     X("Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "undo, redo")                                                        \
     X("Ctrl+S, Ctrl+Q", "save as .vdb, close")                                                               \
     X("F", "look at what is under the cursor, or at all")                                                    \

@@ -50,11 +50,12 @@ static const iso_option options[] = {
     {"recover", NULL, NULL, "continue the last session that was not closed", .group = SESSION,
      .kind = ISO_OPTION_FLAG, AT(recover)},
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
-    {"open", NULL, "FILE",
-     "begin with a level set (.vdb), a mesh (.stl, .obj, .ply) or a volume at --isovalue", .group = SESSION,
-     .kind = ISO_OPTION_TEXT, AT(open)},
-    {"isovalue", NULL, "V", "of the volume that is opened", .group = SESSION, .kind = ISO_OPTION_REAL,
-     AT(isovalue), .low = -1e300, .high = 1e300},
+    {"open", NULL, "FILE", "begin with a level set (.vdb), a mesh (.stl, .obj, .ply) or a volume",
+     .group = SESSION, .kind = ISO_OPTION_TEXT, AT(open)},
+    {"isovalue", NULL, "V", "of the volume that is opened; a window can change it", .group = SESSION,
+     .kind = ISO_OPTION_REAL, AT(isovalue), .low = -1e300, .high = 1e300},
+    {"stamp", NULL, "FILE", "add and carve with this mesh (.stl, .obj, .ply); the strokes keep it",
+     .group = SESSION, .kind = ISO_OPTION_TEXT, AT(stamp)},
     {"headless", NULL, NULL, "open no window", .group = SESSION, .kind = ISO_OPTION_FLAG, AT(headless)},
     {"voxel-size", NULL, "MM", "open or play at another voxel size", .group = SESSION,
      .kind = ISO_OPTION_REAL, AT(voxel_size), .standard = "the file's", .low = 1e-6, .high = 1e6},
@@ -101,6 +102,7 @@ static const char *const example_text[] = {
     "isosculpt bear.strokes       # goes on where the file ends",
     "isosculpt --replay bear.strokes --headless --output bear.vdb",
     "isosculpt head.nrrd --isovalue 1150",
+    "isosculpt bear.strokes --stamp star.stl",
     "isosculpt --open teapot.stl --headless --voxel-size 0.5 --output teapot.vdb",
     "isosculpt --replay bear.strokes --headless --voxel-size 0.5 --output bear.stl --json",
     NULL};
@@ -172,6 +174,8 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
                         operands->values[0]);
     if (!settings->replay && !settings->open)
         return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE or --open FILE");
+    if (settings->stamp)
+        return iso_fail(error, ISO_ERR_USAGE, "--stamp is for a window: strokes hold their stamps");
     ISO_TRY(check_isovalue(settings, error));
     if (settings->output && !has_suffix(settings->output, ".vdb .ply .stl .obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as .vdb, .ply, .stl or .obj",

@@ -23,7 +23,8 @@ struct rectangle {
 struct isosculpt_panel {
     float scale;
     bool modal;
-    rectangle place; /* of the panel, as last drawn */
+    rectangle place, busy; /* of the panel and of what tells progress, as last drawn */
+    bool over(double x, double y) const { return place.holds(x, y) || busy.holds(x, y); }
 };
 
 static const ImVec4 RED{1.0f, 0.42f, 0.36f, 1.0f}, GREY{0.72f, 0.74f, 0.77f, 1.0f},
@@ -42,10 +43,11 @@ static void across(iso_vec3 normal, iso_vec3 *u, iso_vec3 *v) {
     *v = iso_vec3_cross(normal, *u);
 }
 
-static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, double radius,
-                      const isosculpt_pick &pick) {
+static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, const isosculpt_pick &pick,
+                      float scale) {
     constexpr int CORNERS = 64;
     const isosculpt_layer *layer = &screen->hand->view->drawn;
+    const double radius = screen->hand->brush.radius;
     ImVec2 corners[CORNERS];
     iso_vec3 u, v;
     double x, y, sine, cosine;
@@ -56,31 +58,55 @@ static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, double r
         if (!isosculpt_layer_pixel(layer, iso_vec3_add(pick.position, offset), &x, &y)) return;
         corners[i] = at_window(screen, x, y);
     }
-    list->AddPolyline(corners, CORNERS, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed, 3.5f);
-    list->AddPolyline(corners, CORNERS, IM_COL32(255, 255, 255, 230), ImDrawFlags_Closed, 1.5f);
+    list->AddPolyline(corners, CORNERS, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed, 3.5f * scale);
+    list->AddPolyline(corners, CORNERS, IM_COL32(255, 255, 255, 230), ImDrawFlags_Closed, 1.5f * scale);
 }
 
-static void draw_brush(const isosculpt_screen *screen, ImDrawList *list) {
+static void draw_brush(const isosculpt_screen *screen, ImDrawList *list, float scale) {
     const isosculpt_hand *hand = screen->hand;
     isosculpt_pick pick;
     double x, y;
     if (!isosculpt_hand_under(hand, &pick)) return;
-    draw_ring(screen, list, hand->brush.radius, pick);
+    draw_ring(screen, list, pick, scale);
     iso_vec3 tip = iso_vec3_add(pick.position, iso_vec3_scale(pick.normal, 0.4 * hand->brush.radius));
     if (isosculpt_layer_pixel(&hand->view->drawn, tip, &x, &y))
         list->AddLine(at_window(screen, hand->x, hand->y), at_window(screen, x, y),
-                      IM_COL32(255, 255, 255, 160), 1.5f);
+                      IM_COL32(255, 255, 255, 160), 1.5f * scale);
 }
 
-static void draw_picture(const isosculpt_screen *screen, bool ring) {
+static void draw_picture(const isosculpt_screen *screen, bool ring, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
     if (screen->texture)
         list->AddImage((ImTextureID)(intptr_t)screen->texture, ImVec2(0, 0),
                        at_window(screen, screen->width, screen->height));
-    if (ring) draw_brush(screen, list);
+    if (ring) draw_brush(screen, list, scale);
 }
 
 /* ---- parts of the panel */
+
+/* The solid that is added or carved; a stamp is there when one was loaded. */
+static void choose_shape(isosculpt_hand *hand) {
+    static const iso_solid shapes[] = {ISO_SOLID_SPHERE, ISO_SOLID_BOX, ISO_SOLID_CYLINDER, ISO_SOLID_TORUS,
+                                       ISO_SOLID_STAMP};
+    iso_brush *brush = &hand->brush;
+    const iso_stamp *stamp = iso_session_stamp(hand->desk->session);
+    const auto name = [&](iso_solid shape) {
+        return shape == ISO_SOLID_STAMP && stamp ? stamp->name : iso_solid_name(shape);
+    };
+    if (brush->shape == ISO_SOLID_STAMP && !stamp) brush->shape = ISO_SOLID_SPHERE;
+    if (!isosculpt_hand_has_shape(brush->tool)) return;
+    if (ImGui::BeginCombo("shape", name(brush->shape))) {
+        for (iso_solid shape : shapes)
+            if ((shape != ISO_SOLID_STAMP || stamp) && ImGui::Selectable(name(shape), shape == brush->shape))
+                brush->shape = shape;
+        ImGui::EndCombo();
+    }
+    if (brush->shape == ISO_SOLID_SPHERE || brush->shape == ISO_SOLID_STAMP) return;
+    const double low = 0.05, high = 2;
+    if (!(brush->aspect > 0)) brush->aspect = 0.5;
+    ImGui::SliderScalar("aspect", ImGuiDataType_Double, &brush->aspect, &low, &high, "%.2f",
+                        ImGuiSliderFlags_AlwaysClamp);
+}
 
 static void section_brush(const isosculpt_screen *screen) {
     isosculpt_hand *hand = screen->hand;
@@ -100,6 +126,7 @@ static void section_brush(const isosculpt_screen *screen) {
                         ImGuiSliderFlags_Logarithmic);
     ImGui::SliderScalar("strength", ImGuiDataType_Double, &hand->brush.strength, &none, &full, "%.2f",
                         ImGuiSliderFlags_AlwaysClamp);
+    choose_shape(hand);
     ImGui::TextUnformatted("symmetry");
     for (unsigned axis = 0; axis < 3; axis++) {
         const char name[2] = {(char)('x' + axis), 0};
@@ -215,11 +242,14 @@ static void latency_row(const char *name, const isosculpt_latency *latency) {
 }
 
 static void section_numbers(isosculpt_hand *hand) {
-    const iso_hgrid *grid = iso_session_grid(hand->desk->session);
-    ImGui::Text("%d x %d x %d voxels of %g mm", grid->dims[0], grid->dims[1], grid->dims[2],
-                grid->transform.spacing[0]);
-    ImGui::Text("%.2f M stored in %.0f MB", 1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid),
-                1e-6 * (double)iso_hgrid_bytes(grid));
+    const iso_grid *grid = &hand->view->grid;
+    const int *dims = iso_grid_dims(grid);
+    ImGui::Text("%d x %d x %d voxels of %g mm", dims[0], dims[1], dims[2],
+                iso_grid_transform(grid)->spacing[0]);
+    if (grid->hgrid)
+        ImGui::Text("%.2f M stored in %.0f MB",
+                    1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid->hgrid),
+                    1e-6 * (double)iso_hgrid_bytes(grid->hgrid));
     ImGui::Text("%zu points", isosculpt_view_points(hand->view));
     if (!ImGui::BeginTable("latency", 3, ImGuiTableFlags_RowBg)) return;
     ImGui::TableSetupColumn("milliseconds", ImGuiTableColumnFlags_WidthStretch, 2);
@@ -232,12 +262,67 @@ static void section_numbers(isosculpt_hand *hand) {
     ImGui::EndTable();
 }
 
+static void file_buttons(isosculpt_screen *screen) {
+    isosculpt_hand *hand = screen->hand;
+    const isosculpt_desk *desk = hand->desk;
+    ImGui::SetNextItemWidth(-1);
+    ImGui::InputTextWithHint("##path", "a file, typed or dropped", screen->path, sizeof screen->path);
+    if (ImGui::Button("Open") && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_OPEN;
+    ImGui::SameLine();
+    if (ImGui::Button("Stamp") && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_STAMP;
+    ImGui::SameLine();
+    const bool saved = desk->changes == desk->saved;
+    if (ImGui::Button(saved ? "Save .vdb###save" : "Save .vdb *###save")) hand->wishes |= ISOSCULPT_WISH_SAVE;
+    ImGui::SameLine();
+    if (ImGui::Button("Help")) screen->help = !screen->help;
+}
+
+/* Counts as columns, by their logarithms; the isovalue as a line, which follows the pointer. */
+static void draw_histogram(isosculpt_screen *screen, float scale) {
+    const iso_histogram *histogram = &screen->volume->histogram;
+    const ImVec2 at = ImGui::GetCursorScreenPos(), size(ImGui::GetContentRegionAvail().x, 110 * scale);
+    const double range = histogram->high - histogram->low;
+    ImDrawList *list = ImGui::GetWindowDrawList();
+    ImGui::InvisibleButton("histogram", size);
+    list->AddRectFilled(at, ImVec2(at.x + size.x, at.y + size.y), IM_COL32(20, 24, 30, 255));
+    uint64_t most = 1;
+    for (uint64_t count : histogram->bins) most = count > most ? count : most;
+    const float column = size.x / ISO_HISTOGRAM_BINS;
+    for (int i = 0; i < ISO_HISTOGRAM_BINS; i++) {
+        const double part = std::log1p((double)histogram->bins[i]) / std::log1p((double)most);
+        list->AddRectFilled(ImVec2(at.x + column * (float)i, at.y + size.y * (float)(1 - part)),
+                            ImVec2(at.x + column * (float)(i + 1), at.y + size.y),
+                            IM_COL32(120, 150, 190, 255));
+    }
+    screen->sliding = ImGui::IsItemActive();
+    if (screen->sliding && range > 0) {
+        const double part = (double)(ImGui::GetIO().MousePos.x - at.x) / (double)size.x;
+        screen->isovalue = histogram->low + std::fmin(std::fmax(part, 0), 1) * range;
+    }
+    const float x = at.x + size.x * (float)(range > 0 ? (screen->isovalue - histogram->low) / range : 0);
+    list->AddLine(ImVec2(x, at.y), ImVec2(x, at.y + size.y), IM_COL32(255, 190, 90, 255), 2 * scale);
+}
+
+static void section_isovalue(isosculpt_screen *screen, float scale) {
+    const iso_histogram *histogram = &screen->volume->histogram;
+    draw_histogram(screen, scale);
+    ImGui::SliderScalar("isovalue", ImGuiDataType_Double, &screen->isovalue, &histogram->low,
+                        &histogram->high, "%.6g", ImGuiSliderFlags_AlwaysClamp);
+    screen->sliding |= ImGui::IsItemActive();
+    if (ImGui::Button("Sculpt this")) screen->hand->wishes |= ISOSCULPT_WISH_SCULPT;
+    ImGui::SameLine();
+    ImGui::TextColored(GREY, "or touch it with a brush");
+}
+
 static void section_files(isosculpt_screen *screen) {
     isosculpt_hand *hand = screen->hand;
     const isosculpt_desk *desk = hand->desk;
     iso_error error = {ISO_OK, ""};
+    file_buttons(screen);
     ImGui::PushTextWrapPos(0);
-    if (!desk->journal[0])
+    if (screen->volume)
+        ImGui::TextColored(GREY, "%s", screen->volume->path);
+    else if (!desk->journal[0])
         ImGui::TextColored(RED, "No journal is written: %s. What you make is in memory only: save it.",
                            desk->trouble);
     else if (iso_session_journal_status(desk->session, &error) != ISO_OK)
@@ -248,16 +333,8 @@ static void section_files(isosculpt_screen *screen) {
         ImGui::TextColored(GREEN, "Journal: %s", desk->journal);
     if (hand->error.text[0]) ImGui::TextColored(RED, "%s", hand->error.text);
     if (hand->clipped) ImGui::TextColored(RED, "A brush reached beyond the grid: what lies outside is lost.");
-    if (screen->saving)
-        ImGui::TextUnformatted("Saving ...");
-    else if (screen->message[0])
-        ImGui::TextColored(screen->message_is_bad ? RED : GREY, "%s", screen->message);
+    if (screen->message[0]) ImGui::TextColored(screen->message_is_bad ? RED : GREY, "%s", screen->message);
     ImGui::PopTextWrapPos();
-    if (ImGui::Button("Save .vdb")) hand->wishes |= ISOSCULPT_WISH_SAVE;
-    ImGui::SameLine();
-    if (ImGui::Button("Help")) screen->help = !screen->help;
-    ImGui::SameLine();
-    ImGui::TextColored(GREY, "%s", desk->changes == desk->saved ? "" : "not saved as .vdb");
 }
 
 static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
@@ -268,14 +345,43 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
                              ImGuiCond_FirstUseEver);
     ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings);
     ImGui::PushItemWidth(-76 * panel->scale);
-    if (ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen)) section_brush(screen);
+    const bool looking = screen->volume != nullptr;
+    screen->sliding = false;
+    if (looking && ImGui::CollapsingHeader("Isovalue", ImGuiTreeNodeFlags_DefaultOpen))
+        section_isovalue(screen, panel->scale);
+    if (!looking && ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen)) section_brush(screen);
     if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) section_picture(screen->hand);
-    if (ImGui::CollapsingHeader("History", ImGuiTreeNodeFlags_DefaultOpen))
+    if (!looking && ImGui::CollapsingHeader("History", ImGuiTreeNodeFlags_DefaultOpen))
         section_history(screen->hand, panel->scale);
     if (ImGui::CollapsingHeader("Numbers", ImGuiTreeNodeFlags_DefaultOpen)) section_numbers(screen->hand);
     if (ImGui::CollapsingHeader("Files", ImGuiTreeNodeFlags_DefaultOpen)) section_files(screen);
     ImGui::PopItemWidth();
     panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
+    ImGui::End();
+}
+
+/* ---- heavy work */
+
+/* At the lower edge, where it hides nothing; there even when the panel is not. */
+static void draw_busy(isosculpt_panel *panel, isosculpt_screen *screen) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y - 16 * panel->scale), ImGuiCond_Always,
+                            ImVec2(0.5f, 1));
+    ImGui::SetNextWindowSize(ImVec2(420 * panel->scale, 0), ImGuiCond_Always);
+    ImGui::Begin("##busy", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoFocusOnAppearing);
+    for (int i = 0; i < screen->busy_count; i++) {
+        const isosculpt_busy *busy = &screen->busy[i];
+        ImGui::PushID(i);
+        ImGui::TextUnformatted(busy->text);
+        ImGui::ProgressBar((float)busy->fraction, ImVec2(280 * panel->scale, 0));
+        ImGui::SameLine();
+        if (ImGui::Button(i ? "Cancel" : "Cancel (Escape)"))
+            screen->answers |= (unsigned)ISOSCULPT_ANSWER_CANCEL << i;
+        ImGui::PopID();
+    }
+    panel->busy = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
     ImGui::End();
 }
 
@@ -346,14 +452,18 @@ static void ask_close(isosculpt_screen *screen) {
 
 static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     panel->modal = screen->offered || screen->closing;
-    panel->place = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
-    if (screen->panel) draw_panel(panel, screen);
+    panel->place = panel->busy = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
+    if (screen->panel && !screen->blank) draw_panel(panel, screen);
+    if (screen->busy_count) draw_busy(panel, screen);
     if (screen->help) draw_help(screen);
     ask_recover(screen);
     if (!screen->offered) ask_close(screen);
     const isosculpt_hand *hand = screen->hand;
-    bool over = panel->place.holds(hand->x / screen->pixels, hand->y / screen->pixels);
-    draw_picture(screen, !panel->modal && (!over || hand->drag == ISOSCULPT_DRAG_BRUSH));
+    bool over = panel->over(hand->x / screen->pixels, hand->y / screen->pixels);
+    draw_picture(screen,
+                 !panel->modal && !screen->blank && !screen->volume &&
+                     (!over || hand->drag == ISOSCULPT_DRAG_BRUSH),
+                 panel->scale);
 }
 
 iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error) {
@@ -369,7 +479,7 @@ iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen
 }
 
 bool isosculpt_panel_has_pointer(const isosculpt_panel *panel, double x, double y) {
-    return panel->modal || panel->place.holds(x, y) || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+    return panel->modal || panel->over(x, y) || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
 }
 
 bool isosculpt_panel_has_keys(void) {

@@ -15,8 +15,18 @@ enum {
     ISOSCULPT_ANSWER_DISMISS = 2, /* do not offer it again */
     ISOSCULPT_ANSWER_CLOSE = 4,
     ISOSCULPT_ANSWER_STAY = 8,
-    ISOSCULPT_ANSWER_SAVE = 16
+    ISOSCULPT_ANSWER_SAVE = 16,
+    ISOSCULPT_ANSWER_OPEN = 32,   /* what `path` names */
+    ISOSCULPT_ANSWER_STAMP = 64,  /* the same, as a stamp */
+    ISOSCULPT_ANSWER_CANCEL = 128 /* busy[0], and its double busy[1] */
 };
+
+/* Heavy work that is under way. */
+typedef struct isosculpt_busy {
+    char text[160];
+    double fraction;
+} isosculpt_busy;
+enum { ISOSCULPT_BUSY = 2 };
 
 /* What the panel shows and changes; the window's. */
 typedef struct isosculpt_screen {
@@ -28,8 +38,14 @@ typedef struct isosculpt_screen {
     bool pen;            /* one with pressure is there */
     bool closing;        /* ask whether to close */
     const char *offered; /* ask whether to recover this journal; NULL: do not */
-    bool saving;         /* a save is running */
-    char message[600];   /* of the last command; "" none */
+    bool blank;          /* there is nothing to work on yet */
+    isosculpt_busy busy[ISOSCULPT_BUSY];
+    int busy_count;
+    char path[ISOSCULPT_PATH];      /* that is typed in, or was dropped */
+    const isosculpt_volume *volume; /* that is looked at; NULL: there is a field */
+    double isovalue;                /* chosen for it */
+    bool sliding;                   /* just now, by hand */
+    char message[600];              /* of the last command; "" none */
     bool message_is_bad;
     unsigned answers;
 } isosculpt_screen;

@@ -42,8 +42,8 @@ static iso_status room_for_pixels(iso_image *image, size_t *room, int width, int
 /* ---- extracting */
 
 static iso_status make_extractor(isosculpt_view *view, isosculpt_method method, iso_error *error) {
-    iso_mesh_opts mesh = {.pool = view->pool};
-    iso_exact_opts exact = {.pool = view->pool};
+    iso_mesh_opts mesh = {.isovalue = view->isovalue, .pool = view->pool};
+    iso_exact_opts exact = {.isovalue = view->isovalue, .pool = view->pool};
     if (method == ISOSCULPT_MESH && !view->mesh)
         return iso_mesh_set_create(&view->grid, &mesh, &view->mesh, error);
     if (method == ISOSCULPT_EXACT && !view->exact)
@@ -60,7 +60,7 @@ static iso_status extract(isosculpt_view *view, isosculpt_method method, iso_err
         ISO_TRY(iso_exact_update(view->exact, error));
     else
         ISO_TRY(iso_point_set_update(view->points, error));
-    if (iso_change_log_now(view->grid.hgrid->log) != view->seen)
+    if (iso_change_log_now(iso_grid_log(&view->grid)) != view->seen || view->isovalue != view->drawn_isovalue)
         isosculpt_latency_add(&view->extract, isosculpt_now() - start);
     return ISO_OK;
 }
@@ -90,7 +90,7 @@ typedef struct masking {
 } masking;
 
 static bool is_masked(const masking *m, size_t sample, double x, double y) {
-    const int *dims = m->view->grid.hgrid->dims;
+    const int *dims = iso_grid_dims(&m->view->grid);
     iso_vec3 origin, direction;
     if (m->strip->gbuffer->surface[sample] == ISO_SURFACE_NONE) return false;
     iso_view_ray(m->strip->view, x, y, &origin, &direction);
@@ -119,7 +119,7 @@ static void mask_row(void *context, size_t row, int worker) {
 static void shade(isosculpt_view *view, const iso_strip *strip, iso_image *image) {
     isosculpt_paint_strip(&view->look.paint, &view->sphere, strip, image, view->pool);
     if (!view->mask.at) return;
-    masking m = {view, strip, image, iso_transform_affine(&view->grid.hgrid->transform)};
+    masking m = {view, strip, image, iso_transform_affine(iso_grid_transform(&view->grid))};
     iso_parallel_for(view->pool, (size_t)image->height, mask_row, &m);
 }
 
@@ -141,6 +141,7 @@ static void finish_whole(isosculpt_view *view) {
     view->drawn.samples = (double)view->drawn.view.width / view->width;
     view->drawn_camera = view->camera;
     view->drawn_look = view->look;
+    view->drawn_isovalue = view->isovalue;
 }
 
 /* All of the picture, a sample for factor x factor pixels. */
@@ -290,7 +291,8 @@ static bool same_look(const isosculpt_look *a, const isosculpt_look *b) {
 /* The picture differs from what is to be shown by edits alone. */
 static bool is_still(const isosculpt_view *view, int width, int height) {
     return view->drawn.samples > 0 && view->width == width && view->height == height &&
-           same_camera(&view->camera, &view->drawn_camera) && same_look(&view->look, &view->drawn_look);
+           same_camera(&view->camera, &view->drawn_camera) && same_look(&view->look, &view->drawn_look) &&
+           view->isovalue == view->drawn_isovalue;
 }
 
 static void adapt(isosculpt_view *view, double seconds) {
@@ -299,9 +301,11 @@ static void adapt(isosculpt_view *view, double seconds) {
 }
 
 static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
-    const bool gl = is_by_gl(view, moving);
-    const isosculpt_method wanted = view->look.method;
-    const isosculpt_method method = gl && wanted == ISOSCULPT_EXACT ? ISOSCULPT_MESH : wanted;
+    const bool gl = is_by_gl(view, moving), quick = moving && view->sliding;
+    const isosculpt_method wanted = view->look.method, stand_in = gl ? ISOSCULPT_MESH : ISOSCULPT_EXACT;
+    const isosculpt_method method = quick                       ? ISOSCULPT_PULLPUSH
+                                    : wanted == ISOSCULPT_EXACT ? stand_in
+                                                                : wanted;
     ISO_TRY(extract(view, method, error));
     double start = isosculpt_now();
     const int factor = moving ? view->factor : 1;
@@ -309,7 +313,7 @@ static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
         ISO_TRY(draw_whole(view, method, factor, error));
     else if (!draw_whole_by_gl(view, method, factor))
         return redraw(view, moving, error);
-    view->quality = factor > 1 || method != wanted ? ISOSCULPT_MOVING : ISOSCULPT_REST;
+    view->quality = factor > 1 || quick || method != wanted ? ISOSCULPT_MOVING : ISOSCULPT_REST;
     if (moving) adapt(view, isosculpt_now() - start);
     if (moving) isosculpt_latency_add(&view->draw, isosculpt_now() - start);
     return ISO_OK;
@@ -320,7 +324,8 @@ static iso_status patch(isosculpt_view *view, iso_error *error) {
     ISO_TRY(extract(view, ISOSCULPT_EXACT, error));
     double start = isosculpt_now();
     view->fresh = (isosculpt_damage){.count = 0};
-    isosculpt_damage_add_edits(&view->fresh, &view->drawn.view, view->grid.hgrid, view->seen);
+    if (view->grid.hgrid) /* (no one writes to others) */
+        isosculpt_damage_add_edits(&view->fresh, &view->drawn.view, view->grid.hgrid, view->seen);
     if (view->repaint) isosculpt_damage_add(&view->fresh, whole_image(view));
     if (!view->fresh.count) return ISO_OK;
     view->quality = ISOSCULPT_REST;
@@ -336,7 +341,7 @@ static iso_status patch(isosculpt_view *view, iso_error *error) {
 }
 
 iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool moving, iso_error *error) {
-    const uint64_t now = iso_change_log_now(view->grid.hgrid->log);
+    const uint64_t now = iso_change_log_now(iso_grid_log(&view->grid));
     const bool still = is_still(view, width, height);
     const bool exact = view->look.method == ISOSCULPT_EXACT;
     view->width = width;

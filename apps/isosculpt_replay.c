@@ -51,12 +51,11 @@ static iso_status rescale(iso_journal_start *start, double voxel_size, iso_error
 
 static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_journal_start *start,
                              iso_hgrid **grid, iso_error *error) {
-    if (settings->open) {
-        const isosculpt_source source = {settings->open, settings->isovalue, settings->voxel_size, pool};
-        return isosculpt_source_open(&source, start, grid, error);
-    }
+    const isosculpt_source source = {
+        .path = settings->open, .isovalue = settings->isovalue, .voxel = settings->voxel_size, .pool = pool};
+    if (settings->open) return isosculpt_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
-        return isosculpt_source_find(settings->replay, settings->voxel_size, pool, start, grid, error);
+        return isosculpt_source_find(settings->replay, &source, start, grid, error);
     if (settings->voxel_size > 0) ISO_TRY(rescale(start, settings->voxel_size, error));
     return iso_session_ball(start, grid, error);
 }
@@ -162,7 +161,7 @@ static iso_status write_outputs(player *p, iso_error *error) {
     bool points = output && ends_with(output, ".ply");
     ISO_TRY(write_points(p, points ? output : NULL, error));
     if (output && ends_with(output, ".vdb"))
-        ISO_TRY(iso_level_set_write_vdb(output, iso_session_grid(p->session), "surface", error));
+        ISO_TRY(iso_level_set_write_vdb(output, iso_session_grid(p->session), "surface", NULL, error));
     else if (output && !points)
         ISO_TRY(write_mesh(p, output, error));
     return p->settings->mesh ? write_mesh(p, p->settings->mesh, error) : ISO_OK;

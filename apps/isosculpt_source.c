@@ -22,7 +22,7 @@ enum { MARGIN = 32, MESH_VOXELS = 256, ITERATIONS = 16 };
 /* ---- checksums */
 
 /* Of a file's bytes; a folder (of DICOM slices) has none. */
-static iso_status checksum(const char *path, uint32_t *crc, iso_error *error) {
+static iso_status checksum(const char *path, const iso_progress *progress, uint32_t *crc, iso_error *error) {
     struct stat about;
     *crc = 0;
     if (stat(path, &about) == 0 && S_ISDIR(about.st_mode)) return ISO_OK;
@@ -30,17 +30,24 @@ static iso_status checksum(const char *path, uint32_t *crc, iso_error *error) {
     if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     static const size_t SIZE = 1 << 20;
     unsigned char *bytes = malloc(SIZE);
-    for (size_t got = 1; bytes && got; *crc = iso_crc32c(*crc, bytes, got)) got = fread(bytes, 1, SIZE, file);
+    iso_status status = ISO_OK;
+    double done = 0;
+    for (size_t got = 1; bytes && got && status == ISO_OK; *crc = iso_crc32c(*crc, bytes, got)) {
+        status = iso_progress_tell(progress, path, done / (double)about.st_size, error);
+        got = fread(bytes, 1, SIZE, file);
+        done += (double)got;
+    }
     const bool failed = ferror(file);
     fclose(file);
     free(bytes);
+    if (status != ISO_OK) return status;
     if (!bytes) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
     return failed ? iso_fail(error, ISO_ERR_IO, "%s: cannot read", path) : ISO_OK;
 }
 
 /* ---- meshes */
 
-static bool is_mesh(const char *path) {
+bool isosculpt_is_mesh(const char *path) {
     static const char *const suffixes[] = {".stl", ".obj", ".ply"};
     const char *dot = strrchr(path, '.');
     for (int i = 0; dot && i < 3; i++)
@@ -63,10 +70,23 @@ static double longest_side(const iso_triangles *mesh) {
 
 static iso_status from_mesh(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
     iso_triangles mesh;
-    ISO_TRY(iso_mesh_read(source->path, &mesh, error));
+    const iso_progress reading = iso_progress_part(source->progress, 0.05, 0.3),
+                       converting = iso_progress_part(source->progress, 0.3, 1);
+    ISO_TRY(iso_mesh_read(source->path, &reading, &mesh, error));
     const iso_mesh_frame frame = {source->voxel > 0 ? source->voxel : longest_side(&mesh) / MESH_VOXELS,
-                                  MARGIN};
+                                  MARGIN, &converting};
     iso_status status = iso_level_set_from_mesh(source->path, &mesh, &frame, grid, error);
+    iso_mesh_free(&mesh);
+    return status;
+}
+
+iso_status isosculpt_stamp_read(const char *path, const iso_progress *progress, iso_stamp **stamp,
+                                iso_error *error) {
+    const iso_progress reading = iso_progress_part(progress, 0, 0.4),
+                       converting = iso_progress_part(progress, 0.4, 1);
+    iso_triangles mesh;
+    ISO_TRY(iso_mesh_read(path, &reading, &mesh, error));
+    iso_status status = iso_stamp_from_mesh(path, &mesh, &converting, stamp, error);
     iso_mesh_free(&mesh);
     return status;
 }
@@ -87,38 +107,94 @@ static iso_status take_level_set(const iso_hgrid *from, iso_hgrid **grid, iso_er
     return iso_level_set_reframe(from, offset, dims, grid, error);
 }
 
-static iso_status make_distances(iso_hgrid *grid, iso_pool *pool, iso_error *error) {
+static iso_status make_distances(const isosculpt_source *source, iso_hgrid *grid, iso_error *error) {
     iso_editor *editor;
-    const iso_editor_opts opts = {.pool = pool};
+    const iso_editor_opts opts = {.pool = source->pool};
+    const iso_progress progress = iso_progress_part(source->progress, 0.7, 1);
     ISO_TRY(iso_editor_create(grid, &opts, &editor, error));
-    iso_status status = iso_editor_redistance(editor, ITERATIONS, error);
+    iso_status status = iso_editor_redistance(editor, ITERATIONS, &progress, error);
     iso_editor_destroy(editor);
     return status;
 }
 
 static iso_status sample(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
                          iso_error *error) {
-    iso_resampling how = {.voxel = source->voxel, .margin = MARGIN, .pool = source->pool};
+    const iso_progress progress = iso_progress_part(source->progress, 0.4, 0.7);
+    iso_resampling how = {
+        .voxel = source->voxel, .margin = MARGIN, .pool = source->pool, .progress = &progress};
     if (!isnan(source->isovalue))
         how.isovalue = iso_grid_stored(from, source->isovalue);
     else if (!iso_grid_is_level_set(from))
         return iso_fail(error, ISO_ERR_USAGE, "%s: needs --isovalue", source->path);
     ISO_TRY(iso_level_set_from_grid(source->path, from, &how, grid, error));
-    iso_status status = make_distances(*grid, source->pool, error);
+    iso_status status = make_distances(source, *grid, error);
     if (status != ISO_OK) iso_hgrid_destroy(*grid);
     return status;
 }
 
-static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
-    const iso_volume_opts opts = {.pool = source->pool};
-    iso_volume volume;
-    ISO_TRY(iso_volume_read(source->path, &opts, &volume, error));
-    const iso_hgrid *sparse = volume.grid.hgrid;
+static int tell(void *context, double fraction) {
+    return iso_progress_tell(context, "", fraction, NULL) != ISO_OK;
+}
+
+static iso_status find_isovalues(isosculpt_volume *volume, iso_pool *pool, iso_error *error) {
+    const iso_grid *grid = &volume->volume.grid;
+    double candidates[ISO_ISOVALUE_CANDIDATES];
+    volume->has_isovalues = grid->rgrid && !iso_grid_is_level_set(grid);
+    if (!volume->has_isovalues) return ISO_OK;
+    ISO_TRY(iso_histogram_compute(grid, pool, &volume->histogram, error));
+    volume->suggested = iso_isovalue_suggest(grid, &volume->histogram, candidates)
+                            ? candidates[0]
+                            : volume->histogram.low; /* a constant volume: nothing is to be seen */
+    return ISO_OK;
+}
+
+static iso_status read_volume(isosculpt_volume *volume, iso_pool *pool, const iso_progress *progress,
+                              iso_error *error) {
+    const iso_progress summing = iso_progress_part(progress, 0, 0.2);
+    iso_progress reading = iso_progress_part(progress, 0.2, 0.9);
+    const iso_volume_opts opts = {.pool = pool, .progress = tell, .progress_context = &reading};
+    ISO_TRY(checksum(volume->path, &summing, &volume->crc, error));
+    ISO_TRY(iso_volume_read(volume->path, &opts, &volume->volume, error));
+    return find_isovalues(volume, pool, error);
+}
+
+iso_status isosculpt_volume_read(const char *path, iso_pool *pool, const iso_progress *progress,
+                                 isosculpt_volume **out, iso_error *error) {
+    isosculpt_volume *volume = calloc(1, sizeof *volume);
+    if (!volume) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    iso_status status = ISO_OK;
+    if (snprintf(volume->path, sizeof volume->path, "%s", path) >= (int)sizeof volume->path)
+        status = iso_fail(error, ISO_ERR_IO, "%.400s: the name is too long", path);
+    if (status == ISO_OK) status = read_volume(volume, pool, progress, error);
+    if (status == ISO_OK)
+        *out = volume;
+    else
+        isosculpt_volume_free(volume);
+    return status;
+}
+
+void isosculpt_volume_free(isosculpt_volume *volume) {
+    if (!volume) return;
+    iso_volume_free(&volume->volume);
+    free(volume);
+}
+
+static iso_status from_grid(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
+                            iso_error *error) {
+    const iso_hgrid *sparse = from->hgrid;
     const double own = sparse ? sparse->transform.spacing[0] : 0;
     const bool as_it_is = sparse && has_cubes(sparse) && (source->voxel <= 0 || source->voxel == own) &&
                           (isnan(source->isovalue) || source->isovalue == 0);
-    iso_status status =
-        as_it_is ? take_level_set(sparse, grid, error) : sample(source, &volume.grid, grid, error);
+    return as_it_is ? take_level_set(sparse, grid, error) : sample(source, from, grid, error);
+}
+
+static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    if (source->volume) return from_grid(source, &source->volume->volume.grid, grid, error);
+    iso_progress reading = iso_progress_part(source->progress, 0.05, 0.4);
+    const iso_volume_opts opts = {.pool = source->pool, .progress = tell, .progress_context = &reading};
+    iso_volume volume;
+    ISO_TRY(iso_volume_read(source->path, &opts, &volume, error));
+    iso_status status = from_grid(source, &volume.grid, grid, error);
     iso_volume_free(&volume);
     return status;
 }
@@ -126,7 +202,8 @@ static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, 
 /* ---- opening */
 
 static iso_status open_file(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
-    return is_mesh(source->path) ? from_mesh(source, grid, error) : from_volume(source, grid, error);
+    return isosculpt_is_mesh(source->path) ? from_mesh(source, grid, error)
+                                           : from_volume(source, grid, error);
 }
 
 static void describe(const isosculpt_source *source, const iso_hgrid *grid, iso_journal_start *start) {
@@ -146,7 +223,11 @@ iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_sta
     free(path);
     if (length >= (int)sizeof start->source)
         return iso_fail(error, ISO_ERR_IO, "%s: the name is too long", source->path);
-    ISO_TRY(checksum(source->path, &start->source_crc, error));
+    const iso_progress summing = iso_progress_part(source->progress, 0, 0.05);
+    if (source->volume)
+        start->source_crc = source->volume->crc;
+    else
+        ISO_TRY(checksum(source->path, &summing, &start->source_crc, error));
     ISO_TRY(open_file(source, grid, error));
     describe(source, *grid, start);
     return ISO_OK;
@@ -166,21 +247,26 @@ static iso_status find_file(const char *strokes, const char *path, char found[2 
                     strokes, path, strerror(missing));
 }
 
-iso_status isosculpt_source_find(const char *strokes, double voxel, iso_pool *pool, iso_journal_start *start,
+iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
                                  iso_hgrid **grid, iso_error *error) {
     char found[2 * ISO_JOURNAL_TEXT];
     uint32_t crc;
     ISO_TRY(find_file(strokes, start->source, found, error));
-    ISO_TRY(checksum(found, &crc, error));
+    const iso_progress summing = iso_progress_part(how->progress, 0, 0.05);
+    ISO_TRY(checksum(found, &summing, &crc, error));
     if (crc != start->source_crc)
         return iso_fail(error, ISO_ERR_FORMAT,
                         "%s: '%s' is not what it was when the session began (checksum %08x, then %08x)",
                         strokes, found, crc, start->source_crc);
-    const isosculpt_source source = {found, start->isovalue, voxel > 0 ? voxel : start->voxel_size, pool};
+    const isosculpt_source source = {.path = found,
+                                     .isovalue = start->isovalue,
+                                     .voxel = how->voxel > 0 ? how->voxel : start->voxel_size,
+                                     .pool = how->pool,
+                                     .progress = how->progress};
     const iso_journal_start wanted = *start;
     ISO_TRY(open_file(&source, grid, error));
     describe(&source, *grid, start);
-    if (voxel > 0 || memcmp(wanted.dims, start->dims, sizeof wanted.dims) == 0) return ISO_OK;
+    if (how->voxel > 0 || memcmp(wanted.dims, start->dims, sizeof wanted.dims) == 0) return ISO_OK;
     iso_hgrid_destroy(*grid);
     return iso_fail(error, ISO_ERR_FORMAT, "%s: '%s' makes a grid of another size than the session's",
                     strokes, found);

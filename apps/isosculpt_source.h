@@ -4,18 +4,39 @@
 #define ISO_APPS_ISOSCULPT_SOURCE_H
 
 #include "base/parallel.h"
+#include "base/progress.h"
+#include "extract/isovalue.h"
 #include "grids/hgrid.h"
+#include "grids/volume.h"
 #include "sculpt/journal.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+/* A volume in memory, before it is sculpted. Read only: threads may share it. */
+typedef struct isosculpt_volume {
+    char path[ISO_JOURNAL_TEXT];
+    uint32_t crc; /* of the file */
+    iso_volume volume;
+    /* of volumes that have isovalues to choose from: */
+    bool has_isovalues; /* dense and no level set */
+    iso_histogram histogram;
+    double suggested;
+} isosculpt_volume;
+
+/* `pool` is borrowed for the call. As iso_volume_read; ISO_ERR_EMPTY when no voxel is a number. */
+iso_status isosculpt_volume_read(const char *path, iso_pool *pool, const iso_progress *progress,
+                                 isosculpt_volume **volume, iso_error *error);
+void isosculpt_volume_free(isosculpt_volume *volume); /* NULL is fine */
+
 typedef struct isosculpt_source {
     const char *path;
     double isovalue; /* physical; NAN: not given, which only level sets and meshes can do without */
     double voxel;    /* mm; 0: the file's smallest spacing, or a 256th of a mesh's longest side */
     iso_pool *pool;  /* borrowed */
+    const iso_progress *progress;   /* told from any thread; cancelled: ISO_ERR_IO */
+    const isosculpt_volume *volume; /* the file's content, borrowed; NULL: it is read */
 } isosculpt_source;
 
 /* Reads the file and says in *start what a journal says of it. A level set (.vdb) at its own voxel size is
@@ -24,10 +45,18 @@ typedef struct isosculpt_source {
 iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
                                  iso_error *error);
 
-/* The same from a journal's header (voxel_size 0: the header's): the file by its path, or beside the stroke
- * file `strokes`. ISO_ERR_IO when it is not there, ISO_ERR_FORMAT when it is not the same any more. */
-iso_status isosculpt_source_find(const char *strokes, double voxel, iso_pool *pool, iso_journal_start *start,
+/* The same from a journal's header: the file by its path, or beside the stroke file `strokes`. Of `how`
+ * only voxel (0: the header's), pool and progress count. ISO_ERR_IO when it is not there, ISO_ERR_FORMAT when
+ * it is not the same any more. */
+iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
                                  iso_hgrid **grid, iso_error *error);
+
+/* By its name. */
+bool isosculpt_is_mesh(const char *path);
+
+/* A mesh as a stamp. As iso_mesh_read and iso_stamp_from_mesh. */
+iso_status isosculpt_stamp_read(const char *path, const iso_progress *progress, iso_stamp **stamp,
+                                iso_error *error);
 
 #ifdef __cplusplus
 }

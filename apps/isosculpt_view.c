@@ -40,12 +40,19 @@ double isosculpt_latency_quantile(const isosculpt_latency *latency, double quant
 /* ---- life */
 
 iso_status isosculpt_view_init(isosculpt_view *view, iso_hgrid *grid, iso_pool *pool, iso_error *error) {
+    const iso_grid any = {.hgrid = grid};
+    return isosculpt_view_init_grid(view, &any, 0, pool, error);
+}
+
+iso_status isosculpt_view_init_grid(isosculpt_view *view, const iso_grid *grid, double isovalue,
+                                    iso_pool *pool, iso_error *error) {
     const iso_rgb clay = {206, 142, 112}, dusk = {46, 50, 56};
     *view =
         (isosculpt_view){.look = {.paint = {.color = clay, .background = dusk}}, .factor = 1, .pool = pool};
-    view->grid.hgrid = grid;
+    view->grid = *grid;
+    view->isovalue = isovalue;
     view->camera.view_angle = 30;
-    iso_points_opts points = {.pool = pool};
+    iso_points_opts points = {.isovalue = isovalue, .pool = pool};
     iso_status status = iso_point_set_create(&view->grid, &points, &view->points, error);
     if (status == ISO_OK) status = iso_point_set_update(view->points, error);
     if (status == ISO_OK) status = iso_pullpush_create(&view->workspace, error);
@@ -68,6 +75,13 @@ void isosculpt_view_free(isosculpt_view *view) {
     iso_image_free(&view->image);
     iso_image_free(&view->piece_image);
     *view = (isosculpt_view){0};
+}
+
+void isosculpt_view_set_isovalue(isosculpt_view *view, double isovalue) {
+    view->isovalue = isovalue;
+    iso_point_set_isovalue(view->points, isovalue);
+    if (view->mesh) iso_mesh_set_isovalue(view->mesh, isovalue);
+    if (view->exact) iso_exact_isovalue(view->exact, isovalue);
 }
 
 size_t isosculpt_view_points(const isosculpt_view *view) {
@@ -188,18 +202,18 @@ void isosculpt_view_pan(isosculpt_view *view, double dx, double dy) {
 void isosculpt_view_zoom(isosculpt_view *view, double factor) {
     iso_camera *camera = &view->camera;
     iso_vec3 back = iso_vec3_sub(camera->position, camera->focal_point);
-    double length = iso_vec3_length(back) / factor, voxel = view->grid.hgrid->transform.spacing[0];
+    double length = iso_vec3_length(back) / factor, voxel = iso_grid_transform(&view->grid)->spacing[0];
     if (!(length > voxel) || !(length < 1e5 * voxel)) return;
     camera->position = iso_vec3_add(camera->focal_point, iso_vec3_scale(back, 1 / factor));
     camera->parallel_scale /= factor;
 }
 
 static iso_box bounds(const isosculpt_view *view) {
-    iso_affine affine = iso_transform_affine(&view->grid.hgrid->transform);
+    iso_affine affine = iso_transform_affine(iso_grid_transform(&view->grid));
     iso_point_view points = iso_point_set_view(view->points);
     iso_box box = iso_point_view_bounds(&points);
     if (iso_box_is_empty(&box)) {
-        const int *dims = view->grid.hgrid->dims;
+        const int *dims = iso_grid_dims(&view->grid);
         iso_box_add(&box, iso_vec3_make(0, 0, 0));
         iso_box_add(&box, iso_vec3_make(dims[0] - 1, dims[1] - 1, dims[2] - 1));
     }

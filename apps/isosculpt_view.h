@@ -78,7 +78,9 @@ typedef struct isosculpt_view {
     iso_camera camera;
     isosculpt_look look;
     isosculpt_mask mask;
-    int factor; /* of pictures while the camera moves: 1 .. ISOSCULPT_FACTOR_MAX; found by their times */
+    double isovalue; /* physical; of volumes */
+    bool sliding;    /* the isovalue changes under the hand: pullpush, which is quick at that */
+    int factor;      /* of pictures while the camera moves: 1 .. ISOSCULPT_FACTOR_MAX; found by their times */
 
     iso_grid grid;      /* borrowed */
     iso_pool *pool;     /* borrowed */
@@ -101,6 +103,7 @@ typedef struct isosculpt_view {
     int width, height; /* the full picture */
     iso_camera drawn_camera;
     isosculpt_look drawn_look;
+    double drawn_isovalue;
     isosculpt_quality quality;
     bool exactly;           /* the exact surface, at least one sample a pixel */
     uint64_t seen;          /* edits up to this one */
@@ -115,6 +118,11 @@ enum { ISOSCULPT_FACTOR_MAX = 3 };
 
 /* Grid and pool are borrowed until free; the camera looks at the whole from the front. ISO_ERR_NOMEM. */
 iso_status isosculpt_view_init(isosculpt_view *view, iso_hgrid *grid, iso_pool *pool, iso_error *error);
+/* The same of any grid at an isovalue (physical). */
+iso_status isosculpt_view_init_grid(isosculpt_view *view, const iso_grid *grid, double isovalue,
+                                    iso_pool *pool, iso_error *error);
+/* Another isovalue, from the next drawing on. */
+void isosculpt_view_set_isovalue(isosculpt_view *view, double isovalue);
 void isosculpt_view_free(isosculpt_view *view);
 
 /* Brings view->image up to date; it is the picture's size or, while the camera moves, a factor smaller.

@@ -9,6 +9,7 @@
 #include <GLFW/glfw3.h>
 
 #include "apps/isosculpt.h"
+#include "apps/isosculpt_opening.h"
 #include "apps/isosculpt_panel.h"
 #include "apps/isosculpt_pen.h"
 
@@ -25,10 +26,14 @@ enum { FRAMES = 3, WIDTH = 1280, HEIGHT = 800 };
 typedef struct window {
     GLFWwindow *glfw;
     const isosculpt_settings *settings;
-    iso_pool *pool;
+    iso_pool *pool;     /* the program's, or own_pool */
+    iso_pool *own_pool; /* of what was opened; NULL: none */
+    isosculpt_opening *opening;
+    isosculpt_volume *volume; /* that is looked at; NULL: the desk has a field */
     isosculpt_desk desk;
     isosculpt_view view;
     isosculpt_hand hand;
+    double voxel; /* of what the hand works on, mm; 0: nothing yet */
     isosculpt_screen screen;
     isosculpt_panel *panel;
     isosculpt_pen *pen;
@@ -41,6 +46,9 @@ typedef struct window {
     int texture_width, texture_height;
     int frames;       /* still to be drawn */
     double changed;   /* when the picture last had to be drawn */
+    bool sculpting;   /* the volume is being made a field */
+    bool stamp_asked; /* --stamp was seen to */
+    bool save;        /* as soon as no stroke is drawn */
     bool close_after; /* a save, which must succeed */
     bool shoot, shoot_all;
     iso_error error; /* of drawing: it ends the program */
@@ -79,7 +87,8 @@ static void on_button(GLFWwindow *glfw, int button, int action, int mods) {
     double x = w->hand.x, y = w->hand.y; /* of the last event: GLFW sends the position first */
     if (action == GLFW_RELEASE)
         isosculpt_hand_release(&w->hand, buttons[button]);
-    else if (!isosculpt_panel_has_pointer(w->panel, x / w->screen.pixels, y / w->screen.pixels)) {
+    else if (!w->screen.blank &&
+             !isosculpt_panel_has_pointer(w->panel, x / w->screen.pixels, y / w->screen.pixels)) {
         w->hand.pressure = isosculpt_pen_pressure(w->pen);
         w->screen.pen = isosculpt_pen_present(w->pen);
         isosculpt_hand_press(&w->hand, buttons[button], modifiers(mods), x, y);
@@ -91,7 +100,7 @@ static void on_scroll(GLFWwindow *glfw, double dx, double dy) {
     window *w = of(glfw);
     w->frames = FRAMES;
     double pixels = w->screen.pixels;
-    if (!isosculpt_panel_has_pointer(w->panel, w->hand.x / pixels, w->hand.y / pixels))
+    if (!w->screen.blank && !isosculpt_panel_has_pointer(w->panel, w->hand.x / pixels, w->hand.y / pixels))
         isosculpt_hand_scroll(&w->hand, dy);
 }
 
@@ -140,6 +149,15 @@ static bool change_look(window *w, int meant) {
     return true;
 }
 
+/* What was dropped on the window, of several the first: a mesh is a stamp, all else is opened. */
+static void on_drop(GLFWwindow *glfw, int count, const char **paths) {
+    window *w = of(glfw);
+    if (count < 1) return;
+    snprintf(w->screen.path, sizeof w->screen.path, "%s", paths[0]);
+    w->screen.answers |= isosculpt_is_mesh(paths[0]) ? ISOSCULPT_ANSWER_STAMP : ISOSCULPT_ANSWER_OPEN;
+    w->frames = FRAMES;
+}
+
 /* While a question is asked keys answer it and do nothing else. */
 static bool answer(window *w, int key) {
     bool yes = key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
@@ -161,13 +179,16 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
         isosculpt_hand_key(&w->hand, meant, modifiers(mods), false);
         return;
     }
-    if (answer(w, key) || isosculpt_panel_has_keys()) return;
-    if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
+    if (answer(w, key)) return;
     if (action == GLFW_PRESS && key == GLFW_KEY_F12)
         *(mods & GLFW_MOD_SHIFT ? &w->shoot_all : &w->shoot) = true;
+    if (isosculpt_panel_has_keys()) return;
+    if (key == GLFW_KEY_ESCAPE && w->hand.drag != ISOSCULPT_DRAG_BRUSH && w->screen.busy_count)
+        w->screen.answers |= ISOSCULPT_ANSWER_CANCEL;
+    if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
     if (action == GLFW_PRESS && meant == 'h') w->screen.help = !w->screen.help;
     if (action == GLFW_PRESS && !(mods & GLFW_MOD_CONTROL) && change_look(w, meant)) return;
-    isosculpt_hand_key(&w->hand, meant, modifiers(mods), true);
+    if (!w->screen.blank || meant == 'q') isosculpt_hand_key(&w->hand, meant, modifiers(mods), true);
     if (w->hand.wishes & ISOSCULPT_WISH_CLOSE) want_close(w);
     w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_CLOSE;
 }
@@ -193,77 +214,231 @@ static void set_callbacks(window *w) {
     glfwSetWindowCloseCallback(w->glfw, on_close);
     glfwSetWindowRefreshCallback(w->glfw, on_refresh);
     glfwSetFramebufferSizeCallback(w->glfw, on_size);
+    glfwSetDropCallback(w->glfw, on_drop);
 }
 
 /* ---- the sculpture on the desk */
 
 static void show_title(window *w) {
     char title[ISOSCULPT_PATH + 32];
-    const char *slash = strrchr(w->desk.journal, '/'), *name = slash ? slash + 1 : w->desk.journal;
+    const char *path = w->volume ? w->volume->path : w->desk.journal, *slash = strrchr(path, '/'),
+               *name = slash ? slash + 1 : path;
     snprintf(title, sizeof title, "isosculpt%s%s", name[0] ? ": " : "", name);
     glfwSetWindowTitle(w->glfw, title);
 }
 
-/* The hand and the view of what is on the desk. The brush and the engine stay as they are. */
-static iso_status show_desk(window *w, iso_error *error) {
+/* The hand and the engine for what is on the desk and in the view. The brush stays as it is, in voxels. */
+static void take_up(window *w) {
     iso_brush brush = w->hand.brush;
-    isosculpt_view_free(&w->view);
-    ISO_TRY(isosculpt_view_init(&w->view, iso_session_grid(w->desk.session), w->pool, error));
+    const double before = w->voxel, voxel = w->desk.start.voxel_size;
     w->view.gl = w->gl;
     w->view.look.engine = w->engine;
     isosculpt_hand_init(&w->hand, &w->desk, &w->view);
-    if (brush.radius > 0) w->hand.brush = brush;
+    if (before > 0) {
+        w->hand.brush = brush;
+        w->hand.brush.radius = brush.radius / before * voxel;
+    }
+    w->voxel = voxel;
+    w->hand.looking = w->screen.volume != NULL;
     show_title(w);
     w->hand.wishes = ISOSCULPT_WISH_PICTURE;
+    w->frames = FRAMES;
+}
+
+static iso_status show_desk(window *w, iso_error *error) {
+    ISO_TRY(isosculpt_view_init(&w->view, iso_session_grid(w->desk.session), w->pool, error));
+    take_up(w);
     return ISO_OK;
+}
+
+/* A new ball, with a journal if that can be. */
+static iso_status show_ball(window *w, iso_error *error) {
+    ISO_TRY(isosculpt_desk_new(&w->desk, w->has_folder ? w->folder : NULL, NULL, error));
+    return show_desk(w, error);
+}
+
+static void wake(void) {
+    glfwPostEmptyEvent();
+}
+
+/* The volume that is looked at as a field at the isovalue that was chosen. */
+static iso_status start_sculpting(window *w, iso_error *error) {
+    const isosculpt_request request = {.path = w->volume->path,
+                                       .sculpt = w->volume,
+                                       .folder = w->has_folder ? w->folder : NULL,
+                                       .isovalue = w->view.isovalue,
+                                       .voxel = w->settings->voxel_size,
+                                       .threads = w->settings->threads,
+                                       .undo_memory = (size_t)w->settings->undo_memory,
+                                       .wake = wake};
+    if (w->opening) return iso_fail(error, ISO_ERR_USAGE, "another file is being opened");
+    return isosculpt_opening_start(&request, &w->opening, error);
+}
+
+/* Beside what is there, until it is whole. */
+static iso_status start_opening(window *w, const char *path, bool stamp, iso_error *error) {
+    const isosculpt_settings *settings = w->settings;
+    const bool asked = path == settings->open;
+    const isosculpt_request request = {.path = path,
+                                       .stamp = stamp,
+                                       .folder = w->has_folder ? w->folder : NULL,
+                                       .isovalue = asked ? settings->isovalue : NAN,
+                                       .voxel = asked ? settings->voxel_size : 0,
+                                       .threads = settings->threads,
+                                       .undo_memory = (size_t)settings->undo_memory,
+                                       .wake = wake};
+    if (w->opening) return iso_fail(error, ISO_ERR_USAGE, "another file is being opened");
+    return isosculpt_opening_start(&request, &w->opening, error);
+}
+
+/* Until it is there the window shows nothing. */
+static iso_status open_alone(window *w, const char *path, iso_error *error) {
+    ISO_TRY(isosculpt_desk_blank(&w->desk, error));
+    ISO_TRY(show_desk(w, error));
+    w->screen.blank = true;
+    return start_opening(w, path, false, error);
 }
 
 static iso_status open_first(window *w, iso_error *error) {
     const isosculpt_settings *settings = w->settings;
     iso_error reason = {0};
     w->has_folder = isosculpt_desk_folder(w->folder, &reason) == ISO_OK;
-    if (settings->strokes) return isosculpt_desk_open(&w->desk, settings->strokes, error);
+    if (settings->strokes) return open_alone(w, settings->strokes, error);
     bool unclosed = w->has_folder && isosculpt_desk_unclosed(w->folder, w->offered);
-    if (settings->recover && unclosed) return isosculpt_desk_open(&w->desk, w->offered, error);
+    if (settings->recover && unclosed) return open_alone(w, w->offered, error);
     if (unclosed) w->screen.offered = w->offered;
     if (settings->recover) say(w, false, "There is nothing to recover: no session was left unclosed.");
-    const isosculpt_source source = {settings->open, settings->isovalue, settings->voxel_size, w->pool};
-    ISO_TRY(isosculpt_desk_new(&w->desk, w->has_folder ? w->folder : NULL, settings->open ? &source : NULL,
-                               error));
+    if (settings->open) return open_alone(w, settings->open, error);
+    ISO_TRY(show_ball(w, error));
     if (reason.text[0]) snprintf(w->desk.trouble, sizeof w->desk.trouble, "%s", reason.text);
     return ISO_OK;
 }
 
-/* In place of the new ball. Where it cannot be opened, a new ball it is. */
-static iso_status recover(window *w, iso_error *error) {
-    iso_error reason = {0};
+/* In place of what is on the desk, whose journal has all of it. What a volume becomes is seen from where the
+ * volume was. */
+static iso_status replace_desk(window *w, isosculpt_opened *opened, iso_error *error) {
+    const isosculpt_look look = w->view.look;
+    const iso_camera camera = w->view.camera;
+    const bool same_place = w->volume && !opened->volume && w->sculpting;
     isosculpt_view_free(&w->view);
     isosculpt_desk_close(&w->desk);
-    if (isosculpt_desk_open(&w->desk, w->offered, &reason) != ISO_OK) {
-        say(w, true, reason.text);
-        ISO_TRY(isosculpt_desk_new(&w->desk, w->folder, NULL, error));
+    isosculpt_volume_free(w->volume);
+    iso_pool_destroy(w->own_pool);
+    w->pool = w->own_pool = opened->pool;
+    w->desk = opened->desk;
+    w->view = opened->view;
+    w->screen.volume = w->volume = opened->volume;
+    w->screen.isovalue = w->view.isovalue;
+    w->screen.blank = false;
+    w->view.look = look;
+    if (same_place) w->view.camera = camera;
+    if (w->volume) {
+        w->desk.pool = w->pool;
+        ISO_TRY(isosculpt_desk_blank(&w->desk, error));
+        w->desk.start.voxel_size = iso_grid_transform(&w->view.grid)->spacing[0];
     }
-    return show_desk(w, error);
+    take_up(w);
+    return ISO_OK;
+}
+
+/* What could not be opened leaves what was there; at the start that was nothing. */
+static iso_status without(window *w, bool cancelled, iso_status status, iso_error *error) {
+    const bool first = w->screen.blank;
+    if (first && !cancelled) return status;
+    say(w, !cancelled, cancelled ? "Cancelled." : error->text);
+    if (!first) return ISO_OK;
+    w->screen.blank = false;
+    isosculpt_view_free(&w->view);
+    isosculpt_desk_close(&w->desk);
+    return show_ball(w, error);
+}
+
+static iso_status finish_opening(window *w, iso_error *error) {
+    isosculpt_opened opened;
+    if (!w->opening || !isosculpt_task_done(isosculpt_opening_task(w->opening))) return ISO_OK;
+    if (w->hand.drag || w->desk.saver) return ISO_OK; /* first things first */
+    const bool cancelled = isosculpt_task_cancelled(isosculpt_opening_task(w->opening));
+    iso_status status = isosculpt_opening_finish(w->opening, &opened, error);
+    w->opening = NULL;
+    if (status != ISO_OK) {
+        w->sculpting = false;
+        return without(w, cancelled, status, error);
+    }
+    if (opened.stamp)
+        isosculpt_hand_stamp(&w->hand, opened.stamp);
+    else
+        status = replace_desk(w, &opened, error);
+    w->sculpting = false;
+    w->frames = FRAMES;
+    return status;
+}
+
+/* What was typed in or dropped. */
+static void open_path(window *w, const char *named, bool stamp) {
+    char path[ISOSCULPT_PATH];
+    iso_error reason = {0};
+    snprintf(path, sizeof path, "%s", named);
+    w->screen.path[0] = 0;
+    if (stamp && w->volume)
+        say(w, true, "A stamp needs something to work on: sculpt this first.");
+    else if (!stamp && !w->desk.journal[0] && w->desk.changes != w->desk.saved && !w->screen.blank)
+        say(w, true, "What you did is in no file: save it first.");
+    else if (start_opening(w, path, stamp, &reason) != ISO_OK)
+        say(w, true, reason.text);
+}
+
+/* What the panel says of the isovalue. */
+static void slide(window *w) {
+    if (!w->volume) return;
+    const bool rested = w->view.sliding && !w->screen.sliding;
+    w->view.sliding = w->screen.sliding;
+    if (w->screen.isovalue != w->view.isovalue) {
+        isosculpt_view_set_isovalue(&w->view, w->screen.isovalue);
+        w->hand.wishes |= ISOSCULPT_WISH_PICTURE;
+    } else if (rested)
+        w->changed = isosculpt_now(); /* the exact picture is due */
+}
+
+static void sculpt(window *w) {
+    iso_error reason = {0};
+    if (!w->volume || w->sculpting) return;
+    w->sculpting = start_sculpting(w, &reason) == ISO_OK;
+    if (!w->sculpting) say(w, true, reason.text);
+}
+
+/* --stamp, once there is a session that can hold it. */
+static void ask_for_stamp(window *w) {
+    if (w->stamp_asked || w->screen.blank || w->volume || w->opening || !w->settings->stamp) return;
+    w->stamp_asked = true;
+    open_path(w, w->settings->stamp, true);
 }
 
 /* ---- files */
 
 static void start_save(window *w) {
     iso_error reason = {0};
-    if (isosculpt_desk_save(&w->desk, &reason) != ISO_OK) say(w, true, reason.text);
+    if (w->hand.drag == ISOSCULPT_DRAG_BRUSH) return;
+    w->save = false;
+    if (w->volume) {
+        say(w, true, "There is nothing to save before it is sculpted.");
+        return;
+    }
+    if (isosculpt_desk_save(&w->desk, wake, &reason) != ISO_OK) say(w, true, reason.text);
 }
 
 static void finish_save(window *w) {
     iso_error reason = {0};
     iso_status status = ISO_OK;
     char path[ISOSCULPT_PATH], text[sizeof w->screen.message];
-    isosculpt_saving saving = isosculpt_desk_saving(&w->desk, false, &status, &reason);
-    w->screen.saving = saving == ISOSCULPT_SAVE_RUNNING;
-    if (saving != ISOSCULPT_SAVE_DONE) return;
+    isosculpt_task *task = isosculpt_desk_save_task(&w->desk);
+    const bool cancelled = task && isosculpt_task_cancelled(task);
+    if (isosculpt_desk_saving(&w->desk, false, &status, &reason) != ISOSCULPT_SAVE_DONE) return;
     isosculpt_desk_target(&w->desk, path);
-    snprintf(text, sizeof text, "%s%.500s",
-             status == ISO_OK ? "Saved " : "Not saved: ", status == ISO_OK ? path : reason.text);
-    say(w, status != ISO_OK, text);
+    snprintf(text, sizeof text, "%s%.500s", status == ISO_OK ? "Saved " : "Not saved: ",
+             status == ISO_OK ? path
+             : cancelled      ? "cancelled"
+                              : reason.text);
+    say(w, status != ISO_OK && !cancelled, text);
     if (w->close_after && status == ISO_OK) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
     if (status != ISO_OK) w->close_after = false;
 }
@@ -347,6 +522,7 @@ static void upload(window *w) {
 
 /* Seconds until a better picture is due; < 0: it is; none is due once it is the best. */
 static double until_better(const window *w) {
+    if (w->screen.blank || w->view.sliding) return IDLE;
     if (w->view.quality == ISOSCULPT_FINE) return IDLE;
     return w->shoot ? -1 : w->changed + REST[w->view.quality + 1] - isosculpt_now();
 }
@@ -358,6 +534,8 @@ static iso_status improve(window *w, iso_error *error) {
 }
 
 static iso_status draw_due(window *w, iso_error *error) {
+    if (w->screen.blank) w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_PICTURE;
+    if (w->screen.blank) return ISO_OK;
     if (w->hand.wishes & ISOSCULPT_WISH_PICTURE) {
         w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_PICTURE;
         w->changed = isosculpt_now();
@@ -374,7 +552,7 @@ static iso_status draw_due(window *w, iso_error *error) {
 /* The picture that is due now, if any. */
 static iso_status update_picture(window *w, iso_error *error) {
     ISO_TRY(draw_due(w, error));
-    if (!w->shoot || w->view.quality != ISOSCULPT_FINE) return ISO_OK;
+    if (!w->shoot || w->view.quality != ISOSCULPT_FINE || w->screen.blank) return ISO_OK;
     w->shoot = false;
     iso_error reason = {0};
     if (isosculpt_view_fetch(&w->view, &reason) == ISO_OK)
@@ -399,8 +577,10 @@ static iso_status draw(window *w, iso_error *error) {
     if (w->frames <= 0) return ISO_OK;
     w->frames--;
     glViewport(0, 0, w->screen.width, w->screen.height);
+    glClearColor(0.18f, 0.196f, 0.22f, 1); /* seen until there is a picture */
+    glClear(GL_COLOR_BUFFER_BIT);
     ISO_TRY(isosculpt_panel_draw(w->panel, &w->screen, error));
-    if (w->shoot_all) {
+    if (w->shoot_all && !w->screen.blank) {
         w->shoot_all = false;
         shoot_window(w);
     }
@@ -408,12 +588,52 @@ static iso_status draw(window *w, iso_error *error) {
     return ISO_OK;
 }
 
+/* ---- heavy work */
+
+static void add_busy(window *w, const char *verb, const char *path, const isosculpt_task *task) {
+    isosculpt_busy *busy = &w->screen.busy[w->screen.busy_count++];
+    const char *slash = strrchr(path, '/');
+    snprintf(busy->text, sizeof busy->text, "%s %.120s", verb, slash ? slash + 1 : path);
+    busy->fraction = isosculpt_task_fraction(task);
+}
+
+static int running(const window *w, isosculpt_task *tasks[ISOSCULPT_BUSY]) {
+    int count = 0;
+    if (w->opening) tasks[count++] = isosculpt_opening_task(w->opening);
+    if (w->desk.saver) tasks[count++] = isosculpt_desk_save_task(&w->desk);
+    return count;
+}
+
+static void show_busy(window *w) {
+    char target[ISOSCULPT_PATH];
+    isosculpt_task *tasks[ISOSCULPT_BUSY];
+    const int before = w->screen.busy_count, count = running(w, tasks);
+    w->screen.busy_count = 0;
+    if (w->opening)
+        add_busy(w,
+                 w->sculpting                             ? "Making a field of"
+                 : isosculpt_opening_is_stamp(w->opening) ? "Stamp:"
+                                                          : "Opening",
+                 isosculpt_opening_path(w->opening), tasks[0]);
+    isosculpt_desk_target(&w->desk, target);
+    if (w->desk.saver) add_busy(w, "Saving", target, tasks[count - 1]);
+    if (count || before) w->frames = w->frames > 0 ? w->frames : 1;
+}
+
+static void cancel(window *w, unsigned answers) {
+    isosculpt_task *tasks[ISOSCULPT_BUSY];
+    const int count = running(w, tasks);
+    for (int i = 0; i < count; i++)
+        if (answers & (unsigned)ISOSCULPT_ANSWER_CANCEL << i) isosculpt_task_cancel(tasks[i]);
+}
+
 /* ---- the loop */
 
 static iso_status obey(window *w, iso_error *error) {
     unsigned answers = w->screen.answers;
     w->screen.answers = 0;
-    if ((w->hand.wishes & ISOSCULPT_WISH_SAVE) || (answers & ISOSCULPT_ANSWER_SAVE)) start_save(w);
+    w->save |= (w->hand.wishes & ISOSCULPT_WISH_SAVE) || (answers & ISOSCULPT_ANSWER_SAVE);
+    if (w->save) start_save(w);
     w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_SAVE;
     if (answers & (ISOSCULPT_ANSWER_CLOSE | ISOSCULPT_ANSWER_STAY)) w->screen.closing = false;
     if (answers & ISOSCULPT_ANSWER_CLOSE) {
@@ -422,12 +642,20 @@ static iso_status obey(window *w, iso_error *error) {
     }
     if (answers & (ISOSCULPT_ANSWER_RECOVER | ISOSCULPT_ANSWER_DISMISS)) w->screen.offered = NULL;
     if (answers & ISOSCULPT_ANSWER_DISMISS) isosculpt_desk_dismiss(w->offered);
-    return answers & ISOSCULPT_ANSWER_RECOVER ? recover(w, error) : ISO_OK;
+    cancel(w, answers);
+    if (answers & ISOSCULPT_ANSWER_RECOVER) open_path(w, w->offered, false);
+    if (answers & ISOSCULPT_ANSWER_OPEN) open_path(w, w->screen.path, false);
+    if (answers & ISOSCULPT_ANSWER_STAMP) open_path(w, w->screen.path, true);
+    if (w->hand.wishes & ISOSCULPT_WISH_SCULPT) sculpt(w);
+    w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_SCULPT;
+    slide(w);
+    ask_for_stamp(w);
+    return finish_opening(w, error);
 }
 
 static void wait_events(window *w) {
     double wait = fmin(until_better(w), IDLE);
-    if (w->screen.saving) wait = fmin(wait, 0.05);
+    if (w->screen.busy_count) wait = fmin(wait, 0.05);
     if (w->frames > 0 || w->hand.wishes || w->screen.answers || wait <= 0) {
         glfwPollEvents();
         return;
@@ -439,6 +667,7 @@ static void wait_events(window *w) {
 
 static iso_status loop(window *w, iso_error *error) {
     while (!glfwWindowShouldClose(w->glfw)) {
+        show_busy(w);
         ISO_TRY(draw(w, error));
         wait_events(w);
         finish_save(w);
@@ -504,17 +733,24 @@ static void close_engine(window *w) {
     iso_gl_context_destroy(w->context);
 }
 
+/* No larger than the screen, which the content scale may have made it. */
+static void fit_screen(GLFWwindow *glfw) {
+    int width, height, x, y, room_x = 0, room_y = 0;
+    GLFWmonitor *monitor = glfwGetPrimaryMonitor();
+    if (monitor) glfwGetMonitorWorkarea(monitor, &x, &y, &room_x, &room_y);
+    glfwGetWindowSize(glfw, &width, &height);
+    const int fit_x = room_x > 0 && room_x < width ? room_x : width,
+              fit_y = room_y > 0 && room_y < height ? room_y : height;
+    if (fit_x < width || fit_y < height) glfwSetWindowSize(glfw, fit_x, fit_y);
+}
+
 static iso_status make_window(window *w, iso_error *error) {
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     if (getenv("ISO_GL_DEBUG")) glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, GLFW_TRUE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
-    int width = WIDTH, height = HEIGHT, x, y, room_x = 0, room_y = 0;
-    GLFWmonitor *monitor = glfwGetPrimaryMonitor();
-    if (monitor) glfwGetMonitorWorkarea(monitor, &x, &y, &room_x, &room_y);
-    if (room_x > 0 && room_x < width) width = room_x;
-    if (room_y > 0 && room_y < height) height = room_y;
-    w->glfw = create_window(width, height);
+    w->glfw = create_window(WIDTH, HEIGHT);
     if (!w->glfw) return no_window(error, "no window with OpenGL 3.2 can be opened");
+    fit_screen(w->glfw);
     glfwMakeContextCurrent(w->glfw);
     glfwSwapInterval(1);
     set_callbacks(w);
@@ -525,10 +761,16 @@ static iso_status make_window(window *w, iso_error *error) {
     return isosculpt_panel_create(w->glfw, text_scale(w), &w->panel, error);
 }
 
+/* The window closes over it. */
+static void abandon(window *w) {
+    isosculpt_opened opened = {0};
+    isosculpt_task_cancel(isosculpt_opening_task(w->opening));
+    if (isosculpt_opening_finish(w->opening, &opened, NULL) == ISO_OK) isosculpt_opened_free(&opened);
+}
+
 static iso_status run(window *w, iso_error *error) {
     ISO_TRY(make_window(w, error));
     ISO_TRY(open_first(w, error));
-    ISO_TRY(show_desk(w, error));
     return loop(w, error);
 }
 
@@ -538,9 +780,12 @@ iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, 
     w.desk.undo_memory = (size_t)settings->undo_memory;
     if (!glfwInit()) return no_window(error, "no window system");
     iso_status status = run(&w, error);
+    if (w.opening) abandon(&w);
     isosculpt_view_free(&w.view);
     isosculpt_desk_close(&w.desk);
     close_engine(&w);
+    isosculpt_volume_free(w.volume);
+    iso_pool_destroy(w.own_pool);
     isosculpt_panel_destroy(w.panel);
     isosculpt_pen_close(w.pen);
     glfwTerminate();

@@ -3,6 +3,7 @@
 #define ISO_GRIDS_LEVEL_SET_H
 
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "grids/grid.h"
 
 #ifdef __cplusplus
@@ -12,15 +13,17 @@ extern "C" {
 /* Writes a grid as a level set of class "level set" that OpenVDB's tools, Blender and Houdini read: float,
  * world distances, background band * voxel size, the transform as it is (a .vdb keeps its own axes). `name`
  * is the grid's. Through base/file.h: the file appears whole or not at all. The voxels must be cubes
- * (ISO_ERR_USAGE). ISO_ERR_WRITE; ISO_ERR_UNSUPPORTED without OpenVDB's module. */
+ * (ISO_ERR_USAGE). ISO_ERR_WRITE; ISO_ERR_UNSUPPORTED without OpenVDB's module. Cancelled: ISO_ERR_IO, and
+ * no file. */
 iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, const char *name,
-                                   iso_error *error);
+                                   const iso_progress *progress, iso_error *error);
 
 /* The grid that a mesh is put into: whole bricks of cubic voxels along the world's axes, the mesh's box in
  * the middle with at least `margin` voxels around it. */
 typedef struct iso_mesh_frame {
     double voxel; /* mm */
     int margin;
+    const iso_progress *progress; /* told from any thread; cancelled: ISO_ERR_IO */
 } iso_mesh_frame;
 
 /* The level set of what a closed mesh encloses, by OpenVDB's meshToLevelSet; which way its triangles face
@@ -31,10 +34,11 @@ iso_status iso_level_set_from_mesh(const char *path, const iso_triangles *mesh, 
 
 /* How a grid becomes a level set. */
 typedef struct iso_resampling {
-    double isovalue; /* stored; of an hgrid 0 */
-    double voxel;    /* mm; 0: the grid's smallest spacing */
-    int margin;      /* voxels around it */
-    iso_pool *pool;  /* borrowed; NULL: the calling thread */
+    double isovalue;              /* stored; of an hgrid 0 */
+    double voxel;                 /* mm; 0: the grid's smallest spacing */
+    int margin;                   /* voxels around it */
+    iso_pool *pool;               /* borrowed; NULL: the calling thread */
+    const iso_progress *progress; /* told from any thread; cancelled: ISO_ERR_IO */
 } iso_resampling;
 
 /* A field with the sides of any grid at any voxel size: cubic voxels along the grid's own axes, whole bricks,

@@ -8,6 +8,8 @@
 
 /* Cells this many voxels from the interface have bricks: the band and what central differences see. */
 enum { REACH = 4 };
+/* Cells between two words about the progress. */
+enum { TELL = 1024 };
 /* Values at the interface are scaled so that nearly all stay below this: their neighbours', which say how
  * steep the field is there, are then inside the band as well. */
 static const double INTERFACE_MOST = 1.2;
@@ -21,7 +23,8 @@ typedef struct resampling {
     double scale[3];       /* index of `from` = scale * index of `to` - offset */
     double offset[3];
     int from_bricks[3];
-    uint8_t *crosses; /* by brick of `from` */
+    uint8_t *crosses;      /* by brick of `from` */
+    iso_progress progress; /* of sampling */
 } resampling;
 
 /* Negative inside. Beyond the grid, and where there is no number, outside. */
@@ -86,8 +89,11 @@ static size_t cell_count(const iso_hgrid *grid) {
     return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
 }
 
-static iso_status make_cells(const resampling *r, iso_error *error) {
-    for (size_t cell = 0; cell < cell_count(r->to); cell++) {
+static iso_status make_cells(const resampling *r, const iso_progress *progress, iso_error *error) {
+    const size_t count = cell_count(r->to);
+    for (size_t cell = 0; cell < count; cell++) {
+        if (cell % TELL == 0)
+            ISO_TRY(iso_progress_tell(progress, "the volume", (double)cell / (double)count, error));
         int at[3];
         float *brick;
         cell_position(r->to, cell, at);
@@ -106,6 +112,8 @@ static void sample_cell(void *context, size_t index, int worker) {
     (void)worker;
     const resampling *r = context;
     if (r->to->cell[index] < 0) return;
+    const double fraction = (double)index / (double)cell_count(r->to);
+    if (iso_progress_tell(&r->progress, "", fraction, NULL) != ISO_OK) return; /* (told afterwards) */
     int at[3];
     cell_position(r->to, index, at);
     float *brick = iso_hgrid_brick(r->to, r->to->cell[index]);
@@ -219,10 +227,15 @@ static iso_status resample(const char *path, const iso_resampling *how, resampli
     r->crosses = iso_alloc(bricks);
     if (!r->crosses) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
     ISO_TRY(make_grid(path, how, r, error));
+    const iso_progress making = iso_progress_part(how->progress, 0.1, 0.2),
+                       scaling = iso_progress_part(how->progress, 0.8, 1);
+    r->progress = iso_progress_part(how->progress, 0.2, 0.8);
     iso_parallel_for(how->pool, bricks, find_crossing, r);
-    ISO_TRY(make_cells(r, error));
+    ISO_TRY(make_cells(r, &making, error));
     iso_parallel_for(how->pool, cell_count(r->to), sample_cell, r);
-    return scale_values(r, path, error);
+    ISO_TRY(iso_progress_tell(&r->progress, path, 1, error));
+    ISO_TRY(scale_values(r, path, error));
+    return iso_progress_tell(&scaling, path, 1, error);
 }
 
 iso_status iso_level_set_from_grid(const char *path, const iso_grid *from, const iso_resampling *how,

@@ -1,8 +1,11 @@
 /* level_set_vdb: an hgrid as OpenVDB's level set. */
 #include "grids/level_set_vdb.hpp"
 
-#include <sstream>
-#include <string>
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <ostream>
+#include <streambuf>
 
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
@@ -13,6 +16,9 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::FloatGrid;
+
+/* Of a leaf of a narrow band in the file, about. */
+constexpr double LEAF_BYTES = 800;
 
 openvdb::math::Transform::Ptr transform_of(const iso_transform &t) {
     openvdb::Mat4d matrix = openvdb::Mat4d::identity();
@@ -59,16 +65,56 @@ void fill_cell(FloatGrid &target, const iso_hgrid &grid, const Coord &cell) {
     }
 }
 
-FloatGrid::Ptr level_set_of(const iso_hgrid &grid, const char *name) {
+/* Thrown through OpenVDB when nobody wants the result any more. */
+struct cancelled {};
+
+void tell(const iso_progress *progress, double fraction) {
+    if (iso_progress_tell(progress, "", fraction, nullptr) != ISO_OK) throw cancelled{};
+}
+
+/* What OpenVDB writes, to a FILE; it writes strictly forwards. */
+class file_buffer : public std::streambuf {
+  public:
+    file_buffer(FILE *stream, double expected, const iso_progress *progress)
+        : stream_(stream), expected_(expected), progress_(progress) {}
+
+  protected:
+    std::streamsize xsputn(const char *text, std::streamsize size) override {
+        written_ += static_cast<double>(size);
+        if (written_ >= told_ + STEP) {
+            told_ = written_;
+            tell(progress_, std::min(written_ / expected_, 1.0));
+        }
+        failed_ |= std::fwrite(text, 1, static_cast<size_t>(size), stream_) != static_cast<size_t>(size);
+        return failed_ ? 0 : size;
+    }
+    int_type overflow(int_type c) override {
+        const char byte = traits_type::to_char_type(c);
+        return traits_type::eq_int_type(c, traits_type::eof()) || xsputn(&byte, 1) == 1
+                   ? traits_type::not_eof(c)
+                   : traits_type::eof();
+    }
+
+  private:
+    static constexpr double STEP = 1 << 18;
+    FILE *stream_;
+    double expected_, written_ = 0, told_ = 0;
+    const iso_progress *progress_;
+    bool failed_ = false;
+};
+
+FloatGrid::Ptr level_set_of(const iso_hgrid &grid, const char *name, const iso_progress *progress) {
     const float background = grid.band * static_cast<float>(grid.transform.spacing[0]);
     FloatGrid::Ptr target = FloatGrid::create(background);
     target->setGridClass(openvdb::GRID_LEVEL_SET);
     target->setName(name);
     target->setTransform(transform_of(grid.transform));
     Coord cell;
-    for (cell.z() = 0; cell.z() < grid.cells[2]; cell.z()++)
+    for (cell.z() = 0; cell.z() < grid.cells[2]; cell.z()++) {
+        tell(progress, static_cast<double>(cell.z()) / grid.cells[2]);
         for (cell.y() = 0; cell.y() < grid.cells[1]; cell.y()++)
             for (cell.x() = 0; cell.x() < grid.cells[0]; cell.x()++) fill_cell(*target, grid, cell);
+    }
     target->tree().prune();
     return target;
 }
@@ -76,15 +122,23 @@ FloatGrid::Ptr level_set_of(const iso_hgrid &grid, const char *name) {
 } // namespace
 
 iso_status iso_vdb_write_level_set(FILE *stream, const char *path, const iso_hgrid *grid, const char *name,
-                                   iso_error *error) {
+                                   const iso_progress *progress, iso_error *error) {
+    const iso_progress filling = iso_progress_part(progress, 0, 0.5),
+                       writing = iso_progress_part(progress, 0.5, 1);
     return iso::guard(path, error, [&] {
-        openvdb::initialize();
-        const openvdb::GridCPtrVec grids{level_set_of(*grid, name)};
-        std::ostringstream bytes(std::ios_base::binary);
-        openvdb::io::Stream(bytes).write(grids);
-        const std::string text = bytes.str();
-        if (std::fwrite(text.data(), 1, text.size(), stream) != text.size())
-            return iso_fail(error, ISO_ERR_WRITE, "%s: cannot write", path);
-        return ISO_OK;
+        try {
+            openvdb::initialize();
+            const openvdb::GridCPtrVec grids{level_set_of(*grid, name, &filling)};
+            file_buffer buffer(
+                stream, LEAF_BYTES * 8.0 * static_cast<double>(iso_hgrid_brick_count(grid)) + 1, &writing);
+            std::ostream bytes(&buffer);
+            bytes.exceptions(std::ios_base::badbit); /* so that what the buffer throws gets through */
+            openvdb::io::Stream(bytes).write(grids);
+            return ISO_OK;
+        } catch (const cancelled &) {
+            return iso_fail(error, ISO_ERR_IO, "%s: cancelled", path);
+        } catch (const std::ios_base::failure &) {
+            return iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", path, std::strerror(errno));
+        }
     });
 }

@@ -8,6 +8,7 @@
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/util/NullInterrupter.h>
 
 #include "grids/bridge_guard.hpp"
 
@@ -47,7 +48,21 @@ iso_status frame_of(const char *path, const iso_triangles &mesh, const iso_mesh_
     return ISO_OK;
 }
 
-FloatGrid::Ptr level_set_of(const iso_triangles &mesh, const frame_box &box) {
+/* OpenVDB asks from all its threads. */
+class interrupter : public openvdb::util::NullInterrupter {
+  public:
+    explicit interrupter(const iso_progress &progress) : progress_(progress) {}
+    bool wasInterrupted(int percent = -1) override {
+        if (percent < 0) return iso_progress_cancelled(&progress_);
+        return iso_progress_tell(&progress_, "", percent / 100.0, nullptr) != ISO_OK;
+    }
+
+  private:
+    iso_progress progress_;
+};
+
+/* When it is interrupted, whatever was made until then. */
+FloatGrid::Ptr level_set_of(const iso_triangles &mesh, const frame_box &box, const iso_progress &progress) {
     std::vector<openvdb::Vec3s> points(mesh.vertex_count);
     std::vector<openvdb::Vec3I> triangles(mesh.triangle_count);
     for (size_t i = 0; i < points.size(); i++)
@@ -57,7 +72,8 @@ FloatGrid::Ptr level_set_of(const iso_triangles &mesh, const frame_box &box) {
     const auto transform = openvdb::math::Transform::createLinearTransform(box.transform.spacing[0]);
     transform->postTranslate(
         openvdb::Vec3d(box.transform.origin[0], box.transform.origin[1], box.transform.origin[2]));
-    return openvdb::tools::meshToLevelSet<FloatGrid>(*transform, points, triangles, 3.0f);
+    interrupter asked(progress);
+    return openvdb::tools::meshToLevelSet<FloatGrid>(asked, *transform, points, triangles, 3.0f);
 }
 
 bool has_leaf(const openvdb::tree::ValueAccessor<const tree_type> &values, const Coord &first) {
@@ -85,11 +101,13 @@ iso_status fill_cell(const openvdb::tree::ValueAccessor<const tree_type> &values
     return ISO_OK;
 }
 
-iso_status fill(const char *path, const FloatGrid &source, iso_hgrid *grid, iso_error *error) {
+iso_status fill(const char *path, const FloatGrid &source, const iso_progress &progress, iso_hgrid *grid,
+                iso_error *error) {
     const openvdb::tree::ValueAccessor<const tree_type> values(source.constTree());
     bool inside = false;
     int at[3];
-    for (at[2] = 0; at[2] < grid->cells[2]; at[2]++)
+    for (at[2] = 0; at[2] < grid->cells[2]; at[2]++) {
+        ISO_TRY(iso_progress_tell(&progress, path, static_cast<double>(at[2]) / grid->cells[2], error));
         for (at[1] = 0; at[1] < grid->cells[1]; at[1]++)
             for (at[0] = 0; at[0] < grid->cells[0]; at[0]++) {
                 ISO_TRY(fill_cell(values, at, grid, error));
@@ -98,6 +116,7 @@ iso_status fill(const char *path, const FloatGrid &source, iso_hgrid *grid, iso_
                 for (int i = 0; state >= 0 && !inside && i < ISO_BRICK_VOXELS; i++)
                     inside |= iso_hgrid_brick(grid, state)[i] < 0;
             }
+    }
     iso_hgrid_prune(grid);
     return inside ? ISO_OK
                   : iso_fail(error, ISO_ERR_EMPTY, "%s: the mesh is open: it encloses nothing", path);
@@ -112,9 +131,12 @@ iso_status iso_vdb_convert_mesh(const char *path, const iso_triangles *mesh, con
         openvdb::initialize();
         frame_box box;
         ISO_TRY(frame_of(path, *mesh, *frame, &box, error));
-        const FloatGrid::Ptr source = level_set_of(*mesh, box);
+        const iso_progress converting = iso_progress_part(frame->progress, 0, 0.8),
+                           filling = iso_progress_part(frame->progress, 0.8, 1);
+        const FloatGrid::Ptr source = level_set_of(*mesh, box, converting);
+        ISO_TRY(iso_progress_tell(&converting, path, 1, error));
         ISO_TRY(iso_hgrid_create(box.dims, 0, &box.transform, &grid, error));
-        return fill(path, *source, grid, error);
+        return fill(path, *source, filling, grid, error);
     });
     if (status == ISO_OK)
         *out = grid;

@@ -25,11 +25,11 @@ extern "C" {
 #endif
 
 /* To be raised when a type that modules share with the library changes between two releases. */
-#define ISO_MODULE_ABI 3
+#define ISO_MODULE_ABI 4
 
 /* Writes an hgrid to `stream` (grids/level_set.h); `path` is for messages. */
 typedef iso_status iso_level_set_writer(FILE *stream, const char *path, const iso_hgrid *grid,
-                                        const char *name, iso_error *error);
+                                        const char *name, const iso_progress *progress, iso_error *error);
 
 /* The level set of what a mesh encloses (grids/level_set.h); `path` is for messages. */
 typedef iso_status iso_mesh_converter(const char *path, const iso_triangles *mesh,

@@ -20,6 +20,7 @@
 #include <stdint.h>
 
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "grids/grid.h"
 
 #ifdef __cplusplus
@@ -39,10 +40,6 @@ typedef struct iso_raw_layout {
  * the last may be empty. ISO_ERR_USAGE says what is wrong. */
 iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_error *error);
 
-/* Called now and then while reading, fraction 0 .. 1. Returns 0 to go on, anything else cancels (ISO_ERR_IO).
- */
-typedef int iso_progress_fn(void *context, double fraction);
-
 /* All zero means the default. Strings are borrowed for the call. */
 typedef struct iso_volume_opts {
     /* The .vdb grid's name, NULL: the only one, or the first level set, or the first scalar one. The .vti or
@@ -55,7 +52,7 @@ typedef struct iso_volume_opts {
     double spacing[3];         /* > 0 overrides the file's spacing (mm) */
     uint64_t max_memory; /* bytes that the grid and reading it may take; 0: 80 % of iso_memory_available */
     iso_pool *pool;
-    iso_progress_fn *progress;
+    iso_progress_fn *progress; /* cancels: ISO_ERR_IO */
     void *progress_context;
 } iso_volume_opts;
 

@@ -25,7 +25,7 @@ static void make_ball(iso_hgrid **grid) {
 }
 
 static iso_hgrid *open_source(const char *path, double isovalue, double voxel, iso_journal_start *start) {
-    const isosculpt_source source = {path, isovalue, voxel, NULL};
+    const isosculpt_source source = {.path = path, .isovalue = isovalue, .voxel = voxel};
     iso_hgrid *grid;
     iso_error error = {0};
     if (isosculpt_source_open(&source, start, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
@@ -61,7 +61,7 @@ static void check_ball(const char *what, iso_hgrid *grid, double radius) {
 
 static bool have_openvdb(iso_hgrid *ball, const char *path) {
     iso_error error = {0};
-    iso_status status = iso_level_set_write_vdb(path, ball, "surface", &error);
+    iso_status status = iso_level_set_write_vdb(path, ball, "surface", NULL, &error);
     if (status != ISO_OK && status != ISO_ERR_UNSUPPORTED) fail_msg("%s", error.text);
     if (status != ISO_OK) print_message("%s: left out\n", error.text);
     return status == ISO_OK;
@@ -116,7 +116,8 @@ static void volumes(void **state) {
     iso_hgrid_destroy(cut);
     iso_hgrid *none;
     iso_error error = {0};
-    const isosculpt_source without = {header, NAN, 0, NULL}, empty = {header, 1e6, 0, NULL};
+    const isosculpt_source without = {.path = header, .isovalue = NAN},
+                           empty = {.path = header, .isovalue = 1e6};
     assert_int_equal(isosculpt_source_open(&without, &start, &none, &error), ISO_ERR_USAGE);
     assert_non_null(strstr(error.text, "--isovalue"));
     assert_int_equal(isosculpt_source_open(&empty, &start, &none, &error), ISO_ERR_EMPTY);
@@ -147,7 +148,7 @@ static void meshes(void **state) {
         const char *path = session_path(names[i]);
         write_ball_mesh(ball, path);
         iso_triangles mesh;
-        assert_int_equal(iso_mesh_read(path, &mesh, NULL), ISO_OK);
+        assert_int_equal(iso_mesh_read(path, NULL, &mesh, NULL), ISO_OK);
         assert_true(mesh.triangle_count > 10000);
         double volume = 0;
         for (size_t t = 0; t < mesh.triangle_count; t++) {
@@ -214,7 +215,7 @@ static void odd_meshes(void **state) {
         iso_triangles mesh;
         iso_error error = {0};
         spill_text(path, cases[i].text);
-        iso_status status = iso_mesh_read(path, &mesh, &error);
+        iso_status status = iso_mesh_read(path, NULL, &mesh, &error);
         if (status != cases[i].status || (cases[i].word && !strstr(error.text, cases[i].word)))
             fail_msg("case %zu: status %d, '%s'", i, (int)status, error.text);
         if (status == ISO_OK) {
@@ -224,7 +225,7 @@ static void odd_meshes(void **state) {
         unlink(path);
     }
     iso_triangles none;
-    assert_int_equal(iso_mesh_read("/no/such.stl", &none, NULL), ISO_ERR_IO);
+    assert_int_equal(iso_mesh_read("/no/such.stl", NULL, &none, NULL), ISO_ERR_IO);
 }
 
 /* An open mesh encloses nothing; a file that moved is found beside the strokes, one that changed is not
@@ -244,15 +245,16 @@ static void files_are_found_again(void **state) {
     mkdir(folder, 0777);
     snprintf(moved, sizeof moved, "%s%s", folder, strrchr(path, '/'));
     snprintf(strokes, sizeof strokes, "%s/a.strokes", folder);
+    const isosculpt_source how = {0};
     iso_journal_start start, again;
     iso_hgrid *first = open_source(path, NAN, 0, &start);
     again = start;
-    assert_int_equal(isosculpt_source_find(strokes, 0, NULL, &again, &grid, NULL), ISO_OK);
+    assert_int_equal(isosculpt_source_find(strokes, &how, &again, &grid, NULL), ISO_OK);
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
     assert_int_equal(rename(path, moved), 0);
     again = start;
-    assert_int_equal(isosculpt_source_find(strokes, 0, NULL, &again, &grid, NULL), ISO_OK);
+    assert_int_equal(isosculpt_source_find(strokes, &how, &again, &grid, NULL), ISO_OK);
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
     FILE *file = fopen(moved, "ab");
@@ -260,15 +262,15 @@ static void files_are_found_again(void **state) {
     fputc('x', file);
     fclose(file);
     again = start;
-    assert_int_equal(isosculpt_source_find(strokes, 0, NULL, &again, &grid, &error), ISO_ERR_FORMAT);
+    assert_int_equal(isosculpt_source_find(strokes, &how, &again, &grid, &error), ISO_ERR_FORMAT);
     assert_non_null(strstr(error.text, "is not what it was"));
     unlink(moved);
-    assert_int_equal(isosculpt_source_find(strokes, 0, NULL, &again, &grid, &error), ISO_ERR_IO);
+    assert_int_equal(isosculpt_source_find(strokes, &how, &again, &grid, &error), ISO_ERR_IO);
     assert_non_null(strstr(error.text, "found.vdb"));
     char open_mesh[600];
     snprintf(open_mesh, sizeof open_mesh, "%s/open.obj", folder);
     spill_text(open_mesh, "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 3\n");
-    const isosculpt_source source = {open_mesh, NAN, 0.5, NULL};
+    const isosculpt_source source = {.path = open_mesh, .isovalue = NAN, .voxel = 0.5};
     assert_int_equal(isosculpt_source_open(&source, &again, &grid, &error), ISO_ERR_EMPTY);
     unlink(open_mesh);
     rmdir(folder);

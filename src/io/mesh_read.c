@@ -14,16 +14,30 @@
 #include "io/ply.h"
 
 enum { STL_HEADER = 84, STL_FACET = 50, POLYGON_MOST = 1 << 16 };
+/* Vertices, or triangles, between two words about the progress. */
+enum { TELL = 1 << 14 };
 
 /* A mesh as it comes in. */
 typedef struct reading {
     const char *path;
     iso_buffer vertices, triangles;
     size_t vertex_count, triangle_count;
+    const iso_progress *progress;
+    FILE *file; /* one of the two is read from */
+    const iso_ply *ply;
+    double bytes; /* of the file */
 } reading;
+
+static iso_status tell(const reading *r, iso_error *error) {
+    double done = 0;
+    if (r->file) done = (double)ftello(r->file);
+    if (r->ply && r->ply->remaining < UINT64_MAX) done = r->bytes - (double)r->ply->remaining;
+    return iso_progress_tell(r->progress, r->path, r->bytes > 0 ? done / r->bytes : 0, error);
+}
 
 static iso_status add_vertex(reading *r, const double p[3], iso_error *error) {
     const size_t bytes = r->vertex_count * 3 * sizeof(float);
+    if (r->vertex_count % TELL == 0) ISO_TRY(tell(r, error));
     ISO_TRY(iso_buffer_reserve(&r->vertices, bytes + 3 * sizeof(float), bytes, error));
     float *out = (float *)r->vertices.data + 3 * r->vertex_count++;
     for (int axis = 0; axis < 3; axis++) {
@@ -38,6 +52,7 @@ static iso_status add_vertex(reading *r, const double p[3], iso_error *error) {
 /* Corners count from 0; they are checked at the end, as faces may come before their vertices. */
 static iso_status add_triangle(reading *r, uint32_t a, uint32_t b, uint32_t c, iso_error *error) {
     const size_t bytes = r->triangle_count * 3 * sizeof(uint32_t);
+    if (r->triangle_count % TELL == 0) ISO_TRY(tell(r, error));
     ISO_TRY(iso_buffer_reserve(&r->triangles, bytes + 3 * sizeof(uint32_t), bytes, error));
     uint32_t *out = (uint32_t *)r->triangles.data + 3 * r->triangle_count++;
     out[0] = a;
@@ -211,6 +226,8 @@ static iso_status read_ply_face(reading *r, iso_ply *ply, const iso_ply_element 
 
 static iso_status read_ply_elements(reading *r, iso_ply *ply, iso_error *error) {
     ISO_TRY(iso_ply_open(r->path, ply, error));
+    r->ply = ply;
+    r->bytes = ply->remaining < UINT64_MAX ? (double)ply->remaining : 0;
     for (int i = 0; i < ply->element_count; i++) {
         const iso_ply_element *element = &ply->elements[i];
         const bool vertices = strcmp(element->name, "vertex") == 0,
@@ -253,6 +270,10 @@ typedef iso_status read_fn(reading *r, FILE *file, iso_error *error);
 static iso_status read_with(reading *r, read_fn *read, iso_error *error) {
     FILE *file = fopen(r->path, "rb");
     if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", r->path, strerror(errno));
+    r->file = file;
+    fseeko(file, 0, SEEK_END);
+    r->bytes = (double)ftello(file);
+    rewind(file);
     iso_status status = read(r, file, error);
     if (status == ISO_OK && ferror(file))
         status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", r->path, strerror(errno));
@@ -268,8 +289,9 @@ static iso_status read_any(reading *r, iso_error *error) {
     return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: meshes are read from .stl, .obj and .ply", r->path);
 }
 
-iso_status iso_mesh_read(const char *path, iso_triangles *mesh, iso_error *error) {
-    reading r = {.path = path};
+iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_triangles *mesh,
+                         iso_error *error) {
+    reading r = {.path = path, .progress = progress};
     void *numbers = iso_encode_numbers_begin();
     iso_status status = read_any(&r, error);
     iso_encode_numbers_end(numbers);

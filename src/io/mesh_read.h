@@ -4,7 +4,7 @@
 #define ISO_IO_MESH_READ_H
 
 #include "base/primitives.h"
-#include "base/status.h"
+#include "base/progress.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -12,8 +12,9 @@ extern "C" {
 
 /* iso_mesh_free when done. ISO_ERR_IO (missing, truncated), ISO_ERR_FORMAT (not such a file, an index that
  * names no vertex, a position that is not finite), ISO_ERR_EMPTY (no triangles), ISO_ERR_UNSUPPORTED (another
- * extension), ISO_ERR_NOMEM. Nothing is allocated on a header's word. */
-iso_status iso_mesh_read(const char *path, iso_triangles *mesh, iso_error *error);
+ * extension), ISO_ERR_NOMEM. Nothing is allocated on a header's word. Cancelled: ISO_ERR_IO. */
+iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_triangles *mesh,
+                         iso_error *error);
 void iso_mesh_free(iso_triangles *mesh);
 
 #ifdef __cplusplus

@@ -46,7 +46,7 @@ typedef enum iso_tool {
     X(CAPSULE, "capsule")   /* from the sample before to this one */                                         \
     X(CYLINDER, "cylinder") /* radius 1, half height `aspect` */                                             \
     X(TORUS, "torus")       /* ring radius 1, tube radius `aspect` */                                        \
-    X(STAMP, "stamp")       /* a field of its own (src/sculpt/edit.h) */
+    X(STAMP, "stamp")       /* a field of its own (src/sculpt/stamp.h) */
 
 typedef enum iso_solid {
 #define ISO_SOLID_ENUM(name, text) ISO_SOLID_##name,

@@ -57,29 +57,29 @@ static int flow_steps(const iso_dabs *dabs, const iso_local_dab *local) {
     return steps < 1 ? 1 : steps > 256 ? 256 : (int)steps;
 }
 
-/* Distances to the stamps for all voxels of the brick. A stamp's longest side is scaled to the brush's
- * diameter; beyond its band the distance is only known to be large. */
-static void stamp_distances(const iso_dabs *dabs, const iso_local_dab *local, float *out) {
+/* The distance to one stamp, in voxels of the field; beyond the stamp's band it is only known to be large. */
+static float stamp_distance(const iso_dabs *dabs, const iso_local_dab *dab, const float voxel[3]) {
     const iso_grid stamp = {.hgrid = (iso_hgrid *)dabs->stamp}; /* (read only) */
-    const int *dims = dabs->stamp->dims;
-    int longest = dims[0] > dims[1] ? dims[0] : dims[1];
-    if (dims[2] > longest) longest = dims[2];
-    const double scale = 2 * (double)dabs->radius / longest, far = (double)dabs->stamp->band * 0.999;
+    const iso_transform *frame = &dabs->stamp->transform;
+    const double scale = frame->spacing[0] * (double)dabs->radius, far = (double)dabs->stamp->band * 0.999;
+    double p[3];
+    for (int a = 0; a < 3; a++) {
+        p[a] = -frame->origin[a] / frame->spacing[a];
+        for (int k = 0; k < 3; k++) p[a] += (double)(dab->axis[a][k] * (voxel[k] - dab->centre[k])) / scale;
+        if (!(p[a] >= 0 && p[a] <= dabs->stamp->dims[a] - 1)) return INFINITY; /* nothing of it is near */
+    }
+    const double d = iso_grid_sample(&stamp, iso_vec3_make(p[0], p[1], p[2]));
+    return (float)(d >= far ? INFINITY : d <= -far ? -INFINITY : d * scale);
+}
+
+/* Distances to the nearest of the stamps for all voxels of the brick. */
+static void stamp_distances(const iso_dabs *dabs, const iso_local_dab *local, float *out) {
     for (int at = 0; at < ISO_BRICK_VOXELS; at++) {
-        out[at] = INFINITY;
         const float voxel[3] = {(float)(at % ISO_BRICK), (float)(at / ISO_BRICK % ISO_BRICK),
                                 (float)(at / ISO_BRICK_ROWS)};
+        out[at] = INFINITY;
         for (int i = 0; i < dabs->count; i++) {
-            double p[3];
-            for (int a = 0; a < 3; a++) {
-                p[a] = 0.5 * (dims[a] - 1);
-                for (int k = 0; k < 3; k++)
-                    p[a] += (double)(local[i].axis[a][k] * (voxel[k] - local[i].centre[k])) / scale;
-            }
-            double d = iso_grid_sample(&stamp, iso_vec3_make(p[0], p[1], p[2]));
-            for (int a = 0; a < 3; a++) /* outside the stamp's grid nothing of it is near */
-                if (p[a] < 0 || p[a] > dims[a] - 1) d = (double)dabs->stamp->band;
-            float distance = (float)(d >= far ? INFINITY : d <= -far ? -INFINITY : d * scale);
+            const float distance = stamp_distance(dabs, &local[i], voxel);
             if (distance < out[at]) out[at] = distance;
         }
     }

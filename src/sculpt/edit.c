@@ -162,7 +162,7 @@ static void make_dabs(const iso_editor *editor, const iso_brush *brush, const is
     dabs->aspect = (float)(brush->aspect > 0 ? brush->aspect : 0.5);
     dabs->blend = blends ? (float)(blend < band ? blend : band) : 0;
     dabs->band = editor->work.grid->band;
-    dabs->stamp = editor->opts.stamp;
+    dabs->stamp = editor->opts.stamp ? iso_stamp_level(editor->opts.stamp, radius) : NULL;
     for (unsigned bits = 0; bits < 8; bits++)
         if (!(bits & ~brush->symmetry)) make_dab(editor, brush, touch, bits, &dabs->dab[dabs->count++]);
 }
@@ -496,7 +496,8 @@ static void change_all(const iso_work *work, iso_job *job) {
     iso_work_find_box(job);
 }
 
-iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *error) {
+iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_progress *progress,
+                                 iso_error *error) {
     iso_work *work = &editor->work;
     iso_status status = ISO_OK;
     for (size_t cell = 0; cell < cell_count(work->grid) && status == ISO_OK; cell++) {
@@ -509,9 +510,12 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *
     if (status == ISO_OK) {
         iso_work_load(work, 0);
         for (size_t i = 0; i < work->job_count; i++) change_all(work, iso_work_job(work, i));
-        iso_work_redistance(work, iterations, true);
         iso_edit_stats stats = {0};
-        status = finish(editor, &stats, error);
+        work->progress = progress;
+        iso_work_redistance(work, iterations, true);
+        work->progress = NULL;
+        status = iso_progress_tell(progress, "the field", 1, error);
+        if (status == ISO_OK) status = finish(editor, &stats, error);
     }
     iso_work_clear(work);
     return status;

@@ -10,9 +10,11 @@
 #define ISO_SCULPT_EDIT_H
 
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "grids/hgrid.h"
 #include "sculpt/brush.h"
 #include "sculpt/mask.h"
+#include "sculpt/stamp.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -48,7 +50,7 @@ typedef struct iso_step_opts {
     /* The cell's content as `before` got it, for cells that were told in this step: its floats, or NULL and
      * *state for an empty one. NULL: MOVE is not possible (ISO_ERR_USAGE). */
     const float *(*kept)(void *context, uint32_t cell, int32_t *state);
-    const iso_hgrid *stamp; /* for ISO_SOLID_STAMP; its world box is scaled to the brush; borrowed */
+    const iso_stamp *stamp; /* for ISO_SOLID_STAMP; borrowed */
 } iso_step_opts;
 void iso_editor_step(iso_editor *editor, const iso_step_opts *opts);
 
@@ -68,8 +70,10 @@ typedef struct iso_touch {
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                             iso_edit_stats *stats, iso_error *error);
 
-/* Makes the whole narrow band a distance field again (imported fields). */
-iso_status iso_editor_redistance(iso_editor *editor, int iterations, iso_error *error);
+/* Makes the whole narrow band a distance field again (imported fields). Cancelled: ISO_ERR_IO, and the field
+ * is as it was. */
+iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_progress *progress,
+                                 iso_error *error);
 
 /* The frozen region, as bits per voxel: cells with none have no bits. Masked voxels keep their value. */
 bool iso_editor_masked(const iso_editor *editor, int x, int y, int z);

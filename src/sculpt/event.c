@@ -9,7 +9,7 @@
 #include "sculpt/crc32c.h"
 
 static const char FORMAT[] = "isopoint strokes";
-static const char *const KINDS[] = {"begin", "sample", "end", "cancel", "undo", "redo", "snapshot"};
+static const char *const KINDS[] = {"begin", "sample", "end", "cancel", "undo", "redo", "snapshot", "stamp"};
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
 
 /* What follows the line's own members: `,"crc":"xxxxxxxx"}`. */
@@ -53,6 +53,15 @@ static json_t *brush_json(const iso_brush *brush) {
                      "pressure_strength", brush->pressure_strength);
 }
 
+/* Nonzero when there is no memory for it. */
+static int put_stamp(json_t *object, const iso_stamp *stamp) {
+    char *text = iso_stamp_text(stamp);
+    int failed = !text || json_object_set_new(object, "name", json_string_nocheck(stamp->name)) ||
+                 json_object_set_new(object, "levels", json_string_nocheck(text));
+    free(text);
+    return failed;
+}
+
 char *iso_event_text(const iso_event *event, unsigned long long number) {
     json_t *object = json_pack("{sI ss}", "n", (json_int_t)number, "event", KINDS[event->kind]);
     int failed = !object;
@@ -65,8 +74,11 @@ char *iso_event_text(const iso_event *event, unsigned long long number) {
         failed |= json_object_set_new(object, "pressure", json_real(s->pressure));
         failed |= json_object_set_new(object, "t", json_real(s->seconds));
     }
-    if (!failed && event->kind == ISO_EVENT_SNAPSHOT)
+    if (!failed && event->kind == ISO_EVENT_SNAPSHOT) {
         failed |= json_object_set_new(object, "file", json_string(event->text));
+        failed |= json_object_set_new(object, "after", json_integer((json_int_t)event->after));
+    }
+    if (!failed && event->kind == ISO_EVENT_STAMP) failed |= put_stamp(object, event->stamp);
     if (!failed) return finish(object);
     json_decref(object);
     return NULL;
@@ -174,6 +186,20 @@ static bool read_sample(const json_t *object, iso_sample *sample) {
            get_number(object, "pressure", &sample->pressure) && get_number(object, "t", &sample->seconds);
 }
 
+/* Lines of older versions stand where they were taken. */
+static bool read_snapshot(const json_t *object, unsigned long long number, iso_event *event) {
+    const json_t *after = json_object_get(object, "after");
+    const json_int_t events = after ? json_integer_value(after) : (json_int_t)number;
+    event->after = (unsigned long long)events;
+    return events >= 0 && event->after <= number && get_text(object, "file", event->text);
+}
+
+static bool read_stamp(const json_t *object, iso_event *event) {
+    const char *name = json_string_value(json_object_get(object, "name")),
+               *text = json_string_value(json_object_get(object, "levels"));
+    return name && text && iso_stamp_parse(name, text, &event->stamp, NULL) == ISO_OK;
+}
+
 static bool read_event(const json_t *object, unsigned long long number, iso_event *event, const char **why) {
     const char *name = json_string_value(json_object_get(object, "event"));
     int kind = 0;
@@ -186,7 +212,8 @@ static bool read_event(const json_t *object, unsigned long long number, iso_even
     *why = "a member is missing or out of range";
     if (kind == ISO_EVENT_BEGIN && !read_brush(json_object_get(object, "brush"), &event->brush)) return false;
     if (kind <= ISO_EVENT_SAMPLE && !read_sample(object, &event->sample)) return false;
-    return kind != ISO_EVENT_SNAPSHOT || get_text(object, "file", event->text);
+    if (kind == ISO_EVENT_STAMP) return read_stamp(object, event);
+    return kind != ISO_EVENT_SNAPSHOT || read_snapshot(object, number, event);
 }
 
 bool iso_event_read(const char *line, size_t size, unsigned long long number, iso_event *event,

@@ -11,7 +11,8 @@
 char *iso_event_header_text(const iso_journal_start *start);
 char *iso_event_text(const iso_event *event, unsigned long long number);
 
-/* What a line (without its newline) says. false: damaged, or no such line; *why says what is wrong. */
+/* What a line (without its newline) says; a stamp that it holds is the caller's. false: damaged, or no such
+ * line; *why says what is wrong. */
 bool iso_event_header_read(const char *line, size_t size, iso_journal_start *start, const char **why);
 bool iso_event_read(const char *line, size_t size, unsigned long long number, iso_event *event,
                     const char **why);

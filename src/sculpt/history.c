@@ -39,6 +39,8 @@ typedef struct step {
 struct iso_history {
     iso_hgrid *grid;
     iso_mask *mask;
+    void (*changing)(void *context, uint32_t cell);
+    void *context;
     size_t memory, used; /* bytes of all steps in memory */
     char *path;
     FILE *file;
@@ -72,6 +74,8 @@ iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso
     if (!history) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history");
     history->grid = grid;
     history->mask = opts->mask;
+    history->changing = opts->changing;
+    history->context = opts->context;
     history->memory = opts->memory ? opts->memory : DEFAULT_MEMORY;
     history->copy_of = iso_alloc_zero(cell_count(grid), sizeof *history->copy_of);
     if (opts->spill) history->path = duplicate(opts->spill);
@@ -250,6 +254,8 @@ static void restore_cell(iso_history *history, const saved_cell *cell) {
 /* Puts saved cells back: packed bytes or (NULL) the open step's copies. */
 static iso_status restore(iso_history *history, const saved_cell *cells, size_t count, const uint8_t *bytes,
                           iso_error *error) {
+    for (size_t i = 0; history->changing && i < count; i++)
+        if (!is_mask(&cells[i])) history->changing(history->context, cells[i].cell);
     ISO_TRY(make_ready(history, cells, count, error));
     for (size_t i = 0; i < count; i++) {
         const saved_cell *c = &cells[i];
@@ -306,6 +312,7 @@ static iso_status keep_cell(void *context, uint32_t cell, int32_t state, const f
     iso_history *history = context;
     const size_t size = ISO_BRICK_VOXELS * sizeof(float);
     if (history->copy_of[cell]) return ISO_OK;
+    if (history->changing) history->changing(history->context, cell);
     ISO_TRY(make_copy_room(history, error));
     if (brick) ISO_TRY(make_room(&history->raw, history->raw_count, size, error));
     saved_cell *copy = &history->copies[history->copy_count++];

@@ -16,8 +16,11 @@ extern "C" {
 typedef struct iso_history iso_history;
 
 typedef struct iso_history_opts {
-    iso_mask *mask; /* of the field; borrowed; NULL: no step changes it */
-    size_t memory;  /* bytes; 0 means 1 GiB */
+    iso_mask *mask;                                 /* of the field; borrowed; NULL: no step changes it */
+    size_t memory;                                  /* bytes; 0 means 1 GiB */
+    void (*changing)(void *context, uint32_t cell); /* told of a cell before a step, undo, redo or cancel
+                                                       writes it; NULL: nobody is */
+    void *context;
     const char
         *spill; /* path of the file that takes what does not fit; copied. NULL: memory grows beyond its cap */
 } iso_history_opts;

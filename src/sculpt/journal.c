@@ -243,6 +243,10 @@ iso_status iso_journal_put(iso_journal *j, const iso_event *event, iso_error *er
     return put ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the journal");
 }
 
+unsigned long long iso_journal_count(const iso_journal *j) {
+    return j->next; /* (the writing thread does not touch it) */
+}
+
 static iso_status report(const iso_journal *j, iso_error *error) {
     if (!j->failure) return ISO_OK;
     return iso_fail(error, ISO_ERR_WRITE, "cannot write '%s': %s (strokes are kept in memory)", j->path,
@@ -291,11 +295,13 @@ struct iso_journal_reader {
     size_t room;
     unsigned long long number; /* of the next line */
     uint64_t sound;
+    iso_stamp *stamp; /* of the last event */
 };
 
 void iso_journal_reader_free(iso_journal_reader *reader) {
     if (!reader) return;
     if (reader->file) fclose(reader->file);
+    iso_stamp_free(reader->stamp);
     free(reader->line);
     iso_free(reader->path);
     iso_free(reader);
@@ -348,7 +354,10 @@ iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *
     *more = size >= 0;
     if (size < 0) return ISO_OK;
     const char *why;
+    iso_stamp_free(reader->stamp);
+    reader->stamp = NULL;
     if (iso_event_read(reader->line, (size_t)size, reader->number, event, &why)) {
+        reader->stamp = event->stamp;
         reader->number++;
         return ISO_OK;
     }

@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "sculpt/brush.h"
+#include "sculpt/stamp.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -36,7 +37,8 @@ typedef enum iso_event_kind {
     ISO_EVENT_CANCEL, /* the stroke is taken back */
     ISO_EVENT_UNDO,
     ISO_EVENT_REDO,
-    ISO_EVENT_SNAPSHOT /* the field at this point is in the file `text` */
+    ISO_EVENT_SNAPSHOT, /* the field as it was after the first `after` events is in the file `text` */
+    ISO_EVENT_STAMP     /* what strokes stamp from here on */
 } iso_event_kind;
 
 typedef struct iso_event {
@@ -44,6 +46,8 @@ typedef struct iso_event {
     iso_brush brush;   /* BEGIN */
     iso_sample sample; /* BEGIN, SAMPLE */
     char text[ISO_JOURNAL_TEXT];
+    unsigned long long after;
+    iso_stamp *stamp; /* STAMP; borrowed: put packs it, a reader keeps it until its next event */
 } iso_event;
 
 /* ---- writing: a thread of its own writes; events are handed to it without waiting for the disk */
@@ -59,6 +63,8 @@ iso_status iso_journal_append(const char *path, iso_journal **journal, iso_error
 /* Never blocks on the disk. ISO_ERR_NOMEM. When writing fails (full disk) events are kept in memory and tried
  * again; iso_journal_status says so. */
 iso_status iso_journal_put(iso_journal *journal, const iso_event *event, iso_error *error);
+/* Events that were put, those of the file that is continued included. */
+unsigned long long iso_journal_count(const iso_journal *journal);
 /* ISO_OK, or why the file lags behind. Thread-safe. */
 iso_status iso_journal_status(iso_journal *journal, iso_error *error);
 /* Waits until everything put is on the disk. */

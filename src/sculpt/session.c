@@ -17,13 +17,42 @@ struct iso_session {
     iso_history *history;
     iso_journal *journal;
     char *journal_path;
-    const iso_hgrid *stamp;
+    iso_stamp *stamp; /* NULL: none yet */
     int snapshot_every, strokes, snapshots;
     bool drawing;
     bool playing; /* what is played is in the journal already */
     iso_brush brush;
     iso_sample first, previous; /* of the stroke; the last touch */
+    iso_hold *holds[ISO_SESSION_HOLDS];
+    iso_snapshot *snapshot; /* being written; NULL: none */
+    iso_hold *held;         /* by it */
+    iso_event taken;        /* its line */
 };
+
+/* ---- the field for others */
+
+static void changing(void *context, uint32_t cell) {
+    iso_session *session = context;
+    for (int i = 0; i < ISO_SESSION_HOLDS; i++)
+        if (session->holds[i]) iso_hold_keep(session->holds[i], cell);
+}
+
+iso_status iso_session_hold(iso_session *session, iso_hold **hold, iso_error *error) {
+    int at = 0;
+    while (at < ISO_SESSION_HOLDS && session->holds[at]) at++;
+    if (session->drawing || at == ISO_SESSION_HOLDS)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        session->drawing ? "a stroke is being drawn" : "the field is held too often");
+    ISO_TRY(iso_hold_create(session->grid, &session->holds[at], error));
+    *hold = session->holds[at];
+    return ISO_OK;
+}
+
+void iso_session_release(iso_session *session, iso_hold *hold) {
+    for (int i = 0; i < ISO_SESSION_HOLDS; i++)
+        if (session->holds[i] == hold) session->holds[i] = NULL;
+    iso_hold_destroy(hold);
+}
 
 /* ---- the journal */
 
@@ -38,44 +67,101 @@ static iso_status record_kind(iso_session *session, iso_event_kind kind, iso_err
     return record(session, &event, error);
 }
 
-/* A snapshot that cannot be written costs replay time, nothing else: the journal stays as it is. */
-static iso_status take_snapshot(iso_session *session, iso_error *error) {
-    iso_event event;
-    memset(&event, 0, sizeof event);
-    event.kind = ISO_EVENT_SNAPSHOT;
-    int size = snprintf(event.text, sizeof event.text, "%s.%d.snapshot", session->journal_path,
-                        session->snapshots + 1);
-    if (size < 0 || (size_t)size >= sizeof event.text ||
-        iso_snapshot_write(event.text, session->grid, iso_editor_mask(session->editor), NULL) != ISO_OK)
-        return ISO_OK;
+/* Waits for the snapshot that is being written, if any. One that cannot be written costs replay time, nothing
+ * else: the journal stays as it is. */
+static iso_status finish_snapshot(iso_session *session, iso_error *error) {
+    if (!session->snapshot) return ISO_OK;
+    const bool written = iso_snapshot_finish(session->snapshot);
+    iso_session_release(session, session->held);
+    session->snapshot = NULL;
+    if (!written) return ISO_OK;
     session->snapshots++;
-    return record(session, &event, error);
+    return record(session, &session->taken, error);
+}
+
+/* Of the field as it is; the journal gets its line when it is written, and goes on meanwhile. */
+static iso_status take_snapshot(iso_session *session, iso_error *error) {
+    iso_event *event = &session->taken;
+    ISO_TRY(finish_snapshot(session, error)); /* (the one before has had the time of many strokes) */
+    memset(event, 0, sizeof *event);
+    event->kind = ISO_EVENT_SNAPSHOT;
+    event->after = iso_journal_count(session->journal);
+    int size = snprintf(event->text, sizeof event->text, "%s.%d.snapshot", session->journal_path,
+                        session->snapshots + 1);
+    if (size < 0 || (size_t)size >= sizeof event->text) return ISO_OK;
+    if (iso_session_hold(session, &session->held, NULL) != ISO_OK) return ISO_OK;
+    if (iso_snapshot_start(event->text, session->held, iso_editor_mask(session->editor), &session->snapshot,
+                           NULL) != ISO_OK)
+        iso_session_release(session, session->held);
+    return ISO_OK;
 }
 
 /* ---- resuming */
 
-/* Plays the journal. `from`: the number of the snapshot to begin at, 0: the beginning. *count: snapshots
- * seen. */
-static iso_status play_from(iso_session *session, int from, int *count, iso_error *error) {
+/* What a journal holds. */
+typedef struct snapshot_line {
+    unsigned long long after;
+    char path[ISO_JOURNAL_TEXT];
+} snapshot_line;
+typedef struct contents {
+    iso_buffer lines; /* snapshot_line */
+    int snapshots;
+    unsigned long long events;
+} contents;
+
+typedef iso_status event_fn(iso_session *session, const iso_event *event, void *context, iso_error *error);
+
+static iso_status for_events(iso_session *session, event_fn *visit, void *context, iso_error *error) {
     iso_journal_start start;
     iso_journal_reader *reader;
     ISO_TRY(iso_journal_open(session->journal_path, &start, &reader, error));
     iso_event event;
     bool more = true;
     iso_status status = ISO_OK;
-    *count = 0;
     while (status == ISO_OK && more) {
         status = iso_journal_next(reader, &event, &more, error);
-        if (status != ISO_OK || !more) break;
-        if (event.kind == ISO_EVENT_SNAPSHOT) {
-            if (++*count == from)
-                status =
-                    iso_snapshot_read(event.text, session->grid, iso_editor_mask(session->editor), error);
-        } else if (*count >= from && from >= 0)
-            status = iso_session_play(session, &event, NULL, error);
+        if (status == ISO_OK && more) status = visit(session, &event, context, error);
     }
     iso_journal_reader_free(reader);
     return status;
+}
+
+static iso_status look_at(iso_session *session, const iso_event *event, void *context, iso_error *error) {
+    contents *found = context;
+    const size_t size = (size_t)found->snapshots * sizeof(snapshot_line);
+    (void)session;
+    found->events++;
+    if (event->kind != ISO_EVENT_SNAPSHOT) return ISO_OK;
+    ISO_TRY(iso_buffer_reserve(&found->lines, size + sizeof(snapshot_line), size, error));
+    snapshot_line *line = (snapshot_line *)found->lines.data + found->snapshots++;
+    line->after = event->after;
+    memcpy(line->path, event->text, sizeof line->path);
+    return ISO_OK;
+}
+
+typedef struct playing {
+    const iso_progress *progress;
+    unsigned long long at, from, count;
+} playing;
+
+static iso_status play_event(iso_session *session, const iso_event *event, void *context, iso_error *error) {
+    playing *p = context;
+    ISO_TRY(iso_progress_tell(p->progress, session->journal_path, (double)p->at / (double)p->count, error));
+    const bool wanted = p->at >= p->from || event->kind == ISO_EVENT_STAMP;
+    p->at++;
+    return wanted ? iso_session_play(session, event, NULL, error) : ISO_OK;
+}
+
+/* Plays the journal. `from`: the number of the snapshot to begin at, 0: the beginning. */
+static iso_status play_from(iso_session *session, const contents *found, int from,
+                            const iso_progress *progress, iso_error *error) {
+    playing p = {.progress = progress, .count = found->events};
+    if (from) {
+        const snapshot_line *line = (const snapshot_line *)found->lines.data + from - 1;
+        ISO_TRY(iso_snapshot_read(line->path, session->grid, iso_editor_mask(session->editor), error));
+        p.from = line->after;
+    }
+    return for_events(session, play_event, &p, error);
 }
 
 /* The field and the history as they were at the start. */
@@ -89,28 +175,35 @@ static iso_status start_again(iso_session *session, const iso_hgrid *initial, is
 
 /* From the newest snapshot that will do: its file may be gone or damaged, or an undo may reach back before
  * it. */
-static iso_status play_journal(iso_session *session, iso_error *error) {
+static iso_status play_back(iso_session *session, const contents *found, const iso_progress *progress,
+                            iso_error *error) {
     iso_hgrid *initial = NULL;
     const int lo[3] = {0, 0, 0},
               hi[3] = {session->grid->dims[0] - 1, session->grid->dims[1] - 1, session->grid->dims[2] - 1};
-    enum { NOTHING = -1 };
-    ISO_TRY(play_from(session, NOTHING, &session->snapshots, error));
-    int from = session->snapshots;
+    int from = found->snapshots;
     iso_status status = from ? iso_hgrid_crop(session->grid, lo, hi, &initial, error) : ISO_OK;
     for (; status == ISO_OK; from--) {
-        int count;
-        status = play_from(session, from, &count, error);
-        if (status == ISO_OK || from == 0) break;
+        status = play_from(session, found, from, progress, error);
+        if (status == ISO_OK || from == 0 || iso_progress_cancelled(progress)) break;
         status = start_again(session, initial, error);
     }
     iso_hgrid_destroy(initial);
     return status;
 }
 
+static iso_status play_journal(iso_session *session, const iso_progress *progress, iso_error *error) {
+    contents found = {0};
+    iso_status status = for_events(session, look_at, &found, error);
+    session->snapshots = found.snapshots;
+    if (status == ISO_OK) status = play_back(session, &found, progress, error);
+    iso_buffer_free(&found.lines);
+    return status;
+}
+
 /* A stroke that never ended is closed where it broke off. */
-static iso_status resume(iso_session *session, iso_error *error) {
+static iso_status resume(iso_session *session, const iso_progress *progress, iso_error *error) {
     session->playing = true;
-    iso_status status = play_journal(session, error);
+    iso_status status = play_journal(session, progress, error);
     session->playing = false;
     if (status == ISO_OK) status = iso_journal_append(session->journal_path, &session->journal, error);
     if (status == ISO_OK && session->drawing) status = iso_session_end(session, error);
@@ -132,7 +225,7 @@ static iso_status set_up(iso_session *session, const iso_journal_start *start, c
                          iso_error *error) {
     char spill[ISO_JOURNAL_TEXT];
     iso_editor_opts editor = {.pool = opts->pool};
-    iso_history_opts history = {.memory = opts->undo_memory};
+    iso_history_opts history = {.memory = opts->undo_memory, .changing = changing, .context = session};
     if (opts->journal && snprintf(spill, sizeof spill, "%s.undo", opts->journal) < (int)sizeof spill)
         history.spill = spill;
     ISO_TRY(keep_paths(session, opts->journal, error));
@@ -141,7 +234,7 @@ static iso_status set_up(iso_session *session, const iso_journal_start *start, c
     ISO_TRY(iso_history_create(session->grid, &history, &session->history, error));
     iso_hgrid_reserve(session->grid, RESERVE);
     if (!opts->journal) return ISO_OK;
-    return opts->resume ? resume(session, error)
+    return opts->resume ? resume(session, opts->progress, error)
                         : iso_journal_create(opts->journal, start, &session->journal, error);
 }
 
@@ -153,7 +246,6 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a session");
     }
     session->grid = grid;
-    session->stamp = opts->stamp;
     session->snapshot_every = opts->snapshot_strokes ? opts->snapshot_strokes : DEFAULT_SNAPSHOT_STROKES;
     iso_status status = set_up(session, start, opts, error);
     if (status == ISO_OK)
@@ -165,7 +257,9 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
 
 void iso_session_destroy(iso_session *session) {
     if (!session) return;
+    finish_snapshot(session, NULL);
     if (session->journal) iso_journal_close(session->journal, NULL);
+    iso_stamp_free(session->stamp);
     iso_history_destroy(session->history);
     iso_editor_destroy(session->editor);
     iso_hgrid_destroy(session->grid);
@@ -278,6 +372,7 @@ iso_status iso_session_end(iso_session *session, iso_error *error) {
     ISO_TRY(record_kind(session, ISO_EVENT_END, error));
     session->strokes++;
     iso_hgrid_reserve(session->grid, RESERVE);
+    if (session->snapshot && iso_snapshot_done(session->snapshot)) ISO_TRY(finish_snapshot(session, error));
     bool due = session->snapshot_every > 0 && session->strokes % session->snapshot_every == 0;
     return due && session->journal && !session->playing ? take_snapshot(session, error) : ISO_OK;
 }
@@ -299,6 +394,27 @@ iso_status iso_session_redo(iso_session *session, iso_error *error) {
     return record_kind(session, ISO_EVENT_REDO, error);
 }
 
+iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_error *error) {
+    iso_event event;
+    memset(&event, 0, sizeof event);
+    event.kind = ISO_EVENT_STAMP;
+    event.stamp = stamp;
+    iso_status status = session->drawing ? iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn") : ISO_OK;
+    if (!stamp) status = iso_fail(error, ISO_ERR_USAGE, "there is no stamp");
+    if (status == ISO_OK) status = record(session, &event, error);
+    if (status != ISO_OK) {
+        iso_stamp_free(stamp);
+        return status;
+    }
+    iso_stamp_free(session->stamp);
+    session->stamp = stamp;
+    return ISO_OK;
+}
+
+const iso_stamp *iso_session_stamp(const iso_session *session) {
+    return session->stamp;
+}
+
 iso_status iso_session_play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
                             iso_error *error) {
     switch (event->kind) {
@@ -314,6 +430,8 @@ iso_status iso_session_play(iso_session *session, const iso_event *event, iso_ed
         return iso_session_undo(session, error);
     case ISO_EVENT_REDO:
         return iso_session_redo(session, error);
+    case ISO_EVENT_STAMP:
+        return iso_session_set_stamp(session, iso_stamp_share(event->stamp), error);
     default:
         return ISO_OK;
     }

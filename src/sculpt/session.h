@@ -5,6 +5,7 @@
 
 #include "sculpt/edit.h"
 #include "sculpt/history.h"
+#include "sculpt/hold.h"
 #include "sculpt/journal.h"
 
 #ifdef __cplusplus
@@ -18,8 +19,9 @@ typedef struct iso_session_opts {
     const char *journal;  /* path of the stroke file to write; NULL: none */
     bool resume;          /* the file exists: what it holds is played first, then it is continued */
     size_t undo_memory;   /* bytes; 0 means 1 GiB */
-    int snapshot_strokes; /* a snapshot beside the journal after so many strokes; 0 means 200, < 0 never */
-    const iso_hgrid *stamp;
+    int snapshot_strokes; /* a snapshot beside the journal after so many strokes, written by a thread of its
+                             own; 0 means 200, < 0 never */
+    const iso_progress *progress; /* of resuming; cancelled: ISO_ERR_IO, and the journal is as it was */
 } iso_session_opts;
 
 /* Takes over the grid (also when it fails). `start` says what the grid is; the journal's header. Resuming
@@ -45,6 +47,18 @@ iso_status iso_session_end(iso_session *session, iso_error *error);
 iso_status iso_session_cancel(iso_session *session, iso_error *error);
 iso_status iso_session_undo(iso_session *session, iso_error *error);
 iso_status iso_session_redo(iso_session *session, iso_error *error);
+
+/* The field as it is now, for another thread (iso_hold_take), while the session goes on; destroyed by
+ * iso_session_release, before the session. ISO_ERR_USAGE while a stroke is drawn, or when too many are held;
+ * ISO_ERR_NOMEM. */
+enum { ISO_SESSION_HOLDS = 4 };
+iso_status iso_session_hold(iso_session *session, iso_hold **hold, iso_error *error);
+void iso_session_release(iso_session *session, iso_hold *hold);
+
+/* What strokes with ISO_SOLID_STAMP use from now on; takes it over (also when it fails), and the journal gets
+ * all of it. ISO_ERR_USAGE while a stroke is drawn. */
+iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_error *error);
+const iso_stamp *iso_session_stamp(const iso_session *session); /* NULL: none yet */
 
 /* Why the journal lags behind, or ISO_OK. */
 iso_status iso_session_journal_status(iso_session *session, iso_error *error);

@@ -1,6 +1,8 @@
 #include "sculpt/snapshot.h"
 
 #include <errno.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -47,14 +49,11 @@ static void put_mask(FILE *file, uint32_t *crc, const iso_mask *mask) {
     }
 }
 
-iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, const iso_mask *mask,
-                              iso_error *error) {
-    iso_sink sink;
-    ISO_TRY(iso_sink_open(path, &sink, error));
+void iso_snapshot_put(FILE *stream, const iso_hgrid *grid, const iso_mask *mask) {
     uint32_t crc = 0;
     head h = head_of(grid);
     h.masks = (uint32_t)mask->used;
-    put(sink.stream, &crc, &h, sizeof h);
+    put(stream, &crc, &h, sizeof h);
     for (size_t i = 0; i < cell_count(grid); i++) {
         uint8_t bytes[ISO_CELL_PACK_MAX];
         int32_t size = grid->cell[i];
@@ -63,12 +62,88 @@ iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, const iso
             iso_cell_pack(brick, grid->band, bytes);
             size = (int32_t)iso_cell_pack_size(brick, grid->band);
         }
-        put(sink.stream, &crc, &size, sizeof size);
-        if (size >= 0) put(sink.stream, &crc, bytes, (size_t)size);
+        put(stream, &crc, &size, sizeof size);
+        if (size >= 0) put(stream, &crc, bytes, (size_t)size);
     }
-    put_mask(sink.stream, &crc, mask);
-    fwrite(&crc, 1, sizeof crc, sink.stream);
+    put_mask(stream, &crc, mask);
+    fwrite(&crc, 1, sizeof crc, stream);
+}
+
+iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, const iso_mask *mask,
+                              iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    iso_snapshot_put(sink.stream, grid, mask);
     return iso_sink_commit(&sink, error);
+}
+
+/* ---- in a thread of its own */
+
+struct iso_snapshot {
+    pthread_t thread;
+    char *path;
+    iso_hold *hold;
+    iso_mask mask;
+    bool written;
+    atomic_bool done;
+};
+
+static iso_status write_held(iso_snapshot *snapshot) {
+    iso_hgrid *grid;
+    ISO_TRY(iso_hold_take(snapshot->hold, NULL, &grid, NULL));
+    iso_status status = iso_snapshot_write(snapshot->path, grid, &snapshot->mask, NULL);
+    iso_hgrid_destroy(grid);
+    return status;
+}
+
+static void *run(void *context) {
+    iso_snapshot *snapshot = context;
+    snapshot->written = write_held(snapshot) == ISO_OK;
+    atomic_store(&snapshot->done, true);
+    return NULL;
+}
+
+static iso_status copy_mask(const iso_mask *from, iso_mask *to, iso_error *error) {
+    ISO_TRY(iso_mask_init(to, from->cells, error));
+    for (size_t i = 0; from->used && i < from->cells; i++)
+        if (iso_mask_bits(from, i)) ISO_TRY(iso_mask_set(to, i, iso_mask_bits(from, i), error));
+    return ISO_OK;
+}
+
+static void free_snapshot(iso_snapshot *snapshot) {
+    if (snapshot->mask.cell) iso_mask_free(&snapshot->mask);
+    iso_free(snapshot->path);
+    iso_free(snapshot);
+}
+
+iso_status iso_snapshot_start(const char *path, iso_hold *hold, const iso_mask *mask, iso_snapshot **out,
+                              iso_error *error) {
+    iso_snapshot *snapshot = iso_alloc_zero(1, sizeof *snapshot);
+    if (!snapshot) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a snapshot");
+    const size_t size = strlen(path) + 1;
+    snapshot->hold = hold;
+    snapshot->path = iso_alloc(size);
+    if (snapshot->path) memcpy(snapshot->path, path, size);
+    iso_status status = snapshot->path ? copy_mask(mask, &snapshot->mask, error)
+                                       : iso_fail(error, ISO_ERR_NOMEM, "out of memory for a snapshot");
+    if (status == ISO_OK && pthread_create(&snapshot->thread, NULL, run, snapshot))
+        status = iso_fail(error, ISO_ERR_NOMEM, "no thread can be started for a snapshot");
+    if (status == ISO_OK)
+        *out = snapshot;
+    else
+        free_snapshot(snapshot);
+    return status;
+}
+
+bool iso_snapshot_done(const iso_snapshot *snapshot) {
+    return atomic_load(&snapshot->done);
+}
+
+bool iso_snapshot_finish(iso_snapshot *snapshot) {
+    pthread_join(snapshot->thread, NULL);
+    const bool written = snapshot->written;
+    free_snapshot(snapshot);
+    return written;
 }
 
 /* ---- reading: checked as a whole before anything is written */
@@ -168,16 +243,8 @@ static iso_status fill(reading r, iso_hgrid *grid, iso_mask *mask, iso_error *er
     return fill_mask(&r, mask, error);
 }
 
-/* A file as it was loaded. */
-typedef struct loaded {
-    const uint8_t *bytes;
-    size_t size;
-} loaded;
-
-static iso_status read_loaded(const char *path, const loaded *file, iso_hgrid *grid, iso_mask *mask,
-                              iso_error *error) {
-    const uint8_t *bytes = file->bytes;
-    const size_t size = file->size;
+iso_status iso_snapshot_get(const char *path, const uint8_t *bytes, size_t size, iso_hgrid *grid,
+                            iso_mask *mask, iso_error *error) {
     head wanted = head_of(grid);
     uint32_t crc;
     if (size < sizeof wanted + sizeof crc || memcmp(bytes, MAGIC, sizeof MAGIC))
@@ -197,7 +264,7 @@ iso_status iso_snapshot_read(const char *path, iso_hgrid *grid, iso_mask *mask, 
     iso_buffer buffer = {0};
     size_t size = 0;
     iso_status status = load(path, &buffer, &size, error);
-    if (status == ISO_OK) status = read_loaded(path, &(loaded){buffer.data, size}, grid, mask, error);
+    if (status == ISO_OK) status = iso_snapshot_get(path, buffer.data, size, grid, mask, error);
     iso_buffer_free(&buffer);
     return status;
 }

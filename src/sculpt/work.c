@@ -364,6 +364,7 @@ void iso_work_redistance(iso_work *work, int iterations, bool rescale) {
         run(&(pass){work, from, to, phi}, copy_job);
     }
     for (int i = 0; i < iterations; i++) {
+        if (iso_progress_tell(work->progress, "", (double)i / iterations, NULL) != ISO_OK) break;
         run(&(pass){work, from, to, phi}, relax_job);
         int swap = from;
         from = to;

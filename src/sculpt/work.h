@@ -52,6 +52,7 @@ typedef struct iso_work {
     int now;         /* the field that holds the jobs' values */
     bool classified; /* the jobs' band states are known */
     iso_worker *workers;
+    const iso_progress *progress; /* of redistancing; NULL: nobody waits */
 } iso_work;
 
 /* Zero-initialised storage; grid and pool are borrowed until free. */

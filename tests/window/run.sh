@@ -3,6 +3,7 @@
 # files and the pictures. run.sh BIN, the folder of the programs. 77: nothing to drive it with.
 set -u
 bin=$(cd "$1" && pwd)
+volumes=$(cd "$(dirname "$0")/../../volumes" && pwd)
 . "$(dirname "$0")/support.sh"
 
 # ---- without a window
@@ -84,6 +85,8 @@ for name in "$vdb" "$work/replayed.vdb"; do
 done
 cmp "$vdb.look/model.png" "$work/replayed.vdb.look/model.png" || fail "what was saved is not what was sculpted"
 
+cp "$journal" "$work/kept.strokes"
+
 # ---- closing asks while there is something to save
 stroke 640 400 20 20
 key ctrl+q
@@ -132,9 +135,120 @@ start "$journal"
 picture continued
 cmp -s "$work/opened.png" "$work/continued.png" && fail "the stroke on an opened file is lost"
 has_events end 1 || fail "strokes on an opened file: $(events end)"
+
+# ---- opening beside what is there: a file by its name in the panel; one that is not there changes nothing
+before=$journal
+# (Dear ImGui sees the pointer where it is when a picture is drawn: a hand that is faster is tried again.)
+open_by_name() {
+    xdotool mousemove 100 627 click 1
+    sleep 0.2
+    xdotool key --delay 100 ctrl+a
+    xdotool type "$1"
+    sleep 0.2
+    xdotool mousemove 33 650 click 1
+    sleep 0.2
+}
+another_journal() {
+    open_by_name "$work/replayed.vdb"
+    [ "$(ls -t "$state"/*.strokes | head -1)" != "$before" ] && journal_is_there
+}
+open_by_name "$work/nothing.stl"
+picture unmoved
+cmp -s "$work/unmoved.png" "$work/continued.png" || fail "a file that is not there takes the session away"
+until_ "another journal" another_journal
+has_moved() { picture moved && cmp -s "$work/moved.png" "$work/opened.png"; }
+until_ "the opened file" has_moved
+[ ! -e "$before.open" ] || fail "the journal before still counts as open"
 kill -9 "$program"
 wait "$program" 2>/dev/null
 program=
+
+# ---- a mesh as a stamp: it is in the journal, which plays without it
+rm -rf "$state"
+"$bin/isosculpt" --replay "$work/kept.strokes" --headless --quiet --output "$work/shape.stl" || fail "no mesh for a stamp"
+start --stamp "$work/shape.stl"
+until_ "the stamp in the journal" has_events stamp 1
+rm "$work/shape.stl"
+picture unstamped
+stroke 640 400 0 0
+grep -q '"shape":"stamp"' "$journal" || fail "the stamp is not used"
+picture stamped
+cmp -s "$work/unstamped.png" "$work/stamped.png" && fail "a stamp is not to be seen"
+key ctrl+z
+picture unstamped_again
+cmp "$work/unstamped.png" "$work/unstamped_again.png" || fail "undo of a stamp: another picture"
+key ctrl+shift+z ctrl+s
+vdb=${journal%.strokes}.vdb
+until_ "$vdb" test -s "$vdb"
+cp "$journal" "$work/stamped.strokes"
+"$bin/isosculpt" --replay "$work/stamped.strokes" --headless --quiet --output "$work/stamped.vdb" || fail "the stamp does not play"
+cmp <(tail -c +60 "$vdb") <(tail -c +60 "$work/stamped.vdb") || fail "the stamp plays to another field"
+kill -9 "$program"
+wait "$program" 2>/dev/null
+program=
+
+# ---- a volume is looked at, at an isovalue that the histogram chooses, until a brush touches it
+rm -rf "$state"
+"$bin/isosculpt" "$volumes/stent.nrrd" --isovalue 600 >"$work/said" 2>&1 &
+program=$!
+title_is() { xdotool search --onlyvisible --name "$1" >/dev/null 2>&1; }
+until_ "the volume" title_is 'stent.nrrd'
+journal_is_there && fail "a journal, though nothing was done"
+slide() {
+    xdotool mousemove 120 100 mousedown 1
+    sleep 0.2
+    xdotool mousemove 140 100
+    sleep 0.2
+    xdotool mouseup 1
+}
+slide
+is_sculpted() {
+    xdotool mousemove 640 400 click 1
+    sleep 0.2
+    xdotool mousemove 30 205 mousedown 1
+    sleep 0.2
+    xdotool mouseup 1
+    journal_is_there
+}
+until_ "a field" is_sculpted
+isovalue=$(grep -o '"isovalue":[^,]*' "$journal" | cut -d: -f2)
+awk "BEGIN { exit !($isovalue != 600) }" || fail "the histogram changes nothing"
+until_ "its title" title_is "$(basename "$journal")"
+kill -9 "$program"
+wait "$program" 2>/dev/null
+program=
+"$bin/isosculpt" --replay "$journal" --headless --quiet --output "$work/stent.vdb" || fail "strokes on a volume do not play"
+
+# ---- Escape takes back what is being opened
+rm -rf "$state"
+"$bin/isosculpt" --replay "$work/kept.strokes" --headless --quiet --output "$work/shape.stl" || fail "no mesh to open"
+"$bin/isosculpt" "$work/shape.stl" --voxel-size 0.1 >"$work/said" 2>&1 &
+program=$!
+until_ "a window" window_is_there
+cancelled() { key Escape && journal_is_there; }
+until_ "a session without what was cancelled" cancelled
+grep -q '"source":"ball"' "$journal" || fail "Escape: $(head -c 100 "$journal")"
+picture cancelled
+kill -9 "$program"
+wait "$program" 2>/dev/null
+program=
+
+# ---- text twice as large: so is the window, but it fits its screen
+if command -v xrdb >/dev/null; then
+    rm -rf "$state"
+    echo "Xft.dpi: 192" | xrdb -merge -
+    start
+    picture large
+    fits() { xdotool search --onlyvisible --name '^isosculpt' getwindowgeometry | grep -q 'Geometry: 1280x800'; }
+    until_ "a window that fits" fits
+    stroke 640 400 20 20
+    picture large_stroke
+    cmp -s "$work/large.png" "$work/large_stroke.png" && fail "text twice as large: strokes are not to be seen"
+    kill -9 "$program"
+    wait "$program" 2>/dev/null
+    program=
+    xrdb -remove
+fi
 "$bin/isosculpt" "$work/nothing.stl" 2>"$work/said"
 code=$?
 [ $code -eq 3 ] && grep -q "nothing.stl" "$work/said" || fail "a file that is not there: exit status $code, not 3"

@@ -1,0 +1,39 @@
+/* progress: how far long work is, told to whoever waits for it and may cancel it. NULL is allowed everywhere:
+ * nobody waits. */
+#ifndef ISO_BASE_PROGRESS_H
+#define ISO_BASE_PROGRESS_H
+
+#include <stdbool.h>
+
+#include "base/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Called now and then while working, fraction 0 .. 1; < 0: no news, only the question. Returns 0 to go on,
+ * anything else cancels. */
+typedef int iso_progress_fn(void *context, double fraction);
+
+/* `tell` must be callable from any thread where it says so. The work is the part from .. to of a larger one;
+ * both 0: all of it. */
+typedef struct iso_progress {
+    iso_progress_fn *tell;
+    void *context; /* borrowed */
+    double from, to;
+} iso_progress;
+
+/* A part of the work, 0 <= from < to <= 1. Tells nobody when `whole` is NULL. */
+iso_progress iso_progress_part(const iso_progress *whole, double from, double to);
+
+/* Tells; ISO_ERR_IO "NAME: cancelled" when it is. */
+iso_status iso_progress_tell(const iso_progress *progress, const char *name, double fraction,
+                             iso_error *error);
+
+/* Whether it is cancelled. */
+bool iso_progress_cancelled(const iso_progress *progress);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,197 @@
+/* isosculpt's files: heavy work that is cancelled leaves nothing, and what was there stays. */
+#define _DEFAULT_SOURCE /* usleep */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "apps/isosculpt_opening.h"
+#include "grids/level_set.h"
+#include "session_support.h"
+
+/* Refuses when it was asked so often. */
+typedef struct patience {
+    int left;
+} patience;
+
+static int refuse(void *context, double fraction) {
+    patience *p = context;
+    (void)fraction;
+    return p->left-- <= 0;
+}
+
+static bool is_there(const char *path) {
+    return access(path, F_OK) == 0;
+}
+
+/* Whether there is OpenVDB. */
+static bool write_ball(const char *path) {
+    iso_hgrid *ball;
+    iso_error error = {0};
+    assert_int_equal(iso_session_ball(&SESSION_START, &ball, NULL), ISO_OK);
+    iso_status status = iso_level_set_write_vdb(path, ball, "surface", NULL, &error);
+    iso_hgrid_destroy(ball);
+    if (status == ISO_ERR_UNSUPPORTED) print_message("%s: left out\n", error.text);
+    return status == ISO_OK;
+}
+
+static void write_mesh(const char *path) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    fputs("v 0 0 0\nv 20 0 0\nv 0 20 0\nv 0 0 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", file);
+    fclose(file);
+}
+
+enum { SIDE = 40 };
+static void write_volume(const char *path) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    fprintf(file, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: %d %d %d\nencoding: raw\n\n", SIDE, SIDE,
+            SIDE);
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const int x = i % SIDE - 20, y = i / SIDE % SIDE - 20, z = i / SIDE / SIDE - 20;
+        fputc(250 - (x * x + y * y + z * z) / 5, file);
+    }
+    fclose(file);
+}
+
+static void cancelled_writing_leaves_no_file(void **state) {
+    (void)state;
+    const char *path = session_path("written.vdb");
+    iso_hgrid *ball;
+    if (!write_ball(path)) return;
+    unlink(path);
+    assert_int_equal(iso_session_ball(&SESSION_START, &ball, NULL), ISO_OK);
+    iso_status status = ISO_ERR_IO;
+    int refusals = 0;
+    for (int calls = 0; status != ISO_OK; calls++, refusals++) {
+        patience p = {calls};
+        iso_error error = {0};
+        const iso_progress progress = {.tell = refuse, .context = &p};
+        status = iso_level_set_write_vdb(path, ball, "surface", &progress, &error);
+        assert_int_equal(is_there(path), status == ISO_OK);
+        if (status == ISO_OK) break;
+        assert_int_equal(status, ISO_ERR_IO);
+        assert_non_null(strstr(error.text, "cancelled"));
+    }
+    assert_true(refusals > 4);
+    iso_hgrid_destroy(ball);
+    unlink(path);
+}
+
+/* The desk's save: at once, and now and then later. */
+static void cancelled_saves_keep_the_file_before(void **state) {
+    (void)state;
+    const char *path = session_path("probe.vdb");
+    if (!write_ball(path)) return;
+    unlink(path);
+    iso_pool *pool;
+    assert_int_equal(iso_pool_create(2, &pool, NULL), ISO_OK);
+    isosculpt_desk desk = {.pool = pool};
+    char folder[ISOSCULPT_PATH], target[ISOSCULPT_PATH], fresh[ISOSCULPT_PATH + 8];
+    snprintf(folder, sizeof folder, "%s", ISO_TEST_TMP);
+    assert_int_equal(isosculpt_desk_new(&desk, folder, NULL, NULL), ISO_OK);
+    isosculpt_desk_target(&desk, target);
+    snprintf(fresh, sizeof fresh, "%s.new", target);
+    int cancelled = 0;
+    for (int round = 0; round < 8; round++) {
+        FILE *old = fopen(target, "wb");
+        assert_non_null(old);
+        fputs("what was there", old);
+        fclose(old);
+        iso_status status = ISO_OK;
+        iso_error error = {0};
+        assert_int_equal(isosculpt_desk_save(&desk, NULL, &error), ISO_OK);
+        assert_int_equal(isosculpt_desk_save(&desk, NULL, &error), ISO_ERR_USAGE);
+        usleep((useconds_t)(round * 20000));
+        isosculpt_task_cancel(isosculpt_desk_save_task(&desk));
+        assert_int_equal(isosculpt_desk_saving(&desk, true, &status, &error), ISOSCULPT_SAVE_DONE);
+        char text[32] = "";
+        old = fopen(target, "rb");
+        assert_non_null(old);
+        assert_non_null(fgets(text, sizeof text, old));
+        fclose(old);
+        assert_int_equal(strcmp(text, "what was there") == 0, status != ISO_OK);
+        assert_false(is_there(fresh));
+        cancelled += status != ISO_OK;
+    }
+    assert_true(cancelled > 0);
+    unlink(target);
+    strcat(target, ".bak");
+    unlink(target);
+    isosculpt_desk_close(&desk);
+    iso_pool_destroy(pool);
+}
+
+/* A source, cancelled at every step of its way. */
+static void check_cancelling(const char *path, double isovalue) {
+    int refusals = 0;
+    for (int calls = 0;; calls++, refusals++) {
+        patience p = {calls};
+        iso_error error = {0};
+        iso_journal_start start;
+        iso_hgrid *grid;
+        const iso_progress progress = {.tell = refuse, .context = &p};
+        const isosculpt_source source = {.path = path, .isovalue = isovalue, .progress = &progress};
+        iso_status status = isosculpt_source_open(&source, &start, &grid, &error);
+        if (status == ISO_OK) {
+            iso_hgrid_destroy(grid);
+            break;
+        }
+        if (status != ISO_ERR_IO || !strstr(error.text, "cancelled"))
+            fail_msg("%s, %d calls: %s", path, calls, error.text);
+    }
+    assert_true(refusals > 8);
+}
+
+static void sources_can_be_cancelled(void **state) {
+    (void)state;
+    const char *vdb = session_path("source.vdb"), *mesh = session_path("source.obj"),
+               *volume = session_path("source.nrrd");
+    const bool have = write_ball(vdb);
+    write_mesh(mesh);
+    write_volume(volume);
+    if (have) check_cancelling(mesh, NAN);
+    check_cancelling(volume, 200);
+    unlink(vdb);
+    unlink(mesh);
+    unlink(volume);
+}
+
+static void openings(void **state) {
+    (void)state;
+    const char *volume = session_path("opened.nrrd");
+    write_volume(volume);
+    const isosculpt_request request = {.path = volume, .isovalue = 200, .threads = 2},
+                            none = {.path = "/no/such.vdb", .isovalue = NAN, .threads = 1};
+    isosculpt_opening *opening;
+    isosculpt_opened opened;
+    iso_error error = {0};
+    assert_int_equal(isosculpt_opening_start(&request, &opening, NULL), ISO_OK);
+    assert_int_equal(isosculpt_opening_finish(opening, &opened, NULL), ISO_OK);
+    assert_true(isosculpt_view_points(&opened.view) > 1000);
+    assert_non_null(opened.desk.session);
+    isosculpt_opened_free(&opened);
+    assert_int_equal(isosculpt_opening_start(&request, &opening, NULL), ISO_OK);
+    isosculpt_task_cancel(isosculpt_opening_task(opening));
+    assert_int_equal(isosculpt_opening_finish(opening, &opened, &error), ISO_ERR_IO);
+    assert_non_null(strstr(error.text, "cancelled"));
+    assert_int_equal(isosculpt_opening_start(&none, &opening, NULL), ISO_OK);
+    assert_int_equal(isosculpt_opening_finish(opening, &opened, &error), ISO_ERR_IO);
+    assert_non_null(strstr(error.text, "/no/such.vdb"));
+    unlink(volume);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(cancelled_writing_leaves_no_file),
+                                       cmocka_unit_test(cancelled_saves_keep_the_file_before),
+                                       cmocka_unit_test(sources_can_be_cancelled),
+                                       cmocka_unit_test(openings)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
