@@ -224,11 +224,11 @@ iso_point_view isorender_points_view(const isorender_job *job, int surface);
 
 /* isorender_picture.c */
 iso_status isorender_render(isorender_job *job, iso_error *error);
-uint64_t isorender_picture_bytes(const isorender_settings *settings);
+uint64_t isorender_picture_bytes(const isorender_job *job); /* of main memory */
 
 /* isorender_backend.c: surfaces to the GPU, a picture from there, and the surfaces away again. */
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error);
-uint64_t isorender_gl_bytes(const isorender_job *job); /* of main memory, for a picture */
+uint64_t isorender_gl_bytes(const isorender_job *job); /* of main memory, for a picture, by the driver */
 iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
                              iso_error *error);
 void isorender_gl_forget(isorender_job *job);

@@ -157,7 +157,9 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
     if (!backend->engine || iso_gl_context_info(backend->context).hardware) return 0;
     int factor = 1;
     while (factor * factor < job->settings->samples) factor++;
-    return iso_gl_draw_bytes(backend->engine, job->settings->width * factor, job->settings->height * factor);
+    const int width = job->settings->width * factor, height = job->settings->height * factor;
+    return job->settings->method == ISORENDER_PULLPUSH ? iso_gl_pullpush_bytes(backend->engine, width, height)
+                                                       : iso_gl_draw_bytes(backend->engine, width, height);
 }
 
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
@@ -175,8 +177,6 @@ iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
                 ISO_TRY(iso_gl_upload_mesh(job->backend->engine, &mesh, shape, error));
         } else {
             iso_point_view points = isorender_points_view(job, i);
-            if (points.colors && job->method == ISORENDER_PULLPUSH)
-                isorender_say(job, "the points' own colours are left out (they need --backend cpu)");
             ISO_TRY(iso_gl_upload_points(job->backend->engine, &points, shape, error));
         }
     }

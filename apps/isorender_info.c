@@ -31,7 +31,7 @@ static void print_memory(const isorender_job *job) {
     printf(" for the grid, ");
     print_bytes(job->volume.info.read_bytes);
     printf(" while reading, ");
-    print_bytes(isorender_picture_bytes(job->settings));
+    print_bytes(isorender_picture_bytes(job));
     printf(" for a picture of %dx%d\n", job->settings->width, job->settings->height);
 }
 

@@ -94,7 +94,7 @@ static uint64_t memory_limit(const isorender_settings *settings) {
 
 static iso_status check_picture(const isorender_job *job, iso_error *error) {
     if (!isorender_plan_draws(job->plan)) return ISO_OK;
-    uint64_t needs = isorender_picture_bytes(job->settings) + isorender_gl_bytes(job);
+    uint64_t needs = isorender_picture_bytes(job);
     uint64_t limit = memory_limit(job->settings);
     if (needs <= limit) return ISO_OK;
     return iso_fail(error, ISO_ERR_LIMIT, "a picture of %dx%d needs %.0f MB, limit is %.0f MB (--max-memory)",

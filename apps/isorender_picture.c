@@ -219,12 +219,14 @@ static float smallest_spacing(const isorender_job *job) {
     return (float)fmin(s[0], fmin(s[1], s[2]));
 }
 
-uint64_t isorender_picture_bytes(const isorender_settings *settings) {
+uint64_t isorender_picture_bytes(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
     enum { SAMPLE = sizeof(float) + 3 * sizeof(float) + 1, STRIP = 256 << 20 };
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
     uint64_t samples = pixels * (uint64_t)settings->samples * SAMPLE;
     uint64_t aov = settings->aov ? pixels * ISO_AOV_PLANES * sizeof(float) : 0;
     uint64_t bytes = 4 * pixels + aov + (samples < STRIP ? samples : STRIP);
+    if (job->backend->engine) return bytes + isorender_gl_bytes(job);
     if (settings->method != ISORENDER_PULLPUSH) return bytes;
     enum { PYRAMID = 24 }; /* bytes a sample; drawn in parts as well */
     uint64_t pyramid = pixels * (uint64_t)settings->samples * PYRAMID;

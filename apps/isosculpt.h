@@ -9,10 +9,18 @@
 
 typedef enum isosculpt_help { ISOSCULPT_HELP_NONE, ISOSCULPT_HELP, ISOSCULPT_VERSION } isosculpt_help;
 
+/* Which engine draws in the window; auto: OpenGL where a GPU does it. */
+typedef enum isosculpt_backend {
+    ISOSCULPT_BACKEND_AUTO,
+    ISOSCULPT_BACKEND_CPU,
+    ISOSCULPT_BACKEND_GL
+} isosculpt_backend;
+
 typedef struct isosculpt_settings {
     const char *strokes; /* the operand: to continue in a window */
     const char *replay, *open, *stamp, *output, *mesh, *json_path;
     int json, headless, recover, quiet, threads, extract, draw;
+    int backend;                 /* isosculpt_backend */
     int resolution[2];           /* of the pictures that are drawn; 0: 1280 x 800 */
     double voxel_size, isovalue; /* isovalue: NAN when not given */
     uint64_t undo_memory;

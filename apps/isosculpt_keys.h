@@ -17,6 +17,7 @@
     X("Ctrl+S, Ctrl+Q", "save as .vdb, close")                                                               \
     X("F", "look at what is under the cursor, or at all")                                                    \
     X("number pad 1, 3, 7", "front, right, top")                                                             \
+    X("M, G", "next method, next engine")                                                                    \
     X("F12, Shift+F12", "picture of the sculpture, of the window")                                           \
     X("Tab, H", "panel, this sheet")
 

@@ -112,14 +112,20 @@ static void shade_row(void *context, size_t row, int worker) {
     for (size_t x = 0; x < width; x++) shade_pixel(cap, first + x * factor, out + 4 * x);
 }
 
+const isosculpt_sphere *isosculpt_paint_sphere(const isosculpt_paint *paint, isosculpt_sphere *sphere) {
+    if (paint->light == ISOSCULPT_LIGHT_LAMPS) return NULL;
+    if (!is_of(sphere, paint)) make_sphere(paint, sphere);
+    return sphere;
+}
+
 void isosculpt_paint_strip(const isosculpt_paint *paint, isosculpt_sphere *sphere, const iso_strip *strip,
                            iso_image *image, iso_pool *pool) {
-    if (paint->light == ISOSCULPT_LIGHT_LAMPS) {
+    const isosculpt_sphere *lit = isosculpt_paint_sphere(paint, sphere);
+    if (!lit) {
         iso_shading shading = {.colors = &paint->color, .color_count = 1, .background = paint->background};
         iso_shade(&shading, strip, image, pool);
         return;
     }
-    if (!is_of(sphere, paint)) make_sphere(paint, sphere);
-    matcap cap = {strip, image, paint->background, sphere};
+    matcap cap = {strip, image, paint->background, lit};
     iso_parallel_for(pool, (size_t)(strip->gbuffer->height / strip->factor), shade_row, &cap);
 }

@@ -36,6 +36,9 @@ typedef struct isosculpt_sphere {
     uint8_t rgb[ISOSCULPT_SPHERE][ISOSCULPT_SPHERE][3];
 } isosculpt_sphere;
 
+/* The picture of the sphere, brought up to date; NULL: the paint is lamps. */
+const isosculpt_sphere *isosculpt_paint_sphere(const isosculpt_paint *paint, isosculpt_sphere *sphere);
+
 /* Shades a strip, as iso_shade does. */
 void isosculpt_paint_strip(const isosculpt_paint *paint, isosculpt_sphere *sphere, const iso_strip *strip,
                            iso_image *image, iso_pool *pool);

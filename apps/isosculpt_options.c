@@ -42,6 +42,8 @@ static iso_status apply_help(void *target, const char *value, iso_error *error) 
     return iso_parse_help_form(value, &settings->help_form, error);
 }
 
+static const char *const backends[] = {"auto", "cpu", "gl", NULL};
+
 #define AT(member) .offset = offsetof(isosculpt_settings, member)
 
 static const iso_option options[] = {
@@ -73,6 +75,11 @@ static const iso_option options[] = {
      .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(draw)},
     {"resolution", NULL, "WxH", "size of the pictures that --draw draws", .group = RUNNING,
      .kind = ISO_OPTION_CALL, .apply = apply_resolution, .standard = "1280x800"},
+    {"backend", "rendering-backend", "NAME",
+     "what draws in the window: cpu, or gl (OpenGL: points, pullpush and mesh, and exact as a mesh while it "
+     "moves); "
+     "auto is gl where a GPU does it; the panel changes it",
+     .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(backend), .choices = backends, .standard = "auto"},
     {"threads", NULL, "N", "threads to use; the result does not depend on it", .group = RUNNING,
      .kind = ISO_OPTION_INT, AT(threads), .standard = "one a processor", .low = 1, .high = 1024},
     {"quiet", "q", NULL, "say nothing but errors", .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(quiet)},
@@ -159,6 +166,9 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
     ISO_TRY(iso_options_parse(isosculpt_program(), argc, argv, settings, operands, error));
     if (settings->help) return ISO_OK;
     if (!settings->headless) return check_window(settings, operands, error);
+    if (settings->backend == ISOSCULPT_BACKEND_GL)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--backend gl needs a window: with --headless the cpu engine draws");
     if (operands->count > 0)
         return iso_fail(error, ISO_ERR_USAGE, "%s: with --headless a stroke file is given with --replay",
                         operands->values[0]);

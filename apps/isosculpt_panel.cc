@@ -1,5 +1,6 @@
 #include "apps/isosculpt_panel.h"
 
+#include <cfloat>
 #include <cmath>
 #include <cstdio>
 #include <new>
@@ -149,6 +150,38 @@ static bool color_edit(const char *label, iso_rgb *color) {
     return true;
 }
 
+/* The rest of a line: which engine is chosen; and under the pointer, what drew the picture. */
+static bool engine_combo(isosculpt_view *view) {
+    static const char *const names[] = {"engine: cpu", "engine: gl"};
+    isosculpt_engine *engine = &view->look.engine;
+    bool changed = false;
+    if (!view->gl) {
+        ImGui::TextColored(GREY, "%s", names[ISOSCULPT_CPU]);
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("there is no OpenGL 4.5");
+        return false;
+    }
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    if (ImGui::BeginCombo("##engine", names[*engine], ImGuiComboFlags_NoArrowButton)) {
+        for (isosculpt_engine i : {ISOSCULPT_CPU, ISOSCULPT_GL})
+            if (ImGui::Selectable(names[i], i == *engine)) {
+                *engine = i;
+                view->gl_error.text[0] = 0;
+                changed = true;
+            }
+        ImGui::EndCombo();
+    } else if (ImGui::IsItemHovered() && view->drawn.canvas)
+        ImGui::SetTooltip("drawn by %s%s", isosculpt_gl_renderer(view->gl),
+                          view->look.method == ISOSCULPT_PULLPUSH ? "\nGaussian; the cpu engine's is refined"
+                                                                  : "");
+    else if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("drawn by the cpu engine");
+    if (!view->gl_error.text[0]) return changed;
+    ImGui::PushTextWrapPos(0);
+    ImGui::TextColored(RED, "%s", view->gl_error.text);
+    ImGui::PopTextWrapPos();
+    return changed;
+}
+
 static void section_picture(isosculpt_hand *hand) {
     isosculpt_look *look = &hand->view->look;
     bool changed = false;
@@ -172,7 +205,7 @@ static void section_picture(isosculpt_hand *hand) {
     ImGui::SameLine();
     changed |= color_edit("background", &look->paint.background);
     ImGui::SameLine();
-    ImGui::TextColored(GREY, "engine: cpu");
+    changed |= engine_combo(hand->view);
     if (changed) hand->wishes |= ISOSCULPT_WISH_PICTURE;
 }
 

@@ -72,6 +72,7 @@ static iso_status draw_surface(isosculpt_view *view, isosculpt_method method, co
     iso_gbuffer_clear_bands(target->gbuffer, view->pool);
     if (method == ISOSCULPT_EXACT) return iso_draw_exact(target, view->exact, error);
     if (method == ISOSCULPT_MESH) {
+        ISO_TRY(iso_mesh_set_bound(view->mesh, error)); /* half of it is turned away and left out */
         iso_mesh_view mesh = iso_mesh_set_view(view->mesh);
         return iso_draw_mesh(target, &mesh, error);
     }
@@ -126,13 +127,27 @@ static isosculpt_rectangle whole_image(const isosculpt_view *view) {
     return (isosculpt_rectangle){0, 0, view->image.width, view->image.height};
 }
 
+/* Nothing counts as drawn until it is. */
+static void begin_whole(isosculpt_view *view, int factor) {
+    isosculpt_layer *drawn = &view->drawn;
+    drawn->samples = 0;
+    drawn->canvas = NULL;
+    drawn->view = iso_view_make(&view->camera, (view->width + factor - 1) / factor,
+                                (view->height + factor - 1) / factor);
+    view->exactly = false;
+}
+
+static void finish_whole(isosculpt_view *view) {
+    view->drawn.samples = (double)view->drawn.view.width / view->width;
+    view->drawn_camera = view->camera;
+    view->drawn_look = view->look;
+    view->drawn_isovalue = view->isovalue;
+}
+
 /* All of the picture, a sample for factor x factor pixels. */
 static iso_status draw_whole(isosculpt_view *view, isosculpt_method method, int factor, iso_error *error) {
     isosculpt_layer *drawn = &view->drawn;
-    drawn->samples = 0; /* until it is drawn */
-    view->exactly = false;
-    drawn->view = iso_view_make(&view->camera, (view->width + factor - 1) / factor,
-                                (view->height + factor - 1) / factor);
+    begin_whole(view, factor);
     const int width = drawn->view.width, height = drawn->view.height;
     ISO_TRY(room_for_samples(&drawn->gbuffer, width, height, error));
     ISO_TRY(room_for_pixels(&view->image, &view->image_room, width, height, error));
@@ -140,14 +155,72 @@ static iso_status draw_whole(isosculpt_view *view, isosculpt_method method, int 
     ISO_TRY(draw_surface(view, method, &target, error));
     iso_strip strip = {.view = &drawn->view, .gbuffer = &drawn->gbuffer, .factor = 1};
     shade(view, &strip, &view->image);
-    drawn->samples = (double)width / view->width;
-    view->drawn_camera = view->camera;
-    view->drawn_look = view->look;
-    view->drawn_isovalue = view->isovalue;
+    finish_whole(view);
     view->exactly = method == ISOSCULPT_EXACT && factor == 1;
     view->fresh = view->rough = (isosculpt_damage){.rectangle = {whole_image(view)}, .count = 1};
     return ISO_OK;
 }
+
+/* ---- drawing by OpenGL */
+
+static bool is_by_gl(const isosculpt_view *view, bool moving) {
+    const isosculpt_look *look = &view->look;
+    return view->gl && look->engine == ISOSCULPT_GL && !view->mask.at &&
+           (look->method != ISOSCULPT_EXACT || moving);
+}
+
+/* The picture of drawn.view, with fine x fine samples a pixel. */
+static iso_status draw_canvas(isosculpt_view *view, isosculpt_method method, int fine, iso_error *error) {
+    const isosculpt_paint *look = &view->look.paint;
+    const isosculpt_sphere *sphere = isosculpt_paint_sphere(look, &view->sphere);
+    const iso_gl_paint paint = {.factor = fine,
+                                .color = look->color,
+                                .background = look->background,
+                                .sphere = sphere ? sphere->rgb[0][0] : NULL,
+                                .sphere_side = ISOSCULPT_SPHERE};
+    const iso_view samples = iso_view_scaled(&view->drawn.view, fine);
+    iso_gl_canvas *canvas;
+    if (method == ISOSCULPT_MESH) {
+        iso_mesh_view mesh = iso_mesh_set_view(view->mesh);
+        ISO_TRY(isosculpt_gl_draw_mesh(view->gl, &mesh, &samples, &paint, &canvas, error));
+    } else {
+        iso_point_view points = iso_point_set_view(view->points);
+        ISO_TRY(isosculpt_gl_draw_points(view->gl, &points, method == ISOSCULPT_PULLPUSH, &samples, &paint,
+                                         &canvas, error));
+    }
+    view->drawn.canvas = canvas;
+    return ISO_OK;
+}
+
+/* The cpu engine goes on where the driver fails: nobody should lose a sculpture to it. */
+static void give_up_gl(isosculpt_view *view, const iso_error *reason) {
+    view->gl_error = *reason;
+    view->look.engine = ISOSCULPT_CPU;
+    view->quality = ISOSCULPT_MOVING;
+    view->drawn.samples = 0;
+}
+
+/* All of the picture. Whether that succeeded. */
+static bool draw_whole_by_gl(isosculpt_view *view, isosculpt_method method, int factor) {
+    iso_error reason = {ISO_OK, ""};
+    begin_whole(view, factor);
+    if (draw_canvas(view, method, 1, &reason) != ISO_OK) {
+        give_up_gl(view, &reason);
+        return false;
+    }
+    finish_whole(view);
+    view->fresh = view->rough = (isosculpt_damage){.count = 0}; /* of the image, which has none of it */
+    return true;
+}
+
+iso_status isosculpt_view_fetch(isosculpt_view *view, iso_error *error) {
+    const iso_view *v = &view->drawn.view;
+    if (!view->drawn.canvas) return ISO_OK;
+    ISO_TRY(room_for_pixels(&view->image, &view->image_room, v->width, v->height, error));
+    return iso_gl_canvas_read(view->drawn.canvas, &view->image, error);
+}
+
+/* ---- parts of the picture */
 
 /* Part of the picture as a picture of its own. */
 static iso_view window_of(const iso_view *view, isosculpt_rectangle r) {
@@ -211,7 +284,7 @@ static bool same_rgb(iso_rgb a, iso_rgb b) {
 }
 
 static bool same_look(const isosculpt_look *a, const isosculpt_look *b) {
-    return a->method == b->method && a->paint.light == b->paint.light &&
+    return a->method == b->method && a->engine == b->engine && a->paint.light == b->paint.light &&
            same_rgb(a->paint.color, b->paint.color) && same_rgb(a->paint.background, b->paint.background);
 }
 
@@ -228,13 +301,19 @@ static void adapt(isosculpt_view *view, double seconds) {
 }
 
 static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
-    const bool quick = moving && view->sliding;
-    const isosculpt_method method = quick ? ISOSCULPT_PULLPUSH : view->look.method;
+    const bool gl = is_by_gl(view, moving), quick = moving && view->sliding;
+    const isosculpt_method wanted = view->look.method, stand_in = gl ? ISOSCULPT_MESH : ISOSCULPT_EXACT;
+    const isosculpt_method method = quick                       ? ISOSCULPT_PULLPUSH
+                                    : wanted == ISOSCULPT_EXACT ? stand_in
+                                                                : wanted;
     ISO_TRY(extract(view, method, error));
     double start = isosculpt_now();
     const int factor = moving ? view->factor : 1;
-    ISO_TRY(draw_whole(view, method, factor, error));
-    view->quality = factor > 1 || quick ? ISOSCULPT_MOVING : ISOSCULPT_REST;
+    if (!gl)
+        ISO_TRY(draw_whole(view, method, factor, error));
+    else if (!draw_whole_by_gl(view, method, factor))
+        return redraw(view, moving, error);
+    view->quality = factor > 1 || quick || method != wanted ? ISOSCULPT_MOVING : ISOSCULPT_REST;
     if (moving) adapt(view, isosculpt_now() - start);
     if (moving) isosculpt_latency_add(&view->draw, isosculpt_now() - start);
     return ISO_OK;
@@ -291,9 +370,15 @@ static isosculpt_rectangle take_piece(isosculpt_damage *rough, bool all) {
 
 iso_status isosculpt_view_refine(isosculpt_view *view, iso_error *error) {
     const isosculpt_method method = view->look.method;
+    iso_error reason = {ISO_OK, ""};
     if (view->quality != ISOSCULPT_REST) return ISO_OK;
     view->fresh = (isosculpt_damage){.count = 0};
-    if (view->rough.count) {
+    if (view->drawn.canvas) {
+        if (draw_canvas(view, method, PIECE_FACTOR, &reason) != ISO_OK) {
+            give_up_gl(view, &reason);
+            return isosculpt_view_draw(view, view->width, view->height, false, error);
+        }
+    } else if (view->rough.count) {
         isosculpt_rectangle piece = take_piece(&view->rough, method != ISOSCULPT_EXACT);
         ISO_TRY(draw_piece(view, method, piece, PIECE_FACTOR, error));
         isosculpt_damage_add(&view->fresh, piece);

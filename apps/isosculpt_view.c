@@ -64,6 +64,7 @@ iso_status isosculpt_view_init_grid(isosculpt_view *view, const iso_grid *grid, 
 }
 
 void isosculpt_view_free(isosculpt_view *view) {
+    isosculpt_gl_forget(view->gl);
     iso_point_set_destroy(view->points);
     iso_mesh_set_destroy(view->mesh);
     iso_exact_destroy(view->exact);
@@ -89,20 +90,30 @@ size_t isosculpt_view_points(const isosculpt_view *view) {
 
 /* ---- picking */
 
+/* View space normal and depth at a pixel of the layer's; false: nothing is there. */
+static bool sample_of(const isosculpt_layer *layer, int column, int row, float normal_depth[4]) {
+    const iso_gbuffer *g = &layer->gbuffer;
+    size_t at = (size_t)row * (size_t)layer->view.width + (size_t)column;
+    if (layer->canvas) return iso_gl_canvas_pick(layer->canvas, column, row, normal_depth);
+    for (int axis = 0; axis < 3; axis++) normal_depth[axis] = g->normal[axis][at];
+    normal_depth[3] = g->depth[at];
+    return g->surface[at] != ISO_SURFACE_NONE;
+}
+
 bool isosculpt_layer_pick(const isosculpt_layer *layer, double x, double y, isosculpt_pick *pick) {
     const iso_view *v = &layer->view;
+    float n[4];
     if (!(layer->samples > 0) || !(x >= 0) || !(y >= 0)) return false;
     double column = floor(x * layer->samples), row = floor(y * layer->samples);
     if (column >= v->width || row >= v->height) return false;
-    size_t at = (size_t)row * (size_t)v->width + (size_t)column;
-    if (layer->gbuffer.surface[at] == ISO_SURFACE_NONE) return false;
-    const iso_vec3 n = iso_gbuffer_normal(&layer->gbuffer, at);
+    if (!sample_of(layer, (int)column, (int)row, n)) return false;
     const double *r = v->rotation;
-    pick->depth = (double)layer->gbuffer.depth[at];
+    pick->depth = (double)n[3];
     pick->position = isosculpt_layer_point(layer, x, y, pick->depth);
-    pick->normal = iso_vec3_unit(iso_vec3_make(r[0] * n.x + r[3] * n.y + r[6] * n.z,
-                                               r[1] * n.x + r[4] * n.y + r[7] * n.z,
-                                               r[2] * n.x + r[5] * n.y + r[8] * n.z));
+    double world[3];
+    for (int k = 0; k < 3; k++)
+        world[k] = r[k] * (double)n[0] + r[3 + k] * (double)n[1] + r[6 + k] * (double)n[2];
+    pick->normal = iso_vec3_unit(iso_vec3_make(world[0], world[1], world[2]));
     return true;
 }
 
@@ -145,12 +156,21 @@ iso_status isosculpt_view_hold(isosculpt_view *view, iso_error *error) {
     const isosculpt_layer *drawn = &view->drawn;
     isosculpt_layer *held = &view->held;
     iso_gbuffer more;
+    held->view = drawn->view;
+    held->samples = 0;
+    held->canvas = NULL;
+    if (drawn->canvas) {
+        iso_gl_canvas *canvas;
+        ISO_TRY(isosculpt_gl_hold(view->gl, &canvas, error));
+        held->canvas = canvas;
+        held->samples = drawn->samples;
+        return ISO_OK;
+    }
     if (held->gbuffer.samples < drawn->gbuffer.samples) {
         ISO_TRY(iso_gbuffer_create(drawn->gbuffer.width, drawn->gbuffer.height, &more, error));
         iso_gbuffer_free(&held->gbuffer);
         held->gbuffer = more;
     }
-    held->view = drawn->view;
     held->samples = drawn->samples;
     planes p = {drawn, held};
     iso_parallel_for(view->pool, 5, copy_plane, &p);

@@ -8,6 +8,7 @@
 #define ISO_APPS_ISOSCULPT_VIEW_H
 
 #include "apps/isosculpt_damage.h"
+#include "apps/isosculpt_gl.h"
 #include "apps/isosculpt_light.h"
 #include "extract/mesh.h"
 #include "extract/points.h"
@@ -35,6 +36,10 @@ typedef enum isosculpt_method {
 } isosculpt_method;
 const char *isosculpt_method_name(isosculpt_method method);
 
+/* Which engine. OpenGL has all methods but exact, which it stands in for with the mesh while the camera
+ * moves; where something is frozen the cpu engine draws. */
+typedef enum isosculpt_engine { ISOSCULPT_CPU, ISOSCULPT_GL } isosculpt_engine;
+
 /* The last ISOSCULPT_LATENCIES times, seconds. Zero-initialise. */
 enum { ISOSCULPT_LATENCIES = 256 };
 typedef struct isosculpt_latency {
@@ -50,6 +55,7 @@ typedef enum isosculpt_quality { ISOSCULPT_MOVING, ISOSCULPT_REST, ISOSCULPT_FIN
 
 typedef struct isosculpt_look {
     isosculpt_method method;
+    isosculpt_engine engine;
     isosculpt_paint paint;
 } isosculpt_look;
 
@@ -61,7 +67,8 @@ typedef struct isosculpt_mask {
 
 /* A picture as it was drawn: what a stroke picks from, while newer ones are drawn. */
 typedef struct isosculpt_layer {
-    iso_gbuffer gbuffer; /* room; the used part is view.width x view.height */
+    iso_gbuffer gbuffer;         /* room; the used part is view.width x view.height */
+    const iso_gl_canvas *canvas; /* borrowed: what holds the samples instead; NULL: the gbuffer does */
     iso_view view;
     double samples; /* along a pixel of the full picture; 0: nothing was drawn yet */
 } isosculpt_layer;
@@ -75,8 +82,10 @@ typedef struct isosculpt_view {
     bool sliding;    /* the isovalue changes under the hand: pullpush, which is quick at that */
     int factor;      /* of pictures while the camera moves: 1 .. ISOSCULPT_FACTOR_MAX; found by their times */
 
-    iso_grid grid;  /* borrowed */
-    iso_pool *pool; /* borrowed */
+    iso_grid grid;      /* borrowed */
+    iso_pool *pool;     /* borrowed */
+    isosculpt_gl *gl;   /* borrowed; NULL: the cpu engine draws all */
+    iso_error gl_error; /* why OpenGL was given up for the cpu engine; text[0] == 0: it was not */
     iso_point_set *points;
     iso_mesh_set *mesh;
     iso_exact *exact;
@@ -84,9 +93,9 @@ typedef struct isosculpt_view {
     isosculpt_sphere sphere;
 
     isosculpt_layer drawn, held; /* the last picture; the one that a stroke began on */
-    iso_image image;             /* room; its width and height are the last picture's */
-    size_t image_room;           /* pixels */
-    iso_gbuffer piece;           /* room for a part of the picture */
+    iso_image image;   /* room; its width and height are the last picture's, unless drawn.canvas has that */
+    size_t image_room; /* pixels */
+    iso_gbuffer piece; /* room for a part of the picture */
     iso_image piece_image;
     size_t piece_room; /* pixels */
 
@@ -123,6 +132,9 @@ iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool
 /* Smooths a part of a picture at rest; view->quality is ISOSCULPT_FINE when nothing is left to do.
  * ISO_ERR_NOMEM. */
 iso_status isosculpt_view_refine(isosculpt_view *view, iso_error *error);
+
+/* Brings view->image up to date where drawn.canvas has the picture. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+iso_status isosculpt_view_fetch(isosculpt_view *view, iso_error *error);
 
 /* Points of the surface, as last extracted. */
 size_t isosculpt_view_points(const isosculpt_view *view);

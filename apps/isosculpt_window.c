@@ -37,6 +37,10 @@ typedef struct window {
     isosculpt_screen screen;
     isosculpt_panel *panel;
     isosculpt_pen *pen;
+    iso_gl_context *context; /* the window's, for the gl engine; NULL: OpenGL is older than that needs */
+    isosculpt_gl *gl;        /* or NULL */
+    isosculpt_engine engine; /* as chosen */
+    unsigned texture;        /* of the cpu engine's picture; 0: none yet */
     char folder[ISOSCULPT_PATH], offered[ISOSCULPT_PATH];
     bool has_folder;
     int texture_width, texture_height;
@@ -124,6 +128,27 @@ static void on_close(GLFWwindow *glfw) {
     want_close(of(glfw));
 }
 
+/* The gl engine, where there is one, and the cpu engine. */
+static void change_engine(window *w) {
+    isosculpt_look *look = &w->view.look;
+    if (!w->gl) return;
+    look->engine = look->engine == ISOSCULPT_GL ? ISOSCULPT_CPU : ISOSCULPT_GL;
+    w->view.gl_error.text[0] = 0;
+}
+
+/* Keys that change how it looks. */
+static bool change_look(window *w, int meant) {
+    isosculpt_look *look = &w->view.look;
+    if (meant == 'm')
+        look->method = (isosculpt_method)((look->method + 1) % ISOSCULPT_METHOD_COUNT);
+    else if (meant == 'g')
+        change_engine(w);
+    else
+        return false;
+    w->hand.wishes |= ISOSCULPT_WISH_PICTURE;
+    return true;
+}
+
 /* What was dropped on the window, of several the first: a mesh is a stamp, all else is opened. */
 static void on_drop(GLFWwindow *glfw, int count, const char **paths) {
     window *w = of(glfw);
@@ -162,6 +187,7 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
         w->screen.answers |= ISOSCULPT_ANSWER_CANCEL;
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
     if (action == GLFW_PRESS && meant == 'h') w->screen.help = !w->screen.help;
+    if (action == GLFW_PRESS && !(mods & GLFW_MOD_CONTROL) && change_look(w, meant)) return;
     if (!w->screen.blank || meant == 'q') isosculpt_hand_key(&w->hand, meant, modifiers(mods), true);
     if (w->hand.wishes & ISOSCULPT_WISH_CLOSE) want_close(w);
     w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_CLOSE;
@@ -201,10 +227,12 @@ static void show_title(window *w) {
     glfwSetWindowTitle(w->glfw, title);
 }
 
-/* The hand for what is on the desk and in the view. The brush stays as it is, in voxels. */
+/* The hand and the engine for what is on the desk and in the view. The brush stays as it is, in voxels. */
 static void take_up(window *w) {
     iso_brush brush = w->hand.brush;
     const double before = w->voxel, voxel = w->desk.start.voxel_size;
+    w->view.gl = w->gl;
+    w->view.look.engine = w->engine;
     isosculpt_hand_init(&w->hand, &w->desk, &w->view);
     if (before > 0) {
         w->hand.brush = brush;
@@ -471,8 +499,13 @@ static void make_texture(window *w) {
 static void upload(window *w) {
     const iso_image *image = &w->view.image;
     const isosculpt_damage *fresh = &w->view.fresh;
-    if (!w->screen.texture) glGenTextures(1, &w->screen.texture);
-    glBindTexture(GL_TEXTURE_2D, w->screen.texture);
+    if (w->view.drawn.canvas) {
+        w->screen.texture = iso_gl_canvas_texture(w->view.drawn.canvas);
+        return;
+    }
+    if (!w->texture) glGenTextures(1, &w->texture);
+    w->screen.texture = w->texture;
+    glBindTexture(GL_TEXTURE_2D, w->texture);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     if (w->texture_width != image->width || w->texture_height != image->height) {
         make_texture(w);
@@ -521,7 +554,11 @@ static iso_status update_picture(window *w, iso_error *error) {
     ISO_TRY(draw_due(w, error));
     if (!w->shoot || w->view.quality != ISOSCULPT_FINE || w->screen.blank) return ISO_OK;
     w->shoot = false;
-    write_shot(w, &w->view.image);
+    iso_error reason = {0};
+    if (isosculpt_view_fetch(&w->view, &reason) == ISO_OK)
+        write_shot(w, &w->view.image);
+    else
+        say(w, true, reason.text);
     return ISO_OK;
 }
 
@@ -536,6 +573,7 @@ static iso_status draw(window *w, iso_error *error) {
     measure(w);
     if (w->screen.width <= 0 || w->screen.height <= 0) return ISO_OK; /* iconified */
     ISO_TRY(update_picture(w, error));
+    w->engine = w->view.look.engine;
     if (w->frames <= 0) return ISO_OK;
     w->frames--;
     glViewport(0, 0, w->screen.width, w->screen.height);
@@ -655,6 +693,46 @@ static double text_scale(window *w) {
     return scale > 0.5 && scale < 8 ? scale : 1;
 }
 
+/* The panel does with less than the gl engine. */
+static GLFWwindow *create_window(int width, int height) {
+    static const int versions[][2] = {{4, 5}, {3, 2}};
+    GLFWwindow *made = NULL;
+    for (int i = 0; i < 2 && !made; i++) {
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, versions[i][0]);
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, versions[i][1]);
+        made = glfwCreateWindow(width, height, "isosculpt", NULL, NULL);
+    }
+    return made;
+}
+
+static void make_current(void *glfw) {
+    if (glfwGetCurrentContext() != glfw) glfwMakeContextCurrent(glfw);
+}
+
+/* Without OpenGL 4.5 the cpu engine draws; unless the other was asked for. */
+static iso_status open_engine(window *w, iso_error *error) {
+    const isosculpt_backend backend = (isosculpt_backend)w->settings->backend;
+    const iso_gl_context_opts opts = {.kind = ISO_GL_WINDOW,
+                                      .window = {w->glfw, make_current, glfwGetProcAddress}};
+    iso_status status = iso_gl_context_create(&opts, &w->context, error);
+    if (status == ISO_OK) status = isosculpt_gl_create(w->context, &w->gl, error);
+    if (status != ISO_OK && backend == ISOSCULPT_BACKEND_GL) return status;
+    bool wanted = backend == ISOSCULPT_BACKEND_GL ||
+                  (backend == ISOSCULPT_BACKEND_AUTO && w->gl && iso_gl_context_info(w->context).hardware);
+    w->engine = wanted ? ISOSCULPT_GL : ISOSCULPT_CPU;
+    return ISO_OK;
+}
+
+/* ISO_GL_DEBUG asks the driver to watch, and here is what it said. */
+static void close_engine(window *w) {
+    isosculpt_gl_destroy(w->gl);
+    if (w->context && getenv("ISO_GL_DEBUG")) {
+        iso_gl_messages messages = iso_gl_context_messages(w->context);
+        fprintf(stderr, "isosculpt: OpenGL: %zu messages. %s\n", messages.count, messages.first);
+    }
+    iso_gl_context_destroy(w->context);
+}
+
 /* No larger than the screen, which the content scale may have made it. */
 static void fit_screen(GLFWwindow *glfw) {
     int width, height, x, y, room_x = 0, room_y = 0;
@@ -667,11 +745,10 @@ static void fit_screen(GLFWwindow *glfw) {
 }
 
 static iso_status make_window(window *w, iso_error *error) {
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 2);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    if (getenv("ISO_GL_DEBUG")) glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, GLFW_TRUE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
-    w->glfw = glfwCreateWindow(WIDTH, HEIGHT, "isosculpt", NULL, NULL);
+    w->glfw = create_window(WIDTH, HEIGHT);
     if (!w->glfw) return no_window(error, "no window with OpenGL 3.2 can be opened");
     fit_screen(w->glfw);
     glfwMakeContextCurrent(w->glfw);
@@ -680,6 +757,7 @@ static iso_status make_window(window *w, iso_error *error) {
     measure(w);
     w->pen = isosculpt_pen_open();
     w->screen.pen = isosculpt_pen_present(w->pen);
+    ISO_TRY(open_engine(w, error));
     return isosculpt_panel_create(w->glfw, text_scale(w), &w->panel, error);
 }
 
@@ -705,6 +783,7 @@ iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, 
     if (w.opening) abandon(&w);
     isosculpt_view_free(&w.view);
     isosculpt_desk_close(&w.desk);
+    close_engine(&w);
     isosculpt_volume_free(w.volume);
     iso_pool_destroy(w.own_pool);
     isosculpt_panel_destroy(w.panel);

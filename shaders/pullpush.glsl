@@ -1,5 +1,11 @@
 /* A piece of pull-push's shaders: the pixels of a pyramid (render/pyramid.h), which lie in buffers, level after
- * level. Pixels beyond a level's sides are empty. */
+ * level. Pixels beyond a level's sides are empty.
+ *
+ * COLORS 1: points have colours of their own. */
+#ifndef COLORS
+#define COLORS 0
+#endif
+
 layout(std140, binding = ISO_GL_PULLPUSH) uniform pullpush_block { ISO_GL_PULLPUSH_FIELDS };
 layout(std430, binding = ISO_GL_KEYS) buffer key_buffer { uvec2 keys[]; };
 layout(std430, binding = ISO_GL_DISCS) buffer disc_buffer { uint discs[]; };
@@ -7,6 +13,9 @@ layout(std430, binding = ISO_GL_SHADES) buffer shade_buffer { vec4 shades[]; };
 layout(std430, binding = ISO_GL_RANGES) buffer range_buffer { vec4 ranges[]; };
 layout(std430, binding = ISO_GL_SHAPES) buffer shape_buffer { vec4 shapes[]; };
 layout(std430, binding = ISO_GL_ENDS) buffer end_buffer { uint ends[]; };
+#if COLORS
+layout(std430, binding = ISO_GL_TINTS) buffer tint_buffer { vec4 tints[]; };
+#endif
 
 bool orthographic = flags.x != 0u, two_sided = flags.y != 0u;
 
@@ -15,9 +24,22 @@ struct pixel {
     vec4 range;   /* least and greatest depth, offset of the ellipse's centre */
     float radius; /* mm */
     bool hides;   /* another surface goes on behind the end of this one */
+#if COLORS
+    vec4 tint;
+#endif
 };
 
-const pixel NO_PIXEL = pixel(vec4(0.0), vec4(ISO_GL_NOWHERE, ISO_GL_NOWHERE, 0.0, 0.0), 0.0, false);
+pixel colorless(vec4 shade, vec4 range, float radius, bool hides) {
+#if COLORS
+    return pixel(shade, range, radius, hides, vec4(0.0));
+#else
+    return pixel(shade, range, radius, hides);
+#endif
+}
+
+pixel no_pixel() {
+    return colorless(vec4(0.0), vec4(ISO_GL_NOWHERE, ISO_GL_NOWHERE, 0.0, 0.0), 0.0, false);
+}
 
 bool is_inside(int level, ivec2 at) {
     return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, levels[level].xy));
@@ -39,21 +61,30 @@ vec3 normal_of(uvec2 key) {
 
 /* A pixel of the base level. */
 pixel decoded(ivec2 at) {
-    if (!is_inside(lattice.x, at)) return NO_PIXEL;
+    if (!is_inside(lattice.x, at)) return no_pixel();
     int index = at.y * levels[lattice.x].x + at.x;
     uvec2 key = keys[index];
-    if (key.y == ISO_GL_KEY_NONE) return NO_PIXEL;
+    if (key.y == ISO_GL_KEY_NONE) return no_pixel();
     float depth = depth_of(key);
     float radius = flags.z != 0u ? ISO_GL_DISC_RADII * uintBitsToFloat(discs[index]) : disc.x;
     /* the middle of the 1/32 that the point lies in */
     vec2 offset = vec2(key.x >> 22 & 31u, key.x >> 27) * (1.0 / 32.0) - 31.0 / 64.0;
-    return pixel(vec4(normal_of(key), depth), vec4(depth, depth + radius, offset), radius, false);
+    pixel p = colorless(vec4(normal_of(key), depth), vec4(depth, depth + radius, offset), radius, false);
+#if COLORS
+    uint color = discs[levels[lattice.x].x * levels[lattice.x].y + index];
+    p.tint.xyz = vec3(uvec3(color, color >> 8, color >> 16) & 255u);
+#endif
+    return p;
 }
 
 pixel fetched(int level, ivec2 at) {
-    if (!is_inside(level, at)) return NO_PIXEL;
+    if (!is_inside(level, at)) return no_pixel();
     int index = place(level, at);
-    return pixel(shades[index], ranges[index], shapes[index].w, (ends[index] & 1u) != 0u);
+    pixel p = colorless(shades[index], ranges[index], shapes[index].w, (ends[index] & 1u) != 0u);
+#if COLORS
+    p.tint = tints[index];
+#endif
+    return p;
 }
 
 /* x / z and y / z of the ray to a pixel of a level, whose rows are counted from the whole frame. */
@@ -90,4 +121,7 @@ void store(int level, ivec2 at, pixel p) {
     ranges[index] = p.range;
     shapes[index] = vec4(shape.xyz, p.radius);
     ends[index] = (floatBitsToUint(shape.w) & ~1u) | uint(p.hides);
+#if COLORS
+    tints[index] = p.tint;
+#endif
 }

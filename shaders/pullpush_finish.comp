@@ -20,7 +20,7 @@ void main() {
     ivec2 sample_at = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(sample_at, picture.xy))) return;
     ivec2 at = sample_at - lattice.zw;
-    pixel own = NO_PIXEL;
+    pixel own = no_pixel();
     if (lattice.x == 0) own = decoded(at);
     bool has_own = own.range.x < ISO_GL_NOWHERE;
     mixture m = mixed(1, at, own.range.x);
@@ -35,4 +35,8 @@ void main() {
     samples[index] = floatBitsToUint(shade.w);
     for (int k = 0; k < 3; k++) samples[index + (k + 1) * plane] = floatBitsToUint(normal[k]);
     samples[index + 4 * plane] = uint(picture.z);
+#if COLORS
+    uvec3 color = uvec3((m.made ? mixed_tint(m) : own.tint).xyz + 0.5);
+    samples[index + 5 * plane] = color.x | color.y << 8 | color.z << 16 | uint(picture.z + 1) << 24;
+#endif
 }

@@ -45,6 +45,15 @@ mixture mixed(int level, ivec2 at, float own) {
     return m;
 }
 
+#if COLORS
+vec4 mixed_tint(mixture m) {
+    vec4 sum = vec4(0.0);
+    for (int k = 0; k < 4; k++)
+        if (m.weights[k] != 0.0) sum += m.weights[k] * tints[m.at[k]];
+    return sum;
+}
+#endif
+
 /* Normal and depth. */
 vec4 mixed_shade(mixture m) {
     vec4 sum = vec4(0.0);

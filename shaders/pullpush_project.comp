@@ -2,7 +2,7 @@
  * pixel is its point (render/pyramid.h), whatever the order.
  *
  * KIND 0: depths alone; 1: then payloads of the points whose depths those are, the smallest; 2: then the radii of
- * these, the smallest; 3: depths and payloads at once, where 64 bits can be compared and exchanged.
+ * these and their colours, the smallest of each; 3: depths and payloads at once, where 64 bits can be compared and exchanged.
  * SURFELS 1: points in floats, else packed in 8 bytes. */
 #ifndef KIND
 #define KIND 0
@@ -27,6 +27,7 @@ layout(std430, binding = ISO_GL_KEYS) buffer key_buffer { uint64_t keys[]; };
 layout(std430, binding = ISO_GL_KEYS) buffer key_buffer { uint keys[]; }; /* payload, depth */
 #endif
 layout(std430, binding = ISO_GL_DISCS) buffer disc_buffer { uint discs[]; };
+layout(std430, binding = ISO_GL_PAINTS) readonly buffer paint_buffer { uint paints[]; };
 layout(location = ISO_GL_FIRST) uniform uvec2 range;
 
 /* The same bits from every program that asks. */
@@ -52,13 +53,22 @@ uint fold_normal(vec3 n) {
     return steps.x | steps.y << ISO_GL_NORMAL_BITS;
 }
 
+uint color_of(uint number) {
+    uint bits = 24u * number, word = bits >> 5, shift = bits & 31u;
+    uint color = paints[word] >> shift;
+    if (shift > 8u) color |= paints[word + 1u] << 32u - shift;
+    return color & 0xFFFFFFu;
+}
+
 void merge(int at, uint depth, uint payload, uint number) {
 #if KIND == 3
     uint64_t key = packUint2x32(uvec2(payload, depth));
     if (key < keys[at]) atomicMin(keys[at], key);
 #elif KIND == 2
     if (keys[2 * at + 1] != depth || keys[2 * at] != payload) return;
-    atomicMin(discs[at], floatBitsToUint(max(radii[number], 0.0)));
+    if (flags.z != 0u) atomicMin(discs[at], floatBitsToUint(max(radii[number], 0.0)));
+    ivec2 size = levels[lattice.x].xy;
+    if (flags.w != 0u) atomicMin(discs[size.x * size.y + at], color_of(number));
 #elif KIND == 1
     if (keys[2 * at + 1] == depth && payload < keys[2 * at]) atomicMin(keys[2 * at], payload);
 #else

@@ -19,7 +19,7 @@ pixel child(ivec2 at) {
 }
 
 pixel pulled(ivec2 at) {
-    pixel children[4], sum = NO_PIXEL;
+    pixel children[4], sum = no_pixel();
     vec2 limit = sum.range.xy;
     vec3 front = vec3(0.0);
     for (int k = 0; k < 4; k++) {
@@ -44,6 +44,9 @@ pixel pulled(ivec2 at) {
         count += 1.0;
         sum.shade += p.shade;
         sum.radius += p.radius;
+#if COLORS
+        sum.tint += p.tint;
+#endif
         sum.range.y = max(sum.range.y, p.range.y);
         /* each child's centre is a quarter of a pixel away from theirs */
         sum.range.zw += 0.5 * (p.range.zw + vec2(k & 1, k >> 1)) - 0.25;
@@ -51,6 +54,9 @@ pixel pulled(ivec2 at) {
     float share = 1.0 / count;
     sum.shade *= share;
     sum.radius *= share;
+#if COLORS
+    sum.tint *= share;
+#endif
     sum.range.zw *= share;
     return sum;
 }

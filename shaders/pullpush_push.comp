@@ -9,10 +9,13 @@ void main() {
     float own = pulled ? ranges[place(level, at)].x : ISO_GL_NOWHERE;
     mixture m = mixed(level + 1, at, own);
     if (!m.made) { /* what was pulled stays, its ellipse too */
-        if (!pulled) store(level, at, NO_PIXEL);
+        if (!pulled) store(level, at, no_pixel());
         return;
     }
-    pixel p = pixel(mixed_shade(m), vec4(ISO_GL_NOWHERE, -ISO_GL_NOWHERE, 0.0, 0.0), 0.0, false);
+    pixel p = colorless(mixed_shade(m), vec4(ISO_GL_NOWHERE, -ISO_GL_NOWHERE, 0.0, 0.0), 0.0, false);
+#if COLORS
+    p.tint = mixed_tint(m);
+#endif
     ivec2 fine = at & 1;
     for (int k = 0; k < 4; k++) {
         if (m.weights[k] == 0.0) continue;

@@ -64,7 +64,7 @@ static bool covered(const iso_gbuffer *g, int x, int y) {
            g->surface[(size_t)y * (size_t)g->width + (size_t)x] != ISO_SURFACE_NONE;
 }
 
-static double psnr_of(const iso_image *a, const iso_image *b) {
+double gl_psnr(const iso_image *a, const iso_image *b) {
     size_t count = (size_t)a->width * (size_t)a->height * 4;
     double sum = 0;
     for (size_t i = 0; i < count; i++) {
@@ -77,7 +77,7 @@ static double psnr_of(const iso_image *a, const iso_image *b) {
 gl_difference gl_compare(const iso_view *view, const iso_gbuffer *a, const iso_gbuffer *b) {
     gl_difference d = {0};
     iso_image first = shaded(view, a), second = shaded(view, b);
-    d.psnr = psnr_of(&first, &second);
+    d.psnr = gl_psnr(&first, &second);
     for (int y = 0; y < view->height; y++)
         for (int x = 0; x < view->width; x++) {
             size_t i = (size_t)y * (size_t)view->width + (size_t)x;

@@ -8,6 +8,7 @@
 #include "extract/mesh.h"
 #include "extract/points.h"
 #include "image/camera.h"
+#include "image/image.h"
 #include "render/gbuffer.h"
 #include "render/gl/pullpush.h"
 
@@ -29,6 +30,9 @@ typedef struct gl_difference {
     double depth;        /* largest difference where both are covered and equally near, in mm */
 } gl_difference;
 gl_difference gl_compare(const iso_view *view, const iso_gbuffer *a, const iso_gbuffer *b);
+
+/* Of pictures of one size, dB. */
+double gl_psnr(const iso_image *a, const iso_image *b);
 
 /* A new gbuffer of the view's size. */
 iso_gbuffer gl_gbuffer(const iso_view *view);

@@ -317,6 +317,37 @@ static void every_shader_compiles(void **state) {
     gl_contexts_close(&contexts);
 }
 
+/* By the reference compiler, which knows the extensions that software renderers lack. */
+static void every_shader_is_valid(void **state) {
+    (void)state;
+    if (system("glslangValidator --version >/dev/null 2>&1") != 0) {
+        printf("not tested: there is no glslangValidator\n");
+        skip();
+    }
+    for (int i = 0; i < ISO_GL_PROGRAMS; i++) {
+        char command[4 * 600] = "glslangValidator -l", path[512];
+        for (int stage = 0; stage < 2; stage++) {
+            snprintf(path, sizeof path, "%s/shader_%d_%d", ISO_TEST_TMP, i, stage);
+            FILE *stream = fopen(path, "w");
+            assert_non_null(stream);
+            const char *file = iso_gl_program_write((iso_gl_program)i, stage, stream);
+            assert_int_equal(fclose(stream), 0);
+            assert_true(file || stage);
+            if (!file) {
+                remove(path);
+                continue;
+            }
+            char named[600];
+            snprintf(named, sizeof named, "%s%s", path, strrchr(file, '.'));
+            assert_int_equal(rename(path, named), 0);
+            strcat(strcat(command, " "), named);
+        }
+        strcat(command, " >" ISO_TEST_TMP "/shaders.log");
+        if (system(command) != 0)
+            fail_msg("%s: see " ISO_TEST_TMP "/shaders.log", iso_gl_program_name((iso_gl_program)i));
+    }
+}
+
 /* All kinds at the same time, made and destroyed a hundred times, each drawing while the others live. */
 static void contexts_live_side_by_side(void **state) {
     (void)state;
@@ -442,6 +473,7 @@ int main(void) {
         cmocka_unit_test(spans_lie_anywhere),
         cmocka_unit_test(surfaces_hide_one_another),
         cmocka_unit_test(every_shader_compiles),
+        cmocka_unit_test(every_shader_is_valid),
         cmocka_unit_test(contexts_live_side_by_side),
         cmocka_unit_test(contexts_give_their_memory_back),
         cmocka_unit_test(what_is_missing_is_named),

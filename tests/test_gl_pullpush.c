@@ -125,6 +125,7 @@ enum { SPANS = 6, EACH = 9000, POINTS = SPANS * EACH };
 typedef struct many_points {
     iso_surfel *surfels;
     float *radii;
+    uint8_t (*colors)[3]; /* the view names them where they are wanted */
     iso_point_span spans[SPANS];
     iso_point_view view;
 } many_points;
@@ -133,6 +134,7 @@ static void make_many(many_points *m) {
     uint32_t seed = 5;
     m->surfels = calloc(POINTS, sizeof *m->surfels);
     m->radii = calloc(POINTS, sizeof *m->radii);
+    m->colors = calloc(POINTS, sizeof *m->colors);
     for (int i = 0; i < POINTS; i++) {
         double z = 2 * uniform(&seed) - 1, turn = 2 * ISO_PI * uniform(&seed), r = sqrt(1 - z * z);
         const double n[3] = {r * cos(turn), r * sin(turn), z};
@@ -141,6 +143,7 @@ static void make_many(many_points *m) {
             m->surfels[i].normal[axis] = (float)((i % 2 ? -3 : 3) * n[axis]);
         }
         m->radii[i] = (float)(0.15 + 0.3 * uniform(&seed));
+        for (int k = 0; k < 3; k++) m->colors[i][k] = (uint8_t)(i % 2 ? 40 * k : 128 + 120 * n[k]);
     }
     m->surfels[17].position[1] = NAN;
     m->surfels[18].position[2] = INFINITY;
@@ -160,6 +163,7 @@ static void make_many(many_points *m) {
 static void free_many(many_points *m) {
     free(m->surfels);
     free(m->radii);
+    free(m->colors);
 }
 
 static void points_have_radii_of_their_own(void **state) {
@@ -182,6 +186,35 @@ static void points_have_radii_of_their_own(void **state) {
     gl_contexts_close(&contexts);
 }
 
+/* With radii and without; in windows of points and strips of the picture, which begin at any byte of a word.
+ */
+static void points_have_colours_of_their_own(void **state) {
+    (void)state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    many_points m;
+    make_many(&m);
+    m.view.colors = (const uint8_t(*)[3])m.colors;
+    for (int s = 0; s < SPANS; s++) m.spans[s].count -= (uint32_t)s;
+    const iso_box box = {{0, -16, 0}, {32, 32, 48}};
+    const iso_view views[3] = {gl_side_view(&box, 0, false, 300, 200), gl_side_view(&box, 2, true, 390, 320),
+                               gl_side_view(&box, 5, false, 1200, 1000)};
+    for (int c = 0; c < contexts.count; c++) {
+        iso_gl_engine *engine = make_engine(contexts.context[c]);
+        double worst = check_both(engine, &m.view, views, 3, "colours");
+        m.view.radii = NULL;
+        m.view.radius = 0.3;
+        worst = fmin(worst, check_both(engine, &m.view, views, 3, "colours alone"));
+        engine->max_storage = (size_t)1 << 20;
+        worst = fmin(worst, check_both(engine, &m.view, views, 1, "colours, in windows"));
+        m.view.radii = m.radii;
+        printf("%s: %.1f dB\n", iso_gl_context_info(contexts.context[c]).name, worst);
+        iso_gl_engine_destroy(engine);
+    }
+    free_many(&m);
+    gl_contexts_close(&contexts);
+}
+
 static iso_gl_shape *upload(iso_gl_engine *engine, const iso_point_view *points) {
     iso_gl_shape *shape;
     iso_error error = {ISO_OK, ""};
@@ -194,6 +227,8 @@ static void expect_same(const iso_gbuffer *a, const iso_gbuffer *b) {
     assert_memory_equal(a->depth, b->depth, samples * sizeof(float));
     for (int k = 0; k < 3; k++) assert_memory_equal(a->normal[k], b->normal[k], samples * sizeof(float));
     assert_memory_equal(a->surface, b->surface, samples);
+    assert_int_equal(a->color != NULL, b->color != NULL);
+    if (a->color) assert_memory_equal(a->color, b->color, samples * sizeof *a->color);
 }
 
 /* A picture of what is uploaded against one of the same points uploaded anew. */
@@ -221,6 +256,7 @@ static void updates_are_drawn(void **state) {
     make_many(&m);
     uint64_t stamps[SPANS] = {1, 2, 3, 4, 5, 6};
     m.view.stamps = stamps;
+    m.view.colors = (const uint8_t(*)[3])m.colors;
     const iso_box box = {{0, -16, 0}, {32, 32, 48}};
     const iso_view view = gl_side_view(&box, 1, false, 250, 210);
     for (int c = 0; c < contexts.count; c++) {
@@ -232,6 +268,7 @@ static void updates_are_drawn(void **state) {
             for (size_t i = span->first; i < span->first + span->count; i++) {
                 m.surfels[i].position[round % 3] -= 2;
                 m.radii[i] *= 1.5f;
+                m.colors[i][round % 3] ^= 0x55;
             }
             stamps[round] += 100;
             if (round == 2) span->count = EACH / 3;
@@ -264,7 +301,9 @@ static void every_time_is_the_same(void **state) {
     const iso_view view = gl_side_view(&box, 1, false, 250, 210);
     for (int c = 0; c < contexts.count; c++) {
         iso_gl_engine *engine = make_engine(contexts.context[c]);
+        m.view.colors = (const uint8_t(*)[3])m.colors;
         iso_gl_shape *shape = upload(engine, &m.view);
+        m.view.colors = NULL; /* the engines choose from those that are alike as they like */
         iso_gbuffer first = gl_gbuffer(&view);
         const iso_gl_pullpush_opts opts = {&view, (const iso_gl_shape *const *)&shape, 1,
                                            ISO_RECONSTRUCTION_GAUSSIAN};
@@ -284,7 +323,19 @@ static void every_time_is_the_same(void **state) {
     gl_contexts_close(&contexts);
 }
 
-/* Several surfaces, one within the other's box; none at all; and one out of sight. */
+static uint8_t (*some_colors(const iso_point_view *points))[3] {
+    size_t end = 0;
+    for (size_t s = 0; s < points->span_count; s++)
+        if (points->spans[s].first + points->spans[s].count > end)
+            end = points->spans[s].first + points->spans[s].count;
+    uint8_t(*colors)[3] = calloc(end, sizeof *colors);
+    for (size_t i = 0; i < end; i++)
+        for (int k = 0; k < 3; k++) colors[i][k] = (uint8_t)(i / 8 * (size_t)(k + 2));
+    return colors;
+}
+
+/* Several surfaces, one within the other's box; none at all; and one out of sight. One or none of them has
+ * colours of its own. */
 static void surfaces_hide_one_another(void **state) {
     (void)state;
     gl_contexts contexts;
@@ -292,12 +343,14 @@ static void surfaces_hide_one_another(void **state) {
     scene s[2] = {make_scene("torus", 40), make_scene("sphere", 40)};
     const iso_view views[2] = {gl_side_view(&s[0].surface.box, 0, false, 200, 190),
                                gl_side_view(&s[0].surface.box, 3, true, 170, 200)};
-    for (int c = 0; c < contexts.count; c++) {
-        iso_gl_engine *engine = make_engine(contexts.context[c]);
+    for (int c = 0; c < 3 * contexts.count; c++) {
+        iso_gl_engine *engine = make_engine(contexts.context[c / 3]);
         iso_point_view points[2];
         iso_gl_shape *shapes[2];
+        uint8_t(*colors)[3] = NULL;
         for (int i = 0; i < 2; i++) {
             points[i] = iso_point_set_view(s[i].surface.packed);
+            if (i == c % 3) points[i].colors = (const uint8_t(*)[3])(colors = some_colors(&points[i]));
             shapes[i] = upload(engine, &points[i]);
         }
         for (int v = 0; v < 2; v++)
@@ -318,9 +371,42 @@ static void surfaces_hide_one_another(void **state) {
                 iso_gbuffer_free(&cpu);
             }
         for (int i = 0; i < 2; i++) iso_gl_shape_destroy(shapes[i]);
+        free(colors);
         iso_gl_engine_destroy(engine);
     }
     for (int i = 0; i < 2; i++) free_scene(&s[i]);
+    gl_contexts_close(&contexts);
+}
+
+/* What pictures are said to take is about what they take, and no more the larger they are. */
+static void memory_is_told(void **state) {
+    (void)state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    many_points m;
+    make_many(&m);
+    m.view.colors = (const uint8_t(*)[3])m.colors;
+    const iso_box box = {{0, -16, 0}, {32, 32, 48}};
+    for (int c = 0; c < contexts.count; c++)
+        for (int side = 500; side <= 1000; side += 500) {
+            iso_gl_engine *engine = make_engine(contexts.context[c]);
+            iso_gl_shape *shape = upload(engine, &m.view);
+            const iso_view view = gl_side_view(&box, 1, false, side, side);
+            const iso_gl_pullpush_opts opts = {&view, (const iso_gl_shape *const *)&shape, 1,
+                                               ISO_RECONSTRUCTION_GAUSSIAN};
+            iso_gbuffer g = gl_gbuffer(&view);
+            assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &g, NULL), ISO_OK);
+            double taken = 0, told = (double)iso_gl_pullpush_bytes(engine, side, side);
+            for (int i = 0; i < ISO_GL_STORES; i++)
+                if (i != ISO_GL_STORE_BLOCKS) taken += (double)engine->storage_bytes[i];
+            if (!(taken < 1.25 * told && taken > 0.8 * told)) fail_msg("%g taken, %g told", taken, told);
+            assert_true(iso_gl_pullpush_bytes(engine, 1 << 16, 1 << 16) ==
+                        iso_gl_pullpush_bytes(engine, 1 << 17, 1 << 17));
+            iso_gbuffer_free(&g);
+            iso_gl_shape_destroy(shape);
+            iso_gl_engine_destroy(engine);
+        }
+    free_many(&m);
     gl_contexts_close(&contexts);
 }
 
@@ -403,9 +489,11 @@ int main(void) {
         cmocka_unit_test(scenes_look_as_from_the_cpu),
         cmocka_unit_test(near_points_and_limits_do_not_show),
         cmocka_unit_test(points_have_radii_of_their_own),
+        cmocka_unit_test(points_have_colours_of_their_own),
         cmocka_unit_test(every_time_is_the_same),
         cmocka_unit_test(updates_are_drawn),
         cmocka_unit_test(surfaces_hide_one_another),
+        cmocka_unit_test(memory_is_told),
         cmocka_unit_test(what_cannot_be_drawn_is_said),
         cmocka_unit_test(passes_are_timed),
     };

@@ -350,12 +350,25 @@ typedef struct sculpture {
     size_t item; /* bytes of a point */
 } sculpture;
 
+/* What is known of blocks of points, measured bit by bit or all at once. */
+static void check_blocks(const iso_point_blocks *a, const iso_point_blocks *b) {
+    const iso_point_block *x = a->blocks.data, *y = b->blocks.data;
+    const size_t item = sizeof(iso_point_bounds) + 2 * sizeof(double); /* bounds, radii */
+    assert_int_equal(a->count, b->count);
+    assert_int_equal(b->measured, b->count);
+    for (size_t i = 0; i < a->count; i++)
+        assert_true(x[i].span == y[i].span && x[i].first == y[i].first && x[i].count == y[i].count &&
+                    memcmp(x[i].brick, y[i].brick, sizeof x[i].brick) == 0);
+    if (a->count) assert_memory_equal(a->extents.data, b->extents.data, a->count * item);
+}
+
 static void check_against_fresh(sculpture *s, const iso_view *view, const iso_mesh_view *mesh,
                                 const iso_point_view *points) {
     iso_gl_shape *fresh[3], *followed[3] = {s->mesh_shape, s->strips_shape, s->points_shape};
     assert_int_equal(iso_gl_upload_mesh(s->engine, mesh, &fresh[0], NULL), ISO_OK);
     assert_int_equal(iso_gl_upload_strips(s->engine, mesh, &fresh[1], NULL), ISO_OK);
     assert_int_equal(iso_gl_upload_points(s->engine, points, &fresh[2], NULL), ISO_OK);
+    check_blocks(s->points_shape->blocks, fresh[2]->blocks);
     for (int i = 0; i < 3; i++) {
         iso_gbuffer a = draw(s->engine, followed[i], view), b = draw(s->engine, fresh[i], view);
         assert_int_equal(pixels_that_differ(&a, &b), 0);
@@ -382,6 +395,7 @@ static uint64_t follow(sculpture *s, const iso_view *view) {
              of_points = iso_gl_shape_measure(s->points_shape).uploaded;
     assert_int_equal(of_mesh, changed_bytes_of_mesh(&s->of_mesh, &mesh));
     assert_int_equal(of_points, changed_bytes_of_points(&s->of_points, &points, s->item));
+    if (!of_points) assert_int_equal(s->points_shape->blocks->measured, 0);
     check_against_fresh(s, view, &mesh, &points);
     return of_mesh + of_points;
 }
@@ -430,6 +444,7 @@ static void only_what_changed_is_uploaded(void **state) {
         uint64_t whole =
             iso_gl_shape_measure(s.mesh_shape).uploaded + iso_gl_shape_measure(s.points_shape).uploaded;
         uint64_t most = 0;
+        size_t measured = 0;
         for (int edit = 0; edit < EDITS; edit++) {
             test_ball ball = {.radius = test_random_real(&random, 1, 6), .carve = edit % 2};
             ball.centre = iso_vec3_make(test_random_real(&random, 8, 56), test_random_real(&random, 8, 56),
@@ -439,12 +454,15 @@ static void only_what_changed_is_uploaded(void **state) {
             if (edit == 20) ball = (test_ball){iso_vec3_make(30, 30, 30), 60, 1}; /* all away */
             test_stamp_ball(&s.grid, &ball);
             uint64_t sent = follow(&s, &view);
+            const iso_point_blocks *blocks = s.points_shape->blocks;
             if (edit < 20 && !large && sent > most) most = sent;
+            if (edit < 20 && !large && blocks->measured > measured) measured = blocks->measured;
+            assert_true(edit >= 20 || large || blocks->measured < blocks->count);
             assert_int_equal(follow(&s, &view), 0); /* nothing new */
         }
         print_message("kind %d: at most %.1f %% of %.0f kB in one edit\n", kind,
                       100.0 * (double)most / (double)whole, (double)whole / 1e3);
-        assert_true(most > 0 && most < whole);
+        assert_true(most > 0 && most < whole && measured > 0);
         /* another isovalue: everything */
         iso_mesh_set_isovalue(s.mesh, 0.5);
         iso_point_set_isovalue(s.points, 0.5);

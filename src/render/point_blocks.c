@@ -244,13 +244,33 @@ iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view 
     return look_at_blocks(blocks, &s, pool, error);
 }
 
+static void swap(iso_buffer *a, iso_buffer *b) {
+    const iso_buffer kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
 iso_status iso_point_blocks_measure(iso_point_blocks *blocks, const iso_point_view *points,
-                                    iso_error *error) {
+                                    iso_same_span *same, const void *context, iso_error *error) {
+    size_t last = points->radius == blocks->shared_radius && same ? blocks->count : 0, old = 0;
+    swap(&blocks->blocks, &blocks->last_blocks);
+    swap(&blocks->extents, &blocks->last_extents);
+    blocks->count = blocks->measured = 0;
     ISO_TRY(make_blocks(blocks, points, error));
     ISO_TRY(iso_buffer_reserve(&blocks->extents, blocks->count * sizeof(block_measure), 0, error));
-    const iso_point_block *block = blocks->blocks.data;
+    const iso_point_block *block = blocks->blocks.data, *was = blocks->last_blocks.data;
     block_measure *measure = blocks->extents.data;
-    for (size_t i = 0; i < blocks->count; i++) measure[i] = measure_block(points, &block[i]);
+    const block_measure *measured = blocks->last_extents.data;
+    for (size_t i = 0; i < blocks->count; i++) { /* both are in the order of their spans */
+        while (old < last && was[old].span < block[i].span) old++;
+        if (old < last && was[old].span == block[i].span && same(context, block[i].span)) {
+            measure[i] = measured[old++];
+        } else {
+            measure[i] = measure_block(points, &block[i]);
+            blocks->measured++;
+        }
+    }
+    blocks->shared_radius = points->radius;
     return ISO_OK;
 }
 
@@ -298,6 +318,8 @@ void iso_point_blocks_free(iso_point_blocks *blocks) {
     iso_buffer_free(&blocks->blocks);
     iso_buffer_free(&blocks->chunks);
     iso_buffer_free(&blocks->extents);
+    iso_buffer_free(&blocks->last_blocks);
+    iso_buffer_free(&blocks->last_extents);
     iso_buffer_free(&blocks->order);
     iso_buffer_free(&blocks->start);
     *blocks = (iso_point_blocks){0};

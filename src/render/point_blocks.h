@@ -25,8 +25,11 @@ typedef struct iso_point_block {
 
 typedef struct iso_point_blocks {
     iso_buffer blocks, chunks;
-    iso_buffer extents; /* what iso_point_blocks_measure found out */
     size_t count;
+    /* Of iso_point_blocks_measure: what it found out, and of how many blocks; the last one's. */
+    iso_buffer extents, last_blocks, last_extents;
+    size_t measured;
+    double shared_radius;
     /* Of the blocks seen: */
     size_t seen;
     float radius[2];
@@ -41,8 +44,11 @@ iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view 
                                  const iso_projector *projector, iso_pool *pool, iso_error *error);
 
 /* The same in two steps, for points that are out of reach when they are looked at: cuts and measures them;
- * then looks at them from a view. ISO_ERR_NOMEM. */
-iso_status iso_point_blocks_measure(iso_point_blocks *blocks, const iso_point_view *points, iso_error *error);
+ * then looks at them from a view. Spans of which `same` (its context, a span's number) says that they are as
+ * they were the last time are not measured again; NULL: none. ISO_ERR_NOMEM. */
+typedef bool iso_same_span(const void *context, size_t span);
+iso_status iso_point_blocks_measure(iso_point_blocks *blocks, const iso_point_view *points,
+                                    iso_same_span *same, const void *context, iso_error *error);
 iso_status iso_point_blocks_look(iso_point_blocks *blocks, bool closed, const iso_transform *transform,
                                  const iso_projector *projector, iso_error *error);
 

@@ -2,11 +2,9 @@
 #include "render/shading_kernel.h"
 
 #include "base/simd.h"
+#include "render/phong.h"
 
-static const float AMBIENT = 0.16f, KEY = 0.58f, FILL = 0.34f, SPECULAR = 0.16f;
-/* Direction to the key light, unit, view space (y down): from above left, 41 degrees off the axis. The fill
- * light is at the eye of an orthographic view. */
-static const float KEY_LIGHT[3] = {-0.40f, -0.52f, -0.7547185f};
+static const float KEY_LIGHT[3] = {ISO_PHONG_LIGHT_X, ISO_PHONG_LIGHT_Y, ISO_PHONG_LIGHT_Z};
 
 enum {
     TILE =

@@ -43,8 +43,10 @@ static iso_status tell_lost(const iso_gl_context *context, iso_error *error) {
 iso_status iso_gl_enter(iso_gl_context *context, iso_error *error) {
     context->failure[0] = 0;
     if (context->lost) return tell_lost(context, error);
-    if (context->platform.enter(&context->platform)) return ISO_OK;
-    return iso_fail(error, ISO_ERR_BACKEND, "%s: the context cannot be made current", context->name);
+    if (!context->platform.enter(&context->platform))
+        return iso_fail(error, ISO_ERR_BACKEND, "%s: the context cannot be made current", context->name);
+    if (context->platform.shared) iso_gl_state_take(&context->found, context->gl);
+    return ISO_OK;
 }
 
 static const char *error_name(GLenum code) {
@@ -88,6 +90,7 @@ iso_status iso_gl_check(iso_gl_context *context, iso_error *error) {
 
 iso_status iso_gl_leave(iso_gl_context *context, iso_status status, iso_error *error) {
     iso_error found = {ISO_OK, ""};
+    if (context->platform.shared) iso_gl_state_put(&context->found, context->gl);
     iso_status late = iso_gl_check(context, &found);
     context->platform.leave(&context->platform);
     if (late == ISO_OK || (status != ISO_OK && !context->lost)) return status;
@@ -98,6 +101,10 @@ iso_status iso_gl_leave(iso_gl_context *context, iso_status status, iso_error *e
 
 static iso_status open_platform(const iso_gl_context_opts *opts, int major, int minor,
                                 iso_gl_platform *platform, iso_error *error) {
+    if (opts->kind == ISO_GL_WINDOW) {
+        iso_gl_window_open(opts, platform);
+        return ISO_OK;
+    }
     if (opts->kind == ISO_GL_OSMESA) return iso_gl_osmesa_open(opts, major, minor, platform, error);
     return iso_gl_egl_open(opts, major, minor, platform, error);
 }
@@ -128,10 +135,12 @@ static iso_status take_functions(iso_gl_context *context, iso_error *error) {
     return ISO_OK;
 }
 
+/* (entering a context that is shared needs functions already) */
 static iso_status start(iso_gl_context *context, iso_error *error) {
-    ISO_TRY(iso_gl_enter(context, error));
+    if (!context->platform.enter(&context->platform))
+        return iso_fail(error, ISO_ERR_BACKEND, "%s: the context cannot be made current", context->name);
     iso_status status = take_functions(context, error);
-    if (status == ISO_OK) return iso_gl_leave(context, ISO_OK, error);
+    if (status == ISO_OK) status = iso_gl_check(context, error);
     context->platform.leave(&context->platform);
     return status;
 }
@@ -150,11 +159,14 @@ static iso_status refuse(const iso_gl_context_opts *opts, iso_gl_context *contex
 }
 
 static void name_context(iso_gl_context *context, const iso_gl_context_opts *opts) {
+    static const char *const names[] = {[ISO_GL_EGL_DEVICE] = "egl device",
+                                        [ISO_GL_EGL_SURFACELESS] = "egl surfaceless",
+                                        [ISO_GL_OSMESA] = "osmesa",
+                                        [ISO_GL_WINDOW] = "window"};
     if (opts->kind == ISO_GL_EGL_DEVICE)
-        snprintf(context->name, sizeof context->name, "egl device %d", opts->device);
+        snprintf(context->name, sizeof context->name, "%s %d", names[opts->kind], opts->device);
     else
-        snprintf(context->name, sizeof context->name, "%s",
-                 opts->kind == ISO_GL_OSMESA ? "osmesa" : "egl surfaceless");
+        snprintf(context->name, sizeof context->name, "%s", names[opts->kind]);
 }
 
 static iso_status fill(const iso_gl_context_opts *opts, iso_gl_context *context, iso_error *error) {
@@ -189,6 +201,8 @@ iso_status iso_gl_context_create(const iso_gl_context_opts *opts, iso_gl_context
 
 void iso_gl_context_destroy(iso_gl_context *context) {
     if (!context) return;
+    if (context->platform.shared && context->platform.enter(&context->platform))
+        context->gl->DebugMessageCallback(NULL, NULL); /* it lives on, and would tell what is gone */
     context->platform.destroy(&context->platform);
     iso_free(context->gl);
     iso_free(context);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "render/gl/output.h"
 #include "render/gl/shape.h"
 #include "render/gl/shared.h"
 #include "render/project.h"
@@ -468,7 +469,7 @@ static iso_status draw_shapes(picture *p, const iso_view *view, iso_error *error
     return ISO_OK;
 }
 
-static iso_status draw_part(picture *p, const iso_view *view, corner at, iso_gbuffer *gbuffer,
+static iso_status draw_part(picture *p, const iso_view *view, corner at, const iso_gl_output *to,
                             iso_error *error) {
     ISO_TRY(need_target(p->engine, view->width, view->height, error));
     begin_part(p->engine, view);
@@ -476,34 +477,42 @@ static iso_status draw_part(picture *p, const iso_view *view, corner at, iso_gbu
     iso_status status = draw_shapes(p, view, error);
     iso_gl_timer_end(&p->engine->timer, p->engine->context->gl);
     ISO_TRY(status);
-    ISO_TRY(read_part(p->engine, view, at, gbuffer, error));
+    if (to->gbuffer)
+        ISO_TRY(read_part(p->engine, view, at, to->gbuffer, error));
+    else
+        ISO_TRY(iso_gl_canvas_shade(to, false, view, at.x, at.y, error));
     iso_gl_timer_read(&p->engine->timer, p->engine->context->gl);
     return ISO_OK;
 }
 
-static iso_status draw_parts(picture *p, iso_gbuffer *gbuffer, iso_error *error) {
+static iso_status draw_parts(picture *p, const iso_gl_output *to, iso_error *error) {
     const iso_view *whole = p->opts->view;
-    int side = p->engine->max_side;
+    int side = p->engine->max_side - p->engine->max_side % iso_gl_output_factor(to);
     for (int y = 0; y < whole->height; y += side)
         for (int x = 0; x < whole->width; x += side) {
             iso_view view = iso_view_rows(whole, y, whole->height - y < side ? whole->height - y : side);
             view.cx -= x;
             view.width = whole->width - x < side ? whole->width - x : side;
-            ISO_TRY(draw_part(p, &view, (corner){x, y}, gbuffer, error));
+            ISO_TRY(draw_part(p, &view, (corner){x, y}, to, error));
             ISO_TRY(iso_gl_check(p->engine->context, error)); /* nothing comes after a loss */
         }
     return ISO_OK;
 }
 
-iso_status iso_gl_draw(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_gbuffer *gbuffer,
-                       iso_error *error) {
-    assert(opts->view->width == gbuffer->width && opts->view->height == gbuffer->height);
+iso_status iso_gl_draw_to(iso_gl_engine *engine, const iso_gl_draw_opts *opts, const iso_gl_output *to,
+                          iso_error *error) {
     assert(opts->shape_count >= 0 && opts->shape_count <= ISO_SURFACE_MAX);
     picture p = {.engine = engine, .opts = opts, .widening = widening_of(opts)};
     depth_range(opts, p.range);
     engine->drawn = engine->averted = 0;
     ISO_TRY(iso_gl_enter(engine->context, error));
-    iso_status status = draw_parts(&p, gbuffer, error);
+    iso_status status = draw_parts(&p, to, error);
     iso_buffer_free(&p.room);
     return iso_gl_leave(engine->context, status, error);
+}
+
+iso_status iso_gl_draw(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_gbuffer *gbuffer,
+                       iso_error *error) {
+    assert(opts->view->width == gbuffer->width && opts->view->height == gbuffer->height);
+    return iso_gl_draw_to(engine, opts, &(iso_gl_output){.gbuffer = gbuffer}, error);
 }

@@ -58,8 +58,8 @@ iso_status iso_gl_upload_strips(iso_gl_engine *engine, const iso_mesh_view *mesh
                                 iso_error *error);
 
 /* Another view of the same set, later: only spans that changed are uploaded, which the view's stamps tell.
- * Points keep their kind: packed or not, with radii or without. After a failure the shape is empty until an
- * update succeeds. */
+ * Points keep their kind: packed or not, with radii and colours or without. After a failure the shape is
+ * empty until an update succeeds. */
 iso_status iso_gl_update_points(iso_gl_shape *shape, const iso_point_view *points, iso_error *error);
 iso_status iso_gl_update_mesh(iso_gl_shape *shape, const iso_mesh_view *mesh, iso_error *error);
 void iso_gl_shape_destroy(iso_gl_shape *shape);

@@ -3,18 +3,18 @@
 #define ISO_RENDER_GL_INTERNAL_H
 
 #include "render/gl/platform.h"
+#include "render/gl/state.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-typedef struct GladGLContext GladGLContext;
-
 enum { ISO_GL_TEXT = 256 };
 
 struct iso_gl_context {
     iso_gl_platform platform;
-    GladGLContext *gl; /* owned */
+    GladGLContext *gl;  /* owned */
+    iso_gl_state found; /* of a context that is shared, as it was on entering */
     char name[32], vendor[ISO_GL_TEXT], renderer[ISO_GL_TEXT], version[ISO_GL_TEXT];
     size_t message_count;
     char message[ISO_GL_TEXT]; /* the first */

@@ -1,7 +1,7 @@
 /* Built without glad: there are no contexts, and nothing can be made of one. */
 #include <stddef.h>
 
-#include "render/gl/pullpush.h"
+#include "render/gl/canvas.h"
 
 static iso_status refuse(iso_error *error) {
     return iso_fail(error, ISO_ERR_BACKEND, "this isopoint was built without glad (OpenGL)");
@@ -52,6 +52,11 @@ void iso_gl_engine_destroy(iso_gl_engine *engine) {
 }
 
 uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height) {
+    (void)engine, (void)width, (void)height;
+    return 0;
+}
+
+uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, int width, int height) {
     (void)engine, (void)width, (void)height;
     return 0;
 }
@@ -117,4 +122,45 @@ void iso_gl_engine_seconds(const iso_gl_engine *engine, double seconds[ISO_GL_PA
 
 void iso_gl_engine_forget_seconds(iso_gl_engine *engine) {
     (void)engine;
+}
+
+iso_status iso_gl_canvas_create(iso_gl_engine *engine, iso_gl_canvas **canvas, iso_error *error) {
+    (void)engine, (void)canvas;
+    return refuse(error);
+}
+
+void iso_gl_canvas_destroy(iso_gl_canvas *canvas) {
+    (void)canvas;
+}
+
+iso_status iso_gl_canvas_draw(iso_gl_canvas *canvas, const iso_gl_draw_opts *opts, const iso_gl_paint *paint,
+                              iso_error *error) {
+    (void)canvas, (void)opts, (void)paint;
+    return refuse(error);
+}
+
+iso_status iso_gl_canvas_draw_pullpush(iso_gl_canvas *canvas, const iso_gl_pullpush_opts *opts,
+                                       const iso_gl_paint *paint, iso_error *error) {
+    (void)canvas, (void)opts, (void)paint;
+    return refuse(error);
+}
+
+unsigned iso_gl_canvas_texture(const iso_gl_canvas *canvas) {
+    (void)canvas;
+    return 0;
+}
+
+bool iso_gl_canvas_pick(const iso_gl_canvas *canvas, int x, int y, float normal_depth[4]) {
+    (void)canvas, (void)x, (void)y, (void)normal_depth;
+    return false;
+}
+
+iso_status iso_gl_canvas_copy(iso_gl_canvas *to, const iso_gl_canvas *from, iso_error *error) {
+    (void)to, (void)from;
+    return refuse(error);
+}
+
+iso_status iso_gl_canvas_read(const iso_gl_canvas *canvas, iso_image *image, iso_error *error) {
+    (void)canvas, (void)image;
+    return refuse(error);
 }

@@ -1,4 +1,4 @@
-/* platform: what EGL and OSMesa have in common. Inside render/gl only. */
+/* platform: what EGL, OSMesa and windows have in common. Inside render/gl only. */
 #ifndef ISO_RENDER_GL_PLATFORM_H
 #define ISO_RENDER_GL_PLATFORM_H
 
@@ -15,6 +15,8 @@ typedef struct iso_gl_platform iso_gl_platform;
 struct iso_gl_platform {
     void *library; /* of dlopen, never closed */
     void *display, *context, *pixels;
+    iso_gl_window window;
+    bool shared; /* with others, who want to find its state as they left it */
     iso_gl_function (*address)(const iso_gl_platform *platform, const char *name);
     bool (*enter)(const iso_gl_platform *platform);
     void (*leave)(const iso_gl_platform *platform);
@@ -27,6 +29,8 @@ iso_status iso_gl_egl_open(const iso_gl_context_opts *opts, int major, int minor
                            iso_error *error);
 iso_status iso_gl_osmesa_open(const iso_gl_context_opts *opts, int major, int minor,
                               iso_gl_platform *platform, iso_error *error);
+/* The window's, whatever its version. */
+void iso_gl_window_open(const iso_gl_context_opts *opts, iso_gl_platform *platform);
 
 /* dlopen of `name`, from ISO_GL_LIBRARY_PATH when that is set. ISO_ERR_BACKEND with the loader's words. */
 iso_status iso_gl_library_open(const char *name, void **library, iso_error *error);

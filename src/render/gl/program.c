@@ -22,6 +22,15 @@ typedef struct recipe {
     "#extension GL_ARB_gpu_shader_int64 : require\n"                                                         \
     "#extension GL_NV_shader_atomic_int64 : require\n"
 
+/* The five steps of pull-push after projection. */
+#define PYRAMID "unpack.glsl", "pullpush.glsl"
+#define RECONSTRUCTION(first, what, defines)                                                                 \
+    [first] = {"pull" what, {"pullpush_pull.comp"}, {PYRAMID}, defines},                                     \
+    [first + 1] = {"pull of keys" what, {"pullpush_pull.comp"}, {PYRAMID}, defines "#define KEYS 1\n"},      \
+    [first + 2] = {"unpacked keys" what, {"pullpush_pull.comp"}, {PYRAMID}, defines "#define KEYS 2\n"},     \
+    [first + 3] = {"push" what, {"pullpush_push.comp"}, {PYRAMID, "pullpush_mix.glsl"}, defines},            \
+    [first + 4] = {"finish" what, {"pullpush_finish.comp"}, {PYRAMID, "pullpush_mix.glsl"}, defines}
+
 static const recipe recipes[ISO_GL_PROGRAMS] = {
     [ISO_GL_POINTS_PACKED] = {"points", {"points.vert", "points.frag"}, {"unpack.glsl"}, ""},
     [ISO_GL_POINTS_SURFELS] = {"points of surfels",
@@ -54,23 +63,10 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
                                     {PROJECT},
                                     {"unpack.glsl"},
                                     WIDE "#define KIND 3\n#define SURFELS 1\n"},
-    [ISO_GL_PULL_LEVEL] = {"pull", {"pullpush_pull.comp"}, {"unpack.glsl", "pullpush.glsl"}, ""},
-    [ISO_GL_PULL_KEYS] = {"pull of keys",
-                          {"pullpush_pull.comp"},
-                          {"unpack.glsl", "pullpush.glsl"},
-                          "#define KEYS 1\n"},
-    [ISO_GL_UNPACK] = {"unpacked keys",
-                       {"pullpush_pull.comp"},
-                       {"unpack.glsl", "pullpush.glsl"},
-                       "#define KEYS 2\n"},
-    [ISO_GL_PUSH] = {"push",
-                     {"pullpush_push.comp"},
-                     {"unpack.glsl", "pullpush.glsl", "pullpush_mix.glsl"},
-                     ""},
-    [ISO_GL_FINISH] = {"finish",
-                       {"pullpush_finish.comp"},
-                       {"unpack.glsl", "pullpush.glsl", "pullpush_mix.glsl"},
-                       ""},
+    RECONSTRUCTION(ISO_GL_PULL_LEVEL, "", ""),
+    RECONSTRUCTION(ISO_GL_COLORED, " with colours", "#define COLORS 1\n"),
+    [ISO_GL_SHADE_TARGET] = {"shading", {"shade.comp"}, {"phong.h"}, ""},
+    [ISO_GL_SHADE_PICTURE] = {"shading of pull-push", {"shade.comp"}, {"phong.h"}, "#define BUFFER 1\n"},
 };
 
 const char *iso_gl_program_name(iso_gl_program program) {
@@ -142,16 +138,34 @@ static void add_file(source *s, const char *file) {
     s->part[s->parts++] = own ? own : embedded(file);
 }
 
-static iso_status compile(iso_gl_context *context, const recipe *r, const char *file, GLuint *shader,
-                          iso_error *error) {
-    const GladGLContext *gl = context->gl;
+static source source_of(const recipe *r, const char *file) {
     source s = {.part = {"#version 450 core\n", r->defines, "#define ISO_GLSL 1\n", embedded("shared.h")},
                 .parts = HEAD};
     for (int i = 0; i < PIECES && r->pieces[i]; i++) add_file(&s, r->pieces[i]);
     add_file(&s, file);
+    return s;
+}
+
+static void free_source(source *s) {
+    for (int i = 0; i < s->owned; i++) free(s->own[i]);
+}
+
+const char *iso_gl_program_write(iso_gl_program program, int stage, FILE *stream) {
+    const recipe *r = &recipes[program];
+    if (stage >= STAGES || !r->files[stage]) return NULL;
+    source s = source_of(r, r->files[stage]);
+    for (int i = 0; i < s.parts; i++) fputs(s.part[i], stream);
+    free_source(&s);
+    return r->files[stage];
+}
+
+static iso_status compile(iso_gl_context *context, const recipe *r, const char *file, GLuint *shader,
+                          iso_error *error) {
+    const GladGLContext *gl = context->gl;
+    source s = source_of(r, file);
     GLuint made = gl->CreateShader(type_of(file));
     gl->ShaderSource(made, s.parts, s.part, NULL);
-    for (int i = 0; i < s.owned; i++) free(s.own[i]);
+    free_source(&s);
     gl->CompileShader(made);
     GLint good = 0;
     gl->GetShaderiv(made, GL_COMPILE_STATUS, &good);

@@ -2,6 +2,8 @@
 #ifndef ISO_RENDER_GL_PROGRAM_H
 #define ISO_RENDER_GL_PROGRAM_H
 
+#include <stdio.h>
+
 #include "render/gl/context.h"
 
 #ifdef __cplusplus
@@ -31,9 +33,13 @@ typedef enum iso_gl_program {
     ISO_GL_PULL_KEYS,
     ISO_GL_UNPACK,
     ISO_GL_PUSH,
-    ISO_GL_FINISH
+    ISO_GL_FINISH,
+    ISO_GL_COLORED, /* the same from ISO_GL_PULL_LEVEL on, of points that have colours */
+    ISO_GL_COLORED_LAST = ISO_GL_COLORED + ISO_GL_FINISH - ISO_GL_PULL_LEVEL,
+    ISO_GL_SHADE_TARGET, /* colours: of what fragments made */
+    ISO_GL_SHADE_PICTURE /* and of what pull-push made */
 } iso_gl_program;
-enum { ISO_GL_PROGRAMS = ISO_GL_FINISH + 1 };
+enum { ISO_GL_PROGRAMS = ISO_GL_SHADE_PICTURE + 1 };
 
 const char *iso_gl_program_name(iso_gl_program program);
 
@@ -41,6 +47,10 @@ const char *iso_gl_program_name(iso_gl_program program);
 bool iso_gl_has_wide_atomics(const iso_gl_context *context);
 /* Whether the program can be built there at all. */
 bool iso_gl_program_fits(iso_gl_program program, bool wide_atomics);
+
+/* The whole text of a program's stage (0, 1), for other compilers; returns the name of its file, or NULL:
+ * there is no such stage. */
+const char *iso_gl_program_write(iso_gl_program program, int stage, FILE *stream);
 
 /* Compiles and links in the current context; *name is GL's number. ISO_ERR_BACKEND with the driver's log.
  * Texts come from the folder ISO_SHADER_DIR where that is set and has the file. */

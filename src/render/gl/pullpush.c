@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "render/gl/output.h"
 #include "render/gl/shape.h"
 #include "render/gl/shared.h"
 #include "render/pullpush_setup.h"
@@ -13,7 +14,7 @@
 enum {
     STRIP_ROWS_LEAST = 64,
     /* Windows of points begin at a multiple of this: bytes that any driver takes as an offset. */
-    WINDOW_POINTS = 64
+    WINDOW_POINTS = 256
 };
 /* No storage buffer of the pyramid or the picture need be larger: a larger picture is made in strips. */
 static const size_t STORAGE_BYTES = (size_t)256 << 20;
@@ -24,7 +25,7 @@ _Static_assert(offsetof(iso_gl_pullpush, lattice) == 160 && offsetof(iso_gl_pull
                "std140 has it like this");
 _Static_assert(sizeof(iso_gl_block) == 48, "std430 has it like this");
 _Static_assert(WINDOW_POINTS * sizeof(iso_point) % 256 == 0 &&
-                   WINDOW_POINTS * sizeof(iso_surfel) % 256 == 0 && WINDOW_POINTS * sizeof(float) % 256 == 0,
+                   WINDOW_POINTS * sizeof(iso_surfel) % 256 == 0 && WINDOW_POINTS * 3 % 256 == 0,
                "256 is the widest alignment that a driver may ask for");
 
 /* Points of one dispatch, from a multiple of WINDOW_POINTS on, and its blocks. */
@@ -38,6 +39,7 @@ typedef struct frame {
     const GladGLContext *gl;
     const iso_gl_pullpush_opts *opts;
     size_t storage; /* bytes that a storage buffer of ours may have */
+    size_t planes;  /* of the picture */
     iso_buffer room;
 } frame;
 
@@ -97,12 +99,13 @@ static void set_uniforms(drawing *d, int surface) {
     const iso_reconstruction_job job =
         iso_pullpush_job(shape, &d->projector, d->shape->radius, d->frame->opts->reconstruction, !d->cull);
     iso_gl_pullpush *u = &d->uniforms;
-    *u = (iso_gl_pullpush){.axis = {p->column, p->row, p->near, job.scale},
-                           .disc = {job.radius, job.low_pass, job.facing, job.edge},
-                           .ray = {job.ray[0], job.ray[1], job.slope},
-                           .lattice = {shape->base, shape->rows_before, shape->column, shape->row},
-                           .picture = {d->view->width, d->view->height, surface},
-                           .flags = {d->view->orthographic, job.two_sided, d->shape->has_radii}};
+    *u = (iso_gl_pullpush){
+        .axis = {p->column, p->row, p->near, job.scale},
+        .disc = {job.radius, job.low_pass, job.facing, job.edge},
+        .ray = {job.ray[0], job.ray[1], job.slope},
+        .lattice = {shape->base, shape->rows_before, shape->column, shape->row},
+        .picture = {d->view->width, d->view->height, surface},
+        .flags = {d->view->orthographic, job.two_sided, d->shape->has_radii, d->shape->has_colors}};
     float *steps[] = {u->step_x, u->step_y, u->step_z}, *normals[] = {u->normal_x, u->normal_y, u->normal_z};
     for (int k = 0; k < 3; k++) {
         set_floats(steps[k], p->step + 3 * k, 3);
@@ -130,12 +133,14 @@ static void begin(drawing *d, int surface) {
     f->gl->NamedBufferSubData(f->engine->storage[ISO_GL_STORE_UNIFORMS], 0, sizeof d->uniforms, &d->uniforms);
     f->gl->BindBufferBase(GL_UNIFORM_BUFFER, ISO_GL_PULLPUSH, f->engine->storage[ISO_GL_STORE_UNIFORMS]);
     need_buffer(f, ISO_GL_STORE_KEYS, d->keys * 2 * sizeof(uint32_t));
-    need_buffer(f, ISO_GL_STORE_DISCS, (d->shape->has_radii ? d->keys : 1) * sizeof(uint32_t));
+    const size_t discs = (d->shape->has_colors ? 2 : d->shape->has_radii) * d->keys * sizeof(uint32_t);
+    need_buffer(f, ISO_GL_STORE_DISCS, discs ? discs : sizeof(uint32_t));
+    need_buffer(f, ISO_GL_STORE_TINTS, (d->shape->has_colors ? d->pixels : 1) * 4 * sizeof(float));
     for (int which = ISO_GL_STORE_SHADES; which <= ISO_GL_STORE_SHAPES; which++)
         need_buffer(f, (iso_gl_storage)which, d->pixels * 4 * sizeof(float));
     need_buffer(f, ISO_GL_STORE_ENDS, d->pixels * sizeof(uint32_t));
     fill_buffer(f, ISO_GL_STORE_KEYS, d->keys * 2 * sizeof(uint32_t), ISO_GL_KEY_NONE);
-    if (d->shape->has_radii) fill_buffer(f, ISO_GL_STORE_DISCS, d->keys * sizeof(uint32_t), ISO_GL_KEY_NONE);
+    if (discs) fill_buffer(f, ISO_GL_STORE_DISCS, discs, ISO_GL_KEY_NONE);
 }
 
 /* ---- points to keys */
@@ -190,6 +195,9 @@ static void bind_window(const drawing *d, const window *w) {
     if (d->shape->has_radii)
         gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, ISO_GL_RADII, d->shape->radii.name,
                             (GLintptr)(w->first * sizeof(float)), (GLsizeiptr)(count * sizeof(float)));
+    if (d->shape->has_colors)
+        gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, ISO_GL_PAINTS, d->shape->colors.name,
+                            (GLintptr)(w->first * 3), (GLsizeiptr)((count * 3 + 3) / 4 * 4));
 }
 
 static iso_status project(const drawing *d, int kind, const window *windows, size_t count, iso_error *error) {
@@ -230,7 +238,7 @@ static iso_status project_all(const drawing *d, iso_buffer *room, iso_error *err
         ISO_TRY(project(d, 0, windows, count, error));
         ISO_TRY(project(d, ISO_GL_PROJECT_PAYLOADS - ISO_GL_PROJECT_DEPTHS, windows, count, error));
     }
-    if (!d->shape->has_radii) return ISO_OK;
+    if (!d->shape->has_radii && !d->shape->has_colors) return ISO_OK;
     return project(d, ISO_GL_PROJECT_DISCS - ISO_GL_PROJECT_DEPTHS, windows, count, error);
 }
 
@@ -241,6 +249,7 @@ static iso_status run(const drawing *d, iso_gl_program program, int level, iso_e
     const GladGLContext *gl = d->frame->gl;
     const int *size = level ? d->uniforms.levels[level] : d->uniforms.picture;
     unsigned name;
+    if (d->shape->has_colors) program = (iso_gl_program)(program + ISO_GL_COLORED - ISO_GL_PULL_LEVEL);
     ISO_TRY(iso_gl_engine_program(d->frame->engine, program, &name, error));
     gl->UseProgram(name);
     if (level) gl->Uniform1i(ISO_GL_LEVEL, level);
@@ -274,6 +283,7 @@ static iso_status reconstruct(const drawing *d, iso_buffer *room, iso_error *err
     bind(f, ISO_GL_RANGES, ISO_GL_STORE_RANGES);
     bind(f, ISO_GL_SHAPES, ISO_GL_STORE_SHAPES);
     bind(f, ISO_GL_ENDS, ISO_GL_STORE_ENDS);
+    bind(f, ISO_GL_TINTS, ISO_GL_STORE_TINTS);
     bind(f, ISO_GL_PICTURE, ISO_GL_STORE_PICTURE);
     iso_gl_timer_begin(timer, f->gl, ISO_GL_PASS_PULL);
     status = pull(d, error);
@@ -296,7 +306,7 @@ static void clear_picture(const frame *f, size_t samples) {
     const GLuint none = ISO_SURFACE_NONE;
     const size_t plane = samples * sizeof(float);
     GLuint picture = f->engine->storage[ISO_GL_STORE_PICTURE];
-    fill_buffer(f, ISO_GL_STORE_PICTURE, ISO_GL_PICTURE_PLANES * plane, 0);
+    fill_buffer(f, ISO_GL_STORE_PICTURE, f->planes * plane, 0);
     f->gl->ClearNamedBufferSubData(picture, GL_R32F, 0, (GLsizeiptr)plane, GL_RED, GL_FLOAT, &far);
     f->gl->ClearNamedBufferSubData(picture, GL_R32UI, (GLintptr)(4 * plane), (GLsizeiptr)plane,
                                    GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
@@ -316,6 +326,8 @@ static iso_status read_picture(frame *f, const iso_gbuffer *to, size_t start, si
     gl->GetNamedBufferSubData(picture, (GLintptr)(4 * bytes), (GLsizeiptr)bytes, f->room.data);
     const uint32_t *surfaces = f->room.data;
     for (size_t i = 0; i < samples; i++) to->surface[start + i] = (uint8_t)surfaces[i];
+    if (f->planes > ISO_GL_PICTURE_PLANES)
+        gl->GetNamedBufferSubData(picture, (GLintptr)(5 * bytes), (GLsizeiptr)bytes, to->color + start);
     return ISO_OK;
 }
 
@@ -330,10 +342,10 @@ static drawing drawing_of(const frame *f, int number, const iso_view *view) {
                      .cull = shape->closed && !blocks->around_eye};
 }
 
-static iso_status draw_strip(frame *f, const iso_view *view, size_t start, const iso_gbuffer *gbuffer,
+static iso_status draw_strip(frame *f, const iso_view *view, int row, const iso_gl_output *to,
                              iso_error *error) {
     const size_t samples = (size_t)view->width * (size_t)view->height;
-    need_buffer(f, ISO_GL_STORE_PICTURE, samples * ISO_GL_PICTURE_PLANES * sizeof(float));
+    need_buffer(f, ISO_GL_STORE_PICTURE, samples * f->planes * sizeof(float));
     clear_picture(f, samples);
     for (int i = 0; i < f->opts->shape_count; i++) {
         if (f->opts->shapes[i]->blocks->seen == 0) continue;
@@ -341,7 +353,10 @@ static iso_status draw_strip(frame *f, const iso_view *view, size_t start, const
         begin(&d, i);
         ISO_TRY(reconstruct(&d, &f->room, error));
     }
-    ISO_TRY(read_picture(f, gbuffer, start, samples, error));
+    if (to->gbuffer)
+        ISO_TRY(read_picture(f, to->gbuffer, (size_t)row * (size_t)view->width, samples, error));
+    else
+        ISO_TRY(iso_gl_canvas_shade(to, true, view, 0, row, error));
     iso_gl_timer_read(&f->engine->timer, f->gl);
     return ISO_OK;
 }
@@ -349,7 +364,7 @@ static iso_status draw_strip(frame *f, const iso_view *view, size_t start, const
 /* The largest storage buffer that a strip of so many rows needs. */
 static size_t strip_bytes(const frame *f, int rows) {
     const iso_view view = iso_view_rows(f->opts->view, 0, rows);
-    size_t most = (size_t)view.width * (size_t)view.height * ISO_GL_PICTURE_PLANES * sizeof(float);
+    size_t most = (size_t)view.width * (size_t)view.height * f->planes * sizeof(float);
     for (int i = 0; i < f->opts->shape_count; i++) {
         if (f->opts->shapes[i]->blocks->seen == 0) continue;
         const drawing d = drawing_of(f, i, &view);
@@ -361,10 +376,13 @@ static size_t strip_bytes(const frame *f, int rows) {
     return most;
 }
 
-static iso_status draw_strips(frame *f, const iso_gbuffer *gbuffer, iso_error *error) {
+static iso_status draw_strips(frame *f, const iso_gl_output *to, iso_error *error) {
     const iso_view *whole = f->opts->view;
-    int rows = whole->height;
-    while (rows > STRIP_ROWS_LEAST && strip_bytes(f, rows) > f->storage) rows = (rows + 1) / 2;
+    int rows = whole->height, factor = iso_gl_output_factor(to);
+    while (rows > STRIP_ROWS_LEAST && strip_bytes(f, rows) > f->storage) {
+        rows = (rows + 1) / 2;
+        rows += (factor - rows % factor) % factor;
+    }
     if (strip_bytes(f, rows) > f->engine->max_storage)
         return iso_fail(
             error, ISO_ERR_LIMIT,
@@ -374,7 +392,7 @@ static iso_status draw_strips(frame *f, const iso_gbuffer *gbuffer, iso_error *e
             f->engine->max_storage);
     for (int y = 0; y < whole->height; y += rows) {
         iso_view view = iso_view_rows(whole, y, whole->height - y < rows ? whole->height - y : rows);
-        ISO_TRY(draw_strip(f, &view, (size_t)y * (size_t)whole->width, gbuffer, error));
+        ISO_TRY(draw_strip(f, &view, y, to, error));
         ISO_TRY(iso_gl_check(f->engine->context, error)); /* nothing comes after a loss */
     }
     return ISO_OK;
@@ -391,18 +409,48 @@ static iso_status look(const iso_gl_pullpush_opts *opts, iso_error *error) {
     return ISO_OK;
 }
 
-iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, iso_gbuffer *gbuffer,
-                                iso_error *error) {
-    assert(opts->view->width == gbuffer->width && opts->view->height == gbuffer->height);
+static size_t storage_of(const iso_gl_engine *engine) {
+    return engine->max_storage < STORAGE_BYTES ? engine->max_storage : STORAGE_BYTES;
+}
+
+uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, int width, int height) {
+    enum {
+        PICTURE = (ISO_GL_PICTURE_PLANES + 1) * sizeof(float),
+        BASE = (2 + 2) * sizeof(uint32_t),                /* keys; radii and colours */
+        ABOVE = 4 * 4 * sizeof(float) + sizeof(uint32_t), /* shades, ranges, shapes, tints; ends */
+        SAMPLE = PICTURE + BASE + (ABOVE + 2) / 3         /* of levels above 0: a third of a pixel */
+    };
+    const uint64_t samples = (uint64_t)width * (uint64_t)height, most = storage_of(engine) / PICTURE;
+    return (samples < most ? samples : most) * SAMPLE;
+}
+
+static bool has_colors(const iso_gl_pullpush_opts *opts) {
+    for (int i = 0; i < opts->shape_count; i++)
+        if (opts->shapes[i]->has_colors) return true;
+    return false;
+}
+
+iso_status iso_gl_draw_pullpush_to(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts,
+                                   const iso_gl_output *to, iso_error *error) {
     assert(opts->shape_count >= 0 && opts->shape_count <= ISO_SURFACE_MAX);
     if (opts->reconstruction == ISO_RECONSTRUCTION_REFINED)
         return iso_fail(error, ISO_ERR_UNSUPPORTED,
                         "refined reconstruction needs the cpu: OpenGL has box and gaussian");
     ISO_TRY(look(opts, error));
-    frame f = {.engine = engine, .gl = engine->context->gl, .opts = opts};
+    frame f = {.engine = engine, .gl = engine->context->gl, .opts = opts, .planes = ISO_GL_PICTURE_PLANES};
+    if (has_colors(opts)) {
+        f.planes++;
+        if (to->gbuffer) ISO_TRY(iso_gbuffer_add_color(to->gbuffer, error));
+    }
     ISO_TRY(iso_gl_enter(engine->context, error));
-    f.storage = engine->max_storage < STORAGE_BYTES ? engine->max_storage : STORAGE_BYTES;
-    iso_status status = draw_strips(&f, gbuffer, error);
+    f.storage = storage_of(engine);
+    iso_status status = draw_strips(&f, to, error);
     iso_buffer_free(&f.room);
     return iso_gl_leave(engine->context, status, error);
+}
+
+iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, iso_gbuffer *gbuffer,
+                                iso_error *error) {
+    assert(opts->view->width == gbuffer->width && opts->view->height == gbuffer->height);
+    return iso_gl_draw_pullpush_to(engine, opts, &(iso_gl_output){.gbuffer = gbuffer}, error);
 }

@@ -17,12 +17,17 @@ typedef struct iso_gl_pullpush_opts {
 } iso_gl_pullpush_opts;
 
 /* Draws all shapes and fills the whole gbuffer, which has the view's size, with what iso_draw_pullpush draws
- * but for rounding; colours are not drawn. The same bytes every time; where points of one pixel are alike in
- * depth, normal and place, the smallest radius counts. Errors: ISO_ERR_UNSUPPORTED (refined reconstruction),
- * ISO_ERR_NOMEM, ISO_ERR_LIMIT (a picture that the driver's storage buffers cannot hold rows of),
- * ISO_ERR_BACKEND; the gbuffer is then undefined. */
+ * but for rounding, colours too. The same bytes every time; where points of one pixel are alike in depth,
+ * normal and place, the smallest radius and the smallest colour (as a number, blue first) count. Errors:
+ * ISO_ERR_UNSUPPORTED (refined reconstruction), ISO_ERR_NOMEM, ISO_ERR_LIMIT (a picture that the driver's
+ * storage buffers cannot hold rows of), ISO_ERR_BACKEND; the gbuffer is then undefined. */
 iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, iso_gbuffer *gbuffer,
                                 iso_error *error);
+
+/* Bytes that drawing takes from the GPU, or where the driver has none from main memory, for pictures of this
+ * many samples, with all that points may have: about, since how wide the guard band around the picture is
+ * depends on the points. */
+uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, int width, int height);
 
 #ifdef __cplusplus
 }

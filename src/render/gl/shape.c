@@ -60,7 +60,8 @@ static void fit(const GladGLContext *gl, const source *from, size_t end) {
     if (!room) room = 1;
     GLuint made;
     gl->CreateBuffers(1, &made);
-    gl->NamedBufferStorage(made, (GLsizeiptr)(room * from->item), NULL, GL_DYNAMIC_STORAGE_BIT);
+    gl->NamedBufferStorage(made, (GLsizeiptr)((room * from->item + 3) / 4 * 4), NULL,
+                           GL_DYNAMIC_STORAGE_BIT); /* shaders read words */
     if (to->name) gl->CopyNamedBufferSubData(to->name, made, 0, 0, (GLsizeiptr)(to->room * from->item));
     gl->DeleteBuffers(1, &to->name); /* 0 is ignored */
     *to = (iso_gl_buffer){made, room};
@@ -255,9 +256,13 @@ static iso_status keep_bounds(iso_gl_shape *shape, const iso_mesh_view *mesh, is
     return ISO_OK;
 }
 
+static bool is_same(const void *context, size_t span) {
+    return !((const iso_gl_span *)context)[span].changed;
+}
+
 /* Blocks say where they begin in their span, as its points may come to lie elsewhere. */
 static iso_status measure_blocks(iso_gl_shape *shape, const iso_point_view *points, iso_error *error) {
-    ISO_TRY(iso_point_blocks_measure(shape->blocks, points, error));
+    ISO_TRY(iso_point_blocks_measure(shape->blocks, points, is_same, shape->spans.data, error));
     iso_point_block *block = shape->blocks->blocks.data;
     for (size_t i = 0; i < shape->blocks->count; i++) block[i].first -= points->spans[block[i].span].first;
     return ISO_OK;
@@ -283,21 +288,27 @@ static iso_status send_points(iso_gl_shape *shape, const iso_point_view *points,
     source vertices = {points->surfels, sizeof *points->surfels, &shape->vertices};
     if (!points->surfels) vertices = (source){points->packed, sizeof *points->packed, &shape->vertices};
     const source radii = {points->radii, sizeof *points->radii, &shape->radii};
+    const source colors = {points->colors, sizeof *points->colors, &shape->colors};
     size_t end = end_of(points, points->span_count, points_of);
     if (end > UINT32_MAX) return iso_fail(error, ISO_ERR_LIMIT, "more than 2^32 - 1 points");
     ISO_TRY(check_memory(shape,
                          growth(&shape->vertices, end, vertices.item) +
-                             (points->radii ? growth(&shape->radii, end, radii.item) : 0),
+                             (points->radii ? growth(&shape->radii, end, radii.item) : 0) +
+                             (points->colors ? growth(&shape->colors, end, colors.item) : 0),
                          error));
     ISO_TRY(fit_spans(shape, points->span_count, error));
-    ISO_TRY(measure_blocks(shape, points, error));
     shape->closed = points->closed;
     describe_points(shape, points);
+    ISO_TRY(measure_blocks(shape, points, error));
     fit(gl, &vertices, end);
     send_changed(shape, &vertices, points, points_of);
     if (points->radii) {
         fit(gl, &radii, end);
         send_changed(shape, &radii, points, points_of);
+    }
+    if (points->colors) {
+        fit(gl, &colors, end);
+        send_changed(shape, &colors, points, points_of);
     }
     return ISO_OK;
 }
@@ -333,7 +344,8 @@ static void forget_spans(iso_gl_shape *shape) {
 }
 
 iso_status iso_gl_update_points(iso_gl_shape *shape, const iso_point_view *points, iso_error *error) {
-    assert(!shape->mesh && shape->has_radii == (points->radii != NULL));
+    assert(!shape->mesh && shape->has_radii == (points->radii != NULL) &&
+           shape->has_colors == (points->colors != NULL));
     ISO_TRY(iso_gl_enter(shape->engine->context, error));
     shape->transform = points->transform;
     shape->radius = points->radius;
@@ -370,6 +382,7 @@ iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *poi
     ISO_TRY(make_shape(engine, &made, error));
     made->surfels = points->surfels != NULL;
     made->has_radii = points->radii != NULL;
+    made->has_colors = points->colors != NULL;
     made->blocks = iso_alloc_zero(1, sizeof *made->blocks);
     iso_status status = made->blocks ? iso_gl_update_points(made, points, error)
                                      : iso_fail(error, ISO_ERR_NOMEM, "out of memory for blocks of points");
@@ -428,10 +441,11 @@ void iso_gl_shape_destroy(iso_gl_shape *shape) {
     if (!shape) return;
     iso_gl_context *context = shape->engine->context;
     if (iso_gl_enter(context, NULL) == ISO_OK) {
-        const GLuint buffers[] = {shape->vertices.name, shape->radii.name, shape->indices.name};
+        const GLuint buffers[] = {shape->vertices.name, shape->radii.name, shape->colors.name,
+                                  shape->indices.name};
         const GLuint arrays[] = {shape->array, shape->quad_array};
         context->gl->DeleteVertexArrays(2, arrays); /* 0 is ignored */
-        context->gl->DeleteBuffers(3, buffers);
+        context->gl->DeleteBuffers(4, buffers);
         iso_gl_leave(context, ISO_OK, NULL);
     }
     free_shape(shape);

@@ -40,14 +40,14 @@ struct iso_gl_shape {
     iso_transform transform;
     iso_buffer spans; /* of iso_gl_span */
     size_t span_count;
-    bool mesh, stripped, surfels, has_radii, closed;
+    bool mesh, stripped, surfels, has_radii, has_colors, closed;
     iso_buffer bounds;        /* of a closed mesh: one iso_point_bounds a span */
     iso_point_blocks *blocks; /* of points: where each begins in its span, and what they are; owned */
     double radius;            /* of all points without radii */
     uint64_t uploaded;        /* bytes, by the last update */
     iso_gl_strips strips;
     /* One vertex array draws points or triangles, the other quads. */
-    iso_gl_buffer vertices, radii, indices;
+    iso_gl_buffer vertices, radii, colors, indices;
     unsigned array, quad_array;
 };
 
@@ -61,9 +61,10 @@ typedef enum iso_gl_storage {
     ISO_GL_STORE_RANGES,
     ISO_GL_STORE_SHAPES,
     ISO_GL_STORE_ENDS,
+    ISO_GL_STORE_TINTS,
     ISO_GL_STORE_PICTURE
 } iso_gl_storage;
-enum { ISO_GL_STORES = 9 };
+enum { ISO_GL_STORES = 10 };
 
 struct iso_gl_engine {
     iso_gl_context *context;

@@ -14,23 +14,37 @@
 /* Uniform blocks. */
 #define ISO_GL_FRAME 0
 #define ISO_GL_PULLPUSH 1
+#define ISO_GL_SHADE 2
+#define ISO_GL_UNIFORM_SLOTS 3
 
 /* Uniforms of pull-push's passes. */
 #define ISO_GL_LEVEL 0 /* int: the level that a pass makes */
 #define ISO_GL_FIRST 0 /* uvec2, of projections: the first block, and one beyond the last */
 
 /* Storage buffers. Drivers need have no more than eight slots: what no pass uses together shares them. */
-#define ISO_GL_POINTS 0  /* uint: points as they are in C */
-#define ISO_GL_RADII 1   /* float: one a point, mm */
-#define ISO_GL_BLOCKS 2  /* iso_gl_block */
-#define ISO_GL_KEYS 3    /* uvec2, of the base level's pixels: payload, depth */
-#define ISO_GL_DISCS 4   /* uint, likewise: bits of the radius of the pixel's disc, mm */
+#define ISO_GL_POINTS 0 /* uint: points as they are in C */
+#define ISO_GL_RADII 1  /* float: one a point, mm */
+#define ISO_GL_BLOCKS 2 /* iso_gl_block */
+#define ISO_GL_KEYS 3   /* uvec2, of the base level's pixels: payload, depth */
+#define ISO_GL_DISCS                                                                                         \
+    4 /* uint, likewise: bits of the radius of the pixel's disc, mm; behind them all, colours */
+#define ISO_GL_PAINTS 5  /* uint: three bytes a point: its colour */
+#define ISO_GL_TINTS 2   /* vec4, of the pixels of all levels above 0: colour, 0 .. 255 */
 #define ISO_GL_SHADES 5  /* vec4, of the pixels of all levels above 0: normal, mean depth */
 #define ISO_GL_RANGES 6  /* vec4: least and greatest depth, from the pixel's centre to the ellipse's */
 #define ISO_GL_SHAPES 7  /* vec4: the ellipse (wide, thin x, thin y), the disc's radius */
 #define ISO_GL_ENDS 1    /* uint: bits of its reach to where the surface ends; the last: it hides another */
-#define ISO_GL_PICTURE 0 /* uint: planes of the gbuffer's: depth, normal x, y, z, surface */
+#define ISO_GL_PICTURE 0 /* uint: planes of the gbuffer's: depth, normal x, y, z, surface, and of colours */
 #define ISO_GL_PICTURE_PLANES 5
+#define ISO_GL_STORAGE_SLOTS 8
+
+/* Textures and images of shading. */
+#define ISO_GL_NORMAL_DEPTHS 0 /* what fragments made */
+#define ISO_GL_SPHERE 1        /* a lit sphere's colours by the normal's x and y, -1 .. 1 */
+#define ISO_GL_TEXTURE_SLOTS 2
+#define ISO_GL_COLORS 0  /* rgba8: a canvas's */
+#define ISO_GL_SAMPLES 1 /* rgba32f: view space normal, view z */
+#define ISO_GL_IMAGE_SLOTS 2
 
 /* Threads of a group: in a row, and in a square. */
 #define ISO_GL_GROUP 64
@@ -107,7 +121,7 @@
     ISO_GL_INTS(                                                                                             \
         lattice); /* base; rows of the whole frame before level 0's; the picture's pixel at its corner */    \
     ISO_GL_INTS(picture);                   /* width, height, surface */                                     \
-    ISO_GL_UINTS(flags);                    /* orthographic, two-sided, points have radii */                 \
+    ISO_GL_UINTS(flags);                    /* orthographic, two-sided, points have radii, and colours */    \
     ISO_GL_INT_ROWS(levels, ISO_GL_LEVELS); /* width, height, first pixel in the buffers */
 
 /* std430. Points that are projected together. */
@@ -115,6 +129,14 @@
     ISO_GL_FLOATS(origin); /* of its first step, as the points' steps lead on from it */                     \
     ISO_GL_FLOATS(eye);    /* steps; orthographic: direction of the view */                                  \
     ISO_GL_UINTS(part);    /* first point in what is bound, count, leave out those that face away */
+
+/* std140. A part of a picture, shaded: samples as in render/shading.h. */
+#define ISO_GL_SHADE_FIELDS                                                                                  \
+    ISO_GL_FLOATS(ray);        /* optical axis in the part's samples; 1 / focal, 0: orthographic */          \
+    ISO_GL_FLOATS(color);      /* 0 .. 1 */                                                                  \
+    ISO_GL_FLOATS(background); /* 0 .. 1 */                                                                  \
+    ISO_GL_INTS(part);         /* its size in pixels; the picture's pixel at its corner */                   \
+    ISO_GL_INTS(how);          /* samples along a pixel, whether they are kept, by a sphere's picture */
 
 #ifndef ISO_GLSL
 typedef struct iso_gl_frame {
@@ -126,6 +148,9 @@ typedef struct iso_gl_pullpush {
 typedef struct iso_gl_block {
     ISO_GL_BLOCK_FIELDS
 } iso_gl_block;
+typedef struct iso_gl_shade {
+    ISO_GL_SHADE_FIELDS
+} iso_gl_shade;
 #endif
 
 #endif

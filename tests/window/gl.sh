@@ -1,0 +1,103 @@
+#!/bin/bash
+# The gl engine in a real window under Xvfb: its pictures against the cpu engine's of the same field, while mouse and
+# keys sculpt, change the method and resize; and no word of the driver. gl.sh BIN. 77: nothing to try it with.
+set -u
+bin=$(cd "$1" && pwd)
+. "$(dirname "$0")/support.sh"
+"$bin/isosculpt" --headless --backend gl --open x.vdb 2>"$work/said"
+[ $? -eq 2 ] || fail "--backend gl without a window is no wrong usage"
+env -u DISPLAY "$bin/isosculpt" 2>"$work/said"
+grep -q "built without GLFW" "$work/said" && { echo "skipped: built without a window"; exit 77; }
+open_display
+export ISO_GL_DEBUG=1
+
+# ---- what is too old is said, or done without
+MESA_GL_VERSION_OVERRIDE=4.4 MESA_GLSL_VERSION_OVERRIDE=440 "$bin/isosculpt" --backend gl 2>"$work/said"
+code=$?
+grep -q "glad" "$work/said" && { echo "skipped: built without glad"; exit 77; }
+[ $code -eq 4 ] && grep -q "4\.5 is needed" "$work/said" || fail "OpenGL 4.4: exit status $code"
+rm -rf "$state"
+
+# close_window: and no message of the driver's above notifications
+close_window() {
+    key ctrl+q
+    key Return
+    closing=$program
+    program=
+    until_ "closing" has_ended "$closing"
+    grep -q "OpenGL: 0 messages" "$work/said" || fail "the driver has something to say"
+}
+# agree A B: 40 dB or more
+agree() {
+    "$bin/isocompare" images "$work/$1.png" "$work/$2.png" --fail-under psnr=40 >"$work/compared" || {
+        cat "$work/compared"
+        fail "$1 and $2 differ"
+    }
+    grep '^psnr ' "$work/compared" | sed "s/^/$1, $2: /"
+}
+size_of() { od -An -j16 -N8 -tx1 "$work/$1.png" | tr -d ' \n'; }
+# both NAME: the picture by either engine; it is gl's turn before and after
+both() {
+    picture "gl_$1"
+    key g
+    picture "cpu_$1"
+    key g
+}
+# all_methods NAME: exact is the cpu engine's at rest; and its pullpush is refined, ours Gaussian
+all_methods() {
+    local method
+    for method in exact pullpush points mesh; do
+        both "$1_$method"
+        key m
+    done
+    cmp "$work/gl_$1_exact.png" "$work/cpu_$1_exact.png" || fail "exact is not exact"
+    agree "cpu_$1_pullpush" "gl_$1_pullpush"
+    agree "cpu_$1_points" "gl_$1_points"
+    agree "cpu_$1_mesh" "gl_$1_mesh"
+}
+
+start --backend gl
+picture new
+all_methods new
+
+# ---- strokes with each method, picked from its own picture; undone, they leave nothing
+for method in exact pullpush points mesh; do
+    stroke 640 400 30 20
+    picture "stroke_$method"
+    cmp -s "$work/stroke_$method.png" "$work/gl_new_$method.png" && fail "$method: the stroke is not to be seen"
+    key ctrl+z
+    picture "undone_$method"
+    cmp "$work/undone_$method.png" "$work/gl_new_$method.png" || fail "$method: undo left something"
+    key m
+done
+stroke 640 400 60 40
+drag 1 1100 650 60 40
+all_methods sculpted
+cmp -s "$work/gl_sculpted_mesh.png" "$work/gl_new_mesh.png" && fail "nothing was sculpted"
+
+# ---- frozen parts look it; the cpu engine draws them
+key m m m
+picture free
+key 9
+stroke 560 300 30 20
+picture frozen
+cmp -s "$work/free.png" "$work/frozen.png" && fail "what is frozen does not look it"
+key ctrl+z
+picture thawed
+cmp "$work/free.png" "$work/thawed.png" || fail "thawed: another picture"
+key m
+
+# ---- another size
+xdotool search --onlyvisible --name '^isosculpt' windowsize --sync 701 523
+has_size() { picture resized && [ "$(size_of resized)" = 000002bd0000020b ]; }
+until_ "pictures of 701 x 523" has_size
+all_methods resized
+close_window
+
+# ---- a software renderer is not chosen by itself: the cpu engine is
+start
+key m m m
+picture automatic
+cmp "$work/automatic.png" "$work/cpu_new_mesh.png" || fail "auto is not the cpu engine here"
+close_window
+echo "passed"
