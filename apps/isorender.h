@@ -219,6 +219,8 @@ void isorender_close(isorender_job *job);
 /* isorender_surface.c */
 iso_status isorender_histogram(isorender_job *job, iso_error *error); /* into job->histogram, once */
 iso_status isorender_extract(isorender_job *job, iso_error *error);
+/* The points that are made, where they are: what is asked for, or the best for the grid and the method. */
+iso_primitive isorender_primitive(const isorender_job *job);
 iso_status isorender_export(isorender_job *job, iso_error *error);
 iso_point_view isorender_points_view(const isorender_job *job, int surface);
 

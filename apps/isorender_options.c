@@ -202,8 +202,8 @@ static const iso_option options[] = {
      "colour of the surface; the second one belongs to the second isovalue, and so on", .group = SURFACE,
      .standard = "D9B36C", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
     {"primitive", NULL, "NAME",
-     "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets, "
-     "edge for the rest",
+     "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets "
+     "unless they are drawn by refined, edge for the rest",
      .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"method", NULL, "NAME",

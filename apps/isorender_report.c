@@ -100,13 +100,11 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
     iso_json_end_array(json);
     bool points = job->from_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL,
          cells = job->surfaces[0].exact != NULL;
-    iso_primitive primitive = (iso_primitive)job->settings->primitive;
-    if (primitive == ISO_PRIMITIVE_AUTO)
-        primitive = job->volume.grid.hgrid ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
     iso_json_begin_object(json, "primitives");
     if (cells) iso_json_integer(json, "cells", job->cell_count);
     if (points) iso_json_integer(json, "points", job->point_count);
-    if (points && !job->from_points) iso_json_string(json, "kind", iso_primitive_name(primitive));
+    if (points && !job->from_points)
+        iso_json_string(json, "kind", iso_primitive_name(isorender_primitive(job)));
     if (points && !job->from_points) iso_json_integer(json, "rejected", job->rejected);
     if (mesh) iso_json_integer(json, "vertices", job->vertex_count);
     if (mesh) iso_json_integer(json, "triangles", job->triangle_count);

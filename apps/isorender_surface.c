@@ -93,10 +93,16 @@ static bool is_refined(const isorender_job *job) {
     return job->method == ISORENDER_PULLPUSH && job->settings->reconstruction == ISO_RECONSTRUCTION_REFINED;
 }
 
+iso_primitive isorender_primitive(const isorender_job *job) {
+    const iso_primitive chosen = (iso_primitive)job->settings->primitive;
+    if (chosen != ISO_PRIMITIVE_AUTO) return chosen;
+    return job->volume.grid.hgrid && !is_refined(job) ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
+}
+
 static iso_status extract_points(isorender_job *job, isorender_surface *surface, iso_error *error) {
     /* Exported points keep all bits of their positions; 8 bytes are enough for a picture. */
     iso_points_opts opts = {.isovalue = surface->isovalue,
-                            .primitive = (iso_primitive)job->settings->primitive,
+                            .primitive = isorender_primitive(job),
                             .floats = job->settings->points != NULL,
                             .shapes = is_refined(job),
                             .pool = job->pool};

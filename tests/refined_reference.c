@@ -8,6 +8,7 @@
 
 typedef struct disc {
     double at[3], n[3], s[3][3], radius;
+    double low[3], high[3]; /* its box, from its centre along the index axes, voxels */
     bool turned;
 } disc;
 
@@ -55,6 +56,46 @@ static void shape_of(const iso_projector *projector, const iso_point_view *point
         for (int c = 0; c < 3; c++) d->s[r][c] += fmax(most, 0) * d->n[r] * d->n[c];
 }
 
+/* Voxels in a mm, at most. */
+static double per_mm(const iso_projector *projector) {
+    double most = 0;
+    for (int k = 0; k < 3; k++) {
+        const double m[3] = {projector->normal[k], projector->normal[3 + k], projector->normal[6 + k]};
+        most = fmax(most, sqrt(dot3(m, m)));
+    }
+    return most;
+}
+
+/* Where an edge point's surface turns away, and the grid's border. */
+static void enclose(const iso_projector *projector, const iso_point_view *points, size_t i,
+                    const double index[3], disc *d) {
+    const int ends = points->shapes ? points->shapes[i].ends : 0, axis = (ends >> 12) - 1;
+    double norm = 0;
+    for (int k = 0; k < 9; k++) norm += d->s[k / 3][k % 3] * d->s[k / 3][k % 3];
+    int slot = 0;
+    for (int k = 0; k < 3; k++) {
+        d->low[k] = -1e9;
+        d->high[k] = 1e9;
+        const double below = index[k] - floor(index[k]);
+        if (axis >= 0 && sqrt(norm) > 0.2 * per_mm(projector)) {
+            d->low[k] = axis == k ? (below < 0.002 ? -1 : -below) : -(ends >> 3 * slot & 7) / 7.0;
+            d->high[k] = axis == k ? (below > 0.998 ? 1 : 1 - below) : (ends >> (3 * slot + 3) & 7) / 7.0;
+        }
+        if (axis != k) slot += 2;
+        if (!points->dims[k]) continue;
+        d->low[k] = fmax(d->low[k], -index[k]);
+        d->high[k] = fmin(d->high[k], points->dims[k] - 1 - index[k]);
+    }
+}
+
+static bool is_in_box(const iso_projector *projector, const disc *d, const double q[3]) {
+    for (int k = 0; k < 3; k++) {
+        const double m[3] = {projector->normal[k], projector->normal[3 + k], projector->normal[6 + k]};
+        if (dot3(m, q) < d->low[k] || dot3(m, q) > d->high[k]) return false;
+    }
+    return true;
+}
+
 static bool make_disc(const iso_view *view, const iso_projector *projector, const iso_point_view *points,
                       const iso_point_span *span, size_t i, bool cull, disc *d) {
     const iso_surfel surfel = iso_point_view_get(points, i);
@@ -68,6 +109,7 @@ static bool make_disc(const iso_view *view, const iso_projector *projector, cons
     memset(d->s, 0, sizeof d->s);
     const double pixels = points->radius * view->focal / (view->orthographic ? 1 : d->at[2]);
     if (points->shapes) shape_of(projector, points, i, length, d);
+    enclose(projector, points, i, index, d);
     d->radius = points->radius * (1.2 + 0.215 * fmin(fmax((pixels - 4.5) / 6, 0), 1));
     for (int k = 0; k < 2 && !view->orthographic; k++) ray[k] = d->at[k] / d->at[2];
     const double along = dot3(d->n, ray);
@@ -82,7 +124,8 @@ static bool make_disc(const iso_view *view, const iso_projector *projector, cons
 }
 
 /* The nearer place where n.q + q.Sq / 2 = 0, in the disc's ball. */
-static bool meet(const iso_view *view, const disc *d, double u, double v, hit *h) {
+static bool meet(const iso_projector *projector, const disc *d, double u, double v, hit *h) {
+    const iso_view *view = projector->view;
     const double z = view->orthographic ? 1 : d->at[2], e[3] = {u * z - d->at[0], v * z - d->at[1], 0},
                  ray[3] = {view->orthographic ? 0 : u, view->orthographic ? 0 : v, 1};
     double sd[3], se[3];
@@ -97,7 +140,7 @@ static bool meet(const iso_view *view, const disc *d, double u, double v, hit *h
     h->from = d;
     h->depth = d->at[2] + t;
     h->weight = exp(-2 * far);
-    return far < 1;
+    return far < 1 && is_in_box(projector, d, h->q);
 }
 
 static int nearest_first(const void *a, const void *b) {
@@ -106,7 +149,8 @@ static int nearest_first(const void *a, const void *b) {
 }
 
 /* Weighted means over what is in front; all of one side, which is the one that faces the eye if there is. */
-static void settle(const hit *hits, size_t count, bool cull, size_t at, iso_gbuffer *g) {
+static void settle(const hit *hits, size_t count, const iso_projector *projector, bool cull, size_t at,
+                   iso_gbuffer *g) {
     size_t first = 0;
     double front = hits[0].depth, weight = 0, depth = 0, n[3] = {0}, q[3] = {0}, s[3][3] = {{0}}, square = 0;
     for (size_t i = 1; i < count && hits[first].from->turned; i++)
@@ -129,7 +173,8 @@ static void settle(const hit *hits, size_t count, bool cull, size_t at, iso_gbuf
     }
     double norm = 0, sq[3];
     for (int k = 0; k < 9; k++) norm += s[k / 3][k % 3] * s[k / 3][k % 3];
-    const double alike = square > 0 ? norm / weight / square : 0;
+    const double noisy = 0.7 * per_mm(projector), small = 1 / (1 + norm / (weight * weight * noisy * noisy));
+    const double alike = square > 0 ? norm / weight / square * small : 0;
     bend(s, q, sq);
     for (int k = 0; k < 3; k++) n[k] += alike * sq[k] / weight;
     const double length = sqrt(dot3(n, n)) * (!cull && hits[first].from->turned ? -1 : 1);
@@ -153,10 +198,11 @@ void refined_reference(const iso_view *view, const iso_point_view *points, iso_g
         for (int x = 0; x < view->width; x++) {
             const double u = (x + 0.5 - view->cx) / view->focal, v = (y + 0.5 - view->cy) / view->focal;
             size_t met = 0;
-            for (size_t i = 0; i < count; i++) met += meet(view, &discs[i], u, v, &hits[met]);
+            for (size_t i = 0; i < count; i++) met += meet(&projector, &discs[i], u, v, &hits[met]);
             if (!met) continue;
             qsort(hits, met, sizeof *hits, nearest_first);
-            settle(hits, met, points->closed, (size_t)y * (size_t)view->width + (size_t)x, gbuffer);
+            settle(hits, met, &projector, points->closed, (size_t)y * (size_t)view->width + (size_t)x,
+                   gbuffer);
         }
     free(discs);
     free(hits);

@@ -10,6 +10,7 @@
 
 #include "base/cpu.h"
 #include "render/draw.h"
+#include "scene_support.h"
 
 static double uniform(uint32_t *state) {
     *state = *state * 1664525u + 1013904223u;
@@ -19,18 +20,6 @@ static double uniform(uint32_t *state) {
 static void near(double got, double wanted, double tolerance) {
     if (!(fabs(got - wanted) <= tolerance))
         fail_msg("got %.17g, wanted %.17g within %g", got, wanted, tolerance);
-}
-
-/* Index coordinates are view coordinates: x right, y down, z forward, the eye at the origin. */
-static iso_view plain_view(int width, int height, bool orthographic, double focal) {
-    return (iso_view){.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-                      .focal = focal,
-                      .cx = width / 2.0,
-                      .cy = height / 2.0,
-                      .width = width,
-                      .height = height,
-                      .orthographic = orthographic,
-                      .near = orthographic ? -1e300 : 0.01};
 }
 
 static iso_view random_view(uint32_t *seed, int width, int height, bool orthographic) {
@@ -214,7 +203,7 @@ static void discs_have_the_paper_s_size(void **state) {
     (void)state;
     const double theta = 50 * ISO_PI / 180;
     const int height = 801;
-    iso_view view = plain_view(height, height, false, height / 2.0 / tan(theta / 2));
+    iso_view view = test_plain_view(height, height, false, height / 2.0 / tan(theta / 2));
     for (float z = 8; z < 80; z *= 1.7f)
         for (int side = 0; side < 2; side++) {
             const iso_surfel one = {{side * 0.35f * z, 0, z}, {0, 0, 1}};
@@ -233,7 +222,7 @@ static void ties_go_to_the_first(void **state) {
     (void)state;
     const iso_surfel same[3] = {
         {{0, 0, 5}, {1, 0, 0}}, {{0.25f, 0, 5}, {0, 1, 0}}, {{0, 0.25f, 4}, {0, 0, 1}}};
-    iso_view view = plain_view(32, 32, true, 8);
+    iso_view view = test_plain_view(32, 32, true, 8);
     iso_gbuffer g = clear_gbuffer(32, 32);
     iso_point_span span;
     iso_point_view points = few_points(same, &span, 2);
@@ -258,7 +247,7 @@ static void ties_go_to_the_first(void **state) {
 static void discs_reach_in_from_outside(void **state) {
     (void)state;
     const float places[4][2] = {{-12, 0}, {12, 0}, {0, -12}, {0, 12}}, radius = 5;
-    iso_view view = plain_view(16, 16, true, 1);
+    iso_view view = test_plain_view(16, 16, true, 1);
     for (int k = 0; k < 8; k++) {
         const iso_surfel one = {{places[k / 2][0], places[k / 2][1], 7}, {0, 0, 1}};
         iso_point_span span;
@@ -285,7 +274,7 @@ static void extremes_are_harmless(void **state) {
     iso_point_span span;
     iso_point_view points = few_points(surfels, &span, 300);
     points.radius = 1e9;
-    iso_view view = plain_view(200, 100, false, 1000);
+    iso_view view = test_plain_view(200, 100, false, 1000);
     iso_gbuffer g = clear_gbuffer(200, 100);
     assert_int_equal(draw_points(&view, &points, &g), ISO_OK);
     for (int i = 0; i < 200 * 100; i++) assert_int_equal(g.surface[i], 0);
@@ -359,7 +348,7 @@ static void meshes_break_ties_alike(void **state) {
     add_triangle(&s, corners);
     for (int k = 0; k < 3; k++)
         for (int axis = 0; axis < 3; axis++) s.vertices[3 + k].normal[axis] = axis == 0;
-    iso_view view = plain_view(16, 16, true, 1);
+    iso_view view = test_plain_view(16, 16, true, 1);
     iso_gbuffer g = clear_gbuffer(16, 16);
     iso_target target = {.view = &view, .gbuffer = &g, .surface = 1};
     assert_int_equal(iso_draw_mesh(&target, &s.view, NULL), ISO_OK);
@@ -429,10 +418,10 @@ static void sheets_cover_each_pixel_once(void **state) {
     const double steps[] = {0.5, 0.25, 1.0 / 64};
     for (int round = 0; round < 9; round++) {
         /* pixels of 1 mm: with steps of a half many corners and edges run through pixel centres */
-        iso_view view = plain_view(61, 48, true, 1);
+        iso_view view = test_plain_view(61, 48, true, 1);
         make_sheet(&s, &seed, 64, steps[round % 3], false);
         check_once(&view, &s);
-        view = plain_view(61, 48, false, 20);
+        view = test_plain_view(61, 48, false, 20);
         make_sheet(&s, &seed, 64, 1.0 / 64, true);
         check_once(&view, &s);
         /* other scales, turned, other spacings: corners of different bricks must still fall together */
@@ -443,7 +432,7 @@ static void sheets_cover_each_pixel_once(void **state) {
         s.view.transform.origin[0] = 0.123;
         check_once(&view, &s);
         /* so large that everything but the middle is beyond the guard band */
-        view = plain_view(61, 48, false, 3e7);
+        view = test_plain_view(61, 48, false, 3e7);
         make_sheet(&s, &seed, 64, 1.0 / 64, true);
         check_once(&view, &s);
     }
@@ -456,7 +445,7 @@ static void the_top_left_rule_holds(void **state) {
     start_soup(&s);
     add_triangle(&s, (iso_vec3[3]){{-3.5, -3.5, 5}, {0.5, -3.5, 5}, {-3.5, 0.5, 5}}); /* top, left */
     add_triangle(&s, (iso_vec3[3]){{3.5, 3.5, 5}, {-0.5, 3.5, 5}, {3.5, -0.5, 5}});   /* bottom, right */
-    iso_view view = plain_view(8, 8, true, 1);
+    iso_view view = test_plain_view(8, 8, true, 1);
     int count[64];
     count_coverage(&view, &s, count);
     for (int y = 0; y < 8; y++)
@@ -555,7 +544,7 @@ static void near_clipping_matches_rays(void **state) {
     uint32_t seed = 5;
     int checked = 0, clipped = 0;
     for (int round = 0; round < 400; round++) {
-        iso_view view = plain_view(48, 40, false, 30);
+        iso_view view = test_plain_view(48, 40, false, 30);
         view.near = 0.5;
         iso_vec3 v[3];
         int behind = 0;
@@ -589,7 +578,7 @@ static void normals_are_interpolated_in_space(void **state) {
     add_triangle(&s, v);
     for (int k = 0; k < 3; k++)
         for (int axis = 0; axis < 3; axis++) s.vertices[k].normal[axis] = axis == k ? 1.0f : 0.2f;
-    iso_view view = plain_view(64, 64, false, 40);
+    iso_view view = test_plain_view(64, 64, false, 40);
     iso_gbuffer g = clear_gbuffer(64, 64);
     iso_target target = {.view = &view, .gbuffer = &g};
     assert_int_equal(iso_draw_mesh(&target, &s.view, NULL), ISO_OK);
@@ -621,7 +610,7 @@ static void broad_triangles_match_rays(void **state) {
     static soup s;
     uint32_t seed = 31;
     for (int round = 0; round < 300; round++) {
-        iso_view view = plain_view(60, 60, false, 30);
+        iso_view view = test_plain_view(60, 60, false, 30);
         double size = round % 2 ? 60 : 4000;
         iso_vec3 v[3];
         for (int k = 0; k < 3; k++) {
@@ -643,7 +632,7 @@ static void broken_meshes_are_harmless(void **state) {
     (void)state;
     static soup s;
     const float bad[] = {NAN, INFINITY, -INFINITY, 3e38f};
-    iso_view view = plain_view(40, 40, false, 30);
+    iso_view view = test_plain_view(40, 40, false, 30);
     iso_gbuffer g = clear_gbuffer(40, 40);
     iso_target target = {.view = &view, .gbuffer = &g};
     for (int i = 0; i < 36; i++) {

@@ -19,13 +19,10 @@
 #include "render/pullpush.h"
 #include "render/pyramid.h"
 #include "render/shading.h"
+#include "scene_support.h"
 #include "truth/raycast.h"
 #include "truth_support.h"
 #include "view_support.h"
-
-static void ok(iso_status status, const iso_error *error) {
-    if (status != ISO_OK) fail_msg("%s", error->text);
-}
 
 static double uniform(uint32_t *state) {
     *state = *state * 1664525u + 1013904223u;
@@ -33,31 +30,6 @@ static double uniform(uint32_t *state) {
 }
 
 /* ---- points to draw */
-
-typedef struct scene {
-    iso_grid grid;
-    double isovalue;
-    iso_point_set *set;
-    iso_point_view points;
-} scene;
-
-static scene make_scene(const char *name, int size, bool bounded) {
-    iso_error error = {0};
-    scene s = {0};
-    iso_scene_opts opts = {.size = size};
-    ok(iso_scene_create(name, &opts, &s.grid, &s.isovalue, &error), &error);
-    iso_points_opts points = {.isovalue = s.isovalue};
-    ok(iso_point_set_create(&s.grid, &points, &s.set, &error), &error);
-    ok(iso_point_set_update(s.set, &error), &error);
-    if (bounded) ok(iso_point_set_bound(s.set, &error), &error);
-    s.points = iso_point_set_view(s.set);
-    return s;
-}
-
-static void free_scene(scene *s) {
-    iso_point_set_destroy(s->set);
-    iso_grid_destroy(&s->grid);
-}
 
 /* The same points as floats, with radii and colours of their own. */
 typedef struct painted {
@@ -97,50 +69,18 @@ static void free_painted(painted *p) {
 
 /* ---- pictures */
 
-static iso_gbuffer clear_gbuffer(int width, int height, bool colored) {
-    iso_gbuffer g;
-    assert_int_equal(iso_gbuffer_create(width, height, &g, NULL), ISO_OK);
-    if (colored) assert_int_equal(iso_gbuffer_add_color(&g, NULL), ISO_OK);
-    for (int axis = 0; axis < 3; axis++)
-        memset(g.normal[axis], 0, sizeof(float) * (size_t)width * (size_t)height);
-    iso_gbuffer_clear(&g);
-    return g;
-}
-
 static void draw(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
                  iso_pool *pool, iso_gbuffer *gbuffer) {
     iso_error error = {0};
     iso_target target = {view, gbuffer, pool, 0};
     const iso_pullpush_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
-    ok(iso_draw_pullpush(&target, points, opts ? opts : &gaussian, &error), &error);
+    test_ok(iso_draw_pullpush(&target, points, opts ? opts : &gaussian, &error), &error);
 }
 
 static iso_gbuffer drawn(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts) {
-    iso_gbuffer g = clear_gbuffer(view->width, view->height, points->colors != NULL);
+    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, points->colors != NULL);
     draw(view, points, opts, NULL, &g);
     return g;
-}
-
-/* Rows of `a` from a_row on are all of b. */
-static void same(const iso_gbuffer *a, int a_row, const iso_gbuffer *b) {
-    size_t start = (size_t)a_row * (size_t)a->width, samples = (size_t)b->width * (size_t)b->height;
-    assert_memory_equal(a->depth + start, b->depth, samples * sizeof(float));
-    assert_memory_equal(a->surface + start, b->surface, samples);
-    for (int axis = 0; axis < 3; axis++)
-        assert_memory_equal(a->normal[axis] + start, b->normal[axis], samples * sizeof(float));
-    if (b->color) assert_memory_equal(a->color + start, b->color, samples * sizeof *b->color);
-}
-
-/* A view of the scene from `side` 0 .. 5, `zoom` 1 shows it all. */
-static iso_view look_at(const scene *s, int side, double zoom, bool orthographic, int width, int height) {
-    iso_affine affine = iso_transform_affine(&s->points.transform);
-    iso_box index = iso_point_view_bounds(&s->points), world = iso_box_transform(&index, &affine);
-    iso_camera camera = {
-        .view_up = {0, 0, 1}, .view_angle = 30, .orthographic = orthographic, .parallel_scale = 1};
-    camera.position = iso_vec3_make(0.3 + side % 3, -1.3, 0.4 * (side / 3) + 0.2);
-    iso_camera_fit(&camera, &world, (double)width / height, 1);
-    iso_camera_zoom(&camera, zoom);
-    return iso_view_make(&camera, width, height);
 }
 
 static reference_opts layout_of(const iso_view *view, const iso_point_view *points, bool box) {
@@ -149,7 +89,7 @@ static reference_opts layout_of(const iso_view *view, const iso_point_view *poin
     iso_error error = {0};
     iso_point_blocks blocks = {0};
     iso_projector projector = iso_projector_make(view, &points->transform);
-    ok(iso_point_blocks_make(&blocks, points, &projector, NULL, &error), &error);
+    test_ok(iso_point_blocks_make(&blocks, points, &projector, NULL, &error), &error);
     iso_pyramid_levels(blocks.radius, 2, &opts.base, &opts.top);
     opts.guard = iso_pyramid_shape_of(view, opts.base, opts.top).guard;
     opts.cull = points->closed && !blocks.around_eye;
@@ -163,7 +103,7 @@ static reference_opts layout_of(const iso_view *view, const iso_point_view *poin
 static void like_reference(const iso_view *view, const iso_point_view *points, bool box) {
     iso_pullpush_opts opts = {.reconstruction = box ? ISO_RECONSTRUCTION_BOX : ISO_RECONSTRUCTION_GAUSSIAN};
     iso_gbuffer got = drawn(view, points, &opts);
-    iso_gbuffer wanted = clear_gbuffer(view->width, view->height, points->colors != NULL);
+    iso_gbuffer wanted = test_clear_gbuffer(view->width, view->height, points->colors != NULL);
     reference_opts layout = layout_of(view, points, box);
     reference_pullpush(&layout, view, points, &wanted);
     size_t samples = (size_t)view->width * (size_t)view->height, off = 0, seen = test_covered(&wanted);
@@ -190,16 +130,16 @@ static void like_the_reference(void **state) {
     static const char *const names[] = {"sphere", "gyroid", "cube", "cylinder"};
     static const double zooms[] = {0.5, 1, 4, 14};
     for (int n = 0; n < 4; n++) {
-        scene s = make_scene(names[n], 32, n != 2);
+        test_scene s = test_scene_make(names[n], 32, NULL, n != 2);
         for (int z = 0; z < 4; z++) {
-            iso_view view = look_at(&s, n + z, zooms[z], (n + z) % 3 == 0, 83 + 10 * n, 101);
+            iso_view view = test_look_at(&s, n + z, zooms[z], (n + z) % 3 == 0, 83 + 10 * n, 101);
             like_reference(&view, &s.points, z % 2);
         }
         painted p = paint(&s.points, n % 2);
-        iso_view view = look_at(&s, n, n % 2 ? 1 : 6, false, 90, 67);
+        iso_view view = test_look_at(&s, n, n % 2 ? 1 : 6, false, 90, 67);
         like_reference(&view, &p.points, n > 1);
         free_painted(&p);
-        free_scene(&s);
+        test_scene_free(&s);
     }
 }
 
@@ -211,9 +151,9 @@ static void every_variant(const iso_view *view, const iso_point_view *points, co
             iso_pool *pool = NULL;
             iso_cpu_limit((iso_cpu_level)level);
             if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
-            iso_gbuffer got = clear_gbuffer(view->width, view->height, points->colors != NULL);
+            iso_gbuffer got = test_clear_gbuffer(view->width, view->height, points->colors != NULL);
             draw(view, points, NULL, pool, &got);
-            same(wanted, 0, &got);
+            test_same_rows(wanted, 0, &got);
             iso_gbuffer_free(&got);
             iso_pool_destroy(pool);
         }
@@ -227,7 +167,7 @@ static void every_strip(const iso_view *view, const iso_point_view *points, cons
             int count = view->height - y < heights[h] ? view->height - y : heights[h];
             iso_view rows = iso_view_rows(view, y, count);
             iso_gbuffer strip = drawn(&rows, points, NULL);
-            same(wanted, y, &strip);
+            test_same_rows(wanted, y, &strip);
             iso_gbuffer_free(&strip);
         }
 }
@@ -237,10 +177,10 @@ static void same_bytes_everywhere(void **state) {
     static const char *const names[] = {"gyroid", "sphere", "head"};
     static const double zooms[] = {0.7, 3, 11, 60};
     for (int n = 0; n < 3; n++) {
-        scene s = make_scene(names[n], 40, n == 1);
+        test_scene s = test_scene_make(names[n], 40, NULL, n == 1);
         painted p = paint(&s.points, n == 0);
         for (int z = 0; z < 4; z++) {
-            iso_view view = look_at(&s, n + 2 * z, zooms[z], z == 1, 131 - 9 * n, 143);
+            iso_view view = test_look_at(&s, n + 2 * z, zooms[z], z == 1, 131 - 9 * n, 143);
             const iso_point_view *points = z == 2 ? &p.points : &s.points;
             iso_gbuffer whole = drawn(&view, points, NULL);
             assert_true(test_covered(&whole) > 100);
@@ -249,44 +189,45 @@ static void same_bytes_everywhere(void **state) {
             iso_gbuffer_free(&whole);
         }
         free_painted(&p);
-        free_scene(&s);
+        test_scene_free(&s);
     }
 }
 
 /* Whatever was drawn before. */
 static void workspaces_hold_nothing(void **state) {
     (void)state;
-    scene sphere = make_scene("sphere", 40, true), gyroid = make_scene("gyroid", 24, false);
+    test_scene sphere = test_scene_make("sphere", 40, NULL, true),
+               gyroid = test_scene_make("gyroid", 24, NULL, false);
     painted p = paint(&gyroid.points, false);
     iso_pullpush *workspace;
     assert_int_equal(iso_pullpush_create(&workspace, NULL), ISO_OK);
     iso_pullpush_opts opts = {ISO_RECONSTRUCTION_GAUSSIAN, workspace};
     uint32_t seed = 3;
     for (int i = 0; i < 30; i++) {
-        const scene *s = i % 2 ? &sphere : &gyroid;
+        const test_scene *s = i % 2 ? &sphere : &gyroid;
         const iso_point_view *points = i % 6 == 2 ? &p.points : &s->points;
         int width = 20 + (int)(100 * uniform(&seed)), height = 20 + (int)(100 * uniform(&seed));
-        iso_view view = look_at(s, i % 6, exp(5 * uniform(&seed) - 1), i % 5 == 0, width, height);
+        iso_view view = test_look_at(s, i % 6, exp(5 * uniform(&seed) - 1), i % 5 == 0, width, height);
         iso_gbuffer fresh = drawn(&view, points, NULL), again = drawn(&view, points, &opts);
-        same(&fresh, 0, &again);
+        test_same_rows(&fresh, 0, &again);
         iso_gbuffer_free(&fresh);
         iso_gbuffer_free(&again);
     }
     iso_pullpush_destroy(workspace);
     iso_pullpush_destroy(NULL);
     free_painted(&p);
-    free_scene(&sphere);
-    free_scene(&gyroid);
+    test_scene_free(&sphere);
+    test_scene_free(&gyroid);
 }
 
 /* Bounds only save work. */
 static void bounds_change_nothing(void **state) {
     (void)state;
-    scene s = make_scene("torus", 48, true);
+    test_scene s = test_scene_make("torus", 48, NULL, true);
     assert_true(s.points.closed && s.points.bounds);
     int compared = 0;
     for (int side = 0; side < 6; side++) {
-        iso_view view = look_at(&s, side, 1 + side, side == 4, 120, 90);
+        iso_view view = test_look_at(&s, side, 1 + side, side == 4, 120, 90);
         iso_point_view without = s.points;
         without.bounds = NULL;
         reference_opts a_layout = layout_of(&view, &s.points, false),
@@ -295,27 +236,15 @@ static void bounds_change_nothing(void **state) {
             continue; /* looser, more levels */
         compared++;
         iso_gbuffer a = drawn(&view, &s.points, NULL), b = drawn(&view, &without, NULL);
-        same(&a, 0, &b);
+        test_same_rows(&a, 0, &b);
         iso_gbuffer_free(&a);
         iso_gbuffer_free(&b);
     }
     assert_true(compared > 0);
-    free_scene(&s);
+    test_scene_free(&s);
 }
 
 /* ---- what it looks like */
-
-/* Index coordinates are view coordinates: x right, y down, z forward, the eye at the origin. */
-static iso_view plain_view(int width, int height, bool orthographic, double focal) {
-    return (iso_view){.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-                      .focal = focal,
-                      .cx = width / 2.0,
-                      .cy = height / 2.0,
-                      .width = width,
-                      .height = height,
-                      .orthographic = orthographic,
-                      .near = orthographic ? -1e300 : 0.01};
-}
 
 enum { SHEET = 80 };
 
@@ -380,8 +309,8 @@ static void planes_have_few_holes(void **state) {
                 double slope = 0.35 * tilt, depth = 100;
                 make_sheet(s, depth, slope, away ? -1 : 1);
                 double tolerance = 1e-4 + 0.8 * slope; /* points in a pixel are nearest or averaged */
-                iso_view flat = plain_view(150, 140, true, focals[k]);
-                iso_view deep = plain_view(150, 140, false, focals[k] * depth);
+                iso_view flat = test_plain_view(150, 140, true, focals[k]);
+                iso_view deep = test_plain_view(150, 140, false, focals[k] * depth);
                 check_sheet(s, &flat, depth, slope, tolerance + slope / focals[k]);
                 check_sheet(s, &deep, depth, slope, (tolerance + slope / focals[k]) * 2);
             }
@@ -399,7 +328,7 @@ static void single_points(void **state) {
                              .radius = 1};
     for (int k = 0; k < 5; k++) {
         double radius = 0.25 * (1 << 2 * k); /* pixels */
-        iso_view view = plain_view(201, 199, false, 10 * radius);
+        iso_view view = test_plain_view(201, 199, false, 10 * radius);
         iso_gbuffer g = drawn(&view, &points, NULL);
         double x = 0.3 * radius + view.cx, y = -0.2 * radius + view.cy;
         double area = ISO_PI * (ISO_DISC_RADII * ISO_DISC_RADII * radius * radius + 1);
@@ -416,7 +345,7 @@ static void single_points(void **state) {
         iso_gbuffer_free(&g);
     }
     points.span_count = 0;
-    iso_view view = plain_view(40, 30, false, 10);
+    iso_view view = test_plain_view(40, 30, false, 10);
     iso_gbuffer g = drawn(&view, &points, NULL);
     assert_int_equal(test_covered(&g), 0);
     iso_gbuffer_free(&g);
@@ -451,7 +380,7 @@ static void near_plane(void **state) {
                              .transform = iso_transform_identity(),
                              .radius = 0.05};
     for (int orthographic = 0; orthographic < 2; orthographic++) {
-        iso_view view = plain_view(120, 100, orthographic, 60);
+        iso_view view = test_plain_view(120, 100, orthographic, 60);
         view.near = 1.5;
         iso_gbuffer g = drawn(&view, &points, NULL);
         assert_true(test_covered(&g) > 3000);
@@ -472,7 +401,7 @@ static void near_plane(void **state) {
 /* From inside: what is behind the eye is not there, what is before it is, and has no holes. */
 static void eye_inside(void **state) {
     (void)state;
-    scene s = make_scene("sphere", 48, true);
+    test_scene s = test_scene_make("sphere", 48, NULL, true);
     iso_affine affine = iso_transform_affine(&s.points.transform);
     iso_vec3 center = iso_affine_point(&affine, iso_vec3_make(23.5, 23.5, 23.5));
     iso_camera camera = {.position = center, .view_up = {0, 0, 1}, .view_angle = 60};
@@ -486,7 +415,7 @@ static void eye_inside(void **state) {
     }
     every_strip(&view, &s.points, &g);
     iso_gbuffer_free(&g);
-    free_scene(&s);
+    test_scene_free(&s);
 }
 
 /* ---- over what is there */
@@ -498,11 +427,11 @@ static void nearer_surfaces_win(void **state) {
     make_sheet(front, 50, 0, 1);
     make_sheet(back, 60, 0, 1);
     const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
-    iso_view view = plain_view(60, 60, true, 3);
+    iso_view view = test_plain_view(60, 60, true, 3);
     view.cx = 15; /* the sheet at the left */
     view.cy = 200;
     iso_view other = view;
-    iso_gbuffer a = clear_gbuffer(60, 60, false), b = clear_gbuffer(60, 60, false);
+    iso_gbuffer a = test_clear_gbuffer(60, 60, false), b = test_clear_gbuffer(60, 60, false);
     other.cx = 45;
     for (int order = 0; order < 2; order++) {
         iso_gbuffer *g = order ? &b : &a;
@@ -513,8 +442,8 @@ static void nearer_surfaces_win(void **state) {
                              ISO_OK);
         }
     }
-    same(&a, 0, &b);
-    iso_gbuffer alone = clear_gbuffer(60, 60, false);
+    test_same_rows(&a, 0, &b);
+    iso_gbuffer alone = test_clear_gbuffer(60, 60, false);
     iso_target target = {&view, &alone, NULL, 3};
     assert_int_equal(iso_draw_pullpush(&target, &front->points, &opts, NULL), ISO_OK);
     for (size_t i = 0; i < 3600; i++)
@@ -540,7 +469,7 @@ static void colors_come_through(void **state) {
     }
     s->points.colors = (const uint8_t(*)[3])colors;
     for (int k = 0; k < 3; k++) {
-        iso_view view = plain_view(96, 64, true, k == 0 ? 1.0 : k == 1 ? 4.0 : 40.0);
+        iso_view view = test_plain_view(96, 64, true, k == 0 ? 1.0 : k == 1 ? 4.0 : 40.0);
         iso_gbuffer g = drawn(&view, &s->points, NULL);
         assert_non_null(g.color);
         for (int i = 0; i < 96 * 64; i++) {
@@ -559,12 +488,12 @@ static void colors_come_through(void **state) {
 /* A picture of points that are all of one colour is that of a surface of this colour. */
 static void colors_are_shaded(void **state) {
     (void)state;
-    scene s = make_scene("sphere", 32, true);
+    test_scene s = test_scene_make("sphere", 32, NULL, true);
     painted p = paint(&s.points, false);
     p.points.radii = NULL;
     size_t count = iso_point_view_count(&s.points);
     for (size_t i = 0; i < count; i++) memcpy(p.colors[i], (const uint8_t[3]){30, 200, 90}, 3);
-    iso_view view = look_at(&s, 1, 1, false, 75, 63); /* no whole number of vectors */
+    iso_view view = test_look_at(&s, 1, 1, false, 75, 63); /* no whole number of vectors */
     iso_gbuffer g[2] = {drawn(&view, &p.points, NULL), drawn(&view, &s.points, NULL)};
     assert_null(g[1].color);
     iso_image image[2][2];
@@ -585,7 +514,7 @@ static void colors_are_shaded(void **state) {
         iso_image_free(&image[k][1]);
     }
     free_painted(&p);
-    free_scene(&s);
+    test_scene_free(&s);
 }
 
 /* Of equal points the first shows, in whatever order spans come. */
@@ -600,7 +529,7 @@ static void equal_points_have_an_order(void **state) {
                              .colors = colors,
                              .transform = iso_transform_identity(),
                              .radius = 0.01};
-    iso_view view = plain_view(32, 32, true, 1);
+    iso_view view = test_plain_view(32, 32, true, 1);
     for (int order = 0; order < 3; order++) {
         iso_point_span first = spans[0];
         spans[0] = spans[order];
@@ -623,12 +552,12 @@ static void closed_is_known(void **state) {
                 iso_grid grid = test_ball_grid(41, open ? edge : middle, 12.3, dense);
                 iso_points_opts opts = {.primitive = (iso_primitive)primitive};
                 iso_point_set *set;
-                ok(iso_point_set_create(&grid, &opts, &set, &error), &error);
-                ok(iso_point_set_update(set, &error), &error);
+                test_ok(iso_point_set_create(&grid, &opts, &set, &error), &error);
+                test_ok(iso_point_set_update(set, &error), &error);
                 assert_false(iso_point_set_view(set).closed);
-                ok(iso_point_set_bound(set, &error), &error);
+                test_ok(iso_point_set_bound(set, &error), &error);
                 assert_int_equal(iso_point_set_view(set).closed, !open);
-                ok(iso_point_set_update(set, &error), &error);
+                test_ok(iso_point_set_update(set, &error), &error);
                 assert_null(iso_point_set_view(set).bounds);
                 iso_point_set_destroy(set);
                 iso_grid_destroy(&grid);
@@ -638,9 +567,9 @@ static void closed_is_known(void **state) {
     test_set(&grid, 20, 32, 20, NAN);
     iso_points_opts opts = {.primitive = ISO_PRIMITIVE_EDGE};
     iso_point_set *set;
-    ok(iso_point_set_create(&grid, &opts, &set, &error), &error);
-    ok(iso_point_set_update(set, &error), &error);
-    ok(iso_point_set_bound(set, &error), &error);
+    test_ok(iso_point_set_create(&grid, &opts, &set, &error), &error);
+    test_ok(iso_point_set_update(set, &error), &error);
+    test_ok(iso_point_set_bound(set, &error), &error);
     assert_false(iso_point_set_view(set).closed);
     iso_point_set_destroy(set);
     iso_grid_destroy(&grid);
@@ -651,11 +580,11 @@ static void open_surfaces_show_their_inside(void **state) {
     (void)state;
     iso_grid grid = test_ball_grid(41, iso_vec3_make(20, 0, 20), 15, 1);
     iso_points_opts opts = {0};
-    scene s = {.grid = grid};
+    test_scene s = {.grid = grid};
     iso_error error = {0};
-    ok(iso_point_set_create(&grid, &opts, &s.set, &error), &error);
-    ok(iso_point_set_update(s.set, &error), &error);
-    ok(iso_point_set_bound(s.set, &error), &error);
+    test_ok(iso_point_set_create(&grid, &opts, &s.set, &error), &error);
+    test_ok(iso_point_set_update(s.set, &error), &error);
+    test_ok(iso_point_set_bound(s.set, &error), &error);
     s.points = iso_point_set_view(s.set);
     /* along +y, onto the open side at y = 0 */
     iso_camera camera = {.position = {20, -50, 20},
@@ -676,7 +605,7 @@ static void open_surfaces_show_their_inside(void **state) {
     assert_true(inside > 2000);
     iso_gbuffer_free(&open);
     iso_gbuffer_free(&shut);
-    free_scene(&s);
+    test_scene_free(&s);
 }
 
 /* ---- against the truth */
@@ -695,13 +624,13 @@ static void near_the_truth(void **state) {
                  {"gyroid", 48, 4, 20.5, 1.5, 1},   {"cube", 32, 1.5, 33, 0.2, 2.3}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         iso_error error = {0};
-        scene s = make_scene(cases[k].name, cases[k].size, true);
-        iso_view view = look_at(&s, (int)k % 6, cases[k].zoom, false, 300, 300);
-        iso_gbuffer got = drawn(&view, &s.points, NULL), truth = clear_gbuffer(300, 300, false);
+        test_scene s = test_scene_make(cases[k].name, cases[k].size, NULL, true);
+        iso_view view = test_look_at(&s, (int)k % 6, cases[k].zoom, false, 300, 300);
+        iso_gbuffer got = drawn(&view, &s.points, NULL), truth = test_clear_gbuffer(300, 300, false);
         iso_raycaster *caster;
-        ok(iso_raycaster_create(&s.grid, s.isovalue, NULL, &caster, &error), &error);
+        test_ok(iso_raycaster_create(&s.grid, s.isovalue, NULL, &caster, &error), &error);
         iso_target target = {&view, &truth, NULL, 0};
-        ok(iso_draw_raycast(&target, caster, &error), &error);
+        test_ok(iso_draw_raycast(&target, caster, &error), &error);
         size_t inside, missing = test_holes(&truth, &got, &inside);
         double decibels = test_psnr(&view, &truth, &got), wider = test_dilation(&truth, &got);
         print_message("%-8s zoom %4g: %.1f dB, %.2f holes in a thousand, %.2f pixels wider\n", cases[k].name,
@@ -712,28 +641,28 @@ static void near_the_truth(void **state) {
         iso_raycaster_destroy(caster);
         iso_gbuffer_free(&got);
         iso_gbuffer_free(&truth);
-        free_scene(&s);
+        test_scene_free(&s);
     }
 }
 
 /* A picture wider than the library draws at once. */
 static void large_pictures(void **state) {
     (void)state;
-    scene s = make_scene("torus", 32, true);
-    iso_view view = look_at(&s, 1, 1, false, 6000, 2200);
+    test_scene s = test_scene_make("torus", 32, NULL, true);
+    iso_view view = test_look_at(&s, 1, 1, false, 6000, 2200);
     iso_pool *pool;
     assert_int_equal(iso_pool_create(2, &pool, NULL), ISO_OK);
-    iso_gbuffer whole = clear_gbuffer(view.width, view.height, false);
+    iso_gbuffer whole = test_clear_gbuffer(view.width, view.height, false);
     draw(&view, &s.points, NULL, pool, &whole);
     iso_view rows = iso_view_rows(&view, 1000, 200);
-    iso_gbuffer strip = clear_gbuffer(rows.width, rows.height, false);
+    iso_gbuffer strip = test_clear_gbuffer(rows.width, rows.height, false);
     draw(&rows, &s.points, NULL, pool, &strip);
     assert_true(test_covered(&strip) > 100000);
-    same(&whole, 1000, &strip);
+    test_same_rows(&whole, 1000, &strip);
     iso_gbuffer_free(&whole);
     iso_gbuffer_free(&strip);
     iso_pool_destroy(pool);
-    free_scene(&s);
+    test_scene_free(&s);
 }
 
 int main(void) {

@@ -11,40 +11,11 @@
 
 #include "base/cpu.h"
 #include "extract/points.h"
-#include "grids/scenes.h"
 #include "refined_reference.h"
 #include "render/pullpush.h"
-
-static void ok(iso_status status, const iso_error *error) {
-    if (status != ISO_OK) fail_msg("%s", error->text);
-}
+#include "scene_support.h"
 
 /* ---- points to draw */
-
-typedef struct scene {
-    iso_grid grid;
-    iso_point_set *set;
-    iso_point_view points;
-} scene;
-
-static scene make_scene(const char *name, int size) {
-    iso_error error = {0};
-    scene s = {0};
-    double isovalue;
-    iso_scene_opts opts = {.size = size};
-    ok(iso_scene_create(name, &opts, &s.grid, &isovalue, &error), &error);
-    iso_points_opts points = {.isovalue = isovalue, .shapes = true};
-    ok(iso_point_set_create(&s.grid, &points, &s.set, &error), &error);
-    ok(iso_point_set_update(s.set, &error), &error);
-    ok(iso_point_set_bound(s.set, &error), &error);
-    s.points = iso_point_set_view(s.set);
-    return s;
-}
-
-static void free_scene(scene *s) {
-    iso_point_set_destroy(s->set);
-    iso_grid_destroy(&s->grid);
-}
 
 /* Points of one's own, as floats, in one span. */
 typedef struct cloud {
@@ -150,22 +121,12 @@ static cloud *make_plane(double slope) {
 
 /* ---- pictures */
 
-static iso_gbuffer clear_gbuffer(const iso_view *view, bool colored) {
-    iso_gbuffer g;
-    assert_int_equal(iso_gbuffer_create(view->width, view->height, &g, NULL), ISO_OK);
-    if (colored) assert_int_equal(iso_gbuffer_add_color(&g, NULL), ISO_OK);
-    for (int axis = 0; axis < 3; axis++)
-        memset(g.normal[axis], 0, sizeof(float) * (size_t)view->width * (size_t)view->height);
-    iso_gbuffer_clear(&g);
-    return g;
-}
-
 static iso_gbuffer drawn(const iso_view *view, const iso_point_view *points, iso_pool *pool) {
     iso_error error = {0};
-    iso_gbuffer g = clear_gbuffer(view, false);
+    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
     const iso_target target = {view, &g, pool, 0};
     const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_REFINED};
-    ok(iso_draw_pullpush(&target, points, &opts, &error), &error);
+    test_ok(iso_draw_pullpush(&target, points, &opts, &error), &error);
     return g;
 }
 
@@ -177,43 +138,12 @@ static bool is_there(const iso_gbuffer *g, size_t i) {
     return g->surface[i] != ISO_SURFACE_NONE;
 }
 
-/* Rows of `a` from a_row on are all of b. */
-static void same(const iso_gbuffer *a, int a_row, const iso_gbuffer *b) {
-    const size_t start = (size_t)a_row * (size_t)a->width, samples = (size_t)b->width * (size_t)b->height;
-    assert_memory_equal(a->depth + start, b->depth, samples * sizeof(float));
-    assert_memory_equal(a->surface + start, b->surface, samples);
-    for (int axis = 0; axis < 3; axis++)
-        assert_memory_equal(a->normal[axis] + start, b->normal[axis], samples * sizeof(float));
-}
-
-static iso_view look_at(const scene *s, int side, double zoom, bool orthographic, int width, int height) {
-    const iso_affine affine = iso_transform_affine(&s->points.transform);
-    const iso_box index = iso_point_view_bounds(&s->points), world = iso_box_transform(&index, &affine);
-    iso_camera camera = {
-        .view_up = {0, 0, 1}, .view_angle = 30, .orthographic = orthographic, .parallel_scale = 1};
-    camera.position = iso_vec3_make(0.3 + side % 3, -1.3, 0.4 * (side / 3) + 0.2);
-    iso_camera_fit(&camera, &world, (double)width / height, 1);
-    iso_camera_zoom(&camera, zoom);
-    return iso_view_make(&camera, width, height);
-}
-
-/* Index coordinates are view coordinates: x right, y down, z forward, the eye at the origin. */
-static iso_view plain_view(int width, int height, bool orthographic, double focal) {
-    return (iso_view){.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-                      .focal = focal,
-                      .cx = width / 2.0,
-                      .cy = height / 2.0,
-                      .width = width,
-                      .height = height,
-                      .orthographic = orthographic,
-                      .near = orthographic ? -1e300 : 0.01};
-}
-
 /* ---- against the reference */
 
 /* What may differ: pixels where rounding decides, and where surfaces within a thickness come in an order. */
 static void like_reference(const iso_view *view, const iso_point_view *points, double most) {
-    iso_gbuffer got = drawn(view, points, NULL), wanted = clear_gbuffer(view, false);
+    iso_gbuffer got = drawn(view, points, NULL),
+                wanted = test_clear_gbuffer(view->width, view->height, false);
     refined_reference(view, points, &wanted);
     size_t off = 0, seen = 0;
     for (size_t i = 0; i < samples_of(view); i++) {
@@ -235,16 +165,18 @@ static void like_the_reference(void **state) {
     static const char *const names[] = {"sphere", "gyroid", "cylinder"};
     static const double zooms[] = {0.5, 1, 4, 14};
     for (int n = 0; n < 3; n++) {
-        scene s = make_scene(names[n], 32);
+        const iso_points_opts opts = {.shapes = true,
+                                      .primitive = n ? ISO_PRIMITIVE_EDGE : ISO_PRIMITIVE_AUTO};
+        test_scene s = test_scene_make(names[n], 32, &opts, true);
         for (int z = 0; z < 4; z++) {
-            const iso_view view = look_at(&s, n + z, zooms[z], (n + z) % 3 == 0, 83 + 10 * n, 101);
+            const iso_view view = test_look_at(&s, n + z, zooms[z], (n + z) % 3 == 0, 83 + 10 * n, 101);
             like_reference(&view, &s.points, n == 1 ? 0.03 : 0.01);
         }
         s.points.closed = false;
         s.points.transform.spacing[2] *= 1.5;
-        const iso_view view = look_at(&s, n, 2, false, 90, 67);
+        const iso_view view = test_look_at(&s, n, 2, false, 90, 67);
         like_reference(&view, &s.points, n == 1 ? 0.03 : 0.01);
-        free_scene(&s);
+        test_scene_free(&s);
     }
 }
 
@@ -257,7 +189,7 @@ static void every_variant(const iso_view *view, const iso_point_view *points, co
             iso_cpu_limit((iso_cpu_level)level);
             if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
             iso_gbuffer got = drawn(view, points, pool);
-            same(wanted, 0, &got);
+            test_same_rows(wanted, 0, &got);
             iso_gbuffer_free(&got);
             iso_pool_destroy(pool);
         }
@@ -271,7 +203,7 @@ static void every_strip(const iso_view *view, const iso_point_view *points, cons
             const int count = view->height - y < heights[h] ? view->height - y : heights[h];
             const iso_view rows = iso_view_rows(view, y, count);
             iso_gbuffer strip = drawn(&rows, points, NULL);
-            same(wanted, y, &strip);
+            test_same_rows(wanted, y, &strip);
             iso_gbuffer_free(&strip);
         }
 }
@@ -282,16 +214,16 @@ static void same_bytes_everywhere(void **state) {
     static const char *const names[] = {"gyroid", "sphere", "head"};
     static const double zooms[] = {0.7, 3, 11, 60};
     for (int n = 0; n < 3; n++) {
-        scene s = make_scene(names[n], 40);
+        test_scene s = test_scene_make(names[n], 40, &(iso_points_opts){.shapes = true}, true);
         for (int z = 0; z < 4; z++) {
             if (z == 2) s.points.closed = false;
-            const iso_view view = look_at(&s, n + 2 * z, zooms[z], z == 1, 131 - 9 * n, 143);
+            const iso_view view = test_look_at(&s, n + 2 * z, zooms[z], z == 1, 131 - 9 * n, 143);
             iso_gbuffer whole = drawn(&view, &s.points, NULL);
             every_variant(&view, &s.points, &whole);
             every_strip(&view, &s.points, &whole);
             iso_gbuffer_free(&whole);
         }
-        free_scene(&s);
+        test_scene_free(&s);
     }
 }
 
@@ -394,7 +326,7 @@ static void known_surfaces(void **state) {
         for (int f = 0; f < 5; f++)
             for (int orthographic = 0; orthographic < 2; orthographic++) {
                 const double focal = FOCALS[f] * (orthographic ? 1 : DISTANCE - RADIUS);
-                const iso_view view = plain_view(220, 210, orthographic, focal);
+                const iso_view view = test_plain_view(220, 210, orthographic, focal);
                 clouds[c]->points.closed = c == 0;
                 iso_gbuffer g = drawn(&view, &clouds[c]->points, NULL);
                 const errors e = compare(&view, &g, surfaces[c]);
@@ -424,7 +356,7 @@ static void insides_are_seen(void **state) {
             c->shapes[kept++] = c->shapes[i];
         }
     c->span.count = kept;
-    const iso_view view = plain_view(160, 160, true, 6);
+    const iso_view view = test_plain_view(160, 160, true, 6);
     iso_gbuffer g = drawn(&view, &c->points, NULL);
     for (size_t i = 0; i < samples_of(&view); i++) {
         const double x = ((double)(i % 160) + 0.5 - view.cx) / 6, y = ((double)(i / 160) + 0.5 - view.cy) / 6;
@@ -446,49 +378,97 @@ static void insides_are_seen(void **state) {
     free_cloud(c);
 }
 
-/* A perspective view from far away is the orthographic one. */
-static void far_away(void **state) {
-    (void)state;
-    scene s = make_scene("gyroid", 24);
-    iso_view flat = look_at(&s, 1, 1.5, true, 120, 110), deep = flat;
-    const double distance = 1e5;
-    iso_vec3 origin, ray;
-    iso_view_ray(&flat, flat.cx, flat.cy, &origin, &ray);
-    deep.orthographic = false;
-    deep.eye = iso_vec3_sub(flat.eye, iso_vec3_scale(ray, distance));
-    deep.focal = flat.focal * distance;
-    deep.near = 1;
-    iso_gbuffer a = drawn(&flat, &s.points, NULL), b = drawn(&deep, &s.points, NULL);
-    size_t off = 0, seen = 0;
-    for (size_t i = 0; i < samples_of(&flat); i++) {
-        seen += is_there(&a, i);
-        double cosine = 0;
-        for (int k = 0; k < 3; k++) cosine += (double)a.normal[k][i] * (double)b.normal[k][i];
-        off += is_there(&a, i) != is_there(&b, i) || (is_there(&a, i) && cosine < 0.99);
-    }
-    assert_true(seen > 2000);
-    if (off * 20 > seen) fail_msg("%zu of %zu", off, seen);
-    iso_gbuffer_free(&a);
-    iso_gbuffer_free(&b);
-    free_scene(&s);
+/* ---- the grid's border */
+
+enum { BALL_SIDE = 24 };
+static const double BALL_RADIUS = 9.3, BALL_CENTRE[3] = {3.2, 12.1, 21.4}; /* voxels: cut by two borders */
+
+static test_scene make_cut_ball(bool floats) {
+    iso_error error = {0};
+    test_scene s = {0};
+    const iso_rgrid_desc desc = {.dims = {BALL_SIDE, BALL_SIDE, BALL_SIDE}, .type = ISO_FLOAT32};
+    test_ok(iso_rgrid_create(&desc, &s.grid.rgrid, &error), &error);
+    float *value = (float *)s.grid.rgrid->data;
+    for (int z = 0; z < BALL_SIDE; z++)
+        for (int y = 0; y < BALL_SIDE; y++)
+            for (int x = 0; x < BALL_SIDE; x++) {
+                const double q[3] = {x - BALL_CENTRE[0], y - BALL_CENTRE[1], z - BALL_CENTRE[2]};
+                value[x + y * s.grid.rgrid->stride_y + z * s.grid.rgrid->stride_z] =
+                    (float)(BALL_RADIUS - sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]));
+            }
+    const iso_points_opts opts = {.floats = floats, .shapes = true};
+    test_ok(iso_point_set_create(&s.grid, &opts, &s.set, &error), &error);
+    test_ok(iso_point_set_update(s.set, &error), &error);
+    s.points = iso_point_set_view(s.set);
+    return s;
 }
 
-/* Points before the near plane are left out; the eye may be in their midst. */
+/* Whether a ray meets the ball in the grid, by more than a pixel's worth. */
+static bool meets_ball(iso_vec3 from, iso_vec3 ray) {
+    const double o[3] = {from.x - BALL_CENTRE[0], from.y - BALL_CENTRE[1], from.z - BALL_CENTRE[2]},
+                 d[3] = {ray.x, ray.y, ray.z}, radius = BALL_RADIUS - 0.1;
+    double a = 0, b = 0, c = -radius * radius;
+    for (int k = 0; k < 3; k++) {
+        a += d[k] * d[k];
+        b += o[k] * d[k];
+        c += o[k] * o[k];
+    }
+    if (b * b < a * c) return false;
+    for (int root = -1; root <= 1; root += 2) {
+        const double t = (-b + root * sqrt(b * b - a * c)) / a;
+        bool in = true;
+        for (int k = 0; k < 3; k++) {
+            const double at = o[k] + t * d[k] + BALL_CENTRE[k];
+            in = in && at > 0.1 && at < BALL_SIDE - 1.1;
+        }
+        if (in) return true;
+    }
+    return false;
+}
+
+/* Nothing is drawn outside the grid, and nothing is missing in it. */
+static void surfaces_end_at_the_border(void **state) {
+    (void)state;
+    static const double zooms[] = {0.15, 1, 5};
+    for (int n = 0; n < 12; n++) {
+        test_scene s = make_cut_ball(n % 2);
+        const iso_view view = test_look_at(&s, n, zooms[n % 3], n % 4 == 3, 150, 140);
+        iso_gbuffer g = drawn(&view, &s.points, NULL);
+        size_t seen = 0, holes = 0;
+        for (size_t i = 0; i < samples_of(&view); i++) {
+            iso_vec3 from, ray;
+            iso_view_ray(&view, (double)(i % 150) + 0.5, (double)(i / 150) + 0.5, &from, &ray);
+            holes += !is_there(&g, i) && meets_ball(from, ray);
+            if (!is_there(&g, i)) continue;
+            const iso_vec3 at = iso_vec3_add(from, iso_vec3_scale(ray, (double)g.depth[i]));
+            const double least = fmin(at.x, fmin(at.y, at.z)), most = fmax(at.x, fmax(at.y, at.z));
+            if (least < -0.002 || most > BALL_SIDE - 1 + 0.002)
+                fail_msg("%d: drawn at %g %g %g", n, at.x, at.y, at.z);
+            seen++;
+        }
+        assert_true(seen > 100);
+        if (holes * 200 > seen) fail_msg("%d: %zu holes in %zu", n, holes, seen);
+        iso_gbuffer_free(&g);
+        test_scene_free(&s);
+    }
+}
+
+/* Points before the near plane are left out, which cuts the plane and its one block; the eye may be in the
+ * midst of points. */
 static void near_plane(void **state) {
     (void)state;
-    cloud *c = make_plane(0);
-    iso_view view = plain_view(100, 100, false, 200);
-    view.near = DISTANCE - 0.01;
+    cloud *c = make_plane(SLOPE);
+    iso_view view = test_plain_view(100, 100, false, 200);
+    view.near = DISTANCE;
     iso_gbuffer g = drawn(&view, &c->points, NULL);
-    for (size_t i = 0; i < samples_of(&view); i++) assert_true(is_there(&g, i));
-    iso_gbuffer_free(&g);
-    view.near = DISTANCE + 0.01;
-    g = drawn(&view, &c->points, NULL);
-    for (size_t i = 0; i < samples_of(&view); i++) assert_false(is_there(&g, i));
+    for (size_t i = 0; i < samples_of(&view); i++) {
+        const double u = ((double)(i % 100) + 0.5 - view.cx) / view.focal, x = DISTANCE * u / (1 - SLOPE * u);
+        if (fabs(x) > 1.2) assert_int_equal(is_there(&g, i), x > 0);
+    }
     iso_gbuffer_free(&g);
     free_cloud(c);
-    scene s = make_scene("gyroid", 32);
-    iso_view inside = look_at(&s, 0, 1, false, 120, 110);
+    test_scene s = test_scene_make("gyroid", 32, &(iso_points_opts){.shapes = true}, true);
+    iso_view inside = test_look_at(&s, 0, 1, false, 120, 110);
     const iso_affine affine = iso_transform_affine(&s.points.transform);
     inside.eye = iso_affine_point(&affine, iso_vec3_make(15.3, 16.1, 15.8));
     inside.near = 0.3;
@@ -500,7 +480,7 @@ static void near_plane(void **state) {
     }
     every_variant(&inside, &s.points, &g);
     iso_gbuffer_free(&g);
-    free_scene(&s);
+    test_scene_free(&s);
 }
 
 /* Hiding leaves out nothing that shows: layers that are hidden by the first change no byte. */
@@ -522,7 +502,7 @@ static void hidden_points_change_nothing(void **state) {
         all->points.shapes = all->shapes;
         all->points.spans = spans;
         all->points.span_count = 3;
-        const iso_view view = plain_view(150, 130, f % 2, FOCALS[f] * (f % 2 ? 1 : DISTANCE));
+        const iso_view view = test_plain_view(150, 130, f % 2, FOCALS[f] * (f % 2 ? 1 : DISTANCE));
         iso_gbuffer a = drawn(&view, &front->points, NULL), b = drawn(&view, &all->points, NULL);
         for (size_t i = 0; i < samples_of(&view); i++) {
             if (!is_there(&a, i)) continue;
@@ -542,20 +522,20 @@ static void what_is_the_default(void **state) {
     cloud *c = make_sphere(RADIUS);
     uint8_t(*colors)[3] = calloc(c->span.count, sizeof *colors);
     assert_non_null(colors);
-    const iso_view view = plain_view(120, 120, true, 4);
+    const iso_view view = test_plain_view(120, 120, true, 4);
     for (int colored = 0; colored < 2; colored++) {
         c->points.colors = colored ? (const uint8_t(*)[3])colors : NULL;
         iso_gbuffer g[2];
         for (int k = 0; k < 2; k++) {
             iso_error error = {0};
-            g[k] = clear_gbuffer(&view, colored);
+            g[k] = test_clear_gbuffer(view.width, view.height, colored);
             const iso_target target = {&view, &g[k], NULL, 0};
             const iso_reconstruction named =
                 colored ? ISO_RECONSTRUCTION_GAUSSIAN : ISO_RECONSTRUCTION_REFINED;
             const iso_pullpush_opts unsaid = {0}, said = {.reconstruction = named};
-            ok(iso_draw_pullpush(&target, &c->points, k ? &said : &unsaid, &error), &error);
+            test_ok(iso_draw_pullpush(&target, &c->points, k ? &said : &unsaid, &error), &error);
         }
-        same(&g[0], 0, &g[1]);
+        test_same_rows(&g[0], 0, &g[1]);
         iso_gbuffer_free(&g[0]);
         iso_gbuffer_free(&g[1]);
     }
@@ -569,7 +549,7 @@ int main(void) {
         cmocka_unit_test(same_bytes_everywhere),
         cmocka_unit_test(known_surfaces),
         cmocka_unit_test(insides_are_seen),
-        cmocka_unit_test(far_away),
+        cmocka_unit_test(surfaces_end_at_the_border),
         cmocka_unit_test(near_plane),
         cmocka_unit_test(hidden_points_change_nothing),
         cmocka_unit_test(what_is_the_default),

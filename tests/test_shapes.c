@@ -221,15 +221,57 @@ static void voxel_bend(const iso_grid *grid, const int p[3], double g[3], double
 #undef AT
 }
 
-/* The shape at an edge point, from where it lies. */
-static void reference_shape(const iso_grid *grid, const bent_point *point, double s[3][3]) {
+/* The ends of the edge that a point is on; returns its axis. */
+static int edge_of(const bent_point *point, int low[3], int high[3], double *along) {
     const double at[3] = {point->position.x, point->position.y, point->position.z};
-    int low[3], high[3], axis = 0;
+    int axis = 0;
     for (int k = 1; k < 3; k++)
         if (fabs(at[k] - rint(at[k])) > fabs(at[axis] - rint(at[axis]))) axis = k;
     for (int k = 0; k < 3; k++) low[k] = high[k] = (int)(k == axis ? floor(at[k]) : rint(at[k]));
     high[axis]++;
-    const double t = at[axis] - low[axis];
+    *along = at[axis] - low[axis];
+    return axis;
+}
+
+/* How far the surface goes on from an edge to one side; less than 0: not known. */
+static double reference_end(const iso_grid *grid, const int edge[2][3], int axis, int step, double isovalue) {
+    double end = -1;
+    for (int k = 0; k < 2; k++) {
+        int to[3] = {edge[k][0], edge[k][1], edge[k][2]};
+        to[axis] += step;
+        if (to[axis] < 0 || to[axis] >= iso_grid_dims(grid)[axis]) return -1;
+        const double a = (double)iso_grid_at(grid, edge[k][0], edge[k][1], edge[k][2]),
+                     b = (double)iso_grid_at(grid, to[0], to[1], to[2]);
+        if ((a >= isovalue) != (b >= isovalue)) end = fmax(end, (a - isovalue) / (a - b));
+    }
+    return end < 0 ? 1 : end;
+}
+
+/* Returns how many of the ends are before the next edge. */
+static size_t check_ends(const iso_grid *grid, const bent_point *point, double isovalue, unsigned ends) {
+    int edge[2][3], slot = 0;
+    size_t turns = 0;
+    double along;
+    const int axis = edge_of(point, edge[0], edge[1], &along);
+    assert_int_equal(ends >> ISO_SHAPE_AXIS_BIT, axis + 1);
+    if (along < 1e-3 || along > 1 - 1e-3) return 0; /* at a voxel, points may count for the edge beyond */
+    for (int k = 0; k < 3; k++)
+        for (int step = -1; step <= 1 && k != axis; step += 2) {
+            const double wanted = reference_end(grid, edge, k, step, isovalue),
+                         got = (ends >> (ISO_SHAPE_END_BITS * slot++) & ISO_SHAPE_END_STEPS) /
+                               (double)ISO_SHAPE_END_STEPS;
+            turns += wanted >= 0 && got < 1;
+            if (wanted >= 0 && (got < wanted - 1e-3 || got > wanted + 1.001 / ISO_SHAPE_END_STEPS))
+                fail_msg("ends at %g along %d, not %g", got, step * (k + 1), wanted);
+        }
+    return turns;
+}
+
+/* The shape at an edge point, from where it lies. */
+static void reference_shape(const iso_grid *grid, const bent_point *point, double s[3][3]) {
+    int low[3], high[3];
+    double t;
+    edge_of(point, low, high, &t);
     double g[2][3], h[2][3][3], gradient[3], length = 0;
     voxel_bend(grid, low, g[0], h[0]);
     voxel_bend(grid, high, g[1], h[1]);
@@ -257,8 +299,8 @@ static void reference_shape(const iso_grid *grid, const bent_point *point, doubl
     if (!isfinite(norm)) memset(s, 0, 9 * sizeof(double));
 }
 
-static size_t check_against_reference(const iso_grid *grid, const iso_point_view *view) {
-    size_t checked = 0;
+static size_t check_against_reference(const iso_grid *grid, const iso_point_view *view, double isovalue) {
+    size_t checked = 0, turns = 0;
     for (size_t k = 0; k < view->span_count; k++)
         for (uint32_t i = 0; i < view->spans[k].count; i++) {
             bent_point point = get_point(view, &view->spans[k], i);
@@ -267,8 +309,10 @@ static size_t check_against_reference(const iso_grid *grid, const iso_point_view
             double off = largest_difference(point.s, wanted);
             if (off > 2e-3)
                 fail_msg("off by %g at %g %g %g", off, point.position.x, point.position.y, point.position.z);
+            turns += check_ends(grid, &point, isovalue, view->shapes[view->spans[k].first + i].ends);
             checked++;
         }
+    assert_true(turns * 2 >= checked || checked < 100);
     return checked;
 }
 
@@ -287,7 +331,7 @@ static void edge_shapes_match_the_reference(void **state) {
             .isovalue = 100.3, .primitive = ISO_PRIMITIVE_EDGE, .floats = true, .shapes = true};
         iso_point_set *set = make_set(&grid, &opts);
         iso_point_view view = iso_point_set_view(set);
-        checked += check_against_reference(&grid, &view);
+        checked += check_against_reference(&grid, &view, opts.isovalue);
         iso_point_set_destroy(set);
         iso_grid_destroy(&grid);
     }

@@ -73,9 +73,9 @@ static int16_t shape_steps(float value) {
 
 iso_shape iso_shape_pack(float uu, float uv, float vv) {
     float norm = sqrtf(uu * uu + 2 * (uv * uv) + vv * vv);
-    if (!(norm < 1e15f)) return (iso_shape){0, 0, 0};
+    if (!(norm < 1e15f)) return (iso_shape){0};
     float scale = norm > ISO_SHAPE_MOST ? ISO_SHAPE_MOST / norm : 1;
-    return (iso_shape){shape_steps(uu * scale), shape_steps(uv * scale), shape_steps(vv * scale)};
+    return (iso_shape){shape_steps(uu * scale), shape_steps(uv * scale), shape_steps(vv * scale), 0};
 }
 
 size_t iso_point_view_count(const iso_point_view *view) {

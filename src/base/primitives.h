@@ -45,13 +45,20 @@ iso_surfel iso_point_unpack(iso_point point);
 #define ISO_POINT_STEP (20.0f / 16384)
 enum { ISO_POINT_COORDINATE_BITS = 14, ISO_POINT_NORMAL_BITS = 11, ISO_POINT_NORMAL_STEPS = 2047 };
 
-/* How a surface bends at a point, in 6 bytes: its shape operator S (second fundamental form) in index space,
+/* How a surface bends at a point, in 8 bytes: its shape operator S (second fundamental form) in index space,
  * symmetric, in the frame (u, v) that iso_shape_frame makes of the point's normal as iso_point_view_get gives
  * it. A step q along the surface turns the outward normal by S q: entries are in 1 / voxel, positive where
  * the surface is convex (1 / r on a sphere). Steps of ISO_SHAPE_STEP; norms are clamped to ISO_SHAPE_MOST. */
 typedef struct iso_shape {
     int16_t uu, uv, vv;
+    uint16_t ends; /* 0: not known, or not an edge point. See below. */
 } iso_shape;
+
+/* How far the surface goes on from an edge point, in the faces of the cells around its edge, until it comes
+ * to another edge of the face: from bit 0 on, voxels 0..1 down and up along the first of the axes at right
+ * angles to the edge, and along the second, in steps of 1 / 7, rounded up; from bit 12 on, 1 + the edge's
+ * axis. */
+enum { ISO_SHAPE_END_BITS = 3, ISO_SHAPE_END_STEPS = 7, ISO_SHAPE_AXIS_BIT = 12 };
 
 #define ISO_SHAPE_STEP (1.0f / 16000)
 #define ISO_SHAPE_MOST 2.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */
@@ -86,7 +93,9 @@ typedef struct iso_point_view {
     const iso_point_span *spans;
     size_t span_count;
     iso_transform transform;
-    double radius; /* mm; half of sqrt(2) x the largest spacing for extracted points (2003, section 4.1) */
+    int32_t dims[3]; /* voxels of the grid that the points come from: the surface ends at its border, which is
+                        voxels 0 and dims - 1; 0: not known */
+    double radius;   /* mm; half of sqrt(2) x the largest spacing for extracted points (2003, section 4.1) */
     const uint8_t (*colors)[3]; /* per point, red green blue, display values; NULL: the surface's for all */
     /* One per span, never 0: changes when what the span holds does or another brick's comes there, not when
      * it only moves. NULL: not known. */

@@ -71,7 +71,7 @@ static void extract_edges(const void *context, const int brick[3], void *memory,
     for (uint32_t i = 0; i < edges.count && edges.scaled; i++)
         scratch->packed[i] = iso_point_pack_scaled(&scratch->surfels[i]);
     if (points->opts.shapes) {
-        const iso_shape_source source = iso_shape_source_window(&scratch->window, points->surface.outward);
+        const iso_shape_source source = iso_shape_source_window(&scratch->window, &points->surface);
         const iso_shape_points made = shape_points(points, scratch, edges.count);
         iso_shapes_of_edges(&source, &made, scratch->shapes);
     }
@@ -103,7 +103,7 @@ static void extract_feet(const void *context, const int brick[3], void *memory, 
     output->rejected = feet.rejected;
     pack_points(points, scratch, feet.count);
     if (points->opts.shapes) {
-        const iso_shape_source source = iso_shape_source_window(&scratch->window, points->surface.outward);
+        const iso_shape_source source = iso_shape_source_window(&scratch->window, &points->surface);
         const iso_shape_points made = shape_points(points, scratch, feet.count);
         const iso_shape_feet from = shape_feet_of(points, scratch->voxels);
         iso_shapes_of_feet(&source, &made, &from, scratch->shapes);
@@ -126,7 +126,7 @@ static void shape_feet(const iso_point_set *points, const int brick[3], const is
                        feet_scratch *scratch, iso_shape *shapes) {
     if (!feet->count) return;
     iso_brick_window_fill(&points->grid, brick, &scratch->window);
-    const iso_shape_source source = iso_shape_source_window(&scratch->window, points->surface.outward);
+    const iso_shape_source source = iso_shape_source_window(&scratch->window, &points->surface);
     const iso_shape_points made = {feet->packed, feet->surfels, feet->count};
     const iso_shape_feet from = shape_feet_of(points, scratch->kernel.voxel);
     iso_shapes_of_feet(&source, &made, &from, shapes);
@@ -292,6 +292,7 @@ iso_point_view iso_point_set_view(const iso_point_set *set) {
         .transform = *iso_grid_transform(&set->grid),
         .stamps = iso_brick_set_stamps(&set->set),
     };
+    for (int k = 0; k < 3; k++) view.dims[k] = iso_grid_dims(&set->grid)[k];
     const double *spacing = view.transform.spacing;
     double largest = fmax(spacing[0], fmax(spacing[1], spacing[2]));
     view.radius = sqrt(0.5) * largest;

@@ -5,9 +5,13 @@
 
 #include "extract/shape_kernel.h"
 
-iso_shape_source iso_shape_source_grid(const iso_rgrid *grid, const int brick[3], float outward) {
-    iso_shape_source source = {
-        .type = grid->type, .stride_y = grid->stride_y, .stride_z = grid->stride_z, .outward = outward};
+iso_shape_source iso_shape_source_grid(const iso_rgrid *grid, const int brick[3],
+                                       const iso_surface *surface) {
+    iso_shape_source source = {.type = grid->type,
+                               .stride_y = grid->stride_y,
+                               .stride_z = grid->stride_z,
+                               .outward = surface->outward,
+                               .at = surface->at};
     ptrdiff_t offset = ISO_BRICK * (brick[0] + brick[1] * grid->stride_y + brick[2] * grid->stride_z);
     source.data = (const char *)grid->data + offset * (ptrdiff_t)iso_type_size(grid->type);
     for (int axis = 0; axis < 3; axis++) {
@@ -17,12 +21,13 @@ iso_shape_source iso_shape_source_grid(const iso_rgrid *grid, const int brick[3]
     return source;
 }
 
-iso_shape_source iso_shape_source_window(const iso_brick_window *window, float outward) {
+iso_shape_source iso_shape_source_window(const iso_brick_window *window, const iso_surface *surface) {
     iso_shape_source source = {.type = ISO_FLOAT32,
                                .data = window->values + iso_window_index(0, 0, 0),
                                .stride_y = ISO_STEP_Y,
                                .stride_z = ISO_STEP_Z,
-                               .outward = outward};
+                               .outward = surface->outward,
+                               .at = surface->at};
     memcpy(source.first, window->first, sizeof source.first);
     memcpy(source.last, window->last, sizeof source.last);
     return source;
@@ -226,14 +231,16 @@ static void fetch_edges(const iso_shape_source *source, const batch_places *plac
 
 static void put_shapes(const iso_shape_batch *batch, iso_shape *shapes) {
     for (uint32_t i = 0; i < batch->count; i++)
-        shapes[i] = (iso_shape){(int16_t)batch->uu[i], (int16_t)batch->uv[i], (int16_t)batch->vv[i]};
+        shapes[i] = (iso_shape){(int16_t)batch->uu[i], (int16_t)batch->uv[i], (int16_t)batch->vv[i],
+                                (uint16_t)batch->ends[i]};
 }
 
 static iso_shape_job job_of(const iso_shape_source *source, const iso_shape_points *points, int axis) {
     return (iso_shape_job){.floats = source->type == ISO_FLOAT32,
                            .packed = points->packed != NULL,
                            .axis = axis,
-                           .outward = source->outward};
+                           .outward = source->outward,
+                           .at = source->at};
 }
 
 void iso_shapes_of_edges(const iso_shape_source *source, const iso_shape_points *points, iso_shape *shapes) {

@@ -22,11 +22,11 @@ typedef struct iso_shape_source {
     const void *data;             /* of the brick's voxel (0, 0, 0) */
     ptrdiff_t stride_y, stride_z; /* elements */
     int first[3], last[3];        /* the grid's first and last voxel, counted from there */
-    float outward;                /* as in iso_surface */
+    float outward, at;            /* as in iso_surface */
 } iso_shape_source;
 
-iso_shape_source iso_shape_source_grid(const iso_rgrid *grid, const int brick[3], float outward);
-iso_shape_source iso_shape_source_window(const iso_brick_window *window, float outward);
+iso_shape_source iso_shape_source_grid(const iso_rgrid *grid, const int brick[3], const iso_surface *surface);
+iso_shape_source iso_shape_source_window(const iso_brick_window *window, const iso_surface *surface);
 
 /* Points of one brick; one of the two arrays. */
 typedef struct iso_shape_points {
@@ -35,8 +35,8 @@ typedef struct iso_shape_points {
     uint32_t count;
 } iso_shape_points;
 
-/* Shapes of a brick's edge points, which come axis by axis: g and H interpolated between the edge's ends.
- * Reads one voxel beyond both ends along the edge, and one to each side: no more than the points
+/* Shapes and ends of a brick's edge points, which come axis by axis: g and H interpolated between the edge's
+ * ends. Reads one voxel beyond both ends along the edge, and one to each side: no more than the points
  * themselves. */
 void iso_shapes_of_edges(const iso_shape_source *source, const iso_shape_points *points, iso_shape *shapes);
 

@@ -56,13 +56,14 @@ typedef struct iso_shape_batch {
     float normal[3][ISO_SHAPE_BATCH];    /* surfels: unit, x y z */
     int32_t octahedral[ISO_SHAPE_BATCH]; /* packed points: bits 42..63 */
     int32_t uu[ISO_SHAPE_BATCH], uv[ISO_SHAPE_BATCH], vv[ISO_SHAPE_BATCH]; /* out: steps */
+    int32_t ends[ISO_SHAPE_BATCH];                                         /* out: as in iso_shape */
 } iso_shape_batch;
 
 typedef struct iso_shape_job {
     bool floats; /* the values' type */
     bool packed; /* normals come from `octahedral` */
     int axis;    /* a; b and c are the others, ascending */
-    float outward;
+    float outward, at;
     float band; /* voxels: magnitude at and above which values are clamped; INFINITY when they are not */
 } iso_shape_job;
 

@@ -38,7 +38,7 @@ typedef struct frame {
 
 static iso_status set_up_corners(frame *f, const iso_projector *projector, iso_error *error) {
     const iso_point_block *block = f->blocks->blocks.data;
-    const double low = f->job.points->packed ? -2 : 0;
+    const double low = (double)f->job.low;
     ISO_TRY(iso_buffer_reserve(&f->workspace->corners, f->blocks->count * sizeof(float[3]), 0, error));
     float(*corner)[3] = f->workspace->corners.data;
     for (size_t i = 0; i < f->blocks->count; i++) {
@@ -67,11 +67,23 @@ static float slant_of(const iso_view *view) {
     return (float)(1.04 * sqrt(1 + x * x + y * y));
 }
 
+/* Surfaces end where their grid does, in the midst of discs. */
+static void set_up_border(iso_refined_job *job) {
+    const int32_t *dims = job->points->dims;
+    const float *m = job->normal;
+    job->bordered = dims[0] > 0 && dims[1] > 0 && dims[2] > 0;
+    for (int k = 0; k < 3; k++) {
+        job->border[k] = (float)(dims[k] - 1);
+        job->per_mm = fmaxf(job->per_mm, sqrtf(m[k] * m[k] + m[3 + k] * m[3 + k] + m[6 + k] * m[6 + k]));
+    }
+}
+
 static void set_up_job(frame *f, const iso_projector *projector) {
     iso_refined_job *job = &f->job;
     const iso_view *view = job->target->view;
-    const double step = job->points->packed ? 20.0 / 16384 : 1;
-    for (int k = 0; k < 9; k++) job->step[k] = (float)(projector->matrix[k] * step);
+    job->low = job->points->packed ? ISO_POINT_LOW : 0;
+    job->voxels = job->points->packed ? ISO_POINT_STEP : 1;
+    for (int k = 0; k < 9; k++) job->step[k] = (float)(projector->matrix[k] * (double)job->voxels);
     memcpy(job->normal, projector->normal, sizeof job->normal);
     memcpy(job->reach, BALL_RADII, sizeof job->reach);
     job->grow_from = GROW_FROM;
@@ -87,6 +99,7 @@ static void set_up_job(frame *f, const iso_projector *projector) {
     job->near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near;
     job->orthographic = view->orthographic;
     job->cull = job->points->closed && !f->blocks->around_eye;
+    set_up_border(job);
 }
 
 static void choose_bands(frame *f) {

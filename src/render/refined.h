@@ -11,9 +11,12 @@
  * weights: depth from where the ray meets each; the normal is the mean of the discs' plus the mean shape
  * operator times the mean offset, which is exact where normals change linearly and averages noise elsewhere.
  *
- * Mean shapes count the less the more those of the discs differ, which is noise. Discs that face away and
- * were turned never mix with others: at silhouettes, where both sides come together, the mean would face the
- * eye.
+ * Mean shapes count the less the more those of the discs differ, and the more they bend, which is noise.
+ * Discs that face away and were turned never mix with others: at silhouettes, where both sides come together,
+ * the mean would face the eye.
+ *
+ * A surface ends at its grid's border, and where it bends much it turns away within a voxel: there, discs end
+ * at the border and where the surface comes to the next edge of the cells around (iso_shape's ends).
  *
  * Blocks come from front to back; discs that lie behind all that is drawn around them are left out. Small
  * discs are measured a vector at a time, larger ones splatted one by one (render/refined_kernel.h). */

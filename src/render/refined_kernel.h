@@ -51,6 +51,12 @@ enum {
     ISO_DISC_BX,
     ISO_DISC_BY,
     ISO_DISC_A,
+    ISO_DISC_LOW_X, /* the box that it stays in: voxels from its centre along the index axes */
+    ISO_DISC_LOW_Y,
+    ISO_DISC_LOW_Z,
+    ISO_DISC_HIGH_X,
+    ISO_DISC_HIGH_Y,
+    ISO_DISC_HIGH_Z,
     ISO_DISC_RADIUS,  /* mm */
     ISO_DISC_INVERSE, /* 1 / radius^2 */
     ISO_DISC_PIXELS,  /* of a circle that it stays within, as seen from the eye */
@@ -63,6 +69,7 @@ typedef struct iso_refined_job {
     const iso_point_view *points;
     const iso_point_block *blocks;
     const float (*corner)[3]; /* of each block: where its first step of position lies in view space */
+    float low, voxels;        /* the first step of a block and a step of position, in voxels */
     float step[9];            /* a step of position, in view space */
     float normal[9];          /* index covector to view space */
     float radius;             /* of points without their own, mm */
@@ -74,7 +81,10 @@ typedef struct iso_refined_job {
     float per_length;         /* 1 / length in view space of unit normals; 0: they differ */
     float near;
     bool orthographic;
-    bool cull; /* leave out points that face away */
+    bool cull;       /* leave out points that face away */
+    float per_mm;    /* voxels in a mm, at most */
+    bool bordered;   /* discs end at the grid's border: */
+    float border[3]; /* the high one's index coordinates; the low one's are 0 */
 } iso_refined_job;
 
 enum {
