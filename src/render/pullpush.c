@@ -79,6 +79,11 @@ static iso_status prepare(frame *f, iso_error *error) {
 
 /* ---- the steps, by rows */
 
+/* Rows of a level's cells (pullpush_kernel.h). */
+static int cell_rows(const iso_pyramid *p, int level) {
+    return iso_pyramid_level_of(&p->shape, level - 1).height / 2 + 1;
+}
+
 static iso_rows rows_within(int first, int count, int height) {
     return (iso_rows){first, first + count <= height ? first + count - 1 : height - 1};
 }
@@ -160,28 +165,29 @@ static void push_rows(void *context, size_t index, int worker) {
     f->kernel->push(&f->job, f->level, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
 }
 
-/* Rows of level 1 are needed as soon as they and their neighbours are there, so that they are still in the
- * cache: those inside a task by the task, the ones between tasks afterwards. */
+/* A row of level 1's cells is drawn as soon as the two rows of pixels it lies between are there, so that they
+ * are still in the cache: those inside a task by the task, the ones between tasks afterwards. */
 static void push_and_finish(void *context, size_t index, int worker) {
     (void)worker;
     const frame *f = context;
     iso_rows rows = rows_within((int)index * f->task_rows, f->task_rows, f->level_rows);
-    int ready = 2 * rows.first, end = f->pyramid->level[1].height;
+    int end = cell_rows(f->pyramid, 1);
     for (int y = rows.first; y <= rows.last; y++) {
         f->kernel->push(&f->job, 2, (iso_rows){y, y});
-        int last = 2 * y + 2 < end ? 2 * y : end - 2;
-        f->kernel->finish(&f->job, (iso_rows){ready + 1, last});
-        ready = last;
+        /* rows 2y - 1 and 2y of pixels are new */
+        int first = y > rows.first ? 2 * y - 1 : 2 * y, last = 2 * y < end ? 2 * y : end - 1;
+        f->kernel->finish(&f->job, (iso_rows){first, last});
     }
 }
 
 static void finish_between(void *context, size_t index, int worker) {
     (void)worker;
     const frame *f = context;
-    int first = 2 * (int)index * f->task_rows, end = f->pyramid->level[1].height;
-    iso_rows rows = rows_within(2 * (int)index * f->task_rows, 2 * f->task_rows, end);
-    f->kernel->finish(&f->job, (iso_rows){rows.first, rows.first});
-    if (rows.last > first) f->kernel->finish(&f->job, (iso_rows){rows.last, rows.last});
+    iso_rows rows = rows_within((int)index * f->task_rows, f->task_rows, f->level_rows);
+    int after = 2 * rows.last + 1;
+    if (rows.first > 0) f->kernel->finish(&f->job, (iso_rows){2 * rows.first - 1, 2 * rows.first - 1});
+    if (rows.last == f->level_rows - 1 && after < cell_rows(f->pyramid, 1))
+        f->kernel->finish(&f->job, (iso_rows){after, after});
 }
 
 static void finish_rows(void *context, size_t index, int worker) {
@@ -190,15 +196,23 @@ static void finish_rows(void *context, size_t index, int worker) {
     f->kernel->finish(&f->job, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
 }
 
-/* Runs a step over all rows of a level. */
-static void for_level(frame *f, int number, iso_task *task) {
+/* Runs a step over rows of a level. */
+static void for_rows(frame *f, int number, int rows, iso_task *task) {
     const iso_pyramid_level *level = &f->pyramid->level[number];
-    size_t pixels = level->stride * (size_t)level->height;
+    size_t pixels = level->stride * (size_t)rows;
     f->level = number;
-    f->level_rows = level->height;
+    f->level_rows = rows;
     f->task_rows = (int)(TASK_PIXELS / level->stride) + 1;
-    int tasks = (level->height + f->task_rows - 1) / f->task_rows;
+    int tasks = (rows + f->task_rows - 1) / f->task_rows;
     iso_parallel_for(pixels > FEW_PIXELS ? f->target->pool : NULL, (size_t)tasks, task, f);
+}
+
+static void for_level(frame *f, int number, iso_task *task) {
+    for_rows(f, number, f->pyramid->level[number].height, task);
+}
+
+static void for_cells(frame *f, int number, iso_task *task) {
+    for_rows(f, number, cell_rows(f->pyramid, number), task);
 }
 
 static void reconstruct(frame *f) {
@@ -208,12 +222,12 @@ static void reconstruct(frame *f) {
     for (int level = shape->base + f->band_levels + 1; level <= shape->top; level++)
         for_level(f, level, pull_rows);
     for_level(f, shape->top, shape_rows);
-    for (int level = shape->top; level > 2; level--) for_level(f, level, push_rows);
+    for (int level = shape->top; level > 2; level--) for_cells(f, level, push_rows);
     if (shape->top == 1) {
-        for_level(f, 1, finish_rows);
+        for_cells(f, 1, finish_rows);
     } else {
-        for_level(f, 2, push_and_finish);
-        for_level(f, 2, finish_between);
+        for_cells(f, 2, push_and_finish);
+        for_cells(f, 2, finish_between);
     }
 }
 
