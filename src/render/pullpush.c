@@ -10,8 +10,8 @@ enum {
     BAND_BYTES = 1 << 20, /* of keys that one thread works on: what a second-level cache holds */
     BAND_ROWS_LEAST = 16,
     BAND_ROWS_MOST = 128,
-    TASK_PIXELS = 1 << 15, /* of a level, for one task */
-    FEW_PIXELS = 1 << 13,  /* not worth waking threads */
+    TASKS_PER_THREAD = 8,        /* of a level's rows, */
+    TASK_PIXELS_LEAST = 1 << 12, /* or fewer: of so many pixels */
     STRIP_ROWS_LEAST = 64
 };
 
@@ -198,13 +198,15 @@ static void finish_rows(void *context, size_t index, int worker) {
 
 /* Runs a step over rows of a level. */
 static void for_rows(frame *f, int number, int rows, iso_task *task) {
-    const iso_pyramid_level *level = &f->pyramid->level[number];
-    size_t pixels = level->stride * (size_t)rows;
+    const int threads = iso_pool_threads(f->target->pool);
+    int least = (int)(TASK_PIXELS_LEAST / f->pyramid->level[number].stride) + 1;
+    int tasks = threads == 1 ? 1 : threads * TASKS_PER_THREAD;
     f->level = number;
     f->level_rows = rows;
-    f->task_rows = (int)(TASK_PIXELS / level->stride) + 1;
-    int tasks = (rows + f->task_rows - 1) / f->task_rows;
-    iso_parallel_for(pixels > FEW_PIXELS ? f->target->pool : NULL, (size_t)tasks, task, f);
+    f->task_rows = (rows + tasks - 1) / tasks;
+    if (f->task_rows < least) f->task_rows = least;
+    tasks = (rows + f->task_rows - 1) / f->task_rows;
+    iso_parallel_for(f->target->pool, (size_t)tasks, task, f);
 }
 
 static void for_level(frame *f, int number, iso_task *task) {
