@@ -35,8 +35,8 @@ struct iso_pool {
     atomic_size_t next;
 };
 
-/* Steps of a frame follow one another within microseconds, waking a thread takes tens: it is worth waiting that
- * long awake, where every thread has a processor. */
+/* Steps of a frame follow one another within microseconds, waking a thread takes tens: it is worth waiting
+ * that long awake, where every thread has a processor. */
 enum { SPINS = 4096 };
 
 static void pause_briefly(void) {
@@ -45,7 +45,8 @@ static void pause_briefly(void) {
 #endif
 }
 
-/* Whether this worker takes part in a round after `*seen`; not when it came too late. False in the end, too. */
+/* Whether this worker takes part in a round after `*seen`; not when it came too late. False in the end, too.
+ */
 static bool join_round(iso_pool *pool, unsigned long *seen) {
     for (int i = 0; i < pool->spins; i++) {
         if (atomic_load_explicit(&pool->round, memory_order_relaxed) != *seen) break;
