@@ -7,7 +7,8 @@
 #include "render/refined.h"
 
 enum {
-    BAND_BYTES = 1 << 20, /* of keys that one thread works on: what a second-level cache holds */
+    BAND_BYTES = 5 << 18, /* of keys that one thread works on: about what a second-level cache holds */
+    BANDS_PER_THREAD = 4, /* at least, so that none waits for long */
     BAND_ROWS_LEAST = 16,
     BAND_ROWS_MOST = 128,
     TASKS_PER_THREAD = 8,        /* of a level's rows, */
@@ -41,12 +42,17 @@ typedef struct frame {
 
 /* ---- preparation */
 
+/* As high as they may be: blocks of points that lie in two bands are worked on twice. */
 static void choose_bands(frame *f) {
+    const int threads = iso_pool_threads(f->target->pool),
+              bands = threads == 1 ? 1 : threads * BANDS_PER_THREAD;
+    const int height = f->pyramid->level[f->pyramid->shape.base].height;
     size_t row = f->pyramid->key_stride * sizeof(int64_t);
     int most = f->pyramid->shape.top - f->pyramid->shape.base;
     f->band_rows = BAND_ROWS_LEAST;
     f->band_levels = 4;
-    while (f->band_rows < BAND_ROWS_MOST && (size_t)f->band_rows * 2 * row <= BAND_BYTES) {
+    while (f->band_rows < BAND_ROWS_MOST && (size_t)f->band_rows * 2 * row <= BAND_BYTES &&
+           f->band_rows * 2 * bands <= height) {
         f->band_rows *= 2;
         f->band_levels++;
     }
