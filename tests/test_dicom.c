@@ -16,6 +16,7 @@
 #include <cmocka.h>
 
 #include "dicom_files.h"
+#include "file_support.h"
 #include "grids/volume.h"
 
 #define FOLDER ISO_TEST_TMP "/test_dicom"
@@ -47,31 +48,6 @@ static void in_folder(char path[1024], const char *name) {
 }
 
 /* A new file each time: some file systems flush one that is rewritten to the disk. */
-static void spill(const char *path, const void *data, size_t count) {
-    unlink(path);
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, count, file), count);
-    assert_int_equal(fclose(file), 0);
-}
-
-typedef struct bytes {
-    uint8_t *data;
-    size_t count;
-} bytes;
-
-static bytes slurp(const char *path) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    struct stat status;
-    assert_int_equal(fstat(fileno(file), &status), 0);
-    bytes b = {malloc((size_t)status.st_size), (size_t)status.st_size};
-    assert_non_null(b.data);
-    assert_int_equal(fread(b.data, 1, b.count, file), b.count);
-    fclose(file);
-    return b;
-}
-
 /* ---- reading ---- */
 
 static iso_volume read_ok(const char *path, const iso_volume_opts *opts) {
@@ -635,17 +611,17 @@ static void truncated(void **state) {
         write_slice(&plain, "cut.dcm",
                     (slice_place){-10, -20, -3 + 1.25 * 5, 5}); /* at an end of the stack */
         if (ways[way]) assert_int_equal(dicom_compress(path, ways[way]), 0);
-        bytes whole = slurp(path);
-        for (size_t length = 0; length < whole.count; length++) {
-            spill(path, whole.data, length);
+        size_t count;
+        uint8_t *whole = slurp(path, &count);
+        for (size_t length = 0; length < count; length++) {
+            spill(path, whole, length);
             iso_error error = {0};
             iso_volume volume = {0};
             iso_status status = iso_volume_read(FOLDER, NULL, &volume, &error);
             if (status != ISO_ERR_IO || !strstr(error.text, "cut.dcm"))
-                fail_msg("%zu of %zu bytes: %s '%s'", length, whole.count, iso_status_text(status),
-                         error.text);
+                fail_msg("%zu of %zu bytes: %s '%s'", length, count, iso_status_text(status), error.text);
         }
-        free(whole.data);
+        free(whole);
     }
 }
 
@@ -672,22 +648,23 @@ static void corrupted(void **state) {
         spec.pixels = pixels;
         spec.delimited = syntax == 1;
         dicom_write(path, &spec);
-        bytes whole = slurp(path);
+        size_t count;
+        uint8_t *whole = slurp(path, &count);
         iso_volume_opts opts = {.max_memory = 1 << 28};
         for (uint32_t i = 0; i < 4000; i++) {
-            size_t at = hash(i) % whole.count;
-            uint8_t old = whole.data[at];
-            whole.data[at] ^= (uint8_t)(i % 3 ? 1U << hash(i + 9) % 8 : 0xff);
-            spill(path, whole.data, whole.count);
+            size_t at = hash(i) % count;
+            uint8_t old = whole[at];
+            whole[at] ^= (uint8_t)(i % 3 ? 1U << hash(i + 9) % 8 : 0xff);
+            spill(path, whole, count);
             iso_volume volume = {0};
             iso_error error = {0};
             if (iso_volume_read(path, &opts, &volume, &error) == ISO_OK)
                 iso_volume_free(&volume);
             else
                 assert_non_null(strstr(error.text, FOLDER));
-            whole.data[at] = old;
+            whole[at] = old;
         }
-        free(whole.data);
+        free(whole);
     }
 }
 
@@ -700,13 +677,14 @@ static void wrong_codestream(void **state) {
     for (size_t way = 0; way < sizeof ways / sizeof *ways; way++) {
         write_slice(&plain, "file.dcm", (slice_place){0, 0, 0, 0});
         assert_int_equal(dicom_compress(path, ways[way]), 0);
-        bytes whole = slurp(path);
+        size_t count;
+        uint8_t *whole = slurp(path, &count);
         const uint8_t columns[10] = {0x28, 0, 0x11, 0, 'U', 'S', 2, 0, COLUMNS, 0};
-        uint8_t *at = memmem(whole.data, whole.count, columns, sizeof columns);
+        uint8_t *at = memmem(whole, count, columns, sizeof columns);
         assert_non_null(at);
         for (int wrong = 1; wrong < 64; wrong++) {
             at[8] = (uint8_t)wrong;
-            spill(path, whole.data, whole.count);
+            spill(path, whole, count);
             iso_volume volume = {0};
             iso_error error = {0};
             iso_status status = iso_volume_read(path, NULL, &volume, &error);
@@ -715,7 +693,7 @@ static void wrong_codestream(void **state) {
                 fail_msg("%s with %d columns: %s", ways[way], wrong, iso_status_text(status));
             iso_volume_free(&volume);
         }
-        free(whole.data);
+        free(whole);
     }
 }
 
@@ -724,9 +702,10 @@ static void wrong_codestream(void **state) {
 static int16_t *raw_slice(int number) {
     char path[512];
     snprintf(path, sizeof path, "%s/headsq_raw/quarter.%d", ISO_TEST_VOLUMES, number);
-    bytes b = slurp(path);
-    assert_int_equal(b.count, 64 * 64 * 2);
-    return (int16_t *)(void *)b.data;
+    size_t count;
+    int16_t *values = slurp(path, &count);
+    assert_int_equal(count, 64 * 64 * 2);
+    return values;
 }
 
 /* The same head as raw little-endian slices, which begin at the other end. */

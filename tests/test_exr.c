@@ -7,12 +7,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
 
 #include "exr_files.h"
+#include "file_support.h"
 #include "image/exr.h"
 #include "image/image.h"
 
@@ -55,25 +55,6 @@ static void assert_same(const iso_aov *a, const iso_aov *b) {
     assert_int_equal(a->height, b->height);
     for (int c = 0; c < ISO_AOV_PLANES; c++)
         assert_memory_equal(plane(a, c), plane(b, c), pixels(a) * sizeof(float));
-}
-
-static uint8_t *slurp(const char *path, size_t *size) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    *size = (size_t)ftell(file);
-    rewind(file);
-    uint8_t *bytes = malloc(*size + 1);
-    assert_int_equal(fread(bytes, 1, *size, file), *size);
-    fclose(file);
-    return bytes;
-}
-
-static void spill(const uint8_t *bytes, size_t size) {
-    FILE *file = fopen(PATH, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, size, file), size);
-    fclose(file);
 }
 
 /* PATH is refused with `status`, in one line that names it and holds `reason`. */
@@ -298,9 +279,9 @@ static void what_is_no_picture_is_refused(void **state) {
     (void)state;
     unlink(PATH);
     assert_refused(ISO_ERR_IO, "No such file");
-    spill((const uint8_t *)"\x89PNG\r\n\x1a\nand more of that kind", 30);
+    spill(PATH, "\x89PNG\r\n\x1a\nand more of that kind", 30);
     assert_refused(ISO_ERR_FORMAT, "not a readable OpenEXR picture");
-    spill((const uint8_t *)"", 0);
+    spill(PATH, "", 0);
     assert_refused(ISO_ERR_FORMAT, "not a readable OpenEXR picture");
     iso_aov aov;
     iso_error error = {0};
@@ -315,10 +296,10 @@ static void truncated_files_are_refused(void **state) {
     size_t size;
     uint8_t *bytes = slurp(PATH, &size);
     for (size_t length = 1; length < size; length += length < 900 ? 1 : 997) {
-        spill(bytes, length);
+        spill(PATH, bytes, length);
         assert_refused(ISO_ERR_FORMAT, "not a readable OpenEXR picture");
     }
-    spill(bytes, size - 1);
+    spill(PATH, bytes, size - 1);
     assert_refused(ISO_ERR_FORMAT, "not a readable OpenEXR picture");
     free(bytes);
     iso_aov_free(&aov);
@@ -337,7 +318,7 @@ static void damaged_files_do_no_harm(void **state) {
         memcpy(copy, bytes, size);
         size_t reach = round % 2 ? size : 700; /* the header and the table of chunks, or anything */
         for (int k = 0; k < 1 + round % 3; k++) copy[next(&seed) % reach] = (uint8_t)next(&seed);
-        spill(copy, size);
+        spill(PATH, copy, size);
         iso_aov back;
         iso_error error = {0};
         if (iso_exr_read(PATH, NULL, &back, &error) != ISO_OK) {

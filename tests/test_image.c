@@ -14,6 +14,7 @@
 #include <png.h>
 
 #include "base/memory.h"
+#include "file_support.h"
 #include "image/image.h"
 
 static const char *const PATH = ISO_TEST_TMP "/image.png";
@@ -30,27 +31,6 @@ static iso_image random_image(int width, int height, int opaque) {
     for (size_t i = 0; i < (size_t)width * (size_t)height * 4; i++)
         image.rgba[i] = opaque && i % 4 == 3 ? 255 : (uint8_t)next(&seed);
     return image;
-}
-
-/* The whole file; *size bytes, to be freed. */
-static uint8_t *slurp(const char *path, size_t *size) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    *size = (size_t)ftell(file);
-    rewind(file);
-    uint8_t *bytes = malloc(*size + 1);
-    assert_int_equal(fread(bytes, 1, *size, file), *size);
-    bytes[*size] = 0;
-    fclose(file);
-    return bytes;
-}
-
-static void spill(const char *path, const uint8_t *bytes, size_t size) {
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, size, file), size);
-    fclose(file);
 }
 
 static void what_is_written_is_read(void **state) {
@@ -287,7 +267,7 @@ static void unreadable_files_are_named(void **state) {
     assert_non_null(strstr(error.text, "missing.png"));
     assert_int_equal(iso_png_read(ISO_TEST_TMP, &back, &error), ISO_ERR_IO);
     assert_non_null(strstr(error.text, "directory"));
-    spill(PATH, (const uint8_t *)"hello, this is text\n", 20);
+    spill(PATH, "hello, this is text\n", 20);
     assert_int_equal(iso_png_read(PATH, &back, &error), ISO_ERR_FORMAT);
     uint8_t *row = calloc(1, (ISO_IMAGE_MAX + 1) / 8 + 1);
     const kind gray = {PNG_COLOR_TYPE_GRAY, 1, PNG_INTERLACE_NONE, 0};

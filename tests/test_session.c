@@ -16,6 +16,7 @@
 
 #include <cmocka.h>
 
+#include "file_support.h"
 #include "sculpt/session.h"
 #include "sculpt/snapshot.h"
 #include "session_support.h"
@@ -148,27 +149,6 @@ static void journals_resume_to_the_same_bits(void **state) {
     }
 }
 
-/* All of a file in memory. */
-static char *slurp(const char *path, size_t *size) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    *size = (size_t)ftell(file);
-    rewind(file);
-    char *bytes = malloc(*size + 1);
-    assert_non_null(bytes);
-    assert_int_equal(fread(bytes, 1, *size, file), *size);
-    fclose(file);
-    return bytes;
-}
-
-static void spill_bytes(const char *path, const char *bytes, size_t size) {
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, size, file), size);
-    fclose(file);
-}
-
 /* Events that can be read; -1 when the file ends in damage. */
 static int count_events(const char *path, iso_status *status, iso_error *error) {
     iso_journal_start start;
@@ -200,7 +180,7 @@ static void torn_and_damaged_lines(void **state) {
     int whole = count_events(journal, &status, &error);
     assert_true(whole >= 20 && status == ISO_OK);
     for (size_t cut = 1; cut <= size; cut += cut < header + 600 ? 1 : 37) { /* truncated anywhere */
-        spill_bytes(part, bytes, cut);
+        spill(part, bytes, cut);
         int lines = 0;
         for (size_t i = 0; i < cut; i++) lines += bytes[i] == '\n';
         int got = count_events(part, &status, &error);
@@ -216,7 +196,7 @@ static void torn_and_damaged_lines(void **state) {
     for (size_t at = header; at < size - 400; at += 97) {
         char old = bytes[at];
         bytes[at] = old == 'x' ? 'y' : 'x';
-        spill_bytes(part, bytes, size);
+        spill(part, bytes, size);
         bytes[at] = old;
         int got = count_events(part, &status, &error);
         if (old == '\n') continue; /* two lines become one: damaged as well, but numbered otherwise */
@@ -231,7 +211,7 @@ static void torn_and_damaged_lines(void **state) {
     }
     assert_true(found > 20);
     /* appending after a torn line */
-    spill_bytes(part, bytes, size - 5);
+    spill(part, bytes, size - 5);
     iso_journal *more;
     assert_int_equal(iso_journal_append(part, &more, &error), ISO_OK);
     iso_event undo;
@@ -511,10 +491,10 @@ static void snapshots_round_trip(void **state) {
     iso_hgrid *before = sculpt_copy(other);
     for (size_t at = 0; at < size; at += 1 + size / 50) {
         bytes[at] = (char)(bytes[at] ^ 4);
-        spill_bytes(bad, bytes, size);
+        spill(bad, bytes, size);
         bytes[at] = (char)(bytes[at] ^ 4);
         assert_int_equal(iso_snapshot_read(bad, other, &mask, NULL), ISO_ERR_FORMAT);
-        spill_bytes(bad, bytes, at);
+        spill(bad, bytes, at);
         assert_int_equal(iso_snapshot_read(bad, other, &mask, NULL), ISO_ERR_FORMAT);
     }
     assert_true(sculpt_same(before, other) && session_same_mask(&mask, wanted));

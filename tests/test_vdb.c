@@ -8,12 +8,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
 
 #include "base/memory.h"
+#include "file_support.h"
 #include "grids/vdb_check.h"
 #include "grids/volume.h"
 #include "vdb_files.h"
@@ -440,39 +440,14 @@ static void not_volumes(void **state) {
 
 /* ---- broken files ---- */
 
-typedef struct bytes {
-    unsigned char *data;
-    size_t count;
-} bytes;
-
-static bytes slurp(const char *path) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    struct stat status;
-    assert_int_equal(fstat(fileno(file), &status), 0);
-    bytes b = {malloc((size_t)status.st_size), (size_t)status.st_size};
-    assert_non_null(b.data);
-    assert_int_equal(fread(b.data, 1, b.count, file), b.count);
-    fclose(file);
-    return b;
-}
-
-/* A new file each time: some file systems flush one that is rewritten to the disk. */
-static void spill(const char *path, const void *data, size_t count) {
-    unlink(path);
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, count, file), count);
-    assert_int_equal(fclose(file), 0);
-}
-
-static void expect_cut(const bytes *whole, size_t length) {
-    spill(CUT_PATH, whole->data, length);
+/* The first `length` bytes of a file that has more. */
+static void expect_cut(const unsigned char *whole, size_t length) {
+    spill(CUT_PATH, whole, length);
     iso_error error = {0};
     iso_volume volume = {0};
     iso_volume_info info;
     iso_status status = iso_volume_read(CUT_PATH, NULL, &volume, &error);
-    if (status != ISO_ERR_IO) fail_msg("%zu of %zu bytes: %s", length, whole->count, error.text);
+    if (status != ISO_ERR_IO) fail_msg("%zu bytes: %s", length, error.text);
     if (!strstr(error.text, CUT_PATH)) fail_msg("'%s' does not name the file", error.text);
     assert_int_equal(iso_volume_read_info(CUT_PATH, NULL, &info, NULL), ISO_ERR_IO);
 }
@@ -485,11 +460,12 @@ static void truncated(void **state) {
     static const int flags[] = {0, VDB_ZIP, VDB_BLOSC | VDB_ACTIVE_MASK};
     for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
         write_ok(specs, 2, flags[i]);
-        bytes whole = slurp(FILE_PATH);
-        for (size_t length = 0; length < 1500; length += 13) expect_cut(&whole, length);
-        for (size_t k = 1; k <= 40; k++) expect_cut(&whole, (whole.count - 1) / 40 * k);
-        expect_cut(&whole, whole.count - 1);
-        free(whole.data);
+        size_t count;
+        unsigned char *whole = slurp(FILE_PATH, &count);
+        for (size_t length = 0; length < 1500; length += 13) expect_cut(whole, length);
+        for (size_t k = 1; k <= 40; k++) expect_cut(whole, (count - 1) / 40 * k);
+        expect_cut(whole, count - 1);
+        free(whole);
     }
 }
 
@@ -536,14 +512,15 @@ static void versions(void **state) {
     const noise n = {{0, 0, 0}, {9, 9, 9}, 1000};
     vdb_spec spec = noise_spec(&n, "float");
     write_ok(&spec, 1, VDB_ZIP);
-    bytes whole = slurp(FILE_PATH);
+    size_t count;
+    unsigned char *whole = slurp(FILE_PATH, &count);
     static const unsigned char versions[] = {221, 225};
     for (int i = 0; i < 2; i++) {
-        whole.data[8] = versions[i];
-        spill(CUT_PATH, whole.data, whole.count);
+        whole[8] = versions[i];
+        spill(CUT_PATH, whole, count);
         expect_failure(CUT_PATH, NULL, ISO_ERR_FORMAT, "version");
     }
-    free(whole.data);
+    free(whole);
 }
 
 /* A file that was written as a stream says nothing of its length: only reading it finds its end missing. */
@@ -552,10 +529,11 @@ static void truncated_stream(void **state) {
     const noise n = {{0, 0, 0}, {29, 29, 9}, 1000};
     vdb_spec spec = noise_spec(&n, "float");
     write_ok(&spec, 1, VDB_STREAM | VDB_ZIP);
-    bytes whole = slurp(FILE_PATH);
-    for (size_t k = 1; k <= 20; k++) expect_cut(&whole, whole.count - (whole.count / 2) / 20 * k);
-    expect_cut(&whole, whole.count - 1);
-    free(whole.data);
+    size_t count;
+    unsigned char *whole = slurp(FILE_PATH, &count);
+    for (size_t k = 1; k <= 20; k++) expect_cut(whole, count - (count / 2) / 20 * k);
+    expect_cut(whole, count - 1);
+    free(whole);
 }
 
 /* Any bit may be wrong: any status is right, a crash is not. Small blocks are stored as they are, and it is
@@ -568,22 +546,23 @@ static void corrupted(void **state) {
         vdb_spec spec = ball_spec(&b, 1);
         spec.half = k % 2;
         write_ok(&spec, 1, flags[k / 2]);
-        bytes whole = slurp(FILE_PATH);
+        size_t count;
+        unsigned char *whole = slurp(FILE_PATH, &count);
         iso_volume_opts opts = {.max_memory = 1 << 28};
         for (uint32_t i = 0; i < 300; i++) {
-            size_t at = 1000 + hash(i) % (whole.count - 1000);
-            unsigned char old = whole.data[at];
-            whole.data[at] ^= (unsigned char)(1U << hash(i + 5000) % 8);
-            spill(CUT_PATH, whole.data, whole.count);
+            size_t at = 1000 + hash(i) % (count - 1000);
+            unsigned char old = whole[at];
+            whole[at] ^= (unsigned char)(1U << hash(i + 5000) % 8);
+            spill(CUT_PATH, whole, count);
             iso_volume volume = {0};
             iso_error error = {0};
             if (iso_volume_read(CUT_PATH, &opts, &volume, &error) == ISO_OK)
                 iso_volume_free(&volume);
             else
                 assert_non_null(strstr(error.text, CUT_PATH));
-            whole.data[at] = old;
+            whole[at] = old;
         }
-        free(whole.data);
+        free(whole);
     }
 }
 

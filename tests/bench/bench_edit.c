@@ -111,21 +111,6 @@ static size_t active_bricks(const iso_point_set *set, const voxel_box *near) {
     return count;
 }
 
-/* One point of a brick far from the brick before it: 2654435761 is odd and near the golden section of 2^32.
- */
-static void scatter_places(brushing *work) {
-    iso_point_view view = iso_point_set_view(work->set);
-    uint32_t at = 0;
-    for (int i = 0; i < BRUSH_PLACES && view.span_count; i++, at += 2654435761u) {
-        const iso_point_span *span = &view.spans[(size_t)at * view.span_count >> 32];
-        if (!span->count) continue;
-        const float *p = iso_point_view_get(&view, span->first + span->count / 2).position;
-        work->places[work->place_count++] = iso_vec3_make(span->brick[0] * (double)ISO_BRICK + p[0],
-                                                          span->brick[1] * (double)ISO_BRICK + p[1],
-                                                          span->brick[2] * (double)ISO_BRICK + p[2]);
-    }
-}
-
 static iso_status open_brush(bench_row *row, iso_error *error) {
     iso_grid *head = NULL;
     ISO_TRY(bench_scene_head(row->bench->scenes, row->size, &head, error));
@@ -138,7 +123,7 @@ static iso_status open_brush(bench_row *row, iso_error *error) {
     iso_points_opts opts = {.isovalue = 0};
     ISO_TRY(iso_point_set_create(head, &opts, &work->set, error));
     ISO_TRY(iso_point_set_update(work->set, error));
-    scatter_places(work);
+    work->place_count = bench_scatter_places(work->set, work->places, BRUSH_PLACES);
     return work->place_count ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "the head has no surface");
 }
 

@@ -82,3 +82,19 @@ void bench_scene_drop_head(bench_scenes *scenes) {
     iso_grid_destroy(&scenes->head);
     scenes->head_size = 0;
 }
+
+/* 2654435761 is odd and near the golden section of 2^32. */
+int bench_scatter_places(const iso_point_set *set, iso_vec3 *places, int room) {
+    iso_point_view view = iso_point_set_view(set);
+    int count = 0;
+    uint32_t at = 0;
+    for (int i = 0; i < room && view.span_count; i++, at += 2654435761u) {
+        const iso_point_span *span = &view.spans[(size_t)at * view.span_count >> 32];
+        if (!span->count) continue;
+        const float *p = iso_point_view_get(&view, span->first + span->count / 2).position;
+        places[count++] = iso_vec3_make(span->brick[0] * (double)ISO_BRICK + p[0],
+                                        span->brick[1] * (double)ISO_BRICK + p[1],
+                                        span->brick[2] * (double)ISO_BRICK + p[2]);
+    }
+    return count;
+}

@@ -4,6 +4,7 @@
 #ifndef ISO_TESTS_BENCH_SCENES_H
 #define ISO_TESTS_BENCH_SCENES_H
 
+#include "extract/points.h"
 #include "grids/grid.h"
 
 #ifdef __cplusplus
@@ -25,6 +26,10 @@ iso_status bench_scene_head(bench_scenes *scenes, int size, iso_grid **grid, iso
 
 /* Forgets the head, for those who have edited it. */
 void bench_scene_drop_head(bench_scenes *scenes);
+
+/* Where a brush may begin: a point each of up to `room` bricks, each far from the one before, in voxels.
+ * Returns how many. */
+int bench_scatter_places(const iso_point_set *set, iso_vec3 *places, int room);
 
 #ifdef __cplusplus
 }

@@ -35,20 +35,6 @@ typedef struct sculpt_plan {
     int radius;
 } sculpt_plan;
 
-/* Points of bricks far from each other, as in bench_edit.c. */
-static void scatter_places(sculpting *work) {
-    iso_point_view view = iso_point_set_view(work->set);
-    uint32_t at = 0;
-    for (int i = 0; i < PLACES && view.span_count; i++, at += 2654435761u) {
-        const iso_point_span *span = &view.spans[(size_t)at * view.span_count >> 32];
-        if (!span->count) continue;
-        const float *p = iso_point_view_get(&view, span->first + span->count / 2).position;
-        work->places[work->place_count++] = iso_vec3_make(span->brick[0] * (double)ISO_BRICK + p[0],
-                                                          span->brick[1] * (double)ISO_BRICK + p[1],
-                                                          span->brick[2] * (double)ISO_BRICK + p[2]);
-    }
-}
-
 static iso_status open_ours(bench_row *row, sculpting *work, const sculpt_plan *plan, iso_error *error) {
     (void)row;
     iso_editor_opts editor = {.iterations = plan->kind == SET_ONLY ? -1 : 0};
@@ -71,7 +57,7 @@ static iso_status open_sculpt(bench_row *row, iso_error *error) {
     iso_points_opts opts = {.isovalue = 0};
     ISO_TRY(iso_point_set_create(head, &opts, &work->set, error));
     ISO_TRY(iso_point_set_update(work->set, error));
-    scatter_places(work);
+    work->place_count = bench_scatter_places(work->set, work->places, PLACES);
     if (!work->place_count) return iso_fail(error, ISO_ERR_EMPTY, "the head has no surface");
     return plan->kind <= SET_ONLY ? open_ours(row, work, plan, error)
                                   : bench_volume_to_mesh_create(work->grid, 1, &work->peer, error);
@@ -210,5 +196,5 @@ iso_status bench_sculpt(bench_state *bench, iso_error *error) {
         status = bench_run_group(bench, "a touch that adds a sphere, and the points it changed", error);
     }
     bench_scene_drop_head(bench->scenes);
-    return status;
+    return status == ISO_OK ? bench_hand_group(bench, error) : status;
 }
