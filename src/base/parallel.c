@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/cpu.h"
 #include "base/memory.h"
 
 enum { MAX_THREADS = 1024 };
@@ -23,14 +24,67 @@ struct iso_pool {
     worker *workers; /* threads - 1 of them: the caller is worker 0 */
     pthread_mutex_t mutex;
     pthread_cond_t work_ready, work_done;
-    unsigned long round; /* counts calls of iso_parallel_for */
-    int busy;            /* workers that have not finished the current round */
+    atomic_ulong round; /* counts calls of iso_parallel_for */
+    atomic_int busy;    /* workers that take part in the current round */
+    bool open;          /* the current round still takes any: who comes later is not waited for */
     bool stop;
+    int spins; /* looks at what is waited for before sleeping */
     iso_task *task;
     void *context;
     size_t count;
     atomic_size_t next;
 };
+
+/* Steps of a frame follow one another within microseconds, waking a thread takes tens: it is worth waiting
+ * that long awake, where every thread has a processor. */
+enum { SPINS = 4096 };
+
+static void pause_briefly(void) {
+#if ISO_HAVE_X86
+    __builtin_ia32_pause();
+#endif
+}
+
+/* Whether this worker takes part in a round after `*seen`; not when it came too late. False in the end, too.
+ */
+static bool join_round(iso_pool *pool, unsigned long *seen) {
+    for (int i = 0; i < pool->spins; i++) {
+        if (atomic_load_explicit(&pool->round, memory_order_relaxed) != *seen) break;
+        pause_briefly();
+    }
+    pthread_mutex_lock(&pool->mutex);
+    while (atomic_load(&pool->round) == *seen && !pool->stop)
+        pthread_cond_wait(&pool->work_ready, &pool->mutex);
+    *seen = atomic_load(&pool->round);
+    bool joins = pool->open && !pool->stop;
+    if (joins) atomic_fetch_add(&pool->busy, 1);
+    pthread_mutex_unlock(&pool->mutex);
+    return joins;
+}
+
+static bool is_stopped(iso_pool *pool) {
+    pthread_mutex_lock(&pool->mutex);
+    bool stop = pool->stop;
+    pthread_mutex_unlock(&pool->mutex);
+    return stop;
+}
+
+static void leave_round(iso_pool *pool) {
+    if (atomic_fetch_sub(&pool->busy, 1) > 1) return;
+    pthread_mutex_lock(&pool->mutex); /* not between the caller's last look and its sleep */
+    pthread_cond_signal(&pool->work_done);
+    pthread_mutex_unlock(&pool->mutex);
+}
+
+static void await_workers(iso_pool *pool) {
+    for (int i = 0; i < pool->spins; i++) {
+        if (atomic_load_explicit(&pool->busy, memory_order_acquire) == 0) return;
+        pause_briefly();
+    }
+    pthread_mutex_lock(&pool->mutex);
+    while (atomic_load(&pool->busy)) pthread_cond_wait(&pool->work_done, &pool->mutex);
+    pthread_mutex_unlock(&pool->mutex);
+}
 
 static void run_tasks(iso_pool *pool, int number) {
     for (;;) {
@@ -43,18 +97,11 @@ static void run_tasks(iso_pool *pool, int number) {
 static void *worker_main(void *argument) {
     worker *self = argument;
     iso_pool *pool = self->pool;
-    unsigned long seen = 0;
-    pthread_mutex_lock(&pool->mutex);
-    for (;;) {
-        while (pool->round == seen && !pool->stop) pthread_cond_wait(&pool->work_ready, &pool->mutex);
-        if (pool->stop) break;
-        seen = pool->round;
-        pthread_mutex_unlock(&pool->mutex);
+    for (unsigned long seen = 0; !is_stopped(pool);) {
+        if (!join_round(pool, &seen)) continue;
         run_tasks(pool, self->number);
-        pthread_mutex_lock(&pool->mutex);
-        if (--pool->busy == 0) pthread_cond_signal(&pool->work_done);
+        leave_round(pool);
     }
-    pthread_mutex_unlock(&pool->mutex);
     return NULL;
 }
 
@@ -72,6 +119,7 @@ iso_status iso_pool_create(int threads, iso_pool **out, iso_error *error) {
     if (!pool) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a thread pool");
     int wanted = threads ? threads : processors();
     pool->threads = 1;
+    pool->spins = wanted <= processors() ? SPINS : 0;
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->work_ready, NULL);
     pthread_cond_init(&pool->work_done, NULL);
@@ -118,19 +166,20 @@ void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *contex
         return;
     }
     pthread_mutex_lock(&pool->mutex);
-    assert(pool->busy == 0 && "a task used its own pool");
+    assert(!pool->open && "a task used its own pool");
     pool->task = task;
     pool->context = context;
     pool->count = count;
     atomic_store_explicit(&pool->next, 0, memory_order_relaxed);
-    pool->busy = pool->threads - 1;
-    pool->round++;
+    pool->open = true;
+    atomic_fetch_add(&pool->round, 1);
     pthread_cond_broadcast(&pool->work_ready);
     pthread_mutex_unlock(&pool->mutex);
     run_tasks(pool, 0);
     pthread_mutex_lock(&pool->mutex);
-    while (pool->busy) pthread_cond_wait(&pool->work_done, &pool->mutex);
+    pool->open = false;
     pthread_mutex_unlock(&pool->mutex);
+    await_workers(pool);
 }
 
 /* ---- in order */

@@ -7,11 +7,12 @@
 #include "render/refined.h"
 
 enum {
-    BAND_BYTES = 1 << 20, /* of keys that one thread works on: what a second-level cache holds */
+    BAND_BYTES = 5 << 18, /* of keys that one thread works on: about what a second-level cache holds */
+    BANDS_PER_THREAD = 4, /* at least, so that none waits for long */
     BAND_ROWS_LEAST = 16,
     BAND_ROWS_MOST = 128,
-    TASK_PIXELS = 1 << 15, /* of a level, for one task */
-    FEW_PIXELS = 1 << 13,  /* not worth waking threads */
+    TASKS_PER_THREAD = 8,        /* of a level's rows, */
+    TASK_PIXELS_LEAST = 1 << 12, /* or fewer: of so many pixels */
     STRIP_ROWS_LEAST = 64
 };
 
@@ -41,12 +42,17 @@ typedef struct frame {
 
 /* ---- preparation */
 
+/* As high as they may be: blocks of points that lie in two bands are worked on twice. */
 static void choose_bands(frame *f) {
+    const int threads = iso_pool_threads(f->target->pool),
+              bands = threads == 1 ? 1 : threads * BANDS_PER_THREAD;
+    const int height = f->pyramid->level[f->pyramid->shape.base].height;
     size_t row = f->pyramid->key_stride * sizeof(int64_t);
     int most = f->pyramid->shape.top - f->pyramid->shape.base;
     f->band_rows = BAND_ROWS_LEAST;
     f->band_levels = 4;
-    while (f->band_rows < BAND_ROWS_MOST && (size_t)f->band_rows * 2 * row <= BAND_BYTES) {
+    while (f->band_rows < BAND_ROWS_MOST && (size_t)f->band_rows * 2 * row <= BAND_BYTES &&
+           f->band_rows * 2 * bands <= height) {
         f->band_rows *= 2;
         f->band_levels++;
     }
@@ -78,6 +84,11 @@ static iso_status prepare(frame *f, iso_error *error) {
 }
 
 /* ---- the steps, by rows */
+
+/* Rows of a level's cells (pullpush_kernel.h). */
+static int cell_rows(const iso_pyramid *p, int level) {
+    return iso_pyramid_level_of(&p->shape, level - 1).height / 2 + 1;
+}
 
 static iso_rows rows_within(int first, int count, int height) {
     return (iso_rows){first, first + count <= height ? first + count - 1 : height - 1};
@@ -160,28 +171,29 @@ static void push_rows(void *context, size_t index, int worker) {
     f->kernel->push(&f->job, f->level, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
 }
 
-/* Rows of level 1 are needed as soon as they and their neighbours are there, so that they are still in the
- * cache: those inside a task by the task, the ones between tasks afterwards. */
+/* A row of level 1's cells is drawn as soon as the two rows of pixels it lies between are there, so that they
+ * are still in the cache: those inside a task by the task, the ones between tasks afterwards. */
 static void push_and_finish(void *context, size_t index, int worker) {
     (void)worker;
     const frame *f = context;
     iso_rows rows = rows_within((int)index * f->task_rows, f->task_rows, f->level_rows);
-    int ready = 2 * rows.first, end = f->pyramid->level[1].height;
+    int end = cell_rows(f->pyramid, 1);
     for (int y = rows.first; y <= rows.last; y++) {
         f->kernel->push(&f->job, 2, (iso_rows){y, y});
-        int last = 2 * y + 2 < end ? 2 * y : end - 2;
-        f->kernel->finish(&f->job, (iso_rows){ready + 1, last});
-        ready = last;
+        /* rows 2y - 1 and 2y of pixels are new */
+        int first = y > rows.first ? 2 * y - 1 : 2 * y, last = 2 * y < end ? 2 * y : end - 1;
+        f->kernel->finish(&f->job, (iso_rows){first, last});
     }
 }
 
 static void finish_between(void *context, size_t index, int worker) {
     (void)worker;
     const frame *f = context;
-    int first = 2 * (int)index * f->task_rows, end = f->pyramid->level[1].height;
-    iso_rows rows = rows_within(2 * (int)index * f->task_rows, 2 * f->task_rows, end);
-    f->kernel->finish(&f->job, (iso_rows){rows.first, rows.first});
-    if (rows.last > first) f->kernel->finish(&f->job, (iso_rows){rows.last, rows.last});
+    iso_rows rows = rows_within((int)index * f->task_rows, f->task_rows, f->level_rows);
+    int after = 2 * rows.last + 1;
+    if (rows.first > 0) f->kernel->finish(&f->job, (iso_rows){2 * rows.first - 1, 2 * rows.first - 1});
+    if (rows.last == f->level_rows - 1 && after < cell_rows(f->pyramid, 1))
+        f->kernel->finish(&f->job, (iso_rows){after, after});
 }
 
 static void finish_rows(void *context, size_t index, int worker) {
@@ -190,15 +202,25 @@ static void finish_rows(void *context, size_t index, int worker) {
     f->kernel->finish(&f->job, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
 }
 
-/* Runs a step over all rows of a level. */
-static void for_level(frame *f, int number, iso_task *task) {
-    const iso_pyramid_level *level = &f->pyramid->level[number];
-    size_t pixels = level->stride * (size_t)level->height;
+/* Runs a step over rows of a level. */
+static void for_rows(frame *f, int number, int rows, iso_task *task) {
+    const int threads = iso_pool_threads(f->target->pool);
+    int least = (int)(TASK_PIXELS_LEAST / f->pyramid->level[number].stride) + 1;
+    int tasks = threads == 1 ? 1 : threads * TASKS_PER_THREAD;
     f->level = number;
-    f->level_rows = level->height;
-    f->task_rows = (int)(TASK_PIXELS / level->stride) + 1;
-    int tasks = (level->height + f->task_rows - 1) / f->task_rows;
-    iso_parallel_for(pixels > FEW_PIXELS ? f->target->pool : NULL, (size_t)tasks, task, f);
+    f->level_rows = rows;
+    f->task_rows = (rows + tasks - 1) / tasks;
+    if (f->task_rows < least) f->task_rows = least;
+    tasks = (rows + f->task_rows - 1) / f->task_rows;
+    iso_parallel_for(f->target->pool, (size_t)tasks, task, f);
+}
+
+static void for_level(frame *f, int number, iso_task *task) {
+    for_rows(f, number, f->pyramid->level[number].height, task);
+}
+
+static void for_cells(frame *f, int number, iso_task *task) {
+    for_rows(f, number, cell_rows(f->pyramid, number), task);
 }
 
 static void reconstruct(frame *f) {
@@ -208,12 +230,12 @@ static void reconstruct(frame *f) {
     for (int level = shape->base + f->band_levels + 1; level <= shape->top; level++)
         for_level(f, level, pull_rows);
     for_level(f, shape->top, shape_rows);
-    for (int level = shape->top; level > 2; level--) for_level(f, level, push_rows);
+    for (int level = shape->top; level > 2; level--) for_cells(f, level, push_rows);
     if (shape->top == 1) {
-        for_level(f, 1, finish_rows);
+        for_cells(f, 1, finish_rows);
     } else {
-        for_level(f, 2, push_and_finish);
-        for_level(f, 2, finish_between);
+        for_cells(f, 2, push_and_finish);
+        for_cells(f, 2, finish_between);
     }
 }
 

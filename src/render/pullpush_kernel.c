@@ -6,17 +6,23 @@
 #include "render/pullpush_project.inc"
 
 #include "render/pullpush_levels.inc"
+
+#include "render/pullpush_finish.inc"
 #undef ISO_LEVEL
 #if ISO_HAVE_X86
 #define ISO_LEVEL avx2
 #include "render/pullpush_project.inc"
 
 #include "render/pullpush_levels.inc"
+
+#include "render/pullpush_finish.inc"
 #undef ISO_LEVEL
 #define ISO_LEVEL avx512
 #include "render/pullpush_project.inc"
 
 #include "render/pullpush_levels.inc"
+
+#include "render/pullpush_finish.inc"
 #undef ISO_LEVEL
 #endif
 

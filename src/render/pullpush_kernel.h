@@ -52,10 +52,11 @@ typedef struct iso_pullpush_kernel {
     void (*pull)(const iso_reconstruction_job *job, int level, iso_rows rows);
     /* The ellipses of a level whose other planes are ready. */
     void (*ellipses)(const iso_reconstruction_job *job, int level, iso_rows rows);
-    /* Fills what lies under rows of `level`: rows 2 first .. 2 last + 1 of the level below, 1 or higher, and
-     * their ellipses. */
+    /* Fills what lies between the pixels of `level`, by rows of cells: row y, of 0 .. half the height of the
+     * level below, lies between rows y - 1 and y of the level, and is rows 2y - 1 and 2y of the level below,
+     * 1 or higher; and makes their ellipses. */
     void (*push)(const iso_reconstruction_job *job, int level, iso_rows rows);
-    /* The same for rows of level 1 and the gbuffer. */
+    /* The same for rows of level 1's cells and the gbuffer. */
     void (*finish)(const iso_reconstruction_job *job, iso_rows rows);
 } iso_pullpush_kernel;
 

@@ -57,7 +57,7 @@ enum {
 #define ISO_KEY_NONE INT64_MAX
 
 /* Pixel (x, y) is at [y * stride + x]; there is a border of no points around, at least one pixel wide and so
- * that vectors may go beyond the right end. */
+ * that vectors may begin before the left end and go beyond the right. */
 typedef struct iso_pyramid_level {
     int width, height;
     size_t stride;

@@ -26,6 +26,7 @@ typedef struct sample_row {
     const uint32_t *color; /* or NULL */
     const float *u;        /* slopes of the rays: (u, v, 1) */
     float v;
+    size_t below; /* samples to the row below; 0: there is none, or it is not said */
 } sample_row;
 
 static sample_row row_at(const iso_shade_job *job, const float *u, int x, int y) {
@@ -37,7 +38,8 @@ static sample_row row_at(const iso_shade_job *job, const float *u, int x, int y)
                         g->surface + at,
                         g->color ? g->color + at : NULL,
                         u,
-                        v};
+                        v,
+                        y + 1 < g->height ? (size_t)g->width : 0};
 }
 
 static void find_slopes(const iso_view *view, int x, int count, float *u) {
@@ -64,7 +66,8 @@ static sample_row copy_last(const sample_row *row, int at, int count, last_sampl
                         last->surface,
                         row->color ? last->color : NULL,
                         last->u,
-                        row->v};
+                        row->v,
+                        0};
 }
 
 /* Sums of columns to sums of pixels. */
