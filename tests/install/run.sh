@@ -60,6 +60,14 @@ if [ "$has_vti" = 1 ]; then
     [ "$(count "$work/small.vti")" = 24 ] || fail "isorender found $(count "$work/small.vti") points in a .vti"
 fi
 
+# ---- what an installed header includes is installed
+(cd "$root/include/isopoint" && find . -name '*.h') >"$work/headers"
+while read -r header; do
+    echo "#include \"$header\"" >"$work/alone.c"
+    ${CC:-cc} -std=c17 -fsyntax-only -I"$root/include/isopoint" "$work/alone.c" 2>"$work/err" || fail "$(head -n 3 "$work/err")"
+done <"$work/headers"
+[ "$(wc -l <"$work/headers")" -gt 20 ] || fail "hardly any header is installed"
+
 # ---- from C; a program elsewhere finds the modules of the shared library, and is told of those of the static one
 case $library in *.a) export ISO_MODULE_PATH=$modules ;; esac
 cmake -S "$here" -B "$work/cmake" -DCMAKE_PREFIX_PATH="$root" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
