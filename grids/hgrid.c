@@ -222,18 +222,8 @@ static iso_status crop_cells(const iso_hgrid *grid, const int lo[3], iso_hgrid *
 iso_status iso_hgrid_crop(const iso_hgrid *grid, const int lo[3], const int hi[3], iso_hgrid **out,
                           iso_error *error) {
     int dims[3];
-    for (int axis = 0; axis < 3; axis++) {
-        if (lo[axis] < 0 || hi[axis] >= grid->dims[axis] || lo[axis] > hi[axis])
-            return iso_fail(error, ISO_ERR_USAGE, "crop %d..%d along %c is not in 0..%d", lo[axis], hi[axis],
-                            "xyz"[axis], grid -> dims[axis] - 1);
-        dims[axis] = hi[axis] - lo[axis] + 1;
-    }
-    iso_transform transform = grid->transform;
-    iso_affine affine = iso_transform_affine(&transform);
-    iso_vec3 origin = iso_affine_point(&affine, iso_vec3_make(lo[0], lo[1], lo[2]));
-    transform.origin[0] = origin.x;
-    transform.origin[1] = origin.y;
-    transform.origin[2] = origin.z;
+    ISO_TRY(iso_crop_dims(grid->dims, lo, hi, dims, error));
+    const iso_transform transform = iso_transform_shift(&grid->transform, lo);
     iso_hgrid *cropped = NULL;
     ISO_TRY(iso_hgrid_create(dims, grid->band, &transform, &cropped, error));
     iso_status status = crop_cells(grid, lo, cropped, error);

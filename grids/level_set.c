@@ -68,12 +68,8 @@ static iso_status fill(const iso_hgrid *from, const int offset[3], iso_hgrid *gr
 
 iso_status iso_level_set_reframe(const iso_hgrid *from, const int offset[3], const int dims[3],
                                  iso_hgrid **out, iso_error *error) {
-    iso_transform transform = from->transform;
-    const iso_affine affine = iso_transform_affine(&transform);
-    const iso_vec3 origin = iso_affine_point(&affine, iso_vec3_make(-offset[0], -offset[1], -offset[2]));
-    transform.origin[0] = origin.x;
-    transform.origin[1] = origin.y;
-    transform.origin[2] = origin.z;
+    const int first[3] = {-offset[0], -offset[1], -offset[2]};
+    const iso_transform transform = iso_transform_shift(&from->transform, first);
     iso_hgrid *grid;
     ISO_TRY(iso_hgrid_create(dims, from->band, &transform, &grid, error));
     iso_status status = fill(from, offset, grid, error);

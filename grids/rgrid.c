@@ -106,23 +106,14 @@ void iso_rgrid_destroy(iso_rgrid *grid) {
 
 iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error) {
     int dims[3];
-    for (int axis = 0; axis < 3; axis++) {
-        if (lo[axis] < 0 || hi[axis] >= grid->dims[axis] || lo[axis] > hi[axis])
-            return iso_fail(error, ISO_ERR_USAGE, "crop %d..%d along %c is not in 0..%d", lo[axis], hi[axis],
-                            "xyz"[axis], grid -> dims[axis] - 1);
-        dims[axis] = hi[axis] - lo[axis] + 1;
-    }
+    ISO_TRY(iso_crop_dims(grid->dims, lo, hi, dims, error));
     iso_change_log *log = NULL;
     ISO_TRY(create_log(dims, &log, error));
     iso_brick_index_destroy(grid->index);
     grid->index = NULL;
     iso_change_log_destroy(grid->log);
     grid->log = log;
-    iso_affine affine = iso_transform_affine(&grid->transform);
-    iso_vec3 origin = iso_affine_point(&affine, iso_vec3_make(lo[0], lo[1], lo[2]));
-    grid->transform.origin[0] = origin.x;
-    grid->transform.origin[1] = origin.y;
-    grid->transform.origin[2] = origin.z;
+    grid->transform = iso_transform_shift(&grid->transform, lo);
     ptrdiff_t shift = lo[0] + lo[1] * grid->stride_y + lo[2] * grid->stride_z;
     grid->data = (char *)grid->data + shift * (ptrdiff_t)iso_type_size(grid->type);
     for (int axis = 0; axis < 3; axis++) grid->dims[axis] = dims[axis];

@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "base/cpu.h"
 #include "grids/scenes.h"
 
 void test_ok(iso_status status, const iso_error *error) {
@@ -72,4 +73,42 @@ void test_same_rows(const iso_gbuffer *a, int a_row, const iso_gbuffer *b) {
     for (int axis = 0; axis < 3; axis++)
         assert_memory_equal(a->normal[axis] + start, b->normal[axis], samples * sizeof(float));
     if (b->color) assert_memory_equal(a->color + start, b->color, samples * sizeof *b->color);
+}
+
+iso_gbuffer test_drawn(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
+                       iso_pool *pool) {
+    iso_error error = {0};
+    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, points->colors != NULL);
+    const iso_target target = {view, &g, pool, 0};
+    const iso_pullpush_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
+    test_ok(iso_draw_pullpush(&target, points, opts ? opts : &gaussian, &error), &error);
+    return g;
+}
+
+void test_every_variant(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
+                        const iso_gbuffer *wanted) {
+    for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++)
+        for (int threads = 1; threads <= 3; threads++) {
+            iso_pool *pool = NULL;
+            iso_cpu_limit((iso_cpu_level)level);
+            if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
+            iso_gbuffer got = test_drawn(view, points, opts, pool);
+            test_same_rows(wanted, 0, &got);
+            iso_gbuffer_free(&got);
+            iso_pool_destroy(pool);
+        }
+    iso_cpu_limit(ISO_CPU_AVX512);
+}
+
+void test_every_strip(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
+                      const iso_gbuffer *wanted) {
+    static const int heights[] = {7, 24, 61};
+    for (int h = 0; h < 3; h++)
+        for (int y = 0; y < view->height; y += heights[h]) {
+            const int count = view->height - y < heights[h] ? view->height - y : heights[h];
+            const iso_view rows = iso_view_rows(view, y, count);
+            iso_gbuffer strip = test_drawn(&rows, points, opts, NULL);
+            test_same_rows(wanted, y, &strip);
+            iso_gbuffer_free(&strip);
+        }
 }

@@ -6,6 +6,7 @@
 #include "extract/points.h"
 #include "image/camera.h"
 #include "render/gbuffer.h"
+#include "render/pullpush.h"
 
 /* Fails the test with the error's text, unless all is well. */
 void test_ok(iso_status status, const iso_error *error);
@@ -33,5 +34,15 @@ iso_gbuffer test_clear_gbuffer(int width, int height, bool colored);
 
 /* Rows of `a` from a_row on are all of b. */
 void test_same_rows(const iso_gbuffer *a, int a_row, const iso_gbuffer *b);
+
+/* Points drawn by pull-push into an empty picture. opts NULL: Gaussian; pool may be NULL. */
+iso_gbuffer test_drawn(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
+                       iso_pool *pool);
+/* The picture is `wanted`, byte for byte, for every instruction set and 1 to 3 threads, and drawn in strips.
+ */
+void test_every_variant(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
+                        const iso_gbuffer *wanted);
+void test_every_strip(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
+                      const iso_gbuffer *wanted);
 
 #endif

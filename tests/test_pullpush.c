@@ -69,20 +69,6 @@ static void free_painted(painted *p) {
 
 /* ---- pictures */
 
-static void draw(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
-                 iso_pool *pool, iso_gbuffer *gbuffer) {
-    iso_error error = {0};
-    iso_target target = {view, gbuffer, pool, 0};
-    const iso_pullpush_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
-    test_ok(iso_draw_pullpush(&target, points, opts ? opts : &gaussian, &error), &error);
-}
-
-static iso_gbuffer drawn(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts) {
-    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, points->colors != NULL);
-    draw(view, points, opts, NULL, &g);
-    return g;
-}
-
 static reference_opts layout_of(const iso_view *view, const iso_point_view *points, bool box) {
     reference_opts opts = {
         .box = box, .low_pass = 2, .facing = 1, .edge = 0.04, .disc_radii = ISO_DISC_RADII};
@@ -102,7 +88,7 @@ static reference_opts layout_of(const iso_view *view, const iso_point_view *poin
 /* What may differ: pixels where rounding decides whether a point, or an ellipse, is in. */
 static void like_reference(const iso_view *view, const iso_point_view *points, bool box) {
     iso_pullpush_opts opts = {.reconstruction = box ? ISO_RECONSTRUCTION_BOX : ISO_RECONSTRUCTION_GAUSSIAN};
-    iso_gbuffer got = drawn(view, points, &opts);
+    iso_gbuffer got = test_drawn(view, points, &opts, NULL);
     iso_gbuffer wanted = test_clear_gbuffer(view->width, view->height, points->colors != NULL);
     reference_opts layout = layout_of(view, points, box);
     reference_pullpush(&layout, view, points, &wanted);
@@ -145,33 +131,6 @@ static void like_the_reference(void **state) {
 
 /* ---- against itself */
 
-static void every_variant(const iso_view *view, const iso_point_view *points, const iso_gbuffer *wanted) {
-    for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++)
-        for (int threads = 1; threads <= 3; threads++) {
-            iso_pool *pool = NULL;
-            iso_cpu_limit((iso_cpu_level)level);
-            if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
-            iso_gbuffer got = test_clear_gbuffer(view->width, view->height, points->colors != NULL);
-            draw(view, points, NULL, pool, &got);
-            test_same_rows(wanted, 0, &got);
-            iso_gbuffer_free(&got);
-            iso_pool_destroy(pool);
-        }
-    iso_cpu_limit(ISO_CPU_AVX512);
-}
-
-static void every_strip(const iso_view *view, const iso_point_view *points, const iso_gbuffer *wanted) {
-    static const int heights[] = {7, 24, 61};
-    for (int h = 0; h < 3; h++)
-        for (int y = 0; y < view->height; y += heights[h]) {
-            int count = view->height - y < heights[h] ? view->height - y : heights[h];
-            iso_view rows = iso_view_rows(view, y, count);
-            iso_gbuffer strip = drawn(&rows, points, NULL);
-            test_same_rows(wanted, y, &strip);
-            iso_gbuffer_free(&strip);
-        }
-}
-
 static void same_bytes_everywhere(void **state) {
     (void)state;
     static const char *const names[] = {"gyroid", "sphere", "head"};
@@ -182,10 +141,10 @@ static void same_bytes_everywhere(void **state) {
         for (int z = 0; z < 4; z++) {
             iso_view view = test_look_at(&s, n + 2 * z, zooms[z], z == 1, 131 - 9 * n, 143);
             const iso_point_view *points = z == 2 ? &p.points : &s.points;
-            iso_gbuffer whole = drawn(&view, points, NULL);
+            iso_gbuffer whole = test_drawn(&view, points, NULL, NULL);
             assert_true(test_covered(&whole) > 100);
-            every_variant(&view, points, &whole);
-            every_strip(&view, points, &whole);
+            test_every_variant(&view, points, NULL, &whole);
+            test_every_strip(&view, points, NULL, &whole);
             iso_gbuffer_free(&whole);
         }
         free_painted(&p);
@@ -208,7 +167,8 @@ static void workspaces_hold_nothing(void **state) {
         const iso_point_view *points = i % 6 == 2 ? &p.points : &s->points;
         int width = 20 + (int)(100 * uniform(&seed)), height = 20 + (int)(100 * uniform(&seed));
         iso_view view = test_look_at(s, i % 6, exp(5 * uniform(&seed) - 1), i % 5 == 0, width, height);
-        iso_gbuffer fresh = drawn(&view, points, NULL), again = drawn(&view, points, &opts);
+        iso_gbuffer fresh = test_drawn(&view, points, NULL, NULL),
+                    again = test_drawn(&view, points, &opts, NULL);
         test_same_rows(&fresh, 0, &again);
         iso_gbuffer_free(&fresh);
         iso_gbuffer_free(&again);
@@ -235,7 +195,7 @@ static void bounds_change_nothing(void **state) {
         if (a_layout.top != b_layout.top || a_layout.base != b_layout.base)
             continue; /* looser, more levels */
         compared++;
-        iso_gbuffer a = drawn(&view, &s.points, NULL), b = drawn(&view, &without, NULL);
+        iso_gbuffer a = test_drawn(&view, &s.points, NULL, NULL), b = test_drawn(&view, &without, NULL, NULL);
         test_same_rows(&a, 0, &b);
         iso_gbuffer_free(&a);
         iso_gbuffer_free(&b);
@@ -274,7 +234,7 @@ static void make_sheet(sheet *s, double depth, double slope, double sign) {
 
 /* Where the plane is seen, in all of its inside, and how far its depth is off at most, in spacings. */
 static void check_sheet(const sheet *s, const iso_view *view, double depth, double slope, double tolerance) {
-    iso_gbuffer g = drawn(view, &s->points, NULL);
+    iso_gbuffer g = test_drawn(view, &s->points, NULL, NULL);
     const float *n = s->surfels[0].normal;
     size_t inside = 0, missing = 0;
     for (int j = 0; j < view->height; j++)
@@ -329,7 +289,7 @@ static void single_points(void **state) {
     for (int k = 0; k < 5; k++) {
         double radius = 0.25 * (1 << 2 * k); /* pixels */
         iso_view view = test_plain_view(201, 199, false, 10 * radius);
-        iso_gbuffer g = drawn(&view, &points, NULL);
+        iso_gbuffer g = test_drawn(&view, &points, NULL, NULL);
         double x = 0.3 * radius + view.cx, y = -0.2 * radius + view.cy;
         double area = ISO_PI * (ISO_DISC_RADII * ISO_DISC_RADII * radius * radius + 1);
         size_t seen = test_covered(&g), own = (size_t)(floor(y) * view.width + floor(x));
@@ -346,12 +306,12 @@ static void single_points(void **state) {
     }
     points.span_count = 0;
     iso_view view = test_plain_view(40, 30, false, 10);
-    iso_gbuffer g = drawn(&view, &points, NULL);
+    iso_gbuffer g = test_drawn(&view, &points, NULL, NULL);
     assert_int_equal(test_covered(&g), 0);
     iso_gbuffer_free(&g);
     points.span_count = 1;
     span.count = 0;
-    g = drawn(&view, &points, NULL);
+    g = test_drawn(&view, &points, NULL, NULL);
     assert_int_equal(test_covered(&g), 0);
     iso_gbuffer_free(&g);
 }
@@ -382,7 +342,7 @@ static void near_plane(void **state) {
     for (int orthographic = 0; orthographic < 2; orthographic++) {
         iso_view view = test_plain_view(120, 100, orthographic, 60);
         view.near = 1.5;
-        iso_gbuffer g = drawn(&view, &points, NULL);
+        iso_gbuffer g = test_drawn(&view, &points, NULL, NULL);
         assert_true(test_covered(&g) > 3000);
         for (size_t i = 0; i < 120 * 100; i++) {
             if (g.surface[i] == ISO_SURFACE_NONE) continue;
@@ -391,8 +351,8 @@ static void near_plane(void **state) {
             for (int k = 0; k < 3; k++) square += g.normal[k][i] * g.normal[k][i];
             assert_true(fabsf(square - 1) < 1e-4f);
         }
-        every_variant(&view, &points, &g);
-        every_strip(&view, &points, &g);
+        test_every_variant(&view, &points, NULL, &g);
+        test_every_strip(&view, &points, NULL, &g);
         iso_gbuffer_free(&g);
     }
     free(surfels);
@@ -407,13 +367,13 @@ static void eye_inside(void **state) {
     iso_camera camera = {.position = center, .view_up = {0, 0, 1}, .view_angle = 60};
     camera.focal_point = iso_vec3_add(center, iso_vec3_make(0.3, 1, 0.2));
     iso_view view = iso_view_make(&camera, 128, 128);
-    iso_gbuffer g = drawn(&view, &s.points, NULL);
+    iso_gbuffer g = test_drawn(&view, &s.points, NULL, NULL);
     assert_int_equal(test_covered(&g), 128 * 128);
     for (size_t i = 0; i < 128 * 128; i++) {
         assert_true(g.depth[i] > 14 && g.depth[i] < 20);
         assert_true(g.normal[2][i] > 0.5f); /* out of the solid, away from the eye */
     }
-    every_strip(&view, &s.points, &g);
+    test_every_strip(&view, &s.points, NULL, &g);
     iso_gbuffer_free(&g);
     test_scene_free(&s);
 }
@@ -470,7 +430,7 @@ static void colors_come_through(void **state) {
     s->points.colors = (const uint8_t(*)[3])colors;
     for (int k = 0; k < 3; k++) {
         iso_view view = test_plain_view(96, 64, true, k == 0 ? 1.0 : k == 1 ? 4.0 : 40.0);
-        iso_gbuffer g = drawn(&view, &s->points, NULL);
+        iso_gbuffer g = test_drawn(&view, &s->points, NULL, NULL);
         assert_non_null(g.color);
         for (int i = 0; i < 96 * 64; i++) {
             if (g.surface[i] == ISO_SURFACE_NONE) continue;
@@ -494,7 +454,7 @@ static void colors_are_shaded(void **state) {
     size_t count = iso_point_view_count(&s.points);
     for (size_t i = 0; i < count; i++) memcpy(p.colors[i], (const uint8_t[3]){30, 200, 90}, 3);
     iso_view view = test_look_at(&s, 1, 1, false, 75, 63); /* no whole number of vectors */
-    iso_gbuffer g[2] = {drawn(&view, &p.points, NULL), drawn(&view, &s.points, NULL)};
+    iso_gbuffer g[2] = {test_drawn(&view, &p.points, NULL, NULL), test_drawn(&view, &s.points, NULL, NULL)};
     assert_null(g[1].color);
     iso_image image[2][2];
     for (int k = 0; k < 2; k++)
@@ -534,7 +494,7 @@ static void equal_points_have_an_order(void **state) {
         iso_point_span first = spans[0];
         spans[0] = spans[order];
         spans[order] = first;
-        iso_gbuffer g = drawn(&view, &points, NULL);
+        iso_gbuffer g = test_drawn(&view, &points, NULL, NULL);
         assert_int_equal(g.color[17 * 32 + 17], 1 | 2 << 8 | 3 << 16 | 1 << 24);
         iso_gbuffer_free(&g);
     }
@@ -594,10 +554,10 @@ static void open_surfaces_show_their_inside(void **state) {
                          .orthographic = true,
                          .parallel_scale = 20};
     iso_view view = iso_view_make(&camera, 100, 100);
-    iso_gbuffer open = drawn(&view, &s.points, NULL);
+    iso_gbuffer open = test_drawn(&view, &s.points, NULL, NULL);
     iso_point_view closed = s.points;
     closed.closed = true;
-    iso_gbuffer shut = drawn(&view, &closed, NULL);
+    iso_gbuffer shut = test_drawn(&view, &closed, NULL, NULL);
     assert_true(test_covered(&open) > 3000);
     assert_true(test_covered(&shut) < test_covered(&open) / 4);
     size_t inside = 0;
@@ -626,7 +586,8 @@ static void near_the_truth(void **state) {
         iso_error error = {0};
         test_scene s = test_scene_make(cases[k].name, cases[k].size, NULL, true);
         iso_view view = test_look_at(&s, (int)k % 6, cases[k].zoom, false, 300, 300);
-        iso_gbuffer got = drawn(&view, &s.points, NULL), truth = test_clear_gbuffer(300, 300, false);
+        iso_gbuffer got = test_drawn(&view, &s.points, NULL, NULL),
+                    truth = test_clear_gbuffer(300, 300, false);
         iso_raycaster *caster;
         test_ok(iso_raycaster_create(&s.grid, s.isovalue, NULL, &caster, &error), &error);
         iso_target target = {&view, &truth, NULL, 0};
@@ -652,11 +613,9 @@ static void large_pictures(void **state) {
     iso_view view = test_look_at(&s, 1, 1, false, 6000, 2200);
     iso_pool *pool;
     assert_int_equal(iso_pool_create(2, &pool, NULL), ISO_OK);
-    iso_gbuffer whole = test_clear_gbuffer(view.width, view.height, false);
-    draw(&view, &s.points, NULL, pool, &whole);
+    iso_gbuffer whole = test_drawn(&view, &s.points, NULL, pool);
     iso_view rows = iso_view_rows(&view, 1000, 200);
-    iso_gbuffer strip = test_clear_gbuffer(rows.width, rows.height, false);
-    draw(&rows, &s.points, NULL, pool, &strip);
+    iso_gbuffer strip = test_drawn(&rows, &s.points, NULL, pool);
     assert_true(test_covered(&strip) > 100000);
     test_same_rows(&whole, 1000, &strip);
     iso_gbuffer_free(&whole);

@@ -121,14 +121,7 @@ static cloud *make_plane(double slope) {
 
 /* ---- pictures */
 
-static iso_gbuffer drawn(const iso_view *view, const iso_point_view *points, iso_pool *pool) {
-    iso_error error = {0};
-    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
-    const iso_target target = {view, &g, pool, 0};
-    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_REFINED};
-    test_ok(iso_draw_pullpush(&target, points, &opts, &error), &error);
-    return g;
-}
+static const iso_pullpush_opts refined = {.reconstruction = ISO_RECONSTRUCTION_REFINED};
 
 static size_t samples_of(const iso_view *view) {
     return (size_t)view->width * (size_t)view->height;
@@ -142,7 +135,7 @@ static bool is_there(const iso_gbuffer *g, size_t i) {
 
 /* What may differ: pixels where rounding decides, and where surfaces within a thickness come in an order. */
 static void like_reference(const iso_view *view, const iso_point_view *points, double most) {
-    iso_gbuffer got = drawn(view, points, NULL),
+    iso_gbuffer got = test_drawn(view, points, &refined, NULL),
                 wanted = test_clear_gbuffer(view->width, view->height, false);
     refined_reference(view, points, &wanted);
     size_t off = 0, seen = 0;
@@ -182,32 +175,6 @@ static void like_the_reference(void **state) {
 
 /* ---- against itself */
 
-static void every_variant(const iso_view *view, const iso_point_view *points, const iso_gbuffer *wanted) {
-    for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++)
-        for (int threads = 1; threads <= 3; threads++) {
-            iso_pool *pool = NULL;
-            iso_cpu_limit((iso_cpu_level)level);
-            if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
-            iso_gbuffer got = drawn(view, points, pool);
-            test_same_rows(wanted, 0, &got);
-            iso_gbuffer_free(&got);
-            iso_pool_destroy(pool);
-        }
-    iso_cpu_limit(ISO_CPU_AVX512);
-}
-
-static void every_strip(const iso_view *view, const iso_point_view *points, const iso_gbuffer *wanted) {
-    static const int heights[] = {7, 24, 61};
-    for (int h = 0; h < 3; h++)
-        for (int y = 0; y < view->height; y += heights[h]) {
-            const int count = view->height - y < heights[h] ? view->height - y : heights[h];
-            const iso_view rows = iso_view_rows(view, y, count);
-            iso_gbuffer strip = drawn(&rows, points, NULL);
-            test_same_rows(wanted, y, &strip);
-            iso_gbuffer_free(&strip);
-        }
-}
-
 /* Open ones have turned points too. */
 static void same_bytes_everywhere(void **state) {
     (void)state;
@@ -218,9 +185,9 @@ static void same_bytes_everywhere(void **state) {
         for (int z = 0; z < 4; z++) {
             if (z == 2) s.points.closed = false;
             const iso_view view = test_look_at(&s, n + 2 * z, zooms[z], z == 1, 131 - 9 * n, 143);
-            iso_gbuffer whole = drawn(&view, &s.points, NULL);
-            every_variant(&view, &s.points, &whole);
-            every_strip(&view, &s.points, &whole);
+            iso_gbuffer whole = test_drawn(&view, &s.points, &refined, NULL);
+            test_every_variant(&view, &s.points, &refined, &whole);
+            test_every_strip(&view, &s.points, &refined, &whole);
             iso_gbuffer_free(&whole);
         }
         test_scene_free(&s);
@@ -328,7 +295,7 @@ static void known_surfaces(void **state) {
                 const double focal = FOCALS[f] * (orthographic ? 1 : DISTANCE - RADIUS);
                 const iso_view view = test_plain_view(220, 210, orthographic, focal);
                 clouds[c]->points.closed = c == 0;
-                iso_gbuffer g = drawn(&view, &clouds[c]->points, NULL);
+                iso_gbuffer g = test_drawn(&view, &clouds[c]->points, &refined, NULL);
                 const errors e = compare(&view, &g, surfaces[c]);
                 iso_gbuffer_free(&g);
                 const bool tiny = f == 0 && c < 2; /* less than a pixel: flat discs */
@@ -357,7 +324,7 @@ static void insides_are_seen(void **state) {
         }
     c->span.count = kept;
     const iso_view view = test_plain_view(160, 160, true, 6);
-    iso_gbuffer g = drawn(&view, &c->points, NULL);
+    iso_gbuffer g = test_drawn(&view, &c->points, &refined, NULL);
     for (size_t i = 0; i < samples_of(&view); i++) {
         const double x = ((double)(i % 160) + 0.5 - view.cx) / 6, y = ((double)(i / 160) + 0.5 - view.cy) / 6;
         const double square = x * x + y * y;
@@ -370,7 +337,7 @@ static void insides_are_seen(void **state) {
     }
     iso_gbuffer_free(&g);
     c->points.closed = true; /* then they are hidden by what is not there */
-    g = drawn(&view, &c->points, NULL);
+    g = test_drawn(&view, &c->points, &refined, NULL);
     size_t seen = 0;
     for (size_t i = 0; i < samples_of(&view); i++) seen += is_there(&g, i);
     assert_true(seen < 500); /* a rim */
@@ -433,7 +400,7 @@ static void surfaces_end_at_the_border(void **state) {
     for (int n = 0; n < 12; n++) {
         test_scene s = make_cut_ball(n % 2);
         const iso_view view = test_look_at(&s, n, zooms[n % 3], n % 4 == 3, 150, 140);
-        iso_gbuffer g = drawn(&view, &s.points, NULL);
+        iso_gbuffer g = test_drawn(&view, &s.points, &refined, NULL);
         size_t seen = 0, holes = 0;
         for (size_t i = 0; i < samples_of(&view); i++) {
             iso_vec3 from, ray;
@@ -460,7 +427,7 @@ static void near_plane(void **state) {
     cloud *c = make_plane(SLOPE);
     iso_view view = test_plain_view(100, 100, false, 200);
     view.near = DISTANCE;
-    iso_gbuffer g = drawn(&view, &c->points, NULL);
+    iso_gbuffer g = test_drawn(&view, &c->points, &refined, NULL);
     for (size_t i = 0; i < samples_of(&view); i++) {
         const double u = ((double)(i % 100) + 0.5 - view.cx) / view.focal, x = DISTANCE * u / (1 - SLOPE * u);
         if (fabs(x) > 1.2) assert_int_equal(is_there(&g, i), x > 0);
@@ -472,13 +439,13 @@ static void near_plane(void **state) {
     const iso_affine affine = iso_transform_affine(&s.points.transform);
     inside.eye = iso_affine_point(&affine, iso_vec3_make(15.3, 16.1, 15.8));
     inside.near = 0.3;
-    g = drawn(&inside, &s.points, NULL);
+    g = test_drawn(&inside, &s.points, &refined, NULL);
     for (size_t i = 0; i < samples_of(&inside); i++) {
         if (!is_there(&g, i)) continue;
         const iso_vec3 n = iso_gbuffer_normal(&g, i);
         assert_true(isfinite(g.depth[i]) && fabs(iso_vec3_length(n) - 1) < 1e-3);
     }
-    every_variant(&inside, &s.points, &g);
+    test_every_variant(&inside, &s.points, &refined, &g);
     iso_gbuffer_free(&g);
     test_scene_free(&s);
 }
@@ -503,7 +470,8 @@ static void hidden_points_change_nothing(void **state) {
         all->points.spans = spans;
         all->points.span_count = 3;
         const iso_view view = test_plain_view(150, 130, f % 2, FOCALS[f] * (f % 2 ? 1 : DISTANCE));
-        iso_gbuffer a = drawn(&view, &front->points, NULL), b = drawn(&view, &all->points, NULL);
+        iso_gbuffer a = test_drawn(&view, &front->points, &refined, NULL),
+                    b = test_drawn(&view, &all->points, &refined, NULL);
         for (size_t i = 0; i < samples_of(&view); i++) {
             if (!is_there(&a, i)) continue;
             assert_true(a.depth[i] == b.depth[i]);

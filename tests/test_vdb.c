@@ -17,38 +17,12 @@
 #include "grids/vdb_check.h"
 #include "grids/volume.h"
 #include "vdb_files.h"
+#include "volume_support.h"
 
 #define FILE_PATH ISO_TEST_TMP "/test_vdb.vdb"
 #define CUT_PATH ISO_TEST_TMP "/test_vdb_cut.vdb"
 
 static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-
-static iso_volume read_ok(const char *path, const iso_volume_opts *opts) {
-    iso_error error = {0};
-    iso_volume volume = {0};
-    if (iso_volume_read(path, opts, &volume, &error) != ISO_OK) fail_msg("%s", error.text);
-    return volume;
-}
-
-/* The read must fail with `status` and a line that names the file and contains `words`. */
-static void expect_failure(const char *path, const iso_volume_opts *opts, iso_status status,
-                           const char *words) {
-    iso_error error = {0};
-    iso_volume volume = {0};
-    iso_status got = iso_volume_read(path, opts, &volume, &error);
-    if (got != status)
-        fail_msg("%s instead of %s: %s", iso_status_text(got), iso_status_text(status), error.text);
-    if (!strstr(error.text, path) || !strstr(error.text, words))
-        fail_msg("'%s' lacks '%s'", error.text, words);
-    assert_null(volume.grid.rgrid);
-    assert_null(volume.grid.hgrid);
-}
-
-static int has_note(const iso_volume_info *info, const char *words) {
-    for (int i = 0; i < info->note_count; i++)
-        if (strstr(info->notes[i], words)) return 1;
-    return 0;
-}
 
 static void write_ok(const vdb_spec *specs, int count, int flags) {
     assert_int_equal(vdb_write(FILE_PATH, specs, count, flags), 0);
@@ -137,7 +111,7 @@ static double noise_expected(const vdb_spec *spec, const int v[3], int component
 static void check_noise(const vdb_spec *spec, int flags, int component, iso_pool *pool) {
     write_ok(spec, 1, flags);
     iso_volume_opts opts = {.component = component, .pool = pool};
-    iso_volume volume = read_ok(FILE_PATH, &opts);
+    iso_volume volume = test_read_volume(FILE_PATH, &opts);
     const iso_rgrid *grid = volume.grid.rgrid;
     assert_non_null(grid);
     assert_int_equal(grid->level_set, 0);
@@ -168,10 +142,10 @@ static void dense_types(void **state) {
     check_noise(&vectors, VDB_ZIP, 1, NULL);
     check_noise(&vectors, VDB_ZIP, 2, NULL);
     iso_volume_opts opts = {.component = 3};
-    expect_failure(FILE_PATH, &opts, ISO_ERR_USAGE, "no component 3");
-    iso_volume volume = read_ok(FILE_PATH, NULL);
+    test_expect_no_volume(FILE_PATH, &opts, ISO_ERR_USAGE, NULL, "no component 3");
+    iso_volume volume = test_read_volume(FILE_PATH, NULL);
     assert_int_equal(volume.info.components, 3);
-    assert_true(has_note(&volume.info, "components"));
+    assert_true(test_has_note(&volume.info, "components"));
     iso_volume_free(&volume);
 }
 
@@ -194,7 +168,7 @@ static void dense_storage(void **state) {
         spec.half = 1; /* halves hold integers up to 2048 */
         check_noise(&spec, flags[i], 0, pool);
     }
-    iso_volume volume = read_ok(FILE_PATH, NULL);
+    iso_volume volume = test_read_volume(FILE_PATH, NULL);
     assert_string_equal(volume.info.file_type, "half");
     iso_volume_free(&volume);
     iso_pool_destroy(pool);
@@ -243,9 +217,9 @@ static void level_set_cubic(void **state) {
         vdb_spec spec = ball_spec(&b, 0.25);
         spec.origin[1] = 100;
         write_ok(&spec, 1, VDB_BLOSC | VDB_ACTIVE_MASK);
-        iso_volume volume = read_ok(FILE_PATH, NULL);
+        iso_volume volume = test_read_volume(FILE_PATH, NULL);
         check_ball(&volume, &b, &spec);
-        assert_int_equal(has_note(&volume.info, "narrow band"), bands[i] < 3);
+        assert_int_equal(test_has_note(&volume.info, "narrow band"), bands[i] < 3);
         const iso_hgrid *grid = volume.grid.hgrid;
         int inside = 0, outside = 0;
         for (int c = 0; c < grid->cells[0] * grid->cells[1] * grid->cells[2]; c++) {
@@ -267,7 +241,7 @@ static void level_set_rotated(void **state) {
     memcpy(spec.axis, axis, sizeof axis);
     spec.origin[2] = -20;
     write_ok(&spec, 1, VDB_ZIP);
-    iso_volume volume = read_ok(FILE_PATH, NULL);
+    iso_volume volume = test_read_volume(FILE_PATH, NULL);
     check_ball(&volume, &b, &spec);
     assert_true(fabs(volume.info.transform.spacing[0] - 0.5) < 1e-12);
     assert_true(fabs(volume.info.transform.direction[0] + 0.6) < 1e-12);
@@ -281,12 +255,12 @@ static void level_set_threads(void **state) {
     vdb_spec spec = ball_spec(&b, 1);
     spec.type = "double";
     write_ok(&spec, 1, VDB_ZIP);
-    iso_volume one = read_ok(FILE_PATH, NULL);
+    iso_volume one = test_read_volume(FILE_PATH, NULL);
     check_ball(&one, &b, &spec);
     iso_pool *pool = NULL;
     assert_int_equal(iso_pool_create(4, &pool, NULL), ISO_OK);
     iso_volume_opts opts = {.pool = pool};
-    iso_volume four = read_ok(FILE_PATH, &opts);
+    iso_volume four = test_read_volume(FILE_PATH, &opts);
     const iso_hgrid *g = one.grid.hgrid, *h = four.grid.hgrid;
     size_t cells = (size_t)g->cells[0] * (size_t)g->cells[1] * (size_t)g->cells[2];
     assert_memory_equal(g->cell, h->cell, cells * sizeof *g->cell);
@@ -310,7 +284,7 @@ static void level_set_not_cubic(void **state) {
         else
             spec.axis[8] = 0.75;
         write_ok(&spec, 1, VDB_ZIP);
-        iso_volume volume = read_ok(FILE_PATH, NULL);
+        iso_volume volume = test_read_volume(FILE_PATH, NULL);
         const iso_rgrid *grid = volume.grid.rgrid;
         assert_non_null(grid);
         assert_int_equal(grid->level_set, 1);
@@ -342,14 +316,14 @@ static void limits(void **state) {
                      .value = slab_value};
     memcpy(spec.axis, identity, sizeof identity);
     write_ok(&spec, 1, VDB_ZIP);
-    expect_failure(FILE_PATH, NULL, ISO_ERR_LIMIT, "2048");
+    test_expect_no_volume(FILE_PATH, NULL, ISO_ERR_LIMIT, NULL, "2048");
     const noise n = {{0, 0, 0}, {63, 63, 63}, 1000};
     vdb_spec dense = noise_spec(&n, "float");
     dense.hi[0] = dense.hi[1] = dense.hi[2] = 63;
     write_ok(&dense, 1, VDB_ZIP);
     iso_volume_opts opts = {.max_memory = 1000000};
-    expect_failure(FILE_PATH, &opts, ISO_ERR_LIMIT, "limit");
-    iso_volume volume = read_ok(FILE_PATH, NULL);
+    test_expect_no_volume(FILE_PATH, &opts, ISO_ERR_LIMIT, NULL, "limit");
+    iso_volume volume = test_read_volume(FILE_PATH, NULL);
     assert_true(volume.info.bytes == 64 * 64 * 64 * 4);
     assert_true(volume.info.read_bytes >= 2 * volume.info.bytes);
     iso_volume_free(&volume);
@@ -365,26 +339,26 @@ static void choosing(void **state) {
     specs[0].name = "velocity";
     specs[1].name = "density";
     write_ok(specs, 2, VDB_ZIP);
-    iso_volume volume = read_ok(FILE_PATH, NULL);
+    iso_volume volume = test_read_volume(FILE_PATH, NULL);
     assert_string_equal(volume.info.name, "density");
     assert_int_equal(volume.info.item_count, 2);
     assert_int_equal(volume.grid.rgrid->dims[0], 20);
-    assert_true(has_note(&volume.info, "\"density\" of 2"));
+    assert_true(test_has_note(&volume.info, "\"density\" of 2"));
     iso_volume_free(&volume);
 
     write_ok(specs, 3, VDB_ZIP);
-    volume = read_ok(FILE_PATH, NULL);
+    volume = test_read_volume(FILE_PATH, NULL);
     assert_string_equal(volume.info.name, "ball");
     assert_non_null(volume.grid.hgrid);
     iso_volume_free(&volume);
 
     iso_volume_opts opts = {.grid = "velocity", .component = 2};
-    volume = read_ok(FILE_PATH, &opts);
+    volume = test_read_volume(FILE_PATH, &opts);
     assert_int_equal(volume.grid.rgrid->dims[0], 10);
     assert_true(strstr(volume.info.items[1], "density") && strstr(volume.info.items[1], "20x10x10"));
     iso_volume_free(&volume);
     opts = (iso_volume_opts){.grid = "heat"};
-    expect_failure(FILE_PATH, &opts, ISO_ERR_USAGE, "velocity");
+    test_expect_no_volume(FILE_PATH, &opts, ISO_ERR_USAGE, NULL, "velocity");
 }
 
 static void same_names_and_instances(void **state) {
@@ -393,13 +367,13 @@ static void same_names_and_instances(void **state) {
     vdb_spec specs[2] = {noise_spec(&n, "float"), noise_spec(&wide, "float")};
     write_ok(specs, 2, VDB_ZIP);
     iso_volume_opts opts = {.grid = "noise[1]"};
-    iso_volume volume = read_ok(FILE_PATH, &opts);
+    iso_volume volume = test_read_volume(FILE_PATH, &opts);
     assert_int_equal(volume.info.dims[0], 20);
     iso_volume_free(&volume);
 
     assert_int_equal(vdb_write_instances(FILE_PATH, &specs[1], 40), 0);
     opts.grid = "b";
-    volume = read_ok(FILE_PATH, &opts);
+    volume = test_read_volume(FILE_PATH, &opts);
     assert_int_equal(volume.info.dims[0], 20);
     assert_true(volume.info.transform.origin[0] == 40);
     const int v[3] = {4, 5, 6};
@@ -416,26 +390,27 @@ static double nothing(const void *context, const int v[3], int component, int *a
 static void not_volumes(void **state) {
     (void)state;
     assert_int_equal(vdb_write_points(FILE_PATH, "sparks"), 0);
-    expect_failure(FILE_PATH, NULL, ISO_ERR_FORMAT, "holds only points (grid \"sparks\"), no volume");
+    test_expect_no_volume(FILE_PATH, NULL, ISO_ERR_FORMAT, NULL,
+                          "holds only points (grid \"sparks\"), no volume");
     iso_volume_opts opts = {.grid = "sparks"};
-    expect_failure(FILE_PATH, &opts, ISO_ERR_FORMAT, "holds points");
+    test_expect_no_volume(FILE_PATH, &opts, ISO_ERR_FORMAT, NULL, "holds points");
 
     const noise n = {{0, 0, 0}, {9, 9, 9}, 50};
     vdb_spec spec = noise_spec(&n, "float");
     spec.frustum = 1;
     write_ok(&spec, 1, VDB_ZIP);
-    expect_failure(FILE_PATH, NULL, ISO_ERR_FORMAT, "not linear");
+    test_expect_no_volume(FILE_PATH, NULL, ISO_ERR_FORMAT, NULL, "not linear");
     spec = noise_spec(&n, "float");
     spec.value = nothing;
     write_ok(&spec, 1, VDB_ZIP);
-    expect_failure(FILE_PATH, NULL, ISO_ERR_FORMAT, "no active voxels");
+    test_expect_no_volume(FILE_PATH, NULL, ISO_ERR_FORMAT, NULL, "no active voxels");
     write_ok(NULL, 0, VDB_ZIP);
-    expect_failure(FILE_PATH, NULL, ISO_ERR_FORMAT, "no grids");
+    test_expect_no_volume(FILE_PATH, NULL, ISO_ERR_FORMAT, NULL, "no grids");
 
     FILE *file = fopen(FILE_PATH, "wb");
     fputs("this is text, and not a grid of anything\n", file);
     fclose(file);
-    expect_failure(FILE_PATH, NULL, ISO_ERR_FORMAT, "not a .vdb file");
+    test_expect_no_volume(FILE_PATH, NULL, ISO_ERR_FORMAT, NULL, "not a .vdb file");
 }
 
 /* ---- broken files ---- */
@@ -518,7 +493,7 @@ static void versions(void **state) {
     for (int i = 0; i < 2; i++) {
         whole[8] = versions[i];
         spill(CUT_PATH, whole, count);
-        expect_failure(CUT_PATH, NULL, ISO_ERR_FORMAT, "version");
+        test_expect_no_volume(CUT_PATH, NULL, ISO_ERR_FORMAT, NULL, "version");
     }
     free(whole);
 }
@@ -592,7 +567,7 @@ static void real_sphere(void **state) {
     (void)state;
     char path[512];
     if (!real_file("vdb_sphere/sphere.vdb", path)) skip();
-    iso_volume volume = read_ok(path, NULL);
+    iso_volume volume = test_read_volume(path, NULL);
     const iso_hgrid *grid = volume.grid.hgrid;
     assert_non_null(grid);
     assert_string_equal(volume.info.file_type, "half");
@@ -621,7 +596,7 @@ static void check_fog(const char *name, const char *grid_name, const int dims[3]
     char path[512];
     if (!real_file(name, path)) skip();
     iso_volume_opts opts = {.grid = grid_name};
-    iso_volume volume = read_ok(path, &opts);
+    iso_volume volume = test_read_volume(path, &opts);
     assert_non_null(volume.grid.rgrid);
     assert_false(volume.info.level_set);
     for (int i = 0; i < 3; i++) {

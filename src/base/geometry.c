@@ -32,6 +32,17 @@ iso_transform iso_transform_local(const iso_transform *transform) {
     return local;
 }
 
+iso_status iso_crop_dims(const int dims[3], const int lo[3], const int hi[3], int cropped[3],
+                         iso_error *error) {
+    for (int axis = 0; axis < 3; axis++) {
+        if (lo[axis] < 0 || hi[axis] >= dims[axis] || lo[axis] > hi[axis])
+            return iso_fail(error, ISO_ERR_USAGE, "crop %d..%d along %c is not in 0..%d", lo[axis], hi[axis],
+                            "xyz"[axis], dims[axis] - 1);
+        cropped[axis] = hi[axis] - lo[axis] + 1;
+    }
+    return ISO_OK;
+}
+
 static iso_vec3 multiply(const double m[9], iso_vec3 v) {
     return iso_vec3_make(m[0] * v.x + m[1] * v.y + m[2] * v.z, m[3] * v.x + m[4] * v.y + m[5] * v.z,
                          m[6] * v.x + m[7] * v.y + m[8] * v.z);
@@ -65,6 +76,16 @@ iso_affine iso_transform_affine(const iso_transform *transform) {
 iso_vec3 iso_affine_point(const iso_affine *affine, iso_vec3 index) {
     iso_vec3 v = multiply(affine->m, index);
     return iso_vec3_make(v.x + affine->origin[0], v.y + affine->origin[1], v.z + affine->origin[2]);
+}
+
+iso_transform iso_transform_shift(const iso_transform *transform, const int at[3]) {
+    const iso_affine affine = iso_transform_affine(transform);
+    const iso_vec3 origin = iso_affine_point(&affine, iso_vec3_make(at[0], at[1], at[2]));
+    iso_transform shifted = *transform;
+    shifted.origin[0] = origin.x;
+    shifted.origin[1] = origin.y;
+    shifted.origin[2] = origin.z;
+    return shifted;
 }
 
 iso_vec3 iso_affine_vector(const iso_affine *affine, iso_vec3 index_vector) {

@@ -9,6 +9,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/status.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -70,6 +72,14 @@ iso_transform iso_transform_identity(void);
 
 /* The same with origin 0 and identity direction: the volume's local frame (bounds_local). */
 iso_transform iso_transform_local(const iso_transform *transform);
+
+/* The same with the voxel at index `at` as the first. */
+iso_transform iso_transform_shift(const iso_transform *transform, const int at[3]);
+
+/* Voxels of the box lo .. hi (both inclusive) of a grid; ISO_ERR_USAGE where it is empty or reaches out of
+ * the grid. */
+iso_status iso_crop_dims(const int dims[3], const int lo[3], const int hi[3], int cropped[3],
+                         iso_error *error);
 
 /* origin + m * index, and the inverse of m: what loops use. Row-major. */
 typedef struct iso_affine {

@@ -178,18 +178,12 @@ static iso_status read_obj(reading *r, FILE *file, iso_error *error) {
 static iso_status read_ply_vertex(reading *r, iso_ply *ply, const iso_ply_element *element,
                                   iso_error *error) {
     static const char *const names[3] = {"x", "y", "z"};
-    double p[3] = {NAN, NAN, NAN};
-    for (int i = 0; i < element->property_count; i++) {
-        const iso_ply_property *property = &ply->properties[element->first_property + i];
-        double value;
-        if (property->is_list) {
-            ISO_TRY(iso_ply_skip_list(ply, property, error));
-            continue;
-        }
-        ISO_TRY(iso_ply_read_value(ply, property->type, &value, error));
+    const iso_ply_property *property = &ply->properties[element->first_property];
+    double value[ISO_PLY_PROPERTIES], p[3] = {NAN, NAN, NAN};
+    ISO_TRY(iso_ply_read_item(ply, element, value, error));
+    for (int i = 0; i < element->property_count; i++)
         for (int axis = 0; axis < 3; axis++)
-            if (strcmp(property->name, names[axis]) == 0) p[axis] = value;
-    }
+            if (!property[i].is_list && strcmp(property[i].name, names[axis]) == 0) p[axis] = value[i];
     return add_vertex(r, p, error);
 }
 

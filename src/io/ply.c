@@ -152,18 +152,23 @@ iso_status iso_ply_skip_list(iso_ply *ply, const iso_ply_property *list, iso_err
     return ISO_OK;
 }
 
+iso_status iso_ply_read_item(iso_ply *ply, const iso_ply_element *element, double value[ISO_PLY_PROPERTIES],
+                             iso_error *error) {
+    for (int i = 0; i < element->property_count; i++) {
+        const iso_ply_property *property = &ply->properties[element->first_property + i];
+        if (property->is_list)
+            ISO_TRY(iso_ply_skip_list(ply, property, error));
+        else
+            ISO_TRY(iso_ply_read_value(ply, property->type, &value[i], error));
+    }
+    return ISO_OK;
+}
+
 iso_status iso_ply_skip_element(iso_ply *ply, const iso_ply_element *element, iso_error *error) {
     if (element->property_count == 0) return ISO_OK; /* its items take no bytes, however many there are */
+    double ignored[ISO_PLY_PROPERTIES];
     ISO_TRY(iso_ply_check_size(ply, element, error));
-    for (uint64_t item = 0; item < element->count; item++)
-        for (int i = 0; i < element->property_count; i++) {
-            const iso_ply_property *property = &ply->properties[element->first_property + i];
-            double ignored;
-            if (property->is_list)
-                ISO_TRY(iso_ply_skip_list(ply, property, error));
-            else
-                ISO_TRY(iso_ply_read_value(ply, property->type, &ignored, error));
-        }
+    for (uint64_t i = 0; i < element->count; i++) ISO_TRY(iso_ply_read_item(ply, element, ignored, error));
     return ISO_OK;
 }
 

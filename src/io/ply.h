@@ -70,6 +70,11 @@ iso_status iso_ply_check_size(const iso_ply *ply, const iso_ply_element *element
 /* The next value, which the header says is of `type`. */
 iso_status iso_ply_read_value(iso_ply *ply, iso_ply_type type, double *value, iso_error *error);
 
+/* The next item of `element`: value[i] becomes its i-th property. Lists are skipped and leave theirs alone.
+ */
+iso_status iso_ply_read_item(iso_ply *ply, const iso_ply_element *element, double value[ISO_PLY_PROPERTIES],
+                             iso_error *error);
+
 /* Skips the next list, or all items of `element`. */
 iso_status iso_ply_skip_list(iso_ply *ply, const iso_ply_property *list, iso_error *error);
 iso_status iso_ply_skip_element(iso_ply *ply, const iso_ply_element *element, iso_error *error);

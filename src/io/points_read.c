@@ -54,17 +54,13 @@ static iso_status assign_values(const iso_ply *ply, const iso_ply_element *eleme
 
 static iso_status read_values(iso_ply *ply, const iso_ply_element *element, const int *slot,
                               double values[VALUES], iso_error *error) {
+    const iso_ply_property *property = &ply->properties[element->first_property];
+    double value[ISO_PLY_PROPERTIES];
+    ISO_TRY(iso_ply_read_item(ply, element, value, error));
     for (int i = 0; i < element->property_count; i++) {
-        const iso_ply_property *property = &ply->properties[element->first_property + i];
-        double value;
-        if (property->is_list) {
-            ISO_TRY(iso_ply_skip_list(ply, property, error));
-            continue;
-        }
-        ISO_TRY(iso_ply_read_value(ply, property->type, &value, error));
-        bool fraction = property->type == ISO_PLY_FLOAT32 || property->type == ISO_PLY_FLOAT64;
-        if (slot[i] >= RED && fraction) value *= 255;
-        if (slot[i] >= 0) values[slot[i]] = value;
+        if (slot[i] < 0) continue;
+        const bool fraction = property[i].type == ISO_PLY_FLOAT32 || property[i].type == ISO_PLY_FLOAT64;
+        values[slot[i]] = slot[i] >= RED && fraction ? value[i] * 255 : value[i];
     }
     return ISO_OK;
 }

@@ -1,0 +1,18 @@
+/* volume_support: what tests of readers share. */
+#ifndef ISO_TESTS_VOLUME_SUPPORT_H
+#define ISO_TESTS_VOLUME_SUPPORT_H
+
+#include "grids/volume.h"
+
+/* The volume, or the test fails with the error's text. */
+iso_volume test_read_volume(const char *path, const iso_volume_opts *opts);
+
+/* The read must fail with `status` and a line that names the file, or the part of it that `file` is (NULL:
+ * path), and contains `words`. */
+void test_expect_no_volume(const char *path, const iso_volume_opts *opts, iso_status status, const char *file,
+                           const char *words);
+
+/* Whether one of the notes contains `words`. */
+int test_has_note(const iso_volume_info *info, const char *words);
+
+#endif
