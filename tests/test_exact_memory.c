@@ -37,6 +37,16 @@ static iso_grid noisy_grid(test_random *random) {
     return grid;
 }
 
+/* It draws what it has, and all of the grid after the next update. */
+static void still_serves(const iso_grid *grid, iso_exact *exact) {
+    const iso_view view = front_view(grid);
+    iso_gbuffer gbuffer = empty_picture(&view);
+    draw_exact(exact, &view, &gbuffer, NULL);
+    iso_gbuffer_free(&gbuffer);
+    assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
+    same_depths(grid, exact);
+}
+
 /* Creating and filling, refused at the first call for memory, then at the second, and so on in growing steps.
  */
 static void first_updates_fail_cleanly(void **state) {
@@ -53,14 +63,7 @@ static void first_updates_fail_cleanly(void **state) {
         test_grant_memory();
         failed = status != ISO_OK;
         assert_true(status == ISO_OK || status == ISO_ERR_NOMEM);
-        if (exact) {
-            const iso_view view = front_view(&grid);
-            iso_gbuffer gbuffer = empty_picture(&view);
-            draw_exact(exact, &view, &gbuffer, NULL);
-            iso_gbuffer_free(&gbuffer);
-            assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
-            same_depths(&grid, exact);
-        }
+        if (exact) still_serves(&grid, exact);
         iso_exact_destroy(exact);
         iso_grid_destroy(&grid);
         assert_true(call < 5000);
@@ -78,12 +81,7 @@ static void later_updates_make_up(void **state) {
         const iso_status status = iso_exact_update(exact, NULL);
         test_grant_memory();
         assert_true(status == ISO_OK || status == ISO_ERR_NOMEM);
-        const iso_view view = front_view(&grid);
-        iso_gbuffer gbuffer = empty_picture(&view);
-        draw_exact(exact, &view, &gbuffer, NULL);
-        iso_gbuffer_free(&gbuffer);
-        assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
-        same_depths(&grid, exact);
+        still_serves(&grid, exact);
     }
     iso_exact_destroy(exact);
     iso_grid_destroy(&grid);

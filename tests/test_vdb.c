@@ -30,16 +30,9 @@ static void write_ok(const vdb_spec *specs, int count, int flags) {
 
 /* ---- values that tests write ---- */
 
-static uint32_t hash(uint32_t x) {
-    x ^= x >> 16;
-    x *= 0x7feb352dU;
-    x ^= x >> 15;
-    x *= 0x846ca68bU;
-    return x ^ x >> 16;
-}
-
 static uint32_t voxel_hash(const int v[3], int component) {
-    return hash(hash(hash((uint32_t)v[0]) + (uint32_t)v[1]) + (uint32_t)v[2] + 977U * (uint32_t)component);
+    return test_hash(test_hash(test_hash((uint32_t)v[0]) + (uint32_t)v[1]) + (uint32_t)v[2] +
+                     977U * (uint32_t)component);
 }
 
 /* Random integers below 1000, a third of the voxels inactive; the corners of the box are always active, so
@@ -521,23 +514,7 @@ static void corrupted(void **state) {
         vdb_spec spec = ball_spec(&b, 1);
         spec.half = k % 2;
         write_ok(&spec, 1, flags[k / 2]);
-        size_t count;
-        unsigned char *whole = slurp(FILE_PATH, &count);
-        iso_volume_opts opts = {.max_memory = 1 << 28};
-        for (uint32_t i = 0; i < 300; i++) {
-            size_t at = 1000 + hash(i) % (count - 1000);
-            unsigned char old = whole[at];
-            whole[at] ^= (unsigned char)(1U << hash(i + 5000) % 8);
-            spill(CUT_PATH, whole, count);
-            iso_volume volume = {0};
-            iso_error error = {0};
-            if (iso_volume_read(CUT_PATH, &opts, &volume, &error) == ISO_OK)
-                iso_volume_free(&volume);
-            else
-                assert_non_null(strstr(error.text, CUT_PATH));
-            whole[at] = old;
-        }
-        free(whole);
+        test_read_damaged(FILE_PATH, 1000, 300, FILE_PATH);
     }
 }
 
