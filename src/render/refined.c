@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/refined_kernel.h"
+#include "render/refined_numbers.h"
 
 enum {
     ROWS_LEAST = 16,
@@ -14,13 +15,6 @@ enum {
     LAYERS = 4096, /* of depth, which blocks are sorted into */
     LOOKS = 12     /* at what is hidden, while a band is drawn */
 };
-
-/* The ball of a disc, in the point's own radii: for extracted points 0.85 voxel, which is about the least
- * that leaves no holes, and up to 1 where that is many pixels: more discs meet there, and what noise there is
- * in them averages out. */
-static const float BALL_RADII[2] = {1.2f, 0.215f};
-/* Pixels of a point's radius. */
-static const float GROW_FROM = 4.5f, GROW_OVER = 6;
 
 /* One call. */
 typedef struct frame {
@@ -85,9 +79,10 @@ static void set_up_job(frame *f, const iso_projector *projector) {
     job->voxels = job->points->packed ? ISO_POINT_STEP : 1;
     for (int k = 0; k < 9; k++) job->step[k] = (float)(projector->matrix[k] * (double)job->voxels);
     memcpy(job->normal, projector->normal, sizeof job->normal);
-    memcpy(job->reach, BALL_RADII, sizeof job->reach);
-    job->grow_from = GROW_FROM;
-    job->grow = 1 / GROW_OVER;
+    job->reach[0] = ISO_REFINED_BALL;
+    job->reach[1] = ISO_REFINED_BALL_MORE;
+    job->grow_from = ISO_REFINED_GROW_FROM;
+    job->grow = 1 / ISO_REFINED_GROW_OVER;
     job->radius = job->points->radius > 0 ? (float)job->points->radius : 0;
     job->focal = (float)view->focal;
     job->slope = view->orthographic ? 0 : (float)(1 / view->focal);
@@ -113,14 +108,15 @@ static void choose_bands(frame *f) {
 
 /* Cells are as large as discs, which so lie in their own and the eight around it. */
 static void set_up_hiding(frame *f) {
-    const float most = f->blocks->radius[1] / ISO_DISC_RADII * (BALL_RADII[0] + BALL_RADII[1]) * f->job.slant;
+    const float most =
+        f->blocks->radius[1] / ISO_DISC_RADII * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE) * f->job.slant;
     f->shift = CELL_SHIFT_LEAST;
     while (f->shift < 16 && most > (float)(1 << f->shift)) f->shift++;
     const size_t side = (size_t)1 << f->shift;
     f->cells = (int)((f->stride + side - 1) >> f->shift) * (int)((f->band_rows + side - 1) >> f->shift);
     /* A disc may reach towards the eye by its radius, and joins what is 1.5 radii before it; where that was
      * turned, what faces the eye takes its place from as far behind. */
-    const float radius = f->job.radius * (BALL_RADII[0] + BALL_RADII[1]);
+    const float radius = f->job.radius * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE);
     f->behind = f->job.points->radii ? ISO_NOWHERE : (f->job.cull ? 2.6f : 4.1f) * radius;
 }
 
@@ -131,8 +127,9 @@ static float point_radius(const iso_point_block *block, int end) {
 
 /* The largest radius of its discs in pixels. */
 static float disc_radius(const iso_point_block *block) {
-    const float radius = point_radius(block, 1), wide = (radius - GROW_FROM) / GROW_OVER;
-    return radius * (BALL_RADII[0] + fminf(fmaxf(wide, 0), 1) * BALL_RADII[1]);
+    const float radius = point_radius(block, 1),
+                wide = (radius - ISO_REFINED_GROW_FROM) / ISO_REFINED_GROW_OVER;
+    return radius * (ISO_REFINED_BALL + fminf(fmaxf(wide, 0), 1) * ISO_REFINED_BALL_MORE);
 }
 
 /* Bands first .. last that a block's discs can reach. */
