@@ -102,16 +102,22 @@ iso_view gl_side_view(const iso_box *box, int side, bool orthographic, int width
     return iso_view_make(&camera, width, height);
 }
 
-static iso_point_set *make_points(const iso_grid *grid, double isovalue, int floats) {
+static iso_point_set *make_points(const iso_grid *grid, const iso_points_opts *opts) {
     iso_point_set *set;
-    const iso_points_opts opts = {.isovalue = isovalue, .floats = floats};
-    assert_int_equal(iso_point_set_create(grid, &opts, &set, NULL), ISO_OK);
+    assert_int_equal(iso_point_set_create(grid, opts, &set, NULL), ISO_OK);
     assert_int_equal(iso_point_set_update(set, NULL), ISO_OK);
     return set;
 }
 
+iso_point_set *gl_discs_make(const iso_grid *grid, double isovalue) {
+    const iso_points_opts opts = {.isovalue = isovalue, .primitive = ISO_PRIMITIVE_EDGE, .shapes = true};
+    return make_points(grid, &opts);
+}
+
 gl_surface gl_surface_make(const iso_grid *grid, double isovalue) {
-    gl_surface s = {make_points(grid, isovalue, 0), make_points(grid, isovalue, 1), NULL, iso_box_empty()};
+    gl_surface s = {make_points(grid, &(iso_points_opts){.isovalue = isovalue}),
+                    make_points(grid, &(iso_points_opts){.isovalue = isovalue, .floats = true}), NULL,
+                    iso_box_empty()};
     assert_int_equal(iso_mesh_set_create(grid, &(iso_mesh_opts){.isovalue = isovalue}, &s.mesh, NULL),
                      ISO_OK);
     assert_int_equal(iso_mesh_set_update(s.mesh, NULL), ISO_OK);

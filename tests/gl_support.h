@@ -51,6 +51,9 @@ typedef struct gl_surface {
 gl_surface gl_surface_make(const iso_grid *grid, double isovalue);
 void gl_surface_free(gl_surface *surface);
 
+/* Edge points with shapes, as refined wants them. */
+iso_point_set *gl_discs_make(const iso_grid *grid, double isovalue);
+
 /* The same views by both engines: PSNR >= 40 dB, at most 1 % of the outline's pixels differ. Returns the
  * lowest PSNR. */
 double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views, int count,

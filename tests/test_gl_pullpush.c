@@ -396,12 +396,13 @@ static void memory_is_told(void **state) {
                                                ISO_RECONSTRUCTION_GAUSSIAN};
             iso_gbuffer g = gl_gbuffer(&view);
             assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &g, NULL), ISO_OK);
-            double taken = 0, told = (double)iso_gl_pullpush_bytes(engine, side, side);
+            double taken = 0,
+                   told = (double)iso_gl_pullpush_bytes(engine, ISO_RECONSTRUCTION_GAUSSIAN, side, side);
             for (int i = 0; i < ISO_GL_STORES; i++)
                 if (i != ISO_GL_STORE_BLOCKS) taken += (double)engine->storage_bytes[i];
             if (!(taken < 1.25 * told && taken > 0.8 * told)) fail_msg("%g taken, %g told", taken, told);
-            assert_true(iso_gl_pullpush_bytes(engine, 1 << 16, 1 << 16) ==
-                        iso_gl_pullpush_bytes(engine, 1 << 17, 1 << 17));
+            assert_true(iso_gl_pullpush_bytes(engine, ISO_RECONSTRUCTION_GAUSSIAN, 1 << 16, 1 << 16) ==
+                        iso_gl_pullpush_bytes(engine, ISO_RECONSTRUCTION_GAUSSIAN, 1 << 17, 1 << 17));
             iso_gbuffer_free(&g);
             iso_gl_shape_destroy(shape);
             iso_gl_engine_destroy(engine);
