@@ -42,6 +42,28 @@ void gl_contexts_close(gl_contexts *contexts) {
     }
 }
 
+void gl_on_each_context(void **state) {
+    gl_context_check *const *check = *state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    for (int c = 0; c < contexts.count; c++) (*check)(contexts.context[c]);
+    gl_contexts_close(&contexts);
+}
+
+void gl_on_each_engine(void **state) {
+    gl_engine_check *const *check = *state;
+    gl_contexts contexts;
+    if (!gl_contexts_open(&contexts)) skip();
+    for (int c = 0; c < contexts.count; c++) {
+        iso_gl_engine *engine;
+        iso_error error = {ISO_OK, ""};
+        if (iso_gl_engine_create(contexts.context[c], &engine, &error) != ISO_OK) fail_msg("%s", error.text);
+        (*check)(engine);
+        iso_gl_engine_destroy(engine);
+    }
+    gl_contexts_close(&contexts);
+}
+
 iso_gbuffer gl_gbuffer(const iso_view *view) {
     iso_gbuffer gbuffer;
     assert_int_equal(iso_gbuffer_create(view->width, view->height, &gbuffer, NULL), ISO_OK);
@@ -109,8 +131,9 @@ static iso_point_set *make_points(const iso_grid *grid, const iso_points_opts *o
     return set;
 }
 
-iso_point_set *gl_discs_make(const iso_grid *grid, double isovalue) {
-    const iso_points_opts opts = {.isovalue = isovalue, .primitive = ISO_PRIMITIVE_EDGE, .shapes = true};
+iso_point_set *gl_discs_make(const iso_grid *grid, double isovalue, bool floats) {
+    const iso_points_opts opts = {
+        .isovalue = isovalue, .primitive = ISO_PRIMITIVE_EDGE, .floats = floats, .shapes = true};
     return make_points(grid, &opts);
 }
 

@@ -23,6 +23,25 @@ bool gl_contexts_open(gl_contexts *contexts);
 /* Fails the test when a driver said something above a notification. */
 void gl_contexts_close(gl_contexts *contexts);
 
+/* Tests of every context that can be had here, or of an engine on each; skipped where there is none. In lists
+ * of tests: gl_context_test(check), gl_engine_test(check). */
+typedef void gl_context_check(iso_gl_context *context);
+typedef void gl_engine_check(iso_gl_engine *engine);
+void gl_on_each_context(void **state);
+void gl_on_each_engine(void **state);
+#define gl_context_test(check)                                                                               \
+    {                                                                                                        \
+#check, gl_on_each_context, NULL, NULL, &(gl_context_check *) {                                      \
+            check                                                                                            \
+        }                                                                                                    \
+    }
+#define gl_engine_test(check)                                                                                \
+    {                                                                                                        \
+#check, gl_on_each_engine, NULL, NULL, &(gl_engine_check *) {                                        \
+            check                                                                                            \
+        }                                                                                                    \
+    }
+
 /* How the pictures of two gbuffers of one view differ when they are shaded. */
 typedef struct gl_difference {
     double psnr;         /* dB */
@@ -52,7 +71,7 @@ gl_surface gl_surface_make(const iso_grid *grid, double isovalue);
 void gl_surface_free(gl_surface *surface);
 
 /* Edge points with shapes, as refined wants them. */
-iso_point_set *gl_discs_make(const iso_grid *grid, double isovalue);
+iso_point_set *gl_discs_make(const iso_grid *grid, double isovalue, bool floats);
 
 /* The same views by both engines: PSNR >= 40 dB, at most 1 % of the outline's pixels differ. Returns the
  * lowest PSNR. */

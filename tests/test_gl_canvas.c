@@ -152,105 +152,87 @@ static void check_against_cpu(const easel *e, const subject *s, const char *name
     printf("%s: %.1f dB\n", name, worst);
 }
 
-static void pictures_are_the_cpu_engines(void **state) {
-    (void)state;
-    gl_contexts contexts;
-    if (!gl_contexts_open(&contexts)) skip();
+static void pictures_are_the_cpu_engines(iso_gl_context *context) {
     subject s = make_subject();
-    for (int c = 0; c < contexts.count; c++) {
-        easel e = make_easel(contexts.context[c], &s);
-        const char *name = iso_gl_context_info(contexts.context[c]).name;
-        check_against_cpu(&e, &s, name);
-        e.engine->max_side = 101; /* in parts, whose sides are no multiples of factors */
-        check_against_cpu(&e, &s, name);
-        e.engine->max_storage = 600000;
-        check_against_cpu(&e, &s, name);
-        free_easel(&e);
-    }
+    easel e = make_easel(context, &s);
+    const char *name = iso_gl_context_info(context).name;
+    check_against_cpu(&e, &s, name);
+    e.engine->max_side = 101; /* in parts, whose sides are no multiples of factors */
+    check_against_cpu(&e, &s, name);
+    e.engine->max_storage = 600000;
+    check_against_cpu(&e, &s, name);
+    free_easel(&e);
     free_subject(&s);
-    gl_contexts_close(&contexts);
 }
 
 /* A sphere's picture that says where it was looked at: both ways into it agree with the normals drawn. */
-static void colours_come_from_the_sphere(void **state) {
-    (void)state;
+static void colours_come_from_the_sphere(iso_gl_context *context) {
     static uint8_t sphere[SPHERE][SPHERE][3];
-    gl_contexts contexts;
-    if (!gl_contexts_open(&contexts)) skip();
     subject s = make_subject();
     for (int y = 0; y < SPHERE; y++)
         for (int x = 0; x < SPHERE; x++) memcpy(sphere[y][x], (uint8_t[3]){(uint8_t)x, (uint8_t)y, 77}, 3);
     iso_gl_paint paint = lamps(1);
     paint.sphere = sphere[0][0];
     paint.sphere_side = SPHERE;
-    for (int c = 0; c < contexts.count; c++) {
-        easel e = make_easel(contexts.context[c], &s);
-        for (int m = 0; m < METHODS; m++) {
-            iso_image image = gl_picture(&e, &s, (draw_method)m, &paint);
-            int seen = 0;
-            for (int y = 0; y < HEIGHT; y += 3)
-                for (int x = 0; x < WIDTH; x += 3) {
-                    float n[4];
-                    const uint8_t *rgb = image.rgba + 4 * (y * WIDTH + x);
-                    bool there = iso_gl_canvas_pick(e.canvas, x, y, n);
-                    assert_int_equal(rgb[2], there ? 77 : BACKGROUND.b);
-                    if (!there) continue;
-                    float turned = n[2] > 0 ? -1.0f : 1.0f;
-                    for (int k = 0; k < 2; k++)
-                        assert_true(fabsf((n[k] * turned * 0.5f + 0.5f) * SPHERE - (rgb[k] + 0.5f)) < 0.51f ||
-                                    rgb[k] == SPHERE - 1);
-                    seen++;
-                }
-            assert_true(seen > 500);
-            iso_image_free(&image);
-        }
-        free_easel(&e);
+    easel e = make_easel(context, &s);
+    for (int m = 0; m < METHODS; m++) {
+        iso_image image = gl_picture(&e, &s, (draw_method)m, &paint);
+        int seen = 0;
+        for (int y = 0; y < HEIGHT; y += 3)
+            for (int x = 0; x < WIDTH; x += 3) {
+                float n[4];
+                const uint8_t *rgb = image.rgba + 4 * (y * WIDTH + x);
+                bool there = iso_gl_canvas_pick(e.canvas, x, y, n);
+                assert_int_equal(rgb[2], there ? 77 : BACKGROUND.b);
+                if (!there) continue;
+                float turned = n[2] > 0 ? -1.0f : 1.0f;
+                for (int k = 0; k < 2; k++)
+                    assert_true(fabsf((n[k] * turned * 0.5f + 0.5f) * SPHERE - (rgb[k] + 0.5f)) < 0.51f ||
+                                rgb[k] == SPHERE - 1);
+                seen++;
+            }
+        assert_true(seen > 500);
+        iso_image_free(&image);
     }
+    free_easel(&e);
     free_subject(&s);
-    gl_contexts_close(&contexts);
 }
 
 /* What a cursor finds is what the gbuffer would have; finer pictures leave it, copies keep it. */
-static void picks_are_the_samples(void **state) {
-    (void)state;
-    gl_contexts contexts;
-    if (!gl_contexts_open(&contexts)) skip();
+static void picks_are_the_samples(iso_gl_context *context) {
     subject s = make_subject();
-    for (int c = 0; c < contexts.count; c++) {
-        easel e = make_easel(contexts.context[c], &s);
-        const iso_view view = samples_of(&s, 1);
-        const iso_gl_shape *shape = e.mesh;
-        const iso_gl_draw_opts opts = {.view = &view, .shapes = &shape, .shape_count = 1};
-        const iso_gl_paint once = lamps(1), finer = lamps(2);
-        iso_gbuffer g = gl_gbuffer(&view);
-        iso_gl_canvas *copy;
-        assert_int_equal(iso_gl_canvas_create(e.engine, &copy, NULL), ISO_OK);
-        assert_int_equal(iso_gl_canvas_texture(copy), 0);
-        assert_int_equal(iso_gl_draw(e.engine, &opts, &g, NULL), ISO_OK);
-        assert_int_equal(paint_canvas(&e, &s, MESH, &once, NULL), ISO_OK);
-        assert_int_equal(paint_canvas(&e, &s, MESH, &finer, NULL), ISO_OK);
-        assert_int_equal(iso_gl_canvas_copy(copy, e.canvas, NULL), ISO_OK);
-        assert_int_equal(paint_canvas(&e, &s, POINTS, &once, NULL), ISO_OK); /* the copy is its own */
-        int seen = 0;
-        for (int y = 0; y < HEIGHT; y += 7)
-            for (int x = 0; x < WIDTH; x += 7) {
-                float n[4];
-                size_t at = (size_t)(y * WIDTH + x);
-                bool there = iso_gl_canvas_pick(copy, x, y, n);
-                assert_int_equal(there, g.surface[at] != ISO_SURFACE_NONE);
-                if (!there) continue;
-                assert_true(n[3] == g.depth[at] && n[0] == g.normal[0][at] && n[2] == g.normal[2][at]);
-                seen++;
-            }
-        assert_true(seen > 100);
-        float n[4];
-        assert_false(iso_gl_canvas_pick(copy, -1, 0, n) || iso_gl_canvas_pick(copy, 0, HEIGHT, n));
-        iso_gl_canvas_destroy(copy);
-        iso_gbuffer_free(&g);
-        free_easel(&e);
-    }
+    easel e = make_easel(context, &s);
+    const iso_view view = samples_of(&s, 1);
+    const iso_gl_shape *shape = e.mesh;
+    const iso_gl_draw_opts opts = {.view = &view, .shapes = &shape, .shape_count = 1};
+    const iso_gl_paint once = lamps(1), finer = lamps(2);
+    iso_gbuffer g = gl_gbuffer(&view);
+    iso_gl_canvas *copy;
+    assert_int_equal(iso_gl_canvas_create(e.engine, &copy, NULL), ISO_OK);
+    assert_int_equal(iso_gl_canvas_texture(copy), 0);
+    assert_int_equal(iso_gl_draw(e.engine, &opts, &g, NULL), ISO_OK);
+    assert_int_equal(paint_canvas(&e, &s, MESH, &once, NULL), ISO_OK);
+    assert_int_equal(paint_canvas(&e, &s, MESH, &finer, NULL), ISO_OK);
+    assert_int_equal(iso_gl_canvas_copy(copy, e.canvas, NULL), ISO_OK);
+    assert_int_equal(paint_canvas(&e, &s, POINTS, &once, NULL), ISO_OK); /* the copy is its own */
+    int seen = 0;
+    for (int y = 0; y < HEIGHT; y += 7)
+        for (int x = 0; x < WIDTH; x += 7) {
+            float n[4];
+            size_t at = (size_t)(y * WIDTH + x);
+            bool there = iso_gl_canvas_pick(copy, x, y, n);
+            assert_int_equal(there, g.surface[at] != ISO_SURFACE_NONE);
+            if (!there) continue;
+            assert_true(n[3] == g.depth[at] && n[0] == g.normal[0][at] && n[2] == g.normal[2][at]);
+            seen++;
+        }
+    assert_true(seen > 100);
+    float n[4];
+    assert_false(iso_gl_canvas_pick(copy, -1, 0, n) || iso_gl_canvas_pick(copy, 0, HEIGHT, n));
+    iso_gl_canvas_destroy(copy);
+    iso_gbuffer_free(&g);
+    free_easel(&e);
     free_subject(&s);
-    gl_contexts_close(&contexts);
 }
 
 /* ---- a window: a context that somebody else made, and draws with */
@@ -412,9 +394,9 @@ static void windows_are_left_as_they_were(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pictures_are_the_cpu_engines),
-        cmocka_unit_test(colours_come_from_the_sphere),
-        cmocka_unit_test(picks_are_the_samples),
+        gl_context_test(pictures_are_the_cpu_engines),
+        gl_context_test(colours_come_from_the_sphere),
+        gl_context_test(picks_are_the_samples),
         cmocka_unit_test(windows_are_left_as_they_were),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -70,7 +70,7 @@ static void check_pullpush(iso_gl_engine *engine, iso_point_set *set, iso_recons
 static void check_volume(size_t i, const iso_volume *volume, const gl_contexts *contexts, drawn what) {
     const char *name = volumes[i].path;
     gl_surface s = gl_surface_make(&volume->grid, volumes[i].isovalue);
-    iso_point_set *discs = what == REFINED ? gl_discs_make(&volume->grid, volumes[i].isovalue) : NULL;
+    iso_point_set *discs = what == REFINED ? gl_discs_make(&volume->grid, volumes[i].isovalue, false) : NULL;
     iso_view views[GL_SIDES];
     for (int side = 0; side < GL_SIDES; side++)
         views[side] = gl_side_view(&s.box, side, side % 2, SIDE, SIDE);
