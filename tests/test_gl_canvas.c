@@ -21,8 +21,8 @@ enum { WIDTH = 250, HEIGHT = 190, SPHERE = 64 };
 
 static const iso_rgb COLOR = {206, 142, 112}, BACKGROUND = {46, 50, 56};
 
-typedef enum draw_method { POINTS, MESH, PULLPUSH, METHODS } draw_method;
-static const char *const method_names[METHODS] = {"points", "mesh", "pullpush"};
+typedef enum draw_method { POINTS, MESH, GAUSSIAN, REFINED, METHODS } draw_method;
+static const char *const method_names[METHODS] = {"points", "mesh", "gaussian", "refined"};
 
 /* What is drawn, by both engines. */
 typedef struct subject {
@@ -47,6 +47,10 @@ static void free_subject(subject *s) {
     iso_grid_destroy(&s->grid);
 }
 
+static iso_reconstruction reconstruction_of(draw_method method) {
+    return method == REFINED ? ISO_RECONSTRUCTION_REFINED : ISO_RECONSTRUCTION_GAUSSIAN;
+}
+
 /* ---- the cpu engine's */
 
 typedef struct cpu_drawing {
@@ -59,10 +63,10 @@ static iso_status draw_by_cpu(void *context, const iso_view *view, iso_gbuffer *
     const iso_target target = {.view = view, .gbuffer = gbuffer};
     iso_point_view points = iso_point_set_view(d->s->surface.packed);
     iso_mesh_view mesh = iso_mesh_set_view(d->s->surface.mesh);
-    const iso_pullpush_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
+    const iso_pullpush_opts filled = {.reconstruction = reconstruction_of(d->method)};
     if (d->method == POINTS) return iso_draw_points(&target, &points, error);
     if (d->method == MESH) return iso_draw_mesh(&target, &mesh, error);
-    return iso_draw_pullpush(&target, &points, &gaussian, error);
+    return iso_draw_pullpush(&target, &points, &filled, error);
 }
 
 static iso_image cpu_picture(const subject *s, draw_method method, int factor) {
@@ -116,8 +120,8 @@ static iso_status paint_canvas(const easel *e, const subject *s, draw_method met
     const iso_view view = samples_of(s, paint->factor);
     const iso_gl_shape *shape = method == MESH ? e->mesh : e->points;
     const iso_gl_draw_opts draw = {.view = &view, .shapes = &shape, .shape_count = 1};
-    const iso_gl_pullpush_opts pullpush = {&view, &shape, 1, ISO_RECONSTRUCTION_GAUSSIAN};
-    return method == PULLPUSH ? iso_gl_canvas_draw_pullpush(e->canvas, &pullpush, paint, error)
+    const iso_gl_pullpush_opts pullpush = {&view, &shape, 1, reconstruction_of(method)};
+    return method >= GAUSSIAN ? iso_gl_canvas_draw_pullpush(e->canvas, &pullpush, paint, error)
                               : iso_gl_canvas_draw(e->canvas, &draw, paint, error);
 }
 
@@ -255,6 +259,8 @@ static void make_a_mess(const GladGLContext *gl) {
     for (size_t i = 0; i < sizeof on / sizeof *on; i++) gl->Enable(on[i]);
     gl->CullFace(GL_FRONT_AND_BACK);
     gl->BlendFunc(GL_ZERO, GL_ZERO);
+    gl->BlendFunci(2, GL_DST_COLOR, GL_ONE_MINUS_SRC_ALPHA);
+    gl->BlendEquationSeparatei(1, GL_MAX, GL_FUNC_REVERSE_SUBTRACT);
     gl->Scissor(3, 4, 5, 6);
     gl->Viewport(7, 8, 9, 10);
     gl->DepthFunc(GL_NEVER);
@@ -341,6 +347,11 @@ static settings take_settings(const GladGLContext *gl) {
         gl->GetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, slot, to + 1);
         gl->GetIntegeri_v(GL_IMAGE_BINDING_NAME, slot, to + 2);
     }
+    static const GLenum blends[] = {GL_BLEND_SRC_RGB,   GL_BLEND_DST_RGB,      GL_BLEND_SRC_ALPHA,
+                                    GL_BLEND_DST_ALPHA, GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA};
+    for (GLuint output = 0; output < 8; output++)
+        for (size_t i = 0; i < sizeof blends / sizeof *blends; i++)
+            gl->GetIntegeri_v(blends[i], output, s.value[count + 16 + 8 * i + output]);
     return s;
 }
 
