@@ -19,12 +19,12 @@ typedef struct iso_gl_pullpush_opts {
 } iso_gl_pullpush_opts;
 
 /* Draws all shapes and fills the whole gbuffer, which has the view's size, with what iso_draw_pullpush draws
- * but for rounding, colours too. Box and gaussian: the same bytes every time; where points of one pixel are
+ * but for rounding, colours too; the same bytes every time. Box and gaussian: where points of one pixel are
  * alike in depth, normal and place, the smallest radius and the smallest colour (as a number, blue first)
- * count. Refined: what is in front is what is nearest at a pixel, where the cpu's takes discs in the order of
- * their blocks; and sums are added in the driver's order, so that last bits may differ. Errors:
- * ISO_ERR_NOMEM, ISO_ERR_LIMIT (a picture that the driver's storage buffers cannot hold rows of),
- * ISO_ERR_BACKEND; the gbuffer is then undefined. */
+ * count. Refined: in front is what is nearest at a pixel, while the cpu engine takes discs in their blocks'
+ * order: where those behind come first, its means may have a little more in them. Errors: ISO_ERR_NOMEM,
+ * ISO_ERR_LIMIT (a picture that the driver's storage buffers cannot hold rows of), ISO_ERR_BACKEND; the
+ * gbuffer is then undefined. */
 iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, iso_gbuffer *gbuffer,
                                 iso_error *error);
 
