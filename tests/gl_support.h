@@ -46,6 +46,7 @@ void gl_on_each_engine(void **state);
 typedef struct gl_difference {
     double psnr;         /* dB */
     int differ, outline; /* pixels covered in one only; pixels of the first one's outline */
+    int turned;          /* pixels covered in both, with normals to opposite sides */
     double depth;        /* largest difference where both are covered and equally near, in mm */
 } gl_difference;
 gl_difference gl_compare(const iso_view *view, const iso_gbuffer *a, const iso_gbuffer *b);
@@ -73,8 +74,8 @@ void gl_surface_free(gl_surface *surface);
 /* Edge points with shapes, as refined wants them. */
 iso_point_set *gl_discs_make(const iso_grid *grid, double isovalue, bool floats);
 
-/* The same views by both engines: PSNR >= 40 dB, at most 1 % of the outline's pixels differ. Returns the
- * lowest PSNR. */
+/* The same views by both engines: PSNR >= 40 dB, at most 1 % of the outline's pixels differ, and as many
+ * normals are turned. Returns the lowest PSNR. */
 double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views, int count,
                        const char *name);
 double gl_check_pullpush(iso_gl_engine *engine, const iso_point_view *points,
