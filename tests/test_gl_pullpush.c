@@ -300,7 +300,9 @@ static void check_repeated(iso_gl_engine *engine, iso_reconstruction reconstruct
     m.view.colors = NULL; /* the engines choose from those that are alike as they like */
     iso_gbuffer first = gl_gbuffer(&view);
     const iso_gl_pullpush_opts opts = {&view, (const iso_gl_shape *const *)&shape, 1, reconstruction};
-    gl_check_pullpush(engine, &m.view, reconstruction, &view, 1, "points that are alike");
+    /* (refined by the cpu engine depends on the order of points that are one another's backs) */
+    if (reconstruction != ISO_RECONSTRUCTION_REFINED)
+        gl_check_pullpush(engine, &m.view, reconstruction, &view, 1, "points that are alike");
     assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &first, NULL), ISO_OK);
     for (int round = 0; round < 10; round++) {
         iso_gbuffer again = gl_gbuffer(&view);

@@ -66,7 +66,7 @@ static iso_status need_discs(const drawing *d, int width, int height, iso_error 
                                          GL_COLOR_ATTACHMENT3};
     const GladGLContext *gl = d->gl;
     iso_gl_discs *discs = &d->engine->discs;
-    if (discs->fronts && discs->width == width && discs->height == height) return ISO_OK;
+    if (discs->fronts && discs->width >= width && discs->height >= height) return ISO_OK;
     iso_gl_discs_free(discs, gl);
     discs->width = width;
     discs->height = height;

@@ -85,7 +85,7 @@ typedef enum iso_gl_storage {
 } iso_gl_storage;
 enum { ISO_GL_STORES = 11 };
 
-/* What discs are drawn into, of one size: the nearest depths, and sums. */
+/* What discs are drawn into, at least as large as what is drawn: the nearest depths, and sums. */
 typedef struct iso_gl_discs {
     int width, height;
     unsigned framebuffers[2], fronts, sums[4];
@@ -99,7 +99,7 @@ struct iso_gl_engine {
     /* A framebuffer of at least the size that is drawn; all of it is made again when it must grow. */
     int width, height;
     unsigned framebuffer, color, surface, depth;
-    iso_gl_discs discs;                  /* likewise */
+    iso_gl_discs discs;
     unsigned frame, commands, instances; /* buffers */
     bool keep_averted;                   /* for tests: nothing is left out for facing away */
     size_t drawn, averted;               /* spans, by the last draw; what its parts share counts for each */
