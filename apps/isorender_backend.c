@@ -151,8 +151,7 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
     int factor = 1;
     while (factor * factor < job->settings->samples) factor++;
     const int width = job->settings->width * factor, height = job->settings->height * factor;
-    if (job->settings->method != ISORENDER_PULLPUSH)
-        return iso_gl_draw_bytes(backend->engine, width, height);
+    if (job->settings->method != ISORENDER_PULLPUSH) return iso_gl_draw_bytes(backend->engine, width, height);
     return iso_gl_pullpush_bytes(backend->engine, (iso_reconstruction)job->settings->reconstruction, width,
                                  height);
 }
