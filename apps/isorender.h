@@ -67,8 +67,7 @@ typedef struct isorender_settings {
     const char *points, *mesh, *aov;
 
     int method;         /* isorender_method */
-    int reconstruction; /* iso_reconstruction; unchosen until the backend is checked */
-    bool unrefined;     /* gaussian, as OpenGL was asked for, which has no refined reconstruction */
+    int reconstruction; /* iso_reconstruction */
     const char *backend;
     int scaling; /* iso_point_scaling */
     int strips;

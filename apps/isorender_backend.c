@@ -7,8 +7,8 @@
 
 /* What both engines have. */
 static bool has_gl(const isorender_settings *settings) {
-    if (settings->method == ISORENDER_PULLPUSH) return settings->reconstruction != ISO_RECONSTRUCTION_REFINED;
-    return settings->method == ISORENDER_POINTS || settings->method == ISORENDER_MESH;
+    return settings->method == ISORENDER_POINTS || settings->method == ISORENDER_MESH ||
+           settings->method == ISORENDER_PULLPUSH;
 }
 
 static bool is_any(const char *name, const char *a, const char *b) {
@@ -46,13 +46,6 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
     if ((gl || needed) && settings->method == ISORENDER_UNCHOSEN)
         settings->method = settings->strips ? ISORENDER_MESH : ISORENDER_POINTS;
-    if (settings->reconstruction == ISORENDER_UNCHOSEN) {
-        settings->unrefined = gl;
-        settings->reconstruction = gl ? ISO_RECONSTRUCTION_GAUSSIAN : ISO_RECONSTRUCTION_REFINED;
-    }
-    if (gl && settings->method == ISORENDER_PULLPUSH && !has_gl(settings))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--reconstruction refined needs the cpu: --backend %s has box and gaussian", name);
     if (gl && !has_gl(settings))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--backend %s has the methods points, pullpush and mesh: others need the cpu", name);
@@ -158,14 +151,13 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
     int factor = 1;
     while (factor * factor < job->settings->samples) factor++;
     const int width = job->settings->width * factor, height = job->settings->height * factor;
-    return job->settings->method == ISORENDER_PULLPUSH ? iso_gl_pullpush_bytes(backend->engine, width, height)
-                                                       : iso_gl_draw_bytes(backend->engine, width, height);
+    if (job->settings->method != ISORENDER_PULLPUSH) return iso_gl_draw_bytes(backend->engine, width, height);
+    return iso_gl_pullpush_bytes(backend->engine, (iso_reconstruction)job->settings->reconstruction, width,
+                                 height);
 }
 
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
     iso_gl_engine_forget_seconds(job->backend->engine);
-    if (job->method == ISORENDER_PULLPUSH && job->settings->unrefined)
-        isorender_say(job, "pullpush by OpenGL: --reconstruction gaussian (refined needs --backend cpu)");
     for (int i = 0; i < job->surface_count; i++) {
         iso_gl_shape **shape = &job->shapes[i];
         if (job->method == ISORENDER_MESH) {

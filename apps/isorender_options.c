@@ -211,8 +211,8 @@ static const iso_option options[] = {
      "space), mesh (Marching Cubes) or raycast (as exact, by other means, slow); files of points: points",
      .group = PICTURE, .standard = "exact", CHOICE(method, methods)},
     {"reconstruction", NULL, "NAME",
-     "how pullpush fills in: refined (second-order discs, cpu only; points that have colours: as gaussian), "
-     "box or gaussian (equal or Gaussian weights in ellipses; Marroquim 2008; what OpenGL is given)",
+     "how pullpush fills in: refined (second-order discs; points that have colours: as gaussian), box or "
+     "gaussian (equal or Gaussian weights in ellipses; Marroquim 2008)",
      .group = PICTURE, .standard = "refined", CHOICE(reconstruction, reconstructions)},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
@@ -424,7 +424,6 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error) {
     *settings = (isorender_settings){.method = ISORENDER_UNCHOSEN,
-                                     .reconstruction = ISORENDER_UNCHOSEN,
                                      .backend = "auto",
                                      .width = 1024,
                                      .height = 1024,

@@ -170,9 +170,7 @@ static bool engine_combo(isosculpt_view *view) {
             }
         ImGui::EndCombo();
     } else if (ImGui::IsItemHovered() && view->drawn.canvas)
-        ImGui::SetTooltip("drawn by %s%s", isosculpt_gl_renderer(view->gl),
-                          view->look.method == ISOSCULPT_PULLPUSH ? "\nGaussian; the cpu engine's is refined"
-                                                                  : "");
+        ImGui::SetTooltip("drawn by %s", isosculpt_gl_renderer(view->gl));
     else if (ImGui::IsItemHovered())
         ImGui::SetTooltip("drawn by the cpu engine");
     if (!view->gl_error.text[0]) return changed;

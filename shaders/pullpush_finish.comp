@@ -1,7 +1,6 @@
 /* The picture's samples from level 1 and, where that is the base, from their own points: drawn where they are
  * nearer than what is there. */
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
-layout(std430, binding = ISO_GL_PICTURE) buffer picture_buffer { uint samples[]; };
 
 /* Whether the pixel's centre lies farther out than its point's disc reaches, on the side where the surface ends:
  * as `ellipse` has it, of a point alone. */
@@ -28,15 +27,8 @@ void main() {
     if (has_own && !m.covered && is_beyond(at, own)) return;
     vec4 shade = m.made ? mixed_shade(m) : own.shade;
 
-    int index = sample_at.y * picture.x + sample_at.x, plane = picture.x * picture.y;
-    if (!(shade.w < uintBitsToFloat(samples[index]) && shade.w < ISO_GL_NOWHERE)) return;
-    float square = dot(shade.xyz, shade.xyz);
-    vec3 normal = square <= 1e-20 ? vec3(0.0, 0.0, -1.0) : shade.xyz / sqrt(square);
-    samples[index] = floatBitsToUint(shade.w);
-    for (int k = 0; k < 3; k++) samples[index + (k + 1) * plane] = floatBitsToUint(normal[k]);
-    samples[index + 4 * plane] = uint(picture.z);
+    if (!put_sample(sample_at, shade.w, shade.xyz)) return;
 #if COLORS
-    uvec3 color = uvec3((m.made ? mixed_tint(m) : own.tint).xyz + 0.5);
-    samples[index + 5 * plane] = color.x | color.y << 8 | color.z << 16 | uint(picture.z + 1) << 24;
+    put_color(sample_at, uvec3((m.made ? mixed_tint(m) : own.tint).xyz + 0.5));
 #endif
 }

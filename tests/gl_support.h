@@ -23,10 +23,30 @@ bool gl_contexts_open(gl_contexts *contexts);
 /* Fails the test when a driver said something above a notification. */
 void gl_contexts_close(gl_contexts *contexts);
 
+/* Tests of every context that can be had here, or of an engine on each; skipped where there is none. In lists
+ * of tests: gl_context_test(check), gl_engine_test(check). */
+typedef void gl_context_check(iso_gl_context *context);
+typedef void gl_engine_check(iso_gl_engine *engine);
+void gl_on_each_context(void **state);
+void gl_on_each_engine(void **state);
+#define gl_context_test(check)                                                                               \
+    {                                                                                                        \
+#check, gl_on_each_context, NULL, NULL, &(gl_context_check *) {                                      \
+            check                                                                                            \
+        }                                                                                                    \
+    }
+#define gl_engine_test(check)                                                                                \
+    {                                                                                                        \
+#check, gl_on_each_engine, NULL, NULL, &(gl_engine_check *) {                                        \
+            check                                                                                            \
+        }                                                                                                    \
+    }
+
 /* How the pictures of two gbuffers of one view differ when they are shaded. */
 typedef struct gl_difference {
     double psnr;         /* dB */
     int differ, outline; /* pixels covered in one only; pixels of the first one's outline */
+    int turned;          /* pixels covered in both, with normals to opposite sides */
     double depth;        /* largest difference where both are covered and equally near, in mm */
 } gl_difference;
 gl_difference gl_compare(const iso_view *view, const iso_gbuffer *a, const iso_gbuffer *b);
@@ -51,8 +71,11 @@ typedef struct gl_surface {
 gl_surface gl_surface_make(const iso_grid *grid, double isovalue);
 void gl_surface_free(gl_surface *surface);
 
-/* The same views by both engines: PSNR >= 40 dB, at most 1 % of the outline's pixels differ. Returns the
- * lowest PSNR. */
+/* Edge points with shapes, as refined wants them. */
+iso_point_set *gl_discs_make(const iso_grid *grid, double isovalue, bool floats);
+
+/* The same views by both engines: PSNR >= 40 dB, at most 1 % of the outline's pixels differ, and as many
+ * normals are turned. Returns the lowest PSNR. */
 double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views, int count,
                        const char *name);
 double gl_check_pullpush(iso_gl_engine *engine, const iso_point_view *points,

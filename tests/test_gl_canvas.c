@@ -21,8 +21,8 @@ enum { WIDTH = 250, HEIGHT = 190, SPHERE = 64 };
 
 static const iso_rgb COLOR = {206, 142, 112}, BACKGROUND = {46, 50, 56};
 
-typedef enum draw_method { POINTS, MESH, PULLPUSH, METHODS } draw_method;
-static const char *const method_names[METHODS] = {"points", "mesh", "pullpush"};
+typedef enum draw_method { POINTS, MESH, GAUSSIAN, REFINED, METHODS } draw_method;
+static const char *const method_names[METHODS] = {"points", "mesh", "gaussian", "refined"};
 
 /* What is drawn, by both engines. */
 typedef struct subject {
@@ -47,6 +47,10 @@ static void free_subject(subject *s) {
     iso_grid_destroy(&s->grid);
 }
 
+static iso_reconstruction reconstruction_of(draw_method method) {
+    return method == REFINED ? ISO_RECONSTRUCTION_REFINED : ISO_RECONSTRUCTION_GAUSSIAN;
+}
+
 /* ---- the cpu engine's */
 
 typedef struct cpu_drawing {
@@ -59,10 +63,10 @@ static iso_status draw_by_cpu(void *context, const iso_view *view, iso_gbuffer *
     const iso_target target = {.view = view, .gbuffer = gbuffer};
     iso_point_view points = iso_point_set_view(d->s->surface.packed);
     iso_mesh_view mesh = iso_mesh_set_view(d->s->surface.mesh);
-    const iso_pullpush_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
+    const iso_pullpush_opts filled = {.reconstruction = reconstruction_of(d->method)};
     if (d->method == POINTS) return iso_draw_points(&target, &points, error);
     if (d->method == MESH) return iso_draw_mesh(&target, &mesh, error);
-    return iso_draw_pullpush(&target, &points, &gaussian, error);
+    return iso_draw_pullpush(&target, &points, &filled, error);
 }
 
 static iso_image cpu_picture(const subject *s, draw_method method, int factor) {
@@ -116,8 +120,8 @@ static iso_status paint_canvas(const easel *e, const subject *s, draw_method met
     const iso_view view = samples_of(s, paint->factor);
     const iso_gl_shape *shape = method == MESH ? e->mesh : e->points;
     const iso_gl_draw_opts draw = {.view = &view, .shapes = &shape, .shape_count = 1};
-    const iso_gl_pullpush_opts pullpush = {&view, &shape, 1, ISO_RECONSTRUCTION_GAUSSIAN};
-    return method == PULLPUSH ? iso_gl_canvas_draw_pullpush(e->canvas, &pullpush, paint, error)
+    const iso_gl_pullpush_opts pullpush = {&view, &shape, 1, reconstruction_of(method)};
+    return method >= GAUSSIAN ? iso_gl_canvas_draw_pullpush(e->canvas, &pullpush, paint, error)
                               : iso_gl_canvas_draw(e->canvas, &draw, paint, error);
 }
 
@@ -152,105 +156,87 @@ static void check_against_cpu(const easel *e, const subject *s, const char *name
     printf("%s: %.1f dB\n", name, worst);
 }
 
-static void pictures_are_the_cpu_engines(void **state) {
-    (void)state;
-    gl_contexts contexts;
-    if (!gl_contexts_open(&contexts)) skip();
+static void pictures_are_the_cpu_engines(iso_gl_context *context) {
     subject s = make_subject();
-    for (int c = 0; c < contexts.count; c++) {
-        easel e = make_easel(contexts.context[c], &s);
-        const char *name = iso_gl_context_info(contexts.context[c]).name;
-        check_against_cpu(&e, &s, name);
-        e.engine->max_side = 101; /* in parts, whose sides are no multiples of factors */
-        check_against_cpu(&e, &s, name);
-        e.engine->max_storage = 600000;
-        check_against_cpu(&e, &s, name);
-        free_easel(&e);
-    }
+    easel e = make_easel(context, &s);
+    const char *name = iso_gl_context_info(context).name;
+    check_against_cpu(&e, &s, name);
+    e.engine->max_side = 101; /* in parts, whose sides are no multiples of factors */
+    check_against_cpu(&e, &s, name);
+    e.engine->max_storage = 600000;
+    check_against_cpu(&e, &s, name);
+    free_easel(&e);
     free_subject(&s);
-    gl_contexts_close(&contexts);
 }
 
 /* A sphere's picture that says where it was looked at: both ways into it agree with the normals drawn. */
-static void colours_come_from_the_sphere(void **state) {
-    (void)state;
+static void colours_come_from_the_sphere(iso_gl_context *context) {
     static uint8_t sphere[SPHERE][SPHERE][3];
-    gl_contexts contexts;
-    if (!gl_contexts_open(&contexts)) skip();
     subject s = make_subject();
     for (int y = 0; y < SPHERE; y++)
         for (int x = 0; x < SPHERE; x++) memcpy(sphere[y][x], (uint8_t[3]){(uint8_t)x, (uint8_t)y, 77}, 3);
     iso_gl_paint paint = lamps(1);
     paint.sphere = sphere[0][0];
     paint.sphere_side = SPHERE;
-    for (int c = 0; c < contexts.count; c++) {
-        easel e = make_easel(contexts.context[c], &s);
-        for (int m = 0; m < METHODS; m++) {
-            iso_image image = gl_picture(&e, &s, (draw_method)m, &paint);
-            int seen = 0;
-            for (int y = 0; y < HEIGHT; y += 3)
-                for (int x = 0; x < WIDTH; x += 3) {
-                    float n[4];
-                    const uint8_t *rgb = image.rgba + 4 * (y * WIDTH + x);
-                    bool there = iso_gl_canvas_pick(e.canvas, x, y, n);
-                    assert_int_equal(rgb[2], there ? 77 : BACKGROUND.b);
-                    if (!there) continue;
-                    float turned = n[2] > 0 ? -1.0f : 1.0f;
-                    for (int k = 0; k < 2; k++)
-                        assert_true(fabsf((n[k] * turned * 0.5f + 0.5f) * SPHERE - (rgb[k] + 0.5f)) < 0.51f ||
-                                    rgb[k] == SPHERE - 1);
-                    seen++;
-                }
-            assert_true(seen > 500);
-            iso_image_free(&image);
-        }
-        free_easel(&e);
+    easel e = make_easel(context, &s);
+    for (int m = 0; m < METHODS; m++) {
+        iso_image image = gl_picture(&e, &s, (draw_method)m, &paint);
+        int seen = 0;
+        for (int y = 0; y < HEIGHT; y += 3)
+            for (int x = 0; x < WIDTH; x += 3) {
+                float n[4];
+                const uint8_t *rgb = image.rgba + 4 * (y * WIDTH + x);
+                bool there = iso_gl_canvas_pick(e.canvas, x, y, n);
+                assert_int_equal(rgb[2], there ? 77 : BACKGROUND.b);
+                if (!there) continue;
+                float turned = n[2] > 0 ? -1.0f : 1.0f;
+                for (int k = 0; k < 2; k++)
+                    assert_true(fabsf((n[k] * turned * 0.5f + 0.5f) * SPHERE - (rgb[k] + 0.5f)) < 0.51f ||
+                                rgb[k] == SPHERE - 1);
+                seen++;
+            }
+        assert_true(seen > 500);
+        iso_image_free(&image);
     }
+    free_easel(&e);
     free_subject(&s);
-    gl_contexts_close(&contexts);
 }
 
 /* What a cursor finds is what the gbuffer would have; finer pictures leave it, copies keep it. */
-static void picks_are_the_samples(void **state) {
-    (void)state;
-    gl_contexts contexts;
-    if (!gl_contexts_open(&contexts)) skip();
+static void picks_are_the_samples(iso_gl_context *context) {
     subject s = make_subject();
-    for (int c = 0; c < contexts.count; c++) {
-        easel e = make_easel(contexts.context[c], &s);
-        const iso_view view = samples_of(&s, 1);
-        const iso_gl_shape *shape = e.mesh;
-        const iso_gl_draw_opts opts = {.view = &view, .shapes = &shape, .shape_count = 1};
-        const iso_gl_paint once = lamps(1), finer = lamps(2);
-        iso_gbuffer g = gl_gbuffer(&view);
-        iso_gl_canvas *copy;
-        assert_int_equal(iso_gl_canvas_create(e.engine, &copy, NULL), ISO_OK);
-        assert_int_equal(iso_gl_canvas_texture(copy), 0);
-        assert_int_equal(iso_gl_draw(e.engine, &opts, &g, NULL), ISO_OK);
-        assert_int_equal(paint_canvas(&e, &s, MESH, &once, NULL), ISO_OK);
-        assert_int_equal(paint_canvas(&e, &s, MESH, &finer, NULL), ISO_OK);
-        assert_int_equal(iso_gl_canvas_copy(copy, e.canvas, NULL), ISO_OK);
-        assert_int_equal(paint_canvas(&e, &s, POINTS, &once, NULL), ISO_OK); /* the copy is its own */
-        int seen = 0;
-        for (int y = 0; y < HEIGHT; y += 7)
-            for (int x = 0; x < WIDTH; x += 7) {
-                float n[4];
-                size_t at = (size_t)(y * WIDTH + x);
-                bool there = iso_gl_canvas_pick(copy, x, y, n);
-                assert_int_equal(there, g.surface[at] != ISO_SURFACE_NONE);
-                if (!there) continue;
-                assert_true(n[3] == g.depth[at] && n[0] == g.normal[0][at] && n[2] == g.normal[2][at]);
-                seen++;
-            }
-        assert_true(seen > 100);
-        float n[4];
-        assert_false(iso_gl_canvas_pick(copy, -1, 0, n) || iso_gl_canvas_pick(copy, 0, HEIGHT, n));
-        iso_gl_canvas_destroy(copy);
-        iso_gbuffer_free(&g);
-        free_easel(&e);
-    }
+    easel e = make_easel(context, &s);
+    const iso_view view = samples_of(&s, 1);
+    const iso_gl_shape *shape = e.mesh;
+    const iso_gl_draw_opts opts = {.view = &view, .shapes = &shape, .shape_count = 1};
+    const iso_gl_paint once = lamps(1), finer = lamps(2);
+    iso_gbuffer g = gl_gbuffer(&view);
+    iso_gl_canvas *copy;
+    assert_int_equal(iso_gl_canvas_create(e.engine, &copy, NULL), ISO_OK);
+    assert_int_equal(iso_gl_canvas_texture(copy), 0);
+    assert_int_equal(iso_gl_draw(e.engine, &opts, &g, NULL), ISO_OK);
+    assert_int_equal(paint_canvas(&e, &s, MESH, &once, NULL), ISO_OK);
+    assert_int_equal(paint_canvas(&e, &s, MESH, &finer, NULL), ISO_OK);
+    assert_int_equal(iso_gl_canvas_copy(copy, e.canvas, NULL), ISO_OK);
+    assert_int_equal(paint_canvas(&e, &s, POINTS, &once, NULL), ISO_OK); /* the copy is its own */
+    int seen = 0;
+    for (int y = 0; y < HEIGHT; y += 7)
+        for (int x = 0; x < WIDTH; x += 7) {
+            float n[4];
+            size_t at = (size_t)(y * WIDTH + x);
+            bool there = iso_gl_canvas_pick(copy, x, y, n);
+            assert_int_equal(there, g.surface[at] != ISO_SURFACE_NONE);
+            if (!there) continue;
+            assert_true(n[3] == g.depth[at] && n[0] == g.normal[0][at] && n[2] == g.normal[2][at]);
+            seen++;
+        }
+    assert_true(seen > 100);
+    float n[4];
+    assert_false(iso_gl_canvas_pick(copy, -1, 0, n) || iso_gl_canvas_pick(copy, 0, HEIGHT, n));
+    iso_gl_canvas_destroy(copy);
+    iso_gbuffer_free(&g);
+    free_easel(&e);
     free_subject(&s);
-    gl_contexts_close(&contexts);
 }
 
 /* ---- a window: a context that somebody else made, and draws with */
@@ -273,6 +259,8 @@ static void make_a_mess(const GladGLContext *gl) {
     for (size_t i = 0; i < sizeof on / sizeof *on; i++) gl->Enable(on[i]);
     gl->CullFace(GL_FRONT_AND_BACK);
     gl->BlendFunc(GL_ZERO, GL_ZERO);
+    gl->BlendFunci(2, GL_DST_COLOR, GL_ONE_MINUS_SRC_ALPHA);
+    gl->BlendEquationSeparatei(1, GL_MAX, GL_FUNC_REVERSE_SUBTRACT);
     gl->Scissor(3, 4, 5, 6);
     gl->Viewport(7, 8, 9, 10);
     gl->DepthFunc(GL_NEVER);
@@ -359,6 +347,11 @@ static settings take_settings(const GladGLContext *gl) {
         gl->GetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, slot, to + 1);
         gl->GetIntegeri_v(GL_IMAGE_BINDING_NAME, slot, to + 2);
     }
+    static const GLenum blends[] = {GL_BLEND_SRC_RGB,   GL_BLEND_DST_RGB,      GL_BLEND_SRC_ALPHA,
+                                    GL_BLEND_DST_ALPHA, GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA};
+    for (GLuint output = 0; output < 8; output++)
+        for (size_t i = 0; i < sizeof blends / sizeof *blends; i++)
+            gl->GetIntegeri_v(blends[i], output, s.value[count + 16 + 8 * i + output]);
     return s;
 }
 
@@ -412,9 +405,9 @@ static void windows_are_left_as_they_were(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pictures_are_the_cpu_engines),
-        cmocka_unit_test(colours_come_from_the_sphere),
-        cmocka_unit_test(picks_are_the_samples),
+        gl_context_test(pictures_are_the_cpu_engines),
+        gl_context_test(colours_come_from_the_sphere),
+        gl_context_test(picks_are_the_samples),
         cmocka_unit_test(windows_are_left_as_they_were),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

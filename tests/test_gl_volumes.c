@@ -14,6 +14,9 @@
 
 enum { SIDE = 256 };
 
+/* What is drawn. */
+typedef enum drawn { PRIMITIVES, GAUSSIAN, REFINED } drawn;
+
 /* Of each volume one file; isovalues as INDEX.tsv has them. */
 static const struct {
     const char *path, *raw;
@@ -49,39 +52,53 @@ static bool read_volume(size_t i, iso_volume *volume) {
     return false;
 }
 
-static void check_volume(size_t i, const iso_volume *volume, const gl_contexts *contexts, bool pullpush) {
+static void check_points(iso_gl_engine *engine, const gl_surface *s, const iso_view *views,
+                         const char *name) {
+    const iso_point_view points = iso_point_set_view(s->packed);
+    const iso_mesh_view mesh = iso_mesh_set_view(s->mesh);
+    printf(" points %.1f dB, mesh %.1f dB\n", gl_check_points(engine, &points, views, GL_SIDES, name),
+           gl_check_mesh(engine, &mesh, views, GL_SIDES, name));
+}
+
+static void check_pullpush(iso_gl_engine *engine, iso_point_set *set, iso_reconstruction reconstruction,
+                           const iso_view *views, const char *name) {
+    assert_int_equal(iso_point_set_bound(set, NULL), ISO_OK);
+    const iso_point_view points = iso_point_set_view(set);
+    printf(" %.1f dB\n", gl_check_pullpush(engine, &points, reconstruction, views, GL_SIDES, name));
+}
+
+static void check_volume(size_t i, const iso_volume *volume, const gl_contexts *contexts, drawn what) {
+    const char *name = volumes[i].path;
     gl_surface s = gl_surface_make(&volume->grid, volumes[i].isovalue);
-    if (pullpush) assert_int_equal(iso_point_set_bound(s.packed, NULL), ISO_OK);
-    iso_point_view points = iso_point_set_view(s.packed);
-    iso_mesh_view mesh = iso_mesh_set_view(s.mesh);
+    iso_point_set *discs = what == REFINED ? gl_discs_make(&volume->grid, volumes[i].isovalue, false) : NULL;
     iso_view views[GL_SIDES];
     for (int side = 0; side < GL_SIDES; side++)
         views[side] = gl_side_view(&s.box, side, side % 2, SIDE, SIDE);
     for (int c = 0; c < contexts->count; c++) {
         iso_gl_engine *engine;
         assert_int_equal(iso_gl_engine_create(contexts->context[c], &engine, NULL), ISO_OK);
-        printf("%s, %s:", iso_gl_context_info(contexts->context[c]).name, volumes[i].path);
-        if (pullpush)
-            printf(" pullpush %.1f dB\n", gl_check_pullpush(engine, &points, ISO_RECONSTRUCTION_GAUSSIAN,
-                                                            views, GL_SIDES, volumes[i].path));
+        printf("%s, %s:", iso_gl_context_info(contexts->context[c]).name, name);
+        if (what == REFINED)
+            check_pullpush(engine, discs, ISO_RECONSTRUCTION_REFINED, views, name);
+        else if (what == GAUSSIAN)
+            check_pullpush(engine, s.packed, ISO_RECONSTRUCTION_GAUSSIAN, views, name);
         else
-            printf(" points %.1f dB, mesh %.1f dB\n",
-                   gl_check_points(engine, &points, views, GL_SIDES, volumes[i].path),
-                   gl_check_mesh(engine, &mesh, views, GL_SIDES, volumes[i].path));
+            check_points(engine, &s, views, name);
         iso_gl_engine_destroy(engine);
     }
+    iso_point_set_destroy(discs);
     gl_surface_free(&s);
 }
 
 static void pictures_are_the_cpu_engines(void **state) {
-    const bool *pullpush = *state;
+    const drawn *what = *state;
     gl_contexts contexts;
     if (!gl_contexts_open(&contexts)) skip();
     int seen = 0;
     for (size_t i = 0; i < sizeof volumes / sizeof *volumes; i++) {
         iso_volume volume;
         if (!read_volume(i, &volume)) continue;
-        check_volume(i, &volume, &contexts, *pullpush);
+        check_volume(i, &volume, &contexts, *what);
         iso_volume_free(&volume);
         seen++;
     }
@@ -89,9 +106,10 @@ static void pictures_are_the_cpu_engines(void **state) {
     if (!seen) skip();
 }
 
-/* Points and meshes; `pullpush`: that. */
+/* Points and meshes; with an argument pull-push: `gaussian`, or `refined`. */
 int main(int argc, char **argv) {
-    bool pullpush = argc > 1 && strcmp(argv[1], "pullpush") == 0;
-    const struct CMUnitTest tests[] = {cmocka_unit_test_prestate(pictures_are_the_cpu_engines, &pullpush)};
+    drawn what = PRIMITIVES;
+    if (argc > 1) what = strcmp(argv[1], "refined") == 0 ? REFINED : GAUSSIAN;
+    const struct CMUnitTest tests[] = {cmocka_unit_test_prestate(pictures_are_the_cpu_engines, &what)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "render/refined_kernel.h"
+#include "render/refined_numbers.h"
+#include "render/refined_setup.h"
 
 enum {
     ROWS_LEAST = 16,
@@ -14,13 +16,6 @@ enum {
     LAYERS = 4096, /* of depth, which blocks are sorted into */
     LOOKS = 12     /* at what is hidden, while a band is drawn */
 };
-
-/* The ball of a disc, in the point's own radii: for extracted points 0.85 voxel, which is about the least
- * that leaves no holes, and up to 1 where that is many pixels: more discs meet there, and what noise there is
- * in them averages out. */
-static const float BALL_RADII[2] = {1.2f, 0.215f};
-/* Pixels of a point's radius. */
-static const float GROW_FROM = 4.5f, GROW_OVER = 6;
 
 /* One call. */
 typedef struct frame {
@@ -53,29 +48,12 @@ static iso_status set_up_corners(frame *f, const iso_projector *projector, iso_e
     return ISO_OK;
 }
 
-/* The largest slope of a ray to one end of the picture. */
-static double largest_slope(double axis, double end, double focal) {
-    return fmax(fabs(axis), fabs(end - axis)) / focal;
-}
-
-/* Seen aslant, balls are longer than wide: by how much at most, and a little for rounding. */
-static float slant_of(const iso_view *view) {
-    if (view->orthographic) return 1.04f;
-    const double x = largest_slope(view->cx, view->width, view->focal),
-                 y = largest_slope(view->cy + view->above, view->above + view->height + view->below,
-                                   view->focal);
-    return (float)(1.04 * sqrt(1 + x * x + y * y));
-}
-
 /* Surfaces end where their grid does, in the midst of discs. */
 static void set_up_border(iso_refined_job *job) {
     const int32_t *dims = job->points->dims;
-    const float *m = job->normal;
     job->bordered = dims[0] > 0 && dims[1] > 0 && dims[2] > 0;
-    for (int k = 0; k < 3; k++) {
-        job->border[k] = (float)(dims[k] - 1);
-        job->per_mm = fmaxf(job->per_mm, sqrtf(m[k] * m[k] + m[3 + k] * m[3 + k] + m[6 + k] * m[6 + k]));
-    }
+    job->per_mm = iso_refined_per_mm(job->normal);
+    for (int k = 0; k < 3; k++) job->border[k] = (float)(dims[k] - 1);
 }
 
 static void set_up_job(frame *f, const iso_projector *projector) {
@@ -85,15 +63,16 @@ static void set_up_job(frame *f, const iso_projector *projector) {
     job->voxels = job->points->packed ? ISO_POINT_STEP : 1;
     for (int k = 0; k < 9; k++) job->step[k] = (float)(projector->matrix[k] * (double)job->voxels);
     memcpy(job->normal, projector->normal, sizeof job->normal);
-    memcpy(job->reach, BALL_RADII, sizeof job->reach);
-    job->grow_from = GROW_FROM;
-    job->grow = 1 / GROW_OVER;
+    job->reach[0] = ISO_REFINED_BALL;
+    job->reach[1] = ISO_REFINED_BALL_MORE;
+    job->grow_from = ISO_REFINED_GROW_FROM;
+    job->grow = 1 / ISO_REFINED_GROW_OVER;
     job->radius = job->points->radius > 0 ? (float)job->points->radius : 0;
     job->focal = (float)view->focal;
     job->slope = view->orthographic ? 0 : (float)(1 / view->focal);
     job->axis[0] = (float)view->cx;
     job->axis[1] = (float)(view->cy + view->above);
-    job->slant = slant_of(view);
+    job->slant = iso_refined_slant(view);
     const double *spacing = job->points->transform.spacing;
     if (spacing[0] == spacing[1] && spacing[1] == spacing[2]) job->per_length = (float)spacing[0];
     job->near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near;
@@ -113,32 +92,22 @@ static void choose_bands(frame *f) {
 
 /* Cells are as large as discs, which so lie in their own and the eight around it. */
 static void set_up_hiding(frame *f) {
-    const float most = f->blocks->radius[1] / ISO_DISC_RADII * (BALL_RADII[0] + BALL_RADII[1]) * f->job.slant;
+    const float most =
+        f->blocks->radius[1] / ISO_DISC_RADII * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE) * f->job.slant;
     f->shift = CELL_SHIFT_LEAST;
     while (f->shift < 16 && most > (float)(1 << f->shift)) f->shift++;
     const size_t side = (size_t)1 << f->shift;
     f->cells = (int)((f->stride + side - 1) >> f->shift) * (int)((f->band_rows + side - 1) >> f->shift);
     /* A disc may reach towards the eye by its radius, and joins what is 1.5 radii before it; where that was
      * turned, what faces the eye takes its place from as far behind. */
-    const float radius = f->job.radius * (BALL_RADII[0] + BALL_RADII[1]);
+    const float radius = f->job.radius * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE);
     f->behind = f->job.points->radii ? ISO_NOWHERE : (f->job.cull ? 2.6f : 4.1f) * radius;
-}
-
-/* Projected radii of a block's points, a little widened. */
-static float point_radius(const iso_point_block *block, int end) {
-    return block->radius[end] * (end ? 1.001f : 0.999f) / ISO_DISC_RADII;
-}
-
-/* The largest radius of its discs in pixels. */
-static float disc_radius(const iso_point_block *block) {
-    const float radius = point_radius(block, 1), wide = (radius - GROW_FROM) / GROW_OVER;
-    return radius * (BALL_RADII[0] + fminf(fmaxf(wide, 0), 1) * BALL_RADII[1]);
 }
 
 /* Bands first .. last that a block's discs can reach. */
 static iso_rows bands_of(const frame *f, const iso_point_block *block) {
     const iso_view *view = f->job.target->view;
-    const double reach = disc_radius(block) * f->job.slant + 2;
+    const double reach = iso_refined_reach(block) * f->job.slant + 2;
     const double first = floor((block->row[0] + view->cy - reach) / f->band_rows),
                  last = floor((block->row[1] + view->cy + reach) / f->band_rows);
     if (!block->seen || (f->job.cull && block->averted) || !(first < f->bands && last >= 0))
@@ -237,7 +206,7 @@ static void do_band(void *context, size_t number, int worker) {
     const iso_rows rows = {first, (first + f->band_rows < height ? first + f->band_rows : height) - 1};
     const iso_refined_band band = worker_band(f, worker, rows);
     float most = 0;
-    for (size_t i = 0; i < count; i++) most = fmaxf(most, disc_radius(&block[order[i]]));
+    for (size_t i = 0; i < count; i++) most = fmaxf(most, iso_refined_reach(&block[order[i]]));
     const bool tiles = 2 * most * f->job.slant + 1 > ISO_REFINED_BOX;
     const size_t rounds = count / LOOKS + 1;
     for (size_t i = 0; i < f->pixels; i++) band.front[i] = ISO_NOWHERE;

@@ -4,22 +4,15 @@
 #include <string.h>
 
 #include "base/simd.h"
+#include "render/refined_numbers.h"
 
 /* Loops over the values of discs and sums, so that these stay in registers: more of them than compilers
  * unroll by themselves. */
 #define ISO_UNROLL _Pragma("GCC unroll 32")
 
-/* Pixels: how discs of less bend within them is too little to be seen. */
-static const float FLAT_RADIUS = 0.9f;
-
-/* 1 / voxel: how much surfaces bend before it is asked where they turn away, and how much until what bends
- * is as likely noise. (Normals come from gradients over two voxels, shapes from second differences over
- * one.) */
-static const float TURNING_BEND = 0.2f, NOISY_BEND = 0.7f;
-
 /* Whether a block's points have shapes that matter. */
 static inline bool has_shapes(const iso_refined_job *job, const iso_point_block *block) {
-    return job->points->shapes && block->radius[1] >= FLAT_RADIUS;
+    return job->points->shapes && block->radius[1] >= ISO_REFINED_FLAT_RADIUS;
 }
 
 /* The pixels that a disc may cover: columns box[0] .. box[2] of the view and rows box[1] .. box[3], within a

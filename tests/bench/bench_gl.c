@@ -93,15 +93,24 @@ static iso_status draw_shape(bench_frame *frame, const iso_target *target, iso_e
     return take_seconds(frame, iso_gl_draw(frame->gl->engine, &opts, target->gbuffer, error));
 }
 
-static iso_status draw_pullpush(bench_frame *frame, const iso_target *target, iso_error *error) {
+static iso_status fill(bench_frame *frame, const iso_target *target, iso_reconstruction reconstruction,
+                       iso_error *error) {
     const iso_gl_shape *shape = frame->gl_frame->shape;
-    const iso_gl_pullpush_opts opts = {target->view, &shape, 1, ISO_RECONSTRUCTION_GAUSSIAN};
+    const iso_gl_pullpush_opts opts = {target->view, &shape, 1, reconstruction};
     return take_seconds(frame, iso_gl_draw_pullpush(frame->gl->engine, &opts, target->gbuffer, error));
 }
 
+static iso_status draw_pullpush(bench_frame *frame, const iso_target *target, iso_error *error) {
+    return fill(frame, target, ISO_RECONSTRUCTION_GAUSSIAN, error);
+}
+
+static iso_status draw_refined(bench_frame *frame, const iso_target *target, iso_error *error) {
+    return fill(frame, target, ISO_RECONSTRUCTION_REFINED, error);
+}
+
 static void finish_gl(bench_row *row) {
-    static const char *const names[ISO_GL_PASSES] = {"draw_ms", "project_ms", "pull_ms", "push_ms",
-                                                     "finish_ms"};
+    static const char *const names[ISO_GL_PASSES] = {"draw_ms",   "project_ms", "pull_ms", "push_ms",
+                                                     "finish_ms", "front_ms",   "add_ms",  "settle_ms"};
     const bench_frame *frame = row->context;
     for (int pass = 0; pass < ISO_GL_PASSES; pass++) {
         double seconds = frame->gl_frame->seconds[pass];
@@ -117,6 +126,7 @@ const bench_method bench_gl_methods[] = {
      .draw = draw_pullpush,
      .finish = finish_gl,
      .close = close_gl},
+    {.name = "gl_refined", .open = open_points, .draw = draw_refined, .finish = finish_gl, .close = close_gl},
 };
 const int bench_gl_method_count = sizeof bench_gl_methods / sizeof *bench_gl_methods;
 

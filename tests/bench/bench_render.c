@@ -102,6 +102,8 @@ static void add_gl(frame_group *group, int subject) {
     for (int m = 0; m < bench_gl_method_count; m++) {
         const bench_method *method = &bench_gl_methods[m];
         if (group->subjects[subject].bumpy_meshless && is_method(method, "gl_mesh")) continue;
+        if (is_method(method, "gl_refined") && !iso_gl_context_info(group->gl->context).hardware)
+            continue; /* a frame of many points takes software a minute */
         bench_row *row = bench_add(group->bench, &bench_slow_frame_kind, "render/%s/%s/%s", method->name,
                                    group->subjects[subject].name, group->gl->name);
         row->threads = settings->threads[settings->thread_count - 1];

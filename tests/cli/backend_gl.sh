@@ -2,6 +2,7 @@ python3 -c 'from check import *; ball("in/ball.mha")'
 isorender in/ball.mha cpu.png --isovalue 500 --method points --backend cpu --json --quiet >cpu.json
 isorender in/ball.mha cpu_pull.png --isovalue 500 --method pullpush --reconstruction gaussian --backend cpu --json \
     --quiet >cpu_pull.json
+isorender in/ball.mha cpu_refined.png --isovalue 500 --method pullpush --backend cpu --quiet
 tried=0
 for backend in egl osmesa; do
     isorender --list-backends | grep "^$backend" | grep -qv 'cannot be used' || { echo "no $backend here"; continue; }
@@ -11,8 +12,10 @@ for backend in egl osmesa; do
     isorender in/ball.mha mesh.png --isovalue 500 --backend $backend --method mesh --json --quiet >mesh.json
     isorender in/ball.mha strips.png --isovalue 500 --backend $backend --strips --json --quiet >strips.json
     isorender in/ball.mha wide.png --isovalue 500 --backend $backend --point-scaling attenuated --json --quiet >wide.json
-    isorender in/ball.mha pull.png --isovalue 500 --backend $backend --method pullpush --json 2>said >pull.json
-    grep -q 'gaussian (refined needs --backend cpu)' said
+    isorender in/ball.mha pull.png --isovalue 500 --backend $backend --method pullpush --reconstruction gaussian \
+        --json --quiet >pull.json
+    isorender in/ball.mha refined.png --isovalue 500 --backend $backend --method pullpush --json --quiet >refined.json
+    isocompare images cpu_refined.png refined.png --fail-under psnr=40 >/dev/null
     BACKEND=$backend python3 - <<'P'
 import os
 from check import *
@@ -31,6 +34,9 @@ expect(abs(a - b) <= 30, (a, b))
 expect(list(gl["gl"]["seconds"]) == ["draw"] and gl["gl"]["seconds"]["draw"] > 0, gl["gl"])
 expect(gl["gl"]["vendor"] and gl["gl"]["version"], gl["gl"])
 expect(list(pull["gl"]["seconds"]) == ["project", "pull", "push", "finish"], pull["gl"])
+refined = report("refined.json")
+expect(list(refined["gl"]["seconds"]) == ["front", "add", "settle"], refined["gl"])
+expect(refined["gl"]["messages"] == 0, refined["gl"])
 a_pull, b_pull = cpu_pull["image"]["covered"], pull["image"]["covered"]
 expect(abs(a_pull - b_pull) <= 30, (a_pull, b_pull))
 expect(b < wide["image"]["covered"] < 1.05 * b, (b, wide["image"]["covered"]))

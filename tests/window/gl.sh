@@ -43,7 +43,7 @@ both() {
     picture "cpu_$1"
     key g
 }
-# all_methods NAME: exact is the cpu engine's at rest; and its pullpush is refined, ours Gaussian
+# all_methods NAME: exact is the cpu engine's at rest
 all_methods() {
     local method
     for method in exact pullpush points mesh; do

@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "render/gl/output.h"
+#include "render/gl/refined.h"
 #include "render/gl/shape.h"
 #include "render/gl/shared.h"
 #include "render/project.h"
@@ -31,12 +32,6 @@ static int widest_part(const GladGLContext *gl, int margin) {
     return side;
 }
 
-/* Points are drawn while their centres are in the viewport, so that it is wider than the picture by half the
- * widest point. */
-static int viewport_margin(const iso_gl_engine *engine) {
-    return (int)(engine->max_point / 2) + 1;
-}
-
 static void make_buffers(iso_gl_engine *engine, const GladGLContext *gl) {
     GLfloat range[2] = {1, 1};
     gl->GetFloatv(GL_POINT_SIZE_RANGE, range);
@@ -45,7 +40,7 @@ static void make_buffers(iso_gl_engine *engine, const GladGLContext *gl) {
     gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &storage);
     engine->max_storage = storage > 0 ? (size_t)storage : 0;
     engine->wide_atomics = iso_gl_has_wide_atomics(engine->context);
-    engine->max_side = widest_part(gl, viewport_margin(engine));
+    engine->max_side = widest_part(gl, iso_gl_engine_margin(engine));
     gl->CreateBuffers(1, &engine->frame);
     gl->NamedBufferStorage(engine->frame, sizeof(iso_gl_frame), NULL, GL_DYNAMIC_STORAGE_BIT);
     gl->CreateBuffers(1, &engine->commands);
@@ -90,6 +85,7 @@ void iso_gl_engine_destroy(iso_gl_engine *engine) {
         const GladGLContext *gl = context->gl;
         const GLuint buffers[] = {engine->frame, engine->commands, engine->instances};
         delete_target(engine, gl);
+        iso_gl_discs_free(&engine->discs, gl);
         gl->DeleteBuffers(3, buffers);
         gl->DeleteBuffers(ISO_GL_STORES, engine->storage);
         iso_gl_timer_free(&engine->timer, gl);
@@ -107,7 +103,23 @@ iso_status iso_gl_engine_program(iso_gl_engine *engine, iso_gl_program program, 
     return ISO_OK;
 }
 
+void iso_gl_engine_need(iso_gl_engine *engine, iso_gl_storage which, size_t bytes) {
+    const GladGLContext *gl = engine->context->gl;
+    if (engine->storage[which] && engine->storage_bytes[which] >= bytes) return;
+    gl->DeleteBuffers(1, &engine->storage[which]);
+    gl->CreateBuffers(1, &engine->storage[which]);
+    gl->NamedBufferStorage(engine->storage[which], (GLsizeiptr)bytes, NULL, GL_DYNAMIC_STORAGE_BIT);
+    engine->storage_bytes[which] = bytes;
+}
+
 /* ---- the framebuffer */
+
+unsigned iso_gl_make_texture(const GladGLContext *gl, unsigned format, int width, int height) {
+    GLuint texture;
+    gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
+    gl->TextureStorage2D(texture, 1, format, width, height);
+    return texture;
+}
 
 enum { TARGET_BYTES = 21 }; /* a pixel: RGBA32F, R8UI, DEPTH_COMPONENT32F */
 
@@ -116,22 +128,15 @@ uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height) {
     return (w < side ? w : side) * (h < side ? h : side) * TARGET_BYTES + READ_BYTES;
 }
 
-static GLuint make_texture(const GladGLContext *gl, GLenum format, int width, int height) {
-    GLuint texture;
-    gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
-    gl->TextureStorage2D(texture, 1, format, width, height);
-    return texture;
-}
-
 static iso_status need_target(iso_gl_engine *engine, int width, int height, iso_error *error) {
     const GladGLContext *gl = engine->context->gl;
     if (engine->framebuffer && engine->width >= width && engine->height >= height) return ISO_OK;
     if (width < engine->width) width = engine->width;
     if (height < engine->height) height = engine->height;
     delete_target(engine, gl);
-    engine->color = make_texture(gl, GL_RGBA32F, width, height);
-    engine->surface = make_texture(gl, GL_R8UI, width, height);
-    engine->depth = make_texture(gl, GL_DEPTH_COMPONENT32F, width, height);
+    engine->color = iso_gl_make_texture(gl, GL_RGBA32F, width, height);
+    engine->surface = iso_gl_make_texture(gl, GL_R8UI, width, height);
+    engine->depth = iso_gl_make_texture(gl, GL_DEPTH_COMPONENT32F, width, height);
     gl->CreateFramebuffers(1, &engine->framebuffer);
     gl->NamedFramebufferTexture(engine->framebuffer, GL_COLOR_ATTACHMENT0, engine->color, 0);
     gl->NamedFramebufferTexture(engine->framebuffer, GL_COLOR_ATTACHMENT1, engine->surface, 0);
@@ -154,7 +159,7 @@ static void begin_part(const iso_gl_engine *engine, const iso_view *view) {
     const GladGLContext *gl = engine->context->gl;
     const GLfloat nothing[4] = {0, 0, -1, INFINITY}, far = 0;
     const GLuint none[4] = {ISO_SURFACE_NONE};
-    int margin = viewport_margin(engine);
+    int margin = iso_gl_engine_margin(engine);
     gl->BindFramebuffer(GL_FRAMEBUFFER, engine->framebuffer);
     gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     gl->Viewport(-margin, -margin, view->width + 2 * margin, view->height + 2 * margin);
@@ -209,17 +214,6 @@ static iso_status read_part(const iso_gl_engine *engine, const iso_view *view, c
 
 /* ---- one shape */
 
-/* As GL wants them, in one buffer; the fields of both kinds fit in five numbers. */
-typedef struct points_command {
-    uint32_t count, instances, first, first_instance;
-} points_command;
-
-typedef struct mesh_command {
-    uint32_t count, instances, first;
-    int32_t base;
-    uint32_t first_instance;
-} mesh_command;
-
 typedef struct shape_draw {
     iso_gl_engine *engine;
     const iso_gl_draw_opts *opts;
@@ -257,7 +251,7 @@ static void put_frame(const shape_draw *draw, int surface) {
         cx = floor(cx * ISO_GL_SUBPIXEL + 0.5) / ISO_GL_SUBPIXEL;
         cy = floor(cy * ISO_GL_SUBPIXEL + 0.5) / ISO_GL_SUBPIXEL;
     }
-    int margin = viewport_margin(draw->engine);
+    int margin = iso_gl_engine_margin(draw->engine);
     iso_gl_frame f = {
         .pixels = {view->focal, cx, cy, fmax(view->near, -1e30)},
         .screen = {(float)(view->width + 2 * margin), (float)(view->height + 2 * margin), (float)margin},
@@ -312,34 +306,23 @@ static bool is_averted(const shape_draw *draw, const double eye[3], size_t s) {
     return iso_projector_facing(&draw->projector, eye, spans[s].brick, &bounds[s]) == ISO_FACING_AWAY;
 }
 
-static iso_vec3 span_origin(const shape_draw *draw, const iso_gl_span *span) {
+static iso_gl_instance instance_of(const shape_draw *draw, const iso_gl_span *span) {
     const float corner_position[3] = {0, 0, 0};
-    return iso_projector_point(&draw->projector, span->brick, corner_position);
+    const iso_vec3 origin = iso_projector_point(&draw->projector, span->brick, corner_position);
+    return (iso_gl_instance){.origin = {(float)origin.x, (float)origin.y, (float)origin.z}};
 }
 
 static void draw_all(const shape_draw *draw, size_t count, const void *commands, const void *instances) {
-    iso_gl_engine *engine = draw->engine;
-    const GladGLContext *gl = engine->context->gl;
-    bool mesh = draw->shape->mesh;
-    size_t size = mesh ? sizeof(mesh_command) : sizeof(points_command);
-    engine->drawn += count;
-    gl->NamedBufferData(engine->commands, (GLsizeiptr)(count * size), commands, GL_STREAM_DRAW);
-    gl->NamedBufferData(engine->instances, (GLsizeiptr)(count * 3 * sizeof(float)), instances,
-                        GL_STREAM_DRAW);
-    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, engine->commands);
-    gl->BindVertexArray(draw->shape->array);
-    if (mesh)
-        gl->MultiDrawElementsIndirect(draw->shape->stripped ? GL_TRIANGLE_STRIP : GL_TRIANGLES,
-                                      GL_UNSIGNED_SHORT, NULL, (GLsizei)count, 0);
-    else
-        gl->MultiDrawArraysIndirect(GL_POINTS, NULL, (GLsizei)count, 0);
+    draw->engine->drawn += count;
+    iso_gl_shape_command(draw->shape, count, commands, instances);
+    iso_gl_shape_draw(draw->shape, count);
 }
 
 static iso_status draw_mesh(const shape_draw *draw, iso_buffer *room, iso_error *error) {
     const iso_gl_shape *shape = draw->shape;
-    size_t commands_size = shape->span_count * sizeof(mesh_command), seen = 0;
+    size_t commands_size = shape->span_count * sizeof(iso_gl_mesh_command), seen = 0;
     ISO_TRY(iso_buffer_reserve(room, commands_size + shape->span_count * 3 * sizeof(int32_t), 0, error));
-    mesh_command *commands = room->data;
+    iso_gl_mesh_command *commands = room->data;
     int32_t(*bricks)[3] = (int32_t(*)[3])((char *)room->data + commands_size);
     const iso_gl_span *spans = shape->spans.data;
     bool hides = hides_averted(draw);
@@ -352,7 +335,7 @@ static iso_status draw_mesh(const shape_draw *draw, iso_buffer *room, iso_error 
             draw->engine->averted++;
             continue;
         }
-        commands[seen] = (mesh_command){span->count, 1, span->first, span->base, (uint32_t)seen};
+        commands[seen] = (iso_gl_mesh_command){span->count, 1, span->first, span->base, (uint32_t)seen};
         memcpy(bricks[seen++], span->brick, sizeof *bricks);
     }
     unsigned program;
@@ -372,14 +355,6 @@ static bool may_be_wide(const shape_draw *draw, const iso_gl_span *span) {
     return 2.001 * span->radius * scale + 1 > draw->engine->max_point;
 }
 
-static void draw_wide(const shape_draw *draw, const iso_gl_span *span) {
-    const GladGLContext *gl = draw->engine->context->gl;
-    iso_vec3 origin = span_origin(draw, span);
-    gl->BindVertexArray(draw->shape->quad_array);
-    gl->VertexAttrib3f(ISO_GL_ORIGIN, (GLfloat)origin.x, (GLfloat)origin.y, (GLfloat)origin.z);
-    gl->DrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)span->count, span->first);
-}
-
 static iso_status draw_wide_points(const shape_draw *draw, iso_error *error) {
     const iso_gl_shape *shape = draw->shape;
     unsigned program = 0;
@@ -392,7 +367,8 @@ static iso_status draw_wide_points(const shape_draw *draw, iso_error *error) {
                 draw->engine, shape->surfels ? ISO_GL_QUADS_SURFELS : ISO_GL_QUADS_PACKED, &program, error));
             draw->engine->context->gl->UseProgram(program);
         }
-        draw_wide(draw, span);
+        const iso_gl_instance instance = instance_of(draw, span);
+        iso_gl_shape_draw_quads(shape, span->first, span->count, &instance);
     }
     return ISO_OK;
 }
@@ -400,26 +376,23 @@ static iso_status draw_wide_points(const shape_draw *draw, iso_error *error) {
 static iso_status draw_points(const shape_draw *draw, iso_buffer *room, iso_error *error) {
     const iso_gl_shape *shape = draw->shape;
     const GladGLContext *gl = draw->engine->context->gl;
-    size_t commands_size = shape->span_count * sizeof(points_command), seen = 0;
-    ISO_TRY(iso_buffer_reserve(room, commands_size + shape->span_count * 3 * sizeof(float), 0, error));
-    points_command *commands = room->data;
-    float(*origins)[3] = (float(*)[3])((char *)room->data + commands_size);
+    size_t commands_size = shape->span_count * sizeof(iso_gl_points_command), seen = 0;
+    ISO_TRY(iso_buffer_reserve(room, commands_size + shape->span_count * sizeof(iso_gl_instance), 0, error));
+    iso_gl_points_command *commands = room->data;
+    iso_gl_instance *instances = (iso_gl_instance *)((char *)room->data + commands_size);
     const iso_gl_span *spans = shape->spans.data;
     for (size_t s = 0; s < shape->span_count; s++) {
         const iso_gl_span *span = &spans[s];
         if (!is_seen(draw, span)) continue;
-        iso_vec3 origin = span_origin(draw, span);
-        commands[seen] = (points_command){span->count, 1, span->first, (uint32_t)seen};
-        origins[seen][0] = (float)origin.x;
-        origins[seen][1] = (float)origin.y;
-        origins[seen++][2] = (float)origin.z;
+        commands[seen] = (iso_gl_points_command){span->count, 1, span->first, (uint32_t)seen};
+        instances[seen++] = instance_of(draw, span);
     }
     unsigned program;
     ISO_TRY(iso_gl_engine_program(draw->engine, shape->surfels ? ISO_GL_POINTS_SURFELS : ISO_GL_POINTS_PACKED,
                                   &program, error));
     gl->UseProgram(program);
     if (!shape->has_radii) gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)shape->radius);
-    if (seen) draw_all(draw, seen, commands, origins);
+    if (seen) draw_all(draw, seen, commands, instances);
     return draw_wide_points(draw, error);
 }
 

@@ -29,15 +29,19 @@ void iso_gl_engine_destroy(iso_gl_engine *engine);
  * many samples: the same for all above the size of a part. */
 uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height);
 
-/* What the GPU does for pictures: points or triangles (draw), and the steps of pull-push. */
+/* What the GPU does for pictures: points or triangles (draw), and the steps of pull-push and of its refined
+ * reconstruction. */
 typedef enum iso_gl_pass {
     ISO_GL_PASS_DRAW,
     ISO_GL_PASS_PROJECT,
     ISO_GL_PASS_PULL,
     ISO_GL_PASS_PUSH,
-    ISO_GL_PASS_FINISH
+    ISO_GL_PASS_FINISH,
+    ISO_GL_PASS_FRONT,
+    ISO_GL_PASS_ADD,
+    ISO_GL_PASS_SETTLE
 } iso_gl_pass;
-enum { ISO_GL_PASSES = 5 };
+enum { ISO_GL_PASSES = 8 };
 const char *iso_gl_pass_name(iso_gl_pass pass); /* "draw", "project", .. */
 
 /* Seconds that the GPU took for each, by its own clock (software renderers: by the computer's), in all
@@ -58,8 +62,8 @@ iso_status iso_gl_upload_strips(iso_gl_engine *engine, const iso_mesh_view *mesh
                                 iso_error *error);
 
 /* Another view of the same set, later: only spans that changed are uploaded, which the view's stamps tell.
- * Points keep their kind: packed or not, with radii and colours or without. After a failure the shape is
- * empty until an update succeeds. */
+ * Points keep their kind: packed or not, with radii, colours and shapes or without. After a failure the shape
+ * is empty until an update succeeds. */
 iso_status iso_gl_update_points(iso_gl_shape *shape, const iso_point_view *points, iso_error *error);
 iso_status iso_gl_update_mesh(iso_gl_shape *shape, const iso_mesh_view *mesh, iso_error *error);
 void iso_gl_shape_destroy(iso_gl_shape *shape);

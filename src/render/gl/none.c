@@ -56,8 +56,9 @@ uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height) {
     return 0;
 }
 
-uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, int width, int height) {
-    (void)engine, (void)width, (void)height;
+uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, iso_reconstruction reconstruction, int width,
+                               int height) {
+    (void)engine, (void)reconstruction, (void)width, (void)height;
     return 0;
 }
 

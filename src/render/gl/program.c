@@ -10,7 +10,7 @@
 #include "render/gl/internal.h"
 
 /* HEAD: texts before the pieces. */
-enum { STAGES = 2, PIECES = 3, HEAD = 4 };
+enum { STAGES = 2, PIECES = 4, HEAD = 4 };
 
 /* Stages are of the program's own files; pieces come before each of them. */
 typedef struct recipe {
@@ -29,7 +29,24 @@ typedef struct recipe {
     [first + 1] = {"pull of keys" what, {"pullpush_pull.comp"}, {PYRAMID}, defines "#define KEYS 1\n"},      \
     [first + 2] = {"unpacked keys" what, {"pullpush_pull.comp"}, {PYRAMID}, defines "#define KEYS 2\n"},     \
     [first + 3] = {"push" what, {"pullpush_push.comp"}, {PYRAMID, "pullpush_mix.glsl"}, defines},            \
-    [first + 4] = {"finish" what, {"pullpush_finish.comp"}, {PYRAMID, "pullpush_mix.glsl"}, defines}
+    [first + 4] = {                                                                                          \
+        "finish" what, {"pullpush_finish.comp"}, {PYRAMID, "pullpush_mix.glsl", "picture.glsl"}, defines}
+
+#define REFINED "refined_numbers.h", "refined.glsl"
+#define DISCS(first, what, defines)                                                                          \
+    [first] = {"fronts" what, {"refined.vert", "refined.frag"}, {"unpack.glsl", REFINED}, defines},          \
+    [first + 1] = {"fronts of quads" what,                                                                   \
+                   {"refined.vert", "refined.frag"},                                                         \
+                   {"unpack.glsl", REFINED},                                                                 \
+                   defines "#define QUADS 1\n"},                                                             \
+    [first + 2] = {"sums" what,                                                                              \
+                   {"refined.vert", "refined.frag"},                                                         \
+                   {"unpack.glsl", REFINED},                                                                 \
+                   defines "#define ADDING 1\n"},                                                            \
+    [first + 3] = {"sums of quads" what,                                                                     \
+                   {"refined.vert", "refined.frag"},                                                         \
+                   {"unpack.glsl", REFINED},                                                                 \
+                   defines "#define ADDING 1\n#define QUADS 1\n"}
 
 static const recipe recipes[ISO_GL_PROGRAMS] = {
     [ISO_GL_POINTS_PACKED] = {"points", {"points.vert", "points.frag"}, {"unpack.glsl"}, ""},
@@ -67,6 +84,9 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
     RECONSTRUCTION(ISO_GL_COLORED, " with colours", "#define COLORS 1\n"),
     [ISO_GL_SHADE_TARGET] = {"shading", {"shade.comp"}, {"phong.h"}, ""},
     [ISO_GL_SHADE_PICTURE] = {"shading of pull-push", {"shade.comp"}, {"phong.h"}, "#define BUFFER 1\n"},
+    DISCS(ISO_GL_FRONT_POINTS, "", ""),
+    DISCS(ISO_GL_DISCS_OF_SURFELS, " of surfels", "#define SURFELS 1\n"),
+    [ISO_GL_SETTLE] = {"settled sums", {"refined_settle.comp"}, {REFINED, "picture.glsl"}, ""},
 };
 
 const char *iso_gl_program_name(iso_gl_program program) {

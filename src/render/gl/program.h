@@ -36,10 +36,18 @@ typedef enum iso_gl_program {
     ISO_GL_FINISH,
     ISO_GL_COLORED, /* the same from ISO_GL_PULL_LEVEL on, of points that have colours */
     ISO_GL_COLORED_LAST = ISO_GL_COLORED + ISO_GL_FINISH - ISO_GL_PULL_LEVEL,
-    ISO_GL_SHADE_TARGET, /* colours: of what fragments made */
-    ISO_GL_SHADE_PICTURE /* and of what pull-push made */
+    ISO_GL_SHADE_TARGET,  /* colours: of what fragments made */
+    ISO_GL_SHADE_PICTURE, /* and of what pull-push made */
+    /* Refined: the nearest depths of discs and what they add there, by points and by quads, of packed points
+     * and then of surfels. */
+    ISO_GL_FRONT_POINTS,
+    ISO_GL_FRONT_QUADS,
+    ISO_GL_ADD_POINTS,
+    ISO_GL_ADD_QUADS,
+    ISO_GL_DISCS_OF_SURFELS,
+    ISO_GL_SETTLE = ISO_GL_DISCS_OF_SURFELS + 4
 } iso_gl_program;
-enum { ISO_GL_PROGRAMS = ISO_GL_SHADE_PICTURE + 1 };
+enum { ISO_GL_PROGRAMS = ISO_GL_SETTLE + 1 };
 
 const char *iso_gl_program_name(iso_gl_program program);
 

@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "render/gl/output.h"
+#include "render/gl/refined.h"
 #include "render/gl/shape.h"
 #include "render/gl/shared.h"
 #include "render/pullpush_setup.h"
@@ -59,12 +60,7 @@ typedef struct drawing {
 /* ---- buffers */
 
 static void need_buffer(const frame *f, iso_gl_storage which, size_t bytes) {
-    iso_gl_engine *engine = f->engine;
-    if (engine->storage[which] && engine->storage_bytes[which] >= bytes) return;
-    f->gl->DeleteBuffers(1, &engine->storage[which]);
-    f->gl->CreateBuffers(1, &engine->storage[which]);
-    f->gl->NamedBufferStorage(engine->storage[which], (GLsizeiptr)bytes, NULL, GL_DYNAMIC_STORAGE_BIT);
-    engine->storage_bytes[which] = bytes;
+    iso_gl_engine_need(f->engine, which, bytes);
 }
 
 static void bind(const frame *f, GLuint slot, iso_gl_storage which) {
@@ -77,6 +73,11 @@ static void fill_buffer(const frame *f, iso_gl_storage which, size_t bytes, GLui
 }
 
 /* ---- what is drawn */
+
+/* Points without colours, where refined was asked for. */
+static bool is_refined(const frame *f, const iso_gl_shape *shape) {
+    return f->opts->reconstruction == ISO_RECONSTRUCTION_REFINED && !shape->has_colors;
+}
 
 static size_t level_pixels(const iso_pyramid_shape *shape, int number) {
     iso_pyramid_level level = iso_pyramid_level_of(shape, number);
@@ -348,7 +349,12 @@ static iso_status draw_strip(frame *f, const iso_view *view, int row, const iso_
     need_buffer(f, ISO_GL_STORE_PICTURE, samples * f->planes * sizeof(float));
     clear_picture(f, samples);
     for (int i = 0; i < f->opts->shape_count; i++) {
-        if (f->opts->shapes[i]->blocks->seen == 0) continue;
+        const iso_gl_shape *shape = f->opts->shapes[i];
+        if (shape->blocks->seen == 0) continue;
+        if (is_refined(f, shape)) {
+            ISO_TRY(iso_gl_draw_refined(shape, view, i, &f->room, error));
+            continue;
+        }
         drawing d = drawing_of(f, i, view);
         begin(&d, i);
         ISO_TRY(reconstruct(&d, &f->room, error));
@@ -366,7 +372,8 @@ static size_t strip_bytes(const frame *f, int rows) {
     const iso_view view = iso_view_rows(f->opts->view, 0, rows);
     size_t most = (size_t)view.width * (size_t)view.height * f->planes * sizeof(float);
     for (int i = 0; i < f->opts->shape_count; i++) {
-        if (f->opts->shapes[i]->blocks->seen == 0) continue;
+        const iso_gl_shape *shape = f->opts->shapes[i];
+        if (shape->blocks->seen == 0 || is_refined(f, shape)) continue;
         const drawing d = drawing_of(f, i, &view);
         const size_t keys = level_pixels(&d.pyramid, d.pyramid.base) * 2 * sizeof(uint32_t);
         const size_t pixels = pixels_above(&d.pyramid) * 4 * sizeof(float);
@@ -413,7 +420,8 @@ static size_t storage_of(const iso_gl_engine *engine) {
     return engine->max_storage < STORAGE_BYTES ? engine->max_storage : STORAGE_BYTES;
 }
 
-uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, int width, int height) {
+uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, iso_reconstruction reconstruction, int width,
+                               int height) {
     enum {
         PICTURE = (ISO_GL_PICTURE_PLANES + 1) * sizeof(float),
         BASE = (2 + 2) * sizeof(uint32_t),                /* keys; radii and colours */
@@ -421,6 +429,8 @@ uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, int width, int heigh
         SAMPLE = PICTURE + BASE + (ABOVE + 2) / 3         /* of levels above 0: a third of a pixel */
     };
     const uint64_t samples = (uint64_t)width * (uint64_t)height, most = storage_of(engine) / PICTURE;
+    if (reconstruction == ISO_RECONSTRUCTION_REFINED)
+        return (samples < most ? samples : most) * PICTURE + iso_gl_discs_bytes(samples);
     return (samples < most ? samples : most) * SAMPLE;
 }
 
@@ -433,9 +443,6 @@ static bool has_colors(const iso_gl_pullpush_opts *opts) {
 iso_status iso_gl_draw_pullpush_to(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts,
                                    const iso_gl_output *to, iso_error *error) {
     assert(opts->shape_count >= 0 && opts->shape_count <= ISO_SURFACE_MAX);
-    if (opts->reconstruction == ISO_RECONSTRUCTION_REFINED)
-        return iso_fail(error, ISO_ERR_UNSUPPORTED,
-                        "refined reconstruction needs the cpu: OpenGL has box and gaussian");
     ISO_TRY(look(opts, error));
     frame f = {.engine = engine, .gl = engine->context->gl, .opts = opts, .planes = ISO_GL_PICTURE_PLANES};
     if (has_colors(opts)) {

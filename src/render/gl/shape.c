@@ -10,9 +10,13 @@
 
 _Static_assert(ISO_GL_BRICK_SIDE == ISO_BRICK && ISO_GL_COORDINATE_BITS == ISO_POINT_COORDINATE_BITS &&
                    ISO_GL_NORMAL_BITS == ISO_POINT_NORMAL_BITS &&
-                   ISO_GL_NORMAL_STEPS == ISO_POINT_NORMAL_STEPS,
+                   ISO_GL_NORMAL_STEPS == ISO_POINT_NORMAL_STEPS &&
+                   ISO_GL_SHAPE_END_BITS == ISO_SHAPE_END_BITS &&
+                   ISO_GL_SHAPE_END_STEPS == ISO_SHAPE_END_STEPS &&
+                   ISO_GL_SHAPE_AXIS_BIT == ISO_SHAPE_AXIS_BIT,
                "shaders unpack what base/primitives.h packs");
-_Static_assert(sizeof(iso_surfel) == 24 && sizeof(iso_point) == 8, "as vertex arrays have it");
+_Static_assert(sizeof(iso_surfel) == 24 && sizeof(iso_point) == 8 && sizeof(iso_shape) == 8,
+               "as vertex arrays have it");
 
 /* An array of the shape's owner, of which spans name parts, and the buffer that holds it: each part lies in
  * the buffer where it lies in the array, so that what does not change does not move. */
@@ -117,7 +121,7 @@ static void describe_floats(const GladGLContext *gl, unsigned array, unsigned sl
     gl->VertexArrayAttribBinding(array, slot, binding);
 }
 
-enum { BIND_VERTICES, BIND_RADII, BIND_SPANS };
+enum { BIND_VERTICES, BIND_RADII, BIND_SHAPES, BIND_SPANS };
 
 /* divisor 0: points are vertices; 1: instances. */
 static unsigned make_array(const GladGLContext *gl, const iso_gl_shape *shape, unsigned divisor) {
@@ -137,20 +141,33 @@ static unsigned make_array(const GladGLContext *gl, const iso_gl_shape *shape, u
         gl->VertexArrayBindingDivisor(array, BIND_RADII, divisor);
         describe_floats(gl, array, ISO_GL_RADIUS, BIND_RADII, 1, 0);
     }
+    if (shape->has_shapes) {
+        gl->VertexArrayBindingDivisor(array, BIND_SHAPES, divisor);
+        gl->EnableVertexArrayAttrib(array, ISO_GL_BEND);
+        gl->VertexArrayAttribIFormat(array, ISO_GL_BEND, 4, GL_SHORT, 0);
+        gl->VertexArrayAttribBinding(array, ISO_GL_BEND, BIND_SHAPES);
+    }
     return array;
 }
 
-/* One number of a brick for each draw: an instance's, named by the draw's first instance. */
+static size_t instance_bytes(const iso_gl_shape *shape) {
+    return shape->mesh ? 3 * sizeof(int32_t) : sizeof(iso_gl_instance);
+}
+
+/* What each draw tells its primitives: an instance's, named by the draw's first instance. */
 static void add_spans(iso_gl_shape *shape, const GladGLContext *gl) {
-    GLuint slot = shape->mesh ? ISO_GL_BRICK : ISO_GL_ORIGIN;
-    gl->VertexArrayVertexBuffer(shape->array, BIND_SPANS, shape->engine->instances, 0, 3 * sizeof(float));
-    gl->VertexArrayBindingDivisor(shape->array, BIND_SPANS, 1);
-    gl->EnableVertexArrayAttrib(shape->array, slot);
-    if (shape->mesh)
-        gl->VertexArrayAttribIFormat(shape->array, slot, 3, GL_INT, 0);
-    else
-        gl->VertexArrayAttribFormat(shape->array, slot, 3, GL_FLOAT, GL_FALSE, 0);
-    gl->VertexArrayAttribBinding(shape->array, slot, BIND_SPANS);
+    const GLuint array = shape->array;
+    gl->VertexArrayVertexBuffer(array, BIND_SPANS, shape->engine->instances, 0,
+                                (GLsizei)instance_bytes(shape));
+    gl->VertexArrayBindingDivisor(array, BIND_SPANS, 1);
+    if (shape->mesh) {
+        gl->EnableVertexArrayAttrib(array, ISO_GL_BRICK);
+        gl->VertexArrayAttribIFormat(array, ISO_GL_BRICK, 3, GL_INT, 0);
+        gl->VertexArrayAttribBinding(array, ISO_GL_BRICK, BIND_SPANS);
+    } else {
+        describe_floats(gl, array, ISO_GL_ORIGIN, BIND_SPANS, 3, offsetof(iso_gl_instance, origin));
+        describe_floats(gl, array, ISO_GL_PLACE, BIND_SPANS, 4, offsetof(iso_gl_instance, place));
+    }
 }
 
 /* Buffers may have been made anew. */
@@ -160,6 +177,8 @@ static void bind_buffers(const iso_gl_shape *shape, unsigned array) {
     gl->VertexArrayVertexBuffer(array, BIND_VERTICES, shape->vertices.name, 0,
                                 floats ? sizeof(iso_surfel) : sizeof(iso_point));
     if (shape->has_radii) gl->VertexArrayVertexBuffer(array, BIND_RADII, shape->radii.name, 0, sizeof(float));
+    if (shape->has_shapes)
+        gl->VertexArrayVertexBuffer(array, BIND_SHAPES, shape->shapes.name, 0, sizeof(iso_shape));
     if (shape->mesh) gl->VertexArrayElementBuffer(array, shape->indices.name);
 }
 
@@ -172,6 +191,38 @@ static void make_arrays(iso_gl_shape *shape) {
     }
     bind_buffers(shape, shape->array);
     if (shape->quad_array) bind_buffers(shape, shape->quad_array);
+}
+
+/* ---- drawing */
+
+void iso_gl_shape_command(const iso_gl_shape *shape, size_t count, const void *commands,
+                          const void *instances) {
+    const iso_gl_engine *engine = shape->engine;
+    const GladGLContext *gl = engine->context->gl;
+    const size_t size = shape->mesh ? sizeof(iso_gl_mesh_command) : sizeof(iso_gl_points_command);
+    gl->NamedBufferData(engine->commands, (GLsizeiptr)(count * size), commands, GL_STREAM_DRAW);
+    gl->NamedBufferData(engine->instances, (GLsizeiptr)(count * instance_bytes(shape)), instances,
+                        GL_STREAM_DRAW);
+}
+
+void iso_gl_shape_draw(const iso_gl_shape *shape, size_t count) {
+    const GladGLContext *gl = shape->engine->context->gl;
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, shape->engine->commands);
+    gl->BindVertexArray(shape->array);
+    if (shape->mesh)
+        gl->MultiDrawElementsIndirect(shape->stripped ? GL_TRIANGLE_STRIP : GL_TRIANGLES, GL_UNSIGNED_SHORT,
+                                      NULL, (GLsizei)count, 0);
+    else
+        gl->MultiDrawArraysIndirect(GL_POINTS, NULL, (GLsizei)count, 0);
+}
+
+void iso_gl_shape_draw_quads(const iso_gl_shape *shape, size_t first, size_t count,
+                             const iso_gl_instance *instance) {
+    const GladGLContext *gl = shape->engine->context->gl;
+    gl->BindVertexArray(shape->quad_array);
+    gl->VertexAttrib3fv(ISO_GL_ORIGIN, instance->origin);
+    gl->VertexAttrib4fv(ISO_GL_PLACE, instance->place);
+    gl->DrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)count, (GLuint)first);
 }
 
 /* ---- what a draw knows of spans */
@@ -289,12 +340,14 @@ static iso_status send_points(iso_gl_shape *shape, const iso_point_view *points,
     if (!points->surfels) vertices = (source){points->packed, sizeof *points->packed, &shape->vertices};
     const source radii = {points->radii, sizeof *points->radii, &shape->radii};
     const source colors = {points->colors, sizeof *points->colors, &shape->colors};
+    const source shapes = {points->shapes, sizeof *points->shapes, &shape->shapes};
     size_t end = end_of(points, points->span_count, points_of);
     if (end > UINT32_MAX) return iso_fail(error, ISO_ERR_LIMIT, "more than 2^32 - 1 points");
     ISO_TRY(check_memory(shape,
                          growth(&shape->vertices, end, vertices.item) +
                              (points->radii ? growth(&shape->radii, end, radii.item) : 0) +
-                             (points->colors ? growth(&shape->colors, end, colors.item) : 0),
+                             (points->colors ? growth(&shape->colors, end, colors.item) : 0) +
+                             (points->shapes ? growth(&shape->shapes, end, shapes.item) : 0),
                          error));
     ISO_TRY(fit_spans(shape, points->span_count, error));
     shape->closed = points->closed;
@@ -309,6 +362,10 @@ static iso_status send_points(iso_gl_shape *shape, const iso_point_view *points,
     if (points->colors) {
         fit(gl, &colors, end);
         send_changed(shape, &colors, points, points_of);
+    }
+    if (points->shapes) {
+        fit(gl, &shapes, end);
+        send_changed(shape, &shapes, points, points_of);
     }
     return ISO_OK;
 }
@@ -345,10 +402,11 @@ static void forget_spans(iso_gl_shape *shape) {
 
 iso_status iso_gl_update_points(iso_gl_shape *shape, const iso_point_view *points, iso_error *error) {
     assert(!shape->mesh && shape->has_radii == (points->radii != NULL) &&
-           shape->has_colors == (points->colors != NULL));
+           shape->has_colors == (points->colors != NULL) && shape->has_shapes == (points->shapes != NULL));
     ISO_TRY(iso_gl_enter(shape->engine->context, error));
     shape->transform = points->transform;
     shape->radius = points->radius;
+    memcpy(shape->dims, points->dims, sizeof shape->dims);
     shape->uploaded = 0;
     iso_status status = send_points(shape, points, error);
     if (status == ISO_OK) make_arrays(shape);
@@ -383,6 +441,7 @@ iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *poi
     made->surfels = points->surfels != NULL;
     made->has_radii = points->radii != NULL;
     made->has_colors = points->colors != NULL;
+    made->has_shapes = points->shapes != NULL;
     made->blocks = iso_alloc_zero(1, sizeof *made->blocks);
     iso_status status = made->blocks ? iso_gl_update_points(made, points, error)
                                      : iso_fail(error, ISO_ERR_NOMEM, "out of memory for blocks of points");
@@ -442,10 +501,10 @@ void iso_gl_shape_destroy(iso_gl_shape *shape) {
     iso_gl_context *context = shape->engine->context;
     if (iso_gl_enter(context, NULL) == ISO_OK) {
         const GLuint buffers[] = {shape->vertices.name, shape->radii.name, shape->colors.name,
-                                  shape->indices.name};
+                                  shape->shapes.name, shape->indices.name};
         const GLuint arrays[] = {shape->array, shape->quad_array};
         context->gl->DeleteVertexArrays(2, arrays); /* 0 is ignored */
-        context->gl->DeleteBuffers(4, buffers);
+        context->gl->DeleteBuffers(5, buffers);
         iso_gl_leave(context, ISO_OK, NULL);
     }
     free_shape(shape);

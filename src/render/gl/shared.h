@@ -10,12 +10,15 @@
 #define ISO_GL_RADIUS 3   /* float, mm */
 #define ISO_GL_ORIGIN 4   /* vec3, per span of points: view space position of its brick's corner */
 #define ISO_GL_BRICK 5    /* ivec3, per span of triangles */
+#define ISO_GL_PLACE 5 /* vec4, per span of points: index coordinates of its first step; 1: shapes matter */
+#define ISO_GL_BEND 6  /* ivec4: an iso_shape */
 
 /* Uniform blocks. */
 #define ISO_GL_FRAME 0
 #define ISO_GL_PULLPUSH 1
 #define ISO_GL_SHADE 2
-#define ISO_GL_UNIFORM_SLOTS 3
+#define ISO_GL_REFINED 3
+#define ISO_GL_UNIFORM_SLOTS 4
 
 /* Uniforms of pull-push's passes. */
 #define ISO_GL_LEVEL 0 /* int: the level that a pass makes */
@@ -41,7 +44,10 @@
 /* Textures and images of shading. */
 #define ISO_GL_NORMAL_DEPTHS 0 /* what fragments made */
 #define ISO_GL_SPHERE 1        /* a lit sphere's colours by the normal's x and y, -1 .. 1 */
-#define ISO_GL_TEXTURE_SLOTS 2
+/* Textures of the refined reconstruction. */
+#define ISO_GL_FRONTS 0 /* nearest depths of discs that face the eye, and of others */
+#define ISO_GL_SUMS 1   /* four, over the discs at the front */
+#define ISO_GL_TEXTURE_SLOTS 5
 #define ISO_GL_COLORS 0  /* rgba8: a canvas's */
 #define ISO_GL_SAMPLES 1 /* rgba32f: view space normal, view z */
 #define ISO_GL_IMAGE_SLOTS 2
@@ -68,6 +74,10 @@
 #define ISO_GL_COORDINATE_STEP (20.0 / 16384.0)
 #define ISO_GL_NORMAL_BITS 11
 #define ISO_GL_NORMAL_STEPS 2047
+#define ISO_GL_SHAPE_STEP (1.0 / 16000.0)
+#define ISO_GL_SHAPE_END_BITS 3
+#define ISO_GL_SHAPE_END_STEPS 7
+#define ISO_GL_SHAPE_AXIS_BIT 12
 
 /* Vertices of triangles are snapped to pixels / ISO_GL_SUBPIXEL, as the cpu engine does. */
 #define ISO_GL_SUBPIXEL 256
@@ -124,6 +134,23 @@
     ISO_GL_UINTS(flags);                    /* orthographic, two-sided, points have radii, and colours */    \
     ISO_GL_INT_ROWS(levels, ISO_GL_LEVELS); /* width, height, first pixel in the buffers */
 
+/* std140. One surface by the refined reconstruction, in a tile of the picture. */
+#define ISO_GL_REFINED_FIELDS                                                                                \
+    ISO_GL_FLOATS(step_x); /* a step of position, in view space */                                           \
+    ISO_GL_FLOATS(step_y);                                                                                   \
+    ISO_GL_FLOATS(step_z);                                                                                   \
+    ISO_GL_FLOATS(normal_x); /* index covector to view space */                                              \
+    ISO_GL_FLOATS(normal_y);                                                                                 \
+    ISO_GL_FLOATS(normal_z);                                                                                 \
+    ISO_GL_FLOATS(border); /* index coordinates of the grid's last voxels; 0: it has no border */            \
+    ISO_GL_FLOATS(axis);   /* optical axis, pixels of the tile; near; pixels per mm at depth 1 */            \
+    ISO_GL_FLOATS(sizes);  /* slope of a pixel (orthographic: 0); voxels in a mm, at most */                 \
+    ISO_GL_FLOATS(screen); /* viewport width, height, what it is wider than the tile on each side; widest    \
+                              point that the driver draws, px */                                             \
+    ISO_GL_INTS(tile);     /* width, height, the picture's pixel at its corner */                            \
+    ISO_GL_INTS(picture);  /* width, height, surface */                                                      \
+    ISO_GL_UINTS(flags);   /* orthographic, points that face away are left out */
+
 /* std430. Points that are projected together. */
 #define ISO_GL_BLOCK_FIELDS                                                                                  \
     ISO_GL_FLOATS(origin); /* of its first step, as the points' steps lead on from it */                     \
@@ -145,6 +172,9 @@ typedef struct iso_gl_frame {
 typedef struct iso_gl_pullpush {
     ISO_GL_PULLPUSH_FIELDS
 } iso_gl_pullpush;
+typedef struct iso_gl_refined {
+    ISO_GL_REFINED_FIELDS
+} iso_gl_refined;
 typedef struct iso_gl_block {
     ISO_GL_BLOCK_FIELDS
 } iso_gl_block;

@@ -24,7 +24,11 @@ static const struct {
                                {GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING}};
 
 /* Those that draws set when they have no array. */
-static const GLuint attributes[2] = {ISO_GL_RADIUS, ISO_GL_ORIGIN};
+static const GLuint attributes[ISO_GL_ATTRIBUTES] = {ISO_GL_RADIUS, ISO_GL_ORIGIN, ISO_GL_PLACE};
+
+static const GLenum blend_values[ISO_GL_BLEND_VALUES] = {GL_BLEND_SRC_RGB,      GL_BLEND_DST_RGB,
+                                                         GL_BLEND_SRC_ALPHA,    GL_BLEND_DST_ALPHA,
+                                                         GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA};
 
 static void set_switch(const GladGLContext *gl, GLenum name, bool on) {
     (on ? gl->Enable : gl->Disable)(name);
@@ -55,7 +59,10 @@ void iso_gl_state_take(iso_gl_state *state, const GladGLContext *gl) {
     gl->GetIntegerv(GL_POLYGON_MODE, state->polygon_mode); /* compatibility profiles give two */
     gl->GetBooleanv(GL_DEPTH_WRITEMASK, &state->depth_mask);
     gl->GetBooleanv(GL_COLOR_WRITEMASK, state->color_mask);
-    for (int i = 0; i < 2; i++)
+    for (GLuint i = 0; i < ISO_GL_BLENDS; i++)
+        for (int k = 0; k < ISO_GL_BLEND_VALUES; k++)
+            gl->GetIntegeri_v(blend_values[k], i, &state->blend[i][k]);
+    for (int i = 0; i < ISO_GL_ATTRIBUTES; i++)
         gl->GetVertexAttribfv(attributes[i], GL_CURRENT_VERTEX_ATTRIB, state->attribute[i]);
     set_defaults(gl);
 }
@@ -84,5 +91,10 @@ void iso_gl_state_put(const iso_gl_state *state, const GladGLContext *gl) {
     gl->PolygonMode(GL_FRONT_AND_BACK, (GLenum)state->polygon_mode[0]);
     gl->DepthMask(state->depth_mask);
     gl->ColorMask(state->color_mask[0], state->color_mask[1], state->color_mask[2], state->color_mask[3]);
-    for (int i = 0; i < 2; i++) gl->VertexAttrib4fv(attributes[i], state->attribute[i]);
+    for (GLuint i = 0; i < ISO_GL_BLENDS; i++) {
+        const int *value = state->blend[i];
+        gl->BlendFuncSeparatei(i, (GLenum)value[0], (GLenum)value[1], (GLenum)value[2], (GLenum)value[3]);
+        gl->BlendEquationSeparatei(i, (GLenum)value[4], (GLenum)value[5]);
+    }
+    for (int i = 0; i < ISO_GL_ATTRIBUTES; i++) gl->VertexAttrib4fv(attributes[i], state->attribute[i]);
 }

@@ -11,7 +11,14 @@ extern "C" {
 
 typedef struct GladGLContext GladGLContext;
 
-enum { ISO_GL_SWITCHES = 14, ISO_GL_PIXEL_STORES = 8, ISO_GL_BINDINGS = 5 };
+enum {
+    ISO_GL_SWITCHES = 14,
+    ISO_GL_PIXEL_STORES = 8,
+    ISO_GL_BINDINGS = 5,
+    ISO_GL_ATTRIBUTES = 3,
+    ISO_GL_BLENDS = 4, /* outputs that draws blend */
+    ISO_GL_BLEND_VALUES = 6
+};
 
 typedef struct iso_gl_state {
     bool on[ISO_GL_SWITCHES];
@@ -19,7 +26,8 @@ typedef struct iso_gl_state {
     int draw_framebuffer, read_framebuffer, program, array;
     int viewport[4], scissor[4], depth_func, clip_origin, clip_depth, polygon_mode[2];
     unsigned char depth_mask, color_mask[4];
-    float attribute[2][4];
+    float attribute[ISO_GL_ATTRIBUTES][4];
+    int blend[ISO_GL_BLENDS][ISO_GL_BLEND_VALUES];
 } iso_gl_state;
 
 /* Takes down what there is and sets what we do not set ourselves to what we count on, which is what OpenGL

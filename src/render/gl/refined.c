@@ -1,0 +1,286 @@
+#include "render/gl/refined.h"
+
+#include <glad/gl.h>
+#include <math.h>
+#include <string.h>
+
+#include "render/gl/shared.h"
+#include "render/refined_numbers.h"
+#include "render/refined_setup.h"
+
+enum {
+    SUMS = 4,
+    /* Of a tile: larger pictures are drawn tile by tile. */
+    SAMPLES_MOST = 1 << 22,
+    SAMPLE_BYTES = (1 + SUMS) * 4 * sizeof(float)
+};
+
+_Static_assert(offsetof(iso_gl_refined, border) == 96 && offsetof(iso_gl_refined, tile) == 160 &&
+                   sizeof(iso_gl_refined) == 208,
+               "std140 has it like this");
+_Static_assert(SUMS == (int)ISO_GL_BLENDS, "what we blend is put back");
+
+/* One surface. */
+typedef struct drawing {
+    iso_gl_engine *engine;
+    const GladGLContext *gl;
+    const iso_gl_shape *shape;
+    const iso_view *view;
+    iso_projector projector;
+    float slant;
+    bool cull;
+    int surface;
+} drawing;
+
+/* A part of the view, its corner at x, y. */
+typedef struct tile {
+    int x, y, width, height;
+    size_t draws; /* one for each block in sight: */
+    const iso_gl_points_command *commands;
+    const iso_gl_instance *instances;
+    const bool *wide; /* discs may be wider than the driver's points */
+} tile;
+
+/* ---- textures */
+
+uint64_t iso_gl_discs_bytes(uint64_t samples) {
+    return (samples < SAMPLES_MOST ? samples : SAMPLES_MOST) * SAMPLE_BYTES;
+}
+
+void iso_gl_discs_free(iso_gl_discs *discs, const GladGLContext *gl) {
+    gl->DeleteTextures(SUMS, discs->sums); /* 0 is ignored */
+    gl->DeleteTextures(1, &discs->fronts);
+    gl->DeleteFramebuffers(2, discs->framebuffers);
+    *discs = (iso_gl_discs){.width = 0};
+}
+
+static iso_status check_framebuffer(const drawing *d, GLuint framebuffer, iso_error *error) {
+    if (d->gl->CheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
+        return ISO_OK;
+    return iso_fail(error, ISO_ERR_BACKEND, "%s: no framebuffer for the sums of %d x %d pixels",
+                    d->engine->context->name, d->engine->discs.width, d->engine->discs.height);
+}
+
+static iso_status need_discs(const drawing *d, int width, int height, iso_error *error) {
+    static const GLenum outputs[SUMS] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
+                                         GL_COLOR_ATTACHMENT3};
+    const GladGLContext *gl = d->gl;
+    iso_gl_discs *discs = &d->engine->discs;
+    if (discs->fronts && discs->width >= width && discs->height >= height) return ISO_OK;
+    iso_gl_discs_free(discs, gl);
+    discs->width = width;
+    discs->height = height;
+    gl->CreateFramebuffers(2, discs->framebuffers);
+    discs->fronts = iso_gl_make_texture(gl, GL_RGBA32F, width, height);
+    gl->NamedFramebufferTexture(discs->framebuffers[0], GL_COLOR_ATTACHMENT0, discs->fronts, 0);
+    for (int i = 0; i < SUMS; i++) {
+        discs->sums[i] = iso_gl_make_texture(gl, GL_RGBA32F, width, height);
+        gl->NamedFramebufferTexture(discs->framebuffers[1], outputs[i], discs->sums[i], 0);
+    }
+    gl->NamedFramebufferDrawBuffers(discs->framebuffers[1], SUMS, outputs);
+    iso_status status = ISO_OK;
+    for (int i = 0; i < 2 && status == ISO_OK; i++)
+        status = check_framebuffer(d, discs->framebuffers[i], error);
+    if (status != ISO_OK) iso_gl_discs_free(discs, gl);
+    return status;
+}
+
+/* ---- what is drawn */
+
+static void put_uniforms(const drawing *d, const tile *t) {
+    const iso_projector *p = &d->projector;
+    const iso_view *view = d->view;
+    const iso_gl_shape *shape = d->shape;
+    const double voxels = shape->surfels ? 1 : ISO_GL_COORDINATE_STEP;
+    const int margin = iso_gl_engine_margin(d->engine);
+    const bool bordered = shape->dims[0] > 0 && shape->dims[1] > 0 && shape->dims[2] > 0;
+    iso_gl_refined u = {
+        .axis = {(float)(view->cx - t->x), (float)(view->cy - t->y),
+                 view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near, (float)view->focal},
+        .sizes = {view->orthographic ? 0 : (float)(1 / view->focal), iso_refined_per_mm(p->normal)},
+        .screen = {(float)(t->width + 2 * margin), (float)(t->height + 2 * margin), (float)margin,
+                   (float)d->engine->max_point},
+        .tile = {t->width, t->height, t->x, t->y},
+        .picture = {view->width, view->height, d->surface},
+        .flags = {view->orthographic, d->cull}};
+    float *steps[] = {u.step_x, u.step_y, u.step_z}, *normals[] = {u.normal_x, u.normal_y, u.normal_z};
+    for (int k = 0; k < 3; k++) {
+        for (int i = 0; i < 3; i++) steps[k][i] = (float)(p->matrix[3 * k + i] * voxels);
+        memcpy(normals[k], p->normal + 3 * k, 3 * sizeof *normals[k]);
+        u.border[k] = (float)(shape->dims[k] - 1);
+    }
+    u.border[3] = bordered;
+    iso_gl_engine_need(d->engine, ISO_GL_STORE_REFINED, sizeof u);
+    const GLuint name = d->engine->storage[ISO_GL_STORE_REFINED];
+    d->gl->NamedBufferSubData(name, 0, sizeof u, &u);
+    d->gl->BindBufferBase(GL_UNIFORM_BUFFER, ISO_GL_REFINED, name);
+}
+
+/* Whether a block's discs may be in the tile's rows. */
+static bool is_wanted(const drawing *d, const iso_point_block *block, const tile *t) {
+    const double reach = iso_refined_reach(block) * d->slant + 2, cy = d->view->cy - t->y;
+    return block->seen && !(d->cull && block->averted) && block->row[1] + cy + reach >= 0 &&
+           block->row[0] + cy - reach <= t->height;
+}
+
+static iso_gl_instance instance_of(const drawing *d, const iso_point_block *block) {
+    const iso_projector *p = &d->projector;
+    const double low = d->shape->surfels ? 0 : ISO_GL_COORDINATE_LOW;
+    iso_gl_instance to = {
+        .place = {[3] = d->shape->has_shapes && block->radius[1] >= ISO_REFINED_FLAT_RADIUS}};
+    double at[3];
+    for (int k = 0; k < 3; k++) at[k] = block->brick[k] * (double)ISO_BRICK + low;
+    for (int k = 0; k < 3; k++) {
+        const double *m = p->matrix + 3 * k;
+        to.origin[k] = (float)(m[0] * at[0] + m[1] * at[1] + m[2] * at[2] + p->origin[k]);
+        to.place[k] = (float)at[k];
+    }
+    return to;
+}
+
+/* Discs are drawn as squares of twice their reach. */
+static bool is_wide(const drawing *d, const iso_point_block *block) {
+    return 2.1 * iso_refined_reach(block) * d->slant + 1 > d->engine->max_point;
+}
+
+/* The blocks in sight of a tile. */
+static iso_status gather(const drawing *d, tile *t, iso_buffer *room, iso_error *error) {
+    const iso_point_blocks *blocks = d->shape->blocks;
+    const iso_point_block *block = blocks->blocks.data;
+    const iso_gl_span *spans = d->shape->spans.data;
+    const size_t each = sizeof(iso_gl_points_command) + sizeof(iso_gl_instance) + sizeof(bool);
+    ISO_TRY(iso_buffer_reserve(room, blocks->count * each, 0, error));
+    iso_gl_points_command *commands = room->data;
+    iso_gl_instance *instances = (iso_gl_instance *)(commands + blocks->count);
+    bool *wide = (bool *)(instances + blocks->count);
+    t->draws = 0;
+    for (size_t i = 0; i < blocks->count; i++) {
+        if (!is_wanted(d, &block[i], t)) continue;
+        const uint32_t first = (uint32_t)(spans[block[i].span].first + block[i].first);
+        commands[t->draws] = (iso_gl_points_command){block[i].count, 1, first, (uint32_t)t->draws};
+        wide[t->draws] = is_wide(d, &block[i]);
+        instances[t->draws++] = instance_of(d, &block[i]);
+    }
+    t->wide = wide;
+    t->commands = commands;
+    t->instances = instances;
+    return ISO_OK;
+}
+
+/* ---- passes */
+
+static iso_status use(const drawing *d, iso_gl_program program, iso_error *error) {
+    unsigned name;
+    if (d->shape->surfels && program < ISO_GL_DISCS_OF_SURFELS)
+        program = (iso_gl_program)(program + ISO_GL_DISCS_OF_SURFELS - ISO_GL_FRONT_POINTS);
+    ISO_TRY(iso_gl_engine_program(d->engine, program, &name, error));
+    d->gl->UseProgram(name);
+    return ISO_OK;
+}
+
+/* Discs by the two programs from `program` on, into a framebuffer that is bound. */
+static iso_status draw_discs(const drawing *d, const tile *t, iso_gl_program program, iso_error *error) {
+    ISO_TRY(use(d, program, error));
+    if (!d->shape->has_radii) d->gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)d->shape->radius);
+    iso_gl_shape_draw(d->shape, t->draws);
+    bool quads = false;
+    for (size_t i = 0; i < t->draws; i++) {
+        if (!t->wide[i]) continue;
+        if (!quads) ISO_TRY(use(d, (iso_gl_program)(program + 1), error));
+        quads = true;
+        iso_gl_shape_draw_quads(d->shape, t->commands[i].first, t->commands[i].count, &t->instances[i]);
+    }
+    return ISO_OK;
+}
+
+static void begin_pass(const drawing *d, const tile *t, int framebuffer) {
+    const GladGLContext *gl = d->gl;
+    const int margin = iso_gl_engine_margin(d->engine);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, d->engine->discs.framebuffers[framebuffer]);
+    gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl->Viewport(-margin, -margin, t->width + 2 * margin, t->height + 2 * margin);
+    gl->Enable(GL_SCISSOR_TEST);
+    gl->Scissor(0, 0, t->width, t->height);
+    gl->Disable(GL_DEPTH_TEST);
+    gl->Enable(GL_PROGRAM_POINT_SIZE);
+    gl->Enable(GL_BLEND);
+}
+
+static iso_status find_fronts(const drawing *d, const tile *t, iso_error *error) {
+    const GladGLContext *gl = d->gl;
+    const GLfloat nowhere[4] = {ISO_NOWHERE, ISO_NOWHERE, ISO_NOWHERE, ISO_NOWHERE};
+    begin_pass(d, t, 0);
+    gl->BlendEquationi(0, GL_MIN);
+    gl->ClearBufferfv(GL_COLOR, 0, nowhere);
+    return draw_discs(d, t, ISO_GL_FRONT_POINTS, error);
+}
+
+static iso_status add_up(const drawing *d, const tile *t, iso_error *error) {
+    const GladGLContext *gl = d->gl;
+    const GLfloat nothing[4] = {0};
+    begin_pass(d, t, 1);
+    for (int i = 0; i < SUMS; i++) {
+        gl->BlendEquationi((GLuint)i, GL_FUNC_ADD);
+        gl->BlendFunci((GLuint)i, GL_ONE, GL_ONE);
+        gl->ClearBufferfv(GL_COLOR, i, nothing);
+    }
+    gl->BindTextureUnit(ISO_GL_FRONTS, d->engine->discs.fronts);
+    return draw_discs(d, t, ISO_GL_ADD_POINTS, error);
+}
+
+static iso_status settle(const drawing *d, const tile *t, iso_error *error) {
+    const GladGLContext *gl = d->gl;
+    for (int i = 0; i < SUMS; i++) gl->BindTextureUnit(ISO_GL_SUMS + (GLuint)i, d->engine->discs.sums[i]);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_PICTURE, d->engine->storage[ISO_GL_STORE_PICTURE]);
+    ISO_TRY(use(d, ISO_GL_SETTLE, error));
+    gl->DispatchCompute((GLuint)(t->width + ISO_GL_TILE - 1) / ISO_GL_TILE,
+                        (GLuint)(t->height + ISO_GL_TILE - 1) / ISO_GL_TILE, 1);
+    gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    return ISO_OK;
+}
+
+typedef iso_status run_pass(const drawing *d, const tile *t, iso_error *error);
+
+static iso_status draw_tile(const drawing *d, tile *t, iso_buffer *room, iso_error *error) {
+    static run_pass *const passes[] = {find_fronts, add_up, settle};
+    iso_gl_timer *timer = &d->engine->timer;
+    ISO_TRY(gather(d, t, room, error));
+    if (!t->draws) return ISO_OK;
+    iso_gl_shape_command(d->shape, t->draws, t->commands, t->instances);
+    put_uniforms(d, t);
+    for (int i = 0; i < 3; i++) {
+        iso_gl_timer_begin(timer, d->gl, (iso_gl_pass)(ISO_GL_PASS_FRONT + i));
+        iso_status status = passes[i](d, t, error);
+        iso_gl_timer_end(timer, d->gl);
+        d->gl->Disable(GL_BLEND);
+        ISO_TRY(status);
+    }
+    return ISO_OK;
+}
+
+iso_status iso_gl_draw_refined(const iso_gl_shape *shape, const iso_view *view, int surface, iso_buffer *room,
+                               iso_error *error) {
+    iso_gl_engine *engine = shape->engine;
+    const drawing d = {.engine = engine,
+                       .gl = engine->context->gl,
+                       .shape = shape,
+                       .view = view,
+                       .projector = iso_projector_make(view, &shape->transform),
+                       .slant = iso_refined_slant(view),
+                       .cull = shape->closed && !shape->blocks->around_eye,
+                       .surface = surface};
+    const int side = engine->max_side, width = view->width < side ? view->width : side;
+    int height = SAMPLES_MOST / width;
+    if (height > side) height = side;
+    if (height > view->height) height = view->height;
+    ISO_TRY(need_discs(&d, width, height, error));
+    for (int y = 0; y < view->height; y += height)
+        for (int x = 0; x < view->width; x += width) {
+            tile t = {.x = x, .y = y, .width = width, .height = height};
+            if (t.width > view->width - x) t.width = view->width - x;
+            if (t.height > view->height - y) t.height = view->height - y;
+            ISO_TRY(draw_tile(&d, &t, room, error));
+            ISO_TRY(iso_gl_check(engine->context, error)); /* nothing comes after a loss */
+        }
+    return ISO_OK;
+}
