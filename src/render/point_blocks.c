@@ -30,6 +30,7 @@ typedef struct block_measure {
 typedef struct survey {
     const iso_point_view *points;  /* or, when they are out of reach: */
     const block_measure *measures; /* one per block */
+    double radius[2];              /* of points that have none of their own: the discs', mm */
     bool closed;
     const iso_projector *projector;
     double eye[3]; /* in index coordinates, or (orthographic) the direction of the view */
@@ -57,9 +58,8 @@ static void radius_range(const iso_point_view *points, const iso_point_block *bl
 }
 
 /* False when there is no point in the block. */
-static bool block_extent(const survey *s, const iso_point_block *block, const block_measure *measure,
+static bool block_extent(const survey *s, const iso_point_block *block, const iso_point_bounds *bounds,
                          extent *out) {
-    const iso_point_bounds *bounds = &measure->bounds;
     if (!(bounds->lo[0] <= bounds->hi[0])) return false;
     double center[3], half[3];
     for (int k = 0; k < 3; k++) {
@@ -74,7 +74,6 @@ static bool block_extent(const survey *s, const iso_point_block *block, const bl
         out->lo[axis] = at - reach;
         out->hi[axis] = at + reach;
     }
-    memcpy(out->radius, measure->radius, sizeof out->radius);
     return true;
 }
 
@@ -111,9 +110,11 @@ static bool meets_sides(const iso_view *view, const extent *e, int axis, const d
     return lo * scale[lo < 0 ? 0 : 1] < side[1] && hi * scale[hi > 0 ? 0 : 1] > side[0];
 }
 
+/* (not floor, which is a call) */
 static int32_t whole_row(double row) {
-    row = floor(row);
-    return (int32_t)(row < -FAR_ROW ? -FAR_ROW : row > FAR_ROW ? FAR_ROW : row);
+    row = row < -FAR_ROW ? -FAR_ROW : row > FAR_ROW ? FAR_ROW : row;
+    int32_t whole = (int32_t)row;
+    return whole > row ? whole - 1 : whole;
 }
 
 static void look(const iso_view *view, const extent *e, iso_point_block *block) {
@@ -148,6 +149,27 @@ static block_measure measure_block(const iso_point_view *points, const iso_point
     return measure;
 }
 
+static void survey_block(const survey *s, iso_point_block *block, const iso_point_bounds *bounds,
+                         const double radius[2], chunk *found) {
+    extent e = {.radius = {radius[0], radius[1]}};
+    block->seen = block->averted = block->facing = false;
+    if (!block_extent(s, block, bounds, &e)) return;
+    for (int axis = 0; axis < 3; axis++) {
+        found->lo[axis] = iso_least(found->lo[axis], e.lo[axis]);
+        found->hi[axis] = iso_most(found->hi[axis], e.hi[axis]);
+    }
+    look(s->projector->view, &e, block);
+    if (!block->seen) return;
+    if (s->closed) {
+        iso_facing facing = iso_projector_facing(s->projector, s->eye, block->brick, bounds);
+        block->averted = facing == ISO_FACING_AWAY;
+        block->facing = facing == ISO_FACING_EYE;
+    }
+    found->seen++;
+    if (block->radius[0] < found->radius[0]) found->radius[0] = block->radius[0];
+    if (block->radius[1] > found->radius[1]) found->radius[1] = block->radius[1];
+}
+
 static void survey_chunk(void *context, size_t index, int worker) {
     (void)worker;
     const survey *s = context;
@@ -156,24 +178,14 @@ static void survey_chunk(void *context, size_t index, int worker) {
     size_t end = (index + 1) * CHUNK_BLOCKS;
     for (size_t i = index * CHUNK_BLOCKS; i < end && i < s->count; i++) {
         iso_point_block *block = &s->blocks[i];
-        const block_measure measure = s->measures ? s->measures[i] : measure_block(s->points, block);
-        extent e;
-        block->seen = block->averted = block->facing = false;
-        if (!block_extent(s, block, &measure, &e)) continue;
-        for (int axis = 0; axis < 3; axis++) {
-            found.lo[axis] = iso_least(found.lo[axis], e.lo[axis]);
-            found.hi[axis] = iso_most(found.hi[axis], e.hi[axis]);
+        if (s->measures) {
+            survey_block(s, block, &s->measures[i].bounds, s->measures[i].radius, &found);
+        } else if (s->points->bounds && !s->points->radii) {
+            survey_block(s, block, &s->points->bounds[block->span], s->radius, &found);
+        } else {
+            const block_measure measure = measure_block(s->points, block);
+            survey_block(s, block, &measure.bounds, measure.radius, &found);
         }
-        look(s->projector->view, &e, block);
-        if (!block->seen) continue;
-        if (s->closed) {
-            iso_facing facing = iso_projector_facing(s->projector, s->eye, block->brick, &measure.bounds);
-            block->averted = facing == ISO_FACING_AWAY;
-            block->facing = facing == ISO_FACING_EYE;
-        }
-        found.seen++;
-        if (block->radius[0] < found.radius[0]) found.radius[0] = block->radius[0];
-        if (block->radius[1] > found.radius[1]) found.radius[1] = block->radius[1];
     }
     s->chunks[index] = found;
 }
@@ -239,7 +251,9 @@ static iso_status look_at_blocks(iso_point_blocks *blocks, survey *s, iso_pool *
 iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view *points,
                                  const iso_projector *projector, iso_pool *pool, iso_error *error) {
     ISO_TRY(make_blocks(blocks, points, error));
-    survey s = {.points = points, .closed = points->closed, .projector = projector};
+    const double radius = ISO_DISC_RADII * iso_most(points->radius, 0);
+    survey s = {
+        .points = points, .radius = {radius, radius}, .closed = points->closed, .projector = projector};
     iso_projector_eye(projector, &points->transform, s.eye);
     return look_at_blocks(blocks, &s, pool, error);
 }
@@ -281,34 +295,44 @@ iso_status iso_point_blocks_look(iso_point_blocks *blocks, bool closed, const is
     return look_at_blocks(blocks, &s, NULL, error);
 }
 
+/* How rows from the optical axis become bands. */
+typedef struct bands {
+    int64_t first_row, size; /* the first band's, and rows in each */
+    int count;
+    bool cull;
+} bands;
+
 /* Bands first .. last that the block's rows are in; none when first > last. */
-static iso_rows bands_of(const iso_point_block *block, bool cull, double first_row, int base, int band_rows,
-                         int bands) {
-    double size = (double)band_rows * (1 << base);
-    double first = floor((block->row[0] - first_row) / size),
-           last = floor((block->row[1] - first_row) / size);
-    if (!block->seen || (cull && block->averted) || first >= bands || last < 0) return (iso_rows){0, -1};
-    return (iso_rows){first < 0 ? 0 : (int)first, last >= bands ? bands - 1 : (int)last};
+static iso_rows bands_of(const bands *b, const iso_point_block *block) {
+    const int64_t first = block->row[0] - b->first_row, last = block->row[1] - b->first_row;
+    if (!block->seen || (b->cull && block->averted) || last < 0 || first >= b->size * b->count)
+        return (iso_rows){0, -1};
+    const int64_t most = last / b->size;
+    return (iso_rows){first < 0 ? 0 : (int)(first / b->size), most < b->count ? (int)most : b->count - 1};
 }
 
 iso_status iso_point_blocks_deal(iso_point_blocks *blocks, const iso_view *view, const iso_pyramid *pyramid,
                                  int band_rows, bool cull, iso_error *error) {
     const int base = pyramid->shape.base, rows = pyramid->level[base].height;
-    const int bands = (rows + band_rows - 1) / band_rows;
-    const double first_row = pyramid->shape.row - view->cy; /* from the optical axis */
+    const int count = (rows + band_rows - 1) / band_rows;
+    /* (blocks' rows have room for the rounding) */
+    const bands all = {.first_row = (int64_t)ceil(pyramid->shape.row - view->cy),
+                       .size = (int64_t)band_rows << base,
+                       .count = count,
+                       .cull = cull};
     const iso_point_block *block = blocks->blocks.data;
-    ISO_TRY(iso_buffer_reserve(&blocks->start, ((size_t)bands + 2) * sizeof(size_t), 0, error));
+    ISO_TRY(iso_buffer_reserve(&blocks->start, ((size_t)count + 2) * sizeof(size_t), 0, error));
     size_t *start = blocks->start.data;
-    memset(start, 0, ((size_t)bands + 2) * sizeof(size_t));
+    memset(start, 0, ((size_t)count + 2) * sizeof(size_t));
     for (size_t i = 0; i < blocks->count; i++) {
-        iso_rows in = bands_of(&block[i], cull, first_row, base, band_rows, bands);
+        iso_rows in = bands_of(&all, &block[i]);
         for (int b = in.first; b <= in.last; b++) start[b + 2]++;
     }
-    for (int b = 0; b < bands; b++) start[b + 2] += start[b + 1];
-    ISO_TRY(iso_buffer_reserve(&blocks->order, (start[bands + 1] + 1) * sizeof(uint32_t), 0, error));
+    for (int b = 0; b < count; b++) start[b + 2] += start[b + 1];
+    ISO_TRY(iso_buffer_reserve(&blocks->order, (start[count + 1] + 1) * sizeof(uint32_t), 0, error));
     uint32_t *order = blocks->order.data;
     for (size_t i = 0; i < blocks->count; i++) {
-        iso_rows in = bands_of(&block[i], cull, first_row, base, band_rows, bands);
+        iso_rows in = bands_of(&all, &block[i]);
         for (int b = in.first; b <= in.last; b++) order[start[b + 1]++] = (uint32_t)i;
     }
     return ISO_OK;

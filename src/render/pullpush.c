@@ -94,27 +94,17 @@ static iso_rows rows_within(int first, int count, int height) {
     return (iso_rows){first, first + count <= height ? first + count - 1 : height - 1};
 }
 
-/* The beginning of the next block into the cache; the rest is fetched as it is read. */
-static void fetch_block(const frame *f, const iso_point_block *block) {
-    if (!f->points->packed) return;
-    const char *start = (const char *)(f->points->packed + block->first);
-    for (int line = 0; line < 8; line++) __builtin_prefetch(start + 64 * line);
-}
-
 static void project_band(const frame *f, size_t band, iso_rows rows) {
     const iso_pyramid *p = f->pyramid;
     const size_t *start = f->blocks->start.data;
     const uint32_t *order = f->blocks->order.data;
-    const iso_point_block *block = f->blocks->blocks.data;
+    const iso_block_list list = {f->blocks->blocks.data, order + start[band], start[band + 1] - start[band]};
     int height = p->level[p->shape.base].height;
     /* and, after the last, the row that makes their number even */
     size_t count = (size_t)(rows.last - rows.first + 1 + (rows.last == height - 1)) * p->key_stride;
     int64_t *keys = p->keys + (size_t)rows.first * p->key_stride;
     for (size_t i = 0; i < count; i++) keys[i] = ISO_KEY_NONE;
-    for (size_t i = start[band]; i < start[band + 1]; i++) {
-        if (i + 1 < start[band + 1]) fetch_block(f, &block[order[i + 1]]);
-        f->kernel->project(&f->projection, &block[order[i]], rows);
-    }
+    f->kernel->project(&f->projection, &list, rows);
 }
 
 /* What the band's points have besides their keys, from their numbers. */

@@ -2,6 +2,9 @@
 
 #include "base/simd.h"
 
+/* Where in its pixel a point lies is known to 1/32 (pyramid.h). */
+enum { PP_PART_BITS = 5, PP_PARTS = 1 << PP_PART_BITS };
+
 #define ISO_LEVEL generic
 #include "render/pullpush_project.inc"
 

@@ -43,9 +43,16 @@ typedef struct iso_reconstruction_job {
     float weight[4];     /* of q, 0 .. 1: a polynomial */
 } iso_reconstruction_job;
 
+/* Blocks order[0] .. order[count - 1] of an array. */
+typedef struct iso_block_list {
+    const iso_point_block *blocks;
+    const uint32_t *order;
+    size_t count;
+} iso_block_list;
+
 typedef struct iso_pullpush_kernel {
-    /* The block's points into rows first .. last of the keys, and of the index when there is one. */
-    void (*project)(const iso_point_projection *projection, const iso_point_block *block, iso_rows rows);
+    /* The blocks' points into rows first .. last of the keys, and of the index when there is one. */
+    void (*project)(const iso_point_projection *projection, const iso_block_list *list, iso_rows rows);
     /* Keys of the base level, 1 or higher, into its planes. */
     void (*unpack)(const iso_reconstruction_job *job, iso_rows rows);
     /* Rows of `level` from those of the level below; of level 1 from keys when that is the base. */
