@@ -93,10 +93,9 @@ static void upload(window *w) {
     glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
 }
 
-/* Seconds until a better picture is due; < 0: it is; none is due once it is the best. */
 double isosculpt_window_until_better(const window *w) {
-    if (w->screen.blank || w->view.sliding) return ISOSCULPT_IDLE;
-    if (w->view.quality == ISOSCULPT_FINE) return ISOSCULPT_IDLE;
+    if (w->screen.blank || w->view.quality == ISOSCULPT_FINE) return ISOSCULPT_IDLE;
+    if (isosculpt_view_is_preparing(&w->view)) return ISOSCULPT_IDLE; /* which wakes us */
     return w->shoot ? -1 : w->changed + REST[w->view.quality + 1] - isosculpt_now();
 }
 
@@ -113,10 +112,12 @@ static iso_status draw_due(window *w, iso_error *error) {
         w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_PICTURE;
         w->changed = isosculpt_now();
         ISO_TRY(isosculpt_view_draw(&w->view, w->screen.width, w->screen.height, true, error));
-    } else if (isosculpt_window_until_better(w) < 0)
+    } else if (isosculpt_window_until_better(w) >= 0)
+        return ISO_OK;
+    else if (isosculpt_view_is_ready(&w->view))
         ISO_TRY(improve(w, error));
     else
-        return ISO_OK;
+        return isosculpt_view_prepare(&w->view, glfwPostEmptyEvent, error);
     upload(w);
     w->frames = ISOSCULPT_FRAMES;
     return ISO_OK;

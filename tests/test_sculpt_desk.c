@@ -182,8 +182,11 @@ static void openings(void **state) {
     isosculpt_view_set_isovalue(&opened.view, 220); /* a smaller ball */
     opened.view.sliding = true;
     assert_int_equal(isosculpt_view_draw(&opened.view, 64, 40, true, NULL), ISO_OK);
-    assert_true(isosculpt_view_points(&opened.view) < points);
     assert_int_equal(opened.view.quality, ISOSCULPT_MOVING);
+    assert_int_equal(isosculpt_view_draw(&opened.view, 64, 40, false, NULL), ISO_OK);
+    while (opened.view.quality != ISOSCULPT_FINE)
+        assert_int_equal(isosculpt_view_refine(&opened.view, NULL), ISO_OK);
+    assert_true(isosculpt_view_points(&opened.view) < points);
     const isosculpt_request made = {
         .path = opened.volume->path, .sculpt = opened.volume, .isovalue = 220, .threads = 2};
     isosculpt_opened field;
