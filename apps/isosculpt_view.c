@@ -215,12 +215,12 @@ void isosculpt_view_zoom(isosculpt_view *view, double factor) {
 }
 
 static iso_box bounds(const isosculpt_view *view) {
-    iso_affine affine = iso_transform_affine(iso_grid_transform(&view->grid));
     iso_point_view points =
         iso_point_set_view(view->levels ? isosculpt_levels_points(view->levels) : view->points);
+    const iso_affine affine = iso_transform_affine(&points.transform);
     iso_box box = iso_point_view_bounds(&points);
     if (iso_box_is_empty(&box)) {
-        const int *dims = iso_grid_dims(&view->grid);
+        const int *dims = points.dims;
         iso_box_add(&box, iso_vec3_make(0, 0, 0));
         iso_box_add(&box, iso_vec3_make(dims[0] - 1, dims[1] - 1, dims[2] - 1));
     }
