@@ -22,6 +22,13 @@ void isosculpt_window_measure(window *w) {
     w->screen.pixels = width > 0 ? (double)w->screen.width / width : 1;
 }
 
+void isosculpt_window_point(window *w) {
+    double x, y;
+    glfwGetCursorPos(w->glfw, &x, &y);
+    w->hand.x = x * w->screen.pixels;
+    w->hand.y = y * w->screen.pixels;
+}
+
 /* ---- the loop */
 
 static void wait_events(window *w) {

@@ -47,6 +47,8 @@ typedef struct window {
 /* On screen, until something else is said. */
 void isosculpt_window_say(window *w, bool bad, const char *text);
 void isosculpt_window_measure(window *w);
+/* Where the pointer is, for the hand. */
+void isosculpt_window_point(window *w);
 
 /* ---- mouse, keys and drops (isosculpt_window_events.c) */
 

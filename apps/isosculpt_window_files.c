@@ -24,6 +24,7 @@ static void take_up(window *w) {
     w->view.gl = w->gl;
     w->view.look.engine = w->engine;
     isosculpt_hand_init(&w->hand, &w->desk, &w->view);
+    isosculpt_window_point(w);
     if (before > 0) {
         w->hand.brush = brush;
         w->hand.brush.radius = brush.radius / before * voxel;
