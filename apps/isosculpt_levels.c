@@ -6,9 +6,11 @@
 #include "grids/grid.h"
 #include "grids/rgrid.h"
 
-/* A step should not take longer, nor much less where a finer level would show more: that has four times the
- * points of a smooth surface and eight times those of noise. */
-static const double TOO_SLOW = 0.030, FAST = 0.0035;
+/* Seconds of a step that call for a coarser level, and for a finer one when that would take no more. */
+static const double TOO_SLOW = 0.030, FAST = 0.022;
+/* What a finer level costs, of extracting (four times the points of a smooth surface, eight times those of
+ * noise) and of drawing, half of which is filling pixels. */
+static const double MORE_TO_EXTRACT = 6, MORE_TO_DRAW = 3;
 /* Voxels of the level to begin with, at most. */
 static const double FIRST_VOXELS = 5e6;
 
@@ -123,10 +125,10 @@ int isosculpt_levels_now(const isosculpt_levels *levels) {
     return levels->now;
 }
 
-void isosculpt_levels_took(isosculpt_levels *levels, double seconds) {
+void isosculpt_levels_took(isosculpt_levels *levels, double extract, double draw) {
     const int coarser = levels->now + 1;
-    if (seconds > TOO_SLOW && coarser < ISOSCULPT_LEVELS && levels->points[coarser])
+    if (extract + draw > TOO_SLOW && coarser < ISOSCULPT_LEVELS && levels->points[coarser])
         levels->now++;
-    else if (seconds < FAST && levels->now > 0)
+    else if (MORE_TO_EXTRACT * extract + MORE_TO_DRAW * draw < FAST && levels->now > 0)
         levels->now--;
 }

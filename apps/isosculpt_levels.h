@@ -25,8 +25,8 @@ iso_status isosculpt_levels_update(isosculpt_levels *levels, double isovalue, is
 iso_point_set *isosculpt_levels_points(const isosculpt_levels *levels);
 int isosculpt_levels_now(const isosculpt_levels *levels); /* 0: full resolution */
 
-/* How long a step took, all in all. */
-void isosculpt_levels_took(isosculpt_levels *levels, double seconds);
+/* How long a step took. */
+void isosculpt_levels_took(isosculpt_levels *levels, double extract, double draw);
 
 #ifdef __cplusplus
 }

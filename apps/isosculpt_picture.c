@@ -314,7 +314,7 @@ static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
     view->quality = factor > 1 || quick || method != wanted ? ISOSCULPT_MOVING : ISOSCULPT_REST;
     if (moving) adapt(view, isosculpt_now() - start);
     if (moving) isosculpt_latency_add(&view->draw, isosculpt_now() - start);
-    if (quick) isosculpt_levels_took(view->levels, isosculpt_now() - begun);
+    if (quick) isosculpt_levels_took(view->levels, start - begun, isosculpt_now() - start);
     return ISO_OK;
 }
 
