@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <GLFW/glfw3.h>
 
@@ -9,9 +10,12 @@
 
 enum { WIDTH = 1280, HEIGHT = 800 };
 
+/* To those who watch the terminal, too, but once: a stroke can go wrong at every sample. */
 void isosculpt_window_say(window *w, bool bad, const char *text) {
+    if (bad && strcmp(w->screen.message, text)) fprintf(stderr, "isosculpt: %s\n", text);
     snprintf(w->screen.message, sizeof w->screen.message, "%s", text);
     w->screen.message_is_bad = bad;
+    w->screen.said = isosculpt_now();
     w->frames = ISOSCULPT_FRAMES;
 }
 
@@ -20,6 +24,14 @@ void isosculpt_window_measure(window *w) {
     glfwGetWindowSize(w->glfw, &width, &height);
     glfwGetFramebufferSize(w->glfw, &w->screen.width, &w->screen.height);
     w->screen.pixels = width > 0 ? (double)w->screen.width / width : 1;
+}
+
+/* The content scale in window coordinates: where those are no pixels, the system scales already. */
+double isosculpt_window_text_scale(const window *w) {
+    float x = 1, y = 1;
+    glfwGetWindowContentScale(w->glfw, &x, &y);
+    const double scale = (double)x / w->screen.pixels;
+    return scale > 0.5 && scale < 8 ? scale : 1;
 }
 
 void isosculpt_window_point(window *w) {
@@ -62,14 +74,6 @@ static iso_status no_window(iso_error *error, const char *what) {
     glfwGetError(&reason);
     return iso_fail(error, ISO_ERR_BACKEND, "%s: %s; without a window: --replay FILE --headless", what,
                     reason ? reason : "no reason is given");
-}
-
-/* The content scale in window coordinates: where those are no pixels, the system scales already. */
-static double text_scale(window *w) {
-    float x = 1, y = 1;
-    glfwGetWindowContentScale(w->glfw, &x, &y);
-    double scale = (double)x / w->screen.pixels;
-    return scale > 0.5 && scale < 8 ? scale : 1;
 }
 
 /* The panel does with less than the gl engine. */
@@ -137,7 +141,7 @@ static iso_status make_window(window *w, iso_error *error) {
     w->pen = isosculpt_pen_open();
     w->screen.pen = isosculpt_pen_present(w->pen);
     ISO_TRY(open_engine(w, error));
-    return isosculpt_panel_create(w->glfw, text_scale(w), &w->panel, error);
+    return isosculpt_panel_create(w->glfw, isosculpt_window_text_scale(w), &w->panel, error);
 }
 
 static iso_status run(window *w, iso_error *error) {

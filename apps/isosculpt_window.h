@@ -30,15 +30,16 @@ typedef struct window {
     isosculpt_gl *gl;        /* or NULL */
     isosculpt_engine engine; /* as chosen */
     unsigned texture;        /* of the cpu engine's picture; 0: none yet */
-    char folder[ISOSCULPT_PATH], offered[ISOSCULPT_PATH];
+    char folder[ISOSCULPT_PATH];
+    char next[ISOSCULPT_PATH]; /* to be opened once the question about it is answered */
     bool has_folder;
     int texture_width, texture_height;
-    int frames;       /* still to be drawn */
-    double changed;   /* when the picture last had to be drawn */
-    bool sculpting;   /* the volume is being made a field */
-    bool stamp_asked; /* --stamp was seen to */
-    bool save;        /* as soon as no stroke is drawn */
-    bool close_after; /* a save, which must succeed */
+    int frames;                 /* still to be drawn */
+    double changed;             /* when the picture last had to be drawn */
+    bool sculpting;             /* the volume is being made a field */
+    bool stamp_asked;           /* --stamp was seen to */
+    bool save;                  /* as soon as no stroke is drawn */
+    isosculpt_question leaving; /* ..CLOSE or ..OPEN: what comes after a save, which must succeed */
     bool shoot, shoot_all;
 } window;
 
@@ -47,6 +48,8 @@ typedef struct window {
 /* On screen, until something else is said. */
 void isosculpt_window_say(window *w, bool bad, const char *text);
 void isosculpt_window_measure(window *w);
+/* Of text and widgets, where the window is now. */
+double isosculpt_window_text_scale(const window *w);
 /* Where the pointer is, for the hand. */
 void isosculpt_window_point(window *w);
 
@@ -58,8 +61,14 @@ void isosculpt_window_listen(window *w);
 
 /* What the window begins with. */
 iso_status isosculpt_window_open(window *w, iso_error *error);
+/* A file that was dropped: asks what to do with it, or begins to open it. */
+void isosculpt_window_drop(window *w, const char *path);
+/* To the question that is asked, which then is not asked any more. */
+void isosculpt_window_answer(window *w, unsigned answers);
 /* Does what hand and panel ask for. Errors end the program. */
 iso_status isosculpt_window_obey(window *w, iso_error *error);
+/* Whether there are changes that are in no .vdb file. */
+bool isosculpt_window_unsaved(const window *w);
 /* Sees whether a save is done. */
 void isosculpt_window_saved(window *w);
 /* What is under way, for the panel. */

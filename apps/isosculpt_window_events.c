@@ -63,9 +63,9 @@ static int key_of(int key, int scancode) {
 
 /* A window closed over unsaved changes asks first, and closes when it is closed again. */
 static void want_close(window *w) {
-    bool ask = w->desk.changes != w->desk.saved && !w->close_after && !w->screen.closing;
+    const bool ask = isosculpt_window_unsaved(w) && !w->leaving && w->screen.question != ISOSCULPT_ASK_CLOSE;
     glfwSetWindowShouldClose(w->glfw, !ask);
-    w->screen.closing = ask;
+    if (ask) w->screen.question = ISOSCULPT_ASK_CLOSE;
     w->frames = ISOSCULPT_FRAMES;
 }
 
@@ -94,26 +94,44 @@ static bool change_look(window *w, int meant) {
     return true;
 }
 
-/* What was dropped on the window, of several the first: a mesh is a stamp, all else is opened. */
+/* What was dropped on the window, of several the first. */
 static void on_drop(GLFWwindow *glfw, int count, const char **paths) {
     window *w = of(glfw);
     if (count < 1) return;
-    snprintf(w->screen.path, sizeof w->screen.path, "%s", paths[0]);
-    w->screen.answers |= isosculpt_is_mesh(paths[0]) ? ISOSCULPT_ANSWER_STAMP : ISOSCULPT_ANSWER_OPEN;
+    if (w->screen.question) {
+        isosculpt_window_say(w, true, "Something is asked: answer that first, then drop the file again.");
+        return;
+    }
+    if (count > 1) isosculpt_window_say(w, false, "One file at a time: the first of them is taken.");
+    isosculpt_window_drop(w, paths[0]);
     w->frames = ISOSCULPT_FRAMES;
 }
 
 /* While a question is asked keys answer it and do nothing else. */
-static bool answer(window *w, int key) {
-    bool yes = key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
-    if (!w->screen.offered && !w->screen.closing) return false;
-    if (w->screen.offered)
-        w->screen.answers |= yes ? ISOSCULPT_ANSWER_RECOVER : 0u;
-    else if (yes)
-        w->screen.answers |= ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_CLOSE;
-    else if (key == GLFW_KEY_ESCAPE)
-        w->screen.closing = false;
+static bool answer(window *w, int key, int meant) {
+    static const unsigned yes[] = {[ISOSCULPT_ASK_RECOVER] = ISOSCULPT_ANSWER_RECOVER,
+                                   [ISOSCULPT_ASK_CLOSE] = ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE,
+                                   [ISOSCULPT_ASK_OPEN] = ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE,
+                                   [ISOSCULPT_ASK_MESH] = ISOSCULPT_ANSWER_OPEN};
+    const isosculpt_question question = w->screen.question;
+    if (!question) return false;
+    if (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER)
+        isosculpt_window_answer(w, yes[question]);
+    else if (key == GLFW_KEY_ESCAPE && question != ISOSCULPT_ASK_RECOVER)
+        isosculpt_window_answer(w, ISOSCULPT_ANSWER_STAY);
+    else if (meant == 's' && question == ISOSCULPT_ASK_MESH)
+        isosculpt_window_answer(w, ISOSCULPT_ANSWER_STAMP);
     return true;
+}
+
+/* What is not a stroke: the sheet of help, then heavy work, then what was said. */
+static void escape(window *w) {
+    if (w->screen.help)
+        w->screen.help = false;
+    else if (w->screen.busy_count)
+        w->screen.answers |= ISOSCULPT_ANSWER_CANCEL;
+    else
+        w->screen.message[0] = 0;
 }
 
 static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods) {
@@ -124,12 +142,11 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
         isosculpt_hand_key(&w->hand, meant, modifiers(mods), false);
         return;
     }
-    if (answer(w, key)) return;
+    if (answer(w, key, meant)) return;
     if (action == GLFW_PRESS && key == GLFW_KEY_F12)
         *(mods & GLFW_MOD_SHIFT ? &w->shoot_all : &w->shoot) = true;
     if (isosculpt_panel_has_keys()) return;
-    if (key == GLFW_KEY_ESCAPE && w->hand.drag != ISOSCULPT_DRAG_BRUSH && w->screen.busy_count)
-        w->screen.answers |= ISOSCULPT_ANSWER_CANCEL;
+    if (key == GLFW_KEY_ESCAPE && w->hand.drag != ISOSCULPT_DRAG_BRUSH) escape(w);
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
     if (action == GLFW_PRESS && meant == 'h') w->screen.help = !w->screen.help;
     if (action == GLFW_PRESS && !(mods & GLFW_MOD_CONTROL) && change_look(w, meant)) return;
@@ -150,6 +167,12 @@ static void on_size(GLFWwindow *glfw, int width, int height) {
     w->hand.wishes |= ISOSCULPT_WISH_PICTURE;
 }
 
+/* Another screen, or the same one with other settings: text and panel follow when they are drawn. */
+static void on_scale(GLFWwindow *glfw, float x, float y) {
+    (void)x, (void)y;
+    on_refresh(glfw);
+}
+
 void isosculpt_window_listen(window *w) {
     glfwSetWindowUserPointer(w->glfw, w);
     glfwSetCursorPosCallback(w->glfw, on_move);
@@ -160,4 +183,5 @@ void isosculpt_window_listen(window *w) {
     glfwSetWindowRefreshCallback(w->glfw, on_refresh);
     glfwSetFramebufferSizeCallback(w->glfw, on_size);
     glfwSetDropCallback(w->glfw, on_drop);
+    glfwSetWindowContentScaleCallback(w->glfw, on_scale);
 }

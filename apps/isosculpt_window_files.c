@@ -95,9 +95,9 @@ iso_status isosculpt_window_open(window *w, iso_error *error) {
     iso_error reason = {0};
     w->has_folder = isosculpt_desk_folder(w->folder, &reason) == ISO_OK;
     if (settings->strokes) return open_alone(w, settings->strokes, error);
-    bool unclosed = w->has_folder && isosculpt_desk_unclosed(w->folder, w->offered);
-    if (settings->recover && unclosed) return open_alone(w, w->offered, error);
-    if (unclosed) w->screen.offered = w->offered;
+    const bool unclosed = w->has_folder && isosculpt_desk_unclosed(w->folder, w->screen.asked);
+    if (settings->recover && unclosed) return open_alone(w, w->screen.asked, error);
+    if (unclosed) w->screen.question = ISOSCULPT_ASK_RECOVER;
     if (settings->recover)
         isosculpt_window_say(w, false, "There is nothing to recover: no session was left unclosed.");
     if (settings->open) return open_alone(w, settings->open, error);
@@ -165,18 +165,48 @@ static iso_status finish_opening(window *w, iso_error *error) {
     return status;
 }
 
-/* What was typed in or dropped. */
-static void open_path(window *w, const char *named, bool stamp) {
-    char path[ISOSCULPT_PATH];
+static void open_path(window *w, const char *path, bool stamp) {
     iso_error reason = {0};
-    snprintf(path, sizeof path, "%s", named);
-    w->screen.path[0] = 0;
     if (stamp && w->volume)
         isosculpt_window_say(w, true, "A stamp needs something to work on: sculpt this first.");
-    else if (!stamp && !w->desk.journal[0] && w->desk.changes != w->desk.saved && !w->screen.blank)
-        isosculpt_window_say(w, true, "What you did is in no file: save it first.");
     else if (start_opening(w, path, stamp, &reason) != ISO_OK)
         isosculpt_window_say(w, true, reason.text);
+    else
+        w->screen.message[0] = 0; /* of what was tried before */
+}
+
+bool isosculpt_window_unsaved(const window *w) {
+    return w->desk.changes != w->desk.saved;
+}
+
+static void ask(window *w, isosculpt_question question, const char *path) {
+    snprintf(w->screen.asked, sizeof w->screen.asked, "%s", path);
+    w->screen.question = question;
+    w->frames = ISOSCULPT_FRAMES;
+}
+
+/* In place of what is there, which may have changes that are not saved. */
+static void ask_to_open(window *w, const char *path) {
+    snprintf(w->next, sizeof w->next, "%s", path);
+    if (isosculpt_window_unsaved(w))
+        ask(w, ISOSCULPT_ASK_OPEN, w->next);
+    else
+        open_path(w, w->next, false);
+}
+
+/* What the question was about, now that it is answered. */
+static void leave(window *w, isosculpt_question question) {
+    w->leaving = ISOSCULPT_ASK_NOTHING;
+    if (question == ISOSCULPT_ASK_CLOSE) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
+    if (question == ISOSCULPT_ASK_OPEN) open_path(w, w->next, false);
+}
+
+/* A mesh can be two things, unless there is nothing that a stamp could work on. */
+void isosculpt_window_drop(window *w, const char *path) {
+    if (isosculpt_is_mesh(path) && !w->volume && !w->screen.blank)
+        ask(w, ISOSCULPT_ASK_MESH, path);
+    else
+        ask_to_open(w, path);
 }
 
 /* What the panel says of the isovalue. */
@@ -205,17 +235,19 @@ static void ask_for_stamp(window *w) {
     open_path(w, w->settings->stamp, true);
 }
 
-/* ---- files */
+/* ---- saving */
 
 static void start_save(window *w) {
     iso_error reason = {0};
-    if (w->hand.drag == ISOSCULPT_DRAG_BRUSH) return;
+    if (w->hand.drag == ISOSCULPT_DRAG_BRUSH || w->desk.saver) return; /* soon */
     w->save = false;
     if (w->volume) {
         isosculpt_window_say(w, true, "There is nothing to save before it is sculpted.");
         return;
     }
-    if (isosculpt_desk_save(&w->desk, wake, &reason) != ISO_OK) isosculpt_window_say(w, true, reason.text);
+    if (isosculpt_desk_save(&w->desk, wake, &reason) == ISO_OK) return;
+    w->leaving = ISOSCULPT_ASK_NOTHING;
+    isosculpt_window_say(w, true, reason.text);
 }
 
 void isosculpt_window_saved(window *w) {
@@ -231,8 +263,10 @@ void isosculpt_window_saved(window *w) {
              : cancelled      ? "cancelled"
                               : reason.text);
     isosculpt_window_say(w, status != ISO_OK && !cancelled, text);
-    if (w->close_after && status == ISO_OK) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
-    if (status != ISO_OK) w->close_after = false;
+    if (status == ISO_OK)
+        leave(w, w->leaving);
+    else
+        w->leaving = ISOSCULPT_ASK_NOTHING;
 }
 /* ---- heavy work */
 
@@ -275,26 +309,58 @@ static void cancel(window *w, unsigned answers) {
 
 /* ---- what is asked for */
 
+void isosculpt_window_answer(window *w, unsigned answers) {
+    const isosculpt_question question = w->screen.question;
+    char path[ISOSCULPT_PATH];
+    memcpy(path, w->screen.asked, sizeof path);
+    w->screen.question = ISOSCULPT_ASK_NOTHING;
+    if (answers & ISOSCULPT_ANSWER_RECOVER) open_path(w, path, false);
+    if (answers & ISOSCULPT_ANSWER_DISMISS) isosculpt_desk_dismiss(path);
+    if (answers & ISOSCULPT_ANSWER_OPEN) ask_to_open(w, path);
+    if (answers & ISOSCULPT_ANSWER_STAMP) open_path(w, path, true);
+    if (answers & ISOSCULPT_ANSWER_SAVE)
+        w->leaving = question;
+    else if (answers & ISOSCULPT_ANSWER_LEAVE)
+        leave(w, question);
+    w->save |= (answers & ISOSCULPT_ANSWER_SAVE) != 0;
+}
+
+/* What was typed in. */
+static void take_path(window *w, unsigned answers) {
+    char path[ISOSCULPT_PATH];
+    memcpy(path, w->screen.path, sizeof path);
+    w->screen.path[0] = 0;
+    if (answers & ISOSCULPT_ANSWER_OPEN)
+        ask_to_open(w, path);
+    else
+        open_path(w, path, true);
+}
+
+/* What went wrong under the hand. */
+static void tell_troubles(window *w) {
+    isosculpt_hand *hand = &w->hand;
+    if (hand->error.text[0])
+        isosculpt_window_say(w, true, hand->error.text);
+    else if (hand->clipped)
+        isosculpt_window_say(w, true, "The brush reached beyond the grid: what lies outside is lost.");
+    hand->error.text[0] = 0;
+    hand->clipped = false;
+}
+
 iso_status isosculpt_window_obey(window *w, iso_error *error) {
-    unsigned answers = w->screen.answers;
+    const unsigned answers = w->screen.answers, paths = ISOSCULPT_ANSWER_OPEN | ISOSCULPT_ANSWER_STAMP;
     w->screen.answers = 0;
-    w->save |= (w->hand.wishes & ISOSCULPT_WISH_SAVE) || (answers & ISOSCULPT_ANSWER_SAVE);
-    if (w->save) start_save(w);
-    w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_SAVE;
-    if (answers & (ISOSCULPT_ANSWER_CLOSE | ISOSCULPT_ANSWER_STAY)) w->screen.closing = false;
-    if (answers & ISOSCULPT_ANSWER_CLOSE) {
-        w->close_after = true;
-        if (!(answers & ISOSCULPT_ANSWER_SAVE)) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
-    }
-    if (answers & (ISOSCULPT_ANSWER_RECOVER | ISOSCULPT_ANSWER_DISMISS)) w->screen.offered = NULL;
-    if (answers & ISOSCULPT_ANSWER_DISMISS) isosculpt_desk_dismiss(w->offered);
+    w->save |= (w->hand.wishes & ISOSCULPT_WISH_SAVE) != 0;
     cancel(w, answers);
-    if (answers & ISOSCULPT_ANSWER_RECOVER) open_path(w, w->offered, false);
-    if (answers & ISOSCULPT_ANSWER_OPEN) open_path(w, w->screen.path, false);
-    if (answers & ISOSCULPT_ANSWER_STAMP) open_path(w, w->screen.path, true);
+    if (w->screen.question && answers & ~(3u * ISOSCULPT_ANSWER_CANCEL))
+        isosculpt_window_answer(w, answers);
+    else if (answers & paths)
+        take_path(w, answers);
+    if (w->save) start_save(w);
     if (w->hand.wishes & ISOSCULPT_WISH_SCULPT) sculpt(w);
-    w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_SCULPT;
+    w->hand.wishes &= ~(unsigned)(ISOSCULPT_WISH_SAVE | ISOSCULPT_WISH_SCULPT);
     slide(w);
+    tell_troubles(w);
     ask_for_stamp(w);
     return finish_opening(w, error);
 }

@@ -14,6 +14,9 @@
 /* Seconds without a change after which the picture becomes the exact surface, and a smoother one. */
 static const double REST[] = {[ISOSCULPT_REST] = 0.12, [ISOSCULPT_FINE] = 0.6};
 
+/* Seconds that a message stays. */
+static const double SAID = 6;
+
 /* ---- pictures in files */
 
 /* The first name beside the strokes that is free. */
@@ -139,8 +142,10 @@ static iso_status update_picture(window *w, iso_error *error) {
 iso_status isosculpt_window_draw(window *w, iso_error *error) {
     isosculpt_window_measure(w);
     if (w->screen.width <= 0 || w->screen.height <= 0) return ISO_OK; /* iconified */
+    ISO_TRY(isosculpt_panel_rescale(w->panel, isosculpt_window_text_scale(w), error));
     ISO_TRY(update_picture(w, error));
     w->engine = w->view.look.engine;
+    if (!w->screen.message_is_bad && isosculpt_now() - w->screen.said > SAID) w->screen.message[0] = 0;
     if (w->frames <= 0) return ISO_OK;
     w->frames--;
     glViewport(0, 0, w->screen.width, w->screen.height);

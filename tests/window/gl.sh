@@ -1,8 +1,9 @@
 #!/bin/bash
 # The gl engine in a real window under Xvfb: its pictures against the cpu engine's of the same field, while mouse and
-# keys sculpt, change the method and resize; and no word of the driver. gl.sh BIN. 77: nothing to try it with.
+# keys sculpt, change the method and resize; and no word of the driver. gl.sh BIN TOOLS. 77: nothing to try it with.
 set -u
 bin=$(cd "$1" && pwd)
+tools=$(realpath -m "$2")
 . "$(dirname "$0")/support.sh"
 "$bin/isosculpt" --headless --backend gl --open x.vdb 2>"$work/said"
 [ $? -eq 2 ] || fail "--backend gl without a window is no wrong usage"
