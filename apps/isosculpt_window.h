@@ -50,7 +50,7 @@ void isosculpt_window_say(window *w, bool bad, const char *text);
 void isosculpt_window_measure(window *w);
 /* Of text and widgets, where the window is now. */
 double isosculpt_window_text_scale(const window *w);
-/* Where the pointer is, for the hand. */
+/* Where the pointer is, for a hand that has not seen it move. (Not for events: they may be of before.) */
 void isosculpt_window_point(window *w);
 
 /* ---- mouse, keys and drops (isosculpt_window_events.c) */

@@ -28,8 +28,7 @@ static void on_button(GLFWwindow *glfw, int button, int action, int mods) {
     window *w = of(glfw);
     w->frames = ISOSCULPT_FRAMES;
     if (button < 0 || button > GLFW_MOUSE_BUTTON_MIDDLE) return;
-    isosculpt_window_point(w); /* one that was there before the window has sent no position */
-    const double x = w->hand.x, y = w->hand.y;
+    const double x = w->hand.x, y = w->hand.y; /* of the last event: GLFW sends the position first */
     if (action == GLFW_RELEASE)
         isosculpt_hand_release(&w->hand, buttons[button]);
     else if (!w->screen.blank &&

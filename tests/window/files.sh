@@ -32,7 +32,6 @@ printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty floa
 
 drop() { "$tools/window_drop" "$(window_number)" 640 400 "$@" || fail "dropping $*: exit status $?"; }
 said() { grep -qF "$1" "$work/said"; }
-newest() { ls -t "$state"/*.strokes 2>/dev/null | head -1; }
 # began_with NAME: a journal that is not the one before, of that file
 began_with() { [ "$(newest)" != "$before" ] && head -1 "$(newest)" | grep -qF "/$1\"" && title_is "$(basename "$(newest)")"; }
 # opens NAME: and the journal is the new one

@@ -50,7 +50,8 @@ start() {
     until_ "a journal" journal_is_there
 }
 window_is_there() { xdotool search --onlyvisible --name '^isosculpt' >/dev/null 2>&1; }
-journal_is_there() { journal=$(ls -t "$state"/*.strokes 2>/dev/null | head -1) && [ -n "$journal" ]; }
+newest() { ls -t "$state"/*.strokes 2>/dev/null | head -1; }
+journal_is_there() { journal=$(newest) && [ -n "$journal" ]; }
 events() { grep -c "\"event\":\"$1\"" "$journal"; }
 has_events() { [ "$(events "$1")" -eq "$2" ]; }
 window_number() { xdotool search --onlyvisible --name '^isosculpt' | head -1; }
