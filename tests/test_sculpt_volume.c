@@ -145,6 +145,8 @@ static void levels_go_by_time(void **state) {
     assert_int_equal(isosculpt_levels_now(levels), ISOSCULPT_LEVELS - 1);
     isosculpt_levels_took(levels, 0.001, 0.004);
     assert_int_equal(isosculpt_levels_now(levels), ISOSCULPT_LEVELS - 2);
+    for (int i = 0; i < ISOSCULPT_LEVELS; i++) isosculpt_levels_took(levels, FAST, 0.004);
+    assert_int_equal(isosculpt_levels_now(levels), 0);
     isosculpt_levels_destroy(levels);
     assert_int_equal(isosculpt_levels_create(slab, 120, NULL, &levels, NULL), ISO_OK);
     isosculpt_levels_took(levels, SLOW, SLOW);
