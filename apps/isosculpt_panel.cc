@@ -100,18 +100,20 @@ static void choose_shape(isosculpt_hand *hand) {
         return shape == ISO_SOLID_STAMP && stamp ? stamp->name : iso_solid_name(shape);
     };
     if (brush->shape == ISO_SOLID_STAMP && !stamp) brush->shape = ISO_SOLID_SPHERE;
-    if (!isosculpt_hand_has_shape(brush->tool)) return;
+    ImGui::BeginDisabled(!isosculpt_hand_has_shape(brush->tool));
     if (ImGui::BeginCombo("shape", name(brush->shape))) {
         for (iso_solid shape : shapes)
             if ((shape != ISO_SOLID_STAMP || stamp) && ImGui::Selectable(name(shape), shape == brush->shape))
                 brush->shape = shape;
         ImGui::EndCombo();
     }
-    if (brush->shape == ISO_SOLID_SPHERE || brush->shape == ISO_SOLID_STAMP) return;
-    const double low = 0.05, high = 2;
-    if (!(brush->aspect > 0)) brush->aspect = 0.5;
-    ImGui::SliderScalar("aspect", ImGuiDataType_Double, &brush->aspect, &low, &high, "%.2f",
-                        ImGuiSliderFlags_AlwaysClamp);
+    if (brush->shape != ISO_SOLID_SPHERE && brush->shape != ISO_SOLID_STAMP) {
+        const double low = 0.05, high = 2;
+        if (!(brush->aspect > 0)) brush->aspect = 0.5;
+        ImGui::SliderScalar("aspect", ImGuiDataType_Double, &brush->aspect, &low, &high, "%.2f",
+                            ImGuiSliderFlags_AlwaysClamp);
+    }
+    ImGui::EndDisabled();
 }
 
 static void section_brush(const isosculpt_screen *screen) {

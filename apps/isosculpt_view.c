@@ -248,7 +248,9 @@ void isosculpt_view_focus(isosculpt_view *view, const iso_vec3 *at) {
         fit(view);
         return;
     }
-    iso_vec3 move = iso_vec3_sub(*at, camera->focal_point);
-    camera->position = iso_vec3_add(camera->position, move);
+    const iso_vec3 move = iso_vec3_sub(*at, camera->focal_point),
+                   forward = iso_vec3_unit(iso_vec3_sub(camera->focal_point, camera->position)),
+                   inward = iso_vec3_scale(forward, iso_vec3_dot(move, forward));
+    camera->position = iso_vec3_add(camera->position, iso_vec3_sub(move, inward));
     camera->focal_point = *at;
 }

@@ -179,7 +179,8 @@ void isosculpt_view_orbit(isosculpt_view *view, double dx, double dy);
 void isosculpt_view_pan(isosculpt_view *view, double dx, double dy);
 void isosculpt_view_zoom(isosculpt_view *view, double factor); /* things appear `factor` times larger */
 void isosculpt_view_look(isosculpt_view *view, iso_direction direction);
-void isosculpt_view_focus(isosculpt_view *view, const iso_vec3 *at); /* NULL: the whole */
+/* To the middle, and turned about from now on; as large as it was. NULL: the whole. */
+void isosculpt_view_focus(isosculpt_view *view, const iso_vec3 *at);
 
 #ifdef __cplusplus
 }
