@@ -257,7 +257,7 @@ static void latency_row(const char *name, const isosculpt_latency *latency) {
 static void section_numbers(isosculpt_hand *hand) {
     const iso_grid *grid = &hand->view->grid;
     const int *dims = iso_grid_dims(grid);
-    ImGui::Text("%d x %d x %d voxels of %g mm", dims[0], dims[1], dims[2],
+    ImGui::Text("%d x %d x %d voxels of %.4g mm", dims[0], dims[1], dims[2],
                 iso_grid_transform(grid)->spacing[0]);
     if (grid->hgrid)
         ImGui::Text("%.2f M of them stored, in %.0f MB",

@@ -109,6 +109,23 @@ drop "$work/kept.strokes" "$files/field.vdb"
 until_ "strokes" title_is "kept.strokes"
 drop "$files/ball.nrrd"
 until_ "a volume" title_is "ball.nrrd"
+
+# ---- its isovalue under the hand; at rest the picture is that of the isovalue, wherever the hand came from
+shots=0
+# look_at X NAME: the histogram is pressed there, and the picture at rest (a volume has no journal to lie beside)
+look_at() {
+    [ -z "$1" ] || xdotool mousemove "$1" 100 sleep 0.2 mousedown 1 sleep 0.2 mouseup 1 sleep 0.2
+    shots=$((shots + 1))
+    key F12
+    until_ "picture sculpture-$shots.png" test -s "sculpture-$shots.png"
+    cp "sculpture-$shots.png" "$2.png"
+}
+moved_to() { look_at "$1" "$2" && ! cmp -s "$2.png" "$3.png"; }
+back_at() { look_at "$1" "$2" && cmp -s "$2.png" "$3.png"; }
+look_at "" unmoved
+until_ "another isovalue" moved_to 230 high unmoved
+until_ "one more" moved_to 60 low high
+until_ "the first one again" back_at 230 again high
 drop "$files/mesh.obj" # (a volume cannot be stamped, so nothing is asked)
 opens mesh.obj
 drop "$files/points.ply"
@@ -118,7 +135,8 @@ picture mesh
 drop "$files/mesh.ply"
 key Return
 opens mesh.ply
-stroke 640 400 20 20
+picture mesh_ply # and so it is ready
+stroke 480 560 20 20
 
 # ---- a save that fails keeps what is there
 rm -f "${journal%.strokes}.vdb"
@@ -128,6 +146,6 @@ drop "$files/field.vdb"
 key Return
 until_ "a failed save" said "Not saved"
 picture failed
-stroke 640 440 20 20
+stroke 480 600 20 20
 has_events end $((strokes + 1)) || fail "a failed save: the session is gone"
 echo "passed"
