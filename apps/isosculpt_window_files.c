@@ -62,7 +62,6 @@ static iso_status start_sculpting(window *w, iso_error *error) {
                                        .threads = w->settings->threads,
                                        .undo_memory = (size_t)w->settings->undo_memory,
                                        .wake = wake};
-    if (w->opening) return iso_fail(error, ISO_ERR_USAGE, "another file is being opened");
     return isosculpt_opening_start(&request, &w->opening, error);
 }
 
@@ -78,7 +77,6 @@ static iso_status start_opening(window *w, const char *path, bool stamp, iso_err
                                        .threads = settings->threads,
                                        .undo_memory = (size_t)settings->undo_memory,
                                        .wake = wake};
-    if (w->opening) return iso_fail(error, ISO_ERR_USAGE, "another file is being opened");
     return isosculpt_opening_start(&request, &w->opening, error);
 }
 
@@ -148,7 +146,9 @@ static iso_status without(window *w, bool cancelled, iso_status status, iso_erro
 static iso_status finish_opening(window *w, iso_error *error) {
     isosculpt_opened opened;
     if (!w->opening || !isosculpt_task_done(isosculpt_opening_task(w->opening))) return ISO_OK;
-    if (w->hand.drag || w->desk.saver) return ISO_OK; /* first things first */
+    const isosculpt_question question = w->screen.question;
+    if (w->hand.drag || w->desk.saver || (question && question != ISOSCULPT_ASK_RECOVER))
+        return ISO_OK; /* first things first */
     const bool cancelled = isosculpt_task_cancelled(isosculpt_opening_task(w->opening));
     iso_status status = isosculpt_opening_finish(w->opening, &opened, error);
     w->opening = NULL;
@@ -165,8 +165,14 @@ static iso_status finish_opening(window *w, iso_error *error) {
     return status;
 }
 
+static bool is_opening(window *w) {
+    if (w->opening) isosculpt_window_say(w, true, "Another file is being opened: wait for it, or cancel it.");
+    return w->opening;
+}
+
 static void open_path(window *w, const char *path, bool stamp) {
     iso_error reason = {0};
+    if (is_opening(w)) return;
     if (stamp && w->volume)
         isosculpt_window_say(w, true, "A stamp needs something to work on: sculpt this first.");
     else if (start_opening(w, path, stamp, &reason) != ISO_OK)
@@ -187,6 +193,7 @@ static void ask(window *w, isosculpt_question question, const char *path) {
 
 /* In place of what is there, which may have changes that are not saved. */
 static void ask_to_open(window *w, const char *path) {
+    if (is_opening(w)) return;
     snprintf(w->next, sizeof w->next, "%s", path);
     if (isosculpt_window_unsaved(w))
         ask(w, ISOSCULPT_ASK_OPEN, w->next);
@@ -203,6 +210,7 @@ static void leave(window *w, isosculpt_question question) {
 
 /* A mesh can be two things, unless there is nothing that a stamp could work on. */
 void isosculpt_window_drop(window *w, const char *path) {
+    if (is_opening(w)) return;
     if (isosculpt_is_mesh(path) && !w->volume && !w->screen.blank)
         ask(w, ISOSCULPT_ASK_MESH, path);
     else
@@ -223,7 +231,7 @@ static void slide(window *w) {
 
 static void sculpt(window *w) {
     iso_error reason = {0};
-    if (!w->volume || w->sculpting) return;
+    if (!w->volume || w->sculpting || is_opening(w)) return;
     w->sculpting = start_sculpting(w, &reason) == ISO_OK;
     if (!w->sculpting) isosculpt_window_say(w, true, reason.text);
 }
@@ -312,6 +320,7 @@ static void cancel(window *w, unsigned answers) {
 void isosculpt_window_answer(window *w, unsigned answers) {
     const isosculpt_question question = w->screen.question;
     char path[ISOSCULPT_PATH];
+    if (answers & ISOSCULPT_ANSWER_RECOVER && is_opening(w)) return; /* it is asked on */
     memcpy(path, w->screen.asked, sizeof path);
     w->screen.question = ISOSCULPT_ASK_NOTHING;
     if (answers & ISOSCULPT_ANSWER_RECOVER) open_path(w, path, false);
