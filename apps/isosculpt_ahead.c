@@ -83,6 +83,7 @@ void isosculpt_ahead_wait(isosculpt_view *view) {
     const iso_status status = isosculpt_task_finish(ahead->task, NULL);
     for (int method = 0; method < ISOSCULPT_METHOD_COUNT && status == ISO_OK; method++)
         if (ahead->methods >> method & 1) note_made(view, (isosculpt_method)method, ahead->isovalue);
+    if (status != ISO_OK) view->unmade = ahead->isovalue;
     iso_free(ahead);
 }
 
@@ -106,7 +107,7 @@ bool isosculpt_view_is_preparing(const isosculpt_view *view) {
 bool isosculpt_view_is_ready(isosculpt_view *view) {
     if (isosculpt_view_is_preparing(view)) return false;
     isosculpt_ahead_wait(view);
-    return !view->levels || !missing(view);
+    return !view->levels || view->unmade == view->isovalue || !missing(view);
 }
 
 static iso_status begin(isosculpt_view *view, isosculpt_ahead *ahead, void (*wake)(void), iso_error *error) {

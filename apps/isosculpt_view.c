@@ -47,6 +47,7 @@ iso_status isosculpt_view_init(isosculpt_view *view, iso_hgrid *grid, iso_pool *
 
 static iso_status make_levels(isosculpt_view *view, iso_error *error) {
     for (int i = 0; i < ISOSCULPT_METHOD_COUNT; i++) view->made[i] = NAN;
+    view->unmade = NAN;
     ISO_TRY(iso_pool_create(iso_pool_threads(view->pool), &view->ahead_pool, error));
     return isosculpt_levels_create(view->grid.rgrid, view->isovalue, view->pool, &view->levels, error);
 }

@@ -102,8 +102,9 @@ typedef struct isosculpt_view {
     isosculpt_ahead *ahead;              /* that is being made; NULL: nothing is */
     iso_pool *ahead_pool;                /* the thread's, owned */
     double made[ISOSCULPT_METHOD_COUNT]; /* isovalue of each method's surface, of volumes; NAN: none */
-    size_t point_count;                  /* when points were last made */
-    const iso_point_set *shown;          /* points that OpenGL has */
+    double unmade; /* the isovalue that a thread failed at: drawing tries it again, and says why; NAN: none */
+    size_t point_count;         /* when points were last made */
+    const iso_point_set *shown; /* points that OpenGL has */
 
     isosculpt_layer drawn, held; /* the last picture; the one that a stroke began on */
     iso_image image;   /* room; its width and height are the last picture's, unless drawn.canvas has that */

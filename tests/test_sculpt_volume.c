@@ -13,6 +13,7 @@
 
 #include "apps/isosculpt_view.h"
 #include "grids/rgrid.h"
+#include "refused_memory.h"
 #include "sculpt_support.h"
 
 enum { WIDTH = 160, HEIGHT = 100 };
@@ -258,12 +259,42 @@ static void what_was_made_for_nothing_is_made_anew(void **state) {
     iso_rgrid_destroy(volume);
 }
 
+/* A thread that runs out of memory leaves the surface to whoever draws, and is not started again and again.
+ */
+static void a_surface_that_could_not_be_made_is_made_when_it_is_drawn(void **state) {
+    (void)state;
+    static const int dims[3] = {50, 50, 50};
+    isosculpt_view view;
+    iso_rgrid *volume = make_volume(ISO_UINT8, dims);
+    int failed = 0, refused = 0;
+    open_view(&view, volume, 100, NULL);
+    draw(&view, false);
+    for (long calls = 0;; calls++) {
+        iso_error error = {0};
+        isosculpt_view_set_isovalue(&view, 101 + 0.25 * (double)calls);
+        test_refuse_memory_after(calls);
+        const iso_status status = isosculpt_view_prepare(&view, NULL, &error);
+        wait_for(&view);
+        const long refusals = test_refusals();
+        test_grant_memory();
+        refused += status != ISO_OK;
+        if (status == ISO_OK) assert_true(isosculpt_view_is_ready(&view));
+        failed += status == ISO_OK && refusals > 0;
+        check_rest(&view, volume, NULL);
+        if (!refusals) break;
+    }
+    assert_true(refused > 0 && failed > 5);
+    isosculpt_view_free(&view);
+    iso_rgrid_destroy(volume);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_are_every_second_voxel),
         cmocka_unit_test(levels_go_by_time),
         cmocka_unit_test(surfaces_are_made_while_the_hand_moves),
         cmocka_unit_test(what_was_made_for_nothing_is_made_anew),
+        cmocka_unit_test(a_surface_that_could_not_be_made_is_made_when_it_is_drawn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
