@@ -11,7 +11,7 @@
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
 
-enum { PATIENCE = 30, VERSION = 5 };
+enum { PATIENCE = 100, VERSION = 5 };
 
 typedef struct source {
     Display *display;

@@ -13,7 +13,7 @@ open_display
 export ISO_GL_DEBUG=1
 
 # ---- what is too old is said, or done without
-MESA_GL_VERSION_OVERRIDE=4.4 MESA_GLSL_VERSION_OVERRIDE=440 "$bin/isosculpt" --backend gl 2>"$work/said"
+MESA_GL_VERSION_OVERRIDE=4.4 MESA_GLSL_VERSION_OVERRIDE=440 timeout "$LIMIT" "$bin/isosculpt" --backend gl 2>"$work/said"
 code=$?
 grep -q "glad" "$work/said" && { echo "skipped: built without glad"; exit 77; }
 [ $code -eq 4 ] && grep -q "4\.5 is needed" "$work/said" || fail "OpenGL 4.4: exit status $code"

@@ -2,7 +2,7 @@
 # folder of the programs), and $tools (that of the tests' own).
 #
 # Waits for what should happen, for as long as LIMIT seconds; never for a time.
-LIMIT=30
+LIMIT=100
 
 for tool in Xvfb xdotool; do
     command -v $tool >/dev/null || { echo "skipped: there is no $tool"; exit 77; }
