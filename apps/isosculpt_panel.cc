@@ -3,6 +3,7 @@
 #include <cfloat>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <new>
 
 #include <backends/imgui_impl_glfw.h>
@@ -23,9 +24,13 @@ struct rectangle {
 
 struct isosculpt_panel {
     float scale;
+    bool place_anew; /* the scale is another one */
     bool modal;
-    rectangle place, busy; /* of the panel and of what tells progress, as last drawn */
-    bool over(double x, double y) const { return place.holds(x, y) || busy.holds(x, y); }
+    rectangle place, busy,
+        message; /* of the panel, of what tells progress and what was said, as last drawn */
+    bool over(double x, double y) const {
+        return place.holds(x, y) || busy.holds(x, y) || message.holds(x, y);
+    }
 };
 
 static const ImVec4 RED{1.0f, 0.42f, 0.36f, 1.0f}, GREY{0.72f, 0.74f, 0.77f, 1.0f},
@@ -95,24 +100,26 @@ static void choose_shape(isosculpt_hand *hand) {
         return shape == ISO_SOLID_STAMP && stamp ? stamp->name : iso_solid_name(shape);
     };
     if (brush->shape == ISO_SOLID_STAMP && !stamp) brush->shape = ISO_SOLID_SPHERE;
-    if (!isosculpt_hand_has_shape(brush->tool)) return;
+    ImGui::BeginDisabled(!isosculpt_hand_has_shape(brush->tool));
     if (ImGui::BeginCombo("shape", name(brush->shape))) {
         for (iso_solid shape : shapes)
             if ((shape != ISO_SOLID_STAMP || stamp) && ImGui::Selectable(name(shape), shape == brush->shape))
                 brush->shape = shape;
         ImGui::EndCombo();
     }
-    if (brush->shape == ISO_SOLID_SPHERE || brush->shape == ISO_SOLID_STAMP) return;
-    const double low = 0.05, high = 2;
-    if (!(brush->aspect > 0)) brush->aspect = 0.5;
-    ImGui::SliderScalar("aspect", ImGuiDataType_Double, &brush->aspect, &low, &high, "%.2f",
-                        ImGuiSliderFlags_AlwaysClamp);
+    if (brush->shape != ISO_SOLID_SPHERE && brush->shape != ISO_SOLID_STAMP) {
+        const double low = 0.05, high = 2;
+        if (!(brush->aspect > 0)) brush->aspect = 0.5;
+        ImGui::SliderScalar("aspect", ImGuiDataType_Double, &brush->aspect, &low, &high, "%.2f",
+                            ImGuiSliderFlags_AlwaysClamp);
+    }
+    ImGui::EndDisabled();
 }
 
 static void section_brush(const isosculpt_screen *screen) {
     isosculpt_hand *hand = screen->hand;
-    static const char *const names[] = {"1 add",     "2 carve", "3 clay", "4 smooth", "5 inflate",
-                                        "6 flatten", "7 pinch", "8 move", "9 mask"};
+    static const char *const names[] = {"1 add",     "2 carve", "3 blend", "4 smooth", "5 inflate",
+                                        "6 flatten", "7 pinch", "8 move",  "9 mask"};
     const float width = ImGui::GetContentRegionAvail().x / 3 - ImGui::GetStyle().ItemSpacing.x * 0.67f;
     for (int i = 0; i < ISOSCULPT_TOOLS; i++) {
         bool chosen = hand->brush.tool == isosculpt_hand_tool(i + 1);
@@ -128,6 +135,7 @@ static void section_brush(const isosculpt_screen *screen) {
     ImGui::SliderScalar("strength", ImGuiDataType_Double, &hand->brush.strength, &none, &full, "%.2f",
                         ImGuiSliderFlags_AlwaysClamp);
     choose_shape(hand);
+    ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted("symmetry");
     for (unsigned axis = 0; axis < 3; axis++) {
         const char name[2] = {(char)('x' + axis), 0};
@@ -135,6 +143,7 @@ static void section_brush(const isosculpt_screen *screen) {
         ImGui::CheckboxFlags(name, &hand->brush.symmetry, 1u << axis);
     }
     if (!screen->pen) return;
+    ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted("pressure");
     ImGui::SameLine();
     ImGui::Checkbox("size", &hand->brush.pressure_radius);
@@ -246,13 +255,13 @@ static void latency_row(const char *name, const isosculpt_latency *latency) {
 static void section_numbers(isosculpt_hand *hand) {
     const iso_grid *grid = &hand->view->grid;
     const int *dims = iso_grid_dims(grid);
-    ImGui::Text("%d x %d x %d voxels of %g mm", dims[0], dims[1], dims[2],
+    ImGui::Text("%d x %d x %d voxels of %.4g mm", dims[0], dims[1], dims[2],
                 iso_grid_transform(grid)->spacing[0]);
     if (grid->hgrid)
-        ImGui::Text("%.2f M stored in %.0f MB",
+        ImGui::Text("%.2f M of them stored, in %.0f MB",
                     1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid->hgrid),
                     1e-6 * (double)iso_hgrid_bytes(grid->hgrid));
-    ImGui::Text("%zu points", isosculpt_view_points(hand->view));
+    ImGui::Text("%.2f M points", 1e-6 * (double)isosculpt_view_points(hand->view));
     if (!ImGui::BeginTable("latency", 3, ImGuiTableFlags_RowBg)) return;
     ImGui::TableSetupColumn("milliseconds", ImGuiTableColumnFlags_WidthStretch, 2);
     ImGui::TableSetupColumn("p50", ImGuiTableColumnFlags_WidthStretch, 1);
@@ -279,7 +288,26 @@ static void file_buttons(isosculpt_screen *screen) {
     if (ImGui::Button("Help")) screen->help = !screen->help;
 }
 
-/* Counts as columns, by their logarithms; the isovalue as a line, which follows the pointer. */
+/* By the logarithms of counts. Where values are few, a column reaches to the next value. */
+static void draw_columns(const iso_histogram &histogram, ImDrawList *list, ImVec2 at, ImVec2 size) {
+    uint64_t most = 1, filled = 0;
+    for (uint64_t count : histogram.bins) {
+        most = count > most ? count : most;
+        filled += count > 0;
+    }
+    const bool few = 2 * filled < ISO_HISTOGRAM_BINS;
+    const float column = size.x / ISO_HISTOGRAM_BINS;
+    uint64_t count = 0;
+    for (int i = 0; i < ISO_HISTOGRAM_BINS; i++) {
+        if (histogram.bins[i] || !few) count = histogram.bins[i];
+        const double part = std::log1p((double)count) / std::log1p((double)most);
+        list->AddRectFilled(ImVec2(at.x + column * (float)i, at.y + size.y * (float)(1 - part)),
+                            ImVec2(at.x + column * (float)(i + 1), at.y + size.y),
+                            IM_COL32(120, 150, 190, 255));
+    }
+}
+
+/* The histogram, and the isovalue as a line, which follows the pointer. */
 static void draw_histogram(isosculpt_screen *screen, float scale) {
     const iso_histogram *histogram = &screen->volume->histogram;
     const ImVec2 at = ImGui::GetCursorScreenPos(), size(ImGui::GetContentRegionAvail().x, 110 * scale);
@@ -287,15 +315,7 @@ static void draw_histogram(isosculpt_screen *screen, float scale) {
     ImDrawList *list = ImGui::GetWindowDrawList();
     ImGui::InvisibleButton("histogram", size);
     list->AddRectFilled(at, ImVec2(at.x + size.x, at.y + size.y), IM_COL32(20, 24, 30, 255));
-    uint64_t most = 1;
-    for (uint64_t count : histogram->bins) most = count > most ? count : most;
-    const float column = size.x / ISO_HISTOGRAM_BINS;
-    for (int i = 0; i < ISO_HISTOGRAM_BINS; i++) {
-        const double part = std::log1p((double)histogram->bins[i]) / std::log1p((double)most);
-        list->AddRectFilled(ImVec2(at.x + column * (float)i, at.y + size.y * (float)(1 - part)),
-                            ImVec2(at.x + column * (float)(i + 1), at.y + size.y),
-                            IM_COL32(120, 150, 190, 255));
-    }
+    draw_columns(*histogram, list, at, size);
     screen->sliding = ImGui::IsItemActive();
     if (screen->sliding && range > 0) {
         const double part = (double)(ImGui::GetIO().MousePos.x - at.x) / (double)size.x;
@@ -316,14 +336,20 @@ static void section_isovalue(isosculpt_screen *screen, float scale) {
     ImGui::TextColored(GREY, "or touch it with a brush");
 }
 
+/* A path by its last part; all of it under the pointer. */
+static void show_path(ImVec4 color, const char *what, const char *path) {
+    const char *slash = strrchr(path, '/');
+    ImGui::TextColored(color, "%s%s", what, slash ? slash + 1 : path);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path);
+}
+
 static void section_files(isosculpt_screen *screen) {
-    isosculpt_hand *hand = screen->hand;
-    const isosculpt_desk *desk = hand->desk;
+    const isosculpt_desk *desk = screen->hand->desk;
     iso_error error = {ISO_OK, ""};
     file_buttons(screen);
     ImGui::PushTextWrapPos(0);
     if (screen->volume)
-        ImGui::TextColored(GREY, "%s", screen->volume->path);
+        show_path(GREY, "", screen->volume->path);
     else if (!desk->journal[0])
         ImGui::TextColored(RED, "No journal is written: %s. What you make is in memory only: save it.",
                            desk->trouble);
@@ -332,20 +358,17 @@ static void section_files(isosculpt_screen *screen) {
                            "The journal lags behind: %s. Nothing is lost in memory, and it is tried again.",
                            error.text);
     else
-        ImGui::TextColored(GREEN, "Journal: %s", desk->journal);
-    if (hand->error.text[0]) ImGui::TextColored(RED, "%s", hand->error.text);
-    if (hand->clipped) ImGui::TextColored(RED, "A brush reached beyond the grid: what lies outside is lost.");
-    if (screen->message[0]) ImGui::TextColored(screen->message_is_bad ? RED : GREY, "%s", screen->message);
+        show_path(GREEN, "Strokes: ", desk->journal);
     ImGui::PopTextWrapPos();
 }
 
 static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float width = 296 * panel->scale, gap = 8 * panel->scale;
-    ImGui::SetNextWindowPos(ImVec2(gap, gap), ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowSize(ImVec2(width, std::fmin(display.y - 2 * gap, 700 * panel->scale)),
-                             ImGuiCond_FirstUseEver);
-    ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings);
+    ImGui::SetNextWindowPos(ImVec2(gap, gap), panel->place_anew ? ImGuiCond_Always : ImGuiCond_FirstUseEver);
+    panel->place_anew = false;
+    ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, display.y - 2 * gap));
+    ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::PushItemWidth(-76 * panel->scale);
     const bool looking = screen->volume != nullptr;
     screen->sliding = false;
@@ -387,23 +410,47 @@ static void draw_busy(isosculpt_panel *panel, isosculpt_screen *screen) {
     ImGui::End();
 }
 
+/* ---- what was said last */
+
+/* Seen without the panel too, above what tells progress. What went wrong stays until it is put away. */
+static void draw_message(isosculpt_panel *panel, isosculpt_screen *screen) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const float below = screen->busy_count ? display.y - panel->busy.position.y : 0, gap = 16 * panel->scale;
+    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y - gap - below), ImGuiCond_Always,
+                            ImVec2(0.5f, 1));
+    ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(display.x - 2 * gap, display.y));
+    ImGui::Begin("##message", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing);
+    ImGui::PushTextWrapPos(std::fmin(560 * panel->scale, display.x - 4 * gap));
+    ImGui::TextColored(screen->message_is_bad ? RED : GREY, "%s", screen->message);
+    ImGui::PopTextWrapPos();
+    if (screen->message_is_bad && ImGui::SmallButton("put this away")) screen->message[0] = 0;
+    panel->message = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
+    ImGui::End();
+}
+
 /* ---- help and questions */
 
-static void draw_help(isosculpt_screen *screen) {
+static void draw_help(isosculpt_screen *screen, float scale) {
 #define KEY_ROW(key, meaning) {key, meaning},
     static const char *const rows[][2] = {ISOSCULPT_KEYS(KEY_ROW)};
 #undef KEY_ROW
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+    ImGui::SetNextWindowSize(ImVec2(std::fmin(700 * scale, display.x - 16 * scale), 0), ImGuiCond_Always);
     ImGui::Begin("Help", &screen->help,
-                 ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
-                     ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoCollapse);
-    if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-        for (const auto &row : rows)
-            for (const char *text : row) {
-                ImGui::TableNextColumn();
-                ImGui::TextUnformatted(text);
-            }
+                 ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoInputs |
+                     ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+    if (ImGui::BeginTable("keys", 2)) {
+        ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed);
+        ImGui::TableSetupColumn("meaning", ImGuiTableColumnFlags_WidthStretch);
+        for (const auto &row : rows) {
+            ImGui::TableNextColumn();
+            ImGui::TextUnformatted(row[0]);
+            ImGui::TableNextColumn();
+            ImGui::TextWrapped("%s", row[1]);
+        }
         ImGui::EndTable();
     }
     ImGui::End();
@@ -426,40 +473,69 @@ static void answer_button(isosculpt_screen *screen, const char *label, unsigned 
 }
 
 static void ask_recover(isosculpt_screen *screen) {
-    if (!begin_question("Recover?", screen->offered)) return;
-    ImGui::Text("A session was not closed:\n%s\n\nIts strokes are all there.",
-                screen->offered ? screen->offered : "");
+    if (!begin_question("Recover?", screen->question == ISOSCULPT_ASK_RECOVER)) return;
+    ImGui::Text("A session was not closed:\n%s\n\nIts strokes are all there.", screen->asked);
     answer_button(screen, "Recover it (Enter)", ISOSCULPT_ANSWER_RECOVER);
     ImGui::SameLine();
     answer_button(screen, "Start new (the file stays)", ISOSCULPT_ANSWER_DISMISS);
     ImGui::EndPopup();
 }
 
-static void ask_close(isosculpt_screen *screen) {
+static void say_unsaved(const isosculpt_screen *screen) {
     const char *journal = screen->hand->desk->journal;
-    if (!begin_question("Close?", screen->closing)) return;
     if (journal[0])
         ImGui::Text("What you did is not in a .vdb file. The stroke file has all of it:\n%s", journal);
     else
         ImGui::TextColored(RED, "What you did is in no file.");
-    answer_button(screen, "Save .vdb and close (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_CLOSE);
+}
+
+static void ask_close(isosculpt_screen *screen) {
+    if (!begin_question("Close?", screen->question == ISOSCULPT_ASK_CLOSE)) return;
+    say_unsaved(screen);
+    answer_button(screen, "Save .vdb and close (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE);
     ImGui::SameLine();
-    answer_button(screen, "Close", ISOSCULPT_ANSWER_CLOSE);
+    answer_button(screen, "Close", ISOSCULPT_ANSWER_LEAVE);
     ImGui::SameLine();
     answer_button(screen, "Stay (Escape)", ISOSCULPT_ANSWER_STAY);
+    ImGui::EndPopup();
+}
+
+static void ask_open(isosculpt_screen *screen) {
+    if (!begin_question("Open?", screen->question == ISOSCULPT_ASK_OPEN)) return;
+    ImGui::Text("%s\nis to be opened in place of what is here.\n\n", screen->asked);
+    say_unsaved(screen);
+    answer_button(screen, "Save .vdb and open (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE);
+    ImGui::SameLine();
+    answer_button(screen, "Open", ISOSCULPT_ANSWER_LEAVE);
+    ImGui::SameLine();
+    answer_button(screen, "Stay (Escape)", ISOSCULPT_ANSWER_STAY);
+    ImGui::EndPopup();
+}
+
+static void ask_mesh(isosculpt_screen *screen) {
+    if (!begin_question("A mesh", screen->question == ISOSCULPT_ASK_MESH)) return;
+    ImGui::Text("%s", screen->asked);
+    answer_button(screen, "Sculpt it (Enter)", ISOSCULPT_ANSWER_OPEN);
+    ImGui::SameLine();
+    answer_button(screen, "Add and carve with it (S)", ISOSCULPT_ANSWER_STAMP);
+    ImGui::SameLine();
+    answer_button(screen, "Neither (Escape)", ISOSCULPT_ANSWER_STAY);
     ImGui::EndPopup();
 }
 
 /* ---- a frame */
 
 static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
-    panel->modal = screen->offered || screen->closing;
-    panel->place = panel->busy = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
+    panel->modal = screen->question != ISOSCULPT_ASK_NOTHING;
+    panel->place = panel->busy = panel->message = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
     if (screen->panel && !screen->blank) draw_panel(panel, screen);
     if (screen->busy_count) draw_busy(panel, screen);
-    if (screen->help) draw_help(screen);
+    if (screen->help) draw_help(screen, panel->scale);
+    if (screen->message[0]) draw_message(panel, screen);
     ask_recover(screen);
-    if (!screen->offered) ask_close(screen);
+    ask_close(screen);
+    ask_open(screen);
+    ask_mesh(screen);
     const isosculpt_hand *hand = screen->hand;
     bool over = panel->over(hand->x / screen->pixels, hand->y / screen->pixels);
     draw_picture(screen,
@@ -493,6 +569,8 @@ bool isosculpt_panel_has_keys(void) {
 static void set_style(float scale) {
     ImGuiIO &io = ImGui::GetIO();
     io.IniFilename = nullptr;
+    io.Fonts->Clear();
+    ImGui::GetStyle() = ImGuiStyle();
     ImFontConfig font;
     font.SizePixels = std::floor(13 * scale);
     io.Fonts->AddFontDefault(&font);
@@ -520,6 +598,18 @@ iso_status isosculpt_panel_create(void *window, double scale, isosculpt_panel **
         ImGui::DestroyContext();
         delete panel;
         return iso_fail(error, ISO_ERR_BACKEND, "OpenGL cannot be used by Dear ImGui");
+    });
+}
+
+iso_status isosculpt_panel_rescale(isosculpt_panel *panel, double scale, iso_error *error) {
+    if ((float)scale == panel->scale) return ISO_OK;
+    return iso::guard("Dear ImGui", error, [&] {
+        panel->scale = (float)scale;
+        panel->place_anew = true;
+        set_style(panel->scale);
+        ImGui_ImplOpenGL3_DestroyFontsTexture();
+        if (ImGui_ImplOpenGL3_CreateFontsTexture()) return ISO_OK;
+        return iso_fail(error, ISO_ERR_BACKEND, "OpenGL has no room for letters of another size");
     });
 }
 

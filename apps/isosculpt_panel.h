@@ -9,11 +9,20 @@
 extern "C" {
 #endif
 
+/* What is asked, one thing at a time; meanwhile the sculpture is out of reach. */
+typedef enum isosculpt_question {
+    ISOSCULPT_ASK_NOTHING,
+    ISOSCULPT_ASK_RECOVER, /* whether to recover the journal `path` */
+    ISOSCULPT_ASK_CLOSE,   /* what to do about changes that are in no .vdb file */
+    ISOSCULPT_ASK_OPEN,    /* the same, before `path` is opened */
+    ISOSCULPT_ASK_MESH     /* whether to open the mesh `path`, or to make it a stamp */
+} isosculpt_question;
+
 /* Answers of the person to what the panel shows, for the window. */
 enum {
-    ISOSCULPT_ANSWER_RECOVER = 1, /* the journal that was offered */
+    ISOSCULPT_ANSWER_RECOVER = 1,
     ISOSCULPT_ANSWER_DISMISS = 2, /* do not offer it again */
-    ISOSCULPT_ANSWER_CLOSE = 4,
+    ISOSCULPT_ANSWER_LEAVE = 4,   /* close, or open, as was asked */
     ISOSCULPT_ANSWER_STAY = 8,
     ISOSCULPT_ANSWER_SAVE = 16,
     ISOSCULPT_ANSWER_OPEN = 32,   /* what `path` names */
@@ -31,21 +40,22 @@ enum { ISOSCULPT_BUSY = 2 };
 /* What the panel shows and changes; the window's. */
 typedef struct isosculpt_screen {
     isosculpt_hand *hand;
-    unsigned texture;    /* of the picture; 0: none yet */
-    int width, height;   /* framebuffer */
-    double pixels;       /* framebuffer pixels a window coordinate */
-    bool panel, help;    /* shown */
-    bool pen;            /* one with pressure is there */
-    bool closing;        /* ask whether to close */
-    const char *offered; /* ask whether to recover this journal; NULL: do not */
-    bool blank;          /* there is nothing to work on yet */
+    unsigned texture;  /* of the picture; 0: none yet */
+    int width, height; /* framebuffer */
+    double pixels;     /* framebuffer pixels a window coordinate */
+    bool panel, help;  /* shown */
+    bool pen;          /* one with pressure is there */
+    bool blank;        /* there is nothing to work on yet */
+    isosculpt_question question;
+    char asked[ISOSCULPT_PATH]; /* the path that the question is about */
     isosculpt_busy busy[ISOSCULPT_BUSY];
     int busy_count;
-    char path[ISOSCULPT_PATH];      /* that is typed in, or was dropped */
+    char path[ISOSCULPT_PATH];      /* that is typed in */
     const isosculpt_volume *volume; /* that is looked at; NULL: there is a field */
     double isovalue;                /* chosen for it */
     bool sliding;                   /* just now, by hand */
-    char message[600];              /* of the last command; "" none */
+    char message[600];              /* of the last command; "" none. Good ones go by themselves, */
+    double said;                    /* after so long since then (isosculpt_now) */
     bool message_is_bad;
     unsigned answers;
 } isosculpt_screen;
@@ -55,6 +65,8 @@ typedef struct isosculpt_panel isosculpt_panel;
 /* For a GLFWwindow whose context is current; its callbacks are set already and are called by ours. `scale`:
  * of text and widgets. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
 iso_status isosculpt_panel_create(void *window, double scale, isosculpt_panel **panel, iso_error *error);
+/* Between frames. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+iso_status isosculpt_panel_rescale(isosculpt_panel *panel, double scale, iso_error *error);
 void isosculpt_panel_destroy(isosculpt_panel *panel);
 
 /* One frame into the current framebuffer. */

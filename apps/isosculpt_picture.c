@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "apps/isosculpt_ahead.h"
 #include "apps/isosculpt_desk.h"
 #include "apps/isosculpt_view.h"
 
@@ -41,25 +42,13 @@ static iso_status room_for_pixels(iso_image *image, size_t *room, int width, int
 
 /* ---- extracting */
 
-static iso_status make_extractor(isosculpt_view *view, isosculpt_method method, iso_error *error) {
-    iso_mesh_opts mesh = {.isovalue = view->isovalue, .pool = view->pool};
-    iso_exact_opts exact = {.isovalue = view->isovalue, .pool = view->pool};
-    if (method == ISOSCULPT_MESH && !view->mesh)
-        return iso_mesh_set_create(&view->grid, &mesh, &view->mesh, error);
-    if (method == ISOSCULPT_EXACT && !view->exact)
-        return iso_exact_create(&view->grid, &exact, &view->exact, error);
-    return ISO_OK;
-}
-
-static iso_status extract(isosculpt_view *view, isosculpt_method method, iso_error *error) {
-    ISO_TRY(make_extractor(view, method, error));
+/* `quick`: of volumes, the points of a coarser one, when that is what can be made in time. */
+static iso_status extract(isosculpt_view *view, isosculpt_method method, bool quick, iso_error *error) {
     double start = isosculpt_now();
-    if (method == ISOSCULPT_MESH)
-        ISO_TRY(iso_mesh_set_update(view->mesh, error));
-    else if (method == ISOSCULPT_EXACT)
-        ISO_TRY(iso_exact_update(view->exact, error));
+    if (quick && view->levels)
+        ISO_TRY(isosculpt_levels_update(view->levels, view->isovalue, error));
     else
-        ISO_TRY(iso_point_set_update(view->points, error));
+        ISO_TRY(isosculpt_ahead_update(view, method, error));
     if (iso_change_log_now(iso_grid_log(&view->grid)) != view->seen || view->isovalue != view->drawn_isovalue)
         isosculpt_latency_add(&view->extract, isosculpt_now() - start);
     return ISO_OK;
@@ -76,7 +65,7 @@ static iso_status draw_surface(isosculpt_view *view, isosculpt_method method, co
         iso_mesh_view mesh = iso_mesh_set_view(view->mesh);
         return iso_draw_mesh(target, &mesh, error);
     }
-    iso_point_view points = iso_point_set_view(view->points);
+    iso_point_view points = iso_point_set_view(view->shown);
     iso_pullpush_opts opts = {.workspace = view->workspace};
     return method == ISOSCULPT_POINTS ? iso_draw_points(target, &points, error)
                                       : iso_draw_pullpush(target, &points, &opts, error);
@@ -184,7 +173,7 @@ static iso_status draw_canvas(isosculpt_view *view, isosculpt_method method, int
         iso_mesh_view mesh = iso_mesh_set_view(view->mesh);
         ISO_TRY(isosculpt_gl_draw_mesh(view->gl, &mesh, &samples, &paint, &canvas, error));
     } else {
-        iso_point_view points = iso_point_set_view(view->points);
+        iso_point_view points = iso_point_set_view(view->shown);
         ISO_TRY(isosculpt_gl_draw_points(view->gl, &points, method == ISOSCULPT_PULLPUSH, &samples, &paint,
                                          &canvas, error));
     }
@@ -300,13 +289,22 @@ static void adapt(isosculpt_view *view, double seconds) {
     if (seconds < FAST && view->factor > 1) view->factor--;
 }
 
+/* OpenGL knows the points of one set. */
+static void show_points(isosculpt_view *view, bool quick) {
+    const iso_point_set *points = quick ? isosculpt_levels_points(view->levels) : view->points;
+    if (points != view->shown) isosculpt_gl_forget(view->gl);
+    view->shown = points;
+}
+
 static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
-    const bool gl = is_by_gl(view, moving), quick = moving && view->sliding;
-    const isosculpt_method wanted = view->look.method, stand_in = gl ? ISOSCULPT_MESH : ISOSCULPT_EXACT;
-    const isosculpt_method method = quick                       ? ISOSCULPT_PULLPUSH
-                                    : wanted == ISOSCULPT_EXACT ? stand_in
-                                                                : wanted;
-    ISO_TRY(extract(view, method, error));
+    const bool gl = is_by_gl(view, moving);
+    const isosculpt_method wanted = view->look.method, stand_in = gl ? ISOSCULPT_MESH : ISOSCULPT_EXACT,
+                           best = wanted == ISOSCULPT_EXACT ? stand_in : wanted;
+    const bool quick = moving && view->levels && (view->sliding || !isosculpt_ahead_has(view, best));
+    const isosculpt_method method = quick ? ISOSCULPT_PULLPUSH : best;
+    const double begun = isosculpt_now();
+    ISO_TRY(extract(view, method, quick, error));
+    show_points(view, quick);
     double start = isosculpt_now();
     const int factor = moving ? view->factor : 1;
     if (!gl)
@@ -316,12 +314,13 @@ static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
     view->quality = factor > 1 || quick || method != wanted ? ISOSCULPT_MOVING : ISOSCULPT_REST;
     if (moving) adapt(view, isosculpt_now() - start);
     if (moving) isosculpt_latency_add(&view->draw, isosculpt_now() - start);
+    if (quick) isosculpt_levels_took(view->levels, start - begun, isosculpt_now() - start);
     return ISO_OK;
 }
 
 /* What edits changed in an exact picture; all of it when that is most of it. */
 static iso_status patch(isosculpt_view *view, iso_error *error) {
-    ISO_TRY(extract(view, ISOSCULPT_EXACT, error));
+    ISO_TRY(extract(view, ISOSCULPT_EXACT, false, error));
     double start = isosculpt_now();
     view->fresh = (isosculpt_damage){.count = 0};
     if (view->grid.hgrid) /* (no one writes to others) */
@@ -385,5 +384,5 @@ iso_status isosculpt_view_refine(isosculpt_view *view, iso_error *error) {
     }
     if (view->rough.count) return ISO_OK;
     view->quality = ISOSCULPT_FINE;
-    return extract(view, ISOSCULPT_POINTS, error); /* they are counted */
+    return extract(view, ISOSCULPT_POINTS, false, error); /* they are counted */
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/isosculpt_ahead.h"
 #include "apps/isosculpt_desk.h"
 #include "base/memory.h"
 
@@ -44,6 +45,13 @@ iso_status isosculpt_view_init(isosculpt_view *view, iso_hgrid *grid, iso_pool *
     return isosculpt_view_init_grid(view, &any, 0, pool, error);
 }
 
+static iso_status make_levels(isosculpt_view *view, iso_error *error) {
+    for (int i = 0; i < ISOSCULPT_METHOD_COUNT; i++) view->made[i] = NAN;
+    view->unmade = NAN;
+    ISO_TRY(iso_pool_create(iso_pool_threads(view->pool), &view->ahead_pool, error));
+    return isosculpt_levels_create(view->grid.rgrid, view->isovalue, view->pool, &view->levels, error);
+}
+
 iso_status isosculpt_view_init_grid(isosculpt_view *view, const iso_grid *grid, double isovalue,
                                     iso_pool *pool, iso_error *error) {
     const iso_rgb clay = {206, 142, 112}, dusk = {46, 50, 56};
@@ -52,9 +60,8 @@ iso_status isosculpt_view_init_grid(isosculpt_view *view, const iso_grid *grid, 
     view->grid = *grid;
     view->isovalue = view->drawn_isovalue = isovalue;
     view->camera.view_angle = 30;
-    iso_points_opts points = {.isovalue = isovalue, .pool = pool};
-    iso_status status = iso_point_set_create(&view->grid, &points, &view->points, error);
-    if (status == ISO_OK) status = iso_point_set_update(view->points, error);
+    iso_status status = grid->rgrid ? make_levels(view, error) : ISO_OK;
+    if (status == ISO_OK) status = isosculpt_ahead_update(view, ISOSCULPT_POINTS, error);
     if (status == ISO_OK) status = iso_pullpush_create(&view->workspace, error);
     if (status == ISO_OK)
         isosculpt_view_look(view, ISO_FRONT);
@@ -64,7 +71,9 @@ iso_status isosculpt_view_init_grid(isosculpt_view *view, const iso_grid *grid, 
 }
 
 void isosculpt_view_free(isosculpt_view *view) {
+    isosculpt_ahead_wait(view);
     isosculpt_gl_forget(view->gl);
+    isosculpt_levels_destroy(view->levels);
     iso_point_set_destroy(view->points);
     iso_mesh_set_destroy(view->mesh);
     iso_exact_destroy(view->exact);
@@ -74,18 +83,16 @@ void isosculpt_view_free(isosculpt_view *view) {
     iso_gbuffer_free(&view->piece);
     iso_image_free(&view->image);
     iso_image_free(&view->piece_image);
+    iso_pool_destroy(view->ahead_pool);
     *view = (isosculpt_view){0};
 }
 
 void isosculpt_view_set_isovalue(isosculpt_view *view, double isovalue) {
     view->isovalue = isovalue;
-    iso_point_set_isovalue(view->points, isovalue);
-    if (view->mesh) iso_mesh_set_isovalue(view->mesh, isovalue);
-    if (view->exact) iso_exact_isovalue(view->exact, isovalue);
 }
 
 size_t isosculpt_view_points(const isosculpt_view *view) {
-    return iso_point_set_stats(view->points).points;
+    return view->levels ? view->point_count : iso_point_set_stats(view->points).points;
 }
 
 /* ---- picking */
@@ -209,11 +216,12 @@ void isosculpt_view_zoom(isosculpt_view *view, double factor) {
 }
 
 static iso_box bounds(const isosculpt_view *view) {
-    iso_affine affine = iso_transform_affine(iso_grid_transform(&view->grid));
-    iso_point_view points = iso_point_set_view(view->points);
+    iso_point_view points =
+        iso_point_set_view(view->levels ? isosculpt_levels_points(view->levels) : view->points);
+    const iso_affine affine = iso_transform_affine(&points.transform);
     iso_box box = iso_point_view_bounds(&points);
     if (iso_box_is_empty(&box)) {
-        const int *dims = iso_grid_dims(&view->grid);
+        const int *dims = points.dims;
         iso_box_add(&box, iso_vec3_make(0, 0, 0));
         iso_box_add(&box, iso_vec3_make(dims[0] - 1, dims[1] - 1, dims[2] - 1));
     }
@@ -241,7 +249,9 @@ void isosculpt_view_focus(isosculpt_view *view, const iso_vec3 *at) {
         fit(view);
         return;
     }
-    iso_vec3 move = iso_vec3_sub(*at, camera->focal_point);
-    camera->position = iso_vec3_add(camera->position, move);
+    const iso_vec3 move = iso_vec3_sub(*at, camera->focal_point),
+                   forward = iso_vec3_unit(iso_vec3_sub(camera->focal_point, camera->position)),
+                   inward = iso_vec3_scale(forward, iso_vec3_dot(move, forward));
+    camera->position = iso_vec3_add(camera->position, iso_vec3_sub(move, inward));
     camera->focal_point = *at;
 }

@@ -9,7 +9,9 @@
 
 #include "apps/isosculpt_damage.h"
 #include "apps/isosculpt_gl.h"
+#include "apps/isosculpt_levels.h"
 #include "apps/isosculpt_light.h"
+#include "apps/isosculpt_task.h"
 #include "extract/mesh.h"
 #include "extract/points.h"
 #include "image/camera.h"
@@ -65,6 +67,8 @@ typedef struct isosculpt_mask {
     const void *context; /* borrowed */
 } isosculpt_mask;
 
+typedef struct isosculpt_ahead isosculpt_ahead;
+
 /* A picture as it was drawn: what a stroke picks from, while newer ones are drawn. */
 typedef struct isosculpt_layer {
     iso_gbuffer gbuffer;         /* room; the used part is view.width x view.height */
@@ -79,7 +83,7 @@ typedef struct isosculpt_view {
     isosculpt_look look;
     isosculpt_mask mask;
     double isovalue; /* physical; of volumes */
-    bool sliding;    /* the isovalue changes under the hand: pullpush, which is quick at that */
+    bool sliding;    /* the isovalue changes under the hand */
     int factor;      /* of pictures while the camera moves: 1 .. ISOSCULPT_FACTOR_MAX; found by their times */
 
     iso_grid grid;      /* borrowed */
@@ -91,6 +95,16 @@ typedef struct isosculpt_view {
     iso_exact *exact;
     iso_pullpush *workspace;
     isosculpt_sphere sphere;
+
+    /* Of a volume, NULL for a field: what is drawn until the surface of its isovalue is there, which a thread
+     * of its own may make. */
+    isosculpt_levels *levels;
+    isosculpt_ahead *ahead;              /* that is being made; NULL: nothing is */
+    iso_pool *ahead_pool;                /* the thread's, owned */
+    double made[ISOSCULPT_METHOD_COUNT]; /* isovalue of each method's surface, of volumes; NAN: none */
+    double unmade; /* the isovalue that a thread failed at: drawing tries it again, and says why; NAN: none */
+    size_t point_count;         /* when points were last made */
+    const iso_point_set *shown; /* points that OpenGL has */
 
     isosculpt_layer drawn, held; /* the last picture; the one that a stroke began on */
     iso_image image;   /* room; its width and height are the last picture's, unless drawn.canvas has that */
@@ -136,6 +150,14 @@ iso_status isosculpt_view_refine(isosculpt_view *view, iso_error *error);
 /* Brings view->image up to date where drawn.canvas has the picture. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
 iso_status isosculpt_view_fetch(isosculpt_view *view, iso_error *error);
 
+/* Whether the picture at rest can be drawn without making a surface first, which could take long: always,
+ * but for volumes. */
+bool isosculpt_view_is_ready(isosculpt_view *view);
+/* Makes it in a thread of its own, unless that is under way; `wake`: isosculpt_task_start. View and pool can
+ * be used meanwhile; the isovalue may change, and what is made is then made for nothing. ISO_ERR_NOMEM. */
+iso_status isosculpt_view_prepare(isosculpt_view *view, void (*wake)(void), iso_error *error);
+bool isosculpt_view_is_preparing(const isosculpt_view *view);
+
 /* Points of the surface, as last extracted. */
 size_t isosculpt_view_points(const isosculpt_view *view);
 
@@ -158,7 +180,8 @@ void isosculpt_view_orbit(isosculpt_view *view, double dx, double dy);
 void isosculpt_view_pan(isosculpt_view *view, double dx, double dy);
 void isosculpt_view_zoom(isosculpt_view *view, double factor); /* things appear `factor` times larger */
 void isosculpt_view_look(isosculpt_view *view, iso_direction direction);
-void isosculpt_view_focus(isosculpt_view *view, const iso_vec3 *at); /* NULL: the whole */
+/* To the middle, and turned about from now on; as large as it was. NULL: the whole. */
+void isosculpt_view_focus(isosculpt_view *view, const iso_vec3 *at);
 
 #ifdef __cplusplus
 }

@@ -130,10 +130,9 @@ iso_status iso_rgrid_touch(iso_rgrid *grid, const int lo[3], const int hi[3], is
 
 iso_status iso_rgrid_index(iso_rgrid *grid, iso_pool *pool, const struct iso_brick_index **index,
                            iso_error *error) {
-    if (grid->index)
+    if (grid->index && !iso_brick_index_current(grid->index))
         ISO_TRY(iso_brick_index_update(grid->index, pool, error));
-    else
-        ISO_TRY(iso_brick_index_create(grid, pool, &grid->index, error));
+    if (!grid->index) ISO_TRY(iso_brick_index_create(grid, pool, &grid->index, error));
     if (index) *index = grid->index;
     return ISO_OK;
 }

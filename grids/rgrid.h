@@ -69,7 +69,8 @@ iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso
 iso_status iso_rgrid_touch(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
 /* The grid's index of bricks (brick_index.h), made at the first call and brought up to date by later ones;
- * *index (NULL is fine) belongs to the grid. `pool` may be NULL. Not while others read the grid. Until the
+ * *index (NULL is fine) belongs to the grid. `pool` may be NULL. Not while others read the grid, except that
+ * one without edits since is only read. Until the
  * next edit everything that asks which bricks an isovalue crosses is faster. ISO_ERR_NOMEM. */
 iso_status iso_rgrid_index(iso_rgrid *grid, iso_pool *pool, const struct iso_brick_index **index,
                            iso_error *error);

@@ -107,6 +107,7 @@ static void cancelled_saves_keep_the_file_before(void **state) {
         fclose(old);
         iso_status status = ISO_OK;
         iso_error error = {0};
+        desk.changes++;
         assert_int_equal(isosculpt_desk_save(&desk, NULL, &error), ISO_OK);
         assert_int_equal(isosculpt_desk_save(&desk, NULL, &error), ISO_ERR_USAGE);
         usleep((useconds_t)(round * 20000));
@@ -119,6 +120,7 @@ static void cancelled_saves_keep_the_file_before(void **state) {
         fclose(old);
         assert_int_equal(strcmp(text, "what was there") == 0, status != ISO_OK);
         assert_false(is_there(fresh));
+        assert_int_equal(desk.saved == desk.changes, status == ISO_OK); /* closing still asks */
         cancelled += status != ISO_OK;
     }
     assert_true(cancelled > 0);
@@ -182,8 +184,11 @@ static void openings(void **state) {
     isosculpt_view_set_isovalue(&opened.view, 220); /* a smaller ball */
     opened.view.sliding = true;
     assert_int_equal(isosculpt_view_draw(&opened.view, 64, 40, true, NULL), ISO_OK);
-    assert_true(isosculpt_view_points(&opened.view) < points);
     assert_int_equal(opened.view.quality, ISOSCULPT_MOVING);
+    assert_int_equal(isosculpt_view_draw(&opened.view, 64, 40, false, NULL), ISO_OK);
+    while (opened.view.quality != ISOSCULPT_FINE)
+        assert_int_equal(isosculpt_view_refine(&opened.view, NULL), ISO_OK);
+    assert_true(isosculpt_view_points(&opened.view) < points);
     const isosculpt_request made = {
         .path = opened.volume->path, .sculpt = opened.volume, .isovalue = 220, .threads = 2};
     isosculpt_opened field;
@@ -203,6 +208,10 @@ static void openings(void **state) {
     isosculpt_task_cancel(isosculpt_opening_task(opening));
     assert_int_equal(isosculpt_opening_finish(opening, &opened, &error), ISO_ERR_IO);
     assert_non_null(strstr(error.text, "cancelled"));
+    assert_int_equal(isosculpt_opening_start(&request, &opening, NULL), ISO_OK);
+    while (!isosculpt_task_done(isosculpt_opening_task(opening))) usleep(1000);
+    isosculpt_task_cancel(isosculpt_opening_task(opening)); /* too late, and heard all the same */
+    assert_int_equal(isosculpt_opening_finish(opening, &opened, &error), ISO_ERR_IO);
     assert_int_equal(isosculpt_opening_start(&none, &opening, NULL), ISO_OK);
     assert_int_equal(isosculpt_opening_finish(opening, &opened, &error), ISO_ERR_IO);
     assert_non_null(strstr(error.text, "/no/such.vdb"));

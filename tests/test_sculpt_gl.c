@@ -202,12 +202,86 @@ static void driver_that_fails_is_done_without(iso_gl_context *context) {
     }
 }
 
+static bool everywhere(const void *context, int x, int y, int z) {
+    (void)context, (void)x, (void)y, (void)z;
+    return true;
+}
+
+/* What is frozen looks it, which OpenGL cannot draw. */
+static void frozen_parts_are_the_cpu_engines(iso_gl_context *context) {
+    studio s;
+    open_studio(&s, context);
+    s.by_gl.look.method = s.by_cpu.look.method = ISOSCULPT_MESH;
+    draw(&s.by_gl, true);
+    s.by_gl.mask.at = s.by_cpu.mask.at = everywhere;
+    s.by_gl.repaint = s.by_cpu.repaint = true;
+    draw_best(&s.by_gl);
+    draw_best(&s.by_cpu);
+    assert_true(isinf(psnr_of(&s.by_cpu, &s.by_gl)));
+    close_studio(&s);
+}
+
+static iso_rgrid *make_volume(void) {
+    enum { SIDE = 48 };
+    iso_rgrid *volume;
+    const iso_rgrid_desc desc = {.dims = {SIDE, SIDE, SIDE}, .type = ISO_UINT8};
+    assert_int_equal(iso_rgrid_create(&desc, &volume, NULL), ISO_OK);
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const int x = i % SIDE - 20, y = i / SIDE % SIDE - 24, z = i / SIDE / SIDE - 28;
+        ((uint8_t *)volume->data)[i] = (uint8_t)(250 - (x * x + y * y + 2 * z * z) / 16);
+    }
+    return volume;
+}
+
+static void open_volume(isosculpt_view *view, iso_rgrid *volume, isosculpt_gl *gl) {
+    const iso_grid grid = {.rgrid = volume};
+    assert_int_equal(isosculpt_view_init_grid(view, &grid, 225, NULL, NULL), ISO_OK);
+    view->gl = gl;
+    view->look.engine = ISOSCULPT_GL;
+    view->sliding = true;
+}
+
+static void go_to_level(isosculpt_levels *levels, int level) {
+    while (isosculpt_levels_now(levels) < level) isosculpt_levels_took(levels, 1, 1);
+    while (isosculpt_levels_now(levels) > level) isosculpt_levels_took(levels, 0, 0);
+}
+
+/* From one level to another OpenGL keeps nothing of the points before. */
+static void levels_do_not_mix(iso_gl_context *context) {
+    static const int levels[] = {0, 1, 0, 2, 1};
+    iso_rgrid *volume = make_volume();
+    isosculpt_gl *gl, *other_gl;
+    isosculpt_view view, other;
+    assert_int_equal(isosculpt_gl_create(context, &gl, NULL), ISO_OK);
+    assert_int_equal(isosculpt_gl_create(context, &other_gl, NULL), ISO_OK);
+    open_volume(&view, volume, gl);
+    for (size_t i = 0; i < sizeof levels / sizeof *levels; i++) {
+        go_to_level(view.levels, levels[i]);
+        view.factor = 1; /* however long the picture before took */
+        draw(&view, true);
+        open_volume(&other, volume, other_gl);
+        other.camera = view.camera;
+        go_to_level(other.levels, levels[i]);
+        draw(&other, true);
+        assert_non_null(view.drawn.canvas);
+        if (!isinf(psnr_of(&view, &other))) fail_msg("step %zu, level %d", i, levels[i]);
+        isosculpt_view_free(&other);
+        isosculpt_view_orbit(&view, 5, 0); /* the isovalue stays, and with it the numbers of spans */
+    }
+    isosculpt_view_free(&view);
+    isosculpt_gl_destroy(other_gl);
+    isosculpt_gl_destroy(gl);
+    iso_rgrid_destroy(volume);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         gl_context_test(pictures_are_the_cpu_engines),
         gl_context_test(mesh_stands_in_for_exact),
         gl_context_test(held_picture_stays),
         gl_context_test(driver_that_fails_is_done_without),
+        gl_context_test(frozen_parts_are_the_cpu_engines),
+        gl_context_test(levels_do_not_mix),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -210,12 +210,39 @@ static void test_held_picture_stays(void **state) {
     iso_session_destroy(session);
 }
 
+/* What was beside the middle is in it, no larger and no smaller, and orbiting turns about it. */
+static void test_focus(void **state) {
+    (void)state;
+    iso_session *session = open_session(NULL);
+    isosculpt_view view;
+    isosculpt_pick before, after;
+    double x, y;
+    open_view(&view, session, NULL);
+    draw(&view, false);
+    assert_true(isosculpt_layer_pick(&view.drawn, 0.6 * WIDTH, 0.4 * HEIGHT, &before));
+    isosculpt_view_focus(&view, &before.position);
+    for (int i = 0; i < 3; i++) {
+        draw(&view, false);
+        assert_true(isosculpt_layer_pixel(&view.drawn, before.position, &x, &y));
+        assert_float_equal(x, WIDTH / 2.0, 0.01);
+        assert_float_equal(y, HEIGHT / 2.0, 0.01);
+        if (i == 0) {
+            assert_true(isosculpt_layer_pick(&view.drawn, x, y, &after));
+            assert_float_equal(after.depth, before.depth, 0.05);
+        }
+        isosculpt_view_orbit(&view, 20, 10);
+    }
+    isosculpt_view_free(&view);
+    iso_session_destroy(session);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_patched_picture_is_the_whole_one),
         cmocka_unit_test(test_stroke_right_after_camera),
         cmocka_unit_test(test_fine_picture),
         cmocka_unit_test(test_held_picture_stays),
+        cmocka_unit_test(test_focus),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -335,14 +335,20 @@ static iso_status touch_along(iso_session *session, const iso_sample *sample, is
     return ISO_OK;
 }
 
+/* A ball, along a stroke or not, goes without saying. */
+static void name_step(const iso_brush *brush, char *name, size_t size) {
+    const bool plain = brush->tool > ISO_TOOL_BLEND_CARVE || brush->shape == ISO_SOLID_SPHERE ||
+                       brush->shape == ISO_SOLID_CAPSULE;
+    snprintf(name, size, "%s%s%s", iso_tool_name(brush->tool), plain ? "" : " ",
+             plain ? "" : iso_solid_name(brush->shape));
+}
+
 iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const iso_sample *sample,
                              iso_edit_stats *stats, iso_error *error) {
     if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn already");
     ISO_TRY(iso_brush_check(brush, error));
     char name[64];
-    snprintf(name, sizeof name, "%s%s%s", iso_tool_name(brush->tool),
-             brush->tool <= ISO_TOOL_BLEND_CARVE ? " " : "",
-             brush->tool <= ISO_TOOL_BLEND_CARVE ? iso_solid_name(brush->shape) : "");
+    name_step(brush, name, sizeof name);
     ISO_TRY(iso_history_begin(session->history, name, error));
     iso_step_opts step = iso_history_step(session->history);
     step.stamp = session->stamp;

@@ -1,8 +1,9 @@
 #!/bin/bash
 # The gl engine in a real window under Xvfb: its pictures against the cpu engine's of the same field, while mouse and
-# keys sculpt, change the method and resize; and no word of the driver. gl.sh BIN. 77: nothing to try it with.
+# keys sculpt, change the method and resize; and no word of the driver. gl.sh BIN TOOLS. 77: nothing to try it with.
 set -u
 bin=$(cd "$1" && pwd)
+tools=$(realpath -m "$2")
 . "$(dirname "$0")/support.sh"
 "$bin/isosculpt" --headless --backend gl --open x.vdb 2>"$work/said"
 [ $? -eq 2 ] || fail "--backend gl without a window is no wrong usage"
@@ -12,7 +13,7 @@ open_display
 export ISO_GL_DEBUG=1
 
 # ---- what is too old is said, or done without
-MESA_GL_VERSION_OVERRIDE=4.4 MESA_GLSL_VERSION_OVERRIDE=440 "$bin/isosculpt" --backend gl 2>"$work/said"
+MESA_GL_VERSION_OVERRIDE=4.4 MESA_GLSL_VERSION_OVERRIDE=440 timeout "$LIMIT" "$bin/isosculpt" --backend gl 2>"$work/said"
 code=$?
 grep -q "glad" "$work/said" && { echo "skipped: built without glad"; exit 77; }
 [ $code -eq 4 ] && grep -q "4\.5 is needed" "$work/said" || fail "OpenGL 4.4: exit status $code"

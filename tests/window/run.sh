@@ -1,8 +1,9 @@
 #!/bin/bash
 # A real window under Xvfb, driven with xdotool: what mouse and keys do is read from the journal, the saved
-# files and the pictures. run.sh BIN, the folder of the programs. 77: nothing to drive it with.
+# files and the pictures. run.sh BIN TOOLS, the folders of the programs and of the tests' own. 77: nothing to drive it with.
 set -u
 bin=$(cd "$1" && pwd)
+tools=$(realpath -m "$2")
 volumes=$(cd "$(dirname "$0")/../../volumes" && pwd)
 . "$(dirname "$0")/support.sh"
 
@@ -148,20 +149,21 @@ open_by_name() {
     xdotool mousemove 33 650 click 1
     sleep 0.2
 }
-another_journal() {
-    open_by_name "$work/replayed.vdb"
-    [ "$(ls -t "$state"/*.strokes | head -1)" != "$before" ] && journal_is_there
-}
+another_journal() { [ "$(newest)" != "$before" ]; }
+journal_is_open() { journal=$(newest) && title_is "$(basename "$journal")"; }
 open_by_name "$work/nothing.stl"
 picture unmoved
 cmp -s "$work/unmoved.png" "$work/continued.png" || fail "a file that is not there takes the session away"
+for try in 1 2 3 4 5; do
+    open_by_name "$work/replayed.vdb"
+    for wait in {1..50}; do another_journal && break 2 || sleep 0.1; done
+done
 until_ "another journal" another_journal
-has_moved() { picture moved && cmp -s "$work/moved.png" "$work/opened.png"; }
-until_ "the opened file" has_moved
+until_ "the opened file" journal_is_open
+picture moved
+cmp "$work/moved.png" "$work/opened.png" || fail "what was opened by its name is not what was opened before"
 [ ! -e "$before.open" ] || fail "the journal before still counts as open"
-kill -9 "$program"
-wait "$program" 2>/dev/null
-program=
+stop
 
 # ---- a mesh as a stamp: it is in the journal, which plays without it
 rm -rf "$state"
@@ -183,15 +185,12 @@ until_ "$vdb" test -s "$vdb"
 cp "$journal" "$work/stamped.strokes"
 "$bin/isosculpt" --replay "$work/stamped.strokes" --headless --quiet --output "$work/stamped.vdb" || fail "the stamp does not play"
 cmp <(tail -c +60 "$vdb") <(tail -c +60 "$work/stamped.vdb") || fail "the stamp plays to another field"
-kill -9 "$program"
-wait "$program" 2>/dev/null
-program=
+stop
 
 # ---- a volume is looked at, at an isovalue that the histogram chooses, until a brush touches it
 rm -rf "$state"
 "$bin/isosculpt" "$volumes/stent.nrrd" --isovalue 600 >"$work/said" 2>&1 &
 program=$!
-title_is() { xdotool search --onlyvisible --name "$1" >/dev/null 2>&1; }
 until_ "the volume" title_is 'stent.nrrd'
 journal_is_there && fail "a journal, though nothing was done"
 slide() {
@@ -214,9 +213,7 @@ until_ "a field" is_sculpted
 isovalue=$(grep -o '"isovalue":[^,]*' "$journal" | cut -d: -f2)
 awk "BEGIN { exit !($isovalue != 600) }" || fail "the histogram changes nothing"
 until_ "its title" title_is "$(basename "$journal")"
-kill -9 "$program"
-wait "$program" 2>/dev/null
-program=
+stop
 "$bin/isosculpt" --replay "$journal" --headless --quiet --output "$work/stent.vdb" || fail "strokes on a volume do not play"
 
 # ---- Escape takes back what is being opened
@@ -229,9 +226,7 @@ cancelled() { key Escape && journal_is_there; }
 until_ "a session without what was cancelled" cancelled
 grep -q '"source":"ball"' "$journal" || fail "Escape: $(head -c 100 "$journal")"
 picture cancelled
-kill -9 "$program"
-wait "$program" 2>/dev/null
-program=
+stop
 
 # ---- text twice as large: so is the window, but it fits its screen
 if command -v xrdb >/dev/null; then
@@ -244,10 +239,31 @@ if command -v xrdb >/dev/null; then
     stroke 640 400 20 20
     picture large_stroke
     cmp -s "$work/large.png" "$work/large_stroke.png" && fail "text twice as large: strokes are not to be seen"
-    kill -9 "$program"
-    wait "$program" 2>/dev/null
-    program=
+    stop
     xrdb -remove
+fi
+
+# ---- another content scale while it runs: buttons are where they are then, and as large
+if [ -e "$tools/libwindow_scale.so" ]; then
+    rm -rf "$state"
+    export ISO_TEST_SCALE=$work/scale
+    LD_PRELOAD=$tools/libwindow_scale.so start
+    stroke 640 400 20 20
+    # press X Y TOOL: a button that chooses a brush; the panel may not be there yet
+    chosen_by_press() {
+        xdotool mousemove "$1" "$2" sleep 0.1 mousedown 1 sleep 0.2 mouseup 1 sleep 0.1
+        stroke 800 400 20 20
+        [ "$(tools | awk '{ print $NF }')" = "$3" ]
+    }
+    until_ "scale 1: carving" chosen_by_press 148 68 carve
+    key 1
+    echo 2 >"$work/scale"
+    until_ "scale 2: carving" chosen_by_press 297 136 carve
+    key 1
+    echo 1 >"$work/scale"
+    until_ "scale 1 again: carving" chosen_by_press 148 68 carve
+    stop
+    unset ISO_TEST_SCALE
 fi
 "$bin/isosculpt" "$work/nothing.stl" 2>"$work/said"
 code=$?

@@ -1,8 +1,8 @@
 # What the tests of windows share: a display of their own, and a program in it. For bash, which has set $bin (the
-# folder of the programs).
+# folder of the programs), and $tools (that of the tests' own).
 #
 # Waits for what should happen, for as long as LIMIT seconds; never for a time.
-LIMIT=30
+LIMIT=100
 
 for tool in Xvfb xdotool; do
     command -v $tool >/dev/null || { echo "skipped: there is no $tool"; exit 77; }
@@ -50,9 +50,12 @@ start() {
     until_ "a journal" journal_is_there
 }
 window_is_there() { xdotool search --onlyvisible --name '^isosculpt' >/dev/null 2>&1; }
-journal_is_there() { journal=$(ls -t "$state"/*.strokes 2>/dev/null | head -1) && [ -n "$journal" ]; }
+newest() { ls -t "$state"/*.strokes 2>/dev/null | head -1; }
+journal_is_there() { journal=$(newest) && [ -n "$journal" ]; }
 events() { grep -c "\"event\":\"$1\"" "$journal"; }
 has_events() { [ "$(events "$1")" -eq "$2" ]; }
+window_number() { xdotool search --onlyvisible --name '^isosculpt' | head -1; }
+title_is() { xdotool search --onlyvisible --name "$1" >/dev/null 2>&1; }
 key() { xdotool key "$@"; }
 # drag BUTTON X Y DX DY: in ten steps
 drag() {
@@ -71,6 +74,12 @@ stroke() {
 }
 has_ended() { ! kill -0 "$1" 2>/dev/null; }
 tools() { grep -o '"tool":"[a-z-]*"' "$journal" | cut -d'"' -f4 | tr '\n' ' '; }
+# stop: as a power cut would
+stop() {
+    kill -9 "$program"
+    wait "$program" 2>/dev/null
+    program=
+}
 # picture NAME: F12 and the file that it makes
 picture() {
     local count=0 file

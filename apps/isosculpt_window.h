@@ -1,0 +1,86 @@
+/* window: what the parts of isosculpt's window share. Nothing else includes it. */
+#ifndef ISO_APPS_ISOSCULPT_WINDOW_H
+#define ISO_APPS_ISOSCULPT_WINDOW_H
+
+#include "apps/isosculpt.h"
+#include "apps/isosculpt_opening.h"
+#include "apps/isosculpt_panel.h"
+#include "apps/isosculpt_pen.h"
+
+/* Frames after an event: Dear ImGui shows some answers only in the next. */
+enum { ISOSCULPT_FRAMES = 3 };
+/* Seconds between looks at the journal. */
+static const double ISOSCULPT_IDLE = 0.25;
+
+typedef struct window {
+    struct GLFWwindow *glfw;
+    const isosculpt_settings *settings;
+    iso_pool *pool;     /* the program's, or own_pool */
+    iso_pool *own_pool; /* of what was opened; NULL: none */
+    isosculpt_opening *opening;
+    isosculpt_volume *volume; /* that is looked at; NULL: the desk has a field */
+    isosculpt_desk desk;
+    isosculpt_view view;
+    isosculpt_hand hand;
+    double voxel; /* of what the hand works on, mm; 0: nothing yet */
+    isosculpt_screen screen;
+    isosculpt_panel *panel;
+    isosculpt_pen *pen;
+    iso_gl_context *context; /* the window's, for the gl engine; NULL: OpenGL is older than that needs */
+    isosculpt_gl *gl;        /* or NULL */
+    isosculpt_engine engine; /* as chosen */
+    unsigned texture;        /* of the cpu engine's picture; 0: none yet */
+    char folder[ISOSCULPT_PATH];
+    char next[ISOSCULPT_PATH]; /* to be opened once the question about it is answered */
+    bool has_folder;
+    int texture_width, texture_height;
+    int frames;                 /* still to be drawn */
+    double changed;             /* when the picture last had to be drawn */
+    bool sculpting;             /* the volume is being made a field */
+    bool stamp_asked;           /* --stamp was seen to */
+    bool save;                  /* as soon as no stroke is drawn */
+    isosculpt_question leaving; /* ..CLOSE or ..OPEN: what comes after a save, which must succeed */
+    bool shoot, shoot_all;
+} window;
+
+/* ---- isosculpt_window.c */
+
+/* On screen, until something else is said. */
+void isosculpt_window_say(window *w, bool bad, const char *text);
+void isosculpt_window_measure(window *w);
+/* Of text and widgets, where the window is now. */
+double isosculpt_window_text_scale(const window *w);
+/* Where the pointer is, for a hand that has not seen it move. (Not for events: they may be of before.) */
+void isosculpt_window_point(window *w);
+
+/* ---- mouse, keys and drops (isosculpt_window_events.c) */
+
+void isosculpt_window_listen(window *w);
+
+/* ---- the sculpture and its files (isosculpt_window_files.c) */
+
+/* What the window begins with. */
+iso_status isosculpt_window_open(window *w, iso_error *error);
+/* A file that was dropped: asks what to do with it, or begins to open it. */
+void isosculpt_window_drop(window *w, const char *path);
+/* To the question that is asked, which then is not asked any more. */
+void isosculpt_window_answer(window *w, unsigned answers);
+/* Does what hand and panel ask for. Errors end the program. */
+iso_status isosculpt_window_obey(window *w, iso_error *error);
+/* Whether there are changes that are in no .vdb file. */
+bool isosculpt_window_unsaved(const window *w);
+/* Sees whether a save is done. */
+void isosculpt_window_saved(window *w);
+/* What is under way, for the panel. */
+void isosculpt_window_show_busy(window *w);
+/* The window closes over what is being opened. */
+void isosculpt_window_abandon(window *w);
+
+/* ---- the picture (isosculpt_window_picture.c) */
+
+/* The picture that is due, and the panel over it. Errors end the program. */
+iso_status isosculpt_window_draw(window *w, iso_error *error);
+/* Seconds until a better picture is due; < 0: it is. */
+double isosculpt_window_until_better(const window *w);
+
+#endif

@@ -1,0 +1,382 @@
+/* What isosculpt's window works on, and its files: opening, saving, stamps. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <GLFW/glfw3.h>
+
+#include "apps/isosculpt_window.h"
+
+/* ---- the sculpture on the desk */
+
+static void show_title(window *w) {
+    char title[ISOSCULPT_PATH + 32];
+    const char *path = w->volume ? w->volume->path : w->desk.journal, *slash = strrchr(path, '/'),
+               *name = slash ? slash + 1 : path;
+    snprintf(title, sizeof title, "isosculpt%s%s", name[0] ? ": " : "", name);
+    glfwSetWindowTitle(w->glfw, title);
+}
+
+/* The hand and the engine for what is on the desk and in the view. The brush stays as it is, in voxels. */
+static void take_up(window *w) {
+    iso_brush brush = w->hand.brush;
+    const double before = w->voxel, voxel = w->desk.start.voxel_size;
+    w->view.gl = w->gl;
+    w->view.look.engine = w->engine;
+    isosculpt_hand_init(&w->hand, &w->desk, &w->view);
+    isosculpt_window_point(w);
+    if (before > 0) {
+        w->hand.brush = brush;
+        w->hand.brush.radius = brush.radius / before * voxel;
+    }
+    w->voxel = voxel;
+    w->hand.looking = w->screen.volume != NULL;
+    show_title(w);
+    w->hand.wishes = ISOSCULPT_WISH_PICTURE;
+    w->frames = ISOSCULPT_FRAMES;
+}
+
+static iso_status show_desk(window *w, iso_error *error) {
+    ISO_TRY(isosculpt_view_init(&w->view, iso_session_grid(w->desk.session), w->pool, error));
+    take_up(w);
+    return ISO_OK;
+}
+
+/* A new ball, with a journal if that can be. */
+static iso_status show_ball(window *w, iso_error *error) {
+    ISO_TRY(isosculpt_desk_new(&w->desk, w->has_folder ? w->folder : NULL, NULL, error));
+    return show_desk(w, error);
+}
+
+static void wake(void) {
+    glfwPostEmptyEvent();
+}
+
+/* The volume that is looked at as a field at the isovalue that was chosen. */
+static iso_status start_sculpting(window *w, iso_error *error) {
+    const isosculpt_request request = {.path = w->volume->path,
+                                       .sculpt = w->volume,
+                                       .folder = w->has_folder ? w->folder : NULL,
+                                       .isovalue = w->view.isovalue,
+                                       .voxel = w->settings->voxel_size,
+                                       .threads = w->settings->threads,
+                                       .undo_memory = (size_t)w->settings->undo_memory,
+                                       .wake = wake};
+    return isosculpt_opening_start(&request, &w->opening, error);
+}
+
+/* Beside what is there, until it is whole. */
+static iso_status start_opening(window *w, const char *path, bool stamp, iso_error *error) {
+    const isosculpt_settings *settings = w->settings;
+    const bool asked = path == settings->open;
+    const isosculpt_request request = {.path = path,
+                                       .stamp = stamp,
+                                       .folder = w->has_folder ? w->folder : NULL,
+                                       .isovalue = asked ? settings->isovalue : NAN,
+                                       .voxel = asked ? settings->voxel_size : 0,
+                                       .threads = settings->threads,
+                                       .undo_memory = (size_t)settings->undo_memory,
+                                       .wake = wake};
+    return isosculpt_opening_start(&request, &w->opening, error);
+}
+
+/* Until it is there the window shows nothing. */
+static iso_status open_alone(window *w, const char *path, iso_error *error) {
+    ISO_TRY(isosculpt_desk_blank(&w->desk, error));
+    ISO_TRY(show_desk(w, error));
+    w->screen.blank = true;
+    return start_opening(w, path, false, error);
+}
+
+iso_status isosculpt_window_open(window *w, iso_error *error) {
+    const isosculpt_settings *settings = w->settings;
+    iso_error reason = {0};
+    w->has_folder = isosculpt_desk_folder(w->folder, &reason) == ISO_OK;
+    if (settings->strokes) return open_alone(w, settings->strokes, error);
+    const bool unclosed = w->has_folder && isosculpt_desk_unclosed(w->folder, w->screen.asked);
+    if (settings->recover && unclosed) return open_alone(w, w->screen.asked, error);
+    if (unclosed) w->screen.question = ISOSCULPT_ASK_RECOVER;
+    if (settings->recover)
+        isosculpt_window_say(w, false, "There is nothing to recover: no session was left unclosed.");
+    if (settings->open) return open_alone(w, settings->open, error);
+    ISO_TRY(show_ball(w, error));
+    if (reason.text[0]) snprintf(w->desk.trouble, sizeof w->desk.trouble, "%s", reason.text);
+    return ISO_OK;
+}
+
+/* In place of what is on the desk, whose journal has all of it. What a volume becomes is seen from where the
+ * volume was. */
+static iso_status replace_desk(window *w, isosculpt_opened *opened, iso_error *error) {
+    const isosculpt_look look = w->view.look;
+    const iso_camera camera = w->view.camera;
+    const bool same_place = w->volume && !opened->volume && w->sculpting;
+    isosculpt_view_free(&w->view);
+    isosculpt_desk_close(&w->desk);
+    isosculpt_volume_free(w->volume);
+    iso_pool_destroy(w->own_pool);
+    w->pool = w->own_pool = opened->pool;
+    w->desk = opened->desk;
+    w->view = opened->view;
+    w->screen.volume = w->volume = opened->volume;
+    w->screen.isovalue = w->view.isovalue;
+    w->screen.blank = false;
+    w->view.look = look;
+    if (same_place) w->view.camera = camera;
+    if (w->volume) {
+        w->desk.pool = w->pool;
+        ISO_TRY(isosculpt_desk_blank(&w->desk, error));
+        w->desk.start.voxel_size = iso_grid_transform(&w->view.grid)->spacing[0];
+    }
+    take_up(w);
+    return ISO_OK;
+}
+
+/* What could not be opened leaves what was there; at the start that was nothing. */
+static iso_status without(window *w, bool cancelled, iso_status status, iso_error *error) {
+    const bool first = w->screen.blank;
+    if (first && !cancelled) return status;
+    isosculpt_window_say(w, !cancelled, cancelled ? "Cancelled." : error->text);
+    if (!first) return ISO_OK;
+    w->screen.blank = false;
+    isosculpt_view_free(&w->view);
+    isosculpt_desk_close(&w->desk);
+    return show_ball(w, error);
+}
+
+static iso_status finish_opening(window *w, iso_error *error) {
+    isosculpt_opened opened;
+    if (!w->opening || !isosculpt_task_done(isosculpt_opening_task(w->opening))) return ISO_OK;
+    const isosculpt_question question = w->screen.question;
+    if (w->hand.drag || w->desk.saver || (question && question != ISOSCULPT_ASK_RECOVER))
+        return ISO_OK; /* first things first */
+    const bool cancelled = isosculpt_task_cancelled(isosculpt_opening_task(w->opening));
+    iso_status status = isosculpt_opening_finish(w->opening, &opened, error);
+    w->opening = NULL;
+    if (status != ISO_OK) {
+        w->sculpting = false;
+        return without(w, cancelled, status, error);
+    }
+    if (opened.stamp)
+        isosculpt_hand_stamp(&w->hand, opened.stamp);
+    else
+        status = replace_desk(w, &opened, error);
+    w->sculpting = false;
+    w->frames = ISOSCULPT_FRAMES;
+    return status;
+}
+
+static bool is_opening(window *w) {
+    if (w->opening) isosculpt_window_say(w, true, "Another file is being opened: wait for it, or cancel it.");
+    return w->opening;
+}
+
+static void open_path(window *w, const char *path, bool stamp) {
+    iso_error reason = {0};
+    if (is_opening(w)) return;
+    if (stamp && w->volume)
+        isosculpt_window_say(w, true, "A stamp needs something to work on: sculpt this first.");
+    else if (start_opening(w, path, stamp, &reason) != ISO_OK)
+        isosculpt_window_say(w, true, reason.text);
+    else
+        w->screen.message[0] = 0; /* of what was tried before */
+}
+
+bool isosculpt_window_unsaved(const window *w) {
+    return w->desk.changes != w->desk.saved;
+}
+
+static void ask(window *w, isosculpt_question question, const char *path) {
+    snprintf(w->screen.asked, sizeof w->screen.asked, "%s", path);
+    w->screen.question = question;
+    w->frames = ISOSCULPT_FRAMES;
+}
+
+/* In place of what is there, which may have changes that are not saved. */
+static void ask_to_open(window *w, const char *path) {
+    if (is_opening(w)) return;
+    snprintf(w->next, sizeof w->next, "%s", path);
+    if (isosculpt_window_unsaved(w))
+        ask(w, ISOSCULPT_ASK_OPEN, w->next);
+    else
+        open_path(w, w->next, false);
+}
+
+/* What the question was about, now that it is answered. */
+static void leave(window *w, isosculpt_question question) {
+    w->leaving = ISOSCULPT_ASK_NOTHING;
+    if (question == ISOSCULPT_ASK_CLOSE) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
+    if (question == ISOSCULPT_ASK_OPEN) open_path(w, w->next, false);
+}
+
+/* A mesh can be two things, unless there is nothing that a stamp could work on. */
+void isosculpt_window_drop(window *w, const char *path) {
+    if (is_opening(w)) return;
+    if (isosculpt_is_mesh(path) && !w->volume && !w->screen.blank)
+        ask(w, ISOSCULPT_ASK_MESH, path);
+    else
+        ask_to_open(w, path);
+}
+
+/* What the panel says of the isovalue. */
+static void slide(window *w) {
+    if (!w->volume) return;
+    const bool rested = w->view.sliding && !w->screen.sliding;
+    w->view.sliding = w->screen.sliding;
+    if (w->screen.isovalue != w->view.isovalue) {
+        isosculpt_view_set_isovalue(&w->view, w->screen.isovalue);
+        w->hand.wishes |= ISOSCULPT_WISH_PICTURE;
+    } else if (rested)
+        w->changed = isosculpt_now(); /* the exact picture is due */
+}
+
+static void sculpt(window *w) {
+    iso_error reason = {0};
+    if (!w->volume || w->sculpting || is_opening(w)) return;
+    w->sculpting = start_sculpting(w, &reason) == ISO_OK;
+    if (!w->sculpting) isosculpt_window_say(w, true, reason.text);
+}
+
+/* --stamp, once there is a session that can hold it. */
+static void ask_for_stamp(window *w) {
+    if (w->stamp_asked || w->screen.blank || w->volume || w->opening || !w->settings->stamp) return;
+    w->stamp_asked = true;
+    open_path(w, w->settings->stamp, true);
+}
+
+/* ---- saving */
+
+static void start_save(window *w) {
+    iso_error reason = {0};
+    if (w->hand.drag == ISOSCULPT_DRAG_BRUSH || w->desk.saver) return; /* soon */
+    w->save = false;
+    if (w->volume) {
+        isosculpt_window_say(w, true, "There is nothing to save before it is sculpted.");
+        return;
+    }
+    if (isosculpt_desk_save(&w->desk, wake, &reason) == ISO_OK) return;
+    w->leaving = ISOSCULPT_ASK_NOTHING;
+    isosculpt_window_say(w, true, reason.text);
+}
+
+void isosculpt_window_saved(window *w) {
+    iso_error reason = {0};
+    iso_status status = ISO_OK;
+    char path[ISOSCULPT_PATH], text[sizeof w->screen.message];
+    isosculpt_task *task = isosculpt_desk_save_task(&w->desk);
+    const bool cancelled = task && isosculpt_task_cancelled(task);
+    if (isosculpt_desk_saving(&w->desk, false, &status, &reason) != ISOSCULPT_SAVE_DONE) return;
+    isosculpt_desk_target(&w->desk, path);
+    snprintf(text, sizeof text, "%s%.500s", status == ISO_OK ? "Saved " : "Not saved: ",
+             status == ISO_OK ? path
+             : cancelled      ? "cancelled"
+                              : reason.text);
+    isosculpt_window_say(w, status != ISO_OK && !cancelled, text);
+    if (status == ISO_OK)
+        leave(w, w->leaving);
+    else
+        w->leaving = ISOSCULPT_ASK_NOTHING;
+}
+/* ---- heavy work */
+
+static void add_busy(window *w, const char *verb, const char *path, const isosculpt_task *task) {
+    isosculpt_busy *busy = &w->screen.busy[w->screen.busy_count++];
+    const char *slash = strrchr(path, '/');
+    snprintf(busy->text, sizeof busy->text, "%s %.120s", verb, slash ? slash + 1 : path);
+    busy->fraction = isosculpt_task_fraction(task);
+}
+
+static int running(const window *w, isosculpt_task *tasks[ISOSCULPT_BUSY]) {
+    int count = 0;
+    if (w->opening) tasks[count++] = isosculpt_opening_task(w->opening);
+    if (w->desk.saver) tasks[count++] = isosculpt_desk_save_task(&w->desk);
+    return count;
+}
+
+void isosculpt_window_show_busy(window *w) {
+    char target[ISOSCULPT_PATH];
+    isosculpt_task *tasks[ISOSCULPT_BUSY];
+    const int before = w->screen.busy_count, count = running(w, tasks);
+    w->screen.busy_count = 0;
+    if (w->opening)
+        add_busy(w,
+                 w->sculpting                             ? "Making a field of"
+                 : isosculpt_opening_is_stamp(w->opening) ? "Stamp:"
+                                                          : "Opening",
+                 isosculpt_opening_path(w->opening), tasks[0]);
+    isosculpt_desk_target(&w->desk, target);
+    if (w->desk.saver) add_busy(w, "Saving", target, tasks[count - 1]);
+    if (count || before) w->frames = w->frames > 0 ? w->frames : 1;
+}
+
+static void cancel(window *w, unsigned answers) {
+    isosculpt_task *tasks[ISOSCULPT_BUSY];
+    const int count = running(w, tasks);
+    for (int i = 0; i < count; i++)
+        if (answers & (unsigned)ISOSCULPT_ANSWER_CANCEL << i) isosculpt_task_cancel(tasks[i]);
+}
+
+/* ---- what is asked for */
+
+void isosculpt_window_answer(window *w, unsigned answers) {
+    const isosculpt_question question = w->screen.question;
+    char path[ISOSCULPT_PATH];
+    if (answers & ISOSCULPT_ANSWER_RECOVER && is_opening(w)) return; /* it is asked on */
+    memcpy(path, w->screen.asked, sizeof path);
+    w->screen.question = ISOSCULPT_ASK_NOTHING;
+    if (answers & ISOSCULPT_ANSWER_RECOVER) open_path(w, path, false);
+    if (answers & ISOSCULPT_ANSWER_DISMISS) isosculpt_desk_dismiss(path);
+    if (answers & ISOSCULPT_ANSWER_OPEN) ask_to_open(w, path);
+    if (answers & ISOSCULPT_ANSWER_STAMP) open_path(w, path, true);
+    if (answers & ISOSCULPT_ANSWER_SAVE)
+        w->leaving = question;
+    else if (answers & ISOSCULPT_ANSWER_LEAVE)
+        leave(w, question);
+    w->save |= (answers & ISOSCULPT_ANSWER_SAVE) != 0;
+}
+
+/* What was typed in. */
+static void take_path(window *w, unsigned answers) {
+    char path[ISOSCULPT_PATH];
+    memcpy(path, w->screen.path, sizeof path);
+    w->screen.path[0] = 0;
+    if (answers & ISOSCULPT_ANSWER_OPEN)
+        ask_to_open(w, path);
+    else
+        open_path(w, path, true);
+}
+
+/* What went wrong under the hand. */
+static void tell_troubles(window *w) {
+    isosculpt_hand *hand = &w->hand;
+    if (hand->error.text[0])
+        isosculpt_window_say(w, true, hand->error.text);
+    else if (hand->clipped)
+        isosculpt_window_say(w, true, "The brush reached beyond the grid: what lies outside is lost.");
+    hand->error.text[0] = 0;
+    hand->clipped = false;
+}
+
+iso_status isosculpt_window_obey(window *w, iso_error *error) {
+    const unsigned answers = w->screen.answers, paths = ISOSCULPT_ANSWER_OPEN | ISOSCULPT_ANSWER_STAMP;
+    w->screen.answers = 0;
+    w->save |= (w->hand.wishes & ISOSCULPT_WISH_SAVE) != 0;
+    cancel(w, answers);
+    if (w->screen.question && answers & ~(3u * ISOSCULPT_ANSWER_CANCEL))
+        isosculpt_window_answer(w, answers);
+    else if (answers & paths)
+        take_path(w, answers);
+    if (w->save) start_save(w);
+    if (w->hand.wishes & ISOSCULPT_WISH_SCULPT) sculpt(w);
+    w->hand.wishes &= ~(unsigned)(ISOSCULPT_WISH_SAVE | ISOSCULPT_WISH_SCULPT);
+    slide(w);
+    tell_troubles(w);
+    ask_for_stamp(w);
+    return finish_opening(w, error);
+}
+
+/* The window closes over it. */
+void isosculpt_window_abandon(window *w) {
+    isosculpt_opened opened = {0};
+    isosculpt_task_cancel(isosculpt_opening_task(w->opening));
+    if (isosculpt_opening_finish(w->opening, &opened, NULL) == ISO_OK) isosculpt_opened_free(&opened);
+}

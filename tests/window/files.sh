@@ -1,0 +1,151 @@
+#!/bin/bash
+# Files dropped on a real window under Xvfb, by the protocol of file managers: all kinds that can be opened, what cannot
+# be read, and what is asked before changes go. files.sh BIN TOOLS, the folders of the programs and of the tests' own.
+# 77: nothing to do it with.
+set -u
+bin=$(cd "$1" && pwd)
+tools=$(realpath -m "$2")
+source_folder=$(cd "$(dirname "$0")/../.." && pwd)
+. "$(dirname "$0")/support.sh"
+[ -x "$tools/window_drop" ] || { echo "skipped: built without X11"; exit 77; }
+env -u DISPLAY "$bin/isosculpt" 2>"$work/said"
+grep -q "built without GLFW" "$work/said" && { echo "skipped: built without a window"; exit 77; }
+open_display
+cd "$work" || exit 1
+
+# ---- one file of each kind; a name that a list of URIs has to encode
+files="$work/b\"ü %"
+mkdir "$files"
+printf 'v 0 0 0\nv 20 0 0\nv 0 20 0\nv 0 0 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >"$files/mesh.obj"
+"$bin/isosculpt" --open "$files/mesh.obj" --headless --quiet --voxel-size 1 --output "$files/field.vdb" --mesh "$files/mesh.ply" ||
+    { echo "skipped: built without OpenVDB"; exit 77; }
+python3 - "$files/ball.nrrd" <<'END'
+import sys
+side = 40
+with open(sys.argv[1], "wb") as file:
+    file.write(b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 40 40 40\nencoding: raw\n\n")
+    file.write(bytes(250 - ((x - 20) ** 2 + (y - 20) ** 2 + (z - 20) ** 2) // 5
+                     for z in range(side) for y in range(side) for x in range(side)))
+END
+echo "no field" >"$files/torn.vdb"
+printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n' >"$files/points.ply"
+
+drop() { "$tools/window_drop" "$(window_number)" 640 400 "$@" || fail "dropping $*: exit status $?"; }
+said() { grep -qF "$1" "$work/said"; }
+# began_with NAME: a journal that is not the one before, of that file
+began_with() { [ "$(newest)" != "$before" ] && head -1 "$(newest)" | grep -qF "/$1\"" && title_is "$(basename "$(newest)")"; }
+# opens NAME: and the journal is the new one
+opens() {
+    before=$journal
+    until_ "$1" began_with "$1"
+    journal=$(newest)
+}
+# letters COLOUR: of a message in the lower part of the window
+shows_trouble() {
+    local count=0
+    while [ -e "${journal%.strokes}-$((count + 1)).png" ]; do count=$((count + 1)); done
+    local file=${journal%.strokes}-$((count + 1)).png
+    key shift+F12
+    until_ "picture $file" test -s "$file"
+    python3 - "$source_folder/tests/cli" "$file" <<'END'
+import sys
+sys.path.insert(0, sys.argv[1])
+from check import Png
+rows = Png(sys.argv[2]).rows[600:]
+sys.exit(sum(r > 220 and 80 < g < 130 and b < 110 for row in rows for r, g, b, a in row) < 100)
+END
+}
+
+start
+picture new
+
+# ---- what cannot be read is said, with the panel and without it, and takes nothing away
+drop "$files/nothing.vdb"
+until_ "what is not there" said "nothing.vdb: cannot read"
+shows_trouble || fail "what is not there: nothing on the screen"
+key Escape
+shows_trouble && fail "what was said does not go"
+drop "$files/torn.vdb"
+until_ "what is damaged" said "torn.vdb:"
+key Tab
+shows_trouble || fail "what is damaged: nothing on the screen without the panel"
+key Tab
+picture same
+cmp "$work/new.png" "$work/same.png" || fail "what cannot be read changed the picture"
+title_is "$(basename "$journal")" || fail "what cannot be read changed the title"
+stroke 640 400 20 20
+
+# ---- a mesh as a stamp
+drop "$files/mesh.ply"
+key Escape # neither
+picture neither
+stroke 600 380 20 20
+has_events stamp 0 || fail "Escape: a stamp all the same"
+drop "$files/mesh.ply"
+key s
+until_ "a stamp" has_events stamp 1
+picture stamp
+stroke 700 380 0 0
+tail -5 "$journal" | grep -q '"shape":"stamp"' || fail "the stamp is not used"
+
+# ---- strokes are not saved: what is dropped waits for an answer
+cp "$journal" "$work/kept.strokes"
+sed -i 1q "$work/kept.strokes"
+strokes=$(events end)
+drop "$files/field.vdb"
+key Escape
+picture stayed
+stroke 640 440 20 20
+has_events end $((strokes + 1)) || fail "Escape: the session is gone"
+vdb=${journal%.strokes}.vdb
+[ -e "$vdb" ] && fail "saved without being asked to"
+drop "$files/field.vdb"
+key Return
+opens field.vdb
+[ -s "$vdb" ] || fail "opened without saving first"
+
+# ---- nothing is unsaved: it is opened at once; of several files the first
+drop "$work/kept.strokes" "$files/field.vdb"
+until_ "strokes" title_is "kept.strokes"
+drop "$files/ball.nrrd"
+until_ "a volume" title_is "ball.nrrd"
+
+# ---- its isovalue under the hand; at rest the picture is that of the isovalue, wherever the hand came from
+shots=0
+# look_at X NAME: the histogram is pressed there, and the picture at rest (a volume has no journal to lie beside)
+look_at() {
+    [ -z "$1" ] || xdotool mousemove "$1" 100 sleep 0.2 mousedown 1 sleep 0.2 mouseup 1 sleep 0.2
+    shots=$((shots + 1))
+    key F12
+    until_ "picture sculpture-$shots.png" test -s "sculpture-$shots.png"
+    cp "sculpture-$shots.png" "$2.png"
+}
+moved_to() { look_at "$1" "$2" && ! cmp -s "$2.png" "$3.png"; }
+back_at() { look_at "$1" "$2" && cmp -s "$2.png" "$3.png"; }
+look_at "" unmoved
+until_ "another isovalue" moved_to 230 high unmoved
+until_ "one more" moved_to 60 low high
+until_ "the first one again" back_at 230 again high
+drop "$files/mesh.obj" # (a volume cannot be stamped, so nothing is asked)
+opens mesh.obj
+drop "$files/points.ply"
+key Return
+until_ "points" said "points.ply:"
+picture mesh
+drop "$files/mesh.ply"
+key Return
+opens mesh.ply
+picture mesh_ply # and so it is ready
+stroke 480 560 20 20
+
+# ---- a save that fails keeps what is there
+rm -f "${journal%.strokes}.vdb"
+mkdir -p "${journal%.strokes}.vdb/full" "${journal%.strokes}.vdb.bak/full"
+strokes=$(events end)
+drop "$files/field.vdb"
+key Return
+until_ "a failed save" said "Not saved"
+picture failed
+stroke 480 600 20 20
+has_events end $((strokes + 1)) || fail "a failed save: the session is gone"
+echo "passed"
