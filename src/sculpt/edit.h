@@ -70,6 +70,11 @@ typedef struct iso_touch {
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                             iso_edit_stats *stats, iso_error *error);
 
+/* After a step's last touch: distances beside creases in the cells that the step changed (those that the
+ * keeper was told of), which touches leave a third of a voxel short, are taken from the surface (crease.h).
+ * The zero set moves by no bit. What a touch does when it fails, this does. */
+iso_status iso_editor_settle(iso_editor *editor, iso_error *error);
+
 /* Makes the whole narrow band a distance field again (imported fields). Cancelled: ISO_ERR_IO, and the field
  * is as it was. */
 iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_progress *progress,
