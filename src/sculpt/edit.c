@@ -289,17 +289,13 @@ static int clamp_index(int value, int count) {
 static void fill_row(const iso_editor *editor, iso_tool tool, const int first[3], int count, float *out) {
     const iso_hgrid *grid = editor->work.grid;
     const int y = clamp_index(first[1], grid->dims[1]), z = clamp_index(first[2], grid->dims[2]);
-    const float *row = NULL;
-    int held = -1;
-    for (int i = 0; i < count; i++) {
-        const int x = clamp_index(first[0] + i, grid->dims[0]);
-        if (x / ISO_BRICK != held) {
-            held = x / ISO_BRICK;
-            size_t cell = iso_hgrid_cell_index(grid, held, y / ISO_BRICK, z / ISO_BRICK);
-            row = source_of(editor, tool, (uint32_t)cell) + (z % ISO_BRICK) * ISO_BRICK_ROWS +
-                  (y % ISO_BRICK) * ISO_BRICK;
-        }
-        out[i] = row[x % ISO_BRICK];
+    for (int i = 0, run; i < count; i += run) {
+        const int x = clamp_index(first[0] + i, grid->dims[0]), at = x % ISO_BRICK;
+        const size_t cell = iso_hgrid_cell_index(grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
+        const float *row = source_of(editor, tool, (uint32_t)cell) + (z % ISO_BRICK) * ISO_BRICK_ROWS +
+                           (y % ISO_BRICK) * ISO_BRICK;
+        run = x != first[0] + i ? 1 : ISO_BRICK - at < count - i ? ISO_BRICK - at : count - i;
+        memcpy(out + i, row + at, (size_t)run * sizeof *out);
     }
 }
 
