@@ -15,7 +15,9 @@ enum { UNIT = 1024 };
 /* An interface bent more than one of radius 4 (the sum of second differences is 2 / radius) is a crease. */
 static const float CREASE = 0.5f;
 /* What redistancing may have missed, and half the largest gap between crossings; voxels. */
-static const float SHORT = 0.35f, HALF_GAP = 0.5f;
+static const float SHORT = 0.4f, HALF_GAP = 0.5f;
+/* Nearer voxels are found well from the interface beside them. */
+static const float NEAR = 1;
 
 /* Crossings of one kind, by bins. */
 typedef struct places {
@@ -133,7 +135,7 @@ static bool is_interface(const float *v) {
 static float mended(const crossings *c, const int bin[3], const int voxel[3], float band) {
     const float *v = value_at(c, voxel), distance = fabsf(*v);
     const int32_t at[3] = {UNIT * voxel[0], UNIT * voxel[1], UNIT * voxel[2]};
-    if (distance >= band || is_interface(v)) return *v;
+    if (distance < NEAR || distance >= band || is_interface(v)) return *v;
     const int32_t reach = (int32_t)((distance + SHORT) * (distance + SHORT) * (UNIT * UNIT));
     const int32_t least = nearest(&c->kind[1], bin, at, reach, 0);
     if (least == reach || nearest(&c->kind[0], bin, at, least, least) < least) return *v;

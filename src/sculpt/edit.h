@@ -80,7 +80,10 @@ iso_status iso_editor_settle(iso_editor *editor, iso_error *error);
 iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_progress *progress,
                                  iso_error *error);
 
-/* The frozen region, as bits per voxel: cells with none have no bits. Masked voxels keep their value. */
+/* The frozen region, as bits per voxel: cells with none have no bits. Masked voxels keep their value, to the
+ * bit, and with it the surface between them. That is all that holds there: where the surface beside them
+ * comes or goes, they are no distances to it (at the band's end, even) and those of the voxels that would be
+ * found from them may be wrong too, until brushes have been there unmasked. */
 bool iso_editor_masked(const iso_editor *editor, int x, int y, int z);
 bool iso_editor_has_mask(const iso_editor *editor);
 void iso_editor_mask_clear(iso_editor *editor);
