@@ -229,8 +229,8 @@ static double mesh_distance(const iso_weld *weld, const buckets *b, iso_vec3 p) 
     return least;
 }
 
-/* At least this part of the band is within a tenth of a voxel of the mesh's distance. */
-static void check_band(const char *what, iso_session *session, double part) {
+/* 99 % of the band is within a tenth of a voxel of the mesh's distance. */
+static void check_band(const char *what, iso_session *session) {
     const iso_hgrid *grid = iso_session_grid(session);
     iso_weld weld = mesh_of(session);
     buckets sorted = sort_triangles(&weld);
@@ -252,14 +252,7 @@ static void check_band(const char *what, iso_session *session, double part) {
     iso_weld_free(&weld);
     iso_session_destroy(session);
     assert_true(band > 50000);
-    assert_true((double)good >= part * (double)band);
-}
-
-/* Set operations leave the voxels at a crease as they are, so that the surface does not move, and distances
- * to the crease itself stay too short: half of such a field is creases here. Where they blend, and where the
- * field is deformed, it is whole. */
-static double part_of(iso_tool tool) {
-    return tool == ISO_TOOL_ADD || tool == ISO_TOOL_CARVE ? 0.975 : 0.99;
+    assert_true((double)good >= 0.99 * (double)band);
 }
 
 /* A stroke that winds around the ball, on its surface as it is. */
@@ -288,7 +281,7 @@ static void fields_are_distances(void **state) {
         iso_session *session = open_ball(&BALL);
         wind(session, &brush, 0);
         wind(session, &brush, 0.5);
-        check_band(iso_tool_name(tools[i]), session, part_of(tools[i]));
+        check_band(iso_tool_name(tools[i]), session);
     }
 }
 
@@ -300,7 +293,7 @@ static void fields_are_distances_after_all(void **state) {
     iso_session *session = open_ball(&BALL);
     for (size_t i = 0; i < sizeof tools / sizeof *tools; i++)
         wind(session, &(iso_brush){.tool = tools[i], .radius = 9}, 0.2 * (double)i - 0.5);
-    check_band("all of them", session, 0.975);
+    check_band("all of them", session);
 }
 
 /* Thin brushes drag the surface across the grid: it is drawn out to sheets and threads that tear, and comes

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "sculpt/crease.h"
 #include "sculpt/work.h"
 
 /* Until the band is whole again where it was torn. */
@@ -288,17 +289,13 @@ static int clamp_index(int value, int count) {
 static void fill_row(const iso_editor *editor, iso_tool tool, const int first[3], int count, float *out) {
     const iso_hgrid *grid = editor->work.grid;
     const int y = clamp_index(first[1], grid->dims[1]), z = clamp_index(first[2], grid->dims[2]);
-    const float *row = NULL;
-    int held = -1;
-    for (int i = 0; i < count; i++) {
-        const int x = clamp_index(first[0] + i, grid->dims[0]);
-        if (x / ISO_BRICK != held) {
-            held = x / ISO_BRICK;
-            size_t cell = iso_hgrid_cell_index(grid, held, y / ISO_BRICK, z / ISO_BRICK);
-            row = source_of(editor, tool, (uint32_t)cell) + (z % ISO_BRICK) * ISO_BRICK_ROWS +
-                  (y % ISO_BRICK) * ISO_BRICK;
-        }
-        out[i] = row[x % ISO_BRICK];
+    for (int i = 0, run; i < count; i += run) {
+        const int x = clamp_index(first[0] + i, grid->dims[0]), at = x % ISO_BRICK;
+        const size_t cell = iso_hgrid_cell_index(grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
+        const float *row = source_of(editor, tool, (uint32_t)cell) + (z % ISO_BRICK) * ISO_BRICK_ROWS +
+                           (y % ISO_BRICK) * ISO_BRICK;
+        run = x != first[0] + i ? 1 : ISO_BRICK - at < count - i ? ISO_BRICK - at : count - i;
+        memcpy(out + i, row + at, (size_t)run * sizeof *out);
     }
 }
 
@@ -500,6 +497,38 @@ iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const is
         status = touch_field(editor, &dabs, &made, error);
     iso_work_clear(&editor->work);
     if (status == ISO_OK && stats) *stats = made;
+    return status;
+}
+
+static void crease_job(void *context, size_t index, int worker) {
+    iso_editor *editor = context;
+    iso_work *work = &editor->work;
+    iso_job *job = iso_work_job(work, index);
+    iso_worker *own = &work->workers[worker];
+    enum { M = ISO_CREASE_MARGIN, SIDE = ISO_CREASE_SIDE };
+    iso_field_window window = {.lo = {-M, -M, -M}, .size = {SIDE, SIDE, SIDE}};
+    own->failed |= !fill_window(editor, ISO_TOOL_ADD, job->at, &window, &own->window);
+    if (own->failed) return;
+    own->failed = iso_crease_mend(window.values, work->grid->band, &own->crossings,
+                                  iso_work_stage(work, worker)) != ISO_OK;
+    if (!own->failed) iso_work_edited(work, index, worker);
+}
+
+static iso_status settle_cells(iso_editor *editor, iso_error *error) {
+    iso_work *work = &editor->work;
+    bool any;
+    ISO_TRY(list_told(editor, error));
+    ISO_TRY(iso_work_reserve(work, error));
+    iso_parallel_for(work->pool, work->job_count, crease_job, editor);
+    if (iso_work_failed(work)) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stroke's end");
+    ISO_TRY(iso_work_settle(work, false, &any, error));
+    iso_edit_stats stats = {0};
+    return any ? finish(editor, &stats, error) : ISO_OK;
+}
+
+iso_status iso_editor_settle(iso_editor *editor, iso_error *error) {
+    iso_status status = settle_cells(editor, error);
+    iso_work_clear(&editor->work);
     return status;
 }
 

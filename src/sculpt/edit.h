@@ -70,12 +70,20 @@ typedef struct iso_touch {
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                             iso_edit_stats *stats, iso_error *error);
 
+/* After a step's last touch: distances beside creases in the cells that the step changed (those that the
+ * keeper was told of), which touches leave a third of a voxel short, are taken from the surface (crease.h).
+ * The zero set moves by no bit. What a touch does when it fails, this does. */
+iso_status iso_editor_settle(iso_editor *editor, iso_error *error);
+
 /* Makes the whole narrow band a distance field again (imported fields). Cancelled: ISO_ERR_IO, and the field
  * is as it was. */
 iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_progress *progress,
                                  iso_error *error);
 
-/* The frozen region, as bits per voxel: cells with none have no bits. Masked voxels keep their value. */
+/* The frozen region, as bits per voxel: cells with none have no bits. Masked voxels keep their value, to the
+ * bit, and with it the surface between them. That is all that holds there: where the surface beside them
+ * comes or goes, they are no distances to it (at the band's end, even) and those of the voxels that would be
+ * found from them may be wrong too, until brushes have been there unmasked. */
 bool iso_editor_masked(const iso_editor *editor, int x, int y, int z);
 bool iso_editor_has_mask(const iso_editor *editor);
 void iso_editor_mask_clear(iso_editor *editor);

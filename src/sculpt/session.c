@@ -373,6 +373,7 @@ iso_status iso_session_sample(iso_session *session, const iso_sample *sample, is
 
 iso_status iso_session_end(iso_session *session, iso_error *error) {
     if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
+    ISO_TRY(iso_editor_settle(session->editor, error));
     ISO_TRY(iso_history_end(session->history, error));
     session->drawing = false;
     ISO_TRY(record_kind(session, ISO_EVENT_END, error));

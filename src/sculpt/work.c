@@ -44,8 +44,10 @@ void iso_work_free(iso_work *work) {
     iso_free(work->job_of);
     iso_free(work->constant[0]);
     iso_free(work->constant[1]);
-    for (int i = 0; work->workers && i < iso_pool_threads(work->pool); i++)
+    for (int i = 0; work->workers && i < iso_pool_threads(work->pool); i++) {
         iso_buffer_free(&work->workers[i].window);
+        iso_buffer_free(&work->workers[i].crossings);
+    }
     iso_free(work->workers);
     iso_buffer_free(&work->jobs);
     iso_slabs_free(&work->slabs);

@@ -52,7 +52,7 @@ typedef struct iso_border {
 typedef struct iso_worker {
     iso_border border[2];
     iso_warp warp;
-    iso_buffer window;
+    iso_buffer window, crossings;
     float *stage; /* where the next job is edited, unless the last one kept it; NULL: none yet */
     bool failed;  /* no memory */
 } iso_worker;
