@@ -37,9 +37,8 @@ bool meet(mat3 s, out vec3 q) {
     return true;
 }
 
-/* Whether that is in the disc's box. */
-bool is_inside(vec3 q) {
-    vec3 at = q.x * normal_x.xyz + q.y * normal_y.xyz + q.z * normal_z.xyz;
+/* Whether voxels from the disc's centre are in its box. */
+bool is_inside(vec3 at) {
     return all(greaterThanEqual(at, low.xyz)) && all(lessThanEqual(at, high.xyz));
 }
 
@@ -47,8 +46,10 @@ void main() {
     mat3 s = shape_operator(bends, more);
     vec3 q;
     if (!meet(s, q)) discard;
-    float far = dot(q, q) / (centre.w * centre.w);
-    if (!(far < 1.0) || !is_inside(q)) discard;
+    /* balls are measured in voxels */
+    vec3 at = q.x * normal_x.xyz + q.y * normal_y.xyz + q.z * normal_z.xyz, radii = at * (sizes.z / centre.w);
+    float far = dot(radii, radii);
+    if (!(far < 1.0) || !is_inside(at)) discard;
     float depth = centre.z + q.z, thickness = ISO_REFINED_THICKNESS * centre.w;
     bool faces = facing.w > 0.0;
 #if ADDING
@@ -56,7 +57,7 @@ void main() {
     bool faces_wanted = front.z <= front.y;
     if (faces != faces_wanted || depth > (faces ? front.x : front.y) + thickness) discard;
     float weight = 1.0 + far * (ISO_REFINED_GAUSS_1 + far * (ISO_REFINED_GAUSS_2 + far * ISO_REFINED_GAUSS_3));
-    sums_a = weight * vec4(1.0, facing.xyz);
+    sums_a = weight * vec4(1.0, lit);
     sums_b = weight * bends;
     sums_c = weight * vec4(more.xyz, depth);
     sums_d = weight * vec4(q, 0.0);

@@ -7,7 +7,8 @@ bool orthographic = flags.x != 0u, culled = flags.y != 0u;
 /* In view space and pixels. */
 #define DISC_FIELDS                                                                                          \
     flat vec4 centre; /* pixels, and z and the ball's radius in mm */                                        \
-    flat vec4 facing; /* normal; 1, or -1: it was turned to the eye */                                       \
+    flat vec4 facing; /* normal, with its tilt; 1, or -1: it was turned to the eye */                        \
+    flat vec3 lit;    /* the point's own normal: what is shown */                                            \
     flat vec4 bends;  /* shape operator, 1 / mm: xx, xy, xz, yy */                                           \
     flat vec4 more;   /* yz, zz; the square of its norm; 1: its rays are not nearly parallel */              \
     flat vec4 along;  /* along a ray with direction d: n.d + q.Sd = x + q.yz, d.Sd = w */                    \

@@ -23,50 +23,10 @@ layout(location = ISO_GL_PLACE) in vec4 place;
 
 out disc_block { DISC_FIELDS; };
 
-vec3 turned(vec3 covector) {
-    return vec3(dot(normal_x.xyz, covector), dot(normal_y.xyz, covector), dot(normal_z.xyz, covector));
-}
-
-/* As iso_shape_frame. */
-void make_frame(vec3 n, out vec3 u, out vec3 v) {
-    float side = floatBitsToInt(n.z) < 0 ? -1.0 : 1.0;
-    float a = -1.0 / (side + n.z), b = n.x * n.y * a;
-    u = vec3(1.0 + side * (n.x * n.x * a), side * b, -(side * n.x));
-    v = vec3(b, side + n.y * n.y * a, -n.y);
-}
-
-/* With a curvature along the normal too: the largest principal one where that is convex. `n` is the normal in index
- * space. */
-mat3 bent(vec3 n, vec3 view_normal, float per_length) {
-    if (place.w == 0.0) return mat3(0.0);
-    vec3 u, v, entry = vec3(bend.xyz) * (per_length * ISO_GL_SHAPE_STEP);
-    make_frame(n, u, v);
-    u = turned(u);
-    v = turned(v);
-    mat3 s = outerProduct(u, entry.x * u + entry.y * v) + outerProduct(v, entry.y * u + entry.z * v);
-    float trace = s[0].x + s[1].y + s[2].z, apart = sqrt(max(2.0 * norm_of(s) - trace * trace, 0.0));
-    return s + outerProduct(view_normal, max(trace + apart, 0.0) * 0.5 * view_normal);
-}
-
-/* The box as far as it is known where the surface turns away from an edge point; `at` is in index coordinates. */
-void take_ends(vec3 at, float square, inout vec3 lowest, inout vec3 highest) {
-    int ends = bend.w & 0xFFFF, edge = (ends >> ISO_GL_SHAPE_AXIS_BIT) - 1;
-    float turning = ISO_REFINED_TURNING_BEND * sizes.y;
-    if (place.w == 0.0 || ends == 0 || !(square > turning * turning)) return;
-    const float each = 1.0 / ISO_GL_SHAPE_END_STEPS;
-    int next = 0;
-    for (int k = 0; k < 3; k++) {
-        float below = at[k] - floor(at[k]), above = 1.0 - below;
-        if (below < ISO_REFINED_AT_VOXEL) below = 1.0;
-        if (above < ISO_REFINED_AT_VOXEL) above = 1.0;
-        if (k != edge) {
-            below = float(ends >> next & ISO_GL_SHAPE_END_STEPS) * each;
-            above = float(ends >> next + ISO_GL_SHAPE_END_BITS & ISO_GL_SHAPE_END_STEPS) * each;
-            next += 2 * ISO_GL_SHAPE_END_BITS;
-        }
-        lowest[k] = -(below + each);
-        highest[k] = above + each;
-    }
+/* Whether a normal faces away, for sure. */
+bool is_averted(vec3 n, vec3 ray) {
+    float away = dot(n, ray);
+    return away > 0.0 && away * away > ISO_REFINED_AVERTED * dot(ray, ray);
 }
 
 /* How far the disc reaches on either side of its centre, in mm of pixels at its depth: the shadow of a flat disc, and
@@ -74,7 +34,7 @@ void take_ends(vec3 at, float square, inout vec3 lowest, inout vec3 highest) {
 vec2 reach_of(vec3 n, vec2 ray, float radius, float square) {
     vec2 slant = n.xy - ray * n.z, whole = 1.0 + ray * ray;
     float cap = min(sqrt(square) * radius * 0.5, 1.0);
-    return radius * 1.03 * min(sqrt(max(whole - slant * slant, 0.0)) + abs(slant) * cap, sqrt(whole));
+    return radius * 1.03 * min(sqrt(max(whole - slant * slant / dot(n, n), 0.0)) + abs(slant) * cap, sqrt(whole));
 }
 
 void leave_out() {
@@ -101,13 +61,23 @@ void main() {
     vec3 view_normal = turned(n), ray = ray_to(centre.xy);
     float per_length = inversesqrt(dot(view_normal, view_normal));
     view_normal *= per_length;
-    mat3 s = bent(n, view_normal, per_length);
+    bool hidden = culled && is_averted(view_normal, ray);
+    lit = view_normal;
+    mat3 s = mat3(0.0);
+    if (place.w != 0.0) {
+        vec3 u, v;
+        make_frame(n, u, v);
+        u = turned(u);
+        v = turned(v);
+        s = per_length * bent(bend, u, v, view_normal);
+        view_normal += mat2x3(u, v) * (tilt(bend) * per_length);
+    }
     float facing_away = dot(view_normal, ray), curve = dot(ray, s * ray);
     /* a little beyond a silhouette, what curves away from it is still in sight */
-    bool far_averted = facing_away * facing_away > ISO_REFINED_AVERTED * dot(ray, ray);
-    bool averted = facing_away > 0.0 && (far_averted || !(curve > 0.0));
+    bool averted = facing_away > 0.0 && (is_averted(view_normal, ray) || !(curve > 0.0));
     float side = averted ? -1.0 : 1.0;
     view_normal *= side;
+    lit *= side;
     s *= side;
     float square = norm_of(s);
 
@@ -117,7 +87,8 @@ void main() {
 #else
     vec3 index = p * ISO_GL_COORDINATE_STEP + place.xyz;
 #endif
-    take_ends(index, square, lowest, highest);
+    float turning = ISO_REFINED_TURNING_BEND * sizes.y;
+    if (place.w != 0.0 && square > turning * turning) take_ends(bend, index, lowest, highest);
     if (border.w != 0.0) {
         lowest = max(lowest, -index);
         highest = min(highest, border.xyz - index);
@@ -133,7 +104,7 @@ void main() {
 
     float width = 2.0 * max(reach.x, reach.y) + ISO_GL_POINT_MARGIN;
     /* written so that what is not a number is left out */
-    bool seen = at.z >= axis.z && length_of_n > 1e-20 && length_of_n < 1e20 && !(culled && averted) &&
+    bool seen = at.z >= axis.z && length_of_n > 1e-20 && length_of_n < 1e20 && !(hidden || culled && averted) &&
                 (width > screen.w) == bool(QUADS);
     if (!seen) {
         leave_out();

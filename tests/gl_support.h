@@ -74,8 +74,8 @@ void gl_surface_free(gl_surface *surface);
 /* Edge points with shapes, as refined wants them. */
 iso_point_set *gl_discs_make(const iso_grid *grid, double isovalue, bool floats);
 
-/* The same views by both engines: PSNR >= 40 dB, at most 1 % of the outline's pixels differ, and as many
- * normals are turned. Returns the lowest PSNR. */
+/* The same views by both engines: PSNR >= 40 dB, at most 1 % of the outline's pixels differ, and normals
+ * are turned in at most twice as many. Returns the lowest PSNR. */
 double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views, int count,
                        const char *name);
 double gl_check_pullpush(iso_gl_engine *engine, const iso_point_view *points,

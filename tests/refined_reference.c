@@ -7,8 +7,9 @@
 #include "render/project.h"
 
 typedef struct disc {
-    double at[3], n[3], s[3][3], radius;
-    double low[3], high[3]; /* its box, from its centre along the index axes, voxels */
+    double at[3], n[3], s[3][3], radius; /* n with its tilt */
+    double lit[3];                       /* the point's own normal */
+    double low[3], high[3];              /* its box, from its centre along the index axes, voxels */
     bool turned;
 } disc;
 
@@ -37,23 +38,24 @@ static void turn(const iso_projector *projector, const float from[3], double to[
 static void shape_of(const iso_projector *projector, const iso_point_view *points, size_t i, double length,
                      disc *d) {
     const iso_surfel surfel = iso_point_view_get(points, i);
-    const iso_shape shape = points->shapes[i];
-    float u[3], v[3];
+    float entry[3], tilt[2], u[3], v[3];
     double a[3], b[3], trace = 0, square = 0;
+    iso_shape_unpack(points->shapes[i], entry, tilt);
     iso_shape_frame(surfel.normal, u, v);
     turn(projector, u, a);
     turn(projector, v, b);
-    const double step = (double)ISO_SHAPE_STEP / length;
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++) {
-            d->s[r][c] = step * (shape.uu * a[r] * a[c] + shape.uv * (a[r] * b[c] + b[r] * a[c]) +
-                                 shape.vv * b[r] * b[c]);
+            d->s[r][c] = ((double)entry[0] * a[r] * a[c] + (double)entry[1] * (a[r] * b[c] + b[r] * a[c]) +
+                          (double)entry[2] * b[r] * b[c]) /
+                         length;
             square += d->s[r][c] * d->s[r][c];
             trace += r == c ? d->s[r][c] : 0;
         }
     const double most = (trace + sqrt(fmax(2 * square - trace * trace, 0))) / 2;
     for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++) d->s[r][c] += fmax(most, 0) * d->n[r] * d->n[c];
+        for (int c = 0; c < 3; c++) d->s[r][c] += fmax(most, 0) * d->lit[r] * d->lit[c];
+    for (int k = 0; k < 3; k++) d->n[k] += ((double)tilt[0] * a[k] + (double)tilt[1] * b[k]) / length;
 }
 
 /* Voxels in a mm, at most. */
@@ -106,22 +108,35 @@ static bool make_disc(const iso_view *view, const iso_projector *projector, cons
     if (d->at[2] < view->near) return false;
     turn(projector, surfel.normal, d->n);
     const double length = sqrt(dot3(d->n, d->n));
-    for (int k = 0; k < 3; k++) d->n[k] /= length;
+    for (int k = 0; k < 3; k++) d->lit[k] = d->n[k] /= length;
     memset(d->s, 0, sizeof d->s);
     const double pixels = points->radius * view->focal / (view->orthographic ? 1 : d->at[2]);
     if (points->shapes) shape_of(projector, points, i, length, d);
     enclose(projector, points, i, index, d);
     d->radius = points->radius * (1.2 + 0.215 * fmin(fmax((pixels - 4.5) / 6, 0), 1));
     for (int k = 0; k < 2 && !view->orthographic; k++) ray[k] = d->at[k] / d->at[2];
-    const double along = dot3(d->n, ray);
+    const double along = dot3(d->n, ray), lit = dot3(d->lit, ray);
+    if (cull && lit > 0 && lit * lit > 0.04 * dot3(ray, ray)) return false;
     bend(d->s, ray, sd);
     d->turned = along > 0 && (along * along > 0.04 * dot3(ray, ray) || !(dot3(ray, sd) > 0));
     if (!d->turned) return true;
     for (int r = 0; r < 3; r++) {
         d->n[r] = -d->n[r];
+        d->lit[r] = -d->lit[r];
         for (int c = 0; c < 3; c++) d->s[r][c] = -d->s[r][c];
     }
     return !cull;
+}
+
+/* Of a step in view space: as if all voxels were cubes as large as the largest side. */
+static double square_in_voxels(const iso_projector *projector, const double q[3]) {
+    double sum = 0, least = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        const double m[3] = {projector->normal[k], projector->normal[3 + k], projector->normal[6 + k]};
+        sum += dot3(m, q) * dot3(m, q);
+        least = fmin(least, dot3(m, m));
+    }
+    return sum / least;
 }
 
 /* The nearer place where n.q + q.Sq / 2 = 0, in the disc's ball. */
@@ -137,7 +152,8 @@ static bool meet(const iso_projector *projector, const disc *d, double u, double
     const double t = c / (sqrt(b * b - a * c) - b);
     if (!(fabs(t) <= d->radius)) return false;
     for (int k = 0; k < 3; k++) h->q[k] = e[k] + t * ray[k];
-    const double far = dot3(h->q, h->q) / (d->radius * d->radius);
+    if (dot3(h->q, h->q) >= d->radius * d->radius) return false;
+    const double far = square_in_voxels(projector, h->q) / (d->radius * d->radius);
     h->from = d;
     h->depth = d->at[2] + t;
     h->weight = exp(-2 * far);
@@ -164,7 +180,7 @@ static void settle(const hit *hits, size_t count, const iso_projector *projector
         weight += h->weight;
         depth += h->weight * h->depth;
         for (int k = 0; k < 3; k++) {
-            n[k] += h->weight * d->n[k];
+            n[k] += h->weight * d->lit[k];
             q[k] += h->weight * h->q[k];
             for (int c = 0; c < 3; c++) {
                 s[k][c] += h->weight * d->s[k][c];
@@ -174,7 +190,7 @@ static void settle(const hit *hits, size_t count, const iso_projector *projector
     }
     double norm = 0, sq[3];
     for (int k = 0; k < 9; k++) norm += s[k / 3][k % 3] * s[k / 3][k % 3];
-    const double noisy = 0.7 * per_mm(projector), small = 1 / (1 + norm / (weight * weight * noisy * noisy));
+    const double noisy = per_mm(projector), small = 1 / (1 + norm / (weight * weight * noisy * noisy));
     const double alike = square > 0 ? norm / weight / square * small : 0;
     bend(s, q, sq);
     for (int k = 0; k < 3; k++) n[k] += alike * sq[k] / weight;

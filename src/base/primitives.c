@@ -68,7 +68,8 @@ void iso_shape_frame(const float n[3], float u[3], float v[3]) {
 }
 
 static int16_t shape_steps(float value) {
-    return (int16_t)((int32_t)(value * (1 / ISO_SHAPE_STEP) + 32768.5f) - 32768);
+    const float per_voxel = 1 / (ISO_SHAPE_STEP * (1 << ISO_SHAPE_LOW_BITS));
+    return (int16_t)(((int32_t)(value * per_voxel + 2048.5f) - 2048) * (1 << ISO_SHAPE_LOW_BITS));
 }
 
 iso_shape iso_shape_pack(float uu, float uv, float vv) {
@@ -76,6 +77,22 @@ iso_shape iso_shape_pack(float uu, float uv, float vv) {
     if (!(norm < 1e15f)) return (iso_shape){0};
     float scale = norm > ISO_SHAPE_MOST ? ISO_SHAPE_MOST / norm : 1;
     return (iso_shape){shape_steps(uu * scale), shape_steps(uv * scale), shape_steps(vv * scale), 0};
+}
+
+void iso_shape_unpack(iso_shape shape, float s[3], float tilt[2]) {
+    const int entry[3] = {shape.uu, shape.uv, shape.vv}, low = (1 << ISO_SHAPE_LOW_BITS) - 1,
+              most = ISO_SHAPE_TILT_STEPS;
+    int bits = 0;
+    for (int k = 0; k < 3; k++) {
+        s[k] = (float)(entry[k] - (entry[k] & low)) * ISO_SHAPE_STEP;
+        bits |= (entry[k] & low) << (ISO_SHAPE_LOW_BITS * k);
+    }
+    for (int k = 0; k < 2; k++) {
+        int steps = bits >> (ISO_SHAPE_TILT_BITS * k) & (2 * most + 1);
+        if (steps > most) steps -= 2 * most + 2;
+        tilt[k] =
+            (float)(steps * (steps < 0 ? -steps : steps)) * (ISO_SHAPE_TILT_MOST / (float)(most * most));
+    }
 }
 
 size_t iso_point_view_count(const iso_point_view *view) {

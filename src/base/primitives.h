@@ -48,11 +48,18 @@ enum { ISO_POINT_COORDINATE_BITS = 14, ISO_POINT_NORMAL_BITS = 11, ISO_POINT_NOR
 /* How a surface bends at a point, in 8 bytes: its shape operator S (second fundamental form) in index space,
  * symmetric, in the frame (u, v) that iso_shape_frame makes of the point's normal as iso_point_view_get gives
  * it. A step q along the surface turns the outward normal by S q: entries are in 1 / voxel, positive where
- * the surface is convex (1 / r on a sphere). Steps of ISO_SHAPE_STEP; norms are clamped to ISO_SHAPE_MOST. */
+ * the surface is convex (1 / r on a sphere). Steps of ISO_SHAPE_STEP; norms are clamped to ISO_SHAPE_MOST.
+ * Entries are multiples of 16 steps: their low four bits are the tilt's. */
 typedef struct iso_shape {
     int16_t uu, uv, vv;
     uint16_t ends; /* 0: not known, or not an edge point. See below. */
 } iso_shape;
+
+/* How the surface around an edge point lies against the point's normal, which comes from gradients over two
+ * voxels: its own is along normal + tilt[0] u + tilt[1] v. From the low bits of uu on, then uv's and vv's,
+ * two numbers k of 6 bits in two's complement, -31 .. 31: tilt = k |k| ISO_SHAPE_TILT_MOST / 31^2. */
+enum { ISO_SHAPE_TILT_BITS = 6, ISO_SHAPE_TILT_STEPS = 31, ISO_SHAPE_LOW_BITS = 4 };
+#define ISO_SHAPE_TILT_MOST 0.4f
 
 /* How far the surface goes on from an edge point, in the faces of the cells around its edge, until it comes
  * to another edge of the face: from bit 0 on, voxels 0..1 down and up along the first of the axes at right
@@ -68,6 +75,8 @@ enum { ISO_SHAPE_END_BITS = 3, ISO_SHAPE_END_STEPS = 7, ISO_SHAPE_AXIS_BIT = 12 
 void iso_shape_frame(const float normal[3], float u[3], float v[3]);
 /* Nearest, with the norm clamped; all 0 when an entry is not finite. */
 iso_shape iso_shape_pack(float uu, float uv, float vv);
+/* uu, uv, vv in 1 / voxel, and the tilt. */
+void iso_shape_unpack(iso_shape shape, float s[3], float tilt[2]);
 
 /* The primitives of one brick. */
 typedef struct iso_point_span {

@@ -5,6 +5,10 @@
  * and H are central differences over their 18 nearest neighbours, which is what the trilinear surface itself
  * bends like; wider ones are smoother and lose thin things.
  *
+ * Edge points know more: where the surface leaves the four faces around their edge, which is where it is an
+ * edge point again. Shapes are moved to pass near these places, as little as they need to be (least squares
+ * with Gaussian priors), and so is the direction that the surface is said to have, its tilt.
+ *
  * Beyond the grid's border values go on linearly; where a value that is needed is not finite, or the gradient
  * vanishes, a point is flat. */
 #ifndef ISO_EXTRACT_SHAPE_H

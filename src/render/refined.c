@@ -56,6 +56,20 @@ static void set_up_border(iso_refined_job *job) {
     for (int k = 0; k < 3; k++) job->border[k] = (float)(dims[k] - 1);
 }
 
+/* Balls are measured in voxels, of which the largest side is `side` mm. */
+static void set_up_metric(iso_refined_job *job, const double spacing[3]) {
+    const double side = fmax(spacing[0], fmax(spacing[1], spacing[2]));
+    int i = 0;
+    job->uneven = spacing[0] != spacing[1] || spacing[1] != spacing[2];
+    for (int r = 0; r < 3; r++)
+        for (int c = r; c < 3; c++, i++) {
+            double sum = 0;
+            for (int k = 0; k < 3; k++)
+                sum += (double)job->normal[3 * r + k] * (double)job->normal[3 * c + k];
+            job->metric[i] = (float)(sum * side * side * (r == c ? 1 : 2));
+        }
+}
+
 static void set_up_job(frame *f, const iso_projector *projector) {
     iso_refined_job *job = &f->job;
     const iso_view *view = job->target->view;
@@ -74,7 +88,8 @@ static void set_up_job(frame *f, const iso_projector *projector) {
     job->axis[1] = (float)(view->cy + view->above);
     job->slant = iso_refined_slant(view);
     const double *spacing = job->points->transform.spacing;
-    if (spacing[0] == spacing[1] && spacing[1] == spacing[2]) job->per_length = (float)spacing[0];
+    set_up_metric(job, spacing);
+    if (!job->uneven) job->per_length = (float)spacing[0];
     job->near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near;
     job->orthographic = view->orthographic;
     job->cull = job->points->closed && !f->blocks->around_eye;

@@ -15,6 +15,8 @@
  * Discs that face away and were turned never mix with others: at silhouettes, where both sides come together,
  * the mean would face the eye.
  *
+ * Balls are round where voxels are cubes, and reach as many voxels along every axis elsewhere.
+ *
  * A surface ends at its grid's border, and where it bends much it turns away within a voxel: there, discs end
  * at the border and where the surface comes to the next edge of the cells around (iso_shape's ends).
  *

@@ -35,10 +35,13 @@ enum {
 enum {
     ISO_DISC_X, /* pixels */
     ISO_DISC_Y,
-    ISO_DISC_Z, /* mm; ISO_NOWHERE: no disc */
-    ISO_DISC_NX,
+    ISO_DISC_Z,  /* mm; ISO_NOWHERE: no disc */
+    ISO_DISC_NX, /* normal, with its tilt (iso_shape) */
     ISO_DISC_NY,
     ISO_DISC_NZ,
+    ISO_DISC_LIT_X, /* the point's own, unit: what is shown */
+    ISO_DISC_LIT_Y,
+    ISO_DISC_LIT_Z,
     ISO_DISC_XX, /* shape operator, with the normal's own curvature (refined.h) */
     ISO_DISC_XY,
     ISO_DISC_XZ,
@@ -77,6 +80,8 @@ typedef struct iso_refined_job {
     float grow_from, grow;    /* pixels of the point's radius from where it grows, and 1 / pixels of growth */
     float focal, slope;       /* pixels per mm at depth 1, and its inverse; orthographic: slope 0 */
     float axis[2];            /* pixel of the optical axis, in the whole frame */
+    float metric[6];          /* xx xy xz yy yz zz: of squares of lengths as if voxels were cubes */
+    bool uneven;              /* voxels are no cubes */
     float slant;              /* how much larger a ball's shadow can be than it would be at the axis */
     float per_length;         /* 1 / length in view space of unit normals; 0: they differ */
     float near;

@@ -17,7 +17,7 @@
  * is as likely noise. (Normals come from gradients over two voxels, shapes from second differences over
  * one.) */
 #define ISO_REFINED_TURNING_BEND 0.2f
-#define ISO_REFINED_NOISY_BEND 0.7f
+#define ISO_REFINED_NOISY_BEND 1.0f
 /* Voxels: packed points that are so near to a voxel may be on the edge to either side of it. */
 #define ISO_REFINED_AT_VOXEL 0.002f
 

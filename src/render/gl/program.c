@@ -32,7 +32,7 @@ typedef struct recipe {
     [first + 4] = {                                                                                          \
         "finish" what, {"pullpush_finish.comp"}, {PYRAMID, "pullpush_mix.glsl", "picture.glsl"}, defines}
 
-#define REFINED "refined_numbers.h", "refined.glsl"
+#define REFINED "refined_numbers.h", "refined.glsl", "refined_shape.glsl"
 #define DISCS(first, what, defines)                                                                          \
     [first] = {"fronts" what, {"refined.vert", "refined.frag"}, {"unpack.glsl", REFINED}, defines},          \
     [first + 1] = {"fronts of quads" what,                                                                   \

@@ -75,6 +75,10 @@
 #define ISO_GL_NORMAL_BITS 11
 #define ISO_GL_NORMAL_STEPS 2047
 #define ISO_GL_SHAPE_STEP (1.0 / 16000.0)
+#define ISO_GL_SHAPE_LOW_BITS 4
+#define ISO_GL_SHAPE_TILT_BITS 6
+#define ISO_GL_SHAPE_TILT_STEPS 31
+#define ISO_GL_SHAPE_TILT_MOST 0.4
 #define ISO_GL_SHAPE_END_BITS 3
 #define ISO_GL_SHAPE_END_STEPS 7
 #define ISO_GL_SHAPE_AXIS_BIT 12
@@ -144,7 +148,8 @@
     ISO_GL_FLOATS(normal_z);                                                                                 \
     ISO_GL_FLOATS(border); /* index coordinates of the grid's last voxels; 0: it has no border */            \
     ISO_GL_FLOATS(axis);   /* optical axis, pixels of the tile; near; pixels per mm at depth 1 */            \
-    ISO_GL_FLOATS(sizes);  /* slope of a pixel (orthographic: 0); voxels in a mm, at most */                 \
+    ISO_GL_FLOATS(sizes);  /* slope of a pixel (orthographic: 0); voxels in a mm, at most; mm, of a voxel's  \
+                              largest side */                                                                \
     ISO_GL_FLOATS(screen); /* viewport width, height, what it is wider than the tile on each side; widest    \
                               point that the driver draws, px */                                             \
     ISO_GL_INTS(tile);     /* width, height, the picture's pixel at its corner */                            \
