@@ -45,6 +45,8 @@ static inline bool cover_columns(const rf_cover *cover, int first, int last, boo
 
 /* Pixels of a disc's box, at most. */
 enum { STEPS = ISO_REFINED_BOX * ISO_REFINED_BOX };
+/* Pixels of a disc that are listed together. */
+enum { AT_ONCE = 4 };
 
 /* Adds a record of 8 or 16 floats, `depth` its last, to a pixel's sums, or (not `keep`) puts it there. */
 ISO_ALWAYS void add_record_generic(float *sums, const float *record, const int size, float depth,
