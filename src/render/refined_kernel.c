@@ -44,7 +44,7 @@ static inline bool cover_columns(const rf_cover *cover, int first, int last, boo
                                                      ISO_V(survey_pixels), ISO_V(survey_tiles)}
 
 /* Pixels of a disc's box, at most. */
-enum { STEPS = ISO_REFINED_BOX * ISO_REFINED_BOX };
+enum { STEPS = ISO_REFINED_BOX * ISO_REFINED_BOX, WORDS = (STEPS + 31) / 32 };
 /* Pixels of a disc that are listed together. */
 enum { AT_ONCE = 4 };
 

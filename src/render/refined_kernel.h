@@ -106,7 +106,7 @@ typedef struct iso_refined_job {
 
 enum {
     ISO_REFINED_TILE = 4, /* columns */
-    ISO_REFINED_BOX = 8   /* columns and rows that a scattered disc may cover */
+    ISO_REFINED_BOX = 11  /* columns and rows that a scattered disc may cover */
 };
 
 /* A patch of the picture and what a worker keeps of it. Discs of a few pixels are best taken a vector at a
