@@ -11,7 +11,8 @@ enum {
     LANES = 16, /* of the widest vectors */
     CELL_SHIFT_LEAST = 3,
     LAYERS = 4096, /* of depth, which blocks are sorted into */
-    LOOKS = 12     /* at what is hidden, while a patch is drawn */
+    LOOKS = 12,    /* at what is hidden, while a patch is drawn */
+    FETCHED = 512  /* points of a block */
 };
 
 /* The ball of a disc, in the point's own radii: for extracted points 0.85 voxel, which is about the least
@@ -305,6 +306,17 @@ static bool is_hidden(const frame *f, const drawing *d, const iso_point_block *b
     return block->depth[0] > most;
 }
 
+/* The next block into the cache: blocks are too short for what processors foresee. */
+static void fetch_block(const frame *f, const iso_point_block *block) {
+    const iso_point_view *points = f->job.points;
+    const char *const start[2] = {(const char *)(points->packed + block->first),
+                                  (const char *)(points->shapes + block->first)};
+    const size_t bytes = (block->count < FETCHED ? block->count : FETCHED) * sizeof *points->packed;
+    if (!points->packed) return;
+    for (int k = 0; k < 1 + iso_refined_shapes(&f->job, block); k++)
+        for (size_t at = 0; at < bytes; at += 64) __builtin_prefetch(start[k] + at);
+}
+
 static void do_patch(void *context, size_t number, int worker) {
     const frame *f = context;
     const iso_point_block *block = f->blocks->blocks.data;
@@ -315,6 +327,7 @@ static void do_patch(void *context, size_t number, int worker) {
     const size_t rounds = d.count / LOOKS + 1;
     for (size_t i = 0; i < d.count; i++) {
         bool some;
+        if (i + 1 < d.count) fetch_block(f, &block[d.order[i + 1]]);
         if (i && i % rounds == 0) look(f, &d);
         if (is_hidden(f, &d, &block[d.order[i]], &some)) continue;
         d.patch.hidden = some ? d.hidden : NULL;

@@ -45,8 +45,16 @@ static inline bool cover_columns(const rf_cover *cover, int first, int last, boo
 
 /* Pixels of a disc's box, at most. */
 enum { STEPS = ISO_REFINED_BOX * ISO_REFINED_BOX, WORDS = (STEPS + 31) / 32 };
-/* Pixels of a disc that are listed together. */
-enum { AT_ONCE = 4 };
+/* Pixels of a disc that are listed together; steps of which a word has all bits of all lanes. */
+enum { AT_ONCE = 4, FEW = 4 };
+
+/* Bit k of 16 becomes bit FEW * k. */
+static inline uint64_t spread(uint64_t bits) {
+    bits = (bits | bits << 24) & 0x000000ff000000ffu;
+    bits = (bits | bits << 12) & 0x000f000f000f000fu;
+    bits = (bits | bits << 6) & 0x0303030303030303u;
+    return (bits | bits << 3) & 0x1111111111111111u;
+}
 
 /* Adds a record of 8 or 16 floats, `depth` its last, to a pixel's sums, or (not `keep`) puts it there. */
 ISO_ALWAYS void add_record_generic(float *sums, const float *record, const int size, float depth,
