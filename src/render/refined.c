@@ -11,8 +11,8 @@ enum {
     LANES = 16, /* of the widest vectors */
     CELL_SHIFT_LEAST = 3,
     LAYERS = 4096, /* of depth, which blocks are sorted into */
-    LOOKS = 12,    /* at what is hidden, while a patch is drawn */
-    FETCHED = 512  /* points of a block */
+    LOOKS = 6,     /* at what is hidden, while a patch is drawn */
+    FETCHED = 64   /* points of a block */
 };
 
 /* The ball of a disc, in the point's own radii: for extracted points 0.85 voxel, which is about the least
@@ -258,22 +258,32 @@ static void choose_way(const frame *f, drawing *d) {
     d->tiles = 2 * disc_radius(&largest) * f->job.slant + 1 > ISO_REFINED_BOX;
 }
 
-/* What is hidden by all that the patch has so far. */
+static float larger(float a, float b) {
+    return a > b ? a : b;
+}
+
+/* What is hidden by all that the patch has so far: what is behind all of a cell and those around it. */
 static void look(const frame *f, drawing *d) {
     const int wide = f->wide, high = f->high;
     for (int i = 0; i < wide * high; i++) d->deepest[i] = -ISO_NOWHERE;
     (d->tiles ? f->kernel->survey_tiles : f->kernel->survey_pixels)(&d->patch, d->deepest);
+    for (int y = 0; y < high; y++) {
+        const float *from = d->deepest + y * wide;
+        for (int x = 0; x < wide; x++)
+            d->hidden[y * wide + x] =
+                larger(larger(from[x > 0 ? x - 1 : x], from[x]), from[x + 1 < wide ? x + 1 : x]);
+    }
+    memcpy(d->deepest, d->hidden, (size_t)(wide * high) * sizeof *d->hidden);
     d->least = ISO_NOWHERE;
-    for (int y = 0; y < high; y++)
+    for (int y = 0; y < high; y++) {
+        const float *from = d->deepest + y * wide, *above = y > 0 ? from - wide : from,
+                    *below = y + 1 < high ? from + wide : from;
         for (int x = 0; x < wide; x++) {
-            float most = -ISO_NOWHERE;
-            for (int v = y > 0 ? y - 1 : 0; v <= y + 1 && v < high; v++)
-                for (int u = x > 0 ? x - 1 : 0; u <= x + 1 && u < wide; u++)
-                    most = d->deepest[v * wide + u] > most ? d->deepest[v * wide + u] : most;
-            most += f->behind;
-            d->hidden[y * wide + x] = most;
-            d->least = most < d->least ? most : d->least;
+            const float hidden = larger(larger(above[x], from[x]), below[x]) + f->behind;
+            d->hidden[y * wide + x] = hidden;
+            d->least = hidden < d->least ? hidden : d->least;
         }
+    }
 }
 
 /* The cells along an axis that a block's centres are in, or nearest to. */
