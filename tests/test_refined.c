@@ -165,6 +165,9 @@ static void like_the_reference(void **state) {
             const iso_view view = test_look_at(&s, n + z, zooms[z], (n + z) % 3 == 0, 83 + 10 * n, 101);
             like_reference(&view, &s.points, n == 1 ? 0.03 : 0.01);
         }
+        /* (of several patches, whose seams lie in the midst of it) */
+        const iso_view wide = test_look_at(&s, n + 1, n == 2 ? 9 : 2.5, n == 1, 401, 150);
+        like_reference(&wide, &s.points, n == 1 ? 0.03 : 0.01);
         s.points.closed = false;
         s.points.transform.spacing[2] *= 1.5;
         const iso_view view = test_look_at(&s, n, 2, false, 90, 67);

@@ -8,7 +8,7 @@
 enum {
     BLOCK_POINTS = 4096,
     CHUNK_BLOCKS = 512, /* one task's */
-    FAR_ROW = 1 << 28   /* rows beyond are as good as it */
+    FAR_PIXEL = 1 << 28 /* pixels beyond are as good as it */
 };
 
 /* Points this many projected radii beyond the picture's sides still matter. */
@@ -111,10 +111,15 @@ static bool meets_sides(const iso_view *view, const extent *e, int axis, const d
 }
 
 /* (not floor, which is a call) */
-static int32_t whole_row(double row) {
-    row = row < -FAR_ROW ? -FAR_ROW : row > FAR_ROW ? FAR_ROW : row;
-    int32_t whole = (int32_t)row;
-    return whole > row ? whole - 1 : whole;
+static int32_t whole_pixel(double at) {
+    at = at < -FAR_PIXEL ? -FAR_PIXEL : at > FAR_PIXEL ? FAR_PIXEL : at;
+    const int32_t whole = (int32_t)at;
+    return whole > at ? whole - 1 : whole;
+}
+
+/* By more than what single precision makes of a depth differs from it. */
+static float widened(double depth, double by) {
+    return (float)(depth + by * 1e-5 * fabs(depth));
 }
 
 static void look(const iso_view *view, const extent *e, iso_point_block *block) {
@@ -128,8 +133,12 @@ static void look(const iso_view *view, const extent *e, iso_point_block *block) 
     }
     if (!meets_sides(view, e, 0, scale, columns) || !meets_sides(view, e, 1, scale, rows)) return;
     block->seen = true;
-    block->row[0] = whole_row(rows[0] - 1);
-    block->row[1] = whole_row(rows[1] + 1);
+    block->row[0] = whole_pixel(rows[0] - 1);
+    block->row[1] = whole_pixel(rows[1] + 1);
+    block->column[0] = whole_pixel(columns[0] - 1);
+    block->column[1] = whole_pixel(columns[1] + 1);
+    block->depth[0] = widened(e->lo[2], -1);
+    block->depth[1] = widened(e->hi[2], 1);
     block->radius[0] = (float)(e->radius[0] * scale[1]);
     block->radius[1] = (float)(e->radius[1] * scale[0]);
 }

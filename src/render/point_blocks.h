@@ -20,6 +20,8 @@ typedef struct iso_point_block {
     bool averted, facing; /* all its points face away from the eye, or to it */
     bool seen;            /* by the whole picture or the points' radii around it */
     int32_t row[2];       /* first and last pixel row of its points' centres, counted from the optical axis */
+    int32_t column[2];    /* the same for columns */
+    float depth[2];       /* of the nearest and the farthest of its points' centres, mm, a little widened */
     float radius[2];      /* smallest and largest projected radius of discs that may be seen, pixels */
 } iso_point_block;
 

@@ -8,13 +8,13 @@
 #include "render/refined_setup.h"
 
 enum {
-    ROWS_LEAST = 16,
-    ROWS_MOST = 64,
-    SUM_BYTES = 4 << 20, /* of sums that one worker keeps */
-    LANES = 16,          /* of the widest vectors */
+    PATCH_WIDTH = 128, /* pixels: a worker's sums stay in the cache that is its own */
+    PATCH_HEIGHT = 64,
+    LANES = 16, /* of the widest vectors */
     CELL_SHIFT_LEAST = 3,
     LAYERS = 4096, /* of depth, which blocks are sorted into */
-    LOOKS = 12     /* at what is hidden, while a band is drawn */
+    LOOKS = 6,     /* at what is hidden, while a patch is drawn */
+    FETCHED = 64   /* points of a block */
 };
 
 /* One call. */
@@ -23,11 +23,16 @@ typedef struct frame {
     const iso_refined_kernel *kernel;
     const iso_point_blocks *blocks;
     iso_refined *workspace;
-    int band_rows, bands;
-    size_t stride, pixels; /* of a band: in a row, and in all */
-    int shift, cells;      /* of what is hidden: see iso_refined_band; cells of a band in all */
+    int across, down;      /* patches of the picture */
+    size_t stride, pixels; /* of a patch: in a row, and in all */
+    int shift, wide, high; /* of what is hidden: see iso_refined_patch; cells of a patch */
     float behind;          /* mm that hidden discs' centres are behind what hides them, at least */
 } frame;
+
+/* Patches of the picture: columns and rows of them. */
+typedef struct patches {
+    int16_t first[2], last[2];
+} patches;
 
 /* ---- preparation */
 
@@ -96,13 +101,14 @@ static void set_up_job(frame *f, const iso_projector *projector) {
     set_up_border(job);
 }
 
-static void choose_bands(frame *f) {
+static void choose_patches(frame *f) {
     const iso_view *view = f->job.target->view;
-    f->stride = (size_t)(view->width + LANES - 1) / LANES * LANES;
-    size_t rows = SUM_BYTES / (f->stride * ISO_SUMS * sizeof(float)) / ROWS_LEAST * ROWS_LEAST;
-    f->band_rows = rows < ROWS_LEAST ? ROWS_LEAST : rows > ROWS_MOST ? ROWS_MOST : (int)rows;
-    f->bands = (view->height + f->band_rows - 1) / f->band_rows;
-    f->pixels = f->stride * (size_t)f->band_rows;
+    f->across = (view->width + PATCH_WIDTH - 1) / PATCH_WIDTH;
+    f->down = (view->height + PATCH_HEIGHT - 1) / PATCH_HEIGHT;
+    const int width = view->width < PATCH_WIDTH ? view->width : PATCH_WIDTH,
+              height = view->height < PATCH_HEIGHT ? view->height : PATCH_HEIGHT;
+    f->stride = (size_t)(width + LANES - 1) / LANES * LANES;
+    f->pixels = f->stride * (size_t)((height + 3) / 4 * 4); /* (whole tiles) */
 }
 
 /* Cells are as large as discs, which so lie in their own and the eight around it. */
@@ -112,22 +118,30 @@ static void set_up_hiding(frame *f) {
     f->shift = CELL_SHIFT_LEAST;
     while (f->shift < 16 && most > (float)(1 << f->shift)) f->shift++;
     const size_t side = (size_t)1 << f->shift;
-    f->cells = (int)((f->stride + side - 1) >> f->shift) * (int)((f->band_rows + side - 1) >> f->shift);
+    f->wide = (int)((f->stride + side - 1) >> f->shift);
+    f->high = (int)((f->pixels / f->stride + side - 1) >> f->shift);
     /* A disc may reach towards the eye by its radius, and joins what is 1.5 radii before it; where that was
      * turned, what faces the eye takes its place from as far behind. */
     const float radius = f->job.radius * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE);
     f->behind = f->job.points->radii ? ISO_NOWHERE : (f->job.cull ? 2.6f : 4.1f) * radius;
 }
 
-/* Bands first .. last that a block's discs can reach. */
-static iso_rows bands_of(const frame *f, const iso_point_block *block) {
+/* The patches that a block's discs can reach. */
+static patches patches_of(const frame *f, const iso_point_block *block) {
     const iso_view *view = f->job.target->view;
-    const double reach = iso_refined_reach(block) * f->job.slant + 2;
-    const double first = floor((block->row[0] + view->cy - reach) / f->band_rows),
-                 last = floor((block->row[1] + view->cy + reach) / f->band_rows);
-    if (!block->seen || (f->job.cull && block->averted) || !(first < f->bands && last >= 0))
-        return (iso_rows){0, -1};
-    return (iso_rows){first < 0 ? 0 : (int)first, last < f->bands ? (int)last : f->bands - 1};
+    const double reach = (double)(iso_refined_reach(block) * f->job.slant + 2);
+    const int most[2] = {f->across, f->down}, size[2] = {PATCH_WIDTH, PATCH_HEIGHT};
+    patches in = {{0, 0}, {-1, -1}};
+    if (!block->seen || (f->job.cull && block->averted)) return in;
+    for (int k = 0; k < 2; k++) {
+        const int32_t *range = k ? block->row : block->column;
+        const double axis = k ? view->cy : view->cx;
+        const double first = (range[0] + axis - reach) / size[k], last = (range[1] + axis + reach) / size[k];
+        if (!(first < most[k] && last >= 0)) return (patches){{0, 0}, {-1, -1}};
+        in.first[k] = (int16_t)(first < 0 ? 0 : first);
+        in.last[k] = (int16_t)(last < most[k] ? last : most[k] - 1);
+    }
+    return in;
 }
 
 /* Sorts the blocks by depth, as their corners have it: what is in front comes first and hides the rest. All
@@ -140,8 +154,8 @@ static iso_status sort(frame *f, uint32_t **sorted, iso_error *error) {
     size_t start[LAYERS + 1] = {0};
     float least = INFINITY, most = -INFINITY;
     for (size_t i = 0; i < count; i++) {
-        least = fminf(least, corner[i][2]);
-        most = fmaxf(most, corner[i][2]);
+        least = corner[i][2] < least ? corner[i][2] : least;
+        most = corner[i][2] > most ? corner[i][2] : most;
     }
     const float scale = most > least ? (LAYERS - 1) / (most - least) : 0;
     for (size_t i = 0; i < count; i++) start[(size_t)((corner[i][2] - least) * scale) + 1]++;
@@ -151,85 +165,174 @@ static iso_status sort(frame *f, uint32_t **sorted, iso_error *error) {
     return ISO_OK;
 }
 
-/* Lists the blocks of each band, sorted: band b's are order[start[b]] .. order[start[b + 1] - 1]. */
+/* Lists the blocks of each patch, sorted: patch p's are order[start[p]] .. order[start[p + 1] - 1]. */
 static iso_status deal(frame *f, iso_error *error) {
     const iso_point_block *block = f->blocks->blocks.data;
     iso_refined *w = f->workspace;
-    const size_t bands = (size_t)f->bands;
-    ISO_TRY(iso_buffer_reserve(&w->start, (bands + 2) * sizeof(size_t), 0, error));
+    const size_t count = f->blocks->count, all = (size_t)f->across * (size_t)f->down;
+    ISO_TRY(iso_buffer_reserve(&w->start, (all + 2) * sizeof(size_t), 0, error));
+    ISO_TRY(iso_buffer_reserve(&w->reached, count * sizeof(patches), 0, error));
     uint32_t *sorted;
     ISO_TRY(sort(f, &sorted, error));
     size_t *start = w->start.data;
-    memset(start, 0, (bands + 2) * sizeof(size_t));
-    for (size_t i = 0; i < f->blocks->count; i++) {
-        const iso_rows in = bands_of(f, &block[i]);
-        for (int b = in.first; b <= in.last; b++) start[b + 2]++;
+    patches *reached = w->reached.data;
+    memset(start, 0, (all + 2) * sizeof(size_t));
+    for (size_t i = 0; i < count; i++) {
+        const patches in = reached[i] = patches_of(f, &block[i]);
+        for (int y = in.first[1]; y <= in.last[1]; y++)
+            for (int x = in.first[0]; x <= in.last[0]; x++) start[y * f->across + x + 2]++;
     }
-    for (size_t b = 0; b < bands; b++) start[b + 2] += start[b + 1];
-    ISO_TRY(iso_buffer_reserve(&w->order, (start[bands + 1] + 1) * sizeof(uint32_t), 0, error));
+    for (size_t p = 0; p < all; p++) start[p + 2] += start[p + 1];
+    ISO_TRY(iso_buffer_reserve(&w->order, (start[all + 1] + 1) * sizeof(uint32_t), 0, error));
     uint32_t *order = w->order.data;
-    for (size_t i = 0; i < f->blocks->count; i++) {
-        const iso_rows in = bands_of(f, &block[sorted[i]]);
-        for (int b = in.first; b <= in.last; b++) order[start[b + 1]++] = sorted[i];
+    for (size_t i = 0; i < count; i++) {
+        const patches in = reached[sorted[i]];
+        for (int y = in.first[1]; y <= in.last[1]; y++)
+            for (int x = in.first[0]; x <= in.last[0]; x++) order[start[y * f->across + x + 1]++] = sorted[i];
     }
     return ISO_OK;
 }
 
-/* ---- bands */
+/* ---- patches */
+
+/* A patch as it is drawn. */
+typedef struct drawing {
+    iso_refined_patch patch;
+    const uint32_t *order; /* its blocks */
+    size_t count;
+    bool tiles;
+    float *hidden, *deepest; /* of its cells; `hidden` of all of them at least `least` */
+    float least;
+} drawing;
 
 static size_t worker_bytes(const frame *f) {
-    return (f->pixels * (ISO_SUMS + 1) + 2 * (size_t)f->cells) * sizeof(float);
+    return (f->pixels * (ISO_SUMS + 1) + 2 * (size_t)(f->wide * f->high)) * sizeof(float);
 }
 
-static iso_refined_band worker_band(const frame *f, int worker, iso_rows rows) {
-    char *memory = (char *)f->workspace->memory.data + (size_t)worker * worker_bytes(f);
-    float *sums = (float *)memory, *front = sums + f->pixels * ISO_SUMS;
-    return (iso_refined_band){.rows = rows,
-                              .stride = f->stride,
-                              .tiles = f->stride / ISO_REFINED_TILE,
-                              .sums = sums,
-                              .front = front,
-                              .hidden = front + f->pixels,
-                              .shift = f->shift,
-                              .cells = (int)((f->stride - 1) >> f->shift) + 1};
+static drawing start_patch(const frame *f, size_t number, int worker) {
+    const size_t *start = f->workspace->start.data;
+    const iso_view *view = f->job.target->view;
+    const int x = (int)number % f->across * PATCH_WIDTH, y = (int)number / f->across * PATCH_HEIGHT;
+    float *sums = (float *)((char *)f->workspace->memory.data + (size_t)worker * worker_bytes(f)),
+          *front = sums + f->pixels * ISO_SUMS, *hidden = front + f->pixels;
+    for (size_t i = 0; i < f->pixels; i++) front[i] = ISO_NOWHERE;
+    return (drawing){
+        .patch = {.first = {x, y},
+                  .last = {(x + PATCH_WIDTH < view->width ? x + PATCH_WIDTH : view->width) - 1,
+                           (y + PATCH_HEIGHT < view->height ? y + PATCH_HEIGHT : view->height) - 1},
+                  .stride = f->stride,
+                  .tiles = f->stride / ISO_REFINED_TILE,
+                  .sums = sums,
+                  .front = front,
+                  .shift = f->shift,
+                  .cells = f->wide},
+        .order = (const uint32_t *)f->workspace->order.data + start[number],
+        .count = start[number + 1] - start[number],
+        .hidden = hidden,
+        .deepest = hidden + f->wide * f->high,
+        .least = ISO_NOWHERE};
 }
 
-/* What is hidden by all that the band has so far. */
-static void look(const frame *f, const iso_refined_band *band, bool tiles) {
-    float *hidden = band->front + f->pixels, *deepest = hidden + f->cells;
-    const int wide = band->cells, high = f->cells / wide;
-    for (int i = 0; i < f->cells; i++) deepest[i] = -ISO_NOWHERE;
-    (tiles ? f->kernel->survey_tiles : f->kernel->survey_pixels)(band, deepest);
-    for (int y = 0; y < high; y++)
+/* How its discs are best added. */
+static void choose_way(const frame *f, drawing *d) {
+    const iso_point_block *block = f->blocks->blocks.data;
+    float most = 0;
+    d->patch.flat = true;
+    for (size_t i = 0; i < d->count; i++) {
+        const iso_point_block *b = &block[d->order[i]];
+        most = b->radius[1] > most ? b->radius[1] : most;
+        d->patch.flat &= !iso_refined_shapes(&f->job, b);
+    }
+    const iso_point_block largest = {.radius = {0, most}};
+    d->tiles = 2 * iso_refined_reach(&largest) * f->job.slant + 1 > ISO_REFINED_BOX;
+}
+
+static float larger(float a, float b) {
+    return a > b ? a : b;
+}
+
+/* What is hidden by all that the patch has so far: what is behind all of a cell and those around it. */
+static void look(const frame *f, drawing *d) {
+    const int wide = f->wide, high = f->high;
+    for (int i = 0; i < wide * high; i++) d->deepest[i] = -ISO_NOWHERE;
+    (d->tiles ? f->kernel->survey_tiles : f->kernel->survey_pixels)(&d->patch, d->deepest);
+    for (int y = 0; y < high; y++) {
+        const float *from = d->deepest + y * wide;
+        for (int x = 0; x < wide; x++)
+            d->hidden[y * wide + x] =
+                larger(larger(from[x > 0 ? x - 1 : x], from[x]), from[x + 1 < wide ? x + 1 : x]);
+    }
+    memcpy(d->deepest, d->hidden, (size_t)(wide * high) * sizeof *d->hidden);
+    d->least = ISO_NOWHERE;
+    for (int y = 0; y < high; y++) {
+        const float *from = d->deepest + y * wide, *above = y > 0 ? from - wide : from,
+                    *below = y + 1 < high ? from + wide : from;
         for (int x = 0; x < wide; x++) {
-            float most = -ISO_NOWHERE;
-            for (int v = y > 0 ? y - 1 : 0; v <= y + 1 && v < high; v++)
-                for (int u = x > 0 ? x - 1 : 0; u <= x + 1 && u < wide; u++)
-                    most = fmaxf(most, deepest[v * wide + u]);
-            hidden[y * wide + x] = most + f->behind;
+            const float hidden = larger(larger(above[x], from[x]), below[x]) + f->behind;
+            d->hidden[y * wide + x] = hidden;
+            d->least = hidden < d->least ? hidden : d->least;
         }
+    }
 }
 
-static void do_band(void *context, size_t number, int worker) {
+/* The cells along an axis that a block's centres are in, or nearest to. */
+static void cells_of(const frame *f, const drawing *d, const iso_point_block *block, int axis, int range[2]) {
+    const iso_view *view = f->job.target->view;
+    const int32_t *pixels = axis ? block->row : block->column;
+    const double from = (axis ? view->cy : view->cx) - d->patch.first[axis];
+    const int last = (d->patch.last[axis] - d->patch.first[axis]) >> f->shift;
+    for (int end = 0; end < 2; end++) {
+        const double at = (pixels[end] + from) / (1 << f->shift);
+        range[end] = at < 0 ? 0 : at > last ? last : (int)at;
+    }
+}
+
+/* Whether all of a block is hidden, or (`some`) some of it may be. */
+static bool is_hidden(const frame *f, const drawing *d, const iso_point_block *block, bool *some) {
+    *some = block->depth[1] > d->least;
+    if (!*some) return false;
+    int x[2], y[2];
+    float least = ISO_NOWHERE, most = -ISO_NOWHERE;
+    cells_of(f, d, block, 0, x);
+    cells_of(f, d, block, 1, y);
+    for (int v = y[0]; v <= y[1]; v++)
+        for (int u = x[0]; u <= x[1]; u++) {
+            const float hidden = d->hidden[v * f->wide + u];
+            least = hidden < least ? hidden : least;
+            most = hidden > most ? hidden : most;
+        }
+    *some = block->depth[1] > least;
+    return block->depth[0] > most;
+}
+
+/* The next block into the cache: blocks are too short for what processors foresee. */
+static void fetch_block(const frame *f, const iso_point_block *block) {
+    const iso_point_view *points = f->job.points;
+    const char *const start[2] = {(const char *)(points->packed + block->first),
+                                  (const char *)(points->shapes + block->first)};
+    const size_t bytes = (block->count < FETCHED ? block->count : FETCHED) * sizeof *points->packed;
+    if (!points->packed) return;
+    for (int k = 0; k < 1 + iso_refined_shapes(&f->job, block); k++)
+        for (size_t at = 0; at < bytes; at += 64) __builtin_prefetch(start[k] + at);
+}
+
+static void do_patch(void *context, size_t number, int worker) {
     const frame *f = context;
     const iso_point_block *block = f->blocks->blocks.data;
     const size_t *start = f->workspace->start.data;
-    const uint32_t *order = (const uint32_t *)f->workspace->order.data + start[number];
-    const size_t count = start[number + 1] - start[number];
-    if (!count) return;
-    const int first = (int)number * f->band_rows, height = f->job.target->view->height;
-    const iso_rows rows = {first, (first + f->band_rows < height ? first + f->band_rows : height) - 1};
-    const iso_refined_band band = worker_band(f, worker, rows);
-    float most = 0;
-    for (size_t i = 0; i < count; i++) most = fmaxf(most, iso_refined_reach(&block[order[i]]));
-    const bool tiles = 2 * most * f->job.slant + 1 > ISO_REFINED_BOX;
-    const size_t rounds = count / LOOKS + 1;
-    for (size_t i = 0; i < f->pixels; i++) band.front[i] = ISO_NOWHERE;
-    for (size_t i = 0; i < count; i++) {
-        if (i % rounds == 0) look(f, &band, tiles);
-        (tiles ? f->kernel->splat : f->kernel->scatter)(&f->job, &band, order[i]);
+    if (start[number] == start[number + 1]) return;
+    drawing d = start_patch(f, number, worker);
+    choose_way(f, &d);
+    const size_t rounds = d.count / LOOKS + 1;
+    for (size_t i = 0; i < d.count; i++) {
+        bool some;
+        if (i + 1 < d.count) fetch_block(f, &block[d.order[i + 1]]);
+        if (i && i % rounds == 0) look(f, &d);
+        if (is_hidden(f, &d, &block[d.order[i]], &some)) continue;
+        d.patch.hidden = some ? d.hidden : NULL;
+        (d.tiles ? f->kernel->splat : f->kernel->scatter)(&f->job, &d.patch, d.order[i]);
     }
-    (tiles ? f->kernel->finish_tiles : f->kernel->finish_pixels)(&f->job, &band);
+    (d.tiles ? f->kernel->finish_tiles : f->kernel->finish_pixels)(&f->job, &d.patch);
 }
 
 iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, const iso_point_view *points,
@@ -240,19 +343,20 @@ iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, co
                .workspace = workspace};
     const iso_projector projector = iso_projector_make(target->view, &points->transform);
     set_up_job(&f, &projector);
-    choose_bands(&f);
+    choose_patches(&f);
     set_up_hiding(&f);
     ISO_TRY(set_up_corners(&f, &projector, error));
     ISO_TRY(deal(&f, error));
     const size_t workers = (size_t)iso_pool_threads(target->pool);
     ISO_TRY(iso_buffer_reserve(&workspace->memory, workers * worker_bytes(&f), 0, error));
-    iso_parallel_for(target->pool, (size_t)f.bands, do_band, &f);
+    iso_parallel_for(target->pool, (size_t)f.across * (size_t)f.down, do_patch, &f);
     return ISO_OK;
 }
 
 void iso_refined_free(iso_refined *workspace) {
     iso_buffer_free(&workspace->corners);
     iso_buffer_free(&workspace->sorted);
+    iso_buffer_free(&workspace->reached);
     iso_buffer_free(&workspace->order);
     iso_buffer_free(&workspace->start);
     iso_buffer_free(&workspace->memory);

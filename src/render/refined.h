@@ -30,7 +30,7 @@
 
 /* Zero-initialise. */
 typedef struct iso_refined {
-    iso_buffer corners, sorted, order, start, memory;
+    iso_buffer corners, sorted, reached, order, start, memory;
 } iso_refined;
 
 /* Draws points whose blocks have been made for this view. ISO_ERR_NOMEM. */

@@ -1,7 +1,7 @@
-/* refined_kernel: the steps of the refined reconstruction (render/refined.h) on a band of rows, for each
- * instruction set. Internal to render.
+/* refined_kernel: the steps of the refined reconstruction (render/refined.h) on a patch of the picture, for
+ * each instruction set. Internal to render.
  *
- * What becomes of a pixel depends on the points and the view alone, not on the band it is in: points come in
+ * What becomes of a pixel depends on the points and the view alone, not on the patch it is in: points come in
  * the order of their blocks, and a block's in their own. */
 #ifndef ISO_RENDER_REFINED_KERNEL_H
 #define ISO_RENDER_REFINED_KERNEL_H
@@ -9,8 +9,10 @@
 #include "base/cpu.h"
 #include "render/draw.h"
 #include "render/point_blocks.h"
+#include "render/refined_numbers.h"
 
-/* Sums over the discs that a pixel's ray meets at the front, weighted. They come in fours. */
+/* Sums over the discs that a pixel's ray meets at the front, weighted. They come in fours; what is constant
+ * over a disc comes first. */
 enum {
     ISO_SUM_WEIGHT,
     ISO_SUM_NX, /* discs' normals at their centres */
@@ -24,18 +26,29 @@ enum {
     ISO_SUM_ZZ,
     ISO_SUM_SQUARE, /* of their norms */
     ISO_SUM_SIDE,   /* 1, or -1 for discs that were turned to the eye */
-    ISO_SUM_DEPTH,
-    ISO_SUM_QX, /* from discs' centres to where the ray meets them, mm */
-    ISO_SUM_QY,
-    ISO_SUM_QZ,
+    ISO_SUM_X,      /* discs' centres, mm */
+    ISO_SUM_Y,
+    ISO_SUM_Z,
+    ISO_SUM_DEPTH, /* where the ray meets them */
     ISO_SUMS
 };
 
-/* A disc: a point seen from the eye, in view space and pixels of the whole frame. */
+/* The sums of pixels all of whose discs are flat. */
 enum {
-    ISO_DISC_X, /* pixels */
-    ISO_DISC_Y,
-    ISO_DISC_Z,  /* mm; ISO_NOWHERE: no disc */
+    ISO_FLAT_WEIGHT,
+    ISO_FLAT_NX,
+    ISO_FLAT_NY,
+    ISO_FLAT_NZ,
+    ISO_FLAT_SIDE,
+    ISO_FLAT_DEPTH = 7,
+    ISO_FLAT_SUMS
+};
+
+/* A disc: a point seen from the eye, in view space and pixels of the whole frame. From LIT_X to Z in the
+ * order of sums. */
+enum {
+    ISO_DISC_COLUMN, /* pixels */
+    ISO_DISC_ROW,
     ISO_DISC_NX, /* normal, with its tilt (iso_shape) */
     ISO_DISC_NY,
     ISO_DISC_NZ,
@@ -50,6 +63,9 @@ enum {
     ISO_DISC_ZZ,
     ISO_DISC_SQUARE, /* of its norm */
     ISO_DISC_SIDE,
+    ISO_DISC_X, /* mm */
+    ISO_DISC_Y,
+    ISO_DISC_Z,
     ISO_DISC_B0, /* along a ray with direction d: n.d + q.Sd = B0 + BX qx + BY qy, and A = d.Sd */
     ISO_DISC_BX,
     ISO_DISC_BY,
@@ -62,7 +78,9 @@ enum {
     ISO_DISC_HIGH_Z,
     ISO_DISC_RADIUS,  /* mm */
     ISO_DISC_INVERSE, /* 1 / radius^2 */
-    ISO_DISC_PIXELS,  /* of a circle that it stays within, as seen from the eye */
+    ISO_DISC_PIXEL,   /* mm of a pixel at its depth, and its inverse */
+    ISO_DISC_SCALE,
+    ISO_DISC_PIXELS, /* of a circle that it stays within, as seen from the eye */
     ISO_DISC_VALUES
 };
 
@@ -94,35 +112,42 @@ typedef struct iso_refined_job {
 
 enum {
     ISO_REFINED_TILE = 4, /* columns */
-    ISO_REFINED_BOX = 8   /* columns and rows that a scattered disc may cover */
+    ISO_REFINED_BOX = 11  /* columns and rows that a scattered disc may cover */
 };
 
-/* A band of the view's rows and what a worker keeps of it. Discs of a few pixels are best taken a vector at a
+/* A patch of the picture and what a worker keeps of it. Discs of a few pixels are best taken a vector at a
  * time to single pixels (scatter), whose sums lie together; larger ones one at a time to tiles of pixels
  * (splat), whose vectors of each sum lie together. Both ways do the same to every pixel. */
-typedef struct iso_refined_band {
-    iso_rows rows;
-    size_t stride; /* pixels in a row */
-    size_t tiles;  /* in a row of them */
-    float *sums;   /* of single pixels, ISO_SUMS each, or by tiles */
-    float *front;  /* nearest depths, ISO_NOWHERE where there is none; of single pixels, or by tiles */
-    /* Discs whose centres are behind this for their cell of 2^shift pixels a side are hidden. */
+typedef struct iso_refined_patch {
+    int first[2], last[2]; /* columns and rows of the view */
+    size_t stride;         /* pixels in a row */
+    size_t tiles;          /* in a row of them */
+    bool flat;             /* all its discs are: single pixels have ISO_FLAT_SUMS */
+    float *sums;           /* of single pixels, ISO_SUMS each, or by tiles */
+    float *front; /* nearest depths, ISO_NOWHERE where there is none; of single pixels, or by tiles */
+    /* Discs whose centres are behind this for their cell of 2^shift pixels a side are hidden; NULL: none
+     * is. */
     const float *hidden;
     int shift, cells; /* in a row of them */
-} iso_refined_band;
+} iso_refined_patch;
 
 typedef struct iso_refined_kernel {
     /* Adds the discs of a block (its number) to pixels, of which `front` tells which have sums. */
-    void (*scatter)(const iso_refined_job *job, const iso_refined_band *band, uint32_t block);
+    void (*scatter)(const iso_refined_job *job, const iso_refined_patch *patch, uint32_t block);
     /* The same to tiles. */
-    void (*splat)(const iso_refined_job *job, const iso_refined_band *band, uint32_t block);
+    void (*splat)(const iso_refined_job *job, const iso_refined_patch *patch, uint32_t block);
     /* From sums to the gbuffer. */
-    void (*finish_pixels)(const iso_refined_job *job, const iso_refined_band *band);
-    void (*finish_tiles)(const iso_refined_job *job, const iso_refined_band *band);
-    /* The deepest front of each cell of the band. */
-    void (*survey_pixels)(const iso_refined_band *band, float *deepest);
-    void (*survey_tiles)(const iso_refined_band *band, float *deepest);
+    void (*finish_pixels)(const iso_refined_job *job, const iso_refined_patch *patch);
+    void (*finish_tiles)(const iso_refined_job *job, const iso_refined_patch *patch);
+    /* The deepest front of each cell of the patch. */
+    void (*survey_pixels)(const iso_refined_patch *patch, float *deepest);
+    void (*survey_tiles)(const iso_refined_patch *patch, float *deepest);
 } iso_refined_kernel;
+
+/* Whether a block's points have shapes that matter. */
+static inline bool iso_refined_shapes(const iso_refined_job *job, const iso_point_block *block) {
+    return job->points->shapes && block->radius[1] >= ISO_REFINED_FLAT_RADIUS;
+}
 
 const iso_refined_kernel *iso_refined_kernel_get(iso_cpu_level level);
 
