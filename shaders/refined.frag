@@ -46,10 +46,13 @@ void main() {
     mat3 s = shape_operator(bends, more);
     vec3 q;
     if (!meet(s, q)) discard;
-    /* balls are measured in voxels */
-    vec3 at = q.x * normal_x.xyz + q.y * normal_y.xyz + q.z * normal_z.xyz, radii = at * (sizes.z / centre.w);
-    float far = dot(radii, radii);
+    vec3 at = q.x * normal_x.xyz + q.y * normal_y.xyz + q.z * normal_z.xyz;
+    float inverse = 1.0 / (centre.w * centre.w), far = dot(q, q) * inverse;
     if (!(far < 1.0) || !is_inside(at)) discard;
+    if (sizes.z > 0.0) { /* balls are measured in voxels where these are not cubes */
+        far = dot(at, at) * (sizes.z * sizes.z * inverse);
+        if (!(far < 1.0)) discard;
+    }
     float depth = centre.z + q.z, thickness = ISO_REFINED_THICKNESS * centre.w;
     bool faces = facing.w > 0.0;
 #if ADDING

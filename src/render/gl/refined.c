@@ -92,6 +92,7 @@ static void put_uniforms(const drawing *d, const tile *t) {
     const iso_view *view = d->view;
     const iso_gl_shape *shape = d->shape;
     const double *spacing = shape->transform.spacing;
+    const bool uneven = spacing[0] != spacing[1] || spacing[1] != spacing[2];
     const double voxels = shape->surfels ? 1 : ISO_GL_COORDINATE_STEP;
     const int margin = iso_gl_engine_margin(d->engine);
     const bool bordered = shape->dims[0] > 0 && shape->dims[1] > 0 && shape->dims[2] > 0;
@@ -99,7 +100,7 @@ static void put_uniforms(const drawing *d, const tile *t) {
         .axis = {(float)(view->cx - t->x), (float)(view->cy - t->y),
                  view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near, (float)view->focal},
         .sizes = {view->orthographic ? 0 : (float)(1 / view->focal), iso_refined_per_mm(p->normal),
-                  (float)fmax(spacing[0], fmax(spacing[1], spacing[2]))},
+                  uneven ? (float)fmax(spacing[0], fmax(spacing[1], spacing[2])) : 0},
         .screen = {(float)(t->width + 2 * margin), (float)(t->height + 2 * margin), (float)margin,
                    (float)d->engine->max_point},
         .tile = {t->width, t->height, t->x, t->y},

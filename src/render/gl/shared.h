@@ -148,8 +148,8 @@
     ISO_GL_FLOATS(normal_z);                                                                                 \
     ISO_GL_FLOATS(border); /* index coordinates of the grid's last voxels; 0: it has no border */            \
     ISO_GL_FLOATS(axis);   /* optical axis, pixels of the tile; near; pixels per mm at depth 1 */            \
-    ISO_GL_FLOATS(sizes);  /* slope of a pixel (orthographic: 0); voxels in a mm, at most; mm, of a voxel's  \
-                              largest side */                                                                \
+    ISO_GL_FLOATS(sizes); /* slope of a pixel (orthographic: 0); voxels in a mm, at most; mm, of the largest \
+                             side of voxels that are no cubes, or 0 */                                       \
     ISO_GL_FLOATS(screen); /* viewport width, height, what it is wider than the tile on each side; widest    \
                               point that the driver draws, px */                                             \
     ISO_GL_INTS(tile);     /* width, height, the picture's pixel at its corner */                            \
