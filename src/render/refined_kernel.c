@@ -15,7 +15,7 @@ static const float FLAT_RADIUS = 0.9f;
 /* 1 / voxel: how much surfaces bend before it is asked where they turn away, and how much until what bends
  * is as likely noise. (Normals come from gradients over two voxels, shapes from second differences over
  * one.) */
-static const float TURNING_BEND = 0.2f, NOISY_BEND = 1;
+static const float TURNING_BEND = 0.15f, NOISY_BEND = 1;
 
 /* Whether a block's points have shapes that matter. */
 static inline bool has_shapes(const iso_refined_job *job, const iso_point_block *block) {
