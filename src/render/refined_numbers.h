@@ -14,9 +14,9 @@
 /* Pixels: how discs of less bend within them is too little to be seen. */
 #define ISO_REFINED_FLAT_RADIUS 0.9f
 /* 1 / voxel: how much surfaces bend before it is asked where they turn away, and how much until what bends
- * is as likely noise. (Normals come from gradients over two voxels, shapes from second differences over
- * one.) */
-#define ISO_REFINED_TURNING_BEND 0.2f
+ * is as likely noise. (Normals come from gradients over two voxels, shapes from where the surface leaves
+ * the faces around an edge.) */
+#define ISO_REFINED_TURNING_BEND 0.15f
 #define ISO_REFINED_NOISY_BEND 1.0f
 /* Voxels: packed points that are so near to a voxel may be on the edge to either side of it. */
 #define ISO_REFINED_AT_VOXEL 0.002f
