@@ -96,6 +96,7 @@ all_methods resized
 close_window
 
 # ---- a software renderer is not chosen by itself: the cpu engine is
+rm -rf "$state" # (the journal to look at is the one that will be there)
 start
 key m m m
 picture automatic
