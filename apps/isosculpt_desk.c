@@ -231,6 +231,7 @@ iso_status isosculpt_desk_open(isosculpt_desk *desk, const char *journal, const 
     const iso_session_opts opts = {.journal = journal, .resume = true, .progress = &playing};
     iso_status status = find_field(desk, journal, &reading, &grid, error);
     if (status == ISO_OK) status = open_session(desk, grid, &opts, error);
+    desk->unclosed = marked;
     if (status == ISO_OK) return ISO_OK;
     if (!marked) unmark(desk); /* else it stays: what could not be opened was not closed */
     if (desk->marker) close(desk->marker - 1);
@@ -246,14 +247,22 @@ static void remove_empty(const isosculpt_desk *desk) {
     if (join(path, desk->journal, UNDO, NULL) == ISO_OK) unlink(path);
 }
 
-void isosculpt_desk_close(isosculpt_desk *desk) {
+static void shut(isosculpt_desk *desk, bool offered) {
     isosculpt_desk_saving(desk, true, NULL, NULL);
     bool drawn = desk->session && iso_session_journal_status(desk->session, NULL) == ISO_OK;
     iso_session_destroy(desk->session);
     if (drawn && desk->made && !desk->kept && desk->changes == 0) remove_empty(desk);
-    if (drawn) unmark(desk);
+    if (drawn && !offered) unmark(desk);
     if (desk->marker) close(desk->marker - 1); /* a journal that lags behind was not closed well */
     *desk = (isosculpt_desk){.pool = desk->pool, .undo_memory = desk->undo_memory};
+}
+
+void isosculpt_desk_close(isosculpt_desk *desk) {
+    shut(desk, false);
+}
+
+void isosculpt_desk_drop(isosculpt_desk *desk) {
+    shut(desk, desk->unclosed);
 }
 
 /* ---- saving */

@@ -27,6 +27,7 @@ typedef struct isosculpt_desk {
     int marker;                   /* 1 + file descriptor of NAME.strokes.open; 0: none */
     bool made;                    /* the journal is new: removed when nothing was done in it */
     bool kept;                    /* it holds something beside strokes */
+    bool unclosed;                /* it was, when it was opened */
     size_t changes, saved;        /* done to the field since the desk was opened; of these in the .vdb */
     double began;                 /* monotonic seconds */
     iso_pool *pool;               /* borrowed */
@@ -59,6 +60,9 @@ iso_status isosculpt_desk_blank(isosculpt_desk *desk, iso_error *error);
 
 /* Waits for a save, ends the session and closes its journal. The pool and undo_memory stay. */
 void isosculpt_desk_close(isosculpt_desk *desk);
+
+/* The same of one that nobody came to see: a journal that was not closed before is not closed now. */
+void isosculpt_desk_drop(isosculpt_desk *desk);
 
 /* Where saving goes: the journal's name with .vdb. */
 void isosculpt_desk_target(const isosculpt_desk *desk, char path[ISOSCULPT_PATH]);

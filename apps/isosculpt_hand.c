@@ -95,8 +95,17 @@ static void done(isosculpt_hand *hand, iso_status status, const iso_edit_stats *
         iso_fail(&hand->error, status, "%s", iso_status_text(status));
 }
 
+/* What could neither be ended nor taken back for want of memory is taken back before anything else. */
+static bool is_over(isosculpt_hand *hand) {
+    iso_error reason = {0};
+    if (hand->unended) hand->unended = iso_session_cancel(hand->desk->session, &reason) == ISO_ERR_NOMEM;
+    if (hand->unended && !hand->error.text[0]) hand->error = reason;
+    return !hand->unended;
+}
+
 static void begin(isosculpt_hand *hand, unsigned modifiers, double x, double y) {
     iso_edit_stats stats = {0};
+    if (!is_over(hand)) return;
     hand->tool = isosculpt_hand_modified(hand->brush.tool, modifiers);
     iso_brush brush = hand->brush;
     brush.tool = hand->tool;
@@ -137,12 +146,16 @@ static void go_on(isosculpt_hand *hand, double x, double y, bool last) {
     done(hand, status, &stats);
 }
 
+/* A stroke that cannot be ended is taken back: it would be in the way of all that follows. */
 static void end(isosculpt_hand *hand, bool cancel) {
     iso_edit_stats stats = {0};
     iso_session *session = hand->desk->session;
     hand->drag = ISOSCULPT_DRAG_NONE;
-    done(hand, cancel ? iso_session_cancel(session, &hand->error) : iso_session_end(session, &hand->error),
-         &stats);
+    const iso_status status =
+        cancel ? iso_session_cancel(session, &hand->error) : iso_session_end(session, &hand->error);
+    hand->unended = status != ISO_OK;
+    is_over(hand);
+    done(hand, status, &stats);
 }
 
 void isosculpt_hand_stamp(isosculpt_hand *hand, iso_stamp *stamp) {
@@ -226,6 +239,7 @@ static void step(isosculpt_hand *hand, bool redo) {
     const iso_history *history = iso_session_history(session);
     size_t position = iso_history_position(history);
     if (hand->drag == ISOSCULPT_DRAG_BRUSH || position == (redo ? iso_history_count(history) : 0)) return;
+    if (!is_over(hand)) return;
     iso_status status =
         redo ? iso_session_redo(session, &hand->error) : iso_session_undo(session, &hand->error);
     hand->desk->changes += status == ISO_OK;

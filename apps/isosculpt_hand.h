@@ -52,6 +52,7 @@ typedef struct isosculpt_hand {
     iso_sample last;         /* of the stroke, that the session was given */
     iso_tool tool;           /* of the stroke */
     bool looking;            /* at a volume: there is no field yet that a brush could work on */
+    bool unended;            /* the last stroke still is drawn: there was no memory to end it */
     bool clipped;            /* a brush reached beyond the grid */
     unsigned wishes;         /* isosculpt_wish, until the window has seen to them */
     isosculpt_latency edit;

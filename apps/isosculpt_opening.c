@@ -16,7 +16,7 @@ void isosculpt_opened_free(isosculpt_opened *opened) {
     iso_stamp_free(opened->stamp);
     isosculpt_view_free(&opened->view);
     isosculpt_volume_free(opened->volume);
-    if (opened->desk.session) isosculpt_desk_close(&opened->desk);
+    if (opened->desk.session) isosculpt_desk_drop(&opened->desk);
     iso_pool_destroy(opened->pool);
     *opened = (isosculpt_opened){0};
 }

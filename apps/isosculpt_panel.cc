@@ -371,7 +371,6 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::PushItemWidth(-76 * panel->scale);
     const bool looking = screen->volume != nullptr;
-    screen->sliding = false;
     if (looking && ImGui::CollapsingHeader("Isovalue", ImGuiTreeNodeFlags_DefaultOpen))
         section_isovalue(screen, panel->scale);
     if (!looking && ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen)) section_brush(screen);
@@ -528,6 +527,7 @@ static void ask_mesh(isosculpt_screen *screen) {
 static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     panel->modal = screen->question != ISOSCULPT_ASK_NOTHING;
     panel->place = panel->busy = panel->message = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
+    screen->sliding = false;
     if (screen->panel && !screen->blank) draw_panel(panel, screen);
     if (screen->busy_count) draw_busy(panel, screen);
     if (screen->help) draw_help(screen, panel->scale);

@@ -342,13 +342,14 @@ static iso_status patch(isosculpt_view *view, iso_error *error) {
 iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool moving, iso_error *error) {
     const uint64_t now = iso_change_log_now(iso_grid_log(&view->grid));
     const bool still = is_still(view, width, height);
-    const bool exact = view->look.method == ISOSCULPT_EXACT;
+    const bool exact = view->look.method == ISOSCULPT_EXACT,
+               at_once = !view->levels || isosculpt_ahead_has(view, ISOSCULPT_EXACT);
     view->width = width;
     view->height = height;
     if (still && exact && view->exactly)
         ISO_TRY(patch(view, error));
     else
-        ISO_TRY(redraw(view, moving && !(still && exact), error));
+        ISO_TRY(redraw(view, moving && !(still && exact && at_once), error));
     view->seen = now;
     view->repaint = false;
     return ISO_OK;

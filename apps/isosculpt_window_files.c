@@ -203,7 +203,6 @@ static void ask_to_open(window *w, const char *path) {
 
 /* What the question was about, now that it is answered. */
 static void leave(window *w, isosculpt_question question) {
-    w->leaving = ISOSCULPT_ASK_NOTHING;
     if (question == ISOSCULPT_ASK_CLOSE) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
     if (question == ISOSCULPT_ASK_OPEN) open_path(w, w->next, false);
 }
@@ -271,10 +270,12 @@ void isosculpt_window_saved(window *w) {
              : cancelled      ? "cancelled"
                               : reason.text);
     isosculpt_window_say(w, status != ISO_OK && !cancelled, text);
-    if (status == ISO_OK)
-        leave(w, w->leaving);
-    else
-        w->leaving = ISOSCULPT_ASK_NOTHING;
+    const isosculpt_question leaving = w->leaving;
+    w->leaving = ISOSCULPT_ASK_NOTHING;
+    if (status == ISO_OK && leaving && isosculpt_window_unsaved(w))
+        ask(w, leaving, w->next); /* about what was done meanwhile */
+    else if (status == ISO_OK)
+        leave(w, leaving);
 }
 /* ---- heavy work */
 

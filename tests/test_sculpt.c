@@ -159,6 +159,43 @@ static void ends_move_nothing(void **state) {
     iso_hgrid_destroy(grid);
 }
 
+/* Of a wider band, what is farther away than crossings are looked for stays as it is. */
+static void ends_leave_what_is_far(void **state) {
+    (void)state;
+    const int dims[3] = {64, 64, 64};
+    iso_hgrid *grid;
+    assert_int_equal(iso_hgrid_create(dims, 6, NULL, &grid, NULL), ISO_OK);
+    for (int i = 0; i < 4 * 4 * 4; i++) { /* a box that is cut off at an edge */
+        float *brick;
+        assert_int_equal(iso_hgrid_split(grid, i % 4, i / 4 % 4, i / 16, &brick, NULL), ISO_OK);
+        for (int k = 0; k < ISO_BRICK_VOXELS; k++) {
+            const double x = fabs(i % 4 * 16 + k % 16 - 31.3) - 14,
+                         y = fabs(i / 4 % 4 * 16 + k / 16 % 16 - 31.1) - 14,
+                         z = fabs(i / 16 * 16 + k / 256 - 30.8) - 14;
+            const double out = sqrt(pow(fmax(x, 0), 2) + pow(fmax(y, 0), 2) + pow(fmax(z, 0), 2)),
+                         distance = out + fmin(fmax(x, fmax(y, z)), 0);
+            brick[k] = (float)fmin(fmax(distance, -6), 6);
+        }
+    }
+    iso_editor *editor = make_editor(grid, NULL);
+    const iso_brush brush = {.tool = ISO_TOOL_INFLATE, .radius = 30, .strength = 1e-3};
+    sculpt_touch(editor, &brush, iso_vec3_make(32, 32, 32), iso_vec3_make(0, 0, 1));
+    iso_hgrid *before = sculpt_copy(grid);
+    settle(editor);
+    size_t moved = 0;
+    for (int i = 0; i < 64 * 64 * 64; i++) {
+        const int x = i % 64, y = i / 64 % 64, z = i / 64 / 64;
+        const float was = iso_hgrid_at(before, x, y, z), is = iso_hgrid_at(grid, x, y, z);
+        moved += was != is;
+        if (was != is && fabsf(was) > 4)
+            fail_msg("voxel (%d, %d, %d) was %g and is %g", x, y, z, (double)was, (double)is);
+    }
+    assert_true(moved > 100);
+    iso_hgrid_destroy(before);
+    iso_editor_destroy(editor);
+    iso_hgrid_destroy(grid);
+}
+
 static iso_brush random_brush(uint32_t *seed) {
     iso_brush brush = {.tool = (iso_tool)(sculpt_uniform(seed) * (ISO_TOOL_MOVE)),
                        .shape = (iso_solid)(sculpt_uniform(seed) * ISO_SOLID_STAMP),
@@ -461,6 +498,7 @@ int main(void) {
                                        cmocka_unit_test(set_operations_keep_a_distance_field),
                                        cmocka_unit_test(freezing_moves_nothing),
                                        cmocka_unit_test(ends_move_nothing),
+                                       cmocka_unit_test(ends_leave_what_is_far),
                                        cmocka_unit_test(same_bytes_for_threads_and_levels),
                                        cmocka_unit_test(signs_are_those_of_a_bit_model),
                                        cmocka_unit_test(volumes_are_known),

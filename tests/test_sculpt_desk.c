@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -218,10 +219,44 @@ static void openings(void **state) {
     unlink(volume);
 }
 
+/* A session that was not closed is offered again when its recovery is cancelled, however late. */
+static void cancelled_recoveries_are_offered_again(void **state) {
+    (void)state;
+    const char *folder = session_path("recovered"), *strokes = session_path("recovered/left.strokes"),
+               *marker = session_path("recovered/left.strokes.open");
+    char found[ISOSCULPT_PATH];
+    iso_journal *journal;
+    mkdir(folder, 0700);
+    unlink(strokes);
+    assert_int_equal(iso_journal_create(strokes, &SESSION_START, &journal, NULL), ISO_OK);
+    assert_int_equal(iso_journal_close(journal, NULL), ISO_OK);
+    FILE *left = fopen(marker, "wb");
+    assert_non_null(left);
+    fclose(left);
+    const isosculpt_request request = {.path = strokes, .isovalue = NAN, .threads = 1};
+    for (int round = 0; round < 2; round++) {
+        isosculpt_opening *opening;
+        isosculpt_opened opened;
+        assert_true(isosculpt_desk_unclosed(folder, found));
+        assert_int_equal(isosculpt_opening_start(&request, &opening, NULL), ISO_OK);
+        while (round && !isosculpt_task_done(isosculpt_opening_task(opening))) usleep(1000);
+        isosculpt_task_cancel(isosculpt_opening_task(opening));
+        assert_int_equal(isosculpt_opening_finish(opening, &opened, NULL), ISO_ERR_IO);
+    }
+    assert_true(isosculpt_desk_unclosed(folder, found));
+    assert_string_equal(found, strokes);
+    isosculpt_desk desk = {0};
+    assert_int_equal(isosculpt_desk_open(&desk, strokes, NULL, NULL), ISO_OK);
+    isosculpt_desk_close(&desk);
+    assert_false(isosculpt_desk_unclosed(folder, found));
+    unlink(strokes);
+    rmdir(folder);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(cancelled_writing_leaves_no_file),
                                        cmocka_unit_test(cancelled_saves_keep_the_file_before),
-                                       cmocka_unit_test(sources_can_be_cancelled),
-                                       cmocka_unit_test(openings)};
+                                       cmocka_unit_test(sources_can_be_cancelled), cmocka_unit_test(openings),
+                                       cmocka_unit_test(cancelled_recoveries_are_offered_again)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -259,6 +259,24 @@ static void what_was_made_for_nothing_is_made_anew(void **state) {
     iso_rgrid_destroy(volume);
 }
 
+/* Asked for again, a picture that moves waits for no surface either. */
+static void pictures_that_move_do_not_wait(void **state) {
+    (void)state;
+    static const int dims[3] = {50, 50, 50};
+    isosculpt_view view;
+    iso_rgrid *volume = make_volume(ISO_UINT8, dims);
+    open_view(&view, volume, 100, NULL);
+    isosculpt_view_set_isovalue(&view, 110);
+    for (int i = 0; i < 2; i++) {
+        draw(&view, true);
+        assert_int_equal(view.quality, ISOSCULPT_MOVING);
+        assert_false(isosculpt_view_is_ready(&view));
+    }
+    check_rest(&view, volume, NULL);
+    isosculpt_view_free(&view);
+    iso_rgrid_destroy(volume);
+}
+
 /* A thread that runs out of memory leaves the surface to whoever draws, and is not started again and again.
  */
 static void a_surface_that_could_not_be_made_is_made_when_it_is_drawn(void **state) {
@@ -294,6 +312,7 @@ int main(void) {
         cmocka_unit_test(levels_go_by_time),
         cmocka_unit_test(surfaces_are_made_while_the_hand_moves),
         cmocka_unit_test(what_was_made_for_nothing_is_made_anew),
+        cmocka_unit_test(pictures_that_move_do_not_wait),
         cmocka_unit_test(a_surface_that_could_not_be_made_is_made_when_it_is_drawn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -16,8 +16,9 @@ enum { UNIT = 1024 };
 static const float CREASE = 0.5f;
 /* What redistancing may have missed, and half the largest gap between crossings; voxels. */
 static const float SHORT = 0.4f, HALF_GAP = 0.5f;
-/* Nearer voxels are found well from the interface beside them. */
-static const float NEAR = 1;
+/* Nearer voxels are found well from the interface beside them; farther ones, of wider bands, may have
+ * crossings beyond the bins around theirs. */
+static const float NEAR = 1, FAR = BIN - 0.4f;
 
 /* Crossings of one kind, by bins. */
 typedef struct places {
@@ -135,7 +136,7 @@ static bool is_interface(const float *v) {
 static float mended(const crossings *c, const int bin[3], const int voxel[3], float band) {
     const float *v = value_at(c, voxel), distance = fabsf(*v);
     const int32_t at[3] = {UNIT * voxel[0], UNIT * voxel[1], UNIT * voxel[2]};
-    if (distance < NEAR || distance >= band || is_interface(v)) return *v;
+    if (distance < NEAR || distance >= fminf(band, FAR) || is_interface(v)) return *v;
     const int32_t reach = (int32_t)((distance + SHORT) * (distance + SHORT) * (UNIT * UNIT));
     const int32_t least = nearest(&c->kind[1], bin, at, reach, 0);
     if (least == reach || nearest(&c->kind[0], bin, at, least, least) < least) return *v;
