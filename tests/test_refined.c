@@ -1,4 +1,4 @@
-/* The refined reconstruction: against a plain one in double precision that knows nothing of bands, vectors
+/* The refined reconstruction: against a plain one in double precision that knows nothing of patches, vectors
  * and hiding, against surfaces that are known, and against itself. */
 #include <setjmp.h>
 #include <stdarg.h>

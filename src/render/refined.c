@@ -305,15 +305,18 @@ static bool is_hidden(const frame *f, const drawing *d, const iso_point_block *b
     return block->depth[0] > most;
 }
 
+static void fetch(const void *items, size_t bytes) {
+    for (size_t at = 0; at < bytes; at += 64) __builtin_prefetch((const char *)items + at);
+}
+
 /* The next block into the cache: blocks are too short for what processors foresee. */
 static void fetch_block(const frame *f, const iso_point_block *block) {
     const iso_point_view *points = f->job.points;
-    const char *const start[2] = {(const char *)(points->packed + block->first),
-                                  (const char *)(points->shapes + block->first)};
-    const size_t bytes = (block->count < FETCHED ? block->count : FETCHED) * sizeof *points->packed;
+    const size_t count = block->count < FETCHED ? block->count : FETCHED;
     if (!points->packed) return;
-    for (int k = 0; k < 1 + iso_refined_shapes(&f->job, block); k++)
-        for (size_t at = 0; at < bytes; at += 64) __builtin_prefetch(start[k] + at);
+    fetch(points->packed + block->first, count * sizeof *points->packed);
+    if (iso_refined_shapes(&f->job, block))
+        fetch(points->shapes + block->first, count * sizeof *points->shapes);
 }
 
 static void do_patch(void *context, size_t number, int worker) {
