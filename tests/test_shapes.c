@@ -435,6 +435,47 @@ static void edge_shapes_match_the_reference(void **state) {
     assert_true(checked > 20000);
 }
 
+/* Points at a voxel are taken for points of an edge that begins there (their brick's last: ends there). Where
+ * the surface does not cross that edge, nothing is known of where it goes on. */
+static void points_at_voxels_have_the_ends_of_crossed_edges(void **state) {
+    (void)state;
+    test_random random = {21};
+    size_t crossed = 0, uncrossed = 0;
+    for (int round = 0; round < 4; round++) {
+        iso_grid grid = test_rgrid((int[3]){40, 37, 35}, ISO_UINT8);
+        test_fill(&grid, TEST_SMOOTH, &random);
+        const iso_points_opts opts = {
+            .isovalue = 100, .primitive = ISO_PRIMITIVE_EDGE, .floats = true, .shapes = true};
+        iso_point_set *set = make_set(&grid, &opts);
+        const iso_point_view view = iso_point_set_view(set);
+        for (size_t n = 0; n < view.span_count; n++)
+            for (uint32_t i = 0; i < view.spans[n].count; i++) {
+                const iso_point_span *span = &view.spans[n];
+                const bent_point point = get_point(&view, span, i);
+                const iso_vec3 p = point.position;
+                if (p.x != rint(p.x) || p.y != rint(p.y) || p.z != rint(p.z)) continue;
+                const int axis = (view.shapes[span->first + i].ends >> ISO_SHAPE_AXIS_BIT) - 1;
+                int low[3] = {(int)p.x, (int)p.y, (int)p.z}, high[3];
+                if (axis < 0) {
+                    assert_true(point.tilt[0] == 0 && point.tilt[1] == 0);
+                    uncrossed++;
+                    continue;
+                }
+                if (low[axis] == 16 * span->brick[axis] + 16) low[axis]--;
+                memcpy(high, low, sizeof high);
+                high[axis]++;
+                const bool below = wide_value(&grid, low[0], low[1], low[2]) < 100,
+                           above = wide_value(&grid, high[0], high[1], high[2]) < 100;
+                if (below == above)
+                    fail_msg("ends along %d at %d %d %d, which is not crossed", axis, low[0], low[1], low[2]);
+                crossed++;
+            }
+        iso_point_set_destroy(set);
+        iso_grid_destroy(&grid);
+    }
+    assert_true(crossed > 50 && uncrossed > 50);
+}
+
 /* Values that are not finite, and no gradient at all, make flat points. */
 static void odd_values_are_flat(void **state) {
     (void)state;
@@ -533,6 +574,7 @@ int main(void) {
         cmocka_unit_test(packing_clamps_and_rounds),
         cmocka_unit_test(curvatures_of_known_surfaces),
         cmocka_unit_test(edge_shapes_match_the_reference),
+        cmocka_unit_test(points_at_voxels_have_the_ends_of_crossed_edges),
         cmocka_unit_test(odd_values_are_flat),
         cmocka_unit_test(same_bytes_for_every_instruction_set),
         cmocka_unit_test(packed_points_have_the_same_shapes),
