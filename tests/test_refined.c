@@ -520,6 +520,24 @@ static void near_plane(void **state) {
     test_scene_free(&s);
 }
 
+/* Discs beside the picture that are much nearer, and larger, than all of their block that is seen. */
+static void large_discs_beside_the_picture(void **state) {
+    (void)state;
+    cloud *c = make_cloud(64);
+    for (int i = 0; i < 64; i++)
+        add_point(c, (const double[3]){0, (i - 32) * 0.01, i < 32 ? 10 : 90}, (const double[3]){0, 0, -1});
+    for (int n = 0; n < 400; n++) {
+        iso_view view = test_plain_view(8, 64, false, 330);
+        view.cx = (n / 20 - 10) * 0.005;
+        const float x = (float)(-1.375 * c->points.radius - 0.0005 * pow(1.3, n % 20));
+        for (int i = 0; i < 64; i++) c->surfels[i].position[0] = x;
+        iso_gbuffer g = test_drawn(&view, &c->points, &refined, NULL);
+        test_every_variant(&view, &c->points, &refined, &g);
+        iso_gbuffer_free(&g);
+    }
+    free_cloud(c);
+}
+
 /* Hiding leaves out nothing that shows: layers that are hidden by the first change no byte. */
 static void hidden_points_change_nothing(void **state) {
     (void)state;
@@ -636,6 +654,7 @@ int main(void) {
         cmocka_unit_test(insides_are_seen),
         cmocka_unit_test(surfaces_end_at_the_border),
         cmocka_unit_test(near_plane),
+        cmocka_unit_test(large_discs_beside_the_picture),
         cmocka_unit_test(hidden_points_change_nothing),
         cmocka_unit_test(hiding_changes_nothing),
         cmocka_unit_test(what_is_the_default),
