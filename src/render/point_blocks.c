@@ -11,8 +11,9 @@ enum {
     FAR_PIXEL = 1 << 28 /* pixels beyond are as good as it */
 };
 
-/* Points this many projected radii beyond the picture's sides still matter. */
-static const double GUARD_RADII = 1.1;
+/* Discs this many times as large may still come into the picture from beyond its sides: refined ones are up
+ * to 1.415 of their points' radii (refined_numbers.h). */
+static const double GUARD_RADII = 1.15;
 
 /* What one task found out about its blocks. */
 typedef struct chunk {
@@ -83,13 +84,21 @@ static void picture_side(const iso_view *view, int axis, double side[2]) {
     side[1] = axis == 0 ? view->width - view->cx : view->height + view->below - view->cy;
 }
 
+/* How far from a block's points their balls reach across a side of the picture, which the rays along it make
+ * the longer the more aslant they are. */
+static double reach_beyond(const iso_view *view, const extent *e, const double side[2]) {
+    const double slope = view->orthographic ? 0 : fmax(fabs(side[0]), fabs(side[1])) / view->focal;
+    return GUARD_RADII * e->radius[1] * sqrt(1 + slope * slope);
+}
+
 /* The least depth at which something of [lo, hi], widened by the radii, is between the sides; `near` at
  * least. */
 static double nearest_depth(const iso_view *view, const extent *e, double near) {
-    double nearest = near, widen = GUARD_RADII * e->radius[1];
+    double nearest = near;
     for (int axis = 0; axis < 2; axis++) {
         double side[2];
         picture_side(view, axis, side);
+        const double widen = reach_beyond(view, e, side);
         double lo = (e->lo[axis] - widen) * view->focal, hi = (e->hi[axis] + widen) * view->focal;
         if (side[1] > 0 && lo > nearest * side[1]) nearest = lo / side[1];
         if (side[0] < 0 && hi < nearest * side[0]) nearest = hi / side[0];
@@ -101,8 +110,9 @@ static double nearest_depth(const iso_view *view, const extent *e, double near) 
  * per mm) of the nearest and the farthest; its range of pixels without the radii goes to `pixels`. */
 static bool meets_sides(const iso_view *view, const extent *e, int axis, const double scale[2],
                         double pixels[2]) {
-    double side[2], lo = e->lo[axis], hi = e->hi[axis], widen = GUARD_RADII * e->radius[1];
+    double side[2], lo = e->lo[axis], hi = e->hi[axis];
     picture_side(view, axis, side);
+    const double widen = reach_beyond(view, e, side);
     pixels[0] = lo * scale[lo < 0 ? 0 : 1];
     pixels[1] = hi * scale[hi > 0 ? 0 : 1];
     lo -= widen;
