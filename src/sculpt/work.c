@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "sculpt/wall.h"
+
 /* Voxels that redistancing reads on each side: the band. */
 enum { REACH = 3 };
 enum { SPREAD = ISO_WORK_SPREAD };
@@ -50,6 +52,7 @@ void iso_work_free(iso_work *work) {
     }
     iso_free(work->workers);
     iso_buffer_free(&work->jobs);
+    iso_buffer_free(&work->walls);
     iso_slabs_free(&work->slabs);
 }
 
@@ -120,6 +123,17 @@ static bool is_own(const iso_job *job, const float *values) {
     bool own = false;
     for (int i = 0; i < ISO_WORK_FIELDS; i++) own |= job->own[i] == values;
     return own;
+}
+
+float *iso_work_own(iso_work *work, size_t number) {
+    iso_job *job = iso_work_job(work, number);
+    const float *values = job->value[work->now];
+    if (!is_own(job, values)) {
+        float *own = room(work, job, NULL, NULL);
+        memcpy(own, values, ISO_BRICK_VOXELS * sizeof *own);
+        job->value[work->now] = own;
+    }
+    return (float *)job->value[work->now];
 }
 
 /* ---- stencils */
@@ -299,8 +313,18 @@ iso_status iso_work_settle(iso_work *work, bool neighbours, bool *any, iso_error
     drop_unchanged(work);
     size_t edited = work->job_count;
     *any = edited > 0;
-    if (neighbours) iso_parallel_for(work->pool, edited, seam_job, work);
-    for (size_t i = 0; i < edited && neighbours; i++) ISO_TRY(add_neighbours(work, i, error));
+    if (!neighbours) return ISO_OK;
+    const bool frozen = iso_wall_near(work);
+    if (frozen) { /* the brush did not go where distances to what it left may reach */
+        work->away = 0;
+        work->torn = true;
+        ISO_TRY(iso_wall_find(work, error));
+    }
+    iso_parallel_for(work->pool, edited, seam_job, work);
+    for (size_t i = 0; i < edited; i++) ISO_TRY(add_neighbours(work, i, error));
+    if (!frozen) return ISO_OK;
+    ISO_TRY(reserve(work, work->job_count, error));
+    iso_wall_close(work);
     return ISO_OK;
 }
 
@@ -366,10 +390,8 @@ static void classify_job(void *context, size_t index, int worker) {
     p->work->redistancer->classify(&stencil, p->work->grid->band, &near, &job->band);
     if (p->work->torn) job->band.active = near;
     const iso_voxel_bits *masked = iso_mask_bits(&p->work->mask, job->cell);
-    for (int row = 0; masked && row < ISO_BRICK_ROWS; row++) {
-        job->band.frozen.row[row] |= masked->row[row];
+    for (int row = 0; masked && row < ISO_BRICK_ROWS; row++)
         job->band.lost.row[row] &= (uint16_t)~masked->row[row];
-    }
 }
 
 /* Whether the brush changed a voxel at the interface, or brought the interface to one that it did not change.
@@ -499,9 +521,7 @@ static void sides_job(void *context, size_t index, int worker) {
     (void)worker;
     const iso_work *work = context;
     iso_job *job = iso_work_job(work, index);
-    job->sides = iso_mask_bits(&work->mask, job->cell)
-                     ? BOTH_SIDES
-                     : (uint8_t)work->redistancer->sides(iso_work_values(work, index));
+    job->sides = (uint8_t)work->redistancer->sides(iso_work_values(work, index));
 }
 
 /* The sides of the interface that a cell's voxels are on, for all that is known: bricks that are no jobs may
@@ -533,9 +553,7 @@ static void compare_job(void *context, size_t index, int worker) {
     const iso_work *work = context;
     iso_job *job = iso_work_job(work, index);
     const float *before = iso_work_before(work, job->state), *values = iso_work_values(work, index);
-    /* (what is masked is put back in own memory only: elsewhere nothing of it has changed) */
-    job->edited = before != values && work->dab->settle(before, iso_mask_bits(&work->mask, job->cell),
-                                                        (float *)values, &job->changed);
+    job->edited = before != values && work->dab->settle(before, NULL, (float *)values, &job->changed);
     if (job->edited) iso_work_find_box(job, &job->changed);
 }
 
