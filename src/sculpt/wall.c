@@ -91,8 +91,7 @@ bool iso_wall_near(const iso_work *work) {
             bool within = true;
             for (int axis = 0; axis < 3; axis++)
                 within &= at[axis] >= 0 && at[axis] < work->grid->cells[axis];
-            if (within &&
-                iso_mask_bits(&work->mask, iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])))
+            if (within && iso_mask_bits(&work->mask, iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])))
                 return true;
         }
     }
@@ -156,5 +155,49 @@ void iso_wall_close(iso_work *work) {
             if (fabsf(value) <= left) continue;
             iso_work_own(work, frozen.job - 1)[frozen.at] = value < 0 ? -left : left;
         }
+    }
+}
+
+/* Voxels of a job and SPREAD on each side: bit x + SPREAD of row[z + SPREAD][y + SPREAD]. */
+enum { SPREAD = ISO_WORK_SPREAD, WIDE = ISO_BRICK + 2 * SPREAD };
+typedef struct surroundings {
+    uint32_t row[WIDE][WIDE];
+} surroundings;
+
+static void add_changed(const iso_voxel_bits *changed, const int side[3], surroundings *s) {
+    int lo[3], hi[3];
+    for (int axis = 0; axis < 3; axis++) {
+        lo[axis] = side[axis] < 0 ? ISO_BRICK - SPREAD : 0;
+        hi[axis] = side[axis] > 0 ? SPREAD : ISO_BRICK;
+    }
+    for (int z = lo[2]; z < hi[2]; z++)
+        for (int y = lo[1]; y < hi[1]; y++) {
+            const uint32_t bits = changed->row[z * ISO_BRICK + y] & ((1u << hi[0]) - (1u << lo[0]));
+            s->row[z + ISO_BRICK * side[2] + SPREAD][y + ISO_BRICK * side[1] + SPREAD] |=
+                side[0] < 0 ? bits >> (ISO_BRICK - SPREAD) : bits << (ISO_BRICK * side[0] + SPREAD);
+        }
+}
+
+/* Bits of rows within SPREAD of row `at`, `step` apart. */
+static uint32_t spread_rows(const uint32_t *rows, int at, int step) {
+    uint32_t bits = 0;
+    for (int i = at - SPREAD; i <= at + SPREAD; i++) bits |= rows[i * step];
+    return bits;
+}
+
+void iso_wall_reach(const iso_work *work, const iso_job *job, iso_voxel_bits *reached) {
+    surroundings s = {0}, along_y = {0};
+    for (int k = 0; k < 27; k++) {
+        const int side[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        const iso_job *beside = iso_work_beside(work, job, side);
+        if (beside && beside->edited) add_changed(&beside->changed, side, &s);
+    }
+    for (int z = 0; z < WIDE; z++)
+        for (int y = SPREAD; y < WIDE - SPREAD; y++) along_y.row[z][y] = spread_rows(s.row[z], y, 1);
+    for (int row = 0; row < ISO_BRICK_ROWS; row++) {
+        uint32_t bits =
+            spread_rows(&along_y.row[0][row % ISO_BRICK + SPREAD], row / ISO_BRICK + SPREAD, WIDE);
+        for (int i = 0; i < SPREAD; i++) bits |= bits << 1 | bits >> 1;
+        reached->row[row] = (uint16_t)(bits >> SPREAD);
     }
 }

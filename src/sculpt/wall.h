@@ -18,4 +18,8 @@ bool iso_wall_near(const iso_work *work);
 iso_status iso_wall_find(iso_work *work, iso_error *error);
 void iso_wall_close(iso_work *work);
 
+/* Voxels of a job whose distance what the brush changed can have changed: frozen ones beyond stay as they
+ * are. */
+void iso_wall_reach(const iso_work *work, const iso_job *job, iso_voxel_bits *reached);
+
 #endif

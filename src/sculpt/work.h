@@ -34,7 +34,8 @@ typedef struct iso_job {
     iso_marked_rows rows;   /* from which redistancing begins; of an edited job */
     iso_band_state band;
     int32_t empty;                       /* the cell's state when it is to be empty, else 0 */
-    uint8_t sides;                       /* of the interface: 1 outside, 2 inside, 3 both */
+    bool still;                          /* some voxels are frozen, and beyond what changed */
+    uint8_t sides;                       /* of the interface: 1 outside, 2 inside, 3 both, or `still` */
     uint8_t lo[3], hi[3];                /* box of what redistancing begins from; later of `changed` */
     const float *value[ISO_WORK_FIELDS]; /* own memory, the grid's, or a constant brick */
     float *own[ISO_WORK_FIELDS];         /* NULL: not taken yet */
@@ -91,6 +92,9 @@ static inline iso_job *iso_work_job(const iso_work *work, size_t job) {
 static inline const float *iso_work_values(const iso_work *work, size_t job) {
     return iso_work_job(work, job)->value[work->now];
 }
+
+/* The job of the cell beside another's (side: -1, 0, 1 an axis); NULL: none. */
+const iso_job *iso_work_beside(const iso_work *work, const iso_job *job, const int side[3]);
 
 /* The floats of a cell with this entry in the grid. */
 const float *iso_work_before(const iso_work *work, int32_t state);
