@@ -475,7 +475,6 @@ int main(void) {
                                        cmocka_unit_test(volumes_are_known),
                                        cmocka_unit_test(symmetry_is_symmetric),
                                        cmocka_unit_test(keepers_are_told_before),
-
                                        cmocka_unit_test(bad_brushes_are_named)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
