@@ -9,7 +9,7 @@
 #include "base/cpu.h"
 #include "sculpt_support.h"
 
-enum { SIDE = 64, VOXELS = SIDE * SIDE * SIDE, TOUCHES = 8 };
+enum { SIDE = 64, VOXELS = SIDE * SIDE * SIDE };
 /* The ball, and a mask on its surface. */
 static const iso_vec3 CENTRE = {31.3, 30.6, 31.8}, FROZEN = {51.2, 31.4, 30.9}, UP = {1, 0, 0};
 static const double RADIUS = 20, MASK_RADIUS = 14;
@@ -62,27 +62,29 @@ static void check_frozen(const iso_editor *editor, const iso_hgrid *grid, const 
             fail_msg("frozen voxel (%d, %d, %d) was %g and is %g", i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE,
                      (double)was, (double)is);
     }
-    assert_true(held > 500 && deep > 1000 && moved > 1000);
+    assert_true(held > 500 && deep > 1000 && moved > 200);
 }
 
-/* One tool: where it goes and how large it is. */
+/* One tool: how large it is, where it begins, how often it touches. */
 typedef struct stroke {
     iso_brush brush;
     iso_vec3 at;
+    int touches;
 } stroke;
 
 static const stroke STROKES[] = {
-    {{.tool = ISO_TOOL_ADD, .radius = 9}, {46, 46, 31}},
-    {{.tool = ISO_TOOL_ADD, .radius = 12, .shape = ISO_SOLID_BOX}, {50, 31, 31}},
-    {{.tool = ISO_TOOL_CARVE, .radius = 9}, {46, 46, 31}},
-    {{.tool = ISO_TOOL_CARVE, .radius = 16}, {45, 31, 31}},
-    {{.tool = ISO_TOOL_BLEND_ADD, .radius = 10}, {46, 48, 31}},
-    {{.tool = ISO_TOOL_BLEND_CARVE, .radius = 10}, {46, 46, 31}},
-    {{.tool = ISO_TOOL_SMOOTH, .radius = 20}, {46, 46, 31}},
-    {{.tool = ISO_TOOL_INFLATE, .radius = 25, .symmetry = 2, .mirror = {31, 31, 31}}, {46, 44, 31}},
-    {{.tool = ISO_TOOL_DEFLATE, .radius = 25}, {51, 31, 31}},
-    {{.tool = ISO_TOOL_FLATTEN, .radius = 20}, {46, 44, 31}},
-    {{.tool = ISO_TOOL_PINCH, .radius = 20}, {46, 44, 31}},
+    {{.tool = ISO_TOOL_ADD, .radius = 9}, {46, 46, 31}, 8},
+    {{.tool = ISO_TOOL_ADD, .radius = 4.5}, {57, 44, 31}, 1}, /* where there was no surface */
+    {{.tool = ISO_TOOL_ADD, .radius = 12, .shape = ISO_SOLID_BOX}, {50, 31, 31}, 8},
+    {{.tool = ISO_TOOL_CARVE, .radius = 9}, {46, 46, 31}, 8},
+    {{.tool = ISO_TOOL_CARVE, .radius = 16}, {45, 31, 31}, 8},
+    {{.tool = ISO_TOOL_BLEND_ADD, .radius = 10}, {46, 48, 31}, 8},
+    {{.tool = ISO_TOOL_BLEND_CARVE, .radius = 10}, {46, 46, 31}, 8},
+    {{.tool = ISO_TOOL_SMOOTH, .radius = 20}, {46, 46, 31}, 8},
+    {{.tool = ISO_TOOL_INFLATE, .radius = 25, .symmetry = 2, .mirror = {31, 31, 31}, 8}, {46, 44, 31}, 8},
+    {{.tool = ISO_TOOL_DEFLATE, .radius = 25}, {51, 31, 31}, 8},
+    {{.tool = ISO_TOOL_FLATTEN, .radius = 20}, {46, 44, 31}, 8},
+    {{.tool = ISO_TOOL_PINCH, .radius = 20}, {46, 44, 31}, 8},
 };
 enum { STROKE_COUNT = sizeof STROKES / sizeof *STROKES };
 
@@ -92,7 +94,7 @@ static void freeze(iso_editor *editor) {
 }
 
 static void draw(iso_editor *editor, const stroke *drawn) {
-    for (int i = 0; i < TOUCHES; i++)
+    for (int i = 0; i < drawn->touches; i++)
         sculpt_touch(editor, &drawn->brush, iso_vec3_add(drawn->at, iso_vec3_scale(UP, 0.3 * i)), UP);
 }
 

@@ -2,8 +2,7 @@
 
 #include <math.h>
 
-/* Voxels: half an edge, and what is left of one at least where the other end cannot move. */
-static const float HALF = 0.5f, LEAST = 0.01f;
+static const float HALF = 0.5f; /* of an edge, in voxels */
 
 /* A voxel of an edited job. */
 typedef struct wall_voxel {
@@ -61,14 +60,6 @@ static bool wall_across(const iso_work *work, const place *changed, int face, pl
     return across(work, changed, face, frozen) && is_masked(work, frozen);
 }
 
-/* Whether a frozen voxel is at a surface that the brush left where it is. */
-static bool is_held(const iso_work *work, const place *frozen) {
-    place other;
-    for (int face = 0; face < 6; face++)
-        if (across(work, frozen, face, &other) && !is_changed(work, &other)) return true;
-    return false;
-}
-
 /* How far a changed voxel can be from the surface; *wall: whether a frozen one is across it. */
 static float bound_changed(const iso_work *work, const place *changed, bool *wall) {
     float most = fabsf(value_of(work, changed));
@@ -76,9 +67,8 @@ static float bound_changed(const iso_work *work, const place *changed, bool *wal
     *wall = false;
     for (int face = 0; face < 6; face++) {
         if (!wall_across(work, changed, face, &frozen)) continue;
-        const float left = 1 - fabsf(value_of(work, &frozen));
         *wall = true;
-        most = fminf(most, fmaxf(left, is_held(work, &frozen) ? LEAST : HALF));
+        most = fminf(most, fmaxf(1 - fabsf(value_of(work, &frozen)), HALF));
     }
     return most;
 }
@@ -141,6 +131,14 @@ iso_status iso_wall_find(iso_work *work, iso_error *error) {
     for (uint32_t job = 0; job < work->job_count; job++)
         for (int row = 0; row < ISO_BRICK_ROWS; row++) ISO_TRY(find_in_row(work, job, row, error));
     return ISO_OK;
+}
+
+/* Whether a frozen voxel is at a surface that the brush left where it is. */
+static bool is_held(const iso_work *work, const place *frozen) {
+    place other;
+    for (int face = 0; face < 6; face++)
+        if (across(work, frozen, face, &other) && !is_changed(work, &other)) return true;
+    return false;
 }
 
 void iso_wall_close(iso_work *work) {

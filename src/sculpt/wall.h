@@ -1,9 +1,9 @@
 /* wall: where a brush builds up against frozen voxels, or digs up to them.
  *
  * A frozen voxel stays on its side of the surface. Beside one that the brush has brought to the other side
- * the surface is cut off, half-way between the two; what either held was the distance to something else, up
- * to the band's end. Both become what distances there can be at most: together they are no longer than the
- * edge between them. Internal to sculpt. */
+ * the surface is cut off; what either held was the distance to something else, up to the band's end. Both
+ * become what distances there can be: together no longer than the edge between them, the surface half-way
+ * where neither is nearer. Internal to sculpt. */
 #ifndef ISO_SCULPT_WALL_H
 #define ISO_SCULPT_WALL_H
 
