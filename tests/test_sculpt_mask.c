@@ -65,26 +65,28 @@ static void check_frozen(const iso_editor *editor, const iso_hgrid *grid, const 
     assert_true(held > 500 && deep > 1000 && moved > 200);
 }
 
-/* One tool: how large it is, where it begins, how often it touches. */
+/* One tool: how large it is, where it begins, how often it touches, and how far off foot points
+ * may be then. */
 typedef struct stroke {
     iso_brush brush;
     iso_vec3 at;
     int touches;
+    double foot_p99;
 } stroke;
 
 static const stroke STROKES[] = {
-    {{.tool = ISO_TOOL_ADD, .radius = 9}, {46, 46, 31}, 8},
-    {{.tool = ISO_TOOL_ADD, .radius = 4.5}, {57, 44, 31}, 1}, /* where there was no surface */
-    {{.tool = ISO_TOOL_ADD, .radius = 12, .shape = ISO_SOLID_BOX}, {50, 31, 31}, 8},
-    {{.tool = ISO_TOOL_CARVE, .radius = 9}, {46, 46, 31}, 8},
-    {{.tool = ISO_TOOL_CARVE, .radius = 16}, {45, 31, 31}, 8},
-    {{.tool = ISO_TOOL_BLEND_ADD, .radius = 10}, {46, 48, 31}, 8},
-    {{.tool = ISO_TOOL_BLEND_CARVE, .radius = 10}, {46, 46, 31}, 8},
-    {{.tool = ISO_TOOL_SMOOTH, .radius = 20}, {46, 46, 31}, 8},
-    {{.tool = ISO_TOOL_INFLATE, .radius = 25, .symmetry = 2, .mirror = {31, 31, 31}, 8}, {46, 44, 31}, 8},
-    {{.tool = ISO_TOOL_DEFLATE, .radius = 25}, {51, 31, 31}, 8},
-    {{.tool = ISO_TOOL_FLATTEN, .radius = 20}, {46, 44, 31}, 8},
-    {{.tool = ISO_TOOL_PINCH, .radius = 20}, {46, 44, 31}, 8},
+    {{.tool = ISO_TOOL_ADD, .radius = 9}, {46, 46, 31}, 8, 0.25},
+    {{.tool = ISO_TOOL_ADD, .radius = 4.5}, {57, 44, 31}, 1, 0.18}, /* where there was no surface */
+    {{.tool = ISO_TOOL_ADD, .radius = 12, .shape = ISO_SOLID_BOX}, {50, 31, 31}, 8, 0.05},
+    {{.tool = ISO_TOOL_CARVE, .radius = 9}, {46, 46, 31}, 8, 0.25},
+    {{.tool = ISO_TOOL_CARVE, .radius = 16}, {45, 31, 31}, 8, 0.35},
+    {{.tool = ISO_TOOL_BLEND_ADD, .radius = 10}, {46, 48, 31}, 8, 0.2},
+    {{.tool = ISO_TOOL_BLEND_CARVE, .radius = 10}, {46, 46, 31}, 8, 0.22},
+    {{.tool = ISO_TOOL_SMOOTH, .radius = 20}, {46, 46, 31}, 8, 0.03},
+    {{.tool = ISO_TOOL_INFLATE, .radius = 25, .symmetry = 2, .mirror = {31, 31, 31}}, {46, 44, 31}, 8, 0.25},
+    {{.tool = ISO_TOOL_DEFLATE, .radius = 25}, {51, 31, 31}, 8, 0.15},
+    {{.tool = ISO_TOOL_FLATTEN, .radius = 20}, {46, 44, 31}, 8, 0.1},
+    {{.tool = ISO_TOOL_PINCH, .radius = 20}, {46, 44, 31}, 8, 0.1},
 };
 enum { STROKE_COUNT = sizeof STROKES / sizeof *STROKES };
 
@@ -111,7 +113,7 @@ static void frozen_surfaces_stay(void **state) {
         const sculpt_quality q = sculpt_measure(grid, 0);
         print_message("%s: foot points' error p99 %.3f, most %.3f\n", iso_tool_name(STROKES[i].brush.tool),
                       q.foot_p99, q.foot_max);
-        assert_true(q.clamped == 0 && q.foot_p99 < 0.4 && q.foot_max < 1);
+        assert_true(q.clamped == 0 && q.foot_p99 < STROKES[i].foot_p99 && q.foot_max < 1);
         iso_editor_destroy(editor);
         iso_hgrid_destroy(grid);
         iso_hgrid_destroy(before);
