@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "base/cpu.h"
+#include "sculpt/crease.h"
 #include "sculpt_support.h"
 
 static const iso_vec3 CENTRE = {63.3, 64.6, 62.8};
@@ -194,6 +195,33 @@ static void ends_leave_what_is_far(void **state) {
     iso_hgrid_destroy(before);
     iso_editor_destroy(editor);
     iso_hgrid_destroy(grid);
+}
+
+/* Distances that are too long beside a crease are cut, but not to where foot points are made: beside those
+ * that were beyond there may be the band's end. */
+static void ends_make_no_foot_points(void **state) {
+    (void)state;
+    enum { SIDE = ISO_CREASE_SIDE, M = ISO_CREASE_MARGIN };
+    static float window[SIDE * SIDE * SIDE], out[ISO_BRICK_VOXELS];
+    iso_buffer room = {0};
+    for (int i = 0; i < SIDE * SIDE * SIDE;
+         i++) { /* outside of a slanting edge; farther voxels 0.3 too far */
+        const double slant = 0.07 * (i / SIDE / SIDE), x = i % SIDE - 11.3 - slant,
+                     y = i / SIDE % SIDE - 12.2 + slant;
+        const double distance = hypot(fmax(x, 0), fmax(y, 0)) + fmin(fmax(x, y), 0);
+        window[i] = (float)fmax(fmin(distance > 1.4 ? distance + 0.3 : distance, 3), -3);
+    }
+    assert_int_equal(iso_crease_mend(window, 3, &room, out), ISO_OK);
+    size_t cut = 0, held = 0;
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        const float was = window[((i / 256 + M) * SIDE + i / 16 % 16 + M) * SIDE + i % 16 + M];
+        cut += out[i] < was;
+        held += was > 1.7320508f && out[i] == 1.7320508f;
+        assert_true(was < 1.7320508f || out[i] >= 1.7320508f);
+    }
+    print_message("%zu distances cut, %zu of them where foot points end\n", cut, held);
+    assert_true(cut > held && held > 0);
+    iso_buffer_free(&room);
 }
 
 static iso_brush random_brush(uint32_t *seed) {
@@ -470,6 +498,7 @@ int main(void) {
                                        cmocka_unit_test(freezing_moves_nothing),
                                        cmocka_unit_test(ends_move_nothing),
                                        cmocka_unit_test(ends_leave_what_is_far),
+                                       cmocka_unit_test(ends_make_no_foot_points),
                                        cmocka_unit_test(same_bytes_for_threads_and_levels),
                                        cmocka_unit_test(signs_are_those_of_a_bit_model),
                                        cmocka_unit_test(volumes_are_known),

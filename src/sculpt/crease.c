@@ -19,6 +19,9 @@ static const float SHORT = 0.4f, HALF_GAP = 0.5f;
 /* Nearer voxels are found well from the interface beside them; farther ones, of wider bands, may have
  * crossings beyond the bins around theirs. */
 static const float NEAR = 1, FAR = BIN - 0.4f;
+/* Nearer ones make foot points (the square root of 3) by the values around them; beside farther ones these
+ * may be at the band's end. */
+static const float FOOT = 1.7320508f;
 
 /* Crossings of one kind, by bins. */
 typedef struct places {
@@ -142,7 +145,9 @@ static float mended(const crossings *c, const int bin[3], const int voxel[3], fl
     if (least == reach || nearest(&c->kind[0], bin, at, least, least) < least) return *v;
     const float square = (float)least / (UNIT * UNIT);
     const float far = sqrtf(square), near = sqrtf(fmaxf(square - HALF_GAP * HALF_GAP, 0));
-    const float made = fminf(fminf(fmaxf(distance, near), far), fmaxf(distance, 0.999f * band));
+    float made = fminf(fmaxf(distance, near), far);
+    if (distance >= FOOT) made = fmaxf(made, FOOT);
+    made = fminf(made, fmaxf(distance, 0.999f * band));
     return *v < 0 ? -made : made;
 }
 
