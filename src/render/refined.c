@@ -14,7 +14,7 @@ enum {
     CELL_SHIFT_LEAST = 3,
     LAYERS = 4096, /* of depth, which blocks are sorted into */
     LOOKS = 6,     /* at what is hidden, while a patch is drawn */
-    FETCHED = 64   /* points of a block */
+    FETCHED = 512  /* points of a block, at most */
 };
 
 /* One call. */

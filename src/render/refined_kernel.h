@@ -70,6 +70,13 @@ enum {
     ISO_DISC_BX,
     ISO_DISC_BY,
     ISO_DISC_A,
+    /* Flat discs have in their places: pixels (x, y) from the centre, the ray is X x + Y y mm behind it, and
+     * the square of how far that is in radii is XX x^2 + XY x y + YY y^2. */
+    ISO_DISC_FLAT_XX = ISO_DISC_B0,
+    ISO_DISC_FLAT_X = ISO_DISC_BX,
+    ISO_DISC_FLAT_Y = ISO_DISC_BY,
+    ISO_DISC_FLAT_YY = ISO_DISC_A,
+    ISO_DISC_FLAT_XY,
     ISO_DISC_LOW_X, /* the box that it stays in: voxels from its centre along the index axes */
     ISO_DISC_LOW_Y,
     ISO_DISC_LOW_Z,

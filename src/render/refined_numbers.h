@@ -25,6 +25,8 @@
 #define ISO_REFINED_AVERTED 0.04f
 /* Discs of a larger radius, in their distances to the eye, are met by rays that are not nearly parallel. */
 #define ISO_REFINED_EXACT 0.02f
+/* The same for flat discs, which are met all over at once. */
+#define ISO_REFINED_FLAT_EXACT 0.004f
 /* Discs join what is in front of them by less, in their radii. */
 #define ISO_REFINED_THICKNESS 1.5f
 
