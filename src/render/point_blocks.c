@@ -142,9 +142,11 @@ static void look(const survey *s, const extent *e, iso_point_block *block) {
     const iso_view *view = s->projector->view;
     if (!(e->hi[2] >= view->near)) return;
     double scale[2] = {view->focal, view->focal}, columns[2], rows[2];
+    block->clipped = false;
     if (!view->orthographic) {
         double near = nearest_depth(s, e, iso_most(e->lo[2], view->near));
         if (!(near <= e->hi[2])) return;
+        block->clipped = near > e->lo[2];
         scale[0] /= near;
         scale[1] /= e->hi[2];
     }
