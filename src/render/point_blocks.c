@@ -28,13 +28,20 @@ typedef struct block_measure {
     double radius[2]; /* mm, of its discs */
 } block_measure;
 
+/* The picture's first and last side along an axis, in pixels from the optical axis, and how many times
+ * longer balls reach across them than their radii: the rays there are aslant. */
+typedef struct picture_side {
+    double at[2], reach;
+} picture_side;
+
 typedef struct survey {
     const iso_point_view *points;  /* or, when they are out of reach: */
     const block_measure *measures; /* one per block */
     double radius[2];              /* of points that have none of their own: the discs', mm */
     bool closed;
     const iso_projector *projector;
-    double eye[3]; /* in index coordinates, or (orthographic) the direction of the view */
+    picture_side sides[2]; /* of columns and of rows */
+    double eye[3];         /* in index coordinates, or (orthographic) the direction of the view */
     iso_point_block *blocks;
     chunk *chunks;
     size_t count;
@@ -78,28 +85,28 @@ static bool block_extent(const survey *s, const iso_point_block *block, const is
     return true;
 }
 
-/* The sides of the whole picture, in pixels from the optical axis: left, right or top, bottom. */
-static void picture_side(const iso_view *view, int axis, double side[2]) {
-    side[0] = axis == 0 ? -view->cx : -view->above - view->cy;
-    side[1] = axis == 0 ? view->width - view->cx : view->height + view->below - view->cy;
+static picture_side side_of(const iso_view *view, int axis) {
+    picture_side side;
+    side.at[0] = axis == 0 ? -view->cx : -view->above - view->cy;
+    side.at[1] = axis == 0 ? view->width - view->cx : view->height + view->below - view->cy;
+    const double slope = view->orthographic ? 0 : fmax(fabs(side.at[0]), fabs(side.at[1])) / view->focal;
+    side.reach = sqrt(1 + slope * slope);
+    return side;
 }
 
-/* How far from a block's points their balls reach across a side of the picture, which the rays along it make
- * the longer the more aslant they are. */
-static double reach_beyond(const iso_view *view, const extent *e, const double side[2]) {
-    const double slope = view->orthographic ? 0 : fmax(fabs(side[0]), fabs(side[1])) / view->focal;
-    return GUARD_RADII * e->radius[1] * sqrt(1 + slope * slope);
+/* How far from a block's points their balls reach across a side of the picture. */
+static double reach_beyond(const picture_side *side, const extent *e) {
+    return GUARD_RADII * e->radius[1] * side->reach;
 }
 
 /* The least depth at which something of [lo, hi], widened by the radii, is between the sides; `near` at
  * least. */
-static double nearest_depth(const iso_view *view, const extent *e, double near) {
+static double nearest_depth(const survey *s, const extent *e, double near) {
+    const double focal = s->projector->view->focal;
     double nearest = near;
     for (int axis = 0; axis < 2; axis++) {
-        double side[2];
-        picture_side(view, axis, side);
-        const double widen = reach_beyond(view, e, side);
-        double lo = (e->lo[axis] - widen) * view->focal, hi = (e->hi[axis] + widen) * view->focal;
+        const double *side = s->sides[axis].at, widen = reach_beyond(&s->sides[axis], e);
+        double lo = (e->lo[axis] - widen) * focal, hi = (e->hi[axis] + widen) * focal;
         if (side[1] > 0 && lo > nearest * side[1]) nearest = lo / side[1];
         if (side[0] < 0 && hi < nearest * side[0]) nearest = hi / side[0];
     }
@@ -108,11 +115,10 @@ static double nearest_depth(const iso_view *view, const extent *e, double near) 
 
 /* Whether [lo, hi], widened by the radii, comes between the picture's sides on this axis, at scales (pixels
  * per mm) of the nearest and the farthest; its range of pixels without the radii goes to `pixels`. */
-static bool meets_sides(const iso_view *view, const extent *e, int axis, const double scale[2],
+static bool meets_sides(const picture_side *sides, const extent *e, int axis, const double scale[2],
                         double pixels[2]) {
-    double side[2], lo = e->lo[axis], hi = e->hi[axis];
-    picture_side(view, axis, side);
-    const double widen = reach_beyond(view, e, side);
+    const double *side = sides[axis].at, widen = reach_beyond(&sides[axis], e);
+    double lo = e->lo[axis], hi = e->hi[axis];
     pixels[0] = lo * scale[lo < 0 ? 0 : 1];
     pixels[1] = hi * scale[hi > 0 ? 0 : 1];
     lo -= widen;
@@ -132,16 +138,19 @@ static float widened(double depth, double by) {
     return (float)(depth + by * 1e-5 * fabs(depth));
 }
 
-static void look(const iso_view *view, const extent *e, iso_point_block *block) {
+static void look(const survey *s, const extent *e, iso_point_block *block) {
+    const iso_view *view = s->projector->view;
     if (!(e->hi[2] >= view->near)) return;
     double scale[2] = {view->focal, view->focal}, columns[2], rows[2];
+    block->clipped = false;
     if (!view->orthographic) {
-        double near = nearest_depth(view, e, iso_most(e->lo[2], view->near));
+        double near = nearest_depth(s, e, iso_most(e->lo[2], view->near));
         if (!(near <= e->hi[2])) return;
+        block->clipped = near > e->lo[2];
         scale[0] /= near;
         scale[1] /= e->hi[2];
     }
-    if (!meets_sides(view, e, 0, scale, columns) || !meets_sides(view, e, 1, scale, rows)) return;
+    if (!meets_sides(s->sides, e, 0, scale, columns) || !meets_sides(s->sides, e, 1, scale, rows)) return;
     block->seen = true;
     block->row[0] = whole_pixel(rows[0] - 1);
     block->row[1] = whole_pixel(rows[1] + 1);
@@ -177,7 +186,7 @@ static void survey_block(const survey *s, iso_point_block *block, const iso_poin
         found->lo[axis] = iso_least(found->lo[axis], e.lo[axis]);
         found->hi[axis] = iso_most(found->hi[axis], e.hi[axis]);
     }
-    look(s->projector->view, &e, block);
+    look(s, &e, block);
     if (!block->seen) return;
     if (s->closed) {
         iso_facing facing = iso_projector_facing(s->projector, s->eye, block->brick, bounds);
@@ -262,6 +271,7 @@ static iso_status look_at_blocks(iso_point_blocks *blocks, survey *s, iso_pool *
     s->blocks = blocks->blocks.data;
     s->chunks = blocks->chunks.data;
     s->count = blocks->count;
+    for (int axis = 0; axis < 2; axis++) s->sides[axis] = side_of(s->projector->view, axis);
     iso_parallel_for(pool, chunks, survey_chunk, s);
     sum_up(blocks, s->chunks, chunks);
     return ISO_OK;

@@ -19,6 +19,7 @@ typedef struct iso_point_block {
     /* In this view: */
     bool averted, facing; /* all its points face away from the eye, or to it */
     bool seen;            /* by the whole picture or the points' radii around it */
+    bool clipped;         /* rows and columns leave out points too near to be seen */
     int32_t row[2];       /* first and last pixel row of its points' centres, counted from the optical axis */
     int32_t column[2];    /* the same for columns */
     float depth[2];       /* of the nearest and the farthest of its points' centres, mm, a little widened */
