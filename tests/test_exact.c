@@ -191,6 +191,27 @@ static void nothing_is_hit_just_below_a_ridge(void **state) {
         }
 }
 
+/* Cells of hundreds of pixels and more, most of them nearly linear, down to where the eye is close by. */
+static void large_cells_equal_raycast(void **state) {
+    (void)state;
+    static const char *const names[] = {"large smooth cells", "large balls"};
+    test_random random = {11};
+    for (int kind = 0; kind < 2; kind++) {
+        test_verdict verdict = {0};
+        for (int round = 0; round < 4 * TEST_VIEWS; round++) {
+            int dims[3];
+            test_random_dims(&random, 14, 22, dims);
+            iso_grid grid = kind ? random_balls(26, 3, &random) : test_rgrid(dims, types[round % 4]);
+            if (!kind) test_fill(&grid, TEST_SMOOTH, &random);
+            set_transform(&grid, round % TEST_TRANSFORMS);
+            const iso_view whole = make_view(&grid, round % TEST_VIEWS, round % 5 ? 397 : 1500, &random);
+            judge(&grid, kind ? 0 : 100.3, &whole, &verdict);
+            iso_grid_destroy(&grid);
+        }
+        check_verdict(&verdict, names[kind], 2e-6);
+    }
+}
+
 static void thin_grids_are_empty(void **state) {
     (void)state;
     test_random random = {6};
@@ -521,6 +542,7 @@ int main(void) {
         cmocka_unit_test(hgrids_equal_raycast),
         cmocka_unit_test(rays_along_axes),
         cmocka_unit_test(nothing_is_hit_just_below_a_ridge),
+        cmocka_unit_test(large_cells_equal_raycast),
         cmocka_unit_test(thin_grids_are_empty),
         cmocka_unit_test(strips_equal_the_whole),
         cmocka_unit_test(levels_and_threads_give_the_same_bytes),

@@ -69,6 +69,7 @@ static void open_band(exact_draw *draw, iso_exact_scratch *scratch, size_t band)
     scratch->words = draw->words;
     scratch->hits.count = scratch->hits.slots = 0;
     scratch->pairs = scratch->careful = scratch->windows = 0;
+    scratch->flats.count = scratch->flats.runs = 0;
     for (int y = 0; y <= scratch->rows.last - scratch->rows.first; y++) {
         uint64_t *row = scratch->open + (size_t)y * (size_t)draw->words;
         for (int word = 0; word < draw->words; word++) row[word] = word < width / 64 ? ~(uint64_t)0 : 0;

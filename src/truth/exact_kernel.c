@@ -18,6 +18,9 @@
 /* Pixels of a cell's box from which on it does not pay to fill its last vector from other cells. */
 #define ISO_EXACT_ALONE 32
 
+/* ..and from which on the rows of a cell are worth an outline. */
+#define ISO_EXACT_WIDE 250
+
 /* Pairs of several cells that are tested together: vectors of them overlap in time, but a pixel that is taken
  * by one of them is listed, for nothing, for later ones. */
 #define ISO_EXACT_BATCH 64
@@ -52,6 +55,12 @@ static void set_cell(const iso_exact_scratch *scratch, int cell, int voxel[3]) {
     const int local[3] = {position & 7, position >> 3 & 7, position >> 6};
     for (int axis = 0; axis < 3; axis++)
         voxel[axis] = ISO_BRICK * scratch->span->brick[axis] + scratch->block->origin[axis] + local[axis];
+}
+
+/* Whether a block's cells are large, and rays hardly differ from one end of a cell to the other. */
+static bool has_outlines(const iso_exact_frame *frame, const iso_exact_view *view) {
+    if (view->near || view->clip || view->cell_pixels < ISO_EXACT_WIDE) return false;
+    return !frame->perspective || view->depth > 48 * frame->half_depth;
 }
 
 /* The lowest bits of a number, moved to where a mask has bits. */

@@ -18,6 +18,8 @@ enum {
     ISO_EXACT_HITS = 256,
     ISO_EXACT_ALONE_LIST = 256, /* pairs of a large cell */
     ISO_EXACT_ALONE_ROOM = ISO_EXACT_ALONE_LIST + 64,
+    ISO_EXACT_FLAT_LIST = 256, /* pixels of a flat cell */
+    ISO_EXACT_FLAT_ROOM = ISO_EXACT_FLAT_LIST + 64 + 2 * ISO_LANES_MAX,
     ISO_EXACT_HIT_ROOM = ISO_EXACT_HITS + ISO_EXACT_ALONE_ROOM + 3 * ISO_LANES_MAX,
 };
 
@@ -60,6 +62,44 @@ typedef struct iso_exact_window {
     int32_t pixel;   /* the first, y << 16 | x */
 } iso_exact_window;
 
+/* What a large cell leaves of a row of pixels: those between low + slope * y and high + slope * y for each of
+ * several pairs of lines, x and y from the projected middle. */
+enum { ISO_EXACT_LINES = 6 };
+typedef struct iso_exact_outline {
+    float slope[8], low[8], high[8];
+} iso_exact_outline;
+
+/* A large cell in which the field is nearly linear: a ray that meets the surface there meets it once, and
+ * within `reach` of where it meets the plane of the field's linear part, from where Newton's method is sure
+ * to find it. Rays pass the middle's depth at `right` * x + `down` * y, x and y pixels from the projected
+ * middle, and go on `along` + `turn` * that per mm, on which the linear part changes by `rate` + `turn` *
+ * what it changes by there. */
+typedef struct iso_exact_flat {
+    float right[3], turn;
+    float down[3], reach; /* mm */
+    float along[3], rate;
+    float arrived; /* what the product of the first and the last step must not exceed, mm^2 */
+    float flat;    /* 1; 0: the cell is another */
+    float unused[2];
+} iso_exact_flat;
+
+/* Neighbouring pixels of a row. */
+typedef struct iso_exact_run {
+    int32_t pixel; /* the first, y << 16 | x */
+    int count;     /* at most 64 */
+} iso_exact_run;
+
+/* Pixels of one flat cell: where they are from its projected middle, and what is found out about them, which
+ * is stored ISO_LANES_MAX items later so that vectors can be read that begin before the first one. */
+typedef struct iso_exact_flats {
+    int count, runs;
+    iso_exact_run run[ISO_EXACT_FLAT_ROOM];
+    float x[ISO_EXACT_FLAT_ROOM], y[ISO_EXACT_FLAT_ROOM], depth[ISO_EXACT_FLAT_ROOM];
+    float at[3][ISO_EXACT_FLAT_ROOM]; /* in the cell's coordinates; then the normal */
+    uint64_t hit[ISO_EXACT_FLAT_ROOM / 64 + 2], unsure[ISO_EXACT_FLAT_ROOM / 64 + 2]; /* bits */
+    float gradient[8][4]; /* in view space, as the field's coefficients are ordered */
+} iso_exact_flats;
+
 /* One worker's. */
 typedef struct iso_exact_scratch {
     iso_rows rows;  /* of the band */
@@ -88,6 +128,10 @@ typedef struct iso_exact_scratch {
     iso_exact_window window[ISO_EXACT_ALONE_ROOM];  /* ..these are where the pairs lie, */
     uint64_t struck[ISO_EXACT_ALONE_ROOM / 64 + 1]; /* and bits of the pairs that hit */
     iso_exact_hits hits;
+    bool outlined; /* cells are large, and far from the eye: these are set */
+    iso_exact_outline outline[ISO_EXACT_CELL_ROOM];
+    iso_exact_flat flat[ISO_EXACT_CELL_ROOM];
+    iso_exact_flats flats;
 } iso_exact_scratch;
 
 typedef struct iso_exact_kernel {
