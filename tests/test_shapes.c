@@ -293,7 +293,8 @@ static void reference_lean(const iso_grid *grid, const bent_point *point, int ax
                  off = outward * (rise - gradient[axis]) / sqrt(length),
                  slope = copysign(fmax(fabs(off) - 0.15, 0), off);
     const double normal[3] = {point->normal.x, point->normal.y, point->normal.z};
-    const double along = 1 + slope * normal[axis], scale = slope * along / fmax(along * along, 0.05);
+    const double along = 1 + slope * normal[axis], lean = slope * along / fmax(along * along, 1e-4),
+                 scale = lean * fmax(1 - lean * lean / 16, 0);
     tilt[0] = scale * point->u[axis];
     tilt[1] = scale * point->v[axis];
 }
