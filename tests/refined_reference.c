@@ -190,7 +190,7 @@ static void settle(const hit *hits, size_t count, const iso_projector *projector
     }
     double norm = 0, sq[3];
     for (int k = 0; k < 9; k++) norm += s[k / 3][k % 3] * s[k / 3][k % 3];
-    const double noisy = per_mm(projector), small = 1 / (1 + norm / (weight * weight * noisy * noisy));
+    const double noisy = 1.8 * per_mm(projector), small = 1 / (1 + norm / (weight * weight * noisy * noisy));
     const double alike = square > 0 ? norm / weight / square * small : 0;
     bend(s, q, sq);
     for (int k = 0; k < 3; k++) n[k] += alike * sq[k] / weight;
