@@ -120,6 +120,12 @@ static void note_peak(report *r) {
     if (peak > r->peak) r->peak = peak;
 }
 
+static iso_status keep_picture(const report *r, const iso_image *image, report_picture *picture,
+                               iso_error *error) {
+    iso_png_opts opts = {.small = true, .pool = r->job.pool};
+    return iso_png_encode(image, &opts, &picture->bytes, &picture->size, error);
+}
+
 /* The median of three frames, of fewer where one takes long; the first one with an eye on memory. */
 static iso_status draw_timed(report *r, const report_view *v, int method, iso_study_frame *frame,
                              report_cell *cell, iso_error *error) {
@@ -142,7 +148,7 @@ static iso_status draw_timed(report *r, const report_view *v, int method, iso_st
     cell->seconds = frames < FRAMES
                         ? fmin(seconds[0], seconds[frames - 1])
                         : fmax(fmin(seconds[0], seconds[1]), fmin(fmax(seconds[0], seconds[1]), seconds[2]));
-    return iso_png_encode(&frame->image, r->job.pool, &cell->picture.bytes, &cell->picture.size, error);
+    return keep_picture(r, &frame->image, &cell->picture, error);
 }
 
 /* Black over violet and orange to pale yellow: brightness grows all the way. */
@@ -150,7 +156,7 @@ static void heat(float value, uint8_t rgba[4]) {
     enum { STEPS = 5 };
     static const float ramp[STEPS + 1][3] = {{0, 0, 0},     {66, 16, 110},  {156, 40, 106},
                                              {226, 92, 50}, {250, 176, 26}, {254, 253, 190}};
-    float at = value * STEPS;
+    float at = (float)(int)(value * 255 + 0.5f) / 255 * STEPS; /* few colours make a small picture */
     int step = at < STEPS ? (int)at : STEPS - 1;
     for (int c = 0; c < 3; c++) {
         float mixed = ramp[step][c] + (at - (float)step) * (ramp[step + 1][c] - ramp[step][c]);
@@ -162,7 +168,7 @@ static void heat(float value, uint8_t rgba[4]) {
 static iso_status keep_difference(const report *r, easel *e, report_picture *picture, iso_error *error) {
     size_t count = (size_t)e->difference.width * (size_t)e->difference.height;
     for (size_t i = 0; i < count; i++) heat(e->map[i], e->difference.rgba + 4 * i);
-    return iso_png_encode(&e->difference, r->job.pool, &picture->bytes, &picture->size, error);
+    return keep_picture(r, &e->difference, picture, error);
 }
 
 static iso_status compare_frames(const report *r, const report_view *v, easel *e, report_sampling sampling,

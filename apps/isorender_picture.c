@@ -127,7 +127,7 @@ static iso_status write_picture(isorender_job *job, const iso_image *image, cons
                                   {"Title", job->plan->model},
                                   {"Comment", l.command},
                                   {"Description", l.isovalues}};
-    const iso_png_opts opts = {texts, l.isovalues[0] ? 4 : 3, job->pool};
+    const iso_png_opts opts = {.texts = texts, .text_count = l.isovalues[0] ? 4 : 3, .pool = job->pool};
     return iso_png_write_with(path, image, &opts, error);
 }
 

@@ -64,6 +64,10 @@ bool isosculpt_task_cancelled(const isosculpt_task *task) {
     return atomic_load(&task->cancelled);
 }
 
+bool isosculpt_task_failed(const isosculpt_task *task) {
+    return isosculpt_task_done(task) && task->status != ISO_OK;
+}
+
 void isosculpt_task_cancel(isosculpt_task *task) {
     atomic_store(&task->cancelled, true);
 }

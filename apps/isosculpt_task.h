@@ -22,6 +22,7 @@ iso_status isosculpt_task_start(isosculpt_task_fn *run, void *context, void (*wa
 double isosculpt_task_fraction(const isosculpt_task *task); /* 0 .. 1 */
 bool isosculpt_task_done(const isosculpt_task *task);
 bool isosculpt_task_cancelled(const isosculpt_task *task); /* it was asked to end, and may have been done */
+bool isosculpt_task_failed(const isosculpt_task *task);    /* it is done, and not well */
 void isosculpt_task_cancel(isosculpt_task *task);
 /* Waits for its end; frees it; what the work returned. */
 iso_status isosculpt_task_finish(isosculpt_task *task, iso_error *error);

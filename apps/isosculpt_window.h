@@ -32,6 +32,7 @@ typedef struct window {
     unsigned texture;        /* of the cpu engine's picture; 0: none yet */
     char folder[ISOSCULPT_PATH];
     char next[ISOSCULPT_PATH]; /* to be opened once the question about it is answered */
+    size_t agreed; /* changes of the desk whose loss from sight was agreed to when `opening` began */
     bool has_folder;
     int texture_width, texture_height;
     int frames;                 /* still to be drawn */

@@ -77,6 +77,7 @@ static iso_status start_opening(window *w, const char *path, bool stamp, iso_err
                                        .threads = settings->threads,
                                        .undo_memory = (size_t)settings->undo_memory,
                                        .wake = wake};
+    w->agreed = w->desk.changes;
     return isosculpt_opening_start(&request, &w->opening, error);
 }
 
@@ -143,12 +144,35 @@ static iso_status without(window *w, bool cancelled, iso_status status, iso_erro
     return show_ball(w, error);
 }
 
+bool isosculpt_window_unsaved(const window *w) {
+    return w->desk.changes != w->desk.saved;
+}
+
+static void ask(window *w, isosculpt_question question, const char *path) {
+    snprintf(w->screen.asked, sizeof w->screen.asked, "%s", path);
+    w->screen.question = question;
+    w->frames = ISOSCULPT_FRAMES;
+}
+
+/* Strokes that were made while it was opened would be out of sight with the rest: nobody was asked about
+ * them. */
+static bool must_ask_again(const window *w) {
+    const isosculpt_task *task = isosculpt_opening_task(w->opening);
+    return isosculpt_window_unsaved(w) && w->desk.changes != w->agreed && !isosculpt_task_cancelled(task) &&
+           !isosculpt_task_failed(task) && !isosculpt_opening_is_stamp(w->opening);
+}
+
 static iso_status finish_opening(window *w, iso_error *error) {
     isosculpt_opened opened;
     if (!w->opening || !isosculpt_task_done(isosculpt_opening_task(w->opening))) return ISO_OK;
     const isosculpt_question question = w->screen.question;
     if (w->hand.drag || w->desk.saver || (question && question != ISOSCULPT_ASK_RECOVER))
         return ISO_OK; /* first things first */
+    if (must_ask_again(w)) {
+        snprintf(w->next, sizeof w->next, "%s", isosculpt_opening_path(w->opening));
+        ask(w, ISOSCULPT_ASK_OPEN, w->next);
+        return ISO_OK;
+    }
     const bool cancelled = isosculpt_task_cancelled(isosculpt_opening_task(w->opening));
     iso_status status = isosculpt_opening_finish(w->opening, &opened, error);
     w->opening = NULL;
@@ -181,16 +205,6 @@ static void open_path(window *w, const char *path, bool stamp) {
         w->screen.message[0] = 0; /* of what was tried before */
 }
 
-bool isosculpt_window_unsaved(const window *w) {
-    return w->desk.changes != w->desk.saved;
-}
-
-static void ask(window *w, isosculpt_question question, const char *path) {
-    snprintf(w->screen.asked, sizeof w->screen.asked, "%s", path);
-    w->screen.question = question;
-    w->frames = ISOSCULPT_FRAMES;
-}
-
 /* In place of what is there, which may have changes that are not saved. */
 static void ask_to_open(window *w, const char *path) {
     if (is_opening(w)) return;
@@ -204,7 +218,16 @@ static void ask_to_open(window *w, const char *path) {
 /* What the question was about, now that it is answered. */
 static void leave(window *w, isosculpt_question question) {
     if (question == ISOSCULPT_ASK_CLOSE) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
-    if (question == ISOSCULPT_ASK_OPEN) open_path(w, w->next, false);
+    if (question == ISOSCULPT_ASK_OPEN && w->opening)
+        w->agreed = w->desk.changes; /* it is ready */
+    else if (question == ISOSCULPT_ASK_OPEN)
+        open_path(w, w->next, false);
+}
+
+/* As before the question. */
+static void stay(window *w, isosculpt_question question) {
+    if (question == ISOSCULPT_ASK_OPEN && w->opening)
+        isosculpt_task_cancel(isosculpt_opening_task(w->opening));
 }
 
 /* A mesh can be two things, unless there is nothing that a stamp could work on. */
@@ -277,6 +300,7 @@ void isosculpt_window_saved(window *w) {
     else if (status == ISO_OK)
         leave(w, leaving);
 }
+
 /* ---- heavy work */
 
 static void add_busy(window *w, const char *verb, const char *path, const isosculpt_task *task) {
@@ -332,6 +356,8 @@ void isosculpt_window_answer(window *w, unsigned answers) {
         w->leaving = question;
     else if (answers & ISOSCULPT_ANSWER_LEAVE)
         leave(w, question);
+    else if (answers & ISOSCULPT_ANSWER_STAY)
+        stay(w, question);
     w->save |= (answers & ISOSCULPT_ANSWER_SAVE) != 0;
 }
 

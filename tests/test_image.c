@@ -80,6 +80,55 @@ static void threads_write_the_same_file(void **state) {
     }
 }
 
+/* A ramp of so many colours over rows, each shifted by its number. */
+static iso_image ramp_image(int colours, uint8_t alpha) {
+    iso_image image;
+    assert_int_equal(iso_image_create(300, 500, &image, NULL), ISO_OK);
+    for (int i = 0; i < 300 * 500; i++) {
+        int colour = (i % 300 + i / 300) % colours;
+        memcpy(image.rgba + 4 * i, (uint8_t[]){(uint8_t)colour, (uint8_t)(colour >> 8), 7, alpha}, 4);
+    }
+    return image;
+}
+
+/* Few colours are indexed, and nothing is lost either way, with one thread and with three. */
+static void small_files_hold_the_same_picture(void **state) {
+    (void)state;
+    const struct {
+        int colours;
+        uint8_t alpha, type;
+    } cases[] = {{1, 255, PNG_COLOR_TYPE_PALETTE},
+                 {255, 255, PNG_COLOR_TYPE_PALETTE},
+                 {256, 255, PNG_COLOR_TYPE_PALETTE},
+                 {257, 255, PNG_COLOR_TYPE_RGB},
+                 {2, 254, PNG_COLOR_TYPE_RGBA}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        iso_image image = ramp_image(cases[k].colours, cases[k].alpha), back = {0};
+        uint8_t *bytes[2], *plain;
+        size_t size[2], plain_size;
+        for (int many = 0; many < 2; many++) {
+            iso_pool *pool = NULL;
+            assert_int_equal(iso_pool_create(many ? 3 : 1, &pool, NULL), ISO_OK);
+            iso_png_opts opts = {.small = true, .pool = pool};
+            assert_int_equal(iso_png_encode(&image, &opts, &bytes[many], &size[many], NULL), ISO_OK);
+            iso_pool_destroy(pool);
+        }
+        assert_int_equal(size[0], size[1]);
+        assert_memory_equal(bytes[0], bytes[1], size[0]);
+        assert_int_equal(bytes[0][25], cases[k].type);
+        assert_int_equal(iso_png_encode(&image, &(iso_png_opts){0}, &plain, &plain_size, NULL), ISO_OK);
+        assert_true(size[0] < plain_size);
+        spill(PATH, bytes[0], size[0]);
+        assert_int_equal(iso_png_read(PATH, &back, NULL), ISO_OK);
+        assert_memory_equal(back.rgba, image.rgba, 300 * 500 * 4);
+        free(bytes[0]);
+        free(bytes[1]);
+        free(plain);
+        iso_image_free(&image);
+        iso_image_free(&back);
+    }
+}
+
 static void sides_are_checked(void **state) {
     (void)state;
     const int sizes[][2] = {{0, 5}, {5, 0}, {-1, 5}, {ISO_IMAGE_MAX + 1, 1}, {1, ISO_IMAGE_MAX + 1}};
@@ -325,10 +374,15 @@ static void a_full_disk_is_reported(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_written_is_read),    cmocka_unit_test(threads_write_the_same_file),
-        cmocka_unit_test(sides_are_checked),          cmocka_unit_test(texts_are_kept),
-        cmocka_unit_test(every_kind_is_read),         cmocka_unit_test(broken_files_are_named),
-        cmocka_unit_test(unreadable_files_are_named), cmocka_unit_test(unwritable_paths_are_named),
+        cmocka_unit_test(what_is_written_is_read),
+        cmocka_unit_test(threads_write_the_same_file),
+        cmocka_unit_test(small_files_hold_the_same_picture),
+        cmocka_unit_test(sides_are_checked),
+        cmocka_unit_test(texts_are_kept),
+        cmocka_unit_test(every_kind_is_read),
+        cmocka_unit_test(broken_files_are_named),
+        cmocka_unit_test(unreadable_files_are_named),
+        cmocka_unit_test(unwritable_paths_are_named),
         cmocka_unit_test(a_full_disk_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -4,6 +4,7 @@
 #ifndef ISO_IMAGE_IMAGE_H
 #define ISO_IMAGE_IMAGE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -38,18 +39,18 @@ typedef struct iso_png_text {
 iso_status iso_png_write(const char *path, const iso_image *image, const iso_png_text *texts, int text_count,
                          iso_error *error);
 
-/* The same, compressed by all threads of a pool: the same bytes. */
 typedef struct iso_png_opts {
     const iso_png_text *texts;
     int text_count;
-    iso_pool *pool;
+    bool small;     /* take more time for fewer bytes; up to 256 opaque colours are indexed */
+    iso_pool *pool; /* its threads compress; the same bytes for every number of them, and without */
 } iso_png_opts;
 iso_status iso_png_write_with(const char *path, const iso_image *image, const iso_png_opts *opts,
                               iso_error *error);
 
 /* The same bytes in memory: *bytes (the caller's, to free()) and *size.
  * ISO_ERR_NOMEM. */
-iso_status iso_png_encode(const iso_image *image, iso_pool *pool, uint8_t **bytes, size_t *size,
+iso_status iso_png_encode(const iso_image *image, const iso_png_opts *opts, uint8_t **bytes, size_t *size,
                           iso_error *error);
 
 /* Reads any PNG as 8-bit RGBA; gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT (also for

@@ -38,6 +38,7 @@ typedef struct writer {
     png_infop info;
     FILE *stream;
     iso_png_packer packer;
+    iso_png_palette *palette; /* NULL: the picture's colours are not indexed */
     png_text *texts;
     int text_count;
     bool out_of_memory;
@@ -67,13 +68,26 @@ static bool is_opaque(const iso_image *image) {
     return true;
 }
 
+static void put_palette(writer *w) {
+    png_color colours[ISO_PNG_COLOURS];
+    for (int i = 0; i < w->palette->count; i++) {
+        uint32_t colour = w->palette->colour[i];
+        colours[i] = (png_color){(png_byte)(colour >> 16), (png_byte)(colour >> 8), (png_byte)colour};
+    }
+    png_set_PLTE(w->png, w->info, colours, w->palette->count);
+}
+
 /* libpng writes what is around the pixels; png_write_end would miss its own. */
 static bool write_picture(writer *w) {
     if (setjmp(w->trouble.escape)) return false;
     png_set_write_fn(w->png, w, write_bytes, flush_nothing);
+    int channels = w->packer.channels;
+    int type = channels == 1   ? PNG_COLOR_TYPE_PALETTE
+               : channels == 3 ? PNG_COLOR_TYPE_RGB
+                               : PNG_COLOR_TYPE_RGBA;
     png_set_IHDR(w->png, w->info, (png_uint_32)w->packer.image->width, (png_uint_32)w->packer.image->height,
-                 8, w->packer.opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE,
-                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+                 8, type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (w->palette) put_palette(w);
     if (w->text_count) png_set_text(w->png, w->info, w->texts, w->text_count);
     png_write_info(w->png, w->info);
     for (;;) {
@@ -105,10 +119,23 @@ static png_text text_chunk(const iso_png_text *text) {
     return chunk;
 }
 
+static iso_status choose_form(writer *w, const iso_image *image, const iso_png_opts *opts) {
+    w->packer = (iso_png_packer){
+        .image = image, .channels = is_opaque(image) ? 3 : 4, .small = opts->small, .pool = opts->pool};
+    if (!opts->small || w->packer.channels == 4) return ISO_OK;
+    if (!(w->palette = iso_alloc(sizeof *w->palette))) return ISO_ERR_NOMEM;
+    if (iso_png_palette_find(image, w->palette)) {
+        w->packer.palette = w->palette;
+        w->packer.channels = 1;
+    } else {
+        iso_free(w->palette);
+        w->palette = NULL;
+    }
+    return ISO_OK;
+}
+
 static iso_status prepare_writer(writer *w, const iso_image *image, const iso_png_opts *opts) {
-    w->packer.image = image;
-    w->packer.opaque = is_opaque(image);
-    w->packer.pool = opts->pool;
+    ISO_TRY(choose_form(w, image, opts));
     w->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w->trouble, on_error, on_warning);
     if (!w->png || !(w->info = png_create_info_struct(w->png))) return ISO_ERR_NOMEM;
     int count = opts->text_count;
@@ -134,6 +161,7 @@ static iso_status write_to_sink(writer *w, const char *path, iso_error *error) {
 static void free_writer(writer *w) {
     png_destroy_write_struct(&w->png, &w->info);
     iso_png_packer_free(&w->packer);
+    iso_free(w->palette);
     iso_free(w->texts);
 }
 
@@ -149,12 +177,12 @@ iso_status iso_png_write_with(const char *path, const iso_image *image, const is
     return status;
 }
 
-iso_status iso_png_encode(const iso_image *image, iso_pool *pool, uint8_t **bytes, size_t *size,
+iso_status iso_png_encode(const iso_image *image, const iso_png_opts *opts, uint8_t **bytes, size_t *size,
                           iso_error *error) {
     writer w = {0};
     char *block = NULL;
     size_t length = 0;
-    bool good = prepare_writer(&w, image, &(iso_png_opts){.pool = pool}) == ISO_OK;
+    bool good = prepare_writer(&w, image, opts) == ISO_OK;
     good = good && (w.stream = open_memstream(&block, &length)) != NULL && write_picture(&w);
     if (w.stream) good = fclose(w.stream) == 0 && good;
     free_writer(&w);
@@ -169,7 +197,7 @@ iso_status iso_png_encode(const iso_image *image, iso_pool *pool, uint8_t **byte
 
 iso_status iso_png_write(const char *path, const iso_image *image, const iso_png_text *texts, int text_count,
                          iso_error *error) {
-    return iso_png_write_with(path, image, &(iso_png_opts){texts, text_count, NULL}, error);
+    return iso_png_write_with(path, image, &(iso_png_opts){.texts = texts, .text_count = text_count}, error);
 }
 
 typedef struct reader {

@@ -12,28 +12,32 @@ enum {
     FILTER_UP = 2 /* PNG's number of the filter */
 };
 
-static int channels_of(const iso_png_packer *packer) {
-    return packer->opaque ? 3 : 4;
-}
-
 static int band_rows(const iso_png_packer *packer) {
-    int rows = BAND_BYTES / (packer->image->width * channels_of(packer));
+    int rows = BAND_BYTES / (packer->image->width * packer->channels);
     return rows ? rows : 1;
 }
 
 static size_t row_bytes(const iso_png_packer *packer) {
-    return 1 + (size_t)packer->image->width * (size_t)channels_of(packer);
+    return 1 + (size_t)packer->image->width * (size_t)packer->channels;
+}
+
+static uint8_t index_of(const iso_png_packer *packer, const uint8_t rgba[4]) {
+    return iso_png_palette_index(packer->palette, rgba);
 }
 
 /* A row less the one above it: pictures of surfaces are smooth, and rows of background become zeros. */
 static void filter_row(const iso_png_packer *packer, int y, uint8_t *out) {
     size_t width = (size_t)packer->image->width;
     const uint8_t *row = packer->image->rgba + (size_t)y * width * 4, *above = row - width * 4;
+    int channels = packer->channels;
     *out++ = FILTER_UP;
-    if (packer->opaque && y > 0)
+    if (channels == 1)
+        for (size_t i = 0; i < 4 * width; i += 4)
+            *out++ = (uint8_t)(index_of(packer, row + i) - (y > 0 ? index_of(packer, above + i) : 0));
+    else if (channels == 3 && y > 0)
         for (size_t x = 0; x < width; x++)
             for (int c = 0; c < 3; c++) out[3 * x + c] = (uint8_t)(row[4 * x + c] - above[4 * x + c]);
-    else if (packer->opaque)
+    else if (channels == 3)
         for (size_t x = 0; x < width; x++) memcpy(out + 3 * x, row + 4 * x, 3);
     else if (y > 0)
         for (size_t i = 0; i < 4 * width; i++) out[i] = (uint8_t)(row[i] - above[i]);
@@ -41,12 +45,15 @@ static void filter_row(const iso_png_packer *packer, int y, uint8_t *out) {
         memcpy(out, row, 4 * width);
 }
 
-/* Filters and deflates rows first .. end - 1 through `filtered`, which holds one. Level 1 with run lengths:
- * most of the gain is in the filter, and searching for longer matches costs more than the render. */
+/* Filters and deflates rows first .. end - 1 through `filtered`, which holds one. Level 1 with run lengths
+ * unless it must be small: most of the gain is in the filter, and searching for longer matches costs more
+ * than the render. */
 static bool deflate_rows(const iso_png_packer *packer, int first, int end, uint8_t *filtered,
                          iso_png_part *part) {
     z_stream z = {0};
-    if (deflateInit2(&z, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_RLE) != Z_OK) return false;
+    int level = packer->small ? Z_DEFAULT_COMPRESSION : 1,
+        search = packer->small ? Z_DEFAULT_STRATEGY : Z_RLE;
+    if (deflateInit2(&z, level, Z_DEFLATED, -MAX_WBITS, 8, search) != Z_OK) return false;
     size_t bytes = row_bytes(packer), room = deflateBound(&z, bytes * (size_t)(end - first)) + SLACK;
     part->bytes = iso_alloc(room);
     part->checksum = (uint32_t)adler32(0, NULL, 0);

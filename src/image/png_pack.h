@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "image/image.h"
+#include "image/png_palette.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -24,10 +25,12 @@ typedef struct iso_png_part {
     bool failed;
 } iso_png_part;
 
-/* Zero-initialise but for image, opaque and pool. */
+/* Zero-initialise but for the first five. */
 typedef struct iso_png_packer {
     const iso_image *image;
-    bool opaque; /* pack RGB */
+    int channels;                   /* 4: RGBA, 3: RGB, 1: indices */
+    const iso_png_palette *palette; /* of indices; borrowed */
+    bool small;                     /* look for longer matches */
     iso_pool *pool;
     int next_row;
     uint32_t checksum;

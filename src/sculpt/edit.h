@@ -80,10 +80,12 @@ iso_status iso_editor_settle(iso_editor *editor, iso_error *error);
 iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_progress *progress,
                                  iso_error *error);
 
-/* The frozen region, as bits per voxel: cells with none have no bits. Masked voxels keep their value, to the
- * bit, and with it the surface between them. That is all that holds there: where the surface beside them
- * comes or goes, they are no distances to it (at the band's end, even) and those of the voxels that would be
- * found from them may be wrong too, until brushes have been there unmasked. */
+/* The frozen region, as bits per voxel: cells with none have no bits. A masked voxel stays on its side of the
+ * surface. It keeps its value, to the bit, while the surface passes between it and another masked voxel, so
+ * that the surface between masked voxels does not move at all; and when it is more than 4 voxels, along any
+ * axis, from all that a brush changes. Others are distances to the surface as it is now, as anywhere. A brush
+ * that builds up against masked voxels, or digs up to them, is cut off between those and the voxels beside
+ * them (wall.h). */
 bool iso_editor_masked(const iso_editor *editor, int x, int y, int z);
 bool iso_editor_has_mask(const iso_editor *editor);
 void iso_editor_mask_clear(iso_editor *editor);

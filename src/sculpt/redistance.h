@@ -30,7 +30,7 @@ typedef struct iso_row_bits {
 
 /* What the steps need to know of a brick. */
 typedef struct iso_band_state {
-    iso_voxel_bits frozen; /* beside the interface, or masked by the caller */
+    iso_voxel_bits frozen; /* beside the interface, or kept by the caller */
     iso_voxel_bits lost;   /* beside the interface, but at the band's end: its distance is not known */
     iso_row_bits active;   /* rows that hold, or touch, a voxel inside the band */
 } iso_band_state;

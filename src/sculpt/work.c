@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "sculpt/wall.h"
+
 /* Voxels that redistancing reads on each side: the band. */
 enum { REACH = 3 };
 enum { SPREAD = ISO_WORK_SPREAD };
@@ -50,6 +52,7 @@ void iso_work_free(iso_work *work) {
     }
     iso_free(work->workers);
     iso_buffer_free(&work->jobs);
+    iso_buffer_free(&work->walls);
     iso_slabs_free(&work->slabs);
 }
 
@@ -63,6 +66,16 @@ void iso_work_clear(iso_work *work) {
     work->progress = NULL;
     work->taken = 0;
     for (int i = 0; i < iso_pool_threads(work->pool); i++) work->workers[i].stage = NULL;
+}
+
+const iso_job *iso_work_beside(const iso_work *work, const iso_job *job, const int side[3]) {
+    int at[3];
+    for (int axis = 0; axis < 3; axis++) {
+        at[axis] = job->at[axis] + side[axis];
+        if (at[axis] < 0 || at[axis] >= work->grid->cells[axis]) return NULL;
+    }
+    const uint32_t number = work->job_of[iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])];
+    return number ? iso_work_job(work, number - 1) : NULL;
 }
 
 const float *iso_work_before(const iso_work *work, int32_t state) {
@@ -120,6 +133,17 @@ static bool is_own(const iso_job *job, const float *values) {
     bool own = false;
     for (int i = 0; i < ISO_WORK_FIELDS; i++) own |= job->own[i] == values;
     return own;
+}
+
+float *iso_work_own(iso_work *work, size_t number) {
+    iso_job *job = iso_work_job(work, number);
+    const float *values = job->value[work->now];
+    if (!is_own(job, values)) {
+        float *own = room(work, job, NULL, NULL);
+        memcpy(own, values, ISO_BRICK_VOXELS * sizeof *own);
+        job->value[work->now] = own;
+    }
+    return (float *)job->value[work->now];
 }
 
 /* ---- stencils */
@@ -219,17 +243,6 @@ static void drop_unchanged(iso_work *work) {
     work->job_count = kept;
 }
 
-/* The cell beside another (side: -1, 0, 1 an axis) when it is a job; else NULL. */
-static const iso_job *job_beside(const iso_work *work, const iso_job *job, const int side[3]) {
-    int at[3];
-    for (int axis = 0; axis < 3; axis++) {
-        at[axis] = job->at[axis] + side[axis];
-        if (at[axis] < 0 || at[axis] >= work->grid->cells[axis]) return NULL;
-    }
-    const uint32_t number = work->job_of[iso_hgrid_cell_index(work->grid, at[0], at[1], at[2])];
-    return number ? iso_work_job(work, number - 1) : NULL;
-}
-
 /* Where redistancing of an edited job begins. */
 static void seam_job(void *context, size_t index, int worker) {
     static const iso_voxel_bits none;
@@ -246,7 +259,7 @@ static void seam_job(void *context, size_t index, int worker) {
     for (int face = 0; face < 6; face++) {
         int sides[3] = {0};
         sides[face / 2] = face % 2 ? 1 : -1;
-        const iso_job *beside = job_beside(work, job, sides);
+        const iso_job *beside = iso_work_beside(work, job, sides);
         side.face[face] = beside ? &beside->changed : &none;
     }
     work->redistancer->find_seam(&stencil, &side, &seam);
@@ -299,8 +312,18 @@ iso_status iso_work_settle(iso_work *work, bool neighbours, bool *any, iso_error
     drop_unchanged(work);
     size_t edited = work->job_count;
     *any = edited > 0;
-    if (neighbours) iso_parallel_for(work->pool, edited, seam_job, work);
-    for (size_t i = 0; i < edited && neighbours; i++) ISO_TRY(add_neighbours(work, i, error));
+    if (!neighbours) return ISO_OK;
+    const bool frozen = iso_wall_near(work);
+    if (frozen) { /* the brush did not go where distances to what it left may reach */
+        work->away = 0;
+        work->torn = true;
+        ISO_TRY(iso_wall_find(work, error));
+    }
+    iso_parallel_for(work->pool, edited, seam_job, work);
+    for (size_t i = 0; i < edited; i++) ISO_TRY(add_neighbours(work, i, error));
+    if (!frozen) return ISO_OK;
+    ISO_TRY(reserve(work, work->job_count, error));
+    iso_wall_close(work);
     return ISO_OK;
 }
 
@@ -343,7 +366,7 @@ static void near_rows(const iso_work *work, const iso_job *job, iso_row_bits *ne
     uint32_t plane[ISO_BRICK + 2 * SPREAD] = {0};
     for (int k = 0; k < 27; k++) {
         const int side[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
-        const iso_job *beside = job_beside(work, job, side);
+        const iso_job *beside = iso_work_beside(work, job, side);
         if (beside && beside->edited) add_rows(beside, side, plane);
     }
     for (int z = 0; z < ISO_BRICK + 2 * SPREAD; z++)
@@ -353,6 +376,18 @@ static void near_rows(const iso_work *work, const iso_job *job, iso_row_bits *ne
         uint32_t rows = 0;
         for (int step = 0; step <= 2 * SPREAD; step++) rows |= plane[z + step];
         set_rows(near, z, rows >> SPREAD);
+    }
+}
+
+/* What is frozen is not rescaled, and beyond what can have changed stays as it is. */
+static void freeze(const iso_work *work, iso_job *job, const iso_voxel_bits *masked) {
+    iso_voxel_bits reached;
+    iso_wall_reach(work, job, &reached);
+    for (int row = 0; row < ISO_BRICK_ROWS; row++) {
+        const uint16_t still = masked->row[row] & (uint16_t)~reached.row[row];
+        job->band.frozen.row[row] |= still;
+        job->band.lost.row[row] &= (uint16_t)~masked->row[row];
+        job->still |= still != 0;
     }
 }
 
@@ -366,10 +401,7 @@ static void classify_job(void *context, size_t index, int worker) {
     p->work->redistancer->classify(&stencil, p->work->grid->band, &near, &job->band);
     if (p->work->torn) job->band.active = near;
     const iso_voxel_bits *masked = iso_mask_bits(&p->work->mask, job->cell);
-    for (int row = 0; masked && row < ISO_BRICK_ROWS; row++) {
-        job->band.frozen.row[row] |= masked->row[row];
-        job->band.lost.row[row] &= (uint16_t)~masked->row[row];
-    }
+    if (masked) freeze(p->work, job, masked);
 }
 
 /* Whether the brush changed a voxel at the interface, or brought the interface to one that it did not change.
@@ -415,7 +447,7 @@ static void find_due(const pass *p, const iso_job *job, iso_row_bits *due) {
     for (int face = 0; face < 6; face++) {
         const int up = face % 2, side[3] = {face / 2 == 0 ? 2 * up - 1 : 0, face / 2 == 1 ? 2 * up - 1 : 0,
                                             face / 2 == 2 ? 2 * up - 1 : 0};
-        const iso_job *beside = job_beside(p->work, job, side);
+        const iso_job *beside = iso_work_beside(p->work, job, side);
         if (!beside) continue;
         const iso_row_bits *moved = &beside->moved[last];
         for (int z = 0; z < ISO_BRICK && side[0]; z++) across[z] |= rows_of(moved, z);
@@ -499,9 +531,7 @@ static void sides_job(void *context, size_t index, int worker) {
     (void)worker;
     const iso_work *work = context;
     iso_job *job = iso_work_job(work, index);
-    job->sides = iso_mask_bits(&work->mask, job->cell)
-                     ? BOTH_SIDES
-                     : (uint8_t)work->redistancer->sides(iso_work_values(work, index));
+    job->sides = job->still ? BOTH_SIDES : (uint8_t)work->redistancer->sides(iso_work_values(work, index));
 }
 
 /* The sides of the interface that a cell's voxels are on, for all that is known: bricks that are no jobs may
@@ -533,9 +563,7 @@ static void compare_job(void *context, size_t index, int worker) {
     const iso_work *work = context;
     iso_job *job = iso_work_job(work, index);
     const float *before = iso_work_before(work, job->state), *values = iso_work_values(work, index);
-    /* (what is masked is put back in own memory only: elsewhere nothing of it has changed) */
-    job->edited = before != values && work->dab->settle(before, iso_mask_bits(&work->mask, job->cell),
-                                                        (float *)values, &job->changed);
+    job->edited = before != values && work->dab->settle(before, NULL, (float *)values, &job->changed);
     if (job->edited) iso_work_find_box(job, &job->changed);
 }
 

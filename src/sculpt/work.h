@@ -34,7 +34,8 @@ typedef struct iso_job {
     iso_marked_rows rows;   /* from which redistancing begins; of an edited job */
     iso_band_state band;
     int32_t empty;                       /* the cell's state when it is to be empty, else 0 */
-    uint8_t sides;                       /* of the interface: 1 outside, 2 inside, 3 both, or masked */
+    bool still;                          /* some voxels are frozen, and beyond what changed */
+    uint8_t sides;                       /* of the interface: 1 outside, 2 inside, 3 both, or `still` */
     uint8_t lo[3], hi[3];                /* box of what redistancing begins from; later of `changed` */
     const float *value[ISO_WORK_FIELDS]; /* own memory, the grid's, or a constant brick */
     float *own[ISO_WORK_FIELDS];         /* NULL: not taken yet */
@@ -71,6 +72,8 @@ typedef struct iso_work {
     bool torn;  /* what the brush left may lack its band: it is made anew, not only mended */
     int now;    /* the field that holds the jobs' values */
     bool redistanced;
+    iso_buffer walls; /* of wall.h */
+    size_t wall_count;
     iso_worker *workers;
     iso_slabs slabs;              /* of bricks that jobs take */
     size_t taken;                 /* of them; atomic while jobs run */
@@ -90,6 +93,9 @@ static inline const float *iso_work_values(const iso_work *work, size_t job) {
     return iso_work_job(work, job)->value[work->now];
 }
 
+/* The job of the cell beside another's (side: -1, 0, 1 an axis); NULL: none. */
+const iso_job *iso_work_beside(const iso_work *work, const iso_job *job, const int side[3]);
+
 /* The floats of a cell with this entry in the grid. */
 const float *iso_work_before(const iso_work *work, int32_t state);
 /* Whether a worker ran out of memory since the last question. */
@@ -104,6 +110,9 @@ iso_status iso_work_reserve(iso_work *work, iso_error *error);
 float *iso_work_stage(iso_work *work, int worker);
 /* The job's values are those now, or, where they are the same as before, it is no longer `edited`. */
 void iso_work_edited(iso_work *work, size_t job, int worker);
+
+/* The job's values, in memory of its own: those of an edited job, or a copy of the grid's (there is room). */
+float *iso_work_own(iso_work *work, size_t job);
 
 /* The stencil of a job's values in `field` (of the grid's where a neighbour is no job); faces on the grid's
  * border repeat the outermost voxels (kept in `border` while the stencil is used). */

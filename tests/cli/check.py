@@ -37,7 +37,7 @@ def report(path):
 
 
 class Png:
-    """A PNG of 8-bit RGB or RGBA: size, texts, rows of RGBA tuples."""
+    """A PNG of 8-bit RGB, RGBA or indexed colours: size, texts, rows of RGBA tuples."""
 
     def __init__(self, path):
         data = open(path, "rb").read()
@@ -49,8 +49,10 @@ class Png:
             expect(zlib.crc32(kind + body) == struct.unpack(">I", data[at + 8 + length:at + 12 + length])[0], "crc", kind)
             if kind == b"IHDR":
                 self.width, self.height, depth, color = struct.unpack(">IIBB", body[:10])
-                expect(depth == 8 and color in (2, 6), "depth and colour type", depth, color)
-                self.channels = 3 if color == 2 else 4
+                expect(depth == 8 and color in (2, 3, 6), "depth and colour type", depth, color)
+                self.channels = {2: 3, 3: 1, 6: 4}[color]
+            elif kind == b"PLTE":
+                self.palette = [tuple(body[i:i + 3]) + (255,) for i in range(0, length, 3)]
             elif kind == b"tEXt":
                 key, text = body.split(b"\0", 1)
                 self.texts[key.decode()] = text.decode("latin-1")
@@ -71,7 +73,8 @@ class Png:
                 nearest = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
                 line[i] = (line[i] + (0, a, b, (a + b) // 2, nearest)[kind]) & 255
             above = line
-            rows.append([tuple(line[i:i + n]) + ((255,) if n == 3 else ()) for i in range(0, stride, n)])
+            rows.append([self.palette[i] for i in line] if n == 1 else
+                        [tuple(line[i:i + n]) + ((255,) if n == 3 else ()) for i in range(0, stride, n)])
         return rows
 
     def pixels(self):

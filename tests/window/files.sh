@@ -10,6 +10,8 @@ source_folder=$(cd "$(dirname "$0")/../.." && pwd)
 [ -x "$tools/window_drop" ] || { echo "skipped: built without X11"; exit 77; }
 env -u DISPLAY "$bin/isosculpt" 2>"$work/said"
 grep -q "built without GLFW" "$work/said" && { echo "skipped: built without a window"; exit 77; }
+feeder=
+trap 'kill -9 $program $closing $server $feeder 2>/dev/null; wait 2>/dev/null; rm -rf "$work"' EXIT
 open_display
 cd "$work" || exit 1
 
@@ -136,6 +138,63 @@ drop "$files/mesh.ply"
 key Return
 opens mesh.ply
 picture mesh_ply # and so it is ready
+stroke 480 560 20 20
+
+# ---- strokes that were made while a file was opened are asked about when it is ready: pipes, ready when we feed them
+mkfifo "$files/first.obj" "$files/second.obj"
+feed() {
+    python3 - "$files/mesh.obj" "$files/$1" <<'END' &
+import sys, time
+mesh = open(sys.argv[1]).read()
+while True:
+    with open(sys.argv[2], "w") as file:
+        file.write(mesh)
+    time.sleep(0.1)
+END
+    feeder=$!
+}
+starve() {
+    kill "$feeder"
+    wait "$feeder" 2>/dev/null
+    feeder=
+}
+saved() { [ -s "${journal%.strokes}.vdb" ]; }
+# A question keeps the hand from the sculpture.
+asked() {
+    strokes=$(events end)
+    drag 1 540 560 20 20
+    sleep 0.5
+    has_events end "$strokes"
+}
+stays() { key Escape && drag 1 540 560 20 20 && [ "$(events end)" -gt "$strokes" ]; }
+key ctrl+s
+until_ "a save" saved
+rm "${journal%.strokes}.vdb"
+drop "$files/first.obj"
+key Return # to sculpt it
+stroke 520 560 20 20
+feed first.obj
+until_ "a question about a stroke" asked
+until_ "Escape to keep the session" stays
+saved && fail "Escape saves"
+drops() {
+    drop "$files/second.obj"
+    key Return # to sculpt it
+    key Return # to save first
+    saved
+}
+until_ "a save before it is opened" drops
+starve
+rm "${journal%.strokes}.vdb"
+stroke 560 560 20 20
+before=$journal
+feed second.obj
+answers() { key Return && [ -s "${before%.strokes}.vdb" ]; }
+until_ "a question about one more" answers
+journal=$before
+opens second.obj
+starve
+picture slow # and so it is ready
 stroke 480 560 20 20
 
 # ---- a save that fails keeps what is there
