@@ -47,7 +47,7 @@ void take_ends(ivec4 bend, vec3 at, inout vec3 lowest, inout vec3 highest) {
             above = float(ends >> next + ISO_GL_SHAPE_END_BITS & ISO_GL_SHAPE_END_STEPS) * each;
             next += 2 * ISO_GL_SHAPE_END_BITS;
         }
-        lowest[k] = -(below + each);
-        highest[k] = above + each;
+        lowest[k] = -(below + ISO_REFINED_BEYOND_END);
+        highest[k] = above + ISO_REFINED_BEYOND_END;
     }
 }

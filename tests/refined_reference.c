@@ -80,9 +80,9 @@ static void enclose(const iso_projector *projector, const iso_point_view *points
         d->high[k] = 1e9;
         const double below = index[k] - floor(index[k]);
         if (axis >= 0 && sqrt(norm) > 0.15 * per_mm(projector)) {
-            d->low[k] = (axis == k ? (below < 0.002 ? -1 : -below) : -(ends >> 3 * slot & 7) / 7.0) - 1 / 7.0;
+            d->low[k] = (axis == k ? (below < 0.002 ? -1 : -below) : -(ends >> 3 * slot & 7) / 7.0) - 0.03;
             d->high[k] =
-                (axis == k ? (below > 0.998 ? 1 : 1 - below) : (ends >> (3 * slot + 3) & 7) / 7.0) + 1 / 7.0;
+                (axis == k ? (below > 0.998 ? 1 : 1 - below) : (ends >> (3 * slot + 3) & 7) / 7.0) + 0.03;
         }
         if (axis != k) slot += 2;
         if (!points->dims[k]) continue;
@@ -190,7 +190,7 @@ static void settle(const hit *hits, size_t count, const iso_projector *projector
     }
     double norm = 0, sq[3];
     for (int k = 0; k < 9; k++) norm += s[k / 3][k % 3] * s[k / 3][k % 3];
-    const double noisy = per_mm(projector), small = 1 / (1 + norm / (weight * weight * noisy * noisy));
+    const double noisy = 1.8 * per_mm(projector), small = 1 / (1 + norm / (weight * weight * noisy * noisy));
     const double alike = square > 0 ? norm / weight / square * small : 0;
     bend(s, q, sq);
     for (int k = 0; k < 3; k++) n[k] += alike * sq[k] / weight;

@@ -49,7 +49,7 @@ enum { ISO_POINT_COORDINATE_BITS = 14, ISO_POINT_NORMAL_BITS = 11, ISO_POINT_NOR
  * symmetric, in the frame (u, v) that iso_shape_frame makes of the point's normal as iso_point_view_get gives
  * it. A step q along the surface turns the outward normal by S q: entries are in 1 / voxel, positive where
  * the surface is convex (1 / r on a sphere). Steps of ISO_SHAPE_STEP; norms are clamped to ISO_SHAPE_MOST.
- * Entries are multiples of 16 steps: their low four bits are the tilt's. */
+ * Entries are multiples of 32 steps: their low five bits are the tilt's. */
 typedef struct iso_shape {
     int16_t uu, uv, vv;
     uint16_t ends; /* 0: not known, or not an edge point. See below. */
@@ -57,9 +57,9 @@ typedef struct iso_shape {
 
 /* How the surface around an edge point lies against the point's normal, which comes from gradients over two
  * voxels: its own is along normal + tilt[0] u + tilt[1] v. From the low bits of uu on, then uv's and vv's,
- * two numbers k of 6 bits in two's complement, -31 .. 31: tilt = k |k| ISO_SHAPE_TILT_MOST / 31^2. */
-enum { ISO_SHAPE_TILT_BITS = 6, ISO_SHAPE_TILT_STEPS = 31, ISO_SHAPE_LOW_BITS = 4 };
-#define ISO_SHAPE_TILT_MOST 0.4f
+ * two numbers k of 7 bits in two's complement, -63 .. 63: tilt = k |k| ISO_SHAPE_TILT_MOST / 63^2. */
+enum { ISO_SHAPE_TILT_BITS = 7, ISO_SHAPE_TILT_STEPS = 63, ISO_SHAPE_LOW_BITS = 5 };
+#define ISO_SHAPE_TILT_MOST 0.8f
 
 /* How far the surface goes on from an edge point, in the faces of the cells around its edge, until it comes
  * to another edge of the face: from bit 0 on, voxels 0..1 down and up along the first of the axes at right
@@ -67,8 +67,8 @@ enum { ISO_SHAPE_TILT_BITS = 6, ISO_SHAPE_TILT_STEPS = 31, ISO_SHAPE_LOW_BITS = 
  * axis. */
 enum { ISO_SHAPE_END_BITS = 3, ISO_SHAPE_END_STEPS = 7, ISO_SHAPE_AXIS_BIT = 12 };
 
-#define ISO_SHAPE_STEP (1.0f / 16000)
-#define ISO_SHAPE_MOST 2.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */
+#define ISO_SHAPE_STEP (1.0f / 8000)
+#define ISO_SHAPE_MOST 4.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */
 
 /* Two unit vectors at right angles to a unit normal and to each other, u x v = normal (Duff et al. 2017,
  * "Building an orthonormal basis, revisited"). */
