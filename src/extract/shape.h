@@ -7,8 +7,8 @@
  *
  * Edge points know more: where the surface leaves the four faces around their edge, which is where it is an
  * edge point again. Shapes are moved to pass near these places, as little as they need to be (least squares
- * with Gaussian priors), and so is the direction that the surface is said to have, its tilt. That begins where
- * the field's slope along the edge itself has it, if the gradient over two voxels says something else.
+ * with Gaussian priors), and so is the direction that the surface is said to have, its tilt. That begins
+ * where the field's slope along the edge itself has it, if the gradient over two voxels says something else.
  *
  * Beyond the grid's border values go on linearly; where a value that is needed is not finite, or the gradient
  * vanishes, a point is flat. */
