@@ -19,7 +19,7 @@
 #define ISO_REFINED_TURNING_BEND 0.15f
 #define ISO_REFINED_NOISY_BEND 1.8f
 /* Voxels that discs go on beyond their ends: if they met in these alone, they would leave cracks. */
-#define ISO_REFINED_BEYOND_END 0.03f
+#define ISO_REFINED_BEYOND_END 0.08f
 /* Voxels: packed points that are so near to a voxel may be on the edge to either side of it. */
 #define ISO_REFINED_AT_VOXEL 0.002f
 
