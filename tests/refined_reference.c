@@ -80,9 +80,9 @@ static void enclose(const iso_projector *projector, const iso_point_view *points
         d->high[k] = 1e9;
         const double below = index[k] - floor(index[k]);
         if (axis >= 0 && sqrt(norm) > 0.15 * per_mm(projector)) {
-            d->low[k] = (axis == k ? (below < 0.002 ? -1 : -below) : -(ends >> 3 * slot & 7) / 7.0) - 0.03;
+            d->low[k] = (axis == k ? (below < 0.002 ? -1 : -below) : -(ends >> 3 * slot & 7) / 7.0) - 0.08;
             d->high[k] =
-                (axis == k ? (below > 0.998 ? 1 : 1 - below) : (ends >> (3 * slot + 3) & 7) / 7.0) + 0.03;
+                (axis == k ? (below > 0.998 ? 1 : 1 - below) : (ends >> (3 * slot + 3) & 7) / 7.0) + 0.08;
         }
         if (axis != k) slot += 2;
         if (!points->dims[k]) continue;

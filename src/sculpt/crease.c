@@ -19,8 +19,7 @@ static const float SHORT = 0.4f, HALF_GAP = 0.5f;
 /* Nearer voxels are found well from the interface beside them; farther ones, of wider bands, may have
  * crossings beyond the bins around theirs. */
 static const float NEAR = 1, FAR = BIN - 0.4f;
-/* Nearer ones make foot points (the square root of 3) by the values around them; beside farther ones these
- * may be at the band's end. */
+/* Nearer ones make foot points (the square root of 3) by the values beside them. */
 static const float FOOT = 1.7320508f;
 
 /* Crossings of one kind, by bins. */
@@ -136,18 +135,26 @@ static bool is_interface(const float *v) {
 }
 
 /* A voxel is in a fan when no crossing is nearer than one at a crease. */
-static float mended(const crossings *c, const int bin[3], const int voxel[3], float band) {
-    const float *v = value_at(c, voxel), distance = fabsf(*v);
+static float bounded(const crossings *c, const int bin[3], const int voxel[3], float distance, float band) {
     const int32_t at[3] = {UNIT * voxel[0], UNIT * voxel[1], UNIT * voxel[2]};
-    if (distance < NEAR || distance >= fminf(band, FAR) || is_interface(v)) return *v;
     const int32_t reach = (int32_t)((distance + SHORT) * (distance + SHORT) * (UNIT * UNIT));
     const int32_t least = nearest(&c->kind[1], bin, at, reach, 0);
-    if (least == reach || nearest(&c->kind[0], bin, at, least, least) < least) return *v;
+    if (least == reach || nearest(&c->kind[0], bin, at, least, least) < least) return distance;
     const float square = (float)least / (UNIT * UNIT);
     const float far = sqrtf(square), near = sqrtf(fmaxf(square - HALF_GAP * HALF_GAP, 0));
-    float made = fminf(fmaxf(distance, near), far);
-    if (distance >= FOOT) made = fmaxf(made, FOOT);
-    made = fminf(made, fmaxf(distance, 0.999f * band));
+    return fminf(fminf(fmaxf(distance, near), far), fmaxf(distance, 0.999f * band));
+}
+
+static bool is_beside_end(const float *v, float band) {
+    return fabsf(v[1]) >= band || fabsf(v[-1]) >= band || fabsf(v[STEP_Y]) >= band ||
+           fabsf(v[-STEP_Y]) >= band || fabsf(v[STEP_Z]) >= band || fabsf(v[-STEP_Z]) >= band;
+}
+
+static float mended(const crossings *c, const int bin[3], const int voxel[3], float band) {
+    const float *v = value_at(c, voxel), distance = fabsf(*v);
+    if (distance < NEAR || distance >= fminf(band, FAR) || is_interface(v)) return *v;
+    float made = bounded(c, bin, voxel, distance, band);
+    if (made < FOOT && is_beside_end(v, band)) made = FOOT; /* rather no foot point than a wrong one */
     return *v < 0 ? -made : made;
 }
 

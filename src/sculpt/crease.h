@@ -16,8 +16,8 @@ enum { ISO_CREASE_MARGIN = 5, ISO_CREASE_SIDE = ISO_BRICK + 2 * ISO_CREASE_MARGI
 
 /* out = the brick in the middle of `window` (ISO_CREASE_SIDE^3 values), its distances in fans bounded. Voxels
  * beside the interface keep their value, so the zero set moves by no bit; none reaches the band's end or
- * leaves it. Of a band wider than 3.6 voxels the rest stays as it is. `room`: the caller's, to use again.
- * ISO_ERR_NOMEM. */
+ * leaves it, and beside those at its end none is left where foot points are made. Of a band wider than 3.6
+ * voxels the rest stays as it is. `room`: the caller's, to use again. ISO_ERR_NOMEM. */
 iso_status iso_crease_mend(const float *window, float band, iso_buffer *room, float *out);
 
 #endif
