@@ -28,7 +28,7 @@
 /* Discs of a larger radius, in their distances to the eye, are met by rays that are not nearly parallel. */
 #define ISO_REFINED_EXACT 0.02f
 /* The same for flat discs, which are met all over at once. */
-#define ISO_REFINED_FLAT_EXACT 0.004f
+#define ISO_REFINED_FLAT_EXACT 0.001f
 /* Discs join what is in front of them by less, in their radii. */
 #define ISO_REFINED_THICKNESS 1.5f
 

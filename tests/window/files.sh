@@ -172,6 +172,7 @@ until_ "a save" saved
 rm "${journal%.strokes}.vdb"
 drop "$files/first.obj"
 key Return # to sculpt it
+picture opening # and so the question is gone
 stroke 520 560 20 20
 feed first.obj
 until_ "a question about a stroke" asked
@@ -186,6 +187,7 @@ drops() {
 until_ "a save before it is opened" drops
 starve
 rm "${journal%.strokes}.vdb"
+picture opening
 stroke 560 560 20 20
 before=$journal
 feed second.obj
