@@ -224,7 +224,7 @@ static void leave(window *w, isosculpt_question question) {
         open_path(w, w->next, false);
 }
 
-/* As before the question. */
+/* What is ready to be opened is let go. */
 static void stay(window *w, isosculpt_question question) {
     if (question == ISOSCULPT_ASK_OPEN && w->opening)
         isosculpt_task_cancel(isosculpt_opening_task(w->opening));
