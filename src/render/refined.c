@@ -91,7 +91,7 @@ static void set_up_job(frame *f, const iso_projector *projector) {
     job->slope = view->orthographic ? 0 : (float)(1 / view->focal);
     job->axis[0] = (float)view->cx;
     job->axis[1] = (float)(view->cy + view->above);
-    job->slant = iso_refined_slant(view);
+    job->slant = iso_refined_slant(view, 0);
     const double *spacing = job->points->transform.spacing;
     set_up_metric(job, spacing);
     if (!job->uneven) job->per_length = (float)spacing[0];

@@ -4,16 +4,11 @@
 
 #include "render/refined_numbers.h"
 
-/* The largest slope of a ray to one end of the picture. */
-static double largest_slope(double axis, double end, double focal) {
-    return fmax(fabs(axis), fabs(end - axis)) / focal;
-}
-
-float iso_refined_slant(const iso_view *view) {
+float iso_refined_slant(const iso_view *view, double beyond) {
     if (view->orthographic) return 1.04f;
-    const double x = largest_slope(view->cx, view->width, view->focal),
-                 y = largest_slope(view->cy + view->above, view->above + view->height + view->below,
-                                   view->focal);
+    const double top = view->cy + view->above, bottom = view->height + view->below - view->cy;
+    const double x = (fmax(fabs(view->cx), fabs(view->width - view->cx)) + beyond) / view->focal,
+                 y = (fmax(fabs(top), fabs(bottom)) + beyond) / view->focal;
     return (float)(1.04 * sqrt(1 + x * x + y * y));
 }
 

@@ -9,8 +9,9 @@
 extern "C" {
 #endif
 
-/* Seen aslant, balls are longer than wide: by how much at most, and a little for rounding. */
-float iso_refined_slant(const iso_view *view);
+/* Seen aslant, balls are longer than wide: by how much at most in the picture and `beyond` pixels around it,
+ * and a little for rounding. */
+float iso_refined_slant(const iso_view *view, double beyond);
 
 /* The largest radius of a block's discs in pixels. */
 float iso_refined_reach(const iso_point_block *block);

@@ -269,7 +269,7 @@ iso_status iso_gl_draw_refined(const iso_gl_shape *shape, const iso_view *view, 
                        .shape = shape,
                        .view = view,
                        .projector = iso_projector_make(view, &shape->transform),
-                       .slant = iso_refined_slant(view),
+                       .slant = iso_refined_slant(view, engine->max_point / 2),
                        .cull = shape->closed && !shape->blocks->around_eye,
                        .surface = surface};
     const int side = engine->max_side, width = view->width < side ? view->width : side;
