@@ -153,6 +153,19 @@ typedef struct canvas {
     iso_aov aov;
 } canvas;
 
+/* One exact surface of one sample a pixel needs no gbuffer, unless somebody wants its numbers. */
+static bool is_painted(const isorender_job *job, const iso_picture_opts *opts) {
+    return job->method == ISORENDER_EXACT && !job->backend->engine && job->surface_count == 1 &&
+           opts->samples <= 1 && !opts->aov;
+}
+
+static iso_status paint(const isorender_job *job, const iso_picture_opts *opts, iso_image *image,
+                        size_t *covered, iso_error *error) {
+    const iso_view view = iso_view_make(opts->camera, opts->width, opts->height);
+    const iso_exact_canvas whole = {&view, &opts->shading, image, job->pool};
+    return iso_paint_exact(&whole, job->surfaces[0].exact, covered, error);
+}
+
 static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
     const isorender_settings *settings = job->settings;
     iso_camera camera = camera_of_frame(job, frame);
@@ -169,7 +182,9 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
         .pool = job->pool,
         .aov = c->aov.depth ? &c->aov : NULL};
     double start = isorender_now();
-    ISO_TRY(iso_picture_render(&opts, &c->image, &job->frames[frame].covered, error));
+    ISO_TRY(is_painted(job, &opts)
+                ? paint(job, &opts, &c->image, &job->frames[frame].covered, error)
+                : iso_picture_render(&opts, &c->image, &job->frames[frame].covered, error));
     job->seconds.render += isorender_now() - start;
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");

@@ -297,7 +297,8 @@ static void levels_and_threads_give_the_same_bytes(void **state) {
                                        : test_rgrid((const int[3]){45, 39, 50}, types[round / 4 % 4]);
         if (grid.rgrid) test_fill(&grid, pattern, &random);
         set_transform(&grid, round % TEST_TRANSFORMS);
-        iso_view view = make_view(&grid, round / 4 % TEST_VIEWS, round % 2 ? 210 : 40, &random);
+        const int side = round % 5 == 4 ? 1100 : round % 2 ? 210 : 40;
+        iso_view view = make_view(&grid, round / 4 % TEST_VIEWS, side, &random);
         const double isovalue = grid.rgrid ? 100 : 0;
         iso_cpu_limit(ISO_CPU_GENERIC);
         iso_gbuffer wanted = picture_of(&grid, isovalue, &view, NULL);
@@ -313,6 +314,59 @@ static void levels_and_threads_give_the_same_bytes(void **state) {
         iso_grid_destroy(&grid);
     }
     iso_cpu_limit(ISO_CPU_AVX512);
+    iso_pool_destroy(pool);
+}
+
+/* A picture without a gbuffer, of every path, level and number of threads. */
+static void same_when_painted(const iso_grid *grid, double isovalue, const iso_view *view,
+                              const iso_shading *shading, iso_pool *pool) {
+    iso_image wanted, got;
+    iso_error error = {0};
+    size_t covered = 0;
+    ok(iso_image_create(view->width, view->height, &wanted, &error), &error);
+    ok(iso_image_create(view->width, view->height, &got, &error), &error);
+    iso_gbuffer gbuffer = empty_picture(view);
+    iso_exact *exact = make_exact(grid, isovalue, NULL);
+    const iso_target target = {.view = view, .gbuffer = &gbuffer};
+    ok(iso_draw_exact(&target, exact, &error), &error);
+    const iso_strip strip = {.view = view, .gbuffer = &gbuffer, .factor = 1};
+    iso_shade(shading, &strip, &wanted, NULL);
+    const size_t bytes = (size_t)view->width * (size_t)view->height * 4;
+    for (int level = 0; level <= (int)iso_cpu_supported(); level++)
+        for (int threads = 0; threads < 2; threads++) {
+            iso_cpu_limit(level);
+            memset(got.rgba, 0x5a, bytes);
+            const iso_exact_canvas canvas = {view, shading, &got, threads ? pool : NULL};
+            ok(iso_paint_exact(&canvas, exact, &covered, &error), &error);
+            assert_memory_equal(got.rgba, wanted.rgba, bytes);
+            assert_int_equal(covered, test_covered(&gbuffer));
+        }
+    iso_cpu_limit(ISO_CPU_AVX512);
+    iso_exact_destroy(exact);
+    iso_gbuffer_free(&gbuffer);
+    iso_image_free(&wanted);
+    iso_image_free(&got);
+}
+
+static void painted_pictures_are_shaded_gbuffers(void **state) {
+    (void)state;
+    test_random random = {12};
+    iso_pool *pool;
+    iso_error error = {0};
+    const iso_rgb colors[] = {{200, 120, 40}, {1, 2, 3}};
+    ok(iso_pool_create(3, &pool, &error), &error);
+    for (int round = 0; round < 4 * TEST_VIEWS; round++) {
+        iso_grid grid = round % 4 == 3 ? random_balls(60, 14, &random)
+                                       : test_rgrid((const int[3]){23, 19, 26}, types[round / 4 % 4]);
+        if (grid.rgrid) test_fill(&grid, round % 3, &random);
+        set_transform(&grid, round % TEST_TRANSFORMS);
+        iso_view view = make_view(&grid, round % TEST_VIEWS, round % 2 ? 417 : 40, &random);
+        view.width += round % 5;
+        const iso_shading shading = {colors, 2, {9, 8, 7}, round % 2};
+        same_when_painted(&grid, grid.rgrid ? 100 : 0, &view, &shading, pool);
+        same_when_painted(&grid, 1e9, &view, &shading, pool); /* nothing is there */
+        iso_grid_destroy(&grid);
+    }
     iso_pool_destroy(pool);
 }
 
@@ -546,6 +600,7 @@ int main(void) {
         cmocka_unit_test(thin_grids_are_empty),
         cmocka_unit_test(strips_equal_the_whole),
         cmocka_unit_test(levels_and_threads_give_the_same_bytes),
+        cmocka_unit_test(painted_pictures_are_shaded_gbuffers),
         cmocka_unit_test(any_size_of_picture),
         cmocka_unit_test(updates_equal_rebuilding),
         cmocka_unit_test(surfaces_are_drawn_over_each_other),

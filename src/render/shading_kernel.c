@@ -1,23 +1,13 @@
 /* Phong's model (1975) with two lights that hang on the camera. */
 #include "render/shading_kernel.h"
 
-#include "base/simd.h"
-#include "render/phong.h"
-
-static const float KEY_LIGHT[3] = {ISO_PHONG_LIGHT_X, ISO_PHONG_LIGHT_Y, ISO_PHONG_LIGHT_Z};
+#include "render/phong_vectors.h"
 
 enum {
     TILE =
         1024, /* columns of samples that are worked on at a time: their eye directions stay in the L1 cache */
     SUMS = 4  /* red, green, blue, and how many samples */
 };
-
-/* Where the four bytes of a pixel are in a word. */
-#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-static const int SHIFT[4] = {24, 16, 8, 0};
-#else
-static const int SHIFT[4] = {0, 8, 16, 24};
-#endif
 
 /* A row of a tile's samples. */
 typedef struct sample_row {
@@ -33,18 +23,12 @@ static sample_row row_at(const iso_shade_job *job, const float *u, int x, int y)
     const iso_gbuffer *g = job->strip->gbuffer;
     const iso_view *view = job->strip->view;
     size_t at = (size_t)y * (size_t)g->width + (size_t)x;
-    float v = view->orthographic ? 0 : (float)((y + 0.5 - view->cy) / view->focal);
     return (sample_row){{g->normal[0] + at, g->normal[1] + at, g->normal[2] + at},
                         g->surface + at,
                         g->color ? g->color + at : NULL,
                         u,
-                        v,
+                        iso_slope_of_row(view, y),
                         y + 1 < g->height ? (size_t)g->width : 0};
-}
-
-static void find_slopes(const iso_view *view, int x, int count, float *u) {
-    for (int i = 0; i < count; i++)
-        u[i] = view->orthographic ? 0 : (float)((x + i + 0.5 - view->cx) / view->focal);
 }
 
 /* The last samples of a row, which are fewer than a vector has lanes: empty ones follow. */

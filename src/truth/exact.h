@@ -13,7 +13,9 @@
 
 #include "base/parallel.h"
 #include "grids/grid.h"
+#include "image/image.h"
 #include "render/draw.h"
+#include "render/shading.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -56,6 +58,20 @@ iso_box iso_exact_bounds(const iso_exact *exact, const iso_affine *affine);
 /* Draws as iso_draw_raycast does: replaces samples that lie farther. The same bytes for every thread count
  * and instruction set, and in strips of any height. ISO_ERR_NOMEM. */
 iso_status iso_draw_exact(const iso_target *target, const iso_exact *exact, iso_error *error);
+
+/* Where a picture goes. All borrowed for the call. */
+typedef struct iso_exact_canvas {
+    const iso_view *view;       /* of the image's size */
+    const iso_shading *shading; /* its first colour is the surface's */
+    iso_image *image;
+    iso_pool *pool; /* NULL: the calling thread */
+} iso_exact_canvas;
+
+/* The picture of this surface alone, one sample a pixel: the bytes that iso_shade makes of an empty gbuffer
+ * into which the surface was drawn, but sooner, as no gbuffer has to go through memory. *covered (NULL is
+ * fine): pixels that show the surface. ISO_ERR_NOMEM. */
+iso_status iso_paint_exact(const iso_exact_canvas *canvas, const iso_exact *exact, size_t *covered,
+                           iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -12,8 +12,17 @@
 #include "truth/exact_gradient.h"
 #include "truth/exact_set.h"
 
+/* A picture without a gbuffer: samples are shaded as they are found. */
+typedef struct iso_exact_paint {
+    int32_t *pixels;    /* of the image */
+    const float *u, *v; /* of rays (u, v, 1) by column, with room for ISO_LANES_MAX more, and by row */
+    float base[3];      /* colour, 0 .. 1 */
+    int32_t empty;      /* a pixel that shows nothing */
+} iso_exact_paint;
+
 typedef struct iso_exact_frame {
     const iso_target *target;
+    const iso_exact_paint *paint; /* or NULL. With one, the target's gbuffer has but its size */
     const iso_exact *exact;
     iso_exact_gradients *gradients;
     bool perspective;

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "render/phong_vectors.h"
+
 /* Steps that are large, or that gcc 12 should not analyse together with their callers. */
 #ifdef __clang__
 #define ISO_EXACT_STEP __attribute__((noinline))

@@ -8,6 +8,8 @@
 #ifndef ISO_TRUTH_EXACT_KERNEL_H
 #define ISO_TRUTH_EXACT_KERNEL_H
 
+#include <stdalign.h>
+
 #include "base/simd.h"
 #include "truth/exact_frame.h"
 
@@ -18,8 +20,8 @@ enum {
     ISO_EXACT_HITS = 256,
     ISO_EXACT_ALONE_LIST = 256, /* pairs of a large cell */
     ISO_EXACT_ALONE_ROOM = ISO_EXACT_ALONE_LIST + 64,
-    ISO_EXACT_FLAT_LIST = 256, /* pixels of a flat cell */
-    ISO_EXACT_FLAT_ROOM = ISO_EXACT_FLAT_LIST + 64 + 2 * ISO_LANES_MAX,
+    ISO_EXACT_PATCH_LIST = 256, /* pixels of an outlined cell */
+    ISO_EXACT_PATCH_ROOM = ISO_EXACT_PATCH_LIST + 64 + 2 * ISO_LANES_MAX,
     ISO_EXACT_HIT_ROOM = ISO_EXACT_HITS + ISO_EXACT_ALONE_ROOM + 3 * ISO_LANES_MAX,
 };
 
@@ -52,6 +54,7 @@ typedef struct iso_exact_hits {
         depth[ISO_EXACT_HIT_ROOM], length[ISO_EXACT_HIT_ROOM];
     int32_t pixel[ISO_EXACT_HIT_ROOM], slot[ISO_EXACT_HIT_ROOM];
     float root[ISO_EXACT_HIT_ROOM];
+    int32_t word[ISO_EXACT_HIT_ROOM];         /* for a picture: the pixel's */
     int voxel[ISO_EXACT_HIT_ROOM][3];         /* by slot: the cell, */
     float gradient[ISO_EXACT_HIT_ROOM][8][4]; /* and the gradients at its corners; x, y, z and any */
 } iso_exact_hits;
@@ -69,19 +72,19 @@ typedef struct iso_exact_outline {
     float slope[8], low[8], high[8];
 } iso_exact_outline;
 
-/* A large cell in which the field is nearly linear: a ray that meets the surface there meets it once, and
- * within `reach` of where it meets the plane of the field's linear part, from where Newton's method is sure
- * to find it. Rays pass the middle's depth at `right` * x + `down` * y, x and y pixels from the projected
- * middle, and go on `along` + `turn` * that per mm, on which the linear part changes by `rate` + `turn` *
- * what it changes by there. */
-typedef struct iso_exact_flat {
+/* How rays go through a large cell: they pass the middle's depth at `right` * x + `down` * y, x and y pixels
+ * from the projected middle, and go on `along` + `turn` * that per mm, on which the field's linear part
+ * changes by `rate` + `turn` * what it changes by there. A cell is flat where the field is so nearly linear
+ * that a ray which meets the surface there meets it once, and within `reach` of where it meets the plane of
+ * the linear part, from where it is sure to be found. */
+typedef struct iso_exact_through {
     float right[3], turn;
     float down[3], reach; /* mm */
     float along[3], rate;
-    float arrived; /* what the product of the first and the last step must not exceed, mm^2 */
-    float flat;    /* 1; 0: the cell is another */
+    float close; /* so near must a place in a flat cell be found, mm */
+    float flat;  /* 1; 0: the cell is not */
     float unused[2];
-} iso_exact_flat;
+} iso_exact_through;
 
 /* Neighbouring pixels of a row. */
 typedef struct iso_exact_run {
@@ -89,16 +92,23 @@ typedef struct iso_exact_run {
     int count;     /* at most 64 */
 } iso_exact_run;
 
-/* Pixels of one flat cell: where they are from its projected middle, and what is found out about them, which
- * is stored ISO_LANES_MAX items later so that vectors can be read that begin before the first one. */
-typedef struct iso_exact_flats {
-    int count, runs;
-    iso_exact_run run[ISO_EXACT_FLAT_ROOM];
-    float x[ISO_EXACT_FLAT_ROOM], y[ISO_EXACT_FLAT_ROOM], depth[ISO_EXACT_FLAT_ROOM];
-    float at[3][ISO_EXACT_FLAT_ROOM]; /* in the cell's coordinates; then the normal */
-    uint64_t hit[ISO_EXACT_FLAT_ROOM / 64 + 2], unsure[ISO_EXACT_FLAT_ROOM / 64 + 2]; /* bits */
+/* Pixels of one outlined cell: where they are from its projected middle, and what is found out about them,
+ * which is stored ISO_LANES_MAX items later so that vectors can be read that begin before the first one.
+ * (Rooms are multiples of ISO_LANES_MAX: no vector of any array lies across lines of a cache.) */
+typedef struct iso_exact_patch {
+    int cell, count, runs;
+    iso_exact_run run[ISO_EXACT_PATCH_ROOM];
+    alignas(64) float x[ISO_EXACT_PATCH_ROOM], y[ISO_EXACT_PATCH_ROOM], depth[ISO_EXACT_PATCH_ROOM];
+    float normal[3][ISO_EXACT_PATCH_ROOM]; /* before that, places in the cell's coordinates */
+    /* on the way: a ray's cubic or what stands for it, where it begins and how it goes on; depths there, or
+     * how far back it begins; about where the cubic is 0 */
+    float cubic[4][ISO_EXACT_PATCH_ROOM], entry[3][ISO_EXACT_PATCH_ROOM], step[3][ISO_EXACT_PATCH_ROOM],
+        begin[ISO_EXACT_PATCH_ROOM], length[ISO_EXACT_PATCH_ROOM], guess[ISO_EXACT_PATCH_ROOM];
+    float u[ISO_EXACT_PATCH_ROOM], v[ISO_EXACT_PATCH_ROOM]; /* for a picture: of their rays, */
+    int32_t word[ISO_EXACT_PATCH_ROOM];                     /* and their words */
+    uint64_t hit[ISO_EXACT_PATCH_ROOM / 64 + 2], unsure[ISO_EXACT_PATCH_ROOM / 64 + 2]; /* bits */
     float gradient[8][4]; /* in view space, as the field's coefficients are ordered */
-} iso_exact_flats;
+} iso_exact_patch;
 
 /* One worker's. */
 typedef struct iso_exact_scratch {
@@ -130,8 +140,8 @@ typedef struct iso_exact_scratch {
     iso_exact_hits hits;
     bool outlined; /* cells are large, and far from the eye: these are set */
     iso_exact_outline outline[ISO_EXACT_CELL_ROOM];
-    iso_exact_flat flat[ISO_EXACT_CELL_ROOM];
-    iso_exact_flats flats;
+    iso_exact_through through[ISO_EXACT_CELL_ROOM];
+    iso_exact_patch patch;
 } iso_exact_scratch;
 
 typedef struct iso_exact_kernel {

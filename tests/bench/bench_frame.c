@@ -5,6 +5,9 @@
 #include "render/pullpush.h"
 #include "render/shading.h"
 
+static const iso_rgb COLOR = {0xD9, 0xB3, 0x6C};
+static const iso_shading SHADING = {.colors = &COLOR, .color_count = 1};
+
 /* ---- the methods ---- */
 
 static iso_status open_points(bench_frame *frame, iso_error *error) {
@@ -60,8 +63,9 @@ static iso_status open_exact(bench_frame *frame, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status draw_exact(bench_frame *frame, const iso_target *target, iso_error *error) {
-    return iso_draw_exact(target, frame->exact, error);
+static iso_status paint_exact(bench_frame *frame, size_t *covered, iso_error *error) {
+    const iso_exact_canvas canvas = {&frame->view.view, &SHADING, &frame->subject->image, frame->pool};
+    return iso_paint_exact(&canvas, frame->exact, covered, error);
 }
 
 const bench_method bench_methods[] = {
@@ -87,7 +91,7 @@ const bench_method bench_methods[] = {
      .open = open_pullpush,
      .draw = draw_refined,
      .close = close_pullpush},
-    {.name = "exact", .kernels = true, .on_volumes = true, .open = open_exact, .draw = draw_exact},
+    {.name = "exact", .kernels = true, .on_volumes = true, .open = open_exact, .paint = paint_exact},
 };
 const int bench_method_count = sizeof bench_methods / sizeof *bench_methods;
 
@@ -107,20 +111,24 @@ static iso_status open_frame(bench_row *row, iso_error *error) {
     return frame->method->open(frame, error);
 }
 
-static iso_status run_frame(bench_row *row, bench_sample *sample, iso_error *error) {
-    static const iso_rgb color = {0xD9, 0xB3, 0x6C};
-    const iso_shading shading = {.colors = &color, .color_count = 1};
-    bench_frame *frame = row->context;
+static iso_status draw_frame(bench_frame *frame, iso_error *error) {
     iso_gbuffer *gbuffer = &frame->subject->gbuffer;
-    iso_target target = {.view = &frame->view.view, .gbuffer = gbuffer, .pool = frame->pool};
-    bench_clock clock = bench_clock_start();
+    const iso_target target = {.view = &frame->view.view, .gbuffer = gbuffer, .pool = frame->pool};
     iso_gbuffer_clear_bands(gbuffer, frame->pool);
     ISO_TRY(frame->method->draw(frame, &target, error));
     const iso_strip strip = {.view = &frame->view.view, .gbuffer = gbuffer, .factor = 1};
-    iso_shade(&shading, &strip, &frame->subject->image, frame->pool);
+    iso_shade(&SHADING, &strip, &frame->subject->image, frame->pool);
+    return ISO_OK;
+}
+
+static iso_status run_frame(bench_row *row, bench_sample *sample, iso_error *error) {
+    bench_frame *frame = row->context;
+    const bench_method *method = frame->method;
+    bench_clock clock = bench_clock_start();
+    ISO_TRY(method->paint ? method->paint(frame, &frame->covered, error) : draw_frame(frame, error));
     bench_clock_stop(&clock, sample);
     sample->primitives = frame->primitives;
-    if (!frame->covered) frame->covered = bench_covered(gbuffer);
+    if (!frame->covered) frame->covered = bench_covered(&frame->subject->gbuffer);
     return ISO_OK;
 }
 

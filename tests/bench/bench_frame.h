@@ -1,5 +1,6 @@
 /* bench_frame: a frame by one of our methods as a row: drawing into a cleared gbuffer and shading into an
- * image, all that a window needs, in memory that is kept from frame to frame. */
+ * image, or painting the image at once; all that a window needs, in memory that is kept from frame to frame.
+ */
 #ifndef ISO_TESTS_BENCH_FRAME_H
 #define ISO_TESTS_BENCH_FRAME_H
 
@@ -19,7 +20,10 @@ typedef struct bench_method {
     bool on_bumpy, on_volumes; /* which subjects it is measured on */
     /* Gets what is drawn into the frame, and its number of primitives. */
     iso_status (*open)(bench_frame *frame, iso_error *error);
+    /* Either draws, or paints into the subject's image without a gbuffer and counts the pixels that show the
+     * surface. */
     iso_status (*draw)(bench_frame *frame, const iso_target *target, iso_error *error);
+    iso_status (*paint)(bench_frame *frame, size_t *covered, iso_error *error);
     void (*finish)(bench_row *row);    /* adds counters; NULL: none */
     void (*close)(bench_frame *frame); /* what open made; NULL: nothing */
 } bench_method;
