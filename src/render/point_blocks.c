@@ -7,7 +7,7 @@
 
 enum {
     BLOCK_POINTS = 4096,
-    CHUNK_BLOCKS = 512, /* one task's */
+    CHUNK = 512,        /* one task's spans or blocks */
     FAR_PIXEL = 1 << 28 /* pixels beyond are as good as it */
 };
 
@@ -15,8 +15,9 @@ enum {
  * to 1.415 of their points' radii (refined_numbers.h). */
 static const double GUARD_RADII = 1.15;
 
-/* What one task found out about its blocks. */
+/* One task's blocks, and what it found out about them. */
 typedef struct chunk {
+    size_t first, end;
     size_t seen;
     float radius[2];
     double lo[3], hi[3]; /* view space */
@@ -28,6 +29,12 @@ typedef struct block_measure {
     double radius[2]; /* mm, of its discs */
 } block_measure;
 
+/* What dealing needs to know of a block, apart from the rest, which is six times as much. */
+typedef struct block_rows {
+    int32_t row[2]; /* the block's; none when it is not seen */
+    bool averted;
+} block_rows;
+
 /* The picture's first and last side along an axis, in pixels from the optical axis, and how many times
  * longer balls reach across them than their radii: the rays there are aslant. */
 typedef struct picture_side {
@@ -35,7 +42,7 @@ typedef struct picture_side {
 } picture_side;
 
 typedef struct survey {
-    const iso_point_view *points;  /* or, when they are out of reach: */
+    const iso_point_view *points;  /* not cut yet; or, when they are and are out of reach: */
     const block_measure *measures; /* one per block */
     double radius[2];              /* of points that have none of their own: the discs', mm */
     bool closed;
@@ -43,8 +50,8 @@ typedef struct survey {
     picture_side sides[2]; /* of columns and of rows */
     double eye[3];         /* in index coordinates, or (orthographic) the direction of the view */
     iso_point_block *blocks;
+    block_rows *rows;
     chunk *chunks;
-    size_t count;
 } survey;
 
 /* Ranges in view space: of a block's centres, and of its discs' radii in mm. */
@@ -198,13 +205,45 @@ static void survey_block(const survey *s, iso_point_block *block, const iso_poin
     if (block->radius[1] > found->radius[1]) found->radius[1] = block->radius[1];
 }
 
+/* Spans from .. to - 1. */
+static size_t count_blocks(const iso_point_view *points, size_t from, size_t to) {
+    size_t count = 0;
+    for (size_t s = from; s < to; s++)
+        count += ((size_t)points->spans[s].count + BLOCK_POINTS - 1) / BLOCK_POINTS;
+    return count;
+}
+
+static void cut(const iso_point_view *points, size_t from, size_t to, iso_point_block *block) {
+    for (size_t s = from; s < to; s++) {
+        const iso_point_span *span = &points->spans[s];
+        for (uint32_t done = 0; done < span->count; block++) {
+            uint32_t left = span->count - done;
+            block->count = left < BLOCK_POINTS ? left : BLOCK_POINTS;
+            block->first = span->first + done;
+            block->span = s;
+            memcpy(block->brick, span->brick, sizeof block->brick);
+            done += block->count;
+        }
+    }
+}
+
+/* Those of a chunk from number `index` * CHUNK on. */
+static size_t chunk_end(size_t index, size_t count) {
+    const size_t end = (index + 1) * CHUNK;
+    return end < count ? end : count;
+}
+
 static void survey_chunk(void *context, size_t index, int worker) {
     (void)worker;
     const survey *s = context;
-    chunk found = {
-        .radius = {FLT_MAX, 0}, .lo = {DBL_MAX, DBL_MAX, DBL_MAX}, .hi = {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
-    size_t end = (index + 1) * CHUNK_BLOCKS;
-    for (size_t i = index * CHUNK_BLOCKS; i < end && i < s->count; i++) {
+    const size_t first = s->chunks[index].first, end = s->chunks[index].end;
+    chunk found = {.first = first,
+                   .end = end,
+                   .radius = {FLT_MAX, 0},
+                   .lo = {DBL_MAX, DBL_MAX, DBL_MAX},
+                   .hi = {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
+    if (s->points) cut(s->points, index * CHUNK, chunk_end(index, s->points->span_count), s->blocks + first);
+    for (size_t i = first; i < end; i++) {
         iso_point_block *block = &s->blocks[i];
         if (s->measures) {
             survey_block(s, block, &s->measures[i].bounds, s->measures[i].radius, &found);
@@ -214,6 +253,8 @@ static void survey_chunk(void *context, size_t index, int worker) {
             const block_measure measure = measure_block(s->points, block);
             survey_block(s, block, &measure.bounds, measure.radius, &found);
         }
+        s->rows[i] = (block_rows){{block->row[0], block->row[1]}, block->averted};
+        if (!block->seen) s->rows[i] = (block_rows){.row = {0, -1}};
     }
     s->chunks[index] = found;
 }
@@ -236,41 +277,25 @@ static void sum_up(iso_point_blocks *blocks, const chunk *chunks, size_t count) 
     for (int axis = 0; axis < 3; axis++) blocks->around_eye &= lo[axis] <= 0 && hi[axis] >= 0;
 }
 
-static size_t count_blocks(const iso_point_view *points) {
-    size_t count = 0;
-    for (size_t s = 0; s < points->span_count; s++)
-        count += ((size_t)points->spans[s].count + BLOCK_POINTS - 1) / BLOCK_POINTS;
-    return count;
-}
-
-static void cut(const iso_point_view *points, iso_point_block *block) {
-    for (size_t s = 0; s < points->span_count; s++) {
-        const iso_point_span *span = &points->spans[s];
-        for (uint32_t done = 0; done < span->count; block++) {
-            uint32_t left = span->count - done;
-            block->count = left < BLOCK_POINTS ? left : BLOCK_POINTS;
-            block->first = span->first + done;
-            block->span = s;
-            memcpy(block->brick, span->brick, sizeof block->brick);
-            done += block->count;
-        }
-    }
-}
-
-static iso_status make_blocks(iso_point_blocks *blocks, const iso_point_view *points, iso_error *error) {
-    size_t count = count_blocks(points);
+static iso_status make_blocks(iso_point_blocks *blocks, size_t count, iso_error *error) {
     ISO_TRY(iso_buffer_reserve(&blocks->blocks, count * sizeof(iso_point_block), 0, error));
     blocks->count = count;
-    cut(points, blocks->blocks.data);
     return ISO_OK;
 }
 
-static iso_status look_at_blocks(iso_point_blocks *blocks, survey *s, iso_pool *pool, iso_error *error) {
-    size_t chunks = (blocks->count + CHUNK_BLOCKS - 1) / CHUNK_BLOCKS;
-    ISO_TRY(iso_buffer_reserve(&blocks->chunks, chunks * sizeof(chunk), 0, error));
-    s->blocks = blocks->blocks.data;
+static iso_status make_chunks(iso_point_blocks *blocks, survey *s, size_t items, size_t *count,
+                              iso_error *error) {
+    *count = (items + CHUNK - 1) / CHUNK;
+    ISO_TRY(iso_buffer_reserve(&blocks->chunks, *count * sizeof(chunk), 0, error));
     s->chunks = blocks->chunks.data;
-    s->count = blocks->count;
+    return ISO_OK;
+}
+
+static iso_status look_at_blocks(iso_point_blocks *blocks, survey *s, size_t chunks, iso_pool *pool,
+                                 iso_error *error) {
+    ISO_TRY(iso_buffer_reserve(&blocks->rows, blocks->count * sizeof(block_rows), 0, error));
+    s->blocks = blocks->blocks.data;
+    s->rows = blocks->rows.data;
     for (int axis = 0; axis < 2; axis++) s->sides[axis] = side_of(s->projector->view, axis);
     iso_parallel_for(pool, chunks, survey_chunk, s);
     sum_up(blocks, s->chunks, chunks);
@@ -279,12 +304,19 @@ static iso_status look_at_blocks(iso_point_blocks *blocks, survey *s, iso_pool *
 
 iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view *points,
                                  const iso_projector *projector, iso_pool *pool, iso_error *error) {
-    ISO_TRY(make_blocks(blocks, points, error));
     const double radius = ISO_DISC_RADII * iso_most(points->radius, 0);
     survey s = {
         .points = points, .radius = {radius, radius}, .closed = points->closed, .projector = projector};
+    size_t chunks, count = 0;
+    ISO_TRY(make_chunks(blocks, &s, points->span_count, &chunks, error));
+    for (size_t i = 0; i < chunks; i++) {
+        s.chunks[i].first = count;
+        count += count_blocks(points, i * CHUNK, chunk_end(i, points->span_count));
+        s.chunks[i].end = count;
+    }
+    ISO_TRY(make_blocks(blocks, count, error));
     iso_projector_eye(projector, &points->transform, s.eye);
-    return look_at_blocks(blocks, &s, pool, error);
+    return look_at_blocks(blocks, &s, chunks, pool, error);
 }
 
 static void swap(iso_buffer *a, iso_buffer *b) {
@@ -299,7 +331,8 @@ iso_status iso_point_blocks_measure(iso_point_blocks *blocks, const iso_point_vi
     swap(&blocks->blocks, &blocks->last_blocks);
     swap(&blocks->extents, &blocks->last_extents);
     blocks->count = blocks->measured = 0;
-    ISO_TRY(make_blocks(blocks, points, error));
+    ISO_TRY(make_blocks(blocks, count_blocks(points, 0, points->span_count), error));
+    cut(points, 0, points->span_count, blocks->blocks.data);
     ISO_TRY(iso_buffer_reserve(&blocks->extents, blocks->count * sizeof(block_measure), 0, error));
     const iso_point_block *block = blocks->blocks.data, *was = blocks->last_blocks.data;
     block_measure *measure = blocks->extents.data;
@@ -320,24 +353,30 @@ iso_status iso_point_blocks_measure(iso_point_blocks *blocks, const iso_point_vi
 iso_status iso_point_blocks_look(iso_point_blocks *blocks, bool closed, const iso_transform *transform,
                                  const iso_projector *projector, iso_error *error) {
     survey s = {.measures = blocks->extents.data, .closed = closed, .projector = projector};
+    size_t chunks;
+    ISO_TRY(make_chunks(blocks, &s, blocks->count, &chunks, error));
+    for (size_t i = 0; i < chunks; i++) {
+        s.chunks[i].first = i * CHUNK;
+        s.chunks[i].end = chunk_end(i, blocks->count);
+    }
     iso_projector_eye(projector, transform, s.eye);
-    return look_at_blocks(blocks, &s, NULL, error);
+    return look_at_blocks(blocks, &s, chunks, NULL, error);
 }
 
 /* How rows from the optical axis become bands. */
 typedef struct bands {
-    int64_t first_row, size; /* the first band's, and rows in each */
-    int count;
+    int64_t first_row; /* the first band's */
+    int count, shift;  /* 2^shift rows in each */
     bool cull;
 } bands;
 
 /* Bands first .. last that the block's rows are in; none when first > last. */
-static iso_rows bands_of(const bands *b, const iso_point_block *block) {
+static iso_rows bands_of(const bands *b, const block_rows *block) {
     const int64_t first = block->row[0] - b->first_row, last = block->row[1] - b->first_row;
-    if (!block->seen || (b->cull && block->averted) || last < 0 || first >= b->size * b->count)
+    if (first > last || (b->cull && block->averted) || last < 0 || first >> b->shift >= b->count)
         return (iso_rows){0, -1};
-    const int64_t most = last / b->size;
-    return (iso_rows){first < 0 ? 0 : (int)(first / b->size), most < b->count ? (int)most : b->count - 1};
+    const int64_t most = last >> b->shift;
+    return (iso_rows){first < 0 ? 0 : (int)(first >> b->shift), most < b->count ? (int)most : b->count - 1};
 }
 
 iso_status iso_point_blocks_deal(iso_point_blocks *blocks, const iso_view *view, const iso_pyramid *pyramid,
@@ -346,10 +385,10 @@ iso_status iso_point_blocks_deal(iso_point_blocks *blocks, const iso_view *view,
     const int count = (rows + band_rows - 1) / band_rows;
     /* (blocks' rows have room for the rounding) */
     const bands all = {.first_row = (int64_t)ceil(pyramid->shape.row - view->cy),
-                       .size = (int64_t)band_rows << base,
                        .count = count,
+                       .shift = base + __builtin_ctz((unsigned)band_rows),
                        .cull = cull};
-    const iso_point_block *block = blocks->blocks.data;
+    const block_rows *block = blocks->rows.data;
     ISO_TRY(iso_buffer_reserve(&blocks->start, ((size_t)count + 2) * sizeof(size_t), 0, error));
     size_t *start = blocks->start.data;
     memset(start, 0, ((size_t)count + 2) * sizeof(size_t));
@@ -369,6 +408,7 @@ iso_status iso_point_blocks_deal(iso_point_blocks *blocks, const iso_view *view,
 
 void iso_point_blocks_free(iso_point_blocks *blocks) {
     iso_buffer_free(&blocks->blocks);
+    iso_buffer_free(&blocks->rows);
     iso_buffer_free(&blocks->chunks);
     iso_buffer_free(&blocks->extents);
     iso_buffer_free(&blocks->last_blocks);

@@ -27,7 +27,7 @@ typedef struct iso_point_block {
 } iso_point_block;
 
 typedef struct iso_point_blocks {
-    iso_buffer blocks, chunks;
+    iso_buffer blocks, rows, chunks;
     size_t count;
     /* Of iso_point_blocks_measure: what it found out, and of how many blocks; the last one's. */
     iso_buffer extents, last_blocks, last_extents;
@@ -55,8 +55,8 @@ iso_status iso_point_blocks_measure(iso_point_blocks *blocks, const iso_point_vi
 iso_status iso_point_blocks_look(iso_point_blocks *blocks, bool closed, const iso_transform *transform,
                                  const iso_projector *projector, iso_error *error);
 
-/* Deals the blocks seen (averted ones too unless `cull`) out to bands of `band_rows` rows of the pyramid's
- * base level. ISO_ERR_NOMEM. */
+/* Deals the blocks seen (averted ones too unless `cull`) out to bands of `band_rows` rows, a power of two, of
+ * the pyramid's base level. ISO_ERR_NOMEM. */
 iso_status iso_point_blocks_deal(iso_point_blocks *blocks, const iso_view *view, const iso_pyramid *pyramid,
                                  int band_rows, bool cull, iso_error *error);
 

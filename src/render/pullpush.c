@@ -94,16 +94,31 @@ static iso_rows rows_within(int first, int count, int height) {
     return (iso_rows){first, first + count <= height ? first + count - 1 : height - 1};
 }
 
+/* A piece of a row of keys. That of the row after next comes towards the cache: the processor foresees few of
+ * so many rows. */
+static void empty_piece(int64_t *keys, size_t stride) {
+    enum { LINE = ISO_ALIGNMENT / sizeof *keys };
+    for (int k = 0; k < ISO_KEY_PIECE; k += LINE) __builtin_prefetch(keys + 2 * stride + k, 1, 2);
+    for (int k = 0; k < ISO_KEY_PIECE; k++) keys[k] = ISO_KEY_NONE;
+}
+
+static void empty_keys(const iso_pyramid *p, iso_rows rows) {
+    const size_t stride = p->key_stride, pieces = stride / ISO_KEY_PIECE;
+    for (int y = rows.first / 2; y <= rows.last / 2; y++)
+        for (size_t i = 0; i < pieces; i++) {
+            if (!p->used[(size_t)y * pieces + i]) continue;
+            int64_t *upper = p->keys + (size_t)(2 * y) * stride + i * ISO_KEY_PIECE;
+            empty_piece(upper, stride);
+            empty_piece(upper + stride, stride);
+        }
+}
+
 static void project_band(const frame *f, size_t band, iso_rows rows) {
     const iso_pyramid *p = f->pyramid;
     const size_t *start = f->blocks->start.data;
     const uint32_t *order = f->blocks->order.data;
     const iso_block_list list = {f->blocks->blocks.data, order + start[band], start[band + 1] - start[band]};
-    int height = p->level[p->shape.base].height;
-    /* and, after the last, the row that makes their number even */
-    size_t count = (size_t)(rows.last - rows.first + 1 + (rows.last == height - 1)) * p->key_stride;
-    int64_t *keys = p->keys + (size_t)rows.first * p->key_stride;
-    for (size_t i = 0; i < count; i++) keys[i] = ISO_KEY_NONE;
+    empty_keys(p, rows);
     f->kernel->project(&f->projection, &list, rows);
 }
 

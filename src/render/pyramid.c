@@ -77,10 +77,15 @@ static size_t key_count(const iso_pyramid_level *base) {
     return key_stride_of(base) * (size_t)(base->height + 1);
 }
 
+static size_t piece_count(const iso_pyramid_level *base) {
+    return key_stride_of(base) / ISO_KEY_PIECE * (size_t)(base->height / 2 + 1);
+}
+
 size_t iso_pyramid_bytes(const iso_pyramid_shape *shape) {
     const iso_pyramid_level base = iso_pyramid_level_of(shape, shape->base);
     if (key_count(&base) > INT32_MAX) return SIZE_MAX; /* places of keys are 32-bit numbers */
-    size_t bytes = key_count(&base) * (sizeof(int64_t) + (shape->indexed ? sizeof(int32_t) : 0));
+    size_t bytes =
+        key_count(&base) * (sizeof(int64_t) + (shape->indexed ? sizeof(int32_t) : 0)) + piece_count(&base);
     for (int l = 0; l <= shape->top; l++) {
         iso_pyramid_level level = iso_pyramid_level_of(shape, l);
         for (int p = 0; p < ISO_PLANES; p++)
@@ -109,7 +114,8 @@ static void make_border(const iso_pyramid_level *level, int plane) {
     fill(row, row + level->stride, value);
 }
 
-static void lay_planes(iso_pyramid *pyramid, char *memory) {
+/* Returns where they end. */
+static char *lay_planes(iso_pyramid *pyramid, char *memory) {
     float *next = (float *)memory;
     for (int l = 0; l <= pyramid->shape.top; l++) {
         iso_pyramid_level *level = &pyramid->level[l];
@@ -120,6 +126,7 @@ static void lay_planes(iso_pyramid *pyramid, char *memory) {
             next += plane_floats(level);
         }
     }
+    return (char *)next;
 }
 
 iso_status iso_pyramid_reshape(iso_pyramid *pyramid, const iso_pyramid_shape *shape, iso_error *error) {
@@ -138,7 +145,8 @@ iso_status iso_pyramid_reshape(iso_pyramid *pyramid, const iso_pyramid_shape *sh
     pyramid->keys = (int64_t *)memory;
     memory += key_count(base) * sizeof(int64_t);
     pyramid->index = shape->indexed ? (int32_t *)memory : NULL;
-    lay_planes(pyramid, memory + index);
+    pyramid->used = (uint8_t *)lay_planes(pyramid, memory + index);
+    memset(pyramid->used, 1, piece_count(base));
     return ISO_OK;
 }
 

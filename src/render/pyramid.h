@@ -56,6 +56,9 @@ enum {
  * smallest key of a pixel is its point. */
 #define ISO_KEY_NONE INT64_MAX
 
+/* Keys of a row that are emptied together, with those of the row below: rows 2y and 2y + 1. */
+enum { ISO_KEY_PIECE = 32 };
+
 /* Pixel (x, y) is at [y * stride + x]; there is a border of no points around, at least one pixel wide and so
  * that vectors may begin before the left end and go beyond the right. */
 typedef struct iso_pyramid_level {
@@ -79,6 +82,8 @@ typedef struct iso_pyramid {
     iso_pyramid_level level[ISO_PYRAMID_TOP + 1];
     int64_t *keys; /* of level `base`: its height + 1 rows of key_stride, the last empty */
     size_t key_stride;
+    uint8_t *used;  /* of each piece of keys: whether there has been a point in it since it was emptied; as
+                       many  in a row as key_stride has */
     int32_t *index; /* the points' numbers, laid out like the keys; NULL unless asked for */
     iso_buffer memory;
 } iso_pyramid;
