@@ -56,6 +56,7 @@ void main() {
     float mm = max(own_radius, 0.0);
     float wide = (mm * scale - ISO_REFINED_GROW_FROM) * (1.0 / ISO_REFINED_GROW_OVER);
     float radius = mm * (ISO_REFINED_BALL + clamp(wide, 0.0, 1.0) * ISO_REFINED_BALL_MORE);
+    if (place.w != 0.0) radius *= kept(bend);
     centre.zw = vec2(at.z, radius);
 
     vec3 view_normal = turned(n), ray = ray_to(centre.xy);

@@ -31,10 +31,15 @@ vec2 tilt(ivec4 bend) {
     return steps * abs(steps) * (ISO_GL_SHAPE_TILT_MOST / (ISO_GL_SHAPE_TILT_STEPS * ISO_GL_SHAPE_TILT_STEPS));
 }
 
+/* How much of its ball a disc keeps. */
+float kept(ivec4 bend) {
+    return 1.0 - 0.25 * float((bend.w & 0xFFFF) >> ISO_GL_SHAPE_LOST_BIT);
+}
+
 /* The box as far as it is known where the surface turns away from an edge point; `at` is in index coordinates. Packed
  * points at a voxel may be on the edge to either side. */
 void take_ends(ivec4 bend, vec3 at, inout vec3 lowest, inout vec3 highest) {
-    int ends = bend.w & 0xFFFF, edge = (ends >> ISO_GL_SHAPE_AXIS_BIT) - 1;
+    int ends = bend.w & 0xFFFF, edge = (ends >> ISO_GL_SHAPE_AXIS_BIT & ISO_GL_SHAPE_AXIS_MASK) - 1;
     if (ends == 0) return;
     const float each = 1.0 / ISO_GL_SHAPE_END_STEPS;
     int next = 0;

@@ -270,7 +270,7 @@ static size_t check_ends(const iso_grid *grid, const bent_point *point, double i
     double along;
     const int axis = edge_of(point, edge[0], edge[1], &along);
     if (is_at_voxel(point)) return 0;
-    assert_int_equal(ends >> ISO_SHAPE_AXIS_BIT, axis + 1);
+    assert_int_equal(ends >> ISO_SHAPE_AXIS_BIT & ISO_SHAPE_AXIS_MASK, axis + 1);
     for (int k = 0; k < 3; k++)
         for (int step = -1; step <= 1 && k != axis; step += 2) {
             const double wanted = reference_end(grid, edge, k, step, isovalue),
@@ -474,7 +474,8 @@ static void points_at_voxels_have_the_ends_of_crossed_edges(void **state) {
                 const bent_point point = get_point(&view, span, i);
                 const iso_vec3 p = point.position;
                 if (p.x != rint(p.x) || p.y != rint(p.y) || p.z != rint(p.z)) continue;
-                const int axis = (view.shapes[span->first + i].ends >> ISO_SHAPE_AXIS_BIT) - 1;
+                const int ends = view.shapes[span->first + i].ends,
+                          axis = (ends >> ISO_SHAPE_AXIS_BIT & ISO_SHAPE_AXIS_MASK) - 1;
                 int low[3] = {(int)p.x, (int)p.y, (int)p.z}, high[3];
                 if (axis < 0) {
                     assert_true(point.tilt[0] == 0 && point.tilt[1] == 0);
@@ -494,6 +495,40 @@ static void points_at_voxels_have_the_ends_of_crossed_edges(void **state) {
         iso_grid_destroy(&grid);
     }
     assert_true(crossed > 50 && uncrossed > 50);
+}
+
+/* How many points' discs do without 0 .. 3 quarters of their size. */
+static void count_lost(const iso_grid *grid, size_t lost[4]) {
+    const iso_points_opts opts = {.isovalue = 100, .primitive = ISO_PRIMITIVE_EDGE, .shapes = true};
+    iso_point_set *set = make_set(grid, &opts);
+    const iso_point_view view = iso_point_set_view(set);
+    const size_t count = iso_point_view_count(&view);
+    for (size_t i = 0; i < count; i++) lost[view.shapes[i].ends >> ISO_SHAPE_LOST_BIT]++;
+    iso_point_set_destroy(set);
+}
+
+/* Quadrics are the surface of a ball of any size that voxels can show, and not that of noise. */
+static void only_discs_far_from_their_surface_are_smaller(void **state) {
+    (void)state;
+    test_random random = {22};
+    iso_grid grid = test_rgrid((int[3]){24, 24, 24}, ISO_UINT8);
+    for (int radius = 2; radius <= 8; radius++) {
+        size_t lost[4] = {0};
+        for (int z = 0; z < 24; z++)
+            for (int y = 0; y < 24; y++)
+                for (int x = 0; x < 24; x++) {
+                    const double r = sqrt((x - 12.) * (x - 12) + (y - 12.) * (y - 12) + (z - 12.) * (z - 12));
+                    test_set(&grid, x, y, z, fmin(fmax(100.5 + 20 * (radius - r), 0), 255));
+                }
+        count_lost(&grid, lost);
+        assert_true(lost[0] > 50 && lost[1] + lost[2] + lost[3] == 0);
+    }
+    size_t lost[4] = {0};
+    test_fill(&grid, TEST_NOISE, &random);
+    count_lost(&grid, lost);
+    print_message("quarters lost by discs of noise: %zu %zu %zu %zu\n", lost[0], lost[1], lost[2], lost[3]);
+    assert_true(lost[0] > 1000 && lost[1] + lost[2] + lost[3] > 10);
+    iso_grid_destroy(&grid);
 }
 
 /* Values that are not finite, and no gradient at all, make flat points. */
@@ -595,6 +630,7 @@ int main(void) {
         cmocka_unit_test(curvatures_of_known_surfaces),
         cmocka_unit_test(edge_shapes_match_the_reference),
         cmocka_unit_test(points_at_voxels_have_the_ends_of_crossed_edges),
+        cmocka_unit_test(only_discs_far_from_their_surface_are_smaller),
         cmocka_unit_test(odd_values_are_flat),
         cmocka_unit_test(same_bytes_for_every_instruction_set),
         cmocka_unit_test(packed_points_have_the_same_shapes),

@@ -64,8 +64,15 @@ enum { ISO_SHAPE_TILT_BITS = 7, ISO_SHAPE_TILT_STEPS = 63, ISO_SHAPE_LOW_BITS = 
 /* How far the surface goes on from an edge point, in the faces of the cells around its edge, until it comes
  * to another edge of the face: from bit 0 on, voxels 0..1 down and up along the first of the axes at right
  * angles to the edge, and along the second, in steps of 1 / 7, rounded up; from bit 12 on, 1 + the edge's
- * axis. */
-enum { ISO_SHAPE_END_BITS = 3, ISO_SHAPE_END_STEPS = 7, ISO_SHAPE_AXIS_BIT = 12 };
+ * axis; from bit 14 on, how many quarters of its size a disc with this shape must do without if it is not to
+ * be too far outside the surface. */
+enum {
+    ISO_SHAPE_END_BITS = 3,
+    ISO_SHAPE_END_STEPS = 7,
+    ISO_SHAPE_AXIS_BIT = 12,
+    ISO_SHAPE_AXIS_MASK = 3,
+    ISO_SHAPE_LOST_BIT = 14
+};
 
 #define ISO_SHAPE_STEP (1.0f / 8000)
 #define ISO_SHAPE_MOST 4.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */

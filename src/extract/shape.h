@@ -10,6 +10,10 @@
  * with Gaussian priors), and so is the direction that the surface is said to have, its tilt. That begins
  * where the field's slope along the edge itself has it, if the gradient over two voxels says something else.
  *
+ * Where surfaces bend within a voxel, as noise and small things do, a quadric says little about where they
+ * end: discs are held against the field in the four cells around their edge, and do with as much less of
+ * their size as keeps them from reaching far outside it.
+ *
  * Beyond the grid's border values go on linearly; where a value that is needed is not finite, or the gradient
  * vanishes, a point is flat. */
 #ifndef ISO_EXTRACT_SHAPE_H

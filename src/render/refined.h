@@ -18,7 +18,8 @@
  * Balls are round where voxels are cubes, and reach as many voxels along every axis elsewhere.
  *
  * A surface ends at its grid's border, and where it bends much it turns away within a voxel: there, discs end
- * at the border and where the surface comes to the next edge of the cells around (iso_shape's ends).
+ * at the border and where the surface comes to the next edge of the cells around (iso_shape's ends). Discs
+ * that would be far off the surface there are smaller.
  *
  * Blocks come from front to back; discs that lie behind all that is drawn around them are left out. Small
  * discs are measured a vector at a time, larger ones splatted one by one (render/refined_kernel.h). */

@@ -82,6 +82,8 @@
 #define ISO_GL_SHAPE_END_BITS 3
 #define ISO_GL_SHAPE_END_STEPS 7
 #define ISO_GL_SHAPE_AXIS_BIT 12
+#define ISO_GL_SHAPE_AXIS_MASK 3
+#define ISO_GL_SHAPE_LOST_BIT 14
 
 /* Vertices of triangles are snapped to pixels / ISO_GL_SUBPIXEL, as the cpu engine does. */
 #define ISO_GL_SUBPIXEL 256
