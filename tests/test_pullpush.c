@@ -162,10 +162,14 @@ static void workspaces_hold_nothing(void **state) {
     assert_int_equal(iso_pullpush_create(&workspace, NULL), ISO_OK);
     iso_pullpush_opts opts = {ISO_RECONSTRUCTION_GAUSSIAN, workspace};
     uint32_t seed = 3;
-    for (int i = 0; i < 30; i++) {
+    int width = 0, height = 0;
+    for (int i = 0; i < 60; i++) {
         const test_scene *s = i % 2 ? &sphere : &gyroid;
         const iso_point_view *points = i % 6 == 2 ? &p.points : &s->points;
-        int width = 20 + (int)(100 * uniform(&seed)), height = 20 + (int)(100 * uniform(&seed));
+        if (i % 4 == 0) { /* memory is laid out anew only when the size changes */
+            width = 20 + (int)(100 * uniform(&seed));
+            height = 20 + (int)(100 * uniform(&seed));
+        }
         iso_view view = test_look_at(s, i % 6, exp(5 * uniform(&seed) - 1), i % 5 == 0, width, height);
         iso_gbuffer fresh = test_drawn(&view, points, NULL, NULL),
                     again = test_drawn(&view, points, &opts, NULL);
