@@ -1,6 +1,8 @@
 /* format: what all readers share, those in modules too. */
 #include "grids/format.h"
 
+#include "base/text.h"
+
 #include <errno.h>
 #include <limits.h>
 #include <stdarg.h>
@@ -78,6 +80,6 @@ void iso_volume_note(iso_volume_info *info, const char *format, ...) {
     if (info->note_count >= ISO_VOLUME_NOTES) return;
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
+    iso_text_format(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
     va_end(arguments);
 }
