@@ -353,10 +353,6 @@ static void count_bins(void *state, const run *voxels) {
     }
 }
 
-static double physical(const iso_grid *grid, double stored) {
-    return grid->rgrid ? stored * grid->rgrid->scale + grid->rgrid->offset : stored;
-}
-
 /* Walks over all voxels with a state for each worker, all of which begin as `first`. */
 static iso_status walk_with(const iso_grid *grid, iso_pool *pool, run_visitor *visit, const void *first,
                             size_t bytes, char **states, iso_error *error) {
@@ -420,7 +416,7 @@ static iso_status leave_out_padding(const iso_grid *grid, iso_pool *pool, float_
         .low = range->low, .high = range->high, .padding = at_low ? range->low : range->high};
     ISO_TRY(measure_padding(grid, pool, &padding, error));
     if (!(padding.above_low < range->high)) return ISO_OK; /* a mask of two values keeps both */
-    histogram->padding_value = physical(grid, padding.padding);
+    histogram->padding_value = iso_grid_physical(grid, padding.padding);
     histogram->padding = padding.count;
     if (at_low)
         range->low = padding.above_low;
@@ -449,11 +445,11 @@ static iso_status float_histogram(const iso_grid *grid, iso_pool *pool, iso_hist
     float_range range;
     ISO_TRY(measure_range(grid, pool, &range, error));
     if (!range.finite) return iso_fail(error, ISO_ERR_EMPTY, "the volume holds only NaN or infinite values");
-    histogram->minimum = physical(grid, range.low);
-    histogram->maximum = physical(grid, range.high);
+    histogram->minimum = iso_grid_physical(grid, range.low);
+    histogram->maximum = iso_grid_physical(grid, range.high);
     ISO_TRY(leave_out_padding(grid, pool, &range, histogram, error));
-    histogram->low = physical(grid, range.low);
-    histogram->high = physical(grid, range.high);
+    histogram->low = iso_grid_physical(grid, range.low);
+    histogram->high = iso_grid_physical(grid, range.high);
     histogram->width = (histogram->high - histogram->low) / ISO_HISTOGRAM_BINS;
     histogram->nonfinite = range.nonfinite;
     histogram->counted = range.finite - histogram->padding;
@@ -555,4 +551,11 @@ size_t iso_isovalue_suggest(const iso_grid *grid, const iso_histogram *histogram
         if (!known) candidates[count++] = value;
     }
     return count;
+}
+
+iso_status iso_isovalue_check(const iso_grid *grid, double isovalue, iso_error *error) {
+    if (!grid->hgrid || fabs(iso_grid_stored(grid, isovalue)) < (double)grid->hgrid->band) return ISO_OK;
+    return iso_fail(error, ISO_ERR_EMPTY,
+                    "no surface at isovalue %g: the level set's narrow band is %g mm wide on either side",
+                    isovalue, iso_grid_physical(grid, (double)grid->hgrid->band));
 }
