@@ -102,12 +102,13 @@ static iso_status split(iso_nrrd_data *d, uint64_t all, uint64_t given, iso_erro
     const iso_nrrd_header *header = d->header;
     uint64_t last = header->axis[header->dim - 1].size;
     bool parts = header->file_dim == header->dim;
-    d->files = parts ? given : 1;
-    for (unsigned i = header->file_dim; i < header->dim; i++) d->files *= header->axis[i].size;
+    uint64_t wanted = 1;
+    for (unsigned i = header->file_dim; i < header->dim; i++) wanted *= header->axis[i].size;
+    d->files = parts ? given : wanted;
     if (given == 0 || given != d->files || (parts && last % given != 0))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: names %s%llu data files for %llu %s", d->path,
-                        given > d->files ? "at least " : "", (unsigned long long)given,
-                        (unsigned long long)(parts ? last : d->files),
+                        d->list && given > (parts ? last : wanted) ? "at least " : "",
+                        (unsigned long long)given, (unsigned long long)(parts ? last : wanted),
                         parts ? "slices" : "parts of its array");
     d->each = all / d->files;
     return ISO_OK;
@@ -276,12 +277,15 @@ static iso_status begin_packed(iso_nrrd_data *d, int64_t skip, iso_error *error)
     return ISO_OK;
 }
 
-/* What follows the array need not be whole, but a checksum that is there is looked at. */
+/* Checksums stand at the end: of the stream, or in bzip2 of the block, which damage may have made longer.
+ * What follows far behind the array is not looked at. */
 static iso_status end_packed(iso_nrrd_data *d, iso_error *error) {
-    char byte;
-    size_t got;
     if (d->inflater) return iso_inflater_finish(d->inflater, error);
-    return unpack(d, &byte, 1, &got, error);
+    char scratch[1 << 14];
+    size_t got = sizeof scratch;
+    for (int i = 0; i < 64 && got == sizeof scratch; i++)
+        ISO_TRY(unpack(d, scratch, sizeof scratch, &got, error));
+    return ISO_OK;
 }
 
 /* ---- files ---- */

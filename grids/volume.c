@@ -180,7 +180,11 @@ static iso_status named(const char *path, iso_status status, const iso_error *de
     size_t length = strlen(path); /* "head.img: ..." does not name the file "head" */
     bool names_it = strncmp(detail->text, path, length) == 0 &&
                     (path[length - 1] == '/' || strchr(":/, ", detail->text[length]));
-    return iso_fail(error, status, "%s%s%s", names_it ? "" : path, names_it ? "" : ": ", detail->text);
+    if (names_it) return iso_fail(error, status, "%s", detail->text);
+    size_t room = sizeof detail->text - strlen(detail->text); /* the reason must not be cut off */
+    size_t kept = room > sizeof "...: " ? room - sizeof "...: " : 0;
+    return iso_fail(error, status, "%s%s: %s", length > kept ? "..." : "",
+                    path + (length > kept ? length - kept : 0), detail->text);
 }
 
 /* Puts the module's entry in place of one that names a module. */
