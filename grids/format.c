@@ -2,6 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "grids/format.h"
 
+#include "base/text.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -46,10 +48,8 @@ iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, do
  * because opening a pipe without a writer would wait for one. It means nothing to a regular file. */
 static iso_status open_regular(const char *path, int *file, struct stat *status, iso_error *error) {
     *file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-    size_t length = strlen(path), kept = 160; /* the reason must not be cut off */
-    if (*file < 0 && errno != ENXIO)          /* ENXIO: a socket */
-        return iso_fail(error, ISO_ERR_IO, "%s%s: cannot read: %s", length > kept ? "..." : "",
-                        path + (length > kept ? length - kept : 0), strerror(errno));
+    if (*file < 0 && errno != ENXIO) /* ENXIO: a socket */
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     if (*file >= 0 && fstat(*file, status) == 0 && S_ISREG(status->st_mode)) return ISO_OK;
     if (*file >= 0) close(*file);
     return iso_fail(error, ISO_ERR_IO, "%s: not a regular file", path);
@@ -108,6 +108,6 @@ void iso_volume_note(iso_volume_info *info, const char *format, ...) {
     if (info->note_count >= ISO_VOLUME_NOTES) return;
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
+    iso_text_format(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
     va_end(arguments);
 }

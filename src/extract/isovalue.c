@@ -276,31 +276,27 @@ static void count_bins(void *state, const run *voxels) {
     for (size_t i = 0; i < voxels->count; i++) count_bin(state, values[i], 1);
 }
 
-static double physical(const iso_grid *grid, double stored) {
-    return grid->rgrid ? stored * grid->rgrid->scale + grid->rgrid->offset : stored;
-}
-
 static void fill_range(const iso_grid *grid, const extremes *e, bin_counts *counts,
                        iso_histogram *histogram) {
     counts->low = e->low;
     counts->high = e->high;
     bool several = e->above_low < e->high; /* at least three values */
     if (several && 2 * e->low_faces > e->faces) {
-        histogram->padding_value = physical(grid, e->low);
+        histogram->padding_value = iso_grid_physical(grid, e->low);
         histogram->padding = e->low_count;
         counts->low = e->above_low;
     } else if (several && 2 * e->high_faces > e->faces) {
-        histogram->padding_value = physical(grid, e->high);
+        histogram->padding_value = iso_grid_physical(grid, e->high);
         histogram->padding = e->high_count;
         counts->high = e->below_high;
     }
     double range = counts->high - counts->low;
     counts->per_value = range > 0 ? ISO_HISTOGRAM_BINS / range : 0;
-    histogram->low = physical(grid, counts->low);
-    histogram->high = physical(grid, counts->high);
+    histogram->low = iso_grid_physical(grid, counts->low);
+    histogram->high = iso_grid_physical(grid, counts->high);
     histogram->width = (histogram->high - histogram->low) / ISO_HISTOGRAM_BINS;
-    histogram->minimum = physical(grid, e->low);
-    histogram->maximum = physical(grid, e->high);
+    histogram->minimum = iso_grid_physical(grid, e->low);
+    histogram->maximum = iso_grid_physical(grid, e->high);
     histogram->nonfinite = e->nonfinite;
     histogram->counted = e->finite - histogram->padding;
 }
@@ -432,4 +428,11 @@ size_t iso_isovalue_suggest(const iso_grid *grid, const iso_histogram *histogram
         if (!known) candidates[count++] = value;
     }
     return count;
+}
+
+iso_status iso_isovalue_check(const iso_grid *grid, double isovalue, iso_error *error) {
+    if (!grid->hgrid || fabs(iso_grid_stored(grid, isovalue)) < (double)grid->hgrid->band) return ISO_OK;
+    return iso_fail(error, ISO_ERR_EMPTY,
+                    "no surface at isovalue %g: the level set's narrow band is %g mm wide on either side",
+                    isovalue, iso_grid_physical(grid, (double)grid->hgrid->band));
 }
