@@ -39,7 +39,7 @@ for name, text in FILES.items():
     seconds = time.monotonic() - begin
     line = run.stderr.decode()
     good = run.returncode == 3 and line.count("\n") == 1 and line.startswith("isorender: in/" + name + ": ")
-    if not good or seconds > 10 or len(line) > 520 or os.path.exists("out.png"):
+    if not good or seconds > 10 or len(line) > 600 or os.path.exists("out.png"):
         sys.exit("%s: status %d after %.1f s: %s" % (name, run.returncode, seconds, line))
 peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
 if peak > 2 * LIMIT:
