@@ -12,6 +12,7 @@
  * the volume would come out mirrored, so one axis has to be negated, and any of the three gives the right
  * shape. z it is: x and y are then still those of the slices as they are shown, and stacks that say so (the
  * headsq data of VTK) number their slices downwards, so that the head also stands upright. */
+#include <math.h>
 #include <string.h>
 
 #include "grids/nrrd.h"
@@ -25,15 +26,11 @@ typedef struct layout {
 
 /* ---- axes ---- */
 
-static bool finite(double value) {
-    return value - value == 0;
-}
-
 /* A direction that points somewhere in the first three axes of the world (the fourth of a ...-time space is
  * time). */
 static bool has_direction(const iso_nrrd_header *nrrd, unsigned axis) {
     const double *d = nrrd->axis[axis].direction;
-    if (nrrd->space_dim == 0 || !finite(d[0])) return false;
+    if (nrrd->space_dim == 0 || !isfinite(d[0])) return false;
     if (nrrd->space_dim < 4) return true;
     return d[0] != 0 || d[1] != 0 || d[2] != 0;
 }
@@ -42,7 +39,7 @@ static bool has_direction(const iso_nrrd_header *nrrd, unsigned axis) {
  * first and the last, holds components. */
 static unsigned guess_component_axis(const iso_nrrd_header *nrrd) {
     unsigned last = nrrd->dim - 1;
-    bool first_spaced = finite(nrrd->axis[0].spacing), last_spaced = finite(nrrd->axis[last].spacing);
+    bool first_spaced = isfinite(nrrd->axis[0].spacing), last_spaced = isfinite(nrrd->axis[last].spacing);
     if (first_spaced != last_spaced) return first_spaced ? last : 0;
     return nrrd->axis[0].size < nrrd->axis[last].size ? 0 : last;
 }
@@ -94,12 +91,12 @@ static iso_status find_layout(const char *path, const iso_nrrd_header *nrrd, lay
 static double axis_step(const iso_nrrd_header *nrrd, int axis, iso_volume_info *info) {
     const iso_nrrd_axis *a = &nrrd->axis[axis];
     double step = 1;
-    if (finite(a->spacing) && a->spacing != 0) {
+    if (isfinite(a->spacing) && a->spacing != 0) {
         step = a->spacing;
-    } else if (finite(a->min) && finite(a->max) && a->min != a->max) {
+    } else if (isfinite(a->min) && isfinite(a->max) && a->min != a->max) {
         double intervals = (double)a->size - a->node_centered;
         step = intervals > 0 ? (a->max - a->min) / intervals : 1;
-    } else if (finite(a->thickness) && a->thickness > 0) {
+    } else if (isfinite(a->thickness) && a->thickness > 0) {
         step = a->thickness;
         iso_volume_note(info, "axis %d has no spacing: its thickness %g is used", axis, step);
     }
@@ -109,7 +106,7 @@ static double axis_step(const iso_nrrd_header *nrrd, int axis, iso_volume_info *
 /* Position of the first sample on an axis without a direction. */
 static double axis_origin(const iso_nrrd_header *nrrd, int axis, double step) {
     const iso_nrrd_axis *a = &nrrd->axis[axis];
-    if (!finite(a->min)) return 0;
+    if (!isfinite(a->min)) return 0;
     return a->min * a->unit_mm + (a->node_centered ? 0 : step / 2);
 }
 
@@ -126,7 +123,7 @@ static void take_directions(const iso_nrrd_header *nrrd, const layout *found, is
     double unit[3] = {1, 1, 1};
     for (int i = 0; i < dim; i++) {
         unit[i] = nrrd->space_unit_mm[i];
-        transform->origin[i] = finite(nrrd->space_origin[i]) ? nrrd->space_origin[i] * unit[i] : 0;
+        transform->origin[i] = isfinite(nrrd->space_origin[i]) ? nrrd->space_origin[i] * unit[i] : 0;
     }
     for (int axis = 0; axis < found->space_count; axis++) {
         double d[3] = {0, 0, 0};
