@@ -234,6 +234,7 @@ static void numbers_come_back_exactly(void **state) {
     iso_journal_start start = SESSION_START, got_start;
     strcpy(start.source, "a \"quoted\\ path \xc3\xa9\n.vdb");
     start.source_crc = 0xfedcba98u;
+    start.isovalue = -1.2345678901234567e+299;
     assert_int_equal(iso_journal_create(journal, &start, &j, NULL), ISO_OK);
     uint32_t seed = 4;
     enum { EVENTS = 200 };
@@ -242,7 +243,7 @@ static void numbers_come_back_exactly(void **state) {
     for (int i = 0; i < EVENTS; i++) {
         put[i].kind = i % 2 ? ISO_EVENT_SAMPLE : ISO_EVENT_BEGIN;
         put[i].sample = session_random_sample(&seed);
-        put[i].sample.position.x *= pow(10, (int)(sculpt_uniform(&seed) * 60) - 30);
+        put[i].sample.position.x *= pow(10, (int)(sculpt_uniform(&seed) * 34) - 30); /* (limits.h) */
         if (put[i].kind == ISO_EVENT_BEGIN) put[i].brush = session_random_brush(&seed, ISO_TOOL_COUNT);
         assert_int_equal(iso_journal_put(j, &put[i], NULL), ISO_OK);
     }
@@ -251,7 +252,8 @@ static void numbers_come_back_exactly(void **state) {
     iso_journal_reader *reader;
     assert_int_equal(iso_journal_open(journal, &got_start, &reader, NULL), ISO_OK);
     assert_string_equal(got_start.source, start.source);
-    assert_true(got_start.source_crc == start.source_crc && got_start.origin.x == start.origin.x);
+    assert_true(got_start.source_crc == start.source_crc && got_start.origin.x == start.origin.x &&
+                got_start.isovalue == start.isovalue);
     for (int i = 0; i < EVENTS; i++) {
         iso_event got;
         bool more;

@@ -111,26 +111,14 @@ static iso_status bad_member(const char *key, const char *wanted, iso_error *err
     return iso_fail(error, ISO_ERR_FORMAT, "'%s' is missing or is not %s", key, wanted);
 }
 
-/* A number, and the bounds that it is to keep. */
-typedef struct member {
-    const char *key;
-    iso_limit limit;
-    double *value;
-} member;
-
-static iso_status get_number(const json_t *object, member m, double voxel, iso_error *error) {
-    const json_t *found = json_object_get(object, m.key);
-    if (!json_is_number(found)) return bad_member(m.key, "a number", error);
-    *m.value = json_number_value(found);
-    return iso_limit_check(m.limit, *m.value, voxel, error);
-}
-
-static iso_status get_numbers(const json_t *object, const member *members, size_t count, double voxel,
-                              iso_error *error) {
-    for (size_t i = 0; i < count; i++) ISO_TRY(get_number(object, members[i], voxel, error));
+static iso_status get_number(const json_t *object, const char *key, double *value, iso_error *error) {
+    const json_t *found = json_object_get(object, key);
+    if (!json_is_number(found)) return bad_member(key, "a number", error);
+    *value = json_number_value(found);
     return ISO_OK;
 }
 
+/* Within its bounds, so that it fits into what it is stored in. */
 static iso_status get_integer(const json_t *object, const char *key, iso_limit limit, json_int_t *value,
                               iso_error *error) {
     const json_t *found = json_object_get(object, key);
@@ -150,12 +138,6 @@ static iso_status get_vector(const json_t *object, const char *key, iso_vec3 *v,
     return ISO_OK;
 }
 
-static iso_status check_vector(iso_limit limit, iso_vec3 v, double voxel, iso_error *error) {
-    ISO_TRY(iso_limit_check(limit, v.x, voxel, error));
-    ISO_TRY(iso_limit_check(limit, v.y, voxel, error));
-    return iso_limit_check(limit, v.z, voxel, error);
-}
-
 static iso_status get_text(const json_t *object, const char *key, char out[ISO_JOURNAL_TEXT],
                            iso_error *error) {
     const char *text = json_string_value(json_object_get(object, key));
@@ -173,18 +155,13 @@ static iso_status get_flag(const json_t *object, const char *key, bool *flag, is
     return json_is_boolean(found) ? ISO_OK : bad_member(key, "true or false", error);
 }
 
-/* The number of voxels; a ball's grid is made of whole bricks. */
-static iso_status get_dims(const json_t *object, bool ball, int dims[3], iso_error *error) {
+static iso_status get_dims(const json_t *object, int dims[3], iso_error *error) {
     const json_t *found = json_object_get(object, "dims");
     if (json_array_size(found) != 3) return bad_member("dims", "three numbers", error);
     for (size_t i = 0; i < 3; i++) {
         const json_int_t n = json_integer_value(json_array_get(found, i));
         ISO_TRY(iso_limit_check(ISO_LIMIT_DIMS, (double)n, 1, error));
         dims[i] = (int)n;
-        if (ball && dims[i] % ISO_BRICK)
-            return iso_fail(error, ISO_ERR_FORMAT,
-                            "number of voxels along an axis %d: must be a multiple of %d", dims[i],
-                            ISO_BRICK);
     }
     return ISO_OK;
 }
@@ -203,20 +180,14 @@ static iso_status read_header(const json_t *object, iso_journal_start *start, is
     json_int_t crc = 0;
     ISO_TRY(check_kind(object, error));
     ISO_TRY(get_text(object, "source", start->source, error));
-    const bool ball = strcmp(start->source, "ball") == 0;
-    ISO_TRY(
-        get_number(object, (member){"voxel_size", ISO_LIMIT_VOXEL_SIZE, &start->voxel_size}, 1, error));
-    ISO_TRY(get_dims(object, ball, start->dims, error));
-    ISO_TRY(get_vector(object, "origin", &start->origin, error));
-    ISO_TRY(check_vector(ISO_LIMIT_ORIGIN, start->origin, start->voxel_size, error));
-    ISO_TRY(get_number(object, (member){"isovalue", ISO_LIMIT_ISOVALUE, &start->isovalue}, 1, error));
     ISO_TRY(get_integer(object, "source_crc", ISO_LIMIT_CHECKSUM, &crc, error));
     start->source_crc = (uint32_t)crc;
-    const json_t *radius = json_object_get(object, "radius");
-    if (!json_is_number(radius)) return bad_member("radius", "a number", error);
-    start->radius = json_number_value(radius);
-    if (!ball && start->radius == 0) return ISO_OK;
-    return iso_limit_check(ISO_LIMIT_BALL, start->radius, start->voxel_size, error);
+    ISO_TRY(get_number(object, "voxel_size", &start->voxel_size, error));
+    ISO_TRY(get_dims(object, start->dims, error));
+    ISO_TRY(get_vector(object, "origin", &start->origin, error));
+    ISO_TRY(get_number(object, "radius", &start->radius, error));
+    ISO_TRY(get_number(object, "isovalue", &start->isovalue, error));
+    return iso_limits_start(start, error);
 }
 
 iso_line iso_event_header_read(const char *line, size_t size, iso_journal_start *start, iso_error *why) {
@@ -243,38 +214,27 @@ static iso_status read_names(const json_t *object, iso_brush *brush, iso_error *
     return ISO_OK;
 }
 
-static iso_status read_brush(const json_t *object, double voxel, iso_brush *brush, iso_error *error) {
+static iso_status read_brush(const json_t *object, iso_brush *brush, iso_error *error) {
     if (!json_is_object(object)) return bad_member("brush", "an object", error);
     json_int_t symmetry = 0;
-    const member members[] = {{"radius", ISO_LIMIT_RADIUS, &brush->radius},
-                              {"strength", ISO_LIMIT_STRENGTH, &brush->strength},
-                              {"aspect", ISO_LIMIT_ASPECT, &brush->aspect},
-                              {"blend", ISO_LIMIT_BLEND, &brush->blend}};
     ISO_TRY(read_names(object, brush, error));
-    ISO_TRY(get_numbers(object, members, sizeof members / sizeof *members, voxel, error));
-    const json_t *spacing = json_object_get(object, "spacing");
-    if (!json_is_number(spacing)) return bad_member("spacing", "a number", error);
-    brush->spacing = json_number_value(spacing);
-    if (brush->spacing != 0) ISO_TRY(iso_limit_check(ISO_LIMIT_SPACING, brush->spacing, 1, error));
+    ISO_TRY(get_number(object, "radius", &brush->radius, error));
+    ISO_TRY(get_number(object, "strength", &brush->strength, error));
+    ISO_TRY(get_number(object, "aspect", &brush->aspect, error));
+    ISO_TRY(get_number(object, "blend", &brush->blend, error));
+    ISO_TRY(get_number(object, "spacing", &brush->spacing, error));
     ISO_TRY(get_integer(object, "symmetry", ISO_LIMIT_SYMMETRY, &symmetry, error));
     brush->symmetry = (unsigned)symmetry;
     ISO_TRY(get_vector(object, "mirror", &brush->mirror, error));
-    ISO_TRY(check_vector(ISO_LIMIT_MIRROR, brush->mirror, voxel, error));
     ISO_TRY(get_flag(object, "pressure_radius", &brush->pressure_radius, error));
-    ISO_TRY(get_flag(object, "pressure_strength", &brush->pressure_strength, error));
-    return iso_brush_check(brush, error) == ISO_OK ? ISO_OK : ISO_ERR_FORMAT;
+    return get_flag(object, "pressure_strength", &brush->pressure_strength, error);
 }
 
-static iso_status read_sample(const json_t *object, const iso_journal_start *start, iso_sample *sample,
-                              iso_error *error) {
-    const member members[] = {{"pressure", ISO_LIMIT_PRESSURE, &sample->pressure},
-                              {"t", ISO_LIMIT_SECONDS, &sample->seconds}};
+static iso_status read_sample(const json_t *object, iso_sample *sample, iso_error *error) {
     ISO_TRY(get_vector(object, "at", &sample->position, error));
-    ISO_TRY(check_vector(ISO_LIMIT_POSITION, iso_vec3_sub(sample->position, start->origin), start->voxel_size,
-                         error));
     ISO_TRY(get_vector(object, "normal", &sample->normal, error));
-    ISO_TRY(check_vector(ISO_LIMIT_NORMAL, sample->normal, 1, error));
-    return get_numbers(object, members, sizeof members / sizeof *members, 1, error);
+    ISO_TRY(get_number(object, "pressure", &sample->pressure, error));
+    return get_number(object, "t", &sample->seconds, error);
 }
 
 /* Lines of older versions stand where they were taken. */
@@ -307,9 +267,9 @@ static iso_status read_event(const json_t *object, const iso_event_place *place,
     while (kind < KIND_COUNT && strcmp(name, KINDS[kind])) kind++;
     if (kind == KIND_COUNT) return bad_member("event", "an event of this version", error);
     event->kind = (iso_event_kind)kind;
-    if (kind == ISO_EVENT_BEGIN)
-        ISO_TRY(read_brush(json_object_get(object, "brush"), place->start->voxel_size, &event->brush, error));
-    if (kind <= ISO_EVENT_SAMPLE) ISO_TRY(read_sample(object, place->start, &event->sample, error));
+    if (kind == ISO_EVENT_BEGIN) ISO_TRY(read_brush(json_object_get(object, "brush"), &event->brush, error));
+    if (kind <= ISO_EVENT_SAMPLE) ISO_TRY(read_sample(object, &event->sample, error));
+    ISO_TRY(iso_limits_event(event, place->start, error));
     if (kind == ISO_EVENT_STAMP) return read_stamp(object, event, error);
     return kind == ISO_EVENT_SNAPSHOT ? read_snapshot(object, place->number, event, error) : ISO_OK;
 }

@@ -318,8 +318,9 @@ static iso_status next_line(iso_journal_reader *reader, size_t *size, bool *whol
         *whole = c == '\n';
         if (*whole) return ISO_OK;
         if (*size == ISO_LIMIT_LINE)
-            return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a stroke file: line %llu is longer than %d bytes",
-                            reader->path, reader->lines + 1, ISO_LIMIT_LINE);
+            return iso_fail(error, ISO_ERR_FORMAT,
+                            "'%s' is not a stroke file: line %llu is longer than %d bytes", reader->path,
+                            reader->lines + 1, ISO_LIMIT_LINE);
         if (*size % PIECE == 0) ISO_TRY(iso_buffer_reserve(&reader->line, *size + PIECE, *size, error));
     }
     if (!ferror(reader->file)) return ISO_OK;

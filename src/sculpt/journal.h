@@ -85,8 +85,8 @@ void iso_journal_reader_free(iso_journal_reader *reader);
  * been delivered. */
 iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *more, iso_error *error);
 /* The failure of playing the last event, named by the file and its line; wrong usage is the file's: it
- * becomes ISO_ERR_FORMAT. Returns what to return. ISO_OK, and what is not the event's fault (a cancelled replay,
- * a disk that cannot be read), stay as they are. */
+ * becomes ISO_ERR_FORMAT. Returns what to return. ISO_OK, and what is not the event's fault (a cancelled
+ * replay, a disk that cannot be read), stay as they are. */
 iso_status iso_journal_blame(const iso_journal_reader *reader, iso_status status, iso_error *error);
 /* Bytes up to the end of the last sound line. */
 uint64_t iso_journal_sound_bytes(const iso_journal_reader *reader);

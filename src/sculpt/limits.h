@@ -6,7 +6,7 @@
 #ifndef ISO_SCULPT_LIMITS_H
 #define ISO_SCULPT_LIMITS_H
 
-#include "base/status.h"
+#include "sculpt/journal.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -16,7 +16,7 @@ extern "C" {
  * division by the voxel size; "radii", "s", "mm" and "" are compared as they are. */
 #define ISO_STROKE_LIMITS(X)                                                                                 \
     /* the first line */                                                                                     \
-    X(VOXEL_SIZE, "voxel size", 1e-6, 1e6, "mm")                                                             \
+    X(VOXEL_SIZE, "voxel size", 1e-12, 1e12, "mm")                                                           \
     X(DIMS, "number of voxels along an axis", 1, 2048, "") /* ISO_HGRID_MAX */                               \
     X(ORIGIN, "origin", -1e9, 1e9, "voxels")                                                                 \
     X(BALL, "radius of the ball", 0.01, 1024, "voxels")                                                      \
@@ -65,6 +65,11 @@ static inline double iso_limit_work(double samples) {
 /* ISO_ERR_FORMAT, naming the number and its bounds, when it is outside (or not a number). `voxel` is the
  * voxel size in millimetres, for lengths. */
 iso_status iso_limit_check(iso_limit limit, double value, double voxel, iso_error *error);
+
+/* The same for all numbers of a header, and of an event in the file that begins with it. Who writes a file
+ * asks before, so that it can be read. */
+iso_status iso_limits_start(const iso_journal_start *start, iso_error *error);
+iso_status iso_limits_event(const iso_event *event, const iso_journal_start *start, iso_error *error);
 
 #ifdef __cplusplus
 }
