@@ -9,6 +9,9 @@
 
 /* Until the band is whole again where it was torn. */
 enum { TORN_ITERATIONS = 12 };
+/* Floats of a window of the field that are gathered for one brick; a warp that reaches farther (a long drag
+ * of a small brush) is sampled voxel by voxel. */
+enum { WINDOW_MAX = 1 << 22 };
 
 struct iso_editor {
     iso_work work;
@@ -334,6 +337,45 @@ static void window_box(const iso_warp *warp, iso_field_window *window) {
     }
 }
 
+static bool is_large(const iso_field_window *window) {
+    return (double)window->size[0] * window->size[1] * window->size[2] > WINDOW_MAX;
+}
+
+/* (as the kernels do it, to the bit) */
+static float mix(float a, float b, float t) {
+    return a * (1 - t) + b * t;
+}
+
+/* A voxel of the field as the warp sees it, the outermost ones repeated. */
+static float value_at(const iso_editor *editor, iso_tool tool, const int at[3]) {
+    const iso_hgrid *grid = editor->work.grid;
+    int p[3];
+    for (int axis = 0; axis < 3; axis++) p[axis] = clamp_index(at[axis], grid->dims[axis]);
+    const size_t cell = iso_hgrid_cell_index(grid, p[0] / ISO_BRICK, p[1] / ISO_BRICK, p[2] / ISO_BRICK);
+    return source_of(editor, tool, (uint32_t)cell)[(p[2] % ISO_BRICK) * ISO_BRICK_ROWS +
+                                                   (p[1] % ISO_BRICK) * ISO_BRICK + p[0] % ISO_BRICK];
+}
+
+/* What a kernel's `sample` makes of the window, without the window. */
+static void sample_far(const iso_editor *editor, iso_tool tool, const int brick[3], const iso_warp *warp,
+                       const iso_field_window *window, float *out) {
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        float part[3], row[4];
+        int first[3];
+        for (int axis = 0; axis < 3; axis++) {
+            const float p = warp->position[axis][i] - (float)window->lo[axis], whole = floorf(p);
+            part[axis] = p - whole;
+            first[axis] = ISO_BRICK * brick[axis] + window->lo[axis] + (int)whole;
+        }
+        for (int k = 0; k < 4; k++) {
+            const int a[3] = {first[0], first[1] + (k & 1), first[2] + (k >> 1)},
+                      b[3] = {a[0] + 1, a[1], a[2]};
+            row[k] = mix(value_at(editor, tool, a), value_at(editor, tool, b), part[0]);
+        }
+        out[i] = mix(mix(row[0], row[1], part[1]), mix(row[2], row[3], part[1]), part[2]);
+    }
+}
+
 static bool fill_window(const iso_editor *editor, iso_tool tool, const int brick[3], iso_field_window *window,
                         iso_buffer *buffer) {
     size_t row = (size_t)window->size[0], rows = (size_t)window->size[1] * (size_t)window->size[2];
@@ -359,7 +401,9 @@ static void warp_job(const edit_pass *pass, iso_job *job, iso_worker *worker, fl
     }
     iso_field_window window;
     window_box(&worker->warp, &window);
-    if (fill_window(editor, tool, job->at, &window, &worker->window))
+    if (is_large(&window))
+        sample_far(editor, tool, job->at, &worker->warp, &window, out);
+    else if (fill_window(editor, tool, job->at, &window, &worker->window))
         editor->work.dab->sample(&worker->warp, &window, out);
     else
         worker->failed = true;
