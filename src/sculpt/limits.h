@@ -59,7 +59,7 @@ enum { ISO_LIMIT_SNAPSHOTS = 8 };
  * more for each sample. A hand that makes a million cells of work with every sample would wait for 10 s
  * each time. */
 static inline double iso_limit_work(double samples) {
-    return (double)(1 << 25) + (double)(1 << 20) * samples;
+    return (double)(1 << 22) + (double)(1 << 20) * samples;
 }
 
 /* ISO_ERR_FORMAT, naming the number and its bounds, when it is outside (or not a number). `voxel` is the

@@ -22,9 +22,9 @@ struct iso_session {
     iso_stamp *stamp; /* NULL: none yet */
     int snapshot_every, strokes, snapshots;
     bool drawing;
-    bool playing;                  /* what is played is in the journal already */
-    bool bounded;                  /* an event of a stroke file is being played */
-    double finer, samples, undone; /* played samples; cells of played undo steps */
+    bool playing;                 /* what is played is in the journal already */
+    bool bounded;                 /* an event of a stroke file is being played */
+    double work, samples, undone; /* of the options; played samples; cells of played undo steps */
     iso_brush brush;
     iso_sample first, previous; /* of the stroke; the last touch */
     iso_hold *holds[ISO_SESSION_HOLDS];
@@ -259,7 +259,7 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a session");
     }
     session->grid = grid;
-    session->finer = opts->finer > 0 ? opts->finer : 1;
+    session->work = opts->work > 0 ? opts->work : 1;
     session->snapshot_every = opts->snapshot_strokes ? opts->snapshot_strokes : DEFAULT_SNAPSHOT_STROKES;
     iso_status status = set_up(session, start, opts, error);
     if (status == ISO_OK)
@@ -311,10 +311,9 @@ static void add_stats(iso_edit_stats *sum, const iso_edit_stats *more) {
     sum->clipped |= more->clipped;
 }
 
-/* Whether a stroke file has asked for more than any hand would. Refining the grid makes more of the same. */
+/* Whether a stroke file has asked for more than any hand would. */
 static iso_status check_work(const iso_session *session, iso_error *error) {
-    const double scale = fmax(session->finer, 1),
-                 most = iso_limit_work(session->samples) * scale * scale * scale,
+    const double most = session->work * iso_limit_work(session->samples),
                  done = iso_editor_work(session->editor) + session->undone;
     if (!session->bounded || done <= most) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "the strokes up to here ask for more work than %.3g edited bricks",

@@ -21,8 +21,8 @@ typedef struct iso_session_opts {
     size_t undo_memory;   /* bytes; 0 means 1 GiB */
     int snapshot_strokes; /* a snapshot beside the journal after so many strokes, written by a thread of its
                              own; 0 means 200, < 0 never */
-    double finer; /* how many of the grid's voxels make one of the strokes' own, along an axis; 0 means 1: the
-                     work that iso_session_play takes on grows with it */
+    double work; /* times iso_limit_work that iso_session_play may take: a finer grid makes more work of the
+                    same strokes; 0 means 1 */
     const iso_progress *progress; /* of resuming; cancelled: ISO_ERR_IO, and the journal is as it was */
 } iso_session_opts;
 
