@@ -37,11 +37,18 @@ static json_t *vector_json(iso_vec3 v) {
 }
 
 char *iso_event_header_text(const iso_journal_start *start) {
-    return finish(json_pack("{ss si ss si sf s[iii] so sf sf}", "format", FORMAT, "version",
-                            ISO_JOURNAL_VERSION, "source", start->source, "source_crc",
-                            (int)start->source_crc, "voxel_size", start->voxel_size, "dims", start->dims[0],
-                            start->dims[1], start->dims[2], "origin", vector_json(start->origin), "radius",
-                            start->radius, "isovalue", start->isovalue));
+    const bool plain = !start->reading[0] && (start->isovalue == 0 || start->voxel_isovalue);
+    json_t *header = json_pack(
+        "{ss si ss si sf s[iii] so sf sf}", "format", FORMAT, "version", plain ? 1 : ISO_JOURNAL_VERSION,
+        "source", start->source, "source_crc", (int)start->source_crc, "voxel_size", start->voxel_size,
+        "dims", start->dims[0], start->dims[1], start->dims[2], "origin", vector_json(start->origin),
+        "radius", start->radius, "isovalue", start->isovalue);
+    if (header && start->reading[0] &&
+        json_object_set_new(header, "reading", json_string_nocheck(start->reading))) {
+        json_decref(header);
+        return NULL;
+    }
+    return finish(header);
 }
 
 static json_t *brush_json(const iso_brush *brush) {
@@ -173,12 +180,15 @@ static iso_status check_kind(const json_t *object, iso_error *error) {
     const json_int_t version = json_integer_value(json_object_get(object, "version"));
     if (version > ISO_JOURNAL_VERSION)
         return iso_fail(error, ISO_ERR_FORMAT, "it was written by a newer version");
-    return version >= 1 ? ISO_OK : bad_member("version", "1", error);
+    return version >= 1 ? ISO_OK : bad_member("version", "a version's number", error);
 }
 
 static iso_status read_header(const json_t *object, iso_journal_start *start, iso_error *error) {
     json_int_t crc = 0;
     ISO_TRY(check_kind(object, error));
+    start->voxel_isovalue = json_integer_value(json_object_get(object, "version")) < 2;
+    start->reading[0] = 0;
+    if (json_object_get(object, "reading")) ISO_TRY(get_text(object, "reading", start->reading, error));
     ISO_TRY(get_text(object, "source", start->source, error));
     ISO_TRY(get_integer(object, "source_crc", ISO_LIMIT_CHECKSUM, &crc, error));
     start->source_crc = (uint32_t)crc;
