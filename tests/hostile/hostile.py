@@ -145,7 +145,7 @@ def command_of(programs, seed):
         command += ["b.png"]
     if seed.program != "isosculpt" or "--open" in seed.arguments:
         command += ["--max-memory", "64M"]
-    return command + ["--threads", "1"] + (["--json"] if seed.program != "isocompare report" else [])
+    return command + ["--quiet", "--threads", "1"] + (["--json"] if seed.program != "isocompare report" else [])
 
 
 def write_files(folder, files):
