@@ -216,29 +216,12 @@ iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, i
 
 /* ---- reading ---- */
 
-/* "1.5 GB", decimal units. */
-static void byte_text(uint64_t bytes, char text[16]) {
-    static const char *const units[] = {"bytes", "kB", "MB", "GB", "TB", "PB", "EB"};
-    double value = (double)bytes;
-    int unit = 0;
-    for (; value >= 1000 && unit < 6; unit++) value /= 1000;
-    snprintf(text, 16, unit && value < 10 ? "%.1f %s" : "%.0f %s", value, units[unit]);
-}
-
 static iso_status check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
                                iso_error *error) {
-    uint64_t limit = opts->max_memory;
-    if (limit == 0) {
-        limit = iso_memory_available();
-        if (limit != UINT64_MAX) limit = limit / 5 * 4;
-    }
-    if (info->read_bytes <= limit) return ISO_OK;
-    char needs[16], allowed[16];
-    byte_text(info->read_bytes, needs);
-    byte_text(limit, allowed);
-    return iso_fail(error, ISO_ERR_LIMIT,
-                    "%s: needs %s to read (%d x %d x %d %s), limit is %s (--max-memory)", path, needs,
-                    info->dims[0], info->dims[1], info->dims[2], info->file_type, allowed);
+    char what[80];
+    snprintf(what, sizeof what, "%d x %d x %d %s", info->dims[0], info->dims[1], info->dims[2],
+             info->file_type);
+    return iso_format_check_memory(path, opts, info->read_bytes, what, error);
 }
 
 /* What a reader made has to be what its header announced: that is what was checked against the limit. */
