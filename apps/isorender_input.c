@@ -192,6 +192,8 @@ static iso_status check_points_only(const isorender_settings *settings, iso_erro
                          : settings->mesh         ? "--mesh"
                          : settings->cropped      ? "--crop"
                          : settings->primitive    ? "--primitive"
+                         : settings->grid         ? "--grid"
+                         : settings->series       ? "--series"
                                                   : NULL;
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
@@ -251,7 +253,7 @@ static void print_notes(const isorender_job *job) {
     const iso_volume_info *info = &job->volume.info;
     for (int i = 0; i < info->note_count; i++) isorender_say(job, "note: %s", info->notes[i]);
     if (job->nonfinite)
-        isorender_say(job, "note: %zu voxels are NaN or infinite: no surface is made next to them",
+        isorender_say(job, "note: %zu voxels are NaN or infinite, as floats: no surface is made next to them",
                       job->nonfinite);
 }
 

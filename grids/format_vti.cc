@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <mutex>
 #include <string>
@@ -75,11 +77,13 @@ class quiet_vtk {
     quiet_vtk(const quiet_vtk &) = delete;
     quiet_vtk &operator=(const quiet_vtk &) = delete;
 
-    /* The reason of the first error: what follows "vtkClass (0x...): ". Empty: there was none. */
+    /* The reason of the first error: what follows "vtkClass (0x...): ". Empty: there was none. What
+     * algorithms say of one another, with addresses, is no reason. */
     std::string error() const {
         std::string line = iso::one_line(window->said);
         size_t object = line.find("): ");
-        return object == std::string::npos ? line : line.substr(object + 3);
+        if (object != std::string::npos) line.erase(0, object + 3);
+        return line.find("(0x") == std::string::npos ? line : "VTK's reader gives no reason";
     }
 
   private:
@@ -172,8 +176,11 @@ bool image_reader::layouts(size_t piece, const iso_format_array &array, std::vec
             layout.encoding = attribute_is(element, "format", "binary") ? ISO_VTI_BASE64 : ISO_VTI_TEXT;
         } else {
             const vtkTypeInt64 data = GetXMLParser()->GetAppendedDataPosition();
+            const char *text = element->GetAttribute("offset");
             long long offset = -1;
-            if (!element->GetScalarAttribute("offset", offset) || offset < 0 || data <= 0) return false;
+            if (!element->GetScalarAttribute("offset", offset) || offset < 0 || data <= 0 ||
+                text[std::strspn(text, "0123456789 ")])
+                return false;
             layout.position = static_cast<uint64_t>(data) + static_cast<uint64_t>(offset);
             layout.encoding = attribute_is(appended, "encoding", "raw") ? ISO_VTI_RAW : ISO_VTI_BASE64;
         }
@@ -323,8 +330,44 @@ void take_transform(vtkInformation *out, const int *whole, iso_transform *transf
     }
 }
 
+/* Whether the text is `count` numbers, whole ones of 32 bits if need be, and nothing else. */
+bool are_numbers(const char *text, int count, bool whole) {
+    for (int i = 0; i < count; i++) {
+        char *end = nullptr;
+        const double number = std::strtod(text, &end);
+        if (end == text || !std::isfinite(number)) return false;
+        if (whole && !(number == std::floor(number) && std::fabs(number) <= INT32_MAX)) return false;
+        if (whole && text + std::strspn(text, "+-0123456789 \t\r\n") < end) return false;
+        text = end;
+    }
+    return text[std::strspn(text, " \t\r\n")] == 0;
+}
+
+/* VTK takes what is not a number for what is not stated, and the beginning of 1e12 for a number. */
+iso_status check_numbers(const char *path, vtkXMLDataElement *element, iso_error *error) {
+    static const struct {
+        const char *element, *name;
+        int count;
+        bool whole;
+    } attributes[] = {{"ImageData", "WholeExtent", 6, true}, {"ImageData", "Origin", 3, false},
+                      {"ImageData", "Spacing", 3, false},    {"ImageData", "Direction", 9, false},
+                      {"Piece", "Extent", 6, true},          {"DataArray", "NumberOfComponents", 1, true}};
+    for (const auto &attribute : attributes) {
+        const char *text = element->GetAttribute(attribute.name);
+        if (!text || std::strcmp(element->GetName(), attribute.element) != 0) continue;
+        if (!are_numbers(text, attribute.count, attribute.whole))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: %s=\"%.80s\" is not %d %snumber%s", path,
+                            attribute.name, iso::one_line(text).c_str(), attribute.count,
+                            attribute.whole ? "whole " : "", attribute.count == 1 ? "" : "s");
+    }
+    for (int i = 0; i < element->GetNumberOfNestedElements(); i++)
+        ISO_TRY(check_numbers(path, element->GetNestedElement(i), error));
+    return ISO_OK;
+}
+
 /* What the header says, and which array was chosen. */
 struct header {
+    const quiet_vtk *vtk; /* borrowed: what goes wrong meanwhile */
     extent whole{0, -1, 0, -1, 0, -1};
     std::vector<iso_format_array> arrays;
     int chosen = 0;
@@ -351,6 +394,9 @@ iso_status read_header(const char *path, const iso_volume_opts *opts, image_read
                        iso_volume_info *info, iso_error *error) {
     reader->SetFileName(path);
     reader->UpdateInformation();
+    vtkXMLDataElement *root = reader->GetXMLParser() ? reader->GetXMLParser()->GetRootElement() : nullptr;
+    if (root) ISO_TRY(check_numbers(path, root, error));
+    if (!found->vtk->error().empty()) return fail_vtk(path, *found->vtk, error);
     vtkInformation *out = reader->GetOutputInformation(0);
     extent &whole = found->whole;
     if (out->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
@@ -442,10 +488,9 @@ iso_status vti_info(const char *path, const iso_volume_opts *opts, iso_volume_in
         ISO_TRY(iso_vti_check_markup(path, error));
         quiet_vtk vtk;
         vtkNew<image_reader> reader;
-        header found;
-        const iso_status status = read_header(path, opts, reader, &found, info, error);
-        if (!vtk.error().empty()) return fail_vtk(path, vtk, error);
-        if (status != ISO_OK) return status;
+        header found = {};
+        found.vtk = &vtk;
+        ISO_TRY(read_header(path, opts, reader, &found, info, error));
         info->read_bytes = bytes_to_read(info, found.array());
         if (info->read_bytes > iso_format_memory_limit(opts)) return ISO_OK;
         return check_values(path, reader, found, info, error);
@@ -498,13 +543,12 @@ iso_status make_grid(const char *path, const iso_volume_info *info, vtkDataArray
 iso_status read_array(const char *path, const iso_volume_opts *opts, const quiet_vtk &vtk,
                       iso_volume_info *info, iso_grid *grid, iso_error *error) {
     vtkNew<image_reader> reader;
-    header found;
+    header found = {};
+    found.vtk = &vtk;
     iso_volume_info now = *info;
     now.note_count = now.item_count = 0;
     now.transform = iso_transform_identity();
-    const iso_status status = read_header(path, opts, reader, &found, &now, error);
-    if (!vtk.error().empty()) return fail_vtk(path, vtk, error);
-    if (status != ISO_OK) return status;
+    ISO_TRY(read_header(path, opts, reader, &found, &now, error));
     now.read_bytes = bytes_to_read(&now, found.array());
     ISO_TRY(check_values(path, reader, found, &now, error));
     if (std::memcmp(now.dims, info->dims, sizeof now.dims) != 0 || now.read_bytes > info->read_bytes)

@@ -328,7 +328,9 @@ static iso_status float_histogram(const iso_grid *grid, iso_pool *pool, iso_hist
         if (found[0].finite)
             fill_from_floats(grid, pool, &found[0], counts, histogram);
         else
-            status = iso_fail(error, ISO_ERR_EMPTY, "the volume holds only NaN or infinite values");
+            status = iso_fail(error, ISO_ERR_EMPTY,
+                              "the volume holds no usable value: all are NaN, infinite or larger than a "
+                              "float holds (3.4e38)");
     } else {
         status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for a histogram");
     }
