@@ -59,8 +59,8 @@ std::string vdb_lengths::take_string() {
 
 void vdb_lengths::check_metadata() {
     const std::streamoff begin = stream_.tellg();
-    const auto count = static_cast<int32_t>(take_number());
-    for (int32_t i = 0; i < count; i++) {
+    const uint32_t count = take_number();
+    for (uint32_t i = 0; i < count; i++) {
         pass_string();
         pass_value(take_string());
         take_memory(entry_bytes);

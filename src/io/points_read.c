@@ -1,5 +1,4 @@
 /* Points from PLY. */
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -84,17 +83,14 @@ static bool make_normal(const double n[3], float normal[3]) {
     return true;
 }
 
-/* Positions farther out than the readers of volumes allow (grids/volume.c), which no camera can frame. */
-static bool is_too_far(const double values[VALUES]) {
-    for (int i = 0; i < 3; i++)
-        if (isfinite(values[i]) && fabs(values[i]) > 1e12) return true;
-    return isfinite(values[6]) && fabs(values[6]) > 1e12;
-}
+/* Positions, and radii, farther out than the readers of volumes allow (grids/volume.c): no camera frames
+ * them. */
+static const double farthest = 1e12;
 
 /* Makes the point; false when it must be dropped. */
 static bool make_point(const double values[VALUES], iso_surfel *surfel, float *radius) {
     for (int i = 0; i < NEEDED; i++)
-        if (!(fabs(values[i]) <= FLT_MAX)) return false;
+        if (!(fabs(values[i]) <= farthest)) return false;
     for (int axis = 0; axis < 3; axis++) surfel->position[axis] = (float)values[axis];
     *radius = (float)values[6];
     return *radius > 0 && make_normal(values + 3, surfel->normal);
@@ -144,11 +140,6 @@ static iso_status read_points(iso_ply *ply, const iso_ply_element *element, coll
             room = room > element->count / 2 ? (size_t)element->count : 2 * room;
             ISO_TRY(reserve(points, room, ply->path, error));
         }
-        if (is_too_far(values))
-            return iso_fail(
-                error, ISO_ERR_FORMAT,
-                "%s: point %llu, of radius %g at %g %g %g, lies or reaches out farther than 1e12 mm",
-                ply->path, (unsigned long long)i, values[6], values[0], values[1], values[2]);
         iso_surfel *surfel = (iso_surfel *)points->surfels.data + points->count;
         if (!make_point(values, surfel, (float *)points->radii.data + points->count)) continue;
         if (points->colored)
