@@ -588,7 +588,7 @@ static void lengths_that_lie(void **state) {
         iso_volume volume = test_read_volume(FILE_PATH, &opts);
         iso_volume_free(&volume);
         const long before = peak_kilobytes();
-        for (size_t at = 20; at < 1200; at++) {
+        for (size_t at = 20; at < 700; at += 1 + 2 * k) {
             unsigned char kept[4];
             memcpy(kept, whole + at, 4);
             memcpy(whole + at, &lies[at % 3], 4);
