@@ -55,21 +55,33 @@ static bool parse_color(const char *value, iso_rgb *color) {
     return true;
 }
 
-static iso_status apply_color(void *target, const char *value, iso_error *error) {
-    isorender_settings *settings = target;
+static iso_status add_color(isorender_settings *settings, const char *value, iso_error *error) {
     if (settings->color_count == ISORENDER_SURFACES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d colours", ISORENDER_SURFACES);
     if (!parse_color(value, &settings->colors[settings->color_count]))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not RRGGBB in hexadecimal", value);
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS", value);
     settings->color_count++;
     return ISO_OK;
+}
+
+static iso_status apply_color(void *target, const char *value, iso_error *error) {
+    for (const char *at = value;;) {
+        char color[64];
+        size_t length = strcspn(at, ",");
+        snprintf(color, sizeof color, "%.*s", length < 63 ? (int)length : 63, at);
+        ISO_TRY(add_color(target, color, error));
+        if (!at[length]) return ISO_OK;
+        at += length + 1;
+    }
 }
 
 static iso_status apply_background(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     bool none = strcmp(value, "none") == 0;
     if (!none && !parse_color(value, &settings->background))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither RRGGBB in hexadecimal nor 'none'", value);
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS nor 'none'", value);
     settings->transparent = none;
     return ISO_OK;
 }
@@ -198,17 +210,22 @@ static const iso_option options[] = {
      "value of the surface, in the file's physical units; several, separated by "
      "commas, give several surfaces; auto: 0 for level sets, else Otsu's threshold of the histogram",
      .group = SURFACE, .standard = "auto", CALL(apply_isovalue), .flags = ISO_OPTION_REPEATABLE},
-    {"color", "colour", "RRGGBB",
-     "colour of the surface; the second one belongs to the second isovalue, and so on", .group = SURFACE,
-     .standard = "D9B36C", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
+    {"color", "colour", "COLOR",
+     "colour of the surface: RRGGBB in hexadecimal or a name of CSS such as ivory; several, separated by "
+     "commas: the second one belongs to the second isovalue, and so on",
+     .group = SURFACE, .standard = "D9B36C", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
     {"primitive", NULL, "NAME",
      "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets "
      "unless they are drawn by refined, edge for the rest",
      .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"method", NULL, "NAME",
-     "exact (the trilinear surface itself), points (attenuated discs), pullpush (points, filled in image "
-     "space), mesh (Marching Cubes) or raycast (as exact, by other means, slow); files of points: points",
+     "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
+     "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), pullpush "
+     "(points, filled in image space: for files of points, and to draw many points on a GPU), points (discs: "
+     "to see the samples themselves) or raycast (rays through the field, slow: to check the others); files "
+     "of "
+     "points: points",
      .group = PICTURE, .standard = "exact", CHOICE(method, methods)},
     {"reconstruction", NULL, "NAME",
      "how pullpush fills in: refined (second-order discs; points that have colours: as gaussian), box or "
@@ -224,8 +241,9 @@ static const iso_option options[] = {
      CALL(apply_resolution)},
     {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE, .standard = "1",
      CALL(apply_samples)},
-    {"background", "background-color", "RRGGBB|none", "colour of the background; none is transparent",
-     .group = PICTURE, .standard = "FFFFFF", CALL(apply_background)},
+    {"background", "background-color", "COLOR|none",
+     "colour of the background, RRGGBB or a name of CSS; none is transparent", .group = PICTURE,
+     .standard = "FFFFFF", CALL(apply_background)},
     {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
     {"turntable", NULL, "N",
      "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ...", .group = PICTURE,

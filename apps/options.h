@@ -95,7 +95,8 @@ bool iso_parse_reals(const char *text, int count, double *out);
 bool iso_parse_size(const char *text, uint64_t *out);
 /* WxH or W,H: sides of a picture, 1 .. ISO_IMAGE_MAX. ISO_ERR_USAGE says what is wrong. */
 iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error);
-bool iso_parse_color(const char *text, uint8_t rgb[3]); /* RRGGBB or #RRGGBB in hexadecimal */
+/* RRGGBB or #RRGGBB in hexadecimal, or one of the 148 colour names of CSS in letters of either case. */
+bool iso_parse_color(const char *text, uint8_t rgb[3]);
 
 /* Where text goes: help for a screen, a table for the README, a man page, a bash completion script. */
 typedef enum iso_help_form { ISO_HELP_SCREEN, ISO_HELP_MARKDOWN, ISO_HELP_MAN, ISO_HELP_BASH } iso_help_form;

@@ -42,7 +42,12 @@ iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_
 iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, double fraction,
                                iso_error *error);
 
-/* Size of a regular file; ISO_ERR_IO. */
+/* Opens a file that holds voxels or their header, and tells its size (bytes may be NULL). Every file that a
+ * header can name is opened here: what is not a regular file (a pipe, a socket, a device, a folder) is
+ * ISO_ERR_IO at once, without waiting. Close with fclose. */
+iso_status iso_format_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error);
+
+/* Size of a file that iso_format_open would open; ISO_ERR_IO. */
 iso_status iso_format_file_bytes(const char *path, uint64_t *bytes, iso_error *error);
 
 /* ISO_ERR_IO "file: truncated: N of M bytes". */

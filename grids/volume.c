@@ -177,7 +177,9 @@ static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_
  * first. */
 static iso_status named(const char *path, iso_status status, const iso_error *detail, iso_error *error) {
     if (status == ISO_OK) return ISO_OK;
-    bool names_it = strncmp(detail->text, path, strlen(path)) == 0;
+    size_t length = strlen(path); /* "head.img: ..." does not name the file "head" */
+    bool names_it = strncmp(detail->text, path, length) == 0 &&
+                    (path[length - 1] == '/' || strchr(":/, ", detail->text[length]));
     return iso_fail(error, status, "%s%s%s", names_it ? "" : path, names_it ? "" : ": ", detail->text);
 }
 

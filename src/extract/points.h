@@ -43,8 +43,8 @@ const char *iso_primitive_name(iso_primitive primitive); /* "auto" "edge" "foot"
 typedef struct iso_points_opts {
     double isovalue; /* physical */
     iso_primitive primitive;
-    bool floats;    /* keep iso_surfel (24 bytes, exact) instead of iso_point (8 bytes) */
-    bool shapes;    /* keep an iso_shape (8 bytes) with each: how the surface bends there (extract/shape.h) */
+    bool floats; /* keep iso_surfel (24 bytes, exact) instead of iso_point (8 bytes) */
+    bool shapes; /* keep an iso_shape (8 bytes) with each: how the surface bends there (base/primitives.h) */
     iso_pool *pool; /* borrowed until destroy; NULL: the calling thread */
 } iso_points_opts;
 
