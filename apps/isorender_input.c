@@ -192,9 +192,29 @@ static iso_status check_points_only(const isorender_settings *settings, iso_erro
                          : settings->mesh         ? "--mesh"
                          : settings->cropped      ? "--crop"
                          : settings->primitive    ? "--primitive"
+                         : settings->largest      ? "--largest"
+                         : settings->min_size > 0 ? "--min-size"
+                         : settings->closed       ? "--closed"
                                                   : NULL;
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
+}
+
+/* Grids that surfaces have of their own, from what the header says. */
+static iso_status check_solid(const isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_volume_info *info = &job->volume.info;
+    int dims[3];
+    for (int axis = 0; axis < 3; axis++)
+        dims[axis] = settings->cropped ? settings->crop[2 * axis + 1] - settings->crop[2 * axis] + 1
+                                       : info->dims[axis];
+    const uint64_t more = isorender_solid_bytes(job, dims, info->bytes), limit = memory_limit(settings);
+    if (more == 0 || settings->info || (info->bytes <= limit && more <= limit - info->bytes)) return ISO_OK;
+    return iso_fail(
+        error, ISO_ERR_LIMIT,
+        "grids of %.0f MB for --closed or several surfaces' parts, beside the volume's %.0f MB, are "
+        "over the limit of %.0f MB (--max-memory)",
+        (double)more / 1e6, (double)info->bytes / 1e6, (double)limit / 1e6);
 }
 
 static iso_status check_crop(const isorender_job *job, const int dims[3], iso_error *error) {
@@ -203,7 +223,7 @@ static iso_status check_crop(const isorender_job *job, const int dims[3], iso_er
         if (job->settings->cropped && crop[2 * axis + 1] >= dims[axis])
             return iso_fail(error, ISO_ERR_USAGE, "--crop reaches outside: there are %d x %d x %d voxels",
                             dims[0], dims[1], dims[2]);
-    return ISO_OK;
+    return check_solid(job, error);
 }
 
 iso_status isorender_open(isorender_job *job, iso_error *error) {
@@ -251,8 +271,8 @@ static void print_notes(const isorender_job *job) {
     const iso_volume_info *info = &job->volume.info;
     for (int i = 0; i < info->note_count; i++) isorender_say(job, "note: %s", info->notes[i]);
     if (job->nonfinite)
-        isorender_say(job, "note: %zu voxels are NaN or infinite: no surface is made next to them",
-                      job->nonfinite);
+        isorender_say(job, "note: %zu voxels are NaN or infinite: %s", job->nonfinite,
+                      job->settings->closed ? "outside the solid" : "no surface is made next to them");
 }
 
 iso_status isorender_read(isorender_job *job, iso_error *error) {

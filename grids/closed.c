@@ -28,8 +28,8 @@ static void copy_slice(void *context, size_t z, int worker) {
     float *to = (float *)p->to->data + (ptrdiff_t)z * p->to->stride_z;
     for (int y = 0; y < dims[1]; y++)
         for (int x = 0; x < dims[0]; x++, to++) {
-            const bool border = !x || !y || !z || x == dims[0] - 1 || y == dims[1] - 1 ||
-                                (int)z == dims[2] - 1;
+            const bool border =
+                !x || !y || !z || x == dims[0] - 1 || y == dims[1] - 1 || (int)z == dims[2] - 1;
             const float value = border ? p->outside : iso_rgrid_at(p->from, x - 1, y - 1, (int)z - 1);
             *to = isfinite(value) ? value : p->outside;
         }
@@ -38,7 +38,8 @@ static void copy_slice(void *context, size_t z, int worker) {
 static float choose_outside(const iso_rgrid *grid, const struct iso_brick_index *index, float at) {
     double low, high;
     iso_brick_index_extremes(index, &low, &high);
-    const double deepest = fmax(grid->level_set ? at - low : high - at, 0); /* 0 also when nothing is finite */
+    const double deepest =
+        fmax(grid->level_set ? at - low : high - at, 0); /* 0 also when nothing is finite */
     /* A solid whose values are all the isovalue has no depth: then any distance will do. */
     const double far = fmax(TIMES * deepest, fmax(fabs((double)at), 1));
     return (float)fmin(fmax(grid->level_set ? at + far : at - far, -FLT_MAX), FLT_MAX);
@@ -90,7 +91,8 @@ static iso_status close_cell(iso_hgrid *grid, const int at[3], float outside, is
     if (state == ISO_CELL_OUTSIDE) return ISO_OK;
     ISO_TRY(iso_hgrid_split(grid, at[0], at[1], at[2], &brick, error));
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
-        const int voxel[3] = {at[0] * ISO_BRICK + i % ISO_BRICK, at[1] * ISO_BRICK + i / ISO_BRICK % ISO_BRICK,
+        const int voxel[3] = {at[0] * ISO_BRICK + i % ISO_BRICK,
+                              at[1] * ISO_BRICK + i / ISO_BRICK % ISO_BRICK,
                               at[2] * ISO_BRICK + i / ISO_BRICK / ISO_BRICK};
         for (int axis = 0; axis < 3; axis++)
             if (voxel[axis] == 0 || voxel[axis] >= grid->dims[axis] - 1) brick[i] = outside;

@@ -16,11 +16,11 @@ extern "C" {
 #define ISO_CLOSED_TOLERANCE 1e-3
 
 /* A new grid that is `from` with a layer around for the isovalue (physical); its voxel i is voxel i - 1 of
- * `from`, and its origin is moved accordingly. A dense one holds floats, whatever `from` holds, and comes with
- * its index of bricks; voxels that are not finite are outside the solid there, so that the surface is closed
- * around them as well. A sparse one has bricks where the solid reaches the border, with distances beyond the
- * band in the outermost layer: it is for extraction of edge points, meshes and exact surfaces, not for foot
- * points or sculpting.
+ * `from`, and its origin is moved accordingly. A dense one holds floats, whatever `from` holds, and comes
+ * with its index of bricks; voxels that are not finite are outside the solid there, so that the surface is
+ * closed around them as well. A sparse one has bricks where the solid reaches the border, with distances
+ * beyond the band in the outermost layer: it is for extraction of edge points, meshes and exact surfaces, not
+ * for foot points or sculpting.
  *
  * ISO_ERR_LIMIT: an hgrid has no room for two more voxels. ISO_ERR_USAGE: isovalue not finite.
  * ISO_ERR_NOMEM. */

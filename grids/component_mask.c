@@ -13,10 +13,9 @@ bool iso_mask_range_of(iso_type type, float at, bool below, iso_mask_range *rang
     if (type == ISO_FLOAT32)
         return range->float_lo <= range->float_hi && range->float_hi >= -FLT_MAX &&
                range->float_lo <= FLT_MAX;
-    const int32_t least = type == ISO_INT16 ? INT16_MIN : 0,
-                  most = type == ISO_UINT8   ? UINT8_MAX
-                         : type == ISO_INT16 ? INT16_MAX
-                                             : UINT16_MAX;
+    const int32_t least = type == ISO_INT16 ? INT16_MIN : 0, most = type == ISO_UINT8   ? UINT8_MAX
+                                                                    : type == ISO_INT16 ? INT16_MAX
+                                                                                        : UINT16_MAX;
     /* The smallest integer at or above `at`; one beyond the type's range when there is none. */
     const double up = ceil((double)at);
     const int32_t first = up < least ? least : up > most ? most + 1 : (int32_t)up;
@@ -74,12 +73,11 @@ ISO_TARGET_AVX2 static inline uint64_t word_uint8_avx2(const uint8_t *row, const
             __m256i inside[2];                                                                               \
             for (int k = 0; k < 2; k++) {                                                                    \
                 const __m256i v = _mm256_loadu_si256((const void *)(row + 32 * part + 16 * k));              \
-                inside[k] = _mm256_and_si256(_mm256_cmpeq_epi16(max(v, lo), v),                              \
-                                             _mm256_cmpeq_epi16(min(v, hi), v));                             \
+                inside[k] =                                                                                  \
+                    _mm256_and_si256(_mm256_cmpeq_epi16(max(v, lo), v), _mm256_cmpeq_epi16(min(v, hi), v));  \
             }                                                                                                \
             /* packing works on halves of 128 bits: the quarters are put in order */                         \
-            const __m256i bytes =                                                                            \
-                _mm256_permute4x64_epi64(_mm256_packs_epi16(inside[0], inside[1]), 0xd8);                    \
+            const __m256i bytes = _mm256_permute4x64_epi64(_mm256_packs_epi16(inside[0], inside[1]), 0xd8);  \
             bits |= (uint64_t)(uint32_t)_mm256_movemask_epi8(bytes) << (32 * part);                          \
         }                                                                                                    \
         return bits;                                                                                         \

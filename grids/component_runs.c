@@ -74,7 +74,7 @@ static void sparse_row(const finder *f, int y, int z, uint64_t *words) {
     const int per_word = 64 / ISO_BRICK;
     for (int c = 0; c < grid->cells[0]; c++) {
         const int32_t cell = grid->cell[first + (size_t)c];
-        const uint64_t bits = cell >= 0 ? brick_bits(iso_hgrid_brick(grid, cell) + offset, at)
+        const uint64_t bits = cell >= 0                 ? brick_bits(iso_hgrid_brick(grid, cell) + offset, at)
                               : cell == ISO_CELL_INSIDE ? inside
                                                         : outside;
         if (c % per_word == 0) words[c / per_word] = 0;
@@ -164,8 +164,7 @@ static iso_status join_slab(const finder *f, iso_run_slab *slab) {
         for (int y = 0; y < dims[1]; y++) {
             const run_row row = row_of(slab, dims[1], y, z, 0);
             if (!row.count) continue;
-            if (y > 0)
-                join_rows(slab->parent, row_of(slab, dims[1], y - 1, z, 0), row, f->diagonal);
+            if (y > 0) join_rows(slab->parent, row_of(slab, dims[1], y - 1, z, 0), row, f->diagonal);
             if (z > slab->z[0]) join_slices(f, slab->parent, row, slab, (const int[3]){0, y, z});
         }
     return ISO_OK;

@@ -1,10 +1,10 @@
 /* component_runs: connected components of the solid of a grid, as runs of voxels along x. Internal to the
  * library.
  *
- * Runs are found and joined in slabs of slices, each by one task, and the slabs are joined afterwards. A union
- * always keeps the lower run, so that components are numbered by their first voxel in x-fastest order, for
- * every number of threads. (Run-based union-find: He, Chao and Suzuki 2008, "A run-based two-scan labeling
- * algorithm", in three dimensions.) */
+ * Runs are found and joined in slabs of slices, each by one task, and the slabs are joined afterwards. A
+ * union always keeps the lower run, so that components are numbered by their first voxel in x-fastest order,
+ * for every number of threads. (Run-based union-find: He, Chao and Suzuki 2008, "A run-based two-scan
+ * labeling algorithm", in three dimensions.) */
 #ifndef ISO_GRIDS_COMPONENT_RUNS_H
 #define ISO_GRIDS_COMPONENT_RUNS_H
 
@@ -36,8 +36,8 @@ typedef struct iso_component_runs {
     int dims[3];
     iso_run_slab *slabs;
     size_t slab_count, run_count;
-    uint32_t *component;       /* of each run */
-    uint64_t *voxels;          /* of each component */
+    uint32_t *component; /* of each run */
+    uint64_t *voxels;    /* of each component */
     size_t component_count;
     uint64_t voxel_count;
 } iso_component_runs;

@@ -13,8 +13,8 @@ typedef struct filter {
     iso_grid *grid;
     iso_surface surface;
     iso_component_runs runs;
-    bool *kept;               /* by component */
-    atomic_uchar *changed;    /* by brick of a dense grid */
+    bool *kept;            /* by component */
+    atomic_uchar *changed; /* by brick of a dense grid */
     int bricks[3];
     float replacement; /* value of the voxels of dropped parts in a dense grid */
 } filter;
@@ -118,8 +118,8 @@ static void fill_run(void *row, iso_type type, iso_run run, float value) {
 }
 
 static void mark_bricks(const filter *f, iso_run run, int y, int z) {
-    const size_t row = ((size_t)(z / ISO_BRICK) * (size_t)f->bricks[1] + (size_t)(y / ISO_BRICK)) *
-                       (size_t)f->bricks[0];
+    const size_t row =
+        ((size_t)(z / ISO_BRICK) * (size_t)f->bricks[1] + (size_t)(y / ISO_BRICK)) * (size_t)f->bricks[0];
     for (int b = run.first / ISO_BRICK; b <= run.last / ISO_BRICK; b++)
         atomic_store_explicit(&f->changed[row + (size_t)b], 1, memory_order_relaxed);
 }

@@ -24,22 +24,22 @@ typedef struct iso_components_opts {
 } iso_components_opts;
 
 typedef struct iso_components_totals {
-    size_t kept, dropped;                  /* parts */
-    uint64_t kept_voxels, dropped_voxels;  /* in them */
-    double kept_volume, dropped_volume;    /* mm3 */
-    double dropped_share;                  /* of the volume of all parts, 0 .. 1 */
+    size_t kept, dropped;                 /* parts */
+    uint64_t kept_voxels, dropped_voxels; /* in them */
+    double kept_volume, dropped_volume;   /* mm3 */
+    double dropped_share;                 /* of the volume of all parts, 0 .. 1 */
 } iso_components_totals;
 
 /* Moves the dropped parts of the solid to the other side of the isovalue, in the grid itself (lent data is
  * written to) and its index of bricks; the change log records where.
  *
- * Dense grids: each voxel of a dropped part takes one value just beyond the isovalue: the next integer, or for
- * floats 1/256 of the range of all values, at most half-way to the extreme value there. No other voxel
+ * Dense grids: each voxel of a dropped part takes one value just beyond the isovalue: the next integer, or
+ * for floats 1/256 of the range of all values, at most half-way to the extreme value there. No other voxel
  * changes: the Marching Cubes vertices of the kept parts keep their positions to the bit, and their normals
  * unless a dropped part lies within two voxels.
- * Level sets in an hgrid: distances in and around a dropped part become those to the kept parts (estimated, no
- * smaller than before and at most the band); voxels beside a kept part keep theirs, and with them its Marching
- * Cubes vertices.
+ * Level sets in an hgrid: distances in and around a dropped part become those to the kept parts (estimated,
+ * no smaller than before and at most the band); voxels beside a kept part keep theirs, and with them its
+ * Marching Cubes vertices.
  *
  * A grid without a solid has no parts; that is no error. ISO_ERR_EMPTY: no part is as large as min_volume
  * (the grid is as before). ISO_ERR_USAGE: isovalue not finite. ISO_ERR_LIMIT, ISO_ERR_NOMEM: of an hgrid,

@@ -1,8 +1,8 @@
 /* Dropped parts of a level set become outside, and the distances around them those to the kept parts.
  *
- * Values outside the solid in the band of a dropped part are distances to a surface that is gone; left as they
- * are, foot points would still draw it. They are made again from the kept voxels q nearby: |p - q| + distance
- * of q, which is no smaller than p's distance to the kept parts, and near it when q lies below p. */
+ * Values outside the solid in the band of a dropped part are distances to a surface that is gone; left as
+ * they are, foot points would still draw it. They are made again from the kept voxels q nearby: |p - q| +
+ * distance of q, which is no smaller than p's distance to the kept parts, and near it when q lies below p. */
 #include "grids/components_sparse.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@ static const float DEPTH = 1.8f;
 typedef struct remover {
     iso_hgrid *grid;
     const iso_sparse_removal *removal;
-    int reach; /* voxels that a dropped part may lie from a value that it determines */
+    int reach;           /* voxels that a dropped part may lie from a value that it determines */
     iso_buffer affected; /* uint32_t: numbers of cells */
     size_t count;
     float (*values)[ISO_BRICK_VOXELS]; /* new ones of the affected cells */
@@ -93,8 +93,8 @@ static iso_status list_affected(remover *r, const uint8_t *dropped, iso_error *e
         if (empty ? !dropped[cell] : !is_affected(grid, at, dropped)) continue;
         for (int axis = 0; axis < 3; axis++) {
             lo[axis] = at[axis] * ISO_BRICK;
-            hi[axis] = lo[axis] + ISO_BRICK <= grid->dims[axis] ? lo[axis] + ISO_BRICK - 1
-                                                                : grid->dims[axis] - 1;
+            hi[axis] =
+                lo[axis] + ISO_BRICK <= grid->dims[axis] ? lo[axis] + ISO_BRICK - 1 : grid->dims[axis] - 1;
         }
         ISO_TRY(iso_change_log_touch(grid->log, lo, hi, error));
         if (empty) {

@@ -183,7 +183,8 @@ iso_status iso_weld_measure(const iso_weld *weld, const iso_transform *transform
         measures->euler =
             (int64_t)measures->vertices - (int64_t)measures->edges + (int64_t)measures->triangles;
     } else {
-        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory to measure %zu triangles", weld->triangle_count);
+        status =
+            iso_fail(error, ISO_ERR_NOMEM, "out of memory to measure %zu triangles", weld->triangle_count);
     }
     iso_free(m.first);
     iso_free(m.sides);

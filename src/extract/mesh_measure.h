@@ -10,10 +10,10 @@ extern "C" {
 #endif
 
 typedef struct iso_mesh_measures {
-    size_t vertices;  /* that a triangle uses */
-    size_t edges;     /* pairs of vertices that a triangle's side joins */
+    size_t vertices; /* that a triangle uses */
+    size_t edges;    /* pairs of vertices that a triangle's side joins */
     size_t triangles;
-    size_t parts;     /* pieces that share no vertex */
+    size_t parts; /* pieces that share no vertex */
     /* Sides of triangles without their opposite: each edge counts by how many more triangles run along it in
      * one direction than in the other. 0: the mesh is closed. */
     size_t open_edges;
@@ -23,8 +23,9 @@ typedef struct iso_mesh_measures {
     double volume;        /* mm3, enclosed; NaN when the mesh is open */
 } iso_mesh_measures;
 
-/* Of a welded mesh in index coordinates whose triangles are counter-clockwise seen from outside. The same bits
- * for every number of threads. `pool` may be NULL. ISO_ERR_LIMIT above 2^31 - 1 vertices, ISO_ERR_NOMEM. */
+/* Of a welded mesh in index coordinates whose triangles are counter-clockwise seen from outside. The same
+ * bits for every number of threads. `pool` may be NULL. ISO_ERR_LIMIT above 2^31 - 1 vertices, ISO_ERR_NOMEM.
+ */
 iso_status iso_weld_measure(const iso_weld *weld, const iso_transform *transform, iso_pool *pool,
                             iso_mesh_measures *measures, iso_error *error);
 
