@@ -1,10 +1,12 @@
 /* The report as one page that needs nothing else: pictures are embedded, plots are SVG, and without
  * JavaScript only the full-size view is missing. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "apps/isocompare_report.h"
 #include "base/cpu.h"
+#include "base/text.h"
 
 /* ---- texts ---- */
 
@@ -76,8 +78,9 @@ static void put_lines(FILE *stream, const char *const *lines) {
     for (; *lines; lines++) fprintf(stream, "%s\n", *lines);
 }
 
-void isocompare_put_text(FILE *stream, const char *text) {
-    for (; *text; text++) {
+void isocompare_put_text(FILE *stream, const char *raw) {
+    char *clean = iso_text_clean_copy(raw);
+    for (const char *text = clean ? clean : "?"; *text; text++) {
         if (*text == '&')
             fputs("&amp;", stream);
         else if (*text == '<')
@@ -89,6 +92,7 @@ void isocompare_put_text(FILE *stream, const char *text) {
         else
             fputc(*text, stream);
     }
+    free(clean);
 }
 
 static const char *zoom_title(int zoom) {

@@ -191,8 +191,8 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     p->report->bytes = iso_hgrid_bytes(grid);
     ISO_TRY(write_outputs(p, error));
     if (!p->settings->quiet && p->report->edits.clipped)
-        fprintf(stderr, "isosculpt: %s: a brush reached beyond the grid: what lies outside is lost\n",
-                name_of(p->settings));
+        iso_program_say(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
+                        name_of(p->settings));
     return p->settings->json ? isosculpt_report_write(p->settings, p->report, error) : ISO_OK;
 }
 

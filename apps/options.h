@@ -107,6 +107,12 @@ void iso_options_help(const iso_program *program, iso_help_form form, FILE *stre
 /* The form that --help=TEXT asks for; NULL is the screen. ISO_ERR_USAGE lists the forms. */
 iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error *error);
 
+/* One line on stderr that begins with the program's name. Arguments may hold any bytes (base/text.h). */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void iso_program_say(const iso_program *program, const char *format, ...);
+
 /* Says what went wrong on stderr, and returns the exit status. */
 int iso_program_fail(const iso_program *program, const iso_error *error, iso_status status);
 

@@ -2,6 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "grids/format.h"
 
+#include "base/text.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -106,6 +108,6 @@ void iso_volume_note(iso_volume_info *info, const char *format, ...) {
     if (info->note_count >= ISO_VOLUME_NOTES) return;
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
+    iso_text_format(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
     va_end(arguments);
 }
