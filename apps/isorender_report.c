@@ -45,7 +45,8 @@ static void put_volume(iso_json *json, const isorender_job *job) {
         iso_json_begin_array(json, "notes");
         for (int i = 0; i < info->note_count; i++) iso_json_string(json, NULL, info->notes[i]);
         iso_json_end_array(json);
-        if (job->settings->cropped) iso_json_ints(json, "crop", job->settings->crop, 6);
+        if (job->settings->input.cropped || job->settings->input.cropped_mm)
+            iso_json_ints(json, "crop", job->crop, 6);
     }
     iso_json_end_object(json);
 }
@@ -109,6 +110,7 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
     if (mesh) iso_json_integer(json, "vertices", job->vertex_count);
     if (mesh) iso_json_integer(json, "triangles", job->triangle_count);
     iso_json_end_object(json);
+    isorender_solid_put(json, job);
     put_box(json, "bounds_local", &job->bounds_local);
     put_box(json, "bounds_world", &job->bounds_world);
 }

@@ -51,8 +51,12 @@ static iso_status rescale(iso_journal_start *start, double voxel_size, iso_error
 
 static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_journal_start *start,
                              iso_hgrid **grid, iso_error *error) {
-    const isosculpt_source source = {
-        .path = settings->open, .isovalue = settings->isovalue, .voxel = settings->voxel_size, .pool = pool};
+    const isosculpt_source source = {.path = settings->open,
+                                     .isovalue = settings->isovalue,
+                                     .voxel = settings->voxel_size,
+                                     .pool = pool,
+                                     .input = &settings->input,
+                                     .notes = !settings->quiet};
     if (settings->open) return isosculpt_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
         return isosculpt_source_find(settings->replay, &source, start, grid, error);
@@ -112,10 +116,11 @@ static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *err
     for (;;) {
         ISO_TRY(iso_journal_next(reader, &event, &more, error));
         if (!more) break;
-        ISO_TRY(play(p, &event, error));
+        ISO_TRY(iso_journal_blame(reader, play(p, &event, error), error));
         if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
     }
-    return drawing ? iso_session_end(p->session, error) : ISO_OK; /* it broke off here */
+    if (!drawing) return ISO_OK;
+    return iso_journal_blame(reader, iso_session_end(p->session, error), error); /* it broke off here */
 }
 
 /* ---- outputs */
@@ -191,8 +196,8 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     p->report->bytes = iso_hgrid_bytes(grid);
     ISO_TRY(write_outputs(p, error));
     if (!p->settings->quiet && p->report->edits.clipped)
-        fprintf(stderr, "isosculpt: %s: a brush reached beyond the grid: what lies outside is lost\n",
-                name_of(p->settings));
+        iso_program_say(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
+                        name_of(p->settings));
     return p->settings->json ? isosculpt_report_write(p->settings, p->report, error) : ISO_OK;
 }
 
@@ -200,6 +205,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     isosculpt_report report = {0};
     iso_journal_reader *reader = NULL;
     if (settings->replay) ISO_TRY(iso_journal_open(settings->replay, &report.start, &reader, error));
+    const double own = report.start.voxel_size;
     isosculpt_view view = {0};
     player p = {.settings = settings, .report = &report, .pool = pool, .view = settings->draw ? &view : NULL};
     report.resolution[0] = settings->resolution[0] ? settings->resolution[0] : 1280;
@@ -207,6 +213,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     iso_hgrid *grid = NULL;
     iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory};
     iso_status status = make_field(settings, pool, &report.start, &grid, error);
+    if (status == ISO_OK && reader) opts.work = fmax(1, pow(own / grid->transform.spacing[0], 3));
     if (status == ISO_OK) status = iso_session_create(grid, &report.start, &opts, &p.session, error);
     if (status == ISO_OK) status = run(&p, reader, error);
     iso_point_set_destroy(p.points);

@@ -8,6 +8,7 @@
 #ifndef ISO_SCULPT_JOURNAL_H
 #define ISO_SCULPT_JOURNAL_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "sculpt/brush.h"
@@ -17,7 +18,9 @@
 extern "C" {
 #endif
 
-enum { ISO_JOURNAL_VERSION = 1, ISO_JOURNAL_TEXT = 1024 };
+/* Version 2: how the source is read; isovalues of level sets are millimetres, where they were voxels. What
+ * needs neither is still written as version 1. */
+enum { ISO_JOURNAL_VERSION = 2, ISO_JOURNAL_TEXT = 1024 };
 
 /* Where the session began: a new ball or a file, in a grid of this shape. */
 typedef struct iso_journal_start {
@@ -25,9 +28,12 @@ typedef struct iso_journal_start {
     uint32_t source_crc;           /* CRC-32C of the file, 0 for a ball */
     double voxel_size;             /* mm */
     int dims[3];
-    iso_vec3 origin; /* world position of voxel (0, 0, 0) */
-    double radius;   /* of the ball, mm */
-    double isovalue; /* of a volume */
+    iso_vec3 origin;                /* world position of voxel (0, 0, 0) */
+    double radius;                  /* of the ball, mm */
+    double isovalue;                /* of a volume: physical */
+    char reading[ISO_JOURNAL_TEXT]; /* how the source is read, as the program that reads it says it; "" by
+                                       default */
+    bool voxel_isovalue;            /* from version 1: a level set's isovalue is in voxels */
 } iso_journal_start;
 
 typedef enum iso_event_kind {
@@ -76,13 +82,18 @@ iso_status iso_journal_close(iso_journal *journal, iso_error *error);
 
 typedef struct iso_journal_reader iso_journal_reader;
 
-/* ISO_ERR_IO, ISO_ERR_FORMAT (not a stroke file, a newer version). */
+/* ISO_ERR_IO, ISO_ERR_FORMAT (not a stroke file, a newer version, a number outside its bounds (limits.h)). */
 iso_status iso_journal_open(const char *path, iso_journal_start *start, iso_journal_reader **reader,
                             iso_error *error);
 void iso_journal_reader_free(iso_journal_reader *reader);
-/* The next event; *more = false at the end. A torn last line is the end. A damaged line before the end is
- * ISO_ERR_FORMAT naming its number; what came before it has been delivered. */
+/* The next event; *more = false at the end. A torn last line is the end. A damaged line before the end, and a
+ * sound one that says what no recording says, is ISO_ERR_FORMAT naming its number; what came before it has
+ * been delivered. */
 iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *more, iso_error *error);
+/* The failure of playing the last event, named by the file and its line; wrong usage is the file's: it
+ * becomes ISO_ERR_FORMAT. Returns what to return. ISO_OK, and what is not the event's fault (a cancelled
+ * replay, a disk that cannot be read), stay as they are. */
+iso_status iso_journal_blame(const iso_journal_reader *reader, iso_status status, iso_error *error);
 /* Bytes up to the end of the last sound line. */
 uint64_t iso_journal_sound_bytes(const iso_journal_reader *reader);
 
