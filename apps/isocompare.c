@@ -1,5 +1,4 @@
 /* isocompare: how far pictures of isosurfaces are from the truth. */
-#include <signal.h>
 #include <stdlib.h>
 
 #include "apps/isocompare.h"
@@ -14,8 +13,7 @@ static iso_status run(const isocompare_settings *settings, iso_error *error) {
 }
 
 int main(int argc, char **argv) {
-    /* A reader that goes away is a write error with a message, not a silent death. */
-    signal(SIGPIPE, SIG_IGN);
+    iso_program_ignore_signals();
     const iso_program *program = isocompare_program();
     iso_error error = {0};
     isocompare_settings settings;

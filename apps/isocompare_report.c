@@ -307,7 +307,7 @@ static void free_report(report *r) {
 
 /* Every message names a thing: the volume, unless the text names a file already. */
 static void name_volume(const report *r, iso_error *error) {
-    const char *name = r->plan.input;
+    const char *name = isorender_input_name(&r->job);
     if (error->status == ISO_ERR_WRITE || iso_text_begins(error->text, name)) return;
     iso_fail(error, error->status, "%s: %s", name, error->text);
 }

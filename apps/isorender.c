@@ -1,5 +1,4 @@
 /* isorender: any volume file to a correct picture of its isosurface, in one command. */
-#include <signal.h>
 #include <stdlib.h>
 
 #include "apps/isorender.h"
@@ -55,8 +54,7 @@ static iso_status run(const isorender_settings *settings, int *code, iso_error *
 }
 
 int main(int argc, char **argv) {
-    /* A reader that goes away is a write error with a message, not a silent death. */
-    signal(SIGPIPE, SIG_IGN);
+    iso_program_ignore_signals();
     iso_error error = {0};
     isorender_settings settings;
     iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};

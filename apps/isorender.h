@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "apps/options.h"
+#include "apps/spool.h"
 #include "base/parallel.h"
 #include "extract/isovalue.h"
 #include "extract/mesh.h"
@@ -176,7 +177,7 @@ typedef struct isorender_job {
     const isorender_plan *plan;
     iso_pool *pool;
     const isorender_backend *backend;
-    char *copy;       /* temporary copy of stdin, or NULL */
+    iso_spool spool;  /* of standard input or a FIFO */
     const char *path; /* what to read */
 
     bool from_points; /* `points` was read, there is no volume */

@@ -81,7 +81,7 @@ static void name_input(const isorender_job *job, iso_error *error) {
     if (error->status == ISO_ERR_WRITE || iso_text_begins(text, name)) return;
     size_t length = job->path ? iso_text_begins(text, job->path) : 0;
     if (text[length] != ':' && text[length] != '/') length = 0;
-    if (length && !job->copy) return;
+    if (length && !job->spool.path) return;
     iso_fail(error, error->status, "%s: %s", name,
              length ? text + length + strspn(text + length, ":/ ") : text);
 }

@@ -1,6 +1,4 @@
 /* isosculpt: a signed distance field modelled by hand. */
-#define _XOPEN_SOURCE 700 /* SIGXFSZ */
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -16,9 +14,7 @@ static iso_status run(const isosculpt_settings *settings, iso_error *error) {
 }
 
 int main(int argc, char **argv) {
-    /* A reader that goes away is a write error with a message, not a silent death. */
-    signal(SIGPIPE, SIG_IGN);
-    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a full disk, not the end */
+    iso_program_ignore_signals();
     const iso_program *program = isosculpt_program();
     iso_error error = {0};
     isosculpt_settings settings;

@@ -106,6 +106,10 @@ void iso_options_help(const iso_program *program, iso_help_form form, FILE *stre
 /* The form that --help=TEXT asks for; NULL is the screen. ISO_ERR_USAGE lists the forms. */
 iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error *error);
 
+/* What every program does first: a reader that goes away (SIGPIPE) and a file that may not grow any more
+ * (SIGXFSZ) become errors of the write, which are told like any other, and end no program. */
+void iso_program_ignore_signals(void);
+
 /* One line on stderr that begins with the program's name. Arguments may hold any bytes (base/text.h). */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))

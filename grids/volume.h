@@ -91,6 +91,14 @@ typedef struct iso_volume {
 iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                                 iso_error *error);
 
+/* The format, as in iso_volume_info, of a file that begins with these bytes; NULL when no format says so.
+ * 1024 are enough. Raw files have no such bytes, and some files only their name. */
+const char *iso_volume_format(const void *bytes, size_t count);
+
+/* ISO_ERR_LIMIT when reading what `info` describes takes more than opts->max_memory. */
+iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                   iso_error *error);
+
 /* Reads the volume; a dense one comes with its index of bricks (iso_rgrid_index). Errors as above, and
  * ISO_ERR_LIMIT (over max_memory, checked from the header before anything is allocated) and ISO_ERR_NOMEM. A
  * file shorter than its header promises is ISO_ERR_IO in every format. */
