@@ -96,8 +96,9 @@ static const iso_option options[] = {
 
     {"output", "o", "DIR", "folder for report.html and report.json; made when it is not there",
      .group = REPORT, OWN_TEXT(output), .flags = ISO_OPTION_UNRECORDED},
-    {"isovalue", "isosurface iso-value", "V", "value of the surface, in the file's physical units",
-     .group = REPORT, .standard = "as isorender chooses it", CALL(apply_isovalue)},
+    {"isovalue", "isosurface iso-value", "V",
+     "value of the surface, in the file's physical units (of a level set: mm)", .group = REPORT,
+     .standard = "as isorender chooses it", CALL(apply_isovalue)},
     {"side", NULL, "N", "pixels a side of its pictures, a multiple of 32", .group = REPORT,
      .standard = "1024", OWN(ISO_OPTION_INT, side), .low = 64, .high = 4096},
 #include "input_options.inc"

@@ -29,6 +29,7 @@ static iso_status choose_isovalue(report *r, iso_error *error) {
     if (settings->isovalue_count) {
         subject->isovalue = settings->isovalues[0];
         r->isovalue_from = "given";
+        return iso_isovalue_check(&r->job.volume.grid, subject->isovalue, error);
     } else if (!isnan(r->job.scene_isovalue)) {
         subject->isovalue = r->job.scene_isovalue;
         r->isovalue_from = "the scene's";

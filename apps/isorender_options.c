@@ -207,16 +207,20 @@ static const iso_option options[] = {
      .group = INPUT, TEXT(scene)},
 
     {"isovalue", "isosurface iso-value", "V",
-     "value of the surface, in the file's physical units; several, separated by "
-     "commas, give several surfaces; auto: 0 for level sets, else Otsu's threshold of the histogram",
+     "value of the surface, in the file's physical units (of a level set: mm from its surface, above 0 "
+     "outside); "
+     "several, separated by commas, give several surfaces; auto: 0 for level sets, else Otsu's threshold of "
+     "the "
+     "histogram",
      .group = SURFACE, .standard = "auto", CALL(apply_isovalue), .flags = ISO_OPTION_REPEATABLE},
     {"color", "colour", "COLOR",
      "colour of the surface: RRGGBB in hexadecimal or a name of CSS such as ivory; several, separated by "
      "commas: the second one belongs to the second isovalue, and so on",
      .group = SURFACE, .standard = "D9B36C", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
     {"primitive", NULL, "NAME",
-     "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets "
-     "unless they are drawn by refined, edge for the rest",
+     "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets unless they are "
+     "drawn by "
+     "refined or the isovalue is near the end of the narrow band, edge for the rest",
      .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"method", NULL, "NAME",

@@ -122,10 +122,12 @@ static iso_status sample(const isosculpt_source *source, const iso_grid *from, i
     const iso_progress progress = iso_progress_part(source->progress, 0.4, 0.7);
     iso_resampling how = {
         .voxel = source->voxel, .margin = MARGIN, .pool = source->pool, .progress = &progress};
-    if (!isnan(source->isovalue))
+    if (!isnan(source->isovalue)) {
+        ISO_TRY(iso_isovalue_check(from, source->isovalue, error));
         how.isovalue = iso_grid_stored(from, source->isovalue);
-    else if (!iso_grid_is_level_set(from))
+    } else if (!iso_grid_is_level_set(from)) {
         return iso_fail(error, ISO_ERR_USAGE, "%s: needs --isovalue", source->path);
+    }
     ISO_TRY(iso_level_set_from_grid(source->path, from, &how, grid, error));
     iso_status status = make_distances(source, *grid, error);
     if (status != ISO_OK) iso_hgrid_destroy(*grid);
