@@ -12,8 +12,7 @@ static iso_status run(const isocompare_settings *settings, iso_error *error) {
     return status;
 }
 
-int main(int argc, char **argv) {
-    iso_program_ignore_signals();
+static int run_program(int argc, char **argv) {
     const iso_program *program = isocompare_program();
     iso_error error = {0};
     isocompare_settings settings;
@@ -29,4 +28,8 @@ int main(int argc, char **argv) {
     free(operands.values);
     int code = status == ISO_OK ? 0 : iso_program_fail(program, &error, status);
     return iso_program_finish(program, code);
+}
+
+int main(int argc, char **argv) {
+    return iso_program_main(argc, argv, run_program);
 }

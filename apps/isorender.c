@@ -53,8 +53,7 @@ static iso_status run(const isorender_settings *settings, int *code, iso_error *
     return status;
 }
 
-int main(int argc, char **argv) {
-    iso_program_ignore_signals();
+static int run_program(int argc, char **argv) {
     iso_error error = {0};
     isorender_settings settings;
     iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
@@ -66,4 +65,8 @@ int main(int argc, char **argv) {
     if (status != ISO_OK) code = fail(&error, status);
     free(operands.values);
     return iso_program_finish(isorender_program(), code);
+}
+
+int main(int argc, char **argv) {
+    return iso_program_main(argc, argv, run_program);
 }

@@ -118,43 +118,6 @@ static iso_status apply_up(void *target, const char *value, iso_error *error) {
     return ISO_OK;
 }
 
-iso_status isorender_apply_raw(void *target, const char *value, iso_error *error) {
-    isorender_settings *settings = target;
-    ISO_TRY(iso_raw_layout_parse(value, &settings->raw, error));
-    settings->has_raw = 1;
-    return ISO_OK;
-}
-
-iso_status isorender_apply_spacing(void *target, const char *value, iso_error *error) {
-    isorender_settings *settings = target;
-    double spacing[3];
-    bool good = iso_parse_reals(value, 3, spacing);
-    if (!good && iso_parse_real(value, &spacing[0])) {
-        spacing[1] = spacing[2] = spacing[0];
-        good = true;
-    }
-    for (int i = 0; good && i < 3; i++) good = spacing[i] > 0;
-    if (!good)
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither one nor three positive numbers (mm)", value);
-    memcpy(settings->spacing, spacing, sizeof spacing);
-    return ISO_OK;
-}
-
-iso_status isorender_apply_crop(void *target, const char *value, iso_error *error) {
-    isorender_settings *settings = target;
-    double numbers[6];
-    bool good = iso_parse_reals(value, 6, numbers);
-    for (int i = 0; good && i < 6; i++)
-        good = numbers[i] == floor(numbers[i]) && numbers[i] >= 0 && numbers[i] <= INT_MAX;
-    for (int i = 0; good && i < 6; i += 2) good = numbers[i] <= numbers[i + 1];
-    if (!good)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "'%s' is not x0,x1,y0,y1,z0,z1 in voxels, first and last of each", value);
-    for (int i = 0; i < 6; i++) settings->crop[i] = (int)numbers[i];
-    settings->cropped = 1;
-    return ISO_OK;
-}
-
 iso_status isorender_apply_json(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     if (value && !*value) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
@@ -457,6 +420,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     ISO_TRY(iso_options_parse(isorender_program(), argc, argv, settings, operands, error));
     if (settings->help) return ISO_OK;
+    ISO_TRY(iso_input_check(&settings->input, error));
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(check_outputs(settings, error));

@@ -187,7 +187,7 @@ static void add_box(iso_box *box, const iso_box *more) {
 
 /* Voxel (0, 0, 0) of the file is the local origin, also when a part of it was cut out. */
 static iso_box to_local(const isorender_job *job, const iso_box *index) {
-    const int *crop = job->settings->crop;
+    const int *crop = job->crop;
     iso_transform transform = iso_transform_identity();
     if (!job->from_points) {
         transform = iso_transform_local(iso_grid_transform(&job->volume.grid));

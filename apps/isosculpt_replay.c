@@ -51,8 +51,11 @@ static iso_status rescale(iso_journal_start *start, double voxel_size, iso_error
 
 static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_journal_start *start,
                              iso_hgrid **grid, iso_error *error) {
-    const isosculpt_source source = {
-        .path = settings->open, .isovalue = settings->isovalue, .voxel = settings->voxel_size, .pool = pool};
+    const isosculpt_source source = {.path = settings->open,
+                                     .isovalue = settings->isovalue,
+                                     .voxel = settings->voxel_size,
+                                     .pool = pool,
+                                     .input = &settings->input};
     if (settings->open) return isosculpt_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
         return isosculpt_source_find(settings->replay, &source, start, grid, error);

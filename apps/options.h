@@ -106,10 +106,6 @@ void iso_options_help(const iso_program *program, iso_help_form form, FILE *stre
 /* The form that --help=TEXT asks for; NULL is the screen. ISO_ERR_USAGE lists the forms. */
 iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error *error);
 
-/* What every program does first: a reader that goes away (SIGPIPE) and a file that may not grow any more
- * (SIGXFSZ) become errors of the write, which are told like any other, and end no program. */
-void iso_program_ignore_signals(void);
-
 /* One line on stderr that begins with the program's name. Arguments may hold any bytes (base/text.h). */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
@@ -118,6 +114,11 @@ void iso_program_say(const iso_program *program, const char *format, ...);
 
 /* Says what went wrong on stderr, and returns the exit status. */
 int iso_program_fail(const iso_program *program, const iso_error *error, iso_status status);
+
+/* What the main function of a program does around its own work: a reader of its output that goes away, and a
+ * file that may not grow, are write errors and not signals, and there is enough stack for the library.
+ * Returns what run(argc, argv) does. */
+int iso_program_main(int argc, char **argv, int (*run)(int argc, char **argv));
 
 /* Help and lists are outputs like any other: a full disk is noticed. Returns the exit status: `status` unless
  * that is 0 and standard output could not be written. */

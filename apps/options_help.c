@@ -1,8 +1,6 @@
 /* The texts that come from an option table: help for a screen, README table, man page (roff), completion. */
-#define _XOPEN_SOURCE 700 /* SIGXFSZ */
 #include <ctype.h>
 #include <errno.h>
-#include <signal.h>
 #include <stdarg.h>
 #include <string.h>
 
@@ -245,11 +243,6 @@ iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error 
     if (chosen == 4) return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of markdown, man, bash", text);
     *form = (iso_help_form)chosen;
     return ISO_OK;
-}
-
-void iso_program_ignore_signals(void) {
-    signal(SIGPIPE, SIG_IGN);
-    signal(SIGXFSZ, SIG_IGN);
 }
 
 void iso_program_say(const iso_program *program, const char *format, ...) {

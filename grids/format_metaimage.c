@@ -439,7 +439,7 @@ static iso_status fill_packed(chain *c, void *target, size_t bytes, iso_error *e
 
 static iso_status fill_text(chain *c, void *target, size_t bytes, iso_error *error) {
     size_t size = iso_scalar_size(c->header->scalar);
-    if (iso_format_read_numbers(c->file, c->header->scalar, bytes / size, target)) return ISO_OK;
+    if (iso_format_read_numbers(c->file, "", c->header->scalar, bytes / size, target)) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: truncated: fewer than %llu numbers", c->name,
                     (unsigned long long)(c->each / size));
 }

@@ -357,7 +357,7 @@ static iso_status fill(void *context, void *target, size_t bytes, iso_error *err
     const source *s = context;
     FILE *stream = s->file->stream;
     bool complete = s->file->binary ? fread(target, 1, bytes, stream) == bytes
-                                    : iso_format_read_numbers(stream, s->scalar,
+                                    : iso_format_read_numbers(stream, "", s->scalar,
                                                               bytes / iso_scalar_size(s->scalar), target);
     if (complete) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: truncated: %s in its array", s->file->path,

@@ -1,7 +1,7 @@
 /* volume: any volume file into a grid. The header is read first, so that its size is known before memory is
  * taken.
  *
- *   .vti                        VTK                       .nrrd .nhdr            teem
+ *   .vti                        VTK                       .nrrd .nhdr            our own
  *   DICOM (a folder or a file)  GDCM                      .nii .nii.gz .hdr/.img libnifti2
  *   .vdb                        OpenVDB                   legacy .vtk            our own
  *   raw                         our own, iso_raw_layout   .mha .mhd              our own

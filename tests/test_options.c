@@ -126,9 +126,9 @@ static void test_forms(void **state) {
     assert_true(s->zoom == 3); /* the last wins */
     assert_string_equal(s->output, "out.png");
     assert_int_equal(s->samples, 16);
-    assert_int_equal(s->crop[5], 6);
+    assert_int_equal(s->input.crop[5], 6);
     assert_true(s->up.y == -1);
-    assert_true(s->max_memory == 2ull << 30);
+    assert_true(s->input.max_memory == 2ull << 30);
     assert_true(s->position[2] == -3);
     assert_int_equal(s->transparent, 1);
     assert_string_equal(s->inputs[0], "--in.vti");

@@ -1,6 +1,6 @@
 # A header whose data file is missing, short, a pipe, a socket, a device or a folder: refused at once, in one line that
 # names both files and the reason.
-formats="mhd hdr"
+formats="nhdr mhd hdr"
 python3 - <<'END'
 import socket, struct
 open("in/a.nhdr", "w").write("NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nencoding: raw\ndata file: data.img\n")
@@ -36,5 +36,5 @@ ln -s /dev/zero in/data.img
 try "not a regular file"
 mkdir in/data.img
 try "not a regular file"
-formats="mhd" # the third finds its data file by looking for it
+formats="nhdr mhd" # the third finds its data file by looking for it
 try "No such file or directory"
