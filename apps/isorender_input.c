@@ -88,6 +88,7 @@ static int report_reading(void *context, double fraction) {
 
 static iso_volume_opts volume_opts(isorender_job *job) {
     iso_volume_opts opts = iso_input_volume_opts(&job->settings->input);
+    opts.files = job->plan->files;
     opts.pool = job->pool;
     opts.progress = report_reading;
     opts.progress_context = job;
@@ -125,6 +126,19 @@ static iso_status find_crop(isorender_job *job, iso_error *error) {
     return iso_input_box(&job->settings->input, info->dims, &info->transform, job->crop, error);
 }
 
+void isorender_look(const isorender_settings *settings, const isorender_plan *plan) {
+    iso_volume_info info;
+    iso_volume_opts opts = iso_input_volume_opts(&settings->input);
+    opts.files = plan->files;
+    bool file = strncmp(plan->input, "scene:", 6) != 0 && !iso_spool_needed(plan->input);
+    if (file && (settings->input.has_raw || !is_ply(plan->input)))
+        iso_volume_read_info(plan->input, &opts, &info, NULL); /* errors are told when its turn comes */
+}
+
+static iso_status check_files(const isorender_job *job, iso_error *error) {
+    return job->plan->files ? iso_file_set_check(job->plan->files, error) : ISO_OK;
+}
+
 iso_status isorender_open(isorender_job *job, iso_error *error) {
     const char *input = job->plan->input;
     job->scene_isovalue = NAN;
@@ -142,13 +156,16 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
         ISO_TRY(iso_spool_open(input, &spooling, &job->spool, error));
         job->path = job->spool.path;
     }
+    iso_file_set_read_as(job->plan->files, job->path, isorender_input_name(job));
     job->from_points = !job->settings->input.has_raw && is_ply(job->path);
     if (job->from_points) {
         if (job->method == ISORENDER_EXACT) job->method = ISORENDER_POINTS; /* unless it is asked for */
+        ISO_TRY(check_files(job, error));
         ISO_TRY(check_picture(job, error));
         return check_points_only(job->settings, error);
     }
     ISO_TRY(iso_volume_read_info(job->path, &opts, &job->volume.info, error));
+    ISO_TRY(check_files(job, error));
     /* A volume that is too large is what the user should hear of first: iso_volume_read says it. */
     if (job->volume.info.read_bytes <= memory_limit(job->settings)) ISO_TRY(check_picture(job, error));
     return find_crop(job, error);

@@ -209,6 +209,7 @@ static iso_status read_header(const char *path, const iso_volume_opts *opts, con
     ISO_TRY(load_format(path, format, error));
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);
     iso_error detail = {0};
+    iso_file_set_read(opts->files, path);
     ISO_TRY(named(path, (*format)->info(path, opts, info, &detail), &detail, error));
     return check_info(path, opts, info, error);
 }

@@ -19,6 +19,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/file_set.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "grids/grid.h"
@@ -51,6 +52,8 @@ typedef struct iso_volume_opts {
     const iso_raw_layout *raw; /* read as raw, whatever the name */
     double spacing[3];         /* > 0 overrides the file's spacing (mm) */
     uint64_t max_memory; /* bytes that the grid and reading it may take; 0: 80 % of iso_memory_available */
+    iso_file_set *files; /* every file that is read, or will be, is added by iso_volume_read_info and
+                            iso_volume_read; NULL is fine */
     iso_pool *pool;
     iso_progress_fn *progress; /* cancels: ISO_ERR_IO */
     void *progress_context;
