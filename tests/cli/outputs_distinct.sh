@@ -76,6 +76,7 @@ refused in/m.stl isosculpt --headless --open in/m.stl --voxel-size 2 -o in/m.stl
 refused x.stl isosculpt --headless --replay in/a.strokes --voxel-size 2 -o x.stl --json=x.stl
 refused in/d.raw isosculpt --headless --open in/d.mhd --isovalue 500 -o out/s.stl --json=in/d.raw
 # Devices are no files, and links that lead nowhere are outputs like any other.
-isorender in/ball.mha /dev/null --json=/dev/null --quiet --resolution 64x64
+ln -s /dev/null out/null.png
+isorender in/ball.mha out/null.png --json=/dev/null --quiet --resolution 64x64
 isorender in/ball.mha --no-image --points out/dangling.ply --quiet
 [ -L out/dangling.ply ] && [ -s out/nowhere.ply ]
