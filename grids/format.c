@@ -43,9 +43,7 @@ iso_status iso_format_component(const char *path, const iso_volume_opts *opts, i
 /* ---- memory ---- */
 
 uint64_t iso_format_memory_limit(const iso_volume_opts *opts) {
-    if (opts->max_memory) return opts->max_memory;
-    uint64_t limit = iso_memory_available();
-    return limit == UINT64_MAX ? limit : limit / 5 * 4;
+    return iso_memory_limit(opts->max_memory);
 }
 
 /* "1.5 GB", decimal units. */

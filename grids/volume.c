@@ -92,6 +92,13 @@ static const iso_format *format_of_content(const head *h) {
     return is_metaimage(h) ? &iso_format_metaimage : NULL;
 }
 
+const char *iso_volume_format(const void *bytes, size_t count) {
+    head h = {.count = count < sizeof h.bytes ? count : sizeof h.bytes};
+    memcpy(h.bytes, bytes, h.count);
+    const iso_format *format = format_of_content(&h);
+    return format ? format->name : NULL;
+}
+
 static iso_status read_head(const char *path, head *h, iso_error *error) {
     FILE *file = fopen(path, "rb");
     if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
@@ -326,6 +333,7 @@ static iso_status read_header(const char *path, request *r, const iso_format **f
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);
     if (r->is_guessed) note_guess(&r->guessed, info);
     iso_error detail = {0};
+    iso_file_set_read(r->opts.files, path);
     ISO_TRY(named(path, (*format)->info(path, &r->opts, info, &detail), &detail, error));
     note_unused(&r->opts, info);
     return check_info(path, &r->opts, info, error);
@@ -351,8 +359,8 @@ iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, i
 
 /* ---- reading ---- */
 
-static iso_status check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
-                               iso_error *error) {
+iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                   iso_error *error) {
     char what[80];
     snprintf(what, sizeof what, "%d x %d x %d %s", info->dims[0], info->dims[1], info->dims[2],
              info->file_type);
@@ -381,7 +389,7 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
     const iso_format *format = NULL;
     iso_volume result = {0};
     ISO_TRY(read_header(path, &r, &format, &result.info, error));
-    ISO_TRY(check_memory(path, opts, &result.info, error));
+    ISO_TRY(iso_volume_check_memory(path, opts, &result.info, error));
     ISO_TRY(iso_format_progress(path, opts, 0, error));
     iso_error detail = {0};
     iso_status status = format->read(path, opts, &result.info, &result.grid, &detail);
