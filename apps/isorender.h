@@ -8,11 +8,15 @@
 #include <stdio.h>
 
 #include "apps/input.h"
+#include "apps/json.h"
 #include "apps/options.h"
+#include "apps/spool.h"
 #include "base/parallel.h"
 #include "extract/isovalue.h"
 #include "extract/mesh.h"
+#include "extract/mesh_measure.h"
 #include "extract/points.h"
+#include "grids/components.h"
 #include "grids/volume.h"
 #include "image/camera.h"
 #include "io/points_io.h"
@@ -58,7 +62,10 @@ typedef struct isorender_settings {
     int isovalue_count, isovalue_auto;
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;
-    int primitive; /* iso_primitive */
+    int primitive;   /* iso_primitive */
+    int largest;     /* parts of the solid to keep; 0: all */
+    double min_size; /* mm3 of a part that is kept */
+    int closed;      /* the solid ends at the volume's border */
     const char *points, *mesh, *aov;
 
     int method;         /* isorender_method */
@@ -107,6 +114,7 @@ typedef struct isorender_plan {
     char *model;
     char *image, *aov; /* with {n:3} left in for a turntable */
     char *points, *mesh, *json;
+    iso_file_set *files; /* read and written by the whole run; one for all plans, owned by the first */
 } isorender_plan;
 
 /* Plans for all inputs; refuses names that collide or would overwrite an input. isorender_plans_free. */
@@ -148,10 +156,14 @@ void isorender_backends_list(int threads);
 typedef struct isorender_surface {
     double isovalue; /* physical; NaN for points that were read */
     iso_rgb color;
-    iso_point_set *points; /* or NULL */
-    iso_mesh_set *mesh;    /* or NULL */
-    iso_exact *exact;      /* or NULL */
-    iso_raycaster *caster; /* or NULL */
+    iso_grid grid;     /* what the surface is extracted from; borrowed: the volume's or own_grid */
+    iso_grid own_grid; /* neither is set: none */
+    iso_components_totals parts;
+    iso_mesh_measures measures; /* of the mesh, with --json or --verbose */
+    iso_point_set *points;      /* or NULL */
+    iso_mesh_set *mesh;         /* or NULL */
+    iso_exact *exact;           /* or NULL */
+    iso_raycaster *caster;      /* or NULL */
 } isorender_surface;
 
 typedef struct isorender_frame {
@@ -168,7 +180,7 @@ typedef struct isorender_job {
     const isorender_plan *plan;
     iso_pool *pool;
     const isorender_backend *backend;
-    char *copy;       /* temporary copy of stdin, or NULL */
+    iso_spool spool;  /* of standard input or a FIFO */
     const char *path; /* what to read */
 
     bool from_points; /* `points` was read, there is no volume */
@@ -203,7 +215,10 @@ typedef struct isorender_job {
 iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
                          const isorender_backend *backend, iso_error *error);
 
-/* isorender_input.c: header and notes; then the voxels or points. */
+/* isorender_input.c: adds the files that the input is read from to the plan's, as far as its header can be
+ * read. For runs of several inputs: what one reads no other may write. */
+void isorender_look(const isorender_settings *settings, const isorender_plan *plan);
+/* header, and the check of all outputs against what is read; notes; then the voxels or points. */
 iso_status isorender_open(isorender_job *job, iso_error *error);
 iso_status isorender_read(isorender_job *job, iso_error *error);
 void isorender_close(isorender_job *job);
@@ -215,6 +230,18 @@ iso_status isorender_extract(isorender_job *job, iso_error *error);
 iso_primitive isorender_primitive(const isorender_job *job);
 iso_status isorender_export(isorender_job *job, iso_error *error);
 iso_point_view isorender_points_view(const isorender_job *job, int surface);
+
+/* isorender_solid.c */
+/* Makes surface->grid: without small parts, and closed, as the settings ask for. ISO_ERR_EMPTY: no part is
+ * large enough. */
+iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error);
+/* Bytes that all surfaces' grids take beside the volume's own (`grid_bytes`, of `dims` voxels). */
+uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint64_t grid_bytes);
+/* The surface's welded mesh as it is exported; measured into surface->measures when that is wanted. */
+iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
+                               iso_error *error);
+/* Members of the report: parts and mesh, of the first surface and, when there are several, of each. */
+void isorender_solid_put(iso_json *json, const isorender_job *job);
 
 /* isorender_picture.c */
 iso_status isorender_render(isorender_job *job, iso_error *error);
