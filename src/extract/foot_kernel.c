@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/point_code.h"
 #include "base/simd.h"
 
 #define SAME_16(v)                                                                                           \
