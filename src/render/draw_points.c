@@ -150,25 +150,8 @@ typedef struct point_kernels {
     void (*resolve)(const point_band *band, int row);
 } point_kernels;
 
-#define ISO_LEVEL generic
-#include "render/draw_points_body.inc"
-#undef ISO_LEVEL
-#if ISO_HAVE_X86
-#define ISO_LEVEL avx2
-#include "render/draw_points_body.inc"
-#undef ISO_LEVEL
-#define ISO_LEVEL avx512
-#include "render/draw_points_body.inc"
-#undef ISO_LEVEL
-#endif
-
-static const point_kernels all_kernels[] = {
-    {project_generic, splat_generic, resolve_generic},
-#if ISO_HAVE_X86
-    {project_avx2, splat_avx2, resolve_avx2},
-    {project_avx512, splat_avx512, resolve_avx512},
-#endif
-};
+#define ISO_KERNEL_BODY "render/draw_points_body.inc"
+#include "base/kernel_levels.inc"
 
 /* ---- bands */
 
@@ -307,7 +290,7 @@ iso_status iso_draw_points(const iso_target *target, const iso_point_view *point
                        .points = points,
                        .projector = iso_projector_make(view, &points->transform),
                        .pitch = (size_t)view->width + 2 * MARGIN,
-                       .kernels = &all_kernels[iso_cpu_best()]};
+                       .kernels = ISO_KERNEL(kernels, iso_cpu_best())};
     draw.band_rows = band_rows(&draw);
     ISO_TRY(make_blocks(&draw, error));
     iso_parallel_for(target->pool, draw.block_count, place_block, &draw);
