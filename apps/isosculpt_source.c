@@ -138,12 +138,12 @@ static int tell(void *context, double fraction) {
 
 static iso_status find_isovalues(isosculpt_volume *volume, iso_pool *pool, iso_error *error) {
     const iso_grid *grid = &volume->volume.grid;
-    double candidates[ISO_ISOVALUE_CANDIDATES];
     volume->has_isovalues = grid->rgrid && !iso_grid_is_level_set(grid);
     if (!volume->has_isovalues) return ISO_OK;
     ISO_TRY(iso_histogram_compute(grid, pool, &volume->histogram, error));
-    volume->suggested = iso_isovalue_suggest(grid, &volume->histogram, candidates)
-                            ? candidates[0]
+    volume->candidate_count = iso_isovalue_suggest(grid, &volume->histogram, volume->candidates);
+    volume->suggested = volume->candidate_count
+                            ? volume->candidates[0]
                             : volume->histogram.low; /* a constant volume: nothing is to be seen */
     return ISO_OK;
 }

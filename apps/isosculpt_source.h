@@ -23,6 +23,8 @@ typedef struct isosculpt_volume {
     bool has_isovalues; /* dense and no level set */
     iso_histogram histogram;
     double suggested;
+    double candidates[ISO_ISOVALUE_CANDIDATES]; /* best first; iso_isovalue_suggest */
+    size_t candidate_count;
 } isosculpt_volume;
 
 /* `pool` is borrowed for the call. As iso_volume_read; ISO_ERR_EMPTY when no voxel is a number. */
