@@ -147,6 +147,18 @@ static void set_name(isosculpt_browser *browser, const char *name) {
     browser->generation++;
 }
 
+void isosculpt_browser_set_type(isosculpt_browser *browser, int type) {
+    char *dot = strrchr(browser->name, '.');
+    const char *wanted = isosculpt_browser_types(browser->purpose)[type].extensions;
+    const size_t stem = dot && dot > browser->name ? (size_t)(dot - browser->name) : 0;
+    if (isosculpt_browser_saves(browser->purpose) && stem && stem + strlen(wanted) < sizeof browser->name) {
+        memcpy(dot, wanted, strlen(wanted) + 1);
+        browser->generation++;
+    }
+    browser->type = type;
+    isosculpt_browser_reread(browser);
+}
+
 /* The type that an extension belongs to, or the first. */
 static int type_of(isosculpt_purpose purpose, const char *name) {
     const isosculpt_file_type *types = isosculpt_browser_types(purpose);

@@ -64,10 +64,7 @@ static void draw_type(isosculpt_browser *browser, float scale) {
     ImGui::SetNextItemWidth(240 * scale);
     if (ImGui::BeginCombo("##type", types[browser->type].label)) {
         for (int i = 0; types[i].label; i++)
-            if (ImGui::Selectable(types[i].label, i == browser->type)) {
-                browser->type = i;
-                isosculpt_browser_reread(browser);
-            }
+            if (ImGui::Selectable(types[i].label, i == browser->type)) isosculpt_browser_set_type(browser, i);
         ImGui::EndCombo();
     }
     ImGui::SameLine();
@@ -105,16 +102,20 @@ static void draw_result(const isosculpt_browser *browser) {
     ImGui::PopTextWrapPos();
 }
 
-/* True: what the box names is wanted. */
-static bool draw_buttons(const isosculpt_browser *browser, bool *closed) {
-    const bool wanted = ImGui::Button(verb(browser->purpose));
+/* What a frame asks for. */
+enum wish { NOTHING, CHOOSE, FOLDER, CLOSE };
+
+static wish draw_buttons(const isosculpt_browser *browser) {
+    wish wanted = ImGui::Button(verb(browser->purpose)) ? CHOOSE : NOTHING;
     ImGui::SameLine();
-    *closed = ImGui::Button("Cancel (Escape)") || pressed(ImGuiKey_Escape);
+    if (ImGui::Button("Cancel (Escape)") || pressed(ImGuiKey_Escape)) wanted = CLOSE;
+    if (browser->purpose != ISOSCULPT_BROWSE_OPEN) return wanted;
+    ImGui::SameLine();
+    if (ImGui::Button("Open this folder (DICOM)")) wanted = FOLDER;
     return wanted;
 }
 
-/* True: what the box names is wanted. */
-static bool draw_inside(isosculpt_browser *browser, float scale, bool *closed) {
+static wish draw_inside(isosculpt_browser *browser, float scale) {
     const bool follow = step(browser);
     draw_place(browser);
     const float below = 4 * ImGui::GetFrameHeightWithSpacing() + 2 * ImGui::GetTextLineHeight();
@@ -124,8 +125,14 @@ static bool draw_inside(isosculpt_browser *browser, float scale, bool *closed) {
     wanted |= draw_name(browser);
     draw_type(browser, scale);
     draw_result(browser);
-    wanted |= draw_buttons(browser, closed);
-    return wanted;
+    const wish button = draw_buttons(browser);
+    return button ? button : wanted ? CHOOSE : NOTHING;
+}
+
+static bool is_chosen(isosculpt_browser *browser, wish wanted, char path[ISOSCULPT_PATH]) {
+    if (wanted != FOLDER) return wanted == CHOOSE && isosculpt_browser_choose(browser, path);
+    snprintf(path, ISOSCULPT_PATH, "%s", browser->folder);
+    return true;
 }
 
 bool isosculpt_browser_draw(isosculpt_browser *browser, float scale, char path[ISOSCULPT_PATH]) {
@@ -140,7 +147,9 @@ bool isosculpt_browser_draw(isosculpt_browser *browser, float scale, char path[I
                              ImGuiCond_Always);
     bool closed = false, chosen = false;
     if (ImGui::BeginPopupModal(name, nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoResize)) {
-        chosen = draw_inside(browser, scale, &closed) && isosculpt_browser_choose(browser, path);
+        const wish wanted = draw_inside(browser, scale);
+        closed = wanted == CLOSE;
+        chosen = is_chosen(browser, wanted, path);
         if (closed || chosen) ImGui::CloseCurrentPopup();
         ImGui::EndPopup();
     }

@@ -55,7 +55,9 @@ void isosculpt_browser_close(isosculpt_browser *browser); /* frees the entries; 
 /* Another folder; the one before stays when it cannot be read, and `trouble` says why. */
 void isosculpt_browser_enter(isosculpt_browser *browser, const char *folder);
 void isosculpt_browser_up(isosculpt_browser *browser);
-/* The same folder with another type or `hidden`. */
+/* Another of the purpose's types. A name to save gets its extension. */
+void isosculpt_browser_set_type(isosculpt_browser *browser, int type);
+/* The same folder as it is now, with what `hidden` says. */
 void isosculpt_browser_reread(isosculpt_browser *browser);
 /* Another entry, by `steps` from the selected one; its name goes into the box. */
 void isosculpt_browser_step(isosculpt_browser *browser, int steps);

@@ -79,7 +79,8 @@ static void choose_mirror(isosculpt_hand *hand) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("the planes pass through the middle of the object");
     double *const at[] = {&brush->mirror.x, &brush->mirror.y, &brush->mirror.z};
     const float speed = (float)(0.5 * hand->desk->start.voxel_size);
-    const float inner = ImGui::GetStyle().ItemInnerSpacing.x, width = (ImGui::CalcItemWidth() - 2 * inner) / 3;
+    const float inner = ImGui::GetStyle().ItemInnerSpacing.x,
+                width = (ImGui::CalcItemWidth() - 2 * inner) / 3;
     for (int axis = 0; axis < 3; axis++) {
         ImGui::PushID(axis);
         if (axis) ImGui::SameLine(0, inner);
@@ -169,11 +170,12 @@ static void choose_side(isosculpt_hand *hand) {
                  {"right", "Shift+3", ISO_RIGHT}, {"left", "Ctrl+3", ISO_LEFT},
                  {"top", "Shift+7", ISO_TOP},     {"bottom", "Ctrl+7", ISO_BOTTOM}};
     const ImGuiStyle &style = ImGui::GetStyle();
-    const float width = (ImGui::GetContentRegionAvail().x - 5 * style.ItemInnerSpacing.x) / 6;
-    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(0, style.FramePadding.y));
+    const float gap = 0.75f * style.ItemInnerSpacing.x, room = ImGui::GetContentRegionAvail().x,
+                padding = (room - 5 * gap - ImGui::CalcTextSize("frontbackrightlefttopbottom").x) / 12;
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(padding, style.FramePadding.y));
     for (int i = 0; i < 6; i++) {
-        if (i) ImGui::SameLine(0, style.ItemInnerSpacing.x);
-        if (ImGui::Button(sides[i].name, ImVec2(width, 0))) isosculpt_hand_look(hand, sides[i].direction);
+        if (i) ImGui::SameLine(0, gap);
+        if (ImGui::Button(sides[i].name)) isosculpt_hand_look(hand, sides[i].direction);
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", sides[i].tip);
     }
     ImGui::PopStyleVar();

@@ -13,10 +13,10 @@ static void browse_button(isosculpt_screen *screen, const char *label, isosculpt
 /* A file to open by its name; Enter opens it. */
 static void name_box(isosculpt_screen *screen) {
     const ImGuiStyle &style = ImGui::GetStyle();
-    const float button = ImGui::CalcTextSize("Open...").x + 2 * style.FramePadding.x;
-    ImGui::SetNextItemWidth(-button - style.ItemSpacing.x);
-    const bool enter = ImGui::InputTextWithHint("##path", "a file to open, typed or dropped", screen->path,
-                                                sizeof screen->path, ImGuiInputTextFlags_EnterReturnsTrue);
+    const float buttons = ImGui::CalcTextSize("Open...Help").x + 4 * style.FramePadding.x;
+    ImGui::SetNextItemWidth(-buttons - 2 * style.ItemSpacing.x);
+    const bool enter = ImGui::InputTextWithHint("##path", "a file to open", screen->path, sizeof screen->path,
+                                                ImGuiInputTextFlags_EnterReturnsTrue);
     if (enter && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_OPEN;
     ImGui::SameLine();
     if (ImGui::Button("Open...")) {
@@ -26,24 +26,25 @@ static void name_box(isosculpt_screen *screen) {
             screen->browse = ISOSCULPT_BROWSE_OPEN;
     }
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("what is in the box, or a file to choose (Ctrl+O)");
+    ImGui::SameLine();
+    if (ImGui::Button("Help")) screen->help = !screen->help;
 }
 
 static void file_buttons(isosculpt_screen *screen) {
     isosculpt_hand *hand = screen->hand;
     const bool saved = hand->desk->changes == hand->desk->saved;
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
     ImGui::BeginDisabled(screen->volume != nullptr);
-    if (ImGui::Button(saved ? "Save###save" : "Save *###save")) hand->wishes |= ISOSCULPT_WISH_SAVE;
+    if (ImGui::Button(saved ? "Save###save" : "Save*###save")) hand->wishes |= ISOSCULPT_WISH_SAVE;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl+S: %s", hand->desk->target);
-    ImGui::SameLine();
+    ImGui::SameLine(0, gap);
     browse_button(screen, "Save as...", ISOSCULPT_BROWSE_SAVE,
                   "Ctrl+Shift+S: .vdb (level set), .stl, .ply or .obj (meshes)");
-    ImGui::SameLine();
+    ImGui::SameLine(0, gap);
     browse_button(screen, "Export...", ISOSCULPT_BROWSE_EXPORT, "a copy as .stl, .ply, .obj or .vdb");
-    ImGui::SameLine();
+    ImGui::SameLine(0, gap);
     browse_button(screen, "Stamp...", ISOSCULPT_BROWSE_STAMP, "a mesh to add and carve with");
     ImGui::EndDisabled();
-    ImGui::SameLine();
-    if (ImGui::Button("Help")) screen->help = !screen->help;
 }
 
 /* A path by its last part; all of it under the pointer. */

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <GLFW/glfw3.h>
 
@@ -69,11 +70,22 @@ static iso_status start_sculpting(window *w, iso_error *error) {
     return isosculpt_opening_start(&request, &w->opening, error);
 }
 
+/* The path from the root, so that it means the same to whoever reads it on the screen or in a command. */
+static void make_whole(const char *path, char whole[2 * ISOSCULPT_PATH]) {
+    char folder[ISOSCULPT_PATH];
+    if (path[0] == '/' || !getcwd(folder, sizeof folder))
+        snprintf(whole, 2 * ISOSCULPT_PATH, "%s", path);
+    else
+        snprintf(whole, 2 * ISOSCULPT_PATH, "%s/%s", folder, path);
+}
+
 /* Beside what is there, until it is whole. */
 static iso_status start_opening(window *w, const char *path, bool stamp, iso_error *error) {
     const isosculpt_settings *settings = w->settings;
     const bool asked = path == settings->open;
-    const isosculpt_request request = {.path = path,
+    char whole[2 * ISOSCULPT_PATH];
+    make_whole(path, whole);
+    const isosculpt_request request = {.path = whole,
                                        .stamp = stamp,
                                        .folder = w->has_folder ? w->folder : NULL,
                                        .isovalue = asked ? settings->isovalue : NAN,

@@ -44,11 +44,8 @@ opens() {
 }
 # letters COLOUR: of a message in the lower part of the window
 shows_trouble() {
-    local count=0
-    while [ -e "${journal%.strokes}-$((count + 1)).png" ]; do count=$((count + 1)); done
-    local file=${journal%.strokes}-$((count + 1)).png
-    key shift+F12
-    until_ "picture $file" test -s "$file"
+    whole_window trouble
+    local file=$work/trouble.png
     python3 - "$source_folder/tests/cli" "$file" <<'END'
 import sys
 sys.path.insert(0, sys.argv[1])
@@ -99,7 +96,6 @@ key Escape
 picture stayed
 stroke 640 440 20 20
 has_events end $((strokes + 1)) || fail "Escape: the session is gone"
-vdb=${journal%.strokes}.vdb
 [ -e "$vdb" ] && fail "saved without being asked to"
 drop "$files/field.vdb"
 key Return
@@ -113,14 +109,10 @@ drop "$files/ball.nrrd"
 until_ "a volume" title_is "ball.nrrd"
 
 # ---- its isovalue under the hand; at rest the picture is that of the isovalue, wherever the hand came from
-shots=0
-# look_at X NAME: the histogram is pressed there, and the picture at rest (a volume has no journal to lie beside)
+# look_at X NAME: the histogram is pressed there, and the picture at rest
 look_at() {
     [ -z "$1" ] || xdotool mousemove "$1" 100 sleep 0.2 mousedown 1 sleep 0.2 mouseup 1 sleep 0.2
-    shots=$((shots + 1))
-    key F12
-    until_ "picture sculpture-$shots.png" test -s "sculpture-$shots.png"
-    cp "sculpture-$shots.png" "$2.png"
+    picture "$2"
 }
 moved_to() { look_at "$1" "$2" && ! cmp -s "$2.png" "$3.png"; }
 back_at() { look_at "$1" "$2" && cmp -s "$2.png" "$3.png"; }
@@ -158,7 +150,9 @@ starve() {
     wait "$feeder" 2>/dev/null
     feeder=
 }
-saved() { [ -s "${journal%.strokes}.vdb" ]; }
+# beside the mesh that was opened
+vdb=$files/mesh.vdb
+saved() { [ -s "$vdb" ]; }
 # A question keeps the hand from the sculpture.
 asked() {
     strokes=$(events end)
@@ -170,7 +164,7 @@ stays() { key Escape && drag 1 540 560 20 20 && [ "$(events end)" -gt "$strokes"
 key ctrl+s
 until_ "a save" saved
 picture saved # and so the program knows
-rm "${journal%.strokes}.vdb"
+rm "$vdb"
 drop "$files/first.obj"
 key Return # to sculpt it
 picture opening # and so the question is gone
@@ -184,12 +178,12 @@ key Return # to sculpt it
 key Return # to save first
 until_ "a save before it is opened" saved
 starve
-rm "${journal%.strokes}.vdb"
+rm "$vdb"
 picture opening
 stroke 560 560 20 20
 before=$journal
 feed second.obj
-answers() { key Return && [ -s "${before%.strokes}.vdb" ]; }
+answers() { key Return && [ -s "$vdb" ]; }
 until_ "a question about one more" answers
 journal=$before
 opens second.obj
@@ -198,8 +192,8 @@ picture slow # and so it is ready
 stroke 480 560 20 20
 
 # ---- a save that fails keeps what is there
-rm -f "${journal%.strokes}.vdb"
-mkdir -p "${journal%.strokes}.vdb/full" "${journal%.strokes}.vdb.bak/full"
+vdb=$files/second.vdb
+mkdir -p "$vdb/full" "$vdb.bak/full"
 strokes=$(events end)
 drop "$files/field.vdb"
 key Return
