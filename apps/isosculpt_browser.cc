@@ -19,10 +19,6 @@ static const char *verb(isosculpt_purpose purpose) {
     return verbs[purpose];
 }
 
-static bool pressed(ImGuiKey key) {
-    return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key));
-}
-
 /* True: an entry was pressed twice. */
 static bool draw_entries(isosculpt_browser *browser, bool follow) {
     bool twice = false;
@@ -77,16 +73,14 @@ static bool draw_name(isosculpt_browser *browser) {
     ImGui::SetNextItemWidth(-FLT_MIN);
     ImGui::PushID(browser->generation); /* a box that is typed in shows nothing but its own text */
     if (ImGui::IsWindowAppearing() || !ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
-    const bool enter = ImGui::InputTextWithHint("##name", "a name, or a path", browser->name,
-                                                sizeof browser->name, ImGuiInputTextFlags_EnterReturnsTrue);
+    ImGui::InputTextWithHint("##name", "a name, or a path", browser->name, sizeof browser->name);
     ImGui::PopID();
-    if (empty && pressed(ImGuiKey_Backspace)) isosculpt_browser_up(browser);
-    return enter || pressed(ImGuiKey_KeyPadEnter);
+    if (empty && browser->typed.back) isosculpt_browser_up(browser);
+    return browser->typed.enter;
 }
 
 static bool step(isosculpt_browser *browser) {
-    const int steps = (pressed(ImGuiKey_DownArrow) ? 1 : 0) - (pressed(ImGuiKey_UpArrow) ? 1 : 0) +
-                      (pressed(ImGuiKey_PageDown) ? 10 : 0) - (pressed(ImGuiKey_PageUp) ? 10 : 0);
+    const int steps = browser->typed.steps;
     if (steps) isosculpt_browser_step(browser, steps);
     return steps != 0;
 }
@@ -108,7 +102,7 @@ enum wish { NOTHING, CHOOSE, FOLDER, CLOSE };
 static wish draw_buttons(const isosculpt_browser *browser) {
     wish wanted = ImGui::Button(verb(browser->purpose)) ? CHOOSE : NOTHING;
     ImGui::SameLine();
-    if (ImGui::Button("Cancel (Escape)") || pressed(ImGuiKey_Escape)) wanted = CLOSE;
+    if (ImGui::Button("Cancel (Escape)") || browser->typed.escape) wanted = CLOSE;
     if (browser->purpose != ISOSCULPT_BROWSE_OPEN) return wanted;
     ImGui::SameLine();
     if (ImGui::Button("Open this folder (DICOM)")) wanted = FOLDER;
@@ -153,6 +147,7 @@ bool isosculpt_browser_draw(isosculpt_browser *browser, float scale, char path[I
         if (closed || chosen) ImGui::CloseCurrentPopup();
         ImGui::EndPopup();
     }
+    browser->typed = isosculpt_typed{};
     if (closed || chosen) isosculpt_browser_close(browser);
     return chosen;
 }

@@ -26,6 +26,13 @@ typedef struct isosculpt_entry {
     bool is_folder;
 } isosculpt_entry;
 
+/* Keys that were pressed since the last frame. The window notes them: Dear ImGui 1.86 does not see a key that
+ * was released again before a frame begins. */
+typedef struct isosculpt_typed {
+    bool enter, escape, back;
+    int steps; /* through a list, downwards */
+} isosculpt_typed;
+
 /* Zero-initialise. */
 typedef struct isosculpt_browser {
     isosculpt_purpose purpose;
@@ -37,7 +44,8 @@ typedef struct isosculpt_browser {
     int selected;              /* an entry; -1: none */
     bool hidden;               /* files whose name begins with a dot are shown */
     int generation;            /* grows when `name` was changed other than by typing */
-    char trouble[256];         /* why something did not work; "" */
+    isosculpt_typed typed;
+    char trouble[256]; /* why something did not work; "" */
 } isosculpt_browser;
 
 /* Kinds of files that a purpose knows: a label and extensions separated by blanks ("": all). NULL label:
@@ -70,7 +78,8 @@ bool isosculpt_browser_path(const isosculpt_browser *browser, char path[ISOSCULP
  * not there. */
 bool isosculpt_browser_choose(isosculpt_browser *browser, char path[ISOSCULPT_PATH]);
 
-/* One frame; `scale`: of text and widgets. True: `path` was chosen, and the browser is closed. */
+/* One frame, which uses up `typed`; `scale`: of text and widgets. True: `path` was chosen, and the browser is
+ * closed. */
 bool isosculpt_browser_draw(isosculpt_browser *browser, float scale, char path[ISOSCULPT_PATH]);
 
 #ifdef __cplusplus

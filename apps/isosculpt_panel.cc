@@ -466,7 +466,9 @@ static void open_browser(isosculpt_screen *screen) {
 static void draw_browser(isosculpt_panel *panel, isosculpt_screen *screen) {
     if (screen->browse && !screen->question && !screen->browser.purpose) open_browser(screen);
     const isosculpt_purpose purpose = screen->browser.purpose;
-    if (!isosculpt_browser_draw(&screen->browser, panel->scale, screen->chosen)) return;
+    const bool chosen = isosculpt_browser_draw(&screen->browser, panel->scale, screen->chosen);
+    screen->browser.typed = isosculpt_typed{}; /* (the box for a file's name has seen them, too) */
+    if (!chosen) return;
     screen->chosen_for = purpose;
     screen->answers |= ISOSCULPT_ANSWER_CHOSEN;
 }

@@ -16,8 +16,9 @@ static void name_box(isosculpt_screen *screen) {
     const float buttons = ImGui::CalcTextSize("Open...Help").x + 4 * style.FramePadding.x;
     ImGui::SetNextItemWidth(-buttons - 2 * style.ItemSpacing.x);
     const bool enter = ImGui::InputTextWithHint("##path", "a file to open", screen->path, sizeof screen->path,
-                                                ImGuiInputTextFlags_EnterReturnsTrue);
-    if (enter && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_OPEN;
+                                                ImGuiInputTextFlags_EnterReturnsTrue),
+               entered = ImGui::IsItemActive() && screen->browser.typed.enter;
+    if ((enter || entered) && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_OPEN;
     ImGui::SameLine();
     if (ImGui::Button("Open...")) {
         if (screen->path[0])

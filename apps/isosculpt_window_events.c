@@ -145,6 +145,15 @@ static void escape(window *w) {
         w->screen.message[0] = 0;
 }
 
+/* For the boxes that names are typed into. */
+static void note_typed(isosculpt_typed *typed, int key) {
+    typed->enter |= key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
+    typed->escape |= key == GLFW_KEY_ESCAPE;
+    typed->back |= key == GLFW_KEY_BACKSPACE;
+    typed->steps += (key == GLFW_KEY_DOWN) - (key == GLFW_KEY_UP);
+    typed->steps += 10 * ((key == GLFW_KEY_PAGE_DOWN) - (key == GLFW_KEY_PAGE_UP));
+}
+
 static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods) {
     window *w = of(glfw);
     w->frames = ISOSCULPT_FRAMES;
@@ -156,7 +165,10 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
     if (action == GLFW_PRESS && key == GLFW_KEY_F12)
         *(mods & GLFW_MOD_SHIFT ? &w->shoot_all : &w->shoot) = true;
     if (answer(w, key, meant)) return;
-    if (w->screen.browser.purpose || isosculpt_panel_has_keys()) return;
+    if (w->screen.browser.purpose || isosculpt_panel_has_keys()) {
+        note_typed(&w->screen.browser.typed, key);
+        return;
+    }
     if (key == GLFW_KEY_ESCAPE && w->hand.drag != ISOSCULPT_DRAG_BRUSH) escape(w);
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
     if (action == GLFW_PRESS && meant == 'h') w->screen.help = !w->screen.help;
