@@ -31,8 +31,13 @@ static iso_status open_desk(isosculpt_opening *opening, const isosculpt_volume *
                             const iso_progress *progress, iso_error *error) {
     const isosculpt_request *request = &opening->request;
     isosculpt_opened *opened = &opening->opened;
-    const isosculpt_source source = {opening->path, request->isovalue, request->voxel,
-                                     opened->pool,  progress,          volume};
+    const isosculpt_source source = {.path = opening->path,
+                                     .isovalue = request->isovalue,
+                                     .voxel = request->voxel,
+                                     .pool = opened->pool,
+                                     .progress = progress,
+                                     .volume = volume,
+                                     .input = &request->input};
     opened->desk.pool = opened->pool;
     opened->desk.undo_memory = request->undo_memory;
     ISO_TRY(isosculpt_is_strokes(opening->path)
@@ -48,7 +53,8 @@ static iso_status open_volume(isosculpt_opening *opening, const iso_progress *pr
                        rest = iso_progress_part(progress, 0.4, 1);
     const double asked = opening->request.isovalue;
     isosculpt_volume *volume;
-    ISO_TRY(isosculpt_volume_read(opening->path, opened->pool, &reading, &volume, error));
+    ISO_TRY(isosculpt_volume_read(opening->path, &opening->request.input, opened->pool, &reading, &volume,
+                                  error));
     iso_status status;
     if (volume->has_isovalues)
         status = isosculpt_view_init_grid(&opened->view, &volume->volume.grid,
@@ -64,7 +70,8 @@ static iso_status open_volume(isosculpt_opening *opening, const iso_progress *pr
 
 static iso_status open_any(isosculpt_opening *opening, const iso_progress *progress, iso_error *error) {
     const isosculpt_request *request = &opening->request;
-    if (request->sculpt || isosculpt_is_strokes(opening->path) || isosculpt_is_mesh(opening->path))
+    const bool mesh = !request->input.has_raw && isosculpt_is_mesh(opening->path);
+    if (request->sculpt || isosculpt_is_strokes(opening->path) || mesh)
         return open_desk(opening, request->sculpt, progress, error);
     return open_volume(opening, progress, error);
 }

@@ -51,8 +51,11 @@ static iso_status rescale(iso_journal_start *start, double voxel_size, iso_error
 
 static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_journal_start *start,
                              iso_hgrid **grid, iso_error *error) {
-    const isosculpt_source source = {
-        .path = settings->open, .isovalue = settings->isovalue, .voxel = settings->voxel_size, .pool = pool};
+    const isosculpt_source source = {.path = settings->open,
+                                     .isovalue = settings->isovalue,
+                                     .voxel = settings->voxel_size,
+                                     .pool = pool,
+                                     .input = &settings->input};
     if (settings->open) return isosculpt_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
         return isosculpt_source_find(settings->replay, &source, start, grid, error);
@@ -191,8 +194,8 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     p->report->bytes = iso_hgrid_bytes(grid);
     ISO_TRY(write_outputs(p, error));
     if (!p->settings->quiet && p->report->edits.clipped)
-        fprintf(stderr, "isosculpt: %s: a brush reached beyond the grid: what lies outside is lost\n",
-                name_of(p->settings));
+        iso_program_say(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
+                        name_of(p->settings));
     return p->settings->json ? isosculpt_report_write(p->settings, p->report, error) : ISO_OK;
 }
 

@@ -90,6 +90,7 @@ static iso_status start_opening(window *w, const char *path, bool stamp, iso_err
                                        .folder = w->has_folder ? w->folder : NULL,
                                        .isovalue = asked ? settings->isovalue : NAN,
                                        .voxel = asked ? settings->voxel_size : 0,
+                                       .input = asked ? settings->input : (iso_input){0},
                                        .threads = settings->threads,
                                        .undo_memory = (size_t)settings->undo_memory,
                                        .wake = wake};

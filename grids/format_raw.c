@@ -135,12 +135,12 @@ static iso_status raw_info(const char *path, const iso_volume_opts *opts, iso_vo
 static iso_status raw_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                            iso_grid *grid, iso_error *error) {
     uint64_t bytes = 0, wanted = wanted_bytes(info, opts->raw->offset);
-    ISO_TRY(iso_format_file_bytes(path, &bytes, error));
-    if (bytes < wanted) return iso_format_truncated(path, bytes, wanted, error);
-    raw_file file = {path, fopen(path, "rb")};
-    if (!file.stream) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    raw_file file = {path, NULL};
+    ISO_TRY(iso_format_open(path, &file.stream, &bytes, error));
     iso_status status = ISO_OK;
-    if (fseeko(file.stream, (off_t)opts->raw->offset, SEEK_SET) != 0)
+    if (bytes < wanted)
+        status = iso_format_truncated(path, bytes, wanted, error);
+    else if (fseeko(file.stream, (off_t)opts->raw->offset, SEEK_SET) != 0)
         status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     iso_format_stream stream = stream_of(opts, info, &file);
     if (status == ISO_OK) status = iso_format_read_stream(path, opts, info, &stream, grid, error);

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "base/memory.h"
+#include "base/text.h"
 #include "grids/brick_index.h"
 #include "grids/format.h"
 #include "grids/module.h"
@@ -177,7 +178,8 @@ static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_
  * first. */
 static iso_status named(const char *path, iso_status status, const iso_error *detail, iso_error *error) {
     if (status == ISO_OK) return ISO_OK;
-    bool names_it = strncmp(detail->text, path, strlen(path)) == 0;
+    size_t length = iso_text_begins(detail->text, path); /* "head.img: ..." does not name the file "head" */
+    bool names_it = length && (path[strlen(path) - 1] == '/' || strchr(":/, ", detail->text[length]));
     return iso_fail(error, status, "%s%s%s", names_it ? "" : path, names_it ? "" : ": ", detail->text);
 }
 
@@ -204,12 +206,20 @@ static iso_status read_header(const char *path, const iso_volume_opts *opts, con
     return check_info(path, opts, info, error);
 }
 
+/* Names from the file are shown from here on; until then readers look for them in the file. */
+static void clean_texts(iso_volume_info *info) {
+    iso_text_clean_in_place(info->name, sizeof info->name);
+    iso_text_clean_in_place(info->file_type, sizeof info->file_type);
+    for (int i = 0; i < info->item_count; i++) iso_text_clean_in_place(info->items[i], sizeof info->items[i]);
+}
+
 iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                                 iso_error *error) {
     const iso_volume_opts none = {0};
     const iso_format *format = NULL;
     iso_volume_info found;
     ISO_TRY(read_header(path, opts ? opts : &none, &format, &found, error));
+    clean_texts(&found);
     *info = found;
     return ISO_OK;
 }
@@ -276,6 +286,7 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
         iso_volume_free(&result);
         return status;
     }
+    clean_texts(&result.info);
     *volume = result;
     return ISO_OK;
 }

@@ -1,7 +1,7 @@
 /* volume: any volume file into a grid. The header is read first, so that its size is known before memory is
  * taken.
  *
- *   .vti                        VTK                       .nrrd .nhdr            teem
+ *   .vti                        VTK                       .nrrd .nhdr            our own
  *   DICOM (a folder or a file)  GDCM                      .nii .nii.gz .hdr/.img libnifti2
  *   .vdb                        OpenVDB                   legacy .vtk            our own
  *   raw                         our own, iso_raw_layout   .mha .mhd              our own
@@ -58,7 +58,7 @@ typedef struct iso_volume_opts {
 
 enum { ISO_VOLUME_ITEMS = 32, ISO_VOLUME_NOTES = 8, ISO_VOLUME_TEXT = 256 };
 
-/* What the header says. Plain data, no ownership. */
+/* What the header says. Plain data, no ownership. The texts are printable UTF-8 (base/text.h). */
 typedef struct iso_volume_info {
     char format[16]; /* "vti", "vtk", "nrrd", "metaimage", "nifti", "dicom", "vdb", "raw", "scene" */
     char name[ISO_VOLUME_TEXT]; /* grid or series name, or empty */
@@ -98,7 +98,9 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
                            iso_error *error);
 void iso_volume_free(iso_volume *volume);
 
-/* Adds a line to info->notes; beyond ISO_VOLUME_NOTES it is dropped. For readers. */
+/* Adds a line to info->notes; beyond ISO_VOLUME_NOTES it is dropped. Arguments may hold any bytes. For
+ * readers.
+ */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
