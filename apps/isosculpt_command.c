@@ -51,6 +51,20 @@ static void put_quoted(writer *w, const char *text) {
     put(w, "'");
 }
 
+/* Lines "option=value" as options. */
+static void put_reading(writer *w, const char *reading) {
+    char value[1024];
+    for (const char *line = reading; *line; line += line[0] == '\n') {
+        const size_t length = strcspn(line, "\n"), name = strcspn(line, "=");
+        if (name < length) {
+            put(w, " --%.*s=", (int)name, line);
+            snprintf(value, sizeof value, "%.*s", (int)(length - name - 1), line + name + 1);
+            put_quoted(w, value);
+        }
+        line += length;
+    }
+}
+
 /* view.png beside nothing: in the folder where the command is run. */
 static void put_output(writer *w, const char *path) {
     char name[256];
@@ -71,6 +85,7 @@ bool isosculpt_command_text(const isosculpt_command *command, char *text, size_t
     writer w = {.text = text, .room = room};
     put(&w, "isorender ");
     put_quoted(&w, command->path);
+    put_reading(&w, command->reading);
     put_output(&w, command->path);
     put(&w, " --isovalue=");
     put_number(&w, view->levels ? view->isovalue : 0);

@@ -10,6 +10,7 @@ extern "C" {
 
 typedef struct isosculpt_command {
     const char *path;           /* of the volume or level set */
+    const char *reading;        /* how it is read, as iso_input_write says it; "" by default */
     const isosculpt_view *view; /* its camera, method, colours, and of volumes the isovalue */
     int width, height;          /* of the picture at rest, pixels */
 } isosculpt_command;

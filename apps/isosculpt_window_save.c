@@ -133,21 +133,28 @@ void isosculpt_window_take_choice(window *w) {
 
 /* ---- the command */
 
-/* The file that holds what is shown; NULL: there is none. */
-static const char *shown_file(const window *w) {
+/* The file that holds what is shown and how it is read; false: there is none. */
+static bool find_shown(const window *w, isosculpt_command *command) {
     const isosculpt_desk *desk = &w->desk;
-    if (w->volume) return w->volume->path;
     const bool saved = desk->target_is_own && !isosculpt_window_unsaved(w);
-    if (saved && ends_with(desk->target, ".vdb")) return desk->target;
-    const bool as_opened = desk->changes == 0 && !(w->settings->voxel_size > 0);
-    return as_opened && ends_with(desk->start.source, ".vdb") ? desk->start.source : NULL;
+    command->reading = "";
+    if (w->volume) {
+        command->path = w->volume->path;
+        command->reading = w->volume->reading;
+    } else if (saved && ends_with(desk->target, ".vdb")) {
+        command->path = desk->target;
+    } else if (desk->changes == 0 && !(w->settings->voxel_size > 0) &&
+               ends_with(desk->start.source, ".vdb")) {
+        command->path = desk->start.source; /* as it was opened */
+        command->reading = desk->start.reading;
+    }
+    return command->path;
 }
 
 void isosculpt_window_copy_command(window *w) {
-    char text[4 * ISOSCULPT_PATH];
-    const isosculpt_command command = {
-        .path = shown_file(w), .view = &w->view, .width = w->screen.width, .height = w->screen.height};
-    if (!command.path)
+    char text[8 * ISOSCULPT_PATH];
+    isosculpt_command command = {.view = &w->view, .width = w->screen.width, .height = w->screen.height};
+    if (!find_shown(w, &command))
         isosculpt_window_say(w, true,
                              "No command: isorender reads files. Save the sculpture as .vdb, then copy.");
     else if (!isosculpt_command_text(&command, text, sizeof text))
