@@ -13,7 +13,7 @@
 #include <GLFW/glfw3.h>
 
 #include "apps/isosculpt_keys.h"
-#include "apps/isosculpt_panel_parts.h"
+#include "apps/isosculpt_panel_parts.hpp"
 #include "apps/isosculpt_save.h"
 #include "grids/bridge_guard.hpp"
 

@@ -2,7 +2,7 @@
 #include <cfloat>
 #include <cstring>
 
-#include "apps/isosculpt_panel_parts.h"
+#include "apps/isosculpt_panel_parts.hpp"
 
 static void browse_button(isosculpt_screen *screen, const char *label, isosculpt_purpose purpose,
                           const char *tip) {

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "apps/isosculpt_axis.h"
-#include "apps/isosculpt_panel_parts.h"
+#include "apps/isosculpt_panel_parts.hpp"
 
 /* By the logarithms of counts. Where values are few, a column reaches to the next value. */
 static void draw_columns(const iso_histogram &histogram, ImDrawList *list, ImVec2 at, ImVec2 size) {

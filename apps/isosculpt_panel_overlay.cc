@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "apps/isosculpt_mirror.h"
-#include "apps/isosculpt_panel_parts.h"
+#include "apps/isosculpt_panel_parts.hpp"
 
 static ImVec2 at_window(const isosculpt_screen *screen, double x, double y) {
     return ImVec2((float)(x / screen->pixels), (float)(y / screen->pixels));
