@@ -5,6 +5,7 @@
 #include "apps/options.h"
 #include "extract/mesh.h"
 #include "extract/points.h"
+#include "grids/closed_mesh.h"
 #include "sculpt/session.h"
 
 typedef enum isosculpt_help { ISOSCULPT_HELP_NONE, ISOSCULPT_HELP, ISOSCULPT_VERSION } isosculpt_help;
@@ -23,6 +24,7 @@ typedef struct isosculpt_settings {
     int backend;                 /* isosculpt_backend */
     int resolution[2];           /* of the pictures that are drawn; 0: 1280 x 800 */
     double voxel_size, isovalue; /* isovalue: NAN when not given */
+    double close_holes;          /* iso_closing_opts.hole */
     uint64_t undo_memory;
     isosculpt_help help;
     iso_help_form help_form;
@@ -42,6 +44,7 @@ typedef struct isosculpt_times {
 
 typedef struct isosculpt_report {
     iso_journal_start start;
+    iso_mesh_report mesh; /* of what was opened, when it is one */
     size_t strokes, samples, undone;
     iso_edit_stats edits;
     isosculpt_times edit, extract, draw, step; /* step: all that a sample takes */

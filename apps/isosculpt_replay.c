@@ -49,10 +49,15 @@ static iso_status rescale(iso_journal_start *start, double voxel_size, iso_error
     return ISO_OK;
 }
 
-static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_journal_start *start,
+static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, isosculpt_report *report,
                              iso_hgrid **grid, iso_error *error) {
-    const isosculpt_source source = {
-        .path = settings->open, .isovalue = settings->isovalue, .voxel = settings->voxel_size, .pool = pool};
+    iso_journal_start *start = &report->start;
+    const isosculpt_source source = {.path = settings->open,
+                                     .isovalue = settings->isovalue,
+                                     .voxel = settings->voxel_size,
+                                     .pool = pool,
+                                     .close_holes = settings->close_holes,
+                                     .report = &report->mesh};
     if (settings->open) return isosculpt_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
         return isosculpt_source_find(settings->replay, &source, start, grid, error);
@@ -193,6 +198,9 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     if (!p->settings->quiet && p->report->edits.clipped)
         fprintf(stderr, "isosculpt: %s: a brush reached beyond the grid: what lies outside is lost\n",
                 name_of(p->settings));
+    char note[240];
+    if (!p->settings->quiet && iso_mesh_report_note(&p->report->mesh, note, sizeof note))
+        fprintf(stderr, "isosculpt: %s: %s\n", p->settings->open, note);
     return p->settings->json ? isosculpt_report_write(p->settings, p->report, error) : ISO_OK;
 }
 
@@ -206,7 +214,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     report.resolution[1] = settings->resolution[1] ? settings->resolution[1] : 800;
     iso_hgrid *grid = NULL;
     iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory};
-    iso_status status = make_field(settings, pool, &report.start, &grid, error);
+    iso_status status = make_field(settings, pool, &report, &grid, error);
     if (status == ISO_OK) status = iso_session_create(grid, &report.start, &opts, &p.session, error);
     if (status == ISO_OK) status = run(&p, reader, error);
     iso_point_set_destroy(p.points);
@@ -235,6 +243,21 @@ static void put_times(iso_json *json, const char *key, const isosculpt_times *ti
     iso_json_end_object(json);
 }
 
+/* What a mesh that was opened needed to be closed. */
+static void put_mesh(iso_json *json, const iso_mesh_report *mesh) {
+    if (!mesh->triangles) return;
+    iso_json_begin_object(json, "mesh");
+    iso_json_integer(json, "triangles", mesh->triangles);
+    iso_json_integer(json, "open_edges", mesh->open_edges);
+    iso_json_integer(json, "holes_closed", mesh->holes_closed);
+    iso_json_integer(json, "loops_capped", mesh->loops_capped);
+    iso_json_real(json, "largest_hole", mesh->largest_hole);
+    iso_json_integer(json, "turned", mesh->turned);
+    iso_json_bool(json, "inside_out", mesh->volume < 0);
+    iso_json_real(json, "volume", fabs(mesh->volume));
+    iso_json_end_object(json);
+}
+
 static void put_report(FILE *stream, const isosculpt_settings *settings, const isosculpt_report *report) {
     iso_json json = {.stream = stream};
     iso_json_begin_object(&json, NULL);
@@ -244,6 +267,7 @@ static void put_report(FILE *stream, const isosculpt_settings *settings, const i
     iso_json_string(&json, "source", report->start.source);
     iso_json_ints(&json, "dims", report->start.dims, 3);
     iso_json_real(&json, "voxel_size", report->start.voxel_size);
+    put_mesh(&json, &report->mesh);
     iso_json_integer(&json, "strokes", report->strokes);
     iso_json_integer(&json, "samples", report->samples);
     iso_json_integer(&json, "undone", report->undone);

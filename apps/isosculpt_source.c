@@ -55,39 +55,44 @@ bool isosculpt_is_mesh(const char *path) {
     return false;
 }
 
-static double longest_side(const iso_triangles *mesh) {
-    double longest = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        double low = INFINITY, high = -INFINITY;
-        for (size_t i = 0; i < mesh->vertex_count; i++) {
-            low = fmin(low, (double)mesh->vertices[i][axis]);
-            high = fmax(high, (double)mesh->vertices[i][axis]);
-        }
-        longest = fmax(longest, high - low);
-    }
-    return longest;
+static double longest_side(const iso_closed_mesh *mesh) {
+    const iso_box box = iso_closed_mesh_box(mesh);
+    return fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
 }
 
-static iso_status from_mesh(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+/* Reads and closes the mesh. `progress` is told of both. */
+static iso_status read_mesh(const isosculpt_source *source, const iso_progress *progress,
+                            iso_closed_mesh **closed, iso_error *error) {
+    const iso_progress reading = iso_progress_part(progress, 0, 0.6),
+                       closing = iso_progress_part(progress, 0.6, 1);
+    const iso_closing_opts opts = {.hole = source->close_holes, .progress = &closing};
     iso_triangles mesh;
-    const iso_progress reading = iso_progress_part(source->progress, 0.05, 0.3),
-                       converting = iso_progress_part(source->progress, 0.3, 1);
     ISO_TRY(iso_mesh_read(source->path, &reading, &mesh, error));
-    const iso_mesh_frame frame = {source->voxel > 0 ? source->voxel : longest_side(&mesh) / MESH_VOXELS,
-                                  MARGIN, &converting};
-    iso_status status = iso_level_set_from_mesh(source->path, &mesh, &frame, grid, error);
+    iso_status status = iso_closed_mesh_create(source->path, &mesh, &opts, closed, error);
     iso_mesh_free(&mesh);
+    if (status == ISO_OK && source->report) *source->report = *iso_closed_mesh_report(*closed);
     return status;
 }
 
-iso_status isosculpt_stamp_read(const char *path, const iso_progress *progress, iso_stamp **stamp,
-                                iso_error *error) {
-    const iso_progress reading = iso_progress_part(progress, 0, 0.4),
-                       converting = iso_progress_part(progress, 0.4, 1);
-    iso_triangles mesh;
-    ISO_TRY(iso_mesh_read(path, &reading, &mesh, error));
-    iso_status status = iso_stamp_from_mesh(path, &mesh, &converting, stamp, error);
-    iso_mesh_free(&mesh);
+static iso_status from_mesh(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    const iso_progress reading = iso_progress_part(source->progress, 0.05, 0.3),
+                       converting = iso_progress_part(source->progress, 0.3, 1);
+    iso_closed_mesh *mesh;
+    ISO_TRY(read_mesh(source, &reading, &mesh, error));
+    const iso_mesh_frame frame = {source->voxel > 0 ? source->voxel : longest_side(mesh) / MESH_VOXELS,
+                                  MARGIN, source->pool, &converting};
+    iso_status status = iso_level_set_from_mesh(source->path, mesh, &frame, grid, error);
+    iso_closed_mesh_destroy(mesh);
+    return status;
+}
+
+iso_status isosculpt_stamp_read(const isosculpt_source *source, iso_stamp **stamp, iso_error *error) {
+    const iso_progress reading = iso_progress_part(source->progress, 0, 0.4),
+                       converting = iso_progress_part(source->progress, 0.4, 1);
+    iso_closed_mesh *mesh;
+    ISO_TRY(read_mesh(source, &reading, &mesh, error));
+    iso_status status = iso_stamp_from_mesh(source->path, mesh, source->pool, &converting, stamp, error);
+    iso_closed_mesh_destroy(mesh);
     return status;
 }
 
@@ -262,7 +267,8 @@ iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *ho
                                      .isovalue = start->isovalue,
                                      .voxel = how->voxel > 0 ? how->voxel : start->voxel_size,
                                      .pool = how->pool,
-                                     .progress = how->progress};
+                                     .progress = how->progress,
+                                     .close_holes = INFINITY};
     const iso_journal_start wanted = *start;
     ISO_TRY(open_file(&source, grid, error));
     describe(&source, *grid, start);

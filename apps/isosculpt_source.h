@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "extract/isovalue.h"
+#include "grids/closed_mesh.h"
 #include "grids/hgrid.h"
 #include "grids/volume.h"
 #include "sculpt/journal.h"
@@ -37,16 +38,20 @@ typedef struct isosculpt_source {
     iso_pool *pool;  /* borrowed */
     const iso_progress *progress;   /* told from any thread; cancelled: ISO_ERR_IO */
     const isosculpt_volume *volume; /* the file's content, borrowed; NULL: it is read */
+    double close_holes;             /* of an open mesh: iso_closing_opts.hole */
+    iso_mesh_report *report;        /* of a mesh, when it is one; NULL: not wanted */
 } isosculpt_source;
 
 /* Reads the file and says in *start what a journal says of it. A level set (.vdb) at its own voxel size is
- * taken as it is; a volume is sampled and made a distance field; a mesh goes through OpenVDB. All with 32
- * voxels of room around. ISO_ERR_USAGE: a volume without an isovalue; else as the readers. */
+ * taken as it is; a volume is sampled and made a distance field; so is a mesh, which is closed if it is open
+ * (grids/closed_mesh.h). All with 32 voxels of room around. ISO_ERR_USAGE: a volume without an isovalue; else
+ * as the readers. */
 iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
                                  iso_error *error);
 
 /* The same from a journal's header: the file by its path, or beside the stroke file `strokes`. Of `how`
- * only voxel (0: the header's), pool and progress count. ISO_ERR_IO when it is not there, ISO_ERR_FORMAT when
+ * only voxel (0: the header's), pool and progress count: the holes of a mesh were closed when the session
+ * began, and are closed again whatever their size. ISO_ERR_IO when it is not there, ISO_ERR_FORMAT when
  * it is not the same any more. */
 iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
                                  iso_hgrid **grid, iso_error *error);
@@ -54,9 +59,9 @@ iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *ho
 /* By its name. */
 bool isosculpt_is_mesh(const char *path);
 
-/* A mesh as a stamp. As iso_mesh_read and iso_stamp_from_mesh. */
-iso_status isosculpt_stamp_read(const char *path, const iso_progress *progress, iso_stamp **stamp,
-                                iso_error *error);
+/* The mesh at source->path as a stamp; of the source its voxel size, isovalue and volume do not count. As
+ * iso_mesh_read, iso_closed_mesh_create and iso_stamp_from_mesh. */
+iso_status isosculpt_stamp_read(const isosculpt_source *source, iso_stamp **stamp, iso_error *error);
 
 #ifdef __cplusplus
 }
