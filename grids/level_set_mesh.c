@@ -9,6 +9,7 @@
 
 #include "base/memory.h"
 #include "grids/level_set.h"
+#include "grids/mesh_buried.h"
 
 static const double BAND = 3;
 /* Rounding of distances, in voxels. */
@@ -418,6 +419,7 @@ static iso_status fill(conversion *c, const iso_mesh_frame *frame, iso_error *er
     ISO_TRY(iso_progress_tell(&c->progress, c->path, 0.8, error));
     const volumes field = sign_all(c, frame->pool);
     ISO_TRY(check(c, &field, error));
+    ISO_TRY(iso_mesh_remove_buried(c->grid, c->mesh, frame->pool, error));
     iso_hgrid_prune(c->grid);
     return iso_progress_tell(&c->progress, c->path, 1, error);
 }

@@ -137,35 +137,31 @@ static int compare_jumps(const void *a, const void *b) {
     return (x->at > y->at) - (x->at < y->at);
 }
 
-/* Jumps along a line just inside the side where coordinate `across` is `side`: of the edges that end there.
- * `forward` is what an edge towards larger values of `across` adds. */
-static bool find_jumps(const iso_border_face *face, int across, double side, int forward, jumps *out) {
-    for (int pass = 0; pass < 2; pass++) {
-        out->count = 0;
-        for (size_t i = 0; i < face->count; i++) {
-            const flat_edge *e = &face->edges[i];
-            const bool begins = e->a[across] == side, ends = e->b[across] == side;
-            if (begins == ends) continue;
-            const double along = begins ? e->a[1 - across] : e->b[1 - across];
-            const bool rises = e->b[across] > e->a[across];
-            if (pass) out->list[out->count] = (jump){along, rises ? forward : -forward};
-            out->count++;
-        }
-        if (pass) break;
-        out->list = iso_alloc((out->count + 1) * sizeof *out->list);
-        if (!out->list) return false;
+/* Jumps along a line just inside a side, where coordinate `across` is at its lowest or highest: of the edges
+ * that begin or end there. Edges in the side itself are taken as if they were a little farther inside, with
+ * their ends bent outwards: the line crosses both. `forward` is what an edge towards larger values of
+ * `across` adds. */
+static bool find_jumps(const iso_border_face *face, int across, bool high, int forward, jumps *out) {
+    const double side = high ? face->hi[across] : face->lo[across];
+    const int inward = high ? -forward : forward;
+    out->list = iso_alloc((2 * face->count + 1) * sizeof *out->list);
+    if (!out->list) return false;
+    for (size_t i = 0; i < face->count; i++) {
+        const flat_edge *e = &face->edges[i];
+        if (e->a[across] == side) out->list[out->count++] = (jump){e->a[1 - across], inward};
+        if (e->b[across] == side) out->list[out->count++] = (jump){e->b[1 - across], -inward};
     }
     qsort(out->list, out->count, sizeof *out->list, compare_jumps);
     for (size_t i = 1; i < out->count; i++) out->list[i].by += out->list[i - 1].by; /* sums, from here on */
     return true;
 }
 
-/* The sum of the jumps before `at`. */
-static int jumps_before(const jumps *j, double at) {
+/* The sum of the jumps up to `at`. */
+static int jumps_until(const jumps *j, double at) {
     size_t lo = 0, hi = j->count;
     while (lo < hi) {
         const size_t middle = (lo + hi) / 2;
-        if (j->list[middle].at < at)
+        if (j->list[middle].at <= at)
             lo = middle + 1;
         else
             hi = middle;
@@ -178,10 +174,8 @@ static int jumps_all(const jumps *j) {
 }
 
 static bool find_sides(iso_border_face *face) {
-    return find_jumps(face, 0, face->lo[0], -1, &face->left) &&
-           find_jumps(face, 0, face->hi[0], -1, &face->right) &&
-           find_jumps(face, 1, face->lo[1], 1, &face->bottom) &&
-           find_jumps(face, 1, face->hi[1], 1, &face->top);
+    return find_jumps(face, 0, false, -1, &face->left) && find_jumps(face, 0, true, -1, &face->right) &&
+           find_jumps(face, 1, false, 1, &face->bottom) && find_jumps(face, 1, true, 1, &face->top);
 }
 
 /* ---- numbers anywhere in a face */
@@ -225,7 +219,7 @@ static bool make_rows(iso_border_face *face) {
 
 /* Counts the edges between the left side and (u, v). */
 static int number_at(const iso_border_face *face, double u, double v) {
-    int number = face->first + jumps_before(&face->left, v);
+    int number = face->first + jumps_until(&face->left, v);
     const size_t row = row_of(face, v);
     for (size_t i = face->row_first[row]; i < face->row_first[row + 1]; i++) {
         const flat_edge *e = &face->edges[face->row_edges[i]];

@@ -271,7 +271,7 @@ static void files_are_found_again(void **state) {
     snprintf(open_mesh, sizeof open_mesh, "%s/open.obj", folder);
     spill_text(open_mesh, "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 3\n");
     const isosculpt_source source = {.path = open_mesh, .isovalue = NAN, .voxel = 0.5};
-    assert_int_equal(isosculpt_source_open(&source, &again, &grid, &error), ISO_ERR_EMPTY);
+    assert_int_equal(isosculpt_source_open(&source, &again, &grid, &error), ISO_ERR_FORMAT);
     unlink(open_mesh);
     rmdir(folder);
     iso_hgrid_destroy(first);
