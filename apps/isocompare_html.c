@@ -1,10 +1,12 @@
 /* The report as one page that needs nothing else: pictures are embedded, plots are SVG, and without
  * JavaScript only the full-size view is missing. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "apps/isocompare_report.h"
 #include "base/cpu.h"
+#include "base/text.h"
 
 /* ---- texts ---- */
 
@@ -76,8 +78,9 @@ static void put_lines(FILE *stream, const char *const *lines) {
     for (; *lines; lines++) fprintf(stream, "%s\n", *lines);
 }
 
-void isocompare_put_text(FILE *stream, const char *text) {
-    for (; *text; text++) {
+void isocompare_put_text(FILE *stream, const char *raw) {
+    char *clean = iso_text_clean_copy(raw);
+    for (const char *text = clean ? clean : "?"; *text; text++) {
         if (*text == '&')
             fputs("&amp;", stream);
         else if (*text == '<')
@@ -89,6 +92,7 @@ void isocompare_put_text(FILE *stream, const char *text) {
         else
             fputc(*text, stream);
     }
+    free(clean);
 }
 
 static const char *zoom_title(int zoom) {
@@ -353,10 +357,16 @@ static void put_facts(const report *r, FILE *stream) {
     const iso_volume_info *info = &r->job.volume.info;
     fputs("<h1>", stream);
     isocompare_put_text(stream, r->plan.model);
-    fprintf(stream,
-            "</h1>\n<p class=soft>Every way to draw one isosurface, against rays through the trilinear field "
-            "itself.</p>\n<ul class=facts><li><b>%d × %d × %d</b><span>voxels, %s</span></li>",
-            info->dims[0], info->dims[1], info->dims[2], iso_type_name(info->type));
+    fprintf(
+        stream,
+        "</h1>\n<p class=soft>Every way to draw one isosurface, against rays through the trilinear field "
+        "itself (raycast). For pictures choose exact, isorender's default: it draws that field at any zoom. "
+        "Choose mesh to export the surface or to compare with other programs, pullpush to draw points "
+        "without "
+        "holes, as for files of points and on a GPU, points to see the samples themselves, and raycast, "
+        "which is "
+        "slow, to check the others.</p>\n<ul class=facts><li><b>%d × %d × %d</b><span>voxels, %s</span></li>",
+        info->dims[0], info->dims[1], info->dims[2], iso_type_name(info->type));
     fprintf(stream, "<li><b>%.6g</b><span>isovalue, %s</span></li>", r->subject.isovalue, r->isovalue_from);
     for (int part = 0; part < ISO_PART_COUNT; part++) {
         const report_part *p = &r->parts[part];

@@ -6,6 +6,7 @@
 #include "apps/json.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "image/exr.h"
 #include "image/image.h"
 
@@ -74,9 +75,12 @@ static const char *source_text(const comparison *c, int which, char *text, size_
 static void print_table(const comparison *c) {
     static const char *const titles[] = {"truth", "candidate"};
     char text[64];
-    for (int i = 0; i < 2; i++)
-        printf("%-20s %s, %dx%d; silhouette: %s\n", titles[i], c->sides[i].path, c->sides[i].picture.width,
-               c->sides[i].picture.height, source_text(c, i, text, sizeof text));
+    for (int i = 0; i < 2; i++) {
+        printf("%-20s ", titles[i]);
+        iso_text_put(stdout, c->sides[i].path);
+        printf(", %dx%d; silhouette: %s\n", c->sides[i].picture.width, c->sides[i].picture.height,
+               source_text(c, i, text, sizeof text));
+    }
     size_t count;
     const iso_metric *list = iso_metric_list(&count);
     for (size_t i = 0; i < count; i++) {

@@ -22,7 +22,8 @@ static iso_status apply_background(void *target, const char *value, iso_error *e
     isocompare_settings *settings = target;
     uint8_t rgb[3];
     if (!iso_parse_color(value, rgb))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not RRGGBB in hexadecimal", value);
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS", value);
     settings->background = (iso_rgb){rgb[0], rgb[1], rgb[2]};
     return ISO_OK;
 }
@@ -73,8 +74,9 @@ static const iso_option options[] = {
      "end with status 1 when the candidate is worse than this: below VALUE for psnr, psnr_in, ssim and iou, "
      "above it for the others; a metric that is not known is worse than anything",
      .group = IMAGES, CALL(apply_bound), .flags = ISO_OPTION_REPEATABLE},
-    {"background", "background-color", "RRGGBB",
-     "the colour that means \"not covered\" in pictures without transparency, and what transparent ones and "
+    {"background", "background-color", "COLOR",
+     "the colour, RRGGBB or a name of CSS, that means \"not covered\" in pictures without transparency, and "
+     "what transparent ones and "
      "those of a report are laid on",
      .group = IMAGES, .standard = "FFFFFF", CALL(apply_background)},
     {"aov-a", NULL, "FILE.exr", "depth, normals and coverage of TRUTH, as isorender --aov writes them",
@@ -94,8 +96,9 @@ static const iso_option options[] = {
 
     {"output", "o", "DIR", "folder for report.html and report.json; made when it is not there",
      .group = REPORT, OWN_TEXT(output), .flags = ISO_OPTION_UNRECORDED},
-    {"isovalue", "isosurface iso-value", "V", "value of the surface, in the file's physical units",
-     .group = REPORT, .standard = "as isorender chooses it", CALL(apply_isovalue)},
+    {"isovalue", "isosurface iso-value", "V",
+     "value of the surface, in the file's physical units (of a level set: mm)", .group = REPORT,
+     .standard = "as isorender chooses it", CALL(apply_isovalue)},
     {"side", NULL, "N", "pixels a side of its pictures, a multiple of 32", .group = REPORT,
      .standard = "1024", OWN(ISO_OPTION_INT, side), .low = 64, .high = 4096},
 #include "input_options.inc"

@@ -12,12 +12,13 @@
 #include "apps/template.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/text.h"
 
 static const int ZOOMS[REPORT_ZOOMS] = {1, 4, 16};
 static const int SAMPLES[REPORT_SAMPLINGS] = {1, 4}, TRUTH_SAMPLES[REPORT_SAMPLINGS] = {1, 16};
 
 static void tell(const report *r, const char *text) {
-    if (!r->settings->render.quiet) fprintf(stderr, "isocompare: %s\n", text);
+    if (!r->settings->render.quiet) iso_program_say(isocompare_program(), "%s", text);
 }
 
 /* ---- the volume ---- */
@@ -28,6 +29,7 @@ static iso_status choose_isovalue(report *r, iso_error *error) {
     if (settings->isovalue_count) {
         subject->isovalue = settings->isovalues[0];
         r->isovalue_from = "given";
+        return iso_isovalue_check(&r->job.volume.grid, subject->isovalue, error);
     } else if (!isnan(r->job.scene_isovalue)) {
         subject->isovalue = r->job.scene_isovalue;
         r->isovalue_from = "the scene's";
@@ -307,10 +309,8 @@ static void free_report(report *r) {
 /* Every message names a thing: the volume, unless the text names a file already. */
 static void name_volume(const report *r, iso_error *error) {
     const char *name = r->plan.input;
-    if (error->status == ISO_ERR_WRITE || strncmp(error->text, name, strlen(name)) == 0) return;
-    char text[sizeof error->text];
-    snprintf(text, sizeof text, "%s", error->text);
-    snprintf(error->text, sizeof error->text, "%.200s: %.300s", name, text);
+    if (error->status == ISO_ERR_WRITE || iso_text_begins(error->text, name)) return;
+    iso_fail(error, error->status, "%s: %s", name, error->text);
 }
 
 iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool, iso_error *error) {
@@ -331,7 +331,7 @@ iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool
     if (status != ISO_OK) name_volume(r, error);
     if (status != ISO_OK && made) rmdir(settings->output);
     if (status == ISO_OK && !settings->render.quiet)
-        fprintf(stderr, "isocompare: wrote %s/report.html and report.json\n", settings->output);
+        iso_program_say(isocompare_program(), "wrote %s/report.html and report.json", settings->output);
     free_report(r);
     return status;
 }

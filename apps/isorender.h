@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "apps/input.h"
 #include "apps/options.h"
 #include "base/parallel.h"
 #include "extract/isovalue.h"
@@ -48,16 +49,10 @@ typedef enum isorender_help {
 
 /* Strings are borrowed from argv. */
 typedef struct isorender_settings {
+    iso_input input; /* first: other programs share its options */
     const char *const *inputs;
     int input_count;
     const char *scene, *output;
-
-    const char *grid, *series;
-    int component, has_raw, cropped;
-    iso_raw_layout raw;
-    double spacing[3];
-    int crop[6]; /* x0 x1 y0 y1 z0 z1, inclusive */
-    uint64_t max_memory;
 
     double isovalues[ISORENDER_SURFACES];
     int isovalue_count, isovalue_auto;
@@ -91,11 +86,8 @@ typedef struct isorender_settings {
 
 const iso_program *isorender_program(void);
 
-/* Values of options that other programs have as well (input_options.inc, running_options.inc). `settings`
+/* Values of options that other programs have as well (running_options.inc). `settings`
  * begins with an isorender_settings. */
-iso_status isorender_apply_raw(void *settings, const char *value, iso_error *error);
-iso_status isorender_apply_spacing(void *settings, const char *value, iso_error *error);
-iso_status isorender_apply_crop(void *settings, const char *value, iso_error *error);
 iso_status isorender_apply_json(void *settings, const char *value, iso_error *error);
 iso_status isorender_apply_help(void *settings, const char *value, iso_error *error);
 iso_status isorender_apply_version(void *settings, const char *value, iso_error *error);
@@ -183,6 +175,7 @@ typedef struct isorender_job {
     isorender_method method;
     iso_volume volume;
     iso_points points;
+    int crop[6];           /* voxels of the file that `volume` holds: x0 x1 y0 y1 z0 z1, inclusive */
     double scene_isovalue; /* NaN when the input is not a scene */
     size_t nonfinite;
     bool has_histogram;

@@ -137,7 +137,8 @@ static void list_devices(void) {
 void isorender_backends_list(int threads) {
     const iso_gl_context_opts surfaceless = {.kind = ISO_GL_EGL_SURFACELESS},
                               osmesa = {.kind = ISO_GL_OSMESA};
-    printf("%-15s  generic, %d thread%s\n", "cpu", threads, threads > 1 ? "s" : "");
+    printf("%-15s  %s, %d thread%s\n", "cpu", iso_cpu_level_name(iso_cpu_best()), threads,
+           threads > 1 ? "s" : "");
     list_devices();
     list_context(&surfaceless, "egl surfaceless");
     list_context(&osmesa, "osmesa");

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "apps/isorender.h"
+#include "base/text.h"
 
 /* 1234567 bytes as "1.2 MB". */
 static void print_bytes(uint64_t bytes) {
@@ -37,7 +38,8 @@ static void print_memory(const isorender_job *job) {
 
 void isorender_info_header(const isorender_job *job) {
     const iso_volume_info *info = &job->volume.info;
-    printf("%s\n", isorender_input_name(job));
+    iso_text_put(stdout, isorender_input_name(job));
+    putchar('\n');
     if (job->from_points) {
         printf("  %-11s points (ply)\n", "format");
         return;

@@ -87,7 +87,7 @@ static iso_status copy_stdin(isorender_job *job, iso_error *error) {
 /* ---- limits ---- */
 
 static uint64_t memory_limit(const isorender_settings *settings) {
-    if (settings->max_memory) return settings->max_memory;
+    if (settings->input.max_memory) return settings->input.max_memory;
     uint64_t free_bytes = iso_memory_available();
     return free_bytes == UINT64_MAX ? free_bytes : free_bytes / 5 * 4;
 }
@@ -160,16 +160,11 @@ static int report_reading(void *context, double fraction) {
 }
 
 static iso_volume_opts volume_opts(isorender_job *job) {
-    const isorender_settings *settings = job->settings;
-    return (iso_volume_opts){.grid = settings->grid,
-                             .series = settings->series,
-                             .component = settings->component,
-                             .raw = settings->has_raw ? &settings->raw : NULL,
-                             .spacing = {settings->spacing[0], settings->spacing[1], settings->spacing[2]},
-                             .max_memory = settings->max_memory,
-                             .pool = job->pool,
-                             .progress = report_reading,
-                             .progress_context = job};
+    iso_volume_opts opts = iso_input_volume_opts(&job->settings->input);
+    opts.pool = job->pool;
+    opts.progress = report_reading;
+    opts.progress_context = job;
+    return opts;
 }
 
 static bool is_ply(const char *path) {
@@ -188,22 +183,19 @@ static iso_status check_points_only(const isorender_settings *settings, iso_erro
     if (method == ISORENDER_EXACT || method == ISORENDER_MESH || method == ISORENDER_RAYCAST)
         return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume",
                         isorender_method_name(method));
-    const char *option = settings->isovalue_count ? "--isovalue"
-                         : settings->mesh         ? "--mesh"
-                         : settings->cropped      ? "--crop"
-                         : settings->primitive    ? "--primitive"
-                                                  : NULL;
+    const char *option = settings->isovalue_count     ? "--isovalue"
+                         : settings->mesh             ? "--mesh"
+                         : settings->input.cropped    ? "--crop"
+                         : settings->input.cropped_mm ? "--crop-mm"
+                         : settings->primitive        ? "--primitive"
+                                                      : NULL;
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
 }
 
-static iso_status check_crop(const isorender_job *job, const int dims[3], iso_error *error) {
-    const int *crop = job->settings->crop;
-    for (int axis = 0; axis < 3; axis++)
-        if (job->settings->cropped && crop[2 * axis + 1] >= dims[axis])
-            return iso_fail(error, ISO_ERR_USAGE, "--crop reaches outside: there are %d x %d x %d voxels",
-                            dims[0], dims[1], dims[2]);
-    return ISO_OK;
+static iso_status find_crop(isorender_job *job, iso_error *error) {
+    const iso_volume_info *info = &job->volume.info;
+    return iso_input_box(&job->settings->input, info->dims, &info->transform, job->crop, error);
 }
 
 iso_status isorender_open(isorender_job *job, iso_error *error) {
@@ -215,13 +207,13 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     if (strncmp(input, "scene:", 6) == 0) {
         ISO_TRY(make_scene(job, error));
         ISO_TRY(check_picture(job, error));
-        return check_crop(job, job->volume.info.dims, error);
+        return find_crop(job, error);
     }
     if (strcmp(input, "-") == 0) {
         ISO_TRY(copy_stdin(job, error));
         job->path = job->copy;
     }
-    job->from_points = !job->settings->has_raw && is_ply(job->path);
+    job->from_points = !job->settings->input.has_raw && is_ply(job->path);
     if (job->from_points) {
         if (job->method == ISORENDER_EXACT) job->method = ISORENDER_POINTS; /* unless it is asked for */
         ISO_TRY(check_picture(job, error));
@@ -231,20 +223,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     ISO_TRY(iso_volume_read_info(job->path, &opts, &job->volume.info, error));
     /* A volume that is too large is what the user should hear of first: iso_volume_read says it. */
     if (job->volume.info.read_bytes <= memory_limit(job->settings)) ISO_TRY(check_picture(job, error));
-    return check_crop(job, job->volume.info.dims, error);
-}
-
-static iso_status crop(isorender_job *job, iso_error *error) {
-    const int *c = job->settings->crop;
-    const int lo[3] = {c[0], c[2], c[4]}, hi[3] = {c[1], c[3], c[5]};
-    iso_grid *grid = &job->volume.grid;
-    if (!job->settings->cropped) return ISO_OK;
-    if (grid->rgrid) return iso_rgrid_crop(grid->rgrid, lo, hi, error);
-    iso_hgrid *cropped = NULL;
-    ISO_TRY(iso_hgrid_crop(grid->hgrid, lo, hi, &cropped, error));
-    iso_hgrid_destroy(grid->hgrid);
-    grid->hgrid = cropped;
-    return ISO_OK;
+    return find_crop(job, error);
 }
 
 static void print_notes(const isorender_job *job) {
@@ -265,7 +244,7 @@ iso_status isorender_read(isorender_job *job, iso_error *error) {
         ISO_TRY(iso_volume_read(job->path, &opts, &job->volume, error));
         isorender_progress(job, "reading", 1);
     }
-    ISO_TRY(crop(job, error));
+    ISO_TRY(iso_input_crop(&job->settings->input, job->crop, &job->volume.grid, error));
     job->nonfinite = iso_grid_count_nonfinite(&job->volume.grid, job->pool);
     print_notes(job);
     return ISO_OK;

@@ -55,21 +55,33 @@ static bool parse_color(const char *value, iso_rgb *color) {
     return true;
 }
 
-static iso_status apply_color(void *target, const char *value, iso_error *error) {
-    isorender_settings *settings = target;
+static iso_status add_color(isorender_settings *settings, const char *value, iso_error *error) {
     if (settings->color_count == ISORENDER_SURFACES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d colours", ISORENDER_SURFACES);
     if (!parse_color(value, &settings->colors[settings->color_count]))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not RRGGBB in hexadecimal", value);
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS", value);
     settings->color_count++;
     return ISO_OK;
+}
+
+static iso_status apply_color(void *target, const char *value, iso_error *error) {
+    for (const char *at = value;;) {
+        char color[64];
+        size_t length = strcspn(at, ",");
+        snprintf(color, sizeof color, "%.*s", length < 63 ? (int)length : 63, at);
+        ISO_TRY(add_color(target, color, error));
+        if (!at[length]) return ISO_OK;
+        at += length + 1;
+    }
 }
 
 static iso_status apply_background(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     bool none = strcmp(value, "none") == 0;
     if (!none && !parse_color(value, &settings->background))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither RRGGBB in hexadecimal nor 'none'", value);
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS nor 'none'", value);
     settings->transparent = none;
     return ISO_OK;
 }
@@ -103,43 +115,6 @@ static iso_status apply_up(void *target, const char *value, iso_error *error) {
     if (strlen(axis) != 1 || *axis < 'x' || *axis > 'z')
         return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of +x -x +y -y +z -z", value);
     settings->up = iso_vec3_make(*axis == 'x' ? sign : 0, *axis == 'y' ? sign : 0, *axis == 'z' ? sign : 0);
-    return ISO_OK;
-}
-
-iso_status isorender_apply_raw(void *target, const char *value, iso_error *error) {
-    isorender_settings *settings = target;
-    ISO_TRY(iso_raw_layout_parse(value, &settings->raw, error));
-    settings->has_raw = 1;
-    return ISO_OK;
-}
-
-iso_status isorender_apply_spacing(void *target, const char *value, iso_error *error) {
-    isorender_settings *settings = target;
-    double spacing[3];
-    bool good = iso_parse_reals(value, 3, spacing);
-    if (!good && iso_parse_real(value, &spacing[0])) {
-        spacing[1] = spacing[2] = spacing[0];
-        good = true;
-    }
-    for (int i = 0; good && i < 3; i++) good = spacing[i] > 0;
-    if (!good)
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither one nor three positive numbers (mm)", value);
-    memcpy(settings->spacing, spacing, sizeof spacing);
-    return ISO_OK;
-}
-
-iso_status isorender_apply_crop(void *target, const char *value, iso_error *error) {
-    isorender_settings *settings = target;
-    double numbers[6];
-    bool good = iso_parse_reals(value, 6, numbers);
-    for (int i = 0; good && i < 6; i++)
-        good = numbers[i] == floor(numbers[i]) && numbers[i] >= 0 && numbers[i] <= INT_MAX;
-    for (int i = 0; good && i < 6; i += 2) good = numbers[i] <= numbers[i + 1];
-    if (!good)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "'%s' is not x0,x1,y0,y1,z0,z1 in voxels, first and last of each", value);
-    for (int i = 0; i < 6; i++) settings->crop[i] = (int)numbers[i];
-    settings->cropped = 1;
     return ISO_OK;
 }
 
@@ -195,20 +170,29 @@ static const iso_option options[] = {
      .group = INPUT, TEXT(scene)},
 
     {"isovalue", "isosurface iso-value", "V",
-     "value of the surface, in the file's physical units; several, separated by "
-     "commas, give several surfaces; auto: 0 for level sets, else Otsu's threshold of the histogram",
+     "value of the surface, in the file's physical units (of a level set: mm from its surface, above 0 "
+     "outside); "
+     "several, separated by commas, give several surfaces; auto: 0 for level sets, else Otsu's threshold of "
+     "the "
+     "histogram",
      .group = SURFACE, .standard = "auto", CALL(apply_isovalue), .flags = ISO_OPTION_REPEATABLE},
-    {"color", "colour", "RRGGBB",
-     "colour of the surface; the second one belongs to the second isovalue, and so on", .group = SURFACE,
-     .standard = "D9B36C", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
+    {"color", "colour", "COLOR",
+     "colour of the surface: RRGGBB in hexadecimal or a name of CSS such as ivory; several, separated by "
+     "commas: the second one belongs to the second isovalue, and so on",
+     .group = SURFACE, .standard = "D9B36C", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
     {"primitive", NULL, "NAME",
-     "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets "
-     "unless they are drawn by refined, edge for the rest",
+     "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets unless they are "
+     "drawn by "
+     "refined or the isovalue is near the end of the narrow band, edge for the rest",
      .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"method", NULL, "NAME",
-     "exact (the trilinear surface itself), points (attenuated discs), pullpush (points, filled in image "
-     "space), mesh (Marching Cubes) or raycast (as exact, by other means, slow); files of points: points",
+     "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
+     "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), pullpush "
+     "(points, filled in image space: for files of points, and to draw many points on a GPU), points (discs: "
+     "to see the samples themselves) or raycast (rays through the field, slow: to check the others); files "
+     "of "
+     "points: points",
      .group = PICTURE, .standard = "exact", CHOICE(method, methods)},
     {"reconstruction", NULL, "NAME",
      "how pullpush fills in: refined (second-order discs; points that have colours: as gaussian), box or "
@@ -224,8 +208,9 @@ static const iso_option options[] = {
      CALL(apply_resolution)},
     {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE, .standard = "1",
      CALL(apply_samples)},
-    {"background", "background-color", "RRGGBB|none", "colour of the background; none is transparent",
-     .group = PICTURE, .standard = "FFFFFF", CALL(apply_background)},
+    {"background", "background-color", "COLOR|none",
+     "colour of the background, RRGGBB or a name of CSS; none is transparent", .group = PICTURE,
+     .standard = "FFFFFF", CALL(apply_background)},
     {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
     {"turntable", NULL, "N",
      "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ...", .group = PICTURE,
@@ -435,6 +420,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     ISO_TRY(iso_options_parse(isorender_program(), argc, argv, settings, operands, error));
     if (settings->help) return ISO_OK;
+    ISO_TRY(iso_input_check(&settings->input, error));
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(check_outputs(settings, error));

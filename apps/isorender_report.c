@@ -45,7 +45,8 @@ static void put_volume(iso_json *json, const isorender_job *job) {
         iso_json_begin_array(json, "notes");
         for (int i = 0; i < info->note_count; i++) iso_json_string(json, NULL, info->notes[i]);
         iso_json_end_array(json);
-        if (job->settings->cropped) iso_json_ints(json, "crop", job->settings->crop, 6);
+        if (job->settings->input.cropped || job->settings->input.cropped_mm)
+            iso_json_ints(json, "crop", job->crop, 6);
     }
     iso_json_end_object(json);
 }

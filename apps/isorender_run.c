@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "apps/isorender.h"
+#include "base/text.h"
 
 static iso_status inform(isorender_job *job, iso_error *error) {
     bool text = !job->settings->json;
@@ -77,15 +78,12 @@ static void remove_outputs(const isorender_job *job) {
 /* Every message names a thing: the input, unless the text already begins with it or with an output. */
 static void name_input(const isorender_job *job, iso_error *error) {
     const char *name = isorender_input_name(job), *text = error->text;
-    size_t length = job->path ? strlen(job->path) : 0;
-    bool path =
-        length && strncmp(text, job->path, length) == 0 && (text[length] == ':' || text[length] == '/');
-    bool named = strncmp(text, name, strlen(name)) == 0;
-    if (error->status == ISO_ERR_WRITE || (path && !job->copy) || named) return;
-    char whole[sizeof error->text + 256];
-    snprintf(whole, sizeof whole, "%s: %s", name,
-             path ? text + length + 1 + (text[length + 1] == ' ') : text);
-    snprintf(error->text, sizeof error->text, "%.*s", (int)sizeof error->text - 1, whole);
+    if (error->status == ISO_ERR_WRITE || iso_text_begins(text, name)) return;
+    size_t length = job->path ? iso_text_begins(text, job->path) : 0;
+    if (text[length] != ':' && text[length] != '/') length = 0;
+    if (length && !job->copy) return;
+    iso_fail(error, error->status, "%s: %s", name,
+             length ? text + length + strspn(text + length, ":/ ") : text);
 }
 
 static void free_surfaces(isorender_job *job) {

@@ -32,11 +32,31 @@ static iso_status suggest(isorender_job *job, double *isovalue, iso_error *error
     return ISO_OK;
 }
 
+/* Values one voxel from the end of a narrow band have neighbours that are clamped to it. */
+static void warn_of_band_end(const isorender_job *job, double isovalue) {
+    const iso_grid *grid = &job->volume.grid;
+    if (!grid->hgrid || fabs(iso_grid_stored(grid, isovalue)) <= (double)grid->hgrid->band - 1) return;
+    isorender_say(
+        job,
+        "note: isovalue %g lies within a voxel of the end of the level set's narrow band (%g mm): the "
+        "surface is not exact",
+        isovalue, iso_grid_physical(grid, (double)grid->hgrid->band));
+}
+
+static iso_status take_isovalues(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    for (int i = 0; i < settings->isovalue_count; i++) {
+        job->surfaces[i].isovalue = settings->isovalues[i];
+        ISO_TRY(iso_isovalue_check(&job->volume.grid, settings->isovalues[i], error));
+        warn_of_band_end(job, settings->isovalues[i]);
+    }
+    return ISO_OK;
+}
+
 static iso_status choose_isovalues(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     job->surface_count = settings->isovalue_count ? settings->isovalue_count : 1;
-    for (int i = 0; i < settings->isovalue_count; i++) job->surfaces[i].isovalue = settings->isovalues[i];
-    if (settings->isovalue_count) return ISO_OK;
+    if (settings->isovalue_count) return take_isovalues(job, error);
     if (job->from_points)
         job->surfaces[0].isovalue = NAN;
     else if (!isnan(job->scene_isovalue))
@@ -96,7 +116,10 @@ static bool is_refined(const isorender_job *job) {
 iso_primitive isorender_primitive(const isorender_job *job) {
     const iso_primitive chosen = (iso_primitive)job->settings->primitive;
     if (chosen != ISO_PRIMITIVE_AUTO) return chosen;
-    return job->volume.grid.hgrid && !is_refined(job) ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
+    bool foot = !is_refined(job); /* one kind for all surfaces */
+    for (int i = 0; i < job->surface_count && foot; i++)
+        foot = iso_primitive_auto(&job->volume.grid, job->surfaces[i].isovalue) == ISO_PRIMITIVE_FOOT;
+    return foot ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
 }
 
 static iso_status extract_points(isorender_job *job, isorender_surface *surface, iso_error *error) {
@@ -164,7 +187,7 @@ static void add_box(iso_box *box, const iso_box *more) {
 
 /* Voxel (0, 0, 0) of the file is the local origin, also when a part of it was cut out. */
 static iso_box to_local(const isorender_job *job, const iso_box *index) {
-    const int *crop = job->settings->crop;
+    const int *crop = job->crop;
     iso_transform transform = iso_transform_identity();
     if (!job->from_points) {
         transform = iso_transform_local(iso_grid_transform(&job->volume.grid));

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "apps/isorender.h"
+#include "base/text.h"
 
 double isorender_now(void) {
     struct timespec now;
@@ -19,9 +20,9 @@ const char *isorender_input_name(const isorender_job *job) {
 }
 
 static void say(const isorender_job *job, const char *format, va_list arguments) {
-    fprintf(stderr, "isorender: %s: ", isorender_input_name(job));
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
+    char text[4096];
+    iso_text_format(text, sizeof text, format, arguments);
+    iso_program_say(isorender_program(), "%s: %s", isorender_input_name(job), text);
 }
 
 void isorender_say(const isorender_job *job, const char *format, ...) {
@@ -62,5 +63,5 @@ void isorender_progress(isorender_job *job, const char *stage, double fraction) 
     if (terminal)
         draw_bar(stage, percent);
     else
-        fprintf(stderr, "isorender: %s: %s %d %%\n", isorender_input_name(job), stage, percent);
+        iso_program_say(isorender_program(), "%s: %s %d %%", isorender_input_name(job), stage, percent);
 }

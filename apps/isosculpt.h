@@ -2,6 +2,7 @@
 #ifndef ISO_APPS_ISOSCULPT_H
 #define ISO_APPS_ISOSCULPT_H
 
+#include "apps/input.h"
 #include "apps/options.h"
 #include "extract/mesh.h"
 #include "extract/points.h"
@@ -18,6 +19,7 @@ typedef enum isosculpt_backend {
 } isosculpt_backend;
 
 typedef struct isosculpt_settings {
+    iso_input input;     /* how what is opened is read; first, as apps/input_options.inc wants it */
     const char *strokes; /* the operand: to continue in a window */
     const char *replay, *open, *stamp, *output, *mesh, *json_path;
     int json, headless, recover, quiet, threads, extract, draw;

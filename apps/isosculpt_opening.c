@@ -38,7 +38,8 @@ static iso_status open_desk(isosculpt_opening *opening, const isosculpt_volume *
                                      .progress = progress,
                                      .volume = volume,
                                      .close_holes = request->close_holes,
-                                     .report = &opened->report};
+                                     .report = &opened->report,
+                                     .input = &request->input};
     opened->desk.pool = opened->pool;
     opened->desk.undo_memory = request->undo_memory;
     ISO_TRY(isosculpt_is_strokes(opening->path)
@@ -54,7 +55,8 @@ static iso_status open_volume(isosculpt_opening *opening, const iso_progress *pr
                        rest = iso_progress_part(progress, 0.4, 1);
     const double asked = opening->request.isovalue;
     isosculpt_volume *volume;
-    ISO_TRY(isosculpt_volume_read(opening->path, opened->pool, &reading, &volume, error));
+    ISO_TRY(isosculpt_volume_read(opening->path, &opening->request.input, opened->pool, &reading, &volume,
+                                  error));
     iso_status status;
     if (volume->has_isovalues)
         status = isosculpt_view_init_grid(&opened->view, &volume->volume.grid,
@@ -70,7 +72,8 @@ static iso_status open_volume(isosculpt_opening *opening, const iso_progress *pr
 
 static iso_status open_any(isosculpt_opening *opening, const iso_progress *progress, iso_error *error) {
     const isosculpt_request *request = &opening->request;
-    if (request->sculpt || isosculpt_is_strokes(opening->path) || isosculpt_is_mesh(opening->path))
+    const bool mesh = !request->input.has_raw && isosculpt_is_mesh(opening->path);
+    if (request->sculpt || isosculpt_is_strokes(opening->path) || mesh)
         return open_desk(opening, request->sculpt, progress, error);
     return open_volume(opening, progress, error);
 }

@@ -18,7 +18,8 @@ typedef struct isosculpt_request {
         *sculpt;        /* what is looked at, borrowed: it becomes a field; NULL: the path is read */
     const char *folder; /* of new journals; NULL: none */
     double isovalue, voxel, close_holes; /* isosculpt_source */
-    int threads;                         /* 0: one a processor */
+    iso_input input; /* how the path is read, unless it is strokes; its strings are borrowed */
+    int threads;     /* 0: one a processor */
     size_t undo_memory;
     void (*wake)(void); /* isosculpt_task_start */
 } isosculpt_request;

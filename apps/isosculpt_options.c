@@ -10,9 +10,9 @@
 #error "ISO_VERSION comes from CMake"
 #endif
 
-enum group { SESSION, OUTPUT, RUNNING };
+enum group { SESSION, INPUT, OUTPUT, RUNNING };
 
-static const char *const groups[] = {"Session", "Output", "Running", NULL};
+static const char *const groups[] = {"Session", "Reading a volume", "Output", "Running", NULL};
 static const char *const usage[] = {"[STROKES|FILE]", "--replay STROKES --headless [--output OUT] [--json]",
                                     "--open FILE --headless [--replay STROKES] [--output OUT]", NULL};
 
@@ -63,8 +63,9 @@ static const iso_option options[] = {
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
     {"open", NULL, "FILE", "begin with a level set (.vdb), a mesh (.stl, .obj, .ply) or a volume",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(open)},
-    {"isovalue", NULL, "V", "of the volume that is opened; a window can change it", .group = SESSION,
-     .kind = ISO_OPTION_REAL, AT(isovalue), .low = -1e300, .high = 1e300},
+    {"isovalue", NULL, "V",
+     "of the volume that is opened (of a level set: mm from its surface); a window can change it",
+     .group = SESSION, .kind = ISO_OPTION_REAL, AT(isovalue), .low = -1e300, .high = 1e300},
     {"stamp", NULL, "FILE", "add and carve with this mesh (.stl, .obj, .ply); the strokes keep it",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(stamp)},
     {"close-holes", NULL, "MM",
@@ -76,6 +77,8 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_REAL, AT(voxel_size), .standard = "the file's", .low = 1e-6, .high = 1e6},
     {"undo-memory", NULL, "SIZE", "memory for undo; more goes to disk", .group = SESSION,
      .kind = ISO_OPTION_SIZE, AT(undo_memory), .standard = "1G"},
+
+#include "input_options.inc"
 
     {"output", "o", "FILE", "write the result: .vdb level set, .ply points, .stl or .obj mesh",
      .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(output)},
@@ -149,9 +152,14 @@ static bool has_suffix(const char *name, const char *suffixes) {
     return found && length > 1 && (found[length] == ' ' || found[length] == 0);
 }
 
-static iso_status check_isovalue(const isosculpt_settings *settings, iso_error *error) {
-    if (settings->open || isnan(settings->isovalue)) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "--isovalue needs a file to open");
+/* Options that say how a volume is read need one. */
+static iso_status check_opened(const isosculpt_settings *settings, iso_error *error) {
+    const char *option = iso_input_volume_option(&settings->input);
+    ISO_TRY(iso_input_check(&settings->input, error));
+    if (!settings->open && !isnan(settings->isovalue))
+        return iso_fail(error, ISO_ERR_USAGE, "--isovalue needs a file to open");
+    if (!settings->open && option) return iso_fail(error, ISO_ERR_USAGE, "%s needs a file to open", option);
+    return ISO_OK;
 }
 
 /* What a window makes no use of is not taken in silence. The operand is a stroke file or what --open takes.
@@ -171,7 +179,7 @@ static iso_status check_window(isosculpt_settings *settings, const iso_operands 
         settings->open = operand;
     if (settings->voxel_size > 0 && !settings->open)
         return iso_fail(error, ISO_ERR_USAGE, "--voxel-size needs a file to open, or --headless");
-    return check_isovalue(settings, error);
+    return check_opened(settings, error);
 }
 
 iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_settings *settings,
@@ -191,7 +199,7 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
         return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE or --open FILE");
     if (settings->stamp)
         return iso_fail(error, ISO_ERR_USAGE, "--stamp is for a window: strokes hold their stamps");
-    ISO_TRY(check_isovalue(settings, error));
+    ISO_TRY(check_opened(settings, error));
     if (settings->output && !has_suffix(settings->output, ".vdb .ply .stl .obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as .vdb, .ply, .stl or .obj",
                         settings->output);

@@ -57,7 +57,8 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
                                      .voxel = settings->voxel_size,
                                      .pool = pool,
                                      .close_holes = settings->close_holes,
-                                     .report = &report->mesh};
+                                     .report = &report->mesh,
+                                     .input = &settings->input};
     if (settings->open) return isosculpt_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
         return isosculpt_source_find(settings->replay, &source, start, grid, error);
@@ -196,11 +197,11 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     p->report->bytes = iso_hgrid_bytes(grid);
     ISO_TRY(write_outputs(p, error));
     if (!p->settings->quiet && p->report->edits.clipped)
-        fprintf(stderr, "isosculpt: %s: a brush reached beyond the grid: what lies outside is lost\n",
-                name_of(p->settings));
+        iso_program_say(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
+                        name_of(p->settings));
     char note[240];
     if (!p->settings->quiet && iso_mesh_report_note(&p->report->mesh, note, sizeof note))
-        fprintf(stderr, "isosculpt: %s: %s\n", p->settings->open, note);
+        iso_program_say(isosculpt_program(), "%s: %s", p->settings->open, note);
     return p->settings->json ? isosculpt_report_write(p->settings, p->report, error) : ISO_OK;
 }
 

@@ -19,6 +19,8 @@
 /* Room around, for what will be added; redistancing steps that fill the band. */
 enum { MARGIN = 32, MESH_VOXELS = 256, ITERATIONS = 16 };
 
+static const iso_input by_default;
+
 /* ---- checksums */
 
 /* Of a file's bytes; a folder (of DICOM slices) has none. */
@@ -127,10 +129,14 @@ static iso_status sample(const isosculpt_source *source, const iso_grid *from, i
     const iso_progress progress = iso_progress_part(source->progress, 0.4, 0.7);
     iso_resampling how = {
         .voxel = source->voxel, .margin = MARGIN, .pool = source->pool, .progress = &progress};
-    if (!isnan(source->isovalue))
-        how.isovalue = iso_grid_stored(from, source->isovalue);
-    else if (!iso_grid_is_level_set(from))
+    if (!isnan(source->isovalue)) {
+        const bool voxels = source->voxel_isovalue && from->hgrid;
+        const double isovalue = voxels ? iso_grid_physical(from, source->isovalue) : source->isovalue;
+        ISO_TRY(iso_isovalue_check(from, isovalue, error));
+        how.isovalue = voxels ? source->isovalue : iso_grid_stored(from, isovalue);
+    } else if (!iso_grid_is_level_set(from)) {
         return iso_fail(error, ISO_ERR_USAGE, "%s: needs --isovalue", source->path);
+    }
     ISO_TRY(iso_level_set_from_grid(source->path, from, &how, grid, error));
     iso_status status = make_distances(source, *grid, error);
     if (status != ISO_OK) iso_hgrid_destroy(*grid);
@@ -153,24 +159,25 @@ static iso_status find_isovalues(isosculpt_volume *volume, iso_pool *pool, iso_e
     return ISO_OK;
 }
 
-static iso_status read_volume(isosculpt_volume *volume, iso_pool *pool, const iso_progress *progress,
-                              iso_error *error) {
+static iso_status read_volume(isosculpt_volume *volume, const iso_input *input, iso_pool *pool,
+                              const iso_progress *progress, iso_error *error) {
     const iso_progress summing = iso_progress_part(progress, 0, 0.2);
     iso_progress reading = iso_progress_part(progress, 0.2, 0.9);
     const iso_volume_opts opts = {.pool = pool, .progress = tell, .progress_context = &reading};
+    ISO_TRY(iso_input_write(input, volume->reading, sizeof volume->reading, error));
     ISO_TRY(checksum(volume->path, &summing, &volume->crc, error));
-    ISO_TRY(iso_volume_read(volume->path, &opts, &volume->volume, error));
+    ISO_TRY(iso_input_read(volume->path, input, &opts, &volume->volume, error));
     return find_isovalues(volume, pool, error);
 }
 
-iso_status isosculpt_volume_read(const char *path, iso_pool *pool, const iso_progress *progress,
-                                 isosculpt_volume **out, iso_error *error) {
+iso_status isosculpt_volume_read(const char *path, const iso_input *input, iso_pool *pool,
+                                 const iso_progress *progress, isosculpt_volume **out, iso_error *error) {
     isosculpt_volume *volume = calloc(1, sizeof *volume);
     if (!volume) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
     iso_status status = ISO_OK;
     if (snprintf(volume->path, sizeof volume->path, "%s", path) >= (int)sizeof volume->path)
         status = iso_fail(error, ISO_ERR_IO, "%.400s: the name is too long", path);
-    if (status == ISO_OK) status = read_volume(volume, pool, progress, error);
+    if (status == ISO_OK) status = read_volume(volume, input ? input : &by_default, pool, progress, error);
     if (status == ISO_OK)
         *out = volume;
     else
@@ -198,7 +205,7 @@ static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, 
     iso_progress reading = iso_progress_part(source->progress, 0.05, 0.4);
     const iso_volume_opts opts = {.pool = source->pool, .progress = tell, .progress_context = &reading};
     iso_volume volume;
-    ISO_TRY(iso_volume_read(source->path, &opts, &volume, error));
+    ISO_TRY(iso_input_read(source->path, source->input ? source->input : &by_default, &opts, &volume, error));
     iso_status status = from_grid(source, &volume.grid, grid, error);
     iso_volume_free(&volume);
     return status;
@@ -206,9 +213,14 @@ static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, 
 
 /* ---- opening */
 
+/* A file that is to be read as raw is no mesh, whatever its name. */
 static iso_status open_file(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
-    return isosculpt_is_mesh(source->path) ? from_mesh(source, grid, error)
-                                           : from_volume(source, grid, error);
+    const iso_input *input = source->input ? source->input : &by_default;
+    if (input->has_raw || !isosculpt_is_mesh(source->path)) return from_volume(source, grid, error);
+    const char *option = iso_input_volume_option(input);
+    if (option)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: is a mesh: %s needs a volume", source->path, option);
+    return from_mesh(source, grid, error);
 }
 
 static void describe(const isosculpt_source *source, const iso_hgrid *grid, iso_journal_start *start) {
@@ -229,10 +241,14 @@ iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_sta
     if (length >= (int)sizeof start->source)
         return iso_fail(error, ISO_ERR_IO, "%s: the name is too long", source->path);
     const iso_progress summing = iso_progress_part(source->progress, 0, 0.05);
-    if (source->volume)
+    if (source->volume) {
         start->source_crc = source->volume->crc;
-    else
+        memcpy(start->reading, source->volume->reading, sizeof start->reading);
+    } else {
+        ISO_TRY(iso_input_write(source->input ? source->input : &by_default, start->reading,
+                                sizeof start->reading, error));
         ISO_TRY(checksum(source->path, &summing, &start->source_crc, error));
+    }
     ISO_TRY(open_file(source, grid, error));
     describe(source, *grid, start);
     return ISO_OK;
@@ -263,7 +279,16 @@ iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *ho
         return iso_fail(error, ISO_ERR_FORMAT,
                         "%s: '%s' is not what it was when the session began (checksum %08x, then %08x)",
                         strokes, found, crc, start->source_crc);
+    char reading[ISO_JOURNAL_TEXT];
+    iso_input input;
+    iso_error reason = {0};
+    memcpy(reading, start->reading, sizeof reading);
+    if (iso_input_parse(reading, &input, &reason) != ISO_OK)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", strokes, reason.text);
+    if (how->input) input.max_memory = how->input->max_memory;
     const isosculpt_source source = {.path = found,
+                                     .input = &input,
+                                     .voxel_isovalue = start->voxel_isovalue,
                                      .isovalue = start->isovalue,
                                      .voxel = how->voxel > 0 ? how->voxel : start->voxel_size,
                                      .pool = how->pool,

@@ -3,6 +3,7 @@
 #ifndef ISO_APPS_ISOSCULPT_SOURCE_H
 #define ISO_APPS_ISOSCULPT_SOURCE_H
 
+#include "apps/input.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "extract/isovalue.h"
@@ -18,7 +19,8 @@ extern "C" {
 /* A volume in memory, before it is sculpted. Read only: threads may share it. */
 typedef struct isosculpt_volume {
     char path[ISO_JOURNAL_TEXT];
-    uint32_t crc; /* of the file */
+    uint32_t crc;                   /* of the file */
+    char reading[ISO_JOURNAL_TEXT]; /* how it was read, as journals keep it */
     iso_volume volume;
     /* of volumes that have isovalues to choose from: */
     bool has_isovalues; /* dense and no level set */
@@ -26,9 +28,10 @@ typedef struct isosculpt_volume {
     double suggested;
 } isosculpt_volume;
 
-/* `pool` is borrowed for the call. As iso_volume_read; ISO_ERR_EMPTY when no voxel is a number. */
-iso_status isosculpt_volume_read(const char *path, iso_pool *pool, const iso_progress *progress,
-                                 isosculpt_volume **volume, iso_error *error);
+/* `input` (NULL: by default) and `pool` are borrowed for the call. As iso_input_read; ISO_ERR_EMPTY when no
+ * voxel is a number. */
+iso_status isosculpt_volume_read(const char *path, const iso_input *input, iso_pool *pool,
+                                 const iso_progress *progress, isosculpt_volume **volume, iso_error *error);
 void isosculpt_volume_free(isosculpt_volume *volume); /* NULL is fine */
 
 typedef struct isosculpt_source {
@@ -40,6 +43,8 @@ typedef struct isosculpt_source {
     const isosculpt_volume *volume; /* the file's content, borrowed; NULL: it is read */
     double close_holes;             /* of an open mesh: iso_closing_opts.hole */
     iso_mesh_report *report;        /* of a mesh, when it is one; NULL: not wanted */
+    const iso_input *input;         /* how it is read, borrowed; NULL: by default */
+    bool voxel_isovalue;            /* iso_journal_start */
 } isosculpt_source;
 
 /* Reads the file and says in *start what a journal says of it. A level set (.vdb) at its own voxel size is
@@ -50,9 +55,9 @@ iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_sta
                                  iso_error *error);
 
 /* The same from a journal's header: the file by its path, or beside the stroke file `strokes`. Of `how`
- * only voxel (0: the header's), pool and progress count: the holes of a mesh were closed when the session
- * began, and are closed again whatever their size. ISO_ERR_IO when it is not there, ISO_ERR_FORMAT when
- * it is not the same any more. */
+ * only voxel (0: the header's), pool, progress and the input's max_memory count: the holes of a mesh were
+ * closed when the session began, and are closed again whatever their size. ISO_ERR_IO when it is not there,
+ * ISO_ERR_FORMAT when it is not the same any more. */
 iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
                                  iso_hgrid **grid, iso_error *error);
 

@@ -12,7 +12,7 @@ enum { WIDTH = 1280, HEIGHT = 800 };
 
 /* To those who watch the terminal, too, but once: a stroke can go wrong at every sample. */
 void isosculpt_window_say(window *w, bool bad, const char *text) {
-    if (bad && strcmp(w->screen.message, text)) fprintf(stderr, "isosculpt: %s\n", text);
+    if (bad && strcmp(w->screen.message, text)) iso_program_say(isosculpt_program(), "%s", text);
     snprintf(w->screen.message, sizeof w->screen.message, "%s", text);
     w->screen.message_is_bad = bad;
     w->screen.said = isosculpt_now();

@@ -75,6 +75,7 @@ static iso_status start_opening(window *w, const char *path, bool stamp, iso_err
                                        .isovalue = asked ? settings->isovalue : NAN,
                                        .voxel = asked ? settings->voxel_size : 0,
                                        .close_holes = settings->close_holes,
+                                       .input = asked ? settings->input : (iso_input){0},
                                        .threads = settings->threads,
                                        .undo_memory = (size_t)settings->undo_memory,
                                        .wake = wake};

@@ -4,25 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Length of the valid UTF-8 sequence at `text`, 0 when there is none. */
-static int utf8_length(const unsigned char *text) {
-    if (text[0] < 0x80) return 1;
-    int length = text[0] >= 0xf0 && text[0] < 0xf5   ? 4
-                 : text[0] >= 0xe0 && text[0] < 0xf0 ? 3
-                 : text[0] >= 0xc2 && text[0] < 0xe0 ? 2
-                                                     : 0;
-    for (int i = 1; i < length; i++)
-        if ((text[i] & 0xc0) != 0x80) return 0;
-    bool overlong = (text[0] == 0xe0 && text[1] < 0xa0) || (text[0] == 0xf0 && text[1] < 0x90);
-    bool outside = (text[0] == 0xed && text[1] > 0x9f) || (text[0] == 0xf4 && text[1] > 0x8f);
-    return overlong || outside ? 0 : length;
-}
+#include "base/text.h"
 
 static void put_string(FILE *stream, const char *value) {
     const unsigned char *text = (const unsigned char *)value;
     fputc('"', stream);
     while (*text) {
-        int length = utf8_length(text);
+        int length = iso_text_utf8((const char *)text);
         if (length == 0) {
             fputs("\\ufffd", stream);
             length = 1;

@@ -1,10 +1,13 @@
+#define _XOPEN_SOURCE 700 /* SIGXFSZ */
 #include "apps/options.h"
 
 #include <limits.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/thread.h"
 #include "image/image.h"
 
 /* ---- numbers ---- */
@@ -85,7 +88,7 @@ iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error)
     return ISO_OK;
 }
 
-bool iso_parse_color(const char *text, uint8_t rgb[3]) {
+static bool parse_hexadecimal_color(const char *text, uint8_t rgb[3]) {
     if (*text == '#') text++;
     if (strlen(text) != 6) return false;
     unsigned number = 0;
@@ -97,6 +100,32 @@ bool iso_parse_color(const char *text, uint8_t rgb[3]) {
     }
     for (int i = 0; i < 3; i++) rgb[i] = (uint8_t)(number >> (16 - 8 * i));
     return true;
+}
+
+/* Letters in either case; nothing depends on the locale. */
+static bool same_letters(const char *a, const char *b) {
+    for (; *a && *b; a++, b++) {
+        char x = *a >= 'A' && *a <= 'Z' ? (char)(*a - 'A' + 'a') : *a;
+        if (x != *b) return false;
+    }
+    return *a == *b;
+}
+
+static const struct color_name {
+    const char *name;
+    unsigned rgb;
+} color_names[] = {
+#include "color_names.inc"
+};
+
+bool iso_parse_color(const char *text, uint8_t rgb[3]) {
+    if (parse_hexadecimal_color(text, rgb)) return true;
+    for (size_t i = 0; i < sizeof color_names / sizeof *color_names; i++) {
+        if (!same_letters(text, color_names[i].name)) continue;
+        for (int k = 0; k < 3; k++) rgb[k] = (uint8_t)(color_names[i].rgb >> (16 - 8 * k));
+        return true;
+    }
+    return false;
 }
 
 /* ---- names ---- */
@@ -310,4 +339,25 @@ iso_status iso_options_parse(const iso_program *program, int argc, char *const *
             ISO_TRY(parse_option(program, argc, argv, &i, settings, error));
     }
     return ISO_OK;
+}
+
+typedef struct main_call {
+    int argc;
+    char **argv;
+    int (*run)(int argc, char **argv);
+    int status;
+} main_call;
+
+static void *call_main(void *argument) {
+    main_call *call = argument;
+    call->status = call->run(call->argc, call->argv);
+    return NULL;
+}
+
+int iso_program_main(int argc, char **argv, int (*run)(int argc, char **argv)) {
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
+    main_call call = {.argc = argc, .argv = argv, .run = run};
+    iso_call_with_stack(call_main, &call);
+    return call.status;
 }

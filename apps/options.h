@@ -95,7 +95,8 @@ bool iso_parse_reals(const char *text, int count, double *out);
 bool iso_parse_size(const char *text, uint64_t *out);
 /* WxH or W,H: sides of a picture, 1 .. ISO_IMAGE_MAX. ISO_ERR_USAGE says what is wrong. */
 iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error);
-bool iso_parse_color(const char *text, uint8_t rgb[3]); /* RRGGBB or #RRGGBB in hexadecimal */
+/* RRGGBB or #RRGGBB in hexadecimal, or one of the 148 colour names of CSS in letters of either case. */
+bool iso_parse_color(const char *text, uint8_t rgb[3]);
 
 /* Where text goes: help for a screen, a table for the README, a man page, a bash completion script. */
 typedef enum iso_help_form { ISO_HELP_SCREEN, ISO_HELP_MARKDOWN, ISO_HELP_MAN, ISO_HELP_BASH } iso_help_form;
@@ -105,8 +106,19 @@ void iso_options_help(const iso_program *program, iso_help_form form, FILE *stre
 /* The form that --help=TEXT asks for; NULL is the screen. ISO_ERR_USAGE lists the forms. */
 iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error *error);
 
+/* One line on stderr that begins with the program's name. Arguments may hold any bytes (base/text.h). */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void iso_program_say(const iso_program *program, const char *format, ...);
+
 /* Says what went wrong on stderr, and returns the exit status. */
 int iso_program_fail(const iso_program *program, const iso_error *error, iso_status status);
+
+/* What the main function of a program does around its own work: a reader of its output that goes away, and a
+ * file that may not grow, are write errors and not signals, and there is enough stack for the library.
+ * Returns what run(argc, argv) does. */
+int iso_program_main(int argc, char **argv, int (*run)(int argc, char **argv));
 
 /* Help and lists are outputs like any other: a full disk is noticed. Returns the exit status: `status` unless
  * that is 0 and standard output could not be written. */

@@ -1,9 +1,11 @@
 /* The texts that come from an option table: help for a screen, README table, man page (roff), completion. */
 #include <ctype.h>
 #include <errno.h>
+#include <stdarg.h>
 #include <string.h>
 
 #include "apps/options.h"
+#include "base/text.h"
 
 enum { COLUMN = 31, WIDTH = 100 };
 
@@ -243,8 +245,17 @@ iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error 
     return ISO_OK;
 }
 
+void iso_program_say(const iso_program *program, const char *format, ...) {
+    char line[4096];
+    va_list arguments;
+    va_start(arguments, format);
+    iso_text_format(line, sizeof line, format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "%s: %s\n", program->name, line);
+}
+
 int iso_program_fail(const iso_program *program, const iso_error *error, iso_status status) {
-    fprintf(stderr, "%s: %s\n", program->name, error->text[0] ? error->text : iso_status_text(status));
+    iso_program_say(program, "%s", error->text[0] ? error->text : iso_status_text(status));
     return iso_status_exit(status);
 }
 
@@ -252,6 +263,6 @@ int iso_program_finish(const iso_program *program, int status) {
     if (status) return status;
     errno = 0;
     if (fflush(stdout) == 0 && !ferror(stdout)) return status;
-    fprintf(stderr, "%s: standard output: cannot write: %s\n", program->name, strerror(errno ? errno : EIO));
+    iso_program_say(program, "standard output: cannot write: %s", strerror(errno ? errno : EIO));
     return iso_status_exit(ISO_ERR_WRITE);
 }

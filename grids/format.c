@@ -1,12 +1,17 @@
 /* format: what all readers share, those in modules too. */
+#define _POSIX_C_SOURCE 200809L
 #include "grids/format.h"
 
+#include "base/text.h"
+
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info,
                            iso_error *error) {
@@ -39,11 +44,36 @@ iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, do
     return iso_fail(error, ISO_ERR_IO, "%s: cancelled", path);
 }
 
-iso_status iso_format_file_bytes(const char *path, uint64_t *bytes, iso_error *error) {
-    struct stat status;
-    if (stat(path, &status) != 0)
+/* The file is opened first and looked at afterwards, so that it cannot be exchanged in between; O_NONBLOCK
+ * because opening a pipe without a writer would wait for one. It means nothing to a regular file. */
+static iso_status open_regular(const char *path, int *file, struct stat *status, iso_error *error) {
+    *file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (*file < 0 && errno != ENXIO) /* ENXIO: a socket */
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    if (!S_ISREG(status.st_mode)) return iso_fail(error, ISO_ERR_IO, "%s: not a file", path);
+    if (*file >= 0 && fstat(*file, status) == 0 && S_ISREG(status->st_mode)) return ISO_OK;
+    if (*file >= 0) close(*file);
+    return iso_fail(error, ISO_ERR_IO, "%s: not a regular file", path);
+}
+
+iso_status iso_format_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error) {
+    int file;
+    struct stat status;
+    ISO_TRY(open_regular(path, &file, &status, error));
+    FILE *opened = fdopen(file, "rb");
+    if (!opened) {
+        close(file);
+        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    }
+    *stream = opened;
+    if (bytes) *bytes = (uint64_t)status.st_size;
+    return ISO_OK;
+}
+
+iso_status iso_format_file_bytes(const char *path, uint64_t *bytes, iso_error *error) {
+    int file;
+    struct stat status;
+    ISO_TRY(open_regular(path, &file, &status, error));
+    close(file);
     *bytes = (uint64_t)status.st_size;
     return ISO_OK;
 }
@@ -78,6 +108,6 @@ void iso_volume_note(iso_volume_info *info, const char *format, ...) {
     if (info->note_count >= ISO_VOLUME_NOTES) return;
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
+    iso_text_format(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
     va_end(arguments);
 }

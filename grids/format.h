@@ -42,7 +42,12 @@ iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_
 iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, double fraction,
                                iso_error *error);
 
-/* Size of a regular file; ISO_ERR_IO. */
+/* Opens a file that holds voxels or their header, and tells its size (bytes may be NULL). Every file that a
+ * header can name is opened here: what is not a regular file (a pipe, a socket, a device, a folder) is
+ * ISO_ERR_IO at once, without waiting. Close with fclose. */
+iso_status iso_format_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error);
+
+/* Size of a file that iso_format_open would open; ISO_ERR_IO. */
 iso_status iso_format_file_bytes(const char *path, uint64_t *bytes, iso_error *error);
 
 /* ISO_ERR_IO "file: truncated: N of M bytes". */
@@ -118,11 +123,21 @@ void iso_format_stream_room(const iso_format_stream *stream, iso_volume_info *in
 typedef struct iso_inflater iso_inflater;
 iso_status iso_inflater_create(const char *path, FILE *file, uint64_t total, iso_inflater **inflater,
                                iso_error *error);
-/* The next bytes; ISO_ERR_IO when the stream is damaged or ends. */
+/* The next bytes, fewer only at the stream's end; ISO_ERR_IO when it is damaged or cut off. */
+iso_status iso_inflater_read(iso_inflater *inflater, void *target, size_t bytes, size_t *got,
+                             iso_error *error);
+/* The next bytes; ISO_ERR_IO also when the stream ends. */
 iso_status iso_inflater_fill(iso_inflater *inflater, void *target, size_t bytes, iso_error *error);
 /* After the last byte: whether the checksum, as far as it is there, is right. */
 iso_status iso_inflater_finish(iso_inflater *inflater, iso_error *error);
 void iso_inflater_destroy(iso_inflater *inflater);
+
+/* The same for bzip2, of libbz2. ISO_ERR_UNSUPPORTED when it is not built in. */
+typedef struct iso_bunzip iso_bunzip;
+iso_status iso_bunzip_create(const char *path, FILE *file, uint64_t total, iso_bunzip **bunzip,
+                             iso_error *error);
+iso_status iso_bunzip_read(iso_bunzip *bunzip, void *target, size_t bytes, size_t *got, iso_error *error);
+void iso_bunzip_destroy(iso_bunzip *bunzip);
 
 /* Arrays of numbers over the points or cells of an image (.vti, legacy .vtk). */
 typedef struct iso_format_array {
@@ -145,8 +160,10 @@ iso_status iso_format_take_array(const char *path, const iso_volume_opts *opts, 
                                  iso_volume_info *info, int *chosen, iso_error *error);
 
 /* Parses `count` numbers from a text file into native values of `scalar` at target (clamped to its range).
- * False when the file ends before, or something else stands there. */
-bool iso_format_read_numbers(FILE *file, iso_scalar scalar, size_t count, void *target);
+ * Between them are white space and characters of `separators`. False when the file ends before, or something
+ * else stands there. */
+bool iso_format_read_numbers(FILE *file, const char *separators, iso_scalar scalar, size_t count,
+                             void *target);
 
 /* `name` as a header at `header` names it: relative to the header's folder. NULL without memory; free(). */
 char *iso_format_beside(const char *header, const char *name);

@@ -28,37 +28,47 @@ iso_status iso_inflater_create(const char *path, FILE *file, uint64_t total, iso
     return ISO_OK;
 }
 
+static void refill(iso_inflater *f) {
+    if (f->z.avail_in) return;
+    f->z.next_in = f->packed;
+    f->z.avail_in = (uInt)fread(f->packed, 1, sizeof f->packed, f->file);
+}
+
 /* One call of inflate, with more of the file when it needs some. A gzip file may be several, one after the
  * other. */
 static int step(iso_inflater *f) {
-    if (f->z.avail_in == 0) {
-        f->z.next_in = f->packed;
-        f->z.avail_in = (uInt)fread(f->packed, 1, sizeof f->packed, f->file);
-    }
+    refill(f);
     int result = inflate(&f->z, Z_NO_FLUSH);
-    if (result == Z_STREAM_END && f->z.avail_out && f->z.avail_in) result = inflateReset(&f->z);
-    return result;
+    if (result != Z_STREAM_END || f->z.avail_out == 0) return result;
+    refill(f);
+    return f->z.avail_in ? inflateReset(&f->z) : result;
 }
 
 static iso_status damaged(const iso_inflater *f, iso_error *error) {
     return iso_fail(error, ISO_ERR_IO, "%s: damaged compressed data", f->path);
 }
 
-iso_status iso_inflater_fill(iso_inflater *f, void *target, size_t bytes, iso_error *error) {
-    for (char *at = target; bytes;) {
-        uInt part = bytes < MAX_PART ? (uInt)bytes : MAX_PART;
-        f->z.next_out = (unsigned char *)at;
+iso_status iso_inflater_read(iso_inflater *f, void *target, size_t bytes, size_t *got, iso_error *error) {
+    for (*got = 0; *got < bytes;) {
+        size_t left = bytes - *got;
+        uInt part = left < MAX_PART ? (uInt)left : MAX_PART;
+        f->z.next_out = (unsigned char *)target + *got;
         f->z.avail_out = part;
         int result = step(f);
-        uInt got = part - f->z.avail_out;
-        f->done += got;
-        at += got;
-        bytes -= got;
-        if (bytes && (result == Z_STREAM_END || result == Z_BUF_ERROR))
-            return iso_format_truncated(f->path, f->done, f->total, error);
+        f->done += part - f->z.avail_out;
+        *got += part - f->z.avail_out;
         if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR) return damaged(f, error);
+        if (*got < bytes && result == Z_BUF_ERROR)
+            return iso_format_truncated(f->path, f->done, f->total, error);
+        if (result == Z_STREAM_END) break;
     }
     return ISO_OK;
+}
+
+iso_status iso_inflater_fill(iso_inflater *f, void *target, size_t bytes, iso_error *error) {
+    size_t got = 0;
+    ISO_TRY(iso_inflater_read(f, target, bytes, &got, error));
+    return got == bytes ? ISO_OK : iso_format_truncated(f->path, f->done, f->total, error);
 }
 
 iso_status iso_inflater_finish(iso_inflater *f, iso_error *error) {

@@ -189,8 +189,8 @@ static iso_status parse_lines(const char *path, FILE *file, meta_header *header,
 static iso_status read_meta(const char *path, meta_header *header, iso_error *error) {
     *header = (meta_header){.channels = 1, .slope = 1};
     for (int i = 0; i < MAX_DIMS; i++) header->spacing[i] = header->dims[i] = 1;
-    FILE *file = fopen(path, "rb");
-    if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    FILE *file = NULL;
+    ISO_TRY(iso_format_open(path, &file, NULL, error));
     iso_status status = parse_lines(path, file, header, error);
     fclose(file);
     ISO_TRY(status);
@@ -362,8 +362,8 @@ static iso_status open_list(chain *c, iso_error *error) {
     if (!(dims_in_file >= 1 && dims_in_file <= c->header->ndims))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: not a list: '%.80s'", c->path, c->header->data);
     split(c, (int)dims_in_file);
-    c->list = fopen(c->path, "rb");
-    if (!c->list || fseeko(c->list, (off_t)c->header->after, SEEK_SET) != 0)
+    ISO_TRY(iso_format_open(c->path, &c->list, NULL, error));
+    if (fseeko(c->list, (off_t)c->header->after, SEEK_SET) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", c->path, strerror(errno));
     return ISO_OK;
 }
@@ -408,9 +408,7 @@ static iso_status next_name(chain *c, iso_error *error) {
 }
 
 /* Raw data must be there in full before anything is read. */
-static iso_status find_start(chain *c, uint64_t *start, iso_error *error) {
-    uint64_t bytes = 0;
-    ISO_TRY(iso_format_file_bytes(c->name, &bytes, error));
+static iso_status find_start(chain *c, uint64_t bytes, uint64_t *start, iso_error *error) {
     const meta_header *header = c->header;
     bool raw = !header->deflated && !header->text;
     *start = is_local(header->data) ? header->after : header->skip > 0 ? (uint64_t)header->skip : 0;
@@ -423,10 +421,10 @@ static iso_status find_start(chain *c, uint64_t *start, iso_error *error) {
 static iso_status open_next(chain *c, iso_error *error) {
     close_file(c);
     ISO_TRY(next_name(c, error));
-    uint64_t start = 0;
-    ISO_TRY(find_start(c, &start, error));
-    c->file = fopen(c->name, "rb");
-    if (!c->file || fseeko(c->file, (off_t)start, SEEK_SET) != 0)
+    uint64_t start = 0, bytes = 0;
+    ISO_TRY(iso_format_open(c->name, &c->file, &bytes, error));
+    ISO_TRY(find_start(c, bytes, &start, error));
+    if (fseeko(c->file, (off_t)start, SEEK_SET) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", c->name, strerror(errno));
     c->opened++;
     c->left = c->each;
@@ -441,7 +439,7 @@ static iso_status fill_packed(chain *c, void *target, size_t bytes, iso_error *e
 
 static iso_status fill_text(chain *c, void *target, size_t bytes, iso_error *error) {
     size_t size = iso_scalar_size(c->header->scalar);
-    if (iso_format_read_numbers(c->file, c->header->scalar, bytes / size, target)) return ISO_OK;
+    if (iso_format_read_numbers(c->file, "", c->header->scalar, bytes / size, target)) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: truncated: fewer than %llu numbers", c->name,
                     (unsigned long long)(c->each / size));
 }

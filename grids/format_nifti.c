@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
 #include <nifti2_io.h>
 
@@ -43,10 +44,33 @@ static bool ends_with(const char *text, const char *suffix) {
     return length > tail && strcasecmp(text + length - tail, suffix) == 0;
 }
 
-/* libnifti2 finds one half of a pair from the name of the other. */
+static bool is_upper(char letter) {
+    return letter >= 'A' && letter <= 'Z';
+}
+
+/* The other half of a pair: `path` with another extension (in its letters' case), packed or not; NULL: it is
+ * not there. The library finds it by opening it, which would wait for the writer of a pipe. */
+static char *find_half(const char *path, const char *suffix, const char *upper_suffix) {
+    size_t length = strlen(path);
+    if (ends_with(path, ".gz")) length -= strlen(".gz");
+    if (length < strlen(suffix)) return NULL;
+    length -= strlen(suffix);
+    bool upper = is_upper(path[length + 1]);
+    char *found = malloc(length + sizeof ".hdr.gz");
+    for (int packed = 0; found && packed < 2; packed++) {
+        struct stat status;
+        memcpy(found, path, length);
+        strcpy(found + length, upper ? upper_suffix : suffix);
+        if (packed) strcat(found, upper ? ".GZ" : ".gz");
+        if (stat(found, &status) == 0) return found;
+    }
+    free(found);
+    return NULL;
+}
+
 static iso_status find_header(const char *path, nifti_file *file, iso_error *error) {
     bool is_image = ends_with(path, ".img") || ends_with(path, ".img.gz");
-    file->header = is_image ? nifti_findhdrname(path) : strdup(path);
+    file->header = is_image ? find_half(path, ".hdr", ".HDR") : strdup(path);
     if (file->header) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: has no header file (.hdr) beside it", path);
 }
@@ -56,17 +80,25 @@ static iso_status find_data(const char *path, nifti_file *file, iso_error *error
     bool pair = type != NIFTI_FTYPE_NIFTI1_1 && type != NIFTI_FTYPE_NIFTI2_1;
     bool named = ends_with(file->header, ".hdr") || ends_with(file->header, ".hdr.gz");
     if (!pair) file->data = strdup(file->header);
-    if (pair && named) file->data = nifti_findimgname(file->header, type);
+    if (pair && named) file->data = find_half(file->header, ".img", ".IMG");
     if (file->data) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: has no image file (.img) beside it", path);
 }
 
+/* The library opens by name and would wait for the writer of a pipe, so that the file is looked at first. */
+static iso_status open_packed(const char *path, znzFile *file, iso_error *error) {
+    uint64_t bytes = 0;
+    ISO_TRY(iso_format_file_bytes(path, &bytes, error));
+    errno = 0;
+    *file = znzopen(path, "rb", 1);
+    if (!znz_isnull(*file)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno ? errno : EIO));
+}
+
 /* Up to 540 bytes, unpacked if need be. */
 static iso_status read_bytes(const char *path, void *bytes, size_t *count, iso_error *error) {
-    errno = 0;
-    znzFile file = znzopen(path, "rb", 1);
-    if (znz_isnull(file))
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno ? errno : EIO));
+    znzFile file;
+    ISO_TRY(open_packed(path, &file, error));
     size_t got = znzread(bytes, 1, *count, file);
     znzclose(file);
     if (got > *count) return iso_fail(error, ISO_ERR_IO, "%s: damaged compressed data", path);
@@ -303,8 +335,8 @@ static iso_status read_data(const char *path, const iso_volume_opts *opts, const
     uint64_t volume = iso_format_size(info->dims, iso_scalar_size(stream.scalar)), all;
     if (__builtin_mul_overflow(volume, (uint64_t)info->components, &all) || all > INT64_MAX - offset)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: too many volumes in one file", path);
-    data_file data = {file->data, znzopen(file->data, "rb", 1), 0, offset + all};
-    if (znz_isnull(data.file)) return iso_fail(error, ISO_ERR_IO, "%s: cannot read", file->data);
+    data_file data = {file->data, NULL, 0, offset + all};
+    ISO_TRY(open_packed(file->data, &data.file, error));
     data.at = offset + (uint64_t)info->component * volume;
     iso_status status = ISO_OK;
     if (znzseek(data.file, (znz_off_t)data.at, SEEK_SET) < 0)

@@ -7,13 +7,10 @@
 #define ISO_FORMAT_NONE(format, library)                                                                     \
     const iso_format iso_format_##format = {#format, library, NULL, NULL, NULL}
 
-#if !defined(ISO_HAVE_TEEM) || !defined(ISO_HAVE_NIFTI)
+#if !defined(ISO_HAVE_NIFTI)
 #error "the build has to say which libraries it has"
 #endif
 
-#if !ISO_HAVE_TEEM
-ISO_FORMAT_NONE(nrrd, "teem");
-#endif
 #if !ISO_HAVE_NIFTI
 ISO_FORMAT_NONE(nifti, "libnifti2");
 #endif

@@ -77,11 +77,15 @@ iso_status iso_format_read_stream(const char *path, const iso_volume_opts *opts,
 
 /* ---- text ---- */
 
+static bool is_between(int c, const char *separators) {
+    return isspace(c) || (*separators && c && strchr(separators, c));
+}
+
 /* Next word of at most 63 characters; false at the end, or when it is longer. */
-static bool next_word(FILE *file, char word[64]) {
+static bool next_word(FILE *file, const char *separators, char word[64]) {
     int c = getc(file), length = 0;
-    while (c != EOF && isspace(c)) c = getc(file);
-    while (c != EOF && !isspace(c)) {
+    while (c != EOF && is_between(c, separators)) c = getc(file);
+    while (c != EOF && !is_between(c, separators)) {
         if (length == 63) return false;
         word[length++] = (char)c;
         c = getc(file);
@@ -123,19 +127,21 @@ static bool store_number(const char *word, iso_scalar scalar, void *place) {
         STORE(uint64_t, clamp(value, 0, 18446744073709549568.0));
     case ISO_SCALAR_INT64:
         STORE(int64_t, clamp(value, -9223372036854775808.0, 9223372036854774784.0));
-    case ISO_SCALAR_FLOAT:
-        STORE(float, value);
+    case ISO_SCALAR_FLOAT: /* not through double, which would round twice */
+        STORE(float, strtof(word, NULL));
     default:
         STORE(double, value);
     }
 #undef STORE
 }
 
-bool iso_format_read_numbers(FILE *file, iso_scalar scalar, size_t count, void *target) {
+bool iso_format_read_numbers(FILE *file, const char *separators, iso_scalar scalar, size_t count,
+                             void *target) {
     size_t size = iso_scalar_size(scalar);
     char word[64];
     for (size_t i = 0; i < count; i++)
-        if (!next_word(file, word) || !store_number(word, scalar, (char *)target + i * size)) return false;
+        if (!next_word(file, separators, word) || !store_number(word, scalar, (char *)target + i * size))
+            return false;
     return true;
 }
 

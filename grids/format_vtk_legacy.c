@@ -306,9 +306,7 @@ static iso_status scan(vtk_file *f) {
  * holds something strange behind its arrays. */
 static iso_status open_vtk(const char *path, vtk_file *f, iso_error *error) {
     *f = (vtk_file){.path = path, .spacing = {1, 1, 1}};
-    ISO_TRY(iso_format_file_bytes(path, &f->bytes, error));
-    f->stream = fopen(path, "rb");
-    if (!f->stream) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    ISO_TRY(iso_format_open(path, &f->stream, &f->bytes, error));
     f->complete = scan(f);
     if (f->complete == ISO_OK || f->array_count) return ISO_OK;
     fclose(f->stream);
@@ -359,7 +357,7 @@ static iso_status fill(void *context, void *target, size_t bytes, iso_error *err
     const source *s = context;
     FILE *stream = s->file->stream;
     bool complete = s->file->binary ? fread(target, 1, bytes, stream) == bytes
-                                    : iso_format_read_numbers(stream, s->scalar,
+                                    : iso_format_read_numbers(stream, "", s->scalar,
                                                               bytes / iso_scalar_size(s->scalar), target);
     if (complete) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: truncated: %s in its array", s->file->path,

@@ -18,8 +18,16 @@ iso_change_log *iso_grid_log(const iso_grid *grid) {
     return grid->hgrid ? grid->hgrid->log : grid->rgrid->log;
 }
 
+double iso_grid_scale(const iso_grid *grid) {
+    return grid->hgrid ? grid->hgrid->transform.spacing[0] : grid->rgrid->scale;
+}
+
 double iso_grid_stored(const iso_grid *grid, double physical) {
-    return grid->hgrid ? physical : iso_rgrid_stored(grid->rgrid, physical);
+    return grid->hgrid ? physical / iso_grid_scale(grid) : iso_rgrid_stored(grid->rgrid, physical);
+}
+
+double iso_grid_physical(const iso_grid *grid, double stored) {
+    return stored * iso_grid_scale(grid) + (grid->rgrid ? grid->rgrid->offset : 0);
 }
 
 int iso_grid_is_level_set(const iso_grid *grid) {

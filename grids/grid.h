@@ -1,7 +1,7 @@
 /* grid: one handle for either kind of grid, so that extraction, ray casting and programs need one code path.
  *
- * All values here are stored values (iso_rgrid_stored takes a physical isovalue there; an hgrid's are
- * voxels). */
+ * All values here are stored values unless they are called physical. Physical values are those of the file:
+ * of an rgrid stored * scale + offset, of an hgrid, which stores distances in voxels, millimetres. */
 #ifndef ISO_GRIDS_GRID_H
 #define ISO_GRIDS_GRID_H
 
@@ -22,9 +22,12 @@ const int *iso_grid_dims(const iso_grid *grid); /* voxels, 3 */
 const iso_transform *iso_grid_transform(const iso_grid *grid);
 iso_change_log *iso_grid_log(const iso_grid *grid);
 double iso_grid_stored(const iso_grid *grid, double physical); /* the stored isovalue for a physical one */
-int iso_grid_is_level_set(const iso_grid *grid);               /* negative inside: always for an hgrid */
-void iso_grid_bricks(const iso_grid *grid, int bricks[3]);     /* ceil(dims / 16) */
-void iso_grid_destroy(iso_grid *grid);                         /* destroys whichever is set and clears both */
+double iso_grid_physical(const iso_grid *grid, double stored);
+/* Physical value of one stored unit: an rgrid's scale, an hgrid's voxel size (the same on every axis), mm. */
+double iso_grid_scale(const iso_grid *grid);
+int iso_grid_is_level_set(const iso_grid *grid);           /* negative inside: always for an hgrid */
+void iso_grid_bricks(const iso_grid *grid, int bricks[3]); /* ceil(dims / 16) */
+void iso_grid_destroy(iso_grid *grid);                     /* destroys whichever is set and clears both */
 
 /* Stored value at a voxel; coordinates outside are clamped. */
 float iso_grid_at(const iso_grid *grid, int x, int y, int z);

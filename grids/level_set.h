@@ -40,7 +40,7 @@ iso_status iso_level_set_from_mesh(const char *path, const iso_closed_mesh *mesh
 
 /* How a grid becomes a level set. */
 typedef struct iso_resampling {
-    double isovalue;              /* stored; of an hgrid 0 */
+    double isovalue;              /* stored: of an hgrid, voxels */
     double voxel;                 /* mm; 0: the grid's smallest spacing */
     int margin;                   /* voxels around it */
     iso_pool *pool;               /* borrowed; NULL: the calling thread */

@@ -7,7 +7,7 @@ iso_surface iso_surface_of(const iso_grid *grid, double physical_isovalue) {
     double stored = iso_grid_stored(grid, physical_isovalue);
     float at = (float)stored;
     /* Taking a physical isovalue to a stored one may miss a voxel's value by rounding: that is still it. */
-    double scale = grid->rgrid ? grid->rgrid->scale : 1, offset = grid->rgrid ? grid->rgrid->offset : 0;
+    double scale = iso_grid_scale(grid), offset = grid->rgrid ? grid->rgrid->offset : 0;
     double rounding = 4 * DBL_EPSILON * (fabs(physical_isovalue) + fabs(offset)) / scale;
     bool hit = fabs(at - stored) <= rounding;
     if (at < stored && !hit) at = nextafterf(at, INFINITY);

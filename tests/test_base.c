@@ -20,6 +20,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/primitives.h"
+#include "base/text.h"
 
 static double uniform(uint32_t *state) {
     *state = *state * 1664525u + 1013904223u;
@@ -91,6 +92,70 @@ static void packed_points_keep_their_precision(void **state) {
     }
     near(worst_position, 0.0006, 0.0001); /* half a step, reached and not exceeded */
     near(worst_normal, 0.115, 0.015);
+}
+
+static void cleaned(const char *text, const char *wanted) {
+    char clean[256];
+    assert_int_equal(iso_text_clean(text, clean, sizeof clean), strlen(wanted));
+    assert_string_equal(clean, wanted);
+    assert_int_equal(iso_text_begins(clean, text), strlen(wanted));
+}
+
+static void text_becomes_one_printable_line(void **state) {
+    (void)state;
+    cleaned("", "");
+    cleaned("a b/c.nrrd", "a b/c.nrrd");
+    cleaned("two\nlines\r\tand\x1b[31m \x7f", "two\\nlines\\r\\tand\\x1b[31m \\x7f");
+    cleaned("K\xc3\xb6rper \xe2\x82\xac \xf0\x9f\xa6\xb4", "K\xc3\xb6rper \xe2\x82\xac \xf0\x9f\xa6\xb4");
+    cleaned("\xff\xc3(\xe2\x82", "\\xff\\xc3(\\xe2\\x82");          /* no sequences, one without its end */
+    cleaned("\xc0\xaf \xed\xa0\x80", "\\xc0\\xaf \\xed\\xa0\\x80"); /* overlong, a surrogate */
+    cleaned("\xc2\x9b"
+            "31m",
+            "\\xc2\\x9b31m"); /* the C1 control that begins sequences */
+    cleaned("\xe2\x80\xae"
+            "gpj\xe2\x80\xa8",
+            "\\xe2\\x80\\xaegpj\\xe2\\x80\\xa8");      /* order, line separator */
+    cleaned("back\\slash \\x1b", "back\\slash \\x1b"); /* clean text stays as it is */
+    assert_int_equal(iso_text_begins("b: reason", "a"), 0);
+    assert_int_equal(iso_text_begins("a\\x1b: reason", "a\x1b"), 5);
+}
+
+static void text_that_is_too_long_keeps_both_ends(void **state) {
+    (void)state;
+    char text[301] = "", clean[64];
+    for (int i = 0; i < 100; i++) memcpy(text + 3 * i, "\xe2\x82\xac", 4);
+    for (size_t room = 1; room <= sizeof clean; room++) {
+        iso_text_clean(text, clean, room);
+        assert_true(strlen(clean) < room);
+        for (const char *c = clean; *c; c += iso_text_utf8(c)) assert_true(iso_text_utf8(c) > 0);
+    }
+    assert_non_null(strstr(clean, "\xe2\x82\xac...\xe2\x82\xac"));
+    for (int i = 0; i < 300; i++) text[i] = '\x1b';
+    for (size_t room = 17; room <= sizeof clean; room++) {
+        iso_text_clean(text, clean, room);
+        assert_true(strstr(clean, "...") && (strlen(clean) - 3) % 4 == 0); /* whole escapes */
+    }
+    char cut[8] = "abcd\xe2\x82", whole[8] = "ab\x1b"
+                                             "c";
+    iso_text_clean_in_place(cut, 7); /* its end was cut off by the room */
+    assert_string_equal(cut, "abcd");
+    iso_text_clean_in_place(whole, sizeof whole);
+    assert_string_equal(whole, "ab\\x1bc");
+}
+
+static void errors_are_one_clean_line(void **state) {
+    (void)state;
+    char path[2000];
+    iso_error error = {0};
+    iso_fail(&error, ISO_ERR_IO, "%s: cannot read: %s", "a\nb\x1b]0;x\x07\xff", "why");
+    assert_string_equal(error.text, "a\\nb\\x1b]0;x\\x07\\xff: cannot read: why");
+    iso_fail(&error, ISO_ERR_IO, "in.nrrd: %s", error.text); /* its own text is an argument */
+    assert_string_equal(error.text, "in.nrrd: a\\nb\\x1b]0;x\\x07\\xff: cannot read: why");
+    memset(path, 'p', sizeof path);
+    path[sizeof path - 1] = 0;
+    iso_fail(&error, ISO_ERR_IO, "%s: cannot read: why", path);
+    assert_int_equal(strlen(error.text), sizeof error.text - 1);
+    assert_string_equal(error.text + strlen(error.text) - 18, ": cannot read: why");
 }
 
 typedef struct tally {
@@ -318,6 +383,9 @@ int main(void) {
         cmocka_unit_test(sincos_matches_libm),
         cmocka_unit_test(affine_inverts_itself),
         cmocka_unit_test(packed_points_keep_their_precision),
+        cmocka_unit_test(text_becomes_one_printable_line),
+        cmocka_unit_test(text_that_is_too_long_keeps_both_ends),
+        cmocka_unit_test(errors_are_one_clean_line),
         cmocka_unit_test(every_index_runs_once),
         cmocka_unit_test(results_are_placed_in_order),
         cmocka_unit_test(sinks_write_all_or_nothing),

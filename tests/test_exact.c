@@ -250,6 +250,25 @@ static iso_grid smooth_grid(const int dims[3], iso_type type, test_random *rando
     return grid;
 }
 
+/* A picture drawn in strips of random heights. */
+static iso_gbuffer strips_of(const iso_exact *exact, const iso_view *view, test_random *random) {
+    iso_gbuffer picture = empty_picture(view);
+    for (int y = 0; y < view->height;) {
+        int height = test_random_int(random, 1, 40);
+        if (y + height > view->height) height = view->height - y;
+        iso_view strip = iso_view_rows(view, y, height);
+        const size_t first = (size_t)y * (size_t)view->width;
+        iso_gbuffer part = {.width = view->width,
+                            .height = height,
+                            .depth = picture.depth + first,
+                            .surface = picture.surface + first};
+        for (int axis = 0; axis < 3; axis++) part.normal[axis] = picture.normal[axis] + first;
+        draw_exact(exact, &strip, &part, NULL);
+        y += height;
+    }
+    return picture;
+}
+
 static void strips_equal_the_whole(void **state) {
     (void)state;
     test_random random = {7};
@@ -260,21 +279,9 @@ static void strips_equal_the_whole(void **state) {
         view.height = 131;
         view.cx += 0.3125;
         view.cy -= 0.28125;
-        iso_gbuffer whole = picture_of(&grid, 100, &view, NULL), parts = empty_picture(&view);
+        iso_gbuffer whole = picture_of(&grid, 100, &view, NULL);
         iso_exact *exact = make_exact(&grid, 100, NULL);
-        for (int y = 0; y < view.height;) {
-            int height = test_random_int(&random, 1, 40);
-            if (y + height > view.height) height = view.height - y;
-            iso_view strip = iso_view_rows(&view, y, height);
-            const size_t first = (size_t)y * (size_t)view.width;
-            iso_gbuffer part = {.width = view.width,
-                                .height = height,
-                                .depth = parts.depth + first,
-                                .surface = parts.surface + first};
-            for (int axis = 0; axis < 3; axis++) part.normal[axis] = parts.normal[axis] + first;
-            draw_exact(exact, &strip, &part, NULL);
-            y += height;
-        }
+        iso_gbuffer parts = strips_of(exact, &view, &random);
         assert_true(test_covered(&whole) > 1000);
         test_same_pictures(&whole, &parts);
         iso_exact_destroy(exact);
@@ -311,6 +318,52 @@ static void levels_and_threads_give_the_same_bytes(void **state) {
             }
         assert_true(test_covered(&wanted) > 200);
         iso_gbuffer_free(&wanted);
+        iso_grid_destroy(&grid);
+    }
+    iso_cpu_limit(ISO_CPU_AVX512);
+    iso_pool_destroy(pool);
+}
+
+/* Every voxel is at the isovalue or one of a few steps from it, and the eye looks straight along an axis:
+ * rays lie in faces, cells with tied faces share vectors with others, and which ones do depends on the width
+ * of vectors and on the rows that are drawn together. */
+static void ties_do_not_depend_on_vectors_or_bands(void **state) {
+    (void)state;
+    test_random random = {9};
+    iso_pool *pool;
+    iso_error error = {0};
+    ok(iso_pool_create(3, &pool, &error), &error);
+    for (int round = 0; round < 200; round++) {
+        int dims[3];
+        test_random_dims(&random, 10, 24, dims);
+        iso_grid grid = test_rgrid(dims, ISO_UINT8);
+        const int steps = test_random_int(&random, 1, 5);
+        for (int z = 0; z < dims[2]; z++)
+            for (int y = 0; y < dims[1]; y++)
+                for (int x = 0; x < dims[0]; x++)
+                    test_set(&grid, x, y, z, 100 + test_random_int(&random, -steps, steps));
+        const iso_vec3 middle = {dims[0] / 2.0, dims[0] / 2.0, dims[0] / 2.0};
+        const double back = (round / 2 % 2 ? 2.2 : -2.2) * dims[0];
+        const iso_camera camera = {
+            .focal_point = middle,
+            .position = iso_vec3_add(middle, iso_vec3_make(round % 2 ? back : 0, round % 2 ? 0 : back, 0)),
+            .view_up = {0, 0, 1},
+            .view_angle = test_random_int(&random, 20, 50)};
+        const int side = test_random_int(&random, 40, 140);
+        const iso_view view = iso_view_make(&camera, side, side);
+        iso_exact *exact = make_exact(&grid, 100, NULL);
+        iso_cpu_limit(ISO_CPU_GENERIC);
+        iso_gbuffer wanted = picture_of(&grid, 100, &view, NULL);
+        for (int level = 0; level <= (int)iso_cpu_supported(); level++) {
+            iso_cpu_limit(level);
+            iso_gbuffer got = picture_of(&grid, 100, &view, pool), parts = strips_of(exact, &view, &random);
+            test_same_pictures(&got, &wanted);
+            test_same_pictures(&parts, &wanted);
+            iso_gbuffer_free(&got);
+            iso_gbuffer_free(&parts);
+        }
+        iso_gbuffer_free(&wanted);
+        iso_exact_destroy(exact);
         iso_grid_destroy(&grid);
     }
     iso_cpu_limit(ISO_CPU_AVX512);
@@ -600,6 +653,7 @@ int main(void) {
         cmocka_unit_test(thin_grids_are_empty),
         cmocka_unit_test(strips_equal_the_whole),
         cmocka_unit_test(levels_and_threads_give_the_same_bytes),
+        cmocka_unit_test(ties_do_not_depend_on_vectors_or_bands),
         cmocka_unit_test(painted_pictures_are_shaded_gbuffers),
         cmocka_unit_test(any_size_of_picture),
         cmocka_unit_test(updates_equal_rebuilding),

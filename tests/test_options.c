@@ -126,9 +126,9 @@ static void test_forms(void **state) {
     assert_true(s->zoom == 3); /* the last wins */
     assert_string_equal(s->output, "out.png");
     assert_int_equal(s->samples, 16);
-    assert_int_equal(s->crop[5], 6);
+    assert_int_equal(s->input.crop[5], 6);
     assert_true(s->up.y == -1);
-    assert_true(s->max_memory == 2ull << 30);
+    assert_true(s->input.max_memory == 2ull << 30);
     assert_true(s->position[2] == -3);
     assert_int_equal(s->transparent, 1);
     assert_string_equal(s->inputs[0], "--in.vti");
@@ -157,6 +157,18 @@ static void test_repeated(void **state) {
     assert_true(p.settings.isovalues[1] == 2 && p.settings.isovalues[2] == 3);
     assert_int_equal(p.settings.color_count, 2);
     assert_int_equal(p.settings.colors[1].b, 6);
+}
+
+static void test_colors(void **state) {
+    (void)state;
+    parsed p;
+    parse_good("--isovalue 1,2,3,4 --color red,#00ff00,DarkSlateBlue --color ivory --background gray x.vti",
+               &p);
+    const iso_rgb *colors = p.settings.colors, background = p.settings.background;
+    const iso_rgb expected[] = {{255, 0, 0}, {0, 255, 0}, {0x48, 0x3D, 0x8B}, {255, 255, 0xF0}};
+    assert_int_equal(p.settings.color_count, 4);
+    for (int i = 0; i < 4; i++) assert_memory_equal(&colors[i], &expected[i], sizeof colors[i]);
+    assert_true(background.r == 128 && background.g == 128 && background.b == 128); /* CSS's, not X11's */
 }
 
 static void test_operands(void **state) {
@@ -192,7 +204,11 @@ static void test_usage_errors(void **state) {
     expect_failure("--isovalue 3, x.vti", ISO_ERR_USAGE, "option --isovalue");
     expect_failure("--isovalue auto --isovalue 3 x.vti", ISO_ERR_USAGE, "auto cannot be combined");
     expect_failure("--isovalue 3 --isovalue 3 x.vti", ISO_ERR_USAGE, "given twice");
-    expect_failure("--color red x.vti", ISO_ERR_USAGE, "option --color");
+    expect_failure("--color rad x.vti", ISO_ERR_USAGE,
+                   "option --color: 'rad' is neither RRGGBB in hexadecimal nor a colour name of CSS");
+    expect_failure("--isovalue 1,2 --color red, x.vti", ISO_ERR_USAGE, "option --color: '' is neither");
+    expect_failure("--color red,blue x.vti", ISO_ERR_USAGE, "2 colours for 1 isovalue");
+    expect_failure("--background blu x.vti", ISO_ERR_USAGE, "option --background: 'blu' is neither");
     expect_failure("--color 010203 --color 010203 x.vti", ISO_ERR_USAGE, "2 colours for 1 isovalue");
     expect_failure("--samples 3 x.vti", ISO_ERR_USAGE, "square number");
     expect_failure("--samples 81 x.vti", ISO_ERR_USAGE, "square number");
@@ -377,11 +393,11 @@ static void test_json(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_numbers),  cmocka_unit_test(test_sizes),        cmocka_unit_test(test_defaults),
-        cmocka_unit_test(test_forms),    cmocka_unit_test(test_aliases),      cmocka_unit_test(test_repeated),
-        cmocka_unit_test(test_operands), cmocka_unit_test(test_usage_errors), cmocka_unit_test(test_table),
-        cmocka_unit_test(test_models),   cmocka_unit_test(test_templates),    cmocka_unit_test(test_plans),
-        cmocka_unit_test(test_json),
+        cmocka_unit_test(test_numbers), cmocka_unit_test(test_sizes),    cmocka_unit_test(test_defaults),
+        cmocka_unit_test(test_forms),   cmocka_unit_test(test_aliases),  cmocka_unit_test(test_repeated),
+        cmocka_unit_test(test_colors),  cmocka_unit_test(test_operands), cmocka_unit_test(test_usage_errors),
+        cmocka_unit_test(test_table),   cmocka_unit_test(test_models),   cmocka_unit_test(test_templates),
+        cmocka_unit_test(test_plans),   cmocka_unit_test(test_json),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

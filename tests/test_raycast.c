@@ -567,6 +567,7 @@ static void an_hgrid_looks_like_its_dense_twin(void **state) {
         assert_true(iso_hgrid_brick_count(sparse.hgrid) < cells);
         iso_grid dense = make_rgrid(70, 45, 61, ISO_FLOAT32, &transform);
         dense.rgrid->level_set = 1;
+        dense.rgrid->scale = transform.spacing[0]; /* distances in voxels, as the hgrid stores them */
         fill_rgrid(&dense, hgrid_field, sparse.hgrid);
         for (int view_kind = 0; view_kind < WHOLE_VIEWS; view_kind++) {
             iso_view view = make_view(&sparse, view_kind, 90, &seed);

@@ -278,9 +278,93 @@ static void files_are_found_again(void **state) {
     iso_hgrid_destroy(ball);
 }
 
+/* What was said about reading a file is in what a journal keeps, and a replay reads it in the same way. */
+static void readings_are_kept(void **state) {
+    (void)state;
+    const char *path = session_path("headerless.raw");
+    enum { X = 48, Y = 40, Z = 44, SKIPPED = 7 };
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    for (int i = 0; i < SKIPPED; i++) fputc(i, file);
+    for (int i = 0; i < X * Y * Z; i++) {
+        const double x = i % X - 24, y = i / X % Y - 20, z = i / X / Y - 22;
+        fputc((int)(250 / (1 + 0.01 * (x * x + y * y + z * z))), file); /* 125 at a radius of 10 voxels */
+    }
+    fclose(file);
+    char text[ISO_JOURNAL_TEXT];
+    iso_input input = {.spacing = {0.5, 0.5, 0.5}, .max_memory = 1 << 24};
+    assert_int_equal(iso_input_apply_raw(&input, "48x40x44:uint8::7", NULL), ISO_OK);
+    assert_int_equal(iso_input_apply_crop_mm(&input, "0,100,0,100,0,11.1", NULL), ISO_OK);
+    assert_int_equal(iso_input_write(&input, text, sizeof text, NULL), ISO_OK);
+    assert_string_equal(text,
+                        "raw=48x40x44:uint8:little:7\nspacing=0.5,0.5,0.5\ncrop-mm=0,100,0,100,0,11.1\n");
+    const isosculpt_source source = {.path = path, .isovalue = 125, .input = &input}, how = {0};
+    iso_journal_start start, again;
+    iso_hgrid *first, *grid;
+    iso_error error = {0};
+    if (isosculpt_source_open(&source, &start, &first, &error) != ISO_OK) fail_msg("%s", error.text);
+    assert_string_equal(start.reading, text);
+    assert_true(first->dims[0] == 48 + 64 && first->dims[2] == 96); /* 23 voxels, 32 around, in bricks */
+    again = start;
+    if (isosculpt_source_find("a.strokes", &how, &again, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
+    assert_true(sculpt_same(first, grid));
+    iso_hgrid_destroy(grid);
+    /* looked at before it is sculpted, as in a window */
+    isosculpt_volume *volume;
+    assert_int_equal(isosculpt_volume_read(path, &input, NULL, NULL, &volume, NULL), ISO_OK);
+    const isosculpt_source seen = {.path = path, .isovalue = 125, .volume = volume};
+    assert_int_equal(isosculpt_source_open(&seen, &again, &grid, NULL), ISO_OK);
+    assert_string_equal(again.reading, text);
+    assert_true(sculpt_same(first, grid));
+    iso_hgrid_destroy(grid);
+    isosculpt_volume_free(volume);
+    static const char *const bad[] = {"raw=48x40x44:uint9::7\n", "output=x\n", "raw",
+                                      "crop=0,1,0,1,0,1\ncrop-mm=0,1,0,1,0,1\n", "component=-1\n"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        again = start;
+        strcpy(again.reading, bad[i]);
+        assert_int_equal(isosculpt_source_find("a.strokes", &how, &again, &grid, &error), ISO_ERR_FORMAT);
+        assert_non_null(strstr(error.text, "a.strokes: how its source is read: "));
+    }
+    const iso_input broken = {.grid = "a\nraw=1x1x1:uint8"};
+    assert_int_equal(iso_input_write(&broken, text, sizeof text, NULL), ISO_ERR_USAGE);
+    assert_int_equal(iso_input_write(&input, text, 60, NULL), ISO_ERR_USAGE);
+    iso_hgrid_destroy(first);
+    unlink(path);
+}
+
+/* In a journal of version 1 a level set's isovalue is in voxels: it still gives the field that was sculpted.
+ */
+static void old_journals_keep_their_isovalues(void **state) {
+    (void)state;
+    iso_hgrid *ball, *grid;
+    make_ball(&ball);
+    const char *path = session_path("old.vdb");
+    if (!have_openvdb(ball, path)) {
+        iso_hgrid_destroy(ball);
+        return;
+    }
+    const isosculpt_source how = {0};
+    iso_journal_start start, again;
+    iso_hgrid *first = open_source(path, 0.5, 0, &start); /* mm: a voxel */
+    again = start;
+    again.isovalue = 1;
+    again.voxel_isovalue = true;
+    assert_int_equal(isosculpt_source_find("a.strokes", &how, &again, &grid, NULL), ISO_OK);
+    assert_true(sculpt_same(first, grid));
+    iso_hgrid_destroy(grid);
+    check_ball("level set, 0.5 mm outside", first, 15.5);
+    unlink(path);
+    iso_hgrid_destroy(ball);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(level_sets), cmocka_unit_test(volumes),
-                                       cmocka_unit_test(meshes), cmocka_unit_test(odd_meshes),
-                                       cmocka_unit_test(files_are_found_again)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(level_sets),
+                                       cmocka_unit_test(volumes),
+                                       cmocka_unit_test(meshes),
+                                       cmocka_unit_test(odd_meshes),
+                                       cmocka_unit_test(files_are_found_again),
+                                       cmocka_unit_test(readings_are_kept),
+                                       cmocka_unit_test(old_journals_keep_their_isovalues)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -226,6 +226,38 @@ static void torn_and_damaged_lines(void **state) {
     unlink(part);
 }
 
+/* How the source is read comes back; what older programs can play is written so that they do. */
+static void readings_come_back(void **state) {
+    (void)state;
+    static const struct {
+        const char *reading;
+        double isovalue;
+        int version;
+    } cases[] = {{"", 0, 1}, {"", 3.5, 2}, {"raw=4x5x6:int16:big:12\ngrid=a \"b\" = c\ncomponent=1\n", 0, 2}};
+    const char *journal = session_path("reading.strokes");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        iso_journal *j;
+        iso_journal_start start = SESSION_START, got;
+        iso_journal_reader *reader;
+        char line[4096] = "", version[32];
+        unlink(journal);
+        strcpy(start.reading, cases[i].reading);
+        start.isovalue = cases[i].isovalue;
+        assert_int_equal(iso_journal_create(journal, &start, &j, NULL), ISO_OK);
+        assert_int_equal(iso_journal_close(j, NULL), ISO_OK);
+        assert_int_equal(iso_journal_open(journal, &got, &reader, NULL), ISO_OK);
+        assert_string_equal(got.reading, cases[i].reading);
+        assert_true(got.isovalue == cases[i].isovalue && got.voxel_isovalue == (cases[i].version == 1));
+        iso_journal_reader_free(reader);
+        FILE *file = fopen(journal, "r");
+        assert_true(file && fgets(line, sizeof line, file));
+        fclose(file);
+        snprintf(version, sizeof version, "\"version\":%d,", cases[i].version);
+        assert_non_null(strstr(line, version));
+    }
+    unlink(journal);
+}
+
 static void numbers_come_back_exactly(void **state) {
     (void)state;
     const char *journal = session_path("numbers.strokes");
@@ -567,17 +599,13 @@ static void moving_costs_what_it_reaches(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(moving_costs_what_it_reaches),
-                                       cmocka_unit_test(undo_restores_every_bit),
-                                       cmocka_unit_test(cancelled_strokes_leave_nothing),
-                                       cmocka_unit_test(journals_resume_to_the_same_bits),
-                                       cmocka_unit_test(torn_and_damaged_lines),
-                                       cmocka_unit_test(numbers_come_back_exactly),
-                                       cmocka_unit_test(full_disks_are_said),
-                                       cmocka_unit_test(disks_that_fill_up_lose_nothing),
-                                       cmocka_unit_test(read_only_folders_lose_nothing),
-                                       cmocka_unit_test(killed_sessions_survive),
-                                       cmocka_unit_test(snapshots_round_trip),
-                                       cmocka_unit_test(moving_keeps_the_volume)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(moving_costs_what_it_reaches),    cmocka_unit_test(undo_restores_every_bit),
+        cmocka_unit_test(cancelled_strokes_leave_nothing), cmocka_unit_test(journals_resume_to_the_same_bits),
+        cmocka_unit_test(torn_and_damaged_lines),          cmocka_unit_test(readings_come_back),
+        cmocka_unit_test(numbers_come_back_exactly),       cmocka_unit_test(full_disks_are_said),
+        cmocka_unit_test(disks_that_fill_up_lose_nothing), cmocka_unit_test(read_only_folders_lose_nothing),
+        cmocka_unit_test(killed_sessions_survive),         cmocka_unit_test(snapshots_round_trip),
+        cmocka_unit_test(moving_keeps_the_volume)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

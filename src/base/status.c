@@ -2,6 +2,8 @@
 
 #include <stdio.h>
 
+#include "base/text.h"
+
 const char *iso_status_text(iso_status status) {
     switch (status) {
 #define ISO_X(name, exit_status, text)                                                                       \
@@ -29,7 +31,7 @@ iso_status iso_fail(iso_error *error, iso_status status, const char *format, ...
     error->status = status;
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(error->text, sizeof error->text, format, arguments);
+    iso_text_format(error->text, sizeof error->text, format, arguments);
     va_end(arguments);
     return status;
 }

@@ -33,7 +33,8 @@ typedef enum iso_status {
 #undef ISO_X
 } iso_status;
 
-/* One line of detail, without a newline, naming the thing and the reason. Zero-initialise. */
+/* One line of detail, without a newline, naming the thing and the reason: printable UTF-8 (base/text.h).
+ * Zero-initialise. */
 typedef struct iso_error {
     iso_status status;
     char text[512];
@@ -46,7 +47,8 @@ const char *iso_status_text(iso_status status);
 int iso_status_exit(iso_status status);
 
 /* Fills *error (when not NULL) and returns status, so that `return iso_fail(error, ISO_ERR_IO, ...)` works.
- */
+ * Arguments may hold any bytes: names of files and texts from headers are given as they are. They may lie in
+ * error->text. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "extract/histogram_kernel.h"
 
 /* ---- walking over the voxels */
 
@@ -91,11 +92,15 @@ static void run_walk(walk *job, iso_pool *pool) {
 
 /* ---- integers: every value has a count of its own */
 
-enum { LEVELS = 1 << 16 };
+enum { LEVELS = 1 << 16, TABLES = 2, FOLD_EVERY = 1 << 30 };
 
+/* What one worker has counted. Voxels are counted 16 bits at a time: single values of 16 bits, pairs of
+ * values of 8 bits, which halves the number of increments. Neighbours are often equal, and an increment has
+ * to wait for the one before it of the same counter, so that words are dealt out over several tables. */
 typedef struct level_counts {
-    iso_type type;
     uint64_t all[LEVELS], faces[LEVELS]; /* by value, less -32768 for int16 */
+    uint32_t words[TABLES][LEVELS];      /* not yet in `all` */
+    size_t word_count;
 } level_counts;
 
 static int level_of(iso_type type, const void *values, size_t i) {
@@ -109,12 +114,70 @@ static int level_of(iso_type type, const void *values, size_t i) {
     }
 }
 
-static void count_levels(void *state, const run *voxels) {
-    level_counts *counts = state;
-    for (size_t i = 0; i < voxels->count; i++) {
-        int level = level_of(counts->type, voxels->values, i);
-        counts->all[level]++;
-        counts->faces[level] += on_face(voxels, i);
+/* Adds the words to `all`. */
+static void fold_words(level_counts *counts, iso_type type) {
+    for (int word = 0; word < LEVELS; word++) {
+        uint64_t count = 0;
+        for (int table = 0; table < TABLES; table++) count += counts->words[table][word];
+        if (type == ISO_UINT8) {
+            counts->all[word & 255] += count;
+            counts->all[word >> 8] += count;
+        } else {
+            counts->all[type == ISO_INT16 ? word ^ LEVELS / 2 : word] += count;
+        }
+    }
+    memset(counts->words, 0, sizeof counts->words);
+    counts->word_count = 0;
+}
+
+static void count_words(uint32_t words[TABLES][LEVELS], const unsigned char *data, size_t count) {
+    const size_t fours = count / 4;
+    for (size_t i = 0; i < fours; i++) {
+        uint64_t four;
+        memcpy(&four, data + 8 * i, sizeof four);
+        words[0][four & 0xffff]++;
+        words[1][four >> 16 & 0xffff]++;
+        words[0][four >> 32 & 0xffff]++;
+        words[1][four >> 48]++;
+    }
+    for (size_t i = 4 * fours; i < count; i++) {
+        uint16_t word;
+        memcpy(&word, data + 2 * i, sizeof word);
+        words[0][word]++;
+    }
+}
+
+static void count_row(level_counts *counts, iso_type type, const void *values, size_t count) {
+    size_t words = type == ISO_UINT8 ? count / 2 : count;
+    count_words(counts->words, values, words);
+    if (type == ISO_UINT8 && count % 2) counts->all[level_of(type, values, count - 1)]++;
+    counts->word_count += words;
+    if (counts->word_count >= FOLD_EVERY) fold_words(counts, type);
+}
+
+static void count_faces(level_counts *counts, iso_type type, const void *values, size_t count, bool in_face) {
+    if (in_face)
+        for (size_t i = 0; i < count; i++) counts->faces[level_of(type, values, i)]++;
+    else
+        for (size_t i = 0; i<count; i += count> 1 ? count - 1 : 1) counts->faces[level_of(type, values, i)]++;
+}
+
+typedef struct level_walk {
+    const iso_rgrid *grid;
+    level_counts *counts; /* one for each worker */
+} level_walk;
+
+static void count_slice(void *context, size_t z, int worker) {
+    const level_walk *levels = context;
+    const iso_rgrid *grid = levels->grid;
+    level_counts *counts = &levels->counts[worker];
+    const size_t row = (size_t)grid->dims[0];
+    const bool end_slice = z == 0 || (int)z == grid->dims[2] - 1;
+    for (int y = 0; y < grid->dims[1]; y++) {
+        const ptrdiff_t first = y * grid->stride_y + (ptrdiff_t)z * grid->stride_z;
+        const char *values = (const char *)grid->data + first * (ptrdiff_t)iso_type_size(grid->type);
+        count_row(counts, grid->type, values, row);
+        count_faces(counts, grid->type, values, row, end_slice || y == 0 || y == grid->dims[1] - 1);
     }
 }
 
@@ -170,8 +233,9 @@ static iso_status integer_histogram(const iso_grid *grid, iso_pool *pool, iso_hi
     size_t workers = (size_t)iso_pool_threads(pool);
     level_counts *counts = iso_alloc_zero(workers, sizeof *counts);
     if (!counts) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a histogram");
-    for (size_t w = 0; w < workers; w++) counts[w].type = grid->rgrid->type;
-    run_walk(&(walk){grid, count_levels, (char *)counts, sizeof *counts}, pool);
+    level_walk levels = {grid->rgrid, counts};
+    iso_parallel_for(pool, (size_t)grid->rgrid->dims[2], count_slice, &levels);
+    for (size_t w = 0; w < workers; w++) fold_words(&counts[w], grid->rgrid->type);
     for (size_t w = 1; w < workers; w++)
         for (int level = 0; level < LEVELS; level++) {
             counts[0].all[level] += counts[w].all[level];
@@ -182,159 +246,214 @@ static iso_status integer_histogram(const iso_grid *grid, iso_pool *pool, iso_hi
     return ISO_OK;
 }
 
-/* ---- floats: the range first, then the bins */
+/* ---- floats: the range first, then what may be padding, then the bins */
 
-/* How often the smallest and the largest value occur, and where the others end. */
-typedef struct extremes {
-    float low, high;             /* of finite voxels */
-    float above_low, below_high; /* the next values inwards */
-    uint64_t low_count, high_count, low_faces, high_faces;
-    uint64_t finite, nonfinite, faces;
-} extremes;
+/* Stored values. */
+typedef struct float_range {
+    float low, high; /* of finite voxels */
+    uint64_t finite, nonfinite;
+} float_range;
 
-static const extremes no_extremes = {
-    .low = INFINITY, .high = -INFINITY, .above_low = INFINITY, .below_high = -INFINITY};
+static const float_range no_range = {.low = INFINITY, .high = -INFINITY};
 
-/* Takes in `count` voxels of one value, `faces` of them on faces. */
-static void take_low(extremes *e, float value, uint64_t count, uint64_t faces) {
-    if (value < e->low) {
-        e->above_low = e->low;
-        e->low = value;
-        e->low_count = e->low_faces = 0;
-    } else if (value > e->low && value < e->above_low) {
-        e->above_low = value;
-    }
-    if (value == e->low) {
-        e->low_count += count;
-        e->low_faces += faces;
-    }
+static void merge_range(float_range *sum, const float_range *part) {
+    sum->low = part->low < sum->low ? part->low : sum->low;
+    sum->high = part->high > sum->high ? part->high : sum->high;
+    sum->finite += part->finite;
+    sum->nonfinite += part->nonfinite;
 }
 
-static void take_high(extremes *e, float value, uint64_t count, uint64_t faces) {
-    if (value > e->high) {
-        e->below_high = e->high;
-        e->high = value;
-        e->high_count = e->high_faces = 0;
-    } else if (value < e->high && value > e->below_high) {
-        e->below_high = value;
-    }
-    if (value == e->high) {
-        e->high_count += count;
-        e->high_faces += faces;
-    }
+static const iso_histogram_kernels *kernels(void) {
+    return iso_histogram_kernels_get(iso_cpu_best());
 }
 
-static void take_value(extremes *e, float value, uint64_t count, uint64_t faces) {
-    e->faces += faces;
-    if (!isfinite(value)) {
-        e->nonfinite += count;
-        return;
-    }
-    e->finite += count;
-    take_low(e, value, count, faces);
-    take_high(e, value, count, faces);
+/* The values of a run, of which there is one when all are the same; each of them counts `*each` times. */
+static const float *floats_of(const run *voxels, int *count, uint64_t *each) {
+    *count = voxels->values ? (int)voxels->count : 1;
+    *each = voxels->values ? 1 : voxels->count;
+    return voxels->values ? voxels->values : &voxels->constant;
 }
 
-static void find_extremes(void *state, const run *voxels) {
+static void find_range(void *state, const run *voxels) {
+    iso_row_range row;
+    int count;
+    uint64_t each;
+    const float *values = floats_of(voxels, &count, &each);
+    kernels()->range(values, count, &row);
+    const float_range found = {row.lowest, row.highest, (uint64_t)row.finite * each,
+                               (uint64_t)(count - row.finite) * each};
+    merge_range(state, &found);
+}
+
+/* How many voxels of the volume's faces there are, and how many of them have the lowest and the highest
+ * value. */
+typedef struct face_counts {
+    float low, high;
+    uint64_t all, at_low, at_high;
+} face_counts;
+
+static void count_face_voxel(face_counts *counts, float value, uint64_t count) {
+    counts->all += count;
+    counts->at_low += value == counts->low ? count : 0;
+    counts->at_high += value == counts->high ? count : 0;
+}
+
+static void find_faces(void *state, const run *voxels) {
     if (!voxels->values) {
-        take_value(state, voxels->constant, voxels->count, count_on_faces(voxels));
+        count_face_voxel(state, voxels->constant, count_on_faces(voxels));
         return;
     }
     const float *values = voxels->values;
-    for (size_t i = 0; i < voxels->count; i++) take_value(state, values[i], 1, on_face(voxels, i));
+    const size_t count = voxels->count;
+    if (voxels->in_face) {
+        for (size_t i = 0; i < count; i++) count_face_voxel(state, values[i], 1);
+        return;
+    }
+    if (voxels->starts_in_face) count_face_voxel(state, values[0], 1);
+    if (voxels->ends_in_face && !(voxels->starts_in_face && count == 1))
+        count_face_voxel(state, values[count - 1], 1);
 }
 
-static void merge_extremes(extremes *sum, const extremes *part) {
-    sum->faces += part->faces;
-    sum->nonfinite += part->nonfinite;
-    sum->finite += part->finite;
-    if (!part->finite) return;
-    take_low(sum, part->low, part->low_count, part->low_faces);
-    take_high(sum, part->high, part->high_count, part->high_faces);
-    if (part->above_low < INFINITY) take_low(sum, part->above_low, 0, 0);
-    if (part->below_high > -INFINITY) take_high(sum, part->below_high, 0, 0);
+/* The value that may be padding, how often it occurs, and the next ones inwards from the lowest and the
+ * highest. */
+typedef struct padding_counts {
+    float low, high, padding;
+    float above_low, below_high;
+    uint64_t count;
+} padding_counts;
+
+static void find_padding(void *state, const run *voxels) {
+    padding_counts *counts = state;
+    iso_row_padding row = {.low = counts->low, .high = counts->high, .padding = counts->padding};
+    int count;
+    uint64_t each;
+    const float *values = floats_of(voxels, &count, &each);
+    kernels()->padding(values, count, &row);
+    counts->count += (uint64_t)row.count * each;
+    counts->above_low = fminf(counts->above_low, row.above_low);
+    counts->below_high = fmaxf(counts->below_high, row.below_high);
 }
 
-/* Counts of one worker. Stored values; bin = (value - low) * per_value. */
+/* Counts of one worker. Several tables: see level_counts. */
+enum { BIN_TABLES = 4, BIN_BLOCK = 256 };
 typedef struct bin_counts {
-    double low, high, per_value;
-    uint64_t bins[ISO_HISTOGRAM_BINS];
+    iso_bin_range range;
+    uint64_t bins[BIN_TABLES][ISO_HISTOGRAM_BINS + 1]; /* the last one is ISO_BIN_OUTSIDE */
 } bin_counts;
 
-static void count_bin(bin_counts *counts, float value, uint64_t count) {
-    if (!(value >= counts->low && value <= counts->high)) return; /* padding, or not finite */
-    int bin = (int)((value - counts->low) * counts->per_value);
-    counts->bins[bin < ISO_HISTOGRAM_BINS ? bin : ISO_HISTOGRAM_BINS - 1] += count;
-}
-
 static void count_bins(void *state, const run *voxels) {
-    if (!voxels->values) {
-        count_bin(state, voxels->constant, voxels->count);
-        return;
+    bin_counts *counts = state;
+    int count, bins[BIN_BLOCK];
+    uint64_t each;
+    const float *values = floats_of(voxels, &count, &each);
+    for (int first = 0; first < count; first += BIN_BLOCK) {
+        const int some = count - first < BIN_BLOCK ? count - first : BIN_BLOCK;
+        kernels()->bins(&counts->range, values + first, some, bins);
+        for (int i = 0; i < some; i++) counts->bins[i % BIN_TABLES][bins[i]] += each;
     }
-    const float *values = voxels->values;
-    for (size_t i = 0; i < voxels->count; i++) count_bin(state, values[i], 1);
 }
 
-static double physical(const iso_grid *grid, double stored) {
-    return grid->rgrid ? stored * grid->rgrid->scale + grid->rgrid->offset : stored;
+/* Walks over all voxels with a state for each worker, all of which begin as `first`. */
+static iso_status walk_with(const iso_grid *grid, iso_pool *pool, run_visitor *visit, const void *first,
+                            size_t bytes, char **states, iso_error *error) {
+    const size_t workers = (size_t)iso_pool_threads(pool);
+    *states = iso_alloc_zero(workers, bytes);
+    if (!*states) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a histogram");
+    for (size_t w = 0; w < workers; w++) memcpy(*states + w * bytes, first, bytes);
+    run_walk(&(walk){grid, visit, *states, bytes}, pool);
+    return ISO_OK;
 }
 
-static void fill_range(const iso_grid *grid, const extremes *e, bin_counts *counts,
-                       iso_histogram *histogram) {
-    counts->low = e->low;
-    counts->high = e->high;
-    bool several = e->above_low < e->high; /* at least three values */
-    if (several && 2 * e->low_faces > e->faces) {
-        histogram->padding_value = physical(grid, e->low);
-        histogram->padding = e->low_count;
-        counts->low = e->above_low;
-    } else if (several && 2 * e->high_faces > e->faces) {
-        histogram->padding_value = physical(grid, e->high);
-        histogram->padding = e->high_count;
-        counts->high = e->below_high;
+static iso_status measure_range(const iso_grid *grid, iso_pool *pool, float_range *range, iso_error *error) {
+    char *states;
+    ISO_TRY(walk_with(grid, pool, find_range, &no_range, sizeof no_range, &states, error));
+    const float_range *found = (const float_range *)states;
+    *range = no_range;
+    for (int w = 0; w < iso_pool_threads(pool); w++) merge_range(range, &found[w]);
+    iso_free(states);
+    return ISO_OK;
+}
+
+static iso_status measure_faces(const iso_grid *grid, iso_pool *pool, const float_range *range,
+                                face_counts *faces, iso_error *error) {
+    char *states;
+    *faces = (face_counts){.low = range->low, .high = range->high};
+    ISO_TRY(walk_with(grid, pool, find_faces, faces, sizeof *faces, &states, error));
+    const face_counts *found = (const face_counts *)states;
+    for (int w = 0; w < iso_pool_threads(pool); w++) {
+        faces->all += found[w].all;
+        faces->at_low += found[w].at_low;
+        faces->at_high += found[w].at_high;
     }
-    double range = counts->high - counts->low;
-    counts->per_value = range > 0 ? ISO_HISTOGRAM_BINS / range : 0;
-    histogram->low = physical(grid, counts->low);
-    histogram->high = physical(grid, counts->high);
-    histogram->width = (histogram->high - histogram->low) / ISO_HISTOGRAM_BINS;
-    histogram->minimum = physical(grid, e->low);
-    histogram->maximum = physical(grid, e->high);
-    histogram->nonfinite = e->nonfinite;
-    histogram->counted = e->finite - histogram->padding;
+    iso_free(states);
+    return ISO_OK;
 }
 
-static void fill_from_floats(const iso_grid *grid, iso_pool *pool, const extremes *e, bin_counts *counts,
-                             iso_histogram *histogram) {
-    size_t workers = (size_t)iso_pool_threads(pool);
-    fill_range(grid, e, counts, histogram);
-    for (size_t w = 1; w < workers; w++) counts[w] = counts[0];
-    run_walk(&(walk){grid, count_bins, (char *)counts, sizeof *counts}, pool);
-    for (size_t w = 0; w < workers; w++)
-        for (int bin = 0; bin < ISO_HISTOGRAM_BINS; bin++) histogram->bins[bin] += counts[w].bins[bin];
+static iso_status measure_padding(const iso_grid *grid, iso_pool *pool, padding_counts *padding,
+                                  iso_error *error) {
+    char *states;
+    padding->above_low = INFINITY;
+    padding->below_high = -INFINITY;
+    ISO_TRY(walk_with(grid, pool, find_padding, padding, sizeof *padding, &states, error));
+    const padding_counts *found = (const padding_counts *)states;
+    for (int w = 0; w < iso_pool_threads(pool); w++) {
+        padding->above_low = fminf(padding->above_low, found[w].above_low);
+        padding->below_high = fmaxf(padding->below_high, found[w].below_high);
+        padding->count += found[w].count;
+    }
+    iso_free(states);
+    return ISO_OK;
+}
+
+/* Leaves padding out of the range and says so in the histogram. */
+static iso_status leave_out_padding(const iso_grid *grid, iso_pool *pool, float_range *range,
+                                    iso_histogram *histogram, iso_error *error) {
+    face_counts faces;
+    ISO_TRY(measure_faces(grid, pool, range, &faces, error));
+    const bool at_low = 2 * faces.at_low > faces.all, at_high = 2 * faces.at_high > faces.all;
+    if (!at_low && !at_high) return ISO_OK;
+    padding_counts padding = {
+        .low = range->low, .high = range->high, .padding = at_low ? range->low : range->high};
+    ISO_TRY(measure_padding(grid, pool, &padding, error));
+    if (!(padding.above_low < range->high)) return ISO_OK; /* a mask of two values keeps both */
+    histogram->padding_value = iso_grid_physical(grid, padding.padding);
+    histogram->padding = padding.count;
+    if (at_low)
+        range->low = padding.above_low;
+    else
+        range->high = padding.below_high;
+    return ISO_OK;
+}
+
+static iso_status fill_from_floats(const iso_grid *grid, iso_pool *pool, const float_range *range,
+                                   iso_histogram *histogram, iso_error *error) {
+    const double span = (double)range->high - range->low;
+    const bin_counts none = {.range = {range->low, range->high, span > 0 ? ISO_HISTOGRAM_BINS / span : 0}};
+    char *states;
+    ISO_TRY(walk_with(grid, pool, count_bins, &none, sizeof none, &states, error));
+    const bin_counts *found = (const bin_counts *)states;
+    for (int w = 0; w < iso_pool_threads(pool); w++)
+        for (int table = 0; table < BIN_TABLES; table++)
+            for (int bin = 0; bin < ISO_HISTOGRAM_BINS; bin++)
+                histogram->bins[bin] += found[w].bins[table][bin];
+    iso_free(states);
+    return ISO_OK;
 }
 
 static iso_status float_histogram(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
                                   iso_error *error) {
-    size_t workers = (size_t)iso_pool_threads(pool);
-    extremes *found = iso_alloc_zero(workers, sizeof *found);
-    bin_counts *counts = iso_alloc_zero(workers, sizeof *counts);
-    iso_status status = ISO_OK;
-    if (found && counts) {
-        for (size_t w = 0; w < workers; w++) found[w] = no_extremes;
-        run_walk(&(walk){grid, find_extremes, (char *)found, sizeof *found}, pool);
-        for (size_t w = 1; w < workers; w++) merge_extremes(&found[0], &found[w]);
-        if (found[0].finite)
-            fill_from_floats(grid, pool, &found[0], counts, histogram);
-        else
-            status = iso_fail(error, ISO_ERR_EMPTY, "the volume holds only NaN or infinite values");
-    } else {
-        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for a histogram");
-    }
-    iso_free(found);
-    iso_free(counts);
-    return status;
+    float_range range;
+    ISO_TRY(measure_range(grid, pool, &range, error));
+    if (!range.finite) return iso_fail(error, ISO_ERR_EMPTY, "the volume holds only NaN or infinite values");
+    histogram->minimum = iso_grid_physical(grid, range.low);
+    histogram->maximum = iso_grid_physical(grid, range.high);
+    ISO_TRY(leave_out_padding(grid, pool, &range, histogram, error));
+    histogram->low = iso_grid_physical(grid, range.low);
+    histogram->high = iso_grid_physical(grid, range.high);
+    histogram->width = (histogram->high - histogram->low) / ISO_HISTOGRAM_BINS;
+    histogram->nonfinite = range.nonfinite;
+    histogram->counted = range.finite - histogram->padding;
+    return fill_from_floats(grid, pool, &range, histogram, error);
 }
 
 static bool has_integer_levels(const iso_grid *grid) {
@@ -432,4 +551,11 @@ size_t iso_isovalue_suggest(const iso_grid *grid, const iso_histogram *histogram
         if (!known) candidates[count++] = value;
     }
     return count;
+}
+
+iso_status iso_isovalue_check(const iso_grid *grid, double isovalue, iso_error *error) {
+    if (!grid->hgrid || fabs(iso_grid_stored(grid, isovalue)) < (double)grid->hgrid->band) return ISO_OK;
+    return iso_fail(error, ISO_ERR_EMPTY,
+                    "no surface at isovalue %g: the level set's narrow band is %g mm wide on either side",
+                    isovalue, iso_grid_physical(grid, (double)grid->hgrid->band));
 }

@@ -36,6 +36,10 @@ iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histo
 size_t iso_isovalue_suggest(const iso_grid *grid, const iso_histogram *histogram,
                             double candidates[ISO_ISOVALUE_CANDIDATES]);
 
+/* ISO_ERR_EMPTY when a level set (an hgrid) knows no distances at this physical isovalue (mm), because they
+ * lie beyond its narrow band; the text says how wide that is. Other grids pass. */
+iso_status iso_isovalue_check(const iso_grid *grid, double isovalue, iso_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -20,7 +20,7 @@ extern "C" {
 #endif
 
 typedef struct iso_mesh_opts {
-    double isovalue; /* physical */
+    double isovalue; /* physical (grids/grid.h): of a level set, mm */
     iso_pool *pool;  /* borrowed until destroy; NULL: the calling thread */
 } iso_mesh_opts;
 

@@ -234,11 +234,19 @@ static void set_surface(iso_point_set *points) {
     }
 }
 
+iso_primitive iso_primitive_auto(const iso_grid *grid, double isovalue) {
+    if (!grid->hgrid) return ISO_PRIMITIVE_EDGE;
+    /* Foot points come from voxels with values up to sqrt 3 above the isovalue, and need those voxels'
+     * neighbours inside the band, a distance of 1 away. */
+    const double stored = iso_grid_stored(grid, isovalue), band = (double)grid->hgrid->band;
+    const bool inside = stored + 1.7320508075688772 + 1 < band && stored - 1 > -band;
+    return inside ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
+}
+
 iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opts, iso_point_set **set,
                                 iso_error *error) {
     iso_points_opts chosen = *opts;
-    if (chosen.primitive == ISO_PRIMITIVE_AUTO)
-        chosen.primitive = grid->hgrid ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
+    if (chosen.primitive == ISO_PRIMITIVE_AUTO) chosen.primitive = iso_primitive_auto(grid, chosen.isovalue);
     if (!isfinite(chosen.isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not finite");
     if (chosen.primitive == ISO_PRIMITIVE_FOOT && !iso_grid_is_level_set(grid))
         return iso_fail(error, ISO_ERR_USAGE,

@@ -32,7 +32,7 @@ extern "C" {
 #endif
 
 typedef enum iso_primitive {
-    ISO_PRIMITIVE_AUTO, /* foot for an hgrid, edge for an rgrid */
+    ISO_PRIMITIVE_AUTO, /* iso_primitive_auto */
     ISO_PRIMITIVE_EDGE,
     ISO_PRIMITIVE_FOOT,
     ISO_PRIMITIVE_FOOT_ITERATED
@@ -40,11 +40,15 @@ typedef enum iso_primitive {
 
 const char *iso_primitive_name(iso_primitive primitive); /* "auto" "edge" "foot" "foot-iterated" */
 
+/* What AUTO stands for: foot for an hgrid, unless the isovalue (physical) is so near the end of its narrow
+ * band that foot points would be missing; edge for the rest. */
+iso_primitive iso_primitive_auto(const iso_grid *grid, double isovalue);
+
 typedef struct iso_points_opts {
-    double isovalue; /* physical */
+    double isovalue; /* physical (grids/grid.h): of a level set, mm */
     iso_primitive primitive;
-    bool floats;    /* keep iso_surfel (24 bytes, exact) instead of iso_point (8 bytes) */
-    bool shapes;    /* keep an iso_shape (8 bytes) with each: how the surface bends there (extract/shape.h) */
+    bool floats; /* keep iso_surfel (24 bytes, exact) instead of iso_point (8 bytes) */
+    bool shapes; /* keep an iso_shape (8 bytes) with each: how the surface bends there (base/primitives.h) */
     iso_pool *pool; /* borrowed until destroy; NULL: the calling thread */
 } iso_points_opts;
 

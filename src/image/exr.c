@@ -6,6 +6,7 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -13,6 +14,7 @@
 #include <openexr.h>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "image/image.h"
 
 bool iso_exr_available(void) {
@@ -243,7 +245,10 @@ static bool set_info(writer *w, const iso_exr_info *info) {
     exr_file *s = &w->file;
     exr_context_t c = w->context;
     if (info->software && !note(s, exr_attr_set_string(c, 0, "software", info->software))) return false;
-    if (info->comments && !note(s, exr_attr_set_string(c, 0, "comments", info->comments))) return false;
+    char *comments = info->comments ? iso_text_clean_copy(info->comments) : NULL;
+    bool noted = !comments || note(s, exr_attr_set_string(c, 0, "comments", comments));
+    free(comments);
+    if (!noted) return false;
     if (!info->view) return true;
     exr_attr_m44f_t to_camera, to_ndc;
     view_matrices(info->view, &to_camera, &to_ndc);

@@ -13,6 +13,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "image/png_pack.h"
 
 /* Why libpng gave up, and where to. */
@@ -110,12 +111,14 @@ static bool is_ascii(const char *text) {
     return true;
 }
 
-/* libpng copies the strings and does not change them, but its struct is not const. */
+/* libpng copies the strings and does not change them, but its struct is not const. The value, an own clean
+ * copy, is NULL without memory. */
 static png_text text_chunk(const iso_png_text *text) {
-    png_text chunk = {.compression =
-                          is_ascii(text->value) ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
+    char *value = iso_text_clean_copy(text->value);
+    bool ascii = value && is_ascii(value);
+    png_text chunk = {.compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
                       .key = (char *)text->key,
-                      .text = (char *)text->value};
+                      .text = value};
     return chunk;
 }
 
@@ -141,7 +144,10 @@ static iso_status prepare_writer(writer *w, const iso_image *image, const iso_pn
     int count = opts->text_count;
     if (count && !(w->texts = iso_alloc_zero((size_t)count, sizeof *w->texts))) return ISO_ERR_NOMEM;
     w->text_count = count;
-    for (int i = 0; i < count; i++) w->texts[i] = text_chunk(&opts->texts[i]);
+    for (int i = 0; i < count; i++) {
+        w->texts[i] = text_chunk(&opts->texts[i]);
+        if (!w->texts[i].text) return ISO_ERR_NOMEM;
+    }
     return ISO_OK;
 }
 
@@ -162,6 +168,7 @@ static void free_writer(writer *w) {
     png_destroy_write_struct(&w->png, &w->info);
     iso_png_packer_free(&w->packer);
     iso_free(w->palette);
+    for (int i = 0; i < w->text_count; i++) free(w->texts[i].text);
     iso_free(w->texts);
 }
 

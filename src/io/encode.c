@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
+
 unsigned char *iso_encode_uint32(unsigned char *bytes, uint32_t value) {
     for (int i = 0; i < 4; i++) bytes[i] = (unsigned char)(value >> (8 * i));
     return bytes + 4;
@@ -25,7 +27,7 @@ unsigned char *iso_encode_vec3(unsigned char *bytes, iso_vec3 v) {
 void iso_encode_comment(FILE *stream, const char *prefix, const char *text) {
     if (!text) return;
     fputs(prefix, stream);
-    for (; *text; text++) fputc(*text == '\n' || *text == '\r' ? ' ' : *text, stream);
+    iso_text_put(stream, text);
     fputc('\n', stream);
 }
 

@@ -17,8 +17,8 @@ unsigned char *iso_encode_uint32(unsigned char *bytes, uint32_t value);
 unsigned char *iso_encode_float(unsigned char *bytes, float value);
 unsigned char *iso_encode_vec3(unsigned char *bytes, iso_vec3 v); /* as three floats */
 
-/* Writes `prefix`, the text with line breaks turned into spaces, and a line end; nothing when text is NULL.
- */
+/* Writes `prefix`, the text made one line of printable UTF-8 (base/text.h), and a line end; nothing when text
+ * is NULL. */
 void iso_encode_comment(FILE *stream, const char *prefix, const char *text);
 
 /* Between the two calls this thread prints and parses numbers with a decimal point, whatever setlocale said.

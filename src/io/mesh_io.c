@@ -5,6 +5,7 @@
 #include <strings.h>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "extract/mesh.h"
 #include "io/encode.h"
 
@@ -62,8 +63,11 @@ static void write_ply(const mesh_source *source, FILE *stream) {
 static void write_stl(const mesh_source *source, FILE *stream) {
     enum { HEADER = 80, FACET = 50 };
     /* must not begin with "solid", the mark of ASCII files */
+    static const char kind[] = "binary STL, mm. ";
     char header[HEADER + 1] = {0};
-    snprintf(header, sizeof header, "binary STL, mm. %s", source->comment ? source->comment : "");
+    memcpy(header, kind, sizeof kind);
+    if (source->comment)
+        iso_text_clean(source->comment, header + sizeof kind - 1, sizeof header - (sizeof kind - 1));
     unsigned char bytes[FACET] = {0};
     fwrite(header, HEADER, 1, stream);
     iso_encode_uint32(bytes, (uint32_t)source->weld->triangle_count);

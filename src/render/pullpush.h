@@ -20,7 +20,7 @@ extern "C" {
 #endif
 
 typedef enum iso_reconstruction {
-    ISO_RECONSTRUCTION_REFINED, /* second-order discs instead of averages (render/refined.h); it knows no
+    ISO_RECONSTRUCTION_REFINED, /* second-order discs instead of averages; it knows no
                                    colours: points that have them are drawn as by gaussian */
     ISO_RECONSTRUCTION_BOX,     /* ellipses with equal weights (figure 4a) */
     ISO_RECONSTRUCTION_GAUSSIAN /* with Gaussian ones (figure 4b) */

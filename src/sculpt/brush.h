@@ -16,7 +16,7 @@ extern "C" {
 #endif
 
 /* What a touch does to the field. The first group are set operations with a shape, the second deforms what is
- * there (src/sculpt/edit.h says how the two keep the field a distance field). */
+ * there (sculpt/edit.h says how the two keep the field a distance field). */
 #define ISO_TOOLS(X)                                                                                         \
     X(ADD, "add")             /* union with the shape */                                                     \
     X(CARVE, "carve")         /* difference */                                                               \
@@ -46,7 +46,7 @@ typedef enum iso_tool {
     X(CAPSULE, "capsule")   /* from the sample before to this one */                                         \
     X(CYLINDER, "cylinder") /* radius 1, half height `aspect` */                                             \
     X(TORUS, "torus")       /* ring radius 1, tube radius `aspect` */                                        \
-    X(STAMP, "stamp")       /* a field of its own (src/sculpt/stamp.h) */
+    X(STAMP, "stamp")       /* a field of its own (sculpt/stamp.h) */
 
 typedef enum iso_solid {
 #define ISO_SOLID_ENUM(name, text) ISO_SOLID_##name,

@@ -37,11 +37,18 @@ static json_t *vector_json(iso_vec3 v) {
 }
 
 char *iso_event_header_text(const iso_journal_start *start) {
-    return finish(json_pack("{ss si ss si sf s[iii] so sf sf}", "format", FORMAT, "version",
-                            ISO_JOURNAL_VERSION, "source", start->source, "source_crc",
-                            (int)start->source_crc, "voxel_size", start->voxel_size, "dims", start->dims[0],
-                            start->dims[1], start->dims[2], "origin", vector_json(start->origin), "radius",
-                            start->radius, "isovalue", start->isovalue));
+    const bool plain = !start->reading[0] && (start->isovalue == 0 || start->voxel_isovalue);
+    json_t *header = json_pack(
+        "{ss si ss si sf s[iii] so sf sf}", "format", FORMAT, "version", plain ? 1 : ISO_JOURNAL_VERSION,
+        "source", start->source, "source_crc", (int)start->source_crc, "voxel_size", start->voxel_size,
+        "dims", start->dims[0], start->dims[1], start->dims[2], "origin", vector_json(start->origin),
+        "radius", start->radius, "isovalue", start->isovalue);
+    if (header && start->reading[0] &&
+        json_object_set_new(header, "reading", json_string_nocheck(start->reading))) {
+        json_decref(header);
+        return NULL;
+    }
+    return finish(header);
 }
 
 static json_t *brush_json(const iso_brush *brush) {
@@ -138,7 +145,10 @@ static bool read_header(const json_t *object, iso_journal_start *start, const ch
     *why = "it does not begin a stroke file";
     if (!format || strcmp(format, FORMAT)) return false;
     *why = "it was written by a newer version";
-    if (json_integer_value(json_object_get(object, "version")) > ISO_JOURNAL_VERSION) return false;
+    const json_int_t version = json_integer_value(json_object_get(object, "version"));
+    if (version > ISO_JOURNAL_VERSION) return false;
+    start->voxel_isovalue = version < 2;
+    start->reading[0] = 0;
     *why = "a member is missing or has another type";
     for (size_t i = 0; i < 3; i++) {
         json_int_t n = json_integer_value(json_array_get(dims, i));
@@ -146,6 +156,7 @@ static bool read_header(const json_t *object, iso_journal_start *start, const ch
         start->dims[i] = (int)n;
     }
     start->source_crc = (uint32_t)json_integer_value(json_object_get(object, "source_crc"));
+    if (json_object_get(object, "reading") && !get_text(object, "reading", start->reading)) return false;
     return get_text(object, "source", start->source) &&
            get_number(object, "voxel_size", &start->voxel_size) &&
            get_vector(object, "origin", &start->origin) && get_number(object, "radius", &start->radius) &&

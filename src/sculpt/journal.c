@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "base/thread.h"
 #include "sculpt/event.h"
 
 /* Longest time that a line waits. */
@@ -129,7 +130,7 @@ static iso_status start_thread(iso_journal *j, iso_error *error) {
     pthread_cond_init(&j->wake, NULL);
     pthread_cond_init(&j->done, NULL);
     j->idle = true;
-    if (pthread_create(&j->thread, NULL, write_lines, j) == 0) return ISO_OK;
+    if (iso_thread_start(&j->thread, write_lines, j) == 0) return ISO_OK;
     pthread_mutex_destroy(&j->mutex);
     pthread_cond_destroy(&j->wake);
     pthread_cond_destroy(&j->done);

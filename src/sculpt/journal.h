@@ -8,6 +8,7 @@
 #ifndef ISO_SCULPT_JOURNAL_H
 #define ISO_SCULPT_JOURNAL_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "sculpt/brush.h"
@@ -17,7 +18,9 @@
 extern "C" {
 #endif
 
-enum { ISO_JOURNAL_VERSION = 1, ISO_JOURNAL_TEXT = 1024 };
+/* Version 2: how the source is read; isovalues of level sets are millimetres, where they were voxels. What
+ * needs neither is still written as version 1. */
+enum { ISO_JOURNAL_VERSION = 2, ISO_JOURNAL_TEXT = 1024 };
 
 /* Where the session began: a new ball or a file, in a grid of this shape. */
 typedef struct iso_journal_start {
@@ -25,9 +28,12 @@ typedef struct iso_journal_start {
     uint32_t source_crc;           /* CRC-32C of the file, 0 for a ball */
     double voxel_size;             /* mm */
     int dims[3];
-    iso_vec3 origin; /* world position of voxel (0, 0, 0) */
-    double radius;   /* of the ball, mm */
-    double isovalue; /* of a volume */
+    iso_vec3 origin;                /* world position of voxel (0, 0, 0) */
+    double radius;                  /* of the ball, mm */
+    double isovalue;                /* of a volume: physical */
+    char reading[ISO_JOURNAL_TEXT]; /* how the source is read, as the program that reads it says it; "" by
+                                       default */
+    bool voxel_isovalue;            /* from version 1: a level set's isovalue is in voxels */
 } iso_journal_start;
 
 typedef enum iso_event_kind {

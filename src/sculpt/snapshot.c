@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/thread.h"
 #include "sculpt/cell_pack.h"
 #include "sculpt/crc32c.h"
 
@@ -126,7 +127,7 @@ iso_status iso_snapshot_start(const char *path, iso_hold *hold, const iso_mask *
     if (snapshot->path) memcpy(snapshot->path, path, size);
     iso_status status = snapshot->path ? copy_mask(mask, &snapshot->mask, error)
                                        : iso_fail(error, ISO_ERR_NOMEM, "out of memory for a snapshot");
-    if (status == ISO_OK && pthread_create(&snapshot->thread, NULL, run, snapshot))
+    if (status == ISO_OK && iso_thread_start(&snapshot->thread, run, snapshot))
         status = iso_fail(error, ISO_ERR_NOMEM, "no thread can be started for a snapshot");
     if (status == ISO_OK)
         *out = snapshot;

@@ -17,7 +17,7 @@ extern "C" {
  * the caller after edits. */
 typedef struct iso_raycaster iso_raycaster;
 
-/* isovalue is physical. ISO_ERR_NOMEM. */
+/* isovalue is physical (grids/grid.h). ISO_ERR_NOMEM. */
 iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool *pool, iso_raycaster **caster,
                                 iso_error *error);
 void iso_raycaster_destroy(iso_raycaster *caster);

@@ -50,6 +50,23 @@ with open(sys.argv[1] + "/small.mha", "wb") as file:
                bytes(values))
 P
 
+# ---- every program starts where the folder now is, and under the folder that DESTDIR names
+# starts FOLDER PROGRAM ...: each says its version
+starts() {
+    local folder=$1 name
+    shift
+    for name in "$@"; do
+        "$folder/$name" --version >"$work/out" 2>"$work/err" || fail "$folder/$name does not start: $(cat "$work/err")"
+        grep -q "^$name [0-9]" "$work/out" || fail "$folder/$name --version said: $(cat "$work/out")"
+    done
+}
+mapfile -t programs < <(cd "$root/bin" && ls)
+[ ${#programs[@]} -ge 3 ] || fail "installed programs: ${programs[*]}"
+starts "$root/bin" "${programs[@]}"
+DESTDIR=$work/stage cmake --install "$build" --prefix /opt/isopoint >/dev/null
+starts "$work/stage/opt/isopoint/bin" "${programs[@]}"
+rm -rf "$work/stage"
+
 has_vti=$([ -e "$modules/libisopoint-vti.so" ] && echo 1 || echo 0)
 is_light "$root/bin/isorender"
 count() {
@@ -67,6 +84,12 @@ while read -r header; do
     ${CC:-cc} -std=c17 -fsyntax-only -I"$root/include/isopoint" "$work/alone.c" 2>"$work/err" || fail "$(head -n 3 "$work/err")"
 done <"$work/headers"
 [ "$(wc -l <"$work/headers")" -gt 20 ] || fail "hardly any header is installed"
+# ---- and what its comments refer to
+while read -r header; do
+    for cited in $(grep -oE '[a-z_]+(/[a-z_]+)+\.h' "$root/include/isopoint/$header"); do
+        [ -e "$root/include/isopoint/$cited" ] || fail "$header refers to $cited, which is not installed"
+    done
+done <"$work/headers"
 
 # ---- from C; a program elsewhere finds the modules of the shared library, and is told of those of the static one
 case $library in *.a) export ISO_MODULE_PATH=$modules ;; esac
@@ -82,6 +105,22 @@ for program in "$work/cmake/consumer" "$work/tools/consumer"; do
     [ "$("$program" "$work/small.mha" 100)" = 24 ] || fail "$program cannot read a .mha"
     [ "$has_vti" = 0 ] || [ "$("$program" "$work/small.vti" 100)" = 24 ] || fail "$program cannot read a .vti"
 done
+# ---- the program that the README shows
+sed -n '/^## From C/,/^## /{/^```c$/,/^```$/p}' "$here/../../README.md" | sed '/^```/d' >"$work/readme.c"
+grep -q 'int main' "$work/readme.c" || fail "README.md has no C program below 'From C'"
+# shellcheck disable=SC2086
+${CC:-cc} -std=c17 -Wall -Wextra -Werror -o "$work/tools/readme" "$work/readme.c" $flags -Wl,-rpath,"$(dirname "$library")" ||
+    fail "the README's program does not compile"
+"$work/tools/readme" "$work/small.mha" 100 >"$work/out"
+[ "$(wc -l <"$work/out")" = 24 ] || fail "the README's program printed $(wc -l <"$work/out") points"
+grep -q '^0\.5 1\.00[0-9]* 1\.00[0-9]* ' "$work/out" || fail "no point at 0.5 1 1: $(head -n 3 "$work/out")"
+status=0
+"$work/tools/readme" "$work/none.mha" 100 >"$work/out" 2>"$work/err" || status=$?
+[ $status -eq 3 ] || fail "the README's program ended with $status for a missing file"
+if command -v valgrind >/dev/null; then
+    valgrind --quiet --undef-value-errors=no --leak-check=full --error-exitcode=9 "$work/tools/readme" "$work/small.mha" 100 >/dev/null 2>"$work/err" ||
+        fail "the README's program leaks: $(cat "$work/err")"
+fi
 unset ISO_MODULE_PATH
 
 # ---- a module is taken away
