@@ -34,7 +34,7 @@ static iso_status apply_close_holes(void *target, const char *value, iso_error *
     char *end;
     const double size = strtod(value, &end);
     if (end == value || *end || !(size >= 0) || !isfinite(size))
-        return iso_fail(error, ISO_ERR_USAGE, "--close-holes: '%s' is no size in mm", value);
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is no size in mm", value);
     settings->close_holes = size > 0 ? size : -1;
     return ISO_OK;
 }

@@ -344,7 +344,7 @@ static void self_intersections(void **state) {
     iso_triangles mesh = ball_mesh();
     put_ball(&mesh, iso_vec3_make(20, -4, 5), 15);
     iso_closed_mesh *closed = close_mesh(&mesh, 0);
-    iso_hgrid *grid = field_of(closed, 0.8);
+    iso_hgrid *grid = field_of(closed, 0.5);
     check_field("two balls", grid, two_balls, 0.006);
     iso_hgrid_destroy(grid);
     iso_closed_mesh_destroy(closed);
@@ -352,7 +352,7 @@ static void self_intersections(void **state) {
     put_box(&mesh, BOX[0], BOX[1]);
     put_box(&mesh, BOX[2], BOX[3]);
     closed = close_mesh(&mesh, 0);
-    grid = field_of(closed, 0.8);
+    grid = field_of(closed, 0.5);
     check_field("two boxes", grid, two_boxes, 0.002);
     iso_hgrid_destroy(grid);
     iso_closed_mesh_destroy(closed);
@@ -447,7 +447,7 @@ static void cut_volumes(void **state) {
         iso_triangles mesh = scene_mesh(cases[i].name, cases[i].size, cases[i].crop, &solid);
         iso_closed_mesh *closed = close_mesh(&mesh, 0);
         const iso_mesh_report *r = iso_closed_mesh_report(closed);
-        iso_hgrid *grid = field_of(closed, 0.8);
+        iso_hgrid *grid = field_of(closed, 0.5);
         const double field = solid_volume(grid);
         print_message("%s: %zu triangles, %zu open edges, %zu loops capped, %zu holes filled: %g mm3, mesh "
                       "%g, field %g\n",
