@@ -45,6 +45,8 @@ typedef struct isosculpt_source {
     iso_mesh_report *report;        /* of a mesh, when it is one; NULL: not wanted */
     const iso_input *input;         /* how it is read, borrowed; NULL: by default */
     bool voxel_isovalue;            /* iso_journal_start */
+    iso_file_set *files;            /* gets every file that is read; NULL is fine */
+    bool notes;                     /* say on stderr what the reader had to decide */
 } isosculpt_source;
 
 /* Reads the file and says in *start what a journal says of it. A level set (.vdb) at its own voxel size is
