@@ -40,6 +40,9 @@ typedef enum isorender_method {
 } isorender_method;
 const char *isorender_method_name(isorender_method method);
 
+/* What the camera frames. */
+typedef enum isorender_fit { ISORENDER_FIT_BOX, ISORENDER_FIT_TIGHT } isorender_fit;
+
 typedef enum isorender_help {
     ISORENDER_RUN,
     ISORENDER_HELP,
@@ -73,7 +76,10 @@ typedef struct isorender_settings {
     int direction; /* iso_direction */
     iso_vec3 up;
     double azimuth, elevation, zoom, view_angle;
-    int orthographic;
+    int orthographic, fit; /* isorender_fit */
+    double mm_per_pixel;   /* 0: not given */
+    double margin;         /* part of the picture on each side; NaN: not given */
+    int scale_bar, orientation_marker;
     double position[3], focal_point[3], view_up[3]; /* NaN: not given */
 
     int threads, progress, quiet, verbose;
@@ -215,6 +221,15 @@ iso_status isorender_extract(isorender_job *job, iso_error *error);
 iso_primitive isorender_primitive(const isorender_job *job);
 iso_status isorender_export(isorender_job *job, iso_error *error);
 iso_point_view isorender_points_view(const isorender_job *job, int surface);
+
+/* The box of all surfaces in the space that `affine` takes index coordinates to. */
+iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine);
+
+/* isorender_camera.c: the first frame's camera, into job->camera; and a frame's. */
+iso_status isorender_camera_make(isorender_job *job, iso_error *error);
+iso_camera isorender_camera_of_frame(const isorender_job *job, int frame);
+/* ISO_ERR_USAGE when options contradict each other; --mm-per-pixel makes the projection parallel. */
+iso_status isorender_camera_check(isorender_settings *settings, iso_error *error);
 
 /* isorender_picture.c */
 iso_status isorender_render(isorender_job *job, iso_error *error);
