@@ -1,5 +1,4 @@
 /* isocompare: how far pictures of isosurfaces are from the truth. */
-#include <signal.h>
 #include <stdlib.h>
 
 #include "apps/isocompare.h"
@@ -13,9 +12,7 @@ static iso_status run(const isocompare_settings *settings, iso_error *error) {
     return status;
 }
 
-int main(int argc, char **argv) {
-    /* A reader that goes away is a write error with a message, not a silent death. */
-    signal(SIGPIPE, SIG_IGN);
+static int run_program(int argc, char **argv) {
     const iso_program *program = isocompare_program();
     iso_error error = {0};
     isocompare_settings settings;
@@ -31,4 +28,8 @@ int main(int argc, char **argv) {
     free(operands.values);
     int code = status == ISO_OK ? 0 : iso_program_fail(program, &error, status);
     return iso_program_finish(program, code);
+}
+
+int main(int argc, char **argv) {
+    return iso_program_main(argc, argv, run_program);
 }

@@ -1,5 +1,4 @@
 /* isorender: any volume file to a correct picture of its isosurface, in one command. */
-#include <signal.h>
 #include <stdlib.h>
 
 #include "apps/isorender.h"
@@ -54,9 +53,7 @@ static iso_status run(const isorender_settings *settings, int *code, iso_error *
     return status;
 }
 
-int main(int argc, char **argv) {
-    /* A reader that goes away is a write error with a message, not a silent death. */
-    signal(SIGPIPE, SIG_IGN);
+static int run_program(int argc, char **argv) {
     iso_error error = {0};
     isorender_settings settings;
     iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
@@ -68,4 +65,8 @@ int main(int argc, char **argv) {
     if (status != ISO_OK) code = fail(&error, status);
     free(operands.values);
     return iso_program_finish(isorender_program(), code);
+}
+
+int main(int argc, char **argv) {
+    return iso_program_main(argc, argv, run_program);
 }

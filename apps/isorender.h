@@ -8,11 +8,14 @@
 #include <stdio.h>
 
 #include "apps/input.h"
+#include "apps/json.h"
 #include "apps/options.h"
 #include "base/parallel.h"
 #include "extract/isovalue.h"
 #include "extract/mesh.h"
+#include "extract/mesh_measure.h"
 #include "extract/points.h"
+#include "grids/components.h"
 #include "grids/volume.h"
 #include "image/camera.h"
 #include "io/points_io.h"
@@ -61,7 +64,10 @@ typedef struct isorender_settings {
     int isovalue_count, isovalue_auto;
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;
-    int primitive; /* iso_primitive */
+    int primitive;   /* iso_primitive */
+    int largest;     /* parts of the solid to keep; 0: all */
+    double min_size; /* mm3 of a part that is kept */
+    int closed;      /* the solid ends at the volume's border */
     const char *points, *mesh, *aov;
 
     int method;         /* isorender_method */
@@ -154,10 +160,14 @@ void isorender_backends_list(int threads);
 typedef struct isorender_surface {
     double isovalue; /* physical; NaN for points that were read */
     iso_rgb color;
-    iso_point_set *points; /* or NULL */
-    iso_mesh_set *mesh;    /* or NULL */
-    iso_exact *exact;      /* or NULL */
-    iso_raycaster *caster; /* or NULL */
+    iso_grid grid;     /* what the surface is extracted from; borrowed: the volume's or own_grid */
+    iso_grid own_grid; /* neither is set: none */
+    iso_components_totals parts;
+    iso_mesh_measures measures; /* of the mesh, with --json or --verbose */
+    iso_point_set *points;      /* or NULL */
+    iso_mesh_set *mesh;         /* or NULL */
+    iso_exact *exact;           /* or NULL */
+    iso_raycaster *caster;      /* or NULL */
 } isorender_surface;
 
 typedef struct isorender_frame {
@@ -230,6 +240,18 @@ iso_status isorender_camera_make(isorender_job *job, iso_error *error);
 iso_camera isorender_camera_of_frame(const isorender_job *job, int frame);
 /* ISO_ERR_USAGE when options contradict each other; --mm-per-pixel makes the projection parallel. */
 iso_status isorender_camera_check(isorender_settings *settings, iso_error *error);
+
+/* isorender_solid.c */
+/* Makes surface->grid: without small parts, and closed, as the settings ask for. ISO_ERR_EMPTY: no part is
+ * large enough. */
+iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error);
+/* Bytes that all surfaces' grids take beside the volume's own (`grid_bytes`, of `dims` voxels). */
+uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint64_t grid_bytes);
+/* The surface's welded mesh as it is exported; measured into surface->measures when that is wanted. */
+iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
+                               iso_error *error);
+/* Members of the report: parts and mesh, of the first surface and, when there are several, of each. */
+void isorender_solid_put(iso_json *json, const isorender_job *job);
 
 /* isorender_picture.c */
 iso_status isorender_render(isorender_job *job, iso_error *error);

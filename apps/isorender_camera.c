@@ -21,7 +21,7 @@ static double degrees_between_frames(const isorender_settings *settings) {
 static iso_box bounds_along(void *context, const iso_vec3 vectors[3]) {
     const isorender_job *job = context;
     const iso_transform transform =
-        job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->volume.grid);
+        job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
     const iso_affine world = iso_transform_affine(&transform);
     iso_affine along = {.determinant = 1}; /* only points are taken there */
     for (int row = 0; row < 3; row++) {

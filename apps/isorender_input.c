@@ -188,14 +188,33 @@ static iso_status check_points_only(const isorender_settings *settings, iso_erro
                          : settings->input.cropped    ? "--crop"
                          : settings->input.cropped_mm ? "--crop-mm"
                          : settings->primitive        ? "--primitive"
+                         : settings->largest          ? "--largest"
+                         : settings->min_size > 0     ? "--min-size"
+                         : settings->closed           ? "--closed"
                                                       : NULL;
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
 }
 
+/* Grids that surfaces have of their own, from what the header says. */
+static iso_status check_solid(const isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_volume_info *info = &job->volume.info;
+    int dims[3];
+    for (int axis = 0; axis < 3; axis++) dims[axis] = job->crop[2 * axis + 1] - job->crop[2 * axis] + 1;
+    const uint64_t more = isorender_solid_bytes(job, dims, info->bytes), limit = memory_limit(settings);
+    if (more == 0 || settings->info || (info->bytes <= limit && more <= limit - info->bytes)) return ISO_OK;
+    return iso_fail(
+        error, ISO_ERR_LIMIT,
+        "grids of %.0f MB for --closed or several surfaces' parts, beside the volume's %.0f MB, are "
+        "over the limit of %.0f MB (--max-memory)",
+        (double)more / 1e6, (double)info->bytes / 1e6, (double)limit / 1e6);
+}
+
 static iso_status find_crop(isorender_job *job, iso_error *error) {
     const iso_volume_info *info = &job->volume.info;
-    return iso_input_box(&job->settings->input, info->dims, &info->transform, job->crop, error);
+    ISO_TRY(iso_input_box(&job->settings->input, info->dims, &info->transform, job->crop, error));
+    return check_solid(job, error);
 }
 
 iso_status isorender_open(isorender_job *job, iso_error *error) {
@@ -230,8 +249,8 @@ static void print_notes(const isorender_job *job) {
     const iso_volume_info *info = &job->volume.info;
     for (int i = 0; i < info->note_count; i++) isorender_say(job, "note: %s", info->notes[i]);
     if (job->nonfinite)
-        isorender_say(job, "note: %zu voxels are NaN or infinite: no surface is made next to them",
-                      job->nonfinite);
+        isorender_say(job, "note: %zu voxels are NaN or infinite: %s", job->nonfinite,
+                      job->settings->closed ? "outside the solid" : "no surface is made next to them");
 }
 
 iso_status isorender_read(isorender_job *job, iso_error *error) {

@@ -204,6 +204,15 @@ static const iso_option options[] = {
      "refined or the isovalue is near the end of the narrow band, edge for the rest",
      .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
+#define SOLID SURFACE
+#include "solid_options.inc"
+#undef SOLID
+    {"closed", NULL, NULL,
+     "the solid ends at the volume's border and is capped there, so that meshes are closed; voxels that are "
+     "no "
+     "numbers are outside it",
+     .group = SURFACE, FLAG(closed)},
+
     {"method", NULL, "NAME",
      "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
      "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), pullpush "
@@ -436,6 +445,10 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
                         surfaces > 1 ? "s" : "");
     if (surfaces > 1 && (settings->points || settings->mesh))
         return iso_fail(error, ISO_ERR_USAGE, "--points and --mesh write one surface: give one isovalue");
+    const iso_primitive primitive = (iso_primitive)settings->primitive;
+    if (settings->closed && primitive != ISO_PRIMITIVE_AUTO && primitive != ISO_PRIMITIVE_EDGE)
+        return iso_fail(error, ISO_ERR_USAGE, "--closed makes edge points: --primitive %s has no caps",
+                        iso_primitive_name(primitive));
     for (int i = 0; i < surfaces; i++)
         for (int j = 0; j < i; j++)
             if (settings->isovalues[i] == settings->isovalues[j])

@@ -93,6 +93,7 @@ static void free_surfaces(isorender_job *job) {
         iso_mesh_set_destroy(job->surfaces[i].mesh);
         iso_exact_destroy(job->surfaces[i].exact);
         iso_raycaster_destroy(job->surfaces[i].caster);
+        iso_grid_destroy(&job->surfaces[i].own_grid);
     }
     free(job->frames);
 }

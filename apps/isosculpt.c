@@ -1,6 +1,4 @@
 /* isosculpt: a signed distance field modelled by hand. */
-#define _XOPEN_SOURCE 700 /* SIGXFSZ */
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -15,10 +13,7 @@ static iso_status run(const isosculpt_settings *settings, iso_error *error) {
     return status;
 }
 
-int main(int argc, char **argv) {
-    /* A reader that goes away is a write error with a message, not a silent death. */
-    signal(SIGPIPE, SIG_IGN);
-    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a full disk, not the end */
+static int run_program(int argc, char **argv) {
     const iso_program *program = isosculpt_program();
     iso_error error = {0};
     isosculpt_settings settings;
@@ -33,4 +28,8 @@ int main(int argc, char **argv) {
         status = run(&settings, &error);
     free(operands.values);
     return iso_program_finish(program, status == ISO_OK ? 0 : iso_program_fail(program, &error, status));
+}
+
+int main(int argc, char **argv) {
+    return iso_program_main(argc, argv, run_program);
 }

@@ -131,7 +131,7 @@ static void section_brush(const isosculpt_screen *screen) {
     const double voxel = hand->desk->start.voxel_size, low = 2 * voxel, high = 128 * voxel, none = 0.02,
                  full = 1;
     ImGui::SliderScalar("radius", ImGuiDataType_Double, &hand->brush.radius, &low, &high, "%.2f mm",
-                        ImGuiSliderFlags_Logarithmic);
+                        ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     ImGui::SliderScalar("strength", ImGuiDataType_Double, &hand->brush.strength, &none, &full, "%.2f",
                         ImGuiSliderFlags_AlwaysClamp);
     choose_shape(hand);

@@ -55,7 +55,8 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
                                      .isovalue = settings->isovalue,
                                      .voxel = settings->voxel_size,
                                      .pool = pool,
-                                     .input = &settings->input};
+                                     .input = &settings->input,
+                                     .notes = !settings->quiet};
     if (settings->open) return isosculpt_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
         return isosculpt_source_find(settings->replay, &source, start, grid, error);
@@ -115,10 +116,11 @@ static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *err
     for (;;) {
         ISO_TRY(iso_journal_next(reader, &event, &more, error));
         if (!more) break;
-        ISO_TRY(play(p, &event, error));
+        ISO_TRY(iso_journal_blame(reader, play(p, &event, error), error));
         if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
     }
-    return drawing ? iso_session_end(p->session, error) : ISO_OK; /* it broke off here */
+    if (!drawing) return ISO_OK;
+    return iso_journal_blame(reader, iso_session_end(p->session, error), error); /* it broke off here */
 }
 
 /* ---- outputs */
@@ -203,6 +205,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     isosculpt_report report = {0};
     iso_journal_reader *reader = NULL;
     if (settings->replay) ISO_TRY(iso_journal_open(settings->replay, &report.start, &reader, error));
+    const double own = report.start.voxel_size;
     isosculpt_view view = {0};
     player p = {.settings = settings, .report = &report, .pool = pool, .view = settings->draw ? &view : NULL};
     report.resolution[0] = settings->resolution[0] ? settings->resolution[0] : 1280;
@@ -210,6 +213,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     iso_hgrid *grid = NULL;
     iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory};
     iso_status status = make_field(settings, pool, &report.start, &grid, error);
+    if (status == ISO_OK && reader) opts.work = fmax(1, pow(own / grid->transform.spacing[0], 3));
     if (status == ISO_OK) status = iso_session_create(grid, &report.start, &opts, &p.session, error);
     if (status == ISO_OK) status = run(&p, reader, error);
     iso_point_set_destroy(p.points);

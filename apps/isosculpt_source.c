@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "apps/isosculpt.h"
+#include "grids/format.h"
 #include "grids/level_set.h"
 #include "grids/volume.h"
 #include "io/mesh_read.h"
@@ -28,14 +30,15 @@ static iso_status checksum(const char *path, const iso_progress *progress, uint3
     struct stat about;
     *crc = 0;
     if (stat(path, &about) == 0 && S_ISDIR(about.st_mode)) return ISO_OK;
-    FILE *file = fopen(path, "rb");
-    if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    FILE *file;
+    uint64_t size;
+    ISO_TRY(iso_format_open(path, &file, &size, error));
     static const size_t SIZE = 1 << 20;
     unsigned char *bytes = malloc(SIZE);
     iso_status status = ISO_OK;
     double done = 0;
     for (size_t got = 1; bytes && got && status == ISO_OK; *crc = iso_crc32c(*crc, bytes, got)) {
-        status = iso_progress_tell(progress, path, done / (double)about.st_size, error);
+        status = iso_progress_tell(progress, path, done / (double)size, error);
         got = fread(bytes, 1, SIZE, file);
         done += (double)got;
     }
@@ -201,6 +204,8 @@ static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, 
     const iso_volume_opts opts = {.pool = source->pool, .progress = tell, .progress_context = &reading};
     iso_volume volume;
     ISO_TRY(iso_input_read(source->path, source->input ? source->input : &by_default, &opts, &volume, error));
+    for (int i = 0; source->notes && i < volume.info.note_count; i++)
+        iso_program_say(isosculpt_program(), "%s: note: %s", source->path, volume.info.notes[i]);
     iso_status status = from_grid(source, &volume.grid, grid, error);
     iso_volume_free(&volume);
     return status;
@@ -250,7 +255,7 @@ iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_sta
 }
 
 /* The file where it was, or one of its name beside the stroke file. */
-static iso_status find_file(const char *strokes, const char *path, char found[2 * ISO_JOURNAL_TEXT],
+static iso_status find_file(const char *path, const char *strokes, char found[2 * ISO_JOURNAL_TEXT],
                             iso_error *error) {
     const char *slash = strrchr(strokes, '/'), *name = strrchr(path, '/');
     snprintf(found, 2 * ISO_JOURNAL_TEXT, "%s", path);
@@ -259,27 +264,27 @@ static iso_status find_file(const char *strokes, const char *path, char found[2 
     snprintf(found, 2 * ISO_JOURNAL_TEXT, "%.*s%s", slash ? (int)(slash + 1 - strokes) : 0, strokes,
              name ? name + 1 : path);
     if (access(found, R_OK) == 0) return ISO_OK;
-    return iso_fail(error, ISO_ERR_IO, "%s: began with '%s', which cannot be read (%s) and is not beside it",
-                    strokes, path, strerror(missing));
+    return iso_fail(error, ISO_ERR_IO, "'%s' cannot be read (%s) and is not beside it", path,
+                    strerror(missing));
 }
 
-iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
-                                 iso_hgrid **grid, iso_error *error) {
+static iso_status find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
+                       iso_hgrid **grid, iso_error *error) {
     char found[2 * ISO_JOURNAL_TEXT];
     uint32_t crc;
-    ISO_TRY(find_file(strokes, start->source, found, error));
+    ISO_TRY(find_file(start->source, strokes, found, error));
     const iso_progress summing = iso_progress_part(how->progress, 0, 0.05);
     ISO_TRY(checksum(found, &summing, &crc, error));
     if (crc != start->source_crc)
         return iso_fail(error, ISO_ERR_FORMAT,
-                        "%s: '%s' is not what it was when the session began (checksum %08x, then %08x)",
-                        strokes, found, crc, start->source_crc);
+                        "'%s' is not what it was when the session began (checksum %08x, then %08x)", found,
+                        crc, start->source_crc);
     char reading[ISO_JOURNAL_TEXT];
     iso_input input;
     iso_error reason = {0};
     memcpy(reading, start->reading, sizeof reading);
     if (iso_input_parse(reading, &input, &reason) != ISO_OK)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", strokes, reason.text);
+        return iso_fail(error, ISO_ERR_FORMAT, "%s", reason.text);
     if (how->input) input.max_memory = how->input->max_memory;
     const isosculpt_source source = {.path = found,
                                      .input = &input,
@@ -293,6 +298,15 @@ iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *ho
     describe(&source, *grid, start);
     if (how->voxel > 0 || memcmp(wanted.dims, start->dims, sizeof wanted.dims) == 0) return ISO_OK;
     iso_hgrid_destroy(*grid);
-    return iso_fail(error, ISO_ERR_FORMAT, "%s: '%s' makes a grid of another size than the session's",
-                    strokes, found);
+    return iso_fail(error, ISO_ERR_FORMAT, "'%s' makes a grid of another size than the session's", found);
+}
+
+/* A failure names the stroke file, too. It is at fault for what cannot be sculpted; the settings are its own.
+ */
+iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
+                                 iso_hgrid **grid, iso_error *error) {
+    iso_status status = find(strokes, how, start, grid, error);
+    if (status == ISO_OK || !error || iso_progress_cancelled(how->progress)) return status;
+    const iso_error why = *error;
+    return iso_fail(error, status == ISO_ERR_USAGE ? ISO_ERR_FORMAT : status, "%s: %s", strokes, why.text);
 }

@@ -1,8 +1,9 @@
 #include "apps/isosculpt_task.h"
 
-#include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+
+#include "base/thread.h"
 
 /* Progress is kept as a whole number: thousandths. */
 static const double SCALE = 1000;
@@ -44,7 +45,7 @@ iso_status isosculpt_task_start(isosculpt_task_fn *run, void *context, void (*wa
     task->run = run;
     task->context = context;
     task->wake = wake;
-    if (pthread_create(&task->thread, NULL, work, task)) {
+    if (iso_thread_start(&task->thread, work, task)) {
         free(task);
         return iso_fail(error, ISO_ERR_NOMEM, "no thread can be started for it");
     }

@@ -1,10 +1,13 @@
+#define _XOPEN_SOURCE 700 /* SIGXFSZ */
 #include "apps/options.h"
 
 #include <limits.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/thread.h"
 #include "image/image.h"
 
 /* ---- numbers ---- */
@@ -268,6 +271,8 @@ static iso_status store(const iso_option *option, const char *value, void *setti
         *(const char **)field = value;
         return ISO_OK;
     case ISO_OPTION_INT:
+        if (!value) *(int *)field = 1;
+        if (!value) return ISO_OK;
         return store_int(option, value, field, error);
     case ISO_OPTION_REAL:
         return store_real(option, value, field, error);
@@ -336,4 +341,25 @@ iso_status iso_options_parse(const iso_program *program, int argc, char *const *
             ISO_TRY(parse_option(program, argc, argv, &i, settings, error));
     }
     return ISO_OK;
+}
+
+typedef struct main_call {
+    int argc;
+    char **argv;
+    int (*run)(int argc, char **argv);
+    int status;
+} main_call;
+
+static void *call_main(void *argument) {
+    main_call *call = argument;
+    call->status = call->run(call->argc, call->argv);
+    return NULL;
+}
+
+int iso_program_main(int argc, char **argv, int (*run)(int argc, char **argv)) {
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
+    main_call call = {.argc = argc, .argv = argv, .run = run};
+    iso_call_with_stack(call_main, &call);
+    return call.status;
 }

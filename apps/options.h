@@ -33,7 +33,8 @@ typedef enum iso_option_kind {
 
 enum {
     ISO_OPTION_HIDDEN = 1,         /* parsed, but in no help */
-    ISO_OPTION_VALUE_OPTIONAL = 2, /* `--name` alone is allowed; a value only as `--name=value` */
+    ISO_OPTION_VALUE_OPTIONAL = 2, /* `--name` alone is allowed; a value only as `--name=value`;
+                                      an ISO_OPTION_INT is 1 without */
     ISO_OPTION_REPEATABLE = 4,     /* for the help; `apply` does the collecting */
     ISO_OPTION_UNRECORDED = 8      /* changes how the program runs, not what it makes */
 };
@@ -114,6 +115,11 @@ void iso_program_say(const iso_program *program, const char *format, ...);
 
 /* Says what went wrong on stderr, and returns the exit status. */
 int iso_program_fail(const iso_program *program, const iso_error *error, iso_status status);
+
+/* What the main function of a program does around its own work: a reader of its output that goes away, and a
+ * file that may not grow, are write errors and not signals, and there is enough stack for the library.
+ * Returns what run(argc, argv) does. */
+int iso_program_main(int argc, char **argv, int (*run)(int argc, char **argv));
 
 /* Help and lists are outputs like any other: a full disk is noticed. Returns the exit status: `status` unless
  * that is 0 and standard output could not be written. */

@@ -75,6 +75,78 @@ iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_er
     return ISO_OK;
 }
 
+/* ---- the layout as a file's name tells it ---- */
+
+/* A word of a file's name, which _ - . and spaces part. */
+typedef struct name_word {
+    const char *text;
+    size_t length;
+} name_word;
+
+enum { NAME_WORDS = 64 };
+
+static int split_name(const char *path, name_word words[NAME_WORDS]) {
+    const char *at = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
+    int count = 0;
+    while (*at && count < NAME_WORDS) {
+        size_t length = strcspn(at, "_-. ");
+        if (length) words[count++] = (name_word){at, length};
+        at += length + (at[length] != 0);
+    }
+    return count;
+}
+
+static bool is_any(const name_word *word, const char *const *names) {
+    for (; *names; names++)
+        if (word_is(word->text, word->length, *names)) return true;
+    return false;
+}
+
+static bool name_type(const name_word *word, iso_type *type) {
+    static const struct {
+        iso_type type;
+        const char *names[5];
+    } types[] = {{ISO_UINT8, {"uint8", "uchar", "u8"}},
+                 {ISO_INT16, {"int16", "short", "i16"}},
+                 {ISO_UINT16, {"uint16", "ushort", "u16"}},
+                 {ISO_FLOAT32, {"float32", "float", "f32"}}};
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        if (!is_any(word, types[i].names)) continue;
+        *type = types[i].type;
+        return true;
+    }
+    return false;
+}
+
+bool iso_raw_layout_of_name(const char *path, iso_raw_layout *layout) {
+    static const char *const big[] = {"be", "big", NULL};
+    name_word words[NAME_WORDS];
+    int count = split_name(path, words), sizes = -1;
+    iso_raw_layout result = {.components = 1};
+    for (int i = 0; i < count; i++) {
+        int dims[3];
+        if (!parse_dims(words[i].text, words[i].text + words[i].length, dims)) continue;
+        if (sizes >= 0) return false; /* which of the two? */
+        sizes = i;
+        memcpy(result.dims, dims, sizeof dims);
+    }
+    if (sizes < 0) return false;
+    int last = sizes + 1; /* the type stands behind the sizes, or before them */
+    if (last == count || !name_type(&words[last], &result.type)) {
+        last = sizes;
+        if (sizes == 0 || !name_type(&words[sizes - 1], &result.type)) return false;
+    }
+    result.big_endian = last + 1 < count && is_any(&words[last + 1], big);
+    *layout = result;
+    return true;
+}
+
+uint64_t iso_raw_layout_bytes(const iso_raw_layout *layout) {
+    uint64_t each = iso_type_size(layout->type) * (uint64_t)(layout->components ? layout->components : 1);
+    uint64_t bytes = iso_format_size(layout->dims, each);
+    return __builtin_add_overflow(bytes, layout->offset, &bytes) ? UINT64_MAX : bytes;
+}
+
 /* ---- the file ---- */
 
 static iso_scalar scalar_of(iso_type type) {
@@ -88,12 +160,6 @@ static iso_scalar scalar_of(iso_type type) {
     default:
         return ISO_SCALAR_FLOAT;
     }
-}
-
-/* Bytes that the file must have; UINT64_MAX when that is more than 64 bits can say. */
-static uint64_t wanted_bytes(const iso_volume_info *info, uint64_t offset) {
-    uint64_t bytes = iso_format_size(info->dims, iso_type_size(info->type) * (uint64_t)info->components);
-    return __builtin_add_overflow(bytes, offset, &bytes) ? UINT64_MAX : bytes;
 }
 
 typedef struct raw_file {
@@ -122,7 +188,7 @@ static iso_status raw_info(const char *path, const iso_volume_opts *opts, iso_vo
     info->type = raw->type;
     snprintf(info->file_type, sizeof info->file_type, "%s", iso_type_name(raw->type));
     ISO_TRY(iso_format_component(path, opts, raw->components ? raw->components : 1, info, error));
-    uint64_t bytes = 0, wanted = wanted_bytes(info, raw->offset);
+    uint64_t bytes = 0, wanted = iso_raw_layout_bytes(raw);
     ISO_TRY(iso_format_file_bytes(path, &bytes, error));
     if (bytes > wanted)
         iso_volume_note(info, "%llu bytes after the last voxel are not used",
@@ -134,7 +200,7 @@ static iso_status raw_info(const char *path, const iso_volume_opts *opts, iso_vo
 
 static iso_status raw_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                            iso_grid *grid, iso_error *error) {
-    uint64_t bytes = 0, wanted = wanted_bytes(info, opts->raw->offset);
+    uint64_t bytes = 0, wanted = iso_raw_layout_bytes(opts->raw);
     raw_file file = {path, NULL};
     ISO_TRY(iso_format_open(path, &file.stream, &bytes, error));
     iso_status status = ISO_OK;

@@ -102,21 +102,54 @@ static iso_status read_head(const char *path, head *h, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status find_format(const char *path, const iso_volume_opts *opts, const iso_format **format,
-                              iso_error *error) {
+/* What is asked for: the caller's options, and the layout in which a raw file is read though they give none.
+ */
+typedef struct request {
+    iso_volume_opts opts;
+    iso_raw_layout guessed;
+    bool is_guessed;
+} request;
+
+static const iso_format *format_of_file(const char *path, const head *h) {
+    const iso_format *format = format_of_content(h);
+    return format ? format : format_of_name(path);
+}
+
+/* A file that no reader knows, or that is called .raw, may tell its layout by its name; its size must agree.
+ */
+static iso_status guess_raw(const char *path, uint64_t bytes, request *r, const iso_format **format,
+                            iso_error *error) {
+    if (*format && !ends_with(path, ".raw")) return ISO_OK;
+    if (!iso_raw_layout_of_name(path, &r->guessed)) return ISO_OK;
+    uint64_t wanted = iso_raw_layout_bytes(&r->guessed);
+    r->is_guessed = bytes == wanted;
+    if (r->is_guessed) {
+        r->opts.raw = &r->guessed;
+        *format = &iso_format_raw;
+    }
+    if (*format) return ISO_OK;
+    const int *dims = r->guessed.dims;
+    return iso_fail(
+        error, ISO_ERR_FORMAT,
+        "%s: has %llu bytes, but %dx%dx%d %s, as its name says, are %llu: give its layout (--raw)", path,
+        (unsigned long long)bytes, dims[0], dims[1], dims[2], iso_type_name(r->guessed.type),
+        (unsigned long long)wanted);
+}
+
+static iso_status find_format(const char *path, request *r, const iso_format **format, iso_error *error) {
     struct stat status;
     if (stat(path, &status) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     if (S_ISDIR(status.st_mode)) {
         *format = &iso_format_dicom;
-        if (opts->raw) return iso_fail(error, ISO_ERR_IO, "%s: is a folder, not a raw file", path);
+        if (r->opts.raw) return iso_fail(error, ISO_ERR_IO, "%s: is a folder, not a raw file", path);
         return ISO_OK;
     }
     if (!S_ISREG(status.st_mode)) return iso_fail(error, ISO_ERR_IO, "%s: not a file or a folder", path);
     head h;
     ISO_TRY(read_head(path, &h, error));
-    *format = opts->raw ? &iso_format_raw : format_of_content(&h);
-    if (!*format) *format = format_of_name(path);
+    *format = r->opts.raw ? &iso_format_raw : format_of_file(path, &h);
+    if (!r->opts.raw) ISO_TRY(guess_raw(path, (uint64_t)status.st_size, r, format, error));
     if (*format) return ISO_OK;
     if (ends_with(path, ".raw"))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: raw data needs a layout (--raw WxHxD:TYPE)", path);
@@ -195,15 +228,21 @@ static iso_status load_format(const char *path, const iso_format **format, iso_e
                     (*format)->library);
 }
 
-static iso_status read_header(const char *path, const iso_volume_opts *opts, const iso_format **format,
-                              iso_volume_info *info, iso_error *error) {
+static void note_guess(const iso_raw_layout *raw, iso_volume_info *info) {
+    iso_volume_note(info, "layout taken from the file's name: %dx%dx%d:%s:%s (--raw)", raw->dims[0],
+                    raw->dims[1], raw->dims[2], iso_type_name(raw->type), raw->big_endian ? "big" : "little");
+}
+
+static iso_status read_header(const char *path, request *r, const iso_format **format, iso_volume_info *info,
+                              iso_error *error) {
     *info = (iso_volume_info){.components = 1, .scale = 1, .transform = iso_transform_identity()};
-    ISO_TRY(find_format(path, opts, format, error));
+    ISO_TRY(find_format(path, r, format, error));
     ISO_TRY(load_format(path, format, error));
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);
+    if (r->is_guessed) note_guess(&r->guessed, info);
     iso_error detail = {0};
-    ISO_TRY(named(path, (*format)->info(path, opts, info, &detail), &detail, error));
-    return check_info(path, opts, info, error);
+    ISO_TRY(named(path, (*format)->info(path, &r->opts, info, &detail), &detail, error));
+    return check_info(path, &r->opts, info, error);
 }
 
 /* Names from the file are shown from here on; until then readers look for them in the file. */
@@ -215,10 +254,10 @@ static void clean_texts(iso_volume_info *info) {
 
 iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                                 iso_error *error) {
-    const iso_volume_opts none = {0};
+    request r = {.opts = opts ? *opts : (iso_volume_opts){0}};
     const iso_format *format = NULL;
     iso_volume_info found;
-    ISO_TRY(read_header(path, opts ? opts : &none, &format, &found, error));
+    ISO_TRY(read_header(path, &r, &format, &found, error));
     clean_texts(&found);
     *info = found;
     return ISO_OK;
@@ -268,11 +307,11 @@ static iso_status make_index(const char *path, const iso_volume_opts *opts, iso_
 
 iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_volume *volume,
                            iso_error *error) {
-    const iso_volume_opts none = {0};
-    if (!opts) opts = &none;
+    request r = {.opts = opts ? *opts : (iso_volume_opts){0}};
+    opts = &r.opts;
     const iso_format *format = NULL;
     iso_volume result = {0};
-    ISO_TRY(read_header(path, opts, &format, &result.info, error));
+    ISO_TRY(read_header(path, &r, &format, &result.info, error));
     ISO_TRY(check_memory(path, opts, &result.info, error));
     ISO_TRY(iso_format_progress(path, opts, 0, error));
     iso_error detail = {0};

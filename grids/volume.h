@@ -40,6 +40,14 @@ typedef struct iso_raw_layout {
  * the last may be empty. ISO_ERR_USAGE says what is wrong. */
 iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_error *error);
 
+/* The layout that the name of a file tells, as tooth_103x94x161_uint8.raw does: WxHxD, and behind or before
+ * it uint8 uchar u8, int16 short i16, uint16 ushort u16, float32 float or f32; then be or big, unless it is
+ * little-endian. The words are parted by _ - . or spaces. False: it tells none. */
+bool iso_raw_layout_of_name(const char *path, iso_raw_layout *layout);
+
+/* Bytes that a file of that layout has at least; UINT64_MAX when that is more than 64 bits can say. */
+uint64_t iso_raw_layout_bytes(const iso_raw_layout *layout);
+
 /* All zero means the default. Strings are borrowed for the call. */
 typedef struct iso_volume_opts {
     /* The .vdb grid's name, NULL: the only one, or the first level set, or the first scalar one. The .vti or
@@ -48,8 +56,10 @@ typedef struct iso_volume_opts {
     const char
         *series;   /* DICOM: series instance UID, or its number (from 1) as listed by iso_volume_read_info */
     int component; /* which of several components, from 0 */
-    const iso_raw_layout *raw; /* read as raw, whatever the name */
-    double spacing[3];         /* > 0 overrides the file's spacing (mm) */
+    const iso_raw_layout
+        *raw;            /* read as raw, whatever the name; NULL: raw when iso_raw_layout_of_name says so, the
+                          * file has just that size, and it is called .raw or is of no other format */
+    double spacing[3];   /* > 0 overrides the file's spacing (mm) */
     uint64_t max_memory; /* bytes that the grid and reading it may take; 0: 80 % of iso_memory_available */
     iso_pool *pool;
     iso_progress_fn *progress; /* cancels: ISO_ERR_IO */
@@ -58,7 +68,7 @@ typedef struct iso_volume_opts {
 
 enum { ISO_VOLUME_ITEMS = 32, ISO_VOLUME_NOTES = 8, ISO_VOLUME_TEXT = 256 };
 
-/* What the header says. Plain data, no ownership. The texts are printable UTF-8 (base/text.h). */
+/* What the header says. Plain data, no ownership. The texts are printable UTF-8, a line each. */
 typedef struct iso_volume_info {
     char format[16]; /* "vti", "vtk", "nrrd", "metaimage", "nifti", "dicom", "vdb", "raw", "scene" */
     char name[ISO_VOLUME_TEXT]; /* grid or series name, or empty */

@@ -266,6 +266,7 @@ static void numbers_come_back_exactly(void **state) {
     iso_journal_start start = SESSION_START, got_start;
     strcpy(start.source, "a \"quoted\\ path \xc3\xa9\n.vdb");
     start.source_crc = 0xfedcba98u;
+    start.isovalue = -1.2345678901234567e+299;
     assert_int_equal(iso_journal_create(journal, &start, &j, NULL), ISO_OK);
     uint32_t seed = 4;
     enum { EVENTS = 200 };
@@ -274,7 +275,7 @@ static void numbers_come_back_exactly(void **state) {
     for (int i = 0; i < EVENTS; i++) {
         put[i].kind = i % 2 ? ISO_EVENT_SAMPLE : ISO_EVENT_BEGIN;
         put[i].sample = session_random_sample(&seed);
-        put[i].sample.position.x *= pow(10, (int)(sculpt_uniform(&seed) * 60) - 30);
+        put[i].sample.position.x *= pow(10, (int)(sculpt_uniform(&seed) * 34) - 30); /* (limits.h) */
         if (put[i].kind == ISO_EVENT_BEGIN) put[i].brush = session_random_brush(&seed, ISO_TOOL_COUNT);
         assert_int_equal(iso_journal_put(j, &put[i], NULL), ISO_OK);
     }
@@ -283,7 +284,8 @@ static void numbers_come_back_exactly(void **state) {
     iso_journal_reader *reader;
     assert_int_equal(iso_journal_open(journal, &got_start, &reader, NULL), ISO_OK);
     assert_string_equal(got_start.source, start.source);
-    assert_true(got_start.source_crc == start.source_crc && got_start.origin.x == start.origin.x);
+    assert_true(got_start.source_crc == start.source_crc && got_start.origin.x == start.origin.x &&
+                got_start.isovalue == start.isovalue);
     for (int i = 0; i < EVENTS; i++) {
         iso_event got;
         bool more;
@@ -297,6 +299,83 @@ static void numbers_come_back_exactly(void **state) {
     iso_journal_reader_free(reader);
     free(put);
     unlink(journal);
+}
+
+static iso_event event_at(iso_event_kind kind, iso_vec3 position) {
+    iso_event event;
+    memset(&event, 0, sizeof event);
+    event.kind = kind;
+    event.brush = (iso_brush){.tool = ISO_TOOL_MASK, .radius = 400};
+    event.sample = (iso_sample){.position = position, .normal = {0, 0, 1}, .pressure = 1};
+    return event;
+}
+
+/* What a stroke file may ask for is bounded, not what a hand does. */
+static void work_is_bounded(void **state) {
+    (void)state;
+    const double far = 1e4;
+    const iso_session_opts opts = {.work = 1e-4};
+    iso_session *session = session_open(&opts);
+    iso_error error = {0};
+    iso_event event = event_at(ISO_EVENT_BEGIN, iso_vec3_make(0, 0, 0));
+    event.brush.spacing = 0.01;
+    iso_status status = ISO_OK;
+    int played = 0;
+    for (; status == ISO_OK && played < 100; played++) {
+        status = iso_session_play(session, &event, NULL, &error);
+        event = event_at(ISO_EVENT_SAMPLE, iso_vec3_make(played % 2 ? -far : far, 0, 0));
+    }
+    assert_int_equal(status, ISO_ERR_FORMAT);
+    assert_non_null(strstr(error.text, "more work"));
+    assert_in_range(played, 2, 20);
+    /* by hand: as much as there is time for */
+    assert_int_equal(iso_session_sample(session, &event.sample, NULL, &error), ISO_OK);
+    assert_int_equal(iso_session_end(session, &error), ISO_OK);
+    /* undone again and again */
+    event = (iso_event){.kind = ISO_EVENT_UNDO};
+    assert_int_equal(iso_session_play(session, &event, NULL, &error), ISO_ERR_FORMAT);
+    assert_int_equal(iso_session_undo(session, &error), ISO_OK);
+    iso_session_destroy(session);
+}
+
+/* One sample makes no more touches than ISO_LIMIT_TOUCHES, by whomever, and then makes none. */
+static void touches_are_bounded(void **state) {
+    (void)state;
+    const iso_session_opts opts = {0};
+    iso_session *session = session_open(&opts);
+    iso_error error = {0};
+    iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 1e-30};
+    iso_sample sample = {.normal = {0, 0, 1}, .pressure = 1};
+    assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, &error), ISO_OK);
+    sample.position.x = 1;
+    iso_edit_stats stats = {0};
+    assert_int_equal(iso_session_sample(session, &sample, &stats, &error), ISO_ERR_USAGE);
+    assert_non_null(strstr(error.text, "touches"));
+    assert_int_equal(iso_session_cancel(session, &error), ISO_OK);
+    iso_session_destroy(session);
+}
+
+/* A session with a journal takes only what can be read back: work is never recorded that cannot be played. */
+static void what_cannot_be_played_is_not_recorded(void **state) {
+    (void)state;
+    const char *journal = session_path("bounds.strokes");
+    session_remove_files(journal);
+    iso_session_opts opts = {.journal = journal, .snapshot_strokes = -1};
+    iso_session *session = session_open(&opts);
+    iso_error error = {0};
+    iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 1e6};
+    iso_sample sample = {.normal = {0, 0, 1}, .pressure = 1};
+    assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, &error), ISO_ERR_USAGE);
+    brush.radius = 4;
+    assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, &error), ISO_OK);
+    sample.position.x = 1e9;
+    assert_int_equal(iso_session_sample(session, &sample, NULL, &error), ISO_ERR_USAGE);
+    assert_int_equal(iso_session_end(session, &error), ISO_OK);
+    session_field wanted = session_field_of(session);
+    iso_session_destroy(session);
+    check_resumes_to(journal, &wanted);
+    session_field_free(&wanted);
+    session_remove_files(journal);
 }
 
 /* /dev/full refuses every byte: it is said, what was put is kept, and the session goes on. */
@@ -599,13 +678,21 @@ static void moving_costs_what_it_reaches(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(moving_costs_what_it_reaches),    cmocka_unit_test(undo_restores_every_bit),
-        cmocka_unit_test(cancelled_strokes_leave_nothing), cmocka_unit_test(journals_resume_to_the_same_bits),
-        cmocka_unit_test(torn_and_damaged_lines),          cmocka_unit_test(readings_come_back),
-        cmocka_unit_test(numbers_come_back_exactly),       cmocka_unit_test(full_disks_are_said),
-        cmocka_unit_test(disks_that_fill_up_lose_nothing), cmocka_unit_test(read_only_folders_lose_nothing),
-        cmocka_unit_test(killed_sessions_survive),         cmocka_unit_test(snapshots_round_trip),
-        cmocka_unit_test(moving_keeps_the_volume)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(moving_costs_what_it_reaches),
+                                       cmocka_unit_test(undo_restores_every_bit),
+                                       cmocka_unit_test(cancelled_strokes_leave_nothing),
+                                       cmocka_unit_test(journals_resume_to_the_same_bits),
+                                       cmocka_unit_test(torn_and_damaged_lines),
+                                       cmocka_unit_test(readings_come_back),
+                                       cmocka_unit_test(numbers_come_back_exactly),
+                                       cmocka_unit_test(work_is_bounded),
+                                       cmocka_unit_test(touches_are_bounded),
+                                       cmocka_unit_test(what_cannot_be_played_is_not_recorded),
+                                       cmocka_unit_test(full_disks_are_said),
+                                       cmocka_unit_test(disks_that_fill_up_lose_nothing),
+                                       cmocka_unit_test(read_only_folders_lose_nothing),
+                                       cmocka_unit_test(killed_sessions_survive),
+                                       cmocka_unit_test(snapshots_round_trip),
+                                       cmocka_unit_test(moving_keeps_the_volume)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

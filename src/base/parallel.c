@@ -10,6 +10,7 @@
 
 #include "base/cpu.h"
 #include "base/memory.h"
+#include "base/thread.h"
 
 enum { MAX_THREADS = 1024 };
 
@@ -132,7 +133,7 @@ iso_status iso_pool_create(int threads, iso_pool **out, iso_error *error) {
     for (int i = 1; i < wanted; i++) {
         worker *self = &pool->workers[i - 1];
         *self = (worker){.pool = pool, .number = i};
-        if (pthread_create(&self->thread, NULL, worker_main, self) != 0) {
+        if (iso_thread_start(&self->thread, worker_main, self) != 0) {
             iso_pool_destroy(pool);
             return iso_fail(error, ISO_ERR_NOMEM, "cannot start thread %d of %d", i + 1, wanted);
         }

@@ -50,10 +50,10 @@ static void localise(const iso_dabs *dabs, const int brick[3], iso_local_dab loc
         }
 }
 
-/* Steps in which the flow of MOVE is followed: each an eighth of the radius or less. */
-static int flow_steps(const iso_dabs *dabs, const iso_local_dab *local) {
-    const float *s = local[0].segment;
-    float steps = ceilf(8 * sqrtf(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / dabs->radius);
+int iso_dabs_steps(const iso_dabs *dabs) {
+    float s[3];
+    for (int k = 0; k < 3; k++) s[k] = (float)(dabs->dab[0].from[k] - dabs->dab[0].centre[k]);
+    const float steps = ceilf(8 * sqrtf(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / dabs->radius);
     return steps < 1 ? 1 : steps > 256 ? 256 : (int)steps;
 }
 

@@ -39,6 +39,9 @@ typedef struct iso_dabs {
 /* Voxels from a centre (or the segment between from and centre) beyond which nothing changes. */
 double iso_dabs_reach(const iso_dabs *dabs);
 
+/* Steps in which MOVE follows its way: each an eighth of the radius or less, 256 at most. */
+int iso_dabs_steps(const iso_dabs *dabs);
+
 /* Index positions in a brick: voxel (x, y, z) shows what lies at position. */
 typedef struct iso_warp {
     float position[3][ISO_BRICK_VOXELS];

@@ -4,10 +4,14 @@
 #include <string.h>
 
 #include "sculpt/crease.h"
+#include "sculpt/limits.h"
 #include "sculpt/work.h"
 
 /* Until the band is whole again where it was torn. */
 enum { TORN_ITERATIONS = 12 };
+/* Floats of a window of the field that are gathered for one brick; a warp that reaches farther (a long drag
+ * of a small brush) is sampled voxel by voxel. */
+enum { WINDOW_MAX = 1 << 22 };
 
 struct iso_editor {
     iso_work work;
@@ -15,6 +19,7 @@ struct iso_editor {
     double spacing;
     int iterations;
     iso_step_opts opts;
+    double done;    /* work, as iso_editor_work says */
     uint32_t step;  /* number of the current step */
     uint32_t *told; /* by cell: the step that last told it */
     uint32_t *mask_told;
@@ -225,10 +230,25 @@ static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso
     return clipped;
 }
 
+/* Cells lo .. hi. */
+static double range_cells(const int lo[3], const int hi[3]) {
+    return (hi[0] - lo[0] + 1.0) * (hi[1] - lo[1] + 1.0) * (hi[2] - lo[2] + 1.0);
+}
+
+/* What a listed cell costs compared with one of a plain brush: mirrored instances add up; a stamp is sampled
+ * voxel by voxel; the way that MOVE follows has up to 256 steps. */
+static double cell_work(const iso_dabs *dabs) {
+    const double count = dabs->count;
+    if (dabs->tool == ISO_TOOL_MOVE) return 1 + count * iso_dabs_steps(dabs) / 16;
+    if (dabs->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(dabs->tool)) return 16 * count;
+    return 1 + count / 4;
+}
+
 static iso_status list_dab(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, bool *clipped,
                            iso_error *error) {
     int lo[3], hi[3], at[3];
     *clipped |= cell_range(editor, dabs, dab, lo, hi);
+    editor->done += range_cells(lo, hi) / 256;
     const double reach = iso_dabs_reach(dabs);
     for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
         for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
@@ -237,6 +257,10 @@ static iso_status list_dab(iso_editor *editor, const iso_dabs *dabs, const iso_d
                 size_t cell = iso_hgrid_cell_index(editor->work.grid, at[0], at[1], at[2]);
                 if (!can_change(dabs->tool, editor->work.grid->cell[cell])) continue;
                 ISO_TRY(iso_work_add(&editor->work, at, true, error));
+                if (editor->work.job_count > ISO_LIMIT_TOUCH_CELLS)
+                    return iso_fail(error, ISO_ERR_LIMIT,
+                                    "a brush of %g voxels reaches more than %d bricks in one touch",
+                                    (double)dabs->radius, ISO_LIMIT_TOUCH_CELLS);
             }
     return ISO_OK;
 }
@@ -313,6 +337,45 @@ static void window_box(const iso_warp *warp, iso_field_window *window) {
     }
 }
 
+static bool is_large(const iso_field_window *window) {
+    return (double)window->size[0] * window->size[1] * window->size[2] > WINDOW_MAX;
+}
+
+/* (as the kernels do it, to the bit) */
+static float mix(float a, float b, float t) {
+    return a * (1 - t) + b * t;
+}
+
+/* A voxel of the field as the warp sees it, the outermost ones repeated. */
+static float value_at(const iso_editor *editor, iso_tool tool, const int at[3]) {
+    const iso_hgrid *grid = editor->work.grid;
+    int p[3];
+    for (int axis = 0; axis < 3; axis++) p[axis] = clamp_index(at[axis], grid->dims[axis]);
+    const size_t cell = iso_hgrid_cell_index(grid, p[0] / ISO_BRICK, p[1] / ISO_BRICK, p[2] / ISO_BRICK);
+    return source_of(editor, tool, (uint32_t)cell)[(p[2] % ISO_BRICK) * ISO_BRICK_ROWS +
+                                                   (p[1] % ISO_BRICK) * ISO_BRICK + p[0] % ISO_BRICK];
+}
+
+/* What a kernel's `sample` makes of the window, without the window. */
+static void sample_far(const iso_editor *editor, iso_tool tool, const int brick[3], const iso_warp *warp,
+                       const iso_field_window *window, float *out) {
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        float part[3], row[4];
+        int first[3];
+        for (int axis = 0; axis < 3; axis++) {
+            const float p = warp->position[axis][i] - (float)window->lo[axis], whole = floorf(p);
+            part[axis] = p - whole;
+            first[axis] = ISO_BRICK * brick[axis] + window->lo[axis] + (int)whole;
+        }
+        for (int k = 0; k < 4; k++) {
+            const int a[3] = {first[0], first[1] + (k & 1), first[2] + (k >> 1)},
+                      b[3] = {a[0] + 1, a[1], a[2]};
+            row[k] = mix(value_at(editor, tool, a), value_at(editor, tool, b), part[0]);
+        }
+        out[i] = mix(mix(row[0], row[1], part[1]), mix(row[2], row[3], part[1]), part[2]);
+    }
+}
+
 static bool fill_window(const iso_editor *editor, iso_tool tool, const int brick[3], iso_field_window *window,
                         iso_buffer *buffer) {
     size_t row = (size_t)window->size[0], rows = (size_t)window->size[1] * (size_t)window->size[2];
@@ -338,7 +401,9 @@ static void warp_job(const edit_pass *pass, iso_job *job, iso_worker *worker, fl
     }
     iso_field_window window;
     window_box(&worker->warp, &window);
-    if (fill_window(editor, tool, job->at, &window, &worker->window))
+    if (is_large(&window))
+        sample_far(editor, tool, job->at, &worker->warp, &window, out);
+    else if (fill_window(editor, tool, job->at, &window, &worker->window))
         editor->work.dab->sample(&worker->warp, &window, out);
     else
         worker->failed = true;
@@ -400,6 +465,7 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
     iso_work *work = &editor->work;
     edit_pass pass = {.editor = editor, .dabs = dabs};
     ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
+    editor->done += (double)work->job_count * cell_work(dabs);
     work->away = away_side(dabs);
     work->torn =
         dabs->tool == ISO_TOOL_MOVE; /* it draws out, and presses together, as far as the hand goes */
@@ -411,6 +477,7 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
     if (!any) return ISO_OK;
     for (size_t i = 0; i < work->job_count; i++) stats->edited += iso_work_job(work, i)->edited;
     stats->redistanced += work->job_count;
+    editor->done += (double)work->job_count * (work->torn ? 3 : 1);
     bool blends = dabs->tool == ISO_TOOL_BLEND_ADD || dabs->tool == ISO_TOOL_BLEND_CARVE;
     if (editor->iterations > 0)
         ISO_TRY(iso_work_redistance(work, work->torn ? TORN_ITERATIONS : editor->iterations,
@@ -458,6 +525,7 @@ static iso_status touch_mask(iso_editor *editor, const iso_dabs *dabs, iso_error
     for (int i = 0; i < dabs->count; i++) {
         int lo[3], hi[3], at[3];
         cell_range(editor, dabs, &dabs->dab[i], lo, hi);
+        editor->done += range_cells(lo, hi);
         for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
             for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
                 for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++)
@@ -500,6 +568,10 @@ iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const is
     return status;
 }
 
+double iso_editor_work(const iso_editor *editor) {
+    return editor->done;
+}
+
 static void crease_job(void *context, size_t index, int worker) {
     iso_editor *editor = context;
     iso_work *work = &editor->work;
@@ -521,6 +593,7 @@ static iso_status settle_cells(iso_editor *editor, iso_error *error) {
     ISO_TRY(iso_work_reserve(work, error));
     iso_parallel_for(work->pool, work->job_count, crease_job, editor);
     if (iso_work_failed(work)) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stroke's end");
+    editor->done += 4 * (double)work->job_count;
     ISO_TRY(iso_work_settle(work, false, &any, error));
     iso_edit_stats stats = {0};
     return any ? finish(editor, &stats, error) : ISO_OK;

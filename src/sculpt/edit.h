@@ -63,12 +63,17 @@ typedef struct iso_edit_stats {
 /* One touch: the sample, mirrored by the brush's symmetry, in one change-log edit. `first` and `previous` are
  * the stroke's first sample and the one before (the sample itself at the stroke's start). ISO_ERR_NOMEM and
  * what the keeper returns leave the field a sound distance field, with the touch done wholly or not at all.
- * ISO_ERR_USAGE for a bad brush or a sample that is not finite. stats may be NULL. */
+ * ISO_ERR_USAGE for a bad brush or a sample that is not finite; ISO_ERR_LIMIT when the touch reaches more
+ * than ISO_LIMIT_TOUCH_CELLS cells. stats may be NULL. */
 typedef struct iso_touch {
     iso_sample sample, previous, first;
 } iso_touch;
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                             iso_edit_stats *stats, iso_error *error);
+
+/* Work of all touches and settles so far, in cells edited by a plain brush (about 10 microseconds each): what
+ * a touch looks at and writes, for all its mirrored instances. Does not depend on the machine. */
+double iso_editor_work(const iso_editor *editor);
 
 /* After a step's last touch: distances beside creases in the cells that the step changed (those that the
  * keeper was told of), which touches leave a third of a voxel short, are taken from the surface (crease.h).

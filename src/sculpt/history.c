@@ -455,6 +455,9 @@ size_t iso_history_count(const iso_history *history) {
 size_t iso_history_position(const iso_history *history) {
     return history->position;
 }
+size_t iso_history_cells(const iso_history *history, size_t number) {
+    return history->steps[number].count;
+}
 const char *iso_history_name(const iso_history *history, size_t number) {
     return history->steps[number].name;
 }

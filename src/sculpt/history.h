@@ -46,8 +46,9 @@ iso_status iso_history_redo(iso_history *history, iso_error *error);
 /* Forgets all steps. ISO_ERR_USAGE while one is open. */
 iso_status iso_history_clear(iso_history *history, iso_error *error);
 
-size_t iso_history_count(const iso_history *history);    /* steps, undone ones included */
-size_t iso_history_position(const iso_history *history); /* steps that are done */
+size_t iso_history_count(const iso_history *history);              /* steps, undone ones included */
+size_t iso_history_position(const iso_history *history);           /* steps that are done */
+size_t iso_history_cells(const iso_history *history, size_t step); /* that a step changed */
 const char *iso_history_name(const iso_history *history, size_t step);
 size_t iso_history_bytes(const iso_history *history);   /* in memory */
 size_t iso_history_spilled(const iso_history *history); /* in the file */

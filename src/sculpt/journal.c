@@ -11,7 +11,9 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "base/thread.h"
 #include "sculpt/event.h"
+#include "sculpt/limits.h"
 
 /* Longest time that a line waits. */
 enum { FLUSH_SECONDS = 1 };
@@ -129,7 +131,7 @@ static iso_status start_thread(iso_journal *j, iso_error *error) {
     pthread_cond_init(&j->wake, NULL);
     pthread_cond_init(&j->done, NULL);
     j->idle = true;
-    if (pthread_create(&j->thread, NULL, write_lines, j) == 0) return ISO_OK;
+    if (iso_thread_start(&j->thread, write_lines, j) == 0) return ISO_OK;
     pthread_mutex_destroy(&j->mutex);
     pthread_cond_destroy(&j->wake);
     pthread_cond_destroy(&j->done);
@@ -291,9 +293,9 @@ iso_status iso_journal_close(iso_journal *j, iso_error *error) {
 struct iso_journal_reader {
     char *path;
     FILE *file;
-    char *line;
-    size_t room;
-    unsigned long long number; /* of the next line */
+    iso_buffer line;
+    iso_journal_start start;
+    unsigned long long lines; /* that were read, the header included */
     uint64_t sound;
     iso_stamp *stamp; /* of the last event */
 };
@@ -302,30 +304,52 @@ void iso_journal_reader_free(iso_journal_reader *reader) {
     if (!reader) return;
     if (reader->file) fclose(reader->file);
     iso_stamp_free(reader->stamp);
-    free(reader->line);
+    iso_buffer_free(&reader->line);
     iso_free(reader->path);
     iso_free(reader);
 }
 
-/* The next whole line's length, without its newline; -1 at the end of the file or of its last whole line. */
-static ssize_t next_line(iso_journal_reader *reader) {
-    ssize_t size = getline(&reader->line, &reader->room, reader->file);
-    if (size <= 0 || reader->line[size - 1] != '\n') return -1;
-    reader->sound += (uint64_t)size;
-    return size - 1;
+/* The next whole line, without its newline; *whole = false at the end of the file or of its last whole line.
+ */
+static iso_status next_line(iso_journal_reader *reader, size_t *size, bool *whole, iso_error *error) {
+    enum { PIECE = 4096 };
+    *size = 0;
+    *whole = false;
+    for (int c; (c = getc_unlocked(reader->file)) != EOF; ((char *)reader->line.data)[(*size)++] = (char)c) {
+        *whole = c == '\n';
+        if (*whole) return ISO_OK;
+        if (*size == ISO_LIMIT_LINE)
+            return iso_fail(error, ISO_ERR_FORMAT,
+                            "'%s' is not a stroke file: line %llu is longer than %d bytes", reader->path,
+                            reader->lines + 1, ISO_LIMIT_LINE);
+        if (*size % PIECE == 0) ISO_TRY(iso_buffer_reserve(&reader->line, *size + PIECE, *size, error));
+    }
+    if (!ferror(reader->file)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "cannot read '%s': %s", reader->path, strerror(errno));
 }
 
-static iso_status read_header(iso_journal_reader *reader, iso_journal_start *start, iso_error *error) {
+static iso_status read_header(iso_journal_reader *reader, iso_error *error) {
+    size_t size;
+    bool whole;
+    iso_error why = {0};
     reader->file = fopen(reader->path, "rb");
     if (!reader->file)
         return iso_fail(error, ISO_ERR_IO, "cannot read '%s': %s", reader->path, strerror(errno));
-    ssize_t size = next_line(reader);
-    if (size < 0)
+    ISO_TRY(next_line(reader, &size, &whole, error));
+    if (!whole)
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a stroke file: it has no whole line",
                         reader->path);
-    const char *why;
-    if (!iso_event_header_read(reader->line, (size_t)size, start, &why))
-        return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a stroke file: line 1: %s", reader->path, why);
+    switch (iso_event_header_read(reader->line.data, size, &reader->start, &why)) {
+    case ISO_LINE_SOUND:
+        break;
+    case ISO_LINE_TORN:
+        return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a stroke file: line 1: %s", reader->path,
+                        why.text);
+    default:
+        return iso_fail(error, ISO_ERR_FORMAT, "'%s' line 1: %s", reader->path, why.text);
+    }
+    reader->lines = 1;
+    reader->sound = size + 1;
     return ISO_OK;
 }
 
@@ -339,34 +363,55 @@ iso_status iso_journal_open(const char *path, iso_journal_start *start, iso_jour
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for reading '%s'", path);
     }
     memcpy(reader->path, path, size);
-    memset(start, 0, sizeof *start);
-    iso_status status = read_header(reader, start, error);
-    if (status == ISO_OK)
+    iso_status status = read_header(reader, error);
+    if (status == ISO_OK) {
+        *start = reader->start;
         *out = reader;
-    else
+    } else
         iso_journal_reader_free(reader);
     return status;
 }
 
+/* A line that is not as it was written: the end of the file when it is the last one (its end reached the
+ * disk, the rest did not). */
+static iso_status end_at(iso_journal_reader *reader, const char *why, iso_error *error) {
+    if (getc_unlocked(reader->file) == EOF) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged at line %llu: %s", reader->path,
+                    reader->lines + 1, why);
+}
+
 iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *more, iso_error *error) {
-    uint64_t before = reader->sound;
-    ssize_t size = next_line(reader);
-    *more = size >= 0;
-    if (size < 0) return ISO_OK;
-    const char *why;
+    size_t size;
+    iso_error why = {0};
+    *more = false;
     iso_stamp_free(reader->stamp);
     reader->stamp = NULL;
-    if (iso_event_read(reader->line, (size_t)size, reader->number, event, &why)) {
-        reader->stamp = event->stamp;
-        reader->number++;
-        return ISO_OK;
+    bool whole;
+    ISO_TRY(next_line(reader, &size, &whole, error));
+    if (!whole) return ISO_OK;
+    const iso_event_place place = {&reader->start, reader->lines - 1};
+    switch (iso_event_read(reader->line.data, size, &place, event, &why)) {
+    case ISO_LINE_SOUND:
+        break;
+    case ISO_LINE_TORN:
+        return end_at(reader, why.text, error);
+    default:
+        return iso_fail(error, ISO_ERR_FORMAT, "'%s' line %llu: %s", reader->path, reader->lines + 1,
+                        why.text);
     }
-    reader->sound = before;
-    int c = fgetc(reader->file);
-    *more = false;
-    if (c == EOF) return ISO_OK; /* the last line: torn, though its end reached the disk */
-    return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged at line %llu: %s", reader->path,
-                    reader->number + 2, why);
+    *more = true;
+    reader->stamp = event->stamp;
+    reader->lines++;
+    reader->sound += size + 1;
+    return ISO_OK;
+}
+
+iso_status iso_journal_blame(const iso_journal_reader *reader, iso_status status, iso_error *error) {
+    if (status == ISO_OK || !error) return status;
+    const iso_error why = *error;
+    if (status == ISO_ERR_USAGE) status = ISO_ERR_FORMAT; /* it is the file that asks for it */
+    if (status != ISO_ERR_FORMAT && status != ISO_ERR_NOMEM && status != ISO_ERR_LIMIT) return status;
+    return iso_fail(error, status, "'%s' line %llu: %s", reader->path, reader->lines, why.text);
 }
 
 uint64_t iso_journal_sound_bytes(const iso_journal_reader *reader) {

@@ -82,13 +82,18 @@ iso_status iso_journal_close(iso_journal *journal, iso_error *error);
 
 typedef struct iso_journal_reader iso_journal_reader;
 
-/* ISO_ERR_IO, ISO_ERR_FORMAT (not a stroke file, a newer version). */
+/* ISO_ERR_IO, ISO_ERR_FORMAT (not a stroke file, a newer version, a number outside its bounds (limits.h)). */
 iso_status iso_journal_open(const char *path, iso_journal_start *start, iso_journal_reader **reader,
                             iso_error *error);
 void iso_journal_reader_free(iso_journal_reader *reader);
-/* The next event; *more = false at the end. A torn last line is the end. A damaged line before the end is
- * ISO_ERR_FORMAT naming its number; what came before it has been delivered. */
+/* The next event; *more = false at the end. A torn last line is the end. A damaged line before the end, and a
+ * sound one that says what no recording says, is ISO_ERR_FORMAT naming its number; what came before it has
+ * been delivered. */
 iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *more, iso_error *error);
+/* The failure of playing the last event, named by the file and its line; wrong usage is the file's: it
+ * becomes ISO_ERR_FORMAT. Returns what to return. ISO_OK, and what is not the event's fault (a cancelled
+ * replay, a disk that cannot be read), stay as they are. */
+iso_status iso_journal_blame(const iso_journal_reader *reader, iso_status status, iso_error *error);
 /* Bytes up to the end of the last sound line. */
 uint64_t iso_journal_sound_bytes(const iso_journal_reader *reader);
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "sculpt/limits.h"
 #include "sculpt/snapshot.h"
 
 enum { DEFAULT_SNAPSHOT_STROKES = 200 };
@@ -17,10 +18,13 @@ struct iso_session {
     iso_history *history;
     iso_journal *journal;
     char *journal_path;
+    iso_journal_start start;
     iso_stamp *stamp; /* NULL: none yet */
     int snapshot_every, strokes, snapshots;
     bool drawing;
-    bool playing; /* what is played is in the journal already */
+    bool playing;                 /* what is played is in the journal already */
+    bool bounded;                 /* an event of a stroke file is being played */
+    double work, samples, undone; /* of the options; played samples; cells of played undo steps */
     iso_brush brush;
     iso_sample first, previous; /* of the stroke; the last touch */
     iso_hold *holds[ISO_SESSION_HOLDS];
@@ -58,6 +62,12 @@ void iso_session_release(iso_session *session, iso_hold *hold) {
 
 static iso_status record(iso_session *session, const iso_event *event, iso_error *error) {
     return session->journal && !session->playing ? iso_journal_put(session->journal, event, error) : ISO_OK;
+}
+
+/* Before anything is done: what is recorded can be played. */
+static iso_status check_record(const iso_session *session, const iso_event *event, iso_error *error) {
+    if (!session->journal || session->playing) return ISO_OK;
+    return iso_limits_event(event, &session->start, error) == ISO_OK ? ISO_OK : ISO_ERR_USAGE;
 }
 
 static iso_status record_kind(iso_session *session, iso_event_kind kind, iso_error *error) {
@@ -120,7 +130,8 @@ static iso_status for_events(iso_session *session, event_fn *visit, void *contex
     iso_status status = ISO_OK;
     while (status == ISO_OK && more) {
         status = iso_journal_next(reader, &event, &more, error);
-        if (status == ISO_OK && more) status = visit(session, &event, context, error);
+        if (status == ISO_OK && more)
+            status = iso_journal_blame(reader, visit(session, &event, context, error), error);
     }
     iso_journal_reader_free(reader);
     return status;
@@ -182,7 +193,7 @@ static iso_status play_back(iso_session *session, const contents *found, const i
               hi[3] = {session->grid->dims[0] - 1, session->grid->dims[1] - 1, session->grid->dims[2] - 1};
     int from = found->snapshots;
     iso_status status = from ? iso_hgrid_crop(session->grid, lo, hi, &initial, error) : ISO_OK;
-    for (; status == ISO_OK; from--) {
+    for (int tries = 1; status == ISO_OK; from = tries++ < ISO_LIMIT_SNAPSHOTS ? from - 1 : 0) {
         status = play_from(session, found, from, progress, error);
         if (status == ISO_OK || from == 0 || iso_progress_cancelled(progress)) break;
         status = start_again(session, initial, error);
@@ -234,6 +245,8 @@ static iso_status set_up(iso_session *session, const iso_journal_start *start, c
     ISO_TRY(iso_history_create(session->grid, &history, &session->history, error));
     iso_hgrid_reserve(session->grid, RESERVE);
     if (!opts->journal) return ISO_OK;
+    if (iso_limits_start(start, error) != ISO_OK) return ISO_ERR_USAGE;
+    session->start = *start;
     return opts->resume ? resume(session, opts->progress, error)
                         : iso_journal_create(opts->journal, start, &session->journal, error);
 }
@@ -246,6 +259,7 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a session");
     }
     session->grid = grid;
+    session->work = opts->work > 0 ? opts->work : 1;
     session->snapshot_every = opts->snapshot_strokes ? opts->snapshot_strokes : DEFAULT_SNAPSHOT_STROKES;
     iso_status status = set_up(session, start, opts, error);
     if (status == ISO_OK)
@@ -297,8 +311,18 @@ static void add_stats(iso_edit_stats *sum, const iso_edit_stats *more) {
     sum->clipped |= more->clipped;
 }
 
+/* Whether a stroke file has asked for more than any hand would. */
+static iso_status check_work(const iso_session *session, iso_error *error) {
+    const double most = session->work * iso_limit_work(session->samples),
+                 done = iso_editor_work(session->editor) + session->undone;
+    if (!session->bounded || done <= most) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "the strokes up to here ask for more work than %.3g edited bricks",
+                    most);
+}
+
 static iso_status touch(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
                         iso_error *error) {
+    ISO_TRY(check_work(session, error));
     iso_touch t = {.sample = *sample, .previous = session->previous, .first = session->first};
     iso_edit_stats made = {0};
     ISO_TRY(iso_editor_touch(session->editor, &session->brush, &t, &made, error));
@@ -328,6 +352,9 @@ static iso_status touch_along(iso_session *session, const iso_sample *sample, is
     double spacing = brush->radius * (brush->spacing > 0 ? brush->spacing : 0.25);
     const iso_sample from = session->previous;
     double length = iso_vec3_length(iso_vec3_sub(sample->position, from.position));
+    if (!(length / spacing <= ISO_LIMIT_TOUCHES))
+        return iso_fail(error, ISO_ERR_USAGE, "a sample that makes %.4g touches: at most %d",
+                        length / spacing, ISO_LIMIT_TOUCHES);
     for (double along = spacing; along <= length; along += spacing) {
         iso_sample s = sample_between(&from, sample, along / length);
         ISO_TRY(touch(session, &s, stats, error));
@@ -345,8 +372,10 @@ static void name_step(const iso_brush *brush, char *name, size_t size) {
 
 iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const iso_sample *sample,
                              iso_edit_stats *stats, iso_error *error) {
+    const iso_event event = {.kind = ISO_EVENT_BEGIN, .brush = *brush, .sample = *sample};
     if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn already");
     ISO_TRY(iso_brush_check(brush, error));
+    ISO_TRY(check_record(session, &event, error));
     char name[64];
     name_step(brush, name, sizeof name);
     ISO_TRY(iso_history_begin(session->history, name, error));
@@ -355,7 +384,6 @@ iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const
     iso_editor_step(session->editor, &step);
     session->brush = *brush;
     session->first = session->previous = *sample;
-    iso_event event = {.kind = ISO_EVENT_BEGIN, .brush = *brush, .sample = *sample};
     iso_status status = touch(session, sample, stats, error);
     if (status == ISO_OK) status = record(session, &event, error);
     session->drawing = status == ISO_OK;
@@ -365,9 +393,10 @@ iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const
 
 iso_status iso_session_sample(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
                               iso_error *error) {
+    const iso_event event = {.kind = ISO_EVENT_SAMPLE, .sample = *sample};
     if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
+    ISO_TRY(check_record(session, &event, error));
     ISO_TRY(touch_along(session, sample, stats, error));
-    iso_event event = {.kind = ISO_EVENT_SAMPLE, .sample = *sample};
     return record(session, &event, error);
 }
 
@@ -422,8 +451,17 @@ const iso_stamp *iso_session_stamp(const iso_session *session) {
     return session->stamp;
 }
 
-iso_status iso_session_play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
-                            iso_error *error) {
+/* Undoing costs what the step's cells do, as often as it is asked for. */
+static iso_status count_step(iso_session *session, bool redo, iso_error *error) {
+    const iso_history *history = session->history;
+    const size_t position = iso_history_position(history);
+    if (redo ? position < iso_history_count(history) : position > 0)
+        session->undone += (double)iso_history_cells(history, redo ? position : position - 1);
+    return check_work(session, error);
+}
+
+static iso_status play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
+                       iso_error *error) {
     switch (event->kind) {
     case ISO_EVENT_BEGIN:
         return iso_session_begin(session, &event->brush, &event->sample, stats, error);
@@ -434,14 +472,25 @@ iso_status iso_session_play(iso_session *session, const iso_event *event, iso_ed
     case ISO_EVENT_CANCEL:
         return iso_session_cancel(session, error);
     case ISO_EVENT_UNDO:
+        ISO_TRY(count_step(session, false, error));
         return iso_session_undo(session, error);
     case ISO_EVENT_REDO:
+        ISO_TRY(count_step(session, true, error));
         return iso_session_redo(session, error);
     case ISO_EVENT_STAMP:
         return iso_session_set_stamp(session, iso_stamp_share(event->stamp), error);
     default:
         return ISO_OK;
     }
+}
+
+iso_status iso_session_play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
+                            iso_error *error) {
+    session->bounded = true;
+    session->samples += event->kind <= ISO_EVENT_SAMPLE;
+    iso_status status = play(session, event, stats, error);
+    session->bounded = false;
+    return status;
 }
 
 /* ---- a new ball */

@@ -21,6 +21,8 @@ typedef struct iso_session_opts {
     size_t undo_memory;   /* bytes; 0 means 1 GiB */
     int snapshot_strokes; /* a snapshot beside the journal after so many strokes, written by a thread of its
                              own; 0 means 200, < 0 never */
+    double work; /* times iso_limit_work that iso_session_play may take: a finer grid makes more work of the
+                    same strokes; 0 means 1 */
     const iso_progress *progress; /* of resuming; cancelled: ISO_ERR_IO, and the journal is as it was */
 } iso_session_opts;
 
@@ -38,7 +40,8 @@ bool iso_session_has_mask(const iso_session *session);
 bool iso_session_masked(const iso_session *session, int x, int y, int z); /* a voxel inside the grid */
 
 /* A stroke: begin with its first sample, then samples, then end or cancel. A sample makes as many touches as
- * the spacing asks for (none when the hand has hardly moved). stats add up. */
+ * the spacing asks for (none when the hand has hardly moved); more than ISO_LIMIT_TOUCHES are ISO_ERR_USAGE,
+ * and none is made. stats add up. */
 iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const iso_sample *sample,
                              iso_edit_stats *stats, iso_error *error);
 iso_status iso_session_sample(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
@@ -63,7 +66,8 @@ const iso_stamp *iso_session_stamp(const iso_session *session); /* NULL: none ye
 /* Why the journal lags behind, or ISO_OK. */
 iso_status iso_session_journal_status(iso_session *session, iso_error *error);
 
-/* Plays one event of a stroke file. */
+/* Plays one event of a stroke file. ISO_ERR_USAGE: the events before it do not allow it; ISO_ERR_FORMAT: the
+ * file asks for more work than iso_limit_work says. iso_journal_blame names the line. */
 iso_status iso_session_play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
                             iso_error *error);
 

@@ -8,6 +8,8 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/thread.h"
+#include "grids/format.h"
 #include "sculpt/cell_pack.h"
 #include "sculpt/crc32c.h"
 
@@ -126,7 +128,7 @@ iso_status iso_snapshot_start(const char *path, iso_hold *hold, const iso_mask *
     if (snapshot->path) memcpy(snapshot->path, path, size);
     iso_status status = snapshot->path ? copy_mask(mask, &snapshot->mask, error)
                                        : iso_fail(error, ISO_ERR_NOMEM, "out of memory for a snapshot");
-    if (status == ISO_OK && pthread_create(&snapshot->thread, NULL, run, snapshot))
+    if (status == ISO_OK && iso_thread_start(&snapshot->thread, run, snapshot))
         status = iso_fail(error, ISO_ERR_NOMEM, "no thread can be started for a snapshot");
     if (status == ISO_OK)
         *out = snapshot;
@@ -154,16 +156,24 @@ typedef struct reading {
     uint32_t masks;
 } reading;
 
-static iso_status load(const char *path, iso_buffer *buffer, size_t *size, iso_error *error) {
-    FILE *file = fopen(path, "rb");
-    if (!file) return iso_fail(error, ISO_ERR_IO, "cannot read '%s': %s", path, strerror(errno));
-    iso_status status = ISO_OK;
-    *size = 0;
-    for (size_t got = 1; got && status == ISO_OK; *size += got) {
-        status = iso_buffer_reserve(buffer, *size + (1 << 20), *size, error);
-        got = status == ISO_OK ? fread((char *)buffer->data + *size, 1, 1 << 20, file) : 0;
-    }
-    if (status == ISO_OK && ferror(file)) status = iso_fail(error, ISO_ERR_IO, "cannot read '%s'", path);
+/* Bytes of the largest snapshot of such a grid. */
+static uint64_t most_bytes(const iso_hgrid *grid) {
+    const uint64_t each = sizeof(int32_t) + ISO_CELL_PACK_MAX + sizeof(uint32_t) + sizeof(iso_voxel_bits);
+    return sizeof(head) + cell_count(grid) * each + sizeof(uint32_t);
+}
+
+/* A journal may name any file: no more is read than a snapshot can be. */
+static iso_status load(const char *path, const iso_hgrid *grid, iso_buffer *buffer, size_t *size,
+                       iso_error *error) {
+    FILE *file;
+    uint64_t bytes;
+    ISO_TRY(iso_format_open(path, &file, &bytes, error));
+    iso_status status = bytes > most_bytes(grid)
+                            ? iso_fail(error, ISO_ERR_FORMAT, "'%s' is a snapshot of another grid", path)
+                            : iso_buffer_reserve(buffer, (size_t)bytes + 1, 0, error);
+    if (status == ISO_OK) *size = fread(buffer->data, 1, (size_t)bytes, file);
+    if (status == ISO_OK && ferror(file))
+        status = iso_fail(error, ISO_ERR_IO, "cannot read '%s': %s", path, strerror(errno));
     fclose(file);
     return status;
 }
@@ -200,13 +210,21 @@ static bool masks_are_sound(reading *r, size_t cells) {
     return true;
 }
 
+/* Distances end at the band; anything else, NaN included, is none. */
+static bool brick_is_sound(const float *brick, float band) {
+    bool sound = true;
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) sound &= brick[i] >= -band && brick[i] <= band;
+    return sound;
+}
+
 static iso_status check(reading r, const iso_hgrid *grid, iso_error *error) {
     float brick[ISO_BRICK_VOXELS];
     for (size_t i = 0; i < cell_count(grid); i++) {
         int32_t size;
         const uint8_t *bytes;
         if (!next_cell(&r, &size, &bytes) ||
-            (size >= 0 && !iso_cell_unpack(bytes, (size_t)size, grid->band, brick)))
+            (size >= 0 && (!iso_cell_unpack(bytes, (size_t)size, grid->band, brick) ||
+                           !brick_is_sound(brick, grid->band))))
             return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
     }
     return masks_are_sound(&r, cell_count(grid)) ? ISO_OK
@@ -263,7 +281,7 @@ iso_status iso_snapshot_get(const char *path, const uint8_t *bytes, size_t size,
 iso_status iso_snapshot_read(const char *path, iso_hgrid *grid, iso_mask *mask, iso_error *error) {
     iso_buffer buffer = {0};
     size_t size = 0;
-    iso_status status = load(path, &buffer, &size, error);
+    iso_status status = load(path, grid, &buffer, &size, error);
     if (status == ISO_OK) status = iso_snapshot_get(path, buffer.data, size, grid, mask, error);
     iso_buffer_free(&buffer);
     return status;

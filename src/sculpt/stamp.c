@@ -8,6 +8,7 @@
 
 #include "base/memory.h"
 #include "grids/level_set.h"
+#include "sculpt/limits.h"
 #include "sculpt/snapshot.h"
 
 /* Voxels around the shape: the band, and one. */
@@ -150,14 +151,14 @@ static iso_status get_level(const uint8_t **at, const uint8_t *end, iso_hgrid **
     memcpy(&head, *at, sizeof head);
     *at += sizeof head;
     const int dims[3] = {head.dims[0], head.dims[1], head.dims[2]};
+    ISO_TRY(iso_limit_check(ISO_LIMIT_STAMP_SPACING, head.spacing, 1, error));
     for (int axis = 0; axis < 3; axis++) {
         transform.spacing[axis] = head.spacing;
         transform.origin[axis] = head.origin[axis];
-        if (dims[axis] > 4 * (ISO_STAMP_FIRST << ISO_STAMP_LEVELS) || !isfinite(head.origin[axis]))
-            return iso_fail(error, ISO_ERR_FORMAT, "the stamp is damaged");
+        ISO_TRY(iso_limit_check(ISO_LIMIT_STAMP_DIMS, dims[axis], 1, error));
+        ISO_TRY(iso_limit_check(ISO_LIMIT_STAMP_ORIGIN, head.origin[axis], 1, error));
     }
-    if ((size_t)(end - *at) < head.bytes || !(head.spacing > 0) || !isfinite(head.spacing))
-        return iso_fail(error, ISO_ERR_FORMAT, "the stamp is damaged");
+    if ((size_t)(end - *at) < head.bytes) return iso_fail(error, ISO_ERR_FORMAT, "the stamp is damaged");
     iso_hgrid *grid;
     ISO_TRY(iso_hgrid_create(dims, 0, &transform, &grid, error));
     iso_status status = get_cells(*at, head.bytes, grid, error);
