@@ -42,6 +42,7 @@ typedef struct isosculpt_source {
     const isosculpt_volume *volume; /* the file's content, borrowed; NULL: it is read */
     const iso_input *input;         /* how it is read, borrowed; NULL: by default */
     bool voxel_isovalue;            /* iso_journal_start */
+    iso_file_set *files;            /* gets every file that is read; NULL is fine */
     bool notes;                     /* say on stderr what the reader had to decide */
 } isosculpt_source;
 
