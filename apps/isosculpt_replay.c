@@ -58,7 +58,8 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
                                      .voxel = settings->voxel_size,
                                      .pool = pool,
                                      .input = &settings->input,
-                                     .parts = &report->parts};
+                                     .parts = &report->parts,
+                                     .notes = !settings->quiet};
     if (settings->open) return isosculpt_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
         return isosculpt_source_find(settings->replay, &source, start, grid, error);

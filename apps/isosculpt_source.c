@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "apps/isosculpt.h"
 #include "grids/format.h"
 #include "grids/level_set.h"
 #include "grids/volume.h"
@@ -262,6 +263,8 @@ static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, 
     const iso_volume_opts opts = {.pool = source->pool, .progress = tell, .progress_context = &reading};
     iso_volume volume;
     ISO_TRY(iso_input_read(source->path, source->input ? source->input : &by_default, &opts, &volume, error));
+    for (int i = 0; source->notes && i < volume.info.note_count; i++)
+        iso_program_say(isosculpt_program(), "%s: note: %s", source->path, volume.info.notes[i]);
     iso_status status = from_grid(source, &volume.grid, grid, error);
     iso_volume_free(&volume);
     return status;

@@ -46,6 +46,7 @@ typedef struct isosculpt_source {
     const iso_input *input;         /* how it is read, borrowed; NULL: by default */
     bool voxel_isovalue;            /* iso_journal_start */
     iso_components_totals *parts;   /* what was kept and dropped; NULL: nobody asks */
+    bool notes;                     /* say on stderr what the reader had to decide */
 } isosculpt_source;
 
 /* Reads the file and says in *start what a journal says of it. A level set (.vdb) at its own voxel size is

@@ -68,7 +68,7 @@ typedef struct iso_volume_opts {
 
 enum { ISO_VOLUME_ITEMS = 32, ISO_VOLUME_NOTES = 8, ISO_VOLUME_TEXT = 256 };
 
-/* What the header says. Plain data, no ownership. The texts are printable UTF-8 (base/text.h). */
+/* What the header says. Plain data, no ownership. The texts are printable UTF-8, a line each. */
 typedef struct iso_volume_info {
     char format[16]; /* "vti", "vtk", "nrrd", "metaimage", "nifti", "dicom", "vdb", "raw", "scene" */
     char name[ISO_VOLUME_TEXT]; /* grid or series name, or empty */
