@@ -61,8 +61,8 @@ typedef struct isorender_settings {
     int isovalue_count, isovalue_auto;
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;
-    int primitive;   /* iso_primitive */
-    int closed;      /* the solid ends at the volume's border */
+    int primitive; /* iso_primitive */
+    int closed;    /* the solid ends at the volume's border */
     const char *points, *mesh, *aov;
 
     int method;         /* isorender_method */
