@@ -142,6 +142,7 @@ iso_status iso_input_crop(const iso_input *input, const int box[6], iso_grid *gr
 iso_status iso_input_read(const char *path, const iso_input *input, const iso_volume_opts *opts,
                           iso_volume *volume, iso_error *error) {
     iso_volume_opts how = iso_input_volume_opts(input);
+    how.files = opts->files;
     how.pool = opts->pool;
     how.progress = opts->progress;
     how.progress_context = opts->progress_context;

@@ -50,7 +50,7 @@ iso_status iso_input_box(const iso_input *input, const int dims[3], const iso_tr
 iso_status iso_input_crop(const iso_input *input, const int box[6], iso_grid *grid, iso_error *error);
 
 /* Reads and crops: as iso_volume_read and iso_input_box, whose texts then begin with the path. `opts` gives
- * pool and progress. */
+ * files, pool and progress. */
 iso_status iso_input_read(const char *path, const iso_input *input, const iso_volume_opts *opts,
                           iso_volume *volume, iso_error *error);
 

@@ -187,16 +187,17 @@ static iso_status check_bounds(const comparison *c, iso_error *error) {
 /* ---- one comparison ---- */
 
 static iso_status check_outputs(const isocompare_settings *settings, iso_error *error) {
-    const char *outputs[] = {settings->difference, settings->render.json_path};
     const char *inputs[] = {settings->truth, settings->candidate, settings->truth_aov,
                             settings->candidate_aov};
-    for (int o = 0; o < 2; o++)
-        for (int i = 0; i < 4; i++)
-            if (outputs[o] && inputs[i] && iso_file_same(inputs[i], outputs[o]))
-                return iso_fail(error, ISO_ERR_USAGE, "%s: an output would overwrite an input", outputs[o]);
-    if (outputs[0] && outputs[1] && strcmp(outputs[0], outputs[1]) == 0)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: two outputs have this name", outputs[0]);
-    return ISO_OK;
+    iso_file_set files = {0};
+    for (int i = 0; i < 4; i++)
+        if (inputs[i]) iso_file_set_read(&files, inputs[i]);
+    iso_file_set_write(&files, settings->difference);
+    iso_file_set_write(&files, settings->render.json_path);
+    iso_status status = iso_file_set_check(&files, error);
+    iso_file_set_free(&files);
+    if (status == ISO_OK) status = iso_sink_check(settings->difference, error);
+    return status == ISO_OK ? iso_sink_check(settings->render.json_path, error) : status;
 }
 
 static iso_status prepare(comparison *c, iso_error *error) {
@@ -228,7 +229,9 @@ static iso_status compare(comparison *c, iso_error *error) {
     if (settings->difference) ISO_TRY(write_difference(c, error));
     bool to_stdout = settings->render.json && !settings->render.json_path;
     if (!settings->render.quiet && !to_stdout) print_table(c);
-    if (settings->render.json) ISO_TRY(write_json(c, error));
+    iso_status status = settings->render.json ? write_json(c, error) : ISO_OK;
+    if (status != ISO_OK) iso_file_remove(settings->difference); /* all outputs or none */
+    ISO_TRY(status);
     return check_bounds(c, error);
 }
 

@@ -10,6 +10,7 @@
 #include "apps/input.h"
 #include "apps/json.h"
 #include "apps/options.h"
+#include "apps/spool.h"
 #include "base/parallel.h"
 #include "extract/isovalue.h"
 #include "extract/mesh.h"
@@ -111,6 +112,7 @@ typedef struct isorender_plan {
     char *model;
     char *image, *aov; /* with {n:3} left in for a turntable */
     char *points, *mesh, *json;
+    iso_file_set *files; /* read and written by the whole run; one for all plans, owned by the first */
 } isorender_plan;
 
 /* Plans for all inputs; refuses names that collide or would overwrite an input. isorender_plans_free. */
@@ -176,7 +178,7 @@ typedef struct isorender_job {
     const isorender_plan *plan;
     iso_pool *pool;
     const isorender_backend *backend;
-    char *copy;       /* temporary copy of stdin, or NULL */
+    iso_spool spool;  /* of standard input or a FIFO */
     const char *path; /* what to read */
 
     bool from_points; /* `points` was read, there is no volume */
@@ -211,7 +213,10 @@ typedef struct isorender_job {
 iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
                          const isorender_backend *backend, iso_error *error);
 
-/* isorender_input.c: header and notes; then the voxels or points. */
+/* isorender_input.c: adds the files that the input is read from to the plan's, as far as its header can be
+ * read. For runs of several inputs: what one reads no other may write. */
+void isorender_look(const isorender_settings *settings, const isorender_plan *plan);
+/* header, and the check of all outputs against what is read; notes; then the voxels or points. */
 iso_status isorender_open(isorender_job *job, iso_error *error);
 iso_status isorender_read(isorender_job *job, iso_error *error);
 void isorender_close(isorender_job *job);

@@ -12,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "grids/level_set.h"
 
 static const char STROKES[] = ".strokes", OPEN[] = ".open", UNDO[] = ".undo";
@@ -318,6 +319,12 @@ iso_status isosculpt_desk_save(isosculpt_desk *desk, void (*wake)(void), iso_err
     isosculpt_saver *saver = calloc(1, sizeof *saver);
     if (!saver) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for saving");
     isosculpt_desk_target(desk, saver->path);
+    if (iso_file_same(desk->start.source, saver->path)) {
+        iso_status same = iso_fail(error, ISO_ERR_USAGE,
+                                   "%s: saving would overwrite the file that was opened", saver->path);
+        free(saver);
+        return same;
+    }
     saver->changes = desk->changes;
     iso_status status = iso_session_hold(desk->session, &saver->hold, error);
     if (status == ISO_OK) status = isosculpt_task_start(save, saver, wake, &saver->task, error);

@@ -140,6 +140,18 @@ static bool has_suffix(const char *name, const char *suffixes) {
     return found && length > 1 && (found[length] == ' ' || found[length] == 0);
 }
 
+/* A journal names the file that it began with, and that is read again when it is continued. */
+static iso_status check_files(const isosculpt_settings *settings, const iso_operands *operands,
+                              iso_error *error) {
+    const char *const files[] = {settings->open, settings->replay, settings->stamp,
+                                 operands->count ? operands->values[0] : NULL};
+    for (int i = 0; i < 4; i++)
+        if (files[i] && strcmp(files[i], "-") == 0)
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "standard input cannot be opened: a session needs a file that stays");
+    return ISO_OK;
+}
+
 /* Options that say how a volume is read need one. */
 static iso_status check_opened(const isosculpt_settings *settings, iso_error *error) {
     const char *option = iso_input_volume_option(&settings->input);
@@ -178,6 +190,7 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
     settings->isovalue = NAN;
     ISO_TRY(iso_options_parse(isosculpt_program(), argc, argv, settings, operands, error));
     if (settings->help) return ISO_OK;
+    ISO_TRY(check_files(settings, operands, error));
     if (!settings->headless) return check_window(settings, operands, error);
     if (settings->backend == ISOSCULPT_BACKEND_GL)
         return iso_fail(error, ISO_ERR_USAGE,

@@ -50,8 +50,8 @@ static iso_status rescale(iso_journal_start *start, double voxel_size, iso_error
     return ISO_OK;
 }
 
-static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, isosculpt_report *report,
-                             iso_hgrid **grid, iso_error *error) {
+static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_file_set *files,
+                             isosculpt_report *report, iso_hgrid **grid, iso_error *error) {
     iso_journal_start *start = &report->start;
     const isosculpt_source source = {.path = settings->open,
                                      .isovalue = settings->isovalue,
@@ -59,6 +59,7 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
                                      .pool = pool,
                                      .input = &settings->input,
                                      .parts = &report->parts,
+                                     .files = files,
                                      .notes = !settings->quiet};
     if (settings->open) return isosculpt_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
@@ -86,7 +87,8 @@ typedef struct player {
     iso_pool *pool;
     iso_session *session;
     iso_point_set *points;
-    isosculpt_view *view; /* NULL: nothing is drawn */
+    isosculpt_view *view;   /* NULL: nothing is drawn */
+    const char *written[2]; /* outputs that stand */
 } player;
 
 static iso_status extract(player *p, iso_error *error) {
@@ -190,14 +192,27 @@ static bool ends_with(const char *text, const char *suffix) {
 }
 
 static iso_status write_outputs(player *p, iso_error *error) {
-    const char *output = p->settings->output;
+    const isosculpt_settings *settings = p->settings;
+    const char *output = settings->output;
     bool points = output && ends_with(output, ".ply");
     ISO_TRY(write_points(p, points ? output : NULL, error));
     if (output && ends_with(output, ".vdb"))
         ISO_TRY(iso_level_set_write_vdb(output, iso_session_grid(p->session), "surface", NULL, error));
     else if (output && !points)
         ISO_TRY(write_mesh(p, output, error));
-    return p->settings->mesh ? write_mesh(p, p->settings->mesh, error) : ISO_OK;
+    p->written[0] = output;
+    if (settings->mesh) ISO_TRY(write_mesh(p, settings->mesh, error));
+    p->written[1] = settings->mesh;
+    return settings->json ? isosculpt_report_write(settings, p->report, error) : ISO_OK;
+}
+
+/* What cannot be written is known before the work is done. */
+static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set *files, iso_error *error) {
+    const char *const outputs[] = {settings->output, settings->mesh, settings->json_path};
+    for (int i = 0; i < 3; i++) iso_file_set_write(files, outputs[i]);
+    ISO_TRY(iso_file_set_check(files, error));
+    for (int i = 0; i < 3; i++) ISO_TRY(iso_sink_check(outputs[i], error));
+    return ISO_OK;
 }
 
 /* What a window would have made before the first stroke. */
@@ -222,11 +237,13 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     const iso_hgrid *grid = iso_session_grid(p->session);
     p->report->bricks = iso_hgrid_brick_count(grid);
     p->report->bytes = iso_hgrid_bytes(grid);
-    ISO_TRY(write_outputs(p, error));
+    iso_status status = write_outputs(p, error);
+    for (int i = 0; status != ISO_OK && i < 2; i++) iso_file_remove(p->written[i]); /* all or none */
+    ISO_TRY(status);
     if (!p->settings->quiet && p->report->edits.clipped)
         iso_program_say(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
                         name_of(p->settings));
-    return p->settings->json ? isosculpt_report_write(p->settings, p->report, error) : ISO_OK;
+    return ISO_OK;
 }
 
 iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, iso_error *error) {
@@ -240,7 +257,12 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     report.resolution[1] = settings->resolution[1] ? settings->resolution[1] : 800;
     iso_hgrid *grid = NULL;
     iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory};
-    iso_status status = make_field(settings, pool, &report, &grid, error);
+    iso_file_set files = {0};
+    if (settings->replay) iso_file_set_read(&files, settings->replay);
+    iso_status status = make_field(settings, pool, &files, &report, &grid, error);
+    if (status == ISO_OK && (status = check_outputs(settings, &files, error)) != ISO_OK)
+        iso_hgrid_destroy(grid);
+    iso_file_set_free(&files);
     if (status == ISO_OK) say_parts(settings, &report);
     if (status == ISO_OK && reader) opts.work = fmax(1, pow(own / grid->transform.spacing[0], 3));
     if (status == ISO_OK) status = iso_session_create(grid, &report.start, &opts, &p.session, error);

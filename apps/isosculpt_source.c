@@ -260,7 +260,8 @@ static iso_status from_shared(const isosculpt_source *source, const iso_grid *fr
 static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
     if (source->volume) return from_shared(source, &source->volume->volume.grid, grid, error);
     iso_progress reading = iso_progress_part(source->progress, 0.05, 0.4);
-    const iso_volume_opts opts = {.pool = source->pool, .progress = tell, .progress_context = &reading};
+    const iso_volume_opts opts = {
+        .files = source->files, .pool = source->pool, .progress = tell, .progress_context = &reading};
     iso_volume volume;
     ISO_TRY(iso_input_read(source->path, source->input ? source->input : &by_default, &opts, &volume, error));
     for (int i = 0; source->notes && i < volume.info.note_count; i++)
@@ -310,6 +311,7 @@ iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_sta
     free(path);
     if (length >= (int)sizeof start->source)
         return iso_fail(error, ISO_ERR_IO, "%s: the name is too long", source->path);
+    iso_file_set_read(source->files, source->path);
     const iso_progress summing = iso_progress_part(source->progress, 0, 0.05);
     if (source->volume) {
         start->source_crc = source->volume->crc;
@@ -344,6 +346,7 @@ static iso_status find(const char *strokes, const isosculpt_source *how, iso_jou
     uint32_t crc;
     ISO_TRY(find_file(start->source, strokes, found, error));
     const iso_progress summing = iso_progress_part(how->progress, 0, 0.05);
+    iso_file_set_read(how->files, found);
     ISO_TRY(checksum(found, &summing, &crc, error));
     if (crc != start->source_crc)
         return iso_fail(error, ISO_ERR_FORMAT,
@@ -363,6 +366,7 @@ static iso_status find(const char *strokes, const isosculpt_source *how, iso_jou
                                      .isovalue = start->isovalue,
                                      .voxel = how->voxel > 0 ? how->voxel : start->voxel_size,
                                      .pool = how->pool,
+                                     .files = how->files,
                                      .progress = how->progress};
     const iso_journal_start wanted = *start;
     ISO_TRY(open_file(&source, grid, error));

@@ -46,6 +46,7 @@ typedef struct isosculpt_source {
     const iso_input *input;         /* how it is read, borrowed; NULL: by default */
     bool voxel_isovalue;            /* iso_journal_start */
     iso_components_totals *parts;   /* what was kept and dropped; NULL: nobody asks */
+    iso_file_set *files;            /* gets every file that is read; NULL is fine */
     bool notes;                     /* say on stderr what the reader had to decide */
 } isosculpt_source;
 

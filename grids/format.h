@@ -7,6 +7,9 @@
  * A format whose library was not there when this one was built has an entry of format_none.c, without
  * functions, for which volume.c answers ISO_ERR_UNSUPPORTED.
  *
+ * The file that was asked for is in opts->files already; a reader's `info` adds the others that `read` will
+ * open (iso_file_set_read, before it can fail).
+ *
  * volume.c checks what `info` says (dims, directions, component), applies opts->spacing to info->transform
  * and fills `bytes` and `read_bytes` where they are left 0 (dense grid; nothing but the grid). */
 #ifndef ISO_GRIDS_FORMAT_H

@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include "base/memory.h"
 #include "grids/format.h"
@@ -261,10 +262,13 @@ static iso_status count_components(const char *path, const meta_header *header, 
     return ISO_OK;
 }
 
+static void list_data_files(const char *path, const meta_header *header, iso_file_set *files);
+
 static iso_status meta_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                             iso_error *error) {
     meta_header header;
     ISO_TRY(read_meta(path, &header, error));
+    list_data_files(path, &header, opts->files);
     ISO_TRY(iso_format_dims(path, header.dims, info, error));
     uint64_t components = 1;
     ISO_TRY(count_components(path, &header, &components, error));
@@ -510,6 +514,23 @@ static iso_status read_chain(const char *path, const iso_volume_opts *opts, cons
     iso_status status = skip(c, (volumes - chosen - 1) * volume, error);
     if (status != ISO_OK) iso_grid_destroy(grid);
     return status;
+}
+
+/* Up to the first one that is not there. */
+static void list_data_files(const char *path, const meta_header *header, iso_file_set *files) {
+    if (!files || is_local(header->data)) return;
+    chain *c = iso_alloc_zero(1, sizeof *c);
+    files->incomplete = files->incomplete || !c;
+    if (!c) return;
+    c->path = path;
+    c->header = header;
+    bool there = open_chain(c, NULL) == ISO_OK;
+    for (; there && c->opened < c->files; c->opened++) {
+        there = next_name(c, NULL) == ISO_OK && access(c->name, F_OK) == 0;
+        if (there) iso_file_set_read(files, c->name);
+        close_file(c);
+    }
+    close_chain(c);
 }
 
 static iso_status meta_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,

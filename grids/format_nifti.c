@@ -286,6 +286,8 @@ static iso_status nifti_info(const char *path, const iso_volume_opts *opts, iso_
                              iso_error *error) {
     nifti_file file = {0};
     iso_status status = open_nifti(path, &file, error);
+    if (file.header) iso_file_set_read(opts->files, file.header);
+    if (file.data) iso_file_set_read(opts->files, file.data);
     if (status == ISO_OK) status = describe(path, opts, &file, info, error);
     close_nifti(&file);
     return status;

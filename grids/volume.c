@@ -91,6 +91,13 @@ static const iso_format *format_of_content(const head *h) {
     return is_metaimage(h) ? &iso_format_metaimage : NULL;
 }
 
+const char *iso_volume_format(const void *bytes, size_t count) {
+    head h = {.count = count < sizeof h.bytes ? count : sizeof h.bytes};
+    memcpy(h.bytes, bytes, h.count);
+    const iso_format *format = format_of_content(&h);
+    return format ? format->name : NULL;
+}
+
 static iso_status read_head(const char *path, head *h, iso_error *error) {
     FILE *file = fopen(path, "rb");
     if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
@@ -241,6 +248,7 @@ static iso_status read_header(const char *path, request *r, const iso_format **f
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);
     if (r->is_guessed) note_guess(&r->guessed, info);
     iso_error detail = {0};
+    iso_file_set_read(r->opts.files, path);
     ISO_TRY(named(path, (*format)->info(path, &r->opts, info, &detail), &detail, error));
     return check_info(path, &r->opts, info, error);
 }
@@ -274,13 +282,9 @@ static void byte_text(uint64_t bytes, char text[16]) {
     snprintf(text, 16, unit && value < 10 ? "%.1f %s" : "%.0f %s", value, units[unit]);
 }
 
-static iso_status check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
-                               iso_error *error) {
-    uint64_t limit = opts->max_memory;
-    if (limit == 0) {
-        limit = iso_memory_available();
-        if (limit != UINT64_MAX) limit = limit / 5 * 4;
-    }
+iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                   iso_error *error) {
+    uint64_t limit = iso_memory_limit(opts->max_memory);
     if (info->read_bytes <= limit) return ISO_OK;
     char needs[16], allowed[16];
     byte_text(info->read_bytes, needs);
@@ -312,7 +316,7 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
     const iso_format *format = NULL;
     iso_volume result = {0};
     ISO_TRY(read_header(path, &r, &format, &result.info, error));
-    ISO_TRY(check_memory(path, opts, &result.info, error));
+    ISO_TRY(iso_volume_check_memory(path, opts, &result.info, error));
     ISO_TRY(iso_format_progress(path, opts, 0, error));
     iso_error detail = {0};
     iso_status status = format->read(path, opts, &result.info, &result.grid, &detail);
