@@ -119,6 +119,8 @@ static iso_status check_points_only(const isorender_settings *settings, iso_erro
                          : settings->input.largest      ? "--largest"
                          : settings->input.min_size > 0 ? "--min-size"
                          : settings->closed             ? "--closed"
+                         : settings->input.grid         ? "--grid"
+                         : settings->input.series       ? "--series"
                                                         : NULL;
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
@@ -194,7 +196,7 @@ static void print_notes(const isorender_job *job) {
     const iso_volume_info *info = &job->volume.info;
     for (int i = 0; i < info->note_count; i++) isorender_say(job, "note: %s", info->notes[i]);
     if (job->nonfinite)
-        isorender_say(job, "note: %zu voxels are NaN or infinite: %s", job->nonfinite,
+        isorender_say(job, "note: %zu voxels are NaN or infinite, as floats: %s", job->nonfinite,
                       job->settings->closed ? "outside the solid" : "no surface is made next to them");
 }
 

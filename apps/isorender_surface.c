@@ -99,6 +99,12 @@ static bool wants_cells(const isorender_job *job) {
 
 /* Says what the data holds, so that the user can choose better. */
 static iso_status fail_empty(isorender_job *job, double isovalue, iso_error *error) {
+    const int *dims = iso_grid_dims(&job->volume.grid);
+    if (dims[0] < 2 || dims[1] < 2 || dims[2] < 2)
+        return iso_fail(
+            error, ISO_ERR_EMPTY,
+            "%d x %d x %d voxels have no surface: it lies between two voxels or more on every axis", dims[0],
+            dims[1], dims[2]);
     ISO_TRY(isorender_histogram(job, error));
     const iso_histogram *histogram = &job->histogram;
     if (histogram->minimum == histogram->maximum)

@@ -41,6 +41,14 @@ extern const iso_format iso_format_vtk, iso_format_metaimage, iso_format_nrrd, i
 /* Shared by readers. Dims from a header; ISO_ERR_FORMAT unless each is 1 .. 2^31-1. */
 iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info, iso_error *error);
 
+/* Bytes that reading may take: opts->max_memory, or by default 80 % of what is available. */
+uint64_t iso_format_memory_limit(const iso_volume_opts *opts);
+
+/* ISO_ERR_LIMIT "path: needs N to read (what), limit is M (--max-memory)" when `bytes` are more than that.
+ * For readers that learn only while they read how much it takes. */
+iso_status iso_format_check_memory(const char *path, const iso_volume_opts *opts, uint64_t bytes,
+                                   const char *what, iso_error *error);
+
 /* ISO_ERR_IO "... cancelled" when opts->progress asks for it. */
 iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, double fraction,
                                iso_error *error);

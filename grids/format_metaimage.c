@@ -65,10 +65,18 @@ static bool parse_sizes(const char *text, int count, uint64_t *sizes) {
         char *end;
         errno = 0;
         sizes[i] = strtoull(text, &end, 10);
-        if (errno) return false;
+        if (errno || (*end && !isspace((unsigned char)*end))) return false;
         text = end;
     }
     return true;
+}
+
+/* A whole number from -1 on, and nothing behind it. */
+static bool parse_offset(const char *text, int64_t *offset) {
+    char *end;
+    errno = 0;
+    *offset = strtoll(text, &end, 10);
+    return end != text && !*end && errno == 0 && *offset >= -1;
 }
 
 static bool parse_type(const char *text, meta_header *header) {
@@ -134,11 +142,7 @@ static bool take_storage(const char *key, const char *value, meta_header *header
     if (key_is(key, "BinaryDataByteOrderMSB") || key_is(key, "ElementByteOrderMSB"))
         header->big_endian = is_true(value);
     if (key_is(key, "CompressedData")) header->deflated = is_true(value);
-    if (key_is(key, "HeaderSize")) {
-        errno = 0;
-        header->skip = strtoll(value, NULL, 10);
-        return errno == 0 && header->skip >= -1;
-    }
+    if (key_is(key, "HeaderSize")) return parse_offset(value, &header->skip);
     if (key_is(key, "ElementToIntensityFunctionSlope")) return parse_numbers(value, 1, &header->slope) == 1;
     if (key_is(key, "ElementToIntensityFunctionOffset"))
         return parse_numbers(value, 1, &header->intercept) == 1;
@@ -148,8 +152,8 @@ static bool take_storage(const char *key, const char *value, meta_header *header
 static bool take_line(const char *key, const char *value, meta_header *header) {
     if (key_is(key, "ObjectType")) return key_is(value, "Image");
     if (key_is(key, "NDims")) {
-        double n = 0;
-        if (parse_numbers(value, 1, &n) != 1 || !(n >= 1 && n <= MAX_DIMS)) return false;
+        uint64_t n = 0;
+        if (!parse_sizes(value, 1, &n) || n < 1 || n > MAX_DIMS) return false;
         header->ndims = (int)n;
         return true;
     }

@@ -53,6 +53,10 @@ iso_status iso_png_write_with(const char *path, const iso_image *image, const is
 iso_status iso_png_encode(const iso_image *image, const iso_png_opts *opts, uint8_t **bytes, size_t *size,
                           iso_error *error);
 
+/* Width and height as the file's first bytes say, before anything is decoded. False when it is no PNG, or
+ * cannot be read: iso_png_read says why. */
+bool iso_png_size(const char *path, uint32_t size[2]);
+
 /* Reads any PNG as 8-bit RGBA; gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT (also for
  * sides beyond ISO_IMAGE_MAX), ISO_ERR_NOMEM. */
 iso_status iso_png_read(const char *path, iso_image *image, iso_error *error);
