@@ -65,10 +65,8 @@ typedef struct isorender_settings {
     int isovalue_count, isovalue_auto;
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;
-    int primitive;   /* iso_primitive */
-    int largest;     /* parts of the solid to keep; 0: all */
-    double min_size; /* mm3 of a part that is kept */
-    int closed;      /* the solid ends at the volume's border */
+    int primitive; /* iso_primitive */
+    int closed;    /* the solid ends at the volume's border */
     const char *points, *mesh, *aov;
 
     int method;         /* isorender_method */
