@@ -66,6 +66,9 @@ static const iso_option options[] = {
     {"isovalue", NULL, "V",
      "of the volume that is opened (of a level set: mm from its surface); a window can change it",
      .group = SESSION, .kind = ISO_OPTION_REAL, AT(isovalue), .low = -1e300, .high = 1e300},
+#define SOLID SESSION
+#include "solid_options.inc"
+#undef SOLID
     {"stamp", NULL, "FILE", "add and carve with this mesh (.stl, .obj, .ply); the strokes keep it",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(stamp)},
     {"close-holes", NULL, "MM",
@@ -170,6 +173,8 @@ static iso_status check_opened(const isosculpt_settings *settings, iso_error *er
     ISO_TRY(iso_input_check(&settings->input, error));
     if (!settings->open && !isnan(settings->isovalue))
         return iso_fail(error, ISO_ERR_USAGE, "--isovalue needs a file to open");
+    if (!option && iso_input_drops_parts(&settings->input))
+        option = settings->input.largest ? "--largest" : "--min-size";
     if (!settings->open && option) return iso_fail(error, ISO_ERR_USAGE, "%s needs a file to open", option);
     return ISO_OK;
 }

@@ -8,6 +8,7 @@
 #include "base/progress.h"
 #include "extract/isovalue.h"
 #include "grids/closed_mesh.h"
+#include "grids/components.h"
 #include "grids/hgrid.h"
 #include "grids/volume.h"
 #include "sculpt/journal.h"
@@ -21,6 +22,8 @@ typedef struct isosculpt_volume {
     char path[ISO_JOURNAL_TEXT];
     uint32_t crc;                   /* of the file */
     char reading[ISO_JOURNAL_TEXT]; /* how it was read, as journals keep it */
+    int largest;                    /* parts to keep when it becomes a field, as an iso_input's */
+    double min_size;
     iso_volume volume;
     /* of volumes that have isovalues to choose from: */
     bool has_isovalues; /* dense and no level set */
@@ -45,14 +48,16 @@ typedef struct isosculpt_source {
     iso_mesh_report *report;        /* of a mesh, when it is one; NULL: not wanted */
     const iso_input *input;         /* how it is read, borrowed; NULL: by default */
     bool voxel_isovalue;            /* iso_journal_start */
+    iso_components_totals *parts;   /* what was kept and dropped; NULL: nobody asks */
     iso_file_set *files;            /* gets every file that is read; NULL is fine */
     bool notes;                     /* say on stderr what the reader had to decide */
 } isosculpt_source;
 
 /* Reads the file and says in *start what a journal says of it. A level set (.vdb) at its own voxel size is
  * taken as it is; a volume is sampled and made a distance field; so is a mesh, which is closed if it is open
- * (grids/closed_mesh.h). All with 32 voxels of room around. ISO_ERR_USAGE: a volume without an isovalue; else
- * as the readers. */
+ * (grids/closed_mesh.h). All with 32 voxels of room around. Parts of the solid are dropped as `input` (or the
+ * volume, as it was read) says, and the distances around them made again. ISO_ERR_USAGE: a volume without an
+ * isovalue; else as the readers. */
 iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
                                  iso_error *error);
 

@@ -18,8 +18,8 @@ def volume(path):
         total += a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
     return total / 6
 a, b = report("a.json"), report("b.json")
-expect(a["mesh"] == b["mesh"], a, b)
-m = a["mesh"]
+expect(a["opened_mesh"] == b["opened_mesh"], a, b)
+m = a["opened_mesh"]
 expect(m["open_edges"] > 500 and m["loops_capped"] > 40 and m["holes_closed"] == 0 and not m["inside_out"], m)
 expect(abs(volume("o.stl") / m["volume"] - 1) < 0.01, volume("o.stl"), m)
 kept = [t for n, t in enumerate(facets("o.stl")) if n % 5000 != 7]
@@ -32,7 +32,7 @@ grep -q "holes of up to .* mm filled; it is inside out" note.txt
 python3 - <<'P'
 from check import *
 a, c = report("a.json"), report("c.json")
-m = c["mesh"]
+m = c["opened_mesh"]
 expect(m["holes_closed"] > 5 and m["open_edges"] == 3 * m["holes_closed"] and m["inside_out"], m)
-expect(abs(m["volume"] / a["mesh"]["volume"] - 1) < 0.01, a["mesh"], m)
+expect(abs(m["volume"] / a["opened_mesh"]["volume"] - 1) < 0.01, a["opened_mesh"], m)
 P
