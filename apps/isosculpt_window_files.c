@@ -90,6 +90,7 @@ static iso_status start_opening(window *w, const char *path, bool stamp, iso_err
                                        .folder = w->has_folder ? w->folder : NULL,
                                        .isovalue = asked ? settings->isovalue : NAN,
                                        .voxel = asked ? settings->voxel_size : 0,
+                                       .close_holes = settings->close_holes,
                                        .input = asked ? settings->input : (iso_input){0},
                                        .threads = settings->threads,
                                        .undo_memory = (size_t)settings->undo_memory,
@@ -214,10 +215,13 @@ static iso_status finish_opening(window *w, iso_error *error) {
         not_sculpting(w);
         return without(w, cancelled, status, error);
     }
+    char note[240];
+    const bool noted = iso_mesh_report_note(&opened.report, note, sizeof note);
     if (opened.stamp)
         isosculpt_hand_stamp(&w->hand, opened.stamp);
     else
         status = replace_desk(w, &opened, error);
+    if (status == ISO_OK && noted) isosculpt_window_say(w, false, note);
     not_sculpting(w);
     w->frames = ISOSCULPT_FRAMES;
     return status;
