@@ -237,32 +237,51 @@ static bool is_oblique(const iso_transform *transform) {
     return zeros < 6;
 }
 
-static void measure(isorender_job *job) {
-    iso_transform transform =
-        job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
-    iso_affine affine = iso_transform_affine(&transform);
-    bool oblique = is_oblique(&transform);
-    iso_box index = iso_box_empty(), world = iso_box_empty();
+iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine) {
+    iso_box all = iso_box_empty();
+    for (int i = 0; i < job->surface_count; i++) {
+        const isorender_surface *surface = &job->surfaces[i];
+        if (surface->exact) {
+            const iso_box box = iso_exact_bounds(surface->exact, affine);
+            add_box(&all, &box);
+        } else if (surface->points || job->from_points) {
+            const iso_point_view view = isorender_points_view(job, i);
+            add_points_world(&all, &view, affine);
+        } else {
+            const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+            add_mesh_world(&all, &view, affine);
+        }
+    }
+    return all;
+}
+
+static iso_box index_bounds(const isorender_job *job) {
+    iso_box all = iso_box_empty();
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         iso_box box;
         if (surface->exact) {
             box = iso_exact_bounds(surface->exact, NULL);
-            iso_box turned = oblique ? iso_exact_bounds(surface->exact, &affine) : iso_box_empty();
-            add_box(&world, &turned);
         } else if (surface->points || job->from_points) {
-            iso_point_view view = isorender_points_view(job, i);
+            const iso_point_view view = isorender_points_view(job, i);
             box = iso_point_view_bounds(&view);
-            if (oblique) add_points_world(&world, &view, &affine);
         } else {
-            iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+            const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
             box = iso_mesh_view_bounds(&view);
-            if (oblique) add_mesh_world(&world, &view, &affine);
         }
-        add_box(&index, &box);
+        add_box(&all, &box);
     }
+    return all;
+}
+
+static void measure(isorender_job *job) {
+    iso_transform transform =
+        job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
+    iso_affine affine = iso_transform_affine(&transform);
+    const iso_box index = index_bounds(job);
     job->bounds_local = to_local(job, &index);
-    job->bounds_world = oblique ? world : iso_box_transform(&index, &affine);
+    job->bounds_world =
+        is_oblique(&transform) ? isorender_bounds(job, &affine) : iso_box_transform(&index, &affine);
 }
 
 iso_status isorender_extract(isorender_job *job, iso_error *error) {
