@@ -17,7 +17,7 @@
 #include "check_support.h"
 #include "grids/grid.h"
 
-static double uniform(uint64_t *state) {
+static double fraction(uint64_t *state) {
     return random_below(state, 1u << 30) / (double)(1u << 30);
 }
 
@@ -49,7 +49,7 @@ static void random_voxel(iso_rgrid *grid, ptrdiff_t i, int bad, uint64_t *random
         break;
     default: {
         const float values[] = {NAN, INFINITY, -INFINITY, FLT_MAX};
-        float value = (float)(uniform(random) * 10 - 5);
+        float value = (float)(fraction(random) * 10 - 5);
         ((float *)grid->data)[i] =
             bad && random_below(random, 6) == 0 ? values[random_below(random, 4)] : value;
     }
@@ -81,7 +81,7 @@ static void random_brick(iso_hgrid *grid, int cx, int cy, int cz, uint64_t *rand
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
         int x = cx * 16 + i % 16, y = cy * 16 + i / 16 % 16, z = cz * 16 + i / 256;
         int inside = x < grid->dims[0] && y < grid->dims[1] && z < grid->dims[2];
-        float value = (float)(uniform(random) * 6 - 3);
+        float value = (float)(fraction(random) * 6 - 3);
         brick[i] = !inside ? NAN : kind == 0 ? 2 : kind == 1 ? -1 : value;
     }
 }
@@ -272,7 +272,7 @@ static iso_vec3 random_position(const iso_grid *grid, uint64_t *random) {
     const int *dims = iso_grid_dims(grid);
     double p[3];
     for (int axis = 0; axis < 3; axis++) {
-        p[axis] = uniform(random) * (dims[axis] + 3) - 2;
+        p[axis] = fraction(random) * (dims[axis] + 3) - 2;
         if (random_below(random, 4) == 0) p[axis] = floor(p[axis]);
         if (random_below(random, 40) == 0) p[axis] = random_below(random, 2) ? 1e300 : -INFINITY;
     }
@@ -629,7 +629,7 @@ static void split_and_write(iso_hgrid *grid, dense *m, const int c[3], uint64_t 
     for (int i = (int)random_below(random, 3); i > 0; i--) {
         int x = (int)random_below(random, 16), y = (int)random_below(random, 16),
             z = (int)random_below(random, 16);
-        float value = random_below(random, 4) ? (float)uniform(random) : 4;
+        float value = random_below(random, 4) ? (float)fraction(random) : 4;
         brick[(z * 16 + y) * 16 + x] = value;
         if (c[0] * 16 + x < SIDE && c[1] * 16 + y < SIDE && c[2] * 16 + z < SIDE)
             m->voxel[c[2] * 16 + z][c[1] * 16 + y][c[0] * 16 + x] = value;
