@@ -100,7 +100,8 @@ key Return
 until_ "kept.stl" is_stl kept.stl
 echo "not mine" | cmp -s - kept.stl.bak || fail "kept.stl is lost"
 mkdir folder.vdb
-save_as folder.vdb # enters it
+save_as folder.vdb # enters it, and shows it a few pictures later
+xdotool sleep 2
 enter inside.vdb
 until_ "folder.vdb/inside.vdb" is_vdb folder.vdb/inside.vdb
 
