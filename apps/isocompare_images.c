@@ -187,21 +187,48 @@ static iso_status check_bounds(const comparison *c, iso_error *error) {
 /* ---- one comparison ---- */
 
 static iso_status check_outputs(const isocompare_settings *settings, iso_error *error) {
-    const char *outputs[] = {settings->difference, settings->render.json_path};
     const char *inputs[] = {settings->truth, settings->candidate, settings->truth_aov,
                             settings->candidate_aov};
-    for (int o = 0; o < 2; o++)
-        for (int i = 0; i < 4; i++)
-            if (outputs[o] && inputs[i] && iso_file_same(inputs[i], outputs[o]))
-                return iso_fail(error, ISO_ERR_USAGE, "%s: an output would overwrite an input", outputs[o]);
-    if (outputs[0] && outputs[1] && strcmp(outputs[0], outputs[1]) == 0)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: two outputs have this name", outputs[0]);
-    return ISO_OK;
+    iso_file_set files = {0};
+    for (int i = 0; i < 4; i++)
+        if (inputs[i]) iso_file_set_read(&files, inputs[i]);
+    iso_file_set_write(&files, settings->difference);
+    iso_file_set_write(&files, settings->render.json_path);
+    iso_status status = iso_file_set_check(&files, error);
+    iso_file_set_free(&files);
+    if (status == ISO_OK) status = iso_sink_check(settings->difference, error);
+    return status == ISO_OK ? iso_sink_check(settings->render.json_path, error) : status;
+}
+
+/* Bytes for pictures of these sizes, known before anything is decoded: what is read, and a pixel's share in
+ * the metrics (colours and silhouettes of both sides, distances to a silhouette) and in the picture of
+ * differences. */
+static iso_status check_memory(const isocompare_settings *settings, iso_error *error) {
+    enum { PNG_BYTES = 4, EXR_BYTES = 20, METRIC_BYTES = 16, DIFFERENCE_BYTES = 8 };
+    const char *const files[] = {settings->truth, settings->candidate, settings->truth_aov,
+                                 settings->candidate_aov};
+    const uint64_t limit = iso_memory_limit(settings->render.input.max_memory);
+    uint64_t needs = 0, most = 0;
+    for (int i = 0; i < 4; i++) {
+        uint32_t size[2];
+        bool exr = files[i] && is_exr(files[i]);
+        if (!files[i] || !(exr ? iso_exr_size(files[i], size) : iso_png_size(files[i], size))) continue;
+        if (size[0] > ISO_IMAGE_MAX || size[1] > ISO_IMAGE_MAX) continue; /* the reader refuses it */
+        uint64_t pixels = (uint64_t)size[0] * size[1];
+        needs += pixels * (exr ? EXR_BYTES : PNG_BYTES);
+        if (pixels > most) most = pixels;
+    }
+    needs += most * (METRIC_BYTES + (settings->difference ? DIFFERENCE_BYTES : 0));
+    if (needs <= limit) return ISO_OK;
+    return iso_fail(error, ISO_ERR_LIMIT,
+                    "%s: comparing %.0f million pixels needs %.0f MB, limit is %.0f MB (--max-memory)",
+                    settings->truth, (double)most / 1e6, (double)needs / 1e6, (double)limit / 1e6);
 }
 
 static iso_status prepare(comparison *c, iso_error *error) {
     const isocompare_settings *settings = c->settings;
     ISO_TRY(check_outputs(settings, error));
+    ISO_TRY(check_memory(settings, error));
     for (int i = 0; i < 2; i++) ISO_TRY(read_side(&c->sides[i], c->pool, error));
     c->voxel = settings->voxel > 0 ? settings->voxel : (double)c->sides[0].aov.voxel;
     const iso_compare_picture *a = &c->sides[0].picture, *b = &c->sides[1].picture;
@@ -228,7 +255,9 @@ static iso_status compare(comparison *c, iso_error *error) {
     if (settings->difference) ISO_TRY(write_difference(c, error));
     bool to_stdout = settings->render.json && !settings->render.json_path;
     if (!settings->render.quiet && !to_stdout) print_table(c);
-    if (settings->render.json) ISO_TRY(write_json(c, error));
+    iso_status status = settings->render.json ? write_json(c, error) : ISO_OK;
+    if (status != ISO_OK) iso_file_remove(settings->difference); /* all outputs or none */
+    ISO_TRY(status);
     return check_bounds(c, error);
 }
 

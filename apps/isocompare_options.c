@@ -148,7 +148,8 @@ static void see_option(void *target, const iso_option *option, const char *value
     if (option->group == IMAGES && strcmp(option->name, "background") != 0 &&
         strcmp(option->name, "pixels-per-degree") != 0)
         settings->of_images = option->name;
-    if (option->group == REPORT || option->group == INPUT) settings->of_report = option->name;
+    if (option->group == REPORT || (option->group == INPUT && strcmp(option->name, "max-memory") != 0))
+        settings->of_report = option->name;
     isorender_record(&settings->render, option, value);
 }
 

@@ -23,6 +23,12 @@ static void tell(const report *r, const char *text) {
 
 /* ---- the volume ---- */
 
+static char *path_of(const char *folder, int file) {
+    static const char *const names[2] = {"report.html", "report.json"};
+    char *path = NULL;
+    return asprintf(&path, "%s/%s", folder, names[file]) < 0 ? NULL : path;
+}
+
 static iso_status choose_isovalue(report *r, iso_error *error) {
     const isorender_settings *settings = &r->settings->render;
     iso_subject *subject = &r->subject;
@@ -45,8 +51,21 @@ static iso_status choose_isovalue(report *r, iso_error *error) {
     return ISO_OK;
 }
 
+/* isorender_open holds them against what is read. */
+static iso_status add_outputs(report *r, iso_error *error) {
+    for (int i = 0; i < 2; i++) {
+        char *path = path_of(r->settings->output, i);
+        if (!path) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+        iso_file_set_write(&r->files, path);
+        free(path);
+    }
+    r->plan.files = &r->files;
+    return iso_file_set_check(&r->files, error);
+}
+
 static iso_status open_volume(report *r, iso_error *error) {
     ISO_TRY(iso_template_model(r->plan.input, &r->plan.model, error));
+    ISO_TRY(add_outputs(r, error));
     ISO_TRY(isorender_open(&r->job, error));
     if (r->job.from_points)
         return iso_fail(error, ISO_ERR_USAGE, "holds points: a report needs the volume they come from");
@@ -251,12 +270,6 @@ static iso_status open_folder(const char *path, bool *made, iso_error *error) {
                     strerror(errno == EEXIST ? ENOTDIR : errno));
 }
 
-static char *path_of(const char *folder, int file) {
-    static const char *const names[2] = {"report.html", "report.json"};
-    char *path = NULL;
-    return asprintf(&path, "%s/%s", folder, names[file]) < 0 ? NULL : path;
-}
-
 static iso_status open_sinks(const char *folder, iso_sink sinks[2], iso_error *error) {
     for (int i = 0; i < 2; i++) {
         char *path = path_of(folder, i);
@@ -275,7 +288,7 @@ static iso_status write_files(const report *r, iso_sink sinks[2], iso_error *err
     ISO_TRY(iso_sink_commit(&sinks[0], error));
     iso_status status = iso_sink_commit(&sinks[1], error);
     char *path = status == ISO_OK ? NULL : path_of(r->settings->output, 0);
-    if (path) unlink(path);
+    iso_file_remove(path);
     free(path);
     return status;
 }
@@ -303,12 +316,13 @@ static void free_report(report *r) {
     free(r->plan.model);
     iso_subject_free(&r->subject);
     isorender_close(&r->job);
+    iso_file_set_free(&r->files);
     free(r);
 }
 
 /* Every message names a thing: the volume, unless the text names a file already. */
 static void name_volume(const report *r, iso_error *error) {
-    const char *name = r->plan.input;
+    const char *name = isorender_input_name(&r->job);
     if (error->status == ISO_ERR_WRITE || iso_text_begins(error->text, name)) return;
     iso_fail(error, error->status, "%s: %s", name, error->text);
 }

@@ -46,6 +46,7 @@ typedef struct report {
     const isocompare_settings *settings;
     isorender_settings reading; /* as settings->render, but quiet: this program speaks for itself */
     isorender_job job;
+    iso_file_set files; /* what is read, and the outputs */
     isorender_plan plan;
     iso_subject subject;
     iso_study_ball ball;

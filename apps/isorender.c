@@ -43,7 +43,10 @@ static iso_status run(const isorender_settings *settings, int *code, iso_error *
     iso_pool *pool = NULL;
     ISO_TRY(isorender_plans_make(settings, &plans, error));
     isorender_backend backend = isorender_backend_cpu();
-    iso_status status = iso_pool_create(settings->threads, &pool, error);
+    for (int i = 0; settings->input_count > 1 && i < settings->input_count; i++)
+        isorender_look(settings, &plans[i]);
+    iso_status status = iso_file_set_check(plans->files, error);
+    if (status == ISO_OK) status = iso_pool_create(settings->threads, &pool, error);
     if (status == ISO_OK && draws_any(settings, plans))
         status = isorender_backend_open(settings, &backend, error);
     if (status == ISO_OK) *code = run_all(settings, plans, pool, &backend);

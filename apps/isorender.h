@@ -8,11 +8,15 @@
 #include <stdio.h>
 
 #include "apps/input.h"
+#include "apps/json.h"
 #include "apps/options.h"
+#include "apps/spool.h"
 #include "base/parallel.h"
 #include "extract/isovalue.h"
 #include "extract/mesh.h"
+#include "extract/mesh_measure.h"
 #include "extract/points.h"
+#include "grids/components.h"
 #include "grids/volume.h"
 #include "image/camera.h"
 #include "io/points_io.h"
@@ -40,6 +44,9 @@ typedef enum isorender_method {
 } isorender_method;
 const char *isorender_method_name(isorender_method method);
 
+/* What the camera frames. */
+typedef enum isorender_fit { ISORENDER_FIT_BOX, ISORENDER_FIT_TIGHT } isorender_fit;
+
 typedef enum isorender_help {
     ISORENDER_RUN,
     ISORENDER_HELP,
@@ -59,6 +66,7 @@ typedef struct isorender_settings {
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;
     int primitive; /* iso_primitive */
+    int closed;    /* the solid ends at the volume's border */
     const char *points, *mesh, *aov;
 
     int method;         /* isorender_method */
@@ -73,7 +81,10 @@ typedef struct isorender_settings {
     int direction; /* iso_direction */
     iso_vec3 up;
     double azimuth, elevation, zoom, view_angle;
-    int orthographic;
+    int orthographic, fit; /* isorender_fit */
+    double mm_per_pixel;   /* 0: not given */
+    double margin;         /* part of the picture on each side; NaN: not given */
+    int scale_bar, orientation_marker;
     double position[3], focal_point[3], view_up[3]; /* NaN: not given */
 
     int threads, progress, quiet, verbose;
@@ -107,6 +118,7 @@ typedef struct isorender_plan {
     char *model;
     char *image, *aov; /* with {n:3} left in for a turntable */
     char *points, *mesh, *json;
+    iso_file_set *files; /* read and written by the whole run; one for all plans, owned by the first */
 } isorender_plan;
 
 /* Plans for all inputs; refuses names that collide or would overwrite an input. isorender_plans_free. */
@@ -148,10 +160,14 @@ void isorender_backends_list(int threads);
 typedef struct isorender_surface {
     double isovalue; /* physical; NaN for points that were read */
     iso_rgb color;
-    iso_point_set *points; /* or NULL */
-    iso_mesh_set *mesh;    /* or NULL */
-    iso_exact *exact;      /* or NULL */
-    iso_raycaster *caster; /* or NULL */
+    iso_grid grid;     /* what the surface is extracted from; borrowed: the volume's or own_grid */
+    iso_grid own_grid; /* neither is set: none */
+    iso_components_totals parts;
+    iso_mesh_measures measures; /* of the mesh, with --json or --verbose */
+    iso_point_set *points;      /* or NULL */
+    iso_mesh_set *mesh;         /* or NULL */
+    iso_exact *exact;           /* or NULL */
+    iso_raycaster *caster;      /* or NULL */
 } isorender_surface;
 
 typedef struct isorender_frame {
@@ -168,7 +184,7 @@ typedef struct isorender_job {
     const isorender_plan *plan;
     iso_pool *pool;
     const isorender_backend *backend;
-    char *copy;       /* temporary copy of stdin, or NULL */
+    iso_spool spool;  /* of standard input or a FIFO */
     const char *path; /* what to read */
 
     bool from_points; /* `points` was read, there is no volume */
@@ -203,7 +219,10 @@ typedef struct isorender_job {
 iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
                          const isorender_backend *backend, iso_error *error);
 
-/* isorender_input.c: header and notes; then the voxels or points. */
+/* isorender_input.c: adds the files that the input is read from to the plan's, as far as its header can be
+ * read. For runs of several inputs: what one reads no other may write. */
+void isorender_look(const isorender_settings *settings, const isorender_plan *plan);
+/* header, and the check of all outputs against what is read; notes; then the voxels or points. */
 iso_status isorender_open(isorender_job *job, iso_error *error);
 iso_status isorender_read(isorender_job *job, iso_error *error);
 void isorender_close(isorender_job *job);
@@ -215,6 +234,27 @@ iso_status isorender_extract(isorender_job *job, iso_error *error);
 iso_primitive isorender_primitive(const isorender_job *job);
 iso_status isorender_export(isorender_job *job, iso_error *error);
 iso_point_view isorender_points_view(const isorender_job *job, int surface);
+
+/* The box of all surfaces in the space that `affine` takes index coordinates to. */
+iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine);
+
+/* isorender_camera.c: the first frame's camera, into job->camera; and a frame's. */
+iso_status isorender_camera_make(isorender_job *job, iso_error *error);
+iso_camera isorender_camera_of_frame(const isorender_job *job, int frame);
+/* ISO_ERR_USAGE when options contradict each other; --mm-per-pixel makes the projection parallel. */
+iso_status isorender_camera_check(isorender_settings *settings, iso_error *error);
+
+/* isorender_solid.c */
+/* Makes surface->grid: without small parts, and closed, as the settings ask for. ISO_ERR_EMPTY: no part is
+ * large enough. */
+iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error);
+/* Bytes that all surfaces' grids take beside the volume's own (`grid_bytes`, of `dims` voxels). */
+uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint64_t grid_bytes);
+/* The surface's welded mesh as it is exported; measured into surface->measures when that is wanted. */
+iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
+                               iso_error *error);
+/* Members of the report: parts and mesh, of the first surface and, when there are several, of each. */
+void isorender_solid_put(iso_json *json, const isorender_job *job);
 
 /* isorender_picture.c */
 iso_status isorender_render(isorender_job *job, iso_error *error);

@@ -13,83 +13,10 @@
 #include "base/memory.h"
 #include "grids/scenes.h"
 
-/* ---- stdin ---- */
-
-/* libnifti goes by the name, everything else by the content. */
-static const char *suffix_of(const unsigned char *head, size_t count) {
-    if (count >= 2 && head[0] == 0x1f && head[1] == 0x8b) return ".nii.gz";
-    bool nifti = count >= 4 && (memcmp(head, "\x5c\1\0\0", 4) == 0 || memcmp(head, "\0\0\1\x5c", 4) == 0 ||
-                                memcmp(head, "\x1c\2\0\0", 4) == 0 || memcmp(head, "\0\0\2\x1c", 4) == 0);
-    return nifti ? ".nii" : "";
-}
-
-static iso_status write_all(int file, const unsigned char *data, size_t count, const char *path,
-                            iso_error *error) {
-    while (count > 0) {
-        ssize_t written = write(file, data, count);
-        if (written < 0 && errno == EINTR) continue;
-        if (written < 0)
-            return iso_fail(error, ISO_ERR_WRITE, "%s: cannot copy standard input here: %s", path,
-                            strerror(errno));
-        data += written;
-        count -= (size_t)written;
-    }
-    return ISO_OK;
-}
-
-/* Reads until `room` bytes are there or the input ends. */
-static iso_status read_block(unsigned char *data, size_t room, size_t *count, iso_error *error) {
-    *count = 0;
-    while (*count < room) {
-        ssize_t got = read(STDIN_FILENO, data + *count, room - *count);
-        if (got < 0 && errno == EINTR) continue;
-        if (got < 0) return iso_fail(error, ISO_ERR_IO, "standard input: cannot read: %s", strerror(errno));
-        if (got == 0) break;
-        *count += (size_t)got;
-    }
-    return ISO_OK;
-}
-
-/* Copies stdin into a new file, whose name goes to job->copy as soon as it exists. */
-static iso_status copy_blocks(isorender_job *job, unsigned char *block, size_t room, iso_error *error) {
-    size_t count;
-    ISO_TRY(read_block(block, room, &count, error));
-    if (count == 0) return iso_fail(error, ISO_ERR_IO, "standard input: is empty");
-    const char *folder = getenv("TMPDIR"), *suffix = suffix_of(block, count);
-    char *path = NULL;
-    if (asprintf(&path, "%s/isorender-XXXXXX%s", folder && *folder ? folder : "/tmp", suffix) < 0)
-        return iso_fail(error, ISO_ERR_NOMEM, "standard input: out of memory");
-    int file = mkstemps(path, (int)strlen(suffix));
-    if (file < 0) {
-        iso_fail(error, ISO_ERR_WRITE, "%s: cannot copy standard input here: %s", path, strerror(errno));
-        free(path);
-        return ISO_ERR_WRITE;
-    }
-    job->copy = path;
-    iso_status status = ISO_OK;
-    while (status == ISO_OK && count > 0) {
-        status = write_all(file, block, count, path, error);
-        if (status == ISO_OK) status = read_block(block, room, &count, error);
-    }
-    close(file);
-    return status;
-}
-
-static iso_status copy_stdin(isorender_job *job, iso_error *error) {
-    enum { BLOCK = 1 << 20 };
-    unsigned char *block = iso_alloc(BLOCK);
-    if (!block) return iso_fail(error, ISO_ERR_NOMEM, "standard input: out of memory");
-    iso_status status = copy_blocks(job, block, BLOCK, error);
-    iso_free(block);
-    return status;
-}
-
 /* ---- limits ---- */
 
 static uint64_t memory_limit(const isorender_settings *settings) {
-    if (settings->input.max_memory) return settings->input.max_memory;
-    uint64_t free_bytes = iso_memory_available();
-    return free_bytes == UINT64_MAX ? free_bytes : free_bytes / 5 * 4;
+    return iso_memory_limit(settings->input.max_memory);
 }
 
 static iso_status check_picture(const isorender_job *job, iso_error *error) {
@@ -161,6 +88,7 @@ static int report_reading(void *context, double fraction) {
 
 static iso_volume_opts volume_opts(isorender_job *job) {
     iso_volume_opts opts = iso_input_volume_opts(&job->settings->input);
+    opts.files = job->plan->files;
     opts.pool = job->pool;
     opts.progress = report_reading;
     opts.progress_context = job;
@@ -183,19 +111,53 @@ static iso_status check_points_only(const isorender_settings *settings, iso_erro
     if (method == ISORENDER_EXACT || method == ISORENDER_MESH || method == ISORENDER_RAYCAST)
         return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume",
                         isorender_method_name(method));
-    const char *option = settings->isovalue_count     ? "--isovalue"
-                         : settings->mesh             ? "--mesh"
-                         : settings->input.cropped    ? "--crop"
-                         : settings->input.cropped_mm ? "--crop-mm"
-                         : settings->primitive        ? "--primitive"
-                                                      : NULL;
+    const char *option = settings->isovalue_count       ? "--isovalue"
+                         : settings->mesh               ? "--mesh"
+                         : settings->input.cropped      ? "--crop"
+                         : settings->input.cropped_mm   ? "--crop-mm"
+                         : settings->primitive          ? "--primitive"
+                         : settings->input.largest      ? "--largest"
+                         : settings->input.min_size > 0 ? "--min-size"
+                         : settings->closed             ? "--closed"
+                         : settings->input.grid         ? "--grid"
+                         : settings->input.series       ? "--series"
+                                                        : NULL;
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
 }
 
+/* Grids that surfaces have of their own, from what the header says. */
+static iso_status check_solid(const isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_volume_info *info = &job->volume.info;
+    int dims[3];
+    for (int axis = 0; axis < 3; axis++) dims[axis] = job->crop[2 * axis + 1] - job->crop[2 * axis] + 1;
+    const uint64_t more = isorender_solid_bytes(job, dims, info->bytes), limit = memory_limit(settings);
+    if (more == 0 || settings->info || (info->bytes <= limit && more <= limit - info->bytes)) return ISO_OK;
+    return iso_fail(
+        error, ISO_ERR_LIMIT,
+        "grids of %.0f MB for --closed or several surfaces' parts, beside the volume's %.0f MB, are "
+        "over the limit of %.0f MB (--max-memory)",
+        (double)more / 1e6, (double)info->bytes / 1e6, (double)limit / 1e6);
+}
+
 static iso_status find_crop(isorender_job *job, iso_error *error) {
     const iso_volume_info *info = &job->volume.info;
-    return iso_input_box(&job->settings->input, info->dims, &info->transform, job->crop, error);
+    ISO_TRY(iso_input_box(&job->settings->input, info->dims, &info->transform, job->crop, error));
+    return check_solid(job, error);
+}
+
+void isorender_look(const isorender_settings *settings, const isorender_plan *plan) {
+    iso_volume_info info;
+    iso_volume_opts opts = iso_input_volume_opts(&settings->input);
+    opts.files = plan->files;
+    bool file = strncmp(plan->input, "scene:", 6) != 0 && !iso_spool_needed(plan->input);
+    if (file && (settings->input.has_raw || !is_ply(plan->input)))
+        iso_volume_read_info(plan->input, &opts, &info, NULL); /* errors are told when its turn comes */
+}
+
+static iso_status check_files(const isorender_job *job, iso_error *error) {
+    return job->plan->files ? iso_file_set_check(job->plan->files, error) : ISO_OK;
 }
 
 iso_status isorender_open(isorender_job *job, iso_error *error) {
@@ -209,18 +171,22 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
         ISO_TRY(check_picture(job, error));
         return find_crop(job, error);
     }
-    if (strcmp(input, "-") == 0) {
-        ISO_TRY(copy_stdin(job, error));
-        job->path = job->copy;
+    iso_volume_opts opts = volume_opts(job);
+    if (iso_spool_needed(input)) {
+        iso_spool_opts spooling = {.volume = &opts, .points = true};
+        ISO_TRY(iso_spool_open(input, &spooling, &job->spool, error));
+        job->path = job->spool.path;
     }
+    iso_file_set_read_as(job->plan->files, job->path, isorender_input_name(job));
     job->from_points = !job->settings->input.has_raw && is_ply(job->path);
     if (job->from_points) {
         if (job->method == ISORENDER_EXACT) job->method = ISORENDER_POINTS; /* unless it is asked for */
+        ISO_TRY(check_files(job, error));
         ISO_TRY(check_picture(job, error));
         return check_points_only(job->settings, error);
     }
-    iso_volume_opts opts = volume_opts(job);
     ISO_TRY(iso_volume_read_info(job->path, &opts, &job->volume.info, error));
+    ISO_TRY(check_files(job, error));
     /* A volume that is too large is what the user should hear of first: iso_volume_read says it. */
     if (job->volume.info.read_bytes <= memory_limit(job->settings)) ISO_TRY(check_picture(job, error));
     return find_crop(job, error);
@@ -230,8 +196,8 @@ static void print_notes(const isorender_job *job) {
     const iso_volume_info *info = &job->volume.info;
     for (int i = 0; i < info->note_count; i++) isorender_say(job, "note: %s", info->notes[i]);
     if (job->nonfinite)
-        isorender_say(job, "note: %zu voxels are NaN or infinite: no surface is made next to them",
-                      job->nonfinite);
+        isorender_say(job, "note: %zu voxels are NaN or infinite, as floats: %s", job->nonfinite,
+                      job->settings->closed ? "outside the solid" : "no surface is made next to them");
 }
 
 iso_status isorender_read(isorender_job *job, iso_error *error) {
@@ -254,7 +220,5 @@ void isorender_close(isorender_job *job) {
     iso_pullpush_destroy(job->pullpush);
     iso_points_free(&job->points);
     iso_volume_free(&job->volume);
-    if (job->copy) unlink(job->copy);
-    free(job->copy);
-    job->copy = NULL;
+    iso_spool_close(&job->spool);
 }

@@ -1,7 +1,6 @@
 /* Names of the outputs of every input, and the refusal of names that would destroy something. */
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "apps/isorender.h"
 #include "apps/template.h"
@@ -47,52 +46,59 @@ static iso_status scene_input(const char *scene, char **input, iso_error *error)
 
 /* ---- collisions ---- */
 
-enum { NAMES = 5 };
+enum { IMAGE, POINTS, MESH, JSON, AOV, NAMES };
 
 static void names_of(const isorender_plan *plan, const char *names[NAMES]) {
-    names[0] = plan->image;
-    names[1] = plan->points;
-    names[2] = plan->mesh;
-    names[3] = plan->json;
-    names[4] = plan->aov;
+    names[IMAGE] = plan->image;
+    names[POINTS] = plan->points;
+    names[MESH] = plan->mesh;
+    names[JSON] = plan->json;
+    names[AOV] = plan->aov;
 }
 
-/* stdout may be named by one output only, but that is checked with the options. */
-static iso_status check_distinct(const isorender_plan *a, const isorender_plan *b, iso_error *error) {
-    const char *first[NAMES], *second[NAMES];
-    names_of(a, first);
-    names_of(b, second);
-    for (int i = 0; i < NAMES; i++)
-        for (int j = a == b ? i + 1 : 0; j < NAMES; j++)
-            if (first[i] && second[j] && strcmp(first[i], second[j]) == 0)
-                return iso_fail(error, ISO_ERR_USAGE, "%s: two outputs have this name", first[i]);
-    return ISO_OK;
-}
-
-static iso_status check_inputs_safe(const isorender_plan *plan, iso_error *error) {
-    const char *names[NAMES];
-    names_of(plan, names);
-    for (int i = 0; i < NAMES; i++)
-        if (names[i] && iso_file_same(plan->input, names[i]))
-            return iso_fail(error, ISO_ERR_USAGE, "%s: an output would overwrite the input", names[i]);
-    return ISO_OK;
-}
-
-static iso_status check_all(const isorender_plan *plans, int count, iso_error *error) {
-    for (int i = 0; i < count; i++) {
-        ISO_TRY(check_inputs_safe(&plans[i], error));
-        for (int j = 0; j <= i; j++) ISO_TRY(check_distinct(&plans[j], &plans[i], error));
+/* Every frame of a turntable has a name of its own. */
+static iso_status add_frames(const isorender_settings *settings, const char *name, iso_file_set *files,
+                             iso_error *error) {
+    for (int frame = 0; name && frame < (settings->turntable ? settings->turntable : 1); frame++) {
+        char *path = NULL;
+        ISO_TRY(isorender_plan_frame(name, frame, &path, error));
+        iso_file_set_write(files, path);
+        free(path);
     }
     return ISO_OK;
 }
 
+static iso_status add_files(const isorender_settings *settings, const isorender_plan *plan,
+                            iso_error *error) {
+    const char *names[NAMES];
+    names_of(plan, names);
+    if (strncmp(plan->input, "scene:", 6) != 0 && !iso_spool_needed(plan->input))
+        iso_file_set_read(plan->files, plan->input);
+    for (int i = 0; i < NAMES; i++)
+        if (i == IMAGE || i == AOV)
+            ISO_TRY(add_frames(settings, names[i], plan->files, error));
+        else
+            iso_file_set_write(plan->files, names[i]);
+    return ISO_OK;
+}
+
+/* What is known before any header is read; isorender_open and isorender_plan_look add the rest. */
+static iso_status check_all(const isorender_settings *settings, const isorender_plan *plans,
+                            iso_error *error) {
+    for (int i = 0; i < settings->input_count; i++) ISO_TRY(add_files(settings, &plans[i], error));
+    return iso_file_set_check(plans->files, error);
+}
+
 static iso_status make_all(const isorender_settings *settings, isorender_plan *plans, iso_error *error) {
+    iso_file_set *files = calloc(1, sizeof *files);
+    if (!files) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    for (int i = 0; i < settings->input_count; i++) plans[i].files = files;
     for (int i = 0; i < settings->input_count; i++) {
         if (settings->scene) ISO_TRY(scene_input(settings->scene, &plans[i].scene, error));
         plans[i].input = settings->scene ? plans[i].scene : settings->inputs[i];
         ISO_TRY(make_names(settings, i, &plans[i], error));
     }
-    return check_all(plans, settings->input_count, error);
+    return check_all(settings, plans, error);
 }
 
 iso_status isorender_plans_make(const isorender_settings *settings, isorender_plan **plans,
@@ -109,6 +115,8 @@ iso_status isorender_plans_make(const isorender_settings *settings, isorender_pl
 }
 
 void isorender_plans_free(isorender_plan *plans, int count) {
+    if (plans && plans->files) iso_file_set_free(plans->files);
+    if (plans) free(plans->files);
     for (int i = 0; plans && i < count; i++) {
         free(plans[i].scene);
         free(plans[i].model);
@@ -129,22 +137,11 @@ iso_status isorender_plan_frame(const char *name, int frame, char **path, iso_er
     return iso_template_expand(name, NULL, frame, path, error);
 }
 
-static iso_status check_writable(const char *path, iso_error *error) {
-    if (!path || strcmp(path, "-") == 0) return ISO_OK;
-    struct stat info;
-    /* A pipe that is opened and closed has ended for its reader. */
-    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode)) return ISO_OK;
-    iso_sink sink = {0};
-    ISO_TRY(iso_sink_open(path, &sink, error));
-    iso_sink_abort(&sink);
-    return ISO_OK;
-}
-
 static iso_status check_first_frame(const char *name, iso_error *error) {
     if (!name) return ISO_OK;
     char *first = NULL;
     ISO_TRY(isorender_plan_frame(name, 0, &first, error));
-    iso_status status = check_writable(first, error);
+    iso_status status = iso_sink_check(first, error);
     free(first);
     return status;
 }
@@ -154,7 +151,7 @@ iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *
     if (plan->aov && !iso_exr_available())
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without OpenEXR", plan->aov);
     ISO_TRY(check_first_frame(plan->aov, error));
-    ISO_TRY(check_writable(plan->points, error));
-    ISO_TRY(check_writable(plan->mesh, error));
-    return check_writable(plan->json, error);
+    ISO_TRY(iso_sink_check(plan->points, error));
+    ISO_TRY(iso_sink_check(plan->mesh, error));
+    return iso_sink_check(plan->json, error);
 }

@@ -1,9 +1,9 @@
 /* The way of one input, and what happens to its outputs when it fails. */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "apps/isorender.h"
+#include "base/file.h"
 #include "base/text.h"
 
 static iso_status inform(isorender_job *job, iso_error *error) {
@@ -62,15 +62,15 @@ static void remove_frames(const char *name, int count) {
     for (int frame = 0; frame < count; frame++) {
         char *path = NULL;
         if (isorender_plan_frame(name, frame, &path, NULL) != ISO_OK) continue;
-        if (strcmp(path, "-") != 0) unlink(path);
+        iso_file_remove(path);
         free(path);
     }
 }
 
 /* What was written before a later output failed would pass for the whole. */
 static void remove_outputs(const isorender_job *job) {
-    if (job->points_written) unlink(job->plan->points);
-    if (job->mesh_written) unlink(job->plan->mesh);
+    if (job->points_written) iso_file_remove(job->plan->points);
+    if (job->mesh_written) iso_file_remove(job->plan->mesh);
     remove_frames(job->plan->image, job->frames_written);
     remove_frames(job->plan->aov, job->aovs_written);
 }
@@ -81,7 +81,7 @@ static void name_input(const isorender_job *job, iso_error *error) {
     if (error->status == ISO_ERR_WRITE || iso_text_begins(text, name)) return;
     size_t length = job->path ? iso_text_begins(text, job->path) : 0;
     if (text[length] != ':' && text[length] != '/') length = 0;
-    if (length && !job->copy) return;
+    if (length && !job->spool.path) return;
     iso_fail(error, error->status, "%s: %s", name,
              length ? text + length + strspn(text + length, ":/ ") : text);
 }
@@ -93,6 +93,7 @@ static void free_surfaces(isorender_job *job) {
         iso_mesh_set_destroy(job->surfaces[i].mesh);
         iso_exact_destroy(job->surfaces[i].exact);
         iso_raycaster_destroy(job->surfaces[i].caster);
+        iso_grid_destroy(&job->surfaces[i].own_grid);
     }
     free(job->frames);
 }

@@ -99,6 +99,12 @@ static bool wants_cells(const isorender_job *job) {
 
 /* Says what the data holds, so that the user can choose better. */
 static iso_status fail_empty(isorender_job *job, double isovalue, iso_error *error) {
+    const int *dims = iso_grid_dims(&job->volume.grid);
+    if (dims[0] < 2 || dims[1] < 2 || dims[2] < 2)
+        return iso_fail(
+            error, ISO_ERR_EMPTY,
+            "%d x %d x %d voxels have no surface: it lies between two voxels or more on every axis", dims[0],
+            dims[1], dims[2]);
     ISO_TRY(isorender_histogram(job, error));
     const iso_histogram *histogram = &job->histogram;
     if (histogram->minimum == histogram->maximum)
@@ -116,7 +122,8 @@ static bool is_refined(const isorender_job *job) {
 iso_primitive isorender_primitive(const isorender_job *job) {
     const iso_primitive chosen = (iso_primitive)job->settings->primitive;
     if (chosen != ISO_PRIMITIVE_AUTO) return chosen;
-    bool foot = !is_refined(job); /* one kind for all surfaces */
+    /* One kind for all surfaces; the outer layer of a closed level set holds no distances. */
+    bool foot = !is_refined(job) && !job->settings->closed;
     for (int i = 0; i < job->surface_count && foot; i++)
         foot = iso_primitive_auto(&job->volume.grid, job->surfaces[i].isovalue) == ISO_PRIMITIVE_FOOT;
     return foot ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
@@ -129,7 +136,7 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
                             .floats = job->settings->points != NULL,
                             .shapes = is_refined(job),
                             .pool = job->pool};
-    ISO_TRY(iso_point_set_create(&job->volume.grid, &opts, &surface->points, error));
+    ISO_TRY(iso_point_set_create(&surface->grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));
     if (job->method == ISORENDER_PULLPUSH) ISO_TRY(iso_point_set_bound(surface->points, error));
     iso_points_stats stats = iso_point_set_stats(surface->points);
@@ -142,7 +149,7 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
 
 static iso_status extract_mesh(isorender_job *job, isorender_surface *surface, iso_error *error) {
     iso_mesh_opts opts = {.isovalue = surface->isovalue, .pool = job->pool};
-    ISO_TRY(iso_mesh_set_create(&job->volume.grid, &opts, &surface->mesh, error));
+    ISO_TRY(iso_mesh_set_create(&surface->grid, &opts, &surface->mesh, error));
     ISO_TRY(iso_mesh_set_update(surface->mesh, error));
     iso_mesh_view view = iso_mesh_set_view(surface->mesh);
     size_t triangles = iso_mesh_view_triangle_count(&view), vertices = iso_mesh_view_vertex_count(&view);
@@ -154,7 +161,7 @@ static iso_status extract_mesh(isorender_job *job, isorender_surface *surface, i
 
 static iso_status extract_cells(isorender_job *job, isorender_surface *surface, iso_error *error) {
     iso_exact_opts opts = {.isovalue = surface->isovalue, .pool = job->pool};
-    ISO_TRY(iso_exact_create(&job->volume.grid, &opts, &surface->exact, error));
+    ISO_TRY(iso_exact_create(&surface->grid, &opts, &surface->exact, error));
     ISO_TRY(iso_exact_update(surface->exact, error));
     iso_exact_totals totals = iso_exact_stats(surface->exact);
     job->cell_count += totals.cells;
@@ -164,11 +171,12 @@ static iso_status extract_cells(isorender_job *job, isorender_surface *surface, 
 }
 
 static iso_status extract_surface(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    ISO_TRY(isorender_solid_prepare(job, surface, error));
     if (wants_points(job)) ISO_TRY(extract_points(job, surface, error));
     if (wants_mesh(job)) ISO_TRY(extract_mesh(job, surface, error));
     if (wants_cells(job)) ISO_TRY(extract_cells(job, surface, error));
     if (isorender_plan_draws(job->plan) && job->method == ISORENDER_RAYCAST)
-        return iso_raycaster_create(&job->volume.grid, surface->isovalue, job->pool, &surface->caster, error);
+        return iso_raycaster_create(&surface->grid, surface->isovalue, job->pool, &surface->caster, error);
     return ISO_OK;
 }
 
@@ -188,11 +196,12 @@ static void add_box(iso_box *box, const iso_box *more) {
 /* Voxel (0, 0, 0) of the file is the local origin, also when a part of it was cut out. */
 static iso_box to_local(const isorender_job *job, const iso_box *index) {
     const int *crop = job->crop;
+    const int around = job->settings->closed ? 1 : 0; /* voxels that --closed adds */
     iso_transform transform = iso_transform_identity();
     if (!job->from_points) {
-        transform = iso_transform_local(iso_grid_transform(&job->volume.grid));
+        transform = iso_transform_local(iso_grid_transform(&job->surfaces[0].grid));
         for (int axis = 0; axis < 3; axis++)
-            transform.origin[axis] = crop[2 * axis] * transform.spacing[axis];
+            transform.origin[axis] = (crop[2 * axis] - around) * transform.spacing[axis];
     }
     iso_affine affine = iso_transform_affine(&transform);
     return iso_box_transform(index, &affine);
@@ -228,32 +237,51 @@ static bool is_oblique(const iso_transform *transform) {
     return zeros < 6;
 }
 
-static void measure(isorender_job *job) {
-    iso_transform transform =
-        job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->volume.grid);
-    iso_affine affine = iso_transform_affine(&transform);
-    bool oblique = is_oblique(&transform);
-    iso_box index = iso_box_empty(), world = iso_box_empty();
+iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine) {
+    iso_box all = iso_box_empty();
+    for (int i = 0; i < job->surface_count; i++) {
+        const isorender_surface *surface = &job->surfaces[i];
+        if (surface->exact) {
+            const iso_box box = iso_exact_bounds(surface->exact, affine);
+            add_box(&all, &box);
+        } else if (surface->points || job->from_points) {
+            const iso_point_view view = isorender_points_view(job, i);
+            add_points_world(&all, &view, affine);
+        } else {
+            const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+            add_mesh_world(&all, &view, affine);
+        }
+    }
+    return all;
+}
+
+static iso_box index_bounds(const isorender_job *job) {
+    iso_box all = iso_box_empty();
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         iso_box box;
         if (surface->exact) {
             box = iso_exact_bounds(surface->exact, NULL);
-            iso_box turned = oblique ? iso_exact_bounds(surface->exact, &affine) : iso_box_empty();
-            add_box(&world, &turned);
         } else if (surface->points || job->from_points) {
-            iso_point_view view = isorender_points_view(job, i);
+            const iso_point_view view = isorender_points_view(job, i);
             box = iso_point_view_bounds(&view);
-            if (oblique) add_points_world(&world, &view, &affine);
         } else {
-            iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+            const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
             box = iso_mesh_view_bounds(&view);
-            if (oblique) add_mesh_world(&world, &view, &affine);
         }
-        add_box(&index, &box);
+        add_box(&all, &box);
     }
+    return all;
+}
+
+static void measure(isorender_job *job) {
+    iso_transform transform =
+        job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
+    iso_affine affine = iso_transform_affine(&transform);
+    const iso_box index = index_bounds(job);
     job->bounds_local = to_local(job, &index);
-    job->bounds_world = oblique ? world : iso_box_transform(&index, &affine);
+    job->bounds_world =
+        is_oblique(&transform) ? isorender_bounds(job, &affine) : iso_box_transform(&index, &affine);
 }
 
 iso_status isorender_extract(isorender_job *job, iso_error *error) {
@@ -275,6 +303,18 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
 
 /* ---- files ---- */
 
+/* What is not exported is measured all the same. */
+static iso_status measure_meshes(isorender_job *job, iso_error *error) {
+    const bool wanted = job->settings->json || job->settings->verbose;
+    for (int i = 0; i < job->surface_count && wanted && !job->plan->mesh; i++) {
+        iso_weld weld;
+        if (!job->surfaces[i].mesh) continue;
+        ISO_TRY(isorender_mesh_weld(job, &job->surfaces[i], &weld, error));
+        iso_weld_free(&weld);
+    }
+    return ISO_OK;
+}
+
 iso_status isorender_export(isorender_job *job, iso_error *error) {
     char comment[64];
     const iso_program *program = isorender_program();
@@ -285,9 +325,14 @@ iso_status isorender_export(isorender_job *job, iso_error *error) {
         job->points_written = true;
     }
     if (job->plan->mesh) {
-        iso_mesh_view view = iso_mesh_set_view(job->surfaces[0].mesh);
-        ISO_TRY(iso_mesh_write(job->plan->mesh, &view, comment, error));
+        isorender_surface *surface = &job->surfaces[0];
+        iso_weld weld;
+        ISO_TRY(isorender_mesh_weld(job, surface, &weld, error));
+        iso_status status =
+            iso_mesh_write_weld(job->plan->mesh, &weld, iso_grid_transform(&surface->grid), comment, error);
+        iso_weld_free(&weld);
+        ISO_TRY(status);
         job->mesh_written = true;
     }
-    return ISO_OK;
+    return measure_meshes(job, error);
 }

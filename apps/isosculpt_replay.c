@@ -9,6 +9,7 @@
 #include "apps/isosculpt_source.h"
 #include "apps/isosculpt_view.h"
 #include "apps/json.h"
+#include "apps/json_parts.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "grids/level_set.h"
@@ -49,18 +50,35 @@ static iso_status rescale(iso_journal_start *start, double voxel_size, iso_error
     return ISO_OK;
 }
 
-static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_journal_start *start,
-                             iso_hgrid **grid, iso_error *error) {
+static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_file_set *files,
+                             isosculpt_report *report, iso_hgrid **grid, iso_error *error) {
+    iso_journal_start *start = &report->start;
     const isosculpt_source source = {.path = settings->open,
                                      .isovalue = settings->isovalue,
                                      .voxel = settings->voxel_size,
                                      .pool = pool,
-                                     .input = &settings->input};
+                                     .close_holes = settings->close_holes,
+                                     .report = &report->opened_mesh,
+                                     .input = &settings->input,
+                                     .parts = &report->parts,
+                                     .files = files,
+                                     .notes = !settings->quiet};
     if (settings->open) return isosculpt_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
         return isosculpt_source_find(settings->replay, &source, start, grid, error);
     if (settings->voxel_size > 0) ISO_TRY(rescale(start, settings->voxel_size, error));
     return iso_session_ball(start, grid, error);
+}
+
+static void say_parts(const isosculpt_settings *settings, const isosculpt_report *report) {
+    const iso_components_totals *parts = &report->parts;
+    if (settings->quiet || !parts->kept) return;
+    iso_program_say(isosculpt_program(),
+                    "%s: kept %zu of %zu parts of the solid, dropped %zu with %.3g %% of its volume (%.6g of "
+                    "%.6g mm3)",
+                    report->start.source, parts->kept, parts->kept + parts->dropped, parts->dropped,
+                    100 * parts->dropped_share, parts->dropped_volume,
+                    parts->kept_volume + parts->dropped_volume);
 }
 
 /* ---- playing */
@@ -71,7 +89,8 @@ typedef struct player {
     iso_pool *pool;
     iso_session *session;
     iso_point_set *points;
-    isosculpt_view *view; /* NULL: nothing is drawn */
+    isosculpt_view *view;   /* NULL: nothing is drawn */
+    const char *written[2]; /* outputs that stand */
 } player;
 
 static iso_status extract(player *p, iso_error *error) {
@@ -143,6 +162,20 @@ static iso_status write_points(player *p, const char *path, iso_error *error) {
     return status;
 }
 
+/* Measured as well when there is a report to say it in. */
+static iso_status write_welded(player *p, const char *path, const iso_mesh_view *view, iso_error *error) {
+    iso_weld weld;
+    ISO_TRY(iso_mesh_weld(view, &weld, error));
+    iso_status status = ISO_OK;
+    if (p->settings->json) {
+        p->report->has_mesh = true;
+        status = iso_weld_measure(&weld, &view->transform, p->pool, &p->report->mesh, error);
+    }
+    if (status == ISO_OK) status = iso_mesh_write_weld(path, &weld, &view->transform, "isosculpt", error);
+    iso_weld_free(&weld);
+    return status;
+}
+
 static iso_status write_mesh(player *p, const char *path, iso_error *error) {
     iso_grid grid = {.hgrid = iso_session_grid(p->session)};
     iso_mesh_opts opts = {.pool = p->pool};
@@ -150,7 +183,7 @@ static iso_status write_mesh(player *p, const char *path, iso_error *error) {
     ISO_TRY(iso_mesh_set_create(&grid, &opts, &set, error));
     iso_status status = iso_mesh_set_update(set, error);
     iso_mesh_view view = iso_mesh_set_view(set);
-    if (status == ISO_OK) status = iso_mesh_write(path, &view, "isosculpt", error);
+    if (status == ISO_OK) status = write_welded(p, path, &view, error);
     iso_mesh_set_destroy(set);
     return status;
 }
@@ -161,14 +194,27 @@ static bool ends_with(const char *text, const char *suffix) {
 }
 
 static iso_status write_outputs(player *p, iso_error *error) {
-    const char *output = p->settings->output;
+    const isosculpt_settings *settings = p->settings;
+    const char *output = settings->output;
     bool points = output && ends_with(output, ".ply");
     ISO_TRY(write_points(p, points ? output : NULL, error));
     if (output && ends_with(output, ".vdb"))
         ISO_TRY(iso_level_set_write_vdb(output, iso_session_grid(p->session), "surface", NULL, error));
     else if (output && !points)
         ISO_TRY(write_mesh(p, output, error));
-    return p->settings->mesh ? write_mesh(p, p->settings->mesh, error) : ISO_OK;
+    p->written[0] = output;
+    if (settings->mesh) ISO_TRY(write_mesh(p, settings->mesh, error));
+    p->written[1] = settings->mesh;
+    return settings->json ? isosculpt_report_write(settings, p->report, error) : ISO_OK;
+}
+
+/* What cannot be written is known before the work is done. */
+static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set *files, iso_error *error) {
+    const char *const outputs[] = {settings->output, settings->mesh, settings->json_path};
+    for (int i = 0; i < 3; i++) iso_file_set_write(files, outputs[i]);
+    ISO_TRY(iso_file_set_check(files, error));
+    for (int i = 0; i < 3; i++) ISO_TRY(iso_sink_check(outputs[i], error));
+    return ISO_OK;
 }
 
 /* What a window would have made before the first stroke. */
@@ -193,11 +239,16 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     const iso_hgrid *grid = iso_session_grid(p->session);
     p->report->bricks = iso_hgrid_brick_count(grid);
     p->report->bytes = iso_hgrid_bytes(grid);
-    ISO_TRY(write_outputs(p, error));
+    iso_status status = write_outputs(p, error);
+    for (int i = 0; status != ISO_OK && i < 2; i++) iso_file_remove(p->written[i]); /* all or none */
+    ISO_TRY(status);
     if (!p->settings->quiet && p->report->edits.clipped)
         iso_program_say(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
                         name_of(p->settings));
-    return p->settings->json ? isosculpt_report_write(p->settings, p->report, error) : ISO_OK;
+    char note[240];
+    if (!p->settings->quiet && iso_mesh_report_note(&p->report->opened_mesh, note, sizeof note))
+        iso_program_say(isosculpt_program(), "%s: %s", p->settings->open, note);
+    return ISO_OK;
 }
 
 iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, iso_error *error) {
@@ -211,7 +262,13 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     report.resolution[1] = settings->resolution[1] ? settings->resolution[1] : 800;
     iso_hgrid *grid = NULL;
     iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory};
-    iso_status status = make_field(settings, pool, &report.start, &grid, error);
+    iso_file_set files = {0};
+    if (settings->replay) iso_file_set_read(&files, settings->replay);
+    iso_status status = make_field(settings, pool, &files, &report, &grid, error);
+    if (status == ISO_OK && (status = check_outputs(settings, &files, error)) != ISO_OK)
+        iso_hgrid_destroy(grid);
+    iso_file_set_free(&files);
+    if (status == ISO_OK) say_parts(settings, &report);
     if (status == ISO_OK && reader) opts.work = fmax(1, pow(own / grid->transform.spacing[0], 3));
     if (status == ISO_OK) status = iso_session_create(grid, &report.start, &opts, &p.session, error);
     if (status == ISO_OK) status = run(&p, reader, error);
@@ -241,6 +298,21 @@ static void put_times(iso_json *json, const char *key, const isosculpt_times *ti
     iso_json_end_object(json);
 }
 
+/* What a mesh that was opened needed to be closed. */
+static void put_opened_mesh(iso_json *json, const iso_mesh_report *mesh) {
+    if (!mesh->triangles) return;
+    iso_json_begin_object(json, "opened_mesh");
+    iso_json_integer(json, "triangles", mesh->triangles);
+    iso_json_integer(json, "open_edges", mesh->open_edges);
+    iso_json_integer(json, "holes_closed", mesh->holes_closed);
+    iso_json_integer(json, "loops_capped", mesh->loops_capped);
+    iso_json_real(json, "largest_hole", mesh->largest_hole);
+    iso_json_integer(json, "turned", mesh->turned);
+    iso_json_bool(json, "inside_out", mesh->volume < 0);
+    iso_json_real(json, "volume", fabs(mesh->volume));
+    iso_json_end_object(json);
+}
+
 static void put_report(FILE *stream, const isosculpt_settings *settings, const isosculpt_report *report) {
     iso_json json = {.stream = stream};
     iso_json_begin_object(&json, NULL);
@@ -250,6 +322,9 @@ static void put_report(FILE *stream, const isosculpt_settings *settings, const i
     iso_json_string(&json, "source", report->start.source);
     iso_json_ints(&json, "dims", report->start.dims, 3);
     iso_json_real(&json, "voxel_size", report->start.voxel_size);
+    put_opened_mesh(&json, &report->opened_mesh);
+    if (report->parts.kept) iso_put_components(&json, "parts", &report->parts);
+    if (report->has_mesh) iso_put_mesh_measures(&json, "mesh", &report->mesh);
     iso_json_integer(&json, "strokes", report->strokes);
     iso_json_integer(&json, "samples", report->samples);
     iso_json_integer(&json, "undone", report->undone);

@@ -271,6 +271,8 @@ static iso_status store(const iso_option *option, const char *value, void *setti
         *(const char **)field = value;
         return ISO_OK;
     case ISO_OPTION_INT:
+        if (!value) *(int *)field = 1;
+        if (!value) return ISO_OK;
         return store_int(option, value, field, error);
     case ISO_OPTION_REAL:
         return store_real(option, value, field, error);

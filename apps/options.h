@@ -33,7 +33,8 @@ typedef enum iso_option_kind {
 
 enum {
     ISO_OPTION_HIDDEN = 1,         /* parsed, but in no help */
-    ISO_OPTION_VALUE_OPTIONAL = 2, /* `--name` alone is allowed; a value only as `--name=value` */
+    ISO_OPTION_VALUE_OPTIONAL = 2, /* `--name` alone is allowed; a value only as `--name=value`;
+                                      an ISO_OPTION_INT is 1 without */
     ISO_OPTION_REPEATABLE = 4,     /* for the help; `apply` does the collecting */
     ISO_OPTION_UNRECORDED = 8      /* changes how the program runs, not what it makes */
 };

@@ -316,3 +316,14 @@ void iso_brick_query_free(iso_brick_query *query) {
     iso_buffer_free(&query->scratch);
     *query = (iso_brick_query){0};
 }
+
+void iso_brick_index_extremes(const iso_brick_index *index, double *lo, double *hi) {
+    *lo = INFINITY;
+    *hi = -INFINITY;
+    for (size_t i = 0; i < iso_brick_index_bricks(index); i++) {
+        const iso_brick_range range = iso_brick_index_range(index, (uint32_t)i);
+        if (!(range.lo <= range.hi)) continue; /* nothing finite */
+        if ((double)range.lo < *lo) *lo = (double)range.lo;
+        if ((double)range.hi > *hi) *hi = (double)range.hi;
+    }
+}

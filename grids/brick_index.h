@@ -53,6 +53,9 @@ uint32_t iso_brick_index_groups(const iso_brick_index *index, uint32_t brick, fl
 /* Fetches into the cache what is known of a brick. */
 void iso_brick_index_fetch(const iso_brick_index *index, uint32_t brick);
 
+/* Least and largest finite value of the grid; *lo > *hi when there is none. */
+void iso_brick_index_extremes(const iso_brick_index *index, double *lo, double *hi);
+
 bool iso_brick_index_finite(const iso_brick_index *index, uint32_t brick);
 
 /* An answer, and room for the next one. Zero-initialise; iso_brick_query_free when done. */

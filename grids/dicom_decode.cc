@@ -45,6 +45,7 @@ iso_status decode(const iso_dicom_file &file, const iso_dicom_items &items, void
     if (!iso_dicom_codestream_fits(&file, items.bytes + items.offset[0], items.length[0]))
         return iso_fail(error, ISO_ERR_IO, "%s: corrupt: its compressed pixels are not what its header says",
                         file.path);
+    std::memset(pixels, 0, iso_dicom_frame_bytes(&file)); /* only now: a lying header may ask for gigabytes */
     gdcm::Image image;
     image.SetTransferSyntax(syntax);
     image.SetNumberOfDimensions(2);
@@ -69,11 +70,10 @@ iso_status decode_frame(const iso_dicom_file *file, const iso_dicom_items *items
                         iso_error *error) {
     return iso::guard(file->path, error, [&] {
         be_quiet();
-        std::memset(pixels, 0, iso_dicom_frame_bytes(file));
         return decode(*file, *items, pixels, error);
     });
 }
 
 } // namespace
 
-ISO_MODULE(nullptr, decode_frame, nullptr, nullptr);
+ISO_MODULE(nullptr, decode_frame, nullptr);

@@ -15,7 +15,8 @@
 
 #include "base/memory.h"
 
-enum { UNDEFINED = -1, MAX_DEPTH = 32, MAX_VALUE = 1 << 20 };
+/* Frames: as many slices as no volume has; each takes some 300 bytes before its pixels are looked at. */
+enum { UNDEFINED = -1, MAX_DEPTH = 32, MAX_VALUE = 1 << 20, MAX_FRAMES = 1 << 16 };
 
 #define TAG(group, element) ((uint32_t)(group) << 16 | (element))
 #define ITEM TAG(0xfffe, 0xe000)
@@ -40,6 +41,7 @@ typedef struct parser {
     double *offsets;        /* of frames along the normal (dose grids) */
     size_t offset_count;
     bool cut, corrupt, no_memory;
+    char problem[80]; /* what an element says that must not be passed over */
 } parser;
 
 typedef struct element {
@@ -186,8 +188,41 @@ static bool parse_orientation(const parser *p, const char *text, iso_dicom_frame
     return true;
 }
 
+/* Keeps the first problem. Nothing between blanks is an element without a value, as if it were not there. */
+static void note_problem(parser *p, const char *name, const char *text) {
+    char value[33];
+    copy_text(value, sizeof value, text);
+    if (*value && !*p->problem)
+        snprintf(p->problem, sizeof p->problem, "its %s of '%s' is not possible", name, value);
+}
+
+/* What scales values, or is added to them: it cannot be guessed when it is no number, or one that no float
+ * holds. */
+static void use_rescale(parser *p, const char *name, const char *text, double *target) {
+    double value = 0;
+    if (parse_vector(p, text, &value, 1) && fabs(value) <= 1e30)
+        *target = value;
+    else
+        note_problem(p, name, text);
+}
+
+static void use_spacing(const parser *p, const char *text, double pixel[2]) {
+    double parsed[2];
+    if (parse_vector(p, text, parsed, 2) && parsed[0] > 0 && parsed[1] > 0)
+        memcpy(pixel, parsed, sizeof parsed);
+}
+
+static void use_frame_count(parser *p, const char *text) {
+    long frames = 0;
+    bool whole = parse_integer(text, &frames) && !text[strspn(text, " +0123456789")];
+    if (!whole || frames < 1 || frames > MAX_FRAMES)
+        note_problem(p, "number of frames", text);
+    else if (!p->file->frames)
+        p->file->frame_count = (int)frames;
+}
+
 /* Elements that a frame can have of its own. */
-static void use_frame_text(const parser *p, uint32_t tag, const char *text, iso_dicom_frame *frame) {
+static void use_frame_text(parser *p, uint32_t tag, const char *text, iso_dicom_frame *frame) {
     switch (tag) {
     case TAG(0x0020, 0x0032):
         frame->has_position |= parse_vector(p, text, frame->position, 3);
@@ -196,7 +231,7 @@ static void use_frame_text(const parser *p, uint32_t tag, const char *text, iso_
         frame->has_orientation |= parse_orientation(p, text, frame);
         break;
     case TAG(0x0028, 0x0030):
-        parse_vector(p, text, frame->pixel, 2);
+        use_spacing(p, text, frame->pixel);
         break;
     case TAG(0x0018, 0x0088):
         parse_vector(p, text, &frame->between, 1);
@@ -205,11 +240,11 @@ static void use_frame_text(const parser *p, uint32_t tag, const char *text, iso_
         parse_vector(p, text, &frame->thickness, 1);
         break;
     case TAG(0x0028, 0x1052):
-        parse_vector(p, text, &frame->intercept, 1);
+        use_rescale(p, "rescale intercept", text, &frame->intercept);
         break;
     case TAG(0x0028, 0x1053):
     case TAG(0x3004, 0x000e): /* dose grid scaling */
-        parse_vector(p, text, &frame->slope, 1);
+        use_rescale(p, "rescale slope", text, &frame->slope);
         break;
     default:
         break;
@@ -231,7 +266,6 @@ static void use_frame_offsets(parser *p, const char *text) {
 
 static void use_file_text(parser *p, uint32_t tag, const char *text) {
     iso_dicom_file *file = p->file;
-    long frames = 0;
     switch (tag) {
     case TAG(0x0002, 0x0002):
         copy_text(p->storage, sizeof p->storage, text);
@@ -255,8 +289,7 @@ static void use_file_text(parser *p, uint32_t tag, const char *text) {
         parse_integer(text, &file->series_number);
         break;
     case TAG(0x0028, 0x0008):
-        if (!file->frames && parse_integer(text, &frames) && frames > 0 && frames <= INT_MAX)
-            file->frame_count = (int)frames;
+        use_frame_count(p, text);
         break;
     case TAG(0x0020, 0x0013):
         p->common.has_number |= parse_integer(text, &p->common.number);
@@ -582,6 +615,7 @@ static iso_status finish(parser *p, iso_dicom_kind *kind, iso_error *error) {
     if (p->no_memory) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", file->path);
     if (p->cut) return iso_fail(error, ISO_ERR_IO, "%s: truncated: the file ends too early", file->path);
     if (p->corrupt) return iso_fail(error, ISO_ERR_IO, "%s: corrupt: not a DICOM data set", file->path);
+    if (*p->problem) return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", file->path, p->problem);
     if (!file->has_pixels && announces_image(p))
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: an image without pixels", file->path);
     if (!file->has_pixels) {

@@ -81,6 +81,10 @@ static iso_status choose_order(stack *s) {
     iso_vec3 normal = normal_of(&s->frames[0]);
     for (size_t i = 0; i < s->count; i++) {
         iso_dicom_frame *frame = &s->frames[i];
+        double far = iso_vec3_length(position_of(frame));
+        if (s->by_position && !(far <= 1e12)) /* as grids/volume.c has it; here slices would fall together */
+            return iso_fail(s->error, ISO_ERR_FORMAT, "%s: a position of %g mm (in %s) is not possible",
+                            s->path, far, name_of(s, i));
         frame->at = s->by_position ? iso_vec3_dot(position_of(frame), normal) : (double)frame->number;
     }
     qsort(s->frames, s->count, sizeof *s->frames, compare_places);
@@ -199,7 +203,7 @@ static void in_plane(const stack *s, iso_transform *transform) {
         transform->spacing[0] = frame->pixel[1];
         transform->spacing[1] = frame->pixel[0];
     } else {
-        iso_volume_note(s->info, "pixel spacing is missing: taken to be 1 mm");
+        iso_volume_note(s->info, "pixel spacing is missing or not positive: taken to be 1 mm");
     }
     if (!frame->has_orientation)
         iso_volume_note(s->info, "orientation is missing: rows and columns are taken for x and y");

@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/memory.h"
+
 iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info,
                            iso_error *error) {
     for (int i = 0; i < 3; i++) {
@@ -37,6 +39,34 @@ iso_status iso_format_component(const char *path, const iso_volume_opts *opts, i
                         components);
     return ISO_OK;
 }
+
+/* ---- memory ---- */
+
+uint64_t iso_format_memory_limit(const iso_volume_opts *opts) {
+    return iso_memory_limit(opts->max_memory);
+}
+
+/* "1.5 GB", decimal units. */
+static void byte_text(uint64_t bytes, char text[16]) {
+    static const char *const units[] = {"bytes", "kB", "MB", "GB", "TB", "PB", "EB"};
+    double value = (double)bytes;
+    int unit = 0;
+    for (; value >= 1000 && unit < 6; unit++) value /= 1000;
+    snprintf(text, 16, unit && value < 10 ? "%.1f %s" : "%.0f %s", value, units[unit]);
+}
+
+iso_status iso_format_check_memory(const char *path, const iso_volume_opts *opts, uint64_t bytes,
+                                   const char *what, iso_error *error) {
+    const uint64_t limit = iso_format_memory_limit(opts);
+    if (bytes <= limit) return ISO_OK;
+    char needs[16], allowed[16];
+    byte_text(bytes, needs);
+    byte_text(limit, allowed);
+    return iso_fail(error, ISO_ERR_LIMIT, "%s: needs %s to read (%s), limit is %s (--max-memory)", path,
+                    needs, what, allowed);
+}
+
+/* ---- progress and files ---- */
 
 iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, double fraction,
                                iso_error *error) {

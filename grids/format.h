@@ -7,6 +7,9 @@
  * A format whose library was not there when this one was built has an entry of format_none.c, without
  * functions, for which volume.c answers ISO_ERR_UNSUPPORTED.
  *
+ * The file that was asked for is in opts->files already; a reader's `info` adds the others that `read` will
+ * open (iso_file_set_read, before it can fail).
+ *
  * volume.c checks what `info` says (dims, directions, component), applies opts->spacing to info->transform
  * and fills `bytes` and `read_bytes` where they are left 0 (dense grid; nothing but the grid). */
 #ifndef ISO_GRIDS_FORMAT_H
@@ -37,6 +40,14 @@ extern const iso_format iso_format_vtk, iso_format_metaimage, iso_format_nrrd, i
 
 /* Shared by readers. Dims from a header; ISO_ERR_FORMAT unless each is 1 .. 2^31-1. */
 iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info, iso_error *error);
+
+/* Bytes that reading may take: opts->max_memory, or by default 80 % of what is available. */
+uint64_t iso_format_memory_limit(const iso_volume_opts *opts);
+
+/* ISO_ERR_LIMIT "path: needs N to read (what), limit is M (--max-memory)" when `bytes` are more than that.
+ * For readers that learn only while they read how much it takes. */
+iso_status iso_format_check_memory(const char *path, const iso_volume_opts *opts, uint64_t bytes,
+                                   const char *what, iso_error *error);
 
 /* ISO_ERR_IO "... cancelled" when opts->progress asks for it. */
 iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, double fraction,

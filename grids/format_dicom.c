@@ -395,6 +395,8 @@ static iso_status open_source(const char *path, const iso_volume_opts *opts, sou
                               iso_error *error) {
     *s = (source){0};
     iso_status status = read_files(s, path, error);
+    for (size_t i = 0; opts->files && i < s->folder.count; i++)
+        iso_file_set_read(opts->files, s->folder.files[i].path);
     if (status == ISO_OK) status = order(path, opts, s, info, error);
     if (status != ISO_OK) free_source(s);
     return status;

@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include "base/memory.h"
 #include "grids/format.h"
@@ -64,10 +65,18 @@ static bool parse_sizes(const char *text, int count, uint64_t *sizes) {
         char *end;
         errno = 0;
         sizes[i] = strtoull(text, &end, 10);
-        if (errno) return false;
+        if (errno || (*end && !isspace((unsigned char)*end))) return false;
         text = end;
     }
     return true;
+}
+
+/* A whole number from -1 on, and nothing behind it. */
+static bool parse_offset(const char *text, int64_t *offset) {
+    char *end;
+    errno = 0;
+    *offset = strtoll(text, &end, 10);
+    return end != text && !*end && errno == 0 && *offset >= -1;
 }
 
 static bool parse_type(const char *text, meta_header *header) {
@@ -133,11 +142,7 @@ static bool take_storage(const char *key, const char *value, meta_header *header
     if (key_is(key, "BinaryDataByteOrderMSB") || key_is(key, "ElementByteOrderMSB"))
         header->big_endian = is_true(value);
     if (key_is(key, "CompressedData")) header->deflated = is_true(value);
-    if (key_is(key, "HeaderSize")) {
-        errno = 0;
-        header->skip = strtoll(value, NULL, 10);
-        return errno == 0 && header->skip >= -1;
-    }
+    if (key_is(key, "HeaderSize")) return parse_offset(value, &header->skip);
     if (key_is(key, "ElementToIntensityFunctionSlope")) return parse_numbers(value, 1, &header->slope) == 1;
     if (key_is(key, "ElementToIntensityFunctionOffset"))
         return parse_numbers(value, 1, &header->intercept) == 1;
@@ -147,8 +152,8 @@ static bool take_storage(const char *key, const char *value, meta_header *header
 static bool take_line(const char *key, const char *value, meta_header *header) {
     if (key_is(key, "ObjectType")) return key_is(value, "Image");
     if (key_is(key, "NDims")) {
-        double n = 0;
-        if (parse_numbers(value, 1, &n) != 1 || !(n >= 1 && n <= MAX_DIMS)) return false;
+        uint64_t n = 0;
+        if (!parse_sizes(value, 1, &n) || n < 1 || n > MAX_DIMS) return false;
         header->ndims = (int)n;
         return true;
     }
@@ -261,10 +266,13 @@ static iso_status count_components(const char *path, const meta_header *header, 
     return ISO_OK;
 }
 
+static void list_data_files(const char *path, const meta_header *header, iso_file_set *files);
+
 static iso_status meta_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                             iso_error *error) {
     meta_header header;
     ISO_TRY(read_meta(path, &header, error));
+    list_data_files(path, &header, opts->files);
     ISO_TRY(iso_format_dims(path, header.dims, info, error));
     uint64_t components = 1;
     ISO_TRY(count_components(path, &header, &components, error));
@@ -510,6 +518,23 @@ static iso_status read_chain(const char *path, const iso_volume_opts *opts, cons
     iso_status status = skip(c, (volumes - chosen - 1) * volume, error);
     if (status != ISO_OK) iso_grid_destroy(grid);
     return status;
+}
+
+/* Up to the first one that is not there. */
+static void list_data_files(const char *path, const meta_header *header, iso_file_set *files) {
+    if (!files || is_local(header->data)) return;
+    chain *c = iso_alloc_zero(1, sizeof *c);
+    files->incomplete = files->incomplete || !c;
+    if (!c) return;
+    c->path = path;
+    c->header = header;
+    bool there = open_chain(c, NULL) == ISO_OK;
+    for (; there && c->opened < c->files; c->opened++) {
+        there = next_name(c, NULL) == ISO_OK && access(c->name, F_OK) == 0;
+        if (there) iso_file_set_read(files, c->name);
+        close_file(c);
+    }
+    close_chain(c);
 }
 
 static iso_status meta_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,

@@ -9,6 +9,7 @@
  * which is what the standard's method 1 comes to. */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,8 +20,16 @@
 
 #include "grids/format.h"
 
+/* What the library replaces in silence when it is not a number, or not positive. */
+typedef struct stated {
+    double offset; /* of the voxels in their file */
+    double pixdim[8], quatern[6], srow[12];
+    double slope, intercept;
+} stated;
+
 typedef struct nifti_file {
     nifti_image *image; /* all but its dimensions; owned */
+    stated stated;
     int64_t dim[8];
     char *header, *data; /* file names, owned; the same for .nii */
     bool swap;
@@ -113,6 +122,21 @@ static iso_status read_bytes(const char *path, void *bytes, size_t *count, iso_e
         (header).dim[i] = 1;                                                                                 \
     }
 
+#define TAKE_STATED(header)                                                                                  \
+    do {                                                                                                     \
+        file->stated = (stated){.offset = (double)(header).vox_offset,                                       \
+                                .quatern = {(header).quatern_b, (header).quatern_c, (header).quatern_d,      \
+                                            (header).qoffset_x, (header).qoffset_y, (header).qoffset_z},     \
+                                .slope = (header).scl_slope,                                                 \
+                                .intercept = (header).scl_inter};                                            \
+        for (int i = 0; i < 8; i++) file->stated.pixdim[i] = (header).pixdim[i];                             \
+        for (int i = 0; i < 4; i++) {                                                                        \
+            file->stated.srow[i] = (header).srow_x[i];                                                       \
+            file->stated.srow[4 + i] = (header).srow_y[i];                                                   \
+            file->stated.srow[8 + i] = (header).srow_z[i];                                                   \
+        }                                                                                                    \
+    } while (0)
+
 union nifti_any {
     nifti_1_header one;
     nifti_2_header two;
@@ -133,9 +157,13 @@ static iso_status convert_header(const char *path, union nifti_any *any, int ver
         return iso_fail(error, ISO_ERR_FORMAT, "%s: values of unknown NIfTI type %d", path, type);
     if (version == 2) {
         TAKE_DIMENSIONS(any->two)
+        TAKE_STATED(any->two);
         file->image = nifti_convert_n2hdr2nim(any->two, NULL);
     } else {
         TAKE_DIMENSIONS(any->one)
+        TAKE_STATED(any->one);
+        if (!(fabs(file->stated.offset) < 1e9))
+            any->one.vox_offset = 0; /* casts it; refused by check_stated */
         file->image = nifti_convert_n1hdr2nim(any->one, NULL);
     }
     if (!file->image) return iso_fail(error, ISO_ERR_FORMAT, "%s: not a NIfTI header", path);
@@ -179,13 +207,60 @@ static bool scalar_of(int type, iso_scalar *scalar) {
     return false;
 }
 
-/* As the library does, a dimension below 1 within dim[0] counts as 1. */
+static bool all_finite(const double *numbers, int count) {
+    for (int i = 0; i < count; i++)
+        if (!isfinite(numbers[i])) return false;
+    return true;
+}
+
+/* The spacings of axes with more than one voxel, unless the sform or the caller say them. */
+static iso_status check_spacings(const char *path, const iso_volume_opts *opts, const nifti_file *file,
+                                 iso_error *error) {
+    if (file->image->sform_code > 0) return ISO_OK;
+    for (int i = 1; i <= 3 && i <= file->dim[0]; i++) {
+        double spacing = file->stated.pixdim[i];
+        bool usable = isfinite(spacing) && (file->image->qform_code > 0 ? spacing > 0 : spacing != 0);
+        if (!usable && file->dim[i] > 1 && !(opts->spacing[i - 1] > 0))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: a spacing of %g (pixdim[%d]) is not possible", path,
+                            spacing, i);
+    }
+    return ISO_OK;
+}
+
+/* Numbers that the library would replace: by where the voxels mostly are, by 0 or by 1. */
+static iso_status check_stated(const char *path, const iso_volume_opts *opts, const nifti_file *file,
+                               iso_volume_info *info, iso_error *error) {
+    const stated *s = &file->stated;
+    const nifti_image *image = file->image;
+    if (!(s->offset >= 0 && s->offset < 1e9 && s->offset == floor(s->offset)))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: voxels cannot begin at byte %g (vox_offset)", path,
+                        s->offset);
+    if (image->sform_code > 0 && !all_finite(s->srow, 12))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: its sform holds what is not a number", path);
+    if (image->sform_code <= 0 && image->qform_code > 0 && !all_finite(s->quatern, 6))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: its qform holds what is not a number", path);
+    /* NaN is how some programs say that there is none. */
+    if (isfinite(s->slope) && s->slope != 0 && (fabs(s->slope) > 1e30 || fabs(s->intercept) > 1e30) &&
+        isfinite(s->intercept))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: values cannot be scaled by %g and shifted by %g", path,
+                        s->slope, s->intercept);
+    if (isinf(s->slope)) iso_volume_note(info, "slope %g is not used", s->slope);
+    if (s->slope != 0 && isfinite(s->slope) && !isfinite(s->intercept))
+        iso_volume_note(info, "intercept %g is not used", s->intercept);
+    return check_spacings(path, opts, file, error);
+}
+
+/* As the library does, a dimension of 0 within dim[0] counts as 1. */
 static iso_status take_dims(const char *path, const iso_volume_opts *opts, const nifti_file *file,
                             iso_volume_info *info, iso_error *error) {
     const int64_t *dim = file->dim;
     if (dim[0] < 1 || dim[0] > 7 || dim[1] < 1)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: not a NIfTI header: %lld dimensions, the first of %lld",
                         path, (long long)dim[0], (long long)dim[1]);
+    for (int i = 1; i <= dim[0]; i++)
+        if (dim[i] < 0)
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: cannot have %lld voxels on axis %d (dim[%d])", path,
+                            (long long)dim[i], i - 1, i);
     uint64_t sizes[8] = {0};
     for (int i = 1; i <= 7; i++) sizes[i] = i <= dim[0] && dim[i] > 0 ? (uint64_t)dim[i] : 1;
     ISO_TRY(iso_format_dims(path, sizes + 1, info, error));
@@ -273,6 +348,7 @@ static iso_status describe(const char *path, const iso_volume_opts *opts, const 
         return iso_fail(error, ISO_ERR_FORMAT, "%s: holds %s values, which are not scalars", path,
                         nifti_datatype_to_string(file->image->datatype) + 3);
     ISO_TRY(take_dims(path, opts, file, info, error));
+    ISO_TRY(check_stated(path, opts, file, info, error));
     info->type = iso_scalar_stored_type(scalar);
     snprintf(info->file_type, sizeof info->file_type, "%s", iso_scalar_name(scalar));
     take_transform(file, info);
@@ -286,6 +362,8 @@ static iso_status nifti_info(const char *path, const iso_volume_opts *opts, iso_
                              iso_error *error) {
     nifti_file file = {0};
     iso_status status = open_nifti(path, &file, error);
+    if (file.header) iso_file_set_read(opts->files, file.header);
+    if (file.data) iso_file_set_read(opts->files, file.data);
     if (status == ISO_OK) status = describe(path, opts, &file, info, error);
     close_nifti(&file);
     return status;

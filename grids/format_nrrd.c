@@ -188,6 +188,7 @@ static iso_status nrrd_info(const char *path, const iso_volume_opts *opts, iso_v
     iso_nrrd_header nrrd;
     layout found;
     ISO_TRY(iso_nrrd_header_read(path, &nrrd, error));
+    iso_nrrd_data_list(path, &nrrd, opts->files);
     return describe(path, &nrrd, opts, &found, info, error);
 }
 

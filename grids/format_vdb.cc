@@ -1,8 +1,5 @@
 /* format_vdb: OpenVDB's sparse grids. A level set with cubic voxels becomes an hgrid, every other grid of
- * numbers an rgrid over its active bounding box.
- *
- * The archive is read through a stream that throws, not through openvdb::io::File: that one ignores a short
- * read and hands out whatever was in memory, and its delayed loading maps files that may shrink. */
+ * numbers an rgrid over its active bounding box. */
 #include "grids/format.h"
 
 #include <algorithm>
@@ -10,221 +7,29 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 #include <vector>
 
-#include <openvdb/io/Archive.h>
-#include <openvdb/io/GridDescriptor.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/points/PointDataGrid.h>
 
 #include "grids/bridge_guard.hpp"
 #include "grids/level_set_vdb.hpp"
 #include "grids/module.h"
-#include "grids/vdb_check.h"
+#include "grids/vdb_archive.hpp"
 
 namespace {
 
+using namespace iso::vdb;
 using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::GridBase;
 
-/* ---- the archive ---- */
-
-struct vdb_grid {
-    openvdb::io::GridDescriptor descriptor;
-    GridBase::Ptr grid; /* metadata and transform; the tree when `loaded` */
-    bool loaded = false;
-
-    std::string name() const { return openvdb::io::GridDescriptor::nameAsString(descriptor.uniqueName()); }
-};
-
-using real_grids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid>;
-using scalar_grids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid,
-                                       openvdb::Int64Grid, openvdb::BoolGrid, openvdb::MaskGrid>;
-using vector_grids = openvdb::TypeList<openvdb::Vec3SGrid, openvdb::Vec3DGrid, openvdb::Vec3IGrid>;
-
-bool is_points(const GridBase &grid) {
-    return grid.isType<openvdb::points::PointDataGrid>();
-}
-bool is_scalar(const GridBase &grid) {
-    return grid.apply<scalar_grids>([](const auto &) {});
-}
-bool is_vector(const GridBase &grid) {
-    return grid.apply<vector_grids>([](const auto &) {});
-}
-bool is_level_set(const GridBase &grid) {
-    return grid.getGridClass() == openvdb::GRID_LEVEL_SET && grid.apply<real_grids>([](const auto &) {});
-}
-
-class archive : public openvdb::io::Archive {
-  public:
-    explicit archive(const char *path);
-    std::vector<vdb_grid> grids;
-    /* Lists the grids. */
-    iso_status scan(iso_error *error);
-    /* Reads the tree of a grid of numbers: where its voxels are, and what they hold unless `topology` is
-     * enough. */
-    iso_status load(vdb_grid &entry, bool topology, iso_error *error);
-
-  private:
-    const char *path_; /* borrowed */
-    /* The stream keeps a pointer to this pointer. */
-    openvdb::io::StreamMetadata::Ptr metadata_{new openvdb::io::StreamMetadata};
-    std::ifstream stream_;
-    std::streamoff size_ = 0;
-    iso_status check_magic(iso_error *error);
-    iso_status next_grid(bool *more, iso_error *error);
-    iso_status next_of_stream(vdb_grid &entry, bool *more, iso_error *error);
-    void read_header_of(vdb_grid &entry);
-    iso_status check_tree(const vdb_grid &entry, bool streamed, iso_error *error);
-    vdb_grid &parent_of(const vdb_grid &entry);
-};
-
-archive::archive(const char *path) : path_(path) {
-    stream_.open(path, std::ios_base::binary);
-    if (!stream_) OPENVDB_THROW(openvdb::IoError, "cannot open the file");
-    stream_.exceptions(std::ios_base::failbit | std::ios_base::badbit | std::ios_base::eofbit);
-    stream_.seekg(0, std::ios_base::end);
-    size_ = stream_.tellg();
-    stream_.seekg(0);
-}
-
-iso_status archive::scan(iso_error *error) {
-    ISO_TRY(check_magic(error));
-    readHeader(stream_);
-    setFormatVersion(stream_);
-    setLibraryVersion(stream_);
-    setDataCompression(stream_);
-    openvdb::io::setStreamMetadataPtr(stream_, metadata_, /*transfer=*/false);
-    openvdb::MetaMap().readMeta(stream_);
-    bool more = true;
-    for (int32_t count = readGridCount(stream_); more && count > 0; count--) ISO_TRY(next_grid(&more, error));
-    return ISO_OK;
-}
-
-/* A file that begins rightly and is too short for a header is cut off; any other is not a .vdb. Files before
- * version 222 are laid out in other ways, those of later versions in ways not known yet. */
-iso_status archive::check_magic(iso_error *error) {
-    const uint32_t oldest = openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION;
-    const uint32_t newest = openvdb::OPENVDB_FILE_VERSION;
-    static const char magic[8] = {' ', 'B', 'D', 'V', 0, 0, 0, 0};
-    char head[sizeof magic] = {};
-    uint32_t version = 0;
-    const std::streamoff count = std::min<std::streamoff>(size_, sizeof head);
-    stream_.read(head, count);
-    if (std::memcmp(head, magic, static_cast<size_t>(count)) != 0)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a .vdb file", path_);
-    stream_.read(reinterpret_cast<char *>(&version), sizeof version);
-    stream_.seekg(0);
-    if (version < oldest || version > newest)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: its file version is %u, only %u to %u can be read", path_,
-                        version, oldest, newest);
-    return ISO_OK;
-}
-
-/* With grid offsets, the descriptors form a chain through the file: a chain that leads out of the file means
- * that its end is missing, one that leads back that it is corrupt. */
-iso_status archive::next_grid(bool *more, iso_error *error) {
-    vdb_grid entry;
-    entry.grid = entry.descriptor.read(stream_);
-    if (!inputHasGridOffsets()) return next_of_stream(entry, more, error);
-    const std::streamoff here = stream_.tellg(), grid = entry.descriptor.getGridPos();
-    const std::streamoff blocks = entry.descriptor.getBlockPos(), end = entry.descriptor.getEndPos();
-    if (end > size_) throw std::ios_base::failure("ends early");
-    const bool ordered = entry.descriptor.isInstance() || (grid <= blocks && blocks <= end);
-    if (grid < here || end < grid || !ordered) OPENVDB_THROW(openvdb::IoError, "grid offsets are wrong");
-    stream_.seekg(grid);
-    read_header_of(entry);
-    grids.push_back(entry);
-    stream_.seekg(end);
-    return ISO_OK;
-}
-
-/* In a file that was written as a stream the only way to the next grid is through this one. What cannot be
- * checked is not read, and nothing behind it is found. */
-iso_status archive::next_of_stream(vdb_grid &entry, bool *more, iso_error *error) {
-    const std::streamoff begin = stream_.tellg();
-    read_header_of(entry);
-    *more = entry.descriptor.isInstance() || is_scalar(*entry.grid) || is_vector(*entry.grid);
-    if (*more && !entry.descriptor.isInstance()) {
-        ISO_TRY(check_tree(entry, true, error));
-        stream_.seekg(begin);
-        Archive::readGrid(entry.grid, entry.descriptor, stream_);
-        entry.loaded = true;
-    }
-    grids.push_back(entry);
-    return ISO_OK;
-}
-
-void archive::read_header_of(vdb_grid &entry) {
-    readGridCompression(stream_);
-    entry.grid->readMeta(stream_);
-    entry.grid->readTransform(stream_);
-}
-
-int value_bytes(const GridBase &grid) {
-    int bytes = 0;
-    const auto size = [&](const auto &typed) {
-        using grid_type = std::decay_t<decltype(typed)>;
-        bytes = static_cast<int>(sizeof(typename grid_type::ValueType));
-    };
-    if (!grid.apply<scalar_grids>(size)) grid.apply<vector_grids>(size);
-    return bytes;
-}
-
-/* Checks the tree that begins where the stream is, behind the grid's header; its place stays. */
-iso_status archive::check_tree(const vdb_grid &entry, bool streamed, iso_error *error) {
-    const GridBase &grid = *entry.grid;
-    const uint32_t compression = openvdb::io::getDataCompression(stream_);
-    iso_vdb_layout layout = {};
-    layout.value_bytes = layout.stored_bytes = value_bytes(grid);
-    if (grid.saveFloatAsHalf() && grid.apply<real_grids>([](const auto &) {})) layout.stored_bytes = 2;
-    if (grid.saveFloatAsHalf() && is_vector(grid) && !grid.isType<openvdb::Vec3IGrid>())
-        layout.stored_bytes = 6;
-    layout.leaf = grid.isType<openvdb::BoolGrid>()   ? ISO_VDB_BOOLS
-                  : grid.isType<openvdb::MaskGrid>() ? ISO_VDB_MASK
-                                                     : ISO_VDB_VALUES;
-    layout.blosc = compression & openvdb::io::COMPRESS_BLOSC;
-    layout.compressed = layout.blosc || (compression & openvdb::io::COMPRESS_ZIP);
-    layout.active_only = compression & openvdb::io::COMPRESS_ACTIVE_MASK;
-    layout.topology = static_cast<uint64_t>(stream_.tellg());
-    layout.blocks = streamed ? 0 : static_cast<uint64_t>(entry.descriptor.getBlockPos());
-    layout.end = streamed ? 0 : static_cast<uint64_t>(entry.descriptor.getEndPos());
-    return iso_vdb_check(path_, &layout, error);
-}
-
-/* The grid whose tree an instance shares. */
-vdb_grid &archive::parent_of(const vdb_grid &entry) {
-    for (vdb_grid &other : grids)
-        if (other.descriptor.uniqueName() == entry.descriptor.instanceParentName() &&
-            !other.descriptor.isInstance() && other.grid->type() == entry.grid->type())
-            return other;
-    OPENVDB_THROW(openvdb::IoError, "a grid shares the voxels of one that is not there");
-}
-
-iso_status archive::load(vdb_grid &entry, bool topology, iso_error *error) {
-    if (entry.descriptor.isInstance()) {
-        vdb_grid &parent = parent_of(entry);
-        ISO_TRY(load(parent, topology, error));
-        entry.grid->setTree(parent.grid->baseTreePtr());
-        return ISO_OK;
-    }
-    if (entry.loaded) return ISO_OK;
-    stream_.seekg(entry.descriptor.getGridPos());
-    read_header_of(entry);
-    ISO_TRY(check_tree(entry, false, error));
-    if (topology) {
-        entry.grid->readTopology(stream_);
-    } else {
-        stream_.seekg(entry.descriptor.getGridPos());
-        Archive::readGrid(entry.grid, entry.descriptor, stream_);
-        entry.loaded = true;
-    }
-    return ISO_OK;
+/* What OpenVDB says, without the name of its exception. */
+std::string words_of(const openvdb::Exception &exception) {
+    const std::string line = iso::one_line(exception.what());
+    const size_t colon = line.find("Error: ");
+    return colon == std::string::npos ? line : line.substr(colon + 7);
 }
 
 /* Turns what OpenVDB throws into a line about the file. Lengths that no memory could hold come from bytes
@@ -235,11 +40,11 @@ template <class Body> iso_status reading(const char *path, iso_error *error, Bod
     } catch (const std::ios_base::failure &) {
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: the file ends before its grids do", path);
     } catch (const openvdb::TypeError &exception) {
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", path, iso::one_line(exception.what()).c_str());
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", path, words_of(exception).c_str());
     } catch (const openvdb::LookupError &exception) {
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", path, iso::one_line(exception.what()).c_str());
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", path, words_of(exception).c_str());
     } catch (const openvdb::Exception &exception) {
-        return iso_fail(error, ISO_ERR_IO, "%s: corrupt: %s", path, iso::one_line(exception.what()).c_str());
+        return iso_fail(error, ISO_ERR_IO, "%s: corrupt: %s", path, words_of(exception).c_str());
     } catch (const std::length_error &) {
         return iso_fail(error, ISO_ERR_IO, "%s: corrupt: a length in the file is not possible", path);
     }
@@ -296,25 +101,18 @@ iso_status choose(const char *path, const iso_volume_opts *opts, archive &file, 
 
 struct extent {
     CoordBBox box; /* of the active voxels */
-    uint64_t voxels = 0, leaves = 0, tree_bytes = 0;
+    uint64_t voxels = 0;
+    uint64_t leaves = 0, tree_bytes = 0; /* as counted in the file, whatever is stated */
 };
-
-/* The values, the mask, the origin and a pointer. */
-size_t leaf_bytes(const GridBase &grid) {
-    return 512 * static_cast<size_t>(value_bytes(grid)) + 96;
-}
 
 /* From the statistics that OpenVDB writes beside every grid; false when they are missing or make no sense. */
 bool stated_extent(const GridBase &grid, extent *result) {
     const auto lo = grid.getMetadata<openvdb::Vec3IMetadata>(GridBase::META_FILE_BBOX_MIN);
     const auto hi = grid.getMetadata<openvdb::Vec3IMetadata>(GridBase::META_FILE_BBOX_MAX);
     const auto voxels = grid.getMetadata<openvdb::Int64Metadata>(GridBase::META_FILE_VOXEL_COUNT);
-    const auto bytes = grid.getMetadata<openvdb::Int64Metadata>(GridBase::META_FILE_MEM_BYTES);
     if (!lo || !hi || !voxels || voxels->value() < 0) return false;
     result->box = CoordBBox(Coord(lo->value()), Coord(hi->value()));
     result->voxels = static_cast<uint64_t>(voxels->value());
-    result->tree_bytes = bytes && bytes->value() > 0 ? static_cast<uint64_t>(bytes->value()) : 0;
-    result->leaves = result->tree_bytes / leaf_bytes(grid);
     return true;
 }
 
@@ -323,10 +121,6 @@ extent counted_extent(const GridBase &grid) {
     extent result;
     result.box = grid.evalActiveVoxelBoundingBox();
     result.voxels = grid.activeVoxelCount();
-    const auto &tree = grid.constBaseTree();
-    result.leaves = tree.leafCount();
-    /* The largest node has 32^3 children of 8 bytes each. */
-    result.tree_bytes = result.leaves * leaf_bytes(grid) + tree.nonLeafCount() * UINT64_C(34000);
     return result;
 }
 
@@ -448,6 +242,7 @@ iso_status fill_info(const char *path, const iso_volume_opts *opts, archive &fil
         ISO_TRY(file.load(*chosen, true, error));
         known = counted_extent(grid);
     }
+    ISO_TRY(file.measure(*chosen, &known.tree_bytes, &known.leaves, error));
     return fill_size(path, *chosen, known, info, error);
 }
 
@@ -455,7 +250,7 @@ iso_status vdb_info(const char *path, const iso_volume_opts *opts, iso_volume_in
     return iso::guard(path, error, [&] {
         openvdb::initialize();
         return reading(path, error, [&] {
-            archive file(path);
+            archive file(path, opts);
             ISO_TRY(file.scan(error));
             return fill_info(path, opts, file, info, error);
         });
@@ -536,7 +331,24 @@ void copy_dense(const Tree &tree, int component, iso_pool *pool, const box_targe
     });
 }
 
+struct read_job {
+    const char *path;
+    const iso_volume_opts *opts;
+    iso_volume_info *info;
+    Coord lo;
+    iso_error *error;
+};
+
 /* ---- level sets ---- */
+
+/* The estimate of the header supposes a surface: leaves that are spread out need more bricks. */
+iso_status check_bricks(const read_job &read, size_t cells, size_t bricks) {
+    const iso_volume_info &info = *read.info;
+    const uint64_t tree = info.read_bytes > info.bytes ? info.read_bytes - info.bytes : 0;
+    const uint64_t bytes = tree + cells * 17 + bricks * (ISO_BRICK_VOXELS * sizeof(float) + 8);
+    const std::string what = std::to_string(bricks) + " bricks of a level set";
+    return iso_format_check_memory(read.path, read.opts, bytes, what.c_str(), read.error);
+}
 
 /* World distances of a tree into voxel distances of an hgrid. */
 template <class Tree> struct level_set {
@@ -599,7 +411,8 @@ template <class Tree> void level_set<Tree>::fill(const int cell[3], float *brick
 
 /* Bricks come from the grid's pool one after another (so that a brick's number does not depend on threads);
  * looking which are needed and filling them goes side by side. */
-template <class Tree> iso_status fill_cells(level_set<Tree> &job, iso_pool *pool, iso_error *error) {
+template <class Tree> iso_status fill_cells(level_set<Tree> &job, const read_job &read, iso_error *error) {
+    iso_pool *pool = read.opts->pool;
     iso_hgrid *grid = job.grid;
     const size_t count = static_cast<size_t>(grid->cells[0]) * static_cast<size_t>(grid->cells[1]) *
                          static_cast<size_t>(grid->cells[2]);
@@ -617,6 +430,7 @@ template <class Tree> iso_status fill_cells(level_set<Tree> &job, iso_pool *pool
             states[i] = static_cast<int8_t>(job.state_of(cell));
         }
     });
+    ISO_TRY(check_bricks(read, count, static_cast<size_t>(std::count(states.begin(), states.end(), 0))));
     std::vector<size_t> full;
     for (size_t i = 0; i < count; i++) {
         int cell[3];
@@ -640,10 +454,10 @@ template <class Tree> iso_status fill_cells(level_set<Tree> &job, iso_pool *pool
 
 /* ---- reading ---- */
 
-iso_status load_chosen(const char *path, const iso_volume_info &info, GridBase::ConstPtr *grid,
-                       iso_error *error) {
+iso_status load_chosen(const char *path, const iso_volume_opts *opts, const iso_volume_info &info,
+                       GridBase::ConstPtr *grid, iso_error *error) {
     return reading(path, error, [&] {
-        archive file(path);
+        archive file(path, opts);
         ISO_TRY(file.scan(error));
         vdb_grid *chosen = nullptr;
         ISO_TRY(choose_named(path, info.name, file, &chosen, error));
@@ -670,14 +484,6 @@ iso_status announced_box(const char *path, const GridBase &grid, const iso_volum
     return ISO_OK;
 }
 
-struct read_job {
-    const char *path;
-    iso_pool *pool;
-    iso_volume_info *info;
-    Coord lo;
-    iso_error *error;
-};
-
 iso_status read_dense(const read_job &job, const GridBase &source, iso_grid *grid) {
     ISO_TRY(iso_format_create(job.path, job.info, nullptr, grid, job.error));
     const iso_rgrid *rgrid = grid->rgrid;
@@ -687,7 +493,7 @@ iso_status read_dense(const read_job &job, const GridBase &source, iso_grid *gri
                                rgrid->stride_y,
                                rgrid->stride_z};
     const auto copy = [&](const auto &typed) {
-        copy_dense(typed.constTree(), job.info->component, job.pool, target);
+        copy_dense(typed.constTree(), job.info->component, job.opts->pool, target);
     };
     if (!source.apply<scalar_grids>(copy)) source.apply<vector_grids>(copy);
     return ISO_OK;
@@ -708,11 +514,12 @@ iso_status read_tree(const read_job &job, const Tree &tree, double voxel, iso_gr
     iso_status status = iso_hgrid_create(info->dims, band, &info->transform, &grid->hgrid, &detail);
     if (status == ISO_OK) {
         level_set<Tree> levels = {tree, background, voxel, job.lo, grid->hgrid, {0}};
-        status = fill_cells(levels, job.pool, &detail);
+        status = fill_cells(levels, job, &detail);
         if (levels.nan_count > 0)
             iso_volume_note(info, "%llu distances are not numbers: taken to be outside",
                             static_cast<unsigned long long>(levels.nan_count));
     }
+    if (status != ISO_OK && !*detail.text) return status; /* job.error says why */
     if (status != ISO_OK) return iso_fail(job.error, status, "%s: %s", job.path, detail.text);
     info->bytes = iso_hgrid_bytes(grid->hgrid);
     return ISO_OK;
@@ -733,9 +540,9 @@ iso_status vdb_read(const char *path, const iso_volume_opts *opts, iso_volume_in
     iso_grid result = {};
     const iso_status status = iso::guard(path, error, [&] {
         GridBase::ConstPtr source;
-        ISO_TRY(load_chosen(path, *info, &source, error));
+        ISO_TRY(load_chosen(path, opts, *info, &source, error));
         ISO_TRY(iso_format_progress(path, opts, 0.6, error));
-        read_job job = {path, opts->pool, info, Coord(), error};
+        read_job job = {path, opts, info, Coord(), error};
         ISO_TRY(announced_box(path, *source, *info, &job.lo, error));
         return info->sparse ? read_sparse(job, *source, &result) : read_dense(job, *source, &result);
     });
@@ -750,4 +557,4 @@ const iso_format format = {"vdb", "OpenVDB", nullptr, vdb_info, vdb_read};
 
 } // namespace
 
-ISO_MODULE(&format, nullptr, iso_vdb_write_level_set, iso_vdb_convert_mesh);
+ISO_MODULE(&format, nullptr, iso_vdb_write_level_set);

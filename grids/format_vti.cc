@@ -5,9 +5,12 @@
  * the threshold of its log are global: they are changed while a file is read, one file at a time, and put
  * back. VTK's arrays become the grid's without a copy when their type allows it. The world is the file's own.
  */
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <mutex>
 #include <string>
@@ -29,12 +32,14 @@
 #include <vtkSmartPointer.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
 #include <vtkXMLDataElement.h>
+#include <vtkXMLDataParser.h>
 #include <vtkXMLImageDataReader.h>
 
 #include "base/memory.h"
 #include "grids/bridge_guard.hpp"
 #include "grids/format.h"
 #include "grids/module.h"
+#include "grids/vti_check.h"
 
 namespace {
 
@@ -72,11 +77,13 @@ class quiet_vtk {
     quiet_vtk(const quiet_vtk &) = delete;
     quiet_vtk &operator=(const quiet_vtk &) = delete;
 
-    /* The reason of the first error: what follows "vtkClass (0x...): ". Empty: there was none. */
+    /* The reason of the first error: what follows "vtkClass (0x...): ". Empty: there was none. What
+     * algorithms say of one another, with addresses, is no reason. */
     std::string error() const {
         std::string line = iso::one_line(window->said);
         size_t object = line.find("): ");
-        return object == std::string::npos ? line : line.substr(object + 3);
+        if (object != std::string::npos) line.erase(0, object + 3);
+        return line.find("(0x") == std::string::npos ? line : "VTK's reader gives no reason";
     }
 
   private:
@@ -112,9 +119,18 @@ class image_reader : public vtkXMLImageDataReader {
             for (size_t k = 0; k < 6; k++) list[i][k] = PieceExtents[6 * i + k];
         return list;
     }
+    /* How the file keeps the arrays of that name in a piece; their `bytes` are for the caller to fill. False:
+     * the place of one is not stated. */
+    bool layouts(size_t piece, const iso_format_array &array, std::vector<iso_vti_layout> *found);
 
   protected:
     image_reader() { no_points->SetName("PointData"); }
+    /* Arrays of other lengths than the image's, which VTK would read whatever was selected. */
+    int ReadPrimaryElement(vtkXMLDataElement *image) override {
+        const int done = Superclass::ReadPrimaryElement(image);
+        FieldDataElement = nullptr; /* borrowed from the parser */
+        return done;
+    }
     /* VTK words what is wrong with cell data with the name of the point data, also when there is none. */
     int ReadPiece(vtkXMLDataElement *piece) override {
         int done = Superclass::ReadPiece(piece);
@@ -133,6 +149,45 @@ class image_reader : public vtkXMLImageDataReader {
     vtkNew<vtkXMLDataElement> no_points;
 };
 vtkStandardNewMacro(image_reader);
+
+bool attribute_is(vtkXMLDataElement *element, const char *name, const char *value) {
+    const char *text = element ? element->GetAttribute(name) : nullptr;
+    return text && std::strcmp(text, value) == 0;
+}
+
+/* As vtkXMLReader::ReadArrayValues and vtkXMLDataParser choose. */
+bool image_reader::layouts(size_t piece, const iso_format_array &array, std::vector<iso_vti_layout> *found) {
+    vtkXMLDataElement *root = GetXMLParser()->GetRootElement();
+    vtkXMLDataElement *values = (array.cells ? CellDataElements : PointDataElements)[piece];
+    vtkXMLDataElement *appended = root->FindNestedElementWithName("AppendedData");
+    const char *compressor = GetXMLParser()->GetCompressor() ? root->GetAttribute("compressor") : nullptr;
+    iso_vti_layout layout = {};
+    layout.compressed = compressor != nullptr;
+    layout.lzma = compressor && std::strcmp(compressor, "vtkLZMADataCompressor") == 0;
+    layout.big_endian = attribute_is(root, "byte_order", "BigEndian");
+    layout.header_bytes = attribute_is(root, "header_type", "UInt64") ? 8 : 4;
+    layout.value_bytes = static_cast<int>(iso_scalar_size(array.scalar));
+    for (int i = 0; values && i < values->GetNumberOfNestedElements(); i++) {
+        vtkXMLDataElement *element = values->GetNestedElement(i);
+        if (!attribute_is(element, "Name", array.name)) continue;
+        layout.inside = element->GetAttribute("offset") == nullptr;
+        if (layout.inside) {
+            layout.position = static_cast<uint64_t>(element->GetXMLByteIndex());
+            layout.encoding = attribute_is(element, "format", "binary") ? ISO_VTI_BASE64 : ISO_VTI_TEXT;
+        } else {
+            const vtkTypeInt64 data = GetXMLParser()->GetAppendedDataPosition();
+            const char *text = element->GetAttribute("offset");
+            long long offset = -1;
+            if (!element->GetScalarAttribute("offset", offset) || offset < 0 || data <= 0 ||
+                text[std::strspn(text, "0123456789 ")])
+                return false;
+            layout.position = static_cast<uint64_t>(data) + static_cast<uint64_t>(offset);
+            layout.encoding = attribute_is(appended, "encoding", "raw") ? ISO_VTI_RAW : ISO_VTI_BASE64;
+        }
+        found->push_back(layout);
+    }
+    return true;
+}
 
 /* Whether the pieces from `first` on cover the box of points: what the first leaves over is cut into at most
  * six boxes. */
@@ -275,8 +330,44 @@ void take_transform(vtkInformation *out, const int *whole, iso_transform *transf
     }
 }
 
+/* Whether the text is `count` numbers, whole ones of 32 bits if need be, and nothing else. */
+bool are_numbers(const char *text, int count, bool whole) {
+    for (int i = 0; i < count; i++) {
+        char *end = nullptr;
+        const double number = std::strtod(text, &end);
+        if (end == text || !std::isfinite(number)) return false;
+        if (whole && !(number == std::floor(number) && std::fabs(number) <= INT32_MAX)) return false;
+        if (whole && text + std::strspn(text, "+-0123456789 \t\r\n") < end) return false;
+        text = end;
+    }
+    return text[std::strspn(text, " \t\r\n")] == 0;
+}
+
+/* VTK takes what is not a number for what is not stated, and the beginning of 1e12 for a number. */
+iso_status check_numbers(const char *path, vtkXMLDataElement *element, iso_error *error) {
+    static const struct {
+        const char *element, *name;
+        int count;
+        bool whole;
+    } attributes[] = {{"ImageData", "WholeExtent", 6, true}, {"ImageData", "Origin", 3, false},
+                      {"ImageData", "Spacing", 3, false},    {"ImageData", "Direction", 9, false},
+                      {"Piece", "Extent", 6, true},          {"DataArray", "NumberOfComponents", 1, true}};
+    for (const auto &attribute : attributes) {
+        const char *text = element->GetAttribute(attribute.name);
+        if (!text || std::strcmp(element->GetName(), attribute.element) != 0) continue;
+        if (!are_numbers(text, attribute.count, attribute.whole))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: %s=\"%.80s\" is not %d %snumber%s", path,
+                            attribute.name, iso::one_line(text).c_str(), attribute.count,
+                            attribute.whole ? "whole " : "", attribute.count == 1 ? "" : "s");
+    }
+    for (int i = 0; i < element->GetNumberOfNestedElements(); i++)
+        ISO_TRY(check_numbers(path, element->GetNestedElement(i), error));
+    return ISO_OK;
+}
+
 /* What the header says, and which array was chosen. */
 struct header {
+    const quiet_vtk *vtk; /* borrowed: what goes wrong meanwhile */
     extent whole{0, -1, 0, -1, 0, -1};
     std::vector<iso_format_array> arrays;
     int chosen = 0;
@@ -303,6 +394,9 @@ iso_status read_header(const char *path, const iso_volume_opts *opts, image_read
                        iso_volume_info *info, iso_error *error) {
     reader->SetFileName(path);
     reader->UpdateInformation();
+    vtkXMLDataElement *root = reader->GetXMLParser() ? reader->GetXMLParser()->GetRootElement() : nullptr;
+    if (root) ISO_TRY(check_numbers(path, root, error));
+    if (!found->vtk->error().empty()) return fail_vtk(path, *found->vtk, error);
     vtkInformation *out = reader->GetOutputInformation(0);
     extent &whole = found->whole;
     if (out->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
@@ -335,17 +429,71 @@ uint64_t bytes_to_read(const iso_volume_info *info, const iso_format_array &arra
     return __builtin_add_overflow(grid, all, &all) ? UINT64_MAX : all;
 }
 
+/* A piece that sticks out of the whole would make VTK read through a null pointer. */
+bool inside(const extent &piece, const extent &whole) {
+    bool in = true;
+    for (size_t a = 0; a < 6; a += 2)
+        in = in && piece[a] >= whole[a] && piece[a + 1] <= whole[a + 1] && piece[a] <= piece[a + 1];
+    return in;
+}
+
+iso_status check_pieces(const char *path, const image_reader *reader, const header &found, iso_error *error) {
+    std::vector<extent> pieces = reader->pieces();
+    bool cells = found.array().cells;
+    for (extent &piece : pieces) {
+        if (!inside(piece, found.whole))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: a piece lies outside the image's extent", path);
+        if (cells) piece = cell_extent(piece, found.whole);
+    }
+    if (covered(cells ? cell_extent(found.whole, found.whole) : found.whole, pieces, 0)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: truncated: its pieces do not cover its extent", path);
+}
+
+/* What VTK takes beside the array while it reads the pieces of it, which the file must have. */
+iso_status check_arrays(const char *path, image_reader *reader, const header &found, uint64_t *room,
+                        iso_error *error) {
+    const iso_format_array &array = found.array();
+    const std::vector<extent> pieces = reader->pieces();
+    *room = 0;
+    for (size_t i = 0; i < pieces.size(); i++) {
+        const extent box = array.cells ? cell_extent(pieces[i], found.whole) : pieces[i];
+        std::vector<iso_vti_layout> layouts;
+        if (!reader->layouts(i, array, &layouts))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: the place of an array's values is not stated", path);
+        for (iso_vti_layout &layout : layouts) {
+            uint64_t each = iso_scalar_size(array.scalar) * array.components, part = 0;
+            if (__builtin_mul_overflow(each, size_of(box), &layout.bytes)) layout.bytes = UINT64_MAX;
+            if (layout.bytes > 0) ISO_TRY(iso_vti_check_array(path, &layout, &part, error));
+            *room = std::max(*room, part);
+        }
+    }
+    return ISO_OK;
+}
+
+/* Adds the memory that the numbers of the file's arrays ask for, once they are known to be right. */
+iso_status check_values(const char *path, image_reader *reader, const header &found, iso_volume_info *info,
+                        iso_error *error) {
+    uint64_t room = 0;
+    ISO_TRY(check_pieces(path, reader, found, error));
+    ISO_TRY(check_arrays(path, reader, found, &room, error));
+    if (__builtin_add_overflow(info->read_bytes, room, &info->read_bytes)) info->read_bytes = UINT64_MAX;
+    return ISO_OK;
+}
+
+/* A volume that is too large for the limit without that is not looked at further. */
 iso_status vti_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                     iso_error *error) noexcept {
     return iso::guard(path, error, [&]() -> iso_status {
         ISO_TRY(check_kind(path, error));
+        ISO_TRY(iso_vti_check_markup(path, error));
         quiet_vtk vtk;
         vtkNew<image_reader> reader;
-        header found;
-        iso_status status = read_header(path, opts, reader, &found, info, error);
-        if (!vtk.error().empty()) return fail_vtk(path, vtk, error);
-        if (status == ISO_OK) info->read_bytes = bytes_to_read(info, found.array());
-        return status;
+        header found = {};
+        found.vtk = &vtk;
+        ISO_TRY(read_header(path, opts, reader, &found, info, error));
+        info->read_bytes = bytes_to_read(info, found.array());
+        if (info->read_bytes > iso_format_memory_limit(opts)) return ISO_OK;
+        return check_values(path, reader, found, info, error);
     });
 }
 
@@ -367,26 +515,6 @@ void on_progress(vtkObject *caller, unsigned long, void *client, void *data) {
 void select_only(vtkDataArraySelection *selection, const char *name) {
     selection->DisableAllArrays();
     if (name) selection->EnableArray(name);
-}
-
-/* A piece that sticks out of the whole would make VTK read through a null pointer. */
-bool inside(const extent &piece, const extent &whole) {
-    bool in = true;
-    for (size_t a = 0; a < 6; a += 2)
-        in = in && piece[a] >= whole[a] && piece[a + 1] <= whole[a + 1] && piece[a] <= piece[a + 1];
-    return in;
-}
-
-iso_status check_pieces(const char *path, const image_reader *reader, const header &found, iso_error *error) {
-    std::vector<extent> pieces = reader->pieces();
-    bool cells = found.array().cells;
-    for (extent &piece : pieces) {
-        if (!inside(piece, found.whole))
-            return iso_fail(error, ISO_ERR_FORMAT, "%s: a piece lies outside the image's extent", path);
-        if (cells) piece = cell_extent(piece, found.whole);
-    }
-    if (covered(cells ? cell_extent(found.whole, found.whole) : found.whole, pieces, 0)) return ISO_OK;
-    return iso_fail(error, ISO_ERR_IO, "%s: truncated: its pieces do not cover its extent", path);
 }
 
 void unregister(void *owner) {
@@ -415,15 +543,16 @@ iso_status make_grid(const char *path, const iso_volume_info *info, vtkDataArray
 iso_status read_array(const char *path, const iso_volume_opts *opts, const quiet_vtk &vtk,
                       iso_volume_info *info, iso_grid *grid, iso_error *error) {
     vtkNew<image_reader> reader;
-    header found;
+    header found = {};
+    found.vtk = &vtk;
     iso_volume_info now = *info;
     now.note_count = now.item_count = 0;
     now.transform = iso_transform_identity();
     ISO_TRY(read_header(path, opts, reader, &found, &now, error));
-    if (!vtk.error().empty()) return fail_vtk(path, vtk, error);
-    if (std::memcmp(now.dims, info->dims, sizeof now.dims) != 0)
+    now.read_bytes = bytes_to_read(&now, found.array());
+    ISO_TRY(check_values(path, reader, found, &now, error));
+    if (std::memcmp(now.dims, info->dims, sizeof now.dims) != 0 || now.read_bytes > info->read_bytes)
         return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
-    ISO_TRY(check_pieces(path, reader, found, error));
     const iso_format_array &array = found.array();
     select_only(reader->GetPointDataArraySelection(), array.cells ? nullptr : array.name);
     select_only(reader->GetCellDataArraySelection(), array.cells ? array.name : nullptr);
@@ -447,6 +576,7 @@ iso_status vti_read(const char *path, const iso_volume_opts *opts, iso_volume_in
                     iso_error *error) noexcept {
     return iso::guard(path, error, [&]() -> iso_status {
         ISO_TRY(check_kind(path, error));
+        ISO_TRY(iso_vti_check_markup(path, error));
         ISO_TRY(check_end(path, error));
         quiet_vtk vtk;
         return read_array(path, opts, vtk, info, grid, error);
@@ -457,4 +587,4 @@ const iso_format format = {"vti", "VTK", nullptr, vti_info, vti_read};
 
 } // namespace
 
-ISO_MODULE(&format, nullptr, nullptr, nullptr);
+ISO_MODULE(&format, nullptr, nullptr);

@@ -74,7 +74,11 @@ static iso_status read_size(vtk_file *f, uint64_t *size) {
     char *end;
     errno = 0;
     long long value = strtoll(word, &end, 10);
-    if (errno || *end || value < 0) return bad(f, "a count is not a number");
+    if (errno || *end || value < 0) {
+        char text[80];
+        snprintf(text, sizeof text, "a count of %.40s is not possible", word);
+        return bad(f, text);
+    }
     *size = (uint64_t)value;
     return ISO_OK;
 }
@@ -171,6 +175,7 @@ static iso_status take_scalars(vtk_file *f) {
     char *end;
     long components = strtol(line, &end, 10);
     if (end != line) array.components = components > 0 ? (uint64_t)components : 0;
+    if (end[strspn(end, " \t\r\n")]) return bad(f, "the number of components is not a whole number");
     if (!next_word(f->stream, word)) return ends(f, "its header");
     if (!word_is(word, "LOOKUP_TABLE")) return bad(f, "scalars without LOOKUP_TABLE");
     if (!next_word(f->stream, word)) return ends(f, "its header");

@@ -3,6 +3,7 @@
 
 #include <stdatomic.h>
 #include <stdbool.h>
+#include <string.h>
 
 #include "base/parallel.h"
 
@@ -43,6 +44,45 @@ void iso_grid_destroy(iso_grid *grid) {
     iso_rgrid_destroy(grid->rgrid);
     iso_hgrid_destroy(grid->hgrid);
     *grid = (iso_grid){0};
+}
+
+typedef struct slice_copy {
+    const iso_rgrid *from;
+    iso_rgrid *to;
+} slice_copy;
+
+static void copy_slice(void *context, size_t z, int worker) {
+    (void)worker;
+    const slice_copy *copy = context;
+    const iso_rgrid *from = copy->from, *to = copy->to;
+    const ptrdiff_t size = (ptrdiff_t)iso_type_size(from->type);
+    for (int y = 0; y < from->dims[1]; y++)
+        memcpy((char *)to->data + (y * to->stride_y + (ptrdiff_t)z * to->stride_z) * size,
+               (const char *)from->data + (y * from->stride_y + (ptrdiff_t)z * from->stride_z) * size,
+               (size_t)(from->dims[0] * size));
+}
+
+static iso_status copy_dense(const iso_rgrid *from, iso_pool *pool, iso_rgrid **copy, iso_error *error) {
+    const iso_rgrid_desc desc = {.dims = {from->dims[0], from->dims[1], from->dims[2]},
+                                 .type = from->type,
+                                 .scale = from->scale,
+                                 .offset = from->offset,
+                                 .transform = &from->transform,
+                                 .level_set = from->level_set};
+    ISO_TRY(iso_rgrid_create(&desc, copy, error));
+    slice_copy work = {from, *copy};
+    iso_parallel_for(pool, (size_t)from->dims[2], copy_slice, &work);
+    return ISO_OK;
+}
+
+iso_status iso_grid_copy(const iso_grid *from, iso_pool *pool, iso_grid *copy, iso_error *error) {
+    *copy = (iso_grid){0};
+    if (from->rgrid) return copy_dense(from->rgrid, pool, &copy->rgrid, error);
+    const iso_hgrid *sparse = from->hgrid;
+    ISO_TRY(iso_hgrid_create(sparse->dims, sparse->band, &sparse->transform, &copy->hgrid, error));
+    iso_status status = iso_hgrid_copy_cells(sparse, copy->hgrid, error);
+    if (status != ISO_OK) iso_grid_destroy(copy);
+    return status;
 }
 
 static inline float value_at(const iso_grid *grid, int x, int y, int z) {

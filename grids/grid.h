@@ -29,6 +29,11 @@ int iso_grid_is_level_set(const iso_grid *grid);           /* negative inside: a
 void iso_grid_bricks(const iso_grid *grid, int bricks[3]); /* ceil(dims / 16) */
 void iso_grid_destroy(iso_grid *grid);                     /* destroys whichever is set and clears both */
 
+/* A grid of its own with the same values: a dense one contiguous and without an index, a sparse one with the
+ * same cells. `pool` may be NULL. ISO_ERR_NOMEM. */
+struct iso_pool;
+iso_status iso_grid_copy(const iso_grid *from, struct iso_pool *pool, iso_grid *copy, iso_error *error);
+
 /* Stored value at a voxel; coordinates outside are clamped. */
 float iso_grid_at(const iso_grid *grid, int x, int y, int z);
 
@@ -60,7 +65,6 @@ iso_vec3 iso_grid_voxel_gradient(const iso_grid *grid, int x, int y, int z);
 iso_vec3 iso_grid_gradient(const iso_grid *grid, iso_vec3 p);
 
 /* Number of voxels that are NaN or infinite (0 for hgrids and integer types). `pool` may be NULL. */
-struct iso_pool;
 size_t iso_grid_count_nonfinite(const iso_grid *grid, struct iso_pool *pool);
 
 #ifdef __cplusplus

@@ -92,6 +92,9 @@ typedef struct iso_nrrd_data iso_nrrd_data;
  * iso_nrrd_data_close. */
 iso_status iso_nrrd_data_open(const char *path, const iso_nrrd_header *header, iso_nrrd_data **data,
                               iso_error *error);
+/* Adds the data files that the header names to the set, up to the first one that is not there. */
+void iso_nrrd_data_list(const char *path, const iso_nrrd_header *header, iso_file_set *files);
+
 /* Fills or passes over `bytes` bytes, whole numbers of values; ISO_ERR_IO names the file that failed. A
  * compressed file's checksums are looked at when its last byte is read. */
 iso_status iso_nrrd_data_fill(void *data, void *target, size_t bytes, iso_error *error);

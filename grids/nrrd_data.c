@@ -9,6 +9,7 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/memory.h"
 #include "grids/nrrd.h"
@@ -323,6 +324,24 @@ iso_status iso_nrrd_data_open(const char *path, const iso_nrrd_header *header, i
     }
     *data = d;
     return ISO_OK;
+}
+
+void iso_nrrd_data_list(const char *path, const iso_nrrd_header *header, iso_file_set *files) {
+    uint64_t all = iso_nrrd_bytes(header);
+    if (!files || header->place == ISO_NRRD_ATTACHED || all == UINT64_MAX) return;
+    iso_nrrd_data *d = iso_alloc_zero(1, sizeof *d);
+    files->incomplete = files->incomplete || !d;
+    if (!d) return;
+    d->path = path;
+    d->header = header;
+    bool there = count_files(d, all, NULL) == ISO_OK;
+    for (int64_t skip; there && d->opened < d->files; d->opened++) {
+        there = next_name(d, &skip, NULL) == ISO_OK && access(d->name, F_OK) == 0;
+        if (there) iso_file_set_read(files, d->name);
+        free(d->name);
+        d->name = NULL;
+    }
+    iso_nrrd_data_close(d);
 }
 
 /* ---- decoding ---- */

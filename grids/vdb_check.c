@@ -21,7 +21,7 @@ typedef struct walk {
     uint8_t *buffer;
     size_t at, filled;
     uint64_t begin, size; /* of the buffer, and of the file */
-    uint64_t leaves;
+    iso_vdb_nodes nodes;
     bool cut, corrupt;
 } walk;
 
@@ -136,9 +136,11 @@ static bool check_inner(walk *w, uint64_t room, uint64_t *children) {
 static bool check_upper(walk *w) {
     uint64_t lower, leaves;
     if (!check_inner(w, UPPER_VALUES, &lower)) return false;
+    w->nodes.upper++;
+    w->nodes.lower += lower;
     for (uint64_t i = 0; i < lower; i++) {
         if (!check_inner(w, LOWER_VALUES, &leaves) || !skip(w, leaves * LEAF_VALUES / 8)) return false;
-        w->leaves += leaves;
+        w->nodes.leaves += leaves;
     }
     return true;
 }
@@ -156,6 +158,7 @@ static bool check_topology(walk *w) {
     if (!seek(w, w->layout->topology) || !take_count(w, &buffers)) return false;
     if (buffers != 1) return is_corrupt(w);
     if (!skip(w, value) || !take_count(w, &tiles) || !take_count(w, &children)) return false;
+    w->nodes.tiles = tiles;
     for (uint32_t i = 0; i < tiles; i++) {
         uint8_t active;
         if (!check_origin(w) || !skip(w, value) || !take(w, &active, 1)) return false;
@@ -163,7 +166,7 @@ static bool check_topology(walk *w) {
     }
     for (uint32_t i = 0; i < children; i++)
         if (!check_origin(w) || !check_upper(w)) return false;
-    return true;
+    return !w->layout->blocks || position(w) == w->layout->blocks || is_corrupt(w);
 }
 
 static bool check_leaf(walk *w) {
@@ -182,13 +185,13 @@ static bool check_leaf(walk *w) {
 static bool check_tree(walk *w) {
     const iso_vdb_layout *layout = w->layout;
     if (!check_topology(w)) return false;
-    if (layout->blocks && position(w) != layout->blocks) return is_corrupt(w);
-    for (uint64_t i = 0; i < w->leaves; i++)
+    for (uint64_t i = 0; i < w->nodes.leaves; i++)
         if (!check_leaf(w)) return false;
     return !layout->end || position(w) == layout->end || is_corrupt(w);
 }
 
-iso_status iso_vdb_check(const char *path, const iso_vdb_layout *layout, iso_error *error) {
+static iso_status run(const char *path, const iso_vdb_layout *layout, bool (*check)(walk *w),
+                      iso_vdb_nodes *nodes, iso_error *error) {
     walk w = {.layout = layout, .stream = fopen(path, "rb"), .buffer = iso_alloc(BUFFER)};
     iso_status status = ISO_OK;
     if (!w.buffer) {
@@ -198,12 +201,26 @@ iso_status iso_vdb_check(const char *path, const iso_vdb_layout *layout, iso_err
     } else {
         w.size = w.begin = (uint64_t)ftello(w.stream);
         setvbuf(w.stream, NULL, _IONBF, 0);
-        if (!check_tree(&w))
+        if (!check(&w))
             status = iso_fail(error, ISO_ERR_IO, "%s: %s", path,
                               w.cut ? "truncated: the file ends before its grids do"
                                     : "corrupt: a grid is not laid out as its header says");
     }
     if (w.stream) fclose(w.stream);
     iso_free(w.buffer);
+    *nodes = w.nodes;
     return status;
+}
+
+iso_status iso_vdb_check(const char *path, const iso_vdb_layout *layout, iso_error *error) {
+    iso_vdb_nodes nodes;
+    return run(path, layout, check_tree, &nodes, error);
+}
+
+iso_status iso_vdb_count(const char *path, const iso_vdb_layout *layout, iso_vdb_nodes *nodes,
+                         iso_error *error) {
+    iso_vdb_nodes found;
+    ISO_TRY(run(path, layout, check_topology, &found, error));
+    *nodes = found;
+    return ISO_OK;
 }

@@ -27,8 +27,19 @@ typedef struct iso_vdb_layout {
     uint64_t blocks, end; /* where its voxels begin and where it ends; 0: not stated, it may end anywhere */
 } iso_vdb_layout;
 
+/* What a tree is made of: what it takes in memory follows from that. */
+typedef struct iso_vdb_nodes {
+    uint64_t tiles;        /* of the root */
+    uint64_t upper, lower; /* nodes of 32^3 and of 16^3 children */
+    uint64_t leaves;
+} iso_vdb_nodes;
+
 /* ISO_OK, or ISO_ERR_IO: truncated or corrupt, or ISO_ERR_NOMEM. Nothing is kept. */
 iso_status iso_vdb_check(const char *path, const iso_vdb_layout *layout, iso_error *error);
+
+/* Counts the nodes of a tree, and checks what comes before its voxels; errors as above. */
+iso_status iso_vdb_count(const char *path, const iso_vdb_layout *layout, iso_vdb_nodes *nodes,
+                         iso_error *error);
 
 #ifdef __cplusplus
 }

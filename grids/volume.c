@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -91,6 +92,13 @@ static const iso_format *format_of_content(const head *h) {
     return is_metaimage(h) ? &iso_format_metaimage : NULL;
 }
 
+const char *iso_volume_format(const void *bytes, size_t count) {
+    head h = {.count = count < sizeof h.bytes ? count : sizeof h.bytes};
+    memcpy(h.bytes, bytes, h.count);
+    const iso_format *format = format_of_content(&h);
+    return format ? format->name : NULL;
+}
+
 static iso_status read_head(const char *path, head *h, iso_error *error) {
     FILE *file = fopen(path, "rb");
     if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
@@ -174,6 +182,88 @@ static iso_status check_spacing(const char *path, const iso_volume_opts *opts, i
     return ISO_OK;
 }
 
+/* Positions in double precision have 16 digits. Between a volume's voxels and its farthest corner there may
+ * be 12 of them, so that thousands of steps are left within a voxel; and the areas and volumes of voxels must
+ * be numbers. A surface of voxels that are a million times longer than wide is a line in every picture. */
+static const double farthest = 1e12, finest = 1e-12, smallest_voxel = 1e-15, thinnest = 1e-6;
+
+/* The largest coordinate of the box of voxels, in mm. */
+static double reach_of(const iso_volume_info *info) {
+    const iso_transform *t = &info->transform;
+    double reach = 0;
+    for (int row = 0; row < 3; row++) {
+        double lo = t->origin[row], hi = lo;
+        for (int axis = 0; axis < 3; axis++) {
+            double step = t->direction[3 * row + axis] * t->spacing[axis] * (info->dims[axis] - 1);
+            *(step < 0 ? &lo : &hi) += step;
+        }
+        reach = fmax(reach, fmax(fabs(lo), fabs(hi)));
+    }
+    return reach;
+}
+
+static iso_status check_reach(const char *path, const iso_volume_info *info, iso_error *error) {
+    const double *s = info->transform.spacing;
+    const double small = fmin(s[0], fmin(s[1], s[2])), large = fmax(s[0], fmax(s[1], s[2]));
+    const double reach = reach_of(info);
+    if (!(reach <= farthest && large <= farthest))
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: its voxels lie up to %g mm from the origin, more than %g is not possible", path,
+                        fmax(reach, large), farthest);
+    if (!(small >= smallest_voxel))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: a spacing of %g mm is too small, at least %g is needed",
+                        path, small, smallest_voxel);
+    if (!(small >= thinnest * large))
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: its spacings, %g and %g mm, differ by more than a million times", path, small,
+                        large);
+    if (!(small >= finest * reach))
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: voxels of %g mm that lie up to %g mm from the origin cannot be told apart", path,
+                        small, reach);
+    return ISO_OK;
+}
+
+static iso_status check_geometry(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                                 iso_error *error) {
+    iso_transform *t = &info->transform;
+    ISO_TRY(check_spacing(path, opts, info, error));
+    for (int i = 0; i < 9; i++) {
+        t->direction[i] += 0.0; /* never -0 */
+        if (!isfinite(t->direction[i]))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: the directions of its axes are not numbers", path);
+    }
+    for (int i = 0; i < 3; i++) {
+        double *d = t->direction + i, length = sqrt(d[0] * d[0] + d[3] * d[3] + d[6] * d[6]);
+        if (!(length >= thinnest && length <= 1 / thinnest))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: a direction of length %g is not possible", path,
+                            length);
+        t->origin[i] += 0.0;
+        if (!isfinite(t->origin[i]))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: an origin of %g is not possible", path, t->origin[i]);
+        if (!(t->spacing[i] > 0 && isfinite(t->spacing[i])))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: a spacing of %g is not possible", path,
+                            t->spacing[i]);
+    }
+    ISO_TRY(check_reach(path, info, error));
+    if (iso_transform_is_singular(t))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: the axes' directions do not span space", path);
+    return ISO_OK;
+}
+
+/* What integers are scaled by and shifted by must leave them different numbers, that fit in a float. */
+static iso_status check_scale(const char *path, const iso_volume_info *info, iso_error *error) {
+    const double most = 1e30, span = info->type == ISO_FLOAT32 ? HUGE_VAL : info->scale * 65536;
+    if (!(info->scale >= 1 / most && info->scale <= most && fabs(info->offset) <= most))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: values cannot be scaled by %g and shifted by %g", path,
+                        info->scale, info->offset);
+    if (!(fabs(info->offset) <= span / finest))
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: values that are scaled by %g and shifted by %g cannot be told apart", path,
+                        info->scale, info->offset);
+    return ISO_OK;
+}
+
 /* The index of bricks is made when the reader has given back what it needed beside the grid. */
 static void count_index(iso_volume_info *info) {
     uint64_t bytes = info->bytes;
@@ -187,18 +277,8 @@ static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_
     uint64_t dims[3];
     for (int i = 0; i < 3; i++) dims[i] = info->dims[i] < 0 ? 0 : (uint64_t)info->dims[i];
     ISO_TRY(iso_format_dims(path, dims, info, error));
-    ISO_TRY(check_spacing(path, opts, info, error));
-    for (int i = 0; i < 9; i++) info->transform.direction[i] += 0.0; /* never -0 */
-    for (int i = 0; i < 3; i++) info->transform.origin[i] += 0.0;
-    for (int i = 0; i < 3; i++)
-        if (!(info->transform.spacing[i] > 0))
-            return iso_fail(error, ISO_ERR_FORMAT, "%s: a spacing of %g is not possible", path,
-                            info->transform.spacing[i]);
-    if (iso_transform_is_singular(&info->transform))
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: the axes' directions do not span space", path);
-    if (!(info->scale > 0 && info->scale < HUGE_VAL && info->offset == info->offset))
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: values cannot be scaled by %g and %g", path, info->scale,
-                        info->offset);
+    ISO_TRY(check_geometry(path, opts, info, error));
+    ISO_TRY(check_scale(path, info, error));
     if (info->bytes == 0) info->bytes = iso_format_size(info->dims, iso_type_size(info->type));
     if (info->bytes == UINT64_MAX)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: %d x %d x %d voxels are more than any machine can hold",
@@ -228,6 +308,18 @@ static iso_status load_format(const char *path, const iso_format **format, iso_e
                     (*format)->library);
 }
 
+/* Options that mean something for other formats only: a user who gave one should know. */
+static void note_unused(const iso_volume_opts *opts, iso_volume_info *info) {
+    const bool named = strcmp(info->format, "vdb") == 0 || strcmp(info->format, "vti") == 0 ||
+                       strcmp(info->format, "vtk") == 0;
+    if (opts->grid && !named)
+        iso_volume_note(info, "grid \"%.80s\" is not looked for: a %s file has no grids with names (--grid)",
+                        opts->grid, info->format);
+    if (opts->series && strcmp(info->format, "dicom") != 0)
+        iso_volume_note(info, "series \"%.80s\" is not looked for: a %s file has no series (--series)",
+                        opts->series, info->format);
+}
+
 static void note_guess(const iso_raw_layout *raw, iso_volume_info *info) {
     iso_volume_note(info, "layout taken from the file's name: %dx%dx%d:%s:%s (--raw)", raw->dims[0],
                     raw->dims[1], raw->dims[2], iso_type_name(raw->type), raw->big_endian ? "big" : "little");
@@ -241,7 +333,9 @@ static iso_status read_header(const char *path, request *r, const iso_format **f
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);
     if (r->is_guessed) note_guess(&r->guessed, info);
     iso_error detail = {0};
+    iso_file_set_read(r->opts.files, path);
     ISO_TRY(named(path, (*format)->info(path, &r->opts, info, &detail), &detail, error));
+    note_unused(&r->opts, info);
     return check_info(path, &r->opts, info, error);
 }
 
@@ -265,29 +359,12 @@ iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, i
 
 /* ---- reading ---- */
 
-/* "1.5 GB", decimal units. */
-static void byte_text(uint64_t bytes, char text[16]) {
-    static const char *const units[] = {"bytes", "kB", "MB", "GB", "TB", "PB", "EB"};
-    double value = (double)bytes;
-    int unit = 0;
-    for (; value >= 1000 && unit < 6; unit++) value /= 1000;
-    snprintf(text, 16, unit && value < 10 ? "%.1f %s" : "%.0f %s", value, units[unit]);
-}
-
-static iso_status check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
-                               iso_error *error) {
-    uint64_t limit = opts->max_memory;
-    if (limit == 0) {
-        limit = iso_memory_available();
-        if (limit != UINT64_MAX) limit = limit / 5 * 4;
-    }
-    if (info->read_bytes <= limit) return ISO_OK;
-    char needs[16], allowed[16];
-    byte_text(info->read_bytes, needs);
-    byte_text(limit, allowed);
-    return iso_fail(error, ISO_ERR_LIMIT,
-                    "%s: needs %s to read (%d x %d x %d %s), limit is %s (--max-memory)", path, needs,
-                    info->dims[0], info->dims[1], info->dims[2], info->file_type, allowed);
+iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                   iso_error *error) {
+    char what[80];
+    snprintf(what, sizeof what, "%d x %d x %d %s", info->dims[0], info->dims[1], info->dims[2],
+             info->file_type);
+    return iso_format_check_memory(path, opts, info->read_bytes, what, error);
 }
 
 /* What a reader made has to be what its header announced: that is what was checked against the limit. */
@@ -312,7 +389,7 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
     const iso_format *format = NULL;
     iso_volume result = {0};
     ISO_TRY(read_header(path, &r, &format, &result.info, error));
-    ISO_TRY(check_memory(path, opts, &result.info, error));
+    ISO_TRY(iso_volume_check_memory(path, opts, &result.info, error));
     ISO_TRY(iso_format_progress(path, opts, 0, error));
     iso_error detail = {0};
     iso_status status = format->read(path, opts, &result.info, &result.grid, &detail);

@@ -19,6 +19,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/file_set.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "grids/grid.h"
@@ -61,6 +62,8 @@ typedef struct iso_volume_opts {
                           * file has just that size, and it is called .raw or is of no other format */
     double spacing[3];   /* > 0 overrides the file's spacing (mm) */
     uint64_t max_memory; /* bytes that the grid and reading it may take; 0: 80 % of iso_memory_available */
+    iso_file_set *files; /* every file that is read, or will be, is added by iso_volume_read_info and
+                            iso_volume_read; NULL is fine */
     iso_pool *pool;
     iso_progress_fn *progress; /* cancels: ISO_ERR_IO */
     void *progress_context;
@@ -68,7 +71,7 @@ typedef struct iso_volume_opts {
 
 enum { ISO_VOLUME_ITEMS = 32, ISO_VOLUME_NOTES = 8, ISO_VOLUME_TEXT = 256 };
 
-/* What the header says. Plain data, no ownership. The texts are printable UTF-8 (base/text.h). */
+/* What the header says. Plain data, no ownership. The texts are printable UTF-8, a line each. */
 typedef struct iso_volume_info {
     char format[16]; /* "vti", "vtk", "nrrd", "metaimage", "nifti", "dicom", "vdb", "raw", "scene" */
     char name[ISO_VOLUME_TEXT]; /* grid or series name, or empty */
@@ -100,6 +103,14 @@ typedef struct iso_volume {
  * series), ISO_ERR_BRIDGE. Each text names the file. */
 iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                                 iso_error *error);
+
+/* The format, as in iso_volume_info, of a file that begins with these bytes; NULL when no format says so.
+ * 1024 are enough. Raw files have no such bytes, and some files only their name. */
+const char *iso_volume_format(const void *bytes, size_t count);
+
+/* ISO_ERR_LIMIT when reading what `info` describes takes more than opts->max_memory. */
+iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                   iso_error *error);
 
 /* Reads the volume; a dense one comes with its index of bricks (iso_rgrid_index). Errors as above, and
  * ISO_ERR_LIMIT (over max_memory, checked from the header before anything is allocated) and ISO_ERR_NOMEM. A

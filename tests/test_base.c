@@ -16,6 +16,7 @@
 
 #include "base/cpu.h"
 #include "base/file.h"
+#include "base/file_set.h"
 #include "base/geometry.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -156,6 +157,65 @@ static void errors_are_one_clean_line(void **state) {
     iso_fail(&error, ISO_ERR_IO, "%s: cannot read: why", path);
     assert_int_equal(strlen(error.text), sizeof error.text - 1);
     assert_string_equal(error.text + strlen(error.text) - 18, ": cannot read: why");
+}
+
+static void set_text(const char *path) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    fputs(path, file);
+    fclose(file);
+}
+
+/* The status and text when `read` is read and `a` and `b` are written. */
+static iso_status clash(const char *read, const char *a, const char *b, iso_error *error) {
+    iso_file_set files = {0};
+    if (read) iso_file_set_read(&files, read);
+    iso_file_set_write(&files, a);
+    iso_file_set_write(&files, b);
+    iso_status status = iso_file_set_check(&files, error);
+    iso_file_set_free(&files);
+    return status;
+}
+
+static void files_are_known_under_every_name(void **state) {
+    (void)state;
+    iso_error error = {0};
+    char folder[] = "base_files_XXXXXX", before[4096];
+    assert_non_null(getcwd(before, sizeof before));
+    assert_non_null(mkdtemp(folder));
+    assert_int_equal(chdir(folder), 0);
+    set_text("in");
+    assert_int_equal(link("in", "hard"), 0);
+    assert_int_equal(symlink("in", "soft"), 0);
+    assert_int_equal(symlink("soft", "softer"), 0);
+    assert_int_equal(symlink("new", "dangling"), 0);
+    assert_int_equal(symlink("circle", "circle"), 0);
+    assert_int_equal(clash("in", "new", "other", &error), ISO_OK);
+    const char *const names[] = {"in", "./in", "hard", "soft", "softer"};
+    for (int i = 0; i < 5; i++) {
+        assert_int_equal(clash("in", "new", names[i], &error), ISO_ERR_USAGE);
+        assert_non_null(strstr(error.text, names[i]));
+        assert_non_null(strstr(error.text, "input in"));
+        assert_int_equal(clash(names[i], "in", NULL, NULL), ISO_ERR_USAGE);
+    }
+    assert_int_equal(clash(NULL, "new", "../base_none/new", NULL), ISO_OK); /* a folder that is not there */
+    assert_int_equal(clash(NULL, "new", "./new", &error), ISO_ERR_USAGE);
+    assert_non_null(strstr(error.text, "./new: is the same file as another output, new"));
+    assert_int_equal(clash(NULL, "dangling", "new", NULL), ISO_ERR_USAGE);
+    assert_int_equal(clash("in", "/dev/null", "/dev/null", NULL), ISO_OK);
+
+    assert_int_equal(clash("in", "circle", "new", NULL), ISO_OK);
+    iso_file_set_read(NULL, "in");
+    char *target = iso_file_follow("softer");
+    assert_string_equal(target, "in");
+    free(target);
+    assert_null(iso_file_follow("circle"));
+    iso_sink sink;
+    assert_int_equal(iso_sink_open("circle", &sink, &error), ISO_ERR_WRITE);
+    const char *const made[] = {"in", "hard", "soft", "softer", "dangling", "circle"};
+    for (int i = 0; i < 6; i++) unlink(made[i]);
+    assert_int_equal(chdir(before), 0);
+    assert_int_equal(rmdir(folder), 0);
 }
 
 typedef struct tally {
@@ -386,6 +446,7 @@ int main(void) {
         cmocka_unit_test(text_becomes_one_printable_line),
         cmocka_unit_test(text_that_is_too_long_keeps_both_ends),
         cmocka_unit_test(errors_are_one_clean_line),
+        cmocka_unit_test(files_are_known_under_every_name),
         cmocka_unit_test(every_index_runs_once),
         cmocka_unit_test(results_are_placed_in_order),
         cmocka_unit_test(sinks_write_all_or_nothing),

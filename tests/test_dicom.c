@@ -699,6 +699,62 @@ static void real_head(void **state) {
     iso_volume_free(&volume);
 }
 
+/* ---- numbers that cannot be ---- */
+
+/* A series of which one element says `text`; no volume, and a line that says `words`. */
+static void expect_refused(size_t element, const char *text, const char *words) {
+    dicom_spec spec = plain;
+    memcpy((char *)&spec + element, &text, sizeof text);
+    clear_folder();
+    write_series(&spec, "a", 0);
+    test_expect_no_volume(FOLDER, NULL, ISO_ERR_FORMAT, NULL, words);
+}
+
+static void impossible_numbers(void **state) {
+    (void)state;
+    const size_t slope = offsetof(dicom_spec, slope), intercept = offsetof(dicom_spec, intercept);
+    const size_t position = offsetof(dicom_spec, position), spacing = offsetof(dicom_spec, spacing);
+    expect_refused(slope, "1e300", "rescale slope of '1e300'");
+    expect_refused(slope, "-1e300", "rescale slope");
+    expect_refused(slope, "abc", "rescale slope of 'abc'");
+    expect_refused(slope, "nan", "rescale slope");
+    expect_refused(slope, "1e-300", "cannot be scaled");
+    expect_refused(intercept, "1e300", "rescale intercept");
+    expect_refused(intercept, "1e25", "cannot be told apart");
+    expect_refused(position, "0\\0\\1e300", "a position of");
+    expect_refused(position, "0\\1e13\\0", "a position of 1e+13");
+    expect_refused(spacing, "1e300\\1e300", "from the origin");
+    dicom_spec spec = plain;
+    spec.spacing = "-1\\-1"; /* was "0 voxels on axis 2": no image fitted itself */
+    clear_folder();
+    write_series(&spec, "a", 0);
+    iso_volume volume = read_ok(FOLDER, NULL);
+    assert_true(test_has_note(&volume.info, "pixel spacing is missing or not positive"));
+    iso_volume_free(&volume);
+}
+
+/* NumberOfFrames that is 0, or no number: none of the frames is taken. */
+static void impossible_frame_counts(void **state) {
+    (void)state;
+    char path[1024];
+    dicom_spec spec = plain;
+    int16_t pixels[2 * ROWS * COLUMNS] = {0};
+    spec.frames = 2;
+    spec.pixels = pixels;
+    in_folder(path, "frames.dcm");
+    dicom_write(path, &spec);
+    size_t count;
+    char *whole = slurp(path, &count), *place = memmem(whole, count, "\x28\0\x08\0IS\2\0", 8);
+    assert_non_null(place);
+    const char *const texts[] = {"0 ", "-1", "x ", "1e"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        memcpy(place + 8, texts[i], 2);
+        spill(path, whole, count);
+        test_expect_no_volume(path, NULL, ISO_ERR_FORMAT, NULL, "number of frames");
+    }
+    free(whole);
+}
+
 #define TEST(name) cmocka_unit_test_setup(name, empty_folder)
 
 int main(void) {
@@ -726,6 +782,8 @@ int main(void) {
         TEST(truncated),
         TEST(corrupted),
         TEST(wrong_codestream),
+        TEST(impossible_numbers),
+        TEST(impossible_frame_counts),
         TEST(real_head),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

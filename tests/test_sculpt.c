@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "base/cpu.h"
+#include "sculpt/crc32c.h"
 #include "sculpt/crease.h"
 #include "sculpt_support.h"
 
@@ -496,8 +497,33 @@ static void bad_brushes_are_named(void **state) {
     iso_hgrid_destroy(grid);
 }
 
+/* Of RFC 3720, appendix B.4, and of every length and alignment, by tables and by the instruction. */
+static void checksums_are_castagnolis(void **state) {
+    (void)state;
+    uint8_t bytes[256];
+    for (int i = 0; i < 256; i++) bytes[i] = (uint8_t)(i * 167 + 13);
+    for (int level = 0; level <= (int)iso_cpu_supported(); level++) {
+        iso_cpu_limit((iso_cpu_level)level);
+        assert_int_equal(iso_crc32c(0, "123456789", 9), 0xe3069283);
+        for (size_t first = 0; first < 9; first++)
+            for (size_t size = 0; size + first <= sizeof bytes; size++) {
+                uint32_t crc = ~0u;
+                for (size_t i = first; i < first + size; i++) {
+                    crc ^= bytes[i];
+                    for (int bit = 0; bit < 8; bit++) crc = crc >> 1 ^ (crc & 1 ? 0x82f63b78u : 0);
+                }
+                assert_int_equal(iso_crc32c(0, bytes + first, size), ~crc);
+                const size_t half = size / 2; /* in two parts */
+                assert_int_equal(
+                    iso_crc32c(iso_crc32c(0, bytes + first, half), bytes + first + half, size - half), ~crc);
+            }
+    }
+    iso_cpu_limit(ISO_CPU_AVX512);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(deforming_strokes_keep_a_distance_field),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(checksums_are_castagnolis),
+                                       cmocka_unit_test(deforming_strokes_keep_a_distance_field),
                                        cmocka_unit_test(set_operations_keep_a_distance_field),
                                        cmocka_unit_test(freezing_moves_nothing),
                                        cmocka_unit_test(ends_move_nothing),

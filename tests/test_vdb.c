@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -322,6 +323,52 @@ static void limits(void **state) {
     iso_volume_free(&volume);
 }
 
+/* A file that was written as a stream is read to be looked at: that, too, keeps the limit, and so does one
+ * that says nothing of its size. */
+static void limits_without_statistics(void **state) {
+    (void)state;
+    const noise n = {{0, 0, 0}, {63, 63, 63}, 1000};
+    vdb_spec spec = noise_spec(&n, "float");
+    const iso_volume_opts opts = {.max_memory = 1000000};
+    const int flags[] = {VDB_STREAM | VDB_ZIP, VDB_NO_STATS | VDB_ZIP};
+    for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
+        write_ok(&spec, 1, flags[i]);
+        test_expect_no_volume(FILE_PATH, &opts, ISO_ERR_LIMIT, NULL, "limit");
+        iso_volume_info info;
+        if (i == 0) assert_int_equal(iso_volume_read_info(FILE_PATH, &opts, &info, NULL), ISO_ERR_LIMIT);
+        iso_volume volume = test_read_volume(FILE_PATH, NULL);
+        assert_true(volume.info.read_bytes >= 2 * volume.info.bytes);
+        iso_volume_free(&volume);
+    }
+}
+
+/* One voxel of the surface in each leaf, far apart: eight times as many bricks as leaves, where a surface
+ * needs half as many. */
+static double scattered_value(const void *context, const int voxel[3], int component, int *active) {
+    (void)context;
+    (void)component;
+    *active = voxel[0] % 16 == 0 && voxel[1] % 16 == 0 && voxel[2] % 16 == 0;
+    return 0.5;
+}
+
+static void scattered_leaves_keep_the_limit(void **state) {
+    (void)state;
+    vdb_spec spec = {.name = "dust",
+                     .type = "float",
+                     .grid_class = VDB_LEVEL_SET,
+                     .background = 3,
+                     .hi = {240, 240, 240},
+                     .value = scattered_value};
+    memcpy(spec.axis, identity, sizeof identity);
+    write_ok(&spec, 1, VDB_ZIP | VDB_ACTIVE_MASK);
+    iso_volume_info info;
+    assert_int_equal(iso_volume_read_info(FILE_PATH, NULL, &info, NULL), ISO_OK);
+    const iso_volume_opts opts = {.max_memory = info.read_bytes + (1 << 20)};
+    test_expect_no_volume(FILE_PATH, &opts, ISO_ERR_LIMIT, NULL, "bricks of a level set");
+    iso_volume volume = test_read_volume(FILE_PATH, NULL);
+    iso_volume_free(&volume);
+}
+
 /* ---- which grid ---- */
 
 static void choosing(void **state) {
@@ -518,6 +565,43 @@ static void corrupted(void **state) {
     }
 }
 
+/* Most resident bytes of this process so far. */
+static long peak_kilobytes(void) {
+    struct rusage usage;
+    assert_int_equal(getrusage(RUSAGE_SELF, &usage), 0);
+    return usage.ru_maxrss;
+}
+
+/* Lengths of strings, of metadata and of lists, wherever they are: OpenVDB takes what they say before it
+ * reads. */
+static void lengths_that_lie(void **state) {
+    (void)state;
+    const ball b = {{0, 0, 0}, 10, 3, 1};
+    const vdb_spec spec = ball_spec(&b, 1);
+    const iso_volume_opts opts = {.max_memory = 64 << 20};
+    const uint32_t lies[] = {0x7fffffff, 0x10000000, UINT32_MAX};
+    const int flags[] = {VDB_BLOSC | VDB_ACTIVE_MASK, VDB_STREAM | VDB_ZIP};
+    for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) {
+        write_ok(&spec, 1, flags[k]);
+        size_t count;
+        unsigned char *whole = slurp(FILE_PATH, &count);
+        iso_volume volume = test_read_volume(FILE_PATH, &opts);
+        iso_volume_free(&volume);
+        const long before = peak_kilobytes();
+        for (size_t at = 20; at < 700; at += 1 + 2 * k) {
+            unsigned char kept[4];
+            memcpy(kept, whole + at, 4);
+            memcpy(whole + at, &lies[at % 3], 4);
+            spill(CUT_PATH, whole, count);
+            if (iso_volume_read(CUT_PATH, &opts, &volume, NULL) == ISO_OK) iso_volume_free(&volume);
+            memcpy(whole + at, kept, 4);
+            if (peak_kilobytes() > before + 128 * 1024)
+                fail_msg("%zu: %ld kB instead of %ld", at, peak_kilobytes(), before);
+        }
+        free(whole);
+    }
+}
+
 /* ---- real files ---- */
 
 static void range(const iso_grid *grid, double *lo, double *hi) {
@@ -607,6 +691,8 @@ int main(void) {
         cmocka_unit_test(level_set_threads),
         cmocka_unit_test(level_set_not_cubic),
         cmocka_unit_test(limits),
+        cmocka_unit_test(limits_without_statistics),
+        cmocka_unit_test(scattered_leaves_keep_the_limit),
         cmocka_unit_test(choosing),
         cmocka_unit_test(same_names_and_instances),
         cmocka_unit_test(not_volumes),
@@ -615,6 +701,7 @@ int main(void) {
         cmocka_unit_test(versions),
         cmocka_unit_test(wrong_layout),
         cmocka_unit_test(corrupted),
+        cmocka_unit_test(lengths_that_lie),
         cmocka_unit_test(real_sphere),
         cmocka_unit_test(real_fogs),
     };

@@ -82,7 +82,50 @@ iso_status iso_sink_open(const char *path, iso_sink *sink, iso_error *error) {
     bool exists = stat(path, &info) == 0;
     if (exists && S_ISDIR(info.st_mode)) return fail_path(error, path, EISDIR);
     if (exists && !S_ISREG(info.st_mode)) return open_device(path, sink, error);
-    return open_unseen(path, sink, error);
+    if (exists && (!(info.st_mode & 0222) || faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0))
+        return fail_path(error, path, EACCES);
+    errno = 0;
+    char *target = iso_file_follow(path);
+    if (!target) return fail_path(error, path, errno ? errno : ENOMEM);
+    iso_status status = open_unseen(target, sink, error);
+    free(target);
+    return status;
+}
+
+iso_status iso_sink_check(const char *path, iso_error *error) {
+    if (!path || strcmp(path, "-") == 0) return ISO_OK;
+    struct stat info;
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode)) return ISO_OK;
+    iso_sink sink = {0};
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    iso_sink_abort(&sink);
+    return ISO_OK;
+}
+
+/* The text of a link; NULL when it is none, or without memory. free(). */
+static char *read_link(const char *path) {
+    char text[4096];
+    ssize_t length = readlink(path, text, sizeof text);
+    return length < 0 || length == sizeof text ? NULL : strndup(text, (size_t)length);
+}
+
+char *iso_file_follow(const char *path) {
+    enum { DEPTH = 40 }; /* as Linux has it */
+    char *at = strdup(path), *next;
+    for (int depth = 0; at && (next = read_link(at)); depth++) {
+        char *slash = strrchr(at, '/'), *whole = NULL;
+        if (depth == DEPTH) {
+            errno = ELOOP;
+        } else if (*next == '/' || !slash) {
+            whole = strdup(next);
+        } else if (asprintf(&whole, "%.*s%s", (int)(slash - at) + 1, at, next) < 0) {
+            whole = NULL;
+        }
+        free(next);
+        free(at);
+        at = whole;
+    }
+    return at;
 }
 
 /* Gives a nameless file its target's name, which another file may have: then a passing one first, since a
@@ -139,6 +182,14 @@ void iso_sink_abort(iso_sink *sink) {
     free(sink->target);
     free(sink->temporary);
     *sink = (iso_sink){0};
+}
+
+void iso_file_remove(const char *path) {
+    struct stat info;
+    if (!path || strcmp(path, "-") == 0 || stat(path, &info) != 0 || !S_ISREG(info.st_mode)) return;
+    char *target = iso_file_follow(path);
+    if (target) unlink(target);
+    free(target);
 }
 
 bool iso_file_same(const char *a, const char *b) {

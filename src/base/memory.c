@@ -91,6 +91,12 @@ uint64_t iso_memory_available(void) {
     return available;
 }
 
+uint64_t iso_memory_limit(uint64_t asked) {
+    if (asked) return asked;
+    uint64_t available = iso_memory_available();
+    return available == UINT64_MAX ? available : available / 5 * 4;
+}
+
 uint64_t iso_memory_peak(void) {
     struct rusage usage;
     if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;

@@ -56,6 +56,9 @@ bool iso_size_multiply(size_t a, size_t b, size_t *out);
  * UINT64_MAX when the system does not say. */
 uint64_t iso_memory_available(void);
 
+/* `asked` bytes, or 80 % of what is available when that is 0: the limit that --max-memory sets. */
+uint64_t iso_memory_limit(uint64_t asked);
+
 /* Largest resident size of this process so far, in bytes. */
 uint64_t iso_memory_peak(void);
 

@@ -444,7 +444,10 @@ static iso_status float_histogram(const iso_grid *grid, iso_pool *pool, iso_hist
                                   iso_error *error) {
     float_range range;
     ISO_TRY(measure_range(grid, pool, &range, error));
-    if (!range.finite) return iso_fail(error, ISO_ERR_EMPTY, "the volume holds only NaN or infinite values");
+    if (!range.finite)
+        return iso_fail(
+            error, ISO_ERR_EMPTY,
+            "the volume holds no usable value: all are NaN, infinite or larger than a float holds (3.4e38)");
     histogram->minimum = iso_grid_physical(grid, range.low);
     histogram->maximum = iso_grid_physical(grid, range.high);
     ISO_TRY(leave_out_padding(grid, pool, &range, histogram, error));

@@ -54,6 +54,10 @@ typedef struct iso_weld {
 
 /* ISO_ERR_LIMIT above 2^32 - 1 vertices, ISO_ERR_NOMEM. */
 iso_status iso_mesh_weld(const iso_mesh_view *view, iso_weld *weld, iso_error *error);
+/* Moves the vertices of a mesh welded from `view` along their edges, so that each is at least `distance`
+ * (voxels, below 1/2) from the edge's ends. Vertices of different edges are then in different places, also
+ * when voxels have exactly the isovalue: files that keep no indices, such as .stl, hold the same mesh. */
+void iso_weld_separate(const iso_mesh_view *view, double distance, iso_weld *weld);
 void iso_weld_free(iso_weld *weld);
 
 #ifdef __cplusplus

@@ -124,6 +124,21 @@ iso_status iso_mesh_weld(const iso_mesh_view *view, iso_weld *weld, iso_error *e
     return status;
 }
 
+void iso_weld_separate(const iso_mesh_view *view, double distance, iso_weld *weld) {
+    size_t vertex = 0;
+    for (size_t s = 0; s < view->span_count; s++) {
+        const iso_mesh_span *span = &view->spans[s];
+        for (uint32_t i = 0; i < span->own_count; i++, vertex++) {
+            int voxel[3];
+            const int axis = iso_edge_key_split(view->keys[span->first_vertex + i], voxel);
+            const double lower = (double)ISO_BRICK * span->brick[axis] + voxel[axis];
+            float *position = &weld->vertices[vertex].position[axis];
+            if (*position < lower + distance) *position = (float)(lower + distance);
+            if (*position > lower + 1 - distance) *position = (float)(lower + 1 - distance);
+        }
+    }
+}
+
 void iso_weld_free(iso_weld *weld) {
     iso_free(weld->vertices);
     iso_free(weld->triangles);

@@ -492,3 +492,20 @@ iso_status iso_exr_read(const char *path, iso_pool *pool, iso_aov *aov, iso_erro
     if (status == ISO_OK) *aov = made;
     return status;
 }
+
+bool iso_exr_size(const char *path, uint32_t size[2]) {
+    FILE *stream = fopen(path, "rb");
+    if (!stream) return false;
+    reader r = {.path = path};
+    file_open(&r.file, fileno(stream));
+    exr_context_initializer_t initializer = initializer_for(&r.file);
+    int width = 0, height = 0;
+    bool found = note(&r.file, exr_start_read(&r.context, path, &initializer)) &&
+                 read_window(&r, &width, &height, NULL) == ISO_OK;
+    if (r.context) exr_finish(&r.context);
+    file_close(&r.file);
+    fclose(stream);
+    size[0] = (uint32_t)width;
+    size[1] = (uint32_t)height;
+    return found;
+}

@@ -7,6 +7,7 @@
 #define ISO_IMAGE_EXR_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "base/parallel.h"
 #include "base/status.h"
@@ -31,6 +32,10 @@ bool iso_exr_available(void);
  * ("-" is a usage error). info may be NULL. ISO_ERR_USAGE, ISO_ERR_WRITE, ISO_ERR_NOMEM. */
 iso_status iso_exr_write(const char *path, const iso_aov *aov, const iso_exr_info *info, iso_pool *pool,
                          iso_error *error);
+
+/* Width and height as the header says. False when it is no OpenEXR picture or cannot be read, or when OpenEXR
+ * is not built in: iso_exr_read says why. */
+bool iso_exr_size(const char *path, uint32_t size[2]);
 
 /* Reads what iso_exr_write writes, and pictures of other programs that have these channels (float or half) as
  * scanlines, uncompressed or with RLE, ZIPS or ZIP compression; other channels are ignored, and the data

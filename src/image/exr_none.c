@@ -18,3 +18,9 @@ iso_status iso_exr_read(const char *path, iso_pool *pool, iso_aov *aov, iso_erro
     (void)aov;
     return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without OpenEXR", path);
 }
+
+bool iso_exr_size(const char *path, uint32_t size[2]) {
+    (void)path;
+    (void)size;
+    return false;
+}

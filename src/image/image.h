@@ -42,8 +42,9 @@ iso_status iso_png_write(const char *path, const iso_image *image, const iso_png
 typedef struct iso_png_opts {
     const iso_png_text *texts;
     int text_count;
-    bool small;     /* take more time for fewer bytes; up to 256 opaque colours are indexed */
-    iso_pool *pool; /* its threads compress; the same bytes for every number of them, and without */
+    bool small;              /* take more time for fewer bytes; up to 256 opaque colours are indexed */
+    double pixels_per_metre; /* pHYs, rounded; 0, or more than it can hold: not written */
+    iso_pool *pool;          /* its threads compress; the same bytes for every number of them, and without */
 } iso_png_opts;
 iso_status iso_png_write_with(const char *path, const iso_image *image, const iso_png_opts *opts,
                               iso_error *error);
@@ -52,6 +53,10 @@ iso_status iso_png_write_with(const char *path, const iso_image *image, const is
  * ISO_ERR_NOMEM. */
 iso_status iso_png_encode(const iso_image *image, const iso_png_opts *opts, uint8_t **bytes, size_t *size,
                           iso_error *error);
+
+/* Width and height as the file's first bytes say, before anything is decoded. False when it is no PNG, or
+ * cannot be read: iso_png_read says why. */
+bool iso_png_size(const char *path, uint32_t size[2]);
 
 /* Reads any PNG as 8-bit RGBA; gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT (also for
  * sides beyond ISO_IMAGE_MAX), ISO_ERR_NOMEM. */

@@ -128,18 +128,25 @@ static iso_status write_weld(const char *path, const mesh_source *source, write_
     return iso_sink_commit(&sink, error);
 }
 
-iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment,
-                          iso_error *error) {
+iso_status iso_mesh_write_weld(const char *path, const iso_weld *weld, const iso_transform *transform,
+                               const char *comment, iso_error *error) {
     write_fn *write = writer_for(path);
     if (!write) return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", path);
-    iso_weld weld;
-    ISO_TRY(iso_mesh_weld(view, &weld, error));
-    mesh_source source = {&weld, iso_transform_affine(&view->transform), 1, 2, comment};
+    mesh_source source = {weld, iso_transform_affine(transform), 1, 2, comment};
     if (source.affine.determinant < 0) {
         source.second = 2;
         source.third = 1;
     }
-    iso_status status = write_weld(path, &source, write, error);
+    return write_weld(path, &source, write, error);
+}
+
+iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment,
+                          iso_error *error) {
+    if (!writer_for(path))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", path);
+    iso_weld weld;
+    ISO_TRY(iso_mesh_weld(view, &weld, error));
+    iso_status status = iso_mesh_write_weld(path, &weld, &view->transform, comment, error);
     iso_weld_free(&weld);
     return status;
 }

@@ -14,6 +14,11 @@ extern "C" {
  * extension, ISO_ERR_WRITE, ISO_ERR_LIMIT (.stl above 2^32 - 1 triangles), ISO_ERR_NOMEM. */
 iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment, iso_error *error);
 
+/* The same of a mesh that is welded already, in index coordinates of `transform`. */
+struct iso_weld;
+iso_status iso_mesh_write_weld(const char *path, const struct iso_weld *weld, const iso_transform *transform,
+                               const char *comment, iso_error *error);
+
 #ifdef __cplusplus
 }
 #endif

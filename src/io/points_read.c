@@ -84,10 +84,14 @@ static bool make_normal(const double n[3], float normal[3]) {
     return true;
 }
 
+/* Positions, and radii, farther out than the readers of volumes allow (grids/volume.c): no camera frames
+ * them. */
+static const double farthest = 1e12;
+
 /* Makes the point; false when it must be dropped. */
 static bool make_point(const double values[VALUES], iso_surfel *surfel, float *radius) {
     for (int i = 0; i < NEEDED; i++)
-        if (!(fabs(values[i]) <= FLT_MAX)) return false;
+        if (!(fabs(values[i]) <= (i < 3 || i == 6 ? farthest : (double)FLT_MAX))) return false;
     for (int axis = 0; axis < 3; axis++) surfel->position[axis] = (float)values[axis];
     *radius = (float)values[6];
     return *radius > 0 && make_normal(values + 3, surfel->normal);

@@ -1,3 +1,2 @@
-trap '' XFSZ
 ulimit -f 8
 isorender scene:torus:32 out.png --quiet

@@ -46,3 +46,7 @@ for name in ("e_7x6x5.raw", "e_7x6x5_1x1x1_uint8.raw", "e_7x6_uint8.raw", "e_7x6
     if done.returncode != 3 or "raw data needs a layout (--raw WxHxD:TYPE)" not in done.stderr:
         sys.exit("%s: status %d, %s" % (name, done.returncode, done.stderr))
 END
+isosculpt --open in/b_7x6x5_uint8.raw --isovalue 100 --headless --output out.stl 2>said
+grep -q "^isosculpt: in/b_7x6x5_uint8.raw: note: layout taken from the file's name: 7x6x5:uint8:little" said || { cat said; exit 1; }
+isosculpt -q --open in/b_7x6x5_uint8.raw --isovalue 100 --headless --output out.stl 2>said
+[ ! -s said ] || { cat said; exit 1; }

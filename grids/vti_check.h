@@ -1,0 +1,44 @@
+/* vti_check: whether the numbers in a .vti file can be believed, before VTK takes memory for them.
+ *
+ * VTK's reader takes as many block sizes, and as much memory for a block, as the header of a compressed array
+ * names, and looks at the data afterwards. It also keeps an object for every element of the XML, frees them
+ * recursively, and looks for attributes one by one. */
+#ifndef ISO_GRIDS_VTI_CHECK_H
+#define ISO_GRIDS_VTI_CHECK_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum iso_vti_encoding { ISO_VTI_TEXT, ISO_VTI_BASE64, ISO_VTI_RAW } iso_vti_encoding;
+
+/* Where and how a file keeps the values of one array in one piece. */
+typedef struct iso_vti_layout {
+    iso_vti_encoding encoding;
+    bool compressed, lzma; /* lzma: which keeps a dictionary as large as a block */
+    bool big_endian;
+    int header_bytes; /* of one number before the values: 4 or 8 */
+    int value_bytes;
+    uint64_t position; /* in the file; inside: of the element that the values are in */
+    bool inside;
+    uint64_t bytes; /* of all values, unpacked */
+} iso_vti_layout;
+
+/* ISO_OK when the file has what the layout says; then *room is the memory that VTK takes beside the array.
+ * ISO_ERR_IO: truncated or corrupt. */
+iso_status iso_vti_check_array(const char *path, const iso_vti_layout *layout, uint64_t *room,
+                               iso_error *error);
+
+/* ISO_OK when parsing the XML up to the appended data takes less than 50 MB and little time. ISO_ERR_FORMAT,
+ * ISO_ERR_IO. */
+iso_status iso_vti_check_markup(const char *path, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,128 @@
+#define _POSIX_C_SOURCE 200809L
+#include "base/file_set.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+
+typedef struct iso_file_entry {
+    dev_t device; /* of the file, or of its folder when it is not there */
+    ino_t inode;
+    char *missing; /* owned: its name in the folder; NULL: it is there */
+    char *name;    /* owned: for messages */
+    bool written;
+} iso_file_entry;
+
+/* Of the folder that `path` is in. */
+static bool stat_folder(const char *path, struct stat *info) {
+    const char *slash = strrchr(path, '/');
+    char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
+    bool found = folder && stat(folder, info) == 0;
+    free(folder);
+    return found;
+}
+
+/* Finds out which file it is; false when it is none that could be written over. */
+static bool identify(const char *path, iso_file_entry *entry) {
+    struct stat info;
+    if (stat(path, &info) == 0) {
+        entry->device = info.st_dev;
+        entry->inode = info.st_ino;
+        return S_ISREG(info.st_mode);
+    }
+    char *target = iso_file_follow(path); /* of a link that leads to nothing */
+    const char *slash = target ? strrchr(target, '/') : NULL;
+    bool found = target && stat_folder(target, &info);
+    if (found) {
+        entry->device = info.st_dev;
+        entry->inode = info.st_ino;
+        entry->missing = strdup(slash ? slash + 1 : target);
+    }
+    free(target);
+    return found;
+}
+
+static bool identify_descriptor(int descriptor, iso_file_entry *entry) {
+    struct stat info;
+    if (fstat(descriptor, &info) != 0 || !S_ISREG(info.st_mode)) return false;
+    entry->device = info.st_dev;
+    entry->inode = info.st_ino;
+    return true;
+}
+
+static bool same(const iso_file_entry *a, const iso_file_entry *b) {
+    if (a->device != b->device || a->inode != b->inode || !a->missing != !b->missing) return false;
+    return !a->missing || strcmp(a->missing, b->missing) == 0;
+}
+
+/* Takes over the entry's texts. */
+static void add(iso_file_set *set, iso_file_entry *entry, const char *name) {
+    if (set->count == set->room) {
+        size_t room = set->room ? 2 * set->room : 16;
+        iso_file_entry *more = realloc(set->entries, room * sizeof *more);
+        if (more) {
+            set->entries = more;
+            set->room = room;
+        }
+    }
+    entry->name = strdup(name);
+    if (entry->name && set->count < set->room) {
+        set->entries[set->count++] = *entry;
+        return;
+    }
+    set->incomplete = true;
+    free(entry->missing);
+    free(entry->name);
+}
+
+void iso_file_set_read_as(iso_file_set *set, const char *path, const char *name) {
+    iso_file_entry entry = {.written = false};
+    if (set && identify(path, &entry)) add(set, &entry, name);
+}
+
+void iso_file_set_read(iso_file_set *set, const char *path) {
+    iso_file_set_read_as(set, path, path);
+}
+
+void iso_file_set_write(iso_file_set *set, const char *path) {
+    iso_file_entry entry = {.written = true};
+    if (!set || !path) return;
+    if (strcmp(path, "-") == 0) {
+        if (identify_descriptor(STDOUT_FILENO, &entry)) add(set, &entry, "standard output");
+    } else if (identify(path, &entry)) {
+        add(set, &entry, path);
+    }
+}
+
+static iso_status fail_pair(const iso_file_entry *output, const iso_file_entry *other, iso_error *error) {
+    if (!other->written)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: an output would overwrite the input %s", output->name,
+                        other->name);
+    if (strcmp(output->name, other->name) == 0)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: two outputs have this name", output->name);
+    return iso_fail(error, ISO_ERR_USAGE, "%s: is the same file as another output, %s", output->name,
+                    other->name);
+}
+
+iso_status iso_file_set_check(const iso_file_set *set, iso_error *error) {
+    for (size_t i = 0; i < set->count; i++)
+        for (size_t j = 0; set->entries[i].written && j < set->count; j++) {
+            const iso_file_entry *other = &set->entries[j];
+            if (i != j && (!other->written || j < i) && same(&set->entries[i], other))
+                return fail_pair(&set->entries[i], other, error);
+        }
+    if (set->incomplete) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the names of files");
+    return ISO_OK;
+}
+
+void iso_file_set_free(iso_file_set *set) {
+    for (size_t i = 0; i < set->count; i++) {
+        free(set->entries[i].missing);
+        free(set->entries[i].name);
+    }
+    free(set->entries);
+    *set = (iso_file_set){0};
+}

@@ -1,0 +1,1 @@
+isorender scene:sphere sphere.png --closed --primitive foot

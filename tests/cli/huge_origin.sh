@@ -1,0 +1,2 @@
+python3 -c 'from check import *; ball("in/a.mha", header="Offset = 0 0 1e300\n")'
+isorender in/a.mha out.png --isovalue 500

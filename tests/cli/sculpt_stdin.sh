@@ -1,0 +1,1 @@
+isosculpt --headless --open - --output out.stl

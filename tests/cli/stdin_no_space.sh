@@ -1,0 +1,4 @@
+python3 -c 'from check import *; volume("in/b.mha", (128, 128, 64), lambda x, y, z: 0)'
+ulimit -f 1024
+export TMPDIR=$PWD
+isorender - out.png < <(cat in/b.mha)

@@ -1,0 +1,128 @@
+"""Small valid files of every format that the programs read, as the beginning of damaged ones."""
+import gzip
+import os
+import struct
+import subprocess
+
+VOXELS = [max(0, 255 - 12 * ((x - 5) ** 2 + (y - 5) ** 2 + (z - 4) ** 2)) for z in range(9) for y in range(11) for x in range(10)]
+DIMS = (10, 11, 9)
+
+
+class Seed:
+    """Files by name, of which `names[0]` is what a program is given; `text` bytes of it are a header in text."""
+
+    def __init__(self, label, files, program, arguments=()):
+        self.label, self.files, self.program, self.arguments = label, files, program, list(arguments)
+        self.names = list(files)
+
+
+def dicom_element(group, element, kind, value):
+    if len(value) % 2:
+        value += b"\0" if kind == b"UI" else b" "
+    long_form = kind in (b"OB", b"OW", b"SQ", b"UN", b"UT")
+    length = b"\0\0" + struct.pack("<I", len(value)) if long_form else struct.pack("<H", len(value))
+    return struct.pack("<HH", group, element) + kind + length + value
+
+
+def dicom_file(number, frames=1):
+    """Slice `number`, and `frames` - 1 after it."""
+    x, y, _ = DIMS
+    pixels = VOXELS[number * x * y : (number + frames) * x * y]
+    meta = dicom_element(2, 0x10, b"UI", b"1.2.840.10008.1.2.1")
+    meta = dicom_element(2, 0, b"UL", struct.pack("<I", len(meta))) + meta
+    data = b"".join(
+        dicom_element(*e)
+        for e in (
+            (8, 0x16, b"UI", b"1.2.840.10008.5.1.4.1.1.2"), (8, 0x18, b"UI", b"1.2.3.%d" % (number + 1)),
+            (8, 0x60, b"CS", b"CT"), (0x18, 0x50, b"DS", b"1.5"), (0x20, 0xD, b"UI", b"1.2.3"),
+            (0x20, 0xE, b"UI", b"1.2.3.4"), (0x20, 0x13, b"IS", b"%d" % number),
+            (0x20, 0x32, b"DS", b"-5\\-5\\%g" % (1.5 * number)), (0x20, 0x37, b"DS", b"1\\0\\0\\0\\1\\0"),
+            (0x28, 2, b"US", struct.pack("<H", 1)), (0x28, 4, b"CS", b"MONOCHROME2"),
+            (0x28, 8, b"IS", b"%d" % frames), (0x28, 0x10, b"US", struct.pack("<H", y)),
+            (0x28, 0x11, b"US", struct.pack("<H", x)), (0x28, 0x30, b"DS", b"0.5\\0.5"),
+            (0x28, 0x100, b"US", struct.pack("<H", 16)), (0x28, 0x101, b"US", struct.pack("<H", 16)),
+            (0x28, 0x102, b"US", struct.pack("<H", 15)), (0x28, 0x103, b"US", struct.pack("<H", 0)),
+            (0x28, 0x1052, b"DS", b"-100"), (0x28, 0x1053, b"DS", b"2"),
+            (0x7FE0, 0x10, b"OW", struct.pack("<%dH" % len(pixels), *pixels)),
+        )
+    )
+    return b"\0" * 128 + b"DICM" + meta + data
+
+
+def nifti_header(magic, offset):
+    header = bytearray(348)
+    struct.pack_into("<i", header, 0, 348)
+    struct.pack_into("<8h", header, 40, 3, *DIMS, 1, 1, 1, 1)
+    struct.pack_into("<hh", header, 70, 2, 8)
+    struct.pack_into("<8f", header, 76, 1, 0.5, 0.5, 1.5, 0, 0, 0, 0)
+    struct.pack_into("<3f", header, 108, offset, 1, 0)
+    header[123] = 2
+    header[344:348] = magic
+    return bytes(header)
+
+
+def written(programs, folder, name, *command):
+    """The bytes that a program writes to `name`."""
+    path = os.path.join(folder, name)
+    subprocess.run([os.path.join(programs, command[0]), *command[1:], path, "--quiet"], check=True, cwd=folder)
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def volume_seeds():
+    voxels = bytes(VOXELS)
+    nrrd = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 10 11 9\nspace: left-posterior-superior\n" \
+           b"space directions: (0.5,0,0) (0,0.5,0) (0,0,1.5)\nspace origin: (1,2,3)\nkey:=value\n"
+    mhd = b"ObjectType = Image\nNDims = 3\nDimSize = 10 11 9\nElementType = MET_UCHAR\nElementSpacing = 0.5 0.5 1.5\n" \
+          b"Offset = 1 2 3\nTransformMatrix = 1 0 0 0 1 0 0 0 1\n"
+    yield "nrrd", {"a.nrrd": nrrd + b"encoding: raw\n\n" + voxels}
+    yield "nrrd-gzip", {"a.nrrd": nrrd + b"encoding: gzip\n\n" + gzip.compress(voxels, mtime=0)}
+    yield "nhdr", {"a.nhdr": nrrd + b"encoding: raw\ndata file: b.raw\n", "b.raw": voxels}
+    yield "nhdr-list", {"a.nhdr": nrrd + b"encoding: raw\ndata file: LIST 2\n" + b"".join(b"b%d.raw\n" % z for z in range(9)),
+                        **{"b%d.raw" % z: voxels[110 * z : 110 * z + 110] for z in range(9)}}
+    yield "nhdr-pattern", {"a.nhdr": nrrd + b"encoding: raw\ndata file: b%d.raw 0 8 1 2\n",
+                           **{"b%d.raw" % z: voxels[110 * z : 110 * z + 110] for z in range(9)}}
+    yield "mhd", {"a.mhd": mhd + b"ElementDataFile = b.raw\n", "b.raw": voxels}
+    yield "mha", {"a.mha": mhd + b"ElementDataFile = LOCAL\n" + voxels}
+    yield "hdr", {"a.hdr": nifti_header(b"ni1\0", 0), "a.img": voxels}
+    yield "nii", {"a.nii": nifti_header(b"n+1\0", 352) + b"\0" * 4 + voxels}
+    yield "nii.gz", {"a.nii.gz": gzip.compress(nifti_header(b"n+1\0", 352) + b"\0" * 4 + voxels, mtime=0)}
+    yield "dicom", {"a.dcm": dicom_file(0, 9)}
+    yield "dicom-folder", {"a/%d.dcm" % z: dicom_file(z) for z in range(4)}
+
+
+def corpus_seeds(corpus):
+    """The fuzzer's files, less their first byte, which chooses how it reads them.."""
+    for name in sorted(os.listdir(corpus)):
+        if name.startswith(("mha", "nii", "vti", "vtk")):
+            with open(os.path.join(corpus, name), "rb") as file:
+                yield name, {"a." + name.split("-")[0]: file.read()[1:]}
+
+
+def make(programs, source, folder):
+    """All seeds. `source` is the project's folder, `folder` one for what programs write."""
+    picture = ["-o", "out.png", "--resolution", "24x24"]
+    volumes = list(volume_seeds()) + list(corpus_seeds(os.path.join(source, "tests/corpus/volio")))
+    try:
+        volumes.append(("vdb", {"a.vdb": written(programs, folder, "s.vdb", "isosculpt", "--replay",
+                                                 os.path.join(source, "tests/hostile/ball.strokes"), "--headless", "-o")}))
+    except subprocess.CalledProcessError:
+        pass  # built without OpenVDB
+    seeds = [Seed("isorender " + label, files, "isorender", picture) for label, files in volumes]
+    seeds += [Seed("isosculpt " + label, files, "isosculpt",
+                   (["--isovalue", "100"] if label != "vdb" else []) + ["--headless", "-o", "out.stl", "--open"])
+              for label, files in volumes if label in ("nrrd", "nhdr", "dicom", "vdb", "nii")]
+    seeds += [Seed("isocompare " + label, files, "isocompare report", ["--side", "64", "--output", "out"])
+              for label, files in volumes if label in ("nrrd", "mhd")]
+    points = written(programs, folder, "p.ply", "isorender", "scene:sphere:16", "--no-image", "--points")
+    seeds.append(Seed("isorender ply", {"a.ply": points}, "isorender", picture))
+    for kind in ("stl", "ply", "obj"):
+        mesh = written(programs, folder, "m." + kind, "isorender", "scene:sphere:16", "--no-image", "--mesh")
+        seeds.append(Seed("isosculpt " + kind, {"a." + kind: mesh}, "isosculpt",
+                          ["--headless", "-o", "out.stl", "--voxel-size", "1", "--open"]))
+    with open(os.path.join(source, "tests/hostile/ball.strokes"), "rb") as file:
+        seeds.append(Seed("isosculpt strokes", {"a.strokes": file.read()}, "isosculpt",
+                          ["--headless", "-o", "out.ply", "--replay"]))
+    png = written(programs, folder, "i.png", "isorender", "scene:sphere:16", "--resolution", "32x32", "-o")
+    seeds.append(Seed("isocompare png", {"a.png": png, "b.png": png}, "isocompare images", []))
+    return seeds
