@@ -236,7 +236,7 @@ static double range_cells(const int lo[3], const int hi[3]) {
  * voxel by voxel; the way that MOVE follows has up to 256 steps. */
 static double cell_work(const iso_dabs *dabs) {
     const double count = dabs->count;
-    if (dabs->tool == ISO_TOOL_MOVE) return 1 + count * iso_dabs_steps(dabs) / 16;
+    if (dabs->tool == ISO_TOOL_MOVE) return 1 + count * iso_dabs_steps(dabs) / 4;
     if (dabs->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(dabs->tool)) return 16 * count;
     return 1 + count / 4;
 }
