@@ -1,5 +1,5 @@
 /* change_log: stamps and a bounded log of changes, for incremental extraction, undo and journals
- * (DESIGN.md, decision 4).
+ * (docs/ARCHITECTURE.md, decision 4).
  *
  * The log may hold BUDGET_PER_CELL entries for each cell that was ever touched (at least BUDGET_MIN). Over
  * that, its older half is sorted by cell and merged. Say T cells were touched: half of 4 T entries becomes at

@@ -1,4 +1,4 @@
-# Who may include whom (DESIGN.md): fails when an include reaches into a layer that the file's own may not know.
+# Who may include whom (docs/ARCHITECTURE.md): fails when an include reaches into a layer that the file's own may not know.
 # Usage: cmake -DROOT=<source folder> -P layers.cmake
 cmake_minimum_required(VERSION 3.25)
 set(allow_base base)

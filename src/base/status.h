@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-/* X(name, exit status of the programs, text). The exit statuses are DESIGN.md's and part of the interface. */
+/* X(name, exit status of the programs, text). The exit statuses are part of the interface. */
 #define ISO_STATUS_MAP(X)                                                                                    \
     X(OK, 0, "ok")                                                                                           \
     X(ERR_MISMATCH, 1, "a comparison failed")                                                                \
