@@ -16,10 +16,10 @@
 #include "grids/volume.h"
 #include "io/mesh_read.h"
 #include "sculpt/crc32c.h"
-#include "sculpt/edit.h"
+#include "sculpt/field.h"
 
-/* Room around, for what will be added; redistancing steps that fill the band. */
-enum { MARGIN = 32, MESH_VOXELS = 256, ITERATIONS = 16 };
+/* A mesh's longest side in voxels, unless their size is given. */
+enum { MESH_VOXELS = 256 };
 
 static const iso_input by_default;
 
@@ -79,9 +79,9 @@ static iso_status from_mesh(const isosculpt_source *source, iso_hgrid **grid, is
                        converting = iso_progress_part(source->progress, 0.3, 1);
     ISO_TRY(iso_mesh_read(source->path, &reading, &mesh, error));
     const iso_mesh_frame frame = {source->voxel > 0 ? source->voxel : longest_side(&mesh) / MESH_VOXELS,
-                                  MARGIN, &converting};
+                                  ISO_FIELD_MARGIN, &converting};
     iso_status status = iso_level_set_from_mesh(source->path, &mesh, &frame, grid, error);
-    iso_mesh_free(&mesh);
+    iso_triangles_free(&mesh);
     return status;
 }
 
@@ -92,53 +92,25 @@ iso_status isosculpt_stamp_read(const char *path, const iso_progress *progress, 
     iso_triangles mesh;
     ISO_TRY(iso_mesh_read(path, &reading, &mesh, error));
     iso_status status = iso_stamp_from_mesh(path, &mesh, &converting, stamp, error);
-    iso_mesh_free(&mesh);
+    iso_triangles_free(&mesh);
     return status;
 }
 
 /* ---- volumes */
 
-static bool has_cubes(const iso_hgrid *grid) {
-    const double *s = grid->transform.spacing;
-    return fabs(s[0] - s[1]) <= 1e-6 * s[0] && fabs(s[0] - s[2]) <= 1e-6 * s[0];
-}
-
-/* Bit for bit, in whole bricks and with room around. */
-static iso_status take_level_set(const iso_hgrid *from, iso_hgrid **grid, iso_error *error) {
-    const int offset[3] = {MARGIN, MARGIN, MARGIN};
-    int dims[3];
-    for (int axis = 0; axis < 3; axis++)
-        dims[axis] = (from->dims[axis] + 2 * MARGIN + ISO_BRICK - 1) / ISO_BRICK * ISO_BRICK;
-    return iso_level_set_reframe(from, offset, dims, grid, error);
-}
-
-static iso_status make_distances(const isosculpt_source *source, iso_hgrid *grid, iso_error *error) {
-    iso_editor *editor;
-    const iso_editor_opts opts = {.pool = source->pool};
-    const iso_progress progress = iso_progress_part(source->progress, 0.7, 1);
-    ISO_TRY(iso_editor_create(grid, &opts, &editor, error));
-    iso_status status = iso_editor_redistance(editor, ITERATIONS, &progress, error);
-    iso_editor_destroy(editor);
-    return status;
-}
-
-static iso_status sample(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
-                         iso_error *error) {
-    const iso_progress progress = iso_progress_part(source->progress, 0.4, 0.7);
-    iso_resampling how = {
-        .voxel = source->voxel, .margin = MARGIN, .pool = source->pool, .progress = &progress};
-    if (!isnan(source->isovalue)) {
-        const bool voxels = source->voxel_isovalue && from->hgrid;
-        const double isovalue = voxels ? iso_grid_physical(from, source->isovalue) : source->isovalue;
-        ISO_TRY(iso_isovalue_check(from, isovalue, error));
-        how.isovalue = voxels ? source->isovalue : iso_grid_stored(from, isovalue);
-    } else if (!iso_grid_is_level_set(from)) {
-        return iso_fail(error, ISO_ERR_USAGE, "%s: needs --isovalue", source->path);
-    }
-    ISO_TRY(iso_level_set_from_grid(source->path, from, &how, grid, error));
-    iso_status status = make_distances(source, *grid, error);
-    if (status != ISO_OK) iso_hgrid_destroy(*grid);
-    return status;
+/* The isovalue as it is stored: of an hgrid, voxels. */
+static iso_status stored_isovalue(const isosculpt_source *source, const iso_grid *from, double *stored,
+                                  iso_error *error) {
+    *stored = 0;
+    if (isnan(source->isovalue))
+        return iso_grid_is_level_set(from)
+                   ? ISO_OK
+                   : iso_fail(error, ISO_ERR_USAGE, "%s: needs --isovalue", source->path);
+    const bool voxels = source->voxel_isovalue && from->hgrid;
+    const double isovalue = voxels ? iso_grid_physical(from, source->isovalue) : source->isovalue;
+    ISO_TRY(iso_isovalue_check(from, isovalue, error));
+    *stored = voxels ? source->isovalue : iso_grid_stored(from, isovalue);
+    return ISO_OK;
 }
 
 static int tell(void *context, double fraction) {
@@ -191,11 +163,10 @@ void isosculpt_volume_free(isosculpt_volume *volume) {
 
 static iso_status from_grid(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
                             iso_error *error) {
-    const iso_hgrid *sparse = from->hgrid;
-    const double own = sparse ? sparse->transform.spacing[0] : 0;
-    const bool as_it_is = sparse && has_cubes(sparse) && (source->voxel <= 0 || source->voxel == own) &&
-                          (isnan(source->isovalue) || source->isovalue == 0);
-    return as_it_is ? take_level_set(sparse, grid, error) : sample(source, from, grid, error);
+    const iso_progress progress = iso_progress_part(source->progress, 0.4, 1);
+    iso_resampling how = {.voxel = source->voxel, .pool = source->pool, .progress = &progress};
+    ISO_TRY(stored_isovalue(source, from, &how.isovalue, error));
+    return iso_field_from_grid(source->path, from, &how, grid, error);
 }
 
 static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {

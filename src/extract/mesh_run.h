@@ -10,12 +10,12 @@
 /* What runs need to know; made once per surface. */
 typedef struct iso_mesh_runner {
     const iso_rgrid *grid; /* NULL: windows only */
-    iso_surface surface;
+    iso_threshold surface;
     iso_mesh_kernel kernel, window_kernel;
     iso_edge_source source, window_source;
 } iso_mesh_runner;
 
-void iso_mesh_runner_init(iso_mesh_runner *runner, const iso_grid *grid, const iso_surface *surface);
+void iso_mesh_runner_init(iso_mesh_runner *runner, const iso_grid *grid, const iso_threshold *surface);
 
 size_t iso_mesh_run_scratch_bytes(void);
 

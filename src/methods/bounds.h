@@ -1,0 +1,27 @@
+/* bounds: the world boxes of what methods draw from, for framing pictures.
+ *
+ * Where the volume's axes are the world's, the box is that of the index positions. Where they are oblique,
+ * each position is looked at: the world box around the turned index box would be too large. */
+#ifndef ISO_METHODS_BOUNDS_H
+#define ISO_METHODS_BOUNDS_H
+
+#include "base/primitives.h"
+#include "truth/exact.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Empty when there is nothing. Millimetres. */
+iso_box iso_bounds_of_points(const iso_point_view *view);
+iso_box iso_bounds_of_mesh(const iso_mesh_view *view);
+/* `transform` is the grid's. */
+iso_box iso_bounds_of_cells(const iso_exact *cells, const iso_transform *transform);
+
+/* Widens `box` by `more`, which may be empty. */
+void iso_bounds_add(iso_box *box, const iso_box *more);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
