@@ -3,7 +3,7 @@
 cmake_minimum_required(VERSION 3.25)
 file(READ ${ROOT}/src/isopoint.h header)
 string(REGEX REPLACE "/\\*([^*]|\\*[^/])*\\*/" "" header "${header}")
-string(REGEX MATCHALL "ISO_API [^;(]*\\(" declared "${header}")
+string(REGEX MATCHALL "\nISO_API [^;(]*\\(" declared "${header}")
 list(TRANSFORM declared REPLACE "^.*[ *\n]([a-z_0-9]+)\\($" "\\1")
 execute_process(COMMAND ${NM} -D --defined-only ${LIBRARY} OUTPUT_VARIABLE symbols RESULT_VARIABLE result)
 if(result OR NOT declared)

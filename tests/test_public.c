@@ -1,3 +1,4 @@
+#define _XOPEN_SOURCE 700
 /* The public interface: what it gives is what the modules below give, and what it is asked wrongly is an
  * error. */
 #include <math.h>
@@ -541,10 +542,11 @@ static void test_errors(void **state) {
     assert_int_equal(
         iso_surface_create(f->volume, &(iso_surface_opts){.primitive = ISO_PRIMITIVE_FOOT}, &surface, NULL),
         ISO_ERR_USAGE);
+    const iso_camera blind = {.view_angle = 30};
     const iso_render_opts bad[] = {{.method = (iso_method)99},   {.width = -1},
                                    {.width = ISO_IMAGE_MAX + 1}, {.samples = 3},
                                    {.fit = {.zoom = -1}},        {.fit = {.azimuth = NAN}},
-                                   {.fit = {.view_angle = 180}}, {.camera = &(iso_camera){0}}};
+                                   {.fit = {.view_angle = 180}}, {.camera = &blind}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(iso_render(f->surface, &bad[i], &image, &error), ISO_ERR_USAGE);
     assert_int_equal(iso_render_surfaces(NULL, 0, NULL, &image, NULL), ISO_ERR_USAGE);
