@@ -157,6 +157,10 @@ iso_status iso_input_read(const char *path, const iso_input *input, const iso_vo
     return iso_fail(error, status, "%s: %s", path, reason.text);
 }
 
+bool iso_input_drops_parts(const iso_input *input) {
+    return input->largest > 0 || input->min_size > 0;
+}
+
 /* ---- as text */
 
 typedef struct writer {
@@ -207,6 +211,8 @@ iso_status iso_input_write(const iso_input *input, char *text, size_t room, iso_
     const int *c = input->crop;
     if (input->cropped) put(&w, "crop=%d,%d,%d,%d,%d,%d\n", c[0], c[1], c[2], c[3], c[4], c[5]);
     if (input->cropped_mm) put_reals(&w, "crop-mm", input->crop_mm, 6);
+    if (input->largest) put(&w, "largest=%d\n", input->largest);
+    if (input->min_size > 0) put_reals(&w, "min-size", &input->min_size, 1);
     if (w.used >= room)
         return iso_fail(error, ISO_ERR_USAGE, "the options for reading are too long for a stroke file");
     return ISO_OK;
@@ -230,6 +236,18 @@ static iso_status apply_series(void *settings, const char *value, iso_error *err
     return ISO_OK;
 }
 
+static iso_status apply_largest(void *settings, const char *value, iso_error *error) {
+    iso_input *input = settings;
+    if (iso_parse_int(value, &input->largest) && input->largest >= 1) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is no number of parts", value);
+}
+
+static iso_status apply_min_size(void *settings, const char *value, iso_error *error) {
+    iso_input *input = settings;
+    if (iso_parse_real(value, &input->min_size) && input->min_size >= 0) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is no volume", value);
+}
+
 static iso_status apply_line(iso_input *input, const char *name, const char *value, iso_error *error) {
     static const struct {
         const char *name;
@@ -240,7 +258,9 @@ static iso_status apply_line(iso_input *input, const char *name, const char *val
                  {"series", apply_series},
                  {"component", apply_component},
                  {"crop", iso_input_apply_crop},
-                 {"crop-mm", iso_input_apply_crop_mm}};
+                 {"crop-mm", iso_input_apply_crop_mm},
+                 {"largest", apply_largest},
+                 {"min-size", apply_min_size}};
     iso_error reason = {0};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         if (strcmp(name, table[i].name) != 0) continue;

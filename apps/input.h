@@ -22,6 +22,8 @@ typedef struct iso_input {
     int crop[6];         /* with `cropped`: x0 x1 y0 y1 z0 z1, voxels, first and last */
     double crop_mm[6];   /* with `cropped_mm`: the same in world mm */
     uint64_t max_memory; /* bytes; 0: the default */
+    int largest;         /* parts of the solid to keep (grids/components.h); 0: all */
+    double min_size;     /* mm3 of a part that is kept */
 } iso_input;
 
 /* Values of options. `settings` begins with an iso_input. */
@@ -51,6 +53,9 @@ iso_status iso_input_crop(const iso_input *input, const int box[6], iso_grid *gr
  * files, pool and progress. */
 iso_status iso_input_read(const char *path, const iso_input *input, const iso_volume_opts *opts,
                           iso_volume *volume, iso_error *error);
+
+/* Whether parts of the solid are to be dropped. Reading does not do it: it takes an isovalue. */
+bool iso_input_drops_parts(const iso_input *input);
 
 /* What of it decides what is read, as lines "option=value", for a journal to keep; empty when nothing does.
  * ISO_ERR_USAGE when a name has line breaks, or it does not fit into `room` bytes. */

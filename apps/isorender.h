@@ -44,6 +44,9 @@ typedef enum isorender_method {
 } isorender_method;
 const char *isorender_method_name(isorender_method method);
 
+/* What the camera frames. */
+typedef enum isorender_fit { ISORENDER_FIT_BOX, ISORENDER_FIT_TIGHT } isorender_fit;
+
 typedef enum isorender_help {
     ISORENDER_RUN,
     ISORENDER_HELP,
@@ -62,10 +65,8 @@ typedef struct isorender_settings {
     int isovalue_count, isovalue_auto;
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;
-    int primitive;   /* iso_primitive */
-    int largest;     /* parts of the solid to keep; 0: all */
-    double min_size; /* mm3 of a part that is kept */
-    int closed;      /* the solid ends at the volume's border */
+    int primitive; /* iso_primitive */
+    int closed;    /* the solid ends at the volume's border */
     const char *points, *mesh, *aov;
 
     int method;         /* isorender_method */
@@ -80,7 +81,10 @@ typedef struct isorender_settings {
     int direction; /* iso_direction */
     iso_vec3 up;
     double azimuth, elevation, zoom, view_angle;
-    int orthographic;
+    int orthographic, fit; /* isorender_fit */
+    double mm_per_pixel;   /* 0: not given */
+    double margin;         /* part of the picture on each side; NaN: not given */
+    int scale_bar, orientation_marker;
     double position[3], focal_point[3], view_up[3]; /* NaN: not given */
 
     int threads, progress, quiet, verbose;
@@ -230,6 +234,15 @@ iso_status isorender_extract(isorender_job *job, iso_error *error);
 iso_primitive isorender_primitive(const isorender_job *job);
 iso_status isorender_export(isorender_job *job, iso_error *error);
 iso_point_view isorender_points_view(const isorender_job *job, int surface);
+
+/* The box of all surfaces in the space that `affine` takes index coordinates to. */
+iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine);
+
+/* isorender_camera.c: the first frame's camera, into job->camera; and a frame's. */
+iso_status isorender_camera_make(isorender_job *job, iso_error *error);
+iso_camera isorender_camera_of_frame(const isorender_job *job, int frame);
+/* ISO_ERR_USAGE when options contradict each other; --mm-per-pixel makes the projection parallel. */
+iso_status isorender_camera_check(isorender_settings *settings, iso_error *error);
 
 /* isorender_solid.c */
 /* Makes surface->grid: without small parts, and closed, as the settings ask for. ISO_ERR_EMPTY: no part is

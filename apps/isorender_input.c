@@ -111,17 +111,17 @@ static iso_status check_points_only(const isorender_settings *settings, iso_erro
     if (method == ISORENDER_EXACT || method == ISORENDER_MESH || method == ISORENDER_RAYCAST)
         return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume",
                         isorender_method_name(method));
-    const char *option = settings->isovalue_count     ? "--isovalue"
-                         : settings->mesh             ? "--mesh"
-                         : settings->input.cropped    ? "--crop"
-                         : settings->input.cropped_mm ? "--crop-mm"
-                         : settings->primitive        ? "--primitive"
-                         : settings->largest          ? "--largest"
-                         : settings->min_size > 0     ? "--min-size"
-                         : settings->closed           ? "--closed"
-                         : settings->input.grid       ? "--grid"
-                         : settings->input.series     ? "--series"
-                                                      : NULL;
+    const char *option = settings->isovalue_count       ? "--isovalue"
+                         : settings->mesh               ? "--mesh"
+                         : settings->input.cropped      ? "--crop"
+                         : settings->input.cropped_mm   ? "--crop-mm"
+                         : settings->primitive          ? "--primitive"
+                         : settings->input.largest      ? "--largest"
+                         : settings->input.min_size > 0 ? "--min-size"
+                         : settings->closed             ? "--closed"
+                         : settings->input.grid         ? "--grid"
+                         : settings->input.series       ? "--series"
+                                                        : NULL;
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
 }

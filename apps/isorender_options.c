@@ -23,6 +23,7 @@ static const char *const methods[] = {"exact", "points", "pullpush", "mesh", "ra
 static const char *const reconstructions[] = {"refined", "box", "gaussian", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
+static const char *const fits[] = {"box", "tight", NULL};
 static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated", NULL};
 
 /* ---- values that are not plain numbers ---- */
@@ -106,6 +107,23 @@ static iso_status apply_samples(void *target, const char *value, iso_error *erro
             }
     return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a square number from 1 to 64 (1, 4, 9, 16, ...)",
                     value);
+}
+
+/* 0.05 or 5%. */
+static iso_status apply_margin(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    char number[64];
+    const size_t length = strlen(value);
+    const bool percent = length > 0 && value[length - 1] == '%';
+    double margin;
+    snprintf(number, sizeof number, "%.*s", length < 63 ? (int)(length - percent) : 63, value);
+    bool good = length < 63 && iso_parse_real(number, &margin);
+    if (good && percent) margin /= 100;
+    if (!good || !(margin >= 0 && margin <= 0.45))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is not a part of the picture from 0 to 0.45, or 0%% to 45%%", value);
+    settings->margin = margin;
+    return ISO_OK;
 }
 
 static iso_status apply_up(void *target, const char *value, iso_error *error) {
@@ -221,6 +239,15 @@ static const iso_option options[] = {
      "colour of the background, RRGGBB or a name of CSS; none is transparent", .group = PICTURE,
      .standard = "FFFFFF", CALL(apply_background)},
     {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
+    {"scale-bar", NULL, NULL,
+     "draw a bar of a round length, about a fifth of the picture's width, with its length in mm; needs "
+     "--orthographic or --mm-per-pixel",
+     .group = PICTURE, FLAG(scale_bar)},
+    {"orientation-marker", NULL, NULL,
+     "draw the world's axes in a corner: L R A P H F (left, right, anterior, posterior, head, foot) when the "
+     "file "
+     "says where the patient is, else x y z",
+     .group = PICTURE, FLAG(orientation_marker)},
     {"turntable", NULL, "N",
      "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ...", .group = PICTURE,
      INT(turntable, 1, 100000)},
@@ -236,6 +263,16 @@ static const iso_option options[] = {
     {"zoom", "camera-zoom-factor", "FACTOR", "enlarge", .group = CAMERA, .standard = "1",
      REAL(zoom, 1e-6, 1e6)},
     {"orthographic", "camera-orthographic", NULL, "parallel projection", .group = CAMERA, FLAG(orthographic)},
+    {"mm-per-pixel", NULL, "MM",
+     "scale of the picture: a parallel projection (as --orthographic) in which a pixel is this many mm wide",
+     .group = CAMERA, REAL(mm_per_pixel, 1e-9, 1e9)},
+    {"fit", NULL, "NAME",
+     "what fills the picture: box (the box around the surface along the world's axes) or tight (the surface "
+     "as it is "
+     "seen)",
+     .group = CAMERA, .standard = "box", CHOICE(fit, fits)},
+    {"margin", NULL, "PART", "part of the picture left free on each side, as 0.1 or 10%", .group = CAMERA,
+     .standard = "4%", CALL(apply_margin)},
     {"view-angle", "camera-view-angle", "DEGREES", "full vertical angle of the perspective", .group = CAMERA,
      .standard = "30", REAL(view_angle, 0.01, 179)},
     {"camera-position", NULL, "X,Y,Z", "where the eye is, in mm; nothing is fitted then", .group = CAMERA,
@@ -429,11 +466,13 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .background = {255, 255, 255},
                                      .up = {0, 0, 1},
                                      .zoom = 1,
+                                     .margin = NAN,
                                      .view_angle = 30};
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     ISO_TRY(iso_options_parse(isorender_program(), argc, argv, settings, operands, error));
     if (settings->help) return ISO_OK;
     ISO_TRY(iso_input_check(&settings->input, error));
+    ISO_TRY(isorender_camera_check(settings, error));
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(check_outputs(settings, error));

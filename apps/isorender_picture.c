@@ -4,63 +4,11 @@
 #include <string.h>
 
 #include "apps/isorender.h"
+#include "image/annotate.h"
 #include "image/exr.h"
 #include "image/image.h"
 #include "render/draw.h"
 #include "render/picture.h"
-
-/* ---- camera ---- */
-
-static bool is_given(const double v[3]) {
-    return !isnan(v[0]);
-}
-
-static iso_vec3 vector(const double v[3]) {
-    return iso_vec3_make(v[0], v[1], v[2]);
-}
-
-static double degrees_between_frames(const isorender_settings *settings) {
-    return settings->turntable ? 360.0 / settings->turntable : 0;
-}
-
-/* Where the eye is when nothing is said about it: the preset, turned, at the distance that shows everything.
- */
-static iso_camera fitted_camera(const isorender_job *job) {
-    const isorender_settings *settings = job->settings;
-    iso_camera camera = {
-        .view_angle = settings->view_angle, .orthographic = settings->orthographic != 0, .parallel_scale = 1};
-    iso_vec3 forward;
-    iso_direction_vectors((iso_direction)settings->direction, settings->up, &forward, &camera.view_up);
-    if (is_given(settings->view_up)) camera.view_up = vector(settings->view_up);
-    camera.position = iso_vec3_scale(forward, -1);
-    iso_camera_orbit(&camera, settings->azimuth, settings->elevation);
-    double aspect = (double)settings->width / settings->height;
-    iso_camera_fit(&camera, &job->bounds_world, aspect, settings->turntable ? settings->turntable : 1);
-    if (is_given(settings->focal_point)) {
-        iso_vec3 shift = iso_vec3_sub(vector(settings->focal_point), camera.focal_point);
-        camera.focal_point = vector(settings->focal_point);
-        camera.position = iso_vec3_add(camera.position, shift);
-    }
-    return camera;
-}
-
-/* A position that is given is where the eye is; azimuth and elevation turn it from there. */
-static void place_camera(const isorender_job *job, iso_camera *camera) {
-    const isorender_settings *settings = job->settings;
-    camera->position = vector(settings->position);
-    if (settings->azimuth != 0 || settings->elevation != 0)
-        iso_camera_orbit(camera, settings->azimuth, settings->elevation);
-}
-
-static iso_status make_camera(isorender_job *job, iso_error *error) {
-    const isorender_settings *settings = job->settings;
-    iso_camera camera = fitted_camera(job);
-    if (is_given(settings->position)) place_camera(job, &camera);
-    if (settings->zoom != 1) iso_camera_zoom(&camera, settings->zoom);
-    ISO_TRY(iso_camera_check(&camera, error));
-    job->camera = camera;
-    return ISO_OK;
-}
 
 /* ---- one picture ---- */
 
@@ -127,21 +75,19 @@ static iso_status write_picture(isorender_job *job, const iso_image *image, cons
                                   {"Title", job->plan->model},
                                   {"Comment", l.command},
                                   {"Description", l.isovalues}};
-    const iso_png_opts opts = {.texts = texts, .text_count = l.isovalues[0] ? 4 : 3, .pool = job->pool};
+    const double millimetres = iso_camera_mm_per_pixel(&job->camera, image->height);
+    const iso_png_opts opts = {.texts = texts,
+                               .text_count = l.isovalues[0] ? 4 : 3,
+                               .pixels_per_metre = millimetres > 0 ? 1000 / millimetres : 0,
+                               .pool = job->pool};
     return iso_png_write_with(path, image, &opts, error);
-}
-
-static iso_camera camera_of_frame(const isorender_job *job, int frame) {
-    iso_camera camera = job->camera;
-    if (frame > 0) iso_camera_orbit(&camera, frame * degrees_between_frames(job->settings), 0);
-    return camera;
 }
 
 static iso_status write_aov(isorender_job *job, int frame, const iso_aov *aov, const char *path,
                             iso_error *error) {
     labels l;
     make_labels(job, &l);
-    iso_camera camera = camera_of_frame(job, frame);
+    iso_camera camera = isorender_camera_of_frame(job, frame);
     iso_view view = iso_view_make(&camera, aov->width, aov->height);
     const iso_exr_info info = {.view = &view, .software = l.software, .comments = l.command};
     return iso_exr_write(path, aov, &info, job->pool, error);
@@ -166,9 +112,26 @@ static iso_status paint(const isorender_job *job, const iso_picture_opts *opts, 
     return iso_paint_exact(&whole, job->surfaces[0].exact, covered, error);
 }
 
+static bool is_dark(const isorender_settings *settings) {
+    const iso_rgb c = settings->background;
+    return !settings->transparent && 299 * c.r + 587 * c.g + 114 * c.b < 128 * 1000;
+}
+
+/* Points that were read do not say where the patient is. */
+static iso_status annotate(const isorender_job *job, const iso_camera *camera, iso_image *image,
+                           iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_annotation annotation = {.camera = camera,
+                                       .scale_bar = settings->scale_bar != 0,
+                                       .orientation_marker = settings->orientation_marker != 0,
+                                       .anatomical = !job->from_points && job->volume.info.anatomical,
+                                       .dark = is_dark(settings)};
+    return iso_annotate(image, &annotation, error);
+}
+
 static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
     const isorender_settings *settings = job->settings;
-    iso_camera camera = camera_of_frame(job, frame);
+    iso_camera camera = isorender_camera_of_frame(job, frame);
     iso_rgb colors[ISORENDER_SURFACES];
     for (int i = 0; i < job->surface_count; i++) colors[i] = job->surfaces[i].color;
     iso_picture_opts opts = {
@@ -188,6 +151,7 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     job->seconds.render += isorender_now() - start;
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
+    ISO_TRY(annotate(job, &camera, &c->image, error));
     /* (a few milliseconds, byte by byte) */
     if (settings->json) job->frames[frame].hash = hash_image(&c->image);
     return ISO_OK;
@@ -261,7 +225,7 @@ static void suggest_film(const isorender_job *job) {
 
 iso_status isorender_render(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
-    ISO_TRY(make_camera(job, error));
+    ISO_TRY(isorender_camera_make(job, error));
     job->frame_count = settings->turntable ? settings->turntable : 1;
     job->frames = calloc((size_t)job->frame_count, sizeof *job->frames);
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");

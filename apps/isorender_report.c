@@ -7,6 +7,7 @@
 #include "apps/json.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "image/annotate.h"
 
 static void put_vector(iso_json *json, const char *key, iso_vec3 v) {
     const double values[3] = {v.x, v.y, v.z};
@@ -115,7 +116,7 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
     put_box(json, "bounds_world", &job->bounds_world);
 }
 
-static void put_camera(iso_json *json, const iso_camera *camera) {
+static void put_camera(iso_json *json, const iso_camera *camera, int height) {
     iso_json_begin_object(json, "camera");
     put_vector(json, "position", camera->position);
     put_vector(json, "focal_point", camera->focal_point);
@@ -123,6 +124,7 @@ static void put_camera(iso_json *json, const iso_camera *camera) {
     iso_json_real(json, "view_angle", camera->view_angle);
     iso_json_bool(json, "orthographic", camera->orthographic);
     iso_json_real(json, "parallel_scale", camera->orthographic ? camera->parallel_scale : NAN);
+    iso_json_real(json, "mm_per_pixel", camera->orthographic ? iso_camera_mm_per_pixel(camera, height) : NAN);
     iso_json_end_object(json);
 }
 
@@ -154,7 +156,10 @@ static iso_status put_frame(iso_json *json, const char *key, const isorender_job
 
 static iso_status put_images(iso_json *json, const isorender_job *job, iso_error *error) {
     if (!isorender_plan_draws(job->plan)) return ISO_OK;
-    put_camera(json, &job->camera);
+    put_camera(json, &job->camera, job->settings->height);
+    if (job->settings->scale_bar)
+        iso_json_real(json, "scale_bar_mm",
+                      iso_scale_bar_length(&job->camera, job->settings->width, job->settings->height));
     ISO_TRY(put_frame(json, "image", job, 0, error));
     if (!job->settings->turntable) return ISO_OK;
     iso_json_begin_array(json, "frames");

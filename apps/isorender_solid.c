@@ -9,7 +9,7 @@
 #include "grids/components.h"
 
 static bool drops_parts(const isorender_settings *settings) {
-    return settings->largest || settings->min_size > 0;
+    return iso_input_drops_parts(&settings->input);
 }
 
 static bool makes_copies(const isorender_job *job, int surfaces) {
@@ -49,8 +49,8 @@ static void say_parts(const isorender_job *job, const isorender_surface *surface
 static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const iso_components_opts opts = {.isovalue = surface->isovalue,
-                                      .largest = (size_t)settings->largest,
-                                      .min_volume = settings->min_size,
+                                      .largest = (size_t)settings->input.largest,
+                                      .min_volume = settings->input.min_size,
                                       .pool = job->pool};
     /* Another surface needs the parts that this one drops. */
     if (makes_copies(job, job->surface_count)) {

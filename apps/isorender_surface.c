@@ -199,28 +199,53 @@ static iso_box to_local(const isorender_job *job, const iso_box *index) {
     return iso_box_transform(index, &affine);
 }
 
-static void measure(isorender_job *job) {
-    iso_box index = iso_box_empty(), world = iso_box_empty();
+iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine) {
+    iso_box all = iso_box_empty();
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
-        iso_box own, turned;
         if (surface->exact) {
-            own = iso_exact_bounds(surface->exact, NULL);
-            turned = iso_bounds_of_cells(surface->exact, iso_grid_transform(&surface->grid));
+            const iso_box box = iso_exact_bounds(surface->exact, affine);
+            iso_bounds_add(&all, &box);
         } else if (surface->points || job->from_points) {
-            iso_point_view view = isorender_points_view(job, i);
-            own = iso_point_view_bounds(&view);
-            turned = iso_bounds_of_points(&view);
+            const iso_point_view view = isorender_points_view(job, i);
+            const iso_box box = iso_bounds_of_each_point(&view, affine);
+            iso_bounds_add(&all, &box);
         } else {
-            iso_mesh_view view = iso_mesh_set_view(surface->mesh);
-            own = iso_mesh_view_bounds(&view);
-            turned = iso_bounds_of_mesh(&view);
+            const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+            const iso_box box = iso_bounds_of_each_vertex(&view, affine);
+            iso_bounds_add(&all, &box);
         }
-        iso_bounds_add(&index, &own);
-        iso_bounds_add(&world, &turned);
     }
+    return all;
+}
+
+static iso_box index_bounds(const isorender_job *job) {
+    iso_box all = iso_box_empty();
+    for (int i = 0; i < job->surface_count; i++) {
+        const isorender_surface *surface = &job->surfaces[i];
+        iso_box box;
+        if (surface->exact) {
+            box = iso_exact_bounds(surface->exact, NULL);
+        } else if (surface->points || job->from_points) {
+            const iso_point_view view = isorender_points_view(job, i);
+            box = iso_point_view_bounds(&view);
+        } else {
+            const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+            box = iso_mesh_view_bounds(&view);
+        }
+        iso_bounds_add(&all, &box);
+    }
+    return all;
+}
+
+static void measure(isorender_job *job) {
+    iso_transform transform =
+        job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
+    iso_affine affine = iso_transform_affine(&transform);
+    const iso_box index = index_bounds(job);
     job->bounds_local = to_local(job, &index);
-    job->bounds_world = world;
+    job->bounds_world = iso_bounds_is_oblique(&transform) ? isorender_bounds(job, &affine)
+                                                          : iso_box_transform(&index, &affine);
 }
 
 iso_status isorender_extract(isorender_job *job, iso_error *error) {

@@ -5,7 +5,10 @@
 #include "apps/input.h"
 #include "apps/options.h"
 #include "extract/mesh.h"
+#include "extract/mesh_measure.h"
 #include "extract/points.h"
+#include "grids/closed_mesh.h"
+#include "grids/components.h"
 #include "sculpt/session.h"
 
 typedef enum isosculpt_help { ISOSCULPT_HELP_NONE, ISOSCULPT_HELP, ISOSCULPT_VERSION } isosculpt_help;
@@ -25,6 +28,7 @@ typedef struct isosculpt_settings {
     int backend;                 /* isosculpt_backend */
     int resolution[2];           /* of the pictures that are drawn; 0: 1280 x 800 */
     double voxel_size, isovalue; /* isovalue: NAN when not given */
+    double close_holes;          /* iso_closing_opts.hole */
     uint64_t undo_memory;
     isosculpt_help help;
     iso_help_form help_form;
@@ -44,12 +48,16 @@ typedef struct isosculpt_times {
 
 typedef struct isosculpt_report {
     iso_journal_start start;
+    iso_mesh_report opened_mesh; /* of what was opened, when it is one */
     size_t strokes, samples, undone;
     iso_edit_stats edits;
     isosculpt_times edit, extract, draw, step; /* step: all that a sample takes */
     double total;
     size_t bricks, bytes, points;
-    int resolution[2]; /* of the pictures */
+    iso_components_totals parts; /* of what was opened; all 0 unless some could be dropped */
+    bool has_mesh;
+    iso_mesh_measures mesh; /* of the mesh that was written, with --json */
+    int resolution[2];      /* of the pictures */
 } isosculpt_report;
 
 void isosculpt_report_free(isosculpt_report *report);

@@ -12,8 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "base/file.h"
-#include "grids/level_set.h"
+#include "apps/isosculpt_save.h"
 
 static const char STROKES[] = ".strokes", OPEN[] = ".open", UNDO[] = ".undo";
 
@@ -194,6 +193,8 @@ iso_status isosculpt_desk_new(isosculpt_desk *desk, const char *folder, const is
     iso_hgrid *grid;
     iso_error reason = {0};
     ISO_TRY(make_field(desk, source, &grid, error));
+    isosculpt_target_default(strcmp(desk->start.source, "ball") == 0 ? NULL : desk->start.source,
+                             desk->target);
     if (new_journal(desk, folder, &grid, &reason) == ISO_OK) return ISO_OK;
     unmark(desk);
     desk->journal[0] = 0;
@@ -218,6 +219,20 @@ static iso_status find_field(isosculpt_desk *desk, const char *journal, const is
     return isosculpt_source_find(journal, &how, &desk->start, grid, error);
 }
 
+/* A stroke file that its user keeps is what the sculpture lies beside. One in the folder of journals was put
+ * there by the program: then it is the file that the session began with. */
+static void choose_target(isosculpt_desk *desk, const char *journal) {
+    char folder[ISOSCULPT_PATH];
+    const char *slash = strrchr(journal, '/');
+    const size_t length = slash ? (size_t)(slash - journal) : 0;
+    if (isosculpt_desk_folder(folder, NULL) != ISO_OK) folder[0] = 0;
+    if (strlen(folder) == length && strncmp(folder, journal, length) == 0)
+        isosculpt_target_default(strcmp(desk->start.source, "ball") == 0 ? NULL : desk->start.source,
+                                 desk->target);
+    else
+        isosculpt_target_beside(journal, desk->target);
+}
+
 iso_status isosculpt_desk_open(isosculpt_desk *desk, const char *journal, const iso_progress *progress,
                                iso_error *error) {
     iso_journal_reader *reader;
@@ -233,7 +248,10 @@ iso_status isosculpt_desk_open(isosculpt_desk *desk, const char *journal, const 
     iso_status status = find_field(desk, journal, &reading, &grid, error);
     if (status == ISO_OK) status = open_session(desk, grid, &opts, error);
     desk->unclosed = marked;
-    if (status == ISO_OK) return ISO_OK;
+    if (status == ISO_OK) {
+        choose_target(desk, journal);
+        return ISO_OK;
+    }
     if (!marked) unmark(desk); /* else it stays: what could not be opened was not closed */
     if (desk->marker) close(desk->marker - 1);
     desk->marker = 0;
@@ -264,93 +282,4 @@ void isosculpt_desk_close(isosculpt_desk *desk) {
 
 void isosculpt_desk_drop(isosculpt_desk *desk) {
     shut(desk, desk->unclosed);
-}
-
-/* ---- saving */
-
-struct isosculpt_saver {
-    isosculpt_task *task;
-    iso_hold *hold; /* on the field */
-    char path[ISOSCULPT_PATH];
-    size_t changes;
-};
-
-void isosculpt_desk_target(const isosculpt_desk *desk, char path[ISOSCULPT_PATH]) {
-    const char *journal = desk->journal[0] ? desk->journal : "sculpture.strokes";
-    size_t length = strlen(journal) - (ends_with(journal, STROKES) ? strlen(STROKES) : 0);
-    snprintf(path, ISOSCULPT_PATH, "%.*s.vdb",
-             (int)(length < ISOSCULPT_PATH - 16 ? length : ISOSCULPT_PATH - 16), journal);
-}
-
-/* The old file keeps its name until the new one is whole, and is then PATH.bak. */
-static iso_status replace(const char *fresh, const char *path, iso_error *error) {
-    char backup[ISOSCULPT_PATH];
-    ISO_TRY(join(backup, path, ".bak", error));
-    unlink(backup);
-    if (link(path, backup) && errno != ENOENT && rename(path, backup)) /* no links here */
-        return iso_fail(error, ISO_ERR_WRITE, "%s: %s", backup, strerror(errno));
-    if (rename(fresh, path)) return iso_fail(error, ISO_ERR_WRITE, "%s: %s", path, strerror(errno));
-    return ISO_OK;
-}
-
-static iso_status write_held(isosculpt_saver *saver, const char *fresh, const iso_progress *progress,
-                             iso_error *error) {
-    const iso_progress taking = iso_progress_part(progress, 0, 0.2),
-                       writing = iso_progress_part(progress, 0.2, 1);
-    iso_hgrid *grid;
-    ISO_TRY(iso_hold_take(saver->hold, &taking, &grid, error));
-    iso_status status = iso_level_set_write_vdb(fresh, grid, "surface", &writing, error);
-    iso_hgrid_destroy(grid);
-    return status;
-}
-
-static iso_status save(void *context, const iso_progress *progress, iso_error *error) {
-    isosculpt_saver *saver = context;
-    char fresh[ISOSCULPT_PATH];
-    ISO_TRY(join(fresh, saver->path, ".new", error));
-    ISO_TRY(write_held(saver, fresh, progress, error));
-    iso_status status = replace(fresh, saver->path, error);
-    if (status != ISO_OK) unlink(fresh);
-    return status;
-}
-
-iso_status isosculpt_desk_save(isosculpt_desk *desk, void (*wake)(void), iso_error *error) {
-    if (desk->saver) return iso_fail(error, ISO_ERR_USAGE, "the last save is still running");
-    isosculpt_saver *saver = calloc(1, sizeof *saver);
-    if (!saver) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for saving");
-    isosculpt_desk_target(desk, saver->path);
-    if (iso_file_same(desk->start.source, saver->path)) {
-        iso_status same = iso_fail(error, ISO_ERR_USAGE,
-                                   "%s: saving would overwrite the file that was opened", saver->path);
-        free(saver);
-        return same;
-    }
-    saver->changes = desk->changes;
-    iso_status status = iso_session_hold(desk->session, &saver->hold, error);
-    if (status == ISO_OK) status = isosculpt_task_start(save, saver, wake, &saver->task, error);
-    if (status == ISO_OK) {
-        desk->saver = saver;
-        return ISO_OK;
-    }
-    if (saver->hold) iso_session_release(desk->session, saver->hold);
-    free(saver);
-    return status;
-}
-
-isosculpt_task *isosculpt_desk_save_task(const isosculpt_desk *desk) {
-    return desk->saver ? desk->saver->task : NULL;
-}
-
-isosculpt_saving isosculpt_desk_saving(isosculpt_desk *desk, bool wait, iso_status *status,
-                                       iso_error *error) {
-    isosculpt_saver *saver = desk->saver;
-    if (!saver) return ISOSCULPT_SAVE_IDLE;
-    if (!wait && !isosculpt_task_done(saver->task)) return ISOSCULPT_SAVE_RUNNING;
-    const iso_status saved = isosculpt_task_finish(saver->task, error);
-    if (saved == ISO_OK) desk->saved = saver->changes;
-    if (status) *status = saved;
-    iso_session_release(desk->session, saver->hold);
-    free(saver);
-    desk->saver = NULL;
-    return ISOSCULPT_SAVE_DONE;
 }

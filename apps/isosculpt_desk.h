@@ -1,5 +1,5 @@
-/* desk: the session that a window works on, with its files: the journal and its folder, what an earlier
- * session left unclosed, and saving.
+/* desk: the session that a window works on, with its journal and the journals' folder, and what an earlier
+ * session left unclosed. Saving is isosculpt_save.h's.
  *
  * Beside a journal NAME.strokes that a program has open lies NAME.strokes.open, locked as long as that
  * program lives. A marker that nobody holds is left of a program that was killed: its journal is offered. */
@@ -28,11 +28,14 @@ typedef struct isosculpt_desk {
     bool made;                    /* the journal is new: removed when nothing was done in it */
     bool kept;                    /* it holds something beside strokes */
     bool unclosed;                /* it was, when it was opened */
-    size_t changes, saved;        /* done to the field since the desk was opened; of these in the .vdb */
+    size_t changes, saved;        /* done to the field since the desk was opened; of these in the target */
     double began;                 /* monotonic seconds */
     iso_pool *pool;               /* borrowed */
     size_t undo_memory;
-    isosculpt_saver *saver; /* owned; NULL when nothing is being saved */
+    char target[ISOSCULPT_PATH];   /* the file that saving writes; known from the beginning */
+    bool target_is_own;            /* this session wrote it: saving again does not ask */
+    char saved_as[ISOSCULPT_PATH]; /* what the last save or export wrote, or failed to */
+    isosculpt_saver *saver;        /* owned; NULL when nothing is being saved (isosculpt_save.h) */
 } isosculpt_desk;
 
 /* $XDG_STATE_HOME/isopoint, or ~/.local/state/isopoint; made when it is not there. ISO_ERR_WRITE. */
@@ -63,24 +66,6 @@ void isosculpt_desk_close(isosculpt_desk *desk);
 
 /* The same of one that nobody came to see: a journal that was not closed before is not closed now. */
 void isosculpt_desk_drop(isosculpt_desk *desk);
-
-/* Where saving goes: the journal's name with .vdb. */
-void isosculpt_desk_target(const isosculpt_desk *desk, char path[ISOSCULPT_PATH]);
-
-/* Begins to save the field as it is, in a thread of its own (`wake`: isosculpt_task_start): the file appears
- * whole, what was there becomes PATH.bak. ISO_ERR_USAGE while a save is running or a stroke is drawn,
- * ISO_ERR_NOMEM. */
-iso_status isosculpt_desk_save(isosculpt_desk *desk, void (*wake)(void), iso_error *error);
-/* The save that is running, to ask or to cancel: then there is no new file. NULL: none. */
-isosculpt_task *isosculpt_desk_save_task(const isosculpt_desk *desk);
-
-typedef enum isosculpt_saving {
-    ISOSCULPT_SAVE_IDLE,
-    ISOSCULPT_SAVE_RUNNING,
-    ISOSCULPT_SAVE_DONE
-} isosculpt_saving;
-/* How the save stands; DONE once, with *status and *error its outcome. `wait`: until it is done. */
-isosculpt_saving isosculpt_desk_saving(isosculpt_desk *desk, bool wait, iso_status *status, iso_error *error);
 
 double isosculpt_now(void); /* monotonic seconds */
 

@@ -6,6 +6,8 @@
 static const double WHEEL = 1.1, SIZE = 1.15, SIZE_A_PIXEL = 1.01, STRENGTH_A_PIXEL = 0.005;
 /* Radii in voxels; strengths. */
 static const double RADIUS_MIN = 2, RADIUS_MAX = 256, STRENGTH_MIN = 0.02;
+/* A key's zoom; its pan, in parts of the picture's height. */
+static const double KEY_ZOOM = 1.25, KEY_PAN = 0.1;
 /* Radii from one stamp of a stroke to the next. */
 static const double STAMP_SPACING = 1;
 
@@ -48,7 +50,21 @@ void isosculpt_hand_init(isosculpt_hand *hand, isosculpt_desk *desk, isosculpt_v
                               .radius = 16 * desk->start.voxel_size,
                               .strength = 0.5,
                               .pressure_radius = true};
+    isosculpt_hand_center_mirror(hand);
     show_mask(hand);
+}
+
+void isosculpt_hand_free(isosculpt_hand *hand) {
+    isosculpt_strokes_free(&hand->waiting);
+}
+
+void isosculpt_hand_center_mirror(isosculpt_hand *hand) {
+    const iso_affine affine = iso_transform_affine(iso_grid_transform(&hand->view->grid));
+    hand->box = isosculpt_view_bounds(hand->view);
+    iso_vec3 middle = iso_vec3_scale(iso_vec3_add(hand->box.lo, hand->box.hi), 0.5);
+    iso_vec3 at = iso_affine_point_to_index(&affine, middle);
+    at = iso_vec3_make(0.5 * round(2 * at.x), 0.5 * round(2 * at.y), 0.5 * round(2 * at.z));
+    hand->brush.mirror = iso_affine_point(&affine, at);
 }
 
 /* ---- strokes */
@@ -103,25 +119,37 @@ static bool is_over(isosculpt_hand *hand) {
     return !hand->unended;
 }
 
-static void begin(isosculpt_hand *hand, unsigned modifiers, double x, double y) {
-    iso_edit_stats stats = {0};
-    if (!is_over(hand)) return;
-    hand->tool = isosculpt_hand_modified(hand->brush.tool, modifiers);
+/* The brush of a stroke with the hand's tool. */
+static iso_brush stroke_brush(const isosculpt_hand *hand) {
     iso_brush brush = hand->brush;
     brush.tool = hand->tool;
     bool tube = hand->tool == ISO_TOOL_ADD || hand->tool == ISO_TOOL_CARVE;
     if (tube && brush.shape == ISO_SOLID_SPHERE)
         brush.shape = ISO_SOLID_CAPSULE; /* without ridges between touches */
     if (brush.shape == ISO_SOLID_STAMP) brush.spacing = STAMP_SPACING;
-    iso_status status = isosculpt_view_hold(hand->view, &hand->error);
-    if (status != ISO_OK) return;
-    iso_sample sample = sample_at(hand, x, y);
+    return brush;
+}
+
+static iso_status begin_stroke(isosculpt_hand *hand, const iso_brush *brush, const iso_sample *sample,
+                               iso_edit_stats *stats) {
+    if (hand->looking) return isosculpt_strokes_begin(&hand->waiting, brush, sample, &hand->error);
     double start = isosculpt_now();
-    status = iso_session_begin(hand->desk->session, &brush, &sample, &stats, &hand->error);
+    iso_status status = iso_session_begin(hand->desk->session, brush, sample, stats, &hand->error);
     isosculpt_latency_add(&hand->edit, isosculpt_now() - start);
+    hand->desk->changes += status == ISO_OK;
+    return status;
+}
+
+static void begin(isosculpt_hand *hand, unsigned modifiers, double x, double y) {
+    iso_edit_stats stats = {0};
+    if (!is_over(hand)) return;
+    hand->tool = isosculpt_hand_modified(hand->brush.tool, modifiers);
+    const iso_brush brush = stroke_brush(hand);
+    if (isosculpt_view_hold(hand->view, &hand->error) != ISO_OK) return;
+    iso_sample sample = sample_at(hand, x, y);
+    iso_status status = begin_stroke(hand, &brush, &sample, &stats);
     if (status == ISO_OK) {
         hand->drag = ISOSCULPT_DRAG_BRUSH;
-        hand->desk->changes++;
         hand->last = sample;
     }
     done(hand, status, &stats);
@@ -141,20 +169,52 @@ static void go_on(isosculpt_hand *hand, double x, double y, bool last) {
     if (moved <= (last ? 0 : least_move(hand))) return;
     hand->last = sample;
     double start = isosculpt_now();
-    iso_status status = iso_session_sample(hand->desk->session, &sample, &stats, &hand->error);
+    iso_status status = hand->looking
+                            ? isosculpt_strokes_add(&hand->waiting, &sample, &hand->error)
+                            : iso_session_sample(hand->desk->session, &sample, &stats, &hand->error);
     isosculpt_latency_add(&hand->edit, isosculpt_now() - start);
     done(hand, status, &stats);
+}
+
+static void end_waiting(isosculpt_hand *hand, bool cancel) {
+    hand->drag = ISOSCULPT_DRAG_NONE;
+    if (cancel) isosculpt_strokes_drop_last(&hand->waiting);
 }
 
 /* A stroke that cannot be ended is taken back: it would be in the way of all that follows. */
 static void end(isosculpt_hand *hand, bool cancel) {
     iso_edit_stats stats = {0};
+    if (hand->looking) {
+        end_waiting(hand, cancel);
+        return;
+    }
     iso_session *session = hand->desk->session;
     hand->drag = ISOSCULPT_DRAG_NONE;
     const iso_status status =
         cancel ? iso_session_cancel(session, &hand->error) : iso_session_end(session, &hand->error);
     hand->unended = status != ISO_OK;
     is_over(hand);
+    if (hand->brush.symmetry) hand->box = isosculpt_view_bounds(hand->view);
+    done(hand, status, &stats);
+}
+
+static iso_status play(isosculpt_hand *hand, const isosculpt_stroke *stroke, iso_edit_stats *stats) {
+    iso_session *session = hand->desk->session;
+    iso_status status = iso_session_begin(session, &stroke->brush, &stroke->samples[0], stats, &hand->error);
+    if (status != ISO_OK) return status;
+    hand->desk->changes++;
+    for (size_t i = 1; i < stroke->count && status == ISO_OK; i++)
+        status = iso_session_sample(session, &stroke->samples[i], stats, &hand->error);
+    const iso_status ended = iso_session_end(session, &hand->error);
+    return status == ISO_OK ? ended : status;
+}
+
+void isosculpt_hand_play(isosculpt_hand *hand, isosculpt_strokes *strokes) {
+    iso_edit_stats stats = {0};
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < strokes->count && status == ISO_OK; i++)
+        status = play(hand, &strokes->strokes[i], &stats);
+    isosculpt_strokes_free(strokes);
     done(hand, status, &stats);
 }
 
@@ -177,14 +237,12 @@ void isosculpt_hand_press(isosculpt_hand *hand, isosculpt_button button, unsigne
     hand->x = x;
     hand->y = y;
     hand->button = button;
+    const bool brush = button == ISOSCULPT_LEFT && (!hand->looking || hand->awaiting);
     if (button == ISOSCULPT_RIGHT)
         hand->drag = ISOSCULPT_DRAG_PAN;
-    else if (button == ISOSCULPT_LEFT && isosculpt_layer_pick(&hand->view->drawn, x, y, &pick)) {
-        if (hand->looking)
-            hand->wishes |= ISOSCULPT_WISH_SCULPT;
-        else
-            begin(hand, modifiers, x, y);
-    } else
+    else if (brush && isosculpt_layer_pick(&hand->view->drawn, x, y, &pick))
+        begin(hand, modifiers, x, y);
+    else
         hand->drag = ISOSCULPT_DRAG_ORBIT;
 }
 
@@ -220,10 +278,14 @@ void isosculpt_hand_release(isosculpt_hand *hand, isosculpt_button button) {
     hand->drag = ISOSCULPT_DRAG_NONE;
 }
 
-void isosculpt_hand_scroll(isosculpt_hand *hand, double steps) {
+static void zoom(isosculpt_hand *hand, double factor) {
     if (hand->drag == ISOSCULPT_DRAG_BRUSH) return; /* the stroke's picks are of this camera */
-    isosculpt_view_zoom(hand->view, pow(WHEEL, steps));
+    isosculpt_view_zoom(hand->view, factor);
     hand->wishes |= ISOSCULPT_WISH_PICTURE;
+}
+
+void isosculpt_hand_scroll(isosculpt_hand *hand, double steps) {
+    zoom(hand, pow(WHEEL, steps));
 }
 
 bool isosculpt_hand_under(const isosculpt_hand *hand, isosculpt_pick *pick) {
@@ -236,6 +298,10 @@ bool isosculpt_hand_under(const isosculpt_hand *hand, isosculpt_pick *pick) {
 static void step(isosculpt_hand *hand, bool redo) {
     iso_edit_stats stats = {0};
     iso_session *session = hand->desk->session;
+    if (hand->awaiting && !redo && !hand->drag) {
+        isosculpt_strokes_drop_last(&hand->waiting);
+        return;
+    }
     const iso_history *history = iso_session_history(session);
     size_t position = iso_history_position(history);
     if (hand->drag == ISOSCULPT_DRAG_BRUSH || position == (redo ? iso_history_count(history) : 0)) return;
@@ -258,7 +324,9 @@ void isosculpt_hand_history(isosculpt_hand *hand, size_t position) {
 
 static bool command(isosculpt_hand *hand, int key, bool shift) {
     if (key == 's')
-        hand->wishes |= ISOSCULPT_WISH_SAVE;
+        hand->wishes |= shift ? ISOSCULPT_WISH_SAVE_AS : ISOSCULPT_WISH_SAVE;
+    else if (key == 'o')
+        hand->wishes |= ISOSCULPT_WISH_OPEN;
     else if (key == 'q')
         hand->wishes |= ISOSCULPT_WISH_CLOSE;
     else if (key == 'z' || key == 'y')
@@ -268,28 +336,69 @@ static bool command(isosculpt_hand *hand, int key, bool shift) {
     return true;
 }
 
-static bool look(isosculpt_hand *hand, int key) {
-    if (hand->drag == ISOSCULPT_DRAG_BRUSH) return true;
-    isosculpt_pick pick;
-    if (key == ISOSCULPT_KEY_FRONT)
-        isosculpt_view_look(hand->view, ISO_FRONT);
-    else if (key == ISOSCULPT_KEY_SIDE)
-        isosculpt_view_look(hand->view, ISO_RIGHT);
-    else if (key == ISOSCULPT_KEY_TOP)
-        isosculpt_view_look(hand->view, ISO_TOP);
-    else if (key == 'f')
-        isosculpt_view_focus(hand->view, isosculpt_hand_under(hand, &pick) ? &pick.position : NULL);
-    else
-        return false;
+void isosculpt_hand_look(isosculpt_hand *hand, iso_direction direction) {
+    if (hand->drag == ISOSCULPT_DRAG_BRUSH) return;
+    isosculpt_view_look(hand->view, direction);
     hand->wishes |= ISOSCULPT_WISH_PICTURE;
+}
+
+/* 1, 3 and 7, of the number pad or with Shift or Ctrl; Ctrl: the opposite side. */
+static bool look(isosculpt_hand *hand, int key, unsigned modifiers) {
+    static const iso_direction sides[][2] = {
+        {ISO_FRONT, ISO_BACK}, {ISO_RIGHT, ISO_LEFT}, {ISO_TOP, ISO_BOTTOM}};
+    const bool opposite = modifiers & ISOSCULPT_CTRL, digit = modifiers & (ISOSCULPT_SHIFT | ISOSCULPT_CTRL);
+    int side = -1;
+    if (key == ISOSCULPT_KEY_FRONT || (key == '1' && digit)) side = 0;
+    if (key == ISOSCULPT_KEY_RIGHT || (key == '3' && digit)) side = 1;
+    if (key == ISOSCULPT_KEY_TOP || (key == '7' && digit)) side = 2;
+    if (side >= 0) isosculpt_hand_look(hand, sides[side][opposite]);
+    return side >= 0;
+}
+
+static void focus(isosculpt_hand *hand, bool on_cursor) {
+    isosculpt_pick pick;
+    if (hand->drag == ISOSCULPT_DRAG_BRUSH) return;
+    if (!on_cursor)
+        isosculpt_view_focus(hand->view, NULL);
+    else if (isosculpt_hand_under(hand, &pick))
+        isosculpt_view_focus(hand->view, &pick.position);
+    hand->wishes |= ISOSCULPT_WISH_PICTURE;
+}
+
+static void pan(isosculpt_hand *hand, int key) {
+    const double step = KEY_PAN * hand->view->height;
+    const int x = (key == ISOSCULPT_KEY_ARROW_RIGHT) - (key == ISOSCULPT_KEY_ARROW_LEFT),
+              y = (key == ISOSCULPT_KEY_ARROW_DOWN) - (key == ISOSCULPT_KEY_ARROW_UP);
+    if (hand->drag == ISOSCULPT_DRAG_BRUSH) return;
+    isosculpt_view_pan(hand->view, step * x, step * y);
+    hand->wishes |= ISOSCULPT_WISH_PICTURE;
+}
+
+static bool move_camera(isosculpt_hand *hand, int key, unsigned modifiers) {
+    if (key == 'f')
+        focus(hand, modifiers & ISOSCULPT_SHIFT);
+    else if (key == '+' || key == '=')
+        zoom(hand, KEY_ZOOM);
+    else if (key == '-')
+        zoom(hand, 1 / KEY_ZOOM);
+    else if (key >= ISOSCULPT_KEY_ARROW_LEFT && key <= ISOSCULPT_KEY_ARROW_DOWN)
+        pan(hand, key);
+    else
+        return look(hand, key, modifiers);
     return true;
+}
+
+/* A brush that is picked for a volume is one to sculpt it with. */
+static void pick_brush(isosculpt_hand *hand, int number) {
+    hand->brush.tool = isosculpt_hand_tool(number);
+    if (hand->looking) hand->wishes |= ISOSCULPT_WISH_SCULPT;
 }
 
 static bool set_brush(isosculpt_hand *hand, int key) {
     if (key >= '1' && key <= '9')
-        hand->brush.tool = isosculpt_hand_tool(key - '0');
-    else if (key == '[' || key == ']')
-        set_radius(hand, key == ']' ? hand->brush.radius * SIZE : hand->brush.radius / SIZE);
+        pick_brush(hand, key - '0');
+    else if (key == '[' || key == ']' || key == ',' || key == '.')
+        set_radius(hand, key == ']' || key == '.' ? hand->brush.radius * SIZE : hand->brush.radius / SIZE);
     else if (key == 'x' || key == 'c')
         hand->adjusting = (char)key;
     else if (key == ISOSCULPT_KEY_ESCAPE && hand->drag == ISOSCULPT_DRAG_BRUSH)
@@ -304,6 +413,7 @@ bool isosculpt_hand_key(isosculpt_hand *hand, int key, unsigned modifiers, bool 
         if (key == hand->adjusting) hand->adjusting = 0;
         return false;
     }
+    if (move_camera(hand, key, modifiers)) return true;
     if (modifiers & ISOSCULPT_CTRL) return command(hand, key, modifiers & ISOSCULPT_SHIFT);
-    return look(hand, key) || set_brush(hand, key);
+    return set_brush(hand, key);
 }

@@ -3,22 +3,25 @@
 #define ISO_APPS_ISOSCULPT_KEYS_H
 
 #define ISOSCULPT_KEYS(X)                                                                                    \
-    X("left drag on the surface", "the brush")                                                               \
+    X("left drag on the surface", "the brush; on a volume that is not sculpted yet: orbit")                  \
     X("left drag beside it, middle drag", "orbit")                                                           \
-    X("right drag", "pan")                                                                                   \
-    X("wheel", "zoom")                                                                                       \
+    X("right drag, arrow keys", "pan")                                                                       \
+    X("wheel, +  -", "zoom")                                                                                 \
+    X("F, Shift+F", "the whole object in the picture; what is under the cursor in its middle")               \
+    X("Shift+1, 3, 7", "look from the front, right, top (number pad: without Shift)")                        \
+    X("Ctrl+1, 3, 7", "look from the back, left, bottom (number pad, too)")                                  \
+    X("1 .. 9", "brushes; picking one makes a volume a field to sculpt")                                     \
     X("Shift + left drag", "smooth")                                                                         \
     X("Alt or Ctrl + left drag", "the brush, inverted")                                                      \
-    X("[  ]", "smaller, larger brush")                                                                       \
+    X("[  ] or ,  .", "smaller, larger brush")                                                               \
     X("X, C + moving the mouse", "size, strength")                                                           \
-    X("1 .. 9", "brushes")                                                                                   \
     X("Escape", "take back the stroke, cancel opening or saving")                                            \
     X("Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "undo, redo")                                                        \
-    X("Ctrl+S, Ctrl+Q", "save as .vdb, close")                                                               \
-    X("F", "look at what is under the cursor, or at all")                                                    \
-    X("number pad 1, 3, 7", "front, right, top")                                                             \
+    X("Ctrl+O", "open a file")                                                                               \
+    X("Ctrl+S, Ctrl+Shift+S", "save; save as .vdb (level set), .stl, .ply or .obj (meshes)")                 \
+    X("Ctrl+Q", "close")                                                                                     \
     X("M, G", "next method, next engine")                                                                    \
-    X("F12, Shift+F12", "picture of the sculpture, of the window")                                           \
+    X("F12, Shift+F12", "picture of the sculpture, of the window; beside the file that is saved")            \
     X("Tab, H", "panel, this sheet")                                                                         \
     X("dropping a file", "opens it; a mesh can also become a stamp")
 

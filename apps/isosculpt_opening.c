@@ -37,6 +37,8 @@ static iso_status open_desk(isosculpt_opening *opening, const isosculpt_volume *
                                      .pool = opened->pool,
                                      .progress = progress,
                                      .volume = volume,
+                                     .close_holes = request->close_holes,
+                                     .report = &opened->report,
                                      .input = &request->input};
     opened->desk.pool = opened->pool;
     opened->desk.undo_memory = request->undo_memory;
@@ -76,12 +78,27 @@ static iso_status open_any(isosculpt_opening *opening, const iso_progress *progr
     return open_volume(opening, progress, error);
 }
 
+static iso_status open_stamp(isosculpt_opening *opening, const iso_progress *progress, iso_error *error) {
+    isosculpt_opened *opened = &opening->opened;
+    const isosculpt_source source = {.path = opening->path,
+                                     .pool = opened->pool,
+                                     .progress = progress,
+                                     .close_holes = opening->request.close_holes,
+                                     .report = &opened->report};
+    return isosculpt_stamp_read(&source, &opened->stamp, error);
+}
+
 /* What was asked for, and what a window will draw of it first, so that it need not wait then. */
 static iso_status open_all(isosculpt_opening *opening, const iso_progress *progress, iso_error *error) {
     isosculpt_opened *opened = &opening->opened;
-    if (opening->request.stamp) return isosculpt_stamp_read(opening->path, progress, &opened->stamp, error);
     const iso_progress most = iso_progress_part(progress, 0, 0.9);
     ISO_TRY(iso_pool_create(opening->request.threads, &opened->pool, error));
+    if (opening->request.stamp) {
+        iso_status status = open_stamp(opening, progress, error);
+        iso_pool_destroy(opened->pool);
+        opened->pool = NULL;
+        return status;
+    }
     ISO_TRY(open_any(opening, &most, error));
     ISO_TRY(iso_progress_tell(progress, opening->path, 0.95, error));
     enum { SMALL = 64 }; /* it is the surface that is made ready */

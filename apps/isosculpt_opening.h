@@ -15,11 +15,11 @@ typedef struct isosculpt_request {
     const char *path; /* strokes (.strokes), or what isosculpt_source takes */
     bool stamp;       /* it is a mesh, wanted as a stamp and nothing else */
     const isosculpt_volume
-        *sculpt;            /* what is looked at, borrowed: it becomes a field; NULL: the path is read */
-    const char *folder;     /* of new journals; NULL: none */
-    double isovalue, voxel; /* isosculpt_source */
-    iso_input input;        /* how the path is read, unless it is strokes; its strings are borrowed */
-    int threads;            /* 0: one a processor */
+        *sculpt;        /* what is looked at, borrowed: it becomes a field; NULL: the path is read */
+    const char *folder; /* of new journals; NULL: none */
+    double isovalue, voxel, close_holes; /* isosculpt_source */
+    iso_input input; /* how the path is read, unless it is strokes; its strings are borrowed */
+    int threads;     /* 0: one a processor */
     size_t undo_memory;
     void (*wake)(void); /* isosculpt_task_start */
 } isosculpt_request;
@@ -33,6 +33,7 @@ typedef struct isosculpt_opened {
     isosculpt_view view;
     isosculpt_volume *volume; /* to be looked at first: then there is no desk */
     iso_stamp *stamp;         /* then the others are not there */
+    iso_mesh_report report;   /* of a mesh */
 } isosculpt_opened;
 void isosculpt_opened_free(isosculpt_opened *opened);
 

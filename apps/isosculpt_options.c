@@ -1,5 +1,6 @@
 /* The command line of isosculpt. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "apps/isosculpt.h"
@@ -26,6 +27,16 @@ static iso_status apply_json(void *target, const char *value, iso_error *error) 
 static iso_status apply_resolution(void *target, const char *value, iso_error *error) {
     isosculpt_settings *settings = target;
     return iso_parse_resolution(value, settings->resolution, error);
+}
+
+static iso_status apply_close_holes(void *target, const char *value, iso_error *error) {
+    isosculpt_settings *settings = target;
+    char *end;
+    const double size = strtod(value, &end);
+    if (end == value || *end || !(size >= 0) || !isfinite(size))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is no size in mm", value);
+    settings->close_holes = size > 0 ? size : -1;
+    return ISO_OK;
 }
 
 static iso_status apply_version(void *target, const char *value, iso_error *error) {
@@ -55,8 +66,15 @@ static const iso_option options[] = {
     {"isovalue", NULL, "V",
      "of the volume that is opened (of a level set: mm from its surface); a window can change it",
      .group = SESSION, .kind = ISO_OPTION_REAL, AT(isovalue), .low = -1e300, .high = 1e300},
+#define SOLID SESSION
+#include "solid_options.inc"
+#undef SOLID
     {"stamp", NULL, "FILE", "add and carve with this mesh (.stl, .obj, .ply); the strokes keep it",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(stamp)},
+    {"close-holes", NULL, "MM",
+     "close holes of a mesh up to this size, 0: none; cuts by the border of a volume are capped in any case",
+     .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_close_holes,
+     .standard = "a tenth of its longest side"},
     {"headless", NULL, NULL, "open no window", .group = SESSION, .kind = ISO_OPTION_FLAG, AT(headless)},
     {"voxel-size", NULL, "MM", "open or play at another voxel size", .group = SESSION,
      .kind = ISO_OPTION_REAL, AT(voxel_size), .standard = "the file's", .low = 1e-6, .high = 1e6},
@@ -155,6 +173,8 @@ static iso_status check_opened(const isosculpt_settings *settings, iso_error *er
     ISO_TRY(iso_input_check(&settings->input, error));
     if (!settings->open && !isnan(settings->isovalue))
         return iso_fail(error, ISO_ERR_USAGE, "--isovalue needs a file to open");
+    if (!option && iso_input_drops_parts(&settings->input))
+        option = settings->input.largest ? "--largest" : "--min-size";
     if (!settings->open && option) return iso_fail(error, ISO_ERR_USAGE, "%s needs a file to open", option);
     return ISO_OK;
 }

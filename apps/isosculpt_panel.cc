@@ -13,6 +13,8 @@
 #include <GLFW/glfw3.h>
 
 #include "apps/isosculpt_keys.h"
+#include "apps/isosculpt_panel_parts.hpp"
+#include "apps/isosculpt_save.h"
 #include "grids/bridge_guard.hpp"
 
 struct rectangle {
@@ -32,61 +34,6 @@ struct isosculpt_panel {
         return place.holds(x, y) || busy.holds(x, y) || message.holds(x, y);
     }
 };
-
-static const ImVec4 RED{1.0f, 0.42f, 0.36f, 1.0f}, GREY{0.72f, 0.74f, 0.77f, 1.0f},
-    GREEN{0.62f, 0.86f, 0.62f, 1.0f};
-
-/* ---- the picture and the ring */
-
-static ImVec2 at_window(const isosculpt_screen *screen, double x, double y) {
-    return ImVec2((float)(x / screen->pixels), (float)(y / screen->pixels));
-}
-
-/* Two unit vectors across the normal. */
-static void across(iso_vec3 normal, iso_vec3 *u, iso_vec3 *v) {
-    iso_vec3 other = std::fabs(normal.x) < 0.6 ? iso_vec3_make(1, 0, 0) : iso_vec3_make(0, 1, 0);
-    *u = iso_vec3_unit(iso_vec3_cross(normal, other));
-    *v = iso_vec3_cross(normal, *u);
-}
-
-static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, const isosculpt_pick &pick,
-                      float scale) {
-    constexpr int CORNERS = 64;
-    const isosculpt_layer *layer = &screen->hand->view->drawn;
-    const double radius = screen->hand->brush.radius;
-    ImVec2 corners[CORNERS];
-    iso_vec3 u, v;
-    double x, y, sine, cosine;
-    across(pick.normal, &u, &v);
-    for (int i = 0; i < CORNERS; i++) {
-        iso_sincos(2 * ISO_PI * i / CORNERS, &sine, &cosine);
-        iso_vec3 offset = iso_vec3_add(iso_vec3_scale(u, radius * cosine), iso_vec3_scale(v, radius * sine));
-        if (!isosculpt_layer_pixel(layer, iso_vec3_add(pick.position, offset), &x, &y)) return;
-        corners[i] = at_window(screen, x, y);
-    }
-    list->AddPolyline(corners, CORNERS, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed, 3.5f * scale);
-    list->AddPolyline(corners, CORNERS, IM_COL32(255, 255, 255, 230), ImDrawFlags_Closed, 1.5f * scale);
-}
-
-static void draw_brush(const isosculpt_screen *screen, ImDrawList *list, float scale) {
-    const isosculpt_hand *hand = screen->hand;
-    isosculpt_pick pick;
-    double x, y;
-    if (!isosculpt_hand_under(hand, &pick)) return;
-    draw_ring(screen, list, pick, scale);
-    iso_vec3 tip = iso_vec3_add(pick.position, iso_vec3_scale(pick.normal, 0.4 * hand->brush.radius));
-    if (isosculpt_layer_pixel(&hand->view->drawn, tip, &x, &y))
-        list->AddLine(at_window(screen, hand->x, hand->y), at_window(screen, x, y),
-                      IM_COL32(255, 255, 255, 160), 1.5f * scale);
-}
-
-static void draw_picture(const isosculpt_screen *screen, bool ring, float scale) {
-    ImDrawList *list = ImGui::GetBackgroundDrawList();
-    if (screen->texture)
-        list->AddImage((ImTextureID)(intptr_t)screen->texture, ImVec2(0, 0),
-                       at_window(screen, screen->width, screen->height));
-    if (ring) draw_brush(screen, list, scale);
-}
 
 /* ---- parts of the panel */
 
@@ -116,6 +63,37 @@ static void choose_shape(isosculpt_hand *hand) {
     ImGui::EndDisabled();
 }
 
+/* The planes, and where they are. */
+static void choose_mirror(isosculpt_hand *hand) {
+    iso_brush *brush = &hand->brush;
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted("symmetry");
+    for (unsigned axis = 0; axis < 3; axis++) {
+        const char name[2] = {(char)('x' + axis), 0};
+        ImGui::SameLine();
+        ImGui::CheckboxFlags(name, &brush->symmetry, 1u << axis);
+    }
+    if (!brush->symmetry) return;
+    ImGui::SameLine();
+    if (ImGui::Button("centre")) isosculpt_hand_center_mirror(hand);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("the planes pass through the middle of the object");
+    double *const at[] = {&brush->mirror.x, &brush->mirror.y, &brush->mirror.z};
+    const float speed = (float)(0.5 * hand->desk->start.voxel_size);
+    const float inner = ImGui::GetStyle().ItemInnerSpacing.x,
+                width = (ImGui::CalcItemWidth() - 2 * inner) / 3;
+    for (int axis = 0; axis < 3; axis++) {
+        ImGui::PushID(axis);
+        if (axis) ImGui::SameLine(0, inner);
+        ImGui::SetNextItemWidth(width);
+        ImGui::BeginDisabled(!(brush->symmetry >> axis & 1));
+        ImGui::DragScalar("##mirror", ImGuiDataType_Double, at[axis], speed, nullptr, nullptr, "%.5g");
+        ImGui::EndDisabled();
+        ImGui::PopID();
+    }
+    ImGui::SameLine(0, inner);
+    ImGui::TextUnformatted("at, mm");
+}
+
 static void section_brush(const isosculpt_screen *screen) {
     isosculpt_hand *hand = screen->hand;
     static const char *const names[] = {"1 add",     "2 carve", "3 blend", "4 smooth", "5 inflate",
@@ -125,7 +103,7 @@ static void section_brush(const isosculpt_screen *screen) {
         bool chosen = hand->brush.tool == isosculpt_hand_tool(i + 1);
         if (i % 3) ImGui::SameLine();
         if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-        if (ImGui::Button(names[i], ImVec2(width, 0))) hand->brush.tool = isosculpt_hand_tool(i + 1);
+        if (ImGui::Button(names[i], ImVec2(width, 0))) isosculpt_hand_key(hand, '1' + i, 0, true);
         if (chosen) ImGui::PopStyleColor();
     }
     const double voxel = hand->desk->start.voxel_size, low = 2 * voxel, high = 128 * voxel, none = 0.02,
@@ -135,13 +113,7 @@ static void section_brush(const isosculpt_screen *screen) {
     ImGui::SliderScalar("strength", ImGuiDataType_Double, &hand->brush.strength, &none, &full, "%.2f",
                         ImGuiSliderFlags_AlwaysClamp);
     choose_shape(hand);
-    ImGui::AlignTextToFramePadding();
-    ImGui::TextUnformatted("symmetry");
-    for (unsigned axis = 0; axis < 3; axis++) {
-        const char name[2] = {(char)('x' + axis), 0};
-        ImGui::SameLine();
-        ImGui::CheckboxFlags(name, &hand->brush.symmetry, 1u << axis);
-    }
+    choose_mirror(hand);
     if (!screen->pen) return;
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted("pressure");
@@ -189,7 +161,28 @@ static bool engine_combo(isosculpt_view *view) {
     return changed;
 }
 
-static void section_picture(isosculpt_hand *hand) {
+/* A button for each side. */
+static void choose_side(isosculpt_hand *hand) {
+    static const struct {
+        const char *name, *tip;
+        iso_direction direction;
+    } sides[] = {{"front", "Shift+1", ISO_FRONT}, {"back", "Ctrl+1", ISO_BACK},
+                 {"right", "Shift+3", ISO_RIGHT}, {"left", "Ctrl+3", ISO_LEFT},
+                 {"top", "Shift+7", ISO_TOP},     {"bottom", "Ctrl+7", ISO_BOTTOM}};
+    const ImGuiStyle &style = ImGui::GetStyle();
+    const float gap = 0.75f * style.ItemInnerSpacing.x, room = ImGui::GetContentRegionAvail().x,
+                padding = (room - 5 * gap - ImGui::CalcTextSize("frontbackrightlefttopbottom").x) / 12;
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(padding, style.FramePadding.y));
+    for (int i = 0; i < 6; i++) {
+        if (i) ImGui::SameLine(0, gap);
+        if (ImGui::Button(sides[i].name)) isosculpt_hand_look(hand, sides[i].direction);
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", sides[i].tip);
+    }
+    ImGui::PopStyleVar();
+}
+
+static void section_picture(isosculpt_screen *screen) {
+    isosculpt_hand *hand = screen->hand;
     isosculpt_look *look = &hand->view->look;
     bool changed = false;
     if (ImGui::BeginCombo("method", isosculpt_method_name(look->method))) {
@@ -214,6 +207,12 @@ static void section_picture(isosculpt_hand *hand) {
     ImGui::SameLine();
     changed |= engine_combo(hand->view);
     if (changed) hand->wishes |= ISOSCULPT_WISH_PICTURE;
+    choose_side(hand);
+    if (ImGui::Button("Copy isorender command")) screen->answers |= ISOSCULPT_ANSWER_COMMAND;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("a command that draws this picture, to the clipboard");
+    ImGui::SameLine();
+    if (ImGui::Button("Picture...")) screen->browse = ISOSCULPT_BROWSE_PICTURE;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("save it under a name; F12: beside the file, at once");
 }
 
 static void section_history(isosculpt_hand *hand, float scale) {
@@ -273,95 +272,6 @@ static void section_numbers(isosculpt_hand *hand) {
     ImGui::EndTable();
 }
 
-static void file_buttons(isosculpt_screen *screen) {
-    isosculpt_hand *hand = screen->hand;
-    const isosculpt_desk *desk = hand->desk;
-    ImGui::SetNextItemWidth(-1);
-    ImGui::InputTextWithHint("##path", "a file, typed or dropped", screen->path, sizeof screen->path);
-    if (ImGui::Button("Open") && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_OPEN;
-    ImGui::SameLine();
-    if (ImGui::Button("Stamp") && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_STAMP;
-    ImGui::SameLine();
-    const bool saved = desk->changes == desk->saved;
-    if (ImGui::Button(saved ? "Save .vdb###save" : "Save .vdb *###save")) hand->wishes |= ISOSCULPT_WISH_SAVE;
-    ImGui::SameLine();
-    if (ImGui::Button("Help")) screen->help = !screen->help;
-}
-
-/* By the logarithms of counts. Where values are few, a column reaches to the next value. */
-static void draw_columns(const iso_histogram &histogram, ImDrawList *list, ImVec2 at, ImVec2 size) {
-    uint64_t most = 1, filled = 0;
-    for (uint64_t count : histogram.bins) {
-        most = count > most ? count : most;
-        filled += count > 0;
-    }
-    const bool few = 2 * filled < ISO_HISTOGRAM_BINS;
-    const float column = size.x / ISO_HISTOGRAM_BINS;
-    uint64_t count = 0;
-    for (int i = 0; i < ISO_HISTOGRAM_BINS; i++) {
-        if (histogram.bins[i] || !few) count = histogram.bins[i];
-        const double part = std::log1p((double)count) / std::log1p((double)most);
-        list->AddRectFilled(ImVec2(at.x + column * (float)i, at.y + size.y * (float)(1 - part)),
-                            ImVec2(at.x + column * (float)(i + 1), at.y + size.y),
-                            IM_COL32(120, 150, 190, 255));
-    }
-}
-
-/* The histogram, and the isovalue as a line, which follows the pointer. */
-static void draw_histogram(isosculpt_screen *screen, float scale) {
-    const iso_histogram *histogram = &screen->volume->histogram;
-    const ImVec2 at = ImGui::GetCursorScreenPos(), size(ImGui::GetContentRegionAvail().x, 110 * scale);
-    const double range = histogram->high - histogram->low;
-    ImDrawList *list = ImGui::GetWindowDrawList();
-    ImGui::InvisibleButton("histogram", size);
-    list->AddRectFilled(at, ImVec2(at.x + size.x, at.y + size.y), IM_COL32(20, 24, 30, 255));
-    draw_columns(*histogram, list, at, size);
-    screen->sliding = ImGui::IsItemActive();
-    if (screen->sliding && range > 0) {
-        const double part = (double)(ImGui::GetIO().MousePos.x - at.x) / (double)size.x;
-        screen->isovalue = histogram->low + std::fmin(std::fmax(part, 0), 1) * range;
-    }
-    const float x = at.x + size.x * (float)(range > 0 ? (screen->isovalue - histogram->low) / range : 0);
-    list->AddLine(ImVec2(x, at.y), ImVec2(x, at.y + size.y), IM_COL32(255, 190, 90, 255), 2 * scale);
-}
-
-static void section_isovalue(isosculpt_screen *screen, float scale) {
-    const iso_histogram *histogram = &screen->volume->histogram;
-    draw_histogram(screen, scale);
-    ImGui::SliderScalar("isovalue", ImGuiDataType_Double, &screen->isovalue, &histogram->low,
-                        &histogram->high, "%.6g", ImGuiSliderFlags_AlwaysClamp);
-    screen->sliding |= ImGui::IsItemActive();
-    if (ImGui::Button("Sculpt this")) screen->hand->wishes |= ISOSCULPT_WISH_SCULPT;
-    ImGui::SameLine();
-    ImGui::TextColored(GREY, "or touch it with a brush");
-}
-
-/* A path by its last part; all of it under the pointer. */
-static void show_path(ImVec4 color, const char *what, const char *path) {
-    const char *slash = strrchr(path, '/');
-    ImGui::TextColored(color, "%s%s", what, slash ? slash + 1 : path);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path);
-}
-
-static void section_files(isosculpt_screen *screen) {
-    const isosculpt_desk *desk = screen->hand->desk;
-    iso_error error = {ISO_OK, ""};
-    file_buttons(screen);
-    ImGui::PushTextWrapPos(0);
-    if (screen->volume)
-        show_path(GREY, "", screen->volume->path);
-    else if (!desk->journal[0])
-        ImGui::TextColored(RED, "No journal is written: %s. What you make is in memory only: save it.",
-                           desk->trouble);
-    else if (iso_session_journal_status(desk->session, &error) != ISO_OK)
-        ImGui::TextColored(RED,
-                           "The journal lags behind: %s. Nothing is lost in memory, and it is tried again.",
-                           error.text);
-    else
-        show_path(GREEN, "Strokes: ", desk->journal);
-    ImGui::PopTextWrapPos();
-}
-
 static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float width = 296 * panel->scale, gap = 8 * panel->scale;
@@ -370,15 +280,14 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, display.y - 2 * gap));
     ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::PushItemWidth(-76 * panel->scale);
-    const bool looking = screen->volume != nullptr;
-    if (looking && ImGui::CollapsingHeader("Isovalue", ImGuiTreeNodeFlags_DefaultOpen))
-        section_isovalue(screen, panel->scale);
-    if (!looking && ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen)) section_brush(screen);
-    if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) section_picture(screen->hand);
-    if (!looking && ImGui::CollapsingHeader("History", ImGuiTreeNodeFlags_DefaultOpen))
-        section_history(screen->hand, panel->scale);
-    if (ImGui::CollapsingHeader("Numbers", ImGuiTreeNodeFlags_DefaultOpen)) section_numbers(screen->hand);
-    if (ImGui::CollapsingHeader("Files", ImGuiTreeNodeFlags_DefaultOpen)) section_files(screen);
+    const bool looking = screen->volume != nullptr, brush = !looking || screen->sculpting;
+    const ImGuiTreeNodeFlags open = ImGuiTreeNodeFlags_DefaultOpen;
+    if (!brush && ImGui::CollapsingHeader("Isovalue", open)) panel_isovalue(screen, panel->scale);
+    if (brush && ImGui::CollapsingHeader("Brush", open)) section_brush(screen);
+    if (ImGui::CollapsingHeader("Picture", open)) section_picture(screen);
+    if (ImGui::CollapsingHeader("Files", open)) panel_files(screen);
+    if (!looking && ImGui::CollapsingHeader("History", open)) section_history(screen->hand, panel->scale);
+    if (ImGui::CollapsingHeader("Numbers", open)) section_numbers(screen->hand);
     ImGui::PopItemWidth();
     panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
     ImGui::End();
@@ -483,15 +392,16 @@ static void ask_recover(isosculpt_screen *screen) {
 static void say_unsaved(const isosculpt_screen *screen) {
     const char *journal = screen->hand->desk->journal;
     if (journal[0])
-        ImGui::Text("What you did is not in a .vdb file. The stroke file has all of it:\n%s", journal);
+        ImGui::Text("What you did is not saved. The stroke file has all of it:\n%s", journal);
     else
         ImGui::TextColored(RED, "What you did is in no file.");
+    ImGui::Text("\nSaving writes\n%s\n\n", screen->hand->desk->target);
 }
 
 static void ask_close(isosculpt_screen *screen) {
     if (!begin_question("Close?", screen->question == ISOSCULPT_ASK_CLOSE)) return;
     say_unsaved(screen);
-    answer_button(screen, "Save .vdb and close (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE);
+    answer_button(screen, "Save and close (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE);
     ImGui::SameLine();
     answer_button(screen, "Close", ISOSCULPT_ANSWER_LEAVE);
     ImGui::SameLine();
@@ -503,7 +413,7 @@ static void ask_open(isosculpt_screen *screen) {
     if (!begin_question("Open?", screen->question == ISOSCULPT_ASK_OPEN)) return;
     ImGui::Text("%s\nis to be opened in place of what is here.\n\n", screen->asked);
     say_unsaved(screen);
-    answer_button(screen, "Save .vdb and open (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE);
+    answer_button(screen, "Save and open (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE);
     ImGui::SameLine();
     answer_button(screen, "Open", ISOSCULPT_ANSWER_LEAVE);
     ImGui::SameLine();
@@ -522,10 +432,51 @@ static void ask_mesh(isosculpt_screen *screen) {
     ImGui::EndPopup();
 }
 
+static void ask_replace(isosculpt_screen *screen) {
+    if (!begin_question("Replace?", screen->question == ISOSCULPT_ASK_REPLACE)) return;
+    const bool picture = screen->chosen_for == ISOSCULPT_BROWSE_PICTURE;
+    ImGui::Text("%s\nis there already.%s\n\n", screen->asked,
+                picture ? "" : " It will be kept with .bak added to its name.");
+    answer_button(screen, "Replace it (Enter)", ISOSCULPT_ANSWER_REPLACE);
+    ImGui::SameLine();
+    answer_button(screen, "Keep it (Escape)", ISOSCULPT_ANSWER_STAY);
+    ImGui::EndPopup();
+}
+
+/* ---- the browser */
+
+/* The path to begin with: what was typed in, or where the sculpture is saved. */
+static void open_browser(isosculpt_screen *screen) {
+    char path[ISOSCULPT_PATH];
+    const isosculpt_purpose purpose = screen->browse;
+    const char *target = screen->hand->desk->target, *typed = screen->path;
+    screen->browse = ISOSCULPT_BROWSE_NOTHING;
+    if (purpose == ISOSCULPT_BROWSE_EXPORT)
+        isosculpt_target_free(target, ".stl", path);
+    else if (purpose == ISOSCULPT_BROWSE_PICTURE)
+        isosculpt_target_free(target, ".png", path);
+    else
+        snprintf(path, sizeof path, "%s", target);
+    isosculpt_browser_open(&screen->browser, purpose, path);
+    if (!typed[0] || purpose == ISOSCULPT_BROWSE_PICTURE) return;
+    snprintf(screen->browser.name, sizeof screen->browser.name, "%s", typed);
+    screen->path[0] = 0;
+}
+
+static void draw_browser(isosculpt_panel *panel, isosculpt_screen *screen) {
+    if (screen->browse && !screen->question && !screen->browser.purpose) open_browser(screen);
+    const isosculpt_purpose purpose = screen->browser.purpose;
+    const bool chosen = isosculpt_browser_draw(&screen->browser, panel->scale, screen->chosen);
+    screen->browser.typed = isosculpt_typed{}; /* (the box for a file's name has seen them, too) */
+    if (!chosen) return;
+    screen->chosen_for = purpose;
+    screen->answers |= ISOSCULPT_ANSWER_CHOSEN;
+}
+
 /* ---- a frame */
 
 static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
-    panel->modal = screen->question != ISOSCULPT_ASK_NOTHING;
+    panel->modal = screen->question != ISOSCULPT_ASK_NOTHING || screen->browser.purpose;
     panel->place = panel->busy = panel->message = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
     screen->sliding = false;
     if (screen->panel && !screen->blank) draw_panel(panel, screen);
@@ -536,12 +487,14 @@ static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     ask_close(screen);
     ask_open(screen);
     ask_mesh(screen);
+    ask_replace(screen);
+    draw_browser(panel, screen);
     const isosculpt_hand *hand = screen->hand;
     bool over = panel->over(hand->x / screen->pixels, hand->y / screen->pixels);
-    draw_picture(screen,
-                 !panel->modal && !screen->blank && !screen->volume &&
-                     (!over || hand->drag == ISOSCULPT_DRAG_BRUSH),
-                 panel->scale);
+    const bool brush = !screen->volume || screen->sculpting;
+    panel_picture(screen, panel->scale);
+    if (brush && !screen->blank && !panel->modal && (!over || hand->drag == ISOSCULPT_DRAG_BRUSH))
+        panel_brush(screen, panel->scale);
 }
 
 iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error) {

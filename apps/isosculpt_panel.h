@@ -3,6 +3,7 @@
 #ifndef ISO_APPS_ISOSCULPT_PANEL_H
 #define ISO_APPS_ISOSCULPT_PANEL_H
 
+#include "apps/isosculpt_browser.h"
 #include "apps/isosculpt_hand.h"
 
 #ifdef __cplusplus
@@ -13,9 +14,10 @@ extern "C" {
 typedef enum isosculpt_question {
     ISOSCULPT_ASK_NOTHING,
     ISOSCULPT_ASK_RECOVER, /* whether to recover the journal `path` */
-    ISOSCULPT_ASK_CLOSE,   /* what to do about changes that are in no .vdb file */
+    ISOSCULPT_ASK_CLOSE,   /* what to do about changes that are not saved */
     ISOSCULPT_ASK_OPEN,    /* the same, before `path` is opened */
-    ISOSCULPT_ASK_MESH     /* whether to open the mesh `path`, or to make it a stamp */
+    ISOSCULPT_ASK_MESH,    /* whether to open the mesh `path`, or to make it a stamp */
+    ISOSCULPT_ASK_REPLACE  /* whether to write over the file `path` */
 } isosculpt_question;
 
 /* Answers of the person to what the panel shows, for the window. */
@@ -25,9 +27,12 @@ enum {
     ISOSCULPT_ANSWER_LEAVE = 4,   /* close, or open, as was asked */
     ISOSCULPT_ANSWER_STAY = 8,
     ISOSCULPT_ANSWER_SAVE = 16,
-    ISOSCULPT_ANSWER_OPEN = 32,   /* what `path` names */
-    ISOSCULPT_ANSWER_STAMP = 64,  /* the same, as a stamp */
-    ISOSCULPT_ANSWER_CANCEL = 128 /* busy[0], and its double busy[1] */
+    ISOSCULPT_ANSWER_OPEN = 32,    /* what `path` names */
+    ISOSCULPT_ANSWER_STAMP = 64,   /* the same, as a stamp */
+    ISOSCULPT_ANSWER_CANCEL = 128, /* busy[0], and its double busy[1] */
+    ISOSCULPT_ANSWER_REPLACE = 512,
+    ISOSCULPT_ANSWER_CHOSEN = 1024, /* `chosen`, for `chosen_for` */
+    ISOSCULPT_ANSWER_COMMAND = 2048 /* the command that draws this goes to the clipboard */
 };
 
 /* Heavy work that is under way. */
@@ -50,8 +55,13 @@ typedef struct isosculpt_screen {
     char asked[ISOSCULPT_PATH]; /* the path that the question is about */
     isosculpt_busy busy[ISOSCULPT_BUSY];
     int busy_count;
-    char path[ISOSCULPT_PATH];      /* that is typed in */
+    char path[ISOSCULPT_PATH]; /* that is typed in */
+    isosculpt_browser browser;
+    isosculpt_purpose browse; /* to be shown with the next frame */
+    isosculpt_purpose chosen_for;
+    char chosen[ISOSCULPT_PATH];
     const isosculpt_volume *volume; /* that is looked at; NULL: there is a field */
+    bool sculpting;                 /* it is being made a field */
     double isovalue;                /* chosen for it */
     bool sliding;                   /* just now, by hand */
     char message[600];              /* of the last command; "" none. Good ones go by themselves, */

@@ -9,6 +9,7 @@
 #include "apps/isosculpt_source.h"
 #include "apps/isosculpt_view.h"
 #include "apps/json.h"
+#include "apps/json_parts.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "grids/level_set.h"
@@ -50,12 +51,16 @@ static iso_status rescale(iso_journal_start *start, double voxel_size, iso_error
 }
 
 static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_file_set *files,
-                             iso_journal_start *start, iso_hgrid **grid, iso_error *error) {
+                             isosculpt_report *report, iso_hgrid **grid, iso_error *error) {
+    iso_journal_start *start = &report->start;
     const isosculpt_source source = {.path = settings->open,
                                      .isovalue = settings->isovalue,
                                      .voxel = settings->voxel_size,
                                      .pool = pool,
+                                     .close_holes = settings->close_holes,
+                                     .report = &report->opened_mesh,
                                      .input = &settings->input,
+                                     .parts = &report->parts,
                                      .files = files,
                                      .notes = !settings->quiet};
     if (settings->open) return isosculpt_source_open(&source, start, grid, error);
@@ -63,6 +68,17 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
         return isosculpt_source_find(settings->replay, &source, start, grid, error);
     if (settings->voxel_size > 0) ISO_TRY(rescale(start, settings->voxel_size, error));
     return iso_session_ball(start, grid, error);
+}
+
+static void say_parts(const isosculpt_settings *settings, const isosculpt_report *report) {
+    const iso_components_totals *parts = &report->parts;
+    if (settings->quiet || !parts->kept) return;
+    iso_program_say(isosculpt_program(),
+                    "%s: kept %zu of %zu parts of the solid, dropped %zu with %.3g %% of its volume (%.6g of "
+                    "%.6g mm3)",
+                    report->start.source, parts->kept, parts->kept + parts->dropped, parts->dropped,
+                    100 * parts->dropped_share, parts->dropped_volume,
+                    parts->kept_volume + parts->dropped_volume);
 }
 
 /* ---- playing */
@@ -146,6 +162,20 @@ static iso_status write_points(player *p, const char *path, iso_error *error) {
     return status;
 }
 
+/* Measured as well when there is a report to say it in. */
+static iso_status write_welded(player *p, const char *path, const iso_mesh_view *view, iso_error *error) {
+    iso_weld weld;
+    ISO_TRY(iso_mesh_weld(view, &weld, error));
+    iso_status status = ISO_OK;
+    if (p->settings->json) {
+        p->report->has_mesh = true;
+        status = iso_weld_measure(&weld, &view->transform, p->pool, &p->report->mesh, error);
+    }
+    if (status == ISO_OK) status = iso_mesh_write_weld(path, &weld, &view->transform, "isosculpt", error);
+    iso_weld_free(&weld);
+    return status;
+}
+
 static iso_status write_mesh(player *p, const char *path, iso_error *error) {
     iso_grid grid = {.hgrid = iso_session_grid(p->session)};
     iso_mesh_opts opts = {.pool = p->pool};
@@ -153,7 +183,7 @@ static iso_status write_mesh(player *p, const char *path, iso_error *error) {
     ISO_TRY(iso_mesh_set_create(&grid, &opts, &set, error));
     iso_status status = iso_mesh_set_update(set, error);
     iso_mesh_view view = iso_mesh_set_view(set);
-    if (status == ISO_OK) status = iso_mesh_write(path, &view, "isosculpt", error);
+    if (status == ISO_OK) status = write_welded(p, path, &view, error);
     iso_mesh_set_destroy(set);
     return status;
 }
@@ -215,6 +245,9 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     if (!p->settings->quiet && p->report->edits.clipped)
         iso_program_say(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
                         name_of(p->settings));
+    char note[240];
+    if (!p->settings->quiet && iso_mesh_report_note(&p->report->opened_mesh, note, sizeof note))
+        iso_program_say(isosculpt_program(), "%s: %s", p->settings->open, note);
     return ISO_OK;
 }
 
@@ -231,10 +264,11 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory};
     iso_file_set files = {0};
     if (settings->replay) iso_file_set_read(&files, settings->replay);
-    iso_status status = make_field(settings, pool, &files, &report.start, &grid, error);
+    iso_status status = make_field(settings, pool, &files, &report, &grid, error);
     if (status == ISO_OK && (status = check_outputs(settings, &files, error)) != ISO_OK)
         iso_hgrid_destroy(grid);
     iso_file_set_free(&files);
+    if (status == ISO_OK) say_parts(settings, &report);
     if (status == ISO_OK && reader) opts.work = fmax(1, pow(own / grid->transform.spacing[0], 3));
     if (status == ISO_OK) status = iso_session_create(grid, &report.start, &opts, &p.session, error);
     if (status == ISO_OK) status = run(&p, reader, error);
@@ -264,6 +298,21 @@ static void put_times(iso_json *json, const char *key, const isosculpt_times *ti
     iso_json_end_object(json);
 }
 
+/* What a mesh that was opened needed to be closed. */
+static void put_opened_mesh(iso_json *json, const iso_mesh_report *mesh) {
+    if (!mesh->triangles) return;
+    iso_json_begin_object(json, "opened_mesh");
+    iso_json_integer(json, "triangles", mesh->triangles);
+    iso_json_integer(json, "open_edges", mesh->open_edges);
+    iso_json_integer(json, "holes_closed", mesh->holes_closed);
+    iso_json_integer(json, "loops_capped", mesh->loops_capped);
+    iso_json_real(json, "largest_hole", mesh->largest_hole);
+    iso_json_integer(json, "turned", mesh->turned);
+    iso_json_bool(json, "inside_out", mesh->volume < 0);
+    iso_json_real(json, "volume", fabs(mesh->volume));
+    iso_json_end_object(json);
+}
+
 static void put_report(FILE *stream, const isosculpt_settings *settings, const isosculpt_report *report) {
     iso_json json = {.stream = stream};
     iso_json_begin_object(&json, NULL);
@@ -273,6 +322,9 @@ static void put_report(FILE *stream, const isosculpt_settings *settings, const i
     iso_json_string(&json, "source", report->start.source);
     iso_json_ints(&json, "dims", report->start.dims, 3);
     iso_json_real(&json, "voxel_size", report->start.voxel_size);
+    put_opened_mesh(&json, &report->opened_mesh);
+    if (report->parts.kept) iso_put_components(&json, "parts", &report->parts);
+    if (report->has_mesh) iso_put_mesh_measures(&json, "mesh", &report->mesh);
     iso_json_integer(&json, "strokes", report->strokes);
     iso_json_integer(&json, "samples", report->samples);
     iso_json_integer(&json, "undone", report->undone);

@@ -60,40 +60,73 @@ bool isosculpt_is_mesh(const char *path) {
     return false;
 }
 
-static double longest_side(const iso_triangles *mesh) {
-    double longest = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        double low = INFINITY, high = -INFINITY;
-        for (size_t i = 0; i < mesh->vertex_count; i++) {
-            low = fmin(low, (double)mesh->vertices[i][axis]);
-            high = fmax(high, (double)mesh->vertices[i][axis]);
-        }
-        longest = fmax(longest, high - low);
-    }
-    return longest;
+static double longest_side(const iso_closed_mesh *mesh) {
+    const iso_box box = iso_closed_mesh_box(mesh);
+    return fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
+}
+
+/* Reads and closes the mesh. `progress` is told of both. */
+static iso_status read_mesh(const isosculpt_source *source, const iso_progress *progress,
+                            iso_closed_mesh **closed, iso_error *error) {
+    const iso_progress reading = iso_progress_part(progress, 0, 0.6),
+                       closing = iso_progress_part(progress, 0.6, 1);
+    const iso_closing_opts opts = {.hole = source->close_holes, .progress = &closing};
+    iso_triangles mesh;
+    ISO_TRY(iso_mesh_read(source->path, &reading, &mesh, error));
+    iso_status status = iso_closed_mesh_create(source->path, &mesh, &opts, closed, error);
+    iso_triangles_free(&mesh);
+    if (status == ISO_OK && source->report) *source->report = *iso_closed_mesh_report(*closed);
+    return status;
 }
 
 static iso_status from_mesh(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
-    iso_triangles mesh;
     const iso_progress reading = iso_progress_part(source->progress, 0.05, 0.3),
                        converting = iso_progress_part(source->progress, 0.3, 1);
-    ISO_TRY(iso_mesh_read(source->path, &reading, &mesh, error));
-    const iso_mesh_frame frame = {source->voxel > 0 ? source->voxel : longest_side(&mesh) / MESH_VOXELS,
-                                  ISO_FIELD_MARGIN, &converting};
-    iso_status status = iso_level_set_from_mesh(source->path, &mesh, &frame, grid, error);
-    iso_triangles_free(&mesh);
+    iso_closed_mesh *mesh;
+    ISO_TRY(read_mesh(source, &reading, &mesh, error));
+    const iso_mesh_frame frame = {source->voxel > 0 ? source->voxel : longest_side(mesh) / MESH_VOXELS,
+                                  ISO_FIELD_MARGIN, source->pool, &converting};
+    iso_status status = iso_level_set_from_mesh(source->path, mesh, &frame, grid, error);
+    iso_closed_mesh_destroy(mesh);
     return status;
 }
 
-iso_status isosculpt_stamp_read(const char *path, const iso_progress *progress, iso_stamp **stamp,
-                                iso_error *error) {
-    const iso_progress reading = iso_progress_part(progress, 0, 0.4),
-                       converting = iso_progress_part(progress, 0.4, 1);
-    iso_triangles mesh;
-    ISO_TRY(iso_mesh_read(path, &reading, &mesh, error));
-    iso_status status = iso_stamp_from_mesh(path, &mesh, &converting, stamp, error);
-    iso_triangles_free(&mesh);
+iso_status isosculpt_stamp_read(const isosculpt_source *source, iso_stamp **stamp, iso_error *error) {
+    const iso_progress reading = iso_progress_part(source->progress, 0, 0.4),
+                       converting = iso_progress_part(source->progress, 0.4, 1);
+    iso_closed_mesh *mesh;
+    ISO_TRY(read_mesh(source, &reading, &mesh, error));
+    iso_status status = iso_stamp_from_mesh(source->path, mesh, source->pool, &converting, stamp, error);
+    iso_closed_mesh_destroy(mesh);
     return status;
+}
+
+/* ---- parts of the solid */
+
+static bool drops_parts(const isosculpt_source *source) {
+    const isosculpt_volume *volume = source->volume;
+    if (volume) return volume->largest > 0 || volume->min_size > 0;
+    return source->input && iso_input_drops_parts(source->input);
+}
+
+/* *dropped: whether any were. */
+static iso_status drop_parts(const isosculpt_source *source, double isovalue, iso_grid *grid, bool *dropped,
+                             iso_error *error) {
+    *dropped = false;
+    if (!drops_parts(source)) return ISO_OK;
+    const int largest = source->volume ? source->volume->largest : source->input->largest;
+    const iso_components_opts opts = {.isovalue = isovalue,
+                                      .largest = (size_t)largest,
+                                      .min_volume =
+                                          source->volume ? source->volume->min_size : source->input->min_size,
+                                      .pool = source->pool};
+    iso_components_totals totals = {0};
+    iso_error reason = {0};
+    iso_status status = iso_components_filter(grid, &opts, &totals, &reason);
+    if (status != ISO_OK) return iso_fail(error, status, "%s: %s", source->path, reason.text);
+    *dropped = totals.dropped > 0;
+    if (source->parts) *source->parts = totals;
+    return ISO_OK;
 }
 
 /* ---- volumes */
@@ -119,12 +152,12 @@ static int tell(void *context, double fraction) {
 
 static iso_status find_isovalues(isosculpt_volume *volume, iso_pool *pool, iso_error *error) {
     const iso_grid *grid = &volume->volume.grid;
-    double candidates[ISO_ISOVALUE_CANDIDATES];
     volume->has_isovalues = grid->rgrid && !iso_grid_is_level_set(grid);
     if (!volume->has_isovalues) return ISO_OK;
     ISO_TRY(iso_histogram_compute(grid, pool, &volume->histogram, error));
-    volume->suggested = iso_isovalue_suggest(grid, &volume->histogram, candidates)
-                            ? candidates[0]
+    volume->candidate_count = iso_isovalue_suggest(grid, &volume->histogram, volume->candidates);
+    volume->suggested = volume->candidate_count
+                            ? volume->candidates[0]
                             : volume->histogram.low; /* a constant volume: nothing is to be seen */
     return ISO_OK;
 }
@@ -134,6 +167,8 @@ static iso_status read_volume(isosculpt_volume *volume, const iso_input *input, 
     const iso_progress summing = iso_progress_part(progress, 0, 0.2);
     iso_progress reading = iso_progress_part(progress, 0.2, 0.9);
     const iso_volume_opts opts = {.pool = pool, .progress = tell, .progress_context = &reading};
+    volume->largest = input->largest;
+    volume->min_size = input->min_size;
     ISO_TRY(iso_input_write(input, volume->reading, sizeof volume->reading, error));
     ISO_TRY(checksum(volume->path, &summing, &volume->crc, error));
     ISO_TRY(iso_input_read(volume->path, input, &opts, &volume->volume, error));
@@ -161,16 +196,38 @@ void isosculpt_volume_free(isosculpt_volume *volume) {
     free(volume);
 }
 
-static iso_status from_grid(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
+/* Of level sets 0 when none was given; sampling refuses other grids without one. */
+static double isovalue_of(const isosculpt_source *source, const iso_grid *grid) {
+    if (isnan(source->isovalue)) return 0;
+    const bool voxels = source->voxel_isovalue && grid->hgrid;
+    return voxels ? iso_grid_physical(grid, source->isovalue) : source->isovalue;
+}
+
+/* Parts are dropped from `from` itself. */
+static iso_status from_grid(const isosculpt_source *source, iso_grid *from, iso_hgrid **grid,
                             iso_error *error) {
     const iso_progress progress = iso_progress_part(source->progress, 0.4, 1);
-    iso_resampling how = {.voxel = source->voxel, .pool = source->pool, .progress = &progress};
-    ISO_TRY(stored_isovalue(source, from, &how.isovalue, error));
+    iso_field_opts how = {
+        .resampling = {.voxel = source->voxel, .pool = source->pool, .progress = &progress}};
+    if (!isnan(source->isovalue) || iso_grid_is_level_set(from))
+        ISO_TRY(drop_parts(source, isovalue_of(source, from), from, &how.damaged, error));
+    ISO_TRY(stored_isovalue(source, from, &how.resampling.isovalue, error));
     return iso_field_from_grid(source->path, from, &how, grid, error);
 }
 
+/* Others look at the volume: parts are dropped from a copy. */
+static iso_status from_shared(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
+                              iso_error *error) {
+    iso_grid borrowed = *from, copy;
+    if (!drops_parts(source)) return from_grid(source, &borrowed, grid, error);
+    ISO_TRY(iso_grid_copy(from, source->pool, &copy, error));
+    iso_status status = from_grid(source, &copy, grid, error);
+    iso_grid_destroy(&copy);
+    return status;
+}
+
 static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
-    if (source->volume) return from_grid(source, &source->volume->volume.grid, grid, error);
+    if (source->volume) return from_shared(source, &source->volume->volume.grid, grid, error);
     iso_progress reading = iso_progress_part(source->progress, 0.05, 0.4);
     const iso_volume_opts opts = {
         .files = source->files, .pool = source->pool, .progress = tell, .progress_context = &reading};
@@ -183,6 +240,19 @@ static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, 
     return status;
 }
 
+/* A mesh's level set without small parts. */
+static iso_status from_mesh_parts(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    const iso_progress progress = iso_progress_part(source->progress, 0.7, 1);
+    bool dropped;
+    ISO_TRY(from_mesh(source, grid, error));
+    iso_grid whole = {.hgrid = *grid};
+    iso_status status = drop_parts(source, 0, &whole, &dropped, error);
+    if (status == ISO_OK)
+        return dropped ? iso_field_redistance(*grid, source->pool, &progress, error) : ISO_OK;
+    iso_hgrid_destroy(*grid);
+    return status;
+}
+
 /* ---- opening */
 
 /* A file that is to be read as raw is no mesh, whatever its name. */
@@ -192,7 +262,7 @@ static iso_status open_file(const isosculpt_source *source, iso_hgrid **grid, is
     const char *option = iso_input_volume_option(input);
     if (option)
         return iso_fail(error, ISO_ERR_USAGE, "%s: is a mesh: %s needs a volume", source->path, option);
-    return from_mesh(source, grid, error);
+    return from_mesh_parts(source, grid, error);
 }
 
 static void describe(const isosculpt_source *source, const iso_hgrid *grid, iso_journal_start *start) {
@@ -262,12 +332,14 @@ static iso_status find(const char *strokes, const isosculpt_source *how, iso_jou
     if (how->input) input.max_memory = how->input->max_memory;
     const isosculpt_source source = {.path = found,
                                      .input = &input,
+                                     .parts = how->parts,
                                      .voxel_isovalue = start->voxel_isovalue,
                                      .isovalue = start->isovalue,
                                      .voxel = how->voxel > 0 ? how->voxel : start->voxel_size,
                                      .pool = how->pool,
                                      .files = how->files,
-                                     .progress = how->progress};
+                                     .progress = how->progress,
+                                     .close_holes = INFINITY};
     const iso_journal_start wanted = *start;
     ISO_TRY(open_file(&source, grid, error));
     describe(&source, *grid, start);

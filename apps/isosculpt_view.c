@@ -215,7 +215,9 @@ void isosculpt_view_zoom(isosculpt_view *view, double factor) {
     camera->parallel_scale /= factor;
 }
 
-static iso_box bounds(const isosculpt_view *view) {
+iso_box isosculpt_view_bounds(isosculpt_view *view) {
+    /* (Other methods leave a field's points as they were. Without memory for new ones the old ones do.) */
+    if (!view->levels) isosculpt_ahead_update(view, ISOSCULPT_POINTS, NULL);
     iso_point_view points =
         iso_point_set_view(view->levels ? isosculpt_levels_points(view->levels) : view->points);
     const iso_affine affine = iso_transform_affine(&points.transform);
@@ -229,7 +231,7 @@ static iso_box bounds(const isosculpt_view *view) {
 }
 
 static void fit(isosculpt_view *view) {
-    iso_box box = bounds(view);
+    iso_box box = isosculpt_view_bounds(view);
     double aspect = view->height > 0 ? (double)view->width / view->height : 1.6;
     iso_camera_fit(&view->camera, &box, aspect, 1);
     isosculpt_view_zoom(view, 0.8); /* room beside it, to orbit from */

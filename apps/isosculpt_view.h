@@ -180,6 +180,8 @@ void isosculpt_view_orbit(isosculpt_view *view, double dx, double dy);
 void isosculpt_view_pan(isosculpt_view *view, double dx, double dy);
 void isosculpt_view_zoom(isosculpt_view *view, double factor); /* things appear `factor` times larger */
 void isosculpt_view_look(isosculpt_view *view, iso_direction direction);
+/* The box around the surface, world, as it is now; around the grid when there is no surface. */
+iso_box isosculpt_view_bounds(isosculpt_view *view);
 /* To the middle, and turned about from now on; as large as it was. NULL: the whole. */
 void isosculpt_view_focus(isosculpt_view *view, const iso_vec3 *at);
 

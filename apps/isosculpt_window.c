@@ -46,7 +46,7 @@ void isosculpt_window_point(window *w) {
 static void wait_events(window *w) {
     double wait = fmin(isosculpt_window_until_better(w), ISOSCULPT_IDLE);
     if (w->screen.busy_count) wait = fmin(wait, 0.05);
-    if (w->frames > 0 || w->hand.wishes || w->screen.answers || wait <= 0) {
+    if (w->frames > 0 || w->hand.wishes || w->screen.answers || w->screen.browse || wait <= 0) {
         glfwPollEvents();
         return;
     }
@@ -157,6 +157,8 @@ iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, 
     if (!glfwInit()) return no_window(error, "no window system");
     iso_status status = run(&w, error);
     if (w.opening) isosculpt_window_abandon(&w);
+    isosculpt_hand_free(&w.hand);
+    isosculpt_browser_close(&w.screen.browser);
     isosculpt_view_free(&w.view);
     isosculpt_desk_close(&w.desk);
     close_engine(&w);

@@ -6,6 +6,7 @@
 #include "apps/isosculpt_opening.h"
 #include "apps/isosculpt_panel.h"
 #include "apps/isosculpt_pen.h"
+#include "apps/isosculpt_save.h"
 
 /* Frames after an event: Dear ImGui shows some answers only in the next. */
 enum { ISOSCULPT_FRAMES = 3 };
@@ -35,13 +36,16 @@ typedef struct window {
     size_t agreed; /* changes of the desk whose loss from sight was agreed to when `opening` began */
     bool has_folder;
     int texture_width, texture_height;
-    int frames;                 /* still to be drawn */
-    double changed;             /* when the picture last had to be drawn */
-    bool sculpting;             /* the volume is being made a field */
-    bool stamp_asked;           /* --stamp was seen to */
-    bool save;                  /* as soon as no stroke is drawn */
+    int frames;               /* still to be drawn */
+    double changed;           /* when the picture last had to be drawn */
+    bool sculpting;           /* the volume is being made a field */
+    bool stamp_asked;         /* --stamp was seen to */
+    isosculpt_purpose saving; /* SAVE or EXPORT to save_path as soon as no stroke is drawn; NOTHING */
+    char save_path[ISOSCULPT_PATH];
+    bool replace;               /* it was agreed to that this file is written over */
     isosculpt_question leaving; /* ..CLOSE or ..OPEN: what comes after a save, which must succeed */
     bool shoot, shoot_all;
+    char shot_path[ISOSCULPT_PATH]; /* of the next picture; "": a free name beside the target */
 } window;
 
 /* ---- isosculpt_window.c */
@@ -68,14 +72,33 @@ void isosculpt_window_drop(window *w, const char *path);
 void isosculpt_window_answer(window *w, unsigned answers);
 /* Does what hand and panel ask for. Errors end the program. */
 iso_status isosculpt_window_obey(window *w, iso_error *error);
-/* Whether there are changes that are in no .vdb file. */
-bool isosculpt_window_unsaved(const window *w);
-/* Sees whether a save is done. */
-void isosculpt_window_saved(window *w);
+/* Asks on the screen; `path` is what the question is about. */
+void isosculpt_window_ask(window *w, isosculpt_question question, const char *path);
+/* What was asked about closing or opening, now that it is settled. */
+void isosculpt_window_leave(window *w, isosculpt_question question);
+/* Begins to open a file in place of what is there, or as a stamp; asks first about unsaved changes. */
+void isosculpt_window_open_file(window *w, const char *path, bool stamp);
 /* What is under way, for the panel. */
 void isosculpt_window_show_busy(window *w);
 /* The window closes over what is being opened. */
 void isosculpt_window_abandon(window *w);
+
+/* ---- saving (isosculpt_window_save.c) */
+
+/* Whether there are changes that are not saved. */
+bool isosculpt_window_unsaved(const window *w);
+/* To save or export; path NULL: the desk's target. Done by isosculpt_window_go_on_saving. */
+void isosculpt_window_save(window *w, isosculpt_purpose purpose, const char *path);
+/* Begins the save that was asked for when that can be; asks before a file is written over. */
+void isosculpt_window_go_on_saving(window *w);
+/* The answer to that. */
+void isosculpt_window_replace(window *w, bool agreed);
+/* What the browser chose. */
+void isosculpt_window_take_choice(window *w);
+/* Sees whether a save is done. */
+void isosculpt_window_saved(window *w);
+/* Puts the isorender command that draws this onto the clipboard. */
+void isosculpt_window_copy_command(window *w);
 
 /* ---- the picture (isosculpt_window_picture.c) */
 

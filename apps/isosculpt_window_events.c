@@ -48,15 +48,26 @@ static void on_scroll(GLFWwindow *glfw, double dx, double dy) {
         isosculpt_hand_scroll(&w->hand, dy);
 }
 
-/* What a key stands for on this keyboard; the number pad's are views. */
+/* What a key stands for on this keyboard; the number pad's digits are views. */
 static int key_of(int key, int scancode) {
-    if (key == GLFW_KEY_KP_1) return ISOSCULPT_KEY_FRONT;
-    if (key == GLFW_KEY_KP_3) return ISOSCULPT_KEY_SIDE;
-    if (key == GLFW_KEY_KP_7) return ISOSCULPT_KEY_TOP;
-    if (key == GLFW_KEY_ESCAPE) return ISOSCULPT_KEY_ESCAPE;
+    static const struct {
+        int key, meaning;
+    } special[] = {{GLFW_KEY_KP_1, ISOSCULPT_KEY_FRONT},
+                   {GLFW_KEY_KP_3, ISOSCULPT_KEY_RIGHT},
+                   {GLFW_KEY_KP_7, ISOSCULPT_KEY_TOP},
+                   {GLFW_KEY_ESCAPE, ISOSCULPT_KEY_ESCAPE},
+                   {GLFW_KEY_KP_ADD, '+'},
+                   {GLFW_KEY_KP_SUBTRACT, '-'},
+                   {GLFW_KEY_LEFT, ISOSCULPT_KEY_ARROW_LEFT},
+                   {GLFW_KEY_RIGHT, ISOSCULPT_KEY_ARROW_RIGHT},
+                   {GLFW_KEY_UP, ISOSCULPT_KEY_ARROW_UP},
+                   {GLFW_KEY_DOWN, ISOSCULPT_KEY_ARROW_DOWN}};
+    for (size_t i = 0; i < sizeof special / sizeof *special; i++)
+        if (key == special[i].key) return special[i].meaning;
     if (key < 0 || key > 127) return 0;
     const char *name = glfwGetKeyName(key, scancode);
-    if (name && isalpha((unsigned char)name[0]) && !name[1]) return tolower((unsigned char)name[0]);
+    const char c = name && name[0] && !name[1] ? name[0] : 0;
+    if (isalpha((unsigned char)c) || c == '+' || c == '-') return tolower((unsigned char)c);
     return tolower(key); /* digits and brackets by their place */
 }
 
@@ -97,7 +108,7 @@ static bool change_look(window *w, int meant) {
 static void on_drop(GLFWwindow *glfw, int count, const char **paths) {
     window *w = of(glfw);
     if (count < 1) return;
-    if (w->screen.question) {
+    if (w->screen.question || w->screen.browser.purpose) {
         isosculpt_window_say(w, true, "Something is asked: answer that first, then drop the file again.");
         return;
     }
@@ -111,7 +122,8 @@ static bool answer(window *w, int key, int meant) {
     static const unsigned yes[] = {[ISOSCULPT_ASK_RECOVER] = ISOSCULPT_ANSWER_RECOVER,
                                    [ISOSCULPT_ASK_CLOSE] = ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE,
                                    [ISOSCULPT_ASK_OPEN] = ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE,
-                                   [ISOSCULPT_ASK_MESH] = ISOSCULPT_ANSWER_OPEN};
+                                   [ISOSCULPT_ASK_MESH] = ISOSCULPT_ANSWER_OPEN,
+                                   [ISOSCULPT_ASK_REPLACE] = ISOSCULPT_ANSWER_REPLACE};
     const isosculpt_question question = w->screen.question;
     if (!question) return false;
     if (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER)
@@ -133,6 +145,15 @@ static void escape(window *w) {
         w->screen.message[0] = 0;
 }
 
+/* For the boxes that names are typed into. */
+static void note_typed(isosculpt_typed *typed, int key) {
+    typed->enter |= key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
+    typed->escape |= key == GLFW_KEY_ESCAPE;
+    typed->back |= key == GLFW_KEY_BACKSPACE;
+    typed->steps += (key == GLFW_KEY_DOWN) - (key == GLFW_KEY_UP);
+    typed->steps += 10 * ((key == GLFW_KEY_PAGE_DOWN) - (key == GLFW_KEY_PAGE_UP));
+}
+
 static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods) {
     window *w = of(glfw);
     w->frames = ISOSCULPT_FRAMES;
@@ -141,10 +162,13 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
         isosculpt_hand_key(&w->hand, meant, modifiers(mods), false);
         return;
     }
-    if (answer(w, key, meant)) return;
     if (action == GLFW_PRESS && key == GLFW_KEY_F12)
         *(mods & GLFW_MOD_SHIFT ? &w->shoot_all : &w->shoot) = true;
-    if (isosculpt_panel_has_keys()) return;
+    if (answer(w, key, meant)) return;
+    if (w->screen.browser.purpose || isosculpt_panel_has_keys()) {
+        note_typed(&w->screen.browser.typed, key);
+        return;
+    }
     if (key == GLFW_KEY_ESCAPE && w->hand.drag != ISOSCULPT_DRAG_BRUSH) escape(w);
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
     if (action == GLFW_PRESS && meant == 'h') w->screen.help = !w->screen.help;

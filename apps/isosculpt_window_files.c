@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <GLFW/glfw3.h>
 
@@ -23,10 +24,14 @@ static void take_up(window *w) {
     const double before = w->voxel, voxel = w->desk.start.voxel_size;
     w->view.gl = w->gl;
     w->view.look.engine = w->engine;
+    isosculpt_hand_free(&w->hand);
     isosculpt_hand_init(&w->hand, &w->desk, &w->view);
     isosculpt_window_point(w);
     if (before > 0) {
+        const iso_vec3 middle = w->hand.brush.mirror; /* another object: no mirror, until it is asked for */
         w->hand.brush = brush;
+        w->hand.brush.mirror = middle;
+        w->hand.brush.symmetry = 0;
         w->hand.brush.radius = brush.radius / before * voxel;
     }
     w->voxel = voxel;
@@ -65,15 +70,27 @@ static iso_status start_sculpting(window *w, iso_error *error) {
     return isosculpt_opening_start(&request, &w->opening, error);
 }
 
+/* The path from the root, so that it means the same to whoever reads it on the screen or in a command. */
+static void make_whole(const char *path, char whole[2 * ISOSCULPT_PATH]) {
+    char folder[ISOSCULPT_PATH];
+    if (path[0] == '/' || !getcwd(folder, sizeof folder))
+        snprintf(whole, 2 * ISOSCULPT_PATH, "%s", path);
+    else
+        snprintf(whole, 2 * ISOSCULPT_PATH, "%s/%s", folder, path);
+}
+
 /* Beside what is there, until it is whole. */
 static iso_status start_opening(window *w, const char *path, bool stamp, iso_error *error) {
     const isosculpt_settings *settings = w->settings;
     const bool asked = path == settings->open;
-    const isosculpt_request request = {.path = path,
+    char whole[2 * ISOSCULPT_PATH];
+    make_whole(path, whole);
+    const isosculpt_request request = {.path = whole,
                                        .stamp = stamp,
                                        .folder = w->has_folder ? w->folder : NULL,
                                        .isovalue = asked ? settings->isovalue : NAN,
                                        .voxel = asked ? settings->voxel_size : 0,
+                                       .close_holes = settings->close_holes,
                                        .input = asked ? settings->input : (iso_input){0},
                                        .threads = settings->threads,
                                        .undo_memory = (size_t)settings->undo_memory,
@@ -106,12 +123,22 @@ iso_status isosculpt_window_open(window *w, iso_error *error) {
     return ISO_OK;
 }
 
+/* A volume has become a field: the mirror is where it was, and what was drawn meanwhile is done. */
+static void take_up_strokes(window *w, const iso_brush *brush, isosculpt_strokes *waiting) {
+    w->hand.brush.symmetry = brush->symmetry;
+    w->hand.brush.mirror = brush->mirror;
+    isosculpt_hand_play(&w->hand, waiting);
+}
+
 /* In place of what is on the desk, whose journal has all of it. What a volume becomes is seen from where the
  * volume was. */
 static iso_status replace_desk(window *w, isosculpt_opened *opened, iso_error *error) {
     const isosculpt_look look = w->view.look;
     const iso_camera camera = w->view.camera;
     const bool same_place = w->volume && !opened->volume && w->sculpting;
+    const iso_brush brush = w->hand.brush;
+    isosculpt_strokes waiting = w->hand.waiting;
+    w->hand.waiting = (isosculpt_strokes){0};
     isosculpt_view_free(&w->view);
     isosculpt_desk_close(&w->desk);
     isosculpt_volume_free(w->volume);
@@ -128,8 +155,13 @@ static iso_status replace_desk(window *w, isosculpt_opened *opened, iso_error *e
         w->desk.pool = w->pool;
         ISO_TRY(isosculpt_desk_blank(&w->desk, error));
         w->desk.start.voxel_size = iso_grid_transform(&w->view.grid)->spacing[0];
+        isosculpt_target_default(w->volume->path, w->desk.target); /* what it would be saved to */
     }
     take_up(w);
+    if (same_place)
+        take_up_strokes(w, &brush, &waiting);
+    else
+        isosculpt_strokes_free(&waiting);
     return ISO_OK;
 }
 
@@ -145,11 +177,7 @@ static iso_status without(window *w, bool cancelled, iso_status status, iso_erro
     return show_ball(w, error);
 }
 
-bool isosculpt_window_unsaved(const window *w) {
-    return w->desk.changes != w->desk.saved;
-}
-
-static void ask(window *w, isosculpt_question question, const char *path) {
+void isosculpt_window_ask(window *w, isosculpt_question question, const char *path) {
     snprintf(w->screen.asked, sizeof w->screen.asked, "%s", path);
     w->screen.question = question;
     w->frames = ISOSCULPT_FRAMES;
@@ -163,6 +191,12 @@ static bool must_ask_again(const window *w) {
            !isosculpt_task_failed(task) && !isosculpt_opening_is_stamp(w->opening);
 }
 
+/* The volume stays one, or is a field now. */
+static void not_sculpting(window *w) {
+    w->sculpting = w->screen.sculpting = w->hand.awaiting = false;
+    isosculpt_strokes_free(&w->hand.waiting);
+}
+
 static iso_status finish_opening(window *w, iso_error *error) {
     isosculpt_opened opened;
     if (!w->opening || !isosculpt_task_done(isosculpt_opening_task(w->opening))) return ISO_OK;
@@ -171,21 +205,24 @@ static iso_status finish_opening(window *w, iso_error *error) {
         return ISO_OK; /* first things first */
     if (must_ask_again(w)) {
         snprintf(w->next, sizeof w->next, "%s", isosculpt_opening_path(w->opening));
-        ask(w, ISOSCULPT_ASK_OPEN, w->next);
+        isosculpt_window_ask(w, ISOSCULPT_ASK_OPEN, w->next);
         return ISO_OK;
     }
     const bool cancelled = isosculpt_task_cancelled(isosculpt_opening_task(w->opening));
     iso_status status = isosculpt_opening_finish(w->opening, &opened, error);
     w->opening = NULL;
     if (status != ISO_OK) {
-        w->sculpting = false;
+        not_sculpting(w);
         return without(w, cancelled, status, error);
     }
+    char note[240];
+    const bool noted = iso_mesh_report_note(&opened.report, note, sizeof note);
     if (opened.stamp)
         isosculpt_hand_stamp(&w->hand, opened.stamp);
     else
         status = replace_desk(w, &opened, error);
-    w->sculpting = false;
+    if (status == ISO_OK && noted) isosculpt_window_say(w, false, note);
+    not_sculpting(w);
     w->frames = ISOSCULPT_FRAMES;
     return status;
 }
@@ -211,13 +248,19 @@ static void ask_to_open(window *w, const char *path) {
     if (is_opening(w)) return;
     snprintf(w->next, sizeof w->next, "%s", path);
     if (isosculpt_window_unsaved(w))
-        ask(w, ISOSCULPT_ASK_OPEN, w->next);
+        isosculpt_window_ask(w, ISOSCULPT_ASK_OPEN, w->next);
     else
         open_path(w, w->next, false);
 }
 
-/* What the question was about, now that it is answered. */
-static void leave(window *w, isosculpt_question question) {
+void isosculpt_window_open_file(window *w, const char *path, bool stamp) {
+    if (stamp)
+        open_path(w, path, true);
+    else
+        ask_to_open(w, path);
+}
+
+void isosculpt_window_leave(window *w, isosculpt_question question) {
     if (question == ISOSCULPT_ASK_CLOSE) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
     if (question == ISOSCULPT_ASK_OPEN && w->opening)
         w->agreed = w->desk.changes; /* it is ready */
@@ -235,7 +278,7 @@ static void stay(window *w, isosculpt_question question) {
 void isosculpt_window_drop(window *w, const char *path) {
     if (is_opening(w)) return;
     if (isosculpt_is_mesh(path) && !w->volume && !w->screen.blank)
-        ask(w, ISOSCULPT_ASK_MESH, path);
+        isosculpt_window_ask(w, ISOSCULPT_ASK_MESH, path);
     else
         ask_to_open(w, path);
 }
@@ -256,7 +299,11 @@ static void sculpt(window *w) {
     iso_error reason = {0};
     if (!w->volume || w->sculpting || is_opening(w)) return;
     w->sculpting = start_sculpting(w, &reason) == ISO_OK;
-    if (!w->sculpting) isosculpt_window_say(w, true, reason.text);
+    w->screen.sculpting = w->hand.awaiting = w->sculpting;
+    if (!w->sculpting)
+        isosculpt_window_say(w, true, reason.text);
+    else
+        isosculpt_hand_center_mirror(&w->hand);
 }
 
 /* --stamp, once there is a session that can hold it. */
@@ -264,42 +311,6 @@ static void ask_for_stamp(window *w) {
     if (w->stamp_asked || w->screen.blank || w->volume || w->opening || !w->settings->stamp) return;
     w->stamp_asked = true;
     open_path(w, w->settings->stamp, true);
-}
-
-/* ---- saving */
-
-static void start_save(window *w) {
-    iso_error reason = {0};
-    if (w->hand.drag == ISOSCULPT_DRAG_BRUSH || w->desk.saver) return; /* soon */
-    w->save = false;
-    if (w->volume) {
-        isosculpt_window_say(w, true, "There is nothing to save before it is sculpted.");
-        return;
-    }
-    if (isosculpt_desk_save(&w->desk, wake, &reason) == ISO_OK) return;
-    w->leaving = ISOSCULPT_ASK_NOTHING;
-    isosculpt_window_say(w, true, reason.text);
-}
-
-void isosculpt_window_saved(window *w) {
-    iso_error reason = {0};
-    iso_status status = ISO_OK;
-    char path[ISOSCULPT_PATH], text[sizeof w->screen.message];
-    isosculpt_task *task = isosculpt_desk_save_task(&w->desk);
-    const bool cancelled = task && isosculpt_task_cancelled(task);
-    if (isosculpt_desk_saving(&w->desk, false, &status, &reason) != ISOSCULPT_SAVE_DONE) return;
-    isosculpt_desk_target(&w->desk, path);
-    snprintf(text, sizeof text, "%s%.500s", status == ISO_OK ? "Saved " : "Not saved: ",
-             status == ISO_OK ? path
-             : cancelled      ? "cancelled"
-                              : reason.text);
-    isosculpt_window_say(w, status != ISO_OK && !cancelled, text);
-    const isosculpt_question leaving = w->leaving;
-    w->leaving = ISOSCULPT_ASK_NOTHING;
-    if (status == ISO_OK && leaving && isosculpt_window_unsaved(w))
-        ask(w, leaving, w->next); /* about what was done meanwhile */
-    else if (status == ISO_OK)
-        leave(w, leaving);
 }
 
 /* ---- heavy work */
@@ -319,7 +330,6 @@ static int running(const window *w, isosculpt_task *tasks[ISOSCULPT_BUSY]) {
 }
 
 void isosculpt_window_show_busy(window *w) {
-    char target[ISOSCULPT_PATH];
     isosculpt_task *tasks[ISOSCULPT_BUSY];
     const int before = w->screen.busy_count, count = running(w, tasks);
     w->screen.busy_count = 0;
@@ -329,8 +339,7 @@ void isosculpt_window_show_busy(window *w) {
                  : isosculpt_opening_is_stamp(w->opening) ? "Stamp:"
                                                           : "Opening",
                  isosculpt_opening_path(w->opening), tasks[0]);
-    isosculpt_desk_target(&w->desk, target);
-    if (w->desk.saver) add_busy(w, "Saving", target, tasks[count - 1]);
+    if (w->desk.saver) add_busy(w, "Saving", w->desk.saved_as, tasks[count - 1]);
     if (count || before) w->frames = w->frames > 0 ? w->frames : 1;
 }
 
@@ -353,24 +362,33 @@ void isosculpt_window_answer(window *w, unsigned answers) {
     if (answers & ISOSCULPT_ANSWER_DISMISS) isosculpt_desk_dismiss(path);
     if (answers & ISOSCULPT_ANSWER_OPEN) ask_to_open(w, path);
     if (answers & ISOSCULPT_ANSWER_STAMP) open_path(w, path, true);
-    if (answers & ISOSCULPT_ANSWER_SAVE)
+    if (question == ISOSCULPT_ASK_REPLACE) {
+        isosculpt_window_replace(w, answers & ISOSCULPT_ANSWER_REPLACE);
+    } else if (answers & ISOSCULPT_ANSWER_SAVE) {
         w->leaving = question;
-    else if (answers & ISOSCULPT_ANSWER_LEAVE)
-        leave(w, question);
+        isosculpt_window_save(w, ISOSCULPT_BROWSE_SAVE, NULL);
+    } else if (answers & ISOSCULPT_ANSWER_LEAVE)
+        isosculpt_window_leave(w, question);
     else if (answers & ISOSCULPT_ANSWER_STAY)
         stay(w, question);
-    w->save |= (answers & ISOSCULPT_ANSWER_SAVE) != 0;
 }
 
 /* What was typed in. */
-static void take_path(window *w, unsigned answers) {
+static void take_path(window *w) {
     char path[ISOSCULPT_PATH];
     memcpy(path, w->screen.path, sizeof path);
     w->screen.path[0] = 0;
-    if (answers & ISOSCULPT_ANSWER_OPEN)
-        ask_to_open(w, path);
-    else
-        open_path(w, path, true);
+    ask_to_open(w, path);
+}
+
+/* What the hand asks for. */
+static void take_wishes(window *w) {
+    const unsigned wishes = w->hand.wishes;
+    if (wishes & ISOSCULPT_WISH_SAVE) isosculpt_window_save(w, ISOSCULPT_BROWSE_SAVE, NULL);
+    if (wishes & ISOSCULPT_WISH_SAVE_AS) w->screen.browse = ISOSCULPT_BROWSE_SAVE;
+    if (wishes & ISOSCULPT_WISH_OPEN) w->screen.browse = ISOSCULPT_BROWSE_OPEN;
+    if (wishes & ISOSCULPT_WISH_SCULPT) sculpt(w);
+    w->hand.wishes &= ISOSCULPT_WISH_PICTURE | ISOSCULPT_WISH_CLOSE;
 }
 
 /* What went wrong under the hand. */
@@ -385,17 +403,17 @@ static void tell_troubles(window *w) {
 }
 
 iso_status isosculpt_window_obey(window *w, iso_error *error) {
-    const unsigned answers = w->screen.answers, paths = ISOSCULPT_ANSWER_OPEN | ISOSCULPT_ANSWER_STAMP;
+    const unsigned answers = w->screen.answers;
     w->screen.answers = 0;
-    w->save |= (w->hand.wishes & ISOSCULPT_WISH_SAVE) != 0;
     cancel(w, answers);
     if (w->screen.question && answers & ~(3u * ISOSCULPT_ANSWER_CANCEL))
         isosculpt_window_answer(w, answers);
-    else if (answers & paths)
-        take_path(w, answers);
-    if (w->save) start_save(w);
-    if (w->hand.wishes & ISOSCULPT_WISH_SCULPT) sculpt(w);
-    w->hand.wishes &= ~(unsigned)(ISOSCULPT_WISH_SAVE | ISOSCULPT_WISH_SCULPT);
+    else if (answers & ISOSCULPT_ANSWER_OPEN)
+        take_path(w);
+    if (answers & ISOSCULPT_ANSWER_CHOSEN) isosculpt_window_take_choice(w);
+    if (answers & ISOSCULPT_ANSWER_COMMAND) isosculpt_window_copy_command(w);
+    take_wishes(w);
+    isosculpt_window_go_on_saving(w);
     slide(w);
     tell_troubles(w);
     ask_for_stamp(w);

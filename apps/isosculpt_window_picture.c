@@ -19,13 +19,15 @@ static const double SAID = 6;
 
 /* ---- pictures in files */
 
-/* The first name beside the strokes that is free. */
-static bool name_shot(const isosculpt_desk *desk, char path[ISOSCULPT_PATH]) {
-    char base[ISOSCULPT_PATH];
-    isosculpt_desk_target(desk, base);
+/* The name that was chosen, or the first one beside the file that saving writes that is free. */
+static bool name_shot(window *w, char path[ISOSCULPT_PATH]) {
+    char ending[32];
+    memcpy(path, w->shot_path, ISOSCULPT_PATH);
+    w->shot_path[0] = 0;
+    if (path[0]) return true;
     for (int number = 1; number < 10000; number++) {
-        int length = snprintf(path, ISOSCULPT_PATH, "%.*s-%d.png", (int)strlen(base) - 4, base, number);
-        if (length < ISOSCULPT_PATH && access(path, F_OK)) return true;
+        snprintf(ending, sizeof ending, "-%d.png", number);
+        if (isosculpt_target_with(w->desk.target, ending, path) && access(path, F_OK)) return true;
     }
     return false;
 }
@@ -34,7 +36,7 @@ static void write_shot(window *w, const iso_image *image) {
     char path[ISOSCULPT_PATH], text[sizeof w->screen.message];
     iso_error reason = {0};
     iso_png_opts opts = {.pool = w->pool};
-    bool named = name_shot(&w->desk, path);
+    bool named = name_shot(w, path);
     bool written = named && iso_png_write_with(path, image, &opts, &reason) == ISO_OK;
     snprintf(text, sizeof text, "%s%.500s", written ? "Picture: " : "No picture: ",
              written ? path

@@ -557,4 +557,4 @@ const iso_format format = {"vdb", "OpenVDB", nullptr, vdb_info, vdb_read};
 
 } // namespace
 
-ISO_MODULE(&format, nullptr, iso_vdb_write_level_set, iso_vdb_convert_mesh);
+ISO_MODULE(&format, nullptr, iso_vdb_write_level_set);

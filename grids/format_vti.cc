@@ -587,4 +587,4 @@ const iso_format format = {"vti", "VTK", nullptr, vti_info, vti_read};
 
 } // namespace
 
-ISO_MODULE(&format, nullptr, nullptr, nullptr);
+ISO_MODULE(&format, nullptr, nullptr);

@@ -23,15 +23,6 @@ iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, cons
     return status;
 }
 
-iso_status iso_level_set_from_mesh(const char *path, const iso_triangles *mesh, const iso_mesh_frame *frame,
-                                   iso_hgrid **grid, iso_error *error) {
-    const iso_module *module;
-    if (!(frame->voxel > 0) || !isfinite(frame->voxel))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: voxels of %g mm", path, frame->voxel);
-    ISO_TRY(iso_module_load(path, "vdb", "OpenVDB", &module, error));
-    return module->convert_mesh(path, mesh, frame, grid, error);
-}
-
 static int clamp(int value, int count) {
     return value < 0 ? 0 : value >= count ? count - 1 : value;
 }

@@ -8,7 +8,5 @@
 
 iso_status iso_vdb_write_level_set(FILE *stream, const char *path, const iso_hgrid *grid, const char *name,
                                    const iso_progress *progress, iso_error *error);
-iso_status iso_vdb_convert_mesh(const char *path, const iso_triangles *mesh, const iso_mesh_frame *frame,
-                                iso_hgrid **grid, iso_error *error);
 
 #endif

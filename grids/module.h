@@ -25,15 +25,11 @@ extern "C" {
 #endif
 
 /* To be raised when a type that modules share with the library changes between two releases. */
-#define ISO_MODULE_ABI 4
+#define ISO_MODULE_ABI 5
 
 /* Writes an hgrid to `stream` (grids/level_set.h); `path` is for messages. */
 typedef iso_status iso_level_set_writer(FILE *stream, const char *path, const iso_hgrid *grid,
                                         const char *name, const iso_progress *progress, iso_error *error);
-
-/* The level set of what a mesh encloses (grids/level_set.h); `path` is for messages. */
-typedef iso_status iso_mesh_converter(const char *path, const iso_triangles *mesh,
-                                      const iso_mesh_frame *frame, iso_hgrid **grid, iso_error *error);
 
 /* What a module cannot do is NULL. */
 typedef struct iso_module {
@@ -42,14 +38,12 @@ typedef struct iso_module {
     const iso_format *format;
     iso_dicom_decoder *dicom_decode;
     iso_level_set_writer *write_level_set;
-    iso_mesh_converter *convert_mesh;
 } iso_module;
 
 /* Defines the one symbol that a module exports. ISO_VERSION comes from the build. */
-#define ISO_MODULE(format, dicom_decode, write_level_set, convert_mesh)                                      \
+#define ISO_MODULE(format, dicom_decode, write_level_set)                                                    \
     extern "C" const iso_module iso_module_table;                                                            \
-    const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION,     format,                            \
-                                         dicom_decode,   write_level_set, convert_mesh}
+    const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, format, dicom_decode, write_level_set}
 
 /* The table of module `name`, valid for ever. `path` is the file that needs it and `library` the library that
  * it brings, both for messages. ISO_ERR_UNSUPPORTED when the module or a library is not installed, or is of

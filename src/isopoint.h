@@ -631,9 +631,9 @@ ISO_API size_t iso_sculpt_undo_count(iso_sculpt *sculpt);
 /* How many strokes can be done again. */
 ISO_API size_t iso_sculpt_redo_count(iso_sculpt *sculpt);
 
-/* What ISO_SOLID_STAMP is from now on: a closed mesh, .stl, .obj or .ply; the journal gets a copy of its
- * field. Its longest side is twice the brush's radius. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_EMPTY (it encloses
- * nothing), ISO_ERR_UNSUPPORTED without OpenVDB, ISO_ERR_USAGE while a stroke is drawn. */
+/* What ISO_SOLID_STAMP is from now on: the solid that a mesh encloses, .stl, .obj or .ply; small holes are
+ * closed, and the journal gets a copy of its field. Its longest side is twice the brush's radius. ISO_ERR_IO,
+ * ISO_ERR_FORMAT, ISO_ERR_EMPTY (it encloses nothing), ISO_ERR_USAGE while a stroke is drawn. */
 ISO_API iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error);
 
 /* ISO_OK, or why the journal lags behind what was done (a full disk): it keeps trying. */

@@ -243,6 +243,69 @@ static void fit_touches_the_margin(void **state) {
     }
 }
 
+typedef struct cloud {
+    iso_vec3 points[40];
+    int count;
+} cloud;
+
+static iso_box cloud_bounds(void *context, const iso_vec3 vectors[3]) {
+    const cloud *c = context;
+    iso_box box = iso_box_empty();
+    for (int i = 0; i < c->count; i++)
+        iso_box_add(&box, iso_vec3_make(iso_vec3_dot(vectors[0], c->points[i]),
+                                        iso_vec3_dot(vectors[1], c->points[i]),
+                                        iso_vec3_dot(vectors[2], c->points[i])));
+    return box;
+}
+
+/* Box of the points in a picture that reaches from -1 to 1 both ways; depth is the smallest one. */
+static iso_box picture_box(const iso_camera *camera, const cloud *c, double aspect, double *depth) {
+    const iso_view view = iso_view_make(camera, (int)(aspect * 1000), 1000);
+    iso_box box = iso_box_empty();
+    for (int i = 0; i < c->count; i++) {
+        const iso_vec3 p = iso_view_point(&view, c->points[i]);
+        const double scale = view.focal / (camera->orthographic ? 1 : p.z) / 500;
+        iso_box_add(&box, iso_vec3_make(p.x * scale / aspect, p.y * scale, 0));
+        *depth = fmin(*depth, p.z);
+    }
+    return box;
+}
+
+/* Points fill the picture in one direction, exactly, and lie in the middle of both; turns share one camera
+ * that shows them all. */
+static void tight_fit_frames_the_points(void **state) {
+    (void)state;
+    uint32_t seed = 23;
+    for (int round = 0; round < 600; round++) {
+        iso_camera camera = random_camera(&seed, round % 2);
+        cloud c = {.count = round % 10 ? 40 : 1};
+        for (int i = 0; i < c.count; i++) c.points[i] = iso_vec3_scale(random_vector(&seed), 30);
+        if (iso_camera_check(&camera, NULL) != ISO_OK) continue;
+        const double fill = round % 3 ? 1 : 0.8;
+        const iso_fit fit = {.aspect = 1.6,
+                             .turns = round % 5 == 0 ? 12 : 1,
+                             .fill = fill,
+                             .bounds = cloud_bounds,
+                             .context = &c};
+        iso_camera_fit_tight(&camera, iso_vec3_make(1, 2, 3), &fit);
+        assert_int_equal(iso_camera_check(&camera, NULL), ISO_OK);
+        double depth = INFINITY, most = 0;
+        for (int turn = 0; turn < fit.turns; turn++) {
+            iso_camera turned = camera;
+            if (turn) iso_camera_orbit(&turned, 360.0 * turn / fit.turns, 0);
+            const iso_box box = picture_box(&turned, &c, fit.aspect, &depth);
+            most = fmax(most, fmax(fmax(box.hi.x, -box.lo.x), fmax(box.hi.y, -box.lo.y)));
+            if (fit.turns > 1) continue;
+            near(box.hi.x + box.lo.x, 0, 1e-3);
+            near(box.hi.y + box.lo.y, 0, 1e-3);
+        }
+        if (!camera.orthographic) assert_true(depth > 0);
+        /* (less where the eye would have to be among the points) */
+        if (c.count > 1 && (camera.orthographic || camera.view_angle < 60)) near(most, fill, 1e-6);
+        assert_true(most < fill + 1e-6);
+    }
+}
+
 static void fit_survives_flat_boxes(void **state) {
     (void)state;
     const iso_box boxes[] = {
@@ -306,6 +369,7 @@ int main(void) {
         cmocka_unit_test(windows_keep_their_rays),
         cmocka_unit_test(the_focal_point_is_in_the_middle),
         cmocka_unit_test(fit_touches_the_margin),
+        cmocka_unit_test(tight_fit_frames_the_points),
         cmocka_unit_test(fit_survives_flat_boxes),
         cmocka_unit_test(zoom_is_exact),
         cmocka_unit_test(bad_cameras_are_refused),

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "apps/isosculpt_opening.h"
+#include "apps/isosculpt_save.h"
 #include "grids/level_set.h"
 #include "session_support.h"
 
@@ -95,11 +96,13 @@ static void cancelled_saves_keep_the_file_before(void **state) {
     iso_pool *pool;
     assert_int_equal(iso_pool_create(2, &pool, NULL), ISO_OK);
     isosculpt_desk desk = {.pool = pool};
-    char folder[ISOSCULPT_PATH], target[ISOSCULPT_PATH], fresh[ISOSCULPT_PATH + 8];
+    char folder[ISOSCULPT_PATH / 2], target[ISOSCULPT_PATH + 8], fresh[ISOSCULPT_PATH];
+    const isosculpt_save_opts how = {0};
     snprintf(folder, sizeof folder, "%s", ISO_TEST_TMP);
     assert_int_equal(isosculpt_desk_new(&desk, folder, NULL, NULL), ISO_OK);
-    isosculpt_desk_target(&desk, target);
-    snprintf(fresh, sizeof fresh, "%s.new", target);
+    snprintf(desk.target, sizeof desk.target, "%s/saved.vdb", folder);
+    snprintf(target, sizeof target, "%s", desk.target);
+    assert_true(isosculpt_target_with(target, ".new-1.vdb", fresh));
     int cancelled = 0;
     for (int round = 0; round < 4; round++) {
         FILE *old = fopen(target, "wb");
@@ -109,8 +112,8 @@ static void cancelled_saves_keep_the_file_before(void **state) {
         iso_status status = ISO_OK;
         iso_error error = {0};
         desk.changes++;
-        assert_int_equal(isosculpt_desk_save(&desk, NULL, &error), ISO_OK);
-        assert_int_equal(isosculpt_desk_save(&desk, NULL, &error), ISO_ERR_USAGE);
+        assert_int_equal(isosculpt_desk_save(&desk, &how, &error), ISO_OK);
+        assert_int_equal(isosculpt_desk_save(&desk, &how, &error), ISO_ERR_USAGE);
         usleep((useconds_t)(round * 20000));
         isosculpt_task_cancel(isosculpt_desk_save_task(&desk));
         assert_int_equal(isosculpt_desk_saving(&desk, true, &status, &error), ISOSCULPT_SAVE_DONE);

@@ -271,7 +271,7 @@ static void files_are_found_again(void **state) {
     snprintf(open_mesh, sizeof open_mesh, "%s/open.obj", folder);
     spill_text(open_mesh, "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 3\n");
     const isosculpt_source source = {.path = open_mesh, .isovalue = NAN, .voxel = 0.5};
-    assert_int_equal(isosculpt_source_open(&source, &again, &grid, &error), ISO_ERR_EMPTY);
+    assert_int_equal(isosculpt_source_open(&source, &again, &grid, &error), ISO_ERR_FORMAT);
     unlink(open_mesh);
     rmdir(folder);
     iso_hgrid_destroy(first);
@@ -288,22 +288,26 @@ static void readings_are_kept(void **state) {
     for (int i = 0; i < SKIPPED; i++) fputc(i, file);
     for (int i = 0; i < X * Y * Z; i++) {
         const double x = i % X - 24, y = i / X % Y - 20, z = i / X / Y - 22;
-        fputc((int)(250 / (1 + 0.01 * (x * x + y * y + z * z))), file); /* 125 at a radius of 10 voxels */
+        const bool other = i % X == 2 && i / X % Y == 2; /* a rod beside it, which is dropped */
+        /* 125 at a radius of 10 voxels */
+        fputc(other ? 200 : (int)(250 / (1 + 0.01 * (x * x + y * y + z * z))), file);
     }
     fclose(file);
     char text[ISO_JOURNAL_TEXT];
-    iso_input input = {.spacing = {0.5, 0.5, 0.5}, .max_memory = 1 << 24};
+    iso_input input = {.spacing = {0.5, 0.5, 0.5}, .max_memory = 1 << 24, .largest = 1, .min_size = 2.5};
     assert_int_equal(iso_input_apply_raw(&input, "48x40x44:uint8::7", NULL), ISO_OK);
     assert_int_equal(iso_input_apply_crop_mm(&input, "0,100,0,100,0,11.1", NULL), ISO_OK);
     assert_int_equal(iso_input_write(&input, text, sizeof text, NULL), ISO_OK);
-    assert_string_equal(text,
-                        "raw=48x40x44:uint8:little:7\nspacing=0.5,0.5,0.5\ncrop-mm=0,100,0,100,0,11.1\n");
+    assert_string_equal(text, "raw=48x40x44:uint8:little:7\nspacing=0.5,0.5,0.5\ncrop-mm=0,100,0,100,0,11.1\n"
+                              "largest=1\nmin-size=2.5\n");
     const isosculpt_source source = {.path = path, .isovalue = 125, .input = &input}, how = {0};
     iso_journal_start start, again;
     iso_hgrid *first, *grid;
     iso_error error = {0};
     if (isosculpt_source_open(&source, &start, &first, &error) != ISO_OK) fail_msg("%s", error.text);
     assert_string_equal(start.reading, text);
+    const int rod[3] = {2 + 32, 2 + 36, 36};
+    assert_true(iso_hgrid_at(first, rod[0], rod[1], rod[2]) == first->band);
     assert_true(first->dims[0] == 48 + 64 && first->dims[2] == 96); /* 23 voxels, 32 around, in bricks */
     again = start;
     if (isosculpt_source_find("a.strokes", &how, &again, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
@@ -318,8 +322,9 @@ static void readings_are_kept(void **state) {
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
     isosculpt_volume_free(volume);
-    static const char *const bad[] = {"raw=48x40x44:uint9::7\n", "output=x\n", "raw",
-                                      "crop=0,1,0,1,0,1\ncrop-mm=0,1,0,1,0,1\n", "component=-1\n"};
+    static const char *const bad[] = {
+        "raw=48x40x44:uint9::7\n", "output=x\n",  "raw",          "crop=0,1,0,1,0,1\ncrop-mm=0,1,0,1,0,1\n",
+        "component=-1\n",          "largest=0\n", "min-size=-1\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         again = start;
         strcpy(again.reading, bad[i]);

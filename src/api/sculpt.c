@@ -117,7 +117,7 @@ iso_status iso_sculpt_create(const iso_sculpt_opts *opts, iso_sculpt **sculpt, i
 
 /* ---- of a volume ---- */
 
-static iso_status make_field(iso_sculpt *sculpt, const iso_grid *from, const iso_resampling *how,
+static iso_status make_field(iso_sculpt *sculpt, const iso_grid *from, const iso_field_opts *how,
                              const iso_session_opts *opts, iso_error *error) {
     iso_hgrid *grid;
     ISO_TRY(iso_field_from_grid("the volume", from, how, &grid, error));
@@ -139,9 +139,9 @@ iso_status iso_sculpt_from_volume(iso_volume *volume, double isovalue, const iso
     if (!isfinite(isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not finite");
     ISO_TRY(iso_isovalue_check(&volume->grid, isovalue, error));
     ISO_TRY(create(opts, &made, error));
-    const iso_resampling how = {.isovalue = iso_grid_stored(&volume->grid, isovalue),
-                                .voxel = opts->voxel_size,
-                                .pool = made->volume.pool};
+    const iso_field_opts how = {.resampling = {.isovalue = iso_grid_stored(&volume->grid, isovalue),
+                                               .voxel = opts->voxel_size,
+                                               .pool = made->volume.pool}};
     const iso_session_opts session = {.undo_memory = opts->undo_memory};
     return hand_out(make_field(made, &volume->grid, &how, &session, error), made, sculpt);
 }
@@ -237,14 +237,24 @@ size_t iso_sculpt_redo_count(iso_sculpt *sculpt) {
     return iso_history_count(history) - iso_history_position(history);
 }
 
-iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error) {
+static iso_status read_stamp(const char *path, iso_pool *pool, iso_stamp **stamp, iso_error *error) {
+    const iso_closing_opts closing = {0};
     iso_triangles mesh;
-    iso_stamp *stamp = NULL;
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    iso_closed_mesh *closed;
     ISO_TRY(iso_mesh_read(path, NULL, &mesh, error));
-    iso_status status = iso_stamp_from_mesh(path, &mesh, NULL, &stamp, error);
+    iso_status status = iso_closed_mesh_create(path, &mesh, &closing, &closed, error);
     iso_triangles_free(&mesh);
-    return status == ISO_OK ? iso_session_set_stamp(sculpt->session, stamp, error) : status;
+    ISO_TRY(status);
+    status = iso_stamp_from_mesh(path, closed, pool, NULL, stamp, error);
+    iso_closed_mesh_destroy(closed);
+    return status;
+}
+
+iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error) {
+    iso_stamp *stamp;
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(read_stamp(path, sculpt->volume.pool, &stamp, error));
+    return iso_session_set_stamp(sculpt->session, stamp, error);
 }
 
 iso_status iso_sculpt_journal_status(iso_sculpt *sculpt, iso_error *error) {

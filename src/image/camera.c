@@ -4,8 +4,6 @@
 #include <float.h>
 #include <stddef.h>
 
-/* Left free on each side of the picture by iso_camera_fit, as a part of the picture. */
-static const double FIT_MARGIN = 0.04;
 /* An eye is at the pole when the sine of the angle between its view and view_up is below this. */
 static const double POLE = 1e-6;
 
@@ -67,12 +65,22 @@ void iso_camera_orbit(iso_camera *camera, double azimuth, double elevation) {
     if (iso_vec3_dot(up, iso_vec3_unit(camera->view_up)) < POLE) camera->view_up = up;
 }
 
+static double fill_of(const iso_fit *fit) {
+    return fit->fill > 0 ? fit->fill : 1 - 2 * ISO_FIT_MARGIN;
+}
+
 void iso_camera_fit(iso_camera *camera, const iso_box *box, double aspect, int turns) {
-    assert(!iso_box_is_empty(box) && aspect > 0 && turns >= 1);
+    iso_camera_fit_box(camera, box, &(iso_fit){.aspect = aspect, .turns = turns});
+}
+
+void iso_camera_fit_box(iso_camera *camera, const iso_box *box, const iso_fit *fit) {
+    const double aspect = fit->aspect, fill = fill_of(fit);
+    const int turns = fit->turns > 0 ? fit->turns : 1;
+    assert(!iso_box_is_empty(box) && aspect > 0);
     iso_vec3 center = iso_vec3_scale(iso_vec3_add(box->lo, box->hi), 0.5);
     iso_vec3 forward = iso_vec3_unit(iso_vec3_sub(camera->focal_point, camera->position));
     iso_vec3 pole = iso_vec3_unit(camera->view_up);
-    double reach_y = iso_tan(radians(camera->view_angle) / 2) * (1 - 2 * FIT_MARGIN);
+    double reach_y = iso_tan(radians(camera->view_angle) / 2) * fill;
     double distance = 0, scale = 0;
     for (int turn = 0; turn < turns; turn++) {
         frame f = frame_of(rotate(forward, pole, 360.0 * turn / turns), camera->view_up);
@@ -80,7 +88,7 @@ void iso_camera_fit(iso_camera *camera, const iso_box *box, double aspect, int t
             iso_vec3 p = iso_vec3_sub(iso_box_corner(box, corner), center);
             double y = fmax(fabs(iso_vec3_dot(p, f.up)), fabs(iso_vec3_dot(p, f.right)) / aspect);
             double z = iso_vec3_dot(p, f.forward);
-            scale = fmax(scale, y / (1 - 2 * FIT_MARGIN));
+            scale = fmax(scale, y / fill);
             /* a box without width must still lie in front of the near plane */
             distance = fmax(distance, fmax(y / reach_y - z, -1.001 * z));
         }
@@ -92,6 +100,131 @@ void iso_camera_fit(iso_camera *camera, const iso_box *box, double aspect, int t
     camera->focal_point = center;
     camera->position = iso_vec3_sub(center, iso_vec3_scale(forward, distance));
     if (camera->orthographic) camera->parallel_scale = scale > 0 ? scale : distance;
+}
+
+/* ---- the points themselves */
+
+/* How far points reach to both sides of a plane through `center` that is turned from the view's axis:
+ * sideways by `slope` for each mm of depth. Positive: beyond it. */
+typedef struct reach {
+    double high, low; /* along +axis and -axis */
+    double near;      /* least depth from the center */
+} reach;
+
+static reach reach_of(const iso_fit *fit, iso_vec3 center, const frame *f, iso_vec3 axis, double slope) {
+    const iso_vec3 back = iso_vec3_scale(f->forward, slope);
+    const iso_vec3 vectors[3] = {iso_vec3_sub(axis, back), iso_vec3_add(axis, back), f->forward};
+    const iso_box box = fit->bounds(fit->context, vectors);
+    return (reach){box.hi.x - iso_vec3_dot(vectors[0], center), iso_vec3_dot(vectors[1], center) - box.lo.y,
+                   box.lo.z - iso_vec3_dot(f->forward, center)};
+}
+
+/* One axis of the picture: how far back from the center the eye must be (perspective) or half of what must be
+ * seen (orthographic), and where its middle is. */
+typedef struct extent {
+    double needed, middle, near;
+} extent;
+
+static extent extent_of(const iso_fit *fit, iso_vec3 center, const frame *f, iso_vec3 axis, double slope) {
+    const reach r = reach_of(fit, center, f, axis, slope);
+    const double half = (r.high + r.low) / 2;
+    return (extent){slope > 0 ? half / slope : half, (r.high - r.low) / 2, r.near};
+}
+
+/* Where the middle is, seen from `distance`: with the slope at which that distance is what is needed. What is
+ * needed is convex in the slope's inverse and grows with it: false position (the Illinois rule) finds it in a
+ * few rounds. */
+static double middle_from(const iso_fit *fit, iso_vec3 center, const frame *f, iso_vec3 axis, double slope,
+                          double distance) {
+    enum { DOUBLINGS = 12, ROUNDS = 40 };
+    const double close = 1e-7 * fabs(distance);
+    double low = 1 / slope, high = low;
+    extent at = extent_of(fit, center, f, axis, slope);
+    double below = at.needed - distance, above = below;
+    for (int i = 0; i < DOUBLINGS && above < -close; i++) {
+        high *= 2;
+        at = extent_of(fit, center, f, axis, 1 / high);
+        above = at.needed - distance;
+    }
+    if (above < 0 || below > -close) return at.middle; /* without width it is everywhere the same */
+    for (int i = 0, side = 0; i < ROUNDS; i++) {
+        const double inverse = (low * above - high * below) / (above - below);
+        at = extent_of(fit, center, f, axis, 1 / inverse);
+        const double now = at.needed - distance;
+        if (fabs(now) <= close) break;
+        if (now < 0) {
+            low = inverse;
+            below = now;
+            if (side < 0) above /= 2;
+            side = -1;
+        } else {
+            high = inverse;
+            above = now;
+            if (side > 0) below /= 2;
+            side = 1;
+        }
+    }
+    return at.middle;
+}
+
+/* One picture: the middle of what it shows goes to the middle of the picture. */
+static void frame_once(iso_camera *camera, iso_vec3 center, const iso_fit *fit, const frame *f) {
+    const double fill = fill_of(fit);
+    const double y_slope = camera->orthographic ? 0 : iso_tan(radians(camera->view_angle) / 2) * fill;
+    const double x_slope = y_slope * fit->aspect;
+    const extent x = extent_of(fit, center, f, f->right, x_slope),
+                 y = extent_of(fit, center, f, f->up, y_slope);
+    double distance = 1, right = x.middle, up = y.middle;
+    if (camera->orthographic) {
+        camera->parallel_scale = fmax(x.needed / fit->aspect, y.needed) / fill;
+        if (!(camera->parallel_scale > 0)) camera->parallel_scale = 1; /* a single point */
+        distance = fmax(camera->parallel_scale, -1.001 * x.near);
+    } else {
+        distance = fmax(fmax(x.needed, y.needed), -1.001 * x.near);
+        if (!(distance > 0)) distance = 1 / y_slope;
+        right = middle_from(fit, center, f, f->right, x_slope, distance);
+        up = middle_from(fit, center, f, f->up, y_slope, distance);
+    }
+    center = iso_vec3_add(center, iso_vec3_add(iso_vec3_scale(f->right, right), iso_vec3_scale(f->up, up)));
+    camera->focal_point = center;
+    camera->position = iso_vec3_sub(center, iso_vec3_scale(f->forward, distance));
+}
+
+/* Larger of both sides: the center stays where the turns have their axis. */
+static double needed_around(const iso_fit *fit, iso_vec3 center, const frame *f, iso_vec3 axis,
+                            double slope) {
+    const reach r = reach_of(fit, center, f, axis, slope);
+    const double half = fmax(r.high, r.low);
+    return fmax(slope > 0 ? half / slope : half, slope > 0 ? -1.001 * r.near : 0);
+}
+
+static void frame_turns(iso_camera *camera, iso_vec3 center, const iso_fit *fit, const frame *first) {
+    const double fill = fill_of(fit);
+    const double y_slope = camera->orthographic ? 0 : iso_tan(radians(camera->view_angle) / 2) * fill;
+    const iso_vec3 pole = iso_vec3_unit(camera->view_up);
+    double needed = 0;
+    for (int turn = 0; turn < fit->turns; turn++) {
+        const frame f = frame_of(rotate(first->forward, pole, 360.0 * turn / fit->turns), camera->view_up);
+        const double x = needed_around(fit, center, &f, f.right, y_slope * fit->aspect);
+        const double y = needed_around(fit, center, &f, f.up, y_slope);
+        needed = fmax(needed, fmax(camera->orthographic ? x / fit->aspect : x, y));
+    }
+    if (!(needed > 0)) needed = 1;
+    if (camera->orthographic) camera->parallel_scale = needed / fill;
+    camera->focal_point = center;
+    camera->position = iso_vec3_sub(center, iso_vec3_scale(first->forward, needed));
+}
+
+void iso_camera_fit_tight(iso_camera *camera, iso_vec3 center, const iso_fit *fit) {
+    const frame f = frame_of(iso_vec3_sub(camera->focal_point, camera->position), camera->view_up);
+    if (fit->turns > 1)
+        frame_turns(camera, center, fit, &f);
+    else
+        frame_once(camera, center, fit, &f);
+}
+
+double iso_camera_mm_per_pixel(const iso_camera *camera, int height) {
+    return camera->orthographic ? 2 * camera->parallel_scale / height : 0;
 }
 
 /* Newton's method on sin(x - atan t), which has no far field to get lost in. t > 0. */

@@ -32,6 +32,34 @@ void iso_camera_orbit(iso_camera *camera, double azimuth, double elevation);
  * programming mistake. */
 void iso_camera_fit(iso_camera *camera, const iso_box *box, double aspect, int turns);
 
+/* What iso_camera_fit_tight frames. */
+typedef struct iso_fit {
+    double aspect; /* width / height of the picture */
+    int turns;     /* views spaced evenly in azimuth that share one framing; 0: 1 */
+    double
+        fill; /* part of the picture's width or height that is filled, up to 1; 0: 0.92 as iso_camera_fit */
+    /* The box of all points in the space in which a point's coordinates are its products with three world
+     * vectors; empty when there are none. */
+    iso_box (*bounds)(void *context, const iso_vec3 vectors[3]);
+    void *context;
+} iso_fit;
+
+/* Margin of iso_camera_fit, as a part of the picture on each side. */
+#define ISO_FIT_MARGIN 0.04
+
+/* As iso_camera_fit with margins of (1 - fill) / 2 instead of 4 %. */
+void iso_camera_fit_box(iso_camera *camera, const iso_box *box, const iso_fit *fit);
+
+/* Frames the points themselves instead of a box around them: moves eye and focal point so that the box of the
+ * points in the picture is in its middle and fills it in width or in height, exactly. `center` (world) lies
+ * at the depth of the focal point. With several turns the focal point is `center`, about which they turn, and
+ * the distance is what all of them need. */
+void iso_camera_fit_tight(iso_camera *camera, iso_vec3 center, const iso_fit *fit);
+
+/* Orthographic: mm a pixel's side covers in a picture of `height` rows; perspective: 0, there is no one
+ * scale. */
+double iso_camera_mm_per_pixel(const iso_camera *camera, int height);
+
 /* Narrows view_angle and parallel_scale so that things appear `factor` times larger, exactly (VTK divides the
  * angle instead); factor > 0. */
 void iso_camera_zoom(iso_camera *camera, double factor);

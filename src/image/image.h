@@ -31,8 +31,9 @@ iso_status iso_png_write(const char *path, const iso_image *image, const iso_png
 typedef struct iso_png_opts {
     const iso_png_text *texts;
     int text_count;
-    bool small;     /* take more time for fewer bytes; up to 256 opaque colours are indexed */
-    iso_pool *pool; /* its threads compress; the same bytes for every number of them, and without */
+    bool small;              /* take more time for fewer bytes; up to 256 opaque colours are indexed */
+    double pixels_per_metre; /* pHYs, rounded; 0, or more than it can hold: not written */
+    iso_pool *pool;          /* its threads compress; the same bytes for every number of them, and without */
 } iso_png_opts;
 iso_status iso_png_write_with(const char *path, const iso_image *image, const iso_png_opts *opts,
                               iso_error *error);

@@ -42,6 +42,7 @@ typedef struct writer {
     iso_png_palette *palette; /* NULL: the picture's colours are not indexed */
     png_text *texts;
     int text_count;
+    png_uint_32 pixels_per_metre; /* 0: not written */
     bool out_of_memory;
     trouble trouble;
 } writer;
@@ -89,6 +90,8 @@ static bool write_picture(writer *w) {
     png_set_IHDR(w->png, w->info, (png_uint_32)w->packer.image->width, (png_uint_32)w->packer.image->height,
                  8, type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (w->palette) put_palette(w);
+    if (w->pixels_per_metre)
+        png_set_pHYs(w->png, w->info, w->pixels_per_metre, w->pixels_per_metre, PNG_RESOLUTION_METER);
     if (w->text_count) png_set_text(w->png, w->info, w->texts, w->text_count);
     png_write_info(w->png, w->info);
     for (;;) {
@@ -144,6 +147,8 @@ static iso_status prepare_writer(writer *w, const iso_image *image, const iso_pn
     int count = opts->text_count;
     if (count && !(w->texts = iso_alloc_zero((size_t)count, sizeof *w->texts))) return ISO_ERR_NOMEM;
     w->text_count = count;
+    const double density = opts->pixels_per_metre + 0.5;
+    if (density >= 1 && density <= PNG_UINT_31_MAX) w->pixels_per_metre = (png_uint_32)density;
     for (int i = 0; i < count; i++) {
         w->texts[i] = text_chunk(&opts->texts[i]);
         if (!w->texts[i].text) return ISO_ERR_NOMEM;

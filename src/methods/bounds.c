@@ -1,7 +1,7 @@
 /* World boxes of points, meshes and cells. */
 #include "methods/bounds.h"
 
-static bool is_oblique(const iso_transform *transform) {
+bool iso_bounds_is_oblique(const iso_transform *transform) {
     int zeros = 0;
     for (int i = 0; i < 9; i++) zeros += transform->direction[i] == 0;
     return zeros < 6;
@@ -13,7 +13,7 @@ static iso_vec3 index_position(const int32_t brick[3], const float position[3]) 
                          brick[2] * (double)ISO_BRICK + position[2]);
 }
 
-static iso_box turned_points(const iso_point_view *view, const iso_affine *affine) {
+iso_box iso_bounds_of_each_point(const iso_point_view *view, const iso_affine *affine) {
     iso_box box = iso_box_empty();
     for (size_t s = 0; s < view->span_count; s++)
         for (uint32_t i = 0; i < view->spans[s].count; i++) {
@@ -24,7 +24,7 @@ static iso_box turned_points(const iso_point_view *view, const iso_affine *affin
     return box;
 }
 
-static iso_box turned_mesh(const iso_mesh_view *view, const iso_affine *affine) {
+iso_box iso_bounds_of_each_vertex(const iso_mesh_view *view, const iso_affine *affine) {
     iso_box box = iso_box_empty();
     for (size_t s = 0; s < view->span_count; s++)
         for (uint32_t i = 0; i < view->spans[s].own_count; i++) {
@@ -37,21 +37,21 @@ static iso_box turned_mesh(const iso_mesh_view *view, const iso_affine *affine) 
 
 iso_box iso_bounds_of_points(const iso_point_view *view) {
     const iso_affine affine = iso_transform_affine(&view->transform);
-    if (is_oblique(&view->transform)) return turned_points(view, &affine);
+    if (iso_bounds_is_oblique(&view->transform)) return iso_bounds_of_each_point(view, &affine);
     const iso_box box = iso_point_view_bounds(view);
     return iso_box_is_empty(&box) ? box : iso_box_transform(&box, &affine);
 }
 
 iso_box iso_bounds_of_mesh(const iso_mesh_view *view) {
     const iso_affine affine = iso_transform_affine(&view->transform);
-    if (is_oblique(&view->transform)) return turned_mesh(view, &affine);
+    if (iso_bounds_is_oblique(&view->transform)) return iso_bounds_of_each_vertex(view, &affine);
     const iso_box box = iso_mesh_view_bounds(view);
     return iso_box_is_empty(&box) ? box : iso_box_transform(&box, &affine);
 }
 
 iso_box iso_bounds_of_cells(const iso_exact *cells, const iso_transform *transform) {
     const iso_affine affine = iso_transform_affine(transform);
-    if (is_oblique(transform)) return iso_exact_bounds(cells, &affine);
+    if (iso_bounds_is_oblique(transform)) return iso_exact_bounds(cells, &affine);
     const iso_box box = iso_exact_bounds(cells, NULL);
     return iso_box_is_empty(&box) ? box : iso_box_transform(&box, &affine);
 }

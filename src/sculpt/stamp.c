@@ -46,63 +46,46 @@ const iso_hgrid *iso_stamp_level(const iso_stamp *stamp, double radius) {
 
 /* ---- from a mesh */
 
-typedef struct bounds {
-    double low[3], high[3];
-} bounds;
-
-static bounds bounds_of(const iso_triangles *mesh) {
-    bounds b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (size_t i = 0; i < 3 * mesh->triangle_count; i++)
-        for (int axis = 0; axis < 3; axis++) {
-            const double p = (double)mesh->vertices[mesh->triangles[i / 3][i % 3]][axis];
-            b.low[axis] = fmin(b.low[axis], p);
-            b.high[axis] = fmax(b.high[axis], p);
-        }
-    return b;
-}
-
-/* The mesh with its longest side from -1 to 1; only its vertices are its own. */
-static iso_status normalise(const char *path, const iso_triangles *mesh, iso_triangles *out,
-                            iso_error *error) {
-    const bounds b = bounds_of(mesh);
-    double longest = 0;
-    for (int axis = 0; axis < 3; axis++) longest = fmax(longest, b.high[axis] - b.low[axis]);
-    if (!(longest > 0) || !isfinite(longest))
-        return iso_fail(error, ISO_ERR_EMPTY, "%s: the mesh encloses nothing", path);
-    *out = *mesh;
-    out->vertices = iso_alloc(mesh->vertex_count * sizeof *mesh->vertices);
-    if (!out->vertices) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
-    for (size_t i = 0; i < mesh->vertex_count; i++)
-        for (int axis = 0; axis < 3; axis++)
-            out->vertices[i][axis] =
-                (float)(((double)mesh->vertices[i][axis] - 0.5 * (b.low[axis] + b.high[axis])) * 2 / longest);
-    return ISO_OK;
-}
-
-static iso_status convert(const char *path, const iso_triangles *mesh, const iso_progress *progress,
+/* Levels in millimetres, at first; thin parts need small voxels, and coarse levels may lose them. */
+static iso_status convert(const char *path, const iso_closed_mesh *mesh, iso_mesh_frame frame,
                           iso_stamp *stamp, iso_error *error) {
+    const iso_progress *progress = frame.progress;
+    const double longest = frame.voxel;
     iso_status status = ISO_OK;
     for (int i = 0; i < ISO_STAMP_LEVELS; i++) {
         const iso_progress part =
             iso_progress_part(progress, (double)i / ISO_STAMP_LEVELS, (i + 1.0) / ISO_STAMP_LEVELS);
-        const iso_mesh_frame frame = {2.0 / (ISO_STAMP_FIRST << i), MARGIN, &part};
+        frame.progress = &part;
+        frame.voxel = longest / (ISO_STAMP_FIRST << i);
         status = iso_level_set_from_mesh(path, mesh, &frame, &stamp->level[stamp->count], error);
         stamp->count += status == ISO_OK;
-        if (status != ISO_OK && status != ISO_ERR_EMPTY) return status; /* (thin parts need small voxels) */
+        if (status != ISO_OK && status != ISO_ERR_EMPTY) return status;
     }
     return status;
 }
 
-iso_status iso_stamp_from_mesh(const char *path, const iso_triangles *mesh, const iso_progress *progress,
-                               iso_stamp **out, iso_error *error) {
-    iso_triangles normal;
+/* The longest side from -1 to 1. Distances are in voxels: they stay. */
+static void normalise(iso_stamp *stamp, const double middle[3], double longest) {
+    for (int i = 0; i < stamp->count; i++) {
+        iso_transform *transform = &stamp->level[i]->transform;
+        for (int axis = 0; axis < 3; axis++) {
+            transform->origin[axis] = (transform->origin[axis] - middle[axis]) * 2 / longest;
+            transform->spacing[axis] *= 2 / longest;
+        }
+    }
+}
+
+iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, iso_pool *pool,
+                               const iso_progress *progress, iso_stamp **out, iso_error *error) {
+    const iso_box box = iso_closed_mesh_box(mesh);
+    const double middle[3] = {0.5 * (box.lo.x + box.hi.x), 0.5 * (box.lo.y + box.hi.y),
+                              0.5 * (box.lo.z + box.hi.z)};
+    const double longest = fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
+    const iso_mesh_frame frame = {longest, MARGIN, pool, progress};
     iso_stamp *stamp = allocate(path);
     if (!stamp) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
-    iso_status status = normalise(path, mesh, &normal, error);
-    if (status == ISO_OK) {
-        status = convert(path, &normal, progress, stamp, error);
-        iso_free(normal.vertices);
-    }
+    iso_status status = convert(path, mesh, frame, stamp, error);
+    normalise(stamp, middle, longest);
     if (status == ISO_OK)
         *out = stamp;
     else

@@ -2,11 +2,13 @@
  * from -1 to 1: a brush's radius scales it.
  *
  * A journal holds the fields themselves, not the mesh that they were made of: a stroke file needs no other
- * file, no OpenVDB, and plays the same whichever version of it made them. */
+ * file, and plays the same whichever version made them. */
 #ifndef ISO_SCULPT_STAMP_H
 #define ISO_SCULPT_STAMP_H
 
+#include "base/parallel.h"
 #include "base/progress.h"
+#include "grids/closed_mesh.h"
 #include "grids/hgrid.h"
 
 #ifdef __cplusplus
@@ -24,9 +26,10 @@ typedef struct iso_stamp {
     int owners;                         /* atomic */
 } iso_stamp;
 
-/* Of what a closed mesh encloses, by OpenVDB. As iso_level_set_from_mesh. */
-iso_status iso_stamp_from_mesh(const char *path, const iso_triangles *mesh, const iso_progress *progress,
-                               iso_stamp **stamp, iso_error *error);
+/* Of the solid that a mesh encloses. As iso_level_set_from_mesh; levels whose voxels are too large for the
+ * mesh are left out. The pool is borrowed; NULL: the calling thread. */
+iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, iso_pool *pool,
+                               const iso_progress *progress, iso_stamp **stamp, iso_error *error);
 
 /* One more owner; each calls iso_stamp_free. NULL is fine. Thread-safe. */
 iso_stamp *iso_stamp_share(iso_stamp *stamp);

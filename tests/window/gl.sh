@@ -10,6 +10,7 @@ tools=$(realpath -m "$2")
 env -u DISPLAY "$bin/isosculpt" 2>"$work/said"
 grep -q "built without GLFW" "$work/said" && { echo "skipped: built without a window"; exit 77; }
 open_display
+cd "$work" || exit 1
 export ISO_GL_DEBUG=1
 
 # ---- what is too old is said, or done without
@@ -17,7 +18,7 @@ MESA_GL_VERSION_OVERRIDE=4.4 MESA_GLSL_VERSION_OVERRIDE=440 timeout "$LIMIT" "$b
 code=$?
 grep -q "glad" "$work/said" && { echo "skipped: built without glad"; exit 77; }
 [ $code -eq 4 ] && grep -q "4\.5 is needed" "$work/said" || fail "OpenGL 4.4: exit status $code"
-rm -rf "$state"
+anew
 
 # close_window: and no message of the driver's above notifications
 close_window() {
@@ -96,7 +97,7 @@ all_methods resized
 close_window
 
 # ---- a software renderer is not chosen by itself: the cpu engine is
-rm -rf "$state" # (the journal to look at is the one that will be there)
+anew # (the journal to look at is the one that will be there)
 start
 key m m m
 picture automatic

@@ -15,6 +15,7 @@ grep -q "built without GLFW" "$work/said" && { echo "skipped: built without a wi
 grep -q -- "--headless" "$work/said" || fail "no display: --headless is not named"
 
 open_display
+cd "$work" || exit 1 # where a new ball is saved
 
 start
 picture new # and so it is ready
@@ -72,7 +73,6 @@ has_events end "$strokes" || fail "moving the camera made strokes"
 picture front
 
 # ---- saving; what is saved is what the journal says
-vdb=${journal%.strokes}.vdb
 key ctrl+s
 until_ "$vdb" test -s "$vdb"
 "$bin/isosculpt" --replay "$journal" --headless --quiet --output "$work/replayed.vdb" --json="$work/replay.json" ||
@@ -106,7 +106,7 @@ code=$?
 [ ! -e "$journal.open" ] || fail "the journal still counts as open"
 
 # ---- killed, and recovered
-rm -rf "$state"
+anew
 start
 picture new
 stroke 640 400 20 20
@@ -123,7 +123,7 @@ stroke 560 380 20 20
 # ---- a window on a file, and again on the strokes that began with it
 kill -9 "$program"
 wait "$program" 2>/dev/null
-rm -rf "$state"
+anew
 start "$work/replayed.vdb"
 picture opened
 stroke 640 400 20 20
@@ -139,15 +139,11 @@ has_events end 1 || fail "strokes on an opened file: $(events end)"
 
 # ---- opening beside what is there: a file by its name in the panel; one that is not there changes nothing
 before=$journal
-# (Dear ImGui sees the pointer where it is when a picture is drawn: a hand that is faster is tried again.)
 open_by_name() {
-    xdotool mousemove 100 627 click 1
-    sleep 0.2
+    press 90 390
     xdotool key --delay 100 ctrl+a
     xdotool type "$1"
-    sleep 0.2
-    xdotool mousemove 33 650 click 1
-    sleep 0.2
+    xdotool sleep 0.2 key Return
 }
 another_journal() { [ "$(newest)" != "$before" ]; }
 journal_is_open() { journal=$(newest) && title_is "$(basename "$journal")"; }
@@ -166,7 +162,7 @@ cmp "$work/moved.png" "$work/opened.png" || fail "what was opened by its name is
 stop
 
 # ---- a mesh as a stamp: it is in the journal, which plays without it
-rm -rf "$state"
+anew
 "$bin/isosculpt" --replay "$work/kept.strokes" --headless --quiet --output "$work/shape.stl" || fail "no mesh for a stamp"
 start --stamp "$work/shape.stl"
 until_ "the stamp in the journal" has_events stamp 1
@@ -180,7 +176,6 @@ key ctrl+z
 picture unstamped_again
 cmp "$work/unstamped.png" "$work/unstamped_again.png" || fail "undo of a stamp: another picture"
 key ctrl+shift+z ctrl+s
-vdb=${journal%.strokes}.vdb
 until_ "$vdb" test -s "$vdb"
 cp "$journal" "$work/stamped.strokes"
 "$bin/isosculpt" --replay "$work/stamped.strokes" --headless --quiet --output "$work/stamped.vdb" || fail "the stamp does not play"
@@ -188,25 +183,20 @@ cmp <(tail -c +60 "$vdb") <(tail -c +60 "$work/stamped.vdb") || fail "the stamp 
 stop
 
 # ---- a volume is looked at, at an isovalue that the histogram chooses, until a brush touches it
-rm -rf "$state"
-"$bin/isosculpt" "$volumes/stent.nrrd" --isovalue 600 >"$work/said" 2>&1 &
-program=$!
+anew
+cp "$volumes/stent.nrrd" "$work/stent.nrrd" # (pictures lie beside it)
+window_program "$work/stent.nrrd" --isovalue 600
 until_ "the volume" title_is 'stent.nrrd'
+picture unmoved
 journal_is_there && fail "a journal, though nothing was done"
-slide() {
-    xdotool mousemove 120 100 mousedown 1
-    sleep 0.2
-    xdotool mousemove 140 100
-    sleep 0.2
-    xdotool mouseup 1
+slides() {
+    xdotool mousemove 120 100 sleep 0.2 mousedown 1 sleep 0.2 mousemove 140 100 sleep 0.2 mouseup 1 sleep 0.2
+    picture moved
+    differ unmoved moved
 }
-slide
+until_ "another isovalue" slides
 is_sculpted() {
-    xdotool mousemove 640 400 click 1
-    sleep 0.2
-    xdotool mousemove 30 205 mousedown 1
-    sleep 0.2
-    xdotool mouseup 1
+    press 58 239 # "Sculpt this"
     journal_is_there
 }
 until_ "a field" is_sculpted
@@ -217,7 +207,7 @@ stop
 "$bin/isosculpt" --replay "$journal" --headless --quiet --output "$work/stent.vdb" || fail "strokes on a volume do not play"
 
 # ---- Escape takes back what is being opened
-rm -rf "$state"
+anew
 "$bin/isosculpt" --replay "$work/kept.strokes" --headless --quiet --output "$work/shape.stl" || fail "no mesh to open"
 "$bin/isosculpt" "$work/shape.stl" --voxel-size 0.1 >"$work/said" 2>&1 &
 program=$!
@@ -230,7 +220,7 @@ stop
 
 # ---- text twice as large: so is the window, but it fits its screen
 if command -v xrdb >/dev/null; then
-    rm -rf "$state"
+    anew
     echo "Xft.dpi: 192" | xrdb -merge -
     start
     picture large
@@ -245,7 +235,7 @@ fi
 
 # ---- another content scale while it runs: buttons are where they are then, and as large
 if [ -e "$tools/libwindow_scale.so" ]; then
-    rm -rf "$state"
+    anew
     export ISO_TEST_SCALE=$work/scale
     LD_PRELOAD=$tools/libwindow_scale.so start
     stroke 640 400 20 20

@@ -7,6 +7,7 @@ LIMIT=100
 for tool in Xvfb xdotool; do
     command -v $tool >/dev/null || { echo "skipped: there is no $tool"; exit 77; }
 done
+here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 export XDG_STATE_HOME=$work/state HOME=$work LC_ALL=C
 unset WAYLAND_DISPLAY
@@ -80,12 +81,46 @@ stop() {
     wait "$program" 2>/dev/null
     program=
 }
-# picture NAME: F12 and the file that it makes
+# press X Y: a button of the panel. Dear ImGui sees the pointer where it is when a picture is drawn: for a slow machine
+# it is pressed again until what should happen does.
+press() { xdotool mousemove "$1" "$2" sleep 0.2 mousedown 1 sleep 0.2 mouseup 1 sleep 0.2; }
+# shot: the picture that F12 made beside the file that is saved, or beside the volume
+shot() { shot=$(find "$work" -maxdepth 2 -name '*-[0-9]*.png' -size +0 | head -1) && [ -n "$shot" ]; }
+# picture NAME [KEY]: F12 and the file that it makes, which is taken away, so that there is one at a time
 picture() {
-    local count=0 file
-    while [ -e "${journal%.strokes}-$((count + 1)).png" ]; do count=$((count + 1)); done
-    file=${journal%.strokes}-$((count + 1)).png
-    key F12
-    until_ "picture $file" test -s "$file"
-    cp "$file" "$work/$1.png"
+    key "${2:-F12}"
+    until_ "picture $1" shot
+    mv "$shot" "$work/$1.png"
+}
+# whole_window NAME: the same with the panel
+whole_window() { picture "$1" shift+F12; }
+differ() { ! cmp -s "$work/$1.png" "$work/$2.png"; }
+# saved to: the file beside nothing that a new ball has
+vdb=$work/sculpture.vdb
+# anew: as if nobody had been here
+anew() { rm -rf "$state" "$work"/sculpture*; }
+# window_program ARGUMENTS: without waiting for a journal, which volumes have none of
+window_program() {
+    "$bin/isosculpt" "$@" >"$work/said" 2>&1 &
+    program=$!
+    until_ "a window" window_is_there
+}
+# look ...: what is to be seen in a picture (look.py)
+look() { python3 "$here/look.py" "$@"; }
+# Whether something is asked, or a file is to be chosen: the rest of the window is dark then.
+is_modal() { whole_window modal && look modal "$work/modal.png"; }
+is_not_modal() { ! is_modal; }
+# says WORDS: the program did, on its standard error
+says() { grep -qF "$1" "$work/said"; }
+# A mesh of a cube.
+make_box() { # NAME X Y Z SIDE: a mesh
+    python3 - "$@" <<'PYTHON'
+import sys
+name, x, y, z, side = sys.argv[1], *map(float, sys.argv[2:])
+with open(name, "w") as file:
+    for i in range(8):
+        file.write("v %g %g %g\n" % (x + side * (i & 1), y + side * (i >> 1 & 1), z + side * (i >> 2)))
+    for a, b, c, d in ((1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)):
+        file.write("f %d %d %d\nf %d %d %d\n" % (a, b, c, a, c, d))
+PYTHON
 }

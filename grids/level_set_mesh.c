@@ -1,0 +1,456 @@
+/* What a closed mesh encloses as a level set.
+ *
+ * Distances are exact: to the nearest triangle or cap. Where those of two neighbouring voxels add up to more
+ * than the way between them, no surface lies between, and both are on the same side: voxels are joined to
+ * regions, and one winding number a region tells its side, at the voxel that is farthest from the surface. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "grids/level_set.h"
+#include "grids/mesh_buried.h"
+
+static const double BAND = 3;
+/* Rounding of distances, in voxels. */
+static const double ROUNDING = 1e-4;
+/* Half the diagonal of a brick's voxels, in voxels. */
+static const double BRICK_REACH = 12.991;
+/* Voxels a side of the blocks that are asked for their distance as one, and half such a block's diagonal. */
+enum { BLOCK = 4 };
+static const double BLOCK_REACH = 2.599;
+enum { NO_REGION = 0xffff };
+
+/* A region: of a brick until regions are joined. */
+typedef struct region {
+    uint32_t parent; /* itself: it stands for all that are joined to it */
+    float depth;     /* of its deepest voxel, in voxels, and where that is */
+    uint32_t cell;
+    uint16_t voxel;
+    int16_t winding; /* rounded; of those that stand for others */
+} region;
+
+/* Sums over voxels. */
+typedef struct volumes {
+    double winding; /* each counts as often as the mesh winds around it */
+    double solid;
+} volumes;
+
+typedef struct conversion {
+    const char *path;
+    const iso_closed_mesh *mesh;
+    iso_hgrid *grid;
+    double voxel;
+    iso_progress progress; /* of the part that is under way */
+    size_t cells, bricks;
+    uint8_t *near;                       /* by cell */
+    uint32_t *brick_cell;                /* by brick, in the order of cells */
+    uint16_t (*label)[ISO_BRICK_VOXELS]; /* by brick: a voxel's region, counted in the brick */
+    uint32_t *first;                     /* by cell: its first region; one more at the end */
+    region *regions;
+    size_t region_count;
+    volumes *sums; /* by brick */
+} conversion;
+
+/* ---- places */
+
+static void cell_at(const iso_hgrid *grid, size_t cell, int at[3]) {
+    at[0] = (int)(cell % (size_t)grid->cells[0]);
+    at[1] = (int)(cell / (size_t)grid->cells[0] % (size_t)grid->cells[1]);
+    at[2] = (int)(cell / (size_t)grid->cells[0] / (size_t)grid->cells[1]);
+}
+
+static iso_vec3 place(const conversion *c, double x, double y, double z) {
+    const double *origin = c->grid->transform.origin;
+    return iso_vec3_make(origin[0] + c->voxel * x, origin[1] + c->voxel * y, origin[2] + c->voxel * z);
+}
+
+static void voxel_at(const conversion *c, size_t cell, int voxel, int at[3]) {
+    cell_at(c->grid, cell, at);
+    at[0] = at[0] * ISO_BRICK + voxel % ISO_BRICK;
+    at[1] = at[1] * ISO_BRICK + voxel / ISO_BRICK % ISO_BRICK;
+    at[2] = at[2] * ISO_BRICK + voxel / (ISO_BRICK * ISO_BRICK);
+}
+
+/* ---- the grid */
+
+static iso_status frame_of(const char *path, const iso_closed_mesh *mesh, const iso_mesh_frame *frame,
+                           iso_hgrid **grid, iso_error *error) {
+    const iso_box box = iso_closed_mesh_box(mesh);
+    const double lo[3] = {box.lo.x, box.lo.y, box.lo.z}, hi[3] = {box.hi.x, box.hi.y, box.hi.z};
+    iso_transform transform = iso_transform_identity();
+    int dims[3];
+    for (int axis = 0; axis < 3; axis++) {
+        const double voxels = ceil((hi[axis] - lo[axis]) / frame->voxel) + 1 + 2.0 * frame->margin;
+        const double whole = ceil(voxels / ISO_BRICK) * ISO_BRICK;
+        if (!(whole <= ISO_HGRID_MAX))
+            return iso_fail(error, ISO_ERR_LIMIT, "%s: %g voxels of %g mm along %c, at most %d", path, whole,
+                            frame->voxel, "xyz"[axis], ISO_HGRID_MAX);
+        dims[axis] = (int)whole;
+        transform.spacing[axis] = frame->voxel;
+        transform.origin[axis] = (lo[axis] + hi[axis] - (whole - 1) * frame->voxel) / 2;
+    }
+    return iso_hgrid_create(dims, 0, &transform, grid, error);
+}
+
+static double distance_at(const conversion *c, iso_vec3 p, double most, iso_nearest *nearest) {
+    nearest->squared = most * most * c->voxel * c->voxel;
+    iso_closed_mesh_nearest(c->mesh, p, nearest);
+    return sqrt(nearest->squared) / c->voxel;
+}
+
+static bool cancelled(const conversion *c) {
+    return iso_progress_cancelled(&c->progress);
+}
+
+static void find_near(void *context, size_t cell, int worker) {
+    (void)worker;
+    conversion *c = context;
+    int at[3];
+    iso_nearest nearest = {0};
+    if (cancelled(c)) return;
+    cell_at(c->grid, cell, at);
+    const double middle = (ISO_BRICK - 1) / 2.0, most = BAND + BRICK_REACH;
+    const iso_vec3 p =
+        place(c, ISO_BRICK * at[0] + middle, ISO_BRICK * at[1] + middle, ISO_BRICK * at[2] + middle);
+    c->near[cell] = distance_at(c, p, most, &nearest) < most;
+}
+
+static iso_status make_bricks(conversion *c, iso_error *error) {
+    for (size_t cell = 0; cell < c->cells; cell++) {
+        int at[3];
+        if (!c->near[cell]) continue;
+        cell_at(c->grid, cell, at);
+        ISO_TRY(iso_hgrid_split_unset(c->grid, at[0], at[1], at[2], error));
+        c->brick_cell[c->bricks++] = (uint32_t)cell;
+    }
+    return ISO_OK;
+}
+
+/* ---- distances */
+
+static float *brick_of(const conversion *c, size_t brick) {
+    return iso_hgrid_brick(c->grid, c->grid->cell[c->brick_cell[brick]]);
+}
+
+static void measure_block(const conversion *c, size_t cell, const int corner[3], float *brick) {
+    int at[3];
+    iso_nearest nearest = {0};
+    cell_at(c->grid, cell, at);
+    for (int axis = 0; axis < 3; axis++) at[axis] = ISO_BRICK * at[axis] + corner[axis];
+    const double middle = (BLOCK - 1) / 2.0, most = BAND + BLOCK_REACH;
+    const iso_vec3 centre = place(c, at[0] + middle, at[1] + middle, at[2] + middle);
+    const bool far = distance_at(c, centre, most, &nearest) >= most;
+    for (int i = 0; i < BLOCK * BLOCK * BLOCK; i++) {
+        const int x = i % BLOCK, y = i / BLOCK % BLOCK, z = i / (BLOCK * BLOCK);
+        const double d =
+            far ? BAND : distance_at(c, place(c, at[0] + x, at[1] + y, at[2] + z), BAND, &nearest);
+        brick[((corner[2] + z) * ISO_BRICK + corner[1] + y) * ISO_BRICK + corner[0] + x] = (float)d;
+    }
+}
+
+/* Unsigned, at first. */
+static void measure_brick(void *context, size_t index, int worker) {
+    conversion *c = context;
+    int corner[3];
+    float *brick = brick_of(c, index);
+    (void)worker;
+    if (iso_progress_tell(&c->progress, "", (double)index / (double)c->bricks, NULL) != ISO_OK) return;
+    for (corner[2] = 0; corner[2] < ISO_BRICK; corner[2] += BLOCK)
+        for (corner[1] = 0; corner[1] < ISO_BRICK; corner[1] += BLOCK)
+            for (corner[0] = 0; corner[0] < ISO_BRICK; corner[0] += BLOCK)
+                measure_block(c, c->brick_cell[index], corner, brick);
+}
+
+/* ---- regions of a brick */
+
+/* Whether no surface can lie between two voxels this far apart. */
+static bool joined(float a, float b, double apart) {
+    return (double)a + (double)b > apart + ROUNDING;
+}
+
+/* Labels what is joined to a voxel. `stack` has room for all voxels. */
+static void flood(const float *brick, uint16_t *label, uint16_t number, uint16_t *stack, int seed) {
+    static const double apart[4] = {0, 1, 1.4142135623730951, 1.7320508075688772};
+    int depth = 0;
+    label[seed] = number;
+    stack[depth++] = (uint16_t)seed;
+    while (depth > 0) {
+        const int voxel = stack[--depth];
+        const int x = voxel % ISO_BRICK, y = voxel / ISO_BRICK % ISO_BRICK,
+                  z = voxel / (ISO_BRICK * ISO_BRICK);
+        for (int i = 0; i < 27; i++) {
+            const int dx = i % 3 - 1, dy = i / 3 % 3 - 1, dz = i / 9 - 1;
+            const int nx = x + dx, ny = y + dy, nz = z + dz;
+            if ((nx | ny | nz) < 0 || nx >= ISO_BRICK || ny >= ISO_BRICK || nz >= ISO_BRICK) continue;
+            const int next = (nz * ISO_BRICK + ny) * ISO_BRICK + nx;
+            if (label[next] != NO_REGION ||
+                !joined(brick[voxel], brick[next], apart[abs(dx) + abs(dy) + abs(dz)]))
+                continue;
+            label[next] = number;
+            stack[depth++] = (uint16_t)next;
+        }
+    }
+}
+
+static void label_brick(void *context, size_t index, int worker) {
+    conversion *c = context;
+    uint16_t stack[ISO_BRICK_VOXELS], *label = c->label[index], count = 0;
+    const float *brick = brick_of(c, index);
+    (void)worker;
+    memset(label, 0xff, sizeof *c->label);
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++)
+        if (label[i] == NO_REGION) flood(brick, label, count++, stack, i);
+    c->first[c->brick_cell[index]] = count;
+}
+
+/* ---- regions of the grid */
+
+static uint32_t find(region *regions, uint32_t r) {
+    while (regions[r].parent != r) {
+        regions[r].parent = regions[regions[r].parent].parent;
+        r = regions[r].parent;
+    }
+    return r;
+}
+
+/* The lower number stands for both, and keeps the deeper voxel. */
+static void unite(region *regions, uint32_t a, uint32_t b) {
+    a = find(regions, a);
+    b = find(regions, b);
+    if (a == b) return;
+    if (b < a) {
+        const uint32_t held = a;
+        a = b;
+        b = held;
+    }
+    regions[b].parent = a;
+    if (regions[b].depth <= regions[a].depth) return;
+    regions[a].depth = regions[b].depth;
+    regions[a].cell = regions[b].cell;
+    regions[a].voxel = regions[b].voxel;
+}
+
+/* What is needed of a cell to join it to its neighbours. */
+typedef struct cell_view {
+    const float *brick; /* NULL: none */
+    const uint16_t *label;
+    uint32_t first;
+} cell_view;
+
+static cell_view view_of(const conversion *c, const uint32_t *brick_of_cell, size_t cell) {
+    if (!c->near[cell]) return (cell_view){NULL, NULL, c->first[cell]};
+    return (cell_view){iso_hgrid_brick(c->grid, c->grid->cell[cell]), c->label[brick_of_cell[cell]],
+                       c->first[cell]};
+}
+
+/* Voxel (a, b) of a brick's first or last layer along an axis. */
+static int layer_voxel(int axis, int a, int b, bool last) {
+    static const int step[3] = {1, ISO_BRICK, ISO_BRICK * ISO_BRICK};
+    return (last ? ISO_BRICK - 1 : 0) * step[axis] + a * step[(axis + 1) % 3] + b * step[(axis + 2) % 3];
+}
+
+static void join_cells(conversion *c, const cell_view *low, const cell_view *high, int axis) {
+    if (!low->brick && !high->brick) {
+        unite(c->regions, low->first, high->first);
+        return;
+    }
+    for (int i = 0; i < ISO_BRICK * ISO_BRICK; i++) {
+        const int a = layer_voxel(axis, i % ISO_BRICK, i / ISO_BRICK, true),
+                  b = layer_voxel(axis, i % ISO_BRICK, i / ISO_BRICK, false);
+        const float da = low->brick ? low->brick[a] : (float)BAND,
+                    db = high->brick ? high->brick[b] : (float)BAND;
+        if (!joined(da, db, 1)) continue;
+        unite(c->regions, low->first + (low->brick ? low->label[a] : 0u),
+              high->first + (high->brick ? high->label[b] : 0u));
+    }
+}
+
+static void join_all(conversion *c, const uint32_t *brick_of_cell) {
+    for (size_t cell = 0; cell < c->cells; cell++) {
+        const size_t step[3] = {1, (size_t)c->grid->cells[0],
+                                (size_t)c->grid->cells[0] * (size_t)c->grid->cells[1]};
+        const cell_view low = view_of(c, brick_of_cell, cell);
+        int at[3];
+        cell_at(c->grid, cell, at);
+        for (int axis = 0; axis < 3; axis++) {
+            if (at[axis] + 1 >= c->grid->cells[axis]) continue;
+            const cell_view high = view_of(c, brick_of_cell, cell + step[axis]);
+            join_cells(c, &low, &high, axis);
+        }
+    }
+}
+
+/* Each region with its deepest voxel: of a cell without a brick its middle. */
+static void begin_regions(conversion *c) {
+    size_t brick = 0;
+    for (size_t cell = 0; cell < c->cells; cell++) {
+        region *r = c->regions + c->first[cell];
+        const uint32_t count = c->first[cell + 1] - c->first[cell];
+        for (uint32_t i = 0; i < count; i++)
+            r[i] = (region){.parent = c->first[cell] + i, .depth = -1, .cell = (uint32_t)cell};
+        if (!c->near[cell]) {
+            r->depth = INFINITY;
+            r->voxel = (ISO_BRICK * ISO_BRICK + ISO_BRICK + 1) * (ISO_BRICK / 2);
+            continue;
+        }
+        const float *d = brick_of(c, brick);
+        for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+            region *own = &r[c->label[brick][i]];
+            if (d[i] <= own->depth) continue;
+            own->depth = d[i];
+            own->voxel = (uint16_t)i;
+        }
+        brick++;
+    }
+}
+
+static iso_status make_regions(conversion *c, iso_error *error) {
+    size_t sum = 0;
+    for (size_t cell = 0; cell <= c->cells; cell++) {
+        const size_t count = cell == c->cells ? 0 : c->near[cell] ? c->first[cell] : 1;
+        c->first[cell] = (uint32_t)sum;
+        sum += count;
+    }
+    c->region_count = sum;
+    c->regions = sum < UINT32_MAX ? iso_alloc(sum * sizeof *c->regions) : NULL;
+    uint32_t *brick_of_cell = iso_alloc(c->cells * sizeof *brick_of_cell);
+    const bool whole = c->regions && brick_of_cell;
+    if (whole) {
+        for (size_t i = 0; i < c->bricks; i++) brick_of_cell[c->brick_cell[i]] = (uint32_t)i;
+        begin_regions(c);
+        join_all(c, brick_of_cell);
+    }
+    iso_free(brick_of_cell);
+    return whole ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", c->path);
+}
+
+static void find_side(void *context, size_t index, int worker) {
+    conversion *c = context;
+    region *r = &c->regions[index];
+    int at[3];
+    (void)worker;
+    if (r->parent != index || cancelled(c)) return;
+    voxel_at(c, r->cell, r->voxel, at);
+    const double winding = iso_closed_mesh_winding(c->mesh, place(c, at[0], at[1], at[2]));
+    r->winding = (int16_t)floor(fmin(fmax(winding, -1000), 1000) + 0.5);
+}
+
+/* ---- signs */
+
+static int winding_of(const conversion *c, size_t cell, uint32_t label) {
+    const region *r = &c->regions[c->first[cell] + label];
+    while (r->parent != (uint32_t)(r - c->regions)) r = &c->regions[r->parent];
+    return r->winding;
+}
+
+static void sign_brick(void *context, size_t index, int worker) {
+    conversion *c = context;
+    float *brick = brick_of(c, index);
+    volumes sum = {0};
+    (void)worker;
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        const int winding = winding_of(c, c->brick_cell[index], c->label[index][i]);
+        if (winding != 0) brick[i] = -brick[i];
+        sum.winding += winding;
+        sum.solid += winding != 0;
+    }
+    c->sums[index] = sum;
+}
+
+static volumes sign_all(conversion *c, iso_pool *pool) {
+    volumes sum = {0};
+    iso_parallel_for(pool, c->bricks, sign_brick, c);
+    for (size_t i = 0; i < c->bricks; i++) {
+        sum.winding += c->sums[i].winding;
+        sum.solid += c->sums[i].solid;
+    }
+    for (size_t cell = 0; cell < c->cells; cell++) {
+        if (c->near[cell]) continue;
+        const int winding = winding_of(c, cell, 0);
+        c->grid->cell[cell] = winding ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE;
+        sum.winding += (double)winding * ISO_BRICK_VOXELS;
+        sum.solid += winding ? ISO_BRICK_VOXELS : 0;
+    }
+    const double cube = c->voxel * c->voxel * c->voxel;
+    return (volumes){sum.winding * cube, sum.solid * cube};
+}
+
+/* ---- whether it can be true */
+
+/* The sum of the voxels' winding numbers is the mesh's signed volume, whatever the mesh; counting voxels is
+ * wrong by half a voxel at the surface, at most. */
+static iso_status check(const conversion *c, const volumes *field, iso_error *error) {
+    const iso_mesh_report *mesh = iso_closed_mesh_report(c->mesh);
+    const double allowed = 0.05 * fabs(mesh->volume) + 0.5 * c->voxel * mesh->area;
+    if (field->solid == 0 || fabs(field->winding) < 0.5 * fabs(mesh->volume))
+        return iso_fail(error, ISO_ERR_EMPTY,
+                        "%s: too fine for voxels of %.3g mm: %.4g mm3 of its %.4g mm3 would be left", c->path,
+                        c->voxel, fabs(field->winding), fabs(mesh->volume));
+    if (fabs(field->winding - mesh->volume) <= allowed) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT,
+                    "%s: its %zu open edges cannot be closed: the field would hold %.4g mm3 of %.4g mm3",
+                    c->path, mesh->open_edges, field->winding, mesh->volume);
+}
+
+/* ---- all of it */
+
+static iso_status allocate(conversion *c, iso_error *error) {
+    c->label = iso_alloc(c->bricks * sizeof *c->label);
+    c->sums = iso_alloc(c->bricks * sizeof *c->sums);
+    return c->label && c->sums ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", c->path);
+}
+
+static iso_status fill(conversion *c, const iso_mesh_frame *frame, iso_error *error) {
+    const iso_progress *whole = frame->progress;
+    c->progress = iso_progress_part(whole, 0, 0.1);
+    iso_parallel_for(frame->pool, c->cells, find_near, c);
+    ISO_TRY(iso_progress_tell(&c->progress, c->path, 1, error));
+    ISO_TRY(make_bricks(c, error));
+    ISO_TRY(allocate(c, error));
+    c->progress = iso_progress_part(whole, 0.1, 0.8);
+    iso_parallel_for(frame->pool, c->bricks, measure_brick, c);
+    ISO_TRY(iso_progress_tell(&c->progress, c->path, 1, error));
+    c->progress = iso_progress_part(whole, 0.8, 1);
+    iso_parallel_for(frame->pool, c->bricks, label_brick, c);
+    ISO_TRY(make_regions(c, error));
+    ISO_TRY(iso_progress_tell(&c->progress, c->path, 0.5, error));
+    iso_parallel_for(frame->pool, c->region_count, find_side, c);
+    ISO_TRY(iso_progress_tell(&c->progress, c->path, 0.8, error));
+    const volumes field = sign_all(c, frame->pool);
+    ISO_TRY(check(c, &field, error));
+    ISO_TRY(iso_mesh_remove_buried(c->grid, c->mesh, frame->pool, error));
+    iso_hgrid_prune(c->grid);
+    return iso_progress_tell(&c->progress, c->path, 1, error);
+}
+
+static iso_status convert(conversion *c, const iso_mesh_frame *frame, iso_error *error) {
+    c->cells = (size_t)c->grid->cells[0] * (size_t)c->grid->cells[1] * (size_t)c->grid->cells[2];
+    c->near = iso_alloc_zero(c->cells, sizeof *c->near);
+    c->first = iso_alloc_zero(c->cells + 1, sizeof *c->first);
+    c->brick_cell = iso_alloc(c->cells * sizeof *c->brick_cell);
+    iso_status status = c->near && c->first && c->brick_cell
+                            ? fill(c, frame, error)
+                            : iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", c->path);
+    iso_free(c->near);
+    iso_free(c->first);
+    iso_free(c->brick_cell);
+    iso_free(c->label);
+    iso_free(c->sums);
+    iso_free(c->regions);
+    return status;
+}
+
+iso_status iso_level_set_from_mesh(const char *path, const iso_closed_mesh *mesh, const iso_mesh_frame *frame,
+                                   iso_hgrid **grid, iso_error *error) {
+    conversion c = {.path = path, .mesh = mesh, .voxel = frame->voxel};
+    if (!(frame->voxel > 0) || !isfinite(frame->voxel))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: voxels of %g mm", path, frame->voxel);
+    ISO_TRY(frame_of(path, mesh, frame, &c.grid, error));
+    iso_status status = convert(&c, frame, error);
+    if (status == ISO_OK)
+        *grid = c.grid;
+    else
+        iso_hgrid_destroy(c.grid);
+    return status;
+}

@@ -1,0 +1,299 @@
+#include "image/annotate.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "image/vector_font.h"
+
+typedef struct color {
+    int rgb[3];
+} color;
+
+static const color BLACK = {{0, 0, 0}}, WHITE = {{255, 255, 255}};
+
+/* ---- lines */
+
+typedef struct line {
+    double x0, y0, x1, y1; /* pixels */
+} line;
+
+enum { LINES = 512, SIDE = 8, SAMPLES = SIDE * SIDE };
+
+/* Lines that are drawn together: where they cross nothing shows. */
+typedef struct drawing {
+    line lines[LINES];
+    int count;
+} drawing;
+
+static void add(drawing *d, double x0, double y0, double x1, double y1) {
+    if (d->count < LINES) d->lines[d->count++] = (line){x0, y0, x1, y1};
+}
+
+/* Pixels from x0, y0 on, each with a bit for every sample that is covered. */
+typedef struct mask {
+    uint64_t *bits;
+    int x0, y0, width, height;
+} mask;
+
+static int bounded(double value, int most) {
+    return value <= 0 ? 0 : value >= most ? most : (int)value;
+}
+
+static iso_status make_mask(const drawing *d, const iso_image *image, double radius, mask *m,
+                            iso_error *error) {
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    for (int i = 0; i < d->count; i++) {
+        const line *l = &d->lines[i];
+        low[0] = fmin(low[0], fmin(l->x0, l->x1));
+        low[1] = fmin(low[1], fmin(l->y0, l->y1));
+        high[0] = fmax(high[0], fmax(l->x0, l->x1));
+        high[1] = fmax(high[1], fmax(l->y0, l->y1));
+    }
+    m->x0 = bounded(low[0] - radius, image->width);
+    m->y0 = bounded(low[1] - radius, image->height);
+    m->width = bounded(high[0] + radius + 1, image->width) - m->x0;
+    m->height = bounded(high[1] + radius + 1, image->height) - m->y0;
+    if (m->width <= 0 || m->height <= 0) return ISO_OK;
+    m->bits = iso_alloc_zero((size_t)m->width * (size_t)m->height, sizeof *m->bits);
+    return m->bits ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the scale bar or marker");
+}
+
+static double distance_squared(const line *l, double x, double y) {
+    const double dx = l->x1 - l->x0, dy = l->y1 - l->y0, length = dx * dx + dy * dy;
+    double t = length > 0 ? ((x - l->x0) * dx + (y - l->y0) * dy) / length : 0;
+    t = t < 0 ? 0 : t > 1 ? 1 : t;
+    const double ex = x - (l->x0 + t * dx), ey = y - (l->y0 + t * dy);
+    return ex * ex + ey * ey;
+}
+
+static uint64_t cover(const line *l, double radius, int x, int y) {
+    const double inner = radius - 0.75, outer = radius + 0.75; /* half a pixel's diagonal is 0.71 */
+    const double middle = distance_squared(l, x + 0.5, y + 0.5);
+    if (middle > outer * outer) return 0;
+    if (inner > 0 && middle < inner * inner) return UINT64_MAX;
+    uint64_t bits = 0;
+    for (int s = 0; s < SAMPLES; s++) {
+        const double sx = x + (s % SIDE + 0.5) / SIDE, sy = y + (s / SIDE + 0.5) / SIDE;
+        bits |= (uint64_t)(distance_squared(l, sx, sy) <= radius * radius) << s;
+    }
+    return bits;
+}
+
+static void mark(mask *m, const line *l, double radius) {
+    const int left = bounded(fmin(l->x0, l->x1) - radius - m->x0, m->width);
+    const int right = bounded(fmax(l->x0, l->x1) + radius + 1 - m->x0, m->width);
+    const int top = bounded(fmin(l->y0, l->y1) - radius - m->y0, m->height);
+    const int bottom = bounded(fmax(l->y0, l->y1) + radius + 1 - m->y0, m->height);
+    for (int y = top; y < bottom; y++)
+        for (int x = left; x < right; x++)
+            m->bits[(size_t)y * (size_t)m->width + (size_t)x] |= cover(l, radius, m->x0 + x, m->y0 + y);
+}
+
+/* Straight alpha over straight alpha, rounded. */
+static void blend(uint8_t rgba[4], const color *ink, int samples) {
+    const int above = (samples * 255 + SAMPLES / 2) / SAMPLES, below = rgba[3] * (255 - above);
+    const int whole = above * 255 + below;
+    if (above == 0) return;
+    for (int k = 0; k < 3; k++)
+        rgba[k] = (uint8_t)((ink->rgb[k] * above * 255 + rgba[k] * below + whole / 2) / whole);
+    rgba[3] = (uint8_t)((whole + 127) / 255);
+}
+
+static int count_bits(uint64_t bits) {
+    int count = 0;
+    for (; bits; bits &= bits - 1) count++;
+    return count;
+}
+
+static iso_status stroke(iso_image *image, const drawing *d, double radius, const color *ink,
+                         iso_error *error) {
+    mask m = {0};
+    ISO_TRY(make_mask(d, image, radius, &m, error));
+    if (!m.bits) return ISO_OK;
+    for (int i = 0; i < d->count; i++) mark(&m, &d->lines[i], radius);
+    for (int y = 0; y < m.height; y++)
+        for (int x = 0; x < m.width; x++) {
+            const uint64_t bits = m.bits[(size_t)y * (size_t)m.width + (size_t)x];
+            const size_t pixel = (size_t)(m.y0 + y) * (size_t)image->width + (size_t)(m.x0 + x);
+            if (bits) blend(image->rgba + 4 * pixel, ink, count_bits(bits));
+        }
+    iso_free(m.bits);
+    return ISO_OK;
+}
+
+/* ---- sizes */
+
+typedef struct pen {
+    iso_image *image;
+    color ink, outline;
+    double text; /* height of capitals, pixels; the others are multiples of it */
+    double unit, radius, border;
+} pen;
+
+static pen pen_of(iso_image *image, bool dark) {
+    const int side = image->width < image->height ? image->width : image->height;
+    pen p = {.image = image, .ink = dark ? WHITE : BLACK, .outline = dark ? BLACK : WHITE};
+    p.text = fmax(9, side * 0.024);
+    p.unit = p.text / ISO_FONT_HEIGHT;
+    p.radius = fmax(0.6, 0.4 * p.unit);
+    p.border = fmax(1, 0.45 * p.unit);
+    return p;
+}
+
+static iso_status draw(const pen *p, const drawing *d, double radius, const color *ink, iso_error *error) {
+    ISO_TRY(stroke(p->image, d, radius + p->border, &p->outline, error));
+    return stroke(p->image, d, radius, ink, error);
+}
+
+/* Around (x, y). */
+static void add_text(drawing *d, const pen *p, const char *text, double x, double y) {
+    iso_font_line lines[LINES];
+    const int count = iso_font_lines(text, lines, LINES);
+    const double left = x - 0.5 * iso_font_width(text) * p->unit, top = y - 0.5 * p->text;
+    for (int i = 0; i < count && i < LINES; i++)
+        add(d, left + lines[i].x0 * p->unit, top + lines[i].y0 * p->unit, left + lines[i].x1 * p->unit,
+            top + lines[i].y1 * p->unit);
+}
+
+/* ---- the scale bar */
+
+double iso_scale_bar_length(const iso_camera *camera, int width, int height) {
+    const double wanted = iso_camera_mm_per_pixel(camera, height) * width / 5;
+    static const int steps[] = {1, 2, 5};
+    double best = 0, nearest = INFINITY, power = 1;
+    if (!(wanted > 0 && wanted < 1e15)) return 0;
+    while (power > wanted && power > 1e-15) power /= 10;
+    while (power * 10 <= wanted) power *= 10;
+    for (int i = 0; i < 4; i++) {
+        const double length = i < 3 ? steps[i] * power : 10 * power;
+        const double ratio = length > wanted ? length / wanted : wanted / length;
+        if (ratio < nearest) {
+            nearest = ratio;
+            best = length;
+        }
+    }
+    return best;
+}
+
+void iso_scale_bar_label(double length, char label[32]) {
+    static const struct {
+        double millimetres;
+        const char *name;
+    } units[] = {{1e6, "km"}, {1e3, "m"}, {1, "mm"}, {1e-3, "um"}, {1e-6, "nm"}};
+    int unit = 0;
+    while (unit < 4 && length < (unit == 2 ? 0.1 : units[unit].millimetres) * (1 - 1e-9)) unit++;
+    snprintf(label, 32, "%.10g %s", length / units[unit].millimetres, units[unit].name);
+}
+
+static iso_status draw_scale_bar(const pen *p, const iso_camera *camera, iso_error *error) {
+    const int width = p->image->width, height = p->image->height;
+    const double length = iso_scale_bar_length(camera, width, height);
+    if (!(length > 0)) return ISO_OK;
+    char label[32];
+    iso_scale_bar_label(length, label);
+    const double pixels = length / iso_camera_mm_per_pixel(camera, height);
+    const double text = iso_font_width(label) * p->unit; /* which may be longer than the bar */
+    const double right = width - 1.2 * p->text - fmax(0, 0.5 * (text - pixels)), left = right - pixels;
+    const double y = height - 1.5 * p->text, tick = 0.4 * p->text;
+    drawing d = {.count = 0};
+    add(&d, left, y, right, y);
+    add(&d, left, y - tick, left, y + tick);
+    add(&d, right, y - tick, right, y + tick);
+    add_text(&d, p, label, 0.5 * (left + right), y - 1.5 * p->text);
+    return draw(p, &d, p->radius, &p->ink, error);
+}
+
+/* ---- the orientation marker */
+
+/* Length of half an axis in heights of letters. */
+static const double ARM = 2.6;
+
+/* Half an axis as the camera sees it. */
+typedef struct arm {
+    char letter[2];
+    double x, y, depth; /* of a unit vector: right, down, away */
+    int axis;
+    bool positive;
+} arm;
+
+static int make_arms(const iso_annotation *a, const iso_image *image, arm arms[6]) {
+    const iso_view view = iso_view_make(a->camera, image->width, image->height);
+    static const char letters[3][2] = {{'R', 'L'}, {'A', 'P'}, {'F', 'H'}}, plain[3] = {'x', 'y', 'z'};
+    int count = 0;
+    for (int axis = 0; axis < 3; axis++)
+        for (int positive = !a->anatomical; positive < 2; positive++) {
+            const double sign = positive ? 1 : -1;
+            arm made = {.letter = {a->anatomical ? letters[axis][positive] : plain[axis], 0},
+                        .x = sign * view.rotation[axis],
+                        .y = sign * view.rotation[3 + axis],
+                        .depth = sign * view.rotation[6 + axis],
+                        .axis = axis,
+                        .positive = positive};
+            int at = count++;
+            for (; at > 0 && arms[at - 1].depth < made.depth; at--)
+                arms[at] = arms[at - 1]; /* far ones first */
+            arms[at] = made;
+        }
+    return count;
+}
+
+/* Where an arm's letter is, from the marker's middle; false when it has none, because it points at the viewer
+ * or away and would lie on the others. */
+static bool letter_of(const pen *p, const arm *a, double *x, double *y) {
+    const double reach = sqrt(a->x * a->x + a->y * a->y);
+    if (reach < 0.25) return false;
+    const double out = ARM * p->text + p->text / reach;
+    *x = a->x * out;
+    *y = a->y * out;
+    return true;
+}
+
+/* Of letters that would overlap the one farther from the middle is drawn. */
+static bool is_covered(const pen *p, const arm arms[6], int count, int which) {
+    double x, y, other_x, other_y;
+    if (!letter_of(p, &arms[which], &x, &y)) return true;
+    for (int i = 0; i < count; i++) {
+        if (i == which || !letter_of(p, &arms[i], &other_x, &other_y)) continue;
+        const bool overlap = fabs(x - other_x) < p->text && fabs(y - other_y) < 1.2 * p->text;
+        const double own = x * x + y * y, others = other_x * other_x + other_y * other_y;
+        if (overlap && (others > own || (others == own && i < which))) return true;
+    }
+    return false;
+}
+
+/* Outlines first: no axis cuts another one. */
+static iso_status draw_axes(const pen *p, const arm arms[6], int count, const double middle[2],
+                            iso_error *error) {
+    static const color colors[3] = {{{208, 58, 47}}, {{46, 150, 62}}, {{58, 108, 216}}};
+    for (int layer = 0; layer < 2; layer++)
+        for (int i = 0; i < count; i++) {
+            const arm *a = &arms[i];
+            const double radius = (a->positive ? 1.5 : 0.9) * p->radius, length = ARM * p->text;
+            drawing d = {.count = 0};
+            add(&d, middle[0], middle[1], middle[0] + a->x * length, middle[1] + a->y * length);
+            ISO_TRY(layer ? stroke(p->image, &d, radius, &colors[a->axis], error)
+                          : stroke(p->image, &d, radius + p->border, &p->outline, error));
+        }
+    return ISO_OK;
+}
+
+static iso_status draw_marker(const pen *p, const iso_annotation *a, iso_error *error) {
+    arm arms[6];
+    const int count = make_arms(a, p->image, arms);
+    const double middle[2] = {5 * p->text, p->image->height - 5 * p->text};
+    drawing letters = {.count = 0};
+    double x = 0, y = 0;
+    for (int i = 0; i < count; i++)
+        if (!is_covered(p, arms, count, i) && letter_of(p, &arms[i], &x, &y))
+            add_text(&letters, p, arms[i].letter, middle[0] + x, middle[1] + y);
+    ISO_TRY(draw_axes(p, arms, count, middle, error));
+    return draw(p, &letters, p->radius, &p->ink, error);
+}
+
+iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_error *error) {
+    const pen p = pen_of(image, annotation->dark);
+    if (annotation->orientation_marker) ISO_TRY(draw_marker(&p, annotation, error));
+    return annotation->scale_bar ? draw_scale_bar(&p, annotation->camera, error) : ISO_OK;
+}

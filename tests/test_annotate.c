@@ -1,0 +1,153 @@
+/* Scale bars and orientation markers: round lengths, labels, where they are, what is beneath them, and
+ * letters that follow the camera. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "image/annotate.h"
+#include "image/vector_font.h"
+
+static iso_camera camera_at(iso_vec3 eye, double parallel_scale) {
+    return (iso_camera){.position = eye,
+                        .view_up = {0, 0, 1},
+                        .view_angle = 30,
+                        .orthographic = parallel_scale > 0,
+                        .parallel_scale = parallel_scale};
+}
+
+static void lengths_are_round(void **state) {
+    (void)state;
+    static const struct {
+        double millimetres; /* a fifth of the picture's width */
+        double length;
+        const char *label;
+    } cases[] = {{10, 10, "10 mm"},     {9.9, 10, "10 mm"},   {1.4, 1, "1 mm"},      {1.5, 2, "2 mm"},
+                 {0.3, 0.2, "0.2 mm"},  {0.1, 0.1, "0.1 mm"}, {0.05, 0.05, "50 um"}, {0.0009, 0.001, "1 um"},
+                 {3e-5, 2e-5, "20 nm"}, {900, 1000, "1 m"},   {70, 50, "50 mm"},     {3e6, 2e6, "2 km"},
+                 {7.5, 10, "10 mm"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const iso_camera camera = camera_at(iso_vec3_make(0, -1, 0), cases[i].millimetres * 5 / 2);
+        char label[32];
+        const double length = iso_scale_bar_length(&camera, 300, 300);
+        iso_scale_bar_label(length, label);
+        assert_true(fabs(length / cases[i].length - 1) < 1e-12);
+        assert_string_equal(label, cases[i].label);
+        assert_true(iso_font_width(label) > 0);
+    }
+    const iso_camera perspective = camera_at(iso_vec3_make(0, -1, 0), 0);
+    assert_true(iso_scale_bar_length(&perspective, 300, 300) == 0);
+}
+
+static void fill(iso_image *image, const uint8_t rgba[4]) {
+    for (int i = 0; i < image->width * image->height; i++) memcpy(image->rgba + 4 * i, rgba, 4);
+}
+
+static iso_image annotated(const iso_annotation *annotation, int width, int height,
+                           const uint8_t background[4]) {
+    iso_image image;
+    assert_int_equal(iso_image_create(width, height, &image, NULL), ISO_OK);
+    fill(&image, background);
+    assert_int_equal(iso_annotate(&image, annotation, NULL), ISO_OK);
+    return image;
+}
+
+/* The bar's ticks are as far apart as its length says; on any background dark and light are both there. */
+static void bars_have_their_length(void **state) {
+    (void)state;
+    static const uint8_t grounds[3][4] = {{255, 255, 255, 255}, {0, 0, 0, 255}, {90, 20, 30, 0}};
+    const iso_camera camera = camera_at(iso_vec3_make(0, -1, 0), 50); /* 400 pixels: 0.25 mm a pixel */
+    for (int g = 0; g < 3; g++) {
+        const iso_annotation annotation = {.camera = &camera, .scale_bar = true, .dark = g == 1};
+        iso_image image = annotated(&annotation, 400, 400, grounds[g]);
+        const int ink = g == 1 ? 255 : 0;
+        int left = 400, right = -1, light = 0, dark = 0;
+        for (int i = 0; i < 400 * 400; i++) {
+            const uint8_t *p = image.rgba + 4 * i;
+            if (p[3] == 255 && memcmp(p, grounds[g], 3) != 0) light += p[0] == 255, dark += p[0] == 0;
+            const int row = i / 400, column = i % 400;
+            if (row != 400 - 14 || p[3] != 255 || p[0] != ink || p[1] != ink) continue; /* through the bar */
+            left = column < left ? column : left;
+            right = column > right ? column : right;
+        }
+        assert_true(right < 400 && right - left >= 80 && right - left <= 82); /* 20 mm and the line's width */
+        if (g == 2) assert_true(light > 50 && dark > 50);
+        iso_image_free(&image);
+    }
+}
+
+/* Pixels that differ from white in a quarter of the marker. */
+static int marks(const iso_image *image, int x0, int y0, int side) {
+    int count = 0;
+    for (int y = y0; y < y0 + side; y++)
+        for (int x = x0; x < x0 + side; x++) count += image->rgba[4 * (y * image->width + x)] < 250;
+    return count;
+}
+
+/* A front view has R on the left and L on the right, one from behind the other way round. */
+static void markers_follow_the_camera(void **state) {
+    (void)state;
+    static const uint8_t white[4] = {255, 255, 255, 255};
+    enum {
+        SIZE = 1000,
+        TEXT = 24,
+        MIDDLE = 5 * TEXT,
+        LETTER = 86
+    }; /* LETTER: from the middle to one's centre */
+    const iso_camera front = camera_at(iso_vec3_make(0, -1, 0), 1),
+                     back = camera_at(iso_vec3_make(0, 1, 0), 1);
+    const iso_camera *cameras[2] = {&front, &back};
+    int left[2];
+    for (int i = 0; i < 2; i++) {
+        const iso_annotation annotation = {
+            .camera = cameras[i], .orientation_marker = true, .anatomical = true};
+        iso_image image = annotated(&annotation, SIZE, SIZE, white);
+        left[i] = marks(&image, MIDDLE - LETTER - TEXT / 2, SIZE - MIDDLE - TEXT / 2 - 2, TEXT + 4);
+        assert_true(marks(&image, 300, 300, 600) == 0);
+        iso_image_free(&image);
+    }
+    assert_true(left[0] > 1.3 * left[1] && left[1] > 40); /* an R has more ink than an L */
+}
+
+static void small_pictures_are_cut_off(void **state) {
+    (void)state;
+    static const uint8_t clear[4] = {0};
+    for (int width = 1; width < 60; width += 7)
+        for (int height = 1; height < 60; height += 7) {
+            const iso_camera camera = camera_at(iso_vec3_make(-1, -1, 1), 10);
+            const iso_annotation annotation = {
+                .camera = &camera, .scale_bar = true, .orientation_marker = true, .anatomical = height % 2};
+            iso_image image = annotated(&annotation, width, height, clear);
+            iso_image_free(&image);
+        }
+}
+
+/* Every character of labels and markers has lines, within its width. */
+static void characters_have_lines(void **state) {
+    (void)state;
+    for (const char *c = "0123456789.kmnuLRAPHFxyz"; *c; c++) {
+        const char text[2] = {*c, 0};
+        iso_font_line lines[16];
+        const int count = iso_font_lines(text, lines, 16);
+        assert_true(count > 0 && count <= 16);
+        for (int i = 0; i < count; i++) {
+            assert_in_range(lines[i].x0, 0, iso_font_width(text));
+            assert_in_range(lines[i].x1, 0, iso_font_width(text));
+            assert_in_range(lines[i].y0, 0, ISO_FONT_HEIGHT + 2);
+            assert_in_range(lines[i].y1, 0, ISO_FONT_HEIGHT + 2);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lengths_are_round),         cmocka_unit_test(bars_have_their_length),
+        cmocka_unit_test(markers_follow_the_camera), cmocka_unit_test(small_pictures_are_cut_off),
+        cmocka_unit_test(characters_have_lines),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,47 @@
+"""What is to be seen in a picture. look.py QUESTION FILE ...: exit status 0 means yes.
+
+modal FILE              a question or the browser: the rest of the window is dark
+color FILE R G B BOX N  at least N pixels of about that colour in BOX (X0,Y0,X1,Y1)
+box FILE                prints the box around what is not background: X0 Y0 X1 Y1 (X1, Y1 are outside)
+same A B N              at most N pixels differ; prints how many do
+"""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cli"))
+from check import Png
+
+
+def is_near(a, b):
+    return all(abs(x - y) <= 24 for x, y in zip(a, b))
+
+
+def modal(path):
+    return max(Png(path).rows[790][1270][:3]) < 40
+
+
+def color(path, r, g, b, box, count):
+    x0, y0, x1, y1 = (int(v) for v in box.split(","))
+    wanted = (int(r), int(g), int(b))
+    found = sum(is_near(pixel[:3], wanted) for row in Png(path).rows[y0:y1] for pixel in row[x0:x1])
+    print(found)
+    return found >= int(count)
+
+
+def box(path):
+    rows = Png(path).rows
+    background = rows[0][-1]
+    ys = [y for y, row in enumerate(rows) if any(pixel != background for pixel in row)]
+    columns = [x for row in (rows[y] for y in ys) for x, pixel in enumerate(row) if pixel != background]
+    print(min(columns, default=0), ys[0] if ys else 0, max(columns, default=-1) + 1, ys[-1] + 1 if ys else 0)
+    return bool(ys)
+
+
+def same(a, b, count):
+    first, second = Png(a), Png(b)
+    differ = sum(p != q for r, s in zip(first.rows, second.rows) for p, q in zip(r, s))
+    print(differ, "pixels differ")
+    return len(first.rows) == len(second.rows) and len(first.rows[0]) == len(second.rows[0]) and differ <= int(count)
+
+
+sys.exit(not {"modal": modal, "color": color, "box": box, "same": same}[sys.argv[1]](*sys.argv[2:]))
