@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/primitives.h"
+#include "grids/voxel_kernels.h"
 
 /* A band of bricks is read at a time, slice by slice: in memory the rows of a slice follow one another, and
  * long runs are read fastest (twice as fast as the 17 rows of one brick). What is kept of a band, lines of
@@ -24,8 +25,6 @@ typedef struct range_values {
     _Alignas(64) float lo[ISO_ROW_GROUPS][ISO_BAND_BRICKS],
         hi[ISO_ROW_GROUPS][ISO_BAND_BRICKS]; /* lo > hi: no voxels */
 } range_values;
-
-typedef void range_kernel(const void *data, const range_box *box, range_values *values);
 
 /* Floats are read as integers that ascend as the values do: infinities lie beyond all finite ones, and NaNs
  * beyond those, on either side. */
@@ -62,24 +61,22 @@ static inline int smaller(int a, int b) {
     return a < b ? a : b;
 }
 
-#include "grids/brick_range_variants.inc"
-
-enum { FINITE = ISO_FLOAT32 + 1, KERNELS }; /* by type, and one that leaves out what is not finite */
-
-static range_kernel *kernel_of(int type, iso_cpu_level level) {
-#define KERNELS_AT(v)                                                                                        \
-    { ranges_uint8_##v, ranges_int16_##v, ranges_uint16_##v, ranges_float_##v, ranges_finite_##v }
-#if ISO_HAVE_X86
-    static range_kernel *const kernels[ISO_CPU_LEVELS][KERNELS] = {KERNELS_AT(generic), KERNELS_AT(avx2),
-                                                                   KERNELS_AT(avx512)};
-    return kernels[level][type];
-#else
-    static range_kernel *const kernels[KERNELS] = KERNELS_AT(generic);
-    (void)level;
-    return kernels[type];
-#endif
-#undef KERNELS_AT
+static inline bool is_finite_key(int32_t key) {
+    return (key >= LEAST_KEY) & (key <= LARGEST_KEY);
 }
+
+/* What a float counts as when only finite ones do. */
+static inline int32_t finite_low(int32_t bits) {
+    const int32_t key = key_of_bits(bits);
+    return is_finite_key(key) ? key : INT32_MAX;
+}
+static inline int32_t finite_high(int32_t bits) {
+    const int32_t key = key_of_bits(bits);
+    return is_finite_key(key) ? key : INT32_MIN;
+}
+
+#define ISO_KERNEL_BODY "grids/brick_range_types.inc"
+#include "base/kernel_levels.inc"
 
 /* ---- from groups to bricks */
 
@@ -165,13 +162,13 @@ void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_bric
     const char *data = (const char *)grid->data + at * (ptrdiff_t)iso_type_size(grid->type);
     range_values values;
     clear_values(&values, bricks);
-    kernel_of(grid->type, level)(data, &box, &values);
+    ISO_VOXEL_KERNEL(ranges, grid->type, level)(data, &box, &values);
     fold_groups(&values, bricks, readings);
     if (!all_finite(readings, bricks)) {
         bool finite[ISO_BAND_BRICKS];
         for (int b = 0; b < bricks; b++) finite[b] = readings[b].range.finite;
         clear_values(&values, bricks);
-        kernel_of(FINITE, level)(data, &box, &values);
+        ISO_KERNEL(ranges_finite, level)(data, &box, &values);
         fold_groups(&values, bricks, readings);
         for (int b = 0; b < bricks; b++) readings[b].range.finite = finite[b];
     }

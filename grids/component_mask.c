@@ -3,9 +3,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ISO_HAVE_X86
-#include <immintrin.h>
-#endif
+#include "grids/voxel_kernels.h"
 
 bool iso_mask_range_of(iso_type type, float at, bool below, iso_mask_range *range) {
     *range = (iso_mask_range){.float_lo = below ? -FLT_MAX : at,
@@ -24,31 +22,22 @@ bool iso_mask_range_of(iso_type type, float at, bool below, iso_mask_range *rang
     return range->lo <= range->hi;
 }
 
-/* ---- one word: up to 64 voxels one by one, for the ends of rows and plain C */
+/* ---- one word: the ends of rows voxel by voxel, whole words by the instructions of each level */
 
-#define SCALAR_WORD(name, type, low, high)                                                                   \
-    static inline uint64_t name(const type *row, int count, const iso_mask_range *range) {                   \
+#define SCALAR_WORD(voxel, type, low, high)                                                                  \
+    static inline uint64_t rest_##voxel(const type *row, int count, const iso_mask_range *range) {           \
         uint64_t bits = 0;                                                                                   \
         for (int i = 0; i < count; i++)                                                                      \
             bits |= (uint64_t)((row[i] >= range->low) & (row[i] <= range->high)) << i;                       \
         return bits;                                                                                         \
+    }                                                                                                        \
+    static inline uint64_t word_##voxel##_generic(const type *row, const iso_mask_range *range) {            \
+        return rest_##voxel(row, 64, range);                                                                 \
     }
-SCALAR_WORD(word_uint8_generic, uint8_t, lo, hi)
-SCALAR_WORD(word_int16_generic, int16_t, lo, hi)
-SCALAR_WORD(word_uint16_generic, uint16_t, lo, hi)
-SCALAR_WORD(word_float_generic, float, float_lo, float_hi)
-
-/* A row from words of 64 voxels that `full` makes, and a rest. */
-#define MASK_ROW(target, name, type, full, rest)                                                             \
-    target static void name(const void *data, int count, const iso_mask_range *range, uint64_t *words) {     \
-        const type *row = data;                                                                              \
-        for (; count >= 64; count -= 64, row += 64) *words++ = full;                                         \
-        if (count) *words = rest(row, count, range);                                                         \
-    }
-MASK_ROW(, row_uint8_generic, uint8_t, word_uint8_generic(row, 64, range), word_uint8_generic)
-MASK_ROW(, row_int16_generic, int16_t, word_int16_generic(row, 64, range), word_int16_generic)
-MASK_ROW(, row_uint16_generic, uint16_t, word_uint16_generic(row, 64, range), word_uint16_generic)
-MASK_ROW(, row_float_generic, float, word_float_generic(row, 64, range), word_float_generic)
+SCALAR_WORD(uint8, uint8_t, lo, hi)
+SCALAR_WORD(int16, int16_t, lo, hi)
+SCALAR_WORD(uint16, uint16_t, lo, hi)
+SCALAR_WORD(float, float, float_lo, float_hi)
 
 #if ISO_HAVE_X86
 /* ---- AVX2 */
@@ -97,11 +86,6 @@ ISO_TARGET_AVX2 static inline uint64_t word_float_avx2(const float *row, const i
     return bits;
 }
 
-MASK_ROW(ISO_TARGET_AVX2, row_uint8_avx2, uint8_t, word_uint8_avx2(row, range), word_uint8_generic)
-MASK_ROW(ISO_TARGET_AVX2, row_int16_avx2, int16_t, word_int16_avx2(row, range), word_int16_generic)
-MASK_ROW(ISO_TARGET_AVX2, row_uint16_avx2, uint16_t, word_uint16_avx2(row, range), word_uint16_generic)
-MASK_ROW(ISO_TARGET_AVX2, row_float_avx2, float, word_float_avx2(row, range), word_float_generic)
-
 /* ---- AVX-512 */
 
 ISO_TARGET_AVX512 static inline uint64_t word_uint8_avx512(const uint8_t *row, const iso_mask_range *range) {
@@ -130,25 +114,13 @@ ISO_TARGET_AVX512 static inline uint64_t word_float_avx512(const float *row, con
     }
     return bits;
 }
-
-MASK_ROW(ISO_TARGET_AVX512, row_uint8_avx512, uint8_t, word_uint8_avx512(row, range), word_uint8_generic)
-MASK_ROW(ISO_TARGET_AVX512, row_int16_avx512, int16_t, word_int16_avx512(row, range), word_int16_generic)
-MASK_ROW(ISO_TARGET_AVX512, row_uint16_avx512, uint16_t, word_uint16_avx512(row, range), word_uint16_generic)
-MASK_ROW(ISO_TARGET_AVX512, row_float_avx512, float, word_float_avx512(row, range), word_float_generic)
 #endif
 
-iso_mask_kernel *iso_mask_kernel_of(iso_type type, iso_cpu_level level) {
-    enum { TYPES = ISO_FLOAT32 + 1 };
-#define KERNELS_AT(v)                                                                                        \
-    { row_uint8_##v, row_int16_##v, row_uint16_##v, row_float_##v }
-#if ISO_HAVE_X86
-    static iso_mask_kernel *const kernels[ISO_CPU_LEVELS][TYPES] = {KERNELS_AT(generic), KERNELS_AT(avx2),
-                                                                    KERNELS_AT(avx512)};
-    return kernels[level][type];
-#else
-    static iso_mask_kernel *const kernels[TYPES] = KERNELS_AT(generic);
-    (void)level;
-    return kernels[type];
-#endif
-#undef KERNELS_AT
+#define ISO_KERNEL_BODY "grids/voxel_kernels.inc"
+#define ISO_VOXEL_BODY "grids/component_mask_body.inc"
+#include "base/kernel_levels.inc"
+#undef ISO_VOXEL_BODY
+
+iso_mask_kernel *iso_mask_kernel_get(iso_type type, iso_cpu_level level) {
+    return ISO_VOXEL_KERNEL(mask_row, type, level);
 }

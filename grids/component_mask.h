@@ -25,6 +25,8 @@ bool iso_mask_range_of(iso_type type, float at, bool below, iso_mask_range *rang
  * are 0. */
 typedef void iso_mask_kernel(const void *row, int count, const iso_mask_range *range, uint64_t *words);
 
-iso_mask_kernel *iso_mask_kernel_of(iso_type type, iso_cpu_level level);
+/* The kernel for a voxel type at an instruction set, or at the best below it that this build has. Never NULL.
+ */
+iso_mask_kernel *iso_mask_kernel_get(iso_type type, iso_cpu_level level);
 
 #endif

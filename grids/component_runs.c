@@ -269,7 +269,7 @@ iso_status iso_component_runs_find(const iso_grid *grid, const iso_threshold *su
     const bool below = iso_grid_is_level_set(grid);
     finder f = {.grid = grid, .surface = *surface, .diagonal = below, .runs = runs};
     if (grid->rgrid) {
-        f.kernel = iso_mask_kernel_of(grid->rgrid->type, iso_cpu_best());
+        f.kernel = iso_mask_kernel_get(grid->rgrid->type, iso_cpu_best());
         f.none = !iso_mask_range_of(grid->rgrid->type, surface->at, below, &f.range);
     }
     ISO_TRY(make_slabs(runs, error));

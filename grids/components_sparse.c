@@ -84,7 +84,7 @@ static bool is_affected(const iso_hgrid *grid, const int at[3], const uint8_t *d
 /* Empty cells of dropped parts are outside from here on; bricks that may change are listed and logged. */
 static iso_status list_affected(remover *r, const uint8_t *dropped, iso_error *error) {
     iso_hgrid *grid = r->grid;
-    const size_t cells = (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
+    const size_t cells = iso_hgrid_cell_count(grid);
     iso_change_log_begin(grid->log);
     for (size_t cell = 0; cell < cells; cell++) {
         int at[3], lo[3], hi[3];
@@ -224,7 +224,7 @@ iso_status iso_components_remove_sparse(iso_hgrid *grid, const iso_sparse_remova
                                         iso_error *error) {
     const float reach = ceilf(grid->band) + 2;
     remover r = {.grid = grid, .removal = removal, .reach = reach < ISO_BRICK ? (int)reach : ISO_BRICK};
-    const size_t cells = (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
+    const size_t cells = iso_hgrid_cell_count(grid);
     uint8_t *dropped = iso_alloc_zero(cells, 1);
     if (!dropped) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the parts of the solid");
     mark_dropped(&r, dropped);

@@ -57,10 +57,6 @@ static iso_status check(const int dims[3], float band, const iso_transform *tran
     return ISO_OK;
 }
 
-static size_t cell_count(const iso_hgrid *grid) {
-    return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
-}
-
 iso_status iso_hgrid_create(const int dims[3], float band, const iso_transform *transform, iso_hgrid **out,
                             iso_error *error) {
     ISO_TRY(check(dims, band, transform, error));
@@ -74,7 +70,7 @@ iso_status iso_hgrid_create(const int dims[3], float band, const iso_transform *
     grid->transform = transform ? *transform : iso_transform_identity();
     grid->pool.first_free = -1;
     iso_status status = iso_change_log_create(grid->cells, &grid->log, error);
-    size_t cells = cell_count(grid);
+    size_t cells = iso_hgrid_cell_count(grid);
     if (status == ISO_OK) grid->cell = iso_alloc(cells * sizeof *grid->cell);
     if (status == ISO_OK && !grid->cell)
         status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu cells", cells);
@@ -161,7 +157,7 @@ size_t iso_hgrid_brick_count(const iso_hgrid *grid) {
 
 size_t iso_hgrid_bytes(const iso_hgrid *grid) {
     const iso_brick_pool *pool = &grid->pool;
-    return sizeof *grid + cell_count(grid) * sizeof *grid->cell + iso_change_log_bytes(grid->log) +
+    return sizeof *grid + iso_hgrid_cell_count(grid) * sizeof *grid->cell + iso_change_log_bytes(grid->log) +
            pool->chunk_count * ISO_POOL_CHUNK * ISO_BRICK_VOXELS * sizeof(float) +
            pool->chunk_room * sizeof *pool->chunk;
 }

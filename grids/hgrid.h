@@ -56,6 +56,10 @@ iso_status iso_hgrid_create(const int dims[3], float band, const iso_transform *
                             iso_error *error);
 void iso_hgrid_destroy(iso_hgrid *grid);
 
+static inline size_t iso_hgrid_cell_count(const iso_hgrid *grid) {
+    return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
+}
+
 static inline size_t iso_hgrid_cell_index(const iso_hgrid *grid, int cx, int cy, int cz) {
     return ((size_t)cz * (size_t)grid->cells[1] + (size_t)cy) * (size_t)grid->cells[0] + (size_t)cx;
 }

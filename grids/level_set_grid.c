@@ -85,12 +85,8 @@ static void cell_position(const iso_hgrid *grid, size_t cell, int at[3]) {
     at[2] = (int)(cell / (size_t)grid->cells[0] / (size_t)grid->cells[1]);
 }
 
-static size_t cell_count(const iso_hgrid *grid) {
-    return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
-}
-
 static iso_status make_cells(const resampling *r, const iso_progress *progress, iso_error *error) {
-    const size_t count = cell_count(r->to);
+    const size_t count = iso_hgrid_cell_count(r->to);
     for (size_t cell = 0; cell < count; cell++) {
         if (cell % TELL == 0)
             ISO_TRY(iso_progress_tell(progress, "the volume", (double)cell / (double)count, error));
@@ -112,7 +108,7 @@ static void sample_cell(void *context, size_t index, int worker) {
     (void)worker;
     const resampling *r = context;
     if (r->to->cell[index] < 0) return;
-    const double fraction = (double)index / (double)cell_count(r->to);
+    const double fraction = (double)index / (double)iso_hgrid_cell_count(r->to);
     if (iso_progress_tell(&r->progress, "", fraction, NULL) != ISO_OK) return; /* (told afterwards) */
     int at[3];
     cell_position(r->to, index, at);
@@ -139,7 +135,7 @@ static bool is_interface(const iso_hgrid *grid, const int at[3], int i) {
 }
 
 static void for_interface(const resampling *r, void (*visit)(void *, float *, bool), void *context) {
-    for (size_t cell = 0; cell < cell_count(r->to); cell++) {
+    for (size_t cell = 0; cell < iso_hgrid_cell_count(r->to); cell++) {
         if (r->to->cell[cell] < 0) continue;
         int at[3];
         cell_position(r->to, cell, at);
@@ -232,7 +228,7 @@ static iso_status resample(const char *path, const iso_resampling *how, resampli
     r->progress = iso_progress_part(how->progress, 0.2, 0.8);
     iso_parallel_for(how->pool, bricks, find_crossing, r);
     ISO_TRY(make_cells(r, &making, error));
-    iso_parallel_for(how->pool, cell_count(r->to), sample_cell, r);
+    iso_parallel_for(how->pool, iso_hgrid_cell_count(r->to), sample_cell, r);
     ISO_TRY(iso_progress_tell(&r->progress, path, 1, error));
     ISO_TRY(scale_values(r, path, error));
     return iso_progress_tell(&scaling, path, 1, error);

@@ -13,7 +13,7 @@ dvec2 snapped(dvec2 at) {
 }
 
 void main() {
-    dvec4 index = dvec4(dvec3(brick) * ISO_GL_BRICK_SIDE + dvec3(position), 1.0);
+    dvec4 index = dvec4(dvec3(brick) * ISO_BRICK + dvec3(position), 1.0);
     precise dvec3 at = dvec3(dot(row_x, index), dot(row_y, index), dot(row_z, index));
     vec3 n = vec3(dot(normal_x.xyz, normal), dot(normal_y.xyz, normal), dot(normal_z.xyz, normal));
     float size = length(n);

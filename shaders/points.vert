@@ -47,7 +47,7 @@ void main() {
 #if SURFELS
     vec3 p = position, n = normal;
 #else
-    vec3 p = ISO_GL_COORDINATE_LOW + ISO_GL_COORDINATE_STEP * unpack_steps(bits);
+    vec3 p = ISO_POINT_LOW + ISO_POINT_STEP * unpack_steps(bits);
     vec3 n = normalize(unfold_normal(unpack_normal_bits(bits)));
 #endif
     vec3 at = vec3(dot(turn_x.xyz, p), dot(turn_y.xyz, p), dot(turn_z.xyz, p)) + origin;

@@ -49,8 +49,8 @@ uint ordered(float depth) {
 
 uint fold_normal(vec3 n) {
     vec2 uv = n.z < 0.0 ? mix(1.0 - abs(n.yx), abs(n.yx) - 1.0, lessThan(n.xy, vec2(0.0))) : n.xy;
-    uvec2 steps = uvec2(clamp(uv * (0.5 * ISO_GL_NORMAL_STEPS) + 1024.0, 0.0, float(ISO_GL_NORMAL_STEPS)));
-    return steps.x | steps.y << ISO_GL_NORMAL_BITS;
+    uvec2 steps = uvec2(clamp(uv * (0.5 * ISO_POINT_NORMAL_STEPS) + 0.5 * (ISO_POINT_NORMAL_STEPS + 1), 0.0, float(ISO_POINT_NORMAL_STEPS)));
+    return steps.x | steps.y << ISO_POINT_NORMAL_BITS;
 }
 
 uint color_of(uint number) {

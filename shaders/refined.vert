@@ -86,7 +86,7 @@ void main() {
 #if SURFELS
     vec3 index = p + place.xyz;
 #else
-    vec3 index = p * ISO_GL_COORDINATE_STEP + place.xyz;
+    vec3 index = p * ISO_POINT_STEP + place.xyz;
 #endif
     float turning = ISO_REFINED_TURNING_BEND * sizes.y;
     if (place.w != 0.0 && square > turning * turning) take_ends(bend, index, lowest, highest);

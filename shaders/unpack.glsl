@@ -1,21 +1,21 @@
 /* A piece of other shaders: points in 8 bytes, as base/primitives.h packs them. */
 
-/* Steps from ISO_GL_COORDINATE_LOW. */
+/* Steps from ISO_POINT_LOW. */
 vec3 unpack_steps(uvec2 bits) {
-    const uint mask = (1u << ISO_GL_COORDINATE_BITS) - 1u;
-    return vec3(uvec3(bits.x, bits.x >> ISO_GL_COORDINATE_BITS,
-                      bits.x >> 2 * ISO_GL_COORDINATE_BITS | bits.y << 32 - 2 * ISO_GL_COORDINATE_BITS) &
+    const uint mask = (1u << ISO_POINT_COORDINATE_BITS) - 1u;
+    return vec3(uvec3(bits.x, bits.x >> ISO_POINT_COORDINATE_BITS,
+                      bits.x >> 2 * ISO_POINT_COORDINATE_BITS | bits.y << 32 - 2 * ISO_POINT_COORDINATE_BITS) &
                 mask);
 }
 
 uint unpack_normal_bits(uvec2 bits) {
-    return bits.y >> 3 * ISO_GL_COORDINATE_BITS - 32;
+    return bits.y >> 3 * ISO_POINT_COORDINATE_BITS - 32;
 }
 
 /* A normal with |x| + |y| + |z| = 1 from its octahedral bits (Meyer et al. 2010). */
 vec3 unfold_normal(uint bits) {
-    uvec2 steps = uvec2(bits, bits >> ISO_GL_NORMAL_BITS) & uint(ISO_GL_NORMAL_STEPS);
-    vec2 uv = vec2(steps) * (2.0 / ISO_GL_NORMAL_STEPS) - 1.0;
+    uvec2 steps = uvec2(bits, bits >> ISO_POINT_NORMAL_BITS) & uint(ISO_POINT_NORMAL_STEPS);
+    vec2 uv = vec2(steps) * (2.0 / ISO_POINT_NORMAL_STEPS) - 1.0;
     float w = 1.0 - abs(uv.x) - abs(uv.y);
     float fold = max(-w, 0.0);
     uv -= mix(vec2(fold), vec2(-fold), lessThan(uv, vec2(0.0)));

@@ -165,8 +165,3 @@ double sculpt_volume(const iso_hgrid *grid) {
     }
     return volume;
 }
-
-double sculpt_uniform(uint32_t *seed) {
-    *seed = *seed * 1664525u + 1013904223u;
-    return (double)(*seed >> 8) / (1 << 24);
-}

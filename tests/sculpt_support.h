@@ -2,6 +2,7 @@
 #ifndef ISO_TESTS_SCULPT_SUPPORT_H
 #define ISO_TESTS_SCULPT_SUPPORT_H
 
+#include "check_support.h"
 #include "grids/grid.h"
 #include "sculpt/edit.h"
 
@@ -30,7 +31,5 @@ iso_edit_stats sculpt_touch(iso_editor *editor, const iso_brush *brush, iso_vec3
 
 /* Volume inside the surface in voxels: trilinear field, 4^3 samples a cell at the surface. */
 double sculpt_volume(const iso_hgrid *grid);
-
-double sculpt_uniform(uint32_t *seed); /* 0 .. 1 */
 
 #endif

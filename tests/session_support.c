@@ -43,27 +43,27 @@ iso_session *session_open(const iso_session_opts *opts) {
 }
 
 iso_sample session_random_sample(uint32_t *seed) {
-    iso_sample s = {.pressure = sculpt_uniform(seed), .seconds = sculpt_uniform(seed) * 100};
+    iso_sample s = {.pressure = uniform(seed), .seconds = uniform(seed) * 100};
     double *p[6] = {&s.position.x, &s.position.y, &s.position.z, &s.normal.x, &s.normal.y, &s.normal.z};
-    for (int i = 0; i < 6; i++) *p[i] = (sculpt_uniform(seed) - 0.5) * (i < 3 ? 32 : 1);
+    for (int i = 0; i < 6; i++) *p[i] = (uniform(seed) - 0.5) * (i < 3 ? 32 : 1);
     s.normal = iso_vec3_unit(s.normal);
     return s;
 }
 
 iso_brush session_random_brush(uint32_t *seed, int tools) {
-    iso_brush b = {.tool = (iso_tool)(sculpt_uniform(seed) * tools),
-                   .shape = (iso_solid)(sculpt_uniform(seed) * ISO_SOLID_STAMP),
-                   .radius = 0.5 + 4 * sculpt_uniform(seed),
-                   .strength = sculpt_uniform(seed),
-                   .symmetry = sculpt_uniform(seed) < 0.2 ? 5 : 0,
-                   .pressure_strength = sculpt_uniform(seed) < 0.5};
+    iso_brush b = {.tool = (iso_tool)(uniform(seed) * tools),
+                   .shape = (iso_solid)(uniform(seed) * ISO_SOLID_STAMP),
+                   .radius = 0.5 + 4 * uniform(seed),
+                   .strength = uniform(seed),
+                   .symmetry = uniform(seed) < 0.2 ? 5 : 0,
+                   .pressure_strength = uniform(seed) < 0.5};
     return b;
 }
 
 iso_event session_random_event(uint32_t *seed, int tools, bool *drawing) {
     iso_event event;
     memset(&event, 0, sizeof event);
-    double chance = sculpt_uniform(seed);
+    double chance = uniform(seed);
     event.sample = session_random_sample(seed);
     if (*drawing) {
         event.kind = chance < 0.5 ? ISO_EVENT_SAMPLE : chance < 0.95 ? ISO_EVENT_END : ISO_EVENT_CANCEL;

@@ -22,16 +22,7 @@
 #include "base/parallel.h"
 #include "base/primitives.h"
 #include "base/text.h"
-
-static double uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (double)(*state >> 8) / (1 << 24);
-}
-
-static void near(double got, double wanted, double tolerance) {
-    if (!(fabs(got - wanted) <= tolerance))
-        fail_msg("got %.17g, wanted %.17g within %g", got, wanted, tolerance);
-}
+#include "check_support.h"
 
 static void sincos_matches_libm(void **state) {
     (void)state;

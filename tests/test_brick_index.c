@@ -14,15 +14,11 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/primitives.h"
+#include "check_support.h"
 #include "grids/brick_index.h"
 #include "grids/brick_range.h"
 #include "grids/grid.h"
 #include "grids/interval_tree.h"
-
-static uint32_t below(uint64_t *state, uint32_t limit) {
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)((*state >> 33) % limit);
-}
 
 /* ---- grids */
 
@@ -49,9 +45,10 @@ static void set_voxel(iso_rgrid *grid, int x, int y, int z, float value) {
 static float random_value(iso_type type, values kind, const int at[3], uint64_t *random) {
     static const float least[] = {0, -32768, 0, -5}, most[] = {255, 32767, 65535, 5};
     const float wrong[] = {NAN, INFINITY, -INFINITY, FLT_MAX, -FLT_MAX, -0.0f};
-    if (type == ISO_FLOAT32 && kind == WRONG && below(random, 40) == 0) return wrong[below(random, 6)];
-    float t = (float)below(random, 1 << 24) / (float)(1 << 24);
-    if (kind == FEW) t = below(random, 3000) ? 0.25f : below(random, 2) ? 1 : 0;
+    if (type == ISO_FLOAT32 && kind == WRONG && random_below(random, 40) == 0)
+        return wrong[random_below(random, 6)];
+    float t = (float)random_below(random, 1 << 24) / (float)(1 << 24);
+    if (kind == FEW) t = random_below(random, 3000) ? 0.25f : random_below(random, 2) ? 1 : 0;
     if (kind == SMOOTH) t = (float)((at[0] + at[1] + 2 * at[2]) / 8) / 64.0f + t / 100;
     float value = least[type] + t * (most[type] - least[type]);
     return type == ISO_FLOAT32 ? value : roundf(fminf(value, most[type]));
@@ -62,9 +59,9 @@ static iso_rgrid *make_grid(iso_type type, values kind, const int dims[3], uint6
     iso_rgrid_desc desc = {.type = type};
     int lo[3], hi[3];
     for (int axis = 0; axis < 3; axis++) {
-        lo[axis] = (int)below(random, 3);
+        lo[axis] = (int)random_below(random, 3);
         hi[axis] = lo[axis] + dims[axis] - 1;
-        desc.dims[axis] = hi[axis] + 1 + (int)below(random, 3);
+        desc.dims[axis] = hi[axis] + 1 + (int)random_below(random, 3);
     }
     iso_rgrid *grid = NULL;
     assert_int_equal(iso_rgrid_create(&desc, &grid, NULL), ISO_OK);
@@ -80,11 +77,12 @@ static iso_rgrid *make_grid(iso_type type, values kind, const int dims[3], uint6
 static iso_rgrid *random_grid(int round, uint64_t *random) {
     static const int sides[] = {1, 2, 15, 16, 17, 18, 31, 32, 33, 34, 37, 48, 49, 65};
     int dims[3];
-    for (int axis = 0; axis < 3; axis++) dims[axis] = sides[below(random, sizeof sides / sizeof *sides)];
-    if (below(random, 20) == 0) { /* more bricks along x than are read at a time */
-        dims[0] = 1020 + (int)below(random, 40);
-        dims[1] = 1 + (int)below(random, 20);
-        dims[2] = 1 + (int)below(random, 20);
+    for (int axis = 0; axis < 3; axis++)
+        dims[axis] = sides[random_below(random, sizeof sides / sizeof *sides)];
+    if (random_below(random, 20) == 0) { /* more bricks along x than are read at a time */
+        dims[0] = 1020 + (int)random_below(random, 40);
+        dims[1] = 1 + (int)random_below(random, 20);
+        dims[2] = 1 + (int)random_below(random, 20);
     }
     return make_grid((iso_type)(round % 4), (values)(round / 4 % VALUES), dims, random);
 }
@@ -192,9 +190,10 @@ static void check_query(const iso_rgrid *grid, const iso_brick_range *model, flo
 }
 
 static float random_isovalue(const iso_rgrid *grid, uint64_t *random) {
-    int x = (int)below(random, (uint32_t)grid->dims[0]), y = (int)below(random, (uint32_t)grid->dims[1]);
-    float value = iso_rgrid_at(grid, x, y, (int)below(random, (uint32_t)grid->dims[2]));
-    switch (below(random, 5)) {
+    int x = (int)random_below(random, (uint32_t)grid->dims[0]),
+        y = (int)random_below(random, (uint32_t)grid->dims[1]);
+    float value = iso_rgrid_at(grid, x, y, (int)random_below(random, (uint32_t)grid->dims[2]));
+    switch (random_below(random, 5)) {
     case 0:
         return nextafterf(value, INFINITY);
     case 1:
@@ -247,8 +246,9 @@ static void levels_agree(void **state) {
         iso_rgrid *grid = random_grid(round, &random);
         int n = (grid->dims[0] - 1) / ISO_BRICK + 1;
         const int last[3] = {0, (grid->dims[1] - 1) / ISO_BRICK, (grid->dims[2] - 1) / ISO_BRICK};
-        const int from[3] = {(int)below(&random, (uint32_t)n), (int)below(&random, (uint32_t)last[1] + 1),
-                             (int)below(&random, (uint32_t)last[2] + 1)};
+        const int from[3] = {(int)random_below(&random, (uint32_t)n),
+                             (int)random_below(&random, (uint32_t)last[1] + 1),
+                             (int)random_below(&random, (uint32_t)last[2] + 1)};
         int most[2];
         iso_brick_band_most(grid, most);
         iso_brick_reading *generic = NULL;
@@ -302,13 +302,14 @@ static void threads_agree(void **state) {
 
 /* A box of one value or of noise; its changes are recorded as one box, or voxel by voxel. */
 static void edit(iso_rgrid *grid, uint64_t *random) {
-    int lo[3], hi[3], at[3], size = 1 + (int)below(random, below(random, 8) ? 4 : 30);
+    int lo[3], hi[3], at[3], size = 1 + (int)random_below(random, random_below(random, 8) ? 4 : 30);
     for (int axis = 0; axis < 3; axis++) {
-        lo[axis] = (int)below(random, (uint32_t)grid->dims[axis]);
-        if (below(random, 3) == 0) lo[axis] = lo[axis] / ISO_BRICK * ISO_BRICK; /* what neighbours see */
+        lo[axis] = (int)random_below(random, (uint32_t)grid->dims[axis]);
+        if (random_below(random, 3) == 0)
+            lo[axis] = lo[axis] / ISO_BRICK * ISO_BRICK; /* what neighbours see */
         hi[axis] = lo[axis] + size <= grid->dims[axis] ? lo[axis] + size - 1 : grid->dims[axis] - 1;
     }
-    bool flat = below(random, 2);
+    bool flat = random_below(random, 2);
     float value = iso_rgrid_at(grid, 0, 0, 0);
     for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
         for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
@@ -330,7 +331,7 @@ static void updates_follow_edits(void **state) {
         assert_int_equal(iso_rgrid_index(grid, pool, &index, NULL), ISO_OK);
         for (int step = 0; step < 20; step++) {
             assert_true(iso_brick_index_current(index));
-            for (int edits = 1 + (int)below(&random, 5); edits; edits--) edit(grid, &random);
+            for (int edits = 1 + (int)random_below(&random, 5); edits; edits--) edit(grid, &random);
             assert_false(iso_brick_index_current(index));
             const iso_brick_index *same = NULL;
             assert_int_equal(iso_rgrid_index(grid, step % 2 ? pool : NULL, &same, NULL), ISO_OK);
@@ -396,11 +397,11 @@ enum { INTERVALS = 100000 };
 
 static void random_intervals(float *lo, float *hi, int kind, uint64_t *random) {
     for (int i = 0; i < INTERVALS; i++) {
-        float value = (float)below(random, kind == 0 ? 200 : 1 << 24) - (kind == 2 ? 1 << 23 : 0);
+        float value = (float)random_below(random, kind == 0 ? 200 : 1 << 24) - (kind == 2 ? 1 << 23 : 0);
         lo[i] = value;
-        hi[i] = value + (float)below(random, kind == 1 ? 1 << 20 : 50); /* empty ones as well */
-        if (below(random, 500) == 0) lo[i] = INFINITY, hi[i] = -INFINITY;
-        if (below(random, 500) == 0) lo[i] = -0.0f, hi[i] = 0;
+        hi[i] = value + (float)random_below(random, kind == 1 ? 1 << 20 : 50); /* empty ones as well */
+        if (random_below(random, 500) == 0) lo[i] = INFINITY, hi[i] = -INFINITY;
+        if (random_below(random, 500) == 0) lo[i] = -0.0f, hi[i] = 0;
     }
 }
 
@@ -415,7 +416,7 @@ static void queries_cost_what_they_answer(void **state) {
         random_intervals(lo, hi, kind, &random);
         assert_int_equal(iso_interval_tree_build(&tree, lo, hi, INTERVALS, NULL), ISO_OK);
         for (int round = 0; round < 60; round++) {
-            uint32_t any = below(&random, INTERVALS);
+            uint32_t any = random_below(&random, INTERVALS);
             float value = round % 3 == 0 ? lo[any] : round % 3 == 1 ? hi[any] : hi[any] + 0.5f;
             iso_interval_run runs[ISO_INTERVAL_RUNS];
             size_t looks = 0, answers = 0;

@@ -7,17 +7,8 @@
 
 #include <cmocka.h>
 
+#include "check_support.h"
 #include "image/camera.h"
-
-static double uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (double)(*state >> 8) / (1 << 24);
-}
-
-static void near(double got, double wanted, double tolerance) {
-    if (!(fabs(got - wanted) <= tolerance))
-        fail_msg("got %.17g, wanted %.17g within %g", got, wanted, tolerance);
-}
 
 static void near_vector(iso_vec3 got, iso_vec3 wanted, double tolerance) {
     if (!(iso_vec3_length(iso_vec3_sub(got, wanted)) <= tolerance))

@@ -9,14 +9,10 @@
 
 #include <cmocka.h>
 
+#include "check_support.h"
 #include "grids/change_log.h"
 
 enum { CX = 4, CY = 3, CZ = 2, CELLS = CX * CY * CZ, VOXELS = 4096, CONSUMERS = 5 };
-
-static uint32_t below(uint64_t *state, uint32_t limit) {
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)((*state >> 33) % limit);
-}
 
 /* The number of the last edit that touched each voxel, by cell. */
 typedef struct model {
@@ -67,10 +63,10 @@ static void check_consumer(const iso_change_log *log, const model *m, uint64_t s
 
 static void random_box(uint64_t *random, int lo[3], int hi[3]) {
     const int size[3] = {CX * 16, CY * 16, CZ * 16};
-    int large = below(random, 50) == 0;
+    int large = random_below(random, 50) == 0;
     for (int axis = 0; axis < 3; axis++) {
-        lo[axis] = (int)below(random, (uint32_t)size[axis] + 4) - 2;
-        hi[axis] = lo[axis] + (int)below(random, large ? 40 : 4);
+        lo[axis] = (int)random_below(random, (uint32_t)size[axis] + 4) - 2;
+        hi[axis] = lo[axis] + (int)random_below(random, large ? 40 : 4);
     }
 }
 
@@ -84,7 +80,7 @@ static void tells_every_consumer_enough(void **state) {
     size_t entries = 0, merges = 0;
     for (int round = 0; round < 16000; round++) {
         int lo[3], hi[3];
-        if (round == 0 || below(&random, 3)) {
+        if (round == 0 || random_below(&random, 3)) {
             uint64_t now = iso_change_log_now(log);
             assert_int_equal(iso_change_log_begin(log), now + 1);
         }
@@ -98,7 +94,7 @@ static void tells_every_consumer_enough(void **state) {
         assert_true(count <= 4096);
         /* Consumers of very different patience; the last one reads nothing until the end. */
         for (int c = 0; c < CONSUMERS - 1; c++)
-            if (below(&random, 20u << (2 * c)) == 0) {
+            if (random_below(&random, 20u << (2 * c)) == 0) {
                 check_consumer(log, &m, seen[c]);
                 seen[c] = iso_change_log_now(log);
                 assert_int_equal(iso_change_log_since(log, seen[c], &changes), 0);

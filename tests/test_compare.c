@@ -7,15 +7,11 @@
 
 #include <cmocka.h>
 
+#include "check_support.h"
 #include "compare/flip.h"
 #include "compare/metrics.h"
 #include "compare/silhouette.h"
 #include "compare/ssim.h"
-
-static void near(double got, double wanted, double tolerance) {
-    if (!(fabs(got - wanted) <= tolerance))
-        fail_msg("got %.17g, wanted %.17g within %g", got, wanted, tolerance);
-}
 
 /* ---- pictures ---- */
 
@@ -219,11 +215,6 @@ static void empty_and_full_silhouettes(void **state) {
     /* a truth that fills the picture has no border to widen, and no pixel beyond the picture is missing */
     assert_int_equal(iso_silhouette_compare(all, none, size, &d, NULL), ISO_OK);
     assert_true(d.iou == 0 && isnan(d.dilation_mean) && d.dilation_max == 0 && d.holes == 100);
-}
-
-static uint32_t random_bits(uint32_t *seed) {
-    *seed = *seed * 1664525u + 1013904223u;
-    return *seed >> 8;
 }
 
 /* Against brute force, on masks from nearly empty to nearly full. */

@@ -9,18 +9,9 @@
 #include <cmocka.h>
 
 #include "base/cpu.h"
+#include "check_support.h"
 #include "render/draw.h"
 #include "scene_support.h"
-
-static double uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (double)(*state >> 8) / (1 << 24);
-}
-
-static void near(double got, double wanted, double tolerance) {
-    if (!(fabs(got - wanted) <= tolerance))
-        fail_msg("got %.17g, wanted %.17g within %g", got, wanted, tolerance);
-}
 
 static iso_view random_view(uint32_t *seed, int width, int height, bool orthographic) {
     iso_camera camera = {.view_up = {0.1, 0.2, 1}, .view_angle = 40, .parallel_scale = 9};

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "check_support.h"
 #include "exr_files.h"
 #include "file_support.h"
 #include "image/exr.h"
@@ -19,11 +20,6 @@
 static const char *const PATH = ISO_TEST_TMP "/exr_test.exr";
 static const char *const NAMES[ISO_AOV_PLANES] = {"A", "N.X", "N.Y", "N.Z", "Z"};
 enum { RLE = 1, ZIPS = 2, ZIP = 3, PIZ = 4 };
-
-static uint32_t next(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return *state >> 8;
-}
 
 static float *plane(const iso_aov *aov, int channel) {
     float *const planes[] = {aov->coverage, aov->normal[0], aov->normal[1], aov->normal[2], aov->depth};
@@ -40,11 +36,11 @@ static iso_aov random_aov(int width, int height) {
     uint32_t seed = (uint32_t)(width * 31 + height);
     assert_int_equal(iso_aov_create(width, height, &aov, NULL), ISO_OK);
     for (size_t i = 0; i < pixels(&aov); i++) {
-        int covered = next(&seed) % 3 == 0;
-        aov.coverage[i] = covered ? (float)(1 + next(&seed) % 16) / 16 : 0;
-        aov.depth[i] = covered ? (float)next(&seed) / 77 - 100 : INFINITY;
+        int covered = random_bits(&seed) % 3 == 0;
+        aov.coverage[i] = covered ? (float)(1 + random_bits(&seed) % 16) / 16 : 0;
+        aov.depth[i] = covered ? (float)random_bits(&seed) / 77 - 100 : INFINITY;
         for (int axis = 0; axis < 3; axis++)
-            aov.normal[axis][i] = covered ? (float)next(&seed) / (1 << 23) - 1 : 0;
+            aov.normal[axis][i] = covered ? (float)random_bits(&seed) / (1 << 23) - 1 : 0;
     }
     aov.voxel = 0.35f;
     return aov;
@@ -317,7 +313,8 @@ static void damaged_files_do_no_harm(void **state) {
     for (int round = 0; round < 1000; round++) {
         memcpy(copy, bytes, size);
         size_t reach = round % 2 ? size : 700; /* the header and the table of chunks, or anything */
-        for (int k = 0; k < 1 + round % 3; k++) copy[next(&seed) % reach] = (uint8_t)next(&seed);
+        for (int k = 0; k < 1 + round % 3; k++)
+            copy[random_bits(&seed) % reach] = (uint8_t)random_bits(&seed);
         spill(PATH, copy, size);
         iso_aov back;
         iso_error error = {0};

@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "check_support.h"
 #include "gl_support.h"
 #include "grids/scenes.h"
 #include "render/draw.h"
@@ -156,11 +157,6 @@ static void attenuated_points_have_the_width_of_equation_7(void **state) {
             iso_gl_engine_destroy(engine);
         }
     gl_contexts_close(&contexts);
-}
-
-static double uniform(uint32_t *seed) {
-    *seed = *seed * 1664525u + 1013904223u;
-    return (double)(*seed >> 8) / (1 << 24);
 }
 
 /* The same surface in bricks far from the volume's corner, under voxels of a hundredth of a millimetre: index

@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "check_support.h"
 #include "gl_support.h"
 #include "grids/scenes.h"
 #include "render/gl/shape.h"
@@ -118,11 +119,6 @@ static void near_points_and_limits_do_not_show(iso_gl_engine *engine) {
     refined = fmin(refined, check_limits_of_refined(engine, &points, views, count));
     printf("%s: %.1f dB, refined %.1f dB\n", engine->context->name, worst, refined);
     free_scene(&s);
-}
-
-static double uniform(uint32_t *seed) {
-    *seed = *seed * 1664525u + 1013904223u;
-    return (double)(*seed >> 8) / (1 << 24);
 }
 
 enum { SPANS = 6, EACH = 9000, POINTS = SPANS * EACH };

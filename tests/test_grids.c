@@ -14,20 +14,16 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "check_support.h"
 #include "grids/grid.h"
 
-static uint32_t below(uint64_t *state, uint32_t limit) {
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)((*state >> 33) % limit);
-}
-
-static double uniform(uint64_t *state) {
-    return below(state, 1u << 30) / (double)(1u << 30);
+static double fraction(uint64_t *state) {
+    return random_below(state, 1u << 30) / (double)(1u << 30);
 }
 
 static int random_side(uint64_t *random) {
     static const int sides[] = {1, 2, 15, 16, 17, 18, 31, 32, 33, 34, 37};
-    return sides[below(random, sizeof sides / sizeof sides[0])];
+    return sides[random_below(random, sizeof sides / sizeof sides[0])];
 }
 
 static int same(float a, float b) {
@@ -43,18 +39,19 @@ static void free_owner(void *owner) {
 static void random_voxel(iso_rgrid *grid, ptrdiff_t i, int bad, uint64_t *random) {
     switch (grid->type) {
     case ISO_UINT8:
-        ((uint8_t *)grid->data)[i] = (uint8_t)below(random, 256);
+        ((uint8_t *)grid->data)[i] = (uint8_t)random_below(random, 256);
         break;
     case ISO_INT16:
-        ((int16_t *)grid->data)[i] = (int16_t)(below(random, 65536) - 32768);
+        ((int16_t *)grid->data)[i] = (int16_t)(random_below(random, 65536) - 32768);
         break;
     case ISO_UINT16:
-        ((uint16_t *)grid->data)[i] = (uint16_t)below(random, 65536);
+        ((uint16_t *)grid->data)[i] = (uint16_t)random_below(random, 65536);
         break;
     default: {
         const float values[] = {NAN, INFINITY, -INFINITY, FLT_MAX};
-        float value = (float)(uniform(random) * 10 - 5);
-        ((float *)grid->data)[i] = bad && below(random, 6) == 0 ? values[below(random, 4)] : value;
+        float value = (float)(fraction(random) * 10 - 5);
+        ((float *)grid->data)[i] =
+            bad && random_below(random, 6) == 0 ? values[random_below(random, 4)] : value;
     }
     }
 }
@@ -65,9 +62,9 @@ static iso_grid random_rgrid(iso_type type, int bad, uint64_t *random) {
     iso_rgrid_desc desc = {.type = type};
     for (int axis = 0; axis < 3; axis++) {
         int side = random_side(random);
-        lo[axis] = (int)below(random, 3);
+        lo[axis] = (int)random_below(random, 3);
         hi[axis] = lo[axis] + side - 1;
-        desc.dims[axis] = lo[axis] + side + (int)below(random, 3);
+        desc.dims[axis] = lo[axis] + side + (int)random_below(random, 3);
     }
     iso_grid grid = {0};
     assert_int_equal(iso_rgrid_create(&desc, &grid.rgrid, NULL), ISO_OK);
@@ -80,11 +77,11 @@ static iso_grid random_rgrid(iso_type type, int bad, uint64_t *random) {
 static void random_brick(iso_hgrid *grid, int cx, int cy, int cz, uint64_t *random) {
     float *brick;
     assert_int_equal(iso_hgrid_split(grid, cx, cy, cz, &brick, NULL), ISO_OK);
-    int kind = (int)below(random, 3);
+    int kind = (int)random_below(random, 3);
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
         int x = cx * 16 + i % 16, y = cy * 16 + i / 16 % 16, z = cz * 16 + i / 256;
         int inside = x < grid->dims[0] && y < grid->dims[1] && z < grid->dims[2];
-        float value = (float)(uniform(random) * 6 - 3);
+        float value = (float)(fraction(random) * 6 - 3);
         brick[i] = !inside ? NAN : kind == 0 ? 2 : kind == 1 ? -1 : value;
     }
 }
@@ -94,13 +91,13 @@ static iso_grid random_hgrid(uint64_t *random) {
     for (int axis = 0; axis < 3; axis++) dims[axis] = random_side(random);
     iso_grid grid = {0};
     assert_int_equal(iso_hgrid_create(dims, 0, NULL, &grid.hgrid, NULL), ISO_OK);
-    int bricks = (int)below(random, 4);
+    int bricks = (int)random_below(random, 4);
     for (int z = 0; z < grid.hgrid->cells[2]; z++)
         for (int y = 0; y < grid.hgrid->cells[1]; y++)
             for (int x = 0; x < grid.hgrid->cells[0]; x++) {
-                if ((int)below(random, 3) < bricks)
+                if ((int)random_below(random, 3) < bricks)
                     random_brick(grid.hgrid, x, y, z, random);
-                else if (below(random, 2))
+                else if (random_below(random, 2))
                     iso_hgrid_coalesce(grid.hgrid, x, y, z, ISO_CELL_INSIDE);
             }
     return grid;
@@ -188,9 +185,10 @@ static int model_crosses(const iso_grid *grid, const int brick[3], float isovalu
 /* The isovalue is mostly a voxel's own value, or just beside it, where mistakes would show. */
 static float random_isovalue(const iso_grid *grid, uint64_t *random) {
     const int *dims = iso_grid_dims(grid);
-    float value = model_at(grid, (int)below(random, (uint32_t)dims[0]), (int)below(random, (uint32_t)dims[1]),
-                           (int)below(random, (uint32_t)dims[2]));
-    switch (below(random, 6)) {
+    float value =
+        model_at(grid, (int)random_below(random, (uint32_t)dims[0]),
+                 (int)random_below(random, (uint32_t)dims[1]), (int)random_below(random, (uint32_t)dims[2]));
+    switch (random_below(random, 6)) {
     case 0:
         return value;
     case 1:
@@ -207,13 +205,13 @@ static float random_isovalue(const iso_grid *grid, uint64_t *random) {
 /* Makes most voxels alike, so that both answers occur. */
 static void flatten(iso_grid *grid, uint64_t *random) {
     iso_rgrid *r = grid->rgrid;
-    if (!r || below(random, 2)) return;
+    if (!r || random_below(random, 2)) return;
     size_t size = iso_type_size(r->type);
     char *voxels = r->data;
     for (int z = 0; z < r->dims[2]; z++)
         for (int y = 0; y < r->dims[1]; y++)
             for (int x = 0; x < r->dims[0]; x++)
-                if (below(random, 4000))
+                if (random_below(random, 4000))
                     memmove(voxels + (x + y * r->stride_y + z * r->stride_z) * (ptrdiff_t)size, voxels, size);
 }
 
@@ -274,9 +272,9 @@ static iso_vec3 random_position(const iso_grid *grid, uint64_t *random) {
     const int *dims = iso_grid_dims(grid);
     double p[3];
     for (int axis = 0; axis < 3; axis++) {
-        p[axis] = uniform(random) * (dims[axis] + 3) - 2;
-        if (below(random, 4) == 0) p[axis] = floor(p[axis]);
-        if (below(random, 40) == 0) p[axis] = below(random, 2) ? 1e300 : -INFINITY;
+        p[axis] = fraction(random) * (dims[axis] + 3) - 2;
+        if (random_below(random, 4) == 0) p[axis] = floor(p[axis]);
+        if (random_below(random, 40) == 0) p[axis] = random_below(random, 2) ? 1e300 : -INFINITY;
     }
     return iso_vec3_make(p[0], p[1], p[2]);
 }
@@ -312,8 +310,9 @@ static void samples_at_voxels_are_their_values(void **state) {
         iso_grid grid = random_grid(round % KINDS, &random);
         const int *dims = iso_grid_dims(&grid);
         for (int i = 0; i < 50; i++) {
-            int x = (int)below(&random, (uint32_t)dims[0]), y = (int)below(&random, (uint32_t)dims[1]);
-            int z = (int)below(&random, (uint32_t)dims[2]);
+            int x = (int)random_below(&random, (uint32_t)dims[0]),
+                y = (int)random_below(&random, (uint32_t)dims[1]);
+            int z = (int)random_below(&random, (uint32_t)dims[2]);
             double got = iso_grid_sample(&grid, iso_vec3_make(x, y, z));
             if (!isnan(got)) assert_true(got == (double)model_at(&grid, x, y, z));
         }
@@ -342,7 +341,7 @@ static void gradients_are_central_differences(void **state) {
         const int *dims = iso_grid_dims(&grid);
         for (int i = 0; i < 60; i++) {
             int v[3];
-            for (int axis = 0; axis < 3; axis++) v[axis] = (int)below(&random, (uint32_t)dims[axis]);
+            for (int axis = 0; axis < 3; axis++) v[axis] = (int)random_below(&random, (uint32_t)dims[axis]);
             iso_vec3 g = iso_grid_voxel_gradient(&grid, v[0], v[1], v[2]);
             assert_true(g.x == model_difference(&grid, v, 0));
             assert_true(g.y == model_difference(&grid, v, 1));
@@ -490,8 +489,8 @@ static void crops_show_the_same_voxels(void **state) {
         const int *dims = iso_grid_dims(&whole);
         int lo[3], hi[3], side[3];
         for (int axis = 0; axis < 3; axis++) {
-            lo[axis] = (int)below(&random, (uint32_t)dims[axis]);
-            hi[axis] = lo[axis] + (int)below(&random, (uint32_t)(dims[axis] - lo[axis]));
+            lo[axis] = (int)random_below(&random, (uint32_t)dims[axis]);
+            hi[axis] = lo[axis] + (int)random_below(&random, (uint32_t)(dims[axis] - lo[axis]));
             side[axis] = hi[axis] - lo[axis] + 1;
         }
         iso_transform transform = oblique();
@@ -627,9 +626,10 @@ static void split_and_write(iso_hgrid *grid, dense *m, const int c[3], uint64_t 
     assert_int_equal((uintptr_t)brick % 64, 0);
     if (existed) assert_ptr_equal(brick, m->brick[cell]);
     m->brick[cell] = brick;
-    for (int i = (int)below(random, 3); i > 0; i--) {
-        int x = (int)below(random, 16), y = (int)below(random, 16), z = (int)below(random, 16);
-        float value = below(random, 4) ? (float)uniform(random) : 4;
+    for (int i = (int)random_below(random, 3); i > 0; i--) {
+        int x = (int)random_below(random, 16), y = (int)random_below(random, 16),
+            z = (int)random_below(random, 16);
+        float value = random_below(random, 4) ? (float)fraction(random) : 4;
         brick[(z * 16 + y) * 16 + x] = value;
         if (c[0] * 16 + x < SIDE && c[1] * 16 + y < SIDE && c[2] * 16 + z < SIDE)
             m->voxel[c[2] * 16 + z][c[1] * 16 + y][c[0] * 16 + x] = value;
@@ -674,11 +674,11 @@ static void cells_split_and_coalesce(void **state) {
     size_t most = 0;
     for (int round = 0; round < 8000; round++) {
         int c[3];
-        for (int axis = 0; axis < 3; axis++) c[axis] = (int)below(&random, IN_CELLS);
-        if (below(&random, 4)) {
+        for (int axis = 0; axis < 3; axis++) c[axis] = (int)random_below(&random, IN_CELLS);
+        if (random_below(&random, 4)) {
             split_and_write(grid, &m, c, &random);
         } else {
-            int inside = (int)below(&random, 2);
+            int inside = (int)random_below(&random, 2);
             iso_hgrid_coalesce(grid, c[0], c[1], c[2], inside ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE);
             model_fill(&m, c, inside ? -4 : 4);
             m.brick[iso_hgrid_cell_index(grid, c[0], c[1], c[2])] = NULL;

@@ -14,22 +14,18 @@
 #include <png.h>
 
 #include "base/memory.h"
+#include "check_support.h"
 #include "file_support.h"
 #include "image/image.h"
 
 static const char *const PATH = ISO_TEST_TMP "/image.png";
-
-static uint32_t next(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return *state >> 8;
-}
 
 static iso_image random_image(int width, int height, int opaque) {
     iso_image image;
     uint32_t seed = (uint32_t)(width * 31 + height);
     assert_int_equal(iso_image_create(width, height, &image, NULL), ISO_OK);
     for (size_t i = 0; i < (size_t)width * (size_t)height * 4; i++)
-        image.rgba[i] = opaque && i % 4 == 3 ? 255 : (uint8_t)next(&seed);
+        image.rgba[i] = opaque && i % 4 == 3 ? 255 : (uint8_t)random_bits(&seed);
     return image;
 }
 
@@ -239,7 +235,7 @@ static void every_kind_is_read(void **state) {
     enum { WIDTH = 21, HEIGHT = 13, STRIDE = WIDTH * 4 };
     uint8_t rows[STRIDE * HEIGHT];
     uint32_t seed = 5;
-    for (size_t i = 0; i < sizeof rows; i++) rows[i] = (uint8_t)next(&seed);
+    for (size_t i = 0; i < sizeof rows; i++) rows[i] = (uint8_t)random_bits(&seed);
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
         write_kind(&kinds[k], WIDTH, HEIGHT, rows, STRIDE);
         iso_image image = {0};

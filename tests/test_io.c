@@ -17,17 +17,13 @@
 
 #include <cmocka.h>
 
+#include "check_support.h"
 #include "extract/mesh.h"
 #include "extract/points.h"
 #include "io/mesh_io.h"
 #include "io/points_io.h"
 
 #define FILE_PLY ISO_TEST_TMP "/test_io.ply"
-
-static double uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (double)(*state >> 8) / (1 << 24);
-}
 
 static void ok(iso_status status, const iso_error *error) {
     if (status != ISO_OK) fail_msg("%s", error->text);

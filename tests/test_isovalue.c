@@ -12,15 +12,11 @@
 #include <cmocka.h>
 
 #include "base/cpu.h"
+#include "check_support.h"
 #include "extract/isovalue.h"
 #include "extract_support.h"
 
 static const iso_type all_types[] = {ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32};
-
-static void near(double got, double wanted, double tolerance) {
-    if (!(fabs(got - wanted) <= tolerance))
-        fail_msg("got %.17g, wanted %.17g within %g", got, wanted, tolerance);
-}
 
 static iso_histogram histogram_of(const iso_grid *grid, iso_pool *pool) {
     iso_histogram histogram;

@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "check_support.h"
 #include "extract/isovalue.h"
 #include "extract_support.h"
 #include "image/image.h"
@@ -30,11 +31,6 @@ static iso_grid ball(double voxel) {
         transform->origin[axis] = -middle * voxel;
     }
     return grid;
-}
-
-static void near(double got, double wanted, double tolerance) {
-    if (!(fabs(got - wanted) <= tolerance))
-        fail_msg("got %.9g, wanted %.9g within %g", got, wanted, tolerance);
 }
 
 static double world_radius(const iso_grid *grid, const int32_t brick[3], const float position[3]) {

@@ -78,8 +78,8 @@ static void make_block(const iso_mesh_runner *runner, int number, bench_of_tests
         output.keys[k] = bench->made[k].keys;
         output.triangles[k] = bench->made[k].triangles;
     }
-    runner->kernel.list(&runner->source, &bench->words, number, block);
-    iso_mesh_kernel_fill(&runner->kernel, &runner->source, block, &output);
+    runner->kernel->list(&runner->source, &bench->words, number, block);
+    iso_mesh_kernel_fill(runner->kernel, runner->edges, &runner->source, block, &output);
     for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
         bench->made[k].own_count = block->own[k];
         bench->made[k].vertex_count = block->own[k] + block->far[k];
@@ -115,8 +115,9 @@ static size_t check_grid(const iso_grid *grid, double isovalue, iso_cpu_level le
     const iso_threshold surface = iso_threshold_of(grid, isovalue);
     iso_mesh_runner runner;
     iso_mesh_runner_init(&runner, grid, &surface);
-    runner.kernel = iso_mesh_kernel_get(grid->rgrid->type, level);
-    runner.window_kernel = iso_mesh_kernel_get(ISO_FLOAT32, level);
+    runner.kernel = iso_mesh_kernel_get(level);
+    runner.edges = iso_edge_kernel_get(grid->rgrid->type, level);
+    runner.window_edges = iso_edge_kernel_get(ISO_FLOAT32, level);
     assert_true(iso_mesh_run_scratch_bytes() <= sizeof bench->window_scratch);
     size_t triangles = 0;
     const int *dims = grid->rgrid->dims;
@@ -125,7 +126,7 @@ static size_t check_grid(const iso_grid *grid, double isovalue, iso_cpu_level le
             const int origin[3] = {0, y, z};
             bench->words.blocks = (dims[0] + ISO_EDGE_BLOCK_X - 1) / ISO_EDGE_BLOCK_X;
             for (int b = 0; b < bench->words.blocks; b++) bench->words.wanted[b] = ISO_EDGE_WHOLE;
-            runner.kernel.edges->classify(&runner.source, origin, &bench->words);
+            runner.edges->classify(&runner.source, origin, &bench->words);
             for (int b = 0; b < bench->words.blocks; b++) {
                 memcpy(bench->block.origin, (int[3]){b * ISO_EDGE_BLOCK_X, y, z}, sizeof(int[3]));
                 bench->block.bricks = wanted;

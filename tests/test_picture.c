@@ -8,18 +8,9 @@
 #include <cmocka.h>
 
 #include "base/primitives.h"
+#include "check_support.h"
 #include "render/draw.h"
 #include "render/picture.h"
-
-static double uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (double)(*state >> 8) / (1 << 24);
-}
-
-static void near(double got, double wanted, double tolerance) {
-    if (!(fabs(got - wanted) <= tolerance))
-        fail_msg("got %.17g, wanted %.17g within %g", got, wanted, tolerance);
-}
 
 static const iso_rgb COLORS[] = {{200, 120, 40}, {40, 160, 220}};
 

@@ -13,6 +13,7 @@
 
 #include "base/cpu.h"
 #include "base/point_bounds.h"
+#include "check_support.h"
 #include "extract/points.h"
 #include "extract_support.h"
 #include "grids/spans.h"
@@ -25,11 +26,6 @@ static iso_point_set *make_set(const iso_grid *grid, const iso_points_opts *opts
     if (iso_point_set_create(grid, opts, &set, &error) != ISO_OK) fail_msg("%s", error.text);
     if (iso_point_set_update(set, &error) != ISO_OK) fail_msg("%s", error.text);
     return set;
-}
-
-static void near(double got, double wanted, double tolerance) {
-    if (!(fabs(got - wanted) <= tolerance))
-        fail_msg("got %.17g, wanted %.17g within %g", got, wanted, tolerance);
 }
 
 /* ---- edge points against a reference */

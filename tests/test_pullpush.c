@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "base/cpu.h"
+#include "check_support.h"
 #include "extract/points.h"
 #include "extract_support.h"
 #include "grids/scenes.h"
@@ -23,11 +24,6 @@
 #include "truth/raycast.h"
 #include "truth_support.h"
 #include "view_support.h"
-
-static double uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (double)(*state >> 8) / (1 << 24);
-}
 
 /* ---- points to draw */
 

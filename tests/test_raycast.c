@@ -11,13 +11,10 @@
 
 #include <cmocka.h>
 
+#include "check_support.h"
 #include "extract/mesh.h"
 #include "truth/raycast.h"
 #include "view_support.h"
-static double uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (double)(*state >> 8) / (1 << 24);
-}
 
 static void ok(iso_status status, const iso_error *error) {
     if (status != ISO_OK) fail_msg("%s", error->text);
@@ -563,7 +560,7 @@ static void an_hgrid_looks_like_its_dense_twin(void **state) {
     for (int kind = 0; kind < TEST_TRANSFORMS; kind++) {
         iso_transform transform = test_transform(kind);
         iso_grid sparse = make_hgrid(&transform);
-        size_t cells = (size_t)(sparse.hgrid->cells[0] * sparse.hgrid->cells[1] * sparse.hgrid->cells[2]);
+        size_t cells = iso_hgrid_cell_count(sparse.hgrid);
         assert_true(iso_hgrid_brick_count(sparse.hgrid) < cells);
         iso_grid dense = make_rgrid(70, 45, 61, ISO_FLOAT32, &transform);
         dense.rgrid->level_set = 1;

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "base/parallel.h"
+#include "check_support.h"
 #include "grids/scenes.h"
 
 static iso_grid make(const char *name, const iso_scene_opts *opts) {
@@ -19,11 +20,6 @@ static iso_grid make(const char *name, const iso_scene_opts *opts) {
     iso_error error = {0};
     if (iso_scene_create(name, opts, &grid, NULL, &error) != ISO_OK) fail_msg("%s", error.text);
     return grid;
-}
-
-static uint32_t below(uint64_t *state, uint32_t limit) {
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)((*state >> 33) % limit);
 }
 
 /* ---- exact distances */
@@ -236,9 +232,9 @@ static void head_distances_are_distances(void **state) {
     int count = 0;
     while (count < 40) {
         int v[3];
-        for (int axis = 0; axis < 3; axis++) v[axis] = (int)below(&random, (uint32_t)size);
+        for (int axis = 0; axis < 3; axis++) v[axis] = (int)random_below(&random, (uint32_t)size);
         double d = fabs((double)iso_grid_at(&grid, v[0], v[1], v[2]));
-        if (d > 2.9 && below(&random, 20000)) continue;
+        if (d > 2.9 && random_below(&random, 20000)) continue;
         double wanted = fmin(brute_distance(size, v), 3);
         sum += fabs(d - wanted);
         worst = fmax(worst, fabs(d - wanted));
@@ -371,7 +367,7 @@ static uint64_t hash_grid(const iso_grid *grid) {
         return fold(hash, grid->rgrid->data, voxels * iso_type_size(grid->rgrid->type));
     }
     const iso_hgrid *h = grid->hgrid;
-    size_t cells = (size_t)h->cells[0] * (size_t)h->cells[1] * (size_t)h->cells[2];
+    size_t cells = iso_hgrid_cell_count(h);
     hash = fold(hash, h->cell, cells * sizeof *h->cell);
     for (size_t i = 0; i < cells; i++)
         if (h->cell[i] >= 0)

@@ -230,12 +230,12 @@ static void ends_make_no_wrong_foot_points(void **state) {
 }
 
 static iso_brush random_brush(uint32_t *seed) {
-    iso_brush brush = {.tool = (iso_tool)(sculpt_uniform(seed) * (ISO_TOOL_MOVE)),
-                       .shape = (iso_solid)(sculpt_uniform(seed) * ISO_SOLID_STAMP),
-                       .falloff = (iso_falloff)(sculpt_uniform(seed) * ISO_FALLOFF_COUNT),
-                       .radius = 2 + 16 * sculpt_uniform(seed),
-                       .strength = sculpt_uniform(seed),
-                       .symmetry = sculpt_uniform(seed) < 0.3 ? (unsigned)(sculpt_uniform(seed) * 8) : 0,
+    iso_brush brush = {.tool = (iso_tool)(uniform(seed) * (ISO_TOOL_MOVE)),
+                       .shape = (iso_solid)(uniform(seed) * ISO_SOLID_STAMP),
+                       .falloff = (iso_falloff)(uniform(seed) * ISO_FALLOFF_COUNT),
+                       .radius = 2 + 16 * uniform(seed),
+                       .strength = uniform(seed),
+                       .symmetry = uniform(seed) < 0.3 ? (unsigned)(uniform(seed) * 8) : 0,
                        .mirror = {31.5, 31.5, 31.5}};
     return brush;
 }
@@ -244,10 +244,10 @@ static iso_touch random_touch(uint32_t *seed) {
     iso_sample sample = {.pressure = 1};
     double *p[6] = {&sample.position.x, &sample.position.y, &sample.position.z,
                     &sample.normal.x,   &sample.normal.y,   &sample.normal.z};
-    for (int i = 0; i < 6; i++) *p[i] = i < 3 ? 80 * sculpt_uniform(seed) - 8 : sculpt_uniform(seed) - 0.5;
+    for (int i = 0; i < 6; i++) *p[i] = i < 3 ? 80 * uniform(seed) - 8 : uniform(seed) - 0.5;
     sample.normal = iso_vec3_unit(sample.normal);
     iso_touch touch = {sample, sample, sample};
-    touch.previous.position.x += 6 * sculpt_uniform(seed);
+    touch.previous.position.x += 6 * uniform(seed);
     return touch;
 }
 
@@ -309,11 +309,10 @@ static void signs_are_those_of_a_bit_model(void **state) {
     iso_editor *editor = make_editor(grid, NULL);
     uint32_t seed = 11;
     for (int step = 0; step < 300; step++) {
-        bool carve = sculpt_uniform(&seed) < 0.5;
-        iso_brush brush = {.tool = carve ? ISO_TOOL_CARVE : ISO_TOOL_ADD,
-                           .radius = 2 + 14 * sculpt_uniform(&seed)};
+        bool carve = uniform(&seed) < 0.5;
+        iso_brush brush = {.tool = carve ? ISO_TOOL_CARVE : ISO_TOOL_ADD, .radius = 2 + 14 * uniform(&seed)};
         double c[3];
-        for (int axis = 0; axis < 3; axis++) c[axis] = 90 * sculpt_uniform(&seed) - 13;
+        for (int axis = 0; axis < 3; axis++) c[axis] = 90 * uniform(&seed) - 13;
         sculpt_touch(editor, &brush, iso_vec3_make(c[0], c[1], c[2]), iso_vec3_make(0, 0, 1));
         for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
             double x = i % SIDE - c[0], y = i / SIDE % SIDE - c[1], z = i / SIDE / SIDE - c[2];

@@ -304,11 +304,9 @@ static void far_drags_keep_a_band(void **state) {
     uint32_t seed = 7;
     for (int i = 0; i < 60; i++) {
         const iso_brush brush = {
-            .tool = ISO_TOOL_MOVE, .radius = 2 + 6 * sculpt_uniform(&seed), .symmetry = i % 2 ? 5 : 0};
-        iso_vec3 from = {sculpt_uniform(&seed) - 0.5, sculpt_uniform(&seed) - 0.5,
-                         sculpt_uniform(&seed) - 0.5},
-                 to = {100 * sculpt_uniform(&seed) - 50, 100 * sculpt_uniform(&seed) - 50,
-                       100 * sculpt_uniform(&seed) - 50};
+            .tool = ISO_TOOL_MOVE, .radius = 2 + 6 * uniform(&seed), .symmetry = i % 2 ? 5 : 0};
+        iso_vec3 from = {uniform(&seed) - 0.5, uniform(&seed) - 0.5, uniform(&seed) - 0.5},
+                 to = {100 * uniform(&seed) - 50, 100 * uniform(&seed) - 50, 100 * uniform(&seed) - 50};
         from = iso_vec3_scale(iso_vec3_unit(from), BALL.radius);
         draw(session, &brush, from, to);
         const sculpt_quality quality = sculpt_measure(iso_session_grid(session), 0);

@@ -72,17 +72,16 @@ static void assert_as_new(const isosculpt_view *view, iso_session *session, iso_
 }
 
 static iso_sample on_ball(uint32_t *seed) {
-    iso_vec3 out =
-        iso_vec3_make(sculpt_uniform(seed) - 0.5, sculpt_uniform(seed) - 0.7, sculpt_uniform(seed) - 0.5);
+    iso_vec3 out = iso_vec3_make(uniform(seed) - 0.5, uniform(seed) - 0.7, uniform(seed) - 0.5);
     out = iso_vec3_unit(out);
     return (iso_sample){.position = iso_vec3_scale(out, START.radius), .normal = out, .pressure = 1};
 }
 
 static size_t stroke(iso_session *session, isosculpt_view *view, uint32_t *seed) {
-    iso_brush brush = {.tool = (iso_tool)(sculpt_uniform(seed) * (ISO_TOOL_MOVE + 1)),
-                       .radius = 1 + 3 * sculpt_uniform(seed),
+    iso_brush brush = {.tool = (iso_tool)(uniform(seed) * (ISO_TOOL_MOVE + 1)),
+                       .radius = 1 + 3 * uniform(seed),
                        .strength = 0.5,
-                       .symmetry = sculpt_uniform(seed) < 0.3 ? 1 : 0};
+                       .symmetry = uniform(seed) < 0.3 ? 1 : 0};
     iso_sample sample = on_ball(seed);
     size_t drawn = 0;
     assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);

@@ -57,8 +57,7 @@ static iso_rgrid *make_volume(iso_type type, const int dims[3]) {
         for (int y = 0; y < dims[1]; y++)
             for (int x = 0; x < dims[0]; x++) {
                 const double u = x - 0.5 * dims[0], v = y - 0.5 * dims[1], w = z - 0.5 * dims[2];
-                put(grid, x, y, z,
-                    fmax(240 - 8 * sqrt(u * u + v * v + w * w) + 9 * sculpt_uniform(&seed), 0));
+                put(grid, x, y, z, fmax(240 - 8 * sqrt(u * u + v * v + w * w) + 9 * uniform(&seed), 0));
             }
     return grid;
 }

@@ -275,7 +275,7 @@ static void numbers_come_back_exactly(void **state) {
     for (int i = 0; i < EVENTS; i++) {
         put[i].kind = i % 2 ? ISO_EVENT_SAMPLE : ISO_EVENT_BEGIN;
         put[i].sample = session_random_sample(&seed);
-        put[i].sample.position.x *= pow(10, (int)(sculpt_uniform(&seed) * 34) - 30); /* (limits.h) */
+        put[i].sample.position.x *= pow(10, (int)(uniform(&seed) * 34) - 30); /* (limits.h) */
         if (put[i].kind == ISO_EVENT_BEGIN) put[i].brush = session_random_brush(&seed, ISO_TOOL_COUNT);
         assert_int_equal(iso_journal_put(j, &put[i], NULL), ISO_OK);
     }
@@ -549,7 +549,7 @@ static void killed_sessions_survive(void **state) {
             play_until_killed(journal, (uint32_t)round + 50, said[1]);
         }
         close(said[1]);
-        double wait = 1.2 + 0.8 * sculpt_uniform(&seed);
+        double wait = 1.2 + 0.8 * uniform(&seed);
         usleep((useconds_t)(wait * 1e6));
         double killed = seconds_now(), at;
         kill(child, SIGKILL);

@@ -10,18 +10,10 @@
 #include <cmocka.h>
 
 #include "base/cpu.h"
+#include "check_support.h"
 #include "render/shading.h"
 
 static const iso_rgb COLORS[] = {{200, 120, 40}, {40, 160, 220}, {0, 255, 7}};
-
-static uint32_t next(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return *state >> 8;
-}
-
-static float uniform(uint32_t *state) {
-    return (float)next(state) / (1 << 24);
-}
 
 /* A strip of random samples: runs of surfaces and of nothing. */
 typedef struct subject {
@@ -34,10 +26,10 @@ typedef struct subject {
 
 static void random_sample(subject *s, size_t i, uint8_t surface, uint32_t *seed) {
     s->gbuffer.surface[i] = surface;
-    float n[3] = {uniform(seed) - 0.5f, uniform(seed) - 0.5f, uniform(seed) - 0.5f};
+    float n[3] = {(float)uniform(seed) - 0.5f, (float)uniform(seed) - 0.5f, (float)uniform(seed) - 0.5f};
     float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     /* what lies where nothing was drawn must not matter */
-    s->gbuffer.depth[i] = surface == ISO_SURFACE_NONE ? NAN : 5 + 100 * uniform(seed);
+    s->gbuffer.depth[i] = surface == ISO_SURFACE_NONE ? NAN : 5 + 100 * (float)uniform(seed);
     for (int axis = 0; axis < 3; axis++)
         s->gbuffer.normal[axis][i] = surface == ISO_SURFACE_NONE ? NAN : n[axis] / length;
 }
@@ -60,7 +52,8 @@ static void make_subject(subject *s, int width, int rows, int factor, uint32_t s
     uint8_t surface = 0;
     size_t count = (size_t)s->view.width * (size_t)s->view.height;
     for (size_t i = 0; i < count; i++) {
-        if (next(&seed) % 16 == 0) surface = next(&seed) % 2 ? ISO_SURFACE_NONE : (uint8_t)(next(&seed) % 5);
+        if (random_bits(&seed) % 16 == 0)
+            surface = random_bits(&seed) % 2 ? ISO_SURFACE_NONE : (uint8_t)(random_bits(&seed) % 5);
         random_sample(s, i, surface, &seed);
     }
 }
@@ -183,10 +176,12 @@ static void length_of_the_eye_direction_does_not_matter(void **state) {
     (void)state;
     uint32_t seed = 3;
     for (int round = 0; round < 2000; round++) {
-        float n[3] = {uniform(&seed) - 0.5f, uniform(&seed) - 0.5f, -0.5f}, unit[3], eye[3], a[3], b[3];
-        float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), stretch = 1 + 3 * uniform(&seed);
+        float n[3] = {(float)uniform(&seed) - 0.5f, (float)uniform(&seed) - 0.5f, -0.5f}, unit[3], eye[3],
+              a[3], b[3];
+        float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]),
+              stretch = 1 + 3 * (float)uniform(&seed);
         for (int axis = 0; axis < 3; axis++) n[axis] /= length;
-        float direction[3] = {uniform(&seed) - 0.5f, uniform(&seed) - 0.5f, -1};
+        float direction[3] = {(float)uniform(&seed) - 0.5f, (float)uniform(&seed) - 0.5f, -1};
         length = sqrtf(direction[0] * direction[0] + direction[1] * direction[1] + 1);
         for (int axis = 0; axis < 3; axis++) unit[axis] = direction[axis] / length;
         for (int axis = 0; axis < 3; axis++) eye[axis] = direction[axis] * stretch;

@@ -38,17 +38,8 @@ static int same_bits(float a, float b) {
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
-#define ISO_LEVEL generic
-#include "test_simd_body.inc"
-#undef ISO_LEVEL
-#if ISO_HAVE_X86
-#define ISO_LEVEL avx2
-#include "test_simd_body.inc"
-#undef ISO_LEVEL
-#define ISO_LEVEL avx512
-#include "test_simd_body.inc"
-#undef ISO_LEVEL
-#endif
+#define ISO_KERNEL_BODY "tests/test_simd_body.inc"
+#include "base/kernel_levels.inc"
 
 static uint32_t next(uint32_t *seed) {
     return *seed = *seed * 1664525u + 1013904223u;

@@ -96,7 +96,7 @@ static void stamps_are_text_and_back(void **state) {
     uint32_t seed = 1;
     const size_t length = strlen(text);
     for (int i = 0; i < 150; i++) {
-        const size_t at = i < 100 ? (size_t)i : (size_t)(sculpt_uniform(&seed) * (double)length);
+        const size_t at = i < 100 ? (size_t)i : (size_t)(uniform(&seed) * (double)length);
         const char before = text[at];
         text[at] = before == 'A' ? 'Q' : 'A';
         iso_status status = iso_stamp_parse("ball.stl", text, &again, NULL);
@@ -105,7 +105,7 @@ static void stamps_are_text_and_back(void **state) {
         text[at] = before;
     }
     for (int i = 0; i < 20; i++) {
-        const size_t at = (size_t)(sculpt_uniform(&seed) * (double)length);
+        const size_t at = (size_t)(uniform(&seed) * (double)length);
         const char before = text[at];
         text[at] = i % 2 ? '*' : 0;
         assert_int_equal(iso_stamp_parse("ball.stl", text, &again, NULL), ISO_ERR_FORMAT);

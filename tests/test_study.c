@@ -7,14 +7,10 @@
 
 #include <cmocka.h>
 
+#include "check_support.h"
 #include "compare/study.h"
 #include "grids/scenes.h"
 #include "methods/method.h"
-
-static void near(double got, double wanted, double tolerance) {
-    if (!(fabs(got - wanted) <= tolerance))
-        fail_msg("got %.17g, wanted %.17g within %g", got, wanted, tolerance);
-}
 
 /* ---- views ---- */
 

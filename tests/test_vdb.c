@@ -256,7 +256,7 @@ static void level_set_threads(void **state) {
     iso_volume_opts opts = {.pool = pool};
     iso_volume four = test_read_volume(FILE_PATH, &opts);
     const iso_hgrid *g = one.grid.hgrid, *h = four.grid.hgrid;
-    size_t cells = (size_t)g->cells[0] * (size_t)g->cells[1] * (size_t)g->cells[2];
+    size_t cells = iso_hgrid_cell_count(g);
     assert_memory_equal(g->cell, h->cell, cells * sizeof *g->cell);
     for (size_t c = 0; c < cells; c++)
         if (g->cell[c] >= 0)

@@ -1,19 +1,10 @@
 #include "base/primitives.h"
 
-#include <math.h>
+#include "base/point_code.h"
 
-/* Octahedral normals: Meyer et al. 2010, "On floating-point normal vectors". */
-
-enum { NORMAL_STEPS = ISO_POINT_NORMAL_STEPS };
-
-/* Nearest step; kernels do the same arithmetic. */
-static uint64_t quantise(float value, float scale, float offset, float limit) {
-    float steps = floorf(value * scale + offset);
-    return (uint64_t)(steps < 0 ? 0 : steps > limit ? limit : steps);
-}
-
-static float sign_of(float value) {
-    return value < 0 ? -1.0f : 1.0f;
+/* Cuts off, between 0 and `most`. */
+static uint32_t cut_off(float steps, int most) {
+    return (uint32_t)(steps < 0 ? 0 : steps > (float)most ? (float)most : steps);
 }
 
 iso_point iso_point_pack(const iso_surfel *surfel) {
@@ -25,35 +16,26 @@ iso_point iso_point_pack(const iso_surfel *surfel) {
 }
 
 iso_point iso_point_pack_scaled(const iso_surfel *surfel) {
-    uint64_t bits = 0;
-    for (int axis = 0; axis < 3; axis++) /* 16384 / 20 steps a voxel, from -2 */
-        bits |= quantise(surfel->position[axis], 819.2f, 1638.9f, 16383) << (14 * axis);
     const float *n = surfel->normal;
-    float u = n[0], v = n[1];
-    if (n[2] < 0) {
-        float folded = copysignf(1 - fabsf(v), u);
-        v = copysignf(1 - fabsf(u), v);
-        u = folded;
-    }
-    bits |= quantise(u, NORMAL_STEPS / 2.0f, NORMAL_STEPS / 2.0f + 0.5f, NORMAL_STEPS) << 42;
-    bits |= quantise(v, NORMAL_STEPS / 2.0f, NORMAL_STEPS / 2.0f + 0.5f, NORMAL_STEPS) << 53;
-    return (iso_point){bits};
+    uint32_t steps[3], normal_steps[2];
+    float part[2];
+    for (int axis = 0; axis < 3; axis++)
+        steps[axis] =
+            cut_off(iso_point_scale_coordinate(surfel->position[axis]), ISO_POINT_COORDINATE_STEPS - 1);
+    iso_point_fold_normal(n[0], n[1], n[2], part);
+    for (int k = 0; k < 2; k++)
+        normal_steps[k] = cut_off(iso_point_scale_normal(part[k]), ISO_POINT_NORMAL_STEPS);
+    return iso_point_join(steps[0], steps[1], steps[2], normal_steps[0], normal_steps[1]);
 }
 
 iso_surfel iso_point_unpack(iso_point point) {
     iso_surfel surfel;
+    float n[3];
     for (int axis = 0; axis < 3; axis++)
-        surfel.position[axis] = ISO_POINT_LOW + ISO_POINT_STEP * (float)(point.bits >> (14 * axis) & 16383);
-    float u = (float)(point.bits >> 42 & 2047) * (2.0f / NORMAL_STEPS) - 1;
-    float v = (float)(point.bits >> 53) * (2.0f / NORMAL_STEPS) - 1;
-    float w = 1 - fabsf(u) - fabsf(v);
-    float fold = w < 0 ? -w : 0;
-    u -= fold * sign_of(u);
-    v -= fold * sign_of(v);
-    float length = sqrtf(u * u + v * v + w * w);
-    surfel.normal[0] = u / length;
-    surfel.normal[1] = v / length;
-    surfel.normal[2] = w / length;
+        surfel.position[axis] = iso_point_coordinate((float)iso_point_steps(point, axis));
+    iso_point_unfold_normal(iso_point_normal_bits(point), n);
+    const float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int axis = 0; axis < 3; axis++) surfel.normal[axis] = n[axis] / length;
     return surfel;
 }
 

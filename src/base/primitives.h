@@ -12,12 +12,13 @@
 #include <stdint.h>
 
 #include "base/geometry.h"
+#include "base/point_numbers.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-enum { ISO_BRICK = 16, ISO_BRICK_VOXELS = ISO_BRICK * ISO_BRICK * ISO_BRICK };
+enum { ISO_BRICK_VOXELS = ISO_BRICK * ISO_BRICK * ISO_BRICK };
 
 /* A point in floats: a point of a set that asked for floats, or a vertex of a mesh. 24 bytes. */
 typedef struct iso_surfel {
@@ -27,7 +28,7 @@ typedef struct iso_surfel {
 
 /* A point in 8 bytes: bits 0..41 hold x, y, z as 14-bit steps of 20/16384 voxel from -2 (positions in [-2,
  * 18)), bits 42..63 an octahedral normal, 11 bits each. Position error <= 0.00062 voxel an axis, normal <=
- * 0.13 degrees. */
+ * 0.13 degrees. The numbers are base/point_numbers.h's; base/point_code.h packs and unpacks. */
 typedef struct iso_point {
     uint64_t bits;
 } iso_point;
@@ -37,13 +38,6 @@ iso_point iso_point_pack(const iso_surfel *surfel);
 /* The same when the normal is already scaled to |x| + |y| + |z| = 1. */
 iso_point iso_point_pack_scaled(const iso_surfel *surfel);
 iso_surfel iso_point_unpack(iso_point point);
-
-/* The steps of a packed point, for kernels that unpack many. A coordinate is ISO_POINT_LOW + ISO_POINT_STEP *
- * bits; a normal's two numbers -1 .. 1 are bits * (2 / ISO_POINT_NORMAL_STEPS) - 1, unfolded as
- * iso_point_unpack does. */
-#define ISO_POINT_LOW (-2.0f)
-#define ISO_POINT_STEP (20.0f / 16384)
-enum { ISO_POINT_COORDINATE_BITS = 14, ISO_POINT_NORMAL_BITS = 11, ISO_POINT_NORMAL_STEPS = 2047 };
 
 /* How a surface bends at a point, in 8 bytes: its shape operator S (second fundamental form) in index space,
  * symmetric, in the frame (u, v) that iso_shape_frame makes of the point's normal as iso_point_view_get gives
@@ -58,23 +52,12 @@ typedef struct iso_shape {
 /* How the surface around an edge point lies against the point's normal, which comes from gradients over two
  * voxels: its own is along normal + tilt[0] u + tilt[1] v. From the low bits of uu on, then uv's and vv's,
  * two numbers k of 7 bits in two's complement, -63 .. 63: tilt = k |k| ISO_SHAPE_TILT_MOST / 63^2. */
-enum { ISO_SHAPE_TILT_BITS = 7, ISO_SHAPE_TILT_STEPS = 63, ISO_SHAPE_LOW_BITS = 5 };
-#define ISO_SHAPE_TILT_MOST 0.8f
 
 /* How far the surface goes on from an edge point, in the faces of the cells around its edge, until it comes
  * to another edge of the face: from bit 0 on, voxels 0..1 down and up along the first of the axes at right
  * angles to the edge, and along the second, in steps of 1 / 7, rounded up; from bit 12 on, 1 + the edge's
  * axis; from bit 14 on, how many quarters of its size a disc with this shape must do without if it is not to
  * be too far outside the surface. */
-enum {
-    ISO_SHAPE_END_BITS = 3,
-    ISO_SHAPE_END_STEPS = 7,
-    ISO_SHAPE_AXIS_BIT = 12,
-    ISO_SHAPE_AXIS_MASK = 3,
-    ISO_SHAPE_LOST_BIT = 14
-};
-
-#define ISO_SHAPE_STEP (1.0f / 8000)
 #define ISO_SHAPE_MOST 4.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */
 
 /* Two unit vectors at right angles to a unit normal and to each other, u x v = normal (Duff et al. 2017,

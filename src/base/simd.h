@@ -1,12 +1,16 @@
 /* simd: vectors of floats and 32-bit integers as wide as each instruction set has them, so that a kernel body
  * is written once and included once per level.
  *
- * A kernel file sets ISO_LEVEL to generic, avx2 and avx512 in turn and includes its body each time; in the
- * body vf, vi and vm are vectors of ISO_LANES floats, integers and truth values, ISO_TARGET marks its
- * functions and ISO_V(name) names them. Arithmetic on vf and vi is written with operators, all else with the
- * v_ functions below. Every operation is exact or correctly rounded, so each lane holds the same bits at
- * every level; what a body does across lanes must not depend on how many there are. Internal: kernel files
- * only. */
+ * A kernel file names its body and includes base/kernel_levels.inc, which includes the body with ISO_LEVEL
+ * set to generic, avx2 and avx512 in turn. In the body vf, vi and vm are vectors of ISO_LANES floats,
+ * integers and truth values, ISO_TARGET marks its functions and ISO_V(name) names them. Arithmetic on vf and
+ * vi is written with operators, all else with the v_ functions below. Every operation is exact or correctly
+ * rounded, so each lane holds the same bits at every level; what a body does across lanes must not depend on
+ * how many there are. What a level does by instructions of its own is a function NAME_level before the body,
+ * which calls it as ISO_V(NAME).
+ *
+ * The choice between the levels is ISO_KERNEL, in one function of the family, iso_X_kernel_get(level): never
+ * NULL. Internal: kernel files only. */
 #ifndef ISO_BASE_SIMD_H
 #define ISO_BASE_SIMD_H
 
@@ -27,13 +31,22 @@
 #define ISO_LANES ISO_V(ISO_LANES)
 /* A function of a body that callers inline. */
 #define ISO_INLINE ISO_TARGET static inline __attribute__((always_inline))
+/* A function that stays an opaque call. gcc 12 deletes or reorders stores of large steps when it analyses
+ * them together with their callers (values fetched from memory were then stale); a call for some hundred
+ * items costs nothing. */
+#ifdef __clang__
+#define ISO_STEP __attribute__((noinline))
+#else
+#define ISO_STEP __attribute__((noipa))
+#endif
 
 #define ISO_TARGET_generic
 #define ISO_TARGET_avx2 ISO_TARGET_AVX2
 #define ISO_TARGET_avx512 ISO_TARGET_AVX512
 enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LANES_MAX = 16 };
 
-/* Of the variants kernel_generic, kernel_avx2 and kernel_avx512 the one for a level. */
+/* The address of the one of kernel_generic, kernel_avx2 and kernel_avx512 (functions or constants) that a
+ * level asks for, or of the best below it that this build has. */
 #if ISO_HAVE_X86
 #define ISO_KERNEL(kernel, level)                                                                            \
     ((level) >= ISO_CPU_AVX512 ? &kernel##_avx512                                                            \

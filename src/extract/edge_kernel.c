@@ -4,9 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#if ISO_HAVE_X86
-#include <immintrin.h>
-#endif
+#include "base/point_code.h"
+#include "grids/voxel_kernels.h"
 
 enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64, ISO_EDGE_PARTS = 32 };
 
@@ -122,15 +121,6 @@ __attribute__((always_inline)) static inline void iso_edge_scatter(const iso_edg
     part->job->lanes = lanes;
 }
 
-/* The steps of fill are opaque calls. gcc 12 deletes or reorders their stores when it analyses them together
- * (the fetched neighbours were then stale), and a call for some hundred points costs nothing. */
-#ifdef __clang__
-#define ISO_STEP __attribute__((noinline))
-#else
-#define ISO_STEP __attribute__((noipa))
-#endif
-#define ISO_INLINE __attribute__((always_inline)) static inline
-
 /* The bits of a block's word that are wanted and in the grid, of which `voxels` are left along x. */
 static uint64_t iso_edge_columns(iso_edge_wanted wanted, int voxels) {
     uint64_t lanes = 0;
@@ -145,42 +135,13 @@ void iso_edge_source_prepare(iso_edge_source *source) {
             (row & 31) * source->stride_y + (row >> 5 & 31) * source->stride_z + !!(row & ISO_EDGE_FACE);
 }
 
-#include "extract/edge_kernel_variants.inc"
+#include "extract/edge_kernel_rows.inc"
 
-#define ISO_EDGE_KERNEL(name)                                                                                \
-    { count_##name, fill_##name, classify_##name }
-static const iso_edge_kernel generic_kernels[] = {
-    [ISO_UINT8] = ISO_EDGE_KERNEL(uint8_generic),
-    [ISO_INT16] = ISO_EDGE_KERNEL(int16_generic),
-    [ISO_UINT16] = ISO_EDGE_KERNEL(uint16_generic),
-    [ISO_FLOAT32] = ISO_EDGE_KERNEL(float_generic),
-};
-#if ISO_HAVE_X86
-static const iso_edge_kernel avx2_kernels[] = {
-    [ISO_UINT8] = ISO_EDGE_KERNEL(uint8_avx2),
-    [ISO_INT16] = ISO_EDGE_KERNEL(int16_avx2),
-    [ISO_UINT16] = ISO_EDGE_KERNEL(uint16_avx2),
-    [ISO_FLOAT32] = ISO_EDGE_KERNEL(float_avx2),
-};
-static const iso_edge_kernel avx512_kernels[] = {
-    [ISO_UINT8] = ISO_EDGE_KERNEL(uint8_avx512),
-    [ISO_INT16] = ISO_EDGE_KERNEL(int16_avx512),
-    [ISO_UINT16] = ISO_EDGE_KERNEL(uint16_avx512),
-    [ISO_FLOAT32] = ISO_EDGE_KERNEL(float_avx512),
-};
-#endif
+#define ISO_KERNEL_BODY "grids/voxel_kernels.inc"
+#define ISO_VOXEL_BODY "extract/edge_kernel_body.inc"
+#include "base/kernel_levels.inc"
+#undef ISO_VOXEL_BODY
 
 const iso_edge_kernel *iso_edge_kernel_get(iso_type type, iso_cpu_level level) {
-    switch (level) {
-    case ISO_CPU_GENERIC:
-        return &generic_kernels[type];
-#if ISO_HAVE_X86
-    case ISO_CPU_AVX2:
-        return &avx2_kernels[type];
-    case ISO_CPU_AVX512:
-        return &avx512_kernels[type];
-#endif
-    default:
-        return NULL;
-    }
+    return ISO_VOXEL_KERNEL(kernel, type, level);
 }

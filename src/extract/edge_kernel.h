@@ -135,7 +135,8 @@ typedef struct iso_edge_kernel {
     void (*classify)(const iso_edge_source *source, const int origin[3], iso_edge_words *words);
 } iso_edge_kernel;
 
-/* The kernel for a voxel type at an instruction set, NULL when this build does not have the set. */
+/* The kernel for a voxel type at an instruction set, or at the best below it that this build has. Never NULL.
+ */
 const iso_edge_kernel *iso_edge_kernel_get(iso_type type, iso_cpu_level level);
 
 #ifdef __cplusplus

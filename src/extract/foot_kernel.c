@@ -3,9 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-#if ISO_HAVE_X86
-#include <immintrin.h>
-#endif
+#include "base/point_code.h"
+#include "base/simd.h"
 
 #define SAME_16(v)                                                                                           \
     { v, v, v, v, v, v, v, v, v, v, v, v, v, v, v, v }
@@ -152,16 +151,11 @@ static uint32_t count_hits(const iso_foot_scratch *scratch) {
     return count;
 }
 
-#include "extract/foot_kernel_variants.inc"
+#include "extract/foot_kernel_lanes.inc"
 
-static const iso_foot_kernel kernels[] = {
-    [ISO_CPU_GENERIC] = {extract_generic},
-#if ISO_HAVE_X86
-    [ISO_CPU_AVX2] = {extract_avx2},
-    [ISO_CPU_AVX512] = {extract_avx512},
-#endif
-};
+#define ISO_KERNEL_BODY "extract/foot_kernel_body.inc"
+#include "base/kernel_levels.inc"
 
 const iso_foot_kernel *iso_foot_kernel_get(iso_cpu_level level) {
-    return (size_t)level < sizeof kernels / sizeof kernels[0] ? &kernels[level] : NULL;
+    return ISO_KERNEL(kernel, level);
 }

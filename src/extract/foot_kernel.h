@@ -72,7 +72,7 @@ typedef struct iso_foot_kernel {
                     iso_foot_output *output);
 } iso_foot_kernel;
 
-/* The kernel at an instruction set, NULL when this build does not have it. */
+/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_foot_kernel *iso_foot_kernel_get(iso_cpu_level level);
 
 /* Fills `out` (all but next) for cell (x, y, z), which has a brick. A brick that sticks out of the grid is

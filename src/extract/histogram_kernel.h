@@ -36,6 +36,7 @@ typedef struct iso_histogram_kernels {
     void (*bins)(const iso_bin_range *range, const float *values, int count, int32_t *bins);
 } iso_histogram_kernels;
 
+/* At an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_histogram_kernels *iso_histogram_kernels_get(iso_cpu_level level);
 
 #ifdef __cplusplus

@@ -2,17 +2,8 @@
 
 #include <string.h>
 
-#if ISO_HAVE_X86
-#include <immintrin.h>
-#endif
-
+#include "base/simd.h"
 #include "mc_table.h"
-
-#ifdef __clang__
-#define ISO_STEP __attribute__((noinline))
-#else
-#define ISO_STEP __attribute__((noipa)) /* as in edge_kernel.c: gcc 12 must not look into these */
-#endif
 
 /* ---- lists */
 
@@ -89,55 +80,16 @@ static void list_far_row(const block_rows *rows, const block_limits *limits, int
     }
 }
 
-#include "extract/mesh_kernel_variants.inc"
+#include "extract/mesh_kernel_cells.inc"
 
-/* ---- triangles */
+#define ISO_KERNEL_BODY "extract/mesh_kernel_body.inc"
+#include "base/kernel_levels.inc"
 
-enum { STEP_Y = ISO_LATTICE, STEP_Z = ISO_LATTICE * ISO_LATTICE };
-
-/* Two triangles are written always: most cells have one or two. */
-ISO_STEP static void add_triangles_generic(const iso_cell_list *cells, const uint16_t *vertex_of, bool flip,
-                                           uint16_t (*triangles)[3]) {
-    uint16_t *out = triangles[0];
-    for (uint32_t i = 0; i < cells->count; i++) {
-        const mc_case *row = &mc_cases[flip][cells->inside[i]];
-        const uint16_t *near = vertex_of + cells->key[i];
-        for (int k = 0; k < 6; k++) out[k] = near[row->key[k]];
-        if (row->triangles > 2)
-            for (int k = 6; k < 15; k++) out[k] = near[row->key[k]];
-        out += 3 * row->triangles;
-    }
+const iso_mesh_kernel *iso_mesh_kernel_get(iso_cpu_level level) {
+    return ISO_KERNEL(kernel, level);
 }
 
-#if ISO_HAVE_X86
-/* Two numbers that lie side by side. */
-static inline int pair_at(const uint16_t *numbers) {
-    int pair;
-    memcpy(&pair, numbers, sizeof pair);
-    return pair;
-}
-
-/* The numbers of all twelve edges are fetched, then shuffled into five triangles: no branch. */
-ISO_TARGET_AVX2 ISO_STEP static void add_triangles_avx2(const iso_cell_list *cells, const uint16_t *vertex_of,
-                                                        bool flip, uint16_t (*triangles)[3]) {
-    uint16_t *out = triangles[0];
-    for (uint32_t i = 0; i < cells->count; i++) {
-        const uint8_t *shuffle = mc_shuffles[flip][cells->inside[i]];
-        const uint16_t *x = vertex_of + cells->key[i], *y = x + ISO_LATTICE_VOXELS,
-                       *z = y + ISO_LATTICE_VOXELS;
-        const __m128i along_x =
-            _mm_set_epi32(pair_at(x + STEP_Z + STEP_Y), pair_at(x + STEP_Z), pair_at(x + STEP_Y), pair_at(x));
-        const __m128i others =
-            _mm_set_epi32(pair_at(z + STEP_Y), pair_at(z), pair_at(y + STEP_Z), pair_at(y));
-        const __m256i low = _mm256_shuffle_epi8(_mm256_broadcastsi128_si256(along_x),
-                                                _mm256_loadu_si256((const void *)shuffle));
-        const __m256i high = _mm256_shuffle_epi8(_mm256_broadcastsi128_si256(others),
-                                                 _mm256_loadu_si256((const void *)(shuffle + 32)));
-        _mm256_storeu_si256((void *)out, _mm256_or_si256(low, high));
-        out += 3 * mc_cases[0][cells->inside[i]].triangles;
-    }
-}
-#endif
+/* ---- vertices and triangles */
 
 ISO_STEP static void number_vertices(const iso_edge_key *keys, uint32_t count, uint16_t *vertex_of) {
     for (uint32_t i = 0; i < count; i++) vertex_of[keys[i]] = (uint16_t)i;
@@ -155,7 +107,8 @@ static iso_edge_output edge_output(const iso_mesh_block *block, const iso_mesh_o
     return edges;
 }
 
-void iso_mesh_kernel_fill(const iso_mesh_kernel *kernel, const iso_edge_source *source, iso_mesh_block *block,
+void iso_mesh_kernel_fill(const iso_mesh_kernel *kernel, const iso_edge_kernel *edges,
+                          const iso_edge_source *source, iso_mesh_block *block,
                           const iso_mesh_output *output) {
     iso_edge_job jobs[2] = {{.output = edge_output(block, output, false)},
                             {.output = edge_output(block, output, true)}};
@@ -166,23 +119,11 @@ void iso_mesh_kernel_fill(const iso_mesh_kernel *kernel, const iso_edge_source *
         jobs[1].axes[axis] = (iso_edge_entries){far->mask, far->row, far->count};
         jobs[0].origin[axis] = jobs[1].origin[axis] = block->origin[axis];
     }
-    kernel->edges->fill(source, jobs, 2);
+    edges->fill(source, jobs, 2);
     for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++) {
         if (!(block->bricks >> brick & 1)) continue;
         number_vertices(output->keys[brick], block->own[brick] + block->far[brick], block->vertex_of);
         kernel->add_triangles(&block->cells[brick], block->vertex_of, source->level_set,
                               output->triangles[brick]);
     }
-}
-
-iso_mesh_kernel iso_mesh_kernel_get(iso_type type, iso_cpu_level level) {
-    iso_mesh_kernel kernel = {.edges = iso_edge_kernel_get(type, level),
-                              .list = list_generic,
-                              .add_triangles = add_triangles_generic};
-#if ISO_HAVE_X86
-    if (level == ISO_CPU_AVX2) kernel.list = list_avx2;
-    if (level == ISO_CPU_AVX512) kernel.list = list_avx512;
-    if (level >= ISO_CPU_AVX2) kernel.add_triangles = add_triangles_avx2;
-#endif
-    return kernel;
 }

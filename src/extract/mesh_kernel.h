@@ -57,14 +57,14 @@ typedef struct iso_mesh_kernel {
     /* The triangles of a brick's active cells. */
     void (*add_triangles)(const iso_cell_list *cells, const uint16_t *vertex_of, bool flip,
                           uint16_t (*triangles)[3]);
-    const iso_edge_kernel *edges;
 } iso_mesh_kernel;
 
-/* The kernel for a voxel type at an instruction set, `edges` NULL when this build does not have the set. */
-iso_mesh_kernel iso_mesh_kernel_get(iso_type type, iso_cpu_level level);
+/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
+const iso_mesh_kernel *iso_mesh_kernel_get(iso_cpu_level level);
 
-/* Makes the parts of the block's wanted bricks. */
-void iso_mesh_kernel_fill(const iso_mesh_kernel *kernel, const iso_edge_source *source, iso_mesh_block *block,
+/* Makes the parts of the block's wanted bricks; `edges` is for the source's voxels. */
+void iso_mesh_kernel_fill(const iso_mesh_kernel *kernel, const iso_edge_kernel *edges,
+                          const iso_edge_source *source, iso_mesh_block *block,
                           const iso_mesh_output *output);
 
 #endif

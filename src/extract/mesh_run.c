@@ -19,13 +19,14 @@ static iso_edge_source source_of(const iso_threshold *surface) {
 
 void iso_mesh_runner_init(iso_mesh_runner *runner, const iso_grid *grid, const iso_threshold *surface) {
     *runner = (iso_mesh_runner){.grid = grid->rgrid, .surface = *surface};
-    runner->window_kernel = iso_mesh_kernel_get(ISO_FLOAT32, iso_cpu_best());
+    runner->kernel = iso_mesh_kernel_get(iso_cpu_best());
+    runner->window_edges = iso_edge_kernel_get(ISO_FLOAT32, iso_cpu_best());
     runner->window_source = source_of(surface);
     runner->window_source.stride_y = ISO_STEP_Y;
     runner->window_source.stride_z = ISO_STEP_Z;
     iso_edge_source_prepare(&runner->window_source);
     if (!runner->grid) return;
-    runner->kernel = iso_mesh_kernel_get(runner->grid->type, iso_cpu_best());
+    runner->edges = iso_edge_kernel_get(runner->grid->type, iso_cpu_best());
     runner->source = source_of(surface);
     runner->source.data = runner->grid->data;
     runner->source.stride_y = runner->grid->stride_y;
@@ -64,13 +65,13 @@ static bool run_stretch(const iso_mesh_runner *runner, const iso_edge_stretch *s
     for (int axis = 0; axis < 3; axis++) block->origin[axis] = stretch->origin[axis];
     scratch->words.blocks = stretch->blocks;
     for (int b = 0; b < stretch->blocks; b++) scratch->words.wanted[b] = stretch->wanted[b];
-    runner->kernel.edges->classify(&runner->source, block->origin, &scratch->words);
+    runner->edges->classify(&runner->source, block->origin, &scratch->words);
     for (int b = 0; b < stretch->blocks; b++, block->origin[0] += ISO_EDGE_BLOCK_X) {
         iso_mesh_output output;
         block->bricks = stretch->wanted[b].bricks;
-        runner->kernel.list(&runner->source, &scratch->words, b, block);
+        runner->kernel->list(&runner->source, &scratch->words, b, block);
         if (!block_room(block, sink, &output)) return false;
-        iso_mesh_kernel_fill(&runner->kernel, &runner->source, block, &output);
+        iso_mesh_kernel_fill(runner->kernel, runner->edges, &runner->source, block, &output);
         for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
             if (!(block->bricks >> k & 1)) continue;
             const iso_brick_output made = {.count = {block->own[k] + block->far[k], block->triangles[k]},
@@ -135,9 +136,9 @@ void iso_mesh_run_window(const iso_mesh_runner *runner, const iso_brick_window *
     }
     run->block.bricks = 1;
     classify_window(window, source.isovalue, &run->words);
-    runner->window_kernel.list(&source, &run->words, 0, &run->block);
+    runner->kernel->list(&source, &run->words, 0, &run->block);
     const iso_mesh_output output = {{mesh->vertices}, {mesh->keys}, {mesh->triangles}};
-    iso_mesh_kernel_fill(&runner->window_kernel, &source, &run->block, &output);
+    iso_mesh_kernel_fill(runner->kernel, runner->window_edges, &source, &run->block, &output);
     mesh->own_count = run->block.own[0];
     mesh->vertex_count = run->block.own[0] + run->block.far[0];
     mesh->triangle_count = run->block.triangles[0];

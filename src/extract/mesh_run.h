@@ -11,7 +11,8 @@
 typedef struct iso_mesh_runner {
     const iso_rgrid *grid; /* NULL: windows only */
     iso_threshold surface;
-    iso_mesh_kernel kernel, window_kernel;
+    const iso_mesh_kernel *kernel;
+    const iso_edge_kernel *edges, *window_edges; /* for the grid's voxels and for windows */
     iso_edge_source source, window_source;
 } iso_mesh_runner;
 

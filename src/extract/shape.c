@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "base/point_code.h"
 #include "extract/shape_kernel.h"
 
 iso_shape_source iso_shape_source_grid(const iso_rgrid *grid, const int brick[3],
@@ -41,13 +42,14 @@ typedef struct batch_places {
     int8_t voxel[ISO_SHAPE_BATCH][3];
 } batch_places;
 
-enum { UNIT = 1 << 14 }; /* of fixed-point positions: a voxel */
+enum { UNIT = ISO_POINT_COORDINATE_STEPS }; /* of fixed-point positions: a voxel */
 
 /* A point's position in 1 / UNIT voxel. Packed ones are steps of 20 from -2 voxels. */
 static void fixed_position(const iso_shape_points *points, uint32_t i, int32_t at[3]) {
     for (int axis = 0; axis < 3; axis++) {
         if (points->packed)
-            at[axis] = (int32_t)(points->packed[i].bits >> (14 * axis) & 16383) * 20 - 2 * UNIT;
+            at[axis] = (int32_t)iso_point_steps(points->packed[i], axis) * (int)ISO_POINT_RANGE +
+                       (int)ISO_POINT_LOW * UNIT;
         else
             at[axis] = (int32_t)(points->surfels[i].position[axis] * UNIT + (2 * UNIT + 0.5f)) - 2 * UNIT;
     }
@@ -74,7 +76,7 @@ static bool on_edge(const int32_t at[3], int axis, int8_t voxel[3], float *along
 
 static void take_normal(const iso_shape_points *points, uint32_t i, iso_shape_batch *batch, uint32_t to) {
     if (points->packed)
-        batch->octahedral[to] = (int32_t)(points->packed[i].bits >> 42);
+        batch->octahedral[to] = (int32_t)iso_point_normal_bits(points->packed[i]);
     else
         for (int k = 0; k < 3; k++) batch->normal[k][to] = points->surfels[i].normal[k];
 }

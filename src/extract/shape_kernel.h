@@ -74,7 +74,7 @@ typedef struct iso_shape_kernel {
     void (*voxels)(const iso_shape_job *job, iso_shape_batch *batch);
 } iso_shape_kernel;
 
-/* The kernel at an instruction set, or at the best below it that this build has. */
+/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_shape_kernel *iso_shape_kernel_get(iso_cpu_level level);
 
 #ifdef __cplusplus

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/point_code.h"
 #include "base/simd.h"
 #include "render/draw.h"
 #include "render/project.h"
@@ -74,7 +75,7 @@ static float *band_pixel(const point_band *band, int x, int y) {
 
 static uint32_t source_of(const point_draw *draw, size_t index) {
     if (draw->points->surfels) return (uint32_t)index;
-    return (uint32_t)(draw->points->packed[index].bits >> 3 * ISO_POINT_COORDINATE_BITS);
+    return iso_point_normal_bits(draw->points->packed[index]);
 }
 
 static double point_radius(const iso_point_view *points, size_t index) {
@@ -149,25 +150,8 @@ typedef struct point_kernels {
     void (*resolve)(const point_band *band, int row);
 } point_kernels;
 
-#define ISO_LEVEL generic
-#include "render/draw_points_body.inc"
-#undef ISO_LEVEL
-#if ISO_HAVE_X86
-#define ISO_LEVEL avx2
-#include "render/draw_points_body.inc"
-#undef ISO_LEVEL
-#define ISO_LEVEL avx512
-#include "render/draw_points_body.inc"
-#undef ISO_LEVEL
-#endif
-
-static const point_kernels all_kernels[] = {
-    {project_generic, splat_generic, resolve_generic},
-#if ISO_HAVE_X86
-    {project_avx2, splat_avx2, resolve_avx2},
-    {project_avx512, splat_avx512, resolve_avx512},
-#endif
-};
+#define ISO_KERNEL_BODY "render/draw_points_body.inc"
+#include "base/kernel_levels.inc"
 
 /* ---- bands */
 
@@ -225,11 +209,12 @@ static void draw_band(void *context, size_t index, int worker) {
             draw->kernels->resolve(&band, y);
 }
 
-/* Packed points cannot leave [-2, 18); floats can, and are looked at. */
+/* Packed points cannot leave their range; floats can, and are looked at. */
 static iso_box block_box(const point_draw *draw, const block *b) {
     const int32_t *brick = b->span->brick;
     if (draw->points->surfels) return iso_surfel_bounds(draw->points->surfels + b->first, b->count, brick);
-    const iso_surfel corners[2] = {{.position = {-2, -2, -2}}, {.position = {18, 18, 18}}};
+    const float low = ISO_POINT_LOW, high = ISO_POINT_LOW + ISO_POINT_RANGE;
+    const iso_surfel corners[2] = {{.position = {low, low, low}}, {.position = {high, high, high}}};
     return iso_surfel_bounds(corners, 2, brick);
 }
 
@@ -305,7 +290,7 @@ iso_status iso_draw_points(const iso_target *target, const iso_point_view *point
                        .points = points,
                        .projector = iso_projector_make(view, &points->transform),
                        .pitch = (size_t)view->width + 2 * MARGIN,
-                       .kernels = &all_kernels[iso_cpu_best()]};
+                       .kernels = ISO_KERNEL(kernels, iso_cpu_best())};
     draw.band_rows = band_rows(&draw);
     ISO_TRY(make_blocks(&draw, error));
     iso_parallel_for(target->pool, draw.block_count, place_block, &draw);

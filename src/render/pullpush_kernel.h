@@ -67,6 +67,7 @@ typedef struct iso_pullpush_kernel {
     void (*finish)(const iso_reconstruction_job *job, iso_rows rows);
 } iso_pullpush_kernel;
 
+/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_pullpush_kernel *iso_pullpush_kernel_get(iso_cpu_level level);
 
 #endif

@@ -19,11 +19,11 @@ iso_pyramid_shape iso_pullpush_shape(const iso_view *view, const float radius[2]
 iso_point_projection iso_pullpush_projection(const iso_pyramid_shape *shape, const iso_projector *projector,
                                              const iso_transform *transform, bool packed, bool cull) {
     const iso_view *view = projector->view;
-    const double pixel = 1.0 / (1 << shape->base), step = packed ? 20.0 / 16384 : 1;
+    const double pixel = 1.0 / (1 << shape->base), step = packed ? ISO_POINT_STEP : 1;
     iso_point_projection p = {.cull = cull,
                               .orthographic = view->orthographic,
                               .near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near,
-                              .low = packed ? -2 : 0,
+                              .low = packed ? ISO_POINT_LOW : 0,
                               .per_voxel = 1 / step,
                               .rows_before = shape->rows_before >> shape->base};
     for (int row = 0; row < 3; row++) {

@@ -34,11 +34,6 @@ static inline bool cover_columns(const rf_cover *cover, int first, int last, boo
     return span[0] <= span[1];
 }
 
-#define REFINED_KERNEL                                                                                       \
-    static const iso_refined_kernel ISO_V(kernel) = {ISO_V(scatter),       ISO_V(splat),                     \
-                                                     ISO_V(finish_pixels), ISO_V(finish_tiles),              \
-                                                     ISO_V(survey_pixels), ISO_V(survey_tiles)}
-
 /* Pixels of a disc's box, at most. */
 enum { STEPS = ISO_REFINED_BOX * ISO_REFINED_BOX, WORDS = (STEPS + 31) / 32 };
 /* Pixels of a disc that are listed together; steps of which a word has all bits of all lanes. */
@@ -89,41 +84,8 @@ ISO_TARGET_AVX512 ISO_ALWAYS void add_record_avx512(float *sums, const float *re
 }
 #endif
 
-#define ISO_LEVEL generic
-#include "render/refined_disc.inc"
-
-#include "render/refined_common.inc"
-
-#include "render/refined_scatter.inc"
-
-#include "render/refined_splat.inc"
-
-REFINED_KERNEL;
-#undef ISO_LEVEL
-#if ISO_HAVE_X86
-#define ISO_LEVEL avx2
-#include "render/refined_disc.inc"
-
-#include "render/refined_common.inc"
-
-#include "render/refined_scatter.inc"
-
-#include "render/refined_splat.inc"
-
-REFINED_KERNEL;
-#undef ISO_LEVEL
-#define ISO_LEVEL avx512
-#include "render/refined_disc.inc"
-
-#include "render/refined_common.inc"
-
-#include "render/refined_scatter.inc"
-
-#include "render/refined_splat.inc"
-
-REFINED_KERNEL;
-#undef ISO_LEVEL
-#endif
+#define ISO_KERNEL_BODY "render/refined_kernel_body.inc"
+#include "base/kernel_levels.inc"
 
 const iso_refined_kernel *iso_refined_kernel_get(iso_cpu_level level) {
     return ISO_KERNEL(kernel, level);

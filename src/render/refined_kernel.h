@@ -156,6 +156,7 @@ static inline bool iso_refined_shapes(const iso_refined_job *job, const iso_poin
     return job->points->shapes && block->radius[1] >= ISO_REFINED_FLAT_RADIUS;
 }
 
+/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_refined_kernel *iso_refined_kernel_get(iso_cpu_level level);
 
 #endif

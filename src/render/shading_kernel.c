@@ -65,32 +65,11 @@ static void add_columns(float columns[SUMS][TILE + ISO_LANES_MAX], int factor, i
         }
 }
 
-#define ISO_LEVEL generic
-#include "render/shading_kernel_body.inc"
-#undef ISO_LEVEL
-
-#if ISO_HAVE_X86
-#define ISO_LEVEL avx2
-#include "render/shading_kernel_body.inc"
-#undef ISO_LEVEL
-#define ISO_LEVEL avx512
-#include "render/shading_kernel_body.inc"
-#undef ISO_LEVEL
-#endif
+#define ISO_KERNEL_BODY "render/shading_kernel_body.inc"
+#include "base/kernel_levels.inc"
 
 iso_shade_rows *iso_shade_rows_get(iso_cpu_level level) {
-    switch (level) {
-    case ISO_CPU_GENERIC:
-        return shade_rows_generic;
-#if ISO_HAVE_X86
-    case ISO_CPU_AVX2:
-        return shade_rows_avx2;
-    case ISO_CPU_AVX512:
-        return shade_rows_avx512;
-#endif
-    default:
-        return NULL;
-    }
+    return ISO_KERNEL(shade_rows, level);
 }
 
 /* One sample is a vector of equal ones: the model is written once. */

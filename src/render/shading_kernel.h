@@ -28,7 +28,7 @@ typedef struct iso_shade_job {
 /* Shades pixel rows first .. last of the strip; the number of samples that show a surface. */
 typedef size_t iso_shade_rows(const iso_shade_job *job, int first, int last);
 
-/* For an instruction set; NULL when this build does not have it. */
+/* For an instruction set, or for the best below it that this build has. Never NULL. */
 iso_shade_rows *iso_shade_rows_get(iso_cpu_level level);
 
 #ifdef __cplusplus

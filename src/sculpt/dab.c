@@ -85,17 +85,8 @@ static void stamp_distances(const iso_dabs *dabs, const iso_local_dab *local, fl
     }
 }
 
-#define ISO_LEVEL generic
-#include "sculpt/dab_body.inc"
-#undef ISO_LEVEL
-#if ISO_HAVE_X86
-#define ISO_LEVEL avx2
-#include "sculpt/dab_body.inc"
-#undef ISO_LEVEL
-#define ISO_LEVEL avx512
-#include "sculpt/dab_body.inc"
-#undef ISO_LEVEL
-#endif
+#define ISO_KERNEL_BODY "sculpt/dab_body.inc"
+#include "base/kernel_levels.inc"
 
 const iso_dab_kernel *iso_dab_kernel_get(iso_cpu_level level) {
     return ISO_KERNEL(dab_kernel, level);

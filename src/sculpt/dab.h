@@ -65,7 +65,7 @@ typedef struct iso_dab_kernel {
     bool (*settle)(const float *before, const iso_voxel_bits *masked, float *values, iso_voxel_bits *changed);
 } iso_dab_kernel;
 
-/* NULL when the build has no such level. */
+/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_dab_kernel *iso_dab_kernel_get(iso_cpu_level level);
 
 #endif

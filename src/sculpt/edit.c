@@ -27,10 +27,6 @@ struct iso_editor {
     size_t list_count;
 };
 
-static size_t cell_count(const iso_hgrid *grid) {
-    return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
-}
-
 /* Distances are in voxels, and neighbours in whole bricks. */
 static iso_status check_grid(const iso_hgrid *grid, iso_error *error) {
     const double *s = grid->transform.spacing;
@@ -58,11 +54,12 @@ iso_status iso_editor_create(iso_hgrid *grid, const iso_editor_opts *opts, iso_e
     editor->affine = iso_transform_affine(&grid->transform);
     editor->spacing = grid->transform.spacing[0];
     editor->iterations = opts->iterations > 0 ? opts->iterations : opts->iterations < 0 ? 0 : 4;
-    editor->told = iso_alloc_zero(cell_count(grid), sizeof *editor->told);
-    editor->mask_told = iso_alloc_zero(cell_count(grid), sizeof *editor->mask_told);
+    editor->told = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->told);
+    editor->mask_told = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->mask_told);
     if (!editor->told || !editor->mask_told) {
         iso_editor_destroy(editor);
-        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an editor of %zu cells", cell_count(grid));
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an editor of %zu cells",
+                        iso_hgrid_cell_count(grid));
     }
     *out = editor;
     return ISO_OK;
@@ -239,7 +236,7 @@ static double range_cells(const int lo[3], const int hi[3]) {
  * voxel by voxel; the way that MOVE follows has up to 256 steps. */
 static double cell_work(const iso_dabs *dabs) {
     const double count = dabs->count;
-    if (dabs->tool == ISO_TOOL_MOVE) return 1 + count * iso_dabs_steps(dabs) / 16;
+    if (dabs->tool == ISO_TOOL_MOVE) return 1 + count * iso_dabs_steps(dabs) / 4;
     if (dabs->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(dabs->tool)) return 16 * count;
     return 1 + count / 4;
 }
@@ -617,7 +614,7 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_p
                                  iso_error *error) {
     iso_work *work = &editor->work;
     iso_status status = ISO_OK;
-    for (size_t cell = 0; cell < cell_count(work->grid) && status == ISO_OK; cell++) {
+    for (size_t cell = 0; cell < iso_hgrid_cell_count(work->grid) && status == ISO_OK; cell++) {
         int at[3];
         if (work->grid->cell[cell] < 0) continue;
         cell_position(work->grid, (uint32_t)cell, at);

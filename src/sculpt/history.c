@@ -57,10 +57,6 @@ struct iso_history {
     size_t raw_count, raw_mask_count;
 };
 
-static size_t cell_count(const iso_hgrid *grid) {
-    return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
-}
-
 static char *duplicate(const char *text) {
     size_t size = strlen(text) + 1;
     char *copy = iso_alloc(size);
@@ -77,14 +73,14 @@ iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso
     history->changing = opts->changing;
     history->context = opts->context;
     history->memory = opts->memory ? opts->memory : DEFAULT_MEMORY;
-    history->copy_of = iso_alloc_zero(cell_count(grid), sizeof *history->copy_of);
+    history->copy_of = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *history->copy_of);
     if (opts->spill) history->path = duplicate(opts->spill);
     iso_status room = iso_slabs_reserve(&history->raw, 1, NULL);
     iso_slabs_touch(&history->raw);
     if (!history->copy_of || (opts->spill && !history->path) || room != ISO_OK) {
         iso_history_destroy(history);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history of %zu cells",
-                        cell_count(grid));
+                        iso_hgrid_cell_count(grid));
     }
     *out = history;
     return ISO_OK;

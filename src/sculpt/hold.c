@@ -30,7 +30,7 @@ iso_status iso_hold_create(const iso_hgrid *grid, iso_hold **out, iso_error *err
     pthread_mutex_init(&hold->mutex, NULL);
     memcpy(hold->dims, grid->dims, sizeof hold->dims);
     memcpy(hold->cells, grid->cells, sizeof hold->cells);
-    hold->count = (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
+    hold->count = iso_hgrid_cell_count(grid);
     hold->band = grid->band;
     hold->transform = grid->transform;
     hold->state = iso_alloc(hold->count * sizeof *hold->state);

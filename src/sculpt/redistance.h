@@ -71,7 +71,7 @@ typedef struct iso_redistancer {
                   float *out, iso_row_bits *moved);
 } iso_redistancer;
 
-/* NULL when the build has no such level. */
+/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_redistancer *iso_redistancer_get(iso_cpu_level level);
 
 #endif

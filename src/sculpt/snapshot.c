@@ -32,10 +32,6 @@ static head head_of(const iso_hgrid *grid) {
     return h;
 }
 
-static size_t cell_count(const iso_hgrid *grid) {
-    return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
-}
-
 static void put(FILE *file, uint32_t *crc, const void *bytes, size_t size) {
     *crc = iso_crc32c(*crc, bytes, size);
     fwrite(bytes, 1, size, file); /* (errors are found when the sink commits) */
@@ -56,7 +52,7 @@ void iso_snapshot_put(FILE *stream, const iso_hgrid *grid, const iso_mask *mask)
     head h = head_of(grid);
     h.masks = (uint32_t)mask->used;
     put(stream, &crc, &h, sizeof h);
-    for (size_t i = 0; i < cell_count(grid); i++) {
+    for (size_t i = 0; i < iso_hgrid_cell_count(grid); i++) {
         uint8_t bytes[ISO_CELL_PACK_MAX];
         int32_t size = grid->cell[i];
         if (size >= 0) {
@@ -159,7 +155,7 @@ typedef struct reading {
 /* Bytes of the largest snapshot of such a grid. */
 static uint64_t most_bytes(const iso_hgrid *grid) {
     const uint64_t each = sizeof(int32_t) + ISO_CELL_PACK_MAX + sizeof(uint32_t) + sizeof(iso_voxel_bits);
-    return sizeof(head) + cell_count(grid) * each + sizeof(uint32_t);
+    return sizeof(head) + iso_hgrid_cell_count(grid) * each + sizeof(uint32_t);
 }
 
 /* A journal may name any file: no more is read than a snapshot can be. */
@@ -219,7 +215,7 @@ static bool brick_is_sound(const float *brick, float band) {
 
 static iso_status check(reading r, const iso_hgrid *grid, iso_error *error) {
     float brick[ISO_BRICK_VOXELS];
-    for (size_t i = 0; i < cell_count(grid); i++) {
+    for (size_t i = 0; i < iso_hgrid_cell_count(grid); i++) {
         int32_t size;
         const uint8_t *bytes;
         if (!next_cell(&r, &size, &bytes) ||
@@ -227,8 +223,9 @@ static iso_status check(reading r, const iso_hgrid *grid, iso_error *error) {
                            !brick_is_sound(brick, grid->band))))
             return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
     }
-    return masks_are_sound(&r, cell_count(grid)) ? ISO_OK
-                                                 : iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
+    return masks_are_sound(&r, iso_hgrid_cell_count(grid))
+               ? ISO_OK
+               : iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
 }
 
 static iso_status fill_mask(reading *r, iso_mask *mask, iso_error *error) {
@@ -244,7 +241,7 @@ static iso_status fill_mask(reading *r, iso_mask *mask, iso_error *error) {
 static iso_status fill(reading r, iso_hgrid *grid, iso_mask *mask, iso_error *error) {
     const int lo[3] = {0, 0, 0}, hi[3] = {grid->dims[0] - 1, grid->dims[1] - 1, grid->dims[2] - 1};
     ISO_TRY(iso_hgrid_touch(grid, lo, hi, error));
-    for (size_t i = 0; i < cell_count(grid); i++) {
+    for (size_t i = 0; i < iso_hgrid_cell_count(grid); i++) {
         const int at[3] = {(int)(i % (size_t)grid->cells[0]),
                            (int)(i / (size_t)grid->cells[0] % (size_t)grid->cells[1]),
                            (int)(i / (size_t)grid->cells[0] / (size_t)grid->cells[1])};

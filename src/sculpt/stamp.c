@@ -120,8 +120,7 @@ static iso_status put_level(FILE *stream, const iso_hgrid *grid) {
 
 static iso_status get_cells(const uint8_t *bytes, size_t size, iso_hgrid *grid, iso_error *error) {
     iso_mask none = {0};
-    ISO_TRY(iso_mask_init(&none, (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2],
-                          error));
+    ISO_TRY(iso_mask_init(&none, iso_hgrid_cell_count(grid), error));
     iso_status status = iso_snapshot_get("the stamp", bytes, size, grid, &none, error);
     iso_mask_free(&none);
     return status;

@@ -14,12 +14,8 @@ enum { BOTH_SIDES = 3 };
  * the interface itself is rescaled distances have farther to go, step by step. */
 static const float LEAST_FROZEN = 0.02f, LEAST_RESCALED = 0.01f;
 
-static size_t cell_count(const iso_hgrid *grid) {
-    return (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
-}
-
 iso_status iso_work_init(iso_work *work, iso_hgrid *grid, iso_pool *pool, iso_error *error) {
-    size_t cells = cell_count(grid);
+    size_t cells = iso_hgrid_cell_count(grid);
     size_t threads = (size_t)iso_pool_threads(pool);
     work->grid = grid;
     work->pool = pool;

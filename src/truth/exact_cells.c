@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/simd.h"
+#include "grids/voxel_kernels.h"
 
 /* The smallest integer at or above the isovalue, kept just outside the types' range beyond it. */
 static int32_t integer_threshold(float isovalue) {
@@ -52,31 +52,9 @@ ISO_TARGET_AVX512 static inline void pack_4_avx512(void *to, const void *from, u
 }
 #endif
 
-#define ISO_LEVEL generic
-#include "truth/exact_cells_body.inc"
-#undef ISO_LEVEL
-#if ISO_HAVE_X86
-#define ISO_LEVEL avx2
-#include "truth/exact_cells_body.inc"
-#undef ISO_LEVEL
-#define ISO_LEVEL avx512
-#include "truth/exact_cells_body.inc"
-#undef ISO_LEVEL
-#endif
-
-#define ISO_EXACT_EXTRACTS(level)                                                                            \
-    {                                                                                                        \
-        [ISO_UINT8] = extract_uint8_##level, [ISO_INT16] = extract_int16_##level,                            \
-        [ISO_UINT16] = extract_uint16_##level, [ISO_FLOAT32] = extract_float_##level                         \
-    }
+#define ISO_KERNEL_BODY "truth/exact_cells_body.inc"
+#include "base/kernel_levels.inc"
 
 iso_exact_extract *iso_exact_extract_get(iso_type type, iso_cpu_level level) {
-    static iso_exact_extract *const kernels[ISO_CPU_LEVELS][4] = {
-        [ISO_CPU_GENERIC] = ISO_EXACT_EXTRACTS(generic),
-#if ISO_HAVE_X86
-        [ISO_CPU_AVX2] = ISO_EXACT_EXTRACTS(avx2),
-        [ISO_CPU_AVX512] = ISO_EXACT_EXTRACTS(avx512),
-#endif
-    };
-    return kernels[level][type];
+    return ISO_VOXEL_KERNEL(extract, type, level);
 }

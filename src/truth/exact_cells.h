@@ -69,7 +69,8 @@ typedef struct iso_exact_output {
 
 typedef void iso_exact_extract(const iso_exact_source *source, iso_exact_output *output);
 
-/* The kernel for a voxel type at an instruction set; NULL when this build does not have the set. */
+/* The kernel for a voxel type at an instruction set, or at the best below it that this build has. Never NULL.
+ */
 iso_exact_extract *iso_exact_extract_get(iso_type type, iso_cpu_level level);
 
 #endif

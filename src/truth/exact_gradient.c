@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "base/simd.h"
+#include "grids/voxel_kernels.h"
 
 /* around[z][y][x]: voxels cell - 1 .. cell + 2, clamped to the grid. The outermost edges along x are not
  * needed. */
@@ -120,38 +120,16 @@ ISO_TARGET_AVX2 static inline vf_generic row_of_4_avx2(iso_type type, const void
         return 0.25f * v_load_generic(row);
     }
 }
+/* (rows of four are no work for wider vectors) */
+ISO_TARGET_AVX512 static inline vf_generic row_of_4_avx512(iso_type type, const void *row) {
+    return row_of_4_avx2(type, row);
+}
 #endif
 
-#define ISO_LEVEL generic
-#include "truth/exact_gradient_body.inc"
-#undef ISO_LEVEL
-#if ISO_HAVE_X86
-#define ISO_LEVEL avx2
-#include "truth/exact_gradient_body.inc"
-#undef ISO_LEVEL
-#endif
+#define ISO_KERNEL_BODY "truth/exact_gradient_body.inc"
+#include "base/kernel_levels.inc"
 
-#define ISO_EXACT_GRADIENTS(level)                                                                           \
-    {                                                                                                        \
-        [ISO_UINT8] = gradients_uint8_##level, [ISO_INT16] = gradients_int16_##level,                        \
-        [ISO_UINT16] = gradients_uint16_##level, [ISO_FLOAT32] = gradients_float_##level                     \
-    }
-
-/* Rows of four are no work for wider vectors. */
 iso_exact_gradients *iso_exact_gradients_get(const iso_grid *grid, iso_cpu_level level) {
-    static iso_exact_gradients *const dense[ISO_CPU_LEVELS][4] = {
-        [ISO_CPU_GENERIC] = ISO_EXACT_GRADIENTS(generic),
-#if ISO_HAVE_X86
-        [ISO_CPU_AVX2] = ISO_EXACT_GRADIENTS(avx2),
-        [ISO_CPU_AVX512] = ISO_EXACT_GRADIENTS(avx2),
-#endif
-    };
-    static iso_exact_gradients *const sparse[ISO_CPU_LEVELS] = {
-        [ISO_CPU_GENERIC] = gradients_hgrid_generic,
-#if ISO_HAVE_X86
-        [ISO_CPU_AVX2] = gradients_hgrid_avx2,
-        [ISO_CPU_AVX512] = gradients_hgrid_avx2,
-#endif
-    };
-    return grid->rgrid ? dense[level][grid->rgrid->type] : sparse[level];
+    return grid->rgrid ? ISO_VOXEL_KERNEL(gradients, grid->rgrid->type, level)
+                       : ISO_KERNEL(gradients_hgrid, level);
 }

@@ -13,6 +13,8 @@ typedef void iso_exact_gradients(const iso_grid *grid, const int cell[3], float 
 /* Asks memory for what gradients at the cell will read. */
 void iso_exact_gradients_fetch(const iso_grid *grid, const int cell[3]);
 
+/* For the kind of grid and its voxels at an instruction set, or at the best below it that this build has.
+ * Never NULL. */
 iso_exact_gradients *iso_exact_gradients_get(const iso_grid *grid, iso_cpu_level level);
 
 #endif

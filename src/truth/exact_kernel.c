@@ -5,13 +5,6 @@
 
 #include "render/phong_vectors.h"
 
-/* Steps that are large, or that gcc 12 should not analyse together with their callers. */
-#ifdef __clang__
-#define ISO_EXACT_STEP __attribute__((noinline))
-#else
-#define ISO_EXACT_STEP __attribute__((noipa))
-#endif
-
 /* How much larger than [-1, 1] cells are taken to be, so that rounding leaves no gaps between them: 5e-6
  * voxel. Next to the eye rays are known less well. */
 #define ISO_EXACT_WIDER 1e-5f
@@ -81,25 +74,9 @@ ISO_TARGET_AVX512 static inline uint64_t deposit_avx512(uint64_t bits, uint64_t 
 }
 #endif
 
-#define ISO_LEVEL generic
-#include "truth/exact_kernel_body.inc"
-#undef ISO_LEVEL
-#if ISO_HAVE_X86
-#define ISO_LEVEL avx2
-#include "truth/exact_kernel_body.inc"
-#undef ISO_LEVEL
-#define ISO_LEVEL avx512
-#include "truth/exact_kernel_body.inc"
-#undef ISO_LEVEL
-#endif
+#define ISO_KERNEL_BODY "truth/exact_kernel_body.inc"
+#include "base/kernel_levels.inc"
 
 const iso_exact_kernel *iso_exact_kernel_get(iso_cpu_level level) {
-    static const iso_exact_kernel kernels[ISO_CPU_LEVELS] = {
-        [ISO_CPU_GENERIC] = {draw_generic, finish_generic},
-#if ISO_HAVE_X86
-        [ISO_CPU_AVX2] = {draw_avx2, finish_avx2},
-        [ISO_CPU_AVX512] = {draw_avx512, finish_avx512},
-#endif
-    };
-    return &kernels[level];
+    return ISO_KERNEL(kernel, level);
 }

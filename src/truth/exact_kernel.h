@@ -152,6 +152,7 @@ typedef struct iso_exact_kernel {
     void (*finish)(const iso_exact_frame *frame, iso_exact_scratch *scratch);
 } iso_exact_kernel;
 
+/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_exact_kernel *iso_exact_kernel_get(iso_cpu_level level);
 
 /* Places and boxes of the cells of a block next to the eye, one by one in double. Boxes of cells that cannot

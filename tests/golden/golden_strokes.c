@@ -8,7 +8,7 @@
 /* Cells without a brick count by their state, bricks by all of their values. */
 static uint64_t hash_field(const iso_hgrid *grid) {
     uint64_t hash = golden_hash(GOLDEN_HASH_START, grid->dims, sizeof grid->dims);
-    size_t cells = (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
+    size_t cells = iso_hgrid_cell_count(grid);
     for (size_t i = 0; i < cells; i++) {
         int32_t brick = grid->cell[i];
         if (brick < 0)

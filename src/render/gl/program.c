@@ -10,7 +10,7 @@
 #include "render/gl/internal.h"
 
 /* HEAD: texts before the pieces. */
-enum { STAGES = 2, PIECES = 4, HEAD = 4 };
+enum { STAGES = 2, PIECES = 4, HEAD = 5 };
 
 /* Stages are of the program's own files; pieces come before each of them. */
 typedef struct recipe {
@@ -159,7 +159,8 @@ static void add_file(source *s, const char *file) {
 }
 
 static source source_of(const recipe *r, const char *file) {
-    source s = {.part = {"#version 450 core\n", r->defines, "#define ISO_GLSL 1\n", embedded("shared.h")},
+    source s = {.part = {"#version 450 core\n", r->defines, "#define ISO_GLSL 1\n", embedded("shared.h"),
+                         embedded("point_numbers.h")},
                 .parts = HEAD};
     for (int i = 0; i < PIECES && r->pieces[i]; i++) add_file(&s, r->pieces[i]);
     add_file(&s, file);

@@ -93,7 +93,7 @@ static void put_uniforms(const drawing *d, const tile *t) {
     const iso_gl_shape *shape = d->shape;
     const double *spacing = shape->transform.spacing;
     const bool uneven = spacing[0] != spacing[1] || spacing[1] != spacing[2];
-    const double voxels = shape->surfels ? 1 : ISO_GL_COORDINATE_STEP;
+    const double voxels = shape->surfels ? 1 : ISO_POINT_STEP;
     const int margin = iso_gl_engine_margin(d->engine);
     const bool bordered = shape->dims[0] > 0 && shape->dims[1] > 0 && shape->dims[2] > 0;
     iso_gl_refined u = {
@@ -128,7 +128,7 @@ static bool is_wanted(const drawing *d, const iso_point_block *block, const tile
 
 static iso_gl_instance instance_of(const drawing *d, const iso_point_block *block) {
     const iso_projector *p = &d->projector;
-    const double low = d->shape->surfels ? 0 : ISO_GL_COORDINATE_LOW;
+    const double low = d->shape->surfels ? 0 : ISO_POINT_LOW;
     iso_gl_instance to = {
         .place = {[3] = d->shape->has_shapes && block->radius[1] >= ISO_REFINED_FLAT_RADIUS}};
     double at[3];

@@ -8,14 +8,6 @@
 #include "render/gl/shared.h"
 #include "render/project.h"
 
-_Static_assert(
-    ISO_GL_BRICK_SIDE == ISO_BRICK && ISO_GL_COORDINATE_BITS == ISO_POINT_COORDINATE_BITS &&
-        ISO_GL_NORMAL_BITS == ISO_POINT_NORMAL_BITS && ISO_GL_NORMAL_STEPS == ISO_POINT_NORMAL_STEPS &&
-        ISO_GL_SHAPE_LOW_BITS == ISO_SHAPE_LOW_BITS && ISO_GL_SHAPE_TILT_BITS == ISO_SHAPE_TILT_BITS &&
-        ISO_GL_SHAPE_TILT_STEPS == ISO_SHAPE_TILT_STEPS && ISO_GL_SHAPE_END_BITS == ISO_SHAPE_END_BITS &&
-        ISO_GL_SHAPE_END_STEPS == ISO_SHAPE_END_STEPS && ISO_GL_SHAPE_AXIS_BIT == ISO_SHAPE_AXIS_BIT &&
-        ISO_GL_SHAPE_AXIS_MASK == ISO_SHAPE_AXIS_MASK && ISO_GL_SHAPE_LOST_BIT == ISO_SHAPE_LOST_BIT,
-    "shaders unpack what base/primitives.h packs");
 _Static_assert(sizeof(iso_surfel) == 24 && sizeof(iso_point) == 8 && sizeof(iso_shape) == 8,
                "as vertex arrays have it");
 

@@ -1,5 +1,5 @@
 /* shared: what C and GLSL both have to know: numbers of slots, sizes of things, the layout of blocks. Every
- * shader begins with this file, after "#define ISO_GLSL 1". */
+ * shader begins with this file, after "#define ISO_GLSL 1", and with base/point_numbers.h. */
 #ifndef ISO_RENDER_GL_SHARED_H
 #define ISO_RENDER_GL_SHARED_H
 
@@ -66,24 +66,6 @@
 /* Outputs of fragments. */
 #define ISO_GL_NORMAL_DEPTH 0 /* rgba32f: view space normal, view z in mm */
 #define ISO_GL_SURFACE 1      /* r8ui */
-
-/* base/primitives.h's numbers. */
-#define ISO_GL_BRICK_SIDE 16
-#define ISO_GL_COORDINATE_BITS 14
-#define ISO_GL_COORDINATE_LOW -2.0
-#define ISO_GL_COORDINATE_STEP (20.0 / 16384.0)
-#define ISO_GL_NORMAL_BITS 11
-#define ISO_GL_NORMAL_STEPS 2047
-#define ISO_GL_SHAPE_STEP (1.0 / 8000.0)
-#define ISO_GL_SHAPE_LOW_BITS 5
-#define ISO_GL_SHAPE_TILT_BITS 7
-#define ISO_GL_SHAPE_TILT_STEPS 63
-#define ISO_GL_SHAPE_TILT_MOST 0.8
-#define ISO_GL_SHAPE_END_BITS 3
-#define ISO_GL_SHAPE_END_STEPS 7
-#define ISO_GL_SHAPE_AXIS_BIT 12
-#define ISO_GL_SHAPE_AXIS_MASK 3
-#define ISO_GL_SHAPE_LOST_BIT 14
 
 /* Vertices of triangles are snapped to pixels / ISO_GL_SUBPIXEL, as the cpu engine does. */
 #define ISO_GL_SUBPIXEL 256

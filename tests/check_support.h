@@ -1,0 +1,37 @@
+/* What tests of every module need: comparisons within a tolerance, and numbers that are random but the same
+ * in every run. */
+#ifndef ISO_TESTS_CHECK_SUPPORT_H
+#define ISO_TESTS_CHECK_SUPPORT_H
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+/* Fails unless `got` is within `tolerance` of `wanted`; a NaN is not. */
+static inline void near(double got, double wanted, double tolerance) {
+    if (!(fabs(got - wanted) <= tolerance))
+        fail_msg("got %.17g, wanted %.17g within %g", got, wanted, tolerance);
+}
+
+/* The next 24 bits of a generator whose state is the caller's; any start will do. */
+static inline uint32_t random_bits(uint32_t *state) {
+    *state = *state * 1664525u + 1013904223u;
+    return *state >> 8;
+}
+
+/* From 0 up to 1, without 1. */
+static inline double uniform(uint32_t *state) {
+    return (double)random_bits(state) / (1 << 24);
+}
+
+/* 0 .. limit - 1, of a generator with a longer period. */
+static inline uint32_t random_below(uint64_t *state, uint32_t limit) {
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t)((*state >> 33) % limit);
+}
+
+#endif
