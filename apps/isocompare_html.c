@@ -145,7 +145,7 @@ static void put_shots(const report *r, const report_view *v, FILE *stream) {
     char alt[160];
     fputs("<div class=row>\n", stream);
     for (int m = 0; m < r->method_count; m++) {
-        const iso_method *method = r->methods[m];
+        const iso_renderer *method = r->methods[m];
         const report_cell *cell = &v->cells[m];
         snprintf(alt, sizeof alt, "%s%s, %s", m ? "" : "The truth: ", method->name, zoom_title(v->zoom));
         fputs("<figure class=shot>", stream);

@@ -80,8 +80,8 @@ static iso_status open_volume(report *r, iso_error *error) {
 
 static void choose_methods(report *r) {
     size_t count;
-    const iso_method *list = iso_method_list(&count);
-    r->methods[r->method_count++] = iso_method_truth();
+    const iso_renderer *list = iso_renderer_list(&count);
+    r->methods[r->method_count++] = iso_renderer_truth();
     for (size_t m = 0; m < count && r->method_count <= REPORT_METHODS; m++)
         r->methods[r->method_count++] = &list[m];
 }

@@ -52,8 +52,8 @@ typedef struct report {
     iso_study_ball ball;
     double voxel; /* mm, the smallest spacing */
     const char *isovalue_from;
-    const iso_method *methods[1 + REPORT_METHODS]; /* the truth first */
-    int method_count;                              /* with the truth */
+    const iso_renderer *methods[1 + REPORT_METHODS]; /* the truth first */
+    int method_count;                                /* with the truth */
     report_part parts[ISO_PART_COUNT];
     report_view views[REPORT_ZOOMS];
     char processor[128];

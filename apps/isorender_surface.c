@@ -4,6 +4,7 @@
 
 #include "apps/isorender.h"
 #include "io/mesh_io.h"
+#include "methods/bounds.h"
 
 iso_status isorender_histogram(isorender_job *job, iso_error *error) {
     if (job->has_histogram) return ISO_OK;
@@ -67,12 +68,9 @@ static iso_status choose_isovalues(isorender_job *job, iso_error *error) {
 }
 
 static void choose_colors(isorender_job *job) {
-    static const iso_rgb palette[] = {{0xD9, 0xB3, 0x6C}, {0x8F, 0x2D, 0x2D}, {0x3F, 0x6F, 0xA8},
-                                      {0x5B, 0x8E, 0x4B}, {0x7D, 0x5B, 0x9B}, {0xC7, 0x7A, 0x3A}};
-    enum { COLORS = sizeof palette / sizeof *palette };
     for (int i = 0; i < job->surface_count; i++)
         job->surfaces[i].color =
-            i < job->settings->color_count ? job->settings->colors[i] : palette[i % COLORS];
+            i < job->settings->color_count ? job->settings->colors[i] : iso_shading_palette(i);
 }
 
 /* ---- extraction ---- */
@@ -187,12 +185,6 @@ iso_point_view isorender_points_view(const isorender_job *job, int surface) {
                             : iso_point_set_view(job->surfaces[surface].points);
 }
 
-static void add_box(iso_box *box, const iso_box *more) {
-    if (iso_box_is_empty(more)) return;
-    iso_box_add(box, more->lo);
-    iso_box_add(box, more->hi);
-}
-
 /* Voxel (0, 0, 0) of the file is the local origin, also when a part of it was cut out. */
 static iso_box to_local(const isorender_job *job, const iso_box *index) {
     const int *crop = job->crop;
@@ -207,49 +199,21 @@ static iso_box to_local(const isorender_job *job, const iso_box *index) {
     return iso_box_transform(index, &affine);
 }
 
-static iso_vec3 index_position(const int32_t brick[3], const float position[3]) {
-    return iso_vec3_make(brick[0] * (double)ISO_BRICK + position[0],
-                         brick[1] * (double)ISO_BRICK + position[1],
-                         brick[2] * (double)ISO_BRICK + position[2]);
-}
-
-/* Under an oblique direction the box around the turned box would be too large, and the picture too small. */
-static void add_points_world(iso_box *box, const iso_point_view *view, const iso_affine *affine) {
-    for (size_t s = 0; s < view->span_count; s++)
-        for (uint32_t i = 0; i < view->spans[s].count; i++) {
-            iso_surfel surfel = iso_point_view_get(view, view->spans[s].first + i);
-            iso_box_add(box, iso_affine_point(affine, index_position(view->spans[s].brick, surfel.position)));
-        }
-}
-
-static void add_mesh_world(iso_box *box, const iso_mesh_view *view, const iso_affine *affine) {
-    for (size_t s = 0; s < view->span_count; s++)
-        for (uint32_t i = 0; i < view->spans[s].own_count; i++) {
-            const iso_surfel *vertex = &view->vertices[view->spans[s].first_vertex + i];
-            iso_box_add(box,
-                        iso_affine_point(affine, index_position(view->spans[s].brick, vertex->position)));
-        }
-}
-
-static bool is_oblique(const iso_transform *transform) {
-    int zeros = 0;
-    for (int i = 0; i < 9; i++) zeros += transform->direction[i] == 0;
-    return zeros < 6;
-}
-
 iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine) {
     iso_box all = iso_box_empty();
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         if (surface->exact) {
             const iso_box box = iso_exact_bounds(surface->exact, affine);
-            add_box(&all, &box);
+            iso_bounds_add(&all, &box);
         } else if (surface->points || job->from_points) {
             const iso_point_view view = isorender_points_view(job, i);
-            add_points_world(&all, &view, affine);
+            const iso_box box = iso_bounds_of_each_point(&view, affine);
+            iso_bounds_add(&all, &box);
         } else {
             const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
-            add_mesh_world(&all, &view, affine);
+            const iso_box box = iso_bounds_of_each_vertex(&view, affine);
+            iso_bounds_add(&all, &box);
         }
     }
     return all;
@@ -269,7 +233,7 @@ static iso_box index_bounds(const isorender_job *job) {
             const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
             box = iso_mesh_view_bounds(&view);
         }
-        add_box(&all, &box);
+        iso_bounds_add(&all, &box);
     }
     return all;
 }
@@ -280,8 +244,8 @@ static void measure(isorender_job *job) {
     iso_affine affine = iso_transform_affine(&transform);
     const iso_box index = index_bounds(job);
     job->bounds_local = to_local(job, &index);
-    job->bounds_world =
-        is_oblique(&transform) ? isorender_bounds(job, &affine) : iso_box_transform(&index, &affine);
+    job->bounds_world = iso_bounds_is_oblique(&transform) ? isorender_bounds(job, &affine)
+                                                          : iso_box_transform(&index, &affine);
 }
 
 iso_status isorender_extract(isorender_job *job, iso_error *error) {

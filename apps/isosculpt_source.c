@@ -16,10 +16,10 @@
 #include "grids/volume.h"
 #include "io/mesh_read.h"
 #include "sculpt/crc32c.h"
-#include "sculpt/edit.h"
+#include "sculpt/field.h"
 
-/* Room around, for what will be added; redistancing steps that fill the band. */
-enum { MARGIN = 32, MESH_VOXELS = 256, ITERATIONS = 16 };
+/* A mesh's longest side in voxels, unless their size is given. */
+enum { MESH_VOXELS = 256 };
 
 static const iso_input by_default;
 
@@ -74,7 +74,7 @@ static iso_status read_mesh(const isosculpt_source *source, const iso_progress *
     iso_triangles mesh;
     ISO_TRY(iso_mesh_read(source->path, &reading, &mesh, error));
     iso_status status = iso_closed_mesh_create(source->path, &mesh, &opts, closed, error);
-    iso_mesh_free(&mesh);
+    iso_triangles_free(&mesh);
     if (status == ISO_OK && source->report) *source->report = *iso_closed_mesh_report(*closed);
     return status;
 }
@@ -85,7 +85,7 @@ static iso_status from_mesh(const isosculpt_source *source, iso_hgrid **grid, is
     iso_closed_mesh *mesh;
     ISO_TRY(read_mesh(source, &reading, &mesh, error));
     const iso_mesh_frame frame = {source->voxel > 0 ? source->voxel : longest_side(mesh) / MESH_VOXELS,
-                                  MARGIN, source->pool, &converting};
+                                  ISO_FIELD_MARGIN, source->pool, &converting};
     iso_status status = iso_level_set_from_mesh(source->path, mesh, &frame, grid, error);
     iso_closed_mesh_destroy(mesh);
     return status;
@@ -131,52 +131,19 @@ static iso_status drop_parts(const isosculpt_source *source, double isovalue, is
 
 /* ---- volumes */
 
-static bool has_cubes(const iso_hgrid *grid) {
-    const double *s = grid->transform.spacing;
-    return fabs(s[0] - s[1]) <= 1e-6 * s[0] && fabs(s[0] - s[2]) <= 1e-6 * s[0];
-}
-
-/* Bit for bit, in whole bricks and with room around. */
-static iso_status take_level_set(const iso_hgrid *from, iso_hgrid **grid, iso_error *error) {
-    const int offset[3] = {MARGIN, MARGIN, MARGIN};
-    int dims[3];
-    for (int axis = 0; axis < 3; axis++)
-        dims[axis] = (from->dims[axis] + 2 * MARGIN + ISO_BRICK - 1) / ISO_BRICK * ISO_BRICK;
-    return iso_level_set_reframe(from, offset, dims, grid, error);
-}
-
-static iso_status make_distances(const isosculpt_source *source, iso_hgrid *grid, iso_error *error) {
-    iso_editor *editor;
-    const iso_editor_opts opts = {.pool = source->pool};
-    const iso_progress progress = iso_progress_part(source->progress, 0.7, 1);
-    ISO_TRY(iso_editor_create(grid, &opts, &editor, error));
-    iso_status status = iso_editor_redistance(editor, ITERATIONS, &progress, error);
-    iso_editor_destroy(editor);
-    return status;
-}
-
-/* Destroys the grid when it fails. */
-static iso_status make_distances_or_none(const isosculpt_source *source, iso_hgrid *grid, iso_error *error) {
-    iso_status status = make_distances(source, grid, error);
-    if (status != ISO_OK) iso_hgrid_destroy(grid);
-    return status;
-}
-
-static iso_status sample(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
-                         iso_error *error) {
-    const iso_progress progress = iso_progress_part(source->progress, 0.4, 0.7);
-    iso_resampling how = {
-        .voxel = source->voxel, .margin = MARGIN, .pool = source->pool, .progress = &progress};
-    if (!isnan(source->isovalue)) {
-        const bool voxels = source->voxel_isovalue && from->hgrid;
-        const double isovalue = voxels ? iso_grid_physical(from, source->isovalue) : source->isovalue;
-        ISO_TRY(iso_isovalue_check(from, isovalue, error));
-        how.isovalue = voxels ? source->isovalue : iso_grid_stored(from, isovalue);
-    } else if (!iso_grid_is_level_set(from)) {
-        return iso_fail(error, ISO_ERR_USAGE, "%s: needs --isovalue", source->path);
-    }
-    ISO_TRY(iso_level_set_from_grid(source->path, from, &how, grid, error));
-    return make_distances_or_none(source, *grid, error);
+/* The isovalue as it is stored: of an hgrid, voxels. */
+static iso_status stored_isovalue(const isosculpt_source *source, const iso_grid *from, double *stored,
+                                  iso_error *error) {
+    *stored = 0;
+    if (isnan(source->isovalue))
+        return iso_grid_is_level_set(from)
+                   ? ISO_OK
+                   : iso_fail(error, ISO_ERR_USAGE, "%s: needs --isovalue", source->path);
+    const bool voxels = source->voxel_isovalue && from->hgrid;
+    const double isovalue = voxels ? iso_grid_physical(from, source->isovalue) : source->isovalue;
+    ISO_TRY(iso_isovalue_check(from, isovalue, error));
+    *stored = voxels ? source->isovalue : iso_grid_stored(from, isovalue);
+    return ISO_OK;
 }
 
 static int tell(void *context, double fraction) {
@@ -239,16 +206,13 @@ static double isovalue_of(const isosculpt_source *source, const iso_grid *grid) 
 /* Parts are dropped from `from` itself. */
 static iso_status from_grid(const isosculpt_source *source, iso_grid *from, iso_hgrid **grid,
                             iso_error *error) {
-    const iso_hgrid *sparse = from->hgrid;
-    const double own = sparse ? sparse->transform.spacing[0] : 0;
-    const bool as_it_is = sparse && has_cubes(sparse) && (source->voxel <= 0 || source->voxel == own) &&
-                          (isnan(source->isovalue) || source->isovalue == 0);
-    bool dropped = false;
+    const iso_progress progress = iso_progress_part(source->progress, 0.4, 1);
+    iso_field_opts how = {
+        .resampling = {.voxel = source->voxel, .pool = source->pool, .progress = &progress}};
     if (!isnan(source->isovalue) || iso_grid_is_level_set(from))
-        ISO_TRY(drop_parts(source, isovalue_of(source, from), from, &dropped, error));
-    if (!as_it_is) return sample(source, from, grid, error);
-    ISO_TRY(take_level_set(sparse, grid, error));
-    return dropped ? make_distances_or_none(source, *grid, error) : ISO_OK;
+        ISO_TRY(drop_parts(source, isovalue_of(source, from), from, &how.damaged, error));
+    ISO_TRY(stored_isovalue(source, from, &how.resampling.isovalue, error));
+    return iso_field_from_grid(source->path, from, &how, grid, error);
 }
 
 /* Others look at the volume: parts are dropped from a copy. */
@@ -278,11 +242,13 @@ static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, 
 
 /* A mesh's level set without small parts. */
 static iso_status from_mesh_parts(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    const iso_progress progress = iso_progress_part(source->progress, 0.7, 1);
     bool dropped;
     ISO_TRY(from_mesh(source, grid, error));
     iso_grid whole = {.hgrid = *grid};
     iso_status status = drop_parts(source, 0, &whole, &dropped, error);
-    if (status == ISO_OK) return dropped ? make_distances_or_none(source, *grid, error) : ISO_OK;
+    if (status == ISO_OK)
+        return dropped ? iso_field_redistance(*grid, source->pool, &progress, error) : ISO_OK;
     iso_hgrid_destroy(*grid);
     return status;
 }

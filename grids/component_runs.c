@@ -10,7 +10,7 @@ enum { SLICES = 4, SLABS = 64 };
 
 typedef struct finder {
     const iso_grid *grid;
-    iso_surface surface;
+    iso_threshold surface;
     iso_mask_kernel *kernel; /* of dense grids */
     iso_mask_range range;
     bool none;     /* no value of the type is inside */
@@ -262,7 +262,7 @@ static iso_status number_components(iso_component_runs *runs, iso_error *error) 
     return ISO_OK;
 }
 
-iso_status iso_component_runs_find(const iso_grid *grid, const iso_surface *surface, iso_pool *pool,
+iso_status iso_component_runs_find(const iso_grid *grid, const iso_threshold *surface, iso_pool *pool,
                                    iso_component_runs *runs, iso_error *error) {
     *runs = (iso_component_runs){0};
     memcpy(runs->dims, iso_grid_dims(grid), sizeof runs->dims);

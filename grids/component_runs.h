@@ -15,7 +15,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "grids/grid.h"
-#include "grids/surface.h"
+#include "grids/threshold.h"
 
 /* Voxels first .. last of a row. */
 typedef struct iso_run {
@@ -47,7 +47,7 @@ typedef struct iso_component_runs {
  * corners at or above the isovalue apart on ambiguous faces and so joins the ones below it. Voxels that are
  * not finite belong to none. ISO_ERR_LIMIT above 2^32 - 2 runs, ISO_ERR_NOMEM. Free with
  * iso_component_runs_free, also after a failure. */
-iso_status iso_component_runs_find(const iso_grid *grid, const iso_surface *surface, iso_pool *pool,
+iso_status iso_component_runs_find(const iso_grid *grid, const iso_threshold *surface, iso_pool *pool,
                                    iso_component_runs *runs, iso_error *error);
 void iso_component_runs_free(iso_component_runs *runs);
 

@@ -11,7 +11,7 @@
 
 typedef struct filter {
     iso_grid *grid;
-    iso_surface surface;
+    iso_threshold surface;
     iso_component_runs runs;
     bool *kept;            /* by component */
     atomic_uchar *changed; /* by brick of a dense grid */
@@ -198,7 +198,7 @@ static iso_status run(filter *f, const iso_components_opts *opts, iso_components
 iso_status iso_components_filter(iso_grid *grid, const iso_components_opts *opts,
                                  iso_components_totals *totals, iso_error *error) {
     if (!isfinite(opts->isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not a number");
-    filter f = {.grid = grid, .surface = iso_surface_of(grid, opts->isovalue)};
+    filter f = {.grid = grid, .surface = iso_threshold_of(grid, opts->isovalue)};
     iso_status status = run(&f, opts, totals, error);
     iso_component_runs_free(&f.runs);
     iso_free(f.kept);

@@ -2,10 +2,10 @@
  *
  * VTK, OpenVDB and GDCM take tens of milliseconds and megabytes before they read a byte, so nothing that is
  * linked into every program may need them. A module is libisopoint-NAME.so; it exports one symbol, a table of
- * what it can do, and calls this library as any code in grids/ does: it is linked with the shared
- * libisopoint, or holds a copy of the functions that it needs of the static one. The copies share what they
- * are given and the C library's heap; the one value that they keep for themselves, the limit that
- * iso_cpu_limit sets, is not read by readers.
+ * what it can do, and calls this library as any code in grids/ does: it holds a copy of the functions that it
+ * needs, because the shared libisopoint exports none of them. The copies share what they are given and the C
+ * library's heap; the one value that they keep for themselves, the limit that iso_cpu_limit sets, is not read
+ * by readers.
  *
  * Modules are looked for in ISO_MODULE_PATH (a folder, and then only there), else in isopoint/ beside the
  * shared library or where the installation has it as seen from a program in bin/, else where it was

@@ -17,12 +17,11 @@
 #include "base/parallel.h"
 #include "base/status.h"
 #include "grids/change_log.h"
+#include "isopoint.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef enum iso_type { ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32 } iso_type;
 
 size_t iso_type_size(iso_type type);      /* bytes of one voxel */
 const char *iso_type_name(iso_type type); /* "uint8", "int16", "uint16", "float32" */

@@ -23,19 +23,11 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "grids/grid.h"
+#include "isopoint.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* A file without a header. */
-typedef struct iso_raw_layout {
-    int dims[3];
-    iso_type type;
-    int components; /* interleaved; 0 means 1 */
-    bool big_endian;
-    uint64_t offset; /* bytes before the first voxel */
-} iso_raw_layout;
 
 /* Parses WxHxD:TYPE[:ENDIAN[:OFFSET]]: TYPE uint8 int16 uint16 float (float32), ENDIAN little or big, both of
  * the last may be empty. ISO_ERR_USAGE says what is wrong. */
@@ -68,29 +60,6 @@ typedef struct iso_volume_opts {
     iso_progress_fn *progress; /* cancels: ISO_ERR_IO */
     void *progress_context;
 } iso_volume_opts;
-
-enum { ISO_VOLUME_ITEMS = 32, ISO_VOLUME_NOTES = 8, ISO_VOLUME_TEXT = 256 };
-
-/* What the header says. Plain data, no ownership. The texts are printable UTF-8, a line each. */
-typedef struct iso_volume_info {
-    char format[16]; /* "vti", "vtk", "nrrd", "metaimage", "nifti", "dicom", "vdb", "raw", "scene" */
-    char name[ISO_VOLUME_TEXT]; /* grid or series name, or empty */
-    int dims[3];
-    iso_type type;             /* as it will be stored */
-    char file_type[32];        /* as the file has it, e.g. "int16", "double", "half" */
-    int components, component; /* in the file, and the one chosen */
-    iso_transform transform;
-    double scale, offset; /* physical = stored * scale + offset */
-    bool anatomical;      /* world axes are known to be patient axes (LPS) */
-    bool level_set;       /* becomes an hgrid, or an rgrid whose inside is negative */
-    bool sparse;          /* becomes an hgrid */
-    uint64_t bytes;       /* that the grid will take (estimated for sparse ones) */
-    uint64_t read_bytes;  /* most that reading takes at one time, the grid and its index included */
-    int item_count;       /* grids in a .vdb, arrays in a .vti or .vtk, series in a folder */
-    char items[ISO_VOLUME_ITEMS][ISO_VOLUME_TEXT]; /* one line each, the chosen one's name first in `name` */
-    int note_count; /* warnings to print: a missing slice, a chosen component, ... */
-    char notes[ISO_VOLUME_NOTES][ISO_VOLUME_TEXT];
-} iso_volume_info;
 
 /* A volume in memory. iso_volume_free when done. */
 typedef struct iso_volume {

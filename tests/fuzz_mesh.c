@@ -48,7 +48,7 @@ static void write_and_read_back(const iso_triangles *mesh) {
     if (again.vertex_count != mesh->vertex_count || again.triangle_count != mesh->triangle_count) abort();
     if (memcmp(again.vertices, mesh->vertices, vertices)) abort();
     if (memcmp(again.triangles, mesh->triangles, triangles)) abort();
-    iso_mesh_free(&again);
+    iso_triangles_free(&again);
 }
 
 static int refuse_later(void *context, double fraction) {
@@ -75,7 +75,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (status == ISO_OK) {
         check_mesh(&mesh);
         write_and_read_back(&mesh);
-        iso_mesh_free(&mesh);
+        iso_triangles_free(&mesh);
     } else if (!strstr(error.text, path) || strchr(error.text, '\n'))
         abort(); /* every error is one line that names the file */
     unlink(path);

@@ -17,7 +17,7 @@
 #include "grids/closed.h"
 #include "grids/components.h"
 #include "grids/scenes.h"
-#include "grids/surface.h"
+#include "grids/threshold.h"
 
 static void expect_ok(iso_status status, const iso_error *error) {
     if (status != ISO_OK) fail_msg("%s", error->text);
@@ -79,7 +79,7 @@ static void label_all(reference *r, bool diagonal) {
 }
 
 static reference reference_of(const iso_grid *grid, double isovalue) {
-    const iso_surface surface = iso_surface_of(grid, isovalue);
+    const iso_threshold surface = iso_threshold_of(grid, isovalue);
     const bool below = iso_grid_is_level_set(grid);
     reference r = {0};
     memcpy(r.dims, iso_grid_dims(grid), sizeof r.dims);
@@ -90,7 +90,7 @@ static reference reference_of(const iso_grid *grid, double isovalue) {
         for (int y = 0; y < r.dims[1]; y++)
             for (int x = 0; x < r.dims[0]; x++, i++) {
                 const float value = iso_grid_at(grid, x, y, z);
-                r.inside[i] = isfinite(value) && iso_surface_inside(&surface, value) != below;
+                r.inside[i] = isfinite(value) && iso_threshold_inside(&surface, value) != below;
             }
     label_all(&r, below);
     return r;
@@ -198,7 +198,7 @@ static void check_filter(const iso_grid *grid, iso_components_opts opts) {
         }
         float *after = values_of(&copy);
         if (status == ISO_OK)
-            check_values(&r, grid, iso_surface_of(grid, opts.isovalue).at, before, after);
+            check_values(&r, grid, iso_threshold_of(grid, opts.isovalue).at, before, after);
         else
             assert_memory_equal(before, after, r.count * sizeof *after);
         if (first) assert_memory_equal(first, after, r.count * sizeof *after);

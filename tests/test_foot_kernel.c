@@ -238,7 +238,7 @@ static void variants_give_the_plain_path_bytes(void **state) {
     for (int round = 0; round < 400; round++) {
         float isovalue = random_isovalue(&random);
         iso_grid grid = random_grid(&random, isovalue);
-        iso_surface stored = iso_surface_of(&grid, (double)isovalue * (1 + 1e-9 * (round % 2)));
+        iso_threshold stored = iso_threshold_of(&grid, (double)isovalue * (1 + 1e-9 * (round % 2)));
         iso_foot_surface surface = iso_foot_surface_of(&stored, grid.hgrid->band);
         int cell[3];
         const int *cells = grid.hgrid->cells;
@@ -270,7 +270,7 @@ static void full_bricks_fit(void **state) {
             brick[i] = round == 0 ? (float)(sum % 2 * 0.7 + (sum / 2 % 2) * 0.9) : 0.05f * (float)(i >> 8);
             if (round == 2 && i % 7 == 0) brick[i] = NAN;
         }
-        iso_surface stored = iso_surface_of(&grid, 0);
+        iso_threshold stored = iso_threshold_of(&grid, 0);
         iso_foot_surface surface = iso_foot_surface_of(&stored, 3);
         check_brick(&b, &grid, &surface, (int[3]){0, 0, 0}, &met);
         if (round == 0) assert_true(met.points + met.rejected == ISO_BRICK_VOXELS && met.points > 3000);
@@ -285,11 +285,11 @@ static void the_band_ends_where_rounding_says(void **state) {
     test_random random = {17};
     for (int round = 0; round < 20000; round++) {
         float magnitude = round % 3 ? 3 : round % 2 ? 1e-3f : 1e9f;
-        iso_surface stored = {.at = (float)test_random_real(&random, -magnitude, magnitude), .outward = 1};
+        iso_threshold stored = {.at = (float)test_random_real(&random, -magnitude, magnitude), .outward = 1};
         if (round % 5 == 0) stored.rest = -nextafterf(fabsf(stored.at), INFINITY) + fabsf(stored.at);
         if (round == 1) stored.at = -1.7320508f;
-        if (round == 2) stored = (iso_surface){.at = INFINITY};
-        if (round == 3) stored = (iso_surface){.at = -3.4028235e38f, .rest = -INFINITY};
+        if (round == 2) stored = (iso_threshold){.at = INFINITY};
+        if (round == 3) stored = (iso_threshold){.at = -3.4028235e38f, .rest = -INFINITY};
         iso_foot_surface surface = iso_foot_surface_of(&stored, 3);
         float v = surface.top;
         for (int i = 0; i < 8; i++) v = nextafterf(v, -INFINITY);
@@ -315,7 +315,7 @@ static void check_set(const iso_grid *grid, const iso_point_set *set, const iso_
     const iso_hgrid *hgrid = grid->hgrid;
     iso_foot_scratch *scratch = iso_alloc(sizeof *scratch);
     iso_point *points = iso_alloc(ISO_FOOT_ROOM * sizeof *points);
-    iso_surface stored = iso_surface_of(grid, 0);
+    iso_threshold stored = iso_threshold_of(grid, 0);
     iso_foot_surface surface = iso_foot_surface_of(&stored, hgrid->band);
     iso_point_view view = iso_point_set_view(set);
     size_t span = 0, rejected = 0;

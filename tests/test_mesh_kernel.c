@@ -112,7 +112,7 @@ static void check_block(const iso_grid *grid, const iso_mesh_runner *runner, int
 /* All blocks of a grid at one instruction set, `wanted` bricks of each. */
 static size_t check_grid(const iso_grid *grid, double isovalue, iso_cpu_level level, unsigned wanted,
                          bench_of_tests *bench) {
-    const iso_surface surface = iso_surface_of(grid, isovalue);
+    const iso_threshold surface = iso_threshold_of(grid, isovalue);
     iso_mesh_runner runner;
     iso_mesh_runner_init(&runner, grid, &surface);
     runner.kernel = iso_mesh_kernel_get(level);
@@ -199,7 +199,7 @@ static void plain_bricks_fit_the_others(void **state) {
         assert_int_equal(iso_mesh_set_create(&grid, &(iso_mesh_opts){.isovalue = 100.1}, &set, NULL), ISO_OK);
         assert_int_equal(iso_mesh_set_update(set, NULL), ISO_OK);
         iso_mesh_view view = iso_mesh_set_view(set);
-        const iso_surface surface = iso_surface_of(&grid, 100.1);
+        const iso_threshold surface = iso_threshold_of(&grid, 100.1);
         assert_true(view.span_count > 20);
         for (size_t s = 0; s < view.span_count; s++) {
             const iso_mesh_span *span = &view.spans[s];

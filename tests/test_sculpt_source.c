@@ -161,7 +161,7 @@ static void meshes(void **state) {
         }
         const double wanted = 4 * ISO_PI / 3 * 15 * 15 * 15;
         assert_true(fabs(volume / wanted - 1) < 0.005);
-        iso_mesh_free(&mesh);
+        iso_triangles_free(&mesh);
         iso_journal_start start;
         if (convert) {
             check_ball(names[i], open_source(path, NAN, 0.5, &start), BALL.radius);
@@ -220,7 +220,7 @@ static void odd_meshes(void **state) {
             fail_msg("case %zu: status %d, '%s'", i, (int)status, error.text);
         if (status == ISO_OK) {
             assert_int_equal(mesh.triangle_count, cases[i].triangles);
-            iso_mesh_free(&mesh);
+            iso_triangles_free(&mesh);
         }
         unlink(path);
     }

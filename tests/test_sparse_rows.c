@@ -70,7 +70,7 @@ static size_t count_edges(const iso_grid *grid, double isovalue) {
 
 /* Every span holds what the plain code makes of the brick; that no span is missing, the count shows. */
 static void check_points(follower *f, iso_point_set *set) {
-    const iso_surface surface = iso_surface_of(&f->grid, f->isovalue);
+    const iso_threshold surface = iso_threshold_of(&f->grid, f->isovalue);
     const iso_point_view view = iso_point_set_view(set);
     size_t total = 0;
     for (size_t s = 0; s < view.span_count; s++) {
@@ -86,7 +86,7 @@ static void check_points(follower *f, iso_point_set *set) {
 }
 
 static void check_mesh(follower *f, iso_mesh_set *set) {
-    const iso_surface surface = iso_surface_of(&f->grid, f->isovalue);
+    const iso_threshold surface = iso_threshold_of(&f->grid, f->isovalue);
     const iso_mesh_view view = iso_mesh_set_view(set);
     size_t total = 0;
     for (size_t s = 0; s < view.span_count; s++) {

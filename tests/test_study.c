@@ -8,9 +8,9 @@
 #include <cmocka.h>
 
 #include "check_support.h"
-#include "compare/method.h"
 #include "compare/study.h"
 #include "grids/scenes.h"
+#include "methods/method.h"
 
 /* ---- views ---- */
 
@@ -156,10 +156,10 @@ static void every_method_draws(void **state) {
     iso_study_frame truth, frame;
     assert_int_equal(iso_study_frame_create(SIDE, true, &truth, NULL), ISO_OK);
     assert_int_equal(iso_study_frame_create(SIDE, true, &frame, NULL), ISO_OK);
-    assert_int_equal(iso_study_draw(&f.subject, iso_method_truth(), &view, &look, &truth, NULL), ISO_OK);
+    assert_int_equal(iso_study_draw(&f.subject, iso_renderer_truth(), &view, &look, &truth, NULL), ISO_OK);
     iso_compare_picture a = iso_study_picture(&truth), b = iso_study_picture(&frame);
     size_t count;
-    const iso_method *methods = iso_method_list(&count);
+    const iso_renderer *methods = iso_renderer_list(&count);
     assert_true(count >= 2);
     for (size_t m = 0; m < count; m++) {
         assert_true(methods[m].needs && methods[m].name[0] && methods[m].title[0]);
@@ -188,7 +188,7 @@ static void light_is_what_the_header_says(void **state) {
     iso_study_frame frame;
     static float color[3 * SIDE * SIDE];
     assert_int_equal(iso_study_frame_create(SIDE, true, &frame, NULL), ISO_OK);
-    assert_int_equal(iso_study_draw(&f.subject, iso_method_truth(), &view, &look, &frame, NULL), ISO_OK);
+    assert_int_equal(iso_study_draw(&f.subject, iso_renderer_truth(), &view, &look, &frame, NULL), ISO_OK);
     iso_study_light(&frame, &view, &look, color);
     near((double)color[0], 31, 0);
     near((double)color[2], 41, 0);

@@ -10,14 +10,11 @@
 #include <stdbool.h>
 
 #include "base/status.h"
+#include "isopoint.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef struct iso_vec3 {
-    double x, y, z;
-} iso_vec3;
 
 static inline iso_vec3 iso_vec3_make(double x, double y, double z) {
     iso_vec3 v = {x, y, z};
@@ -47,25 +44,11 @@ static inline iso_vec3 iso_vec3_unit(iso_vec3 a) {
     return length > 0 ? iso_vec3_scale(a, 1 / length) : a;
 }
 
-/* Axis-aligned box; empty when lo > hi on any axis. */
-typedef struct iso_box {
-    iso_vec3 lo, hi;
-} iso_box;
-
 iso_box iso_box_empty(void);
 bool iso_box_is_empty(const iso_box *box);
 void iso_box_add(iso_box *box, iso_vec3 point);
 /* Corner 0 .. 7 of the box: bit 0 chooses hi.x, bit 1 hi.y, bit 2 hi.z. */
 iso_vec3 iso_box_corner(const iso_box *box, int corner);
-
-/* From index to world: world = origin + direction * (spacing .* index). direction is row-major; its columns
- * are the unit world directions of the x, y and z index axes (as ITK and VTK have it). It may be left-handed.
- */
-typedef struct iso_transform {
-    double origin[3];
-    double spacing[3];   /* > 0, mm */
-    double direction[9]; /* invertible */
-} iso_transform;
 
 /* Origin 0, spacing 1, identity direction. */
 iso_transform iso_transform_identity(void);

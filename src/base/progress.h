@@ -6,14 +6,11 @@
 #include <stdbool.h>
 
 #include "base/status.h"
+#include "isopoint.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Called now and then while working, fraction 0 .. 1; < 0: no news, only the question. Returns 0 to go on,
- * anything else cancels. */
-typedef int iso_progress_fn(void *context, double fraction);
 
 /* `tell` must be callable from any thread where it says so. The work is the part from .. to of a larger one;
  * both 0: all of it. */

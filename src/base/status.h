@@ -1,4 +1,4 @@
-/* Status codes and error text: how every fallible function of Isopoint reports.
+/* Status codes and error text: how every fallible function of Isopoint reports. The types are in isopoint.h.
  *
  * A fallible function returns iso_status; results go to out-parameters, which are untouched unless ISO_OK
  * is returned; the detail is one line of text in a caller-owned iso_error (NULL is allowed everywhere).
@@ -6,13 +6,14 @@
 #ifndef ISO_BASE_STATUS_H
 #define ISO_BASE_STATUS_H
 
+#include "isopoint.h"
 #include <stdarg.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* X(name, exit status of the programs, text). The exit statuses are part of the interface. */
+/* X(name, exit status of the programs, text), of every iso_status. */
 #define ISO_STATUS_MAP(X)                                                                                    \
     X(OK, 0, "ok")                                                                                           \
     X(ERR_MISMATCH, 1, "a comparison failed")                                                                \
@@ -26,25 +27,6 @@ extern "C" {
     X(ERR_LIMIT, 5, "over the memory limit")                                                                 \
     X(ERR_EMPTY, 6, "empty surface")                                                                         \
     X(ERR_WRITE, 7, "cannot write")
-
-typedef enum iso_status {
-#define ISO_X(name, exit_status, text) ISO_##name,
-    ISO_STATUS_MAP(ISO_X)
-#undef ISO_X
-} iso_status;
-
-/* One line of detail, without a newline, naming the thing and the reason: printable UTF-8 (base/text.h).
- * Zero-initialise. */
-typedef struct iso_error {
-    iso_status status;
-    char text[512];
-} iso_error;
-
-/* The general text of a status; never NULL. */
-const char *iso_status_text(iso_status status);
-
-/* The exit status (0 to 7) that a program ends with. */
-int iso_status_exit(iso_status status);
 
 /* Fills *error (when not NULL) and returns status, so that `return iso_fail(error, ISO_ERR_IO, ...)` works.
  * Arguments may hold any bytes: names of files and texts from headers are given as they are. They may lie in

@@ -136,7 +136,7 @@ iso_status iso_study_frame_create(int side, bool channels, iso_study_frame *fram
 
 typedef struct drawing {
     const iso_subject *subject;
-    const iso_method *method;
+    const iso_renderer *method;
 } drawing;
 
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
@@ -145,7 +145,7 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
     return d->method->draw(d->subject, &target, error);
 }
 
-iso_status iso_study_draw(const iso_subject *subject, const iso_method *method, const iso_view *view,
+iso_status iso_study_draw(const iso_subject *subject, const iso_renderer *method, const iso_view *view,
                           const iso_study_look *look, iso_study_frame *frame, iso_error *error) {
     assert(frame->image.width == view->width && frame->image.height == view->height);
     drawing d = {subject, method};

@@ -6,11 +6,11 @@
 #ifndef ISO_COMPARE_STUDY_H
 #define ISO_COMPARE_STUDY_H
 
-#include "compare/method.h"
 #include "compare/metrics.h"
 #include "image/aov.h"
 #include "image/camera.h"
 #include "image/image.h"
+#include "methods/method.h"
 #include "render/shading.h"
 
 #ifdef __cplusplus
@@ -59,7 +59,7 @@ void iso_study_frame_free(iso_study_frame *frame);
 
 /* Draws into a frame of the view's size. ISO_ERR_USAGE (samples), ISO_ERR_NOMEM, and what the method returns.
  */
-iso_status iso_study_draw(const iso_subject *subject, const iso_method *method, const iso_view *view,
+iso_status iso_study_draw(const iso_subject *subject, const iso_renderer *method, const iso_view *view,
                           const iso_study_look *look, iso_study_frame *frame, iso_error *error);
 
 /* The frame as a side of a comparison; borrows. */

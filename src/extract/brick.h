@@ -11,7 +11,7 @@
 #include "base/primitives.h"
 #include "grids/grid.h"
 #include "grids/halo.h"
-#include "grids/surface.h"
+#include "grids/threshold.h"
 
 /* The halos of extraction live here and nowhere else. */
 

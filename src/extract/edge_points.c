@@ -12,7 +12,7 @@ typedef struct edge {
 
 /* (isovalue - a) / (b - a), a on the lower voxel. The difference to `at` is exact when it is small; `rest`
  * carries what the float isovalue rounded away. */
-static float fraction(const iso_surface *surface, float a, float b) {
+static float fraction(const iso_threshold *surface, float a, float b) {
     float t = (surface->at - a + surface->rest) / (b - a);
     t = t > 0 ? t : 0; /* also for NaN, when the differences overflow */
     return t < 1 ? t : 1;
@@ -28,7 +28,7 @@ static bool wide_normal(const float gradient[3], float normal[3]) {
 /* The gradient between the ends, outward, scaled to |x| + |y| + |z| = 1 so that squares stay in range;
  * where there is none the edge itself says where outside is. The operations and their order, the edge's axis
  * first, are those of edge_kernel_body.inc: both give the same bytes. */
-static void edge_normal(const iso_brick_window *window, const edge *e, const iso_surface *surface, float t,
+static void edge_normal(const iso_brick_window *window, const edge *e, const iso_threshold *surface, float t,
                         float normal[3]) {
     float low[3], high[3], gradient[3];
     int end[3] = {e->voxel[0], e->voxel[1], e->voxel[2]};
@@ -41,7 +41,7 @@ static void edge_normal(const iso_brick_window *window, const edge *e, const iso
     float sum = fabsf(gradient[e->axis]) + fabsf(gradient[second]) + fabsf(gradient[third]);
     if (!(sum > 0 && sum <= FLT_MAX)) {
         if (wide_normal(gradient, normal)) return; /* out of the kernel's range; see edge_run.c */
-        bool rises = !iso_surface_inside(surface, window->values[e->index]);
+        bool rises = !iso_threshold_inside(surface, window->values[e->index]);
         for (int axis = 0; axis < 3; axis++) normal[axis] = 0;
         normal[e->axis] = rises ? surface->outward : -surface->outward;
         return;
@@ -55,11 +55,11 @@ static void make_unit(float n[3]) {
     for (int axis = 0; axis < 3; axis++) n[axis] /= length;
 }
 
-static void try_edge(const iso_brick_window *window, const edge *e, const iso_surface *surface,
+static void try_edge(const iso_brick_window *window, const edge *e, const iso_threshold *surface,
                      iso_edge_points *out) {
     if (e->voxel[e->axis] >= window->last[e->axis]) return;
     float a = window->values[e->index], b = window->values[e->index + iso_window_step(e->axis)];
-    if (iso_surface_inside(surface, a) == iso_surface_inside(surface, b)) return;
+    if (iso_threshold_inside(surface, a) == iso_threshold_inside(surface, b)) return;
     if (!isfinite(a) || !isfinite(b)) return;
     float t = fraction(surface, a, b);
     iso_surfel *point = &out->points[out->count];
@@ -75,7 +75,7 @@ static int smaller(int a, int b) {
     return a < b ? a : b;
 }
 
-void iso_edge_points_own(const iso_brick_window *window, const iso_surface *surface, iso_edge_points *out) {
+void iso_edge_points_own(const iso_brick_window *window, const iso_threshold *surface, iso_edge_points *out) {
     int last[3];
     for (int axis = 0; axis < 3; axis++) last[axis] = smaller(window->last[axis], ISO_BRICK - 1);
     for (int axis = 0; axis < 3; axis++)
@@ -85,7 +85,7 @@ void iso_edge_points_own(const iso_brick_window *window, const iso_surface *surf
                     try_edge(window, &(edge){{x, y, z}, axis, iso_window_index(x, y, z)}, surface, out);
 }
 
-void iso_edge_points_far(const iso_brick_window *window, const iso_surface *surface, iso_edge_points *out) {
+void iso_edge_points_far(const iso_brick_window *window, const iso_threshold *surface, iso_edge_points *out) {
     int last[3];
     for (int axis = 0; axis < 3; axis++) {
         if (window->last[axis] < 1) return; /* a layer of one voxel has no cells */

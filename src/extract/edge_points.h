@@ -18,10 +18,10 @@ typedef struct iso_edge_points {
 } iso_edge_points;
 
 /* Appends the points on edges that the brick owns, ascending in key. */
-void iso_edge_points_own(const iso_brick_window *window, const iso_surface *surface, iso_edge_points *out);
+void iso_edge_points_own(const iso_brick_window *window, const iso_threshold *surface, iso_edge_points *out);
 
 /* Appends the points on edges of the brick's cells that neighbours own: bit-identical to the neighbours'
  * points, up to the 16 voxels between the bricks; ascending in key. */
-void iso_edge_points_far(const iso_brick_window *window, const iso_surface *surface, iso_edge_points *out);
+void iso_edge_points_far(const iso_brick_window *window, const iso_threshold *surface, iso_edge_points *out);
 
 #endif

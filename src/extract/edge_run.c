@@ -3,7 +3,7 @@
 
 #include "grids/brick_index.h"
 
-void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_surface *surface) {
+void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_threshold *surface) {
     *runner = (iso_edge_runner){
         .grid = grid,
         .kernel = iso_edge_kernel_get(grid->type, iso_cpu_best()),
@@ -194,7 +194,8 @@ static char *make_job(const iso_edge_runner *runner, const iso_edge_block *block
 /* Shapes of a block's points; returns where the next block's go. */
 static iso_shape *make_shapes(const iso_edge_runner *runner, const iso_edge_block *block,
                               const iso_edge_output *output, iso_shape *shapes) {
-    const iso_surface surface = {.at = runner->source.isovalue, .outward = runner->source.level_set ? 1 : -1};
+    const iso_threshold surface = {.at = runner->source.isovalue,
+                                   .outward = runner->source.level_set ? 1 : -1};
     for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
         if (!block->points[k]) continue;
         const int brick[3] = {block->origin[0] / ISO_BRICK + k, block->origin[1] / ISO_BRICK,

@@ -18,7 +18,7 @@ typedef struct iso_edge_runner {
 } iso_edge_runner;
 
 /* With `floats` and `shapes` off. */
-void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_surface *surface);
+void iso_edge_runner_init(iso_edge_runner *runner, const iso_rgrid *grid, const iso_threshold *surface);
 
 /* Bricks of a list that lie in neighbouring blocks of one row, and which of their rows are looked at. */
 enum { ISO_EDGE_STRETCH = 8 };

@@ -9,7 +9,7 @@ static const double REACH = 2; /* voxels from the seed; beyond sqrt 3, as the fi
 static const int MOST_STEPS = 10;
 static const double CONVERGED = 1e-4; /* voxels */
 
-static bool in_band(const iso_surface *surface, float value) {
+static bool in_band(const iso_threshold *surface, float value) {
     float distance = value - surface->at - surface->rest;
     return value >= surface->at && distance < BAND;
 }
@@ -37,7 +37,7 @@ static int32_t order_of(float value) {
 
 /* The lowest float from `at` on that is not in the band; distances grow with values, so that halving finds
  * it. */
-static float band_top(const iso_surface *surface) {
+static float band_top(const iso_threshold *surface) {
     if (!in_band(surface, surface->at)) return surface->at;
     int64_t in = order_of(surface->at), out = order_of(INFINITY);
     while (out - in > 1) {
@@ -47,7 +47,7 @@ static float band_top(const iso_surface *surface) {
     return float_of((int32_t)out);
 }
 
-iso_foot_surface iso_foot_surface_of(const iso_surface *surface, float band) {
+iso_foot_surface iso_foot_surface_of(const iso_threshold *surface, float band) {
     return (iso_foot_surface){.at = surface->at,
                               .rest = surface->rest,
                               .outward = surface->outward,
@@ -106,7 +106,7 @@ void iso_foot_points_direct(const iso_brick_window *window, const iso_foot_surfa
             }
 }
 
-bool iso_foot_points_may_exist(const iso_grid *grid, const iso_surface *surface, const int brick[3]) {
+bool iso_foot_points_may_exist(const iso_grid *grid, const iso_threshold *surface, const int brick[3]) {
     if (grid->hgrid) /* whether its brick has voxels in the band is for the kernel to find out */
         return grid->hgrid->cell[iso_hgrid_cell_index(grid->hgrid, brick[0], brick[1], brick[2])] >= 0;
     float top = surface->at + 1.75f; /* a little above sqrt 3: rounding must not lose a voxel */
@@ -118,7 +118,7 @@ bool iso_foot_points_may_exist(const iso_grid *grid, const iso_surface *surface,
 }
 
 /* Whether cell (x, y, z) of the window has finite corners on both sides. */
-static bool cell_is_crossed(const iso_brick_window *window, const iso_surface *surface, const int cell[3]) {
+static bool cell_is_crossed(const iso_brick_window *window, const iso_threshold *surface, const int cell[3]) {
     int inside = 0;
     for (int axis = 0; axis < 3; axis++)
         if (cell[axis] < window->first[axis] || cell[axis] >= window->last[axis]) return false;
@@ -126,15 +126,15 @@ static bool cell_is_crossed(const iso_brick_window *window, const iso_surface *s
         float value =
             window->values[iso_window_index(cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2))];
         if (!isfinite(value)) return false;
-        inside += iso_surface_inside(surface, value);
+        inside += iso_threshold_inside(surface, value);
     }
     return inside > 0 && inside < 8;
 }
 
-static bool is_seed(const iso_brick_window *window, const iso_surface *surface, const int voxel[3]) {
+static bool is_seed(const iso_brick_window *window, const iso_threshold *surface, const int voxel[3]) {
     float value = window->values[iso_window_index(voxel[0], voxel[1], voxel[2])];
     if (!isfinite(value)) return false;
-    bool outside = iso_surface_inside(surface, value) == (surface->outward > 0);
+    bool outside = iso_threshold_inside(surface, value) == (surface->outward > 0);
     if (!outside) return false;
     for (int i = 0; i < 8; i++) {
         const int cell[3] = {voxel[0] - (i & 1), voxel[1] - (i >> 1 & 1), voxel[2] - (i >> 2)};
@@ -164,8 +164,8 @@ static bool iterate(const iso_grid *grid, double isovalue, iso_vec3 *p, iso_vec3
     return false;
 }
 
-static bool iterated_foot_of(const iso_grid *grid, const iso_brick_window *window, const iso_surface *surface,
-                             const int voxel[3], iso_surfel *point) {
+static bool iterated_foot_of(const iso_grid *grid, const iso_brick_window *window,
+                             const iso_threshold *surface, const int voxel[3], iso_surfel *point) {
     iso_vec3 origin = {ISO_BRICK * window->brick[0], ISO_BRICK * window->brick[1],
                        ISO_BRICK * window->brick[2]};
     iso_vec3 p = iso_vec3_add(origin, iso_vec3_make(voxel[0], voxel[1], voxel[2])), gradient;
@@ -178,7 +178,7 @@ static bool iterated_foot_of(const iso_grid *grid, const iso_brick_window *windo
 }
 
 void iso_foot_points_iterated(const iso_grid *grid, const iso_brick_window *window,
-                              const iso_surface *surface, iso_foot_points *out) {
+                              const iso_threshold *surface, iso_foot_points *out) {
     for (int z = 0; z <= last_voxel(window, 2); z++)
         for (int y = 0; y <= last_voxel(window, 1); y++)
             for (int x = 0; x <= last_voxel(window, 0); x++) {
@@ -191,7 +191,7 @@ void iso_foot_points_iterated(const iso_grid *grid, const iso_brick_window *wind
             }
 }
 
-bool iso_foot_seeds_may_exist(const iso_grid *grid, const iso_surface *surface, const int brick[3]) {
+bool iso_foot_seeds_may_exist(const iso_grid *grid, const iso_threshold *surface, const int brick[3]) {
     for (int i = 0; i < 8; i++) { /* a seed's cell may lie in a lower brick */
         const int near[3] = {brick[0] - (i & 1), brick[1] - (i >> 1 & 1), brick[2] - (i >> 2)};
         if (near[0] < 0 || near[1] < 0 || near[2] < 0) continue;

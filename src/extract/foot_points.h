@@ -7,12 +7,12 @@
 /* The surface of a distance field, and which voxels have foot points. `band`: magnitude at and above which
  * stored distances are clamped; INFINITY when they are not. */
 typedef struct iso_foot_surface {
-    float at, rest, outward; /* as in iso_surface */
+    float at, rest, outward; /* as in iso_threshold */
     float top;               /* v is in the band [0, sqrt 3) of distances exactly when at <= v < top */
     float band;
 } iso_foot_surface;
 
-iso_foot_surface iso_foot_surface_of(const iso_surface *surface, float band);
+iso_foot_surface iso_foot_surface_of(const iso_threshold *surface, float band);
 
 /* A voxel with its neighbours on the three axes, NaN where there is none. */
 typedef struct iso_foot_stencil {
@@ -49,13 +49,13 @@ void iso_foot_points_direct(const iso_brick_window *window, const iso_foot_surfa
                             iso_foot_points *out);
 
 /* Whether the brick may have any: much faster than trying. */
-bool iso_foot_points_may_exist(const iso_grid *grid, const iso_surface *surface, const int brick[3]);
+bool iso_foot_points_may_exist(const iso_grid *grid, const iso_threshold *surface, const int brick[3]);
 
 /* Foot points of any scalar field by iterating eq. 2 on `grid`, which the window is from. */
 void iso_foot_points_iterated(const iso_grid *grid, const iso_brick_window *window,
-                              const iso_surface *surface, iso_foot_points *out);
+                              const iso_threshold *surface, iso_foot_points *out);
 
 /* Whether the brick has a voxel that is a corner of a cell which the surface may cross. */
-bool iso_foot_seeds_may_exist(const iso_grid *grid, const iso_surface *surface, const int brick[3]);
+bool iso_foot_seeds_may_exist(const iso_grid *grid, const iso_threshold *surface, const int brick[3]);
 
 #endif

@@ -7,21 +7,11 @@
 
 #include "base/parallel.h"
 #include "grids/grid.h"
+#include "isopoint.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-enum { ISO_HISTOGRAM_BINS = 256, ISO_ISOVALUE_CANDIDATES = 3 };
-
-/* Physical values. Bin i covers [low + i * width, low + (i + 1) * width); the last one includes high. */
-typedef struct iso_histogram {
-    double low, high, width; /* of finite voxels, padding left out; low == high for a constant volume */
-    uint64_t bins[ISO_HISTOGRAM_BINS];
-    uint64_t counted, nonfinite, padding; /* voxels in bins, NaN or infinite ones, and left out as padding */
-    double minimum, maximum;              /* of all finite voxels */
-    double padding_value;                 /* meaningful when padding > 0 */
-} iso_histogram;
 
 /* Border and padding values are left out: when one single value makes up more than half of the voxels of the
  * volume's six faces and is the minimum or the maximum of the data, all voxels of exactly that value are

@@ -14,10 +14,10 @@ static const ptrdiff_t corner_offset[8] = {0,
                                            ISO_STEP_Z + ISO_STEP_Y,
                                            ISO_STEP_Z + ISO_STEP_Y + 1};
 
-static unsigned cell_case(const float *corner, const iso_surface *surface) {
+static unsigned cell_case(const float *corner, const iso_threshold *surface) {
     unsigned inside = 0;
     for (unsigned i = 0; i < 8; i++)
-        inside |= (unsigned)iso_surface_inside(surface, corner[corner_offset[i]]) << i;
+        inside |= (unsigned)iso_threshold_inside(surface, corner[corner_offset[i]]) << i;
     return inside;
 }
 
@@ -34,7 +34,7 @@ static void add_triangles(const mc_case *row, iso_edge_key cell_key, iso_brick_m
     }
 }
 
-static void add_cells(const iso_brick_window *window, const iso_surface *surface, iso_brick_mesh *mesh) {
+static void add_cells(const iso_brick_window *window, const iso_threshold *surface, iso_brick_mesh *mesh) {
     int cells[3];
     for (int axis = 0; axis < 3; axis++)
         cells[axis] = window->last[axis] < ISO_BRICK ? window->last[axis] : ISO_BRICK;
@@ -48,7 +48,7 @@ static void add_cells(const iso_brick_window *window, const iso_surface *surface
             }
 }
 
-void iso_marching_cubes(const iso_brick_window *window, const iso_surface *surface, iso_brick_mesh *mesh) {
+void iso_marching_cubes(const iso_brick_window *window, const iso_threshold *surface, iso_brick_mesh *mesh) {
     iso_edge_points edges = {.points = mesh->vertices, .keys = mesh->keys};
     iso_edge_points_own(window, surface, &edges);
     mesh->own_count = edges.count;

@@ -16,6 +16,6 @@ typedef struct iso_brick_mesh {
     uint32_t vertex_count, own_count, triangle_count;
 } iso_brick_mesh;
 
-void iso_marching_cubes(const iso_brick_window *window, const iso_surface *surface, iso_brick_mesh *mesh);
+void iso_marching_cubes(const iso_brick_window *window, const iso_threshold *surface, iso_brick_mesh *mesh);
 
 #endif

@@ -50,7 +50,7 @@ static void run(const void *context, const uint32_t *bricks, size_t count, void 
 }
 
 static void set_surface(iso_mesh_set *mesh, double isovalue) {
-    const iso_surface surface = iso_surface_of(&mesh->grid, isovalue);
+    const iso_threshold surface = iso_threshold_of(&mesh->grid, isovalue);
     mesh->isovalue = isovalue;
     iso_mesh_runner_init(&mesh->runner, &mesh->grid, &surface);
 }

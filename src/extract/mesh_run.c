@@ -12,12 +12,12 @@ size_t iso_mesh_run_scratch_bytes(void) {
     return (sizeof(run_scratch) + ISO_ALIGNMENT - 1) / ISO_ALIGNMENT * ISO_ALIGNMENT;
 }
 
-static iso_edge_source source_of(const iso_surface *surface) {
+static iso_edge_source source_of(const iso_threshold *surface) {
     return (iso_edge_source){
         .isovalue = surface->at, .rest = surface->rest, .level_set = surface->outward > 0};
 }
 
-void iso_mesh_runner_init(iso_mesh_runner *runner, const iso_grid *grid, const iso_surface *surface) {
+void iso_mesh_runner_init(iso_mesh_runner *runner, const iso_grid *grid, const iso_threshold *surface) {
     *runner = (iso_mesh_runner){.grid = grid->rgrid, .surface = *surface};
     runner->kernel = iso_mesh_kernel_get(iso_cpu_best());
     runner->window_edges = iso_edge_kernel_get(ISO_FLOAT32, iso_cpu_best());

@@ -10,13 +10,13 @@
 /* What runs need to know; made once per surface. */
 typedef struct iso_mesh_runner {
     const iso_rgrid *grid; /* NULL: windows only */
-    iso_surface surface;
+    iso_threshold surface;
     const iso_mesh_kernel *kernel;
     const iso_edge_kernel *edges, *window_edges; /* for the grid's voxels and for windows */
     iso_edge_source source, window_source;
 } iso_mesh_runner;
 
-void iso_mesh_runner_init(iso_mesh_runner *runner, const iso_grid *grid, const iso_surface *surface);
+void iso_mesh_runner_init(iso_mesh_runner *runner, const iso_grid *grid, const iso_threshold *surface);
 
 size_t iso_mesh_run_scratch_bytes(void);
 

@@ -23,7 +23,7 @@ struct iso_point_set {
     iso_brick_set set;
     iso_grid grid;
     iso_points_opts opts; /* primitive is never auto */
-    iso_surface surface;
+    iso_threshold surface;
     iso_edge_runner runner; /* edge points of an rgrid */
     iso_foot_surface foot_surface;
     const iso_foot_kernel *foot_kernel; /* foot points of an hgrid */
@@ -224,7 +224,7 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
 }
 
 static void set_surface(iso_point_set *points) {
-    points->surface = iso_surface_of(&points->grid, points->opts.isovalue);
+    points->surface = iso_threshold_of(&points->grid, points->opts.isovalue);
     float band = points->grid.hgrid ? points->grid.hgrid->band : INFINITY;
     points->foot_surface = iso_foot_surface_of(&points->surface, band);
     if (points->grid.rgrid) {

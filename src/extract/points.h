@@ -26,17 +26,11 @@
 #include "base/parallel.h"
 #include "base/primitives.h"
 #include "grids/grid.h"
+#include "isopoint.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef enum iso_primitive {
-    ISO_PRIMITIVE_AUTO, /* iso_primitive_auto */
-    ISO_PRIMITIVE_EDGE,
-    ISO_PRIMITIVE_FOOT,
-    ISO_PRIMITIVE_FOOT_ITERATED
-} iso_primitive;
 
 const char *iso_primitive_name(iso_primitive primitive); /* "auto" "edge" "foot" "foot-iterated" */
 

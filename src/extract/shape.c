@@ -7,7 +7,7 @@
 #include "extract/shape_kernel.h"
 
 iso_shape_source iso_shape_source_grid(const iso_rgrid *grid, const int brick[3],
-                                       const iso_surface *surface) {
+                                       const iso_threshold *surface) {
     iso_shape_source source = {.type = grid->type,
                                .stride_y = grid->stride_y,
                                .stride_z = grid->stride_z,
@@ -22,7 +22,7 @@ iso_shape_source iso_shape_source_grid(const iso_rgrid *grid, const int brick[3]
     return source;
 }
 
-iso_shape_source iso_shape_source_window(const iso_brick_window *window, const iso_surface *surface) {
+iso_shape_source iso_shape_source_window(const iso_brick_window *window, const iso_threshold *surface) {
     iso_shape_source source = {.type = ISO_FLOAT32,
                                .data = window->values + iso_window_index(0, 0, 0),
                                .stride_y = ISO_STEP_Y,

@@ -31,11 +31,12 @@ typedef struct iso_shape_source {
     const void *data;             /* of the brick's voxel (0, 0, 0) */
     ptrdiff_t stride_y, stride_z; /* elements */
     int first[3], last[3];        /* the grid's first and last voxel, counted from there */
-    float outward, at;            /* as in iso_surface */
+    float outward, at;            /* as in iso_threshold */
 } iso_shape_source;
 
-iso_shape_source iso_shape_source_grid(const iso_rgrid *grid, const int brick[3], const iso_surface *surface);
-iso_shape_source iso_shape_source_window(const iso_brick_window *window, const iso_surface *surface);
+iso_shape_source iso_shape_source_grid(const iso_rgrid *grid, const int brick[3],
+                                       const iso_threshold *surface);
+iso_shape_source iso_shape_source_window(const iso_brick_window *window, const iso_threshold *surface);
 
 /* Points of one brick; one of the two arrays. */
 typedef struct iso_shape_points {

@@ -10,27 +10,11 @@
 
 #include "base/geometry.h"
 #include "base/status.h"
+#include "isopoint.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef struct iso_camera {
-    iso_vec3 position, focal_point, view_up; /* mm; view_up need not be unit or orthogonal */
-    double view_angle;                       /* degrees, full vertical angle, 0 < angle < 180 */
-    bool orthographic;
-    double parallel_scale; /* orthographic: half the picture's height, mm */
-} iso_camera;
-
-typedef enum iso_direction {
-    ISO_FRONT, /* looks along +y, z up: the patient's face in LPS */
-    ISO_BACK,
-    ISO_LEFT, /* the patient's left side (+x) faces the viewer */
-    ISO_RIGHT,
-    ISO_TOP, /* looks along -z, front (-y) at the bottom */
-    ISO_BOTTOM,
-    ISO_ISOMETRIC /* from front, patient's left and above */
-} iso_direction;
 
 /* View direction (from the eye into the scene) and up vector of a preset, for a world whose up axis is `up`
  * (unit; z up is {0,0,1}; for another up axis the presets are rotated with it). */

@@ -10,22 +10,11 @@
 
 #include "base/parallel.h"
 #include "base/status.h"
+#include "isopoint.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Largest width or height. */
-enum { ISO_IMAGE_MAX = 16384 };
-
-typedef struct iso_image {
-    int width, height;
-    uint8_t *rgba; /* width * height * 4, owned */
-} iso_image;
-
-/* Pixels uninitialised. ISO_ERR_USAGE when a side is not in 1 .. ISO_IMAGE_MAX, ISO_ERR_NOMEM. */
-iso_status iso_image_create(int width, int height, iso_image *image, iso_error *error);
-void iso_image_free(iso_image *image);
 
 /* One tEXt chunk (iTXt when the value is not ASCII: UTF-8). Keys as in the PNG specification ("Software",
  * "Description"). */

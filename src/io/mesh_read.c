@@ -299,7 +299,7 @@ iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_tri
     return ISO_OK;
 }
 
-void iso_mesh_free(iso_triangles *mesh) {
+void iso_triangles_free(iso_triangles *mesh) {
     iso_free(mesh->vertices);
     iso_free(mesh->triangles);
     *mesh = (iso_triangles){0};

@@ -7,16 +7,12 @@
 
 #include "base/parallel.h"
 #include "image/image.h"
+#include "isopoint.h"
 #include "render/strip.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Colours are display values 0 .. 255. */
-typedef struct iso_rgb {
-    uint8_t r, g, b;
-} iso_rgb;
 
 /* Two directional lights that move with the camera (a key light from above left, a fill light from the eye),
  * ambient and a specular lobe of exponent 32. Shading is two-sided: a normal that faces away is turned. */
@@ -26,6 +22,9 @@ typedef struct iso_shading {
     iso_rgb background;
     int transparent; /* 1: background alpha 0 */
 } iso_shading;
+
+/* The colour of the surface with this number when none was chosen. */
+iso_rgb iso_shading_palette(int surface);
 
 /* Colour of one sample: view-space unit normal, direction from the surface to the eye (of any length).
  * Components 0 .. 1. iso_shade's samples are this, with (-u, -v, -1) for the ray through (u, v, 1). */

@@ -10,6 +10,7 @@
 
 #include "base/geometry.h"
 #include "base/status.h"
+#include "isopoint.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -31,13 +32,6 @@ extern "C" {
     X(MASK, "mask")       /* freezes what it touches */                                                      \
     X(UNMASK, "unmask")
 
-typedef enum iso_tool {
-#define ISO_TOOL_ENUM(name, text) ISO_TOOL_##name,
-    ISO_TOOLS(ISO_TOOL_ENUM)
-#undef ISO_TOOL_ENUM
-        ISO_TOOL_COUNT
-} iso_tool;
-
 /* The solid of a set operation, centred on the sample, its z axis along the sample's normal. Sizes are in
  * units of the radius. */
 #define ISO_SOLIDS(X)                                                                                        \
@@ -48,25 +42,11 @@ typedef enum iso_tool {
     X(TORUS, "torus")       /* ring radius 1, tube radius `aspect` */                                        \
     X(STAMP, "stamp")       /* a field of its own (sculpt/stamp.h) */
 
-typedef enum iso_solid {
-#define ISO_SOLID_ENUM(name, text) ISO_SOLID_##name,
-    ISO_SOLIDS(ISO_SOLID_ENUM)
-#undef ISO_SOLID_ENUM
-        ISO_SOLID_COUNT
-} iso_solid;
-
 /* How the effect of a deforming touch fades from 1 at the centre to 0 at the radius. */
 #define ISO_FALLOFFS(X)                                                                                      \
     X(SMOOTH, "smooth") /* (1 - t^2)^2 */                                                                    \
     X(LINEAR, "linear")                                                                                      \
     X(CONSTANT, "constant")
-
-typedef enum iso_falloff {
-#define ISO_FALLOFF_ENUM(name, text) ISO_FALLOFF_##name,
-    ISO_FALLOFFS(ISO_FALLOFF_ENUM)
-#undef ISO_FALLOFF_ENUM
-        ISO_FALLOFF_COUNT
-} iso_falloff;
 
 const char *iso_tool_name(iso_tool tool);
 const char *iso_solid_name(iso_solid shape);
@@ -75,30 +55,6 @@ const char *iso_falloff_name(iso_falloff falloff);
 iso_status iso_tool_find(const char *name, iso_tool *tool, iso_error *error);
 iso_status iso_solid_find(const char *name, iso_solid *shape, iso_error *error);
 iso_status iso_falloff_find(const char *name, iso_falloff *falloff, iso_error *error);
-
-/* Zero fields mean: sphere, smooth falloff, strength 1 where a strength applies, aspect 0.5, blend 0.25 of
- * the radius, spacing 0.25 of the radius, no symmetry. */
-typedef struct iso_brush {
-    iso_tool tool;
-    iso_solid shape;
-    iso_falloff falloff;
-    double radius;   /* mm, > 0 */
-    double strength; /* 0 .. 1 */
-    double aspect, blend;
-    double spacing;         /* between touches along the stroke, in radii */
-    unsigned symmetry;      /* bit a: mirrored at the plane of axis a through `mirror` */
-    iso_vec3 mirror;        /* world */
-    bool pressure_radius;   /* pressure scales the radius */
-    bool pressure_strength; /* pressure scales the strength */
-} iso_brush;
-
-/* One pick on the surface (or in space). */
-typedef struct iso_sample {
-    iso_vec3 position; /* world, mm */
-    iso_vec3 normal;   /* unit, world, out of the solid */
-    double pressure;   /* 0 .. 1; 1 for a mouse */
-    double seconds;    /* since the session began; says how it was played, nothing depends on it */
-} iso_sample;
 
 /* ISO_ERR_USAGE naming the value: a number that is not finite or outside its range. */
 iso_status iso_brush_check(const iso_brush *brush, iso_error *error);

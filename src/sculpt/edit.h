@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "grids/hgrid.h"
+#include "isopoint.h"
 #include "sculpt/brush.h"
 #include "sculpt/mask.h"
 #include "sculpt/stamp.h"
@@ -53,12 +54,6 @@ typedef struct iso_step_opts {
     const iso_stamp *stamp; /* for ISO_SOLID_STAMP; borrowed */
 } iso_step_opts;
 void iso_editor_step(iso_editor *editor, const iso_step_opts *opts);
-
-/* What a touch did. */
-typedef struct iso_edit_stats {
-    size_t edited, redistanced, created, pruned; /* cells */
-    bool clipped; /* the brush reached beyond the grid: what lies outside is lost */
-} iso_edit_stats;
 
 /* One touch: the sample, mirrored by the brush's symmetry, in one change-log edit. `first` and `previous` are
  * the stroke's first sample and the one before (the sample itself at the stroke's start). ISO_ERR_NOMEM and

@@ -138,7 +138,7 @@ static void write_span(void *span, const iso_brick_place *place) {
 /* ---- the set */
 
 static void set_surface(iso_exact *exact) {
-    exact->surface = iso_surface_of(&exact->grid, exact->opts.isovalue);
+    exact->surface = iso_threshold_of(&exact->grid, exact->opts.isovalue);
 }
 
 iso_status iso_exact_create(const iso_grid *grid, const iso_exact_opts *opts, iso_exact **out,

@@ -18,12 +18,13 @@ static float corner_value(const iso_exact *exact, const void *corners, size_t at
 }
 
 /* Adds the crossings of a cell's twelve edges; the arithmetic is that of edge points. */
-static void add_cell(const iso_surface *surface, const float value[8], iso_vec3 first,
+static void add_cell(const iso_threshold *surface, const float value[8], iso_vec3 first,
                      const iso_affine *affine, iso_box *box) {
     for (int corner = 0; corner < 8; corner++)
         for (int axis = 0; axis < 3; axis++) {
             const float low = value[corner], high = value[corner | 1 << axis];
-            if (corner >> axis & 1 || iso_surface_inside(surface, low) == iso_surface_inside(surface, high))
+            if (corner >> axis & 1 ||
+                iso_threshold_inside(surface, low) == iso_threshold_inside(surface, high))
                 continue;
             float t = (surface->at - low + surface->rest) / (high - low);
             t = t > 0 ? t : 0;

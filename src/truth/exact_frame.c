@@ -4,7 +4,7 @@
 #include <limits.h>
 #include <math.h>
 
-#include "grids/surface.h"
+#include "grids/threshold.h"
 
 /* ---- the frame */
 

@@ -3,7 +3,7 @@
 #define ISO_TRUTH_EXACT_SET_H
 
 #include "grids/brick_set.h"
-#include "grids/surface.h"
+#include "grids/threshold.h"
 #include "truth/exact.h"
 #include "truth/exact_cells.h"
 
@@ -11,7 +11,7 @@ struct iso_exact {
     iso_brick_set set; /* heap 0: blocks, heap 1: groups of corners */
     iso_grid grid;
     iso_exact_opts opts;
-    iso_surface surface;
+    iso_threshold surface;
     iso_type type; /* of the corners */
     iso_exact_extract *extract;
     /* Numbers of the spans (uint32_t), sorted by brick; row r of bricks has order[rows[r]] .. order[rows[r +

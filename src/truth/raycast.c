@@ -20,14 +20,14 @@
 #include <math.h>
 
 #include "base/memory.h"
-#include "grids/surface.h"
+#include "grids/threshold.h"
 
 enum { ROWS_PER_TASK = 8 };
 
 struct iso_raycaster {
     iso_grid grid;
     double isovalue; /* stored */
-    iso_surface surface;
+    iso_threshold surface;
     int bricks[3];
     uint8_t *crossed; /* per brick, x fastest: whether its cells may cross the isovalue */
 };
@@ -49,7 +49,7 @@ iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool 
     iso_raycaster *caster = iso_alloc_zero(1, sizeof *caster);
     if (!caster) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the ray caster");
     caster->grid = *grid;
-    caster->surface = iso_surface_of(grid, isovalue);
+    caster->surface = iso_threshold_of(grid, isovalue);
     caster->isovalue = (double)caster->surface.at + (double)caster->surface.rest;
     iso_grid_bricks(grid, caster->bricks);
     size_t rows = (size_t)caster->bricks[1] * (size_t)caster->bricks[2];

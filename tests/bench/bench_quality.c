@@ -18,11 +18,11 @@
 #include "apps/options.h"
 #include "base/file.h"
 #include "base/memory.h"
-#include "compare/method.h"
 #include "compare/metrics.h"
 #include "compare/study.h"
 #include "grids/scenes.h"
 #include "grids/volume.h"
+#include "methods/method.h"
 
 enum { ENTRIES = 64, ROWS = 1024, NAME = QUALITY_NAME, ZOOMS = 3 };
 
@@ -171,7 +171,7 @@ typedef struct session {
     float *colors[2]; /* unrounded, of both */
 } session;
 
-static bool is_wanted(const session *s, const iso_method *method) {
+static bool is_wanted(const session *s, const iso_renderer *method) {
     return is_listed(s->state->settings->only, method->name);
 }
 
@@ -183,8 +183,8 @@ static iso_status prepare(session *s, iso_error *error) {
         if (!(s->colors[i] = iso_alloc(side * side * 3 * sizeof(float))))
             return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     size_t count;
-    const iso_method *methods = iso_method_list(&count);
-    unsigned needs = iso_method_truth()->needs | 1u << ISO_PART_MESH; /* the mesh bounds the view */
+    const iso_renderer *methods = iso_renderer_list(&count);
+    unsigned needs = iso_renderer_truth()->needs | 1u << ISO_PART_MESH; /* the mesh bounds the view */
     for (size_t m = 0; m < count; m++)
         if (is_wanted(s, &methods[m])) needs |= methods[m].needs;
     for (int part = 0; part < ISO_PART_COUNT; part++)
@@ -203,7 +203,7 @@ static iso_status keep_picture(const session *s, const iso_study_frame *frame, i
     return iso_png_write(path, &frame->image, NULL, 0, error);
 }
 
-static iso_status judge(session *s, const iso_view *view, const iso_method *method, row *r,
+static iso_status judge(session *s, const iso_view *view, const iso_renderer *method, row *r,
                         iso_error *error) {
     double start = now();
     ISO_TRY(iso_study_draw(&s->subject, method, view, &look, &s->candidate, error));
@@ -238,10 +238,10 @@ static void print_row(const row *r) {
 static iso_status judge_all(session *s, const iso_view *view, int zoom, double pixels_per_voxel,
                             iso_error *error) {
     size_t count;
-    const iso_method *methods = iso_method_list(&count);
-    ISO_TRY(iso_study_draw(&s->subject, iso_method_truth(), view, &look, &s->truth, error));
+    const iso_renderer *methods = iso_renderer_list(&count);
+    ISO_TRY(iso_study_draw(&s->subject, iso_renderer_truth(), view, &look, &s->truth, error));
     iso_study_light(&s->truth, view, &look, s->colors[0]);
-    ISO_TRY(keep_picture(s, &s->truth, zoom, iso_method_truth()->name, error));
+    ISO_TRY(keep_picture(s, &s->truth, zoom, iso_renderer_truth()->name, error));
     for (size_t m = 0; m < count && s->state->row_count < ROWS; m++) {
         if (!is_wanted(s, &methods[m])) continue;
         row *r = &s->state->rows[s->state->row_count];
@@ -284,7 +284,7 @@ static iso_status look_at(session *s, iso_error *error) {
 /* ---- a turntable ---- */
 
 /* Mean change from frame to frame, half a degree apart. */
-static iso_status turn(session *s, const iso_method *method, double *change, iso_error *error) {
+static iso_status turn(session *s, const iso_renderer *method, double *change, iso_error *error) {
     const settings *set = s->state->settings;
     iso_study_frame frames[2] = {0};
     double sum = 0;
@@ -303,13 +303,13 @@ static iso_status turn(session *s, const iso_method *method, double *change, iso
 
 static iso_status turn_all(session *s, iso_error *error) {
     size_t count;
-    const iso_method *methods = iso_method_list(&count);
+    const iso_renderer *methods = iso_renderer_list(&count);
     double truth, change;
     if (s->state->settings->frames < 2) return ISO_OK;
-    ISO_TRY(turn(s, iso_method_truth(), &truth, error));
+    ISO_TRY(turn(s, iso_renderer_truth(), &truth, error));
     printf("\n%s, %d frames half a degree apart: mean change between frames, of 255\n", s->name,
            s->state->settings->frames);
-    printf("  %-18s %8.3f\n", iso_method_truth()->name, truth);
+    printf("  %-18s %8.3f\n", iso_renderer_truth()->name, truth);
     for (size_t m = 0; m < count; m++) {
         if (!is_wanted(s, &methods[m])) continue;
         ISO_TRY(turn(s, &methods[m], &change, error));
@@ -370,7 +370,7 @@ static bool is_in_study(const char *volume) {
 /* Means over the seven volumes of the study when all are there, else over everything. */
 static void print_means(const state *s) {
     size_t count;
-    const iso_method *methods = iso_method_list(&count);
+    const iso_renderer *methods = iso_renderer_list(&count);
     int seven = 0;
     for (int i = 0; i < s->entry_count; i++) seven += is_in_study(s->entries[i].name);
     printf("\n%s\n", seven == 7 ? "mean of the study's seven volumes" : "mean");

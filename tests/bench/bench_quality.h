@@ -2,8 +2,8 @@
 #ifndef ISO_TESTS_BENCH_QUALITY_H
 #define ISO_TESTS_BENCH_QUALITY_H
 
-#include "compare/method.h"
 #include "compare/metrics.h"
+#include "methods/method.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,7 +15,7 @@ enum { QUALITY_NAME = 64 };
 typedef struct quality_row {
     char volume[QUALITY_NAME];
     int zoom;
-    const iso_method *method;
+    const iso_renderer *method;
     double pixels_per_voxel, seconds;
     iso_metrics metrics;
 } quality_row;

@@ -3,10 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "compare/method.h"
 #include "golden.h"
 #include "grids/scenes.h"
 #include "grids/volume.h"
+#include "methods/method.h"
 #include "render/picture.h"
 
 enum { WIDTH = 168, HEIGHT = 120, SURFACES = 2 };
@@ -78,7 +78,7 @@ static void mesh_row(golden_table *table, const subject *s) {
 
 typedef struct drawing {
     const subject *subject;
-    const iso_method *method;
+    const iso_renderer *method;
     int surfaces;
 } drawing;
 
@@ -129,7 +129,7 @@ static uint64_t hash_picture(const iso_image *image, const iso_aov *aov) {
     return hash;
 }
 
-static void picture_row(golden_table *table, const subject *s, const iso_method *method, const variant *v,
+static void picture_row(golden_table *table, const subject *s, const iso_renderer *method, const variant *v,
                         iso_image *image, iso_aov *aov) {
     iso_error error = {0};
     iso_camera camera = camera_of(s, v->orthographic);
@@ -173,10 +173,10 @@ static void all_pictures(golden_table *table, const subject *s) {
     golden_check(iso_image_create(WIDTH, HEIGHT, &image, &error), &error);
     golden_check(iso_aov_create(WIDTH, HEIGHT, &aov, &error), &error);
     size_t methods;
-    const iso_method *list = iso_method_list(&methods);
+    const iso_renderer *list = iso_renderer_list(&methods);
     for (size_t m = 0; m <= methods; m++)
         for (size_t v = 0; v < sizeof VARIANTS / sizeof *VARIANTS; v++)
-            picture_row(table, s, m < methods ? &list[m] : iso_method_truth(), &VARIANTS[v], &image, &aov);
+            picture_row(table, s, m < methods ? &list[m] : iso_renderer_truth(), &VARIANTS[v], &image, &aov);
     painted_row(table, s, &image);
     iso_image_free(&image);
     iso_aov_free(&aov);

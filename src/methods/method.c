@@ -1,6 +1,10 @@
-#include "compare/method.h"
+/* The table of methods, and the parts that they draw from. */
+#include "methods/method.h"
 
 #include <assert.h>
+#include <string.h>
+
+#include "grids/change_log.h"
 
 /* ---- parts ---- */
 
@@ -10,20 +14,61 @@ static iso_status make_points(iso_subject *subject, iso_error *error) {
                             .primitive = ISO_PRIMITIVE_EDGE, /* what refined is best with */
                             .shapes = true,
                             .pool = subject->pool};
-    ISO_TRY(iso_point_set_create(subject->grid, &opts, &subject->points, error));
-    return iso_point_set_update(subject->points, error);
+    return iso_point_set_create(subject->grid, &opts, &subject->points, error);
 }
 
-static iso_status make_mesh(iso_subject *subject, iso_error *error) {
+static iso_status update_points(iso_subject *subject, iso_error *error) {
+    if (!subject->points) ISO_TRY(make_points(subject, error));
+    ISO_TRY(iso_point_set_update(subject->points, error));
+    return subject->bounded ? iso_point_set_bound(subject->points, error) : ISO_OK;
+}
+
+static iso_status update_mesh(iso_subject *subject, iso_error *error) {
     iso_mesh_opts opts = {.isovalue = subject->isovalue, .pool = subject->pool};
-    ISO_TRY(iso_mesh_set_create(subject->grid, &opts, &subject->mesh, error));
+    if (!subject->mesh) ISO_TRY(iso_mesh_set_create(subject->grid, &opts, &subject->mesh, error));
     return iso_mesh_set_update(subject->mesh, error);
 }
 
-static iso_status make_cells(iso_subject *subject, iso_error *error) {
+static iso_status update_cells(iso_subject *subject, iso_error *error) {
     iso_exact_opts opts = {.isovalue = subject->isovalue, .pool = subject->pool};
-    ISO_TRY(iso_exact_create(subject->grid, &opts, &subject->exact, error));
+    if (!subject->exact) ISO_TRY(iso_exact_create(subject->grid, &opts, &subject->exact, error));
     return iso_exact_update(subject->exact, error);
+}
+
+/* The index over bricks does not follow edits: it is made anew. */
+static iso_status update_caster(iso_subject *subject, iso_error *error) {
+    const uint64_t now = iso_change_log_now(iso_grid_log(subject->grid));
+    if (subject->caster && subject->caster_edit == now) return ISO_OK;
+    iso_raycaster_destroy(subject->caster);
+    subject->caster = NULL;
+    subject->caster_edit = now;
+    return iso_raycaster_create(subject->grid, subject->isovalue, subject->pool, &subject->caster, error);
+}
+
+iso_status iso_subject_update(iso_subject *subject, iso_part part, iso_error *error) {
+    switch (part) {
+    case ISO_PART_POINTS:
+        return update_points(subject, error);
+    case ISO_PART_MESH:
+        return update_mesh(subject, error);
+    case ISO_PART_CELLS:
+        return update_cells(subject, error);
+    case ISO_PART_CASTER:
+        return update_caster(subject, error);
+    case ISO_PART_COUNT:
+        break;
+    }
+    assert(!"a part");
+    return ISO_OK;
+}
+
+void iso_subject_set_isovalue(iso_subject *subject, double isovalue) {
+    subject->isovalue = isovalue;
+    if (subject->points) iso_point_set_isovalue(subject->points, isovalue);
+    if (subject->mesh) iso_mesh_set_isovalue(subject->mesh, isovalue);
+    if (subject->exact) iso_exact_isovalue(subject->exact, isovalue);
+    iso_raycaster_destroy(subject->caster);
+    subject->caster = NULL;
 }
 
 bool iso_subject_has(const iso_subject *subject, iso_part part) {
@@ -32,21 +77,7 @@ bool iso_subject_has(const iso_subject *subject, iso_part part) {
 }
 
 iso_status iso_subject_prepare(iso_subject *subject, iso_part part, iso_error *error) {
-    if (iso_subject_has(subject, part)) return ISO_OK;
-    switch (part) {
-    case ISO_PART_POINTS:
-        return make_points(subject, error);
-    case ISO_PART_MESH:
-        return make_mesh(subject, error);
-    case ISO_PART_CELLS:
-        return make_cells(subject, error);
-    case ISO_PART_CASTER:
-        return iso_raycaster_create(subject->grid, subject->isovalue, subject->pool, &subject->caster, error);
-    case ISO_PART_COUNT:
-        break;
-    }
-    assert(!"a part");
-    return ISO_OK;
+    return iso_subject_has(subject, part) ? ISO_OK : iso_subject_update(subject, part, error);
 }
 
 void iso_subject_free(iso_subject *subject) {
@@ -55,7 +86,10 @@ void iso_subject_free(iso_subject *subject) {
     iso_mesh_set_destroy(subject->mesh);
     iso_exact_destroy(subject->exact);
     iso_raycaster_destroy(subject->caster);
-    *subject = (iso_subject){.grid = subject->grid, .isovalue = subject->isovalue, .pool = subject->pool};
+    *subject = (iso_subject){.grid = subject->grid,
+                             .isovalue = subject->isovalue,
+                             .pool = subject->pool,
+                             .bounded = subject->bounded};
 }
 
 const char *iso_part_name(iso_part part) {
@@ -140,22 +174,46 @@ enum {
     CASTER = 1 << ISO_PART_CASTER
 };
 
-static const iso_method METHODS[] = {
-    {"points", "attenuated points (2003)", POINTS, draw_points},
-    {"pullpush-box", "pull-push, box filter (2008)", POINTS, draw_box},
-    {"pullpush-gaussian", "pull-push, Gaussian filter (2008)", POINTS, draw_gaussian},
-    {"pullpush", "pull-push, curved discs", POINTS, draw_refined},
-    {"mesh", "Marching Cubes mesh", MESH, draw_mesh},
-    {"exact", "the trilinear surface, cell by cell", CELLS, draw_exact},
+static const iso_renderer METHODS[] = {
+    {ISO_METHOD_POINTS, "points", "attenuated points (2003)", POINTS, draw_points},
+    {ISO_METHOD_PULLPUSH_BOX, "pullpush-box", "pull-push, box filter (2008)", POINTS, draw_box},
+    {ISO_METHOD_PULLPUSH_GAUSSIAN, "pullpush-gaussian", "pull-push, Gaussian filter (2008)", POINTS,
+     draw_gaussian},
+    {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, curved discs", POINTS, draw_refined},
+    {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", MESH, draw_mesh},
+    {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", CELLS, draw_exact},
 };
 
-static const iso_method TRUTH = {"raycast", "rays through the trilinear field", CASTER, draw_raycast};
+static const iso_renderer TRUTH = {ISO_METHOD_RAYCAST, "raycast", "rays through the trilinear field", CASTER,
+                                   draw_raycast};
 
-const iso_method *iso_method_list(size_t *count) {
+const iso_renderer *iso_renderer_list(size_t *count) {
     *count = sizeof METHODS / sizeof *METHODS;
     return METHODS;
 }
 
-const iso_method *iso_method_truth(void) {
+const iso_renderer *iso_renderer_truth(void) {
     return &TRUTH;
+}
+
+const iso_renderer *iso_renderer_get(iso_method method) {
+    if (method == TRUTH.method) return &TRUTH;
+    for (size_t i = 0; i < sizeof METHODS / sizeof *METHODS; i++)
+        if (METHODS[i].method == method) return &METHODS[i];
+    return NULL;
+}
+
+const char *iso_method_name(iso_method method) {
+    const iso_renderer *renderer = iso_renderer_get(method);
+    return renderer ? renderer->name : NULL;
+}
+
+iso_status iso_method_find(const char *name, iso_method *method, iso_error *error) {
+    for (int i = 0; i < ISO_METHODS; i++) {
+        const iso_renderer *renderer = iso_renderer_get((iso_method)i);
+        if (!name || strcmp(renderer->name, name) != 0) continue;
+        *method = renderer->method;
+        return ISO_OK;
+    }
+    return iso_fail(error, ISO_ERR_USAGE, "there is no method '%s'", name ? name : "");
 }

@@ -1,9 +1,9 @@
-#include "grids/surface.h"
+#include "grids/threshold.h"
 
 #include <float.h>
 #include <math.h>
 
-iso_surface iso_surface_of(const iso_grid *grid, double physical_isovalue) {
+iso_threshold iso_threshold_of(const iso_grid *grid, double physical_isovalue) {
     double stored = iso_grid_stored(grid, physical_isovalue);
     float at = (float)stored;
     /* Taking a physical isovalue to a stored one may miss a voxel's value by rounding: that is still it. */
@@ -11,7 +11,7 @@ iso_surface iso_surface_of(const iso_grid *grid, double physical_isovalue) {
     double rounding = 4 * DBL_EPSILON * (fabs(physical_isovalue) + fabs(offset)) / scale;
     bool hit = fabs(at - stored) <= rounding;
     if (at < stored && !hit) at = nextafterf(at, INFINITY);
-    iso_surface surface = {.at = at, .rest = hit ? 0 : (float)(stored - at)};
+    iso_threshold surface = {.at = at, .rest = hit ? 0 : (float)(stored - at)};
     surface.outward = iso_grid_is_level_set(grid) ? 1.0f : -1.0f;
     return surface;
 }

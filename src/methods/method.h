@@ -1,10 +1,10 @@
-/* method: every way this library has to draw an isosurface, as a table, so that all of them can be judged
- * alike.
+/* method: every way this library has to draw an isosurface, as one table: what each is called, what it needs,
+ * and how it draws.
  *
  * A method draws from parts that are made from the grid beforehand: points, a mesh, an index. Parts are made
- * once and shared by the methods that need them. */
-#ifndef ISO_COMPARE_METHOD_H
-#define ISO_COMPARE_METHOD_H
+ * once, shared by the methods that need them, and follow the grid's edits. */
+#ifndef ISO_METHODS_METHOD_H
+#define ISO_METHODS_METHOD_H
 
 #include "base/parallel.h"
 #include "extract/mesh.h"
@@ -33,15 +33,21 @@ typedef struct iso_subject {
     const iso_grid *grid;
     double isovalue;
     iso_pool *pool; /* or NULL */
+    bool bounded;   /* points get their bounds (iso_point_set_bound), so that hidden ones are left out */
     iso_point_set *points;
     iso_pullpush *workspace; /* comes with the points */
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_raycaster *caster;
+    uint64_t caster_edit; /* number of the grid's last edit when it was made */
 } iso_subject;
 
 /* Makes a part, unless it is there. ISO_ERR_NOMEM, and what extraction returns. */
 iso_status iso_subject_prepare(iso_subject *subject, iso_part part, iso_error *error);
+/* The same, and brings a part that is there up to date with the grid's edits. */
+iso_status iso_subject_update(iso_subject *subject, iso_part part, iso_error *error);
+/* Another isovalue, for all parts; the next update makes them anew. */
+void iso_subject_set_isovalue(iso_subject *subject, double isovalue);
 bool iso_subject_has(const iso_subject *subject, iso_part part);
 void iso_subject_free(iso_subject *subject);
 
@@ -55,16 +61,20 @@ typedef struct iso_part_size {
 } iso_part_size;
 iso_part_size iso_subject_size(const iso_subject *subject, iso_part part);
 
-typedef struct iso_method {
+typedef struct iso_renderer {
+    iso_method method;
     const char *name, *title;
     unsigned needs; /* bits 1 << iso_part */
     /* Draws as iso_draw_points does. The parts needed are there. */
     iso_status (*draw)(const iso_subject *subject, const iso_target *target, iso_error *error);
-} iso_method;
+} iso_renderer;
 
 /* The methods that are judged, and the one that is the truth (which is not among them). */
-const iso_method *iso_method_list(size_t *count);
-const iso_method *iso_method_truth(void);
+const iso_renderer *iso_renderer_list(size_t *count);
+const iso_renderer *iso_renderer_truth(void);
+
+/* Any of them; NULL when there is no such method. */
+const iso_renderer *iso_renderer_get(iso_method method);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,30 @@
+/* threshold: an isovalue in stored values, and which voxels it holds to be inside: one rule for extraction
+ * and for everything that draws the field itself. */
+#ifndef ISO_GRIDS_THRESHOLD_H
+#define ISO_GRIDS_THRESHOLD_H
+
+#include <stdbool.h>
+
+#include "grids/grid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* An isovalue in stored values. `at` is the smallest float at or above the isovalue, so that v >= at holds
+ * for exactly the floats v at or above it; the isovalue itself is at + rest. */
+typedef struct iso_threshold {
+    float at, rest;
+    float outward; /* -1: the outside is lower; +1: higher (level sets) */
+} iso_threshold;
+
+iso_threshold iso_threshold_of(const iso_grid *grid, double physical_isovalue);
+
+static inline bool iso_threshold_inside(const iso_threshold *threshold, float value) {
+    return value >= threshold->at;
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,216 @@
+/* Pictures of isopoint.h: the camera, one or several surfaces by any method, and files of pictures. */
+#include <math.h>
+#include <string.h>
+
+#include "api/internal.h"
+#include "image/aov.h"
+#include "image/camera.h"
+#include "image/exr.h"
+#include "image/image.h"
+#include "methods/bounds.h"
+#include "render/picture.h"
+
+enum { DEFAULT_SIDE = 1024 };
+static const double DEFAULT_VIEW_ANGLE = 30;
+
+/* ---- camera ---- */
+
+static bool is_finite(iso_vec3 v) {
+    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
+}
+
+static iso_status check_fit(const iso_fit_opts *o, iso_vec3 up, iso_error *error) {
+    if (o->direction < ISO_FRONT || o->direction > ISO_ISOMETRIC)
+        return iso_fail(error, ISO_ERR_USAGE, "there is no direction %d", (int)o->direction);
+    if (!is_finite(up) || iso_vec3_length(up) == 0)
+        return iso_fail(error, ISO_ERR_USAGE, "the axis that is up is no direction");
+    if (!isfinite(o->azimuth) || !isfinite(o->elevation))
+        return iso_fail(error, ISO_ERR_USAGE, "an angle of the camera is not finite");
+    if (!(o->zoom >= 0) || !isfinite(o->zoom))
+        return iso_fail(error, ISO_ERR_USAGE, "zoom %g is not above 0", o->zoom);
+    if (!(o->view_angle >= 0 && o->view_angle < 180))
+        return iso_fail(error, ISO_ERR_USAGE, "view angle %g is not between 0 and 180", o->view_angle);
+    return o->turns >= 0 ? ISO_OK : iso_fail(error, ISO_ERR_USAGE, "%d turns", o->turns);
+}
+
+iso_status iso_camera_of_box(const iso_box *box, int width, int height, const iso_fit_opts *opts,
+                             iso_camera *camera, iso_error *error) {
+    static const iso_fit_opts defaults;
+    if (!opts) opts = &defaults;
+    const iso_vec3 up = opts->up ? *opts->up : iso_vec3_make(0, 0, 1);
+    ISO_TRY(check_fit(opts, up, error));
+    if (width < 1 || height < 1)
+        return iso_fail(error, ISO_ERR_USAGE, "a picture of %d x %d pixels", width, height);
+    if (iso_box_is_empty(box) || !is_finite(box->lo) || !is_finite(box->hi))
+        return iso_fail(error, ISO_ERR_USAGE, "the box to look at is empty or not finite");
+    iso_camera made = {.view_angle = opts->view_angle > 0 ? opts->view_angle : DEFAULT_VIEW_ANGLE,
+                       .orthographic = opts->orthographic,
+                       .parallel_scale = 1};
+    iso_vec3 forward;
+    iso_direction_vectors(opts->direction, iso_vec3_unit(up), &forward, &made.view_up);
+    made.position = iso_vec3_scale(forward, -1);
+    iso_camera_orbit(&made, opts->azimuth, opts->elevation);
+    iso_camera_fit(&made, box, (double)width / height, opts->turns > 0 ? opts->turns : 1);
+    if (opts->zoom > 0) iso_camera_zoom(&made, opts->zoom);
+    ISO_TRY(iso_camera_check(&made, error));
+    *camera = made;
+    return ISO_OK;
+}
+
+/* ---- pictures ---- */
+
+/* One call of iso_render_surfaces. */
+typedef struct rendering {
+    iso_surface *const *surfaces;
+    int count;
+    const iso_renderer *renderer;
+    iso_picture_opts picture;
+    iso_camera camera;
+    iso_rgb colors[ISO_SURFACE_MAX];
+} rendering;
+
+/* Which part the picture is framed by: the ray caster's pictures show what exact's do. */
+static iso_part framing_part(const iso_renderer *renderer) {
+    if (renderer->needs & 1u << ISO_PART_POINTS) return ISO_PART_POINTS;
+    return renderer->needs & 1u << ISO_PART_MESH ? ISO_PART_MESH : ISO_PART_CELLS;
+}
+
+static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
+    const iso_part framed = framing_part(r->renderer);
+    *box = iso_box_empty();
+    for (int i = 0; i < r->count; i++) {
+        ISO_TRY(iso_api_surface_part(r->surfaces[i], framed, error));
+        for (int part = 0; part < ISO_PART_COUNT; part++)
+            if (part != (int)framed && r->renderer->needs & 1u << part)
+                ISO_TRY(iso_api_surface_part(r->surfaces[i], (iso_part)part, error));
+        const iso_box own = iso_api_surface_bounds(r->surfaces[i], framed);
+        iso_bounds_add(box, &own);
+    }
+    return iso_box_is_empty(box) ? iso_fail(error, ISO_ERR_EMPTY, "there is no surface") : ISO_OK;
+}
+
+static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    const rendering *r = context;
+    for (int i = 0; i < r->count; i++) {
+        const iso_target target = {view, gbuffer, r->picture.pool, (uint8_t)i};
+        ISO_TRY(r->renderer->draw(&r->surfaces[i]->subject, &target, error));
+    }
+    return ISO_OK;
+}
+
+/* The same bytes sooner, where there is one exact surface and nothing else. */
+static bool is_painted(const rendering *r) {
+    return r->renderer->method == ISO_METHOD_EXACT && r->count == 1 && r->picture.samples <= 1 &&
+           !r->picture.aov;
+}
+
+static iso_status paint(const rendering *r, iso_image *image, size_t *covered, iso_error *error) {
+    const iso_view view = iso_view_make(&r->camera, r->picture.width, r->picture.height);
+    const iso_exact_canvas canvas = {&view, &r->picture.shading, image, r->picture.pool};
+    return iso_paint_exact(&canvas, r->surfaces[0]->subject.exact, covered, error);
+}
+
+/* A picture of another size makes way. */
+static iso_status make_room(int width, int height, iso_image *image, iso_aov *aov, iso_error *error) {
+    if (image->width != width || image->height != height || !image->rgba) {
+        iso_image_free(image);
+        ISO_TRY(iso_image_create(width, height, image, error));
+    }
+    if (!aov || (aov->width == width && aov->height == height && aov->depth)) return ISO_OK;
+    iso_aov_free(aov);
+    return iso_aov_create(width, height, aov, error);
+}
+
+static float smallest_spacing(const rendering *r) {
+    double smallest = INFINITY;
+    for (int i = 0; i < r->count; i++)
+        for (int axis = 0; axis < 3; axis++)
+            smallest = fmin(smallest, iso_grid_transform(r->surfaces[i]->subject.grid)->spacing[axis]);
+    return (float)smallest;
+}
+
+static iso_status check(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
+                        iso_error *error) {
+    if (count < 1 || count > ISO_SURFACE_MAX)
+        return iso_fail(error, ISO_ERR_USAGE, "%d surfaces: a picture has 1 to %d", count, ISO_SURFACE_MAX);
+    for (int i = 0; i < count; i++)
+        if (!surfaces[i]) return iso_fail(error, ISO_ERR_USAGE, "surface %d is NULL", i);
+    if (!iso_renderer_get(opts->method))
+        return iso_fail(error, ISO_ERR_USAGE, "there is no method %d", (int)opts->method);
+    return opts->camera ? iso_camera_check(opts->camera, error) : ISO_OK;
+}
+
+static void set_up(rendering *r, const iso_render_opts *opts) {
+    const iso_rgb white = {255, 255, 255};
+    for (int i = 0; i < r->count; i++)
+        r->colors[i] = r->surfaces[i]->has_color ? r->surfaces[i]->color : iso_shading_palette(i);
+    r->picture = (iso_picture_opts){
+        .camera = &r->camera,
+        .width = opts->width ? opts->width : DEFAULT_SIDE,
+        .height = opts->height ? opts->height : DEFAULT_SIDE,
+        .samples = opts->samples,
+        .shading = {r->colors, r->count, opts->background ? *opts->background : white, opts->transparent},
+        .draw = draw,
+        .draw_context = r,
+        .pool = r->surfaces[0]->volume->pool,
+        .aov = opts->aov};
+}
+
+iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
+                               iso_image *image, iso_error *error) {
+    static const iso_render_opts defaults;
+    if (!opts) opts = &defaults;
+    ISO_TRY(check(surfaces, count, opts, error));
+    rendering r = {.surfaces = surfaces, .count = count, .renderer = iso_renderer_get(opts->method)};
+    set_up(&r, opts);
+    const int width = r.picture.width, height = r.picture.height;
+    iso_box box;
+    ISO_TRY(make_room(width, height, image, opts->aov, error));
+    ISO_TRY(prepare(&r, &box, error));
+    if (opts->camera)
+        r.camera = *opts->camera;
+    else
+        ISO_TRY(iso_camera_of_box(&box, width, height, &opts->fit, &r.camera, error));
+    if (opts->aov) opts->aov->voxel = smallest_spacing(&r);
+    size_t covered = 0;
+    ISO_TRY(is_painted(&r) ? paint(&r, image, &covered, error)
+                           : iso_picture_render(&r.picture, image, &covered, error));
+    return covered ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
+}
+
+iso_status iso_render(iso_surface *surface, const iso_render_opts *opts, iso_image *image, iso_error *error) {
+    return iso_render_surfaces(&surface, 1, opts, image, error);
+}
+
+/* ---- files ---- */
+
+static iso_status check_image(const iso_image *image, const char *path, iso_error *error) {
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    return image->rgba ? ISO_OK : iso_fail(error, ISO_ERR_USAGE, "%s: there is no picture to write", path);
+}
+
+iso_status iso_image_write(const iso_image *image, const char *path, iso_error *error) {
+    char software[64] = "isopoint ";
+    strncat(software, iso_version(), sizeof software - strlen(software) - 1);
+    const iso_png_text text = {"Software", software};
+    ISO_TRY(check_image(image, path, error));
+    return iso_png_write(path, image, &text, 1, error);
+}
+
+iso_status iso_image_read(const char *path, iso_image *image, iso_error *error) {
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    return iso_png_read(path, image, error);
+}
+
+iso_status iso_aov_write(const iso_aov *aov, const char *path, iso_error *error) {
+    if (!path || !aov->depth)
+        return iso_fail(error, ISO_ERR_USAGE, "%s",
+                        path ? "there is no picture to write" : "no file is named");
+    const iso_exr_info info = {.software = "isopoint"};
+    return iso_exr_write(path, aov, &info, NULL, error);
+}
+
+iso_status iso_aov_read(const char *path, iso_aov *aov, iso_error *error) {
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    return iso_exr_read(path, NULL, aov, error);
+}

@@ -1,0 +1,262 @@
+/* Sculpting of isopoint.h: a session, its volume and the threads of both. */
+#include <math.h>
+#include <string.h>
+
+#include "api/internal.h"
+#include "base/memory.h"
+#include "extract/isovalue.h"
+#include "io/mesh_read.h"
+#include "sculpt/field.h"
+#include "sculpt/history.h"
+#include "sculpt/session.h"
+
+enum { DEFAULT_VOXELS = 256 };
+
+struct iso_sculpt {
+    iso_api_volume volume; /* its grid is the session's */
+    iso_session *session;
+};
+
+static const iso_sculpt_opts defaults;
+
+/* ---- life ---- */
+
+void iso_sculpt_destroy(iso_sculpt *sculpt) {
+    if (!sculpt) return;
+    iso_session_destroy(sculpt->session);
+    iso_pool_destroy(sculpt->volume.pool);
+    iso_free(sculpt);
+}
+
+static iso_status create(const iso_sculpt_opts *opts, iso_sculpt **sculpt, iso_error *error) {
+    iso_sculpt *made = iso_alloc_zero(1, sizeof *made);
+    if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a sculpt");
+    iso_status status = iso_api_pool(opts->threads, &made->volume.pool, error);
+    if (status == ISO_OK)
+        *sculpt = made;
+    else
+        iso_free(made);
+    return status;
+}
+
+static void describe(iso_sculpt *sculpt) {
+    iso_volume *volume = &sculpt->volume.volume;
+    iso_volume_info *info = &volume->info;
+    volume->grid.hgrid = iso_session_grid(sculpt->session);
+    sculpt->volume.borrowed = true;
+    strcpy(info->format, "sculpt");
+    memcpy(info->dims, volume->grid.hgrid->dims, sizeof info->dims);
+    info->type = ISO_FLOAT32;
+    strcpy(info->file_type, "float32");
+    info->components = 1;
+    info->transform = volume->grid.hgrid->transform;
+    info->scale = iso_grid_scale(&volume->grid);
+    info->level_set = info->sparse = true;
+    info->bytes = iso_hgrid_bytes(volume->grid.hgrid);
+}
+
+/* Starts the session of a field, which is taken over. */
+static iso_status begin_session(iso_sculpt *sculpt, iso_hgrid *grid, const iso_journal_start *start,
+                                const iso_session_opts *opts, iso_error *error) {
+    iso_session_opts with_pool = *opts;
+    with_pool.pool = sculpt->volume.pool;
+    ISO_TRY(iso_session_create(grid, start, &with_pool, &sculpt->session, error));
+    describe(sculpt);
+    return ISO_OK;
+}
+
+static iso_status hand_out(iso_status status, iso_sculpt *made, iso_sculpt **sculpt) {
+    if (status == ISO_OK)
+        *sculpt = made;
+    else
+        iso_sculpt_destroy(made);
+    return status;
+}
+
+/* ---- a new ball ---- */
+
+static iso_journal_start start_of(const iso_sculpt_opts *opts) {
+    iso_journal_start start = {.source = "ball", .voxel_size = opts->voxel_size > 0 ? opts->voxel_size : 1};
+    double origin[3], side = INFINITY;
+    for (int axis = 0; axis < 3; axis++) {
+        start.dims[axis] = opts->dims[axis] ? opts->dims[axis] : DEFAULT_VOXELS;
+        origin[axis] = -start.voxel_size * (start.dims[axis] - 1) / 2;
+        side = fmin(side, start.voxel_size * start.dims[axis]);
+    }
+    start.origin = iso_vec3_make(origin[0], origin[1], origin[2]);
+    start.radius = opts->radius > 0 ? opts->radius : side / 4;
+    return start;
+}
+
+static iso_status check_opts(const iso_sculpt_opts *opts, iso_error *error) {
+    if (!(opts->voxel_size >= 0) || !(opts->radius >= 0))
+        return iso_fail(error, ISO_ERR_USAGE, "a ball of %g mm in voxels of %g mm", opts->radius,
+                        opts->voxel_size);
+    for (int axis = 0; axis < 3; axis++)
+        if (opts->dims[axis] < 0)
+            return iso_fail(error, ISO_ERR_USAGE, "%d voxels along %c", opts->dims[axis], "xyz"[axis]);
+    return ISO_OK;
+}
+
+static iso_status make_ball(iso_sculpt *sculpt, const iso_journal_start *start, const iso_session_opts *opts,
+                            iso_error *error) {
+    iso_hgrid *grid;
+    ISO_TRY(iso_session_ball(start, &grid, error));
+    return begin_session(sculpt, grid, start, opts, error);
+}
+
+iso_status iso_sculpt_create(const iso_sculpt_opts *opts, iso_sculpt **sculpt, iso_error *error) {
+    iso_sculpt *made = NULL;
+    if (!opts) opts = &defaults;
+    ISO_TRY(check_opts(opts, error));
+    const iso_journal_start start = start_of(opts);
+    const iso_session_opts session = {.journal = opts->journal, .undo_memory = opts->undo_memory};
+    ISO_TRY(create(opts, &made, error));
+    return hand_out(make_ball(made, &start, &session, error), made, sculpt);
+}
+
+/* ---- of a volume ---- */
+
+static iso_status make_field(iso_sculpt *sculpt, const iso_grid *from, const iso_field_opts *how,
+                             const iso_session_opts *opts, iso_error *error) {
+    iso_hgrid *grid;
+    ISO_TRY(iso_field_from_grid("the volume", from, how, &grid, error));
+    const double *origin = grid->transform.origin;
+    iso_journal_start start = {.source = "volume",
+                               .voxel_size = grid->transform.spacing[0],
+                               .origin = iso_vec3_make(origin[0], origin[1], origin[2])};
+    memcpy(start.dims, grid->dims, sizeof start.dims);
+    return begin_session(sculpt, grid, &start, opts, error);
+}
+
+iso_status iso_sculpt_from_volume(iso_volume *volume, double isovalue, const iso_sculpt_opts *opts,
+                                  iso_sculpt **sculpt, iso_error *error) {
+    iso_sculpt *made = NULL;
+    if (!opts) opts = &defaults;
+    ISO_TRY(check_opts(opts, error));
+    if (opts->journal)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: only a new ball can have a journal", opts->journal);
+    if (!isfinite(isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not finite");
+    ISO_TRY(iso_isovalue_check(&volume->grid, isovalue, error));
+    ISO_TRY(create(opts, &made, error));
+    const iso_field_opts how = {.resampling = {.isovalue = iso_grid_stored(&volume->grid, isovalue),
+                                               .voxel = opts->voxel_size,
+                                               .pool = made->volume.pool}};
+    const iso_session_opts session = {.undo_memory = opts->undo_memory};
+    return hand_out(make_field(made, &volume->grid, &how, &session, error), made, sculpt);
+}
+
+/* ---- stroke files ---- */
+
+static iso_status check_start(const char *path, const iso_journal_start *start, iso_error *error) {
+    if (strcmp(start->source, "ball") == 0) return ISO_OK;
+    return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: began with the file '%s', not with a ball", path,
+                    start->source);
+}
+
+/* A stroke that broke off at the file's end is ended there. */
+static iso_status play(iso_sculpt *sculpt, iso_journal_reader *reader, iso_error *error) {
+    iso_event event;
+    bool more = true, drawing = false;
+    for (;;) {
+        ISO_TRY(iso_journal_next(reader, &event, &more, error));
+        if (!more) break;
+        ISO_TRY(iso_journal_blame(reader, iso_session_play(sculpt->session, &event, NULL, error), error));
+        if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
+    }
+    return drawing ? iso_journal_blame(reader, iso_session_end(sculpt->session, error), error) : ISO_OK;
+}
+
+/* `journal` NULL: the file is only read. */
+static iso_status open_strokes(const char *path, const char *journal, const iso_sculpt_opts *opts,
+                               iso_sculpt **sculpt, iso_error *error) {
+    iso_journal_start start;
+    iso_journal_reader *reader;
+    iso_sculpt *made = NULL;
+    if (!opts) opts = &defaults;
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    const iso_session_opts session = {
+        .journal = journal, .resume = journal != NULL, .undo_memory = opts->undo_memory};
+    ISO_TRY(iso_journal_open(path, &start, &reader, error));
+    iso_status status = check_start(path, &start, error);
+    if (status == ISO_OK) status = create(opts, &made, error);
+    if (status == ISO_OK) status = make_ball(made, &start, &session, error);
+    if (status == ISO_OK && !journal) status = play(made, reader, error);
+    iso_journal_reader_free(reader);
+    return hand_out(status, made, sculpt);
+}
+
+iso_status iso_sculpt_replay(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
+                             iso_error *error) {
+    return open_strokes(path, NULL, opts, sculpt, error);
+}
+
+iso_status iso_sculpt_resume(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
+                             iso_error *error) {
+    return open_strokes(path, path, opts, sculpt, error);
+}
+
+/* ---- strokes ---- */
+
+iso_volume *iso_sculpt_volume(iso_sculpt *sculpt) {
+    return &sculpt->volume.volume;
+}
+
+iso_status iso_sculpt_begin(iso_sculpt *sculpt, const iso_brush *brush, const iso_sample *sample,
+                            iso_edit_stats *stats, iso_error *error) {
+    return iso_session_begin(sculpt->session, brush, sample, stats, error);
+}
+
+iso_status iso_sculpt_sample(iso_sculpt *sculpt, const iso_sample *sample, iso_edit_stats *stats,
+                             iso_error *error) {
+    return iso_session_sample(sculpt->session, sample, stats, error);
+}
+
+iso_status iso_sculpt_end(iso_sculpt *sculpt, iso_error *error) {
+    return iso_session_end(sculpt->session, error);
+}
+
+iso_status iso_sculpt_cancel(iso_sculpt *sculpt, iso_error *error) {
+    return iso_session_cancel(sculpt->session, error);
+}
+
+iso_status iso_sculpt_undo(iso_sculpt *sculpt, iso_error *error) {
+    return iso_session_undo(sculpt->session, error);
+}
+
+iso_status iso_sculpt_redo(iso_sculpt *sculpt, iso_error *error) {
+    return iso_session_redo(sculpt->session, error);
+}
+
+size_t iso_sculpt_undo_count(iso_sculpt *sculpt) {
+    return iso_history_position(iso_session_history(sculpt->session));
+}
+
+size_t iso_sculpt_redo_count(iso_sculpt *sculpt) {
+    const iso_history *history = iso_session_history(sculpt->session);
+    return iso_history_count(history) - iso_history_position(history);
+}
+
+static iso_status read_stamp(const char *path, iso_pool *pool, iso_stamp **stamp, iso_error *error) {
+    const iso_closing_opts closing = {0};
+    iso_triangles mesh;
+    iso_closed_mesh *closed;
+    ISO_TRY(iso_mesh_read(path, NULL, &mesh, error));
+    iso_status status = iso_closed_mesh_create(path, &mesh, &closing, &closed, error);
+    iso_triangles_free(&mesh);
+    ISO_TRY(status);
+    status = iso_stamp_from_mesh(path, closed, pool, NULL, stamp, error);
+    iso_closed_mesh_destroy(closed);
+    return status;
+}
+
+iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error) {
+    iso_stamp *stamp;
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(read_stamp(path, sculpt->volume.pool, &stamp, error));
+    return iso_session_set_stamp(sculpt->session, stamp, error);
+}
+
+iso_status iso_sculpt_journal_status(iso_sculpt *sculpt, iso_error *error) {
+    return iso_session_journal_status(sculpt->session, error);
+}

@@ -1,0 +1,234 @@
+/* Surfaces of isopoint.h: a volume at an isovalue, as points, as a mesh, and in files. */
+#include <math.h>
+#include <string.h>
+
+#include "api/internal.h"
+#include "base/memory.h"
+#include "extract/isovalue.h"
+#include "extract/mesh_measure.h"
+#include "io/mesh_io.h"
+#include "io/points_io.h"
+#include "methods/bounds.h"
+
+/* The comment in the files that are written. */
+static const char COMMENT[] = "isopoint";
+
+/* ---- life ---- */
+
+static iso_status check_isovalue(const iso_grid *grid, double isovalue, iso_error *error) {
+    if (!isfinite(isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not finite");
+    return iso_isovalue_check(grid, isovalue, error);
+}
+
+static iso_status check_primitive(const iso_grid *grid, iso_primitive primitive, iso_error *error) {
+    if (primitive < ISO_PRIMITIVE_AUTO || primitive > ISO_PRIMITIVE_FOOT_ITERATED)
+        return iso_fail(error, ISO_ERR_USAGE, "there is no primitive %d", (int)primitive);
+    if (primitive == ISO_PRIMITIVE_FOOT && !iso_grid_is_level_set(grid))
+        return iso_fail(error, ISO_ERR_USAGE, "foot points need a level set");
+    return ISO_OK;
+}
+
+iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, iso_surface **surface,
+                              iso_error *error) {
+    static const iso_surface_opts defaults;
+    if (!opts) opts = &defaults;
+    ISO_TRY(check_isovalue(&volume->grid, opts->isovalue, error));
+    ISO_TRY(check_primitive(&volume->grid, opts->primitive, error));
+    iso_surface *made = iso_alloc_zero(1, sizeof *made);
+    if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a surface");
+    made->volume = iso_api_volume_of(volume);
+    made->volume->surfaces++;
+    made->subject = (iso_subject){
+        .grid = &volume->grid, .isovalue = opts->isovalue, .pool = made->volume->pool, .bounded = true};
+    made->primitive = opts->primitive;
+    made->has_color = opts->color != NULL;
+    if (opts->color) made->color = *opts->color;
+    *surface = made;
+    return ISO_OK;
+}
+
+void iso_surface_destroy(iso_surface *surface) {
+    if (!surface) return;
+    surface->volume->surfaces--;
+    iso_point_set_destroy(surface->points);
+    iso_subject_free(&surface->subject);
+    iso_free(surface);
+}
+
+iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_error *error) {
+    ISO_TRY(check_isovalue(surface->subject.grid, isovalue, error));
+    iso_subject_set_isovalue(&surface->subject, isovalue);
+    /* Which points AUTO stands for depends on the isovalue. */
+    iso_point_set_destroy(surface->points);
+    surface->points = NULL;
+    return ISO_OK;
+}
+
+/* ---- parts ---- */
+
+iso_status iso_api_surface_ready(iso_surface *surface, iso_error *error) {
+    iso_rgrid *grid = surface->subject.grid->rgrid;
+    return grid ? iso_rgrid_index(grid, surface->volume->pool, NULL, error) : ISO_OK;
+}
+
+static iso_status fail_empty(const iso_surface *surface, iso_error *error) {
+    return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g", surface->subject.isovalue);
+}
+
+iso_status iso_api_surface_part(iso_surface *surface, iso_part part, iso_error *error) {
+    ISO_TRY(iso_api_surface_ready(surface, error));
+    ISO_TRY(iso_subject_update(&surface->subject, part, error));
+    const bool counted = part != ISO_PART_CASTER;
+    return counted && iso_subject_size(&surface->subject, part).primitives == 0 ? fail_empty(surface, error)
+                                                                                : ISO_OK;
+}
+
+iso_box iso_api_surface_bounds(const iso_surface *surface, iso_part part) {
+    const iso_subject *subject = &surface->subject;
+    if (part == ISO_PART_POINTS) {
+        const iso_point_view points = iso_point_set_view(subject->points);
+        return iso_bounds_of_points(&points);
+    }
+    if (part == ISO_PART_MESH) {
+        const iso_mesh_view mesh = iso_mesh_set_view(subject->mesh);
+        return iso_bounds_of_mesh(&mesh);
+    }
+    return iso_bounds_of_cells(subject->exact, iso_grid_transform(subject->grid));
+}
+
+iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *error) {
+    ISO_TRY(iso_api_surface_part(surface, ISO_PART_CELLS, error));
+    const iso_box found = iso_api_surface_bounds(surface, ISO_PART_CELLS);
+    if (iso_box_is_empty(&found)) return fail_empty(surface, error);
+    *box = found;
+    return ISO_OK;
+}
+
+/* ---- points ---- */
+
+/* All bits of positions: packed points are for pictures. */
+static iso_status update_points(iso_surface *surface, iso_point_view *view, iso_error *error) {
+    const iso_points_opts opts = {.isovalue = surface->subject.isovalue,
+                                  .primitive = surface->primitive,
+                                  .floats = true,
+                                  .pool = surface->volume->pool};
+    ISO_TRY(iso_api_surface_ready(surface, error));
+    if (!surface->points)
+        ISO_TRY(iso_point_set_create(surface->subject.grid, &opts, &surface->points, error));
+    ISO_TRY(iso_point_set_update(surface->points, error));
+    *view = iso_point_set_view(surface->points);
+    return ISO_OK;
+}
+
+static void put(float out[3], iso_vec3 v) {
+    out[0] = (float)v.x;
+    out[1] = (float)v.y;
+    out[2] = (float)v.z;
+}
+
+static void copy_points(const iso_point_view *view, iso_surface_point *points) {
+    const iso_affine affine = iso_transform_affine(&view->transform);
+    for (size_t s = 0; s < view->span_count; s++) {
+        const iso_point_span *span = &view->spans[s];
+        for (uint32_t i = 0; i < span->count; i++, points++) {
+            const iso_surfel surfel = iso_point_view_get(view, span->first + i);
+            const float *p = surfel.position, *n = surfel.normal;
+            const iso_vec3 index = {span->brick[0] * (double)ISO_BRICK + p[0],
+                                    span->brick[1] * (double)ISO_BRICK + p[1],
+                                    span->brick[2] * (double)ISO_BRICK + p[2]};
+            put(points->position, iso_affine_point(&affine, index));
+            put(points->normal, iso_affine_normal(&affine, iso_vec3_make(n[0], n[1], n[2])));
+            points->radius = view->radii ? view->radii[span->first + i] : (float)view->radius;
+        }
+    }
+}
+
+iso_status iso_surface_points(iso_surface *surface, iso_surface_point *points, size_t capacity, size_t *count,
+                              iso_error *error) {
+    iso_point_view view;
+    ISO_TRY(update_points(surface, &view, error));
+    *count = iso_point_view_count(&view);
+    if (!points) return ISO_OK;
+    if (*count > capacity)
+        return iso_fail(error, ISO_ERR_LIMIT, "%zu points do not fit where there is room for %zu", *count,
+                        capacity);
+    copy_points(&view, points);
+    return ISO_OK;
+}
+
+iso_status iso_surface_write_points(iso_surface *surface, const char *path, iso_error *error) {
+    iso_point_view view;
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(update_points(surface, &view, error));
+    if (iso_point_view_count(&view) == 0) return fail_empty(surface, error);
+    return iso_points_write_ply(path, &view, COMMENT, error);
+}
+
+/* ---- meshes ---- */
+
+void iso_mesh_free(iso_mesh *mesh) {
+    iso_free(mesh->positions);
+    iso_free(mesh->normals);
+    iso_free(mesh->triangles);
+    *mesh = (iso_mesh){0};
+}
+
+static iso_status weld(iso_surface *surface, iso_mesh_view *view, iso_weld *welded, iso_error *error) {
+    ISO_TRY(iso_api_surface_ready(surface, error));
+    ISO_TRY(iso_subject_update(&surface->subject, ISO_PART_MESH, error));
+    *view = iso_mesh_set_view(surface->subject.mesh);
+    return iso_mesh_weld(view, welded, error);
+}
+
+/* The triangles of a left-handed volume are turned, so that they stay counter-clockwise. */
+static void copy_mesh(const iso_weld *welded, const iso_affine *affine, iso_mesh *mesh) {
+    const bool turned = affine->determinant < 0;
+    for (size_t i = 0; i < welded->vertex_count; i++) {
+        const float *p = welded->vertices[i].position, *n = welded->vertices[i].normal;
+        put(mesh->positions[i], iso_affine_point(affine, iso_vec3_make(p[0], p[1], p[2])));
+        put(mesh->normals[i], iso_affine_normal(affine, iso_vec3_make(n[0], n[1], n[2])));
+    }
+    for (size_t i = 0; i < welded->triangle_count; i++) {
+        const uint32_t *corner = welded->triangles[i];
+        mesh->triangles[i][0] = corner[0];
+        mesh->triangles[i][1] = corner[turned ? 2 : 1];
+        mesh->triangles[i][2] = corner[turned ? 1 : 2];
+    }
+}
+
+iso_status iso_surface_mesh(iso_surface *surface, iso_mesh *mesh, iso_error *error) {
+    iso_mesh_view view;
+    iso_weld welded;
+    ISO_TRY(weld(surface, &view, &welded, error));
+    iso_mesh made = {.positions = iso_alloc(welded.vertex_count * sizeof *made.positions),
+                     .normals = iso_alloc(welded.vertex_count * sizeof *made.normals),
+                     .triangles = iso_alloc(welded.triangle_count * sizeof *made.triangles),
+                     .vertex_count = welded.vertex_count,
+                     .triangle_count = welded.triangle_count};
+    const bool there = made.positions && made.normals && made.triangles;
+    const iso_affine affine = iso_transform_affine(&view.transform);
+    if (there) copy_mesh(&welded, &affine, &made);
+    iso_weld_free(&welded);
+    if (!there) {
+        iso_mesh_free(&made);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a mesh");
+    }
+    *mesh = made;
+    return ISO_OK;
+}
+
+iso_status iso_surface_measure(iso_surface *surface, iso_mesh_measures *measures, iso_error *error) {
+    iso_mesh_view view;
+    iso_weld welded;
+    ISO_TRY(weld(surface, &view, &welded, error));
+    iso_status status = iso_weld_measure(&welded, &view.transform, surface->volume->pool, measures, error);
+    iso_weld_free(&welded);
+    return status;
+}
+
+iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error) {
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_surface_part(surface, ISO_PART_MESH, error));
+    const iso_mesh_view view = iso_mesh_set_view(surface->subject.mesh);
+    return iso_mesh_write(path, &view, COMMENT, error);
+}

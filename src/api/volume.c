@@ -1,0 +1,193 @@
+/* Volumes of isopoint.h: files and lent arrays, with the threads that work for them. */
+#include <string.h>
+
+#include "api/internal.h"
+#include "base/memory.h"
+#include "extract/isovalue.h"
+#include "grids/level_set.h"
+
+#define ISO_TEXT_OF(number) #number
+#define ISO_TEXT(number) ISO_TEXT_OF(number)
+
+const char *iso_version(void) {
+    return ISO_TEXT(ISO_VERSION_MAJOR) "." ISO_TEXT(ISO_VERSION_MINOR) "." ISO_TEXT(ISO_VERSION_PATCH);
+}
+
+iso_status iso_api_pool(int threads, iso_pool **pool, iso_error *error) {
+    return iso_pool_create(threads, pool, error);
+}
+
+/* ---- opening ---- */
+
+static iso_volume_opts reading_of(const iso_open_opts *opts, iso_pool *pool) {
+    iso_volume_opts reading = {.grid = opts->grid,
+                               .series = opts->series,
+                               .component = opts->component,
+                               .raw = opts->raw,
+                               .max_memory = opts->max_memory,
+                               .pool = pool,
+                               .progress = opts->progress,
+                               .progress_context = opts->progress_context};
+    memcpy(reading.spacing, opts->spacing, sizeof reading.spacing);
+    return reading;
+}
+
+static iso_status check_path(const char *path, iso_error *error) {
+    return path ? ISO_OK : iso_fail(error, ISO_ERR_USAGE, "no file is named");
+}
+
+static iso_status create(int threads, iso_api_volume **volume, iso_error *error) {
+    iso_api_volume *made = iso_alloc_zero(1, sizeof *made);
+    if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a volume");
+    iso_status status = iso_api_pool(threads, &made->pool, error);
+    if (status == ISO_OK)
+        *volume = made;
+    else
+        iso_free(made);
+    return status;
+}
+
+iso_status iso_volume_open(const char *path, const iso_open_opts *opts, iso_volume **volume,
+                           iso_error *error) {
+    static const iso_open_opts defaults;
+    iso_api_volume *made = NULL;
+    if (!opts) opts = &defaults;
+    ISO_TRY(check_path(path, error));
+    ISO_TRY(create(opts->threads, &made, error));
+    const iso_volume_opts reading = reading_of(opts, made->pool);
+    iso_status status = iso_volume_read(path, &reading, &made->volume, error);
+    if (status == ISO_OK) {
+        *volume = &made->volume;
+        return ISO_OK;
+    }
+    iso_pool_destroy(made->pool);
+    iso_free(made);
+    return status;
+}
+
+iso_status iso_volume_inspect(const char *path, const iso_open_opts *opts, iso_volume_info *info,
+                              iso_error *error) {
+    static const iso_open_opts defaults;
+    const iso_volume_opts reading = reading_of(opts ? opts : &defaults, NULL);
+    ISO_TRY(check_path(path, error));
+    return iso_volume_read_info(path, &reading, info, error);
+}
+
+static void describe_lent(const iso_rgrid *grid, iso_volume_info *info) {
+    strcpy(info->format, "lent");
+    memcpy(info->dims, grid->dims, sizeof info->dims);
+    info->type = grid->type;
+    strcpy(info->file_type, iso_type_name(grid->type));
+    info->components = 1;
+    info->transform = grid->transform;
+    info->scale = grid->scale;
+    info->offset = grid->offset;
+    info->level_set = grid->level_set != 0;
+    info->bytes = iso_type_size(grid->type) * (uint64_t)grid->dims[0] * (uint64_t)grid->dims[1] *
+                  (uint64_t)grid->dims[2];
+}
+
+/* The index of bricks makes everything that asks where the surface is faster. The array is released by the
+ * grid from here on. */
+static iso_status lend(const iso_rgrid_desc *desc, iso_api_volume *volume, iso_error *error) {
+    iso_rgrid **grid = &volume->volume.grid.rgrid;
+    ISO_TRY(iso_rgrid_create(desc, grid, error));
+    describe_lent(*grid, &volume->volume.info);
+    return iso_rgrid_index(*grid, volume->pool, NULL, error);
+}
+
+iso_status iso_volume_lend(const iso_lend_opts *opts, iso_volume **volume, iso_error *error) {
+    iso_api_volume *made = NULL;
+    iso_status status = ISO_OK;
+    if (!opts || !opts->data || opts->type < ISO_UINT8 || opts->type > ISO_FLOAT32)
+        status = iso_fail(error, ISO_ERR_USAGE, "no array is lent, or one of an unknown type");
+    if (status == ISO_OK) status = create(opts->threads, &made, error);
+    if (status != ISO_OK) {
+        if (opts && opts->release) opts->release(opts->owner);
+        return status;
+    }
+    iso_rgrid_desc desc = {.type = opts->type,
+                           .data = opts->data,
+                           .release = opts->release,
+                           .owner = opts->owner,
+                           .scale = opts->scale,
+                           .offset = opts->offset,
+                           .transform = opts->transform,
+                           .level_set = opts->level_set};
+    memcpy(desc.dims, opts->dims, sizeof desc.dims);
+    status = lend(&desc, made, error);
+    if (status == ISO_OK)
+        *volume = &made->volume;
+    else
+        iso_volume_destroy(&made->volume);
+    return status;
+}
+
+void iso_volume_destroy(iso_volume *volume) {
+    if (!volume) return;
+    iso_api_volume *own = iso_api_volume_of(volume);
+    if (own->borrowed) return;
+    iso_volume_free(volume);
+    iso_pool_destroy(own->pool);
+    iso_free(own);
+}
+
+/* ---- what it is ---- */
+
+const iso_volume_info *iso_volume_describe(const iso_volume *volume) {
+    return &volume->info;
+}
+
+double iso_volume_value(const iso_volume *volume, int x, int y, int z) {
+    return iso_grid_physical(&volume->grid, iso_grid_at(&volume->grid, x, y, z));
+}
+
+iso_status iso_volume_histogram(iso_volume *volume, iso_histogram *histogram, iso_error *error) {
+    return iso_histogram_compute(&volume->grid, iso_api_volume_of(volume)->pool, histogram, error);
+}
+
+iso_status iso_volume_suggest(iso_volume *volume, double *isovalue, iso_error *error) {
+    iso_histogram histogram = {0};
+    double candidates[ISO_ISOVALUE_CANDIDATES];
+    if (!iso_grid_is_level_set(&volume->grid)) ISO_TRY(iso_volume_histogram(volume, &histogram, error));
+    if (iso_isovalue_suggest(&volume->grid, &histogram, candidates) == 0)
+        return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g", histogram.minimum);
+    *isovalue = candidates[0];
+    return ISO_OK;
+}
+
+/* ---- changes ---- */
+
+iso_status iso_volume_crop(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error) {
+    iso_api_volume *own = iso_api_volume_of(volume);
+    if (own->borrowed || own->surfaces > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "a volume that is sculpted or has surfaces cannot be cropped");
+    iso_grid *grid = &volume->grid;
+    if (grid->hgrid) {
+        iso_hgrid *cropped;
+        ISO_TRY(iso_hgrid_crop(grid->hgrid, lo, hi, &cropped, error));
+        iso_hgrid_destroy(grid->hgrid);
+        grid->hgrid = cropped;
+    } else {
+        ISO_TRY(iso_rgrid_crop(grid->rgrid, lo, hi, error));
+    }
+    memcpy(volume->info.dims, iso_grid_dims(grid), sizeof volume->info.dims);
+    volume->info.transform = *iso_grid_transform(grid);
+    return grid->rgrid ? iso_rgrid_index(grid->rgrid, own->pool, NULL, error) : ISO_OK;
+}
+
+iso_status iso_volume_changed(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error) {
+    if (volume->grid.hgrid)
+        return iso_fail(error, ISO_ERR_USAGE, "a sparse level set is changed by sculpting only");
+    return iso_rgrid_touch(volume->grid.rgrid, lo, hi, error);
+}
+
+/* ---- files ---- */
+
+iso_status iso_volume_write_vdb(const iso_volume *volume, const char *path, const char *name,
+                                iso_error *error) {
+    ISO_TRY(check_path(path, error));
+    if (!volume->grid.hgrid)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: only sparse level sets are written as .vdb", path);
+    return iso_level_set_write_vdb(path, volume->grid.hgrid, name ? name : "surface", NULL, error);
+}
