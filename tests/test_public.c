@@ -21,19 +21,13 @@
 enum { SIDE = 40, VOXELS = SIDE * SIDE * SIDE, PIXELS = 96 };
 static const double ISOVALUE = 100;
 
-/* ---- an array to lend: a ball that falls off, with a dent where an edit puts one */
+/* ---- an array to lend: a ball that falls off */
 
 static void fill(float *values, double radius) {
     for (int i = 0; i < VOXELS; i++) {
         double x = i % SIDE - 19.3, y = i / SIDE % SIDE - 20.1, z = i / (SIDE * SIDE) - 18.7;
         values[i] = (float)(ISOVALUE + 10 * (radius - sqrt(x * x + y * y + 1.3 * z * z)));
     }
-}
-
-static void dent(float *values) {
-    for (int z = 10; z < 20; z++)
-        for (int y = 0; y < 14; y++)
-            for (int x = 12; x < 24; x++) values[(z * SIDE + y) * SIDE + x] = 0;
 }
 
 static const iso_transform TRANSFORM = {{-5, 7, 11}, {1, 1, 1.5}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
@@ -61,6 +55,19 @@ typedef struct fixture {
     iso_volume *volume;
     iso_surface *surface;
 } fixture;
+
+static void write_box(fixture *f, const int lo[3], const int hi[3], float value) {
+    for (int z = lo[2]; z <= hi[2]; z++)
+        for (int y = lo[1]; y <= hi[1]; y++)
+            for (int x = lo[0]; x <= hi[0]; x++) f->values[(z * SIDE + y) * SIDE + x] = value;
+    assert_int_equal(iso_volume_changed(f->volume, lo, hi, NULL), ISO_OK);
+}
+
+/* A dent in the ball, and a cube in a brick that held no surface. */
+static void edit(fixture *f) {
+    write_box(f, (const int[3]){12, 0, 10}, (const int[3]){23, 13, 19}, 0);
+    write_box(f, (const int[3]){35, 35, 35}, (const int[3]){37, 37, 37}, 300);
+}
 
 static int set_up(void **state) {
     fixture *f = calloc(1, sizeof *f);
@@ -294,10 +301,7 @@ static void test_methods(void **state) {
             assert_same(&image, &expected);
             iso_image_free(&expected);
         }
-        const int lo[3] = {12, 0, 10}, hi[3] = {23, 13, 19};
-        if (edited) break;
-        dent(f->values);
-        assert_int_equal(iso_volume_changed(f->volume, lo, hi, NULL), ISO_OK);
+        if (!edited) edit(f);
     }
     iso_image_free(&image);
     iso_surface_destroy(surface);
@@ -307,9 +311,7 @@ static void test_following(void **state) {
     fixture *f = *state;
     size_t before, after, expected;
     assert_int_equal(iso_surface_points(f->surface, NULL, 0, &before, NULL), ISO_OK);
-    const int lo[3] = {12, 0, 10}, hi[3] = {23, 13, 19};
-    dent(f->values);
-    assert_int_equal(iso_volume_changed(f->volume, lo, hi, NULL), ISO_OK);
+    edit(f);
     assert_int_equal(iso_surface_points(f->surface, NULL, 0, &after, NULL), ISO_OK);
     iso_surface *fresh = surface_of(f->volume, ISOVALUE);
     assert_int_equal(iso_surface_points(fresh, NULL, 0, &expected, NULL), ISO_OK);
