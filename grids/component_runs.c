@@ -1,4 +1,5 @@
 #include "grids/component_runs.h"
+#include "base/disjoint_sets.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -18,25 +19,6 @@ typedef struct finder {
     iso_component_runs *runs;
 } finder;
 
-/* ---- union of runs; a parent is never above its child */
-
-static uint32_t root_of(uint32_t *parent, uint32_t i) {
-    while (parent[i] != i) {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    return i;
-}
-
-static void unite(uint32_t *parent, uint32_t a, uint32_t b) {
-    a = root_of(parent, a);
-    b = root_of(parent, b);
-    if (a < b)
-        parent[b] = a;
-    else
-        parent[a] = b;
-}
-
 /* The runs of one row, and what their numbers are counted from. */
 typedef struct run_row {
     const iso_run *runs;
@@ -48,7 +30,8 @@ static void join_rows(uint32_t *parent, run_row a, run_row b, int reach) {
     uint32_t i = 0, j = 0;
     while (i < a.count && j < b.count) {
         const iso_run p = a.runs[i], q = b.runs[j];
-        if (p.last + reach >= q.first && q.last + reach >= p.first) unite(parent, a.number + i, b.number + j);
+        if (p.last + reach >= q.first && q.last + reach >= p.first)
+            iso_set_unite(parent, a.number + i, b.number + j);
         if (p.last < q.last)
             i++;
         else

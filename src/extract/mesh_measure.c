@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "base/disjoint_sets.h"
 #include "base/memory.h"
 
 enum { BLOCK = 4096 }; /* triangles or vertices of one task; sums are made of whole blocks, in order */
@@ -110,30 +111,13 @@ static void add_triangles(void *context, size_t block, int worker) {
 
 /* ---- parts */
 
-static uint32_t root_of(uint32_t *parent, uint32_t i) {
-    while (parent[i] != i) {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    return i;
-}
-
-static void unite(uint32_t *parent, uint32_t a, uint32_t b) {
-    a = root_of(parent, a);
-    b = root_of(parent, b);
-    if (a < b)
-        parent[b] = a;
-    else
-        parent[a] = b;
-}
-
 static void count_parts(measuring *m, iso_mesh_measures *measures) {
     const iso_weld *weld = m->weld;
     for (size_t v = 0; v < weld->vertex_count; v++) m->parent[v] = UINT32_MAX;
     for (size_t t = 0; t < weld->triangle_count; t++)
         for (int k = 0; k < 3; k++) m->parent[weld->triangles[t][k]] = weld->triangles[t][k];
     for (size_t t = 0; t < weld->triangle_count; t++)
-        for (int k = 1; k < 3; k++) unite(m->parent, weld->triangles[t][0], weld->triangles[t][k]);
+        for (int k = 1; k < 3; k++) iso_set_unite(m->parent, weld->triangles[t][0], weld->triangles[t][k]);
     for (size_t v = 0; v < weld->vertex_count; v++) {
         measures->vertices += m->parent[v] != UINT32_MAX;
         measures->parts += m->parent[v] == v;
