@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "grids/module.h"
+#include "grids/volume/module.h"
 
 iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, const char *name,
                                    const iso_progress *progress, iso_error *error) {

@@ -4,7 +4,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "grids/closed_mesh.h"
+#include "grids/closing/closed_mesh.h"
 #include "grids/grid.h"
 
 #ifdef __cplusplus
@@ -28,9 +28,9 @@ typedef struct iso_mesh_frame {
     const iso_progress *progress; /* told from any thread; cancelled: ISO_ERR_IO */
 } iso_mesh_frame;
 
-/* The level set, with a band of 3 voxels, of the solid that a mesh encloses (grids/closed_mesh.h). The same
- * for every number of threads. The time is that of a search in the mesh's tree for each voxel of the band,
- * O(log n) each for n triangles. `path` is for messages.
+/* The level set, with a band of 3 voxels, of the solid that a mesh encloses (grids/closing/closed_mesh.h).
+ * The same for every number of threads. The time is that of a search in the mesh's tree for each voxel of the
+ * band, O(log n) each for n triangles. `path` is for messages.
  *
  * The voxels' volume is compared with the mesh's. ISO_ERR_EMPTY: less than half of it would be left, as the
  * voxels are too large for parts that thin. ISO_ERR_FORMAT: they differ by more than voxels explain.

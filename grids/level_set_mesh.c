@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "grids/closing/mesh_buried.h"
 #include "grids/level_set.h"
-#include "grids/mesh_buried.h"
 
 static const double BAND = 3;
 /* Rounding of distances, in voxels. */

@@ -1,4 +1,4 @@
-/* A piece of pull-push's shaders: the pixels of a pyramid (render/pyramid.h), which lie in buffers, level after
+/* A piece of pull-push's shaders: the pixels of a pyramid (render/pullpush/pyramid.h), which lie in buffers, level after
  * level. Pixels beyond a level's sides are empty.
  *
  * COLORS 1: points have colours of their own. */

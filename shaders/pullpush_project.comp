@@ -1,5 +1,5 @@
 /* Points to keys: each goes into the pixel of the base level that its centre lies in, and the smallest key of a
- * pixel is its point (render/pyramid.h), whatever the order.
+ * pixel is its point (render/pullpush/pyramid.h), whatever the order.
  *
  * KIND 0: depths alone; 1: then payloads of the points whose depths those are, the smallest; 2: then the radii of
  * these and their colours, the smallest of each; 3: depths and payloads at once, where 64 bits can be compared and exchanged.

@@ -1,4 +1,4 @@
-/* A piece of the refined reconstruction's shaders (render/refined.h): what the vertices of a disc tell its pixels,
+/* A piece of the refined reconstruction's shaders (render/refined/refined.h): what the vertices of a disc tell its pixels,
  * and its shape operator, a symmetric matrix. */
 layout(std140, binding = ISO_GL_REFINED) uniform refined_block { ISO_GL_REFINED_FIELDS };
 

@@ -1,4 +1,4 @@
-/* Colours of a part of a picture, with the arithmetic of render/shading.h or from the picture of a lit sphere,
+/* Colours of a part of a picture, with the arithmetic of render/shading/shading.h or from the picture of a lit sphere,
  * and the samples that a cursor picks from.
  *
  * BUFFER 1: the samples are pull-push's, in a buffer; else what fragments left in textures. */

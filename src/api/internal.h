@@ -4,8 +4,8 @@
 #define ISO_API_INTERNAL_H
 
 #include "base/parallel.h"
-#include "extract/points.h"
-#include "grids/volume.h"
+#include "extract/points/points.h"
+#include "grids/volume/volume.h"
 #include "isopoint.h"
 #include "methods/method.h"
 

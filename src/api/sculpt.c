@@ -4,11 +4,11 @@
 
 #include "api/internal.h"
 #include "base/memory.h"
-#include "extract/isovalue.h"
+#include "extract/isovalue/isovalue.h"
 #include "io/mesh_read.h"
-#include "sculpt/field.h"
-#include "sculpt/history.h"
-#include "sculpt/session.h"
+#include "sculpt/field/field.h"
+#include "sculpt/session/history.h"
+#include "sculpt/session/session.h"
 
 enum { DEFAULT_VOXELS = 256 };
 

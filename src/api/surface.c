@@ -4,8 +4,8 @@
 
 #include "api/internal.h"
 #include "base/memory.h"
-#include "extract/isovalue.h"
-#include "extract/mesh_measure.h"
+#include "extract/isovalue/isovalue.h"
+#include "extract/mesh/mesh_measure.h"
 #include "io/mesh_io.h"
 #include "io/points_io.h"
 #include "methods/bounds.h"

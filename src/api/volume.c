@@ -3,7 +3,7 @@
 
 #include "api/internal.h"
 #include "base/memory.h"
-#include "extract/isovalue.h"
+#include "extract/isovalue/isovalue.h"
 #include "grids/level_set.h"
 
 #define ISO_TEXT_OF(number) #number

@@ -12,7 +12,7 @@
 #include "base/parallel.h"
 #include "base/status.h"
 #include "compare/silhouette.h"
-#include "render/shading.h"
+#include "render/shading/shading.h"
 
 #ifdef __cplusplus
 extern "C" {

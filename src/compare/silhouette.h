@@ -10,7 +10,7 @@
 
 #include "base/parallel.h"
 #include "base/status.h"
-#include "render/shading.h"
+#include "render/shading/shading.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -11,7 +11,7 @@
 #include "image/camera.h"
 #include "image/image.h"
 #include "methods/method.h"
-#include "render/shading.h"
+#include "render/shading/shading.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -6,7 +6,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "extract/mesh.h"
+#include "extract/mesh/mesh.h"
 #include "io/encode.h"
 
 /* A mesh on its way to a file: world positions are computed as they are written. */

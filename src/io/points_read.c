@@ -84,8 +84,8 @@ static bool make_normal(const double n[3], float normal[3]) {
     return true;
 }
 
-/* Positions, and radii, farther out than the readers of volumes allow (grids/volume.c): no camera frames
- * them. */
+/* Positions, and radii, farther out than the readers of volumes allow (grids/volume/volume.c): no camera
+ * frames them. */
 static const double farthest = 1e12;
 
 /* Makes the point; false when it must be dropped. */

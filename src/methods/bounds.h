@@ -6,7 +6,7 @@
 #define ISO_METHODS_BOUNDS_H
 
 #include "base/primitives.h"
-#include "truth/exact.h"
+#include "exact/exact.h"
 
 #ifdef __cplusplus
 extern "C" {

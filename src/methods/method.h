@@ -7,12 +7,12 @@
 #define ISO_METHODS_METHOD_H
 
 #include "base/parallel.h"
-#include "extract/mesh.h"
-#include "extract/points.h"
+#include "exact/exact.h"
+#include "extract/mesh/mesh.h"
+#include "extract/points/points.h"
 #include "grids/grid.h"
-#include "render/draw.h"
-#include "render/pullpush.h"
-#include "truth/exact.h"
+#include "render/pullpush/pullpush.h"
+#include "render/raster/raster.h"
 #include "truth/raycast.h"
 
 #ifdef __cplusplus

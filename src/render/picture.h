@@ -7,7 +7,7 @@
 #include "image/camera.h"
 #include "image/image.h"
 #include "render/gbuffer.h"
-#include "render/shading.h"
+#include "render/shading/shading.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -5,7 +5,7 @@
 
 #include "base/memory.h"
 #include "render/project.h"
-#include "render/pyramid.h"
+#include "render/pullpush/pyramid.h"
 
 /* The radius of a point's disc, in the point's own radii: discs that only just meet leave holes. */
 #define ISO_DISC_RADII 1.25f

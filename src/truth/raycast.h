@@ -7,7 +7,7 @@
 #define ISO_TRUTH_RAYCAST_H
 
 #include "grids/grid.h"
-#include "render/draw.h"
+#include "render/raster/raster.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/options.h"
+#include "apps/common/options.h"
 #include "bench_harness.h"
 #include "bench_quality.h"
 

@@ -11,8 +11,8 @@
 #include <time.h>
 
 #include "bench_scenes.h"
-#include "extract/points.h"
-#include "grids/volume.h"
+#include "extract/points/points.h"
+#include "grids/volume/volume.h"
 
 static double milliseconds(clockid_t clock) {
     struct timespec now;

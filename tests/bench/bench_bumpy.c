@@ -6,7 +6,7 @@
 
 #include "base/memory.h"
 #include "base/point_bounds.h"
-#include "extract/points.h"
+#include "extract/points/points.h"
 
 /* ---- the field, in units of the picture's world: negative inside ---- */
 

@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/primitives.h"
-#include "extract/mesh.h"
+#include "extract/mesh/mesh.h"
 #include "grids/hgrid.h"
 
 #ifdef __cplusplus

@@ -4,7 +4,7 @@
 
 #include "bench_harness.h"
 #include "bench_scenes.h"
-#include "extract/points.h"
+#include "extract/points/points.h"
 
 /* ---- a brush on the head ---- */
 

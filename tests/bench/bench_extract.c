@@ -10,8 +10,8 @@
 #include "base/memory.h"
 #include "bench_harness.h"
 #include "bench_peers.h"
-#include "extract/mesh.h"
-#include "extract/points.h"
+#include "extract/mesh/mesh.h"
+#include "extract/points/points.h"
 
 #define CT_ISOVALUE 127.5
 #define CT_ISOVALUE_FEW 212.5

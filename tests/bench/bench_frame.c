@@ -2,8 +2,8 @@
 
 #include <stdlib.h>
 
-#include "render/pullpush.h"
-#include "render/shading.h"
+#include "render/pullpush/pullpush.h"
+#include "render/shading/shading.h"
 
 static const iso_rgb COLOR = {0xD9, 0xB3, 0x6C};
 static const iso_shading SHADING = {.colors = &COLOR, .color_count = 1};

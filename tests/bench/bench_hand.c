@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "bench_harness.h"
-#include "sculpt/journal.h"
+#include "sculpt/session/journal.h"
 
 /* A person's strokes with each tool in turn, over the side of a ball that the picture shows. */
 enum { STROKES = 24, SAMPLES = 40 };

@@ -14,14 +14,14 @@
 #include <sys/stat.h>
 #include <time.h>
 
-#include "apps/json.h"
-#include "apps/options.h"
+#include "apps/common/json.h"
+#include "apps/common/options.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "compare/metrics.h"
 #include "compare/study.h"
-#include "grids/scenes.h"
-#include "grids/volume.h"
+#include "grids/scenes/scenes.h"
+#include "grids/volume/volume.h"
 #include "methods/method.h"
 
 enum { ENTRIES = 64, ROWS = 1024, NAME = QUALITY_NAME, ZOOMS = 3 };
@@ -424,7 +424,7 @@ static iso_status run_all(state *s, iso_error *error) {
 /* ---- the command line ---- */
 
 #define FIELD(name) .offset = offsetof(settings, name)
-#include "apps/option_rows.h"
+#include "apps/common/option_rows.h"
 
 static const iso_option options[] = {
     {"json", NULL, "FILE", "write one object a row", TEXT(json)},

@@ -6,7 +6,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "apps/json.h"
+#include "apps/common/json.h"
 #include "bench_harness.h"
 
 /* ---- the machine ---- */

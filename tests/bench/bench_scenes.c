@@ -5,7 +5,7 @@
 #include <time.h>
 
 #include "base/memory.h"
-#include "grids/scenes.h"
+#include "grids/scenes/scenes.h"
 
 struct bench_scenes {
     iso_pool *pool;           /* scenes may be made with all processors */

@@ -4,7 +4,7 @@
 #ifndef ISO_TESTS_BENCH_SCENES_H
 #define ISO_TESTS_BENCH_SCENES_H
 
-#include "extract/points.h"
+#include "extract/points/points.h"
 #include "grids/grid.h"
 
 #ifdef __cplusplus

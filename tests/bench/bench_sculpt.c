@@ -6,9 +6,9 @@
 #include "bench_harness.h"
 #include "bench_peers.h"
 #include "bench_scenes.h"
-#include "extract/points.h"
-#include "sculpt/edit.h"
-#include "sculpt/history.h"
+#include "extract/points/points.h"
+#include "sculpt/field/edit.h"
+#include "sculpt/session/history.h"
 
 /* A stroke is so many touches, a quarter of the radius apart; then it is undone and the next begins
  * elsewhere. A turn is always the same number of strokes, however long they take: rows that are compared with

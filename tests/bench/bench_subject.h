@@ -6,11 +6,11 @@
 #include "bench_bumpy.h"
 #include "bench_child.h"
 #include "bench_harness.h"
-#include "extract/points.h"
-#include "grids/volume.h"
+#include "exact/exact.h"
+#include "extract/points/points.h"
+#include "grids/volume/volume.h"
 #include "image/image.h"
-#include "render/draw.h"
-#include "truth/exact.h"
+#include "render/raster/raster.h"
 #include "truth/raycast.h"
 
 #ifdef __cplusplus

@@ -1,9 +1,9 @@
 /* The fields that stroke files make, and pictures of them. */
 #include <stdio.h>
 
-#include "extract/points.h"
+#include "extract/points/points.h"
 #include "golden.h"
-#include "sculpt/session.h"
+#include "sculpt/session/session.h"
 
 /* Cells without a brick count by their state, bricks by all of their values. */
 static uint64_t hash_field(const iso_hgrid *grid) {

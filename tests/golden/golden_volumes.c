@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "golden.h"
-#include "grids/scenes.h"
-#include "grids/volume.h"
+#include "grids/scenes/scenes.h"
+#include "grids/volume/volume.h"
 #include "methods/method.h"
 #include "render/picture.h"
 

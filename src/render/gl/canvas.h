@@ -5,7 +5,7 @@
 
 #include "image/image.h"
 #include "render/gl/pullpush.h"
-#include "render/shading.h"
+#include "render/shading/shading.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -20,8 +20,8 @@ void iso_gl_canvas_destroy(iso_gl_canvas *canvas); /* NULL is fine */
 typedef struct iso_gl_paint {
     int factor; /* a pixel is factor x factor samples, 1 .. ISO_FACTOR_MAX */
     iso_rgb color, background;
-    /* NULL: shaded as by render/shading.h. Else by a picture of a lit sphere, sphere_side x sphere_side: red,
-     * green, blue of the normals with x and y from -1 to 1. */
+    /* NULL: shaded as by render/shading/shading.h. Else by a picture of a lit sphere, sphere_side x
+     * sphere_side: red, green, blue of the normals with x and y from -1 to 1. */
     const uint8_t *sphere;
     int sphere_side;
 } iso_gl_paint;

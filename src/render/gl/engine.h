@@ -1,7 +1,8 @@
-/* engine: points and meshes into a gbuffer by OpenGL, with the conventions of render/draw.h.
+/* engine: points and meshes into a gbuffer by OpenGL, with the conventions of render/raster/raster.h.
  *
- * The gbuffer is read back and shaded by render/shading.h, as the cpu engine's is: pictures of both engines
- * agree but for pixels where rounding decides. An engine is used by one thread at a time, as its context is.
+ * The gbuffer is read back and shaded by render/shading/shading.h, as the cpu engine's is: pictures of both
+ * engines agree but for pixels where rounding decides. An engine is used by one thread at a time, as its
+ * context is.
  */
 #ifndef ISO_RENDER_GL_ENGINE_H
 #define ISO_RENDER_GL_ENGINE_H

@@ -10,7 +10,7 @@
 #include "render/gl/refined.h"
 #include "render/gl/shape.h"
 #include "render/gl/shared.h"
-#include "render/pullpush_setup.h"
+#include "render/pullpush/setup.h"
 
 enum {
     STRIP_ROWS_LEAST = 64,

@@ -1,11 +1,11 @@
-/* gl/pullpush: render/pullpush.h by OpenGL: box and gaussian reconstruction by compute shaders, refined by
- * splats (Botsch, Hornung, Zwicker and Kobbelt 2005): the nearest depths first, then sums over the discs that
- * are no further behind these than their thickness. */
+/* gl/pullpush: render/pullpush/pullpush.h by OpenGL: box and gaussian reconstruction by compute shaders,
+ * refined by splats (Botsch, Hornung, Zwicker and Kobbelt 2005): the nearest depths first, then sums over the
+ * discs that are no further behind these than their thickness. */
 #ifndef ISO_RENDER_GL_PULLPUSH_H
 #define ISO_RENDER_GL_PULLPUSH_H
 
 #include "render/gl/engine.h"
-#include "render/pullpush.h"
+#include "render/pullpush/pullpush.h"
 
 #ifdef __cplusplus
 extern "C" {

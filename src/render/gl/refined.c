@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "render/gl/shared.h"
-#include "render/refined_numbers.h"
-#include "render/refined_setup.h"
+#include "render/refined/refined_numbers.h"
+#include "render/refined/setup.h"
 
 enum {
     SUMS = 4,

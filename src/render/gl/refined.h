@@ -1,4 +1,4 @@
-/* gl/refined: the refined reconstruction (render/refined.h) by OpenGL. Inside render/gl only. */
+/* gl/refined: the refined reconstruction (render/refined/refined.h) by OpenGL. Inside render/gl only. */
 #ifndef ISO_RENDER_GL_REFINED_H
 #define ISO_RENDER_GL_REFINED_H
 

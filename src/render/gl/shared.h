@@ -56,7 +56,7 @@
 #define ISO_GL_GROUP 64
 #define ISO_GL_TILE 8
 
-/* Pull-push, as render/pyramid.h has it. */
+/* Pull-push, as render/pullpush/pyramid.h has it. */
 #define ISO_GL_LEVELS 11
 #define ISO_GL_NOWHERE 1e30
 #define ISO_GL_KEY_NONE 0xFFFFFFFFu /* no depth's, made to order */
@@ -146,7 +146,7 @@
     ISO_GL_FLOATS(eye);    /* steps; orthographic: direction of the view */                                  \
     ISO_GL_UINTS(part);    /* first point in what is bound, count, leave out those that face away */
 
-/* std140. A part of a picture, shaded: samples as in render/shading.h. */
+/* std140. A part of a picture, shaded: samples as in render/shading/shading.h. */
 #define ISO_GL_SHADE_FIELDS                                                                                  \
     ISO_GL_FLOATS(ray);        /* optical axis in the part's samples; 1 / focal, 0: orthographic */          \
     ISO_GL_FLOATS(color);      /* 0 .. 1 */                                                                  \

@@ -1,0 +1,22 @@
+/* json_parts: objects that the reports of several programs have in common. */
+#ifndef ISO_APPS_JSON_PARTS_H
+#define ISO_APPS_JSON_PARTS_H
+
+#include "apps/common/json.h"
+#include "extract/mesh/mesh_measure.h"
+#include "grids/parts/components.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Which parts of the solid were kept and dropped. */
+void iso_put_components(iso_json *json, const char *key, const iso_components_totals *parts);
+
+/* Area (mm2), volume (mm3; null when the mesh is open), parts, edges and Euler number of a mesh. */
+void iso_put_mesh_measures(iso_json *json, const char *key, const iso_mesh_measures *measures);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,365 @@
+#define _XOPEN_SOURCE 700 /* SIGXFSZ */
+#include "apps/common/options.h"
+
+#include <limits.h>
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/thread.h"
+#include "image/image.h"
+
+/* ---- numbers ---- */
+
+/* strtod also takes blanks, hexadecimal, inf and nan: none of them is meant on a command line. The programs
+ * never leave the C locale. */
+static bool real_prefix(const char *text, double *out, const char **end) {
+    size_t length = strspn(text, "0123456789+-.eE");
+    if (length == 0) return false;
+    char *stop = NULL;
+    double value = strtod(text, &stop);
+    if (stop == text || !isfinite(value)) return false;
+    *out = value;
+    *end = stop;
+    return stop <= text + length;
+}
+
+bool iso_parse_real(const char *text, double *out) {
+    double value;
+    const char *end;
+    if (!real_prefix(text, &value, &end) || *end) return false;
+    *out = value;
+    return true;
+}
+
+bool iso_parse_int(const char *text, int *out) {
+    const char *digits = text + (*text == '-' || *text == '+');
+    if (!*digits || digits[strspn(digits, "0123456789")]) return false;
+    double value;
+    if (!iso_parse_real(text, &value) || value < INT_MIN || value > INT_MAX) return false;
+    *out = (int)value;
+    return true;
+}
+
+bool iso_parse_reals(const char *text, int count, double *out) {
+    enum { MOST = 16 };
+    double values[MOST];
+    if (count > MOST) return false;
+    for (int i = 0; i < count; i++) {
+        const char *end;
+        if (!real_prefix(text, &values[i], &end) || *end != (i + 1 < count ? ',' : 0)) return false;
+        text = end + 1;
+    }
+    memcpy(out, values, (size_t)count * sizeof *out);
+    return true;
+}
+
+bool iso_parse_size(const char *text, uint64_t *out) {
+    static const char units[] = "KMGT";
+    double value;
+    const char *end;
+    if (!real_prefix(text, &value, &end) || !(value > 0)) return false;
+    if (*end) {
+        const char *unit = strchr(units, *end >= 'a' ? *end - ('a' - 'A') : *end);
+        if (unit)
+            for (long i = unit - units; i >= 0; i--) value *= 1024;
+        end += unit != NULL;
+        if (unit && end[0] == 'i') end++;
+        if (end[0] == 'B' || (end[0] == 'b' && unit)) end++;
+    }
+    if (*end || value < 1 || value >= 0x1p63) return false;
+    *out = (uint64_t)value;
+    return true;
+}
+
+iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error) {
+    size_t digits = strspn(text, "0123456789");
+    char width[16] = "";
+    int w, h;
+    bool separated = digits > 0 && digits < sizeof width && (text[digits] == 'x' || text[digits] == ',');
+    if (separated) memcpy(width, text, digits);
+    if (!separated || !iso_parse_int(width, &w) || !iso_parse_int(text + digits + 1, &h))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not WxH, such as 1920x1080", text);
+    if (w < 1 || h < 1 || w > ISO_IMAGE_MAX || h > ISO_IMAGE_MAX)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: sides must be 1 to %d pixels", text, ISO_IMAGE_MAX);
+    size[0] = w;
+    size[1] = h;
+    return ISO_OK;
+}
+
+static bool parse_hexadecimal_color(const char *text, uint8_t rgb[3]) {
+    if (*text == '#') text++;
+    if (strlen(text) != 6) return false;
+    unsigned number = 0;
+    for (int i = 0; i < 6; i++) {
+        const char *digits = "0123456789abcdef";
+        const char *digit = strchr(digits, text[i] >= 'A' && text[i] <= 'F' ? text[i] - 'A' + 'a' : text[i]);
+        if (!digit) return false;
+        number = number * 16 + (unsigned)(digit - digits);
+    }
+    for (int i = 0; i < 3; i++) rgb[i] = (uint8_t)(number >> (16 - 8 * i));
+    return true;
+}
+
+/* Letters in either case; nothing depends on the locale. */
+static bool same_letters(const char *a, const char *b) {
+    for (; *a && *b; a++, b++) {
+        char x = *a >= 'A' && *a <= 'Z' ? (char)(*a - 'A' + 'a') : *a;
+        if (x != *b) return false;
+    }
+    return *a == *b;
+}
+
+static const struct color_name {
+    const char *name;
+    unsigned rgb;
+} color_names[] = {
+#include "color_names.inc"
+};
+
+bool iso_parse_color(const char *text, uint8_t rgb[3]) {
+    if (parse_hexadecimal_color(text, rgb)) return true;
+    for (size_t i = 0; i < sizeof color_names / sizeof *color_names; i++) {
+        if (!same_letters(text, color_names[i].name)) continue;
+        for (int k = 0; k < 3; k++) rgb[k] = (uint8_t)(color_names[i].rgb >> (16 - 8 * k));
+        return true;
+    }
+    return false;
+}
+
+/* ---- names ---- */
+
+/* Whether `name` (of `length` characters) is one of the words of `words`. */
+static bool has_word(const char *words, const char *name, size_t length) {
+    while (words && *words) {
+        size_t word = strcspn(words, " ");
+        if (word == length && memcmp(words, name, length) == 0) return true;
+        words += word + (words[word] == ' ');
+    }
+    return false;
+}
+
+static const iso_option *find(const iso_program *program, const char *name, size_t length) {
+    for (size_t i = 0; i < program->option_count; i++) {
+        const iso_option *option = &program->options[i];
+        if (has_word(option->name, name, length) || has_word(option->aliases, name, length)) return option;
+    }
+    return NULL;
+}
+
+enum { NAME_MAX_LENGTH = 63 };
+
+static int least(int a, int b, int c) {
+    int low = a < b ? a : b;
+    return low < c ? low : c;
+}
+
+/* Edits (insert, delete, replace, swap neighbours) between two names. */
+static int distance(const char *a, const char *b) {
+    int row[3][NAME_MAX_LENGTH + 1];
+    int la = (int)strlen(a), lb = (int)strlen(b);
+    if (la > NAME_MAX_LENGTH || lb > NAME_MAX_LENGTH) return INT_MAX;
+    for (int j = 0; j <= lb; j++) row[0][j] = j;
+    for (int i = 1; i <= la; i++) {
+        int *now = row[i % 3], *last = row[(i + 2) % 3], *before = row[(i + 1) % 3];
+        now[0] = i;
+        for (int j = 1; j <= lb; j++) {
+            now[j] = least(last[j] + 1, now[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1]));
+            bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+            if (swapped && before[j - 2] + 1 < now[j]) now[j] = before[j - 2] + 1;
+        }
+    }
+    return row[la % 3][lb];
+}
+
+/* An unfinished name is nearer than any misspelt one. */
+static int remoteness(const char *typed, const char *name) {
+    size_t length = strlen(typed);
+    if (length >= 2 && strncmp(typed, name, length) == 0) return 0;
+    int edits = distance(typed, name);
+    int allowed = length < 4 ? 1 : length < 9 ? 2 : 3;
+    return edits <= allowed ? edits : INT_MAX;
+}
+
+const char *iso_options_nearest(const iso_program *program, const char *name) {
+    const char *nearest = NULL;
+    int best = INT_MAX;
+    for (size_t i = 0; i < program->option_count; i++) {
+        const iso_option *option = &program->options[i];
+        if (option->flags & ISO_OPTION_HIDDEN) continue;
+        int far = remoteness(name, option->name);
+        if (far < best) {
+            best = far;
+            nearest = option->name;
+        }
+    }
+    return nearest;
+}
+
+static iso_status fail_unknown(const iso_program *program, const char *argument, iso_error *error) {
+    char name[NAME_MAX_LENGTH + 1];
+    const char *bare = argument + strspn(argument, "-");
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(bare, "="), bare);
+    const char *nearest = iso_options_nearest(program, name);
+    int length = (int)strcspn(argument, "=");
+    if (nearest)
+        return iso_fail(error, ISO_ERR_USAGE, "unknown option %.*s (did you mean --%s?)", length, argument,
+                        nearest);
+    return iso_fail(error, ISO_ERR_USAGE, "unknown option %.*s (see --help)", length, argument);
+}
+
+/* ---- values ---- */
+
+static bool in_range(const iso_option *option, double value) {
+    return value >= option->low && value <= option->high;
+}
+
+static iso_status store_int(const iso_option *option, const char *value, int *out, iso_error *error) {
+    int number;
+    if (!iso_parse_int(value, &number) || !in_range(option, number))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a whole number from %.0f to %.0f", value,
+                        option->low, option->high);
+    *out = number;
+    return ISO_OK;
+}
+
+static iso_status store_real(const iso_option *option, const char *value, double *out, iso_error *error) {
+    double number;
+    if (!iso_parse_real(value, &number)) return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a number", value);
+    if (!in_range(option, number))
+        return iso_fail(error, ISO_ERR_USAGE, "%s is not in %g .. %g", value, option->low, option->high);
+    *out = number;
+    return ISO_OK;
+}
+
+static iso_status store_ints(const iso_option *option, const char *value, int *out, iso_error *error) {
+    double numbers[16];
+    bool good = iso_parse_reals(value, option->count, numbers);
+    for (int i = 0; good && i < option->count; i++)
+        good = numbers[i] == floor(numbers[i]) && in_range(option, numbers[i]);
+    if (!good)
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not %d whole numbers separated by commas", value,
+                        option->count);
+    for (int i = 0; i < option->count; i++) out[i] = (int)numbers[i];
+    return ISO_OK;
+}
+
+static iso_status store_choice(const iso_option *option, const char *value, int *out, iso_error *error) {
+    char known[256] = "";
+    size_t used = 0;
+    for (int i = 0; option->choices[i]; i++) {
+        if (strcmp(option->choices[i], value) == 0) {
+            *out = i;
+            return ISO_OK;
+        }
+        if (used < sizeof known)
+            used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "",
+                                     option->choices[i]);
+    }
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of %s", value, known);
+}
+
+static iso_status store(const iso_option *option, const char *value, void *settings, iso_error *error) {
+    void *field = (char *)settings + option->offset;
+    switch (option->kind) {
+    case ISO_OPTION_FLAG:
+        *(int *)field = 1;
+        return ISO_OK;
+    case ISO_OPTION_TEXT:
+        if (!*value) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
+        *(const char **)field = value;
+        return ISO_OK;
+    case ISO_OPTION_INT:
+        if (!value) *(int *)field = 1;
+        if (!value) return ISO_OK;
+        return store_int(option, value, field, error);
+    case ISO_OPTION_REAL:
+        return store_real(option, value, field, error);
+    case ISO_OPTION_REALS:
+        if (iso_parse_reals(value, option->count, field)) return ISO_OK;
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not %d numbers separated by commas", value,
+                        option->count);
+    case ISO_OPTION_INTS:
+        return store_ints(option, value, field, error);
+    case ISO_OPTION_CHOICE:
+        return store_choice(option, value, field, error);
+    case ISO_OPTION_SIZE:
+        if (iso_parse_size(value, field)) return ISO_OK;
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a size such as 4096, 512M or 2G", value);
+    case ISO_OPTION_CALL:
+        break;
+    }
+    return option->apply(settings, value, error);
+}
+
+/* ---- the command line ---- */
+
+/* Finds the value of an option: behind '=', or the next argument (then *index moves on). */
+static iso_status find_value(const iso_option *option, int argc, char *const *argv, int *index,
+                             const char **value, iso_error *error) {
+    const char *argument = argv[*index], *equals = strchr(argument, '=');
+    bool none = option->value == NULL;
+    *value = equals ? equals + 1 : NULL;
+    if (equals && none) return iso_fail(error, ISO_ERR_USAGE, "option --%s takes no value", option->name);
+    if (equals || none || option->flags & ISO_OPTION_VALUE_OPTIONAL) return ISO_OK;
+    if (*index + 1 >= argc || strncmp(argv[*index + 1], "--", 2) == 0)
+        return iso_fail(error, ISO_ERR_USAGE, "option --%s needs a value: %s", option->name, option->value);
+    *value = argv[++*index];
+    return ISO_OK;
+}
+
+static iso_status parse_option(const iso_program *program, int argc, char *const *argv, int *index,
+                               void *settings, iso_error *error) {
+    const char *argument = argv[*index];
+    size_t dashes = argument[1] == '-' ? 2 : 1;
+    size_t length = strcspn(argument + dashes, "=");
+    /* -x is one letter, --name more than one. */
+    const iso_option *option =
+        (length == 1) == (dashes == 1) ? find(program, argument + dashes, length) : NULL;
+    if (!option) return fail_unknown(program, argument, error);
+    const char *value = NULL;
+    ISO_TRY(find_value(option, argc, argv, index, &value, error));
+    iso_error detail = {0};
+    iso_status status = store(option, value, settings, &detail);
+    if (status != ISO_OK) return iso_fail(error, status, "option --%s: %s", option->name, detail.text);
+    if (program->seen) program->seen(settings, option, value);
+    return ISO_OK;
+}
+
+iso_status iso_options_parse(const iso_program *program, int argc, char *const *argv, void *settings,
+                             iso_operands *operands, iso_error *error) {
+    bool options = true;
+    operands->count = 0;
+    for (int i = 1; i < argc; i++) {
+        bool operand = !options || argv[i][0] != '-' || !argv[i][1];
+        if (operand)
+            operands->values[operands->count++] = argv[i];
+        else if (strcmp(argv[i], "--") == 0)
+            options = false;
+        else
+            ISO_TRY(parse_option(program, argc, argv, &i, settings, error));
+    }
+    return ISO_OK;
+}
+
+typedef struct main_call {
+    int argc;
+    char **argv;
+    int (*run)(int argc, char **argv);
+    int status;
+} main_call;
+
+static void *call_main(void *argument) {
+    main_call *call = argument;
+    call->status = call->run(call->argc, call->argv);
+    return NULL;
+}
+
+int iso_program_main(int argc, char **argv, int (*run)(int argc, char **argv)) {
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
+    main_call call = {.argc = argc, .argv = argv, .run = run};
+    iso_call_with_stack(call_main, &call);
+    return call.status;
+}

@@ -1,0 +1,268 @@
+/* The texts that come from an option table: help for a screen, README table, man page (roff), completion. */
+#include <ctype.h>
+#include <errno.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include "apps/common/options.h"
+#include "base/text.h"
+
+enum { COLUMN = 31, WIDTH = 100 };
+
+static bool is_shown(const iso_option *option, int group) {
+    return option->group == group && !(option->flags & ISO_OPTION_HIDDEN);
+}
+
+/* The first one-letter alias, or 0. */
+static char letter_of(const iso_option *option) {
+    for (const char *word = option->aliases; word && *word;) {
+        size_t length = strcspn(word, " ");
+        if (length == 1) return *word;
+        word += length + (word[length] == ' ');
+    }
+    return 0;
+}
+
+/* "--name VALUE" as it is typed, into text. */
+static void write_form(const iso_option *option, char *text, size_t size) {
+    if (!option->value)
+        snprintf(text, size, "--%s", option->name);
+    else if (option->flags & ISO_OPTION_VALUE_OPTIONAL)
+        snprintf(text, size, "--%s[=%s]", option->name, option->value);
+    else
+        snprintf(text, size, "--%s %s", option->name, option->value);
+}
+
+static void write_help(const iso_option *option, char *text, size_t size) {
+    snprintf(text, size, "%s%s%s%s%s", option->help,
+             option->flags & ISO_OPTION_REPEATABLE ? "; repeatable" : "",
+             option->standard ? " (default: " : "", option->standard ? option->standard : "",
+             option->standard ? ")" : "");
+}
+
+/* ---- screen ---- */
+
+/* Words of text, the first at column `at`, further lines from COLUMN. */
+static void print_wrapped(FILE *stream, const char *text, int at) {
+    while (*text) {
+        int length = (int)strcspn(text, " ");
+        if (at > COLUMN && at + 1 + length > WIDTH) {
+            fprintf(stream, "\n%*s", COLUMN, "");
+            at = COLUMN;
+        }
+        if (at > COLUMN) at += fprintf(stream, " ");
+        at += fprintf(stream, "%.*s", length, text);
+        text += length + (text[length] == ' ');
+    }
+    fprintf(stream, "\n");
+}
+
+static void print_option(FILE *stream, const iso_option *option) {
+    char form[128], help[1024];
+    write_form(option, form, sizeof form);
+    write_help(option, help, sizeof help);
+    char letter = letter_of(option);
+    int at = letter ? fprintf(stream, "  -%c, %s", letter, form) : fprintf(stream, "  %s", form);
+    if (at >= COLUMN - 1) {
+        fprintf(stream, "\n");
+        at = 0;
+    }
+    fprintf(stream, "%*s", COLUMN - at, "");
+    print_wrapped(stream, help, COLUMN);
+}
+
+static void print_screen(const iso_program *program, FILE *stream) {
+    for (int i = 0; program->usage[i]; i++)
+        fprintf(stream, "%s %s %s\n", i ? "      " : "usage:", program->name, program->usage[i]);
+    fprintf(stream, "\n%s\n", program->summary);
+    for (int group = 0; program->groups[group]; group++) {
+        fprintf(stream, "\n%s:\n", program->groups[group]);
+        for (size_t i = 0; i < program->option_count; i++)
+            if (is_shown(&program->options[i], group)) print_option(stream, &program->options[i]);
+    }
+    for (size_t i = 0; i < program->section_count; i++) {
+        fprintf(stream, "\n%s:\n", program->sections[i].title);
+        for (const char *const *line = program->sections[i].lines; *line; line++)
+            fprintf(stream, "  %s\n", *line);
+    }
+}
+
+/* ---- markdown ---- */
+
+static void print_cell(FILE *stream, const char *text) {
+    for (; *text; text++) {
+        if (*text == '|') fputc('\\', stream);
+        fputc(*text, stream);
+    }
+}
+
+/* Aliases of more than one letter as "--a, --b". */
+static void print_aliases(FILE *stream, const iso_option *option, const char *before, const char *quote) {
+    const char *separator = before;
+    for (const char *word = option->aliases; word && *word;) {
+        int length = (int)strcspn(word, " ");
+        fprintf(stream, "%s%s%s%.*s%s", separator, quote, length == 1 ? "-" : "--", length, word, quote);
+        separator = ", ";
+        word += length + (word[length] == ' ');
+    }
+}
+
+static void print_markdown(const iso_program *program, FILE *stream) {
+    fprintf(stream, "| option | what it does |\n|---|---|\n");
+    for (int group = 0; program->groups[group]; group++) {
+        fprintf(stream, "| **%s** | |\n", program->groups[group]);
+        for (size_t i = 0; i < program->option_count; i++) {
+            const iso_option *option = &program->options[i];
+            if (!is_shown(option, group)) continue;
+            char form[128], help[1024];
+            write_form(option, form, sizeof form);
+            write_help(option, help, sizeof help);
+            fprintf(stream, "| `");
+            print_cell(stream, form);
+            fprintf(stream, "` | ");
+            print_cell(stream, help);
+            print_aliases(stream, option, "; also ", "`");
+            fprintf(stream, " |\n");
+        }
+    }
+}
+
+/* ---- man page ---- */
+
+/* Text for roff: dashes that are typed, backslashes, and dots and quotes that begin a line. */
+static void print_roff(FILE *stream, const char *text) {
+    if (*text == '.' || *text == '\'') fputs("\\&", stream);
+    for (; *text; text++) {
+        if (*text == '-')
+            fputs("\\-", stream);
+        else if (*text == '\\')
+            fputs("\\e", stream);
+        else
+            fputc(*text, stream);
+    }
+}
+
+static void print_man_option(FILE *stream, const iso_option *option) {
+    char form[128], help[1024];
+    write_form(option, form, sizeof form);
+    write_help(option, help, sizeof help);
+    fprintf(stream, ".TP\n.B ");
+    char letter = letter_of(option);
+    if (letter) fprintf(stream, "\\-%c, ", letter);
+    print_roff(stream, form);
+    fprintf(stream, "\n");
+    print_roff(stream, help);
+    print_aliases(stream, option, "; also ", "");
+    fprintf(stream, "\n");
+}
+
+static void print_upper(FILE *stream, const char *text) {
+    for (; *text; text++) fputc(toupper((unsigned char)*text), stream);
+}
+
+static void print_man(const iso_program *program, FILE *stream) {
+    fprintf(stream, ".TH ");
+    print_upper(stream, program->name);
+    fprintf(stream, " 1 \"\" \"%s %s\" \"User Commands\"\n.SH NAME\n%s \\- ", program->name, program->version,
+            program->name);
+    print_roff(stream, program->summary);
+    fprintf(stream, "\n.SH SYNOPSIS\n");
+    for (int i = 0; program->usage[i]; i++) {
+        fprintf(stream, "%s.B %s\n", i ? ".br\n" : "", program->name);
+        print_roff(stream, program->usage[i]);
+        fprintf(stream, "\n");
+    }
+    fprintf(stream, ".SH OPTIONS\n");
+    for (int group = 0; program->groups[group]; group++) {
+        fprintf(stream, ".SS %s\n", program->groups[group]);
+        for (size_t i = 0; i < program->option_count; i++)
+            if (is_shown(&program->options[i], group)) print_man_option(stream, &program->options[i]);
+    }
+    for (size_t i = 0; i < program->section_count; i++) {
+        fprintf(stream, ".SH ");
+        print_upper(stream, program->sections[i].title);
+        fprintf(stream, "\n.nf\n");
+        for (const char *const *line = program->sections[i].lines; *line; line++) {
+            print_roff(stream, *line);
+            fprintf(stream, "\n");
+        }
+        fprintf(stream, ".fi\n");
+    }
+}
+
+/* ---- bash completion ---- */
+
+static void print_bash_choices(const iso_program *program, FILE *stream) {
+    for (size_t i = 0; i < program->option_count; i++) {
+        const iso_option *option = &program->options[i];
+        if (option->kind != ISO_OPTION_CHOICE) continue;
+        fprintf(stream, "        --%s) words=\"", option->name);
+        for (int k = 0; option->choices[k]; k++) fprintf(stream, "%s%s", k ? " " : "", option->choices[k]);
+        fprintf(stream, "\" ;;\n");
+    }
+}
+
+static void print_bash(const iso_program *program, FILE *stream) {
+    fprintf(stream, "# bash completion for %s\n_%s() {\n", program->name, program->name);
+    fprintf(stream,
+            "    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} words=\n");
+    fprintf(stream, "    case $previous in\n");
+    print_bash_choices(program, stream);
+    fprintf(stream,
+            "    esac\n    if [ -z \"$words\" ] && [ \"${current:0:1}\" = - ]; then\n        words=\"");
+    for (size_t i = 0; i < program->option_count; i++)
+        if (!(program->options[i].flags & ISO_OPTION_HIDDEN))
+            fprintf(stream, "%s--%s", i ? " " : "", program->options[i].name);
+    fprintf(stream, "\"\n    fi\n    COMPREPLY=()\n");
+    fprintf(stream, "    [ -z \"$words\" ] || COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n");
+    fprintf(stream, "}\ncomplete -o default -F _%s %s\n", program->name, program->name);
+}
+
+void iso_options_help(const iso_program *program, iso_help_form form, FILE *stream) {
+    switch (form) {
+    case ISO_HELP_SCREEN:
+        print_screen(program, stream);
+        break;
+    case ISO_HELP_MARKDOWN:
+        print_markdown(program, stream);
+        break;
+    case ISO_HELP_MAN:
+        print_man(program, stream);
+        break;
+    case ISO_HELP_BASH:
+        print_bash(program, stream);
+        break;
+    }
+}
+
+iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error *error) {
+    static const char *const forms[] = {"screen", "markdown", "man", "bash"};
+    int chosen = 0;
+    if (text)
+        while (chosen < 4 && strcmp(forms[chosen], text) != 0) chosen++;
+    if (chosen == 4) return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of markdown, man, bash", text);
+    *form = (iso_help_form)chosen;
+    return ISO_OK;
+}
+
+void iso_program_say(const iso_program *program, const char *format, ...) {
+    char line[4096];
+    va_list arguments;
+    va_start(arguments, format);
+    iso_text_format(line, sizeof line, format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "%s: %s\n", program->name, line);
+}
+
+int iso_program_fail(const iso_program *program, const iso_error *error, iso_status status) {
+    iso_program_say(program, "%s", error->text[0] ? error->text : iso_status_text(status));
+    return iso_status_exit(status);
+}
+
+int iso_program_finish(const iso_program *program, int status) {
+    if (status) return status;
+    errno = 0;
+    if (fflush(stdout) == 0 && !ferror(stdout)) return status;
+    iso_program_say(program, "standard output: cannot write: %s", strerror(errno ? errno : EIO));
+    return iso_status_exit(ISO_ERR_WRITE);
+}

@@ -1,0 +1,247 @@
+#define _GNU_SOURCE
+#include "apps/common/spool.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "base/text.h"
+
+enum {
+    HEAD = 1024,    /* bytes that tell the format */
+    BLOCK = 1 << 20 /* bytes in which every header of a format that is looked into has to end */
+};
+
+bool iso_spool_needed(const char *path) {
+    struct stat info;
+    return strcmp(path, "-") == 0 || (stat(path, &info) == 0 && S_ISFIFO(info.st_mode));
+}
+
+const char *iso_spool_name(const char *path) {
+    return strcmp(path, "-") == 0 ? "standard input" : path;
+}
+
+typedef struct copier {
+    const char *name; /* of the input, for messages */
+    const iso_spool_opts *opts;
+    iso_spool *spool;
+    int input;
+    char *block; /* BLOCK bytes */
+    uint64_t copied;
+    uint64_t end;   /* where the voxels end at the latest */
+    uint64_t limit; /* most that may be copied */
+} copier;
+
+/* ---- the copy's file ---- */
+
+/* A name that leads to an open file; NULL where the system has none. */
+static char *name_of_descriptor(int descriptor) {
+    static const char *const forms[] = {"/proc/self/fd/%d", "/dev/fd/%d"};
+    for (int i = 0; i < 2; i++) {
+        char *path = NULL;
+        if (asprintf(&path, forms[i], descriptor) < 0) return NULL;
+        if (access(path, R_OK) == 0) return path;
+        free(path);
+    }
+    return NULL;
+}
+
+static const char *folder_of_copies(void) {
+    const char *folder = getenv("TMPDIR");
+    return folder && *folder ? folder : "/tmp";
+}
+
+static iso_status fail_copy(const copier *c, int code, iso_error *error) {
+    return iso_fail(error, ISO_ERR_WRITE, "%s: cannot copy %s here: %s%s", folder_of_copies(), c->name,
+                    strerror(code), code == ENOSPC ? " (TMPDIR chooses another folder)" : "");
+}
+
+static iso_status make_copy(copier *c, iso_error *error) {
+    iso_spool *spool = c->spool;
+    const char *folder = folder_of_copies();
+    char *name = NULL;
+    int file = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+    if (file < 0) {
+        if (asprintf(&name, "%s/isopoint-XXXXXX", folder) < 0) return fail_copy(c, ENOMEM, error);
+        file = mkostemp(name, O_CLOEXEC);
+    }
+    if (file < 0) {
+        int code = errno;
+        free(name);
+        return fail_copy(c, code, error);
+    }
+    spool->descriptor = file;
+    spool->path = name_of_descriptor(file);
+    if (name && spool->path) unlink(name);
+    spool->named = !spool->path && name;
+    if (spool->named)
+        spool->path = name;
+    else
+        free(name);
+    if (spool->path) return ISO_OK;
+    close(file);
+    return fail_copy(c, ENOMEM, error);
+}
+
+void iso_spool_close(iso_spool *spool) {
+    if (!spool->path) return;
+    if (spool->named) unlink(spool->path);
+    close(spool->descriptor);
+    free(spool->path);
+    *spool = (iso_spool){0};
+}
+
+/* ---- copying ---- */
+
+/* Reads on until `room` bytes are in the block or the input ends. */
+static iso_status fill_block(const copier *c, size_t room, size_t *count, iso_error *error) {
+    while (*count < room) {
+        ssize_t got = read(c->input, c->block + *count, room - *count);
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", c->name, strerror(errno));
+        if (got == 0) break;
+        *count += (size_t)got;
+    }
+    return ISO_OK;
+}
+
+static iso_status put_block(copier *c, size_t count, iso_error *error) {
+    const char *from = c->block;
+    for (c->copied += count; count > 0;) {
+        ssize_t written = write(c->spool->descriptor, from, count);
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) return fail_copy(c, errno, error);
+        from += written;
+        count -= (size_t)written;
+    }
+    return ISO_OK;
+}
+
+static bool is_ply(const char *bytes, size_t count) {
+    return count >= 4 && memcmp(bytes, "ply", 3) == 0 && (bytes[3] == '\n' || bytes[3] == '\r');
+}
+
+/* The first bytes, and what they are. */
+static iso_status read_format(copier *c, size_t *count, const char **format, iso_error *error) {
+    ISO_TRY(fill_block(c, HEAD, count, error));
+    if (*count == 0) return iso_fail(error, ISO_ERR_IO, "%s: is empty", c->name);
+    const iso_volume_opts *volume = c->opts->volume;
+    if (volume->raw)
+        *format = "raw";
+    else if (c->opts->points && is_ply(c->block, *count))
+        *format = "ply";
+    else
+        *format = iso_volume_format(c->block, *count);
+    if (*format) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a volume that isopoint can read", c->name);
+}
+
+/* Most bytes that a file with this header can take: numbers as text are the longest form. */
+static uint64_t longest_file(const iso_volume_info *info, int components) {
+    uint64_t bytes = 32;
+    for (int i = 0; i < 3; i++)
+        if (__builtin_mul_overflow(bytes, (uint64_t)info->dims[i], &bytes)) return UINT64_MAX;
+    if (__builtin_mul_overflow(bytes, (uint64_t)components, &bytes)) return UINT64_MAX;
+    return __builtin_add_overflow(bytes, 64u << 20, &bytes) ? UINT64_MAX : bytes;
+}
+
+static uint64_t raw_file(const iso_volume_info *info, const iso_raw_layout *raw) {
+    uint64_t bytes = iso_type_size(raw->type) * (uint64_t)info->components;
+    for (int i = 0; i < 3; i++)
+        if (__builtin_mul_overflow(bytes, (uint64_t)info->dims[i], &bytes)) return UINT64_MAX;
+    return __builtin_add_overflow(bytes, raw->offset, &bytes) ? UINT64_MAX : bytes;
+}
+
+/* The path of the copy, which nobody knows, gives way to the input's name. */
+static iso_status rename_in(const copier *c, iso_status status, iso_error *error) {
+    if (status == ISO_OK || !error) return status;
+    const char *text = error->text;
+    size_t length = iso_text_begins(text, c->spool->path);
+    return iso_fail(error, status, "%s: %s", c->name, text + length + strspn(text + length, ":/ "));
+}
+
+/* What the header says, for formats whose header stands whole before the voxels. The others are copied up to
+ * the memory limit. */
+static iso_status look_at_header(copier *c, const char *format, iso_error *error) {
+    static const char *const formats[] = {"raw", "nrrd", "nifti", "metaimage"};
+    const iso_volume_opts *volume = c->opts->volume;
+    bool known = false;
+    for (int i = 0; i < 4; i++) known = known || strcmp(format, formats[i]) == 0;
+    if (!known) return ISO_OK;
+    iso_volume_info info;
+    iso_status status = iso_volume_read_info(c->spool->path, volume, &info, error);
+    if (status == ISO_OK) status = iso_volume_check_memory(c->spool->path, volume, &info, error);
+    if (status != ISO_OK) return rename_in(c, status, error);
+    c->end = volume->raw ? raw_file(&info, volume->raw) : longest_file(&info, info.components);
+    uint64_t one = volume->raw ? c->end : longest_file(&info, 1);
+    if (c->limit < one) c->limit = one; /* a file may be larger than what is made of it */
+    return ISO_OK;
+}
+
+static iso_status fail_limit(const copier *c, iso_error *error) {
+    return iso_fail(error, ISO_ERR_LIMIT, "%s: has more than %.0f MB, the memory limit (--max-memory)",
+                    c->name, (double)c->limit / 1e6);
+}
+
+static iso_status copy_all(copier *c, iso_error *error) {
+    const char *format = NULL;
+    size_t count = 0;
+    ISO_TRY(read_format(c, &count, &format, error));
+    ISO_TRY(make_copy(c, error));
+    ISO_TRY(fill_block(c, BLOCK, &count, error));
+    bool whole = count < BLOCK;
+    ISO_TRY(put_block(c, count, error));
+    if (!whole) ISO_TRY(look_at_header(c, format, error));
+    while (!whole && c->copied < c->end) {
+        uint64_t room = c->end - c->copied;
+        count = 0;
+        ISO_TRY(fill_block(c, room < BLOCK ? (size_t)room : BLOCK, &count, error));
+        if (count && c->copied + count > c->limit) return fail_limit(c, error);
+        ISO_TRY(put_block(c, count, error));
+        whole = count < BLOCK;
+    }
+    return ISO_OK;
+}
+
+/* ---- the input ---- */
+
+/* Standard input from a regular file that nobody has read from yet: it can be read like any other. */
+static bool take_file(const copier *c) {
+    struct stat info;
+    if (fstat(c->input, &info) != 0 || !S_ISREG(info.st_mode) || info.st_size == 0) return false;
+    if (lseek(c->input, 0, SEEK_CUR) != 0) return false;
+    int copy = fcntl(c->input, F_DUPFD_CLOEXEC, 3);
+    if (copy < 0) return false;
+    *c->spool = (iso_spool){.path = name_of_descriptor(copy), .descriptor = copy};
+    if (!c->spool->path) close(copy);
+    return c->spool->path != NULL;
+}
+
+static iso_status copy_input(copier *c, iso_error *error) {
+    c->block = iso_alloc(BLOCK);
+    if (!c->block) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", c->name);
+    iso_status status = copy_all(c, error);
+    iso_free(c->block);
+    return status;
+}
+
+iso_status iso_spool_open(const char *path, const iso_spool_opts *opts, iso_spool *spool, iso_error *error) {
+    *spool = (iso_spool){0};
+    bool standard = strcmp(path, "-") == 0;
+    copier c = {.name = iso_spool_name(path),
+                .opts = opts,
+                .spool = spool,
+                .input = standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC),
+                .end = UINT64_MAX,
+                .limit = iso_memory_limit(opts->volume->max_memory)};
+    if (c.input < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    iso_status status = standard && take_file(&c) ? ISO_OK : copy_input(&c, error);
+    if (!standard) close(c.input);
+    return status;
+}

@@ -1,0 +1,35 @@
+/* isocompare: how far pictures of isosurfaces are from the truth. */
+#include <stdlib.h>
+
+#include "apps/isocompare/isocompare.h"
+
+static iso_status run(const isocompare_settings *settings, iso_error *error) {
+    iso_pool *pool = NULL;
+    ISO_TRY(iso_pool_create(settings->render.threads, &pool, error));
+    iso_status status = settings->command == ISOCOMPARE_IMAGES ? isocompare_images(settings, pool, error)
+                                                               : isocompare_report(settings, pool, error);
+    iso_pool_destroy(pool);
+    return status;
+}
+
+static int run_program(int argc, char **argv) {
+    const iso_program *program = isocompare_program();
+    iso_error error = {0};
+    isocompare_settings settings;
+    iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
+    if (!operands.values) return iso_status_exit(ISO_ERR_NOMEM);
+    iso_status status = isocompare_settings_parse(argc, argv, &settings, &operands, &error);
+    if (status == ISO_OK && settings.render.help == ISORENDER_HELP)
+        iso_options_help(program, settings.render.help_form, stdout);
+    else if (status == ISO_OK && settings.render.help == ISORENDER_VERSION)
+        printf("%s %s\n", program->name, program->version);
+    else if (status == ISO_OK)
+        status = run(&settings, &error);
+    free(operands.values);
+    int code = status == ISO_OK ? 0 : iso_program_fail(program, &error, status);
+    return iso_program_finish(program, code);
+}
+
+int main(int argc, char **argv) {
+    return iso_program_main(argc, argv, run_program);
+}

@@ -1,0 +1,54 @@
+/* isocompare: what its source files share. */
+#ifndef ISO_APPS_ISOCOMPARE_H
+#define ISO_APPS_ISOCOMPARE_H
+
+#include "apps/common/options.h"
+#include "apps/isorender/isorender.h"
+#include "base/parallel.h"
+#include "compare/metrics.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISOCOMPARE_BOUNDS = 32 };
+
+typedef enum isocompare_command { ISOCOMPARE_IMAGES, ISOCOMPARE_REPORT } isocompare_command;
+
+/* METRIC=VALUE */
+typedef struct isocompare_bound {
+    const iso_metric *metric;
+    double value;
+} isocompare_bound;
+
+/* Strings are borrowed from argv. */
+typedef struct isocompare_settings {
+    isorender_settings render; /* reading, isovalue, json, threads, quiet, help; first: options are shared */
+    isocompare_command command;
+    const char *volume, *output; /* report */
+    int side;
+    const char *truth, *candidate, *truth_aov, *candidate_aov;
+    const char *difference;
+    iso_rgb background;
+    double voxel, pixels_per_voxel, pixels_per_degree;
+    isocompare_bound bounds[ISOCOMPARE_BOUNDS];
+    int bound_count;
+    const char *of_images, *of_report; /* the last option seen that belongs to one command only */
+} isocompare_settings;
+
+const iso_program *isocompare_program(void);
+
+/* Fills settings from the command line and checks that it makes sense. `operands` has room for argc. */
+iso_status isocompare_settings_parse(int argc, char *const *argv, isocompare_settings *settings,
+                                     iso_operands *operands, iso_error *error);
+
+/* images.c: two pictures from files. ISO_ERR_MISMATCH when one is worse than a bound. */
+iso_status isocompare_images(const isocompare_settings *settings, iso_pool *pool, iso_error *error);
+
+/* report.c: report.html and report.json about a volume. */
+iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

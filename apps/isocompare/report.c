@@ -1,0 +1,351 @@
+/* isocompare report: a volume drawn by every method at three scales, against the ray caster. */
+#define _GNU_SOURCE
+#include "apps/isocompare/report.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "apps/common/template.h"
+#include "base/file.h"
+#include "base/memory.h"
+#include "base/text.h"
+
+static const int ZOOMS[REPORT_ZOOMS] = {1, 4, 16};
+static const int SAMPLES[REPORT_SAMPLINGS] = {1, 4}, TRUTH_SAMPLES[REPORT_SAMPLINGS] = {1, 16};
+
+static void tell(const report *r, const char *text) {
+    if (!r->settings->render.quiet) iso_program_say(isocompare_program(), "%s", text);
+}
+
+/* ---- the volume ---- */
+
+static char *path_of(const char *folder, int file) {
+    static const char *const names[2] = {"report.html", "report.json"};
+    char *path = NULL;
+    return asprintf(&path, "%s/%s", folder, names[file]) < 0 ? NULL : path;
+}
+
+static iso_status choose_isovalue(report *r, iso_error *error) {
+    const isorender_settings *settings = &r->settings->render;
+    iso_subject *subject = &r->subject;
+    if (settings->isovalue_count) {
+        subject->isovalue = settings->isovalues[0];
+        r->isovalue_from = "given";
+        return iso_isovalue_check(&r->job.volume.grid, subject->isovalue, error);
+    } else if (!isnan(r->job.scene_isovalue)) {
+        subject->isovalue = r->job.scene_isovalue;
+        r->isovalue_from = "the scene's";
+    } else {
+        double candidates[ISO_ISOVALUE_CANDIDATES];
+        ISO_TRY(isorender_histogram(&r->job, error));
+        if (iso_isovalue_suggest(&r->job.volume.grid, &r->job.histogram, candidates) == 0)
+            return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant");
+        subject->isovalue = candidates[0];
+        r->isovalue_from =
+            iso_grid_is_level_set(&r->job.volume.grid) ? "a level set's" : "Otsu's threshold (1979)";
+    }
+    return ISO_OK;
+}
+
+/* isorender_open holds them against what is read. */
+static iso_status add_outputs(report *r, iso_error *error) {
+    for (int i = 0; i < 2; i++) {
+        char *path = path_of(r->settings->output, i);
+        if (!path) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+        iso_file_set_write(&r->files, path);
+        free(path);
+    }
+    r->plan.files = &r->files;
+    return iso_file_set_check(&r->files, error);
+}
+
+static iso_status open_volume(report *r, iso_error *error) {
+    ISO_TRY(iso_template_model(r->plan.input, &r->plan.model, error));
+    ISO_TRY(add_outputs(r, error));
+    ISO_TRY(isorender_open(&r->job, error));
+    if (r->job.from_points)
+        return iso_fail(error, ISO_ERR_USAGE, "holds points: a report needs the volume they come from");
+    tell(r, "reading");
+    ISO_TRY(isorender_read(&r->job, error));
+    const double *spacing = iso_grid_transform(&r->job.volume.grid)->spacing;
+    r->voxel = fmin(spacing[0], fmin(spacing[1], spacing[2]));
+    r->subject.grid = &r->job.volume.grid;
+    r->subject.pool = r->job.pool;
+    return choose_isovalue(r, error);
+}
+
+static void choose_methods(report *r) {
+    size_t count;
+    const iso_renderer *list = iso_renderer_list(&count);
+    r->methods[r->method_count++] = iso_renderer_truth();
+    for (size_t m = 0; m < count && r->method_count <= REPORT_METHODS; m++)
+        r->methods[r->method_count++] = &list[m];
+}
+
+static iso_status extract(report *r, iso_error *error) {
+    unsigned needs = 1u << ISO_PART_MESH; /* the mesh bounds the view */
+    for (int m = 0; m < r->method_count; m++) needs |= r->methods[m]->needs;
+    for (int part = 0; part < ISO_PART_COUNT; part++) {
+        if (!(needs & 1u << part)) continue;
+        double start = isorender_now();
+        ISO_TRY(iso_subject_prepare(&r->subject, (iso_part)part, error));
+        r->parts[part] =
+            (report_part){true, isorender_now() - start, iso_subject_size(&r->subject, (iso_part)part)};
+    }
+    iso_mesh_view mesh = iso_mesh_set_view(r->subject.mesh);
+    if (iso_mesh_view_triangle_count(&mesh) == 0)
+        return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g", r->subject.isovalue);
+    return iso_study_bound(&mesh, &r->ball, error);
+}
+
+/* ---- pictures ---- */
+
+/* Pictures and buffers of one view. */
+typedef struct easel {
+    iso_study_frame truth[REPORT_SAMPLINGS], candidate[REPORT_SAMPLINGS];
+    float *map; /* of FLIP */
+    iso_image difference;
+} easel;
+
+static void free_easel(easel *e) {
+    for (int s = 0; s < REPORT_SAMPLINGS; s++) {
+        iso_study_frame_free(&e->truth[s]);
+        iso_study_frame_free(&e->candidate[s]);
+    }
+    iso_free(e->map);
+    iso_image_free(&e->difference);
+}
+
+static iso_status make_easel(int side, easel *e, iso_error *error) {
+    e->map = iso_alloc((size_t)side * (size_t)side * sizeof *e->map);
+    if (!e->map) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    for (int s = 0; s < REPORT_SAMPLINGS; s++) {
+        ISO_TRY(iso_study_frame_create(side, s == REPORT_SINGLE, &e->truth[s], error));
+        ISO_TRY(iso_study_frame_create(side, s == REPORT_SINGLE, &e->candidate[s], error));
+    }
+    return iso_image_create(side, side, &e->difference, error);
+}
+
+static iso_study_look look_of(const report *r, int samples) {
+    iso_rgb color = {0xD9, 0xB3, 0x6C};
+    return (iso_study_look){color, r->settings->background, samples, 1};
+}
+
+/* The process's peak is forgotten when it is reset. */
+static void note_peak(report *r) {
+    uint64_t peak = iso_memory_peak();
+    if (peak > r->peak) r->peak = peak;
+}
+
+static iso_status keep_picture(const report *r, const iso_image *image, report_picture *picture,
+                               iso_error *error) {
+    iso_png_opts opts = {.small = true, .pool = r->job.pool};
+    return iso_png_encode(image, &opts, &picture->bytes, &picture->size, error);
+}
+
+/* The median of three frames, of fewer where one takes long; the first one with an eye on memory. */
+static iso_status draw_timed(report *r, const report_view *v, int method, iso_study_frame *frame,
+                             report_cell *cell, iso_error *error) {
+    enum { FRAMES = 3 };
+    const double patience = 0.5; /* seconds */
+    iso_study_look look = look_of(r, SAMPLES[REPORT_SINGLE]);
+    double seconds[FRAMES], spent = 0;
+    int frames = 0;
+    note_peak(r);
+    bool known = isocompare_reset_peak();
+    uint64_t before = isocompare_resident(false);
+    while (frames == 0 || (frames < FRAMES && spent < patience)) {
+        double start = isorender_now();
+        ISO_TRY(iso_study_draw(&r->subject, r->methods[method], &v->view, &look, frame, error));
+        seconds[frames] = isorender_now() - start;
+        spent += seconds[frames];
+        uint64_t peak = isocompare_resident(true);
+        if (frames++ == 0 && known && peak > before) cell->memory = peak - before;
+    }
+    cell->seconds = frames < FRAMES
+                        ? fmin(seconds[0], seconds[frames - 1])
+                        : fmax(fmin(seconds[0], seconds[1]), fmin(fmax(seconds[0], seconds[1]), seconds[2]));
+    return keep_picture(r, &frame->image, &cell->picture, error);
+}
+
+/* Black over violet and orange to pale yellow: brightness grows all the way. */
+static void heat(float value, uint8_t rgba[4]) {
+    enum { STEPS = 5 };
+    static const float ramp[STEPS + 1][3] = {{0, 0, 0},     {66, 16, 110},  {156, 40, 106},
+                                             {226, 92, 50}, {250, 176, 26}, {254, 253, 190}};
+    float at = (float)(int)(value * 255 + 0.5f) / 255 * STEPS; /* few colours make a small picture */
+    int step = at < STEPS ? (int)at : STEPS - 1;
+    for (int c = 0; c < 3; c++) {
+        float mixed = ramp[step][c] + (at - (float)step) * (ramp[step + 1][c] - ramp[step][c]);
+        rgba[c] = (uint8_t)(mixed + 0.5f);
+    }
+    rgba[3] = 255;
+}
+
+static iso_status keep_difference(const report *r, easel *e, report_picture *picture, iso_error *error) {
+    size_t count = (size_t)e->difference.width * (size_t)e->difference.height;
+    for (size_t i = 0; i < count; i++) heat(e->map[i], e->difference.rgba + 4 * i);
+    return keep_picture(r, &e->difference, picture, error);
+}
+
+static iso_status compare_frames(const report *r, const report_view *v, easel *e, report_sampling sampling,
+                                 iso_metrics *metrics, iso_error *error) {
+    iso_compare_picture truth = iso_study_picture(&e->truth[sampling]);
+    iso_compare_picture candidate = iso_study_picture(&e->candidate[sampling]);
+    iso_compare_opts opts = {.background = r->settings->background,
+                             .voxel = r->voxel,
+                             .pixels_per_voxel = v->pixels_per_voxel,
+                             .pixels_per_degree = r->settings->pixels_per_degree,
+                             .flip_map = sampling == REPORT_SINGLE ? e->map : NULL,
+                             .pool = r->job.pool};
+    return iso_compare(&truth, &candidate, &opts, metrics, error);
+}
+
+static iso_status judge(report *r, report_view *v, int method, easel *e, iso_error *error) {
+    report_cell *cell = &v->cells[method];
+    iso_study_frame *frames = method ? e->candidate : e->truth;
+    ISO_TRY(draw_timed(r, v, method, &frames[REPORT_SINGLE], cell, error));
+    iso_study_look fine = look_of(r, method ? SAMPLES[REPORT_FINE] : TRUTH_SAMPLES[REPORT_FINE]);
+    ISO_TRY(iso_study_draw(&r->subject, r->methods[method], &v->view, &fine, &frames[REPORT_FINE], error));
+    if (method == 0) return ISO_OK;
+    for (int s = 0; s < REPORT_SAMPLINGS; s++)
+        ISO_TRY(compare_frames(r, v, e, (report_sampling)s, &cell->metrics[s], error));
+    return keep_difference(r, e, &cell->difference, error);
+}
+
+/* The fit view first; the others look where silhouettes are. */
+static iso_status aim(report *r, const iso_study_frame *fit, int target[2], double *depth, iso_error *error) {
+    size_t side = (size_t)r->settings->side, count = side * side;
+    uint8_t *mask = iso_alloc(count);
+    if (!mask) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    iso_silhouette_from_coverage(fit->aov.coverage, count, mask);
+    iso_status status = iso_study_aim(mask, (int)side, target, error);
+    size_t middle = (size_t)target[1] * side + (size_t)target[0];
+    if (status == ISO_OK && mask[middle]) *depth = (double)fit->aov.depth[middle];
+    iso_free(mask);
+    return status;
+}
+
+static iso_status look_at_all(report *r, easel *e, iso_error *error) {
+    iso_view fit = iso_study_fit(&r->ball, r->settings->side, 0);
+    double depth = iso_view_point(&fit, r->ball.center).z;
+    int target[2] = {0, 0};
+    for (int z = 0; z < REPORT_ZOOMS; z++) {
+        report_view *v = &r->views[z];
+        v->zoom = ZOOMS[z];
+        v->view = z ? iso_study_zoom(&fit, target, ZOOMS[z]) : fit;
+        v->pixels_per_voxel = v->view.focal * r->voxel / depth;
+        for (int m = 0; m < r->method_count; m++) {
+            char text[96];
+            snprintf(text, sizeof text, "drawing %s, zoom %d", r->methods[m]->name, v->zoom);
+            tell(r, text);
+            ISO_TRY(judge(r, v, m, e, error));
+        }
+        if (z == 0) ISO_TRY(aim(r, &e->truth[REPORT_SINGLE], target, &depth, error));
+    }
+    return ISO_OK;
+}
+
+static iso_status look(report *r, iso_error *error) {
+    easel e = {0};
+    iso_status status = make_easel(r->settings->side, &e, error);
+    if (status == ISO_OK) status = look_at_all(r, &e, error);
+    free_easel(&e);
+    return status;
+}
+
+/* ---- files ---- */
+
+/* The folder, made when it is not there; *made says so. */
+static iso_status open_folder(const char *path, bool *made, iso_error *error) {
+    struct stat info;
+    *made = mkdir(path, 0777) == 0;
+    if (*made) return ISO_OK;
+    if (errno == EEXIST && stat(path, &info) == 0 && S_ISDIR(info.st_mode)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_WRITE, "%s: cannot make this folder: %s", path,
+                    strerror(errno == EEXIST ? ENOTDIR : errno));
+}
+
+static iso_status open_sinks(const char *folder, iso_sink sinks[2], iso_error *error) {
+    for (int i = 0; i < 2; i++) {
+        char *path = path_of(folder, i);
+        if (!path) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+        iso_status status = iso_sink_open(path, &sinks[i], error);
+        free(path);
+        ISO_TRY(status);
+    }
+    return ISO_OK;
+}
+
+/* Both or none. */
+static iso_status write_files(const report *r, iso_sink sinks[2], iso_error *error) {
+    isocompare_write_html(r, sinks[0].stream);
+    isocompare_write_json(r, sinks[1].stream);
+    ISO_TRY(iso_sink_commit(&sinks[0], error));
+    iso_status status = iso_sink_commit(&sinks[1], error);
+    char *path = status == ISO_OK ? NULL : path_of(r->settings->output, 0);
+    iso_file_remove(path);
+    free(path);
+    return status;
+}
+
+/* ---- all ---- */
+
+static iso_status work(report *r, iso_sink sinks[2], iso_error *error) {
+    ISO_TRY(open_volume(r, error));
+    ISO_TRY(open_sinks(r->settings->output, sinks, error));
+    choose_methods(r);
+    tell(r, "extracting");
+    ISO_TRY(extract(r, error));
+    isocompare_processor(r->processor, sizeof r->processor);
+    ISO_TRY(look(r, error));
+    note_peak(r);
+    return write_files(r, sinks, error);
+}
+
+static void free_report(report *r) {
+    for (int z = 0; z < REPORT_ZOOMS; z++)
+        for (int m = 0; m < r->method_count; m++) {
+            free(r->views[z].cells[m].picture.bytes);
+            free(r->views[z].cells[m].difference.bytes);
+        }
+    free(r->plan.model);
+    iso_subject_free(&r->subject);
+    isorender_close(&r->job);
+    iso_file_set_free(&r->files);
+    free(r);
+}
+
+/* Every message names a thing: the volume, unless the text names a file already. */
+static void name_volume(const report *r, iso_error *error) {
+    const char *name = isorender_input_name(&r->job);
+    if (error->status == ISO_ERR_WRITE || iso_text_begins(error->text, name)) return;
+    iso_fail(error, error->status, "%s: %s", name, error->text);
+}
+
+iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool, iso_error *error) {
+    bool made = false;
+    ISO_TRY(open_folder(settings->output, &made, error));
+    report *r = calloc(1, sizeof *r);
+    if (!r) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    r->settings = settings;
+    r->plan.input = settings->volume;
+    r->reading = settings->render;
+    r->reading.quiet = 1;
+    r->job.settings = &r->reading;
+    r->job.plan = &r->plan;
+    r->job.pool = pool;
+    iso_sink sinks[2] = {{0}};
+    iso_status status = work(r, sinks, error);
+    for (int i = 0; i < 2; i++) iso_sink_abort(&sinks[i]);
+    if (status != ISO_OK) name_volume(r, error);
+    if (status != ISO_OK && made) rmdir(settings->output);
+    if (status == ISO_OK && !settings->render.quiet)
+        iso_program_say(isocompare_program(), "wrote %s/report.html and report.json", settings->output);
+    free_report(r);
+    return status;
+}

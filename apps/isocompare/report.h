@@ -1,0 +1,91 @@
+/* isocompare report: what is measured, and what its writers share. */
+#ifndef ISO_APPS_ISOCOMPARE_REPORT_H
+#define ISO_APPS_ISOCOMPARE_REPORT_H
+
+#include "apps/isocompare/isocompare.h"
+#include "apps/isorender/isorender.h"
+#include "compare/study.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { REPORT_ZOOMS = 3, REPORT_METHODS = 16 };
+
+/* One sample against one, and four against sixteen. */
+typedef enum report_sampling { REPORT_SINGLE, REPORT_FINE, REPORT_SAMPLINGS } report_sampling;
+
+/* A PNG in memory. */
+typedef struct report_picture {
+    uint8_t *bytes;
+    size_t size;
+} report_picture;
+
+/* A method at one zoom. Index 0 of a view's cells is the truth, which has no metrics and no difference. */
+typedef struct report_cell {
+    iso_metrics metrics[REPORT_SAMPLINGS];
+    double seconds;  /* one frame of one sample a pixel, median of three */
+    uint64_t memory; /* taken while drawing that frame, 0: not known */
+    report_picture picture, difference;
+} report_cell;
+
+typedef struct report_view {
+    int zoom;
+    double pixels_per_voxel;
+    iso_view view;
+    report_cell cells[1 + REPORT_METHODS];
+} report_view;
+
+typedef struct report_part {
+    bool made;
+    double seconds;
+    iso_part_size size;
+} report_part;
+
+typedef struct report {
+    const isocompare_settings *settings;
+    isorender_settings reading; /* as settings->render, but quiet: this program speaks for itself */
+    isorender_job job;
+    iso_file_set files; /* what is read, and the outputs */
+    isorender_plan plan;
+    iso_subject subject;
+    iso_study_ball ball;
+    double voxel; /* mm, the smallest spacing */
+    const char *isovalue_from;
+    const iso_renderer *methods[1 + REPORT_METHODS]; /* the truth first */
+    int method_count;                                /* with the truth */
+    report_part parts[ISO_PART_COUNT];
+    report_view views[REPORT_ZOOMS];
+    char processor[128];
+    uint64_t peak; /* bytes */
+} report;
+
+/* html.c: the whole page. Write errors are the stream's to report. */
+void isocompare_write_html(const report *r, FILE *stream);
+/* report_json.c */
+void isocompare_write_json(const report *r, FILE *stream);
+
+/* plots.c: inline SVG. value(r, view, method) of every cell; NaN is left out. */
+typedef double report_value(const report *r, int view, int method);
+typedef struct report_plot {
+    const char *title, *unit;
+    report_value *value;
+    bool logarithmic, with_truth;
+} report_plot;
+void isocompare_plot_bars(const report *r, const report_plot *plot, FILE *stream);
+/* Error (flip, at one sample) against time of a frame. */
+void isocompare_plot_scatter(const report *r, FILE *stream);
+const char *isocompare_method_color(int method); /* of a method's number in the report */
+
+/* Text for HTML: & < > and quotes escaped. */
+void isocompare_put_text(FILE *stream, const char *text);
+
+/* machine.c: what the system says. */
+void isocompare_processor(char *text, size_t size);
+bool isocompare_reset_peak(void);        /* false: the system does not allow it */
+uint64_t isocompare_resident(bool peak); /* bytes now, or most since the reset; 0: not known */
+
+#ifdef __cplusplus
+}
+#endif
+#endif

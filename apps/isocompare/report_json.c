@@ -1,0 +1,95 @@
+/* The report's numbers. */
+#include <math.h>
+
+#include "apps/common/json.h"
+#include "apps/isocompare/report.h"
+#include "base/cpu.h"
+
+static void put_volume(iso_json *json, const report *r) {
+    const iso_volume_info *info = &r->job.volume.info;
+    iso_json_begin_object(json, "volume");
+    iso_json_string(json, "path", r->plan.input);
+    iso_json_string(json, "format", info->format);
+    iso_json_ints(json, "dims", info->dims, 3);
+    iso_json_string(json, "type", iso_type_name(info->type));
+    iso_json_reals(json, "spacing", info->transform.spacing, 3);
+    iso_json_end_object(json);
+    iso_json_real(json, "isovalue", r->subject.isovalue);
+    iso_json_string(json, "isovalue_from", r->isovalue_from);
+}
+
+static void put_parts(iso_json *json, const report *r) {
+    iso_json_begin_array(json, "extraction");
+    for (int part = 0; part < ISO_PART_COUNT; part++) {
+        const report_part *p = &r->parts[part];
+        if (!p->made) continue;
+        iso_json_begin_object(json, NULL);
+        iso_json_string(json, "part", iso_part_name((iso_part)part));
+        iso_json_real(json, "seconds", p->seconds);
+        iso_json_integer(json, "primitives", p->size.primitives);
+        iso_json_integer(json, "bytes", p->size.bytes);
+        iso_json_end_object(json);
+    }
+    iso_json_end_array(json);
+}
+
+static void put_metrics(iso_json *json, const iso_metrics *metrics) {
+    size_t count;
+    const iso_metric *list = iso_metric_list(&count);
+    for (size_t i = 0; i < count; i++) iso_json_real(json, list[i].name, iso_metric_value(&list[i], metrics));
+    iso_json_integer(json, "missing", metrics->missing);
+    iso_json_integer(json, "extra", metrics->extra);
+    iso_json_integer(json, "depth_off", metrics->depth_off);
+    iso_json_integer(json, "others_differing", metrics->others_differing);
+}
+
+static void put_rows(iso_json *json, const report *r) {
+    static const int samples[REPORT_SAMPLINGS] = {1, 4}, truth_samples[REPORT_SAMPLINGS] = {1, 16};
+    iso_json_begin_array(json, "rows");
+    for (int s = 0; s < REPORT_SAMPLINGS; s++)
+        for (int z = 0; z < REPORT_ZOOMS; z++)
+            for (int m = 1; m < r->method_count; m++) {
+                iso_json_begin_object(json, NULL);
+                iso_json_integer(json, "zoom", (uint64_t)r->views[z].zoom);
+                iso_json_string(json, "method", r->methods[m]->name);
+                iso_json_integer(json, "samples", (uint64_t)samples[s]);
+                iso_json_integer(json, "truth_samples", (uint64_t)truth_samples[s]);
+                put_metrics(json, &r->views[z].cells[m].metrics[s]);
+                iso_json_end_object(json);
+            }
+    iso_json_end_array(json);
+}
+
+static void put_frames(iso_json *json, const report *r) {
+    iso_json_begin_array(json, "frames");
+    for (int z = 0; z < REPORT_ZOOMS; z++)
+        for (int m = 0; m < r->method_count; m++) {
+            const report_cell *cell = &r->views[z].cells[m];
+            iso_json_begin_object(json, NULL);
+            iso_json_integer(json, "zoom", (uint64_t)r->views[z].zoom);
+            iso_json_string(json, "method", r->methods[m]->name);
+            iso_json_real(json, "pixels_per_voxel", r->views[z].pixels_per_voxel);
+            iso_json_real(json, "seconds", cell->seconds);
+            iso_json_real(json, "bytes", cell->memory ? (double)cell->memory : NAN);
+            iso_json_end_object(json);
+        }
+    iso_json_end_array(json);
+}
+
+void isocompare_write_json(const report *r, FILE *stream) {
+    iso_json json = {.stream = stream};
+    iso_json_begin_object(&json, NULL);
+    iso_json_string(&json, "schema", "isocompare-report/1");
+    iso_json_string(&json, "version", isocompare_program()->version);
+    put_volume(&json, r);
+    iso_json_integer(&json, "side", (uint64_t)r->settings->side);
+    iso_json_string(&json, "truth", r->methods[0]->name);
+    iso_json_string(&json, "processor", r->processor);
+    iso_json_string(&json, "instructions", iso_cpu_level_name(iso_cpu_best()));
+    iso_json_integer(&json, "threads", (uint64_t)iso_pool_threads(r->job.pool));
+    iso_json_integer(&json, "peak_bytes", r->peak);
+    put_parts(&json, r);
+    put_frames(&json, r);
+    put_rows(&json, r);
+    iso_json_end_object(&json);
+}

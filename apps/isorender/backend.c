@@ -1,0 +1,203 @@
+/* Which engine draws: the cpu engine, or the gl engine on a context that is found at run time. */
+#include <string.h>
+
+#include "apps/isorender/isorender.h"
+#include "base/cpu.h"
+#include "render/gl/pullpush.h"
+
+/* What both engines have. */
+static bool has_gl(const isorender_settings *settings) {
+    return settings->method == ISORENDER_POINTS || settings->method == ISORENDER_MESH ||
+           settings->method == ISORENDER_PULLPUSH;
+}
+
+static bool is_any(const char *name, const char *a, const char *b) {
+    return strcmp(name, a) == 0 || strcmp(name, b) == 0;
+}
+
+/* The gl engine reads every sample back. */
+static bool is_too_large(const isorender_settings *settings) {
+    uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
+    return pixels * (uint64_t)settings->samples > ISO_GL_SAMPLES_MAX;
+}
+
+/* Options that only OpenGL has, and the method that each is for. */
+static bool needs_gl(const isorender_settings *settings) {
+    return settings->scaling == ISO_SCALING_ATTENUATED || settings->strips;
+}
+
+static iso_status check_needs(const isorender_settings *settings, iso_error *error) {
+    bool cpu = strcmp(settings->backend, "cpu") == 0;
+    bool attenuated = settings->scaling == ISO_SCALING_ATTENUATED;
+    if (attenuated && (settings->method != ISORENDER_POINTS || cpu))
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "--point-scaling attenuated is for --method points with OpenGL (--backend egl or osmesa)");
+    if (settings->strips && (settings->method != ISORENDER_MESH || cpu))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--strips is for --method mesh with OpenGL (--backend egl or osmesa)");
+    return ISO_OK;
+}
+
+iso_status isorender_backend_check(isorender_settings *settings, iso_error *error) {
+    const char *name = settings->backend;
+    bool gl = is_any(name, "egl", "osmesa"), needed = needs_gl(settings);
+    if (!gl && !is_any(name, "auto", "cpu"))
+        return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
+    if ((gl || needed) && settings->method == ISORENDER_UNCHOSEN)
+        settings->method = settings->strips ? ISORENDER_MESH : ISORENDER_POINTS;
+    if (gl && !has_gl(settings))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--backend %s has the methods points, pullpush and mesh: others need the cpu", name);
+    ISO_TRY(check_needs(settings, error));
+    bool draws = !settings->info && (!settings->no_image || settings->aov);
+    if ((gl || needed) && draws && is_too_large(settings))
+        return iso_fail(error, ISO_ERR_LIMIT,
+                        "%dx%d with %d samples a pixel is more than OpenGL is used for here (2^32 samples): "
+                        "--backend cpu draws it",
+                        settings->width, settings->height, settings->samples);
+    return ISO_OK;
+}
+
+static iso_status open_context(const isorender_settings *settings, iso_gl_context **context,
+                               iso_error *error) {
+    if (strcmp(settings->backend, "osmesa") == 0) {
+        const iso_gl_context_opts opts = {.kind = ISO_GL_OSMESA};
+        return iso_gl_context_create(&opts, context, error);
+    }
+    return iso_gl_context_open_egl(strcmp(settings->backend, "auto") == 0, context, error);
+}
+
+isorender_backend isorender_backend_cpu(void) {
+    static const char *const names[ISO_CPU_LEVELS] = {
+        [ISO_CPU_GENERIC] = "cpu generic", [ISO_CPU_AVX2] = "cpu avx2", [ISO_CPU_AVX512] = "cpu avx512"};
+    return (isorender_backend){.name = "cpu", .renderer = names[iso_cpu_best()]};
+}
+
+iso_status isorender_backend_open(const isorender_settings *settings, isorender_backend *backend,
+                                  iso_error *error) {
+    isorender_backend made = isorender_backend_cpu();
+    bool automatic = strcmp(settings->backend, "auto") == 0;
+    *backend = made;
+    if (strcmp(settings->backend, "cpu") == 0 || !has_gl(settings)) return ISO_OK;
+    if (is_too_large(settings)) return ISO_OK; /* or nothing is drawn */
+    iso_status status = open_context(settings, &made.context, error);
+    if (status != ISO_OK && automatic && !needs_gl(settings))
+        return ISO_OK; /* without a GPU the cpu engine is faster */
+    if (status != ISO_OK) return status;
+    status = iso_gl_engine_create(made.context, &made.engine, error);
+    if (status != ISO_OK) {
+        iso_gl_context_destroy(made.context);
+        return status;
+    }
+    made.name = automatic ? "egl" : settings->backend;
+    made.renderer = iso_gl_context_info(made.context).renderer;
+    *backend = made;
+    return ISO_OK;
+}
+
+void isorender_backend_close(isorender_backend *backend) {
+    iso_gl_engine_destroy(backend->engine);
+    iso_gl_context_destroy(backend->context);
+    *backend = (isorender_backend){.name = NULL};
+}
+
+/* ---- --list-backends */
+
+static void list_context(const iso_gl_context_opts *opts, const char *name) {
+    iso_gl_context *context;
+    iso_error error = {ISO_OK, ""};
+    if (iso_gl_context_create(opts, &context, &error) != ISO_OK) {
+        size_t length = strlen(name);
+        bool named = strncmp(error.text, name, length) == 0 && error.text[length] == ':';
+        printf("%-15s  cannot be used: %s\n", name, error.text + (named ? length + 2 : 0));
+        return;
+    }
+    iso_gl_info info = iso_gl_context_info(context);
+    printf("%-15s  %s, %s, OpenGL %s%s\n", name, info.vendor, info.renderer, info.version,
+           info.hardware ? " (what auto takes)" : "");
+    iso_gl_context_destroy(context);
+}
+
+static void list_devices(void) {
+    enum { DEVICES = 32 };
+    iso_gl_device devices[DEVICES];
+    int count = 0;
+    iso_error error = {ISO_OK, ""};
+    if (iso_gl_devices(devices, DEVICES, &count, &error) != ISO_OK)
+        printf("%-15s  cannot be used: %s\n", "egl device", error.text);
+    for (int i = 0; i < count && i < DEVICES; i++) {
+        char name[32];
+        const iso_gl_context_opts opts = {.kind = ISO_GL_EGL_DEVICE, .device = i};
+        snprintf(name, sizeof name, "egl device %d", i);
+        list_context(&opts, name);
+    }
+}
+
+void isorender_backends_list(int threads) {
+    const iso_gl_context_opts surfaceless = {.kind = ISO_GL_EGL_SURFACELESS},
+                              osmesa = {.kind = ISO_GL_OSMESA};
+    printf("%-15s  %s, %d thread%s\n", "cpu", iso_cpu_level_name(iso_cpu_best()), threads,
+           threads > 1 ? "s" : "");
+    list_devices();
+    list_context(&surfaceless, "egl surfaceless");
+    list_context(&osmesa, "osmesa");
+}
+
+/* ---- pictures */
+
+uint64_t isorender_gl_bytes(const isorender_job *job) {
+    const isorender_backend *backend = job->backend;
+    if (!backend->engine || iso_gl_context_info(backend->context).hardware) return 0;
+    int factor = 1;
+    while (factor * factor < job->settings->samples) factor++;
+    const int width = job->settings->width * factor, height = job->settings->height * factor;
+    if (job->settings->method != ISORENDER_PULLPUSH) return iso_gl_draw_bytes(backend->engine, width, height);
+    return iso_gl_pullpush_bytes(backend->engine, (iso_reconstruction)job->settings->reconstruction, width,
+                                 height);
+}
+
+iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
+    iso_gl_engine_forget_seconds(job->backend->engine);
+    for (int i = 0; i < job->surface_count; i++) {
+        iso_gl_shape **shape = &job->shapes[i];
+        if (job->method == ISORENDER_MESH) {
+            ISO_TRY(iso_mesh_set_bound(job->surfaces[i].mesh, error));
+            iso_mesh_view mesh = iso_mesh_set_view(job->surfaces[i].mesh);
+            if (job->settings->strips)
+                ISO_TRY(iso_gl_upload_strips(job->backend->engine, &mesh, shape, error));
+            else
+                ISO_TRY(iso_gl_upload_mesh(job->backend->engine, &mesh, shape, error));
+        } else {
+            iso_point_view points = isorender_points_view(job, i);
+            ISO_TRY(iso_gl_upload_points(job->backend->engine, &points, shape, error));
+        }
+    }
+    return ISO_OK;
+}
+
+void isorender_gl_forget(isorender_job *job) {
+    for (int i = 0; i < job->surface_count; i++) {
+        iso_gl_shape_destroy(job->shapes[i]);
+        job->shapes[i] = NULL;
+    }
+}
+
+iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
+                             iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_gl_shape *const *shapes = (const iso_gl_shape *const *)job->shapes;
+    if (job->method == ISORENDER_PULLPUSH) {
+        const iso_gl_pullpush_opts pullpush = {view, shapes, job->surface_count,
+                                               (iso_reconstruction)settings->reconstruction};
+        return iso_gl_draw_pullpush(job->backend->engine, &pullpush, gbuffer, error);
+    }
+    iso_gl_draw_opts opts = {.view = view,
+                             .shapes = shapes,
+                             .shape_count = job->surface_count,
+                             .scaling = (iso_point_scaling)settings->scaling};
+    /* The view may be a strip; the bound on depth is the whole picture's. */
+    opts.tan_y = iso_tan(job->camera.view_angle * (ISO_PI / 360));
+    opts.tan_x = opts.tan_y * settings->width / settings->height;
+    return iso_gl_draw(job->backend->engine, &opts, gbuffer, error);
+}

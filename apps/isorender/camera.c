@@ -1,0 +1,127 @@
+/* The camera: presets, framing, turntables, and what the options for them must agree on. */
+#include <math.h>
+
+#include "apps/isorender/isorender.h"
+
+static bool is_given(const double v[3]) {
+    return !isnan(v[0]);
+}
+
+static iso_vec3 vector(const double v[3]) {
+    return iso_vec3_make(v[0], v[1], v[2]);
+}
+
+static double degrees_between_frames(const isorender_settings *settings) {
+    return settings->turntable ? 360.0 / settings->turntable : 0;
+}
+
+/* ---- framing */
+
+/* The surfaces' box in the space of three world vectors: iso_fit.bounds. */
+static iso_box bounds_along(void *context, const iso_vec3 vectors[3]) {
+    const isorender_job *job = context;
+    const iso_transform transform =
+        job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
+    const iso_affine world = iso_transform_affine(&transform);
+    iso_affine along = {.determinant = 1}; /* only points are taken there */
+    for (int row = 0; row < 3; row++) {
+        const iso_vec3 v = vectors[row];
+        for (int column = 0; column < 3; column++)
+            along.m[3 * row + column] =
+                v.x * world.m[column] + v.y * world.m[3 + column] + v.z * world.m[6 + column];
+        along.origin[row] = v.x * world.origin[0] + v.y * world.origin[1] + v.z * world.origin[2];
+    }
+    return isorender_bounds(job, &along);
+}
+
+static iso_vec3 middle_of(const iso_box *box) {
+    return iso_vec3_scale(iso_vec3_add(box->lo, box->hi), 0.5);
+}
+
+static void frame_surface(isorender_job *job, iso_camera *camera) {
+    const isorender_settings *settings = job->settings;
+    const iso_fit fit = {.aspect = (double)settings->width / settings->height,
+                         .turns = settings->turntable,
+                         .fill = isnan(settings->margin) ? 0 : 1 - 2 * settings->margin,
+                         .bounds = bounds_along,
+                         .context = job};
+    if (settings->fit == ISORENDER_FIT_TIGHT)
+        iso_camera_fit_tight(camera, middle_of(&job->bounds_world), &fit);
+    else
+        iso_camera_fit_box(camera, &job->bounds_world, &fit);
+}
+
+/* Where the eye is when nothing is said about it: the preset, turned, at the distance that shows everything.
+ */
+static iso_camera fitted_camera(isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    iso_camera camera = {
+        .view_angle = settings->view_angle, .orthographic = settings->orthographic != 0, .parallel_scale = 1};
+    iso_vec3 forward;
+    iso_direction_vectors((iso_direction)settings->direction, settings->up, &forward, &camera.view_up);
+    if (is_given(settings->view_up)) camera.view_up = vector(settings->view_up);
+    camera.position = iso_vec3_scale(forward, -1);
+    iso_camera_orbit(&camera, settings->azimuth, settings->elevation);
+    frame_surface(job, &camera);
+    if (is_given(settings->focal_point)) {
+        iso_vec3 shift = iso_vec3_sub(vector(settings->focal_point), camera.focal_point);
+        camera.focal_point = vector(settings->focal_point);
+        camera.position = iso_vec3_add(camera.position, shift);
+    }
+    return camera;
+}
+
+/* A position that is given is where the eye is; azimuth and elevation turn it from there. */
+static void place_camera(const isorender_job *job, iso_camera *camera) {
+    const isorender_settings *settings = job->settings;
+    camera->position = vector(settings->position);
+    if (settings->azimuth != 0 || settings->elevation != 0)
+        iso_camera_orbit(camera, settings->azimuth, settings->elevation);
+}
+
+iso_status isorender_camera_make(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    iso_camera camera = fitted_camera(job);
+    if (is_given(settings->position)) place_camera(job, &camera);
+    if (settings->zoom != 1) iso_camera_zoom(&camera, settings->zoom);
+    if (settings->mm_per_pixel > 0) camera.parallel_scale = settings->mm_per_pixel * settings->height / 2;
+    ISO_TRY(iso_camera_check(&camera, error));
+    job->camera = camera;
+    return ISO_OK;
+}
+
+iso_camera isorender_camera_of_frame(const isorender_job *job, int frame) {
+    iso_camera camera = job->camera;
+    if (frame > 0) iso_camera_orbit(&camera, frame * degrees_between_frames(job->settings), 0);
+    return camera;
+}
+
+/* ---- what must agree */
+
+static iso_status check_framing(const isorender_settings *settings, iso_error *error) {
+    const bool tight = settings->fit == ISORENDER_FIT_TIGHT, margin = !isnan(settings->margin);
+    const char *option = tight ? "--fit tight" : "--margin";
+    if (!tight && !margin) return ISO_OK;
+    if (is_given(settings->position))
+        return iso_fail(error, ISO_ERR_USAGE, "%s frames the surface, which --camera-position does not",
+                        option);
+    if (tight && is_given(settings->focal_point))
+        return iso_fail(error, ISO_ERR_USAGE, "--fit tight chooses the focal point: give one or the other");
+    return ISO_OK;
+}
+
+iso_status isorender_camera_check(isorender_settings *settings, iso_error *error) {
+    ISO_TRY(check_framing(settings, error));
+    if (settings->mm_per_pixel > 0) {
+        settings->orthographic = 1;
+        if (settings->zoom != 1 || !isnan(settings->margin))
+            return iso_fail(error, ISO_ERR_USAGE, "--mm-per-pixel and %s both set the scale",
+                            settings->zoom != 1 ? "--zoom" : "--margin");
+    }
+    if (settings->scale_bar && !settings->orthographic)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "--scale-bar needs --orthographic or --mm-per-pixel: in perspective what is near is larger "
+            "than what is far");
+    return ISO_OK;
+}

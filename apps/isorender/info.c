@@ -1,0 +1,114 @@
+/* --info: what a file holds, as text on stdout. */
+#include <math.h>
+#include <string.h>
+
+#include "apps/isorender/isorender.h"
+#include "base/text.h"
+
+/* 1234567 bytes as "1.2 MB". */
+static void print_bytes(uint64_t bytes) {
+    static const char *const units[] = {"bytes", "kB", "MB", "GB", "TB", "PB"};
+    double value = (double)bytes;
+    int unit = 0;
+    for (; value >= 1000 && unit < 5; unit++) value /= 1000;
+    printf(unit ? "%.1f %s" : "%.0f %s", value, units[unit]);
+}
+
+static void print_numbers(const char *title, const double v[3], const char *unit) {
+    printf("  %-11s %.10g %.10g %.10g%s\n", title, v[0], v[1], v[2], unit);
+}
+
+static void print_matrix(const iso_transform *transform) {
+    iso_affine affine = iso_transform_affine(transform);
+    for (int row = 0; row < 3; row++)
+        printf("  %-11s %12.6g %12.6g %12.6g %12.6g\n", row ? "" : "matrix", affine.m[3 * row],
+               affine.m[3 * row + 1], affine.m[3 * row + 2], affine.origin[row]);
+    printf("  %-11s from voxels to world mm%s\n", "", affine.determinant < 0 ? ", left-handed" : "");
+}
+
+static void print_memory(const isorender_job *job) {
+    printf("  %-11s ", "memory");
+    print_bytes(job->volume.info.bytes);
+    printf(" for the grid, ");
+    print_bytes(job->volume.info.read_bytes);
+    printf(" while reading, ");
+    print_bytes(isorender_picture_bytes(job));
+    printf(" for a picture of %dx%d\n", job->settings->width, job->settings->height);
+}
+
+void isorender_info_header(const isorender_job *job) {
+    const iso_volume_info *info = &job->volume.info;
+    iso_text_put(stdout, isorender_input_name(job));
+    putchar('\n');
+    if (job->from_points) {
+        printf("  %-11s points (ply)\n", "format");
+        return;
+    }
+    printf("  %-11s %s%s%s\n", "format", info->format, info->name[0] ? ", " : "", info->name);
+    printf("  %-11s %d x %d x %d, %s", "voxels", info->dims[0], info->dims[1], info->dims[2],
+           info->file_type);
+    if (info->components > 1) printf(", component %d of %d", info->component, info->components);
+    if (strcmp(info->file_type, iso_type_name(info->type)) != 0)
+        printf(", held as %s", iso_type_name(info->type));
+    printf("%s\n", info->sparse ? ", sparse level set" : info->level_set ? ", level set" : "");
+    if (info->scale != 1 || info->offset != 0)
+        printf("  %-11s physical = %.10g * stored + %.10g\n", "values", info->scale, info->offset);
+    print_numbers("spacing", info->transform.spacing, " mm");
+    print_numbers("origin", info->transform.origin, info->anatomical ? " mm (LPS)" : " mm");
+    for (int row = 0; row < 3; row++)
+        print_numbers(row ? "" : "direction", &info->transform.direction[3 * row], "");
+    print_matrix(&info->transform);
+    print_memory(job);
+    for (int i = 0; i < info->item_count; i++) printf("  %-11s %s\n", i ? "" : "holds", info->items[i]);
+}
+
+/* Rows of a histogram: bars grow with the square root of the count, or a peak would hide the rest. */
+static void print_histogram(const iso_histogram *histogram) {
+    enum { ROWS = 16, BAR = 60, PER_ROW = ISO_HISTOGRAM_BINS / ROWS };
+    uint64_t counts[ROWS] = {0}, most = 1;
+    for (int i = 0; i < ISO_HISTOGRAM_BINS; i++) counts[i / PER_ROW] += histogram->bins[i];
+    for (int row = 0; row < ROWS; row++)
+        if (counts[row] > most) most = counts[row];
+    for (int row = 0; row < ROWS; row++) {
+        int length = (int)ceil(BAR * sqrt((double)counts[row] / (double)most));
+        printf("  %-11s %12.6g %-*.*s %llu\n", row ? "" : "histogram",
+               histogram->low + row * PER_ROW * histogram->width, BAR, length,
+               "############################################################",
+               (unsigned long long)counts[row]);
+    }
+}
+
+static void print_isovalues(const isorender_job *job) {
+    double candidates[ISO_ISOVALUE_CANDIDATES];
+    size_t count = iso_isovalue_suggest(&job->volume.grid, &job->histogram, candidates);
+    printf("  %-11s ", "isovalues");
+    if (count == 0) printf("none: the volume is constant");
+    for (size_t i = 0; i < count; i++) printf("%s%.6g", i ? ", " : "", candidates[i]);
+    if (count > 0)
+        printf(iso_grid_is_level_set(&job->volume.grid) ? " (level set)"
+                                                        : " (Otsu; then two of three classes)");
+    printf("\n");
+}
+
+void isorender_info_values(const isorender_job *job) {
+    if (job->from_points) {
+        iso_point_view view = iso_points_view(&job->points);
+        iso_box box = iso_point_view_bounds(&view);
+        printf("  %-11s %zu\n", "points", iso_point_view_count(&view));
+        printf("  %-11s %.6g %.6g %.6g .. %.6g %.6g %.6g mm\n", "bounds", box.lo.x, box.lo.y, box.lo.z,
+               box.hi.x, box.hi.y, box.hi.z);
+        return;
+    }
+    if (job->nonfinite) printf("  %-11s %zu voxels are NaN or infinite\n", "not finite", job->nonfinite);
+    if (!job->has_histogram) {
+        printf("  %-11s none: no voxel is finite\n", "range");
+        return;
+    }
+    const iso_histogram *histogram = &job->histogram;
+    printf("  %-11s %.10g .. %.10g\n", "range", histogram->minimum, histogram->maximum);
+    if (histogram->padding)
+        printf("  %-11s %llu voxels of %.10g around the rest, left out below\n", "padding",
+               (unsigned long long)histogram->padding, histogram->padding_value);
+    if (histogram->low < histogram->high) print_histogram(histogram);
+    print_isovalues(job);
+}

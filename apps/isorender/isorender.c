@@ -1,0 +1,75 @@
+/* isorender: any volume file to a correct picture of its isosurface, in one command. */
+#include <stdlib.h>
+
+#include "apps/isorender/isorender.h"
+
+static int fail(const iso_error *error, iso_status status) {
+    return iso_program_fail(isorender_program(), error, status);
+}
+
+static iso_status print_help(const isorender_settings *settings, iso_error *error) {
+    if (settings->help == ISORENDER_HELP) iso_options_help(isorender_program(), settings->help_form, stdout);
+    if (settings->help == ISORENDER_VERSION) printf("isorender %s\n", isorender_program()->version);
+    if (settings->help != ISORENDER_BACKENDS) return ISO_OK;
+    iso_pool *pool = NULL;
+    ISO_TRY(iso_pool_create(settings->threads, &pool, error));
+    isorender_backends_list(iso_pool_threads(pool));
+    iso_pool_destroy(pool);
+    return ISO_OK;
+}
+
+/* One input that fails does not stop the others; the first failure gives the exit status. */
+static int run_all(const isorender_settings *settings, const isorender_plan *plans, iso_pool *pool,
+                   const isorender_backend *backend) {
+    int worst = 0;
+    for (int i = 0; i < settings->input_count; i++) {
+        iso_error error = {0};
+        iso_status status = isorender_run(settings, &plans[i], pool, backend, &error);
+        if (status == ISO_OK) continue;
+        int code = fail(&error, status);
+        if (worst == 0) worst = code;
+    }
+    return worst;
+}
+
+static bool draws_any(const isorender_settings *settings, const isorender_plan *plans) {
+    for (int i = 0; i < settings->input_count && !settings->info; i++)
+        if (isorender_plan_draws(&plans[i])) return true;
+    return false;
+}
+
+static iso_status run(const isorender_settings *settings, int *code, iso_error *error) {
+    isorender_plan *plans = NULL;
+    iso_pool *pool = NULL;
+    ISO_TRY(isorender_plans_make(settings, &plans, error));
+    isorender_backend backend = isorender_backend_cpu();
+    for (int i = 0; settings->input_count > 1 && i < settings->input_count; i++)
+        isorender_look(settings, &plans[i]);
+    iso_status status = iso_file_set_check(plans->files, error);
+    if (status == ISO_OK) status = iso_pool_create(settings->threads, &pool, error);
+    if (status == ISO_OK && draws_any(settings, plans))
+        status = isorender_backend_open(settings, &backend, error);
+    if (status == ISO_OK) *code = run_all(settings, plans, pool, &backend);
+    isorender_backend_close(&backend);
+    iso_pool_destroy(pool);
+    isorender_plans_free(plans, settings->input_count);
+    return status;
+}
+
+static int run_program(int argc, char **argv) {
+    iso_error error = {0};
+    isorender_settings settings;
+    iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
+    if (!operands.values) return iso_status_exit(ISO_ERR_NOMEM);
+    int code = 0;
+    iso_status status = isorender_settings_parse(argc, argv, &settings, &operands, &error);
+    if (status == ISO_OK)
+        status = settings.help ? print_help(&settings, &error) : run(&settings, &code, &error);
+    if (status != ISO_OK) code = fail(&error, status);
+    free(operands.values);
+    return iso_program_finish(isorender_program(), code);
+}
+
+int main(int argc, char **argv) {
+    return iso_program_main(argc, argv, run_program);
+}

@@ -1,0 +1,480 @@
+/* The command line of isorender: its table, and what must agree between options. Names are F3D's where F3D
+ * has the option. */
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+#include "apps/isorender/isorender.h"
+#include "image/image.h"
+
+#ifndef ISO_VERSION
+#error "ISO_VERSION comes from CMake"
+#endif
+
+enum group { INPUT, SURFACE, PICTURE, CAMERA, OUTPUT, RUNNING };
+
+static const char *const groups[] = {"Input",         "Surface", "Picture", "Camera",
+                                     "Other outputs", "Running", NULL};
+
+static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --output TEMPLATE IN ...",
+                                    "[options] --scene NAME[:SIZE] [OUT.png]", NULL};
+
+static const char *const methods[] = {"exact", "points", "pullpush", "mesh", "raycast", NULL};
+static const char *const reconstructions[] = {"refined", "box", "gaussian", NULL};
+static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
+static const char *const scalings[] = {"exact", "attenuated", NULL};
+static const char *const fits[] = {"box", "tight", NULL};
+static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated", NULL};
+
+/* ---- values that are not plain numbers ---- */
+
+static iso_status apply_isovalue(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    if (strcmp(value, "auto") == 0) {
+        settings->isovalue_auto = 1;
+        return ISO_OK;
+    }
+    for (const char *at = value;;) {
+        char number[64];
+        size_t length = strcspn(at, ",");
+        snprintf(number, sizeof number, "%.*s", length < 63 ? (int)length : 63, at);
+        double isovalue;
+        if (length > 63 || !iso_parse_real(number, &isovalue))
+            return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither a number nor 'auto'", value);
+        if (settings->isovalue_count == ISORENDER_SURFACES)
+            return iso_fail(error, ISO_ERR_USAGE, "more than %d isovalues", ISORENDER_SURFACES);
+        settings->isovalues[settings->isovalue_count++] = isovalue;
+        if (!at[length]) return ISO_OK;
+        at += length + 1;
+    }
+}
+
+static bool parse_color(const char *value, iso_rgb *color) {
+    uint8_t rgb[3];
+    if (!iso_parse_color(value, rgb)) return false;
+    *color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
+    return true;
+}
+
+static iso_status add_color(isorender_settings *settings, const char *value, iso_error *error) {
+    if (settings->color_count == ISORENDER_SURFACES)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d colours", ISORENDER_SURFACES);
+    if (!parse_color(value, &settings->colors[settings->color_count]))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS", value);
+    settings->color_count++;
+    return ISO_OK;
+}
+
+static iso_status apply_color(void *target, const char *value, iso_error *error) {
+    for (const char *at = value;;) {
+        char color[64];
+        size_t length = strcspn(at, ",");
+        snprintf(color, sizeof color, "%.*s", length < 63 ? (int)length : 63, at);
+        ISO_TRY(add_color(target, color, error));
+        if (!at[length]) return ISO_OK;
+        at += length + 1;
+    }
+}
+
+static iso_status apply_background(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    bool none = strcmp(value, "none") == 0;
+    if (!none && !parse_color(value, &settings->background))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS nor 'none'", value);
+    settings->transparent = none;
+    return ISO_OK;
+}
+
+static iso_status apply_resolution(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    int size[2];
+    ISO_TRY(iso_parse_resolution(value, size, error));
+    settings->width = size[0];
+    settings->height = size[1];
+    return ISO_OK;
+}
+
+static iso_status apply_samples(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    int samples;
+    if (iso_parse_int(value, &samples))
+        for (int side = 1; side <= 8; side++)
+            if (side * side == samples) {
+                settings->samples = samples;
+                return ISO_OK;
+            }
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a square number from 1 to 64 (1, 4, 9, 16, ...)",
+                    value);
+}
+
+/* 0.05 or 5%. */
+static iso_status apply_margin(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    char number[64];
+    const size_t length = strlen(value);
+    const bool percent = length > 0 && value[length - 1] == '%';
+    double margin;
+    snprintf(number, sizeof number, "%.*s", length < 63 ? (int)(length - percent) : 63, value);
+    bool good = length < 63 && iso_parse_real(number, &margin);
+    if (good && percent) margin /= 100;
+    if (!good || !(margin >= 0 && margin <= 0.45))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is not a part of the picture from 0 to 0.45, or 0%% to 45%%", value);
+    settings->margin = margin;
+    return ISO_OK;
+}
+
+static iso_status apply_up(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    const char *axis = value + (*value == '+' || *value == '-');
+    double sign = *value == '-' ? -1 : 1;
+    if (strlen(axis) != 1 || *axis < 'x' || *axis > 'z')
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of +x -x +y -y +z -z", value);
+    settings->up = iso_vec3_make(*axis == 'x' ? sign : 0, *axis == 'y' ? sign : 0, *axis == 'z' ? sign : 0);
+    return ISO_OK;
+}
+
+iso_status isorender_apply_json(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    if (value && !*value) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
+    settings->json = 1;
+    settings->json_path = value && strcmp(value, "-") == 0 ? NULL : value;
+    return ISO_OK;
+}
+
+static iso_status apply_verbose(void *target, const char *value, iso_error *error) {
+    static const char *const levels[] = {"quiet", "error", "warning", "info", "debug"};
+    isorender_settings *settings = target;
+    int level = 3;
+    if (value)
+        for (level = 0; level < 5 && strcmp(levels[level], value) != 0;) level++;
+    if (level == 5)
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of quiet, error, warning, info, debug", value);
+    settings->verbose = level >= 3;
+    settings->quiet = level <= 1;
+    return ISO_OK;
+}
+
+iso_status isorender_apply_help(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    settings->help = ISORENDER_HELP;
+    return iso_parse_help_form(value, &settings->help_form, error);
+}
+
+iso_status isorender_apply_version(void *target, const char *value, iso_error *error) {
+    (void)value, (void)error;
+    ((isorender_settings *)target)->help = ISORENDER_VERSION;
+    return ISO_OK;
+}
+
+static iso_status apply_list_backends(void *target, const char *value, iso_error *error) {
+    (void)value, (void)error;
+    ((isorender_settings *)target)->help = ISORENDER_BACKENDS;
+    return ISO_OK;
+}
+
+/* ---- the table ---- */
+
+#define FIELD(name) .offset = offsetof(isorender_settings, name)
+#include "apps/common/option_rows.h"
+
+static const iso_option options[] = {
+#include "apps/common/input_options.inc"
+    {"scene", NULL, "NAME[:SIZE]",
+     "a procedural volume instead of a file: sphere, cylinder, cube, gyroid, torus, ct, "
+     "head (the same as the input scene:NAME[:SIZE])",
+     .group = INPUT, TEXT(scene)},
+
+    {"isovalue", "isosurface iso-value", "V",
+     "value of the surface, in the file's physical units (of a level set: mm from its surface, above 0 "
+     "outside); "
+     "several, separated by commas, give several surfaces; auto: 0 for level sets, else Otsu's threshold of "
+     "the "
+     "histogram",
+     .group = SURFACE, .standard = "auto", CALL(apply_isovalue), .flags = ISO_OPTION_REPEATABLE},
+    {"color", "colour", "COLOR",
+     "colour of the surface: RRGGBB in hexadecimal or a name of CSS such as ivory; several, separated by "
+     "commas: the second one belongs to the second isovalue, and so on",
+     .group = SURFACE, .standard = "D9B36C", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
+    {"primitive", NULL, "NAME",
+     "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets unless they are "
+     "drawn by "
+     "refined or the isovalue is near the end of the narrow band, edge for the rest",
+     .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
+
+#define SOLID SURFACE
+#include "apps/common/solid_options.inc"
+#undef SOLID
+    {"closed", NULL, NULL,
+     "the solid ends at the volume's border and is capped there, so that meshes are closed; voxels that are "
+     "no "
+     "numbers are outside it",
+     .group = SURFACE, FLAG(closed)},
+
+    {"method", NULL, "NAME",
+     "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
+     "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), pullpush "
+     "(points, filled in image space: for files of points, and to draw many points on a GPU), points (discs: "
+     "to see the samples themselves) or raycast (rays through the field, slow: to check the others); files "
+     "of "
+     "points: points",
+     .group = PICTURE, .standard = "exact", CHOICE(method, methods)},
+    {"reconstruction", NULL, "NAME",
+     "how pullpush fills in: refined (second-order discs; points that have colours: as gaussian), box or "
+     "gaussian (equal or Gaussian weights in ellipses; Marroquim 2008)",
+     .group = PICTURE, .standard = "refined", CHOICE(reconstruction, reconstructions)},
+    {"point-scaling", NULL, "NAME",
+     "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
+     .group = PICTURE, .standard = "exact", CHOICE(scaling, scalings)},
+    {"strips", NULL, NULL,
+     "draw the mesh as triangle strips; --json tells how many indices they save (needs OpenGL)",
+     .group = PICTURE, FLAG(strips)},
+    {"resolution", NULL, "WxH", "size of the picture in pixels", .group = PICTURE, .standard = "1024x1024",
+     CALL(apply_resolution)},
+    {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE, .standard = "1",
+     CALL(apply_samples)},
+    {"background", "background-color", "COLOR|none",
+     "colour of the background, RRGGBB or a name of CSS; none is transparent", .group = PICTURE,
+     .standard = "FFFFFF", CALL(apply_background)},
+    {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
+    {"scale-bar", NULL, NULL,
+     "draw a bar of a round length, about a fifth of the picture's width, with its length in mm; needs "
+     "--orthographic or --mm-per-pixel",
+     .group = PICTURE, FLAG(scale_bar)},
+    {"orientation-marker", NULL, NULL,
+     "draw the world's axes in a corner: L R A P H F (left, right, anterior, posterior, head, foot) when the "
+     "file "
+     "says where the patient is, else x y z",
+     .group = PICTURE, FLAG(orientation_marker)},
+    {"turntable", NULL, "N",
+     "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ...", .group = PICTURE,
+     INT(turntable, 1, 100000)},
+
+    {"camera", "camera-preset", "NAME", "side to look from: front, back, left, right, top, bottom, iso",
+     .group = CAMERA, .standard = "front", CHOICE(direction, directions)},
+    {"up", NULL, "AXIS", "world axis that is up: +x -x +y -y +z -z", .group = CAMERA, .standard = "+z",
+     CALL(apply_up)},
+    {"azimuth", "camera-azimuth-angle camera-azimuth", "DEGREES", "then turn the camera to the right",
+     .group = CAMERA, REAL(azimuth, -1e6, 1e6)},
+    {"elevation", "camera-elevation-angle camera-elevation", "DEGREES", "and upwards", .group = CAMERA,
+     REAL(elevation, -1e6, 1e6)},
+    {"zoom", "camera-zoom-factor", "FACTOR", "enlarge", .group = CAMERA, .standard = "1",
+     REAL(zoom, 1e-6, 1e6)},
+    {"orthographic", "camera-orthographic", NULL, "parallel projection", .group = CAMERA, FLAG(orthographic)},
+    {"mm-per-pixel", NULL, "MM",
+     "scale of the picture: a parallel projection (as --orthographic) in which a pixel is this many mm wide",
+     .group = CAMERA, REAL(mm_per_pixel, 1e-9, 1e9)},
+    {"fit", NULL, "NAME",
+     "what fills the picture: box (the box around the surface along the world's axes) or tight (the surface "
+     "as it is "
+     "seen)",
+     .group = CAMERA, .standard = "box", CHOICE(fit, fits)},
+    {"margin", NULL, "PART", "part of the picture left free on each side, as 0.1 or 10%", .group = CAMERA,
+     .standard = "4%", CALL(apply_margin)},
+    {"view-angle", "camera-view-angle", "DEGREES", "full vertical angle of the perspective", .group = CAMERA,
+     .standard = "30", REAL(view_angle, 0.01, 179)},
+    {"camera-position", NULL, "X,Y,Z", "where the eye is, in mm; nothing is fitted then", .group = CAMERA,
+     REALS(position, 3)},
+    {"camera-focal-point", NULL, "X,Y,Z", "what it looks at, in mm", .group = CAMERA,
+     .standard = "centre of the surface", REALS(focal_point, 3)},
+    {"camera-view-up", "view-up", "X,Y,Z", "which direction is up in the picture", .group = CAMERA,
+     REALS(view_up, 3)},
+
+    {"output", "o", "NAME",
+     "the picture: a .png, - for stdout; {model} is the input's name, {n:3} a number with three "
+     "digits",
+     .group = OUTPUT, .standard = "{model}.png", TEXT(output), QUIETLY},
+    {"points", NULL, "FILE.ply", "write the points: x y z nx ny nz radius, in mm (isorender reads them back)",
+     .group = OUTPUT, TEXT(points), QUIETLY},
+    {"mesh", NULL, "FILE", "write the Marching Cubes mesh: .ply, .stl or .obj, in mm", .group = OUTPUT,
+     TEXT(mesh), QUIETLY},
+    {"aov", NULL, "FILE.exr",
+     "write depth Z (mm along the view), normal N.X N.Y N.Z (world, out of the solid) and coverage A of "
+     "every pixel "
+     "as OpenEXR floats: means over its covered samples",
+     .group = OUTPUT, TEXT(aov), QUIETLY},
+    {"no-image", "no-render", NULL, "make no picture", .group = OUTPUT, FLAG(no_image), QUIETLY},
+    {"info", NULL, NULL, "no picture: header, matrix, value range, histogram, suggested isovalues, memory",
+     .group = OUTPUT, FLAG(info), QUIETLY},
+    {"json", NULL, "FILE", "one object with what was read, made and measured, to stdout without a FILE",
+     .group = OUTPUT, CALL(isorender_apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
+
+    {"backend", "rendering-backend", "NAME",
+     "cpu, egl or osmesa (OpenGL without a window: points, pullpush and mesh); auto is a GPU where EGL finds "
+     "one, else cpu; but what needs the cpu is drawn by it",
+     .group = RUNNING, .standard = "auto", TEXT(backend), QUIETLY},
+    {"list-backends", "list-rendering-backends", NULL, "say what can render here", .group = RUNNING,
+     CALL(apply_list_backends), QUIETLY},
+    {"progress", "loading-progress", NULL, "tell how far it is", .group = RUNNING, FLAG(progress), QUIETLY},
+    {"verbose", NULL, "LEVEL", "say more: timings and counts (quiet, error, warning, info, debug)",
+     .group = RUNNING, CALL(apply_verbose), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
+#include "apps/common/running_options.inc"
+};
+
+static const char *const inputs_text[] = {".vti, legacy .vtk, .nrrd .nhdr, .mha .mhd, .nii .nii.gz .hdr, "
+                                          ".vdb, a DICOM folder or file, raw data with --raw,",
+                                          "a .ply of points as --points writes it, scene:NAME[:SIZE], and - "
+                                          "for stdin (the content tells the format).",
+                                          "Without OUT the picture is IN's name with .png, in the current "
+                                          "folder. World axes are LPS: front looks along +y.",
+                                          NULL};
+
+static const char *const exit_text[] = {"0  done",
+                                        "2  wrong usage",
+                                        "3  the input cannot be read: missing, truncated, not a volume",
+                                        "4  no usable backend",
+                                        "5  over the memory limit, or out of memory",
+                                        "6  the surface is empty, or nothing of it is in view",
+                                        "7  an output could not be written",
+                                        "After a failure no output of that input is left behind.",
+                                        NULL};
+
+static const char *const example_text[] = {
+    "isorender ct.nii.gz bone.png --isovalue 300 --samples 4",
+    "isorender dicom/ --camera iso --method raycast",
+    "isorender brain.nrrd --isovalue 40 --turntable 90 -o frame_{n:3}.png",
+    "isorender --output '{model}.png' *.vti --json='{model}.json'",
+    "isorender sphere.vdb --points sphere.ply --no-image",
+    NULL};
+
+static const iso_section sections[] = {
+    {"Inputs", inputs_text}, {"Exit status", exit_text}, {"Examples", example_text}};
+
+/* Appends " --name=value" to the record when it fits, in quotes where a shell needs them. */
+void isorender_record(void *target, const iso_option *option, const char *value) {
+    isorender_settings *settings = target;
+    if (option->flags & ISO_OPTION_UNRECORDED) return;
+    char text[512];
+    int length = snprintf(text, sizeof text, " --%s%s%s", option->name, value ? "=" : "", value ? value : "");
+    size_t used = strlen(settings->record);
+    if (length < (int)sizeof text && used + (size_t)length < sizeof settings->record)
+        memcpy(settings->record + used, text, (size_t)length + 1);
+}
+
+const iso_program *isorender_program(void) {
+    static const iso_program program = {.name = "isorender",
+                                        .version = ISO_VERSION,
+                                        .summary =
+                                            "a correct picture of a volume's isosurface, in one command",
+                                        .usage = usage,
+                                        .groups = groups,
+                                        .options = options,
+                                        .option_count = sizeof options / sizeof *options,
+                                        .sections = sections,
+                                        .section_count = sizeof sections / sizeof *sections,
+                                        .seen = isorender_record};
+    return &program;
+}
+
+const char *isorender_method_name(isorender_method method) {
+    return methods[method];
+}
+
+/* ---- what must agree ---- */
+
+static bool ends_with(const char *text, const char *suffix) {
+    size_t length = strlen(text), tail = strlen(suffix);
+    return length >= tail && strcmp(text + length - tail, suffix) == 0;
+}
+
+static iso_status take_operands(isorender_settings *settings, const iso_operands *operands,
+                                iso_error *error) {
+    int count = operands->count;
+    int inputs = settings->scene ? 0 : 1;
+    if (!settings->output && count == inputs + 1) {
+        settings->output = operands->values[count - 1];
+        count--;
+        if (strcmp(settings->output, "-") != 0 && !ends_with(settings->output, ".png"))
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "%s: a picture's name must end in .png (several inputs need --output TEMPLATE)",
+                            settings->output);
+    }
+    if (count == 0 && !settings->scene) return iso_fail(error, ISO_ERR_USAGE, "no input (see --help)");
+    if (settings->scene && count > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: --scene takes no other input", operands->values[0]);
+    if (count > 1 && !settings->output && !settings->info && !settings->no_image)
+        return iso_fail(error, ISO_ERR_USAGE, "%d inputs need --output TEMPLATE, such as '{model}.png'",
+                        count);
+    settings->inputs = operands->values;
+    settings->input_count = settings->scene ? 1 : count;
+    return ISO_OK;
+}
+
+static iso_status check_aov(const isorender_settings *settings, iso_error *error) {
+    if (!settings->aov) return ISO_OK;
+    if (!ends_with(settings->aov, ".exr"))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: --aov writes OpenEXR files: a name must end in .exr",
+                        settings->aov);
+    if (settings->info)
+        return iso_fail(error, ISO_ERR_USAGE, "--info renders nothing that --aov could write");
+    return ISO_OK;
+}
+
+static iso_status check_outputs(const isorender_settings *settings, iso_error *error) {
+    bool image = !settings->no_image && !settings->info;
+    bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
+    if (settings->output && !to_stdout && image && !ends_with(settings->output, ".png"))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png", settings->output);
+    if (to_stdout && settings->json && !settings->json_path)
+        return iso_fail(error, ISO_ERR_USAGE, "the picture and --json cannot both go to standard output");
+    if (to_stdout && settings->turntable)
+        return iso_fail(error, ISO_ERR_USAGE, "a turntable cannot go to standard output");
+    if (settings->points && !ends_with(settings->points, ".ply"))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: points are written as .ply", settings->points);
+    if (settings->mesh && !ends_with(settings->mesh, ".ply") && !ends_with(settings->mesh, ".stl") &&
+        !ends_with(settings->mesh, ".obj"))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", settings->mesh);
+    ISO_TRY(check_aov(settings, error));
+    if (settings->no_image && !settings->points && !settings->mesh && !settings->aov && !settings->json &&
+        !settings->info)
+        return iso_fail(error, ISO_ERR_USAGE, "--no-image leaves nothing to do");
+    if (settings->input_count > 1 && settings->json && !settings->json_path)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--json of several inputs needs a template: --json='{model}.json'");
+    return ISO_OK;
+}
+
+static iso_status check_surfaces(const isorender_settings *settings, iso_error *error) {
+    if (settings->isovalue_auto && settings->isovalue_count)
+        return iso_fail(error, ISO_ERR_USAGE, "--isovalue auto cannot be combined with other isovalues");
+    int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
+    if (settings->color_count > surfaces)
+        return iso_fail(error, ISO_ERR_USAGE, "%d colours for %d isovalue%s", settings->color_count, surfaces,
+                        surfaces > 1 ? "s" : "");
+    if (surfaces > 1 && (settings->points || settings->mesh))
+        return iso_fail(error, ISO_ERR_USAGE, "--points and --mesh write one surface: give one isovalue");
+    const iso_primitive primitive = (iso_primitive)settings->primitive;
+    if (settings->closed && primitive != ISO_PRIMITIVE_AUTO && primitive != ISO_PRIMITIVE_EDGE)
+        return iso_fail(error, ISO_ERR_USAGE, "--closed makes edge points: --primitive %s has no caps",
+                        iso_primitive_name(primitive));
+    for (int i = 0; i < surfaces; i++)
+        for (int j = 0; j < i; j++)
+            if (settings->isovalues[i] == settings->isovalues[j])
+                return iso_fail(error, ISO_ERR_USAGE, "isovalue %g is given twice", settings->isovalues[i]);
+    return ISO_OK;
+}
+
+iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
+                                    iso_operands *operands, iso_error *error) {
+    *settings = (isorender_settings){.method = ISORENDER_UNCHOSEN,
+                                     .backend = "auto",
+                                     .width = 1024,
+                                     .height = 1024,
+                                     .samples = 1,
+                                     .background = {255, 255, 255},
+                                     .up = {0, 0, 1},
+                                     .zoom = 1,
+                                     .margin = NAN,
+                                     .view_angle = 30};
+    for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
+    ISO_TRY(iso_options_parse(isorender_program(), argc, argv, settings, operands, error));
+    if (settings->help) return ISO_OK;
+    ISO_TRY(iso_input_check(&settings->input, error));
+    ISO_TRY(isorender_camera_check(settings, error));
+    ISO_TRY(isorender_backend_check(settings, error));
+    ISO_TRY(take_operands(settings, operands, error));
+    ISO_TRY(check_outputs(settings, error));
+    return check_surfaces(settings, error);
+}

@@ -1,0 +1,247 @@
+/* From surfaces to PNG files: the camera, one picture or a turntable of them. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/isorender/isorender.h"
+#include "image/annotate.h"
+#include "image/exr.h"
+#include "image/image.h"
+#include "render/picture.h"
+#include "render/raster/raster.h"
+
+/* ---- one picture ---- */
+
+static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    const isorender_job *job = context;
+    if (job->backend->engine) return isorender_gl_draw(job, view, gbuffer, error);
+    for (int i = 0; i < job->surface_count; i++) {
+        const isorender_surface *surface = &job->surfaces[i];
+        iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
+        if (job->method == ISORENDER_EXACT) {
+            ISO_TRY(iso_draw_exact(&target, surface->exact, error));
+        } else if (job->method == ISORENDER_MESH) {
+            iso_mesh_view mesh = iso_mesh_set_view(surface->mesh);
+            ISO_TRY(iso_draw_mesh(&target, &mesh, error));
+        } else if (job->method == ISORENDER_RAYCAST) {
+            ISO_TRY(iso_draw_raycast(&target, surface->caster, error));
+        } else if (job->method == ISORENDER_PULLPUSH) {
+            iso_point_view points = isorender_points_view(job, i);
+            iso_pullpush_opts opts = {(iso_reconstruction)job->settings->reconstruction, job->pullpush};
+            ISO_TRY(iso_draw_pullpush(&target, &points, &opts, error));
+        } else {
+            iso_point_view points = isorender_points_view(job, i);
+            ISO_TRY(iso_draw_points(&target, &points, error));
+        }
+    }
+    return ISO_OK;
+}
+
+/* FNV-1a, 64 bits, over width and height as 4 little-endian bytes each and the pixels. */
+static uint64_t hash_image(const iso_image *image) {
+    uint64_t hash = 0xcbf29ce484222325u;
+    const int sides[2] = {image->width, image->height};
+    for (int side = 0; side < 2; side++)
+        for (int shift = 0; shift < 32; shift += 8)
+            hash = (hash ^ (uint64_t)(sides[side] >> shift & 255)) * 0x100000001b3u;
+    size_t count = (size_t)image->width * (size_t)image->height * 4;
+    for (size_t i = 0; i < count; i++) hash = (hash ^ image->rgba[i]) * 0x100000001b3u;
+    return hash;
+}
+
+/* What the files say about themselves. Neither paths nor thread counts: the same picture is the same file
+ * wherever it is made. */
+typedef struct labels {
+    char software[64], isovalues[512], command[ISORENDER_RECORD + 256];
+} labels;
+
+static void make_labels(const isorender_job *job, labels *l) {
+    const iso_program *program = isorender_program();
+    snprintf(l->software, sizeof l->software, "%s %s", program->name, program->version);
+    size_t used = 0;
+    l->isovalues[0] = 0;
+    for (int i = 0; i < job->surface_count && !job->from_points && used + 32 < sizeof l->isovalues; i++)
+        used += (size_t)snprintf(l->isovalues + used, sizeof l->isovalues - used, "%s%.10g",
+                                 i ? ", " : "isovalue ", job->surfaces[i].isovalue);
+    snprintf(l->command, sizeof l->command, "%s %s%s", program->name, job->plan->model,
+             job->settings->record);
+}
+
+static iso_status write_picture(isorender_job *job, const iso_image *image, const char *path,
+                                iso_error *error) {
+    labels l;
+    make_labels(job, &l);
+    const iso_png_text texts[] = {{"Software", l.software},
+                                  {"Title", job->plan->model},
+                                  {"Comment", l.command},
+                                  {"Description", l.isovalues}};
+    const double millimetres = iso_camera_mm_per_pixel(&job->camera, image->height);
+    const iso_png_opts opts = {.texts = texts,
+                               .text_count = l.isovalues[0] ? 4 : 3,
+                               .pixels_per_metre = millimetres > 0 ? 1000 / millimetres : 0,
+                               .pool = job->pool};
+    return iso_png_write_with(path, image, &opts, error);
+}
+
+static iso_status write_aov(isorender_job *job, int frame, const iso_aov *aov, const char *path,
+                            iso_error *error) {
+    labels l;
+    make_labels(job, &l);
+    iso_camera camera = isorender_camera_of_frame(job, frame);
+    iso_view view = iso_view_make(&camera, aov->width, aov->height);
+    const iso_exr_info info = {.view = &view, .software = l.software, .comments = l.command};
+    return iso_exr_write(path, aov, &info, job->pool, error);
+}
+
+/* What a frame is drawn to; the planes of aov are NULL when nobody wants it. */
+typedef struct canvas {
+    iso_image image;
+    iso_aov aov;
+} canvas;
+
+/* One exact surface of one sample a pixel needs no gbuffer, unless somebody wants its numbers. */
+static bool is_painted(const isorender_job *job, const iso_picture_opts *opts) {
+    return job->method == ISORENDER_EXACT && !job->backend->engine && job->surface_count == 1 &&
+           opts->samples <= 1 && !opts->aov;
+}
+
+static iso_status paint(const isorender_job *job, const iso_picture_opts *opts, iso_image *image,
+                        size_t *covered, iso_error *error) {
+    const iso_view view = iso_view_make(opts->camera, opts->width, opts->height);
+    const iso_exact_canvas whole = {&view, &opts->shading, image, job->pool};
+    return iso_paint_exact(&whole, job->surfaces[0].exact, covered, error);
+}
+
+static bool is_dark(const isorender_settings *settings) {
+    const iso_rgb c = settings->background;
+    return !settings->transparent && 299 * c.r + 587 * c.g + 114 * c.b < 128 * 1000;
+}
+
+/* Points that were read do not say where the patient is. */
+static iso_status annotate(const isorender_job *job, const iso_camera *camera, iso_image *image,
+                           iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_annotation annotation = {.camera = camera,
+                                       .scale_bar = settings->scale_bar != 0,
+                                       .orientation_marker = settings->orientation_marker != 0,
+                                       .anatomical = !job->from_points && job->volume.info.anatomical,
+                                       .dark = is_dark(settings)};
+    return iso_annotate(image, &annotation, error);
+}
+
+static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    iso_camera camera = isorender_camera_of_frame(job, frame);
+    iso_rgb colors[ISORENDER_SURFACES];
+    for (int i = 0; i < job->surface_count; i++) colors[i] = job->surfaces[i].color;
+    iso_picture_opts opts = {
+        .camera = &camera,
+        .width = settings->width,
+        .height = settings->height,
+        .samples = settings->samples,
+        .shading = {colors, job->surface_count, settings->background, settings->transparent},
+        .draw = draw,
+        .draw_context = job,
+        .pool = job->pool,
+        .aov = c->aov.depth ? &c->aov : NULL};
+    double start = isorender_now();
+    ISO_TRY(is_painted(job, &opts)
+                ? paint(job, &opts, &c->image, &job->frames[frame].covered, error)
+                : iso_picture_render(&opts, &c->image, &job->frames[frame].covered, error));
+    job->seconds.render += isorender_now() - start;
+    if (job->frames[frame].covered == 0)
+        return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
+    ISO_TRY(annotate(job, &camera, &c->image, error));
+    /* (a few milliseconds, byte by byte) */
+    if (settings->json) job->frames[frame].hash = hash_image(&c->image);
+    return ISO_OK;
+}
+
+static iso_status save_image(isorender_job *job, int frame, const canvas *c, iso_error *error) {
+    if (!job->plan->image) return ISO_OK;
+    char *path = NULL;
+    ISO_TRY(isorender_plan_frame(job->plan->image, frame, &path, error));
+    iso_status status = write_picture(job, &c->image, path, error);
+    if (status == ISO_OK) job->frames_written = frame + 1;
+    free(path);
+    return status;
+}
+
+static iso_status save_aov(isorender_job *job, int frame, const canvas *c, iso_error *error) {
+    if (!job->plan->aov) return ISO_OK;
+    char *path = NULL;
+    ISO_TRY(isorender_plan_frame(job->plan->aov, frame, &path, error));
+    iso_status status = write_aov(job, frame, &c->aov, path, error);
+    if (status == ISO_OK) job->aovs_written = frame + 1;
+    free(path);
+    return status;
+}
+
+static iso_status render_frames(isorender_job *job, canvas *c, iso_error *error) {
+    for (int frame = 0; frame < job->frame_count; frame++) {
+        isorender_progress(job, "rendering", (double)frame / job->frame_count);
+        ISO_TRY(render_frame(job, frame, c, error));
+        double start = isorender_now();
+        ISO_TRY(save_image(job, frame, c, error));
+        ISO_TRY(save_aov(job, frame, c, error));
+        job->seconds.write += isorender_now() - start;
+    }
+    isorender_progress(job, "rendering", 1);
+    return ISO_OK;
+}
+
+/* ---- all pictures ---- */
+
+static float smallest_spacing(const isorender_job *job) {
+    if (job->from_points) return 0;
+    const double *s = job->volume.info.transform.spacing;
+    return (float)fmin(s[0], fmin(s[1], s[2]));
+}
+
+uint64_t isorender_picture_bytes(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    enum { SAMPLE = sizeof(float) + 3 * sizeof(float) + 1, STRIP = 256 << 20 };
+    uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
+    uint64_t samples = pixels * (uint64_t)settings->samples * SAMPLE;
+    uint64_t aov = settings->aov ? pixels * ISO_AOV_PLANES * sizeof(float) : 0;
+    uint64_t bytes = 4 * pixels + aov + (samples < STRIP ? samples : STRIP);
+    if (job->backend->engine) return bytes + isorender_gl_bytes(job);
+    if (settings->method != ISORENDER_PULLPUSH) return bytes;
+    enum { PYRAMID = 24 }; /* bytes a sample; drawn in parts as well */
+    uint64_t pyramid = pixels * (uint64_t)settings->samples * PYRAMID;
+    return bytes + (pyramid < STRIP ? pyramid : STRIP);
+}
+
+/* The name of all frames as ffmpeg wants it: {n:3} becomes %03d. */
+static void suggest_film(const isorender_job *job) {
+    const char *image = job->plan->image, *variable = image ? strstr(image, "{n") : NULL;
+    if (!variable) return;
+    const char *end = strchr(variable, '}');
+    char number[8] = "%d";
+    if (variable[2] == ':') snprintf(number, sizeof number, "%%0%cd", variable[3]);
+    isorender_say(job, "a film: ffmpeg -framerate 25 -i '%.*s%s%s' -pix_fmt yuv420p '%s.mp4'",
+                  (int)(variable - image), image, number, end + 1, job->plan->model);
+}
+
+iso_status isorender_render(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    ISO_TRY(isorender_camera_make(job, error));
+    job->frame_count = settings->turntable ? settings->turntable : 1;
+    job->frames = calloc((size_t)job->frame_count, sizeof *job->frames);
+    if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    canvas c = {0};
+    iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
+    if (status == ISO_OK && job->method == ISORENDER_PULLPUSH && !job->backend->engine)
+        status = iso_pullpush_create(&job->pullpush, error);
+    if (status == ISO_OK && job->plan->aov)
+        status = iso_aov_create(settings->width, settings->height, &c.aov, error);
+    c.aov.voxel = smallest_spacing(job);
+    double start = isorender_now();
+    if (status == ISO_OK && job->backend->engine) status = isorender_gl_upload(job, error);
+    job->seconds.render += isorender_now() - start;
+    if (status == ISO_OK) status = render_frames(job, &c, error);
+    iso_image_free(&c.image);
+    iso_aov_free(&c.aov);
+    if (status == ISO_OK && settings->turntable) suggest_film(job);
+    return status;
+}

@@ -1,0 +1,157 @@
+/* Names of the outputs of every input, and the refusal of names that would destroy something. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/common/template.h"
+#include "apps/isorender/isorender.h"
+#include "base/file.h"
+#include "image/exr.h"
+
+/* The name of what there is one of for every frame. */
+static iso_status make_frame_name(const isorender_settings *settings, const isorender_plan *plan,
+                                  const char *output, int number, char **name, iso_error *error) {
+    if (!settings->turntable) return iso_template_expand(output, plan->model, number, name, error);
+    /* A turntable's {n} numbers its frames. */
+    int digits = 3;
+    for (int frames = settings->turntable; frames > 1000; frames = (frames + 9) / 10) digits++;
+    char *numbered = NULL;
+    ISO_TRY(iso_template_numbered(output, digits, &numbered, error));
+    iso_status status = iso_template_expand(numbered, plan->model, -1, name, error);
+    free(numbered);
+    return status;
+}
+
+static iso_status make_names(const isorender_settings *settings, int number, isorender_plan *plan,
+                             iso_error *error) {
+    ISO_TRY(iso_template_model(plan->input, &plan->model, error));
+    if (settings->points)
+        ISO_TRY(iso_template_expand(settings->points, plan->model, number, &plan->points, error));
+    if (settings->mesh) ISO_TRY(iso_template_expand(settings->mesh, plan->model, number, &plan->mesh, error));
+    if (settings->json_path)
+        ISO_TRY(iso_template_expand(settings->json_path, plan->model, number, &plan->json, error));
+    if (settings->info) return ISO_OK;
+    if (settings->aov) ISO_TRY(make_frame_name(settings, plan, settings->aov, number, &plan->aov, error));
+    if (settings->no_image) return ISO_OK;
+    const char *output = settings->output ? settings->output : "{model}.png";
+    return make_frame_name(settings, plan, output, number, &plan->image, error);
+}
+
+static iso_status scene_input(const char *scene, char **input, iso_error *error) {
+    size_t size = strlen(scene) + sizeof "scene:";
+    *input = malloc(size);
+    if (!*input) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    snprintf(*input, size, "scene:%s", scene);
+    return ISO_OK;
+}
+
+/* ---- collisions ---- */
+
+enum { IMAGE, POINTS, MESH, JSON, AOV, NAMES };
+
+static void names_of(const isorender_plan *plan, const char *names[NAMES]) {
+    names[IMAGE] = plan->image;
+    names[POINTS] = plan->points;
+    names[MESH] = plan->mesh;
+    names[JSON] = plan->json;
+    names[AOV] = plan->aov;
+}
+
+/* Every frame of a turntable has a name of its own. */
+static iso_status add_frames(const isorender_settings *settings, const char *name, iso_file_set *files,
+                             iso_error *error) {
+    for (int frame = 0; name && frame < (settings->turntable ? settings->turntable : 1); frame++) {
+        char *path = NULL;
+        ISO_TRY(isorender_plan_frame(name, frame, &path, error));
+        iso_file_set_write(files, path);
+        free(path);
+    }
+    return ISO_OK;
+}
+
+static iso_status add_files(const isorender_settings *settings, const isorender_plan *plan,
+                            iso_error *error) {
+    const char *names[NAMES];
+    names_of(plan, names);
+    if (strncmp(plan->input, "scene:", 6) != 0 && !iso_spool_needed(plan->input))
+        iso_file_set_read(plan->files, plan->input);
+    for (int i = 0; i < NAMES; i++)
+        if (i == IMAGE || i == AOV)
+            ISO_TRY(add_frames(settings, names[i], plan->files, error));
+        else
+            iso_file_set_write(plan->files, names[i]);
+    return ISO_OK;
+}
+
+/* What is known before any header is read; isorender_open and isorender_plan_look add the rest. */
+static iso_status check_all(const isorender_settings *settings, const isorender_plan *plans,
+                            iso_error *error) {
+    for (int i = 0; i < settings->input_count; i++) ISO_TRY(add_files(settings, &plans[i], error));
+    return iso_file_set_check(plans->files, error);
+}
+
+static iso_status make_all(const isorender_settings *settings, isorender_plan *plans, iso_error *error) {
+    iso_file_set *files = calloc(1, sizeof *files);
+    if (!files) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    for (int i = 0; i < settings->input_count; i++) plans[i].files = files;
+    for (int i = 0; i < settings->input_count; i++) {
+        if (settings->scene) ISO_TRY(scene_input(settings->scene, &plans[i].scene, error));
+        plans[i].input = settings->scene ? plans[i].scene : settings->inputs[i];
+        ISO_TRY(make_names(settings, i, &plans[i], error));
+    }
+    return check_all(settings, plans, error);
+}
+
+iso_status isorender_plans_make(const isorender_settings *settings, isorender_plan **plans,
+                                iso_error *error) {
+    isorender_plan *made = calloc((size_t)settings->input_count, sizeof *made);
+    if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    iso_status status = make_all(settings, made, error);
+    if (status != ISO_OK) {
+        isorender_plans_free(made, settings->input_count);
+        return status;
+    }
+    *plans = made;
+    return ISO_OK;
+}
+
+void isorender_plans_free(isorender_plan *plans, int count) {
+    if (plans && plans->files) iso_file_set_free(plans->files);
+    if (plans) free(plans->files);
+    for (int i = 0; plans && i < count; i++) {
+        free(plans[i].scene);
+        free(plans[i].model);
+        free(plans[i].image);
+        free(plans[i].aov);
+        free(plans[i].points);
+        free(plans[i].mesh);
+        free(plans[i].json);
+    }
+    free(plans);
+}
+
+bool isorender_plan_draws(const isorender_plan *plan) {
+    return plan->image || plan->aov;
+}
+
+iso_status isorender_plan_frame(const char *name, int frame, char **path, iso_error *error) {
+    return iso_template_expand(name, NULL, frame, path, error);
+}
+
+static iso_status check_first_frame(const char *name, iso_error *error) {
+    if (!name) return ISO_OK;
+    char *first = NULL;
+    ISO_TRY(isorender_plan_frame(name, 0, &first, error));
+    iso_status status = iso_sink_check(first, error);
+    free(first);
+    return status;
+}
+
+iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *error) {
+    ISO_TRY(check_first_frame(plan->image, error));
+    if (plan->aov && !iso_exr_available())
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without OpenEXR", plan->aov);
+    ISO_TRY(check_first_frame(plan->aov, error));
+    ISO_TRY(iso_sink_check(plan->points, error));
+    ISO_TRY(iso_sink_check(plan->mesh, error));
+    return iso_sink_check(plan->json, error);
+}

@@ -1,0 +1,118 @@
+/* The way of one input, and what happens to its outputs when it fails. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/isorender/isorender.h"
+#include "base/file.h"
+#include "base/text.h"
+
+static iso_status inform(isorender_job *job, iso_error *error) {
+    bool text = !job->settings->json;
+    double start = isorender_now();
+    if (text) isorender_info_header(job);
+    ISO_TRY(isorender_read(job, error));
+    job->seconds.load += isorender_now() - start;
+    if (!job->from_points) {
+        iso_status status = isorender_histogram(job, error);
+        if (status != ISO_OK && status != ISO_ERR_EMPTY) return status;
+    }
+    if (text) isorender_info_values(job);
+    return ISO_OK;
+}
+
+static void tell_done(const isorender_job *job) {
+    isorender_detail(job, "load %.3f s, extract %.3f s, render %.3f s, write %.3f s", job->seconds.load,
+                     job->seconds.extract, job->seconds.render, job->seconds.write);
+    const char *frames = job->settings->turntable ? " (all frames)" : "";
+    if (job->plan->image && strcmp(job->plan->image, "-") != 0)
+        isorender_say(job, "wrote %s%s", job->plan->image, frames);
+    if (job->plan->aov) isorender_say(job, "wrote %s%s", job->plan->aov, frames);
+}
+
+static iso_status make(isorender_job *job, iso_error *error) {
+    double start = isorender_now();
+    ISO_TRY(isorender_read(job, error));
+    double read = isorender_now();
+    job->seconds.load += read - start;
+    ISO_TRY(isorender_extract(job, error));
+    double extracted = isorender_now();
+    job->seconds.extract = extracted - read;
+    ISO_TRY(isorender_export(job, error));
+    job->seconds.write = isorender_now() - extracted;
+    if (isorender_plan_draws(job->plan)) ISO_TRY(isorender_render(job, error));
+    return ISO_OK;
+}
+
+static iso_status work(isorender_job *job, iso_error *error) {
+    double start = isorender_now();
+    ISO_TRY(isorender_open(job, error));
+    job->seconds.load = isorender_now() - start;
+    ISO_TRY(isorender_plan_check_writable(job->plan, error));
+    if (job->settings->info)
+        ISO_TRY(inform(job, error));
+    else
+        ISO_TRY(make(job, error));
+    job->seconds.total = isorender_now() - start;
+    if (job->settings->json) ISO_TRY(isorender_report_json(job, error));
+    if (!job->settings->info) tell_done(job);
+    return ISO_OK;
+}
+
+static void remove_frames(const char *name, int count) {
+    for (int frame = 0; frame < count; frame++) {
+        char *path = NULL;
+        if (isorender_plan_frame(name, frame, &path, NULL) != ISO_OK) continue;
+        iso_file_remove(path);
+        free(path);
+    }
+}
+
+/* What was written before a later output failed would pass for the whole. */
+static void remove_outputs(const isorender_job *job) {
+    if (job->points_written) iso_file_remove(job->plan->points);
+    if (job->mesh_written) iso_file_remove(job->plan->mesh);
+    remove_frames(job->plan->image, job->frames_written);
+    remove_frames(job->plan->aov, job->aovs_written);
+}
+
+/* Every message names a thing: the input, unless the text already begins with it or with an output. */
+static void name_input(const isorender_job *job, iso_error *error) {
+    const char *name = isorender_input_name(job), *text = error->text;
+    if (error->status == ISO_ERR_WRITE || iso_text_begins(text, name)) return;
+    size_t length = job->path ? iso_text_begins(text, job->path) : 0;
+    if (text[length] != ':' && text[length] != '/') length = 0;
+    if (length && !job->spool.path) return;
+    iso_fail(error, error->status, "%s: %s", name,
+             length ? text + length + strspn(text + length, ":/ ") : text);
+}
+
+static void free_surfaces(isorender_job *job) {
+    isorender_gl_forget(job);
+    for (int i = 0; i < job->surface_count; i++) {
+        iso_point_set_destroy(job->surfaces[i].points);
+        iso_mesh_set_destroy(job->surfaces[i].mesh);
+        iso_exact_destroy(job->surfaces[i].exact);
+        iso_raycaster_destroy(job->surfaces[i].caster);
+        iso_grid_destroy(&job->surfaces[i].own_grid);
+    }
+    free(job->frames);
+}
+
+iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
+                         const isorender_backend *backend, iso_error *error) {
+    isorender_job *job = calloc(1, sizeof *job);
+    if (!job) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", plan->input);
+    job->settings = settings;
+    job->plan = plan;
+    job->pool = pool;
+    job->backend = backend;
+    iso_status status = work(job, error);
+    if (status != ISO_OK) {
+        remove_outputs(job);
+        name_input(job, error);
+    }
+    free_surfaces(job);
+    isorender_close(job);
+    free(job);
+    return status;
+}

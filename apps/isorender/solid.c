@@ -1,0 +1,115 @@
+/* What the solid is: without small parts (--largest, --min-size), ended at the volume's border (--closed);
+ * and the measures of its mesh. */
+#include <inttypes.h>
+#include <math.h>
+
+#include "apps/common/json_parts.h"
+#include "apps/isorender/isorender.h"
+#include "grids/parts/closed.h"
+#include "grids/parts/components.h"
+
+static bool drops_parts(const isorender_settings *settings) {
+    return iso_input_drops_parts(&settings->input);
+}
+
+static bool makes_copies(const isorender_job *job, int surfaces) {
+    return drops_parts(job->settings) && surfaces > 1;
+}
+
+uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint64_t grid_bytes) {
+    const isorender_settings *settings = job->settings;
+    const int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
+    double bytes = 0;
+    if (makes_copies(job, surfaces)) bytes += (double)grid_bytes * surfaces;
+    if (settings->closed)
+        bytes +=
+            surfaces * (job->volume.info.sparse ? (double)grid_bytes : (double)iso_grid_close_estimate(dims));
+    return bytes < 0x1p63 ? (uint64_t)bytes : UINT64_MAX;
+}
+
+/* Foot points are made of all distances in the band, also of those that are none any more. */
+static iso_status check_primitive(const isorender_job *job, iso_error *error) {
+    const iso_grid *grid = &job->volume.grid;
+    if (job->settings->primitive == ISO_PRIMITIVE_FOOT && grid->rgrid && drops_parts(job->settings))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--largest and --min-size of a dense level set cannot have --primitive foot");
+    return ISO_OK;
+}
+
+static void say_parts(const isorender_job *job, const isorender_surface *surface) {
+    const iso_components_totals *parts = &surface->parts;
+    isorender_say(job,
+                  "isovalue %g: kept %zu of %zu parts of the solid, dropped %zu with %.3g %% of its volume "
+                  "(%.6g of %.6g mm3)",
+                  surface->isovalue, parts->kept, parts->kept + parts->dropped, parts->dropped,
+                  100 * parts->dropped_share, parts->dropped_volume,
+                  parts->kept_volume + parts->dropped_volume);
+}
+
+static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_components_opts opts = {.isovalue = surface->isovalue,
+                                      .largest = (size_t)settings->input.largest,
+                                      .min_volume = settings->input.min_size,
+                                      .pool = job->pool};
+    /* Another surface needs the parts that this one drops. */
+    if (makes_copies(job, job->surface_count)) {
+        ISO_TRY(iso_grid_copy(&job->volume.grid, job->pool, &surface->own_grid, error));
+        surface->grid = surface->own_grid;
+    }
+    ISO_TRY(iso_components_filter(&surface->grid, &opts, &surface->parts, error));
+    if (surface->parts.kept) say_parts(job, surface);
+    return ISO_OK;
+}
+
+iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    surface->grid = job->volume.grid;
+    ISO_TRY(check_primitive(job, error));
+    if (drops_parts(job->settings)) ISO_TRY(drop_parts(job, surface, error));
+    if (!job->settings->closed) return ISO_OK;
+    iso_grid closed;
+    ISO_TRY(iso_grid_close(&surface->grid, surface->isovalue, job->pool, &closed, error));
+    iso_grid_destroy(&surface->own_grid);
+    surface->grid = surface->own_grid = closed;
+    return ISO_OK;
+}
+
+static void say_mesh(const isorender_job *job, const isorender_surface *surface) {
+    const iso_mesh_measures *m = &surface->measures;
+    isorender_detail(
+        job, "isovalue %g: mesh of %zu parts, %.6g mm2, %.6g mm3, %zu open edges, Euler number %" PRId64,
+        surface->isovalue, m->parts, m->area, m->volume, m->open_edges, m->euler);
+}
+
+iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
+                               iso_error *error) {
+    const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+    ISO_TRY(iso_mesh_weld(&view, weld, error));
+    /* Caps lie this far out, so that they stay flat. */
+    if (job->settings->closed) iso_weld_separate(&view, ISO_CLOSED_TOLERANCE, weld);
+    if (!job->settings->json && !job->settings->verbose) return ISO_OK;
+    iso_status status = iso_weld_measure(weld, &view.transform, job->pool, &surface->measures, error);
+    if (status != ISO_OK) iso_weld_free(weld);
+    if (status == ISO_OK) say_mesh(job, surface);
+    return status;
+}
+
+/* ---- what --json says */
+
+static void put_surface(iso_json *json, const isorender_job *job, const isorender_surface *surface) {
+    if (drops_parts(job->settings)) iso_put_components(json, "parts", &surface->parts);
+    if (surface->mesh) iso_put_mesh_measures(json, "mesh", &surface->measures);
+}
+
+void isorender_solid_put(iso_json *json, const isorender_job *job) {
+    put_surface(json, job, &job->surfaces[0]);
+    if (job->surface_count < 2 || (!drops_parts(job->settings) && !job->surfaces[0].mesh)) return;
+    iso_json_begin_array(json, "surfaces");
+    for (int i = 0; i < job->surface_count; i++) {
+        iso_json_begin_object(json, NULL);
+        iso_json_real(json, "isovalue", job->surfaces[i].isovalue);
+        put_surface(json, job, &job->surfaces[i]);
+        iso_json_end_object(json);
+    }
+    iso_json_end_array(json);
+}

@@ -1,0 +1,302 @@
+/* Isovalues and the surfaces they give: points, meshes, ray casters, their counts and bounds, their files. */
+#include <math.h>
+#include <string.h>
+
+#include "apps/isorender/isorender.h"
+#include "io/mesh_io.h"
+#include "methods/bounds.h"
+
+iso_status isorender_histogram(isorender_job *job, iso_error *error) {
+    if (job->has_histogram) return ISO_OK;
+    ISO_TRY(iso_histogram_compute(&job->volume.grid, job->pool, &job->histogram, error));
+    job->has_histogram = true;
+    return ISO_OK;
+}
+
+/* ---- which isovalues ---- */
+
+static iso_status suggest(isorender_job *job, double *isovalue, iso_error *error) {
+    ISO_TRY(isorender_histogram(job, error));
+    double candidates[ISO_ISOVALUE_CANDIDATES];
+    size_t count = iso_isovalue_suggest(&job->volume.grid, &job->histogram, candidates);
+    if (count == 0)
+        return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
+                        job->histogram.minimum);
+    *isovalue = candidates[0];
+    if (iso_grid_is_level_set(&job->volume.grid))
+        isorender_say(job, "isovalue %g (a level set)", candidates[0]);
+    else if (count < ISO_ISOVALUE_CANDIDATES)
+        isorender_say(job, "isovalue %g (Otsu's threshold, 1979)", candidates[0]);
+    else
+        isorender_say(job, "isovalue %g (Otsu's threshold, 1979); next candidates: %g and %g", candidates[0],
+                      candidates[1], candidates[2]);
+    return ISO_OK;
+}
+
+/* Values one voxel from the end of a narrow band have neighbours that are clamped to it. */
+static void warn_of_band_end(const isorender_job *job, double isovalue) {
+    const iso_grid *grid = &job->volume.grid;
+    if (!grid->hgrid || fabs(iso_grid_stored(grid, isovalue)) <= (double)grid->hgrid->band - 1) return;
+    isorender_say(
+        job,
+        "note: isovalue %g lies within a voxel of the end of the level set's narrow band (%g mm): the "
+        "surface is not exact",
+        isovalue, iso_grid_physical(grid, (double)grid->hgrid->band));
+}
+
+static iso_status take_isovalues(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    for (int i = 0; i < settings->isovalue_count; i++) {
+        job->surfaces[i].isovalue = settings->isovalues[i];
+        ISO_TRY(iso_isovalue_check(&job->volume.grid, settings->isovalues[i], error));
+        warn_of_band_end(job, settings->isovalues[i]);
+    }
+    return ISO_OK;
+}
+
+static iso_status choose_isovalues(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    job->surface_count = settings->isovalue_count ? settings->isovalue_count : 1;
+    if (settings->isovalue_count) return take_isovalues(job, error);
+    if (job->from_points)
+        job->surfaces[0].isovalue = NAN;
+    else if (!isnan(job->scene_isovalue))
+        job->surfaces[0].isovalue = job->scene_isovalue;
+    else
+        return suggest(job, &job->surfaces[0].isovalue, error);
+    return ISO_OK;
+}
+
+static void choose_colors(isorender_job *job) {
+    for (int i = 0; i < job->surface_count; i++)
+        job->surfaces[i].color =
+            i < job->settings->color_count ? job->settings->colors[i] : iso_shading_palette(i);
+}
+
+/* ---- extraction ---- */
+
+/* Without a picture, what is exported says where the surface is and how large. */
+static bool only_exports(const isorender_job *job) {
+    return !isorender_plan_draws(job->plan) && (job->settings->points || job->settings->mesh);
+}
+
+static bool wants_mesh(const isorender_job *job) {
+    return job->settings->mesh || (job->method == ISORENDER_MESH && !only_exports(job));
+}
+
+static bool wants_points(const isorender_job *job) {
+    bool drawn = job->method == ISORENDER_POINTS || job->method == ISORENDER_PULLPUSH;
+    return job->settings->points || (drawn && !only_exports(job));
+}
+
+/* The ray caster's pictures show what exact's do, framed alike. */
+static bool wants_cells(const isorender_job *job) {
+    bool drawn = job->method == ISORENDER_EXACT || job->method == ISORENDER_RAYCAST;
+    return drawn && !only_exports(job);
+}
+
+/* Says what the data holds, so that the user can choose better. */
+static iso_status fail_empty(isorender_job *job, double isovalue, iso_error *error) {
+    const int *dims = iso_grid_dims(&job->volume.grid);
+    if (dims[0] < 2 || dims[1] < 2 || dims[2] < 2)
+        return iso_fail(
+            error, ISO_ERR_EMPTY,
+            "%d x %d x %d voxels have no surface: it lies between two voxels or more on every axis", dims[0],
+            dims[1], dims[2]);
+    ISO_TRY(isorender_histogram(job, error));
+    const iso_histogram *histogram = &job->histogram;
+    if (histogram->minimum == histogram->maximum)
+        return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g: every voxel is %g", isovalue,
+                        histogram->minimum);
+    return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g: values lie in %g .. %g", isovalue,
+                    histogram->minimum, histogram->maximum);
+}
+
+/* Whether points are drawn as curved discs. */
+static bool is_refined(const isorender_job *job) {
+    return job->method == ISORENDER_PULLPUSH && job->settings->reconstruction == ISO_RECONSTRUCTION_REFINED;
+}
+
+iso_primitive isorender_primitive(const isorender_job *job) {
+    const iso_primitive chosen = (iso_primitive)job->settings->primitive;
+    if (chosen != ISO_PRIMITIVE_AUTO) return chosen;
+    /* One kind for all surfaces; the outer layer of a closed level set holds no distances. */
+    bool foot = !is_refined(job) && !job->settings->closed;
+    for (int i = 0; i < job->surface_count && foot; i++)
+        foot = iso_primitive_auto(&job->volume.grid, job->surfaces[i].isovalue) == ISO_PRIMITIVE_FOOT;
+    return foot ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
+}
+
+static iso_status extract_points(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    /* Exported points keep all bits of their positions; 8 bytes are enough for a picture. */
+    iso_points_opts opts = {.isovalue = surface->isovalue,
+                            .primitive = isorender_primitive(job),
+                            .floats = job->settings->points != NULL,
+                            .shapes = is_refined(job),
+                            .pool = job->pool};
+    ISO_TRY(iso_point_set_create(&surface->grid, &opts, &surface->points, error));
+    ISO_TRY(iso_point_set_update(surface->points, error));
+    if (job->method == ISORENDER_PULLPUSH) ISO_TRY(iso_point_set_bound(surface->points, error));
+    iso_points_stats stats = iso_point_set_stats(surface->points);
+    job->point_count += stats.points;
+    job->rejected += stats.rejected;
+    isorender_detail(job, "isovalue %g: %zu points in %zu bricks, %zu rejected", surface->isovalue,
+                     stats.points, stats.bricks, stats.rejected);
+    return stats.points ? ISO_OK : fail_empty(job, surface->isovalue, error);
+}
+
+static iso_status extract_mesh(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    iso_mesh_opts opts = {.isovalue = surface->isovalue, .pool = job->pool};
+    ISO_TRY(iso_mesh_set_create(&surface->grid, &opts, &surface->mesh, error));
+    ISO_TRY(iso_mesh_set_update(surface->mesh, error));
+    iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+    size_t triangles = iso_mesh_view_triangle_count(&view), vertices = iso_mesh_view_vertex_count(&view);
+    job->triangle_count += triangles;
+    job->vertex_count += vertices;
+    isorender_detail(job, "isovalue %g: %zu vertices, %zu triangles", surface->isovalue, vertices, triangles);
+    return triangles ? ISO_OK : fail_empty(job, surface->isovalue, error);
+}
+
+static iso_status extract_cells(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    iso_exact_opts opts = {.isovalue = surface->isovalue, .pool = job->pool};
+    ISO_TRY(iso_exact_create(&surface->grid, &opts, &surface->exact, error));
+    ISO_TRY(iso_exact_update(surface->exact, error));
+    iso_exact_totals totals = iso_exact_stats(surface->exact);
+    job->cell_count += totals.cells;
+    isorender_detail(job, "isovalue %g: %zu cells in %zu bricks", surface->isovalue, totals.cells,
+                     totals.bricks);
+    return totals.cells ? ISO_OK : fail_empty(job, surface->isovalue, error);
+}
+
+static iso_status extract_surface(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    ISO_TRY(isorender_solid_prepare(job, surface, error));
+    if (wants_points(job)) ISO_TRY(extract_points(job, surface, error));
+    if (wants_mesh(job)) ISO_TRY(extract_mesh(job, surface, error));
+    if (wants_cells(job)) ISO_TRY(extract_cells(job, surface, error));
+    if (isorender_plan_draws(job->plan) && job->method == ISORENDER_RAYCAST)
+        return iso_raycaster_create(&surface->grid, surface->isovalue, job->pool, &surface->caster, error);
+    return ISO_OK;
+}
+
+/* ---- bounds ---- */
+
+iso_point_view isorender_points_view(const isorender_job *job, int surface) {
+    return job->from_points ? iso_points_view(&job->points)
+                            : iso_point_set_view(job->surfaces[surface].points);
+}
+
+/* Voxel (0, 0, 0) of the file is the local origin, also when a part of it was cut out. */
+static iso_box to_local(const isorender_job *job, const iso_box *index) {
+    const int *crop = job->crop;
+    const int around = job->settings->closed ? 1 : 0; /* voxels that --closed adds */
+    iso_transform transform = iso_transform_identity();
+    if (!job->from_points) {
+        transform = iso_transform_local(iso_grid_transform(&job->surfaces[0].grid));
+        for (int axis = 0; axis < 3; axis++)
+            transform.origin[axis] = (crop[2 * axis] - around) * transform.spacing[axis];
+    }
+    iso_affine affine = iso_transform_affine(&transform);
+    return iso_box_transform(index, &affine);
+}
+
+iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine) {
+    iso_box all = iso_box_empty();
+    for (int i = 0; i < job->surface_count; i++) {
+        const isorender_surface *surface = &job->surfaces[i];
+        if (surface->exact) {
+            const iso_box box = iso_exact_bounds(surface->exact, affine);
+            iso_bounds_add(&all, &box);
+        } else if (surface->points || job->from_points) {
+            const iso_point_view view = isorender_points_view(job, i);
+            const iso_box box = iso_bounds_of_each_point(&view, affine);
+            iso_bounds_add(&all, &box);
+        } else {
+            const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+            const iso_box box = iso_bounds_of_each_vertex(&view, affine);
+            iso_bounds_add(&all, &box);
+        }
+    }
+    return all;
+}
+
+static iso_box index_bounds(const isorender_job *job) {
+    iso_box all = iso_box_empty();
+    for (int i = 0; i < job->surface_count; i++) {
+        const isorender_surface *surface = &job->surfaces[i];
+        iso_box box;
+        if (surface->exact) {
+            box = iso_exact_bounds(surface->exact, NULL);
+        } else if (surface->points || job->from_points) {
+            const iso_point_view view = isorender_points_view(job, i);
+            box = iso_point_view_bounds(&view);
+        } else {
+            const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+            box = iso_mesh_view_bounds(&view);
+        }
+        iso_bounds_add(&all, &box);
+    }
+    return all;
+}
+
+static void measure(isorender_job *job) {
+    iso_transform transform =
+        job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
+    iso_affine affine = iso_transform_affine(&transform);
+    const iso_box index = index_bounds(job);
+    job->bounds_local = to_local(job, &index);
+    job->bounds_world = iso_bounds_is_oblique(&transform) ? isorender_bounds(job, &affine)
+                                                          : iso_box_transform(&index, &affine);
+}
+
+iso_status isorender_extract(isorender_job *job, iso_error *error) {
+    ISO_TRY(choose_isovalues(job, error));
+    choose_colors(job);
+    if (job->from_points) {
+        iso_point_view view = iso_points_view(&job->points);
+        job->point_count = iso_point_view_count(&view);
+        if (job->point_count == 0) return iso_fail(error, ISO_ERR_EMPTY, "holds no usable point");
+    }
+    for (int i = 0; i < job->surface_count && !job->from_points; i++) {
+        isorender_progress(job, "extracting", (double)i / job->surface_count);
+        ISO_TRY(extract_surface(job, &job->surfaces[i], error));
+    }
+    isorender_progress(job, "extracting", 1);
+    measure(job);
+    return ISO_OK;
+}
+
+/* ---- files ---- */
+
+/* What is not exported is measured all the same. */
+static iso_status measure_meshes(isorender_job *job, iso_error *error) {
+    const bool wanted = job->settings->json || job->settings->verbose;
+    for (int i = 0; i < job->surface_count && wanted && !job->plan->mesh; i++) {
+        iso_weld weld;
+        if (!job->surfaces[i].mesh) continue;
+        ISO_TRY(isorender_mesh_weld(job, &job->surfaces[i], &weld, error));
+        iso_weld_free(&weld);
+    }
+    return ISO_OK;
+}
+
+iso_status isorender_export(isorender_job *job, iso_error *error) {
+    char comment[64];
+    const iso_program *program = isorender_program();
+    snprintf(comment, sizeof comment, "%s %s", program->name, program->version);
+    if (job->plan->points) {
+        iso_point_view view = isorender_points_view(job, 0);
+        ISO_TRY(iso_points_write_ply(job->plan->points, &view, comment, error));
+        job->points_written = true;
+    }
+    if (job->plan->mesh) {
+        isorender_surface *surface = &job->surfaces[0];
+        iso_weld weld;
+        ISO_TRY(isorender_mesh_weld(job, surface, &weld, error));
+        iso_status status =
+            iso_mesh_write_weld(job->plan->mesh, &weld, iso_grid_transform(&surface->grid), comment, error);
+        iso_weld_free(&weld);
+        ISO_TRY(status);
+        job->mesh_written = true;
+    }
+    return measure_meshes(job, error);
+}

@@ -1,0 +1,35 @@
+/* isosculpt: a signed distance field modelled by hand. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "apps/isosculpt/isosculpt.h"
+
+static iso_status run(const isosculpt_settings *settings, iso_error *error) {
+    iso_pool *pool = NULL;
+    ISO_TRY(iso_pool_create(settings->threads, &pool, error));
+    iso_status status = settings->headless ? isosculpt_replay(settings, pool, error)
+                                           : isosculpt_window(settings, pool, error);
+    iso_pool_destroy(pool);
+    return status;
+}
+
+static int run_program(int argc, char **argv) {
+    const iso_program *program = isosculpt_program();
+    iso_error error = {0};
+    isosculpt_settings settings;
+    iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
+    if (!operands.values) return iso_status_exit(ISO_ERR_NOMEM);
+    iso_status status = isosculpt_settings_parse(argc, argv, &settings, &operands, &error);
+    if (status == ISO_OK && settings.help == ISOSCULPT_HELP)
+        iso_options_help(program, settings.help_form, stdout);
+    else if (status == ISO_OK && settings.help == ISOSCULPT_VERSION)
+        printf("%s %s\n", program->name, program->version);
+    else if (status == ISO_OK)
+        status = run(&settings, &error);
+    free(operands.values);
+    return iso_program_finish(program, status == ISO_OK ? 0 : iso_program_fail(program, &error, status));
+}
+
+int main(int argc, char **argv) {
+    return iso_program_main(argc, argv, run_program);
+}

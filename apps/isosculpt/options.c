@@ -1,0 +1,227 @@
+/* The command line of isosculpt. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/isosculpt/isosculpt.h"
+#include "apps/isosculpt/window/keys.h"
+
+#ifndef ISO_VERSION
+#error "ISO_VERSION comes from CMake"
+#endif
+
+enum group { SESSION, INPUT, OUTPUT, RUNNING };
+
+static const char *const groups[] = {"Session", "Reading a volume", "Output", "Running", NULL};
+static const char *const usage[] = {"[STROKES|FILE]", "--replay STROKES --headless [--output OUT] [--json]",
+                                    "--open FILE --headless [--replay STROKES] [--output OUT]", NULL};
+
+static iso_status apply_json(void *target, const char *value, iso_error *error) {
+    isosculpt_settings *settings = target;
+    (void)error;
+    settings->json = 1;
+    settings->json_path = value;
+    return ISO_OK;
+}
+
+static iso_status apply_resolution(void *target, const char *value, iso_error *error) {
+    isosculpt_settings *settings = target;
+    return iso_parse_resolution(value, settings->resolution, error);
+}
+
+static iso_status apply_close_holes(void *target, const char *value, iso_error *error) {
+    isosculpt_settings *settings = target;
+    char *end;
+    const double size = strtod(value, &end);
+    if (end == value || *end || !(size >= 0) || !isfinite(size))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is no size in mm", value);
+    settings->close_holes = size > 0 ? size : -1;
+    return ISO_OK;
+}
+
+static iso_status apply_version(void *target, const char *value, iso_error *error) {
+    isosculpt_settings *settings = target;
+    (void)value;
+    (void)error;
+    settings->help = ISOSCULPT_VERSION;
+    return ISO_OK;
+}
+
+static iso_status apply_help(void *target, const char *value, iso_error *error) {
+    isosculpt_settings *settings = target;
+    settings->help = ISOSCULPT_HELP;
+    return iso_parse_help_form(value, &settings->help_form, error);
+}
+
+static const char *const backends[] = {"auto", "cpu", "gl", NULL};
+
+#define AT(member) .offset = offsetof(isosculpt_settings, member)
+
+static const iso_option options[] = {
+    {"recover", NULL, NULL, "continue the last session that was not closed", .group = SESSION,
+     .kind = ISO_OPTION_FLAG, AT(recover)},
+    {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
+    {"open", NULL, "FILE", "begin with a level set (.vdb), a mesh (.stl, .obj, .ply) or a volume",
+     .group = SESSION, .kind = ISO_OPTION_TEXT, AT(open)},
+    {"isovalue", NULL, "V",
+     "of the volume that is opened (of a level set: mm from its surface); a window can change it",
+     .group = SESSION, .kind = ISO_OPTION_REAL, AT(isovalue), .low = -1e300, .high = 1e300},
+#define SOLID SESSION
+#include "apps/common/solid_options.inc"
+#undef SOLID
+    {"stamp", NULL, "FILE", "add and carve with this mesh (.stl, .obj, .ply); the strokes keep it",
+     .group = SESSION, .kind = ISO_OPTION_TEXT, AT(stamp)},
+    {"close-holes", NULL, "MM",
+     "close holes of a mesh up to this size, 0: none; cuts by the border of a volume are capped in any case",
+     .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_close_holes,
+     .standard = "a tenth of its longest side"},
+    {"headless", NULL, NULL, "open no window", .group = SESSION, .kind = ISO_OPTION_FLAG, AT(headless)},
+    {"voxel-size", NULL, "MM", "open or play at another voxel size", .group = SESSION,
+     .kind = ISO_OPTION_REAL, AT(voxel_size), .standard = "the file's", .low = 1e-6, .high = 1e6},
+    {"undo-memory", NULL, "SIZE", "memory for undo; more goes to disk", .group = SESSION,
+     .kind = ISO_OPTION_SIZE, AT(undo_memory), .standard = "1G"},
+
+#include "apps/common/input_options.inc"
+
+    {"output", "o", "FILE", "write the result: .vdb level set, .ply points, .stl or .obj mesh",
+     .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(output)},
+    {"mesh", NULL, "FILE", "write a mesh: .ply, .stl or .obj", .group = OUTPUT, .kind = ISO_OPTION_TEXT,
+     AT(mesh)},
+    {"json", NULL, "FILE", "say what was done as JSON, to standard output without a file", .group = OUTPUT,
+     .kind = ISO_OPTION_CALL, .apply = apply_json, .flags = ISO_OPTION_VALUE_OPTIONAL},
+
+    {"extract", NULL, NULL, "extract the points after every sample, and time it", .group = RUNNING,
+     .kind = ISO_OPTION_FLAG, AT(extract)},
+    {"draw", NULL, NULL, "draw the picture after every sample, as a window does, and time it",
+     .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(draw)},
+    {"resolution", NULL, "WxH", "size of the pictures that --draw draws", .group = RUNNING,
+     .kind = ISO_OPTION_CALL, .apply = apply_resolution, .standard = "1280x800"},
+    {"backend", "rendering-backend", "NAME",
+     "what draws in the window: cpu, or gl (OpenGL: points, pullpush and mesh, and exact as a mesh while it "
+     "moves); "
+     "auto is gl where a GPU does it; the panel changes it",
+     .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(backend), .choices = backends, .standard = "auto"},
+    {"threads", NULL, "N", "threads to use; the result does not depend on it", .group = RUNNING,
+     .kind = ISO_OPTION_INT, AT(threads), .standard = "one a processor", .low = 1, .high = 1024},
+    {"quiet", "q", NULL, "say nothing but errors", .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(quiet)},
+    {"version", NULL, NULL, "print the version", .group = RUNNING, .kind = ISO_OPTION_CALL,
+     .apply = apply_version},
+    {"help", "h", "FORM", "print this; FORM may be man, markdown or bash", .group = RUNNING,
+     .kind = ISO_OPTION_CALL, .apply = apply_help, .flags = ISO_OPTION_VALUE_OPTIONAL},
+};
+
+static const char *const exit_text[] = {"0  done",
+                                        "2  wrong usage",
+                                        "3  the stroke file cannot be read, or is damaged",
+                                        "4  no window can be opened: use --headless",
+                                        "5  out of memory",
+                                        "6  nothing is left of the solid",
+                                        "7  an output could not be written",
+                                        NULL};
+static const char *const example_text[] = {
+    "isosculpt                    # a new ball",
+    "isosculpt bear.strokes       # goes on where the file ends",
+    "isosculpt --replay bear.strokes --headless --output bear.vdb",
+    "isosculpt head.nrrd --isovalue 1150",
+    "isosculpt bear.strokes --stamp star.stl",
+    "isosculpt --open teapot.stl --headless --voxel-size 0.5 --output teapot.vdb",
+    "isosculpt --replay bear.strokes --headless --voxel-size 0.5 --output bear.stl --json",
+    NULL};
+#define KEY_LINE(key, meaning) key ": " meaning,
+static const char *const key_text[] = {ISOSCULPT_KEYS(KEY_LINE) NULL};
+#undef KEY_LINE
+static const iso_section sections[] = {
+    {"Mouse and keys", key_text}, {"Exit status", exit_text}, {"Examples", example_text}};
+
+const iso_program *isosculpt_program(void) {
+    static const iso_program program = {.name = "isosculpt",
+                                        .version = ISO_VERSION,
+                                        .summary =
+                                            "models a signed distance field by hand and never loses work",
+                                        .usage = usage,
+                                        .groups = groups,
+                                        .options = options,
+                                        .option_count = sizeof options / sizeof *options,
+                                        .sections = sections,
+                                        .section_count = sizeof sections / sizeof *sections};
+    return &program;
+}
+
+/* Whether a name ends in one of the suffixes (separated by blanks). */
+static bool has_suffix(const char *name, const char *suffixes) {
+    const char *dot = strrchr(name, '.');
+    const char *found = dot ? strstr(suffixes, dot) : NULL;
+    size_t length = dot ? strlen(dot) : 0;
+    return found && length > 1 && (found[length] == ' ' || found[length] == 0);
+}
+
+/* A journal names the file that it began with, and that is read again when it is continued. */
+static iso_status check_files(const isosculpt_settings *settings, const iso_operands *operands,
+                              iso_error *error) {
+    const char *const files[] = {settings->open, settings->replay, settings->stamp,
+                                 operands->count ? operands->values[0] : NULL};
+    for (int i = 0; i < 4; i++)
+        if (files[i] && strcmp(files[i], "-") == 0)
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "standard input cannot be opened: a session needs a file that stays");
+    return ISO_OK;
+}
+
+/* Options that say how a volume is read need one. */
+static iso_status check_opened(const isosculpt_settings *settings, iso_error *error) {
+    const char *option = iso_input_volume_option(&settings->input);
+    ISO_TRY(iso_input_check(&settings->input, error));
+    if (!settings->open && !isnan(settings->isovalue))
+        return iso_fail(error, ISO_ERR_USAGE, "--isovalue needs a file to open");
+    if (!option && iso_input_drops_parts(&settings->input))
+        option = settings->input.largest ? "--largest" : "--min-size";
+    if (!settings->open && option) return iso_fail(error, ISO_ERR_USAGE, "%s needs a file to open", option);
+    return ISO_OK;
+}
+
+/* What a window makes no use of is not taken in silence. The operand is a stroke file or what --open takes.
+ */
+static iso_status check_window(isosculpt_settings *settings, const iso_operands *operands, iso_error *error) {
+    if (settings->replay || settings->output || settings->mesh || settings->json || settings->extract ||
+        settings->draw)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--replay, --output, --mesh, --json, --extract and --draw need --headless");
+    if (operands->count + (settings->open != NULL) + (settings->recover != 0) > 1)
+        return iso_fail(error, ISO_ERR_USAGE, "one session at a time: '%s' is too many",
+                        operands->count ? operands->values[operands->count - 1] : settings->open);
+    const char *operand = operands->count ? operands->values[0] : NULL;
+    if (operand && has_suffix(operand, ".strokes"))
+        settings->strokes = operand;
+    else if (operand)
+        settings->open = operand;
+    if (settings->voxel_size > 0 && !settings->open)
+        return iso_fail(error, ISO_ERR_USAGE, "--voxel-size needs a file to open, or --headless");
+    return check_opened(settings, error);
+}
+
+iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_settings *settings,
+                                    iso_operands *operands, iso_error *error) {
+    memset(settings, 0, sizeof *settings);
+    settings->isovalue = NAN;
+    ISO_TRY(iso_options_parse(isosculpt_program(), argc, argv, settings, operands, error));
+    if (settings->help) return ISO_OK;
+    ISO_TRY(check_files(settings, operands, error));
+    if (!settings->headless) return check_window(settings, operands, error);
+    if (settings->backend == ISOSCULPT_BACKEND_GL)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--backend gl needs a window: with --headless the cpu engine draws");
+    if (operands->count > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: with --headless a stroke file is given with --replay",
+                        operands->values[0]);
+    if (!settings->replay && !settings->open)
+        return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE or --open FILE");
+    if (settings->stamp)
+        return iso_fail(error, ISO_ERR_USAGE, "--stamp is for a window: strokes hold their stamps");
+    ISO_TRY(check_opened(settings, error));
+    if (settings->output && !has_suffix(settings->output, ".vdb .ply .stl .obj"))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as .vdb, .ply, .stl or .obj",
+                        settings->output);
+    if (settings->mesh && !has_suffix(settings->mesh, ".ply .stl .obj"))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", settings->mesh);
+    return ISO_OK;
+}

@@ -1,0 +1,238 @@
+#define _XOPEN_SOURCE 700 /* realpath */
+#include "apps/isosculpt/save.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "extract/mesh/mesh.h"
+#include "grids/level_set.h"
+#include "io/mesh_io.h"
+
+/* ---- names */
+
+/* The extension of a path's last part, with its dot; "" when there is none. */
+static const char *extension(const char *path) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
+    return dot && dot > name ? dot : name + strlen(name);
+}
+
+static bool is_level_set(const char *path) {
+    return strcasecmp(extension(path), ".vdb") == 0;
+}
+
+bool isosculpt_can_save_as(const char *path) {
+    return is_level_set(path) || isosculpt_is_mesh(path);
+}
+
+bool isosculpt_target_with(const char *target, const char *ending, char path[ISOSCULPT_PATH]) {
+    const int stem = (int)(extension(target) - target);
+    return snprintf(path, ISOSCULPT_PATH, "%.*s%s", stem, target, ending) < ISOSCULPT_PATH;
+}
+
+/* Where a file can be made: the folder of a file, the working directory, or $HOME. */
+static void choose_folder(const char *source, char folder[ISOSCULPT_PATH]) {
+    const char *slash = source ? strrchr(source, '/') : NULL, *home = getenv("HOME");
+    const int length = slash ? (int)(slash - source) : 0;
+    if (slash && length < ISOSCULPT_PATH) {
+        snprintf(folder, ISOSCULPT_PATH, "%.*s", length ? length : 1, source);
+        if (access(folder, W_OK) == 0) return;
+    }
+    if (getcwd(folder, ISOSCULPT_PATH) && access(folder, W_OK) == 0) return;
+    snprintf(folder, ISOSCULPT_PATH, "%s", home && home[0] == '/' ? home : "/tmp");
+}
+
+/* The last part of a path without extensions (two when the file is compressed); without a path a general
+ * one. */
+static void choose_stem(const char *source, char stem[ISOSCULPT_PATH]) {
+    const char *slash = source ? strrchr(source, '/') : NULL;
+    snprintf(stem, ISOSCULPT_PATH, "%s", slash ? slash + 1 : source ? source : "sculpture");
+    char *dot = source ? stem + (extension(stem) - stem) : stem + strlen(stem);
+    const bool packed = strcasecmp(dot, ".gz") == 0;
+    *dot = 0;
+    if (packed) stem[extension(stem) - stem] = 0;
+}
+
+void isosculpt_target_free(const char *target, const char *wanted, char path[ISOSCULPT_PATH]) {
+    char ending[32];
+    snprintf(ending, sizeof ending, "%.16s", wanted);
+    for (int number = 2; number < 10000; number++) {
+        if (isosculpt_target_with(target, ending, path) && access(path, F_OK)) return;
+        snprintf(ending, sizeof ending, "-%d%.16s", number, wanted);
+    }
+}
+
+void isosculpt_target_default(const char *source, char target[ISOSCULPT_PATH]) {
+    char folder[ISOSCULPT_PATH], stem[ISOSCULPT_PATH], first[ISOSCULPT_PATH];
+    char *whole = source ? realpath(source, NULL) : NULL;
+    choose_folder(whole ? whole : source, folder);
+    choose_stem(whole ? whole : source, stem);
+    snprintf(first, sizeof first, "%.500s%s%.400s.vdb", folder, strcmp(folder, "/") == 0 ? "" : "/", stem);
+    isosculpt_target_free(first, ".vdb", target);
+    free(whole);
+}
+
+void isosculpt_target_beside(const char *path, char target[ISOSCULPT_PATH]) {
+    char *whole = realpath(path, NULL);
+    if (!isosculpt_target_with(whole ? whole : path, ".vdb", target)) isosculpt_target_default(NULL, target);
+    free(whole);
+}
+
+/* ---- what may be written */
+
+static iso_status check_there(const isosculpt_desk *desk, const char *path, const struct stat *about,
+                              iso_error *error) {
+    if (S_ISDIR(about->st_mode)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: is a folder", path);
+    if (!S_ISREG(about->st_mode)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: is no regular file", path);
+    if (access(path, W_OK)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: cannot be written", path);
+    if (desk->target_is_own && strcmp(path, desk->target) == 0) return ISO_OK;
+    if (iso_file_same(path, desk->start.source))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%.700s: this session began with that file and needs it: choose another name", path);
+    return ISO_OK;
+}
+
+iso_status isosculpt_desk_check_target(const isosculpt_desk *desk, const char *path, bool *replaces,
+                                       iso_error *error) {
+    struct stat about;
+    *replaces = false;
+    if (!isosculpt_can_save_as(path))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%.700s: the name must end in .vdb (level set), .stl, .ply or .obj (meshes)", path);
+    if (stat(path, &about)) return ISO_OK;
+    ISO_TRY(check_there(desk, path, &about, error));
+    *replaces = !desk->target_is_own || strcmp(path, desk->target) != 0;
+    return ISO_OK;
+}
+
+/* ---- writing */
+
+struct isosculpt_saver {
+    isosculpt_task *task;
+    iso_hold *hold;            /* on the field */
+    char path[ISOSCULPT_PATH]; /* of the file itself: no symbolic link */
+    size_t changes;
+    bool is_export;
+};
+
+/* A name beside the target that is free, with its extension. */
+static iso_status name_fresh(const char *path, char fresh[ISOSCULPT_PATH], iso_error *error) {
+    char ending[64];
+    for (int number = 1; number < 100; number++) {
+        snprintf(ending, sizeof ending, ".new-%d%.16s", number, extension(path));
+        if (!isosculpt_target_with(path, ending, fresh))
+            return iso_fail(error, ISO_ERR_WRITE, "%.700s: the name is too long", path);
+        if (access(fresh, F_OK)) return ISO_OK;
+    }
+    return iso_fail(error, ISO_ERR_WRITE, "%.700s: too many unfinished files beside it", path);
+}
+
+/* The old file keeps its name until the new one is whole, and is then PATH.bak. */
+static iso_status replace(const char *fresh, const char *path, iso_error *error) {
+    char backup[ISOSCULPT_PATH];
+    if (snprintf(backup, sizeof backup, "%s.bak", path) >= (int)sizeof backup)
+        return iso_fail(error, ISO_ERR_WRITE, "%.700s: the name is too long", path);
+    unlink(backup);
+    if (link(path, backup) && errno != ENOENT && rename(path, backup)) /* no links here */
+        return iso_fail(error, ISO_ERR_WRITE, "%.700s: %s", backup, strerror(errno));
+    if (rename(fresh, path)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: %s", path, strerror(errno));
+    return ISO_OK;
+}
+
+static iso_status write_mesh(const char *path, iso_hgrid *field, const iso_progress *progress,
+                             iso_error *error) {
+    const iso_grid grid = {.hgrid = field};
+    const iso_mesh_opts opts = {0};
+    iso_mesh_set *set;
+    ISO_TRY(iso_mesh_set_create(&grid, &opts, &set, error));
+    iso_status status = iso_mesh_set_update(set, error);
+    if (status == ISO_OK) status = iso_progress_tell(progress, path, 0.5, error);
+    const iso_mesh_view mesh = iso_mesh_set_view(set);
+    if (status == ISO_OK && iso_mesh_view_triangle_count(&mesh) == 0)
+        status = iso_fail(error, ISO_ERR_EMPTY, "%.700s: nothing is left of the solid", path);
+    if (status == ISO_OK) status = iso_mesh_write(path, &mesh, "isosculpt", error);
+    iso_mesh_set_destroy(set);
+    return status == ISO_OK ? iso_progress_tell(progress, path, 1, error) : status;
+}
+
+static iso_status write_held(isosculpt_saver *saver, const char *fresh, const iso_progress *progress,
+                             iso_error *error) {
+    const iso_progress taking = iso_progress_part(progress, 0, 0.2),
+                       writing = iso_progress_part(progress, 0.2, 1);
+    iso_hgrid *grid;
+    ISO_TRY(iso_hold_take(saver->hold, &taking, &grid, error));
+    iso_status status = is_level_set(fresh) ? iso_level_set_write_vdb(fresh, grid, "surface", &writing, error)
+                                            : write_mesh(fresh, grid, &writing, error);
+    iso_hgrid_destroy(grid);
+    return status;
+}
+
+static iso_status save(void *context, const iso_progress *progress, iso_error *error) {
+    isosculpt_saver *saver = context;
+    char fresh[ISOSCULPT_PATH];
+    ISO_TRY(name_fresh(saver->path, fresh, error));
+    iso_status status = write_held(saver, fresh, progress, error);
+    if (status == ISO_OK) status = replace(fresh, saver->path, error);
+    if (status != ISO_OK) unlink(fresh);
+    return status;
+}
+
+/* ---- a save and its end */
+
+static iso_status start(isosculpt_desk *desk, isosculpt_saver *saver, void (*wake)(void), iso_error *error) {
+    char *whole = realpath(desk->saved_as, NULL);
+    snprintf(saver->path, sizeof saver->path, "%s", whole ? whole : desk->saved_as);
+    free(whole);
+    saver->changes = desk->changes;
+    ISO_TRY(iso_session_hold(desk->session, &saver->hold, error));
+    iso_status status = isosculpt_task_start(save, saver, wake, &saver->task, error);
+    if (status != ISO_OK) iso_session_release(desk->session, saver->hold);
+    return status;
+}
+
+iso_status isosculpt_desk_save(isosculpt_desk *desk, const isosculpt_save_opts *opts, iso_error *error) {
+    bool replaces;
+    const char *path = opts->path ? opts->path : desk->target;
+    if (desk->saver) return iso_fail(error, ISO_ERR_USAGE, "the last save is still running");
+    ISO_TRY(isosculpt_desk_check_target(desk, path, &replaces, error));
+    isosculpt_saver *saver = calloc(1, sizeof *saver);
+    if (!saver) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for saving");
+    if (path != desk->saved_as) snprintf(desk->saved_as, sizeof desk->saved_as, "%s", path);
+    saver->is_export = opts->is_export;
+    iso_status status = start(desk, saver, opts->wake, error);
+    if (status != ISO_OK) {
+        free(saver);
+        return status;
+    }
+    desk->saver = saver;
+    if (opts->is_export) return ISO_OK;
+    desk->target_is_own &= strcmp(desk->saved_as, desk->target) == 0;
+    memcpy(desk->target, desk->saved_as, sizeof desk->target);
+    return ISO_OK;
+}
+
+isosculpt_task *isosculpt_desk_save_task(const isosculpt_desk *desk) {
+    return desk->saver ? desk->saver->task : NULL;
+}
+
+isosculpt_saving isosculpt_desk_saving(isosculpt_desk *desk, bool wait, iso_status *status,
+                                       iso_error *error) {
+    isosculpt_saver *saver = desk->saver;
+    if (!saver) return ISOSCULPT_SAVE_IDLE;
+    if (!wait && !isosculpt_task_done(saver->task)) return ISOSCULPT_SAVE_RUNNING;
+    const iso_status saved = isosculpt_task_finish(saver->task, error);
+    if (saved == ISO_OK && !saver->is_export) {
+        desk->saved = saver->changes;
+        desk->target_is_own = true;
+    }
+    if (status) *status = saved;
+    iso_session_release(desk->session, saver->hold);
+    free(saver);
+    desk->saver = NULL;
+    return ISOSCULPT_SAVE_DONE;
+}

@@ -1,0 +1,359 @@
+#define _XOPEN_SOURCE 700
+#include "apps/isosculpt/source.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "apps/isosculpt/isosculpt.h"
+#include "grids/level_set.h"
+#include "grids/volume/format.h"
+#include "grids/volume/volume.h"
+#include "io/mesh_read.h"
+#include "sculpt/field/field.h"
+#include "sculpt/session/crc32c.h"
+
+/* A mesh's longest side in voxels, unless their size is given. */
+enum { MESH_VOXELS = 256 };
+
+static const iso_input by_default;
+
+/* ---- checksums */
+
+/* Of a file's bytes; a folder (of DICOM slices) has none. */
+static iso_status checksum(const char *path, const iso_progress *progress, uint32_t *crc, iso_error *error) {
+    struct stat about;
+    *crc = 0;
+    if (stat(path, &about) == 0 && S_ISDIR(about.st_mode)) return ISO_OK;
+    FILE *file;
+    uint64_t size;
+    ISO_TRY(iso_format_open(path, &file, &size, error));
+    static const size_t SIZE = 1 << 20;
+    unsigned char *bytes = malloc(SIZE);
+    iso_status status = ISO_OK;
+    double done = 0;
+    for (size_t got = 1; bytes && got && status == ISO_OK; *crc = iso_crc32c(*crc, bytes, got)) {
+        status = iso_progress_tell(progress, path, done / (double)size, error);
+        got = fread(bytes, 1, SIZE, file);
+        done += (double)got;
+    }
+    const bool failed = ferror(file);
+    fclose(file);
+    free(bytes);
+    if (status != ISO_OK) return status;
+    if (!bytes) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    return failed ? iso_fail(error, ISO_ERR_IO, "%s: cannot read", path) : ISO_OK;
+}
+
+/* ---- meshes */
+
+bool isosculpt_is_mesh(const char *path) {
+    static const char *const suffixes[] = {".stl", ".obj", ".ply"};
+    const char *dot = strrchr(path, '.');
+    for (int i = 0; dot && i < 3; i++)
+        if (strcasecmp(dot, suffixes[i]) == 0) return true;
+    return false;
+}
+
+static double longest_side(const iso_closed_mesh *mesh) {
+    const iso_box box = iso_closed_mesh_box(mesh);
+    return fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
+}
+
+/* Reads and closes the mesh. `progress` is told of both. */
+static iso_status read_mesh(const isosculpt_source *source, const iso_progress *progress,
+                            iso_closed_mesh **closed, iso_error *error) {
+    const iso_progress reading = iso_progress_part(progress, 0, 0.6),
+                       closing = iso_progress_part(progress, 0.6, 1);
+    const iso_closing_opts opts = {.hole = source->close_holes, .progress = &closing};
+    iso_triangles mesh;
+    ISO_TRY(iso_mesh_read(source->path, &reading, &mesh, error));
+    iso_status status = iso_closed_mesh_create(source->path, &mesh, &opts, closed, error);
+    iso_triangles_free(&mesh);
+    if (status == ISO_OK && source->report) *source->report = *iso_closed_mesh_report(*closed);
+    return status;
+}
+
+static iso_status from_mesh(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    const iso_progress reading = iso_progress_part(source->progress, 0.05, 0.3),
+                       converting = iso_progress_part(source->progress, 0.3, 1);
+    iso_closed_mesh *mesh;
+    ISO_TRY(read_mesh(source, &reading, &mesh, error));
+    const iso_mesh_frame frame = {source->voxel > 0 ? source->voxel : longest_side(mesh) / MESH_VOXELS,
+                                  ISO_FIELD_MARGIN, source->pool, &converting};
+    iso_status status = iso_level_set_from_mesh(source->path, mesh, &frame, grid, error);
+    iso_closed_mesh_destroy(mesh);
+    return status;
+}
+
+iso_status isosculpt_stamp_read(const isosculpt_source *source, iso_stamp **stamp, iso_error *error) {
+    const iso_progress reading = iso_progress_part(source->progress, 0, 0.4),
+                       converting = iso_progress_part(source->progress, 0.4, 1);
+    iso_closed_mesh *mesh;
+    ISO_TRY(read_mesh(source, &reading, &mesh, error));
+    iso_status status = iso_stamp_from_mesh(source->path, mesh, source->pool, &converting, stamp, error);
+    iso_closed_mesh_destroy(mesh);
+    return status;
+}
+
+/* ---- parts of the solid */
+
+static bool drops_parts(const isosculpt_source *source) {
+    const isosculpt_volume *volume = source->volume;
+    if (volume) return volume->largest > 0 || volume->min_size > 0;
+    return source->input && iso_input_drops_parts(source->input);
+}
+
+/* *dropped: whether any were. */
+static iso_status drop_parts(const isosculpt_source *source, double isovalue, iso_grid *grid, bool *dropped,
+                             iso_error *error) {
+    *dropped = false;
+    if (!drops_parts(source)) return ISO_OK;
+    const int largest = source->volume ? source->volume->largest : source->input->largest;
+    const iso_components_opts opts = {.isovalue = isovalue,
+                                      .largest = (size_t)largest,
+                                      .min_volume =
+                                          source->volume ? source->volume->min_size : source->input->min_size,
+                                      .pool = source->pool};
+    iso_components_totals totals = {0};
+    iso_error reason = {0};
+    iso_status status = iso_components_filter(grid, &opts, &totals, &reason);
+    if (status != ISO_OK) return iso_fail(error, status, "%s: %s", source->path, reason.text);
+    *dropped = totals.dropped > 0;
+    if (source->parts) *source->parts = totals;
+    return ISO_OK;
+}
+
+/* ---- volumes */
+
+/* The isovalue as it is stored: of an hgrid, voxels. */
+static iso_status stored_isovalue(const isosculpt_source *source, const iso_grid *from, double *stored,
+                                  iso_error *error) {
+    *stored = 0;
+    if (isnan(source->isovalue))
+        return iso_grid_is_level_set(from)
+                   ? ISO_OK
+                   : iso_fail(error, ISO_ERR_USAGE, "%s: needs --isovalue", source->path);
+    const bool voxels = source->voxel_isovalue && from->hgrid;
+    const double isovalue = voxels ? iso_grid_physical(from, source->isovalue) : source->isovalue;
+    ISO_TRY(iso_isovalue_check(from, isovalue, error));
+    *stored = voxels ? source->isovalue : iso_grid_stored(from, isovalue);
+    return ISO_OK;
+}
+
+static int tell(void *context, double fraction) {
+    return iso_progress_tell(context, "", fraction, NULL) != ISO_OK;
+}
+
+static iso_status find_isovalues(isosculpt_volume *volume, iso_pool *pool, iso_error *error) {
+    const iso_grid *grid = &volume->volume.grid;
+    volume->has_isovalues = grid->rgrid && !iso_grid_is_level_set(grid);
+    if (!volume->has_isovalues) return ISO_OK;
+    ISO_TRY(iso_histogram_compute(grid, pool, &volume->histogram, error));
+    volume->candidate_count = iso_isovalue_suggest(grid, &volume->histogram, volume->candidates);
+    volume->suggested = volume->candidate_count
+                            ? volume->candidates[0]
+                            : volume->histogram.low; /* a constant volume: nothing is to be seen */
+    return ISO_OK;
+}
+
+static iso_status read_volume(isosculpt_volume *volume, const iso_input *input, iso_pool *pool,
+                              const iso_progress *progress, iso_error *error) {
+    const iso_progress summing = iso_progress_part(progress, 0, 0.2);
+    iso_progress reading = iso_progress_part(progress, 0.2, 0.9);
+    const iso_volume_opts opts = {.pool = pool, .progress = tell, .progress_context = &reading};
+    volume->largest = input->largest;
+    volume->min_size = input->min_size;
+    ISO_TRY(iso_input_write(input, volume->reading, sizeof volume->reading, error));
+    ISO_TRY(checksum(volume->path, &summing, &volume->crc, error));
+    ISO_TRY(iso_input_read(volume->path, input, &opts, &volume->volume, error));
+    return find_isovalues(volume, pool, error);
+}
+
+iso_status isosculpt_volume_read(const char *path, const iso_input *input, iso_pool *pool,
+                                 const iso_progress *progress, isosculpt_volume **out, iso_error *error) {
+    isosculpt_volume *volume = calloc(1, sizeof *volume);
+    if (!volume) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    iso_status status = ISO_OK;
+    if (snprintf(volume->path, sizeof volume->path, "%s", path) >= (int)sizeof volume->path)
+        status = iso_fail(error, ISO_ERR_IO, "%.400s: the name is too long", path);
+    if (status == ISO_OK) status = read_volume(volume, input ? input : &by_default, pool, progress, error);
+    if (status == ISO_OK)
+        *out = volume;
+    else
+        isosculpt_volume_free(volume);
+    return status;
+}
+
+void isosculpt_volume_free(isosculpt_volume *volume) {
+    if (!volume) return;
+    iso_volume_free(&volume->volume);
+    free(volume);
+}
+
+/* Of level sets 0 when none was given; sampling refuses other grids without one. */
+static double isovalue_of(const isosculpt_source *source, const iso_grid *grid) {
+    if (isnan(source->isovalue)) return 0;
+    const bool voxels = source->voxel_isovalue && grid->hgrid;
+    return voxels ? iso_grid_physical(grid, source->isovalue) : source->isovalue;
+}
+
+/* Parts are dropped from `from` itself. */
+static iso_status from_grid(const isosculpt_source *source, iso_grid *from, iso_hgrid **grid,
+                            iso_error *error) {
+    const iso_progress progress = iso_progress_part(source->progress, 0.4, 1);
+    iso_field_opts how = {
+        .resampling = {.voxel = source->voxel, .pool = source->pool, .progress = &progress}};
+    if (!isnan(source->isovalue) || iso_grid_is_level_set(from))
+        ISO_TRY(drop_parts(source, isovalue_of(source, from), from, &how.damaged, error));
+    ISO_TRY(stored_isovalue(source, from, &how.resampling.isovalue, error));
+    return iso_field_from_grid(source->path, from, &how, grid, error);
+}
+
+/* Others look at the volume: parts are dropped from a copy. */
+static iso_status from_shared(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
+                              iso_error *error) {
+    iso_grid borrowed = *from, copy;
+    if (!drops_parts(source)) return from_grid(source, &borrowed, grid, error);
+    ISO_TRY(iso_grid_copy(from, source->pool, &copy, error));
+    iso_status status = from_grid(source, &copy, grid, error);
+    iso_grid_destroy(&copy);
+    return status;
+}
+
+static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    if (source->volume) return from_shared(source, &source->volume->volume.grid, grid, error);
+    iso_progress reading = iso_progress_part(source->progress, 0.05, 0.4);
+    const iso_volume_opts opts = {
+        .files = source->files, .pool = source->pool, .progress = tell, .progress_context = &reading};
+    iso_volume volume;
+    ISO_TRY(iso_input_read(source->path, source->input ? source->input : &by_default, &opts, &volume, error));
+    for (int i = 0; source->notes && i < volume.info.note_count; i++)
+        iso_program_say(isosculpt_program(), "%s: note: %s", source->path, volume.info.notes[i]);
+    iso_status status = from_grid(source, &volume.grid, grid, error);
+    iso_volume_free(&volume);
+    return status;
+}
+
+/* A mesh's level set without small parts. */
+static iso_status from_mesh_parts(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    const iso_progress progress = iso_progress_part(source->progress, 0.7, 1);
+    bool dropped;
+    ISO_TRY(from_mesh(source, grid, error));
+    iso_grid whole = {.hgrid = *grid};
+    iso_status status = drop_parts(source, 0, &whole, &dropped, error);
+    if (status == ISO_OK)
+        return dropped ? iso_field_redistance(*grid, source->pool, &progress, error) : ISO_OK;
+    iso_hgrid_destroy(*grid);
+    return status;
+}
+
+/* ---- opening */
+
+/* A file that is to be read as raw is no mesh, whatever its name. */
+static iso_status open_file(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    const iso_input *input = source->input ? source->input : &by_default;
+    if (input->has_raw || !isosculpt_is_mesh(source->path)) return from_volume(source, grid, error);
+    const char *option = iso_input_volume_option(input);
+    if (option)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: is a mesh: %s needs a volume", source->path, option);
+    return from_mesh_parts(source, grid, error);
+}
+
+static void describe(const isosculpt_source *source, const iso_hgrid *grid, iso_journal_start *start) {
+    const double *origin = grid->transform.origin;
+    start->voxel_size = grid->transform.spacing[0];
+    start->origin = iso_vec3_make(origin[0], origin[1], origin[2]);
+    start->isovalue = isnan(source->isovalue) ? 0 : source->isovalue;
+    for (int axis = 0; axis < 3; axis++) start->dims[axis] = grid->dims[axis];
+}
+
+iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
+                                 iso_error *error) {
+    memset(start, 0, sizeof *start);
+    char *path = realpath(source->path, NULL);
+    if (!path) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", source->path, strerror(errno));
+    const int length = snprintf(start->source, sizeof start->source, "%s", path);
+    free(path);
+    if (length >= (int)sizeof start->source)
+        return iso_fail(error, ISO_ERR_IO, "%s: the name is too long", source->path);
+    iso_file_set_read(source->files, source->path);
+    const iso_progress summing = iso_progress_part(source->progress, 0, 0.05);
+    if (source->volume) {
+        start->source_crc = source->volume->crc;
+        memcpy(start->reading, source->volume->reading, sizeof start->reading);
+    } else {
+        ISO_TRY(iso_input_write(source->input ? source->input : &by_default, start->reading,
+                                sizeof start->reading, error));
+        ISO_TRY(checksum(source->path, &summing, &start->source_crc, error));
+    }
+    ISO_TRY(open_file(source, grid, error));
+    describe(source, *grid, start);
+    return ISO_OK;
+}
+
+/* The file where it was, or one of its name beside the stroke file. */
+static iso_status find_file(const char *path, const char *strokes, char found[2 * ISO_JOURNAL_TEXT],
+                            iso_error *error) {
+    const char *slash = strrchr(strokes, '/'), *name = strrchr(path, '/');
+    snprintf(found, 2 * ISO_JOURNAL_TEXT, "%s", path);
+    if (access(found, R_OK) == 0) return ISO_OK;
+    const int missing = errno;
+    snprintf(found, 2 * ISO_JOURNAL_TEXT, "%.*s%s", slash ? (int)(slash + 1 - strokes) : 0, strokes,
+             name ? name + 1 : path);
+    if (access(found, R_OK) == 0) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "'%s' cannot be read (%s) and is not beside it", path,
+                    strerror(missing));
+}
+
+static iso_status find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
+                       iso_hgrid **grid, iso_error *error) {
+    char found[2 * ISO_JOURNAL_TEXT];
+    uint32_t crc;
+    ISO_TRY(find_file(start->source, strokes, found, error));
+    const iso_progress summing = iso_progress_part(how->progress, 0, 0.05);
+    iso_file_set_read(how->files, found);
+    ISO_TRY(checksum(found, &summing, &crc, error));
+    if (crc != start->source_crc)
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "'%s' is not what it was when the session began (checksum %08x, then %08x)", found,
+                        crc, start->source_crc);
+    char reading[ISO_JOURNAL_TEXT];
+    iso_input input;
+    iso_error reason = {0};
+    memcpy(reading, start->reading, sizeof reading);
+    if (iso_input_parse(reading, &input, &reason) != ISO_OK)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s", reason.text);
+    if (how->input) input.max_memory = how->input->max_memory;
+    const isosculpt_source source = {.path = found,
+                                     .input = &input,
+                                     .parts = how->parts,
+                                     .voxel_isovalue = start->voxel_isovalue,
+                                     .isovalue = start->isovalue,
+                                     .voxel = how->voxel > 0 ? how->voxel : start->voxel_size,
+                                     .pool = how->pool,
+                                     .files = how->files,
+                                     .progress = how->progress,
+                                     .close_holes = INFINITY};
+    const iso_journal_start wanted = *start;
+    ISO_TRY(open_file(&source, grid, error));
+    describe(&source, *grid, start);
+    if (how->voxel > 0 || memcmp(wanted.dims, start->dims, sizeof wanted.dims) == 0) return ISO_OK;
+    iso_hgrid_destroy(*grid);
+    return iso_fail(error, ISO_ERR_FORMAT, "'%s' makes a grid of another size than the session's", found);
+}
+
+/* A failure names the stroke file, too. It is at fault for what cannot be sculpted; the settings are its own.
+ */
+iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
+                                 iso_hgrid **grid, iso_error *error) {
+    iso_status status = find(strokes, how, start, grid, error);
+    if (status == ISO_OK || !error || iso_progress_cancelled(how->progress)) return status;
+    const iso_error why = *error;
+    return iso_fail(error, status == ISO_ERR_USAGE ? ISO_ERR_FORMAT : status, "%s: %s", strokes, why.text);
+}

@@ -1,0 +1,76 @@
+#include "apps/isosculpt/view/gl.h"
+
+#include "base/memory.h"
+
+struct isosculpt_gl {
+    iso_gl_context *context;
+    iso_gl_engine *engine;
+    iso_gl_canvas *drawn, *held;
+    iso_gl_shape *points, *mesh; /* NULL: not needed so far */
+};
+
+iso_status isosculpt_gl_create(iso_gl_context *context, isosculpt_gl **gl, iso_error *error) {
+    isosculpt_gl *made = iso_alloc_zero(1, sizeof *made);
+    if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an engine");
+    made->context = context;
+    iso_status status = iso_gl_engine_create(context, &made->engine, error);
+    if (status == ISO_OK) status = iso_gl_canvas_create(made->engine, &made->drawn, error);
+    if (status == ISO_OK) status = iso_gl_canvas_create(made->engine, &made->held, error);
+    if (status == ISO_OK)
+        *gl = made;
+    else
+        isosculpt_gl_destroy(made);
+    return status;
+}
+
+void isosculpt_gl_forget(isosculpt_gl *gl) {
+    if (!gl) return;
+    iso_gl_shape_destroy(gl->points);
+    iso_gl_shape_destroy(gl->mesh);
+    gl->points = gl->mesh = NULL;
+}
+
+void isosculpt_gl_destroy(isosculpt_gl *gl) {
+    if (!gl) return;
+    isosculpt_gl_forget(gl);
+    iso_gl_canvas_destroy(gl->held);
+    iso_gl_canvas_destroy(gl->drawn);
+    iso_gl_engine_destroy(gl->engine);
+    iso_free(gl);
+}
+
+const char *isosculpt_gl_renderer(const isosculpt_gl *gl) {
+    return iso_gl_context_info(gl->context).renderer;
+}
+
+iso_status isosculpt_gl_draw_mesh(isosculpt_gl *gl, const iso_mesh_view *mesh, const iso_view *view,
+                                  const iso_gl_paint *paint, iso_gl_canvas **canvas, iso_error *error) {
+    if (gl->mesh)
+        ISO_TRY(iso_gl_update_mesh(gl->mesh, mesh, error));
+    else
+        ISO_TRY(iso_gl_upload_mesh(gl->engine, mesh, &gl->mesh, error));
+    const iso_gl_shape *const shape = gl->mesh;
+    const iso_gl_draw_opts opts = {.view = view, .shapes = &shape, .shape_count = 1};
+    *canvas = gl->drawn;
+    return iso_gl_canvas_draw(gl->drawn, &opts, paint, error);
+}
+
+iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *points, bool pullpush,
+                                    const iso_view *view, const iso_gl_paint *paint, iso_gl_canvas **canvas,
+                                    iso_error *error) {
+    if (gl->points)
+        ISO_TRY(iso_gl_update_points(gl->points, points, error));
+    else
+        ISO_TRY(iso_gl_upload_points(gl->engine, points, &gl->points, error));
+    const iso_gl_shape *const shape = gl->points;
+    const iso_gl_draw_opts discs = {.view = view, .shapes = &shape, .shape_count = 1};
+    const iso_gl_pullpush_opts filled = {view, &shape, 1, ISO_RECONSTRUCTION_REFINED};
+    *canvas = gl->drawn;
+    return pullpush ? iso_gl_canvas_draw_pullpush(gl->drawn, &filled, paint, error)
+                    : iso_gl_canvas_draw(gl->drawn, &discs, paint, error);
+}
+
+iso_status isosculpt_gl_hold(isosculpt_gl *gl, iso_gl_canvas **held, iso_error *error) {
+    *held = gl->held;
+    return iso_gl_canvas_copy(gl->held, gl->drawn, error);
+}

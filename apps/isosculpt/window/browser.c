@@ -1,0 +1,242 @@
+#define _XOPEN_SOURCE 700
+#include "apps/isosculpt/window/browser.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- kinds of files */
+
+#define VOLUMES ".nrrd .nhdr .nii .nii.gz .hdr .img .dcm .vti .vtk .mha .mhd"
+#define MESHES ".stl .obj .ply"
+
+const isosculpt_file_type *isosculpt_browser_types(isosculpt_purpose purpose) {
+    static const isosculpt_file_type open[] = {{"all that can be opened",
+                                                ".strokes .vdb " MESHES " " VOLUMES},
+                                               {"strokes (.strokes)", ".strokes"},
+                                               {"level sets (.vdb)", ".vdb"},
+                                               {"meshes (" MESHES ")", MESHES},
+                                               {"volumes", VOLUMES},
+                                               {"all files", ""},
+                                               {NULL, NULL}},
+                                     stamp[] = {{"meshes (" MESHES ")", MESHES},
+                                                {"all files", ""},
+                                                {NULL, NULL}},
+                                     save[] = {{"level set (.vdb)", ".vdb"},
+                                               {"mesh (.stl)", ".stl"},
+                                               {"mesh (.ply)", ".ply"},
+                                               {"mesh (.obj)", ".obj"},
+                                               {NULL, NULL}},
+                                     export[] = {{"mesh (.stl)", ".stl"},
+                                                 {"mesh (.ply)", ".ply"},
+                                                 {"mesh (.obj)", ".obj"},
+                                                 {"level set (.vdb)", ".vdb"},
+                                                 {NULL, NULL}},
+                                     picture[] = {{"picture (.png)", ".png"}, {NULL, NULL}};
+    static const isosculpt_file_type *const all[] = {NULL, open, stamp, save, export, picture};
+    return all[purpose];
+}
+
+bool isosculpt_browser_saves(isosculpt_purpose purpose) {
+    return purpose >= ISOSCULPT_BROWSE_SAVE;
+}
+
+/* Whether a name ends in one of the extensions. */
+static bool is_of(const char *name, const char *extensions) {
+    const size_t length = strlen(name);
+    if (!*extensions) return true;
+    for (const char *at = extensions; *at; at += strspn(at, " ")) {
+        const size_t tail = strcspn(at, " ");
+        if (length > tail && strncasecmp(name + length - tail, at, tail) == 0) return true;
+        at += tail;
+    }
+    return false;
+}
+
+static const char *extensions(const isosculpt_browser *browser) {
+    return isosculpt_browser_types(browser->purpose)[browser->type].extensions;
+}
+
+/* ---- a folder's entries */
+
+static void forget(isosculpt_browser *browser) {
+    for (size_t i = 0; i < browser->count; i++) free(browser->entries[i].name);
+    free(browser->entries);
+    browser->entries = NULL;
+    browser->count = browser->room = 0;
+    browser->selected = -1;
+}
+
+static bool add(isosculpt_browser *browser, const char *name, bool is_folder) {
+    if (browser->count == browser->room) {
+        const size_t room = browser->room ? 2 * browser->room : 64;
+        isosculpt_entry *more = realloc(browser->entries, room * sizeof *more);
+        if (!more) return false;
+        browser->entries = more;
+        browser->room = room;
+    }
+    char *copy = strdup(name);
+    if (copy) browser->entries[browser->count++] = (isosculpt_entry){copy, is_folder};
+    return copy;
+}
+
+static int compare(const void *a, const void *b) {
+    const isosculpt_entry *first = a, *second = b;
+    if (first->is_folder != second->is_folder) return second->is_folder - first->is_folder;
+    const int order = strcasecmp(first->name, second->name);
+    return order ? order : strcmp(first->name, second->name);
+}
+
+/* Neither devices nor names that no path has room for. */
+static bool is_shown(const isosculpt_browser *browser, const char *name, bool *is_folder) {
+    char path[2 * ISOSCULPT_PATH];
+    struct stat about;
+    if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0) return false;
+    if (name[0] == '.' && !browser->hidden) return false;
+    const int length = snprintf(path, sizeof path, "%s/%s", browser->folder, name);
+    if (length >= ISOSCULPT_PATH || stat(path, &about)) return false;
+    *is_folder = S_ISDIR(about.st_mode);
+    return *is_folder || (S_ISREG(about.st_mode) && is_of(name, extensions(browser)));
+}
+
+void isosculpt_browser_reread(isosculpt_browser *browser) {
+    forget(browser);
+    browser->trouble[0] = 0;
+    DIR *directory = opendir(browser->folder);
+    if (!directory) {
+        snprintf(browser->trouble, sizeof browser->trouble, "%s", strerror(errno));
+        return;
+    }
+    bool is_folder, room = true;
+    for (struct dirent *entry; room && (entry = readdir(directory));)
+        if (is_shown(browser, entry->d_name, &is_folder)) room = add(browser, entry->d_name, is_folder);
+    closedir(directory);
+    if (browser->count) qsort(browser->entries, browser->count, sizeof *browser->entries, compare);
+    if (!room) snprintf(browser->trouble, sizeof browser->trouble, "out of memory: not all files are shown");
+}
+
+/* ---- going about */
+
+void isosculpt_browser_enter(isosculpt_browser *browser, const char *folder) {
+    char *whole = realpath(folder, NULL);
+    DIR *readable = whole ? opendir(whole) : NULL;
+    if (!readable || strlen(whole) >= ISOSCULPT_PATH) {
+        snprintf(browser->trouble, sizeof browser->trouble, "%.150s: %s", folder,
+                 readable ? "the name is too long" : strerror(errno));
+    } else {
+        memcpy(browser->folder, whole, strlen(whole) + 1);
+        isosculpt_browser_reread(browser);
+    }
+    if (readable) closedir(readable);
+    free(whole);
+}
+
+void isosculpt_browser_up(isosculpt_browser *browser) {
+    char parent[ISOSCULPT_PATH + 4];
+    snprintf(parent, sizeof parent, "%s/..", browser->folder);
+    isosculpt_browser_enter(browser, parent);
+}
+
+static void set_name(isosculpt_browser *browser, const char *name) {
+    snprintf(browser->name, sizeof browser->name, "%s", name);
+    browser->generation++;
+}
+
+void isosculpt_browser_set_type(isosculpt_browser *browser, int type) {
+    char *dot = strrchr(browser->name, '.');
+    const char *wanted = isosculpt_browser_types(browser->purpose)[type].extensions;
+    const size_t stem = dot && dot > browser->name ? (size_t)(dot - browser->name) : 0;
+    if (isosculpt_browser_saves(browser->purpose) && stem && stem + strlen(wanted) < sizeof browser->name) {
+        memcpy(dot, wanted, strlen(wanted) + 1);
+        browser->generation++;
+    }
+    browser->type = type;
+    isosculpt_browser_reread(browser);
+}
+
+/* The type that an extension belongs to, or the first. */
+static int type_of(isosculpt_purpose purpose, const char *name) {
+    const isosculpt_file_type *types = isosculpt_browser_types(purpose);
+    for (int i = 0; isosculpt_browser_saves(purpose) && types[i].label; i++)
+        if (is_of(name, types[i].extensions)) return i;
+    return 0;
+}
+
+void isosculpt_browser_open(isosculpt_browser *browser, isosculpt_purpose purpose, const char *path) {
+    char folder[ISOSCULPT_PATH];
+    const char *slash = strrchr(path, '/');
+    const char *name = slash ? slash + 1 : path;
+    browser->purpose = purpose;
+    browser->type = type_of(purpose, name);
+    set_name(browser, isosculpt_browser_saves(purpose) ? name : "");
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
+    isosculpt_browser_enter(browser, folder);
+    if (!browser->folder[0] || browser->trouble[0]) isosculpt_browser_enter(browser, "/");
+}
+
+void isosculpt_browser_close(isosculpt_browser *browser) {
+    forget(browser);
+    browser->purpose = ISOSCULPT_BROWSE_NOTHING;
+    browser->folder[0] = browser->trouble[0] = 0;
+}
+
+void isosculpt_browser_select(isosculpt_browser *browser, int entry) {
+    browser->selected = entry;
+    browser->trouble[0] = 0;
+    set_name(browser, browser->entries[entry].name);
+}
+
+void isosculpt_browser_step(isosculpt_browser *browser, int steps) {
+    const int last = (int)browser->count - 1;
+    if (last < 0) return;
+    int next = browser->selected < 0 ? (steps > 0 ? steps - 1 : last) : browser->selected + steps;
+    isosculpt_browser_select(browser, next < 0 ? 0 : next > last ? last : next);
+}
+
+/* ---- choosing */
+
+static void add_extension(const isosculpt_browser *browser, char path[ISOSCULPT_PATH]) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *first = extensions(browser);
+    const size_t length = strlen(path), tail = strcspn(first, " ");
+    if (!name[0] || strchr(name + 1, '.') || length + tail >= ISOSCULPT_PATH) return;
+    memcpy(path + length, first, tail);
+    path[length + tail] = 0;
+}
+
+bool isosculpt_browser_path(const isosculpt_browser *browser, char path[ISOSCULPT_PATH]) {
+    const char *name = browser->name, *home = getenv("HOME"),
+               *parted = strcmp(browser->folder, "/") == 0 ? "" : "/";
+    struct stat about;
+    int length;
+    if (!name[0]) return false;
+    if (name[0] == '/')
+        length = snprintf(path, ISOSCULPT_PATH, "%s", name);
+    else if (name[0] == '~' && (name[1] == '/' || !name[1]) && home)
+        length = snprintf(path, ISOSCULPT_PATH, "%s%s", home, name + 1);
+    else
+        length = snprintf(path, ISOSCULPT_PATH, "%s%s%s", browser->folder, parted, name);
+    if (length >= ISOSCULPT_PATH) return false;
+    const bool is_folder = stat(path, &about) == 0 && S_ISDIR(about.st_mode);
+    if (isosculpt_browser_saves(browser->purpose) && !is_folder) add_extension(browser, path);
+    return true;
+}
+
+bool isosculpt_browser_choose(isosculpt_browser *browser, char path[ISOSCULPT_PATH]) {
+    struct stat about;
+    browser->trouble[0] = 0;
+    if (!isosculpt_browser_path(browser, path)) return false;
+    const bool is_there = stat(path, &about) == 0;
+    if (is_there && S_ISDIR(about.st_mode)) {
+        isosculpt_browser_enter(browser, path);
+        if (!browser->trouble[0]) set_name(browser, "");
+        return false;
+    }
+    if (is_there || isosculpt_browser_saves(browser->purpose)) return true;
+    snprintf(browser->trouble, sizeof browser->trouble, "There is no such file.");
+    return false;
+}

@@ -1,0 +1,153 @@
+/* The browser as Dear ImGui draws it. */
+#include "apps/isosculpt/window/browser.h"
+
+#include <cfloat>
+#include <cmath>
+#include <cstdio>
+
+#include <imgui.h>
+
+static const char *title(isosculpt_purpose purpose) {
+    static const char *const titles[] = {"",        "Open a file",   "A mesh to add and carve with",
+                                         "Save as", "Export a copy", "Save a picture"};
+    return titles[purpose];
+}
+
+static const char *verb(isosculpt_purpose purpose) {
+    static const char *const verbs[] = {
+        "", "Open (Enter)", "Take it (Enter)", "Save (Enter)", "Export (Enter)", "Save (Enter)"};
+    return verbs[purpose];
+}
+
+/* True: an entry was pressed twice. */
+static bool draw_entries(isosculpt_browser *browser, bool follow) {
+    bool twice = false;
+    int selected = -1;
+    ImGuiListClipper clipper;
+    clipper.Begin((int)browser->count);
+    while (clipper.Step())
+        for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; i++) {
+            const isosculpt_entry *entry = &browser->entries[i];
+            ImGui::PushID(i);
+            if (ImGui::Selectable("##entry", i == browser->selected, ImGuiSelectableFlags_AllowDoubleClick)) {
+                selected = i;
+                twice = ImGui::IsMouseDoubleClicked(0);
+            }
+            ImGui::SameLine(0, 0);
+            ImGui::Text("%s%s", entry->name, entry->is_folder ? "/" : "");
+            ImGui::PopID();
+        }
+    if (follow) {
+        const float row = ImGui::GetTextLineHeightWithSpacing();
+        ImGui::SetScrollY(std::fmax(0, row * (float)browser->selected - ImGui::GetWindowHeight() / 2));
+    }
+    if (selected >= 0) isosculpt_browser_select(browser, selected);
+    if (!browser->count) ImGui::TextDisabled("nothing here of this type");
+    return twice;
+}
+
+static void draw_place(isosculpt_browser *browser) {
+    if (ImGui::Button("Up")) isosculpt_browser_up(browser);
+    ImGui::SameLine();
+    ImGui::AlignTextToFramePadding();
+    ImGui::PushTextWrapPos(0);
+    ImGui::TextUnformatted(browser->folder);
+    ImGui::PopTextWrapPos();
+}
+
+static void draw_type(isosculpt_browser *browser, float scale) {
+    const isosculpt_file_type *types = isosculpt_browser_types(browser->purpose);
+    ImGui::SetNextItemWidth(240 * scale);
+    if (ImGui::BeginCombo("##type", types[browser->type].label)) {
+        for (int i = 0; types[i].label; i++)
+            if (ImGui::Selectable(types[i].label, i == browser->type)) isosculpt_browser_set_type(browser, i);
+        ImGui::EndCombo();
+    }
+    ImGui::SameLine();
+    if (ImGui::Checkbox("hidden files", &browser->hidden)) isosculpt_browser_reread(browser);
+}
+
+/* The box for the name, which has the keys whenever nothing else has. True: Enter. */
+static bool draw_name(isosculpt_browser *browser) {
+    const bool empty = !browser->name[0];
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    ImGui::PushID(browser->generation); /* a box that is typed in shows nothing but its own text */
+    if (ImGui::IsWindowAppearing() || !ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
+    ImGui::InputTextWithHint("##name", "a name, or a path", browser->name, sizeof browser->name);
+    ImGui::PopID();
+    if (empty && browser->typed.back) isosculpt_browser_up(browser);
+    return browser->typed.enter;
+}
+
+static bool step(isosculpt_browser *browser) {
+    const int steps = browser->typed.steps;
+    if (steps) isosculpt_browser_step(browser, steps);
+    return steps != 0;
+}
+
+static void draw_result(const isosculpt_browser *browser) {
+    char whole[ISOSCULPT_PATH];
+    const bool named = isosculpt_browser_path(browser, whole);
+    ImGui::PushTextWrapPos(0);
+    if (browser->trouble[0])
+        ImGui::TextColored(ImVec4(1.0f, 0.42f, 0.36f, 1), "%s", browser->trouble);
+    else
+        ImGui::TextDisabled("%s", named ? whole : " ");
+    ImGui::PopTextWrapPos();
+}
+
+/* What a frame asks for. */
+enum wish { NOTHING, CHOOSE, FOLDER, CLOSE };
+
+static wish draw_buttons(const isosculpt_browser *browser) {
+    wish wanted = ImGui::Button(verb(browser->purpose)) ? CHOOSE : NOTHING;
+    ImGui::SameLine();
+    if (ImGui::Button("Cancel (Escape)") || browser->typed.escape) wanted = CLOSE;
+    if (browser->purpose != ISOSCULPT_BROWSE_OPEN) return wanted;
+    ImGui::SameLine();
+    if (ImGui::Button("Open this folder (DICOM)")) wanted = FOLDER;
+    return wanted;
+}
+
+static wish draw_inside(isosculpt_browser *browser, float scale) {
+    const bool follow = step(browser);
+    draw_place(browser);
+    const float below = 4 * ImGui::GetFrameHeightWithSpacing() + 2 * ImGui::GetTextLineHeight();
+    ImGui::BeginChild("entries", ImVec2(0, -below), true);
+    bool wanted = draw_entries(browser, follow);
+    ImGui::EndChild();
+    wanted |= draw_name(browser);
+    draw_type(browser, scale);
+    draw_result(browser);
+    const wish button = draw_buttons(browser);
+    return button ? button : wanted ? CHOOSE : NOTHING;
+}
+
+static bool is_chosen(isosculpt_browser *browser, wish wanted, char path[ISOSCULPT_PATH]) {
+    if (wanted != FOLDER) return wanted == CHOOSE && isosculpt_browser_choose(browser, path);
+    snprintf(path, ISOSCULPT_PATH, "%s", browser->folder);
+    return true;
+}
+
+bool isosculpt_browser_draw(isosculpt_browser *browser, float scale, char path[ISOSCULPT_PATH]) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    char name[64];
+    if (!browser->purpose) return false;
+    snprintf(name, sizeof name, "%s###browser", title(browser->purpose));
+    if (!ImGui::IsPopupOpen("###browser")) ImGui::OpenPopup("###browser");
+    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+    ImGui::SetNextWindowSize(ImVec2(std::fmin(620 * scale, display.x - 16 * scale),
+                                    std::fmin(460 * scale, display.y - 16 * scale)),
+                             ImGuiCond_Always);
+    bool closed = false, chosen = false;
+    if (ImGui::BeginPopupModal(name, nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoResize)) {
+        const wish wanted = draw_inside(browser, scale);
+        closed = wanted == CLOSE;
+        chosen = is_chosen(browser, wanted, path);
+        if (closed || chosen) ImGui::CloseCurrentPopup();
+        ImGui::EndPopup();
+    }
+    browser->typed = isosculpt_typed{};
+    if (closed || chosen) isosculpt_browser_close(browser);
+    return chosen;
+}

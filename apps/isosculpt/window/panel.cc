@@ -1,0 +1,575 @@
+#include "apps/isosculpt/window/panel.h"
+
+#include <cfloat>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <new>
+
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <GLFW/glfw3.h>
+
+#include "apps/isosculpt/save.h"
+#include "apps/isosculpt/window/keys.h"
+#include "apps/isosculpt/window/panel_parts.hpp"
+#include "grids/volume/bridge_guard.hpp"
+
+struct rectangle {
+    ImVec2 position, size;
+    bool holds(double x, double y) const {
+        return x >= position.x && y >= position.y && x < position.x + size.x && y < position.y + size.y;
+    }
+};
+
+struct isosculpt_panel {
+    float scale;
+    bool place_anew; /* the scale is another one */
+    bool modal;
+    rectangle place, busy,
+        message; /* of the panel, of what tells progress and what was said, as last drawn */
+    bool over(double x, double y) const {
+        return place.holds(x, y) || busy.holds(x, y) || message.holds(x, y);
+    }
+};
+
+/* ---- parts of the panel */
+
+/* The solid that is added or carved; a stamp is there when one was loaded. */
+static void choose_shape(isosculpt_hand *hand) {
+    static const iso_solid shapes[] = {ISO_SOLID_SPHERE, ISO_SOLID_BOX, ISO_SOLID_CYLINDER, ISO_SOLID_TORUS,
+                                       ISO_SOLID_STAMP};
+    iso_brush *brush = &hand->brush;
+    const iso_stamp *stamp = iso_session_stamp(hand->desk->session);
+    const auto name = [&](iso_solid shape) {
+        return shape == ISO_SOLID_STAMP && stamp ? stamp->name : iso_solid_name(shape);
+    };
+    if (brush->shape == ISO_SOLID_STAMP && !stamp) brush->shape = ISO_SOLID_SPHERE;
+    ImGui::BeginDisabled(!isosculpt_hand_has_shape(brush->tool));
+    if (ImGui::BeginCombo("shape", name(brush->shape))) {
+        for (iso_solid shape : shapes)
+            if ((shape != ISO_SOLID_STAMP || stamp) && ImGui::Selectable(name(shape), shape == brush->shape))
+                brush->shape = shape;
+        ImGui::EndCombo();
+    }
+    if (brush->shape != ISO_SOLID_SPHERE && brush->shape != ISO_SOLID_STAMP) {
+        const double low = 0.05, high = 2;
+        if (!(brush->aspect > 0)) brush->aspect = 0.5;
+        ImGui::SliderScalar("aspect", ImGuiDataType_Double, &brush->aspect, &low, &high, "%.2f",
+                            ImGuiSliderFlags_AlwaysClamp);
+    }
+    ImGui::EndDisabled();
+}
+
+/* The planes, and where they are. */
+static void choose_mirror(isosculpt_hand *hand) {
+    iso_brush *brush = &hand->brush;
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted("symmetry");
+    for (unsigned axis = 0; axis < 3; axis++) {
+        const char name[2] = {(char)('x' + axis), 0};
+        ImGui::SameLine();
+        ImGui::CheckboxFlags(name, &brush->symmetry, 1u << axis);
+    }
+    if (!brush->symmetry) return;
+    ImGui::SameLine();
+    if (ImGui::Button("centre")) isosculpt_hand_center_mirror(hand);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("the planes pass through the middle of the object");
+    double *const at[] = {&brush->mirror.x, &brush->mirror.y, &brush->mirror.z};
+    const float speed = (float)(0.5 * hand->desk->start.voxel_size);
+    const float inner = ImGui::GetStyle().ItemInnerSpacing.x,
+                width = (ImGui::CalcItemWidth() - 2 * inner) / 3;
+    for (int axis = 0; axis < 3; axis++) {
+        ImGui::PushID(axis);
+        if (axis) ImGui::SameLine(0, inner);
+        ImGui::SetNextItemWidth(width);
+        ImGui::BeginDisabled(!(brush->symmetry >> axis & 1));
+        ImGui::DragScalar("##mirror", ImGuiDataType_Double, at[axis], speed, nullptr, nullptr, "%.5g");
+        ImGui::EndDisabled();
+        ImGui::PopID();
+    }
+    ImGui::SameLine(0, inner);
+    ImGui::TextUnformatted("at, mm");
+}
+
+static void section_brush(const isosculpt_screen *screen) {
+    isosculpt_hand *hand = screen->hand;
+    static const char *const names[] = {"1 add",     "2 carve", "3 blend", "4 smooth", "5 inflate",
+                                        "6 flatten", "7 pinch", "8 move",  "9 mask"};
+    const float width = ImGui::GetContentRegionAvail().x / 3 - ImGui::GetStyle().ItemSpacing.x * 0.67f;
+    for (int i = 0; i < ISOSCULPT_TOOLS; i++) {
+        bool chosen = hand->brush.tool == isosculpt_hand_tool(i + 1);
+        if (i % 3) ImGui::SameLine();
+        if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+        if (ImGui::Button(names[i], ImVec2(width, 0))) isosculpt_hand_key(hand, '1' + i, 0, true);
+        if (chosen) ImGui::PopStyleColor();
+    }
+    const double voxel = hand->desk->start.voxel_size, low = 2 * voxel, high = 128 * voxel, none = 0.02,
+                 full = 1;
+    ImGui::SliderScalar("radius", ImGuiDataType_Double, &hand->brush.radius, &low, &high, "%.2f mm",
+                        ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+    ImGui::SliderScalar("strength", ImGuiDataType_Double, &hand->brush.strength, &none, &full, "%.2f",
+                        ImGuiSliderFlags_AlwaysClamp);
+    choose_shape(hand);
+    choose_mirror(hand);
+    if (!screen->pen) return;
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted("pressure");
+    ImGui::SameLine();
+    ImGui::Checkbox("size", &hand->brush.pressure_radius);
+    ImGui::SameLine();
+    ImGui::Checkbox("strength##pen", &hand->brush.pressure_strength);
+}
+
+static bool color_edit(const char *label, iso_rgb *color) {
+    float rgb[3] = {(float)color->r / 255, (float)color->g / 255, (float)color->b / 255};
+    if (!ImGui::ColorEdit3(label, rgb, ImGuiColorEditFlags_NoInputs)) return false;
+    *color = iso_rgb{(uint8_t)std::lround(255 * rgb[0]), (uint8_t)std::lround(255 * rgb[1]),
+                     (uint8_t)std::lround(255 * rgb[2])};
+    return true;
+}
+
+/* The rest of a line: which engine is chosen; and under the pointer, what drew the picture. */
+static bool engine_combo(isosculpt_view *view) {
+    static const char *const names[] = {"engine: cpu", "engine: gl"};
+    isosculpt_engine *engine = &view->look.engine;
+    bool changed = false;
+    if (!view->gl) {
+        ImGui::TextColored(GREY, "%s", names[ISOSCULPT_CPU]);
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("there is no OpenGL 4.5");
+        return false;
+    }
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    if (ImGui::BeginCombo("##engine", names[*engine], ImGuiComboFlags_NoArrowButton)) {
+        for (isosculpt_engine i : {ISOSCULPT_CPU, ISOSCULPT_GL})
+            if (ImGui::Selectable(names[i], i == *engine)) {
+                *engine = i;
+                view->gl_error.text[0] = 0;
+                changed = true;
+            }
+        ImGui::EndCombo();
+    } else if (ImGui::IsItemHovered() && view->drawn.canvas)
+        ImGui::SetTooltip("drawn by %s", isosculpt_gl_renderer(view->gl));
+    else if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("drawn by the cpu engine");
+    if (!view->gl_error.text[0]) return changed;
+    ImGui::PushTextWrapPos(0);
+    ImGui::TextColored(RED, "%s", view->gl_error.text);
+    ImGui::PopTextWrapPos();
+    return changed;
+}
+
+/* A button for each side. */
+static void choose_side(isosculpt_hand *hand) {
+    static const struct {
+        const char *name, *tip;
+        iso_direction direction;
+    } sides[] = {{"front", "Shift+1", ISO_FRONT}, {"back", "Ctrl+1", ISO_BACK},
+                 {"right", "Shift+3", ISO_RIGHT}, {"left", "Ctrl+3", ISO_LEFT},
+                 {"top", "Shift+7", ISO_TOP},     {"bottom", "Ctrl+7", ISO_BOTTOM}};
+    const ImGuiStyle &style = ImGui::GetStyle();
+    const float gap = 0.75f * style.ItemInnerSpacing.x, room = ImGui::GetContentRegionAvail().x,
+                padding = (room - 5 * gap - ImGui::CalcTextSize("frontbackrightlefttopbottom").x) / 12;
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(padding, style.FramePadding.y));
+    for (int i = 0; i < 6; i++) {
+        if (i) ImGui::SameLine(0, gap);
+        if (ImGui::Button(sides[i].name)) isosculpt_hand_look(hand, sides[i].direction);
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", sides[i].tip);
+    }
+    ImGui::PopStyleVar();
+}
+
+static void section_picture(isosculpt_screen *screen) {
+    isosculpt_hand *hand = screen->hand;
+    isosculpt_look *look = &hand->view->look;
+    bool changed = false;
+    if (ImGui::BeginCombo("method", isosculpt_method_name(look->method))) {
+        for (int i = 0; i < ISOSCULPT_METHOD_COUNT; i++)
+            if (ImGui::Selectable(isosculpt_method_name((isosculpt_method)i), i == (int)look->method)) {
+                look->method = (isosculpt_method)i;
+                changed = true;
+            }
+        ImGui::EndCombo();
+    }
+    if (ImGui::BeginCombo("light", isosculpt_light_name(look->paint.light))) {
+        for (int i = 0; i < ISOSCULPT_LIGHT_COUNT; i++)
+            if (ImGui::Selectable(isosculpt_light_name((isosculpt_light)i), i == (int)look->paint.light)) {
+                look->paint.light = (isosculpt_light)i;
+                changed = true;
+            }
+        ImGui::EndCombo();
+    }
+    changed |= color_edit("surface", &look->paint.color);
+    ImGui::SameLine();
+    changed |= color_edit("background", &look->paint.background);
+    ImGui::SameLine();
+    changed |= engine_combo(hand->view);
+    if (changed) hand->wishes |= ISOSCULPT_WISH_PICTURE;
+    choose_side(hand);
+    if (ImGui::Button("Copy isorender command")) screen->answers |= ISOSCULPT_ANSWER_COMMAND;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("a command that draws this picture, to the clipboard");
+    ImGui::SameLine();
+    if (ImGui::Button("Picture...")) screen->browse = ISOSCULPT_BROWSE_PICTURE;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("save it under a name; F12: beside the file, at once");
+}
+
+static void section_history(isosculpt_hand *hand, float scale) {
+    const iso_history *history = iso_session_history(hand->desk->session);
+    const size_t position = iso_history_position(history), count = iso_history_count(history);
+    size_t wanted = position;
+    ImGui::BeginChild("steps", ImVec2(0, 110 * scale), true);
+    if (ImGui::Selectable("the beginning", position == 0)) wanted = 0;
+    ImGuiListClipper clipper;
+    clipper.Begin((int)count);
+    while (clipper.Step())
+        for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; i++) {
+            char label[96];
+            snprintf(label, sizeof label, "%d  %s", i + 1, iso_history_name(history, (size_t)i));
+            bool undone = (size_t)i >= position;
+            if (undone) ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+            if (ImGui::Selectable(label, (size_t)i + 1 == position)) wanted = (size_t)i + 1;
+            if (undone) ImGui::PopStyleColor();
+        }
+    if (hand->drag == ISOSCULPT_DRAG_BRUSH || ImGui::GetScrollY() >= ImGui::GetScrollMaxY())
+        ImGui::SetScrollHereY(1);
+    ImGui::EndChild();
+    if (wanted != position) isosculpt_hand_history(hand, wanted);
+}
+
+static void latency_row(const char *name, const isosculpt_latency *latency) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(name);
+    for (double quantile : {0.5, 0.99}) {
+        ImGui::TableNextColumn();
+        if (latency->count)
+            ImGui::Text("%.2f", 1e3 * isosculpt_latency_quantile(latency, quantile));
+        else
+            ImGui::TextUnformatted("-");
+    }
+}
+
+static void section_numbers(isosculpt_hand *hand) {
+    const iso_grid *grid = &hand->view->grid;
+    const int *dims = iso_grid_dims(grid);
+    ImGui::Text("%d x %d x %d voxels of %.4g mm", dims[0], dims[1], dims[2],
+                iso_grid_transform(grid)->spacing[0]);
+    if (grid->hgrid)
+        ImGui::Text("%.2f M of them stored, in %.0f MB",
+                    1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid->hgrid),
+                    1e-6 * (double)iso_hgrid_bytes(grid->hgrid));
+    ImGui::Text("%.2f M points", 1e-6 * (double)isosculpt_view_points(hand->view));
+    if (!ImGui::BeginTable("latency", 3, ImGuiTableFlags_RowBg)) return;
+    ImGui::TableSetupColumn("milliseconds", ImGuiTableColumnFlags_WidthStretch, 2);
+    ImGui::TableSetupColumn("p50", ImGuiTableColumnFlags_WidthStretch, 1);
+    ImGui::TableSetupColumn("p99", ImGuiTableColumnFlags_WidthStretch, 1);
+    ImGui::TableHeadersRow();
+    latency_row("edit", &hand->edit);
+    latency_row("extract", &hand->view->extract);
+    latency_row("draw", &hand->view->draw);
+    ImGui::EndTable();
+}
+
+static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const float width = 296 * panel->scale, gap = 8 * panel->scale;
+    ImGui::SetNextWindowPos(ImVec2(gap, gap), panel->place_anew ? ImGuiCond_Always : ImGuiCond_FirstUseEver);
+    panel->place_anew = false;
+    ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, display.y - 2 * gap));
+    ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize);
+    ImGui::PushItemWidth(-76 * panel->scale);
+    const bool looking = screen->volume != nullptr, brush = !looking || screen->sculpting;
+    const ImGuiTreeNodeFlags open = ImGuiTreeNodeFlags_DefaultOpen;
+    if (!brush && ImGui::CollapsingHeader("Isovalue", open)) panel_isovalue(screen, panel->scale);
+    if (brush && ImGui::CollapsingHeader("Brush", open)) section_brush(screen);
+    if (ImGui::CollapsingHeader("Picture", open)) section_picture(screen);
+    if (ImGui::CollapsingHeader("Files", open)) panel_files(screen);
+    if (!looking && ImGui::CollapsingHeader("History", open)) section_history(screen->hand, panel->scale);
+    if (ImGui::CollapsingHeader("Numbers", open)) section_numbers(screen->hand);
+    ImGui::PopItemWidth();
+    panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
+    ImGui::End();
+}
+
+/* ---- heavy work */
+
+/* At the lower edge, where it hides nothing; there even when the panel is not. */
+static void draw_busy(isosculpt_panel *panel, isosculpt_screen *screen) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y - 16 * panel->scale), ImGuiCond_Always,
+                            ImVec2(0.5f, 1));
+    ImGui::SetNextWindowSize(ImVec2(420 * panel->scale, 0), ImGuiCond_Always);
+    ImGui::Begin("##busy", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoFocusOnAppearing);
+    for (int i = 0; i < screen->busy_count; i++) {
+        const isosculpt_busy *busy = &screen->busy[i];
+        ImGui::PushID(i);
+        ImGui::TextUnformatted(busy->text);
+        ImGui::ProgressBar((float)busy->fraction, ImVec2(280 * panel->scale, 0));
+        ImGui::SameLine();
+        if (ImGui::Button(i ? "Cancel" : "Cancel (Escape)"))
+            screen->answers |= (unsigned)ISOSCULPT_ANSWER_CANCEL << i;
+        ImGui::PopID();
+    }
+    panel->busy = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
+    ImGui::End();
+}
+
+/* ---- what was said last */
+
+/* Seen without the panel too, above what tells progress. What went wrong stays until it is put away. */
+static void draw_message(isosculpt_panel *panel, isosculpt_screen *screen) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const float below = screen->busy_count ? display.y - panel->busy.position.y : 0, gap = 16 * panel->scale;
+    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y - gap - below), ImGuiCond_Always,
+                            ImVec2(0.5f, 1));
+    ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(display.x - 2 * gap, display.y));
+    ImGui::Begin("##message", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing);
+    ImGui::PushTextWrapPos(std::fmin(560 * panel->scale, display.x - 4 * gap));
+    ImGui::TextColored(screen->message_is_bad ? RED : GREY, "%s", screen->message);
+    ImGui::PopTextWrapPos();
+    if (screen->message_is_bad && ImGui::SmallButton("put this away")) screen->message[0] = 0;
+    panel->message = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
+    ImGui::End();
+}
+
+/* ---- help and questions */
+
+static void draw_help(isosculpt_screen *screen, float scale) {
+#define KEY_ROW(key, meaning) {key, meaning},
+    static const char *const rows[][2] = {ISOSCULPT_KEYS(KEY_ROW)};
+#undef KEY_ROW
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+    ImGui::SetNextWindowSize(ImVec2(std::fmin(700 * scale, display.x - 16 * scale), 0), ImGuiCond_Always);
+    ImGui::Begin("Help", &screen->help,
+                 ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoInputs |
+                     ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+    if (ImGui::BeginTable("keys", 2)) {
+        ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed);
+        ImGui::TableSetupColumn("meaning", ImGuiTableColumnFlags_WidthStretch);
+        for (const auto &row : rows) {
+            ImGui::TableNextColumn();
+            ImGui::TextUnformatted(row[0]);
+            ImGui::TableNextColumn();
+            ImGui::TextWrapped("%s", row[1]);
+        }
+        ImGui::EndTable();
+    }
+    ImGui::End();
+}
+
+/* A question in the middle; while it is there the sculpture is out of reach. Answers come from here or from
+ * keys. */
+static bool begin_question(const char *title, bool asked) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    if (asked && !ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
+    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+    bool open = ImGui::BeginPopupModal(title, nullptr,
+                                       ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
+    if (open && !asked) ImGui::CloseCurrentPopup();
+    return open;
+}
+
+static void answer_button(isosculpt_screen *screen, const char *label, unsigned answers) {
+    if (ImGui::Button(label)) screen->answers |= answers;
+}
+
+static void ask_recover(isosculpt_screen *screen) {
+    if (!begin_question("Recover?", screen->question == ISOSCULPT_ASK_RECOVER)) return;
+    ImGui::Text("A session was not closed:\n%s\n\nIts strokes are all there.", screen->asked);
+    answer_button(screen, "Recover it (Enter)", ISOSCULPT_ANSWER_RECOVER);
+    ImGui::SameLine();
+    answer_button(screen, "Start new (the file stays)", ISOSCULPT_ANSWER_DISMISS);
+    ImGui::EndPopup();
+}
+
+static void say_unsaved(const isosculpt_screen *screen) {
+    const char *journal = screen->hand->desk->journal;
+    if (journal[0])
+        ImGui::Text("What you did is not saved. The stroke file has all of it:\n%s", journal);
+    else
+        ImGui::TextColored(RED, "What you did is in no file.");
+    ImGui::Text("\nSaving writes\n%s\n\n", screen->hand->desk->target);
+}
+
+static void ask_close(isosculpt_screen *screen) {
+    if (!begin_question("Close?", screen->question == ISOSCULPT_ASK_CLOSE)) return;
+    say_unsaved(screen);
+    answer_button(screen, "Save and close (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE);
+    ImGui::SameLine();
+    answer_button(screen, "Close", ISOSCULPT_ANSWER_LEAVE);
+    ImGui::SameLine();
+    answer_button(screen, "Stay (Escape)", ISOSCULPT_ANSWER_STAY);
+    ImGui::EndPopup();
+}
+
+static void ask_open(isosculpt_screen *screen) {
+    if (!begin_question("Open?", screen->question == ISOSCULPT_ASK_OPEN)) return;
+    ImGui::Text("%s\nis to be opened in place of what is here.\n\n", screen->asked);
+    say_unsaved(screen);
+    answer_button(screen, "Save and open (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE);
+    ImGui::SameLine();
+    answer_button(screen, "Open", ISOSCULPT_ANSWER_LEAVE);
+    ImGui::SameLine();
+    answer_button(screen, "Stay (Escape)", ISOSCULPT_ANSWER_STAY);
+    ImGui::EndPopup();
+}
+
+static void ask_mesh(isosculpt_screen *screen) {
+    if (!begin_question("A mesh", screen->question == ISOSCULPT_ASK_MESH)) return;
+    ImGui::Text("%s", screen->asked);
+    answer_button(screen, "Sculpt it (Enter)", ISOSCULPT_ANSWER_OPEN);
+    ImGui::SameLine();
+    answer_button(screen, "Add and carve with it (S)", ISOSCULPT_ANSWER_STAMP);
+    ImGui::SameLine();
+    answer_button(screen, "Neither (Escape)", ISOSCULPT_ANSWER_STAY);
+    ImGui::EndPopup();
+}
+
+static void ask_replace(isosculpt_screen *screen) {
+    if (!begin_question("Replace?", screen->question == ISOSCULPT_ASK_REPLACE)) return;
+    const bool picture = screen->chosen_for == ISOSCULPT_BROWSE_PICTURE;
+    ImGui::Text("%s\nis there already.%s\n\n", screen->asked,
+                picture ? "" : " It will be kept with .bak added to its name.");
+    answer_button(screen, "Replace it (Enter)", ISOSCULPT_ANSWER_REPLACE);
+    ImGui::SameLine();
+    answer_button(screen, "Keep it (Escape)", ISOSCULPT_ANSWER_STAY);
+    ImGui::EndPopup();
+}
+
+/* ---- the browser */
+
+/* The path to begin with: what was typed in, or where the sculpture is saved. */
+static void open_browser(isosculpt_screen *screen) {
+    char path[ISOSCULPT_PATH];
+    const isosculpt_purpose purpose = screen->browse;
+    const char *target = screen->hand->desk->target, *typed = screen->path;
+    screen->browse = ISOSCULPT_BROWSE_NOTHING;
+    if (purpose == ISOSCULPT_BROWSE_EXPORT)
+        isosculpt_target_free(target, ".stl", path);
+    else if (purpose == ISOSCULPT_BROWSE_PICTURE)
+        isosculpt_target_free(target, ".png", path);
+    else
+        snprintf(path, sizeof path, "%s", target);
+    isosculpt_browser_open(&screen->browser, purpose, path);
+    if (!typed[0] || purpose == ISOSCULPT_BROWSE_PICTURE) return;
+    snprintf(screen->browser.name, sizeof screen->browser.name, "%s", typed);
+    screen->path[0] = 0;
+}
+
+static void draw_browser(isosculpt_panel *panel, isosculpt_screen *screen) {
+    if (screen->browse && !screen->question && !screen->browser.purpose) open_browser(screen);
+    const isosculpt_purpose purpose = screen->browser.purpose;
+    const bool chosen = isosculpt_browser_draw(&screen->browser, panel->scale, screen->chosen);
+    screen->browser.typed = isosculpt_typed{}; /* (the box for a file's name has seen them, too) */
+    if (!chosen) return;
+    screen->chosen_for = purpose;
+    screen->answers |= ISOSCULPT_ANSWER_CHOSEN;
+}
+
+/* ---- a frame */
+
+static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
+    panel->modal = screen->question != ISOSCULPT_ASK_NOTHING || screen->browser.purpose;
+    panel->place = panel->busy = panel->message = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
+    screen->sliding = false;
+    if (screen->panel && !screen->blank) draw_panel(panel, screen);
+    if (screen->busy_count) draw_busy(panel, screen);
+    if (screen->help) draw_help(screen, panel->scale);
+    if (screen->message[0]) draw_message(panel, screen);
+    ask_recover(screen);
+    ask_close(screen);
+    ask_open(screen);
+    ask_mesh(screen);
+    ask_replace(screen);
+    draw_browser(panel, screen);
+    const isosculpt_hand *hand = screen->hand;
+    bool over = panel->over(hand->x / screen->pixels, hand->y / screen->pixels);
+    const bool brush = !screen->volume || screen->sculpting;
+    panel_picture(screen, panel->scale);
+    if (brush && !screen->blank && !panel->modal && (!over || hand->drag == ISOSCULPT_DRAG_BRUSH))
+        panel_brush(screen, panel->scale);
+}
+
+iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error) {
+    return iso::guard("Dear ImGui", error, [&] {
+        ImGui_ImplOpenGL3_NewFrame();
+        ImGui_ImplGlfw_NewFrame();
+        ImGui::NewFrame();
+        draw_all(panel, screen);
+        ImGui::Render();
+        ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+        return ISO_OK;
+    });
+}
+
+bool isosculpt_panel_has_pointer(const isosculpt_panel *panel, double x, double y) {
+    return panel->modal || panel->over(x, y) || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+}
+
+bool isosculpt_panel_has_keys(void) {
+    return ImGui::GetIO().WantTextInput;
+}
+
+/* ---- life */
+
+static void set_style(float scale) {
+    ImGuiIO &io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.Fonts->Clear();
+    ImGui::GetStyle() = ImGuiStyle();
+    ImFontConfig font;
+    font.SizePixels = std::floor(13 * scale);
+    io.Fonts->AddFontDefault(&font);
+    ImGui::StyleColorsDark();
+    ImGui::GetStyle().WindowRounding = 5;
+    ImGui::GetStyle().FrameRounding = 3;
+    ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 0.88f;
+    ImGui::GetStyle().Colors[ImGuiCol_ModalWindowDimBg] = ImVec4(0, 0, 0, 0.45f);
+    ImGui::GetStyle().ScaleAllSizes(scale);
+}
+
+iso_status isosculpt_panel_create(void *window, double scale, isosculpt_panel **out, iso_error *error) {
+    return iso::guard("Dear ImGui", error, [&] {
+        isosculpt_panel *panel = new isosculpt_panel{};
+        panel->scale = (float)scale;
+        IMGUI_CHECKVERSION();
+        ImGui::CreateContext();
+        set_style(panel->scale);
+        bool ready = ImGui_ImplGlfw_InitForOpenGL((GLFWwindow *)window, true);
+        if (ready && ImGui_ImplOpenGL3_Init("#version 150")) {
+            *out = panel;
+            return ISO_OK;
+        }
+        if (ready) ImGui_ImplGlfw_Shutdown();
+        ImGui::DestroyContext();
+        delete panel;
+        return iso_fail(error, ISO_ERR_BACKEND, "OpenGL cannot be used by Dear ImGui");
+    });
+}
+
+iso_status isosculpt_panel_rescale(isosculpt_panel *panel, double scale, iso_error *error) {
+    if ((float)scale == panel->scale) return ISO_OK;
+    return iso::guard("Dear ImGui", error, [&] {
+        panel->scale = (float)scale;
+        panel->place_anew = true;
+        set_style(panel->scale);
+        ImGui_ImplOpenGL3_DestroyFontsTexture();
+        if (ImGui_ImplOpenGL3_CreateFontsTexture()) return ISO_OK;
+        return iso_fail(error, ISO_ERR_BACKEND, "OpenGL has no room for letters of another size");
+    });
+}
+
+void isosculpt_panel_destroy(isosculpt_panel *panel) {
+    if (!panel) return;
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+    delete panel;
+}

@@ -1,0 +1,126 @@
+/* The panel's section of a volume that is looked at: its histogram and the isovalue. */
+#include <cmath>
+#include <cstdio>
+
+#include "apps/isosculpt/window/axis.h"
+#include "apps/isosculpt/window/panel_parts.hpp"
+
+/* By the logarithms of counts. Where values are few, a column reaches to the next value. */
+static void draw_columns(const iso_histogram &histogram, ImDrawList *list, ImVec2 at, ImVec2 size) {
+    uint64_t most = 1, filled = 0;
+    for (uint64_t count : histogram.bins) {
+        most = count > most ? count : most;
+        filled += count > 0;
+    }
+    const bool few = 2 * filled < ISO_HISTOGRAM_BINS;
+    const float column = size.x / ISO_HISTOGRAM_BINS;
+    uint64_t count = 0;
+    for (int i = 0; i < ISO_HISTOGRAM_BINS; i++) {
+        if (histogram.bins[i] || !few) count = histogram.bins[i];
+        const double part = std::log1p((double)count) / std::log1p((double)most);
+        list->AddRectFilled(ImVec2(at.x + column * (float)i, at.y + size.y * (float)(1 - part)),
+                            ImVec2(at.x + column * (float)(i + 1), at.y + size.y),
+                            IM_COL32(120, 150, 190, 255));
+    }
+}
+
+/* Where the histogram is, and which values it spans. */
+struct plot {
+    ImVec2 at, size;
+    double low, range;
+    float x(double value) const { return at.x + size.x * (float)(range > 0 ? (value - low) / range : 0); }
+    double value(float x) const {
+        return low + std::fmin(std::fmax((double)(x - at.x) / (double)size.x, 0), 1) * range;
+    }
+};
+
+static float text_width(const char *text) {
+    return ImGui::CalcTextSize(text).x;
+}
+
+/* One number under the axis, within it and clear of what was written left of `free`; false: no room. */
+static bool draw_label(const plot &p, ImDrawList *list, double value, float *free, float right) {
+    char text[32];
+    snprintf(text, sizeof text, "%.5g", value);
+    const float width = text_width(text),
+                x = std::fmin(std::fmax(p.x(value) - width / 2, p.at.x), p.at.x + p.size.x - width);
+    if (x < *free || x + width > right) return false;
+    list->AddText(ImVec2(x, p.at.y + p.size.y + 4), ImGui::GetColorU32(GREY), text);
+    *free = x + width + text_width("  ");
+    return true;
+}
+
+/* The values at both ends, and round ones between them where there is room. */
+static void draw_axis(const plot &p, ImDrawList *list, float scale) {
+    double ticks[ISOSCULPT_TICKS];
+    const double high = p.low + p.range;
+    const int count = isosculpt_axis_ticks(p.low, high, 6, ticks);
+    const float bottom = p.at.y + p.size.y;
+    char last[32];
+    snprintf(last, sizeof last, "%.5g", high);
+    float free = p.at.x;
+    draw_label(p, list, p.low, &free, p.at.x + p.size.x);
+    for (int i = 0; i < count; i++) {
+        const float x = p.x(ticks[i]);
+        list->AddLine(ImVec2(x, bottom), ImVec2(x, bottom + 4 * scale), ImGui::GetColorU32(GREY));
+        draw_label(p, list, ticks[i], &free, p.at.x + p.size.x - text_width(last) - text_width("  "));
+    }
+    if (p.range > 0) draw_label(p, list, high, &free, p.at.x + p.size.x);
+}
+
+/* A triangle and a line at each suggested isovalue; Otsu's is the brighter one. */
+static void draw_marks(const plot &p, const isosculpt_volume *volume, ImDrawList *list, float scale) {
+    for (size_t i = 0; i < volume->candidate_count; i++) {
+        const float x = p.x(volume->candidates[i]), side = 5 * scale;
+        const ImU32 color = i ? IM_COL32(110, 190, 120, 200) : IM_COL32(140, 235, 140, 255);
+        list->AddTriangleFilled(ImVec2(x - side, p.at.y), ImVec2(x + side, p.at.y),
+                                ImVec2(x, p.at.y + 1.6f * side), color);
+        list->AddLine(ImVec2(x, p.at.y), ImVec2(x, p.at.y + p.size.y), IM_COL32(140, 235, 140, 90), scale);
+    }
+}
+
+/* The histogram, and the isovalue as a line, which follows the pointer. */
+static void draw_histogram(isosculpt_screen *screen, float scale) {
+    const isosculpt_volume *volume = screen->volume;
+    const iso_histogram *histogram = &volume->histogram;
+    const plot p = {ImGui::GetCursorScreenPos(), ImVec2(ImGui::GetContentRegionAvail().x, 110 * scale),
+                    histogram->low, histogram->high - histogram->low};
+    ImDrawList *list = ImGui::GetWindowDrawList();
+    ImGui::InvisibleButton("histogram", p.size);
+    screen->sliding = ImGui::IsItemActive();
+    if (screen->sliding && p.range > 0) screen->isovalue = p.value(ImGui::GetIO().MousePos.x);
+    if (ImGui::IsItemHovered() && !screen->sliding)
+        ImGui::SetTooltip("isovalue %.6g; marked: Otsu's threshold and those of three classes",
+                          p.value(ImGui::GetIO().MousePos.x));
+    list->AddRectFilled(p.at, ImVec2(p.at.x + p.size.x, p.at.y + p.size.y), IM_COL32(20, 24, 30, 255));
+    draw_columns(*histogram, list, p.at, p.size);
+    draw_marks(p, volume, list, scale);
+    const float x = p.x(screen->isovalue);
+    list->AddLine(ImVec2(x, p.at.y), ImVec2(x, p.at.y + p.size.y), IM_COL32(255, 190, 90, 255), 2 * scale);
+    draw_axis(p, list, scale);
+    ImGui::Dummy(ImVec2(0, ImGui::GetTextLineHeight()));
+}
+
+/* The suggested isovalues as buttons: the same as isorender --info prints. */
+static void choose_suggested(isosculpt_screen *screen) {
+    const isosculpt_volume *volume = screen->volume;
+    if (volume->candidate_count) ImGui::TextColored(GREY, "suggested");
+    for (size_t i = 0; i < volume->candidate_count; i++) {
+        char label[48];
+        snprintf(label, sizeof label, i ? "%.6g##%zu" : "Otsu %.6g##%zu", volume->candidates[i], i);
+        ImGui::SameLine();
+        if (ImGui::SmallButton(label)) screen->isovalue = volume->candidates[i];
+    }
+}
+
+void panel_isovalue(isosculpt_screen *screen, float scale) {
+    const iso_histogram *histogram = &screen->volume->histogram;
+    draw_histogram(screen, scale);
+    ImGui::SliderScalar("isovalue", ImGuiDataType_Double, &screen->isovalue, &histogram->low,
+                        &histogram->high, "%.6g", ImGuiSliderFlags_AlwaysClamp);
+    screen->sliding |= ImGui::IsItemActive();
+    choose_suggested(screen);
+    if (ImGui::Button("Sculpt this")) screen->hand->wishes |= ISOSCULPT_WISH_SCULPT;
+    ImGui::SameLine();
+    ImGui::TextColored(GREY, "or pick a brush: 1 .. 9");
+}

@@ -1,0 +1,166 @@
+#include "grids/closing/mesh_buried.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+
+/* An inside voxel this near to a triangle has an outside neighbour, or the triangle is inside the solid. */
+static const float NEAR = 0.75f;
+/* Outside voxels that a distance is made from, this far away along an axis at most: the band, and one. */
+enum { REACH = 4, BATCH = 256 };
+
+typedef struct work {
+    iso_hgrid *grid;
+    const iso_closed_mesh *mesh;
+    uint8_t *found;  /* by cell: a surface inside the solid was seen here; then also in neighbours */
+    uint32_t *cells; /* those to be done */
+    size_t first;    /* of the batch */
+    float *values;   /* of the batch's bricks */
+} work;
+
+static void cell_at(const iso_hgrid *grid, size_t cell, int at[3]) {
+    at[0] = (int)(cell % (size_t)grid->cells[0]);
+    at[1] = (int)(cell / (size_t)grid->cells[0] % (size_t)grid->cells[1]);
+    at[2] = (int)(cell / (size_t)grid->cells[0] / (size_t)grid->cells[1]);
+}
+
+static int limit(int value, int count) {
+    return value < 0 ? 0 : value >= count ? count - 1 : value;
+}
+
+static float value_at(const iso_hgrid *grid, int x, int y, int z) {
+    return iso_hgrid_at(grid, limit(x, grid->dims[0]), limit(y, grid->dims[1]), limit(z, grid->dims[2]));
+}
+
+/* Whether any voxel of a box is outside. */
+static bool has_outside(const iso_hgrid *grid, const int lo[3], const int hi[3]) {
+    for (int z = lo[2]; z <= hi[2]; z++)
+        for (int y = lo[1]; y <= hi[1]; y++)
+            for (int x = lo[0]; x <= hi[0]; x++)
+                if (value_at(grid, x, y, z) >= 0) return true;
+    return false;
+}
+
+static void voxel_at(const int cell[3], int voxel, int at[3]) {
+    at[0] = cell[0] * ISO_BRICK + voxel % ISO_BRICK;
+    at[1] = cell[1] * ISO_BRICK + voxel / ISO_BRICK % ISO_BRICK;
+    at[2] = cell[2] * ISO_BRICK + voxel / (ISO_BRICK * ISO_BRICK);
+}
+
+static void look_in_cell(void *context, size_t cell, int worker) {
+    const work *w = context;
+    const int32_t number = w->grid->cell[cell];
+    int at[3], p[3];
+    (void)worker;
+    if (number < 0) return;
+    const float *brick = iso_hgrid_brick(w->grid, number);
+    cell_at(w->grid, cell, at);
+    for (int i = 0; i < ISO_BRICK_VOXELS && !w->found[cell]; i++) {
+        if (brick[i] >= 0 || brick[i] < -NEAR) continue;
+        voxel_at(at, i, p);
+        const int lo[3] = {p[0] - 1, p[1] - 1, p[2] - 1}, hi[3] = {p[0] + 1, p[1] + 1, p[2] + 1};
+        w->found[cell] = !has_outside(w->grid, lo, hi);
+    }
+}
+
+/* Cells with bricks around those where something was found. */
+static size_t collect(const work *w, size_t count) {
+    size_t collected = 0;
+    for (size_t cell = 0; cell < count; cell++) {
+        int at[3];
+        bool wanted = false;
+        if (w->grid->cell[cell] < 0) continue;
+        cell_at(w->grid, cell, at);
+        for (int i = 0; i < 27 && !wanted; i++) {
+            const int x = limit(at[0] + i % 3 - 1, w->grid->cells[0]),
+                      y = limit(at[1] + i / 3 % 3 - 1, w->grid->cells[1]),
+                      z = limit(at[2] + i / 9 - 1, w->grid->cells[2]);
+            wanted = w->found[iso_hgrid_cell_index(w->grid, x, y, z)] != 0;
+        }
+        if (wanted) w->cells[collected++] = (uint32_t)cell;
+    }
+    return collected;
+}
+
+/* Whether the triangle that is nearest to a voxel is inside the solid: no voxel around the nearest point is
+ * outside. */
+static bool is_buried(const work *w, const int p[3], float distance) {
+    const iso_transform *t = &w->grid->transform;
+    const double voxel = t->spacing[0], most = (fabs((double)distance) + 0.1) * voxel;
+    const iso_vec3 at = {t->origin[0] + voxel * p[0], t->origin[1] + voxel * p[1],
+                         t->origin[2] + voxel * p[2]};
+    iso_nearest nearest = {.squared = most * most, .point = at};
+    iso_closed_mesh_nearest(w->mesh, at, &nearest);
+    const double point[3] = {nearest.point.x, nearest.point.y, nearest.point.z};
+    int lo[3], hi[3];
+    for (int axis = 0; axis < 3; axis++) {
+        lo[axis] = (int)floor((point[axis] - t->origin[axis]) / voxel);
+        hi[axis] = lo[axis] + 1;
+    }
+    return !has_outside(w->grid, lo, hi);
+}
+
+/* The way to an outside voxel less that voxel's distance is never less than the distance from p to the
+ * surface, and is that distance when the voxel lies on the line through p's foot point. */
+static float distance_to_outside(const work *w, const int p[3]) {
+    double least = (double)w->grid->band;
+    for (int z = -REACH; z <= REACH; z++)
+        for (int y = -REACH; y <= REACH; y++)
+            for (int x = -REACH; x <= REACH; x++) {
+                const float d = value_at(w->grid, p[0] + x, p[1] + y, p[2] + z);
+                if (d < 0 || d >= w->grid->band) continue;
+                const double way = sqrt((double)(x * x + y * y + z * z)) - (double)d;
+                least = way < least ? way : least;
+            }
+    return (float)(least > 0 ? least : 0);
+}
+
+static void repair(void *context, size_t index, int worker) {
+    const work *w = context;
+    const size_t cell = w->cells[w->first + index];
+    float *to = w->values + index * ISO_BRICK_VOXELS;
+    int at[3], p[3];
+    (void)worker;
+    const float *brick = iso_hgrid_brick(w->grid, w->grid->cell[cell]);
+    memcpy(to, brick, ISO_BRICK_VOXELS * sizeof *to);
+    cell_at(w->grid, cell, at);
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        if (brick[i] >= 0 || brick[i] <= -w->grid->band) continue;
+        voxel_at(at, i, p);
+        if (!is_buried(w, p, brick[i])) continue;
+        const float distance = distance_to_outside(w, p);
+        if (distance > -brick[i]) to[i] = -distance;
+    }
+}
+
+/* Only inside voxels change, and only outside ones and signs are read: the batches do not see each other. */
+static void repair_all(work *w, size_t count, iso_pool *pool) {
+    for (w->first = 0; w->first < count; w->first += BATCH) {
+        const size_t batch = count - w->first < BATCH ? count - w->first : BATCH;
+        iso_parallel_for(pool, batch, repair, w);
+        for (size_t i = 0; i < batch; i++)
+            memcpy(iso_hgrid_brick(w->grid, w->grid->cell[w->cells[w->first + i]]),
+                   w->values + i * ISO_BRICK_VOXELS, ISO_BRICK_VOXELS * sizeof(float));
+    }
+}
+
+iso_status iso_mesh_remove_buried(iso_hgrid *grid, const iso_closed_mesh *mesh, iso_pool *pool,
+                                  iso_error *error) {
+    const size_t count = (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
+    work w = {.grid = grid,
+              .mesh = mesh,
+              .found = iso_alloc_zero(count, sizeof *w.found),
+              .cells = iso_alloc(count * sizeof *w.cells),
+              .values = iso_alloc((size_t)BATCH * ISO_BRICK_VOXELS * sizeof *w.values)};
+    const bool whole = w.found && w.cells && w.values;
+    if (whole) {
+        iso_parallel_for(pool, count, look_in_cell, &w);
+        repair_all(&w, collect(&w, count), pool);
+    }
+    iso_free(w.found);
+    iso_free(w.cells);
+    iso_free(w.values);
+    return whole ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+}

@@ -1,0 +1,353 @@
+#include "grids/closing/triangle_tree.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+
+/* Triangles of a leaf, at most; room for the nodes that wait while a tree is searched. */
+enum { LEAF = 4, DEEPEST = 30, MORTON_BITS = 10 };
+/* A cluster is seen as a dipole from this many times its radius on; the error of a closed surface's winding
+ * number is then below 0.1 (tests/unit/grids/test_closed_mesh.c). */
+static const double FAR = 2;
+
+typedef struct corners {
+    float p[3][3];
+} corners;
+
+typedef struct node {
+    float lo[3], hi[3];
+    double centre[3], dipole[3]; /* area-weighted centre; sum of the triangles' area vectors */
+    double radius;               /* around the centre */
+} node;
+
+/* A complete binary tree: the children of node i are 2 i + 1 and 2 i + 2, and the triangles, in the order of
+ * a Morton curve, are divided evenly among the leaves. */
+struct iso_triangle_tree {
+    corners *triangles;
+    node *nodes;
+    size_t count, leaves; /* leaves: 2^depth */
+    int depth;
+};
+
+/* ---- building */
+
+typedef struct place {
+    uint32_t key, triangle;
+} place;
+
+static uint32_t spread(uint32_t x) {
+    x = (x | x << 16) & 0x030000ffu;
+    x = (x | x << 8) & 0x0300f00fu;
+    x = (x | x << 4) & 0x030c30c3u;
+    return (x | x << 2) & 0x09249249u;
+}
+
+static iso_box bounds_of(const iso_triangles *mesh) {
+    iso_box box = iso_box_empty();
+    for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
+        const float *v = mesh->vertices[mesh->triangles[i / 3][i % 3]];
+        iso_box_add(&box, iso_vec3_make(v[0], v[1], v[2]));
+    }
+    return box;
+}
+
+static void find_places(const iso_triangles *mesh, place *places) {
+    const iso_box box = bounds_of(mesh);
+    const double lo[3] = {box.lo.x, box.lo.y, box.lo.z}, hi[3] = {box.hi.x, box.hi.y, box.hi.z};
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        uint32_t key = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double sum = 0;
+            for (int k = 0; k < 3; k++) sum += (double)mesh->vertices[mesh->triangles[t][k]][axis];
+            const double extent = hi[axis] - lo[axis], steps = (1 << MORTON_BITS) - 1;
+            const double at = extent > 0 ? (sum / 3 - lo[axis]) / extent * steps : 0;
+            key |= spread((uint32_t)fmin(fmax(at, 0), steps)) << axis;
+        }
+        places[t] = (place){key, (uint32_t)t};
+    }
+}
+
+/* By key, in a stable order: three passes of a radix sort. */
+static void sort_places(place *places, place *scratch, size_t count) {
+    enum { BITS = 10, BUCKETS = 1 << BITS };
+    for (int pass = 0; pass < 3; pass++) {
+        size_t first[BUCKETS + 1] = {0};
+        for (size_t i = 0; i < count; i++) first[(places[i].key >> (BITS * pass) & (BUCKETS - 1)) + 1]++;
+        for (int b = 0; b < BUCKETS; b++) first[b + 1] += first[b];
+        for (size_t i = 0; i < count; i++)
+            scratch[first[places[i].key >> (BITS * pass) & (BUCKETS - 1)]++] = places[i];
+        memcpy(places, scratch, count * sizeof *places);
+    }
+}
+
+static size_t leaf_first(const iso_triangle_tree *tree, size_t leaf) {
+    return tree->count * leaf >> tree->depth; /* (below 2^62) */
+}
+
+static iso_vec3 corner(const corners *t, int k) {
+    return iso_vec3_make(t->p[k][0], t->p[k][1], t->p[k][2]);
+}
+
+static iso_vec3 area_vector(const corners *t) {
+    const iso_vec3 a = corner(t, 0);
+    return iso_vec3_scale(iso_vec3_cross(iso_vec3_sub(corner(t, 1), a), iso_vec3_sub(corner(t, 2), a)), 0.5);
+}
+
+/* Sums that a node's numbers are made of. */
+typedef struct sums {
+    iso_vec3 moment, dipole;
+    double area;
+} sums;
+
+static void set_node(node *n, const sums *s) {
+    const double *lo = (const double[3]){(double)n->lo[0], (double)n->lo[1], (double)n->lo[2]};
+    const double *hi = (const double[3]){(double)n->hi[0], (double)n->hi[1], (double)n->hi[2]};
+    const double moment[3] = {s->moment.x, s->moment.y, s->moment.z};
+    double squared = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        const double middle = s->area > 0 ? moment[axis] / s->area : 0.5 * (lo[axis] + hi[axis]);
+        n->centre[axis] = fmin(fmax(middle, lo[axis]), hi[axis]);
+        const double reach = fmax(n->centre[axis] - lo[axis], hi[axis] - n->centre[axis]);
+        squared += reach * reach;
+    }
+    n->dipole[0] = s->dipole.x;
+    n->dipole[1] = s->dipole.y;
+    n->dipole[2] = s->dipole.z;
+    n->radius = sqrt(squared);
+}
+
+static void clear_box(node *n) {
+    for (int axis = 0; axis < 3; axis++) {
+        n->lo[axis] = INFINITY;
+        n->hi[axis] = -INFINITY;
+    }
+}
+
+static void build_leaf(const iso_triangle_tree *tree, size_t leaf, node *n, sums *s) {
+    *s = (sums){0};
+    clear_box(n);
+    for (size_t i = leaf_first(tree, leaf); i < leaf_first(tree, leaf + 1); i++) {
+        const corners *t = &tree->triangles[i];
+        const iso_vec3 vector = area_vector(t);
+        const double area = iso_vec3_length(vector);
+        iso_vec3 middle = {0, 0, 0};
+        for (int k = 0; k < 3; k++) {
+            middle = iso_vec3_add(middle, iso_vec3_scale(corner(t, k), 1.0 / 3));
+            for (int axis = 0; axis < 3; axis++) {
+                n->lo[axis] = fminf(n->lo[axis], t->p[k][axis]);
+                n->hi[axis] = fmaxf(n->hi[axis], t->p[k][axis]);
+            }
+        }
+        s->moment = iso_vec3_add(s->moment, iso_vec3_scale(middle, area));
+        s->dipole = iso_vec3_add(s->dipole, vector);
+        s->area += area;
+    }
+    set_node(n, s);
+}
+
+static void build(const iso_triangle_tree *tree, sums *s) {
+    for (size_t leaf = 0; leaf < tree->leaves; leaf++) {
+        const size_t i = tree->leaves - 1 + leaf;
+        build_leaf(tree, leaf, &tree->nodes[i], &s[i]);
+    }
+    for (size_t i = tree->leaves - 1; i-- > 0;) {
+        const node *a = &tree->nodes[2 * i + 1], *b = &tree->nodes[2 * i + 2];
+        const sums *x = &s[2 * i + 1], *y = &s[2 * i + 2];
+        for (int axis = 0; axis < 3; axis++) {
+            tree->nodes[i].lo[axis] = fminf(a->lo[axis], b->lo[axis]);
+            tree->nodes[i].hi[axis] = fmaxf(a->hi[axis], b->hi[axis]);
+        }
+        s[i] =
+            (sums){iso_vec3_add(x->moment, y->moment), iso_vec3_add(x->dipole, y->dipole), x->area + y->area};
+        set_node(&tree->nodes[i], &s[i]);
+    }
+}
+
+/* NULL: out of memory. */
+static iso_triangle_tree *make(const iso_triangles *mesh) {
+    iso_triangle_tree *tree = iso_alloc_zero(1, sizeof *tree);
+    if (!tree) return NULL;
+    tree->count = mesh->triangle_count;
+    while ((size_t)LEAF << tree->depth < tree->count) tree->depth++;
+    tree->leaves = (size_t)1 << tree->depth;
+    place *places = iso_alloc(2 * tree->count * sizeof *places);
+    sums *s = iso_alloc(2 * tree->leaves * sizeof *s);
+    tree->triangles = iso_alloc(tree->count * sizeof *tree->triangles);
+    tree->nodes = iso_alloc(2 * tree->leaves * sizeof *tree->nodes);
+    const bool whole = places && s && tree->triangles && tree->nodes;
+    if (whole) {
+        find_places(mesh, places);
+        sort_places(places, places + tree->count, tree->count);
+        for (size_t i = 0; i < tree->count; i++)
+            for (int k = 0; k < 3; k++)
+                memcpy(tree->triangles[i].p[k], mesh->vertices[mesh->triangles[places[i].triangle][k]],
+                       sizeof tree->triangles[i].p[k]);
+        build(tree, s);
+    }
+    iso_free(places);
+    iso_free(s);
+    if (whole) return tree;
+    iso_triangle_tree_destroy(tree);
+    return NULL;
+}
+
+iso_status iso_triangle_tree_create(const iso_triangles *mesh, iso_triangle_tree **tree, iso_error *error) {
+    iso_triangle_tree *made = make(mesh);
+    if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu triangles", mesh->triangle_count);
+    *tree = made;
+    return ISO_OK;
+}
+
+void iso_triangle_tree_destroy(iso_triangle_tree *tree) {
+    if (!tree) return;
+    iso_free(tree->triangles);
+    iso_free(tree->nodes);
+    iso_free(tree);
+}
+
+/* ---- winding numbers */
+
+/* For 0 <= x <= 1, error below 1e-11. */
+static double arc_tangent(double x) {
+    static const double EIGHTH = 0.41421356237309503; /* tan(pi / 8) */
+    const bool large = x > EIGHTH;
+    if (large) x = (x - 1) / (x + 1);
+    const double square = x * x;
+    double sum = 0;
+    for (int n = 25; n >= 1; n -= 2) sum = ((n & 2) ? -1.0 : 1.0) / n + square * sum;
+    return (large ? ISO_PI / 4 : 0) + x * sum;
+}
+
+/* Not libm's, whose bits depend on the machine. 0 at (0, 0) and for y = 0. */
+static double angle_of(double y, double x) {
+    const double ay = fabs(y), ax = fabs(x);
+    if (ay == 0) return 0;
+    const double first = ay <= ax ? arc_tangent(ay / ax) : ISO_PI / 2 - arc_tangent(ax / ay);
+    const double angle = x < 0 ? ISO_PI - first : first;
+    return y < 0 ? -angle : angle;
+}
+
+/* Of a triangle seen from p, over 4 pi. */
+static double triangle_winding(const corners *t, iso_vec3 p) {
+    const iso_vec3 a = iso_vec3_sub(corner(t, 0), p), b = iso_vec3_sub(corner(t, 1), p),
+                   c = iso_vec3_sub(corner(t, 2), p);
+    const double la = iso_vec3_length(a), lb = iso_vec3_length(b), lc = iso_vec3_length(c);
+    const double determinant = iso_vec3_dot(a, iso_vec3_cross(b, c));
+    const double rest =
+        la * lb * lc + iso_vec3_dot(a, b) * lc + iso_vec3_dot(b, c) * la + iso_vec3_dot(c, a) * lb;
+    return angle_of(determinant, rest) / (2 * ISO_PI);
+}
+
+static double dipole_winding(const node *n, iso_vec3 p, bool *far) {
+    const iso_vec3 way = iso_vec3_sub(iso_vec3_make(n->centre[0], n->centre[1], n->centre[2]), p);
+    const double squared = iso_vec3_dot(way, way);
+    *far = squared > FAR * FAR * n->radius * n->radius;
+    if (!*far) return 0;
+    const iso_vec3 dipole = {n->dipole[0], n->dipole[1], n->dipole[2]};
+    return iso_vec3_dot(way, dipole) / (4 * ISO_PI * squared * sqrt(squared));
+}
+
+static double leaf_winding(const iso_triangle_tree *tree, size_t leaf, iso_vec3 p) {
+    double sum = 0;
+    for (size_t i = leaf_first(tree, leaf); i < leaf_first(tree, leaf + 1); i++)
+        sum += triangle_winding(&tree->triangles[i], p);
+    return sum;
+}
+
+double iso_triangle_tree_winding(const iso_triangle_tree *tree, iso_vec3 p) {
+    size_t stack[2 * DEEPEST];
+    int depth = 0;
+    double sum = 0;
+    if (!tree) return 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+        const size_t i = stack[--depth];
+        bool far;
+        sum += dipole_winding(&tree->nodes[i], p, &far);
+        if (far) continue;
+        if (i >= tree->leaves - 1) {
+            sum += leaf_winding(tree, i - (tree->leaves - 1), p);
+            continue;
+        }
+        stack[depth++] = 2 * i + 2;
+        stack[depth++] = 2 * i + 1;
+    }
+    return sum;
+}
+
+/* ---- nearest points */
+
+/* The nearest point of a triangle, by the region of its plane that p is above (Ericson 2005, "Real-time
+ * collision detection", 5.1.5). */
+static iso_vec3 nearest_on_triangle(const corners *t, iso_vec3 p) {
+    const iso_vec3 a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
+    const iso_vec3 ab = iso_vec3_sub(b, a), ac = iso_vec3_sub(c, a), ap = iso_vec3_sub(p, a);
+    const double d1 = iso_vec3_dot(ab, ap), d2 = iso_vec3_dot(ac, ap);
+    if (d1 <= 0 && d2 <= 0) return a;
+    const iso_vec3 bp = iso_vec3_sub(p, b);
+    const double d3 = iso_vec3_dot(ab, bp), d4 = iso_vec3_dot(ac, bp);
+    if (d3 >= 0 && d4 <= d3) return b;
+    const double vc = d1 * d4 - d3 * d2;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return iso_vec3_add(a, iso_vec3_scale(ab, d1 / (d1 - d3)));
+    const iso_vec3 cp = iso_vec3_sub(p, c);
+    const double d5 = iso_vec3_dot(ab, cp), d6 = iso_vec3_dot(ac, cp);
+    if (d6 >= 0 && d5 <= d6) return c;
+    const double vb = d5 * d2 - d1 * d6;
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return iso_vec3_add(a, iso_vec3_scale(ac, d2 / (d2 - d6)));
+    const double va = d3 * d6 - d5 * d4, along = d4 - d3, back = d5 - d6;
+    if (va <= 0 && along >= 0 && back >= 0)
+        return iso_vec3_add(b, iso_vec3_scale(iso_vec3_sub(c, b), along / (along + back)));
+    const double sum = va + vb + vc;
+    if (!(sum > 0)) return a; /* a triangle without an area: its edges belong to others as well */
+    return iso_vec3_add(a, iso_vec3_add(iso_vec3_scale(ab, vb / sum), iso_vec3_scale(ac, vc / sum)));
+}
+
+static void look_at(const iso_triangle_tree *tree, size_t triangle, iso_vec3 p, iso_nearest *nearest) {
+    const iso_vec3 point = nearest_on_triangle(&tree->triangles[triangle], p), way = iso_vec3_sub(p, point);
+    const double squared = iso_vec3_dot(way, way);
+    if (squared < nearest->squared) *nearest = (iso_nearest){squared, point, triangle};
+}
+
+static double box_distance(const node *n, const double p[3]) {
+    double squared = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        const double below = (double)n->lo[axis] - p[axis], above = p[axis] - (double)n->hi[axis];
+        const double out = below > above ? below : above;
+        squared += out > 0 ? out * out : 0;
+    }
+    return squared;
+}
+
+void iso_triangle_tree_nearest(const iso_triangle_tree *tree, iso_vec3 p, iso_nearest *nearest) {
+    const double at[3] = {p.x, p.y, p.z};
+    struct {
+        size_t node;
+        double squared;
+    } stack[2 * DEEPEST];
+    int depth = 0;
+    if (nearest->triangle < tree->count) look_at(tree, nearest->triangle, p, nearest);
+    stack[depth].node = 0;
+    stack[depth++].squared = box_distance(&tree->nodes[0], at);
+    while (depth > 0) {
+        const size_t i = stack[--depth].node;
+        if (stack[depth].squared >= nearest->squared) continue;
+        if (i >= tree->leaves - 1) {
+            const size_t leaf = i - (tree->leaves - 1);
+            for (size_t k = leaf_first(tree, leaf); k < leaf_first(tree, leaf + 1); k++)
+                look_at(tree, k, p, nearest);
+            continue;
+        }
+        const size_t child = 2 * i + 1;
+        const double d[2] = {box_distance(&tree->nodes[child], at),
+                             box_distance(&tree->nodes[child + 1], at)};
+        const int nearer = d[1] < d[0];
+        for (int k = 0; k < 2; k++) { /* the nearer one comes off the stack first */
+            const int which = k ? nearer : 1 - nearer;
+            stack[depth].node = child + (size_t)which;
+            stack[depth++].squared = d[which];
+        }
+    }
+}

@@ -1,0 +1,18 @@
+/* components_sparse: removes parts of the solid from a level set. Internal to the library. */
+#ifndef ISO_GRIDS_COMPONENTS_SPARSE_H
+#define ISO_GRIDS_COMPONENTS_SPARSE_H
+
+#include "grids/parts/component_runs.h"
+
+/* What a removal works with. All borrowed. */
+typedef struct iso_sparse_removal {
+    float at;                       /* inside is below */
+    const iso_component_runs *runs; /* of the grid */
+    const bool *kept;               /* by component */
+    iso_pool *pool;
+} iso_sparse_removal;
+
+/* As iso_components_filter says of level sets. ISO_ERR_NOMEM: parts may have been removed in part. */
+iso_status iso_components_remove_sparse(iso_hgrid *grid, const iso_sparse_removal *removal, iso_error *error);
+
+#endif

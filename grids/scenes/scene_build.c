@@ -1,0 +1,165 @@
+/* scene_build: a shape's bricks into a grid, in parallel, with the same result for any number of threads. */
+#include <string.h>
+
+#include "base/memory.h"
+#include "grids/scenes/scene_parts.h"
+
+/* Bricks are computed this many at a time and then put into the grid in the order of their cells, so that
+ * their numbers do not depend on threads and no memory goes to those that turn out to be empty. */
+enum { BATCH = 256 };
+/* Not yet decided; no brick number and no state. */
+#define NEAR INT32_MIN
+
+typedef struct build {
+    const iso_scene_shape *shape;
+    int cells; /* a side */
+    int32_t *state;
+    const uint32_t *near;
+    float *bricks; /* BATCH of them, or one for each worker when dense */
+    char *scratch; /* one for each worker */
+    size_t stride; /* bytes of one scratch */
+    float *voxels; /* dense */
+} build;
+
+static void cell_of(const build *job, size_t index, int cell[3]) {
+    size_t side = (size_t)job->cells;
+    cell[0] = (int)(index % side);
+    cell[1] = (int)(index / side % side);
+    cell[2] = (int)(index / side / side);
+}
+
+static void classify_row(void *context, size_t row, int worker) {
+    (void)worker;
+    build *job = context;
+    for (size_t i = row * (size_t)job->cells; i < (row + 1) * (size_t)job->cells; i++) {
+        int cell[3];
+        cell_of(job, i, cell);
+        int32_t state = job->shape->classify(job->shape->self, cell);
+        job->state[i] = state ? state : NEAR;
+    }
+}
+
+static void fill_brick(void *context, size_t index, int worker) {
+    build *job = context;
+    int cell[3];
+    cell_of(job, job->near[index], cell);
+    job->shape->fill(job->shape->self, cell, job->scratch + (size_t)worker * job->stride,
+                     job->bricks + index * ISO_BRICK_VOXELS);
+}
+
+static int is_constant(const float *brick) {
+    for (int i = 1; i < ISO_BRICK_VOXELS; i++)
+        if (brick[i] != brick[0]) return 0;
+    return 1;
+}
+
+static iso_status store(iso_hgrid *grid, const int cell[3], const float *brick, iso_error *error) {
+    if ((brick[0] == grid->band || brick[0] == -grid->band) && is_constant(brick)) {
+        int32_t state = brick[0] > 0 ? ISO_CELL_OUTSIDE : ISO_CELL_INSIDE;
+        iso_hgrid_coalesce(grid, cell[0], cell[1], cell[2], state);
+        return ISO_OK;
+    }
+    float *target;
+    ISO_TRY(iso_hgrid_split(grid, cell[0], cell[1], cell[2], &target, error));
+    memcpy(target, brick, ISO_BRICK_VOXELS * sizeof *brick);
+    return ISO_OK;
+}
+
+static iso_status fill_near(build *job, iso_hgrid *grid, size_t count, iso_pool *pool, iso_error *error) {
+    const uint32_t *all = job->near;
+    for (size_t first = 0; first < count; first += BATCH) {
+        size_t now = count - first < BATCH ? count - first : BATCH;
+        job->near = all + first;
+        iso_parallel_for(pool, now, fill_brick, job);
+        for (size_t i = 0; i < now; i++) {
+            int cell[3];
+            cell_of(job, job->near[i], cell);
+            ISO_TRY(store(grid, cell, job->bricks + i * ISO_BRICK_VOXELS, error));
+        }
+    }
+    return ISO_OK;
+}
+
+/* Classifies all cells of `grid`, lists those near the surface, and fills them. */
+static iso_status build_sparse(build *job, iso_hgrid *grid, iso_pool *pool, iso_error *error) {
+    size_t rows = (size_t)job->cells * (size_t)job->cells, total = rows * (size_t)job->cells, count = 0;
+    job->state = grid->cell;
+    iso_parallel_for(pool, rows, classify_row, job);
+    uint32_t *near = iso_alloc(total * sizeof *near);
+    for (size_t i = 0; i < total; i++) {
+        if (grid->cell[i] != NEAR) continue;
+        grid->cell[i] = ISO_CELL_OUTSIDE;
+        if (near) near[count++] = (uint32_t)i;
+    }
+    job->near = near;
+    iso_status status = near && job->bricks && job->scratch
+                            ? fill_near(job, grid, count, pool, error)
+                            : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the bricks of a scene");
+    iso_free(near);
+    return status;
+}
+
+static void fill_dense(void *context, size_t index, int worker) {
+    build *job = context;
+    int cell[3];
+    cell_of(job, index, cell);
+    float *brick = job->bricks + (size_t)worker * ISO_BRICK_VOXELS;
+    int32_t state = job->shape->classify(job->shape->self, cell);
+    if (state) {
+        float value = (float)(state == ISO_CELL_INSIDE ? -ISO_SCENE_BAND : ISO_SCENE_BAND);
+        for (int i = 0; i < ISO_BRICK_VOXELS; i++) brick[i] = value;
+    } else {
+        job->shape->fill(job->shape->self, cell, job->scratch + (size_t)worker * job->stride, brick);
+    }
+    int size = job->shape->size, first[3], n[3];
+    for (int axis = 0; axis < 3; axis++) {
+        first[axis] = cell[axis] * ISO_BRICK;
+        n[axis] = size - first[axis] < ISO_BRICK ? size - first[axis] : ISO_BRICK;
+    }
+    for (int z = 0; z < n[2]; z++)
+        for (int y = 0; y < n[1]; y++) {
+            size_t row = (size_t)(first[2] + z) * (size_t)size + (size_t)(first[1] + y);
+            memcpy(job->voxels + row * (size_t)size + first[0], brick + (z * ISO_BRICK + y) * ISO_BRICK,
+                   (size_t)n[0] * sizeof *brick);
+        }
+}
+
+static iso_status make_grid(build *job, const iso_scene_opts *opts, iso_grid *grid, iso_error *error) {
+    const int dims[3] = {job->shape->size, job->shape->size, job->shape->size};
+    if (!opts->dense) {
+        ISO_TRY(iso_hgrid_create(dims, (float)ISO_SCENE_BAND, NULL, &grid->hgrid, error));
+        return build_sparse(job, grid->hgrid, opts->pool, error);
+    }
+    if (!job->bricks || !job->scratch)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the bricks of a scene");
+    iso_rgrid_desc desc = {.dims = {dims[0], dims[1], dims[2]}, .type = ISO_FLOAT32, .level_set = 1};
+    ISO_TRY(iso_rgrid_create(&desc, &grid->rgrid, error));
+    job->voxels = grid->rgrid->data;
+    size_t cells = (size_t)job->cells;
+    iso_parallel_for(opts->pool, cells * cells * cells, fill_dense, job);
+    return ISO_OK;
+}
+
+iso_status iso_scene_build(const iso_scene_shape *shape, const iso_scene_opts *opts, iso_grid *out,
+                           iso_error *error) {
+    size_t workers = (size_t)iso_pool_threads(opts->pool);
+    size_t bricks = opts->dense ? workers : BATCH;
+    build job = {.shape = shape, .cells = (shape->size - 1) / ISO_BRICK + 1};
+    job.stride = (shape->scratch_bytes / ISO_ALIGNMENT + 1) * ISO_ALIGNMENT;
+    job.bricks = iso_alloc(bricks * ISO_BRICK_VOXELS * sizeof *job.bricks);
+    job.scratch = iso_alloc(workers * job.stride);
+    iso_grid grid = {0};
+    iso_status status = make_grid(&job, opts, &grid, error);
+    iso_free(job.bricks);
+    iso_free(job.scratch);
+    if (status != ISO_OK)
+        iso_grid_destroy(&grid);
+    else
+        *out = grid;
+    return status;
+}
+
+void iso_scene_sines(const iso_scene_axis *axis, double *out) {
+    for (int i = 0; i < axis->count; i++)
+        iso_sincos(axis->rate * (axis->first + i + 0.5) + axis->phase, &out[2 * i], &out[2 * i + 1]);
+}

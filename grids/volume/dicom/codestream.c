@@ -1,0 +1,62 @@
+/* dicom_codestream: whether a compressed frame is of the size that the DICOM header says (ISO/IEC 10918-1,
+ * 14495-1, 15444-1).
+ *
+ * GDCM believes the header when it takes memory and the codestream when it fills it, and asserts or writes
+ * past the end when they differ: both are compared before it sees them. */
+#include "grids/volume/dicom/dicom.h"
+
+static uint32_t big16(const uint8_t *b) {
+    return (uint32_t)b[0] << 8 | b[1];
+}
+
+static uint32_t big32(const uint8_t *b) {
+    return big16(b) << 16 | big16(b + 2);
+}
+
+static bool fits(const iso_dicom_file *file, uint32_t columns, uint32_t rows, uint32_t bits) {
+    return columns == (uint32_t)file->columns && rows == (uint32_t)file->rows && bits >= 1 &&
+           (bits + 7) / 8 == (uint32_t)file->bits_allocated / 8;
+}
+
+/* SIZ comes first: one tile or more from the origin, one component that is not subsampled. */
+static bool jpeg2000_fits(const iso_dicom_file *file, const uint8_t *b, size_t length) {
+    if (length < 45 || big16(b + 2) != 0xff51 || big16(b + 4) != 41 || big16(b + 40) != 1) return false;
+    bool at_origin = !big32(b + 16) && !big32(b + 20) && !big32(b + 32) && !big32(b + 36);
+    bool tiled = big32(b + 24) > 0 && big32(b + 28) > 0;
+    bool sampled = b[43] == 1 && b[44] == 1;
+    return at_origin && tiled && sampled && fits(file, big32(b + 8), big32(b + 12), (b[42] & 0x7fU) + 1);
+}
+
+/* Frame headers of JPEG are 0xC0 .. 0xCF without three that are other tables; that of JPEG-LS is 0xF7. */
+static bool is_frame_header(uint8_t marker) {
+    if (marker == 0xf7) return true;
+    return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+}
+
+/* Walks the segments up to the first scan; one frame header must be among them. */
+static bool jpeg_fits(const iso_dicom_file *file, const uint8_t *b, size_t length) {
+    bool found = false;
+    for (size_t at = 2; at + 10 <= length && b[at] == 0xff;) {
+        if (b[at + 1] == 0xff) { /* fill */
+            at++;
+            continue;
+        }
+        const uint8_t *segment = b + at + 2;
+        if (b[at + 1] == 0xda) return found;
+        if (is_frame_header(b[at + 1])) {
+            if (found || segment[7] != 1 || !fits(file, big16(segment + 5), big16(segment + 3), segment[2]))
+                return false;
+            found = true;
+        }
+        at += 2 + (size_t)big16(segment);
+    }
+    return false;
+}
+
+bool iso_dicom_codestream_fits(const iso_dicom_file *file, const uint8_t *bytes, size_t length) {
+    if (length >= 4 && big16(bytes) == 0xff4f) return jpeg2000_fits(file, bytes, length);
+    if (length >= 4 && big16(bytes) == 0xffd8) return jpeg_fits(file, bytes, length);
+    /* RLE (PS3.5, annex G) begins with the number of its segments, one for each byte of a pixel. */
+    return length >= 64 && bytes[0] == file->bits_allocated / 8 * file->samples && !bytes[1] && !bytes[2] &&
+           !bytes[3];
+}

@@ -1,0 +1,79 @@
+/* dicom_decode: compressed pixels of one DICOM frame, through GDCM's codecs (JPEG, JPEG-LS, JPEG 2000, RLE).
+ *
+ * GDCM is given an image in memory, not the file: its parser asserts on what header.c refuses. */
+#include "grids/volume/dicom/dicom.h"
+
+#include <cstring>
+
+#include <gdcmByteValue.h>
+#include <gdcmImage.h>
+#include <gdcmSequenceOfFragments.h>
+#include <gdcmTrace.h>
+#include <gdcmTransferSyntax.h>
+
+#include "grids/volume/bridge_guard.hpp"
+#include "grids/volume/module.h"
+
+namespace {
+
+/* GDCM prints its warnings otherwise. Setting a flag to what it is already is harmless in any thread. */
+void be_quiet() {
+    gdcm::Trace::DebugOff();
+    gdcm::Trace::WarningOff();
+    gdcm::Trace::ErrorOff();
+}
+
+gdcm::DataElement pixels_of(const iso_dicom_items &items) {
+    gdcm::SmartPointer<gdcm::SequenceOfFragments> sequence = new gdcm::SequenceOfFragments;
+    for (size_t i = 0; i < items.count; i++) {
+        gdcm::Fragment fragment;
+        fragment.SetByteValue(reinterpret_cast<const char *>(items.bytes + items.offset[i]),
+                              static_cast<uint32_t>(items.length[i]));
+        sequence->AddFragment(fragment);
+    }
+    gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
+    pixels.SetVR(gdcm::VR::OB);
+    pixels.SetValue(*sequence);
+    return pixels;
+}
+
+iso_status decode(const iso_dicom_file &file, const iso_dicom_items &items, void *pixels, iso_error *error) {
+    const gdcm::TransferSyntax syntax(gdcm::TransferSyntax::GetTSType(file.syntax));
+    if (syntax == gdcm::TransferSyntax::TS_END)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: its compression (transfer syntax %s) is not known",
+                        file.path, file.syntax);
+    if (!iso_dicom_codestream_fits(&file, items.bytes + items.offset[0], items.length[0]))
+        return iso_fail(error, ISO_ERR_IO, "%s: corrupt: its compressed pixels are not what its header says",
+                        file.path);
+    std::memset(pixels, 0, iso_dicom_frame_bytes(&file)); /* only now: a lying header may ask for gigabytes */
+    gdcm::Image image;
+    image.SetTransferSyntax(syntax);
+    image.SetNumberOfDimensions(2);
+    image.SetDimension(0, static_cast<unsigned>(file.columns));
+    image.SetDimension(1, static_cast<unsigned>(file.rows));
+    const auto narrow = [](int value) { return static_cast<unsigned short>(value); };
+    const gdcm::PixelFormat format(narrow(file.samples), narrow(file.bits_allocated),
+                                   narrow(file.bits_stored), narrow(file.high_bit), file.is_signed);
+    image.SetPixelFormat(format);
+    image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+    image.SetDataElement(pixels_of(items));
+    const uint64_t wanted = iso_dicom_frame_bytes(&file);
+    if (image.GetBufferLength() != wanted || !image.GetBuffer(static_cast<char *>(pixels)))
+        return iso_fail(error, ISO_ERR_IO, "%s: its compressed pixels cannot be decoded", file.path);
+    if (image.GetPixelFormat().GetBitsAllocated() != file.bits_allocated)
+        return iso_fail(error, ISO_ERR_IO,
+                        "%s: its compressed pixels have another depth than its header says", file.path);
+    return ISO_OK;
+}
+
+iso_status decode_frame(const iso_dicom_file *file, const iso_dicom_items *items, void *pixels,
+                        iso_error *error) {
+    return iso::guard(file->path, error, [&] {
+        be_quiet();
+        return decode(*file, *items, pixels, error);
+    });
+}
+
+} // namespace
+
+ISO_MODULE(nullptr, decode_frame, nullptr);

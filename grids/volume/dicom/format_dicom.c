@@ -1,0 +1,635 @@
+/* format_dicom: a folder of DICOM files, or one file of a series, as a volume.
+ *
+ * Every header in the folder is read; pixels only of the chosen series, one file at a time. */
+#define _GNU_SOURCE
+#include "grids/volume/format.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "base/memory.h"
+#include "grids/volume/dicom/dicom.h"
+#include "grids/volume/module.h"
+
+/* ---- the files ---- */
+
+typedef struct folder {
+    const char *path;
+    iso_dicom_file *files; /* images, by name */
+    size_t count, room;
+    size_t strays, imageless;
+} folder;
+
+static void free_folder(folder *f) {
+    for (size_t i = 0; i < f->count; i++) iso_dicom_file_free(&f->files[i]);
+    free(f->files);
+    *f = (folder){0};
+}
+
+static iso_status no_memory(const char *path, iso_error *error) {
+    return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+}
+
+static bool has_dicom_name(const char *path) {
+    const char *dot = strrchr(path, '.');
+    return dot &&
+           (strcasecmp(dot, ".dcm") == 0 || strcasecmp(dot, ".dicom") == 0 || strcasecmp(dot, ".ima") == 0);
+}
+
+/* A file that is called .dcm and is not one may be a slice cut off at its first bytes. */
+static iso_status add_file(folder *f, const char *path, iso_error *error) {
+    if (f->count == f->room) {
+        size_t room = f->room ? 2 * f->room : 64;
+        iso_dicom_file *files = realloc(f->files, room * sizeof *files);
+        if (!files) return no_memory(f->path, error);
+        f->files = files;
+        f->room = room;
+    }
+    iso_dicom_kind kind;
+    ISO_TRY(iso_dicom_file_read(path, &f->files[f->count], &kind, error));
+    if (kind == ISO_DICOM_NOT && has_dicom_name(path))
+        return iso_fail(error, ISO_ERR_IO, "%s: not a DICOM file, or truncated", path);
+    f->count += kind == ISO_DICOM_IMAGE;
+    f->imageless += kind == ISO_DICOM_NO_IMAGE;
+    f->strays += kind == ISO_DICOM_NOT;
+    return ISO_OK;
+}
+
+static iso_status add_entry(folder *f, const char *name, iso_error *error) {
+    char *path = NULL;
+    struct stat status;
+    if (asprintf(&path, "%s/%s", f->path, name) < 0) return no_memory(f->path, error);
+    iso_status result = ISO_OK;
+    if (stat(path, &status) == 0 && S_ISREG(status.st_mode)) result = add_file(f, path, error);
+    free(path);
+    return result;
+}
+
+static int not_hidden(const struct dirent *entry) {
+    return entry->d_name[0] != '.';
+}
+
+static int by_name(const struct dirent **a, const struct dirent **b) {
+    return strcmp((*a)->d_name, (*b)->d_name);
+}
+
+static iso_status read_folder(const char *path, folder *f, iso_error *error) {
+    struct dirent **entries = NULL;
+    *f = (folder){.path = path};
+    int count = scandir(path, &entries, not_hidden, by_name);
+    if (count < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    iso_status status = ISO_OK;
+    for (int i = 0; i < count; i++) {
+        if (status == ISO_OK) status = add_entry(f, entries[i]->d_name, error);
+        free(entries[i]);
+    }
+    free(entries);
+    if (status != ISO_OK) free_folder(f);
+    return status;
+}
+
+/* ---- series ---- */
+
+typedef struct series {
+    const iso_dicom_file *first;
+    size_t images;
+} series;
+
+typedef struct series_list {
+    series *list;
+    size_t count;
+} series_list;
+
+static bool is_grey(const iso_dicom_file *file) {
+    return file->samples == 1 && (!*file->photometric || strncmp(file->photometric, "MONOCHROME", 10) == 0);
+}
+
+/* By series number, as a scanner's console lists them. */
+static int compare_series(const void *left, const void *right) {
+    const iso_dicom_file *a = ((const series *)left)->first, *b = ((const series *)right)->first;
+    if (a->series_number != b->series_number) return a->series_number < b->series_number ? -1 : 1;
+    return strcmp(a->series, b->series);
+}
+
+static iso_status list_series(const folder *f, series_list *all, iso_error *error) {
+    *all = (series_list){.list = calloc(f->count ? f->count : 1, sizeof *all->list)};
+    if (!all->list) return no_memory(f->path, error);
+    for (size_t i = 0; i < f->count; i++) {
+        size_t k = 0;
+        while (k < all->count && strcmp(all->list[k].first->series, f->files[i].series) != 0) k++;
+        if (k == all->count) all->list[all->count++].first = &f->files[i];
+        all->list[k].images += (size_t)f->files[i].frame_count;
+    }
+    qsort(all->list, all->count, sizeof *all->list, compare_series);
+    return ISO_OK;
+}
+
+static void list_items(const series_list *all, iso_volume_info *info) {
+    for (size_t i = 0; i < all->count && info->item_count < ISO_VOLUME_ITEMS; i++) {
+        const series *one = &all->list[i];
+        const iso_dicom_file *file = one->first;
+        snprintf(info->items[info->item_count++], ISO_VOLUME_TEXT,
+                 "%zu  %s  %dx%dx%zu  %s  (%zu image%s)  %s", i + 1, file->modality, file->columns,
+                 file->rows, one->images, *file->description ? file->description : "-", one->images,
+                 one->images == 1 ? "" : "s", file->series);
+    }
+}
+
+static const series *largest(const series_list *all) {
+    const series *best = &all->list[0];
+    for (size_t i = 1; i < all->count; i++) {
+        const series *one = &all->list[i];
+        bool grey = is_grey(one->first), best_grey = is_grey(best->first);
+        if (grey != best_grey ? grey : one->images > best->images) best = one;
+    }
+    return best;
+}
+
+static const series *find_series(const series_list *all, const char *text) {
+    for (size_t i = 0; i < all->count; i++)
+        if (strcmp(all->list[i].first->series, text) == 0) return &all->list[i];
+    char *end;
+    long number = strtol(text, &end, 10);
+    if (end == text || *end || number < 1 || (size_t)number > all->count) return NULL;
+    return &all->list[number - 1];
+}
+
+static iso_status choose_series(const folder *f, const iso_volume_opts *opts, const char *own,
+                                const series_list *all, const series **chosen, iso_error *error) {
+    const char *wanted = opts->series ? opts->series : own;
+    if (all->count == 0)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: holds no DICOM images (%zu other files)", f->path,
+                        f->strays + f->imageless);
+    *chosen = wanted ? find_series(all, wanted) : largest(all);
+    if (!*chosen)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: no series \"%s\", there %s %zu (by number from 1, or UID)",
+                        f->path, wanted, all->count == 1 ? "is" : "are", all->count);
+    const iso_dicom_file *file = (*chosen)->first;
+    if (!is_grey(file))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: holds colour images (%s), not a volume of values",
+                        file->path, file->photometric);
+    return ISO_OK;
+}
+
+/* ---- one volume of a series ---- */
+
+typedef struct planes {
+    iso_dicom_frame *frames; /* slices from below */
+    size_t count;
+    iso_scalar scalar;
+    bool physical; /* each slice has a rescale of its own: values are rescaled to floats */
+} planes;
+
+static bool near(const double *a, const double *b, int count, double tolerance) {
+    for (int i = 0; i < count; i++)
+        if (!(fabs(a[i] - b[i]) <= tolerance)) return false;
+    return true;
+}
+
+/* A scout of another size or direction often has the UID of the series that it was taken for. */
+static bool fit(const folder *f, const iso_dicom_frame *a, const iso_dicom_frame *b) {
+    const iso_dicom_file *m = &f->files[a->file], *n = &f->files[b->file];
+    return m->rows == n->rows && m->columns == n->columns && m->samples == n->samples &&
+           m->bits_allocated == n->bits_allocated && m->is_signed == n->is_signed &&
+           near(a->orientation, b->orientation, 6, 1e-3) && near(a->pixel, b->pixel, 2, 1e-4 * a->pixel[0]);
+}
+
+/* Keeps the largest set of frames that fit one another. */
+static iso_status keep_largest_fit(const folder *f, planes *p, iso_volume_info *info, iso_error *error) {
+    size_t *representative = malloc(p->count * sizeof *representative);
+    size_t *sizes = calloc(p->count, sizeof *sizes), best = 0, kept = 0, groups = 0;
+    if (!representative || !sizes) {
+        free(representative);
+        free(sizes);
+        return no_memory(f->path, error);
+    }
+    for (size_t i = 0; i < p->count; i++) {
+        size_t g = 0;
+        while (g < groups && !fit(f, &p->frames[representative[g]], &p->frames[i])) g++;
+        if (g == groups) representative[groups++] = i;
+        if (++sizes[g] > sizes[best]) best = g;
+    }
+    const iso_dicom_frame model = p->frames[representative[best]];
+    for (size_t i = 0; i < p->count; i++)
+        if (fit(f, &model, &p->frames[i])) p->frames[kept++] = p->frames[i];
+    if (kept < p->count)
+        iso_volume_note(info, "%zu images of another size, direction or type are left out", p->count - kept);
+    p->count = kept;
+    free(representative);
+    free(sizes);
+    return ISO_OK;
+}
+
+/* `only` is the one file to use, or NULL. */
+static iso_status collect(const folder *f, const char *uid, const char *only, planes *p, iso_error *error) {
+    size_t count = 0;
+    for (size_t i = 0; i < f->count; i++) count += (size_t)f->files[i].frame_count;
+    p->frames = malloc(count * sizeof *p->frames);
+    if (!p->frames) return no_memory(f->path, error);
+    for (size_t i = 0; i < f->count; i++) {
+        const iso_dicom_file *file = &f->files[i];
+        if (strcmp(file->series, uid) != 0 || (only && strcmp(file->path, only) != 0)) continue;
+        for (int k = 0; k < file->frame_count; k++) {
+            p->frames[p->count] = file->frames[k];
+            p->frames[p->count++].file = i;
+        }
+    }
+    return ISO_OK;
+}
+
+static iso_scalar scalar_of(const iso_dicom_file *file) {
+    switch (file->bits_allocated) {
+    case 8:
+        return file->is_signed ? ISO_SCALAR_INT8 : ISO_SCALAR_UINT8;
+    case 16:
+        return file->is_signed ? ISO_SCALAR_INT16 : ISO_SCALAR_UINT16;
+    default:
+        return file->is_signed ? ISO_SCALAR_INT32 : ISO_SCALAR_UINT32;
+    }
+}
+
+static void choose_rescale(planes *p, iso_volume_info *info) {
+    const iso_dicom_frame *first = &p->frames[0];
+    bool equal = true;
+    for (size_t i = 1; i < p->count; i++)
+        equal &= p->frames[i].slope == first->slope && p->frames[i].intercept == first->intercept;
+    p->physical = !equal || !(first->slope > 0);
+    if (!equal)
+        iso_volume_note(info, "slices have rescales of their own: values are stored rescaled, as floats");
+    else if (first->slope < 0)
+        iso_volume_note(info, "the rescale slope is negative: values are stored rescaled, as floats");
+    else if (first->slope == 0)
+        iso_volume_note(info, "the rescale slope is 0: all values are %g", first->intercept);
+    info->type = p->physical ? ISO_FLOAT32 : iso_scalar_stored_type(p->scalar);
+    info->scale = p->physical ? 1 : first->slope;
+    info->offset = p->physical ? 0 : first->intercept;
+}
+
+static void fill_header(const folder *f, planes *p, iso_volume_info *info) {
+    const iso_dicom_file *file = &f->files[p->frames[0].file];
+    info->dims[0] = file->columns;
+    info->dims[1] = file->rows;
+    p->scalar = scalar_of(file);
+    snprintf(info->file_type, sizeof info->file_type, "%s", iso_scalar_name(p->scalar));
+    snprintf(info->name, sizeof info->name, "%s", *file->description ? file->description : file->series);
+    choose_rescale(p, info);
+    if (strcmp(file->photometric, "MONOCHROME1") == 0)
+        iso_volume_note(info,
+                        "low values are bright in this file (MONOCHROME1): values are left as they are");
+    if (file->has_lookup_table)
+        iso_volume_note(info, "its modality lookup table is not applied: values are stored ones");
+}
+
+static void fill_sizes(const folder *f, const planes *p, iso_volume_info *info) {
+    uint64_t most = 0;
+    for (size_t i = 0; i < p->count; i++) {
+        const iso_dicom_file *file = &f->files[p->frames[i].file];
+        uint64_t needs = iso_dicom_frame_bytes(file) + (file->encapsulated ? 2 * file->pixel_bytes : 0);
+        if (needs > most) most = needs;
+    }
+    info->bytes = iso_format_size(info->dims, iso_type_size(info->type));
+    if (__builtin_add_overflow(info->bytes, most, &info->read_bytes)) info->read_bytes = UINT64_MAX;
+}
+
+static void note_choice(const folder *f, const series_list *all, const series *chosen, bool by_default,
+                        iso_volume_info *info) {
+    if (by_default && all->count > 1)
+        iso_volume_note(info, "several series: using %td of %zu, \"%s\", which has most images (--series)",
+                        chosen - all->list + 1, all->count, chosen->first->description);
+    if (f->strays)
+        iso_volume_note(info, "%zu file%s in the folder %s not DICOM: ignored", f->strays,
+                        f->strays == 1 ? "" : "s", f->strays == 1 ? "is" : "are");
+    if (f->imageless)
+        iso_volume_note(info, "%zu DICOM file%s in the folder %s no image: ignored", f->imageless,
+                        f->imageless == 1 ? "" : "s", f->imageless == 1 ? "holds" : "hold");
+}
+
+/* ---- from a path to ordered slices ---- */
+
+typedef struct source {
+    folder folder;
+    char *folder_path; /* owned when the path names a file */
+    char *own_series;
+    char *only; /* a multi-frame file is a volume by itself */
+    planes planes;
+} source;
+
+static void free_source(source *s) {
+    free_folder(&s->folder);
+    free(s->folder_path);
+    free(s->own_series);
+    free(s->only);
+    free(s->planes.frames);
+    *s = (source){0};
+}
+
+static char *folder_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    if (!slash) return strdup(".");
+    return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
+}
+
+/* The name that the folder's listing gives the file. */
+static char *listed_name(const char *folder_path, const char *path) {
+    const char *slash = strrchr(path, '/');
+    char *name = NULL;
+    return asprintf(&name, "%s/%s", folder_path, slash ? slash + 1 : path) < 0 ? NULL : name;
+}
+
+static iso_status open_one_file(const char *path, source *s, iso_error *error) {
+    iso_dicom_file file;
+    iso_dicom_kind kind;
+    ISO_TRY(iso_dicom_file_read(path, &file, &kind, error));
+    if (kind == ISO_DICOM_NOT) return iso_fail(error, ISO_ERR_FORMAT, "%s: not a DICOM file", path);
+    if (kind == ISO_DICOM_NO_IMAGE)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: a DICOM file that holds no image", path);
+    s->own_series = strdup(file.series);
+    s->folder_path = folder_of(path);
+    bool single = file.frame_count > 1 || !*file.series;
+    iso_dicom_file_free(&file);
+    if (s->folder_path && single) s->only = listed_name(s->folder_path, path);
+    if (!s->own_series || !s->folder_path || (single && !s->only)) return no_memory(path, error);
+    return ISO_OK;
+}
+
+static iso_status read_files(source *s, const char *path, iso_error *error) {
+    struct stat status;
+    if (stat(path, &status) != 0)
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    if (S_ISDIR(status.st_mode)) return read_folder(path, &s->folder, error);
+    ISO_TRY(open_one_file(path, s, error));
+    if (!s->only) return read_folder(s->folder_path, &s->folder, error);
+    s->folder.path = s->folder_path;
+    return add_file(&s->folder, s->only, error);
+}
+
+static iso_status order(const char *path, const iso_volume_opts *opts, source *s, iso_volume_info *info,
+                        iso_error *error) {
+    series_list all;
+    const series *chosen = NULL;
+    ISO_TRY(list_series(&s->folder, &all, error));
+    iso_status status = choose_series(&s->folder, opts, s->own_series, &all, &chosen, error);
+    if (status == ISO_OK) {
+        list_items(&all, info);
+        note_choice(&s->folder, &all, chosen, !opts->series && !s->own_series, info);
+        status = collect(&s->folder, chosen->first->series, s->only, &s->planes, error);
+    }
+    free(all.list);
+    ISO_TRY(status);
+    planes *p = &s->planes;
+    ISO_TRY(keep_largest_fit(&s->folder, p, info, error));
+    ISO_TRY(iso_dicom_stack(path, s->folder.files, p->frames, &p->count, info, error));
+    fill_header(&s->folder, p, info);
+    ISO_TRY(iso_format_component(path, opts, 1, info, error));
+    fill_sizes(&s->folder, p, info);
+    return ISO_OK;
+}
+
+static iso_status open_source(const char *path, const iso_volume_opts *opts, source *s, iso_volume_info *info,
+                              iso_error *error) {
+    *s = (source){0};
+    iso_status status = read_files(s, path, error);
+    for (size_t i = 0; opts->files && i < s->folder.count; i++)
+        iso_file_set_read(opts->files, s->folder.files[i].path);
+    if (status == ISO_OK) status = order(path, opts, s, info, error);
+    if (status != ISO_OK) free_source(s);
+    return status;
+}
+
+static iso_status dicom_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                             iso_error *error) {
+    source s;
+    ISO_TRY(open_source(path, opts, &s, info, error));
+    free_source(&s);
+    return ISO_OK;
+}
+
+/* ---- pixels ---- */
+
+/* The file that slices are being read from. */
+typedef struct pixel_file {
+    const iso_dicom_file *file;
+    FILE *stream;
+    uint8_t *bytes; /* encapsulated pixels; items as iso_dicom_items has them */
+    size_t *offset, *length;
+    size_t items;
+} pixel_file;
+
+static void close_pixels(pixel_file *f) {
+    if (f->stream) fclose(f->stream);
+    iso_free(f->bytes);
+    free(f->offset);
+    free(f->length);
+    *f = (pixel_file){0};
+}
+
+static uint32_t little32(const uint8_t *b) {
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+/* Finds the items, and counts them when there is nowhere to put them. The header's reader has walked them:
+ * false only when the file has changed since. */
+static bool find_items(pixel_file *f) {
+    size_t at = 0, end = (size_t)f->file->pixel_bytes;
+    for (f->items = 0; end - at >= 8; f->items++) {
+        uint32_t tag = little32(f->bytes + at), length = little32(f->bytes + at + 4);
+        if (tag == 0xe0ddfffe) return f->items > 0;
+        if (tag != 0xe000fffe || length > end - at - 8) return false;
+        if (f->offset) {
+            f->offset[f->items] = at + 8;
+            f->length[f->items] = length;
+        }
+        at += 8 + (size_t)length;
+    }
+    return false;
+}
+
+static iso_status load_items(pixel_file *f, iso_error *error) {
+    const iso_dicom_file *file = f->file;
+    f->bytes = iso_alloc((size_t)file->pixel_bytes);
+    if (!f->bytes) return no_memory(file->path, error);
+    if (fread(f->bytes, 1, (size_t)file->pixel_bytes, f->stream) != file->pixel_bytes || !find_items(f))
+        return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", file->path);
+    f->offset = malloc(f->items * sizeof *f->offset);
+    f->length = malloc(f->items * sizeof *f->length);
+    if (!f->offset || !f->length) return no_memory(file->path, error);
+    find_items(f);
+    return ISO_OK;
+}
+
+static iso_status open_pixels(const iso_dicom_file *file, pixel_file *f, iso_error *error) {
+    close_pixels(f);
+    f->file = file;
+    f->stream = fopen(file->path, "rb");
+    if (!f->stream || fseeko(f->stream, (off_t)file->pixel_offset, SEEK_SET) != 0)
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path, strerror(errno));
+    return file->encapsulated ? load_items(f, error) : ISO_OK;
+}
+
+/* Which items a frame has: all when there is one frame, one each when there are as many, else what the offset
+ * table says (PS3.5, A.4). Item 0 is that table. */
+static bool items_of(const pixel_file *f, int frame, size_t *first, size_t *count) {
+    size_t fragments = f->items - 1, frames = (size_t)f->file->frame_count;
+    *first = 1;
+    *count = fragments;
+    if (frames == 1) return fragments > 0;
+    *first = 1 + (size_t)frame;
+    *count = 1;
+    if (fragments == frames) return true;
+    if (f->length[0] != 4 * frames) return false;
+    const uint8_t *table = f->bytes + f->offset[0];
+    size_t base = f->offset[0] + f->length[0], begin = base + little32(table + 4 * (size_t)frame), end = 0;
+    end = (size_t)frame + 1 < frames ? base + little32(table + 4 * ((size_t)frame + 1)) : SIZE_MAX;
+    *first = *count = 0;
+    for (size_t i = 1; i < f->items; i++) {
+        size_t tag_at = f->offset[i] - 8;
+        if (tag_at < begin || tag_at >= end) continue;
+        if (*count == 0) *first = i;
+        ++*count;
+    }
+    return *count > 0;
+}
+
+static iso_status read_encapsulated(const pixel_file *f, int frame, void *pixels, iso_error *error) {
+    size_t first, count;
+    if (!items_of(f, frame, &first, &count))
+        return iso_fail(error, ISO_ERR_IO, "%s: corrupt: the pixels of frame %d cannot be found",
+                        f->file->path, frame + 1);
+    /* GDCM wants frames without a table. */
+    const iso_dicom_items items = {f->bytes, f->offset + first, f->length + first, count};
+    const iso_module *gdcm = NULL; /* found in microseconds once it is loaded */
+    ISO_TRY(iso_module_load(f->file->path, "dicom", "GDCM", &gdcm, error));
+    return gdcm->dicom_decode(f->file, &items, pixels, error);
+}
+
+static iso_status read_native(const pixel_file *f, int frame, void *pixels, iso_error *error) {
+    uint64_t bytes = iso_dicom_frame_bytes(f->file);
+    off_t at = (off_t)(f->file->pixel_offset + bytes * (uint64_t)frame);
+    if (fseeko(f->stream, at, SEEK_SET) != 0 || fread(pixels, 1, (size_t)bytes, f->stream) != bytes)
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: the file ends too early", f->file->path);
+    return ISO_OK;
+}
+
+/* ---- values ---- */
+
+static bool host_is_big(void) {
+    return __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
+}
+
+static uint32_t pixel_at(const void *pixels, size_t i, int bytes, bool swap) {
+    uint16_t half;
+    uint32_t word;
+    switch (bytes) {
+    case 1:
+        return ((const uint8_t *)pixels)[i];
+    case 2:
+        memcpy(&half, (const uint8_t *)pixels + 2 * i, 2);
+        return swap ? __builtin_bswap16(half) : half;
+    default:
+        memcpy(&word, (const uint8_t *)pixels + 4 * i, 4);
+        return swap ? __builtin_bswap32(word) : word;
+    }
+}
+
+/* Bits outside the stored ones may hold overlays, or nothing in particular (PS3.5, 8.1.1). A decoder has put
+ * the value in the low bits; only its sign may be missing there. */
+static double stored_value(const iso_dicom_file *file, uint32_t bits) {
+    uint32_t mask = file->bits_stored == 32 ? UINT32_MAX : (UINT32_C(1) << file->bits_stored) - 1;
+    if (!file->encapsulated) bits >>= file->high_bit + 1 - file->bits_stored;
+    if (!file->encapsulated || file->is_signed) bits &= mask;
+    bool negative = file->is_signed && (bits >> (file->bits_stored - 1) & 1);
+    return negative ? (double)bits - (double)mask - 1 : (double)bits;
+}
+
+static void store(iso_type type, void *target, size_t i, double value) {
+    switch (type) {
+    case ISO_UINT8:
+        ((uint8_t *)target)[i] = (uint8_t)value;
+        break;
+    case ISO_INT16:
+        ((int16_t *)target)[i] = (int16_t)value;
+        break;
+    case ISO_UINT16:
+        ((uint16_t *)target)[i] = (uint16_t)value;
+        break;
+    default:
+        ((float *)target)[i] = (float)value;
+    }
+}
+
+static void convert_plane(const planes *p, const iso_dicom_file *file, const iso_dicom_frame *frame,
+                          const void *pixels, iso_type type, void *target) {
+    size_t count = (size_t)file->rows * (size_t)file->columns;
+    bool swap = !file->encapsulated && file->big_endian != host_is_big(); /* decoders give the host's order */
+    if (file->bits_stored == file->bits_allocated && !p->physical) {
+        const iso_scalar_source raw = {pixels, p->scalar, 1, 0, swap};
+        iso_scalar_convert(&raw, count, type, target);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        double value = stored_value(file, pixel_at(pixels, i, file->bits_allocated / 8, swap));
+        store(type, target, i, p->physical ? value * frame->slope + frame->intercept : value);
+    }
+}
+
+/* ---- reading ---- */
+
+typedef struct reading {
+    const char *path;
+    const iso_volume_opts *opts;
+    const source *source;
+    pixel_file open;
+    void *pixels; /* of one frame */
+} reading;
+
+static iso_status read_plane(reading *r, size_t z, iso_rgrid *grid, iso_error *error) {
+    const planes *p = &r->source->planes;
+    const iso_dicom_frame *frame = &p->frames[z];
+    const iso_dicom_file *file = &r->source->folder.files[frame->file];
+    if (r->open.file != file) ISO_TRY(open_pixels(file, &r->open, error));
+    ISO_TRY(file->encapsulated ? read_encapsulated(&r->open, frame->index, r->pixels, error)
+                               : read_native(&r->open, frame->index, r->pixels, error));
+    char *target = (char *)grid->data + z * (size_t)grid->stride_z * iso_type_size(grid->type);
+    convert_plane(p, file, frame, r->pixels, grid->type, target);
+    return iso_format_progress(r->path, r->opts, (double)(z + 1) / (double)p->count, error);
+}
+
+static iso_status read_planes(const char *path, const iso_volume_opts *opts, const source *s, iso_rgrid *grid,
+                              iso_error *error) {
+    reading r = {.path = path, .opts = opts, .source = s};
+    r.pixels = iso_alloc((size_t)iso_dicom_frame_bytes(&s->folder.files[s->planes.frames[0].file]));
+    if (!r.pixels) return no_memory(path, error);
+    iso_status status = ISO_OK;
+    for (size_t z = 0; z < s->planes.count && status == ISO_OK; z++) status = read_plane(&r, z, grid, error);
+    close_pixels(&r.open);
+    iso_free(r.pixels);
+    return status;
+}
+
+/* The headers are read once more: `info` keeps nothing. Notes are those of the first time. */
+static iso_status dicom_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                             iso_grid *grid, iso_error *error) {
+    source s;
+    iso_volume_info again = {.components = 1, .scale = 1};
+    iso_grid result = {0};
+    ISO_TRY(open_source(path, opts, &s, &again, error));
+    iso_status status = ISO_OK;
+    if (memcmp(again.dims, info->dims, sizeof again.dims) != 0 || again.type != info->type)
+        status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
+    if (status == ISO_OK) status = iso_format_create(path, info, NULL, &result, error);
+    if (status == ISO_OK) status = read_planes(path, opts, &s, result.rgrid, error);
+    free_source(&s);
+    if (status == ISO_OK)
+        *grid = result;
+    else
+        iso_grid_destroy(&result);
+    return status;
+}
+
+const iso_format iso_format_dicom = {"dicom", "GDCM", NULL, dicom_info, dicom_read};

@@ -1,0 +1,143 @@
+/* format: what all readers share, those in modules too. */
+#define _POSIX_C_SOURCE 200809L
+#include "grids/volume/format.h"
+
+#include "base/text.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+
+iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info,
+                           iso_error *error) {
+    for (int i = 0; i < 3; i++) {
+        if (dims[i] < 1 || dims[i] > INT_MAX)
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: cannot have %llu voxels on axis %d", path,
+                            (unsigned long long)dims[i], i);
+        info->dims[i] = (int)dims[i];
+    }
+    return ISO_OK;
+}
+
+iso_status iso_format_component(const char *path, const iso_volume_opts *opts, int components,
+                                iso_volume_info *info, iso_error *error) {
+    if (components < 1) return iso_fail(error, ISO_ERR_FORMAT, "%s: has no components", path);
+    if (opts->component < 0 || opts->component >= components)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: no component %d, there %s %d (from 0)", path,
+                        opts->component, components == 1 ? "is" : "are", components);
+    info->components = components;
+    info->component = opts->component;
+    if (components > 1)
+        iso_volume_note(info, "several components: using %d of %d (--component)", opts->component,
+                        components);
+    return ISO_OK;
+}
+
+/* ---- memory ---- */
+
+uint64_t iso_format_memory_limit(const iso_volume_opts *opts) {
+    return iso_memory_limit(opts->max_memory);
+}
+
+/* "1.5 GB", decimal units. */
+static void byte_text(uint64_t bytes, char text[16]) {
+    static const char *const units[] = {"bytes", "kB", "MB", "GB", "TB", "PB", "EB"};
+    double value = (double)bytes;
+    int unit = 0;
+    for (; value >= 1000 && unit < 6; unit++) value /= 1000;
+    snprintf(text, 16, unit && value < 10 ? "%.1f %s" : "%.0f %s", value, units[unit]);
+}
+
+iso_status iso_format_check_memory(const char *path, const iso_volume_opts *opts, uint64_t bytes,
+                                   const char *what, iso_error *error) {
+    const uint64_t limit = iso_format_memory_limit(opts);
+    if (bytes <= limit) return ISO_OK;
+    char needs[16], allowed[16];
+    byte_text(bytes, needs);
+    byte_text(limit, allowed);
+    return iso_fail(error, ISO_ERR_LIMIT, "%s: needs %s to read (%s), limit is %s (--max-memory)", path,
+                    needs, what, allowed);
+}
+
+/* ---- progress and files ---- */
+
+iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, double fraction,
+                               iso_error *error) {
+    if (!opts->progress || opts->progress(opts->progress_context, fraction) == 0) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: cancelled", path);
+}
+
+/* The file is opened first and looked at afterwards, so that it cannot be exchanged in between; O_NONBLOCK
+ * because opening a pipe without a writer would wait for one. It means nothing to a regular file. */
+static iso_status open_regular(const char *path, int *file, struct stat *status, iso_error *error) {
+    *file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (*file < 0 && errno != ENXIO) /* ENXIO: a socket */
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    if (*file >= 0 && fstat(*file, status) == 0 && S_ISREG(status->st_mode)) return ISO_OK;
+    if (*file >= 0) close(*file);
+    return iso_fail(error, ISO_ERR_IO, "%s: not a regular file", path);
+}
+
+iso_status iso_format_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error) {
+    int file;
+    struct stat status;
+    ISO_TRY(open_regular(path, &file, &status, error));
+    FILE *opened = fdopen(file, "rb");
+    if (!opened) {
+        close(file);
+        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    }
+    *stream = opened;
+    if (bytes) *bytes = (uint64_t)status.st_size;
+    return ISO_OK;
+}
+
+iso_status iso_format_file_bytes(const char *path, uint64_t *bytes, iso_error *error) {
+    int file;
+    struct stat status;
+    ISO_TRY(open_regular(path, &file, &status, error));
+    close(file);
+    *bytes = (uint64_t)status.st_size;
+    return ISO_OK;
+}
+
+iso_status iso_format_truncated(const char *path, uint64_t bytes, uint64_t wanted, iso_error *error) {
+    return iso_fail(error, ISO_ERR_IO, "%s: truncated: %llu of %llu bytes", path, (unsigned long long)bytes,
+                    (unsigned long long)wanted);
+}
+
+iso_status iso_format_create(const char *path, const iso_volume_info *info, const iso_format_data *lent,
+                             iso_grid *grid, iso_error *error) {
+    iso_rgrid_desc desc = {.dims = {info->dims[0], info->dims[1], info->dims[2]},
+                           .type = info->type,
+                           .scale = info->scale,
+                           .offset = info->offset,
+                           .transform = &info->transform,
+                           .level_set = info->level_set};
+    if (lent) {
+        desc.data = lent->data;
+        desc.release = lent->release;
+        desc.owner = lent->owner;
+    }
+    iso_error detail = {0};
+    iso_rgrid *rgrid = NULL;
+    iso_status status = iso_rgrid_create(&desc, &rgrid, &detail);
+    if (status != ISO_OK) return iso_fail(error, status, "%s: %s", path, detail.text);
+    *grid = (iso_grid){.rgrid = rgrid};
+    return ISO_OK;
+}
+
+void iso_volume_note(iso_volume_info *info, const char *format, ...) {
+    if (info->note_count >= ISO_VOLUME_NOTES) return;
+    va_list arguments;
+    va_start(arguments, format);
+    iso_text_format(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
+    va_end(arguments);
+}

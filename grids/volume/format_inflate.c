@@ -1,0 +1,87 @@
+#include <zlib.h>
+
+#include "base/memory.h"
+#include "grids/volume/format.h"
+
+/* zlib counts in 32 bits. */
+enum { MAX_PART = 1 << 30 };
+
+struct iso_inflater {
+    const char *path;
+    FILE *file;
+    uint64_t done, total;
+    z_stream z;
+    unsigned char packed[1 << 16];
+};
+
+iso_status iso_inflater_create(const char *path, FILE *file, uint64_t total, iso_inflater **inflater,
+                               iso_error *error) {
+    iso_inflater *made = iso_alloc_zero(1, sizeof *made);
+    if (!made || inflateInit2(&made->z, 15 + 32) != Z_OK) { /* either wrapper */
+        iso_free(made);
+        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    }
+    made->path = path;
+    made->file = file;
+    made->total = total;
+    *inflater = made;
+    return ISO_OK;
+}
+
+static void refill(iso_inflater *f) {
+    if (f->z.avail_in) return;
+    f->z.next_in = f->packed;
+    f->z.avail_in = (uInt)fread(f->packed, 1, sizeof f->packed, f->file);
+}
+
+/* One call of inflate, with more of the file when it needs some. A gzip file may be several, one after the
+ * other. */
+static int step(iso_inflater *f) {
+    refill(f);
+    int result = inflate(&f->z, Z_NO_FLUSH);
+    if (result != Z_STREAM_END || f->z.avail_out == 0) return result;
+    refill(f);
+    return f->z.avail_in ? inflateReset(&f->z) : result;
+}
+
+static iso_status damaged(const iso_inflater *f, iso_error *error) {
+    return iso_fail(error, ISO_ERR_IO, "%s: damaged compressed data", f->path);
+}
+
+iso_status iso_inflater_read(iso_inflater *f, void *target, size_t bytes, size_t *got, iso_error *error) {
+    for (*got = 0; *got < bytes;) {
+        size_t left = bytes - *got;
+        uInt part = left < MAX_PART ? (uInt)left : MAX_PART;
+        f->z.next_out = (unsigned char *)target + *got;
+        f->z.avail_out = part;
+        int result = step(f);
+        f->done += part - f->z.avail_out;
+        *got += part - f->z.avail_out;
+        if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR) return damaged(f, error);
+        if (*got < bytes && result == Z_BUF_ERROR)
+            return iso_format_truncated(f->path, f->done, f->total, error);
+        if (result == Z_STREAM_END) break;
+    }
+    return ISO_OK;
+}
+
+iso_status iso_inflater_fill(iso_inflater *f, void *target, size_t bytes, iso_error *error) {
+    size_t got = 0;
+    ISO_TRY(iso_inflater_read(f, target, bytes, &got, error));
+    return got == bytes ? ISO_OK : iso_format_truncated(f->path, f->done, f->total, error);
+}
+
+iso_status iso_inflater_finish(iso_inflater *f, iso_error *error) {
+    unsigned char byte;
+    f->z.next_out = &byte;
+    f->z.avail_out = 1;
+    int result = Z_OK;
+    while (result == Z_OK && f->z.avail_out) result = step(f);
+    return result == Z_OK || result == Z_STREAM_END || result == Z_BUF_ERROR ? ISO_OK : damaged(f, error);
+}
+
+void iso_inflater_destroy(iso_inflater *inflater) {
+    if (!inflater) return;
+    inflateEnd(&inflater->z);
+    iso_free(inflater);
+}

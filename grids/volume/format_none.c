@@ -1,0 +1,19 @@
+/* format_none: stands in for the formats whose library is not built in. An entry without functions makes
+ * volume.c answer "built without ...". */
+#include <stddef.h>
+
+#include "grids/volume/format.h"
+
+#define ISO_FORMAT_NONE(format, library)                                                                     \
+    const iso_format iso_format_##format = {#format, library, NULL, NULL, NULL}
+
+#if !defined(ISO_HAVE_NIFTI)
+#error "the build has to say which libraries it has"
+#endif
+
+#if !ISO_HAVE_NIFTI
+ISO_FORMAT_NONE(nifti, "libnifti2");
+#endif
+
+/* A translation unit may not be empty when everything is built in. */
+_Static_assert(sizeof(iso_format) > 0, "");

@@ -1,0 +1,217 @@
+/* format_raw: voxels in a file without a header, laid out as iso_raw_layout says. */
+#define _GNU_SOURCE
+#include <ctype.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "grids/volume/format.h"
+
+/* ---- the layout as text ---- */
+
+static bool parse_dims(const char *text, const char *end, int dims[3]) {
+    for (int i = 0; i < 3; i++) {
+        if (!isdigit((unsigned char)*text)) return false;
+        char *after;
+        errno = 0;
+        long value = strtol(text, &after, 10);
+        if (errno || value < 1 || value > INT_MAX) return false;
+        dims[i] = (int)value;
+        bool last = i == 2;
+        if (last ? after != end : (*after != 'x' && *after != 'X')) return false;
+        text = after + 1;
+    }
+    return true;
+}
+
+static bool word_is(const char *word, size_t length, const char *wanted) {
+    return strlen(wanted) == length && strncasecmp(word, wanted, length) == 0;
+}
+
+static bool parse_type(const char *word, size_t length, iso_type *type) {
+    for (iso_type t = ISO_UINT8; t <= ISO_FLOAT32; t++) {
+        if (!word_is(word, length, iso_type_name(t))) continue;
+        *type = t;
+        return true;
+    }
+    *type = ISO_FLOAT32;
+    return word_is(word, length, "float");
+}
+
+static bool parse_offset(const char *text, uint64_t *offset) {
+    if (!*text) return true;
+    if (!isdigit((unsigned char)*text)) return false;
+    char *after;
+    errno = 0;
+    unsigned long long value = strtoull(text, &after, 10);
+    *offset = value;
+    return errno == 0 && !*after;
+}
+
+iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_error *error) {
+    iso_raw_layout result = {.components = 1};
+    const char *dims_end = strchrnul(text, ':');
+    if (!parse_dims(text, dims_end, result.dims))
+        return iso_fail(error, ISO_ERR_USAGE, "raw layout '%s': must begin with three sizes, as in 64x64x93",
+                        text);
+    if (!*dims_end)
+        return iso_fail(error, ISO_ERR_USAGE, "raw layout '%s': the type is missing, as in 64x64x93:uint8",
+                        text);
+    const char *type = dims_end + 1, *type_end = strchrnul(type, ':');
+    if (!parse_type(type, (size_t)(type_end - type), &result.type))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "raw layout '%s': the type must be uint8, int16, uint16 or float", text);
+    const char *endian = *type_end ? type_end + 1 : type_end, *endian_end = strchrnul(endian, ':');
+    size_t length = (size_t)(endian_end - endian);
+    result.big_endian = word_is(endian, length, "big");
+    if (length && !result.big_endian && !word_is(endian, length, "little"))
+        return iso_fail(error, ISO_ERR_USAGE, "raw layout '%s': the byte order must be little or big", text);
+    if (!parse_offset(*endian_end ? endian_end + 1 : endian_end, &result.offset))
+        return iso_fail(error, ISO_ERR_USAGE, "raw layout '%s': the offset must be a number of bytes", text);
+    *layout = result;
+    return ISO_OK;
+}
+
+/* ---- the layout as a file's name tells it ---- */
+
+/* A word of a file's name, which _ - . and spaces part. */
+typedef struct name_word {
+    const char *text;
+    size_t length;
+} name_word;
+
+enum { NAME_WORDS = 64 };
+
+static int split_name(const char *path, name_word words[NAME_WORDS]) {
+    const char *at = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
+    int count = 0;
+    while (*at && count < NAME_WORDS) {
+        size_t length = strcspn(at, "_-. ");
+        if (length) words[count++] = (name_word){at, length};
+        at += length + (at[length] != 0);
+    }
+    return count;
+}
+
+static bool is_any(const name_word *word, const char *const *names) {
+    for (; *names; names++)
+        if (word_is(word->text, word->length, *names)) return true;
+    return false;
+}
+
+static bool name_type(const name_word *word, iso_type *type) {
+    static const struct {
+        iso_type type;
+        const char *names[5];
+    } types[] = {{ISO_UINT8, {"uint8", "uchar", "u8"}},
+                 {ISO_INT16, {"int16", "short", "i16"}},
+                 {ISO_UINT16, {"uint16", "ushort", "u16"}},
+                 {ISO_FLOAT32, {"float32", "float", "f32"}}};
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        if (!is_any(word, types[i].names)) continue;
+        *type = types[i].type;
+        return true;
+    }
+    return false;
+}
+
+bool iso_raw_layout_of_name(const char *path, iso_raw_layout *layout) {
+    static const char *const big[] = {"be", "big", NULL};
+    name_word words[NAME_WORDS];
+    int count = split_name(path, words), sizes = -1;
+    iso_raw_layout result = {.components = 1};
+    for (int i = 0; i < count; i++) {
+        int dims[3];
+        if (!parse_dims(words[i].text, words[i].text + words[i].length, dims)) continue;
+        if (sizes >= 0) return false; /* which of the two? */
+        sizes = i;
+        memcpy(result.dims, dims, sizeof dims);
+    }
+    if (sizes < 0) return false;
+    int last = sizes + 1; /* the type stands behind the sizes, or before them */
+    if (last == count || !name_type(&words[last], &result.type)) {
+        last = sizes;
+        if (sizes == 0 || !name_type(&words[sizes - 1], &result.type)) return false;
+    }
+    result.big_endian = last + 1 < count && is_any(&words[last + 1], big);
+    *layout = result;
+    return true;
+}
+
+uint64_t iso_raw_layout_bytes(const iso_raw_layout *layout) {
+    uint64_t each = iso_type_size(layout->type) * (uint64_t)(layout->components ? layout->components : 1);
+    uint64_t bytes = iso_format_size(layout->dims, each);
+    return __builtin_add_overflow(bytes, layout->offset, &bytes) ? UINT64_MAX : bytes;
+}
+
+/* ---- the file ---- */
+
+static iso_scalar scalar_of(iso_type type) {
+    switch (type) {
+    case ISO_UINT8:
+        return ISO_SCALAR_UINT8;
+    case ISO_INT16:
+        return ISO_SCALAR_INT16;
+    case ISO_UINT16:
+        return ISO_SCALAR_UINT16;
+    default:
+        return ISO_SCALAR_FLOAT;
+    }
+}
+
+typedef struct raw_file {
+    const char *path;
+    FILE *stream;
+} raw_file;
+
+static iso_status fill(void *context, void *target, size_t bytes, iso_error *error) {
+    raw_file *file = context;
+    if (fread(target, 1, bytes, file->stream) == bytes) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path,
+                    ferror(file->stream) ? strerror(errno) : "the file ends too early");
+}
+
+static iso_format_stream stream_of(const iso_volume_opts *opts, const iso_volume_info *info, raw_file *file) {
+    bool swap = opts->raw->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
+    return (iso_format_stream){fill, file, scalar_of(info->type), info->components, info->component, swap};
+}
+
+static iso_status raw_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                           iso_error *error) {
+    const iso_raw_layout *raw = opts->raw;
+    uint64_t dims[3];
+    for (int i = 0; i < 3; i++) dims[i] = raw->dims[i] < 0 ? 0 : (uint64_t)raw->dims[i];
+    ISO_TRY(iso_format_dims(path, dims, info, error));
+    info->type = raw->type;
+    snprintf(info->file_type, sizeof info->file_type, "%s", iso_type_name(raw->type));
+    ISO_TRY(iso_format_component(path, opts, raw->components ? raw->components : 1, info, error));
+    uint64_t bytes = 0, wanted = iso_raw_layout_bytes(raw);
+    ISO_TRY(iso_format_file_bytes(path, &bytes, error));
+    if (bytes > wanted)
+        iso_volume_note(info, "%llu bytes after the last voxel are not used",
+                        (unsigned long long)(bytes - wanted));
+    iso_format_stream stream = stream_of(opts, info, NULL);
+    iso_format_stream_room(&stream, info);
+    return ISO_OK;
+}
+
+static iso_status raw_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                           iso_grid *grid, iso_error *error) {
+    uint64_t bytes = 0, wanted = iso_raw_layout_bytes(opts->raw);
+    raw_file file = {path, NULL};
+    ISO_TRY(iso_format_open(path, &file.stream, &bytes, error));
+    iso_status status = ISO_OK;
+    if (bytes < wanted)
+        status = iso_format_truncated(path, bytes, wanted, error);
+    else if (fseeko(file.stream, (off_t)opts->raw->offset, SEEK_SET) != 0)
+        status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    iso_format_stream stream = stream_of(opts, info, &file);
+    if (status == ISO_OK) status = iso_format_read_stream(path, opts, info, &stream, grid, error);
+    fclose(file.stream);
+    return status;
+}
+
+const iso_format iso_format_raw = {"raw", "isopoint", NULL, raw_info, raw_read};

@@ -1,0 +1,154 @@
+/* format_stream: what readers share that take voxels from a file in order: chunks of bytes into a grid,
+ * numbers in text, names beside a header. */
+#define _GNU_SOURCE
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "grids/volume/format.h"
+
+/* Large enough that a call costs nothing, small enough to stay in cache between fill and conversion. */
+enum { CHUNK_BYTES = 1 << 20 };
+
+uint64_t iso_format_size(const int dims[3], uint64_t each) {
+    uint64_t bytes = each;
+    for (int i = 0; i < 3; i++)
+        if (__builtin_mul_overflow(bytes, (uint64_t)dims[i], &bytes)) return UINT64_MAX;
+    return bytes;
+}
+
+static size_t voxel_bytes(const iso_format_stream *stream) {
+    return iso_scalar_size(stream->scalar) * (size_t)stream->components;
+}
+
+static size_t chunk_voxels(const iso_format_stream *stream) {
+    size_t voxels = CHUNK_BYTES / voxel_bytes(stream);
+    return voxels ? voxels : 1;
+}
+
+/* Values that are stored as they are go straight to their place. */
+static bool is_direct(const iso_format_stream *stream, iso_type type) {
+    return stream->components == 1 && iso_scalar_is_stored(stream->scalar) &&
+           iso_scalar_stored_type(stream->scalar) == type;
+}
+
+void iso_format_stream_room(const iso_format_stream *stream, iso_volume_info *info) {
+    info->read_bytes = iso_format_size(info->dims, iso_type_size(info->type));
+    if (is_direct(stream, info->type)) return;
+    uint64_t scratch = (uint64_t)chunk_voxels(stream) * voxel_bytes(stream);
+    if (__builtin_add_overflow(info->read_bytes, scratch, &info->read_bytes)) info->read_bytes = UINT64_MAX;
+}
+
+static iso_status fill_grid(const char *path, const iso_volume_opts *opts, const iso_format_stream *stream,
+                            iso_rgrid *grid, iso_error *error) {
+    size_t count = (size_t)grid->dims[0] * (size_t)grid->dims[1] * (size_t)grid->dims[2];
+    size_t chunk = chunk_voxels(stream), each = iso_type_size(grid->type);
+    bool direct = is_direct(stream, grid->type);
+    void *scratch = direct ? NULL : iso_alloc(chunk * voxel_bytes(stream));
+    if (!direct && !scratch) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    iso_status status = ISO_OK;
+    for (size_t at = 0; at < count && status == ISO_OK; at += chunk) {
+        size_t voxels = count - at < chunk ? count - at : chunk;
+        char *target = (char *)grid->data + at * each, *place = direct ? target : scratch;
+        status = stream->fill(stream->context, place, voxels * voxel_bytes(stream), error);
+        if (status != ISO_OK) break;
+        iso_scalar_source source = {place, stream->scalar, stream->components, stream->component,
+                                    stream->swap};
+        iso_scalar_convert(&source, voxels, grid->type, target);
+        status = iso_format_progress(path, opts, (double)(at + voxels) / (double)count, error);
+    }
+    iso_free(scratch);
+    return status;
+}
+
+iso_status iso_format_read_stream(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                  const iso_format_stream *stream, iso_grid *grid, iso_error *error) {
+    iso_grid result = {0};
+    ISO_TRY(iso_format_create(path, info, NULL, &result, error));
+    iso_status status = fill_grid(path, opts, stream, result.rgrid, error);
+    if (status != ISO_OK) {
+        iso_grid_destroy(&result);
+        return status;
+    }
+    *grid = result;
+    return ISO_OK;
+}
+
+/* ---- text ---- */
+
+static bool is_between(int c, const char *separators) {
+    return isspace(c) || (*separators && c && strchr(separators, c));
+}
+
+/* Next word of at most 63 characters; false at the end, or when it is longer. */
+static bool next_word(FILE *file, const char *separators, char word[64]) {
+    int c = getc(file), length = 0;
+    while (c != EOF && is_between(c, separators)) c = getc(file);
+    while (c != EOF && !is_between(c, separators)) {
+        if (length == 63) return false;
+        word[length++] = (char)c;
+        c = getc(file);
+    }
+    word[length] = 0;
+    return length > 0;
+}
+
+static double clamp(double value, double lo, double hi) {
+    if (!(value > lo)) return lo;
+    return value < hi ? value : hi;
+}
+
+/* Through double: integers may be written as 3.0, and 64-bit ones become floats anyway. */
+static bool store_number(const char *word, iso_scalar scalar, void *place) {
+    char *end;
+    double value = strtod(word, &end);
+    if (end == word || *end) return false;
+#define STORE(type, result)                                                                                  \
+    do {                                                                                                     \
+        type number = (type)(result);                                                                        \
+        memcpy(place, &number, sizeof number);                                                               \
+        return true;                                                                                         \
+    } while (0)
+    switch (scalar) {
+    case ISO_SCALAR_UINT8:
+        STORE(uint8_t, clamp(value, 0, UINT8_MAX));
+    case ISO_SCALAR_INT8:
+        STORE(int8_t, clamp(value, INT8_MIN, INT8_MAX));
+    case ISO_SCALAR_UINT16:
+        STORE(uint16_t, clamp(value, 0, UINT16_MAX));
+    case ISO_SCALAR_INT16:
+        STORE(int16_t, clamp(value, INT16_MIN, INT16_MAX));
+    case ISO_SCALAR_UINT32:
+        STORE(uint32_t, clamp(value, 0, UINT32_MAX));
+    case ISO_SCALAR_INT32:
+        STORE(int32_t, clamp(value, INT32_MIN, INT32_MAX));
+    case ISO_SCALAR_UINT64: /* the largest double below 2^64 */
+        STORE(uint64_t, clamp(value, 0, 18446744073709549568.0));
+    case ISO_SCALAR_INT64:
+        STORE(int64_t, clamp(value, -9223372036854775808.0, 9223372036854774784.0));
+    case ISO_SCALAR_FLOAT: /* not through double, which would round twice */
+        STORE(float, strtof(word, NULL));
+    default:
+        STORE(double, value);
+    }
+#undef STORE
+}
+
+bool iso_format_read_numbers(FILE *file, const char *separators, iso_scalar scalar, size_t count,
+                             void *target) {
+    size_t size = iso_scalar_size(scalar);
+    char word[64];
+    for (size_t i = 0; i < count; i++)
+        if (!next_word(file, separators, word) || !store_number(word, scalar, (char *)target + i * size))
+            return false;
+    return true;
+}
+
+char *iso_format_beside(const char *header, const char *name) {
+    const char *slash = strrchr(header, '/');
+    if (name[0] == '/' || !slash) return strdup(name);
+    char *path = NULL;
+    if (asprintf(&path, "%.*s/%s", (int)(slash - header), header, name) < 0) return NULL;
+    return path;
+}

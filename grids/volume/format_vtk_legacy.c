@@ -1,0 +1,402 @@
+/* format_vtk_legacy: structured points in VTK's legacy format ("# vtk DataFile Version ..."), text or binary.
+ *
+ * Parsed here: VTK's reader returns a full-sized array also when the data ends early, and its header pass
+ * knows no FIELD arrays. One pass over the file notes every array of scalars with its place (binary data is
+ * skipped, text is counted), the chosen one is read in a second.
+ *
+ * The format ("VTK File Formats", The VTK User's Guide): keywords in any case, separated by blanks; binary
+ * numbers are big-endian and begin after the newline that ends their header; the world is the file's own. */
+#define _GNU_SOURCE
+#include <ctype.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "grids/volume/format.h"
+
+enum { MAX_ARRAYS = ISO_VOLUME_ITEMS, MAX_NAME = ISO_VOLUME_TEXT };
+
+typedef struct vtk_file {
+    const char *path;
+    FILE *stream;
+    uint64_t bytes; /* of the file */
+    bool binary;
+    uint64_t dims[3]; /* points */
+    double origin[3], spacing[3];
+    iso_format_array arrays[MAX_ARRAYS];
+    uint64_t positions[MAX_ARRAYS]; /* of their first numbers */
+    int array_count;
+    enum { NO_DATA, POINT_DATA, CELL_DATA } section;
+    uint64_t tuples;     /* of the section */
+    bool enough;         /* no need to look further */
+    iso_status complete; /* whether the scan came through, and if not why */
+    iso_error problem;
+} vtk_file;
+
+/* ---- words ---- */
+
+/* Next word, cut to MAX_NAME - 1 characters; false at the end. */
+static bool next_word(FILE *file, char word[MAX_NAME]) {
+    int c = getc(file), length = 0;
+    while (c != EOF && isspace(c)) c = getc(file);
+    while (c != EOF && !isspace(c)) {
+        if (length < MAX_NAME - 1) word[length++] = (char)c;
+        c = getc(file);
+    }
+    if (c != EOF) ungetc(c, file);
+    word[length] = 0;
+    return length > 0;
+}
+
+static void skip_line(FILE *file) {
+    int c;
+    do c = getc(file);
+    while (c != EOF && c != '\n');
+}
+
+static bool word_is(const char *word, const char *wanted) {
+    return strcasecmp(word, wanted) == 0;
+}
+
+static iso_status bad(vtk_file *f, const char *what) {
+    return iso_fail(&f->problem, ISO_ERR_FORMAT, "%s: not a readable VTK file: %s", f->path, what);
+}
+
+static iso_status ends(vtk_file *f, const char *where) {
+    return iso_fail(&f->problem, ISO_ERR_IO, "%s: truncated: the file ends in %s", f->path, where);
+}
+
+static iso_status read_size(vtk_file *f, uint64_t *size) {
+    char word[MAX_NAME];
+    if (!next_word(f->stream, word)) return ends(f, "its header");
+    char *end;
+    errno = 0;
+    long long value = strtoll(word, &end, 10);
+    if (errno || *end || value < 0) {
+        char text[80];
+        snprintf(text, sizeof text, "a count of %.40s is not possible", word);
+        return bad(f, text);
+    }
+    *size = (uint64_t)value;
+    return ISO_OK;
+}
+
+static iso_status read_doubles(vtk_file *f, double numbers[3]) {
+    char word[MAX_NAME];
+    for (int i = 0; i < 3; i++) {
+        if (!next_word(f->stream, word)) return ends(f, "its header");
+        char *end;
+        numbers[i] = strtod(word, &end);
+        if (*end) return bad(f, "a coordinate is not a number");
+    }
+    return ISO_OK;
+}
+
+static bool scalar_of(const char *word, iso_scalar *scalar) {
+    static const struct {
+        const char *name;
+        iso_scalar scalar;
+    } types[] = {{"unsigned_char", ISO_SCALAR_UINT8},
+                 {"char", ISO_SCALAR_INT8},
+                 {"signed_char", ISO_SCALAR_INT8},
+                 {"unsigned_short", ISO_SCALAR_UINT16},
+                 {"short", ISO_SCALAR_INT16},
+                 {"unsigned_int", ISO_SCALAR_UINT32},
+                 {"int", ISO_SCALAR_INT32},
+                 {"unsigned_long", ISO_SCALAR_UINT64},
+                 {"long", ISO_SCALAR_INT64},
+                 {"vtktypeint64", ISO_SCALAR_INT64},
+                 {"vtktypeuint64", ISO_SCALAR_UINT64},
+                 {"unsigned_long_long", ISO_SCALAR_UINT64},
+                 {"long_long", ISO_SCALAR_INT64},
+                 {"vtkidtype", ISO_SCALAR_INT32},
+                 {"float", ISO_SCALAR_FLOAT},
+                 {"double", ISO_SCALAR_DOUBLE}};
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        if (!word_is(word, types[i].name)) continue;
+        *scalar = types[i].scalar;
+        return true;
+    }
+    return false;
+}
+
+static iso_status read_type(vtk_file *f, iso_scalar *scalar) {
+    char word[MAX_NAME], text[128];
+    if (!next_word(f->stream, word)) return ends(f, "its header");
+    if (scalar_of(word, scalar)) return ISO_OK;
+    snprintf(text, sizeof text, "values of type %.80s", word);
+    return bad(f, text);
+}
+
+/* ---- arrays ---- */
+
+/* Passes over the numbers of an array. */
+static iso_status skip_numbers(vtk_file *f, iso_scalar scalar, uint64_t count) {
+    char word[MAX_NAME];
+    if (f->binary) {
+        uint64_t at = (uint64_t)ftello(f->stream), wanted;
+        if (__builtin_mul_overflow(count, iso_scalar_size(scalar), &wanted) || wanted > INT64_MAX - at)
+            return ends(f, "an array that is larger than any file");
+        if (at > f->bytes || f->bytes - at < wanted)
+            return iso_format_truncated(f->path, f->bytes, at + wanted, &f->problem);
+        if (fseeko(f->stream, (off_t)wanted, SEEK_CUR) != 0) return ends(f, "an array");
+        return ISO_OK;
+    }
+    for (uint64_t i = 0; i < count; i++)
+        if (!next_word(f->stream, word)) return ends(f, "an array");
+    return ISO_OK;
+}
+
+/* Notes an array whose header was just read, and passes over it. */
+static iso_status add_array(vtk_file *f, const iso_format_array *array) {
+    if (f->binary) skip_line(f->stream);
+    uint64_t count;
+    if (array->components < 1 || __builtin_mul_overflow(array->components, array->tuples, &count))
+        return bad(f, "an array has an impossible size");
+    if (f->section != NO_DATA && f->array_count < MAX_ARRAYS) {
+        f->positions[f->array_count] = (uint64_t)ftello(f->stream);
+        f->arrays[f->array_count] = *array;
+        f->arrays[f->array_count++].cells = f->section == CELL_DATA;
+        /* VTK, too, takes the first SCALARS; counting words of text to look further costs seconds. */
+        f->enough = !f->binary && array->active && f->section == POINT_DATA;
+    }
+    return f->enough ? ISO_OK : skip_numbers(f, array->scalar, count);
+}
+
+/* SCALARS name type [components] LOOKUP_TABLE name */
+static iso_status take_scalars(vtk_file *f) {
+    iso_format_array array = {.tuples = f->tuples, .components = 1, .active = true};
+    char line[MAX_NAME], word[MAX_NAME];
+    if (!next_word(f->stream, array.name)) return ends(f, "its header");
+    ISO_TRY(read_type(f, &array.scalar));
+    if (!fgets(line, sizeof line, f->stream)) return ends(f, "its header");
+    char *end;
+    long components = strtol(line, &end, 10);
+    if (end != line) array.components = components > 0 ? (uint64_t)components : 0;
+    if (end[strspn(end, " \t\r\n")]) return bad(f, "the number of components is not a whole number");
+    if (!next_word(f->stream, word)) return ends(f, "its header");
+    if (!word_is(word, "LOOKUP_TABLE")) return bad(f, "scalars without LOOKUP_TABLE");
+    if (!next_word(f->stream, word)) return ends(f, "its header");
+    return add_array(f, &array);
+}
+
+/* COLOR_SCALARS name components: bytes, or as text fractions of 1. */
+static iso_status take_colors(vtk_file *f) {
+    iso_format_array array = {.tuples = f->tuples, .active = true};
+    if (!next_word(f->stream, array.name)) return ends(f, "its header");
+    ISO_TRY(read_size(f, &array.components));
+    array.scalar = f->binary ? ISO_SCALAR_UINT8 : ISO_SCALAR_FLOAT;
+    return add_array(f, &array);
+}
+
+/* VECTORS and the like: name type, a fixed number of components; TEXTURE_COORDINATES says it (0 here). */
+static iso_status take_tuples(vtk_file *f, uint64_t components) {
+    iso_format_array array = {.tuples = f->tuples, .components = components};
+    if (!next_word(f->stream, array.name)) return ends(f, "its header");
+    if (components == 0) ISO_TRY(read_size(f, &array.components));
+    ISO_TRY(read_type(f, &array.scalar));
+    return add_array(f, &array);
+}
+
+/* FIELD name count, and so often: name components tuples type */
+static iso_status take_field(vtk_file *f) {
+    char word[MAX_NAME];
+    uint64_t count = 0;
+    if (!next_word(f->stream, word)) return ends(f, "its header");
+    ISO_TRY(read_size(f, &count));
+    for (uint64_t i = 0; i < count && !f->enough; i++) {
+        iso_format_array array = {0};
+        if (!next_word(f->stream, array.name)) return ends(f, "its header");
+        ISO_TRY(read_size(f, &array.components));
+        ISO_TRY(read_size(f, &array.tuples));
+        ISO_TRY(read_type(f, &array.scalar));
+        if (array.components == 0 || array.tuples == 0) {
+            if (f->binary) skip_line(f->stream);
+            continue;
+        }
+        ISO_TRY(add_array(f, &array));
+    }
+    return ISO_OK;
+}
+
+/* LOOKUP_TABLE name size: colours, bytes or as text floats. */
+static iso_status skip_table(vtk_file *f) {
+    char word[MAX_NAME];
+    uint64_t size = 0, numbers;
+    if (!next_word(f->stream, word)) return ends(f, "its header");
+    ISO_TRY(read_size(f, &size));
+    if (__builtin_mul_overflow(size, 4, &numbers)) return bad(f, "a table of impossible size");
+    if (f->binary) skip_line(f->stream);
+    return skip_numbers(f, ISO_SCALAR_UINT8, numbers);
+}
+
+/* METADATA: lines up to an empty one. */
+static iso_status skip_metadata(vtk_file *f) {
+    char line[MAX_NAME];
+    skip_line(f->stream);
+    while (fgets(line, sizeof line, f->stream))
+        if (line[strspn(line, " \t\r\n")] == 0) break;
+    return ISO_OK;
+}
+
+/* ---- header ---- */
+
+static iso_status take_dataset(vtk_file *f) {
+    char word[MAX_NAME];
+    if (!next_word(f->stream, word)) return ends(f, "its header");
+    if (word_is(word, "STRUCTURED_POINTS")) return ISO_OK;
+    return iso_fail(&f->problem, ISO_ERR_FORMAT, "%s: holds a %.80s, not an image", f->path, word);
+}
+
+static iso_status take_extent(vtk_file *f) {
+    double from_to[6];
+    ISO_TRY(read_doubles(f, from_to));
+    ISO_TRY(read_doubles(f, from_to + 3));
+    for (int i = 0; i < 3; i++) {
+        double points = from_to[2 * i + 1] - from_to[2 * i] + 1;
+        if (!(points >= 1 && points <= INT_MAX)) return bad(f, "an empty extent");
+        f->dims[i] = (uint64_t)points;
+    }
+    return ISO_OK;
+}
+
+static iso_status take_section(vtk_file *f, bool cells) {
+    f->section = cells ? CELL_DATA : POINT_DATA;
+    return read_size(f, &f->tuples);
+}
+
+static iso_status take_keyword(vtk_file *f, const char *word) {
+    if (word_is(word, "DATASET")) return take_dataset(f);
+    if (word_is(word, "DIMENSIONS")) {
+        for (int i = 0; i < 3; i++) ISO_TRY(read_size(f, &f->dims[i]));
+        return ISO_OK;
+    }
+    if (word_is(word, "EXTENT")) return take_extent(f);
+    if (word_is(word, "ORIGIN")) return read_doubles(f, f->origin);
+    if (word_is(word, "SPACING") || word_is(word, "ASPECT_RATIO")) return read_doubles(f, f->spacing);
+    if (word_is(word, "POINT_DATA")) return take_section(f, false);
+    if (word_is(word, "CELL_DATA")) return take_section(f, true);
+    if (word_is(word, "FIELD")) return take_field(f);
+    if (word_is(word, "METADATA")) return skip_metadata(f);
+    if (f->section == NO_DATA) return bad(f, "an unknown word in its header");
+    if (word_is(word, "SCALARS")) return take_scalars(f);
+    if (word_is(word, "COLOR_SCALARS")) return take_colors(f);
+    if (word_is(word, "LOOKUP_TABLE")) return skip_table(f);
+    if (word_is(word, "VECTORS") || word_is(word, "NORMALS")) return take_tuples(f, 3);
+    if (word_is(word, "TEXTURE_COORDINATES")) return take_tuples(f, 0);
+    if (word_is(word, "TENSORS")) return take_tuples(f, 9);
+    if (word_is(word, "TENSORS6")) return take_tuples(f, 6);
+    if (word_is(word, "GLOBAL_IDS") || word_is(word, "PEDIGREE_IDS")) return take_tuples(f, 1);
+    return bad(f, "an unknown kind of array");
+}
+
+static iso_status scan(vtk_file *f) {
+    char word[MAX_NAME];
+    const char magic[] = "# vtk DataFile";
+    if (fread(word, 1, sizeof magic - 1, f->stream) != sizeof magic - 1 ||
+        memcmp(word, magic, sizeof magic - 1) != 0)
+        return bad(f, "it does not begin with '# vtk DataFile'");
+    skip_line(f->stream);
+    skip_line(f->stream); /* the title */
+    if (!next_word(f->stream, word)) return ends(f, "its header");
+    f->binary = word_is(word, "BINARY");
+    if (!f->binary && !word_is(word, "ASCII")) return bad(f, "neither ASCII nor BINARY");
+    while (!f->enough && next_word(f->stream, word)) ISO_TRY(take_keyword(f, word));
+    return f->array_count ? ISO_OK : ends(f, "its header");
+}
+
+/* The stream stays open for read_array. A header can be told of a file that is too short to be read, or that
+ * holds something strange behind its arrays. */
+static iso_status open_vtk(const char *path, vtk_file *f, iso_error *error) {
+    *f = (vtk_file){.path = path, .spacing = {1, 1, 1}};
+    ISO_TRY(iso_format_open(path, &f->stream, &f->bytes, error));
+    f->complete = scan(f);
+    if (f->complete == ISO_OK || f->array_count) return ISO_OK;
+    fclose(f->stream);
+    return iso_fail(error, f->complete, "%s", f->problem.text);
+}
+
+static iso_status describe(const vtk_file *f, const iso_volume_opts *opts, iso_volume_info *info, int *chosen,
+                           iso_error *error) {
+    for (int i = 0; i < 3; i++) {
+        double step = f->spacing[i];
+        info->transform.spacing[i] = step < 0 ? -step : step;
+        info->transform.direction[4 * i] = step < 0 ? -1 : 1;
+        info->transform.origin[i] = f->origin[i];
+    }
+    iso_format_image image = {{f->dims[0], f->dims[1], f->dims[2]}, f->arrays, f->array_count};
+    ISO_TRY(iso_format_dims(f->path, f->dims, info, error));
+    return iso_format_take_array(f->path, opts, &image, info, chosen, error);
+}
+
+static iso_format_stream stream_of(const vtk_file *f, int chosen, int component) {
+    const iso_format_array *array = &f->arrays[chosen];
+    bool swap = f->binary && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
+    return (iso_format_stream){
+        .scalar = array->scalar, .components = (int)array->components, .component = component, .swap = swap};
+}
+
+static iso_status vtk_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                           iso_error *error) {
+    vtk_file f;
+    ISO_TRY(open_vtk(path, &f, error));
+    int chosen = 0;
+    iso_status status = describe(&f, opts, info, &chosen, error);
+    fclose(f.stream);
+    ISO_TRY(status);
+    iso_format_stream stream = stream_of(&f, chosen, info->component);
+    iso_format_stream_room(&stream, info);
+    return ISO_OK;
+}
+
+/* ---- voxels ---- */
+
+typedef struct source {
+    vtk_file *file;
+    iso_scalar scalar;
+} source;
+
+static iso_status fill(void *context, void *target, size_t bytes, iso_error *error) {
+    const source *s = context;
+    FILE *stream = s->file->stream;
+    bool complete = s->file->binary ? fread(target, 1, bytes, stream) == bytes
+                                    : iso_format_read_numbers(stream, "", s->scalar,
+                                                              bytes / iso_scalar_size(s->scalar), target);
+    if (complete) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: truncated: %s in its array", s->file->path,
+                    feof(stream) ? "the file ends" : "something else than a number stands");
+}
+
+static iso_status read_array(vtk_file *f, const iso_volume_opts *opts, const iso_volume_info *info,
+                             iso_grid *grid, iso_error *error) {
+    iso_volume_info now = {.transform = iso_transform_identity()};
+    int chosen = 0;
+    ISO_TRY(describe(f, opts, &now, &chosen, error));
+    bool same = now.type == info->type && now.component == info->component;
+    for (int i = 0; i < 3; i++) same = same && now.dims[i] == info->dims[i];
+    if (!same) return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", f->path);
+    if (fseeko(f->stream, (off_t)f->positions[chosen], SEEK_SET) != 0)
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", f->path, strerror(errno));
+    iso_format_stream stream = stream_of(f, chosen, info->component);
+    source from = {f, stream.scalar};
+    stream.fill = fill;
+    stream.context = &from;
+    return iso_format_read_stream(f->path, opts, info, &stream, grid, error);
+}
+
+static iso_status vtk_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                           iso_grid *grid, iso_error *error) {
+    vtk_file f;
+    ISO_TRY(open_vtk(path, &f, error));
+    iso_status status = f.complete;
+    if (status == ISO_ERR_IO)
+        iso_fail(error, status, "%s", f.problem.text);
+    else
+        status = read_array(&f, opts, info, grid, error);
+    fclose(f.stream);
+    return status;
+}
+
+const iso_format iso_format_vtk = {"vtk", "isopoint", NULL, vtk_info, vtk_read};

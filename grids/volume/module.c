@@ -1,0 +1,78 @@
+#define _GNU_SOURCE
+#include "grids/volume/module.h"
+
+#include <dlfcn.h>
+#include <limits.h>
+#include <link.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { FOLDERS = 2 };
+
+typedef struct folders {
+    char path[FOLDERS][PATH_MAX];
+    int count;
+} folders;
+
+/* Whether a path ends in /name. */
+static bool is_called(const char *path, const char *name) {
+    size_t length = strlen(path), tail = strlen(name);
+    return length > tail && path[length - tail - 1] == '/' && strcmp(path + length - tail, name) == 0;
+}
+
+/* Beside the shared library that this code is in, or as far from the program as when both were installed. A
+ * program in any other folder has none: what lies around it may be anyone's. */
+static bool relative_folder(char folder[PATH_MAX]) {
+    static const char here = 0;
+    Dl_info info;
+    void *found = NULL;
+    if (!dladdr1(&here, &info, &found, RTLD_DL_LINKMAP) || !found) return false;
+    const struct link_map *image = found;
+    bool program = !*image->l_name; /* the dynamic linker has no name for it */
+    char own[PATH_MAX];
+    if (!realpath(program ? "/proc/self/exe" : image->l_name, own)) return false;
+    *strrchr(own, '/') = 0;
+    if (program && !is_called(own, ISO_PROGRAMS)) return false;
+    return snprintf(folder, PATH_MAX, "%s/%s", own, program ? ISO_MODULES_FROM_PROGRAM : "isopoint") <
+           PATH_MAX;
+}
+
+static void find_folders(folders *all) {
+    const char *wanted = secure_getenv("ISO_MODULE_PATH");
+    if (!wanted || !*wanted) {
+        if (relative_folder(all->path[0])) all->count = 1;
+        wanted = ISO_MODULES_INSTALLED;
+    }
+    if (snprintf(all->path[all->count], PATH_MAX, "%s", wanted) < PATH_MAX) all->count++;
+}
+
+static iso_status load_file(const char *path, const char *file, const char *library,
+                            const iso_module **module, iso_error *error) {
+    void *handle = dlopen(file, RTLD_NOW | RTLD_LOCAL);
+    if (!handle)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: the %s reader cannot be loaded: %s", path, library,
+                        dlerror());
+    const iso_module *found = dlsym(handle, "iso_module_table");
+    if (!found || found->abi != ISO_MODULE_ABI || strcmp(found->version, ISO_VERSION) != 0)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                        "%s: the %s reader (%s) belongs to another version of isopoint", path, library, file);
+    *module = found;
+    return ISO_OK;
+}
+
+iso_status iso_module_load(const char *path, const char *name, const char *library, const iso_module **module,
+                           iso_error *error) {
+    folders all = {.count = 0};
+    find_folders(&all);
+    for (int i = 0; i < all.count; i++) {
+        char file[PATH_MAX + 64];
+        snprintf(file, sizeof file, "%s/libisopoint-%s.so", all.path[i], name);
+        if (access(file, F_OK) == 0) return load_file(path, file, library, module, error);
+    }
+    return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                    "%s: the %s reader (libisopoint-%s.so) is not installed: not in %s%s%s", path, library,
+                    name, all.count > 0 ? all.path[0] : "any folder", all.count > 1 ? " or " : "",
+                    all.count > 1 ? all.path[1] : "");
+}

@@ -1,0 +1,104 @@
+/* nrrd: the header of an NRRD file, and the bytes of its array. For grids/volume/format_nrrd.c and its tests.
+ *
+ * The format: https://teem.sourceforge.net/nrrd/format.html. A header is a magic line and then lines "field:
+ * value", "key:=value" and "# comment", up to an empty line, after which the array follows unless `data file`
+ * names where it is. Everything in it is checked here before it is used. */
+#ifndef ISO_GRIDS_NRRD_H
+#define ISO_GRIDS_NRRD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "grids/volume/format.h"
+
+/* ---- header ---- */
+
+enum {
+    ISO_NRRD_AXES = 16,                /* as many as the format allows */
+    ISO_NRRD_SPACE = 8,                /* dimensions of the space around the array */
+    ISO_NRRD_HEADER_BYTES = 256 << 10, /* longest header, without the file names after LIST */
+    ISO_NRRD_NAME = 4096               /* longest file name and its end */
+};
+
+typedef enum iso_nrrd_encoding {
+    ISO_NRRD_RAW,
+    ISO_NRRD_TEXT,
+    ISO_NRRD_HEX,
+    ISO_NRRD_GZIP,
+    ISO_NRRD_BZIP2,
+    ISO_NRRD_ZRL /* run lengths of zeros */
+} iso_nrrd_encoding;
+
+/* Numbers that the header does not give are NaN. */
+typedef struct iso_nrrd_axis {
+    uint64_t size;
+    double spacing, thickness, min, max;
+    double direction[ISO_NRRD_SPACE]; /* from one sample to the next */
+    double unit_mm;                   /* of spacing, thickness, min and max */
+    bool has_unit;
+    bool node_centered; /* samples lie at the ends of the range min .. max, not within */
+    bool other;         /* by its kind not an axis of space: a list, a vector, colours, time */
+    unsigned kind_size; /* that its kind demands; 0: any */
+} iso_nrrd_axis;
+
+/* Where the array is. */
+typedef enum iso_nrrd_place {
+    ISO_NRRD_ATTACHED,  /* after the header */
+    ISO_NRRD_FILE,      /* in the file `name` */
+    ISO_NRRD_LIST,      /* in files whose names follow the header, a line each */
+    ISO_NRRD_SKIP_LIST, /* the same, each name after a number of bytes to skip and a space */
+    ISO_NRRD_PATTERN    /* in files whose names are `name` with a number in place of its %d */
+} iso_nrrd_place;
+
+typedef struct iso_nrrd_header {
+    unsigned dim;
+    iso_nrrd_axis axis[ISO_NRRD_AXES]; /* the first one varies fastest */
+    iso_scalar scalar;
+    iso_nrrd_encoding encoding;
+    bool swap; /* the array has the other byte order than this machine */
+
+    unsigned space_dim;
+    double space_sign[3]; /* 1 or -1: takes the first three axes of the space to LPS */
+    bool anatomical;      /* the space's axes are a patient's */
+    double space_origin[ISO_NRRD_SPACE], space_unit_mm[ISO_NRRD_SPACE];
+
+    iso_nrrd_place place;
+    char name[ISO_NRRD_NAME];
+    int64_t first, last, step; /* numbers in names, step is not 0 and leads from first to last */
+    unsigned file_dim;         /* axes in each of several files; dim: each has a part of the last axis */
+    int64_t byte_skip;         /* -1 - n: the array ends n bytes before the file's end */
+    uint64_t line_skip;        /* lines before that */
+    uint64_t after;            /* position in the file behind the header: the array, or the names of a list */
+} iso_nrrd_header;
+
+/* Parses the first `count` bytes of the file `path`, which is `whole` with them. Writes into `text`, which
+ * needs room for one byte more. ISO_ERR_FORMAT says which line is wrong. */
+iso_status iso_nrrd_header_parse(const char *path, char *text, size_t count, bool whole,
+                                 iso_nrrd_header *header, iso_error *error);
+
+iso_status iso_nrrd_header_read(const char *path, iso_nrrd_header *header, iso_error *error);
+
+/* Bytes of the whole array; UINT64_MAX when that is more than 63 bits can say. */
+uint64_t iso_nrrd_bytes(const iso_nrrd_header *header);
+
+/* ---- data ---- */
+
+/* Decoded bytes of the array in order, from all its files, in the header's byte order (in this machine's for
+ * ISO_NRRD_TEXT). One thread at a time. */
+typedef struct iso_nrrd_data iso_nrrd_data;
+
+/* Opens the first file; raw data must be there in full. path and header are borrowed until
+ * iso_nrrd_data_close. */
+iso_status iso_nrrd_data_open(const char *path, const iso_nrrd_header *header, iso_nrrd_data **data,
+                              iso_error *error);
+/* Adds the data files that the header names to the set, up to the first one that is not there. */
+void iso_nrrd_data_list(const char *path, const iso_nrrd_header *header, iso_file_set *files);
+
+/* Fills or passes over `bytes` bytes, whole numbers of values; ISO_ERR_IO names the file that failed. A
+ * compressed file's checksums are looked at when its last byte is read. */
+iso_status iso_nrrd_data_fill(void *data, void *target, size_t bytes, iso_error *error);
+iso_status iso_nrrd_data_skip(iso_nrrd_data *data, uint64_t bytes, iso_error *error);
+void iso_nrrd_data_close(iso_nrrd_data *data);
+
+#endif

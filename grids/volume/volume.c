@@ -1,0 +1,413 @@
+#define _GNU_SOURCE
+#include "grids/volume/volume.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "base/memory.h"
+#include "base/text.h"
+#include "grids/brick_index.h"
+#include "grids/volume/format.h"
+#include "grids/volume/module.h"
+
+/* ---- which format ---- */
+
+/* Their readers are modules: the libraries take tens of milliseconds and megabytes before they read a byte.
+ */
+static const iso_format format_vti = {.name = "vti", .library = "VTK", .module = "vti"};
+static const iso_format format_vdb = {.name = "vdb", .library = "OpenVDB", .module = "vdb"};
+
+static const struct {
+    const char *suffix;
+    const iso_format *format;
+} suffixes[] = {
+    {".vti", &format_vti},       {".vtk", &iso_format_vtk},       {".nrrd", &iso_format_nrrd},
+    {".nhdr", &iso_format_nrrd}, {".mha", &iso_format_metaimage}, {".mhd", &iso_format_metaimage},
+    {".nii", &iso_format_nifti}, {".nii.gz", &iso_format_nifti},  {".hdr", &iso_format_nifti},
+    {".img", &iso_format_nifti}, {".hdr.gz", &iso_format_nifti},  {".img.gz", &iso_format_nifti},
+    {".dcm", &iso_format_dicom}, {".dicom", &iso_format_dicom},   {".ima", &iso_format_dicom},
+    {".vdb", &format_vdb},
+};
+
+static bool ends_with(const char *text, const char *suffix) {
+    size_t length = strlen(text), tail = strlen(suffix);
+    return length > tail && strcasecmp(text + length - tail, suffix) == 0;
+}
+
+static const iso_format *format_of_name(const char *path) {
+    for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++)
+        if (ends_with(path, suffixes[i].suffix)) return suffixes[i].format;
+    return NULL;
+}
+
+/* The beginning of a file: long enough for every magic number below. */
+typedef struct head {
+    char bytes[1024];
+    size_t count;
+} head;
+
+static bool has_at(const head *h, size_t offset, const void *magic, size_t length) {
+    return h->count >= offset + length && memcmp(h->bytes + offset, magic, length) == 0;
+}
+
+/* A NIfTI or ANALYZE header begins with its own size, in either byte order. */
+static bool is_nifti(const head *h) {
+    static const char sizes[4][4] = {
+        {0x5c, 1, 0, 0}, {0, 0, 1, 0x5c}, {0x1c, 2, 0, 0}, {0, 0, 2, 0x1c} /* 348 and 540 */
+    };
+    for (int i = 0; i < 4; i++)
+        if (has_at(h, 0, sizes[i], 4)) return true;
+    return false;
+}
+
+/* MetaIO has no magic number: a text of "Key = value" lines that must hold NDims. */
+static bool is_metaimage(const head *h) {
+    char text[sizeof h->bytes + 1];
+    memcpy(text, h->bytes, h->count);
+    text[h->count] = 0;
+    if (strlen(text) < h->count && !strstr(text, "ElementDataFile")) return false;
+    if (strncmp(text, "ObjectType", 10) == 0) return strchr(text, '=') != NULL;
+    for (const char *at = text; (at = strstr(at, "NDims")); at += 5)
+        if ((at == text || at[-1] == '\n') && at[5 + strspn(at + 5, " \t")] == '=') return true;
+    return false;
+}
+
+static bool is_xml_vtk(const head *h) {
+    return memmem(h->bytes, h->count, "<VTKFile", 8) != NULL;
+}
+
+/* What the content says outweighs the name. */
+static const iso_format *format_of_content(const head *h) {
+    if (has_at(h, 0, "NRRD", 4)) return &iso_format_nrrd;
+    if (has_at(h, 0, "# vtk DataFile", 14)) return &iso_format_vtk;
+    if (has_at(h, 0, " BDV\0\0\0\0", 8)) return &format_vdb;
+    if (has_at(h, 128, "DICM", 4)) return &iso_format_dicom;
+    if (is_nifti(h) || has_at(h, 0, "\x1f\x8b", 2)) return &iso_format_nifti;
+    if (is_xml_vtk(h)) return &format_vti;
+    return is_metaimage(h) ? &iso_format_metaimage : NULL;
+}
+
+const char *iso_volume_format(const void *bytes, size_t count) {
+    head h = {.count = count < sizeof h.bytes ? count : sizeof h.bytes};
+    memcpy(h.bytes, bytes, h.count);
+    const iso_format *format = format_of_content(&h);
+    return format ? format->name : NULL;
+}
+
+static iso_status read_head(const char *path, head *h, iso_error *error) {
+    FILE *file = fopen(path, "rb");
+    if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    h->count = fread(h->bytes, 1, sizeof h->bytes, file);
+    int failed = ferror(file), code = errno;
+    fclose(file);
+    if (failed) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(code));
+    if (h->count == 0) return iso_fail(error, ISO_ERR_IO, "%s: the file is empty", path);
+    return ISO_OK;
+}
+
+/* What is asked for: the caller's options, and the layout in which a raw file is read though they give none.
+ */
+typedef struct request {
+    iso_volume_opts opts;
+    iso_raw_layout guessed;
+    bool is_guessed;
+} request;
+
+static const iso_format *format_of_file(const char *path, const head *h) {
+    const iso_format *format = format_of_content(h);
+    return format ? format : format_of_name(path);
+}
+
+/* A file that no reader knows, or that is called .raw, may tell its layout by its name; its size must agree.
+ */
+static iso_status guess_raw(const char *path, uint64_t bytes, request *r, const iso_format **format,
+                            iso_error *error) {
+    if (*format && !ends_with(path, ".raw")) return ISO_OK;
+    if (!iso_raw_layout_of_name(path, &r->guessed)) return ISO_OK;
+    uint64_t wanted = iso_raw_layout_bytes(&r->guessed);
+    r->is_guessed = bytes == wanted;
+    if (r->is_guessed) {
+        r->opts.raw = &r->guessed;
+        *format = &iso_format_raw;
+    }
+    if (*format) return ISO_OK;
+    const int *dims = r->guessed.dims;
+    return iso_fail(
+        error, ISO_ERR_FORMAT,
+        "%s: has %llu bytes, but %dx%dx%d %s, as its name says, are %llu: give its layout (--raw)", path,
+        (unsigned long long)bytes, dims[0], dims[1], dims[2], iso_type_name(r->guessed.type),
+        (unsigned long long)wanted);
+}
+
+static iso_status find_format(const char *path, request *r, const iso_format **format, iso_error *error) {
+    struct stat status;
+    if (stat(path, &status) != 0)
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    if (S_ISDIR(status.st_mode)) {
+        *format = &iso_format_dicom;
+        if (r->opts.raw) return iso_fail(error, ISO_ERR_IO, "%s: is a folder, not a raw file", path);
+        return ISO_OK;
+    }
+    if (!S_ISREG(status.st_mode)) return iso_fail(error, ISO_ERR_IO, "%s: not a file or a folder", path);
+    head h;
+    ISO_TRY(read_head(path, &h, error));
+    *format = r->opts.raw ? &iso_format_raw : format_of_file(path, &h);
+    if (!r->opts.raw) ISO_TRY(guess_raw(path, (uint64_t)status.st_size, r, format, error));
+    if (*format) return ISO_OK;
+    if (ends_with(path, ".raw"))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: raw data needs a layout (--raw WxHxD:TYPE)", path);
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a volume that isopoint can read", path);
+}
+
+/* ---- header ---- */
+
+static iso_status check_spacing(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                                iso_error *error) {
+    double *spacing = info->transform.spacing;
+    for (int i = 0; i < 3; i++) {
+        if (opts->spacing[i] != 0 && !(opts->spacing[i] > 0 && opts->spacing[i] < HUGE_VAL))
+            return iso_fail(error, ISO_ERR_USAGE, "%s: a spacing of %g is not possible", path,
+                            opts->spacing[i]);
+        if (opts->spacing[i] > 0) spacing[i] = opts->spacing[i];
+    }
+    if (opts->spacing[0] + opts->spacing[1] + opts->spacing[2] > 0 && info->sparse &&
+        (spacing[0] != spacing[1] || spacing[0] != spacing[2]))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a sparse level set needs the same spacing on every axis",
+                        path);
+    return ISO_OK;
+}
+
+/* Positions in double precision have 16 digits. Between a volume's voxels and its farthest corner there may
+ * be 12 of them, so that thousands of steps are left within a voxel; and the areas and volumes of voxels must
+ * be numbers. A surface of voxels that are a million times longer than wide is a line in every picture. */
+static const double farthest = 1e12, finest = 1e-12, smallest_voxel = 1e-15, thinnest = 1e-6;
+
+/* The largest coordinate of the box of voxels, in mm. */
+static double reach_of(const iso_volume_info *info) {
+    const iso_transform *t = &info->transform;
+    double reach = 0;
+    for (int row = 0; row < 3; row++) {
+        double lo = t->origin[row], hi = lo;
+        for (int axis = 0; axis < 3; axis++) {
+            double step = t->direction[3 * row + axis] * t->spacing[axis] * (info->dims[axis] - 1);
+            *(step < 0 ? &lo : &hi) += step;
+        }
+        reach = fmax(reach, fmax(fabs(lo), fabs(hi)));
+    }
+    return reach;
+}
+
+static iso_status check_reach(const char *path, const iso_volume_info *info, iso_error *error) {
+    const double *s = info->transform.spacing;
+    const double small = fmin(s[0], fmin(s[1], s[2])), large = fmax(s[0], fmax(s[1], s[2]));
+    const double reach = reach_of(info);
+    if (!(reach <= farthest && large <= farthest))
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: its voxels lie up to %g mm from the origin, more than %g is not possible", path,
+                        fmax(reach, large), farthest);
+    if (!(small >= smallest_voxel))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: a spacing of %g mm is too small, at least %g is needed",
+                        path, small, smallest_voxel);
+    if (!(small >= thinnest * large))
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: its spacings, %g and %g mm, differ by more than a million times", path, small,
+                        large);
+    if (!(small >= finest * reach))
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: voxels of %g mm that lie up to %g mm from the origin cannot be told apart", path,
+                        small, reach);
+    return ISO_OK;
+}
+
+static iso_status check_geometry(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                                 iso_error *error) {
+    iso_transform *t = &info->transform;
+    ISO_TRY(check_spacing(path, opts, info, error));
+    for (int i = 0; i < 9; i++) {
+        t->direction[i] += 0.0; /* never -0 */
+        if (!isfinite(t->direction[i]))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: the directions of its axes are not numbers", path);
+    }
+    for (int i = 0; i < 3; i++) {
+        double *d = t->direction + i, length = sqrt(d[0] * d[0] + d[3] * d[3] + d[6] * d[6]);
+        if (!(length >= thinnest && length <= 1 / thinnest))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: a direction of length %g is not possible", path,
+                            length);
+        t->origin[i] += 0.0;
+        if (!isfinite(t->origin[i]))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: an origin of %g is not possible", path, t->origin[i]);
+        if (!(t->spacing[i] > 0 && isfinite(t->spacing[i])))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: a spacing of %g is not possible", path,
+                            t->spacing[i]);
+    }
+    ISO_TRY(check_reach(path, info, error));
+    if (iso_transform_is_singular(t))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: the axes' directions do not span space", path);
+    return ISO_OK;
+}
+
+/* What integers are scaled by and shifted by must leave them different numbers, that fit in a float. */
+static iso_status check_scale(const char *path, const iso_volume_info *info, iso_error *error) {
+    const double most = 1e30, span = info->type == ISO_FLOAT32 ? HUGE_VAL : info->scale * 65536;
+    if (!(info->scale >= 1 / most && info->scale <= most && fabs(info->offset) <= most))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: values cannot be scaled by %g and shifted by %g", path,
+                        info->scale, info->offset);
+    if (!(fabs(info->offset) <= span / finest))
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: values that are scaled by %g and shifted by %g cannot be told apart", path,
+                        info->scale, info->offset);
+    return ISO_OK;
+}
+
+/* The index of bricks is made when the reader has given back what it needed beside the grid. */
+static void count_index(iso_volume_info *info) {
+    uint64_t bytes = info->bytes;
+    if (!info->sparse && __builtin_add_overflow(bytes, iso_brick_index_estimate(info->dims), &bytes))
+        bytes = UINT64_MAX;
+    if (info->read_bytes < bytes) info->read_bytes = bytes;
+}
+
+static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                             iso_error *error) {
+    uint64_t dims[3];
+    for (int i = 0; i < 3; i++) dims[i] = info->dims[i] < 0 ? 0 : (uint64_t)info->dims[i];
+    ISO_TRY(iso_format_dims(path, dims, info, error));
+    ISO_TRY(check_geometry(path, opts, info, error));
+    ISO_TRY(check_scale(path, info, error));
+    if (info->bytes == 0) info->bytes = iso_format_size(info->dims, iso_type_size(info->type));
+    if (info->bytes == UINT64_MAX)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: %d x %d x %d voxels are more than any machine can hold",
+                        path, info->dims[0], info->dims[1], info->dims[2]);
+    count_index(info);
+    return ISO_OK;
+}
+
+/* What is wrong may be wrong with a data file, which the reader names: the file that was asked for comes
+ * first. */
+static iso_status named(const char *path, iso_status status, const iso_error *detail, iso_error *error) {
+    if (status == ISO_OK) return ISO_OK;
+    size_t length = iso_text_begins(detail->text, path); /* "head.img: ..." does not name the file "head" */
+    bool names_it = length && (path[strlen(path) - 1] == '/' || strchr(":/, ", detail->text[length]));
+    return iso_fail(error, status, "%s%s%s", names_it ? "" : path, names_it ? "" : ": ", detail->text);
+}
+
+/* Puts the module's entry in place of one that names a module. */
+static iso_status load_format(const char *path, const iso_format **format, iso_error *error) {
+    if ((*format)->module) {
+        const iso_module *module = NULL;
+        ISO_TRY(iso_module_load(path, (*format)->module, (*format)->library, &module, error));
+        *format = module->format;
+    }
+    if ((*format)->info) return ISO_OK;
+    return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without %s, which reads this format", path,
+                    (*format)->library);
+}
+
+/* Options that mean something for other formats only: a user who gave one should know. */
+static void note_unused(const iso_volume_opts *opts, iso_volume_info *info) {
+    const bool named = strcmp(info->format, "vdb") == 0 || strcmp(info->format, "vti") == 0 ||
+                       strcmp(info->format, "vtk") == 0;
+    if (opts->grid && !named)
+        iso_volume_note(info, "grid \"%.80s\" is not looked for: a %s file has no grids with names (--grid)",
+                        opts->grid, info->format);
+    if (opts->series && strcmp(info->format, "dicom") != 0)
+        iso_volume_note(info, "series \"%.80s\" is not looked for: a %s file has no series (--series)",
+                        opts->series, info->format);
+}
+
+static void note_guess(const iso_raw_layout *raw, iso_volume_info *info) {
+    iso_volume_note(info, "layout taken from the file's name: %dx%dx%d:%s:%s (--raw)", raw->dims[0],
+                    raw->dims[1], raw->dims[2], iso_type_name(raw->type), raw->big_endian ? "big" : "little");
+}
+
+static iso_status read_header(const char *path, request *r, const iso_format **format, iso_volume_info *info,
+                              iso_error *error) {
+    *info = (iso_volume_info){.components = 1, .scale = 1, .transform = iso_transform_identity()};
+    ISO_TRY(find_format(path, r, format, error));
+    ISO_TRY(load_format(path, format, error));
+    snprintf(info->format, sizeof info->format, "%s", (*format)->name);
+    if (r->is_guessed) note_guess(&r->guessed, info);
+    iso_error detail = {0};
+    iso_file_set_read(r->opts.files, path);
+    ISO_TRY(named(path, (*format)->info(path, &r->opts, info, &detail), &detail, error));
+    note_unused(&r->opts, info);
+    return check_info(path, &r->opts, info, error);
+}
+
+/* Names from the file are shown from here on; until then readers look for them in the file. */
+static void clean_texts(iso_volume_info *info) {
+    iso_text_clean_in_place(info->name, sizeof info->name);
+    iso_text_clean_in_place(info->file_type, sizeof info->file_type);
+    for (int i = 0; i < info->item_count; i++) iso_text_clean_in_place(info->items[i], sizeof info->items[i]);
+}
+
+iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                                iso_error *error) {
+    request r = {.opts = opts ? *opts : (iso_volume_opts){0}};
+    const iso_format *format = NULL;
+    iso_volume_info found;
+    ISO_TRY(read_header(path, &r, &format, &found, error));
+    clean_texts(&found);
+    *info = found;
+    return ISO_OK;
+}
+
+/* ---- reading ---- */
+
+iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                   iso_error *error) {
+    char what[80];
+    snprintf(what, sizeof what, "%d x %d x %d %s", info->dims[0], info->dims[1], info->dims[2],
+             info->file_type);
+    return iso_format_check_memory(path, opts, info->read_bytes, what, error);
+}
+
+/* What a reader made has to be what its header announced: that is what was checked against the limit. */
+static bool agrees(const iso_volume_info *info, const iso_grid *grid) {
+    if (!grid->rgrid) return grid->hgrid != NULL;
+    const int *dims = grid->rgrid->dims;
+    return grid->rgrid->type == info->type && dims[0] == info->dims[0] && dims[1] == info->dims[1] &&
+           dims[2] == info->dims[2];
+}
+
+static iso_status make_index(const char *path, const iso_volume_opts *opts, iso_rgrid *grid,
+                             iso_error *error) {
+    iso_error detail = {0};
+    iso_status status = iso_rgrid_index(grid, opts->pool, NULL, &detail);
+    return status == ISO_OK ? ISO_OK : iso_fail(error, status, "%s: %s", path, detail.text);
+}
+
+iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_volume *volume,
+                           iso_error *error) {
+    request r = {.opts = opts ? *opts : (iso_volume_opts){0}};
+    opts = &r.opts;
+    const iso_format *format = NULL;
+    iso_volume result = {0};
+    ISO_TRY(read_header(path, &r, &format, &result.info, error));
+    ISO_TRY(iso_volume_check_memory(path, opts, &result.info, error));
+    ISO_TRY(iso_format_progress(path, opts, 0, error));
+    iso_error detail = {0};
+    iso_status status = format->read(path, opts, &result.info, &result.grid, &detail);
+    ISO_TRY(named(path, status, &detail, error));
+    if (!agrees(&result.info, &result.grid))
+        status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
+    if (status == ISO_OK && result.grid.rgrid) status = make_index(path, opts, result.grid.rgrid, error);
+    if (status == ISO_OK) status = iso_format_progress(path, opts, 1, error);
+    if (status != ISO_OK) {
+        iso_volume_free(&result);
+        return status;
+    }
+    clean_texts(&result.info);
+    *volume = result;
+    return ISO_OK;
+}
+
+void iso_volume_free(iso_volume *volume) {
+    iso_grid_destroy(&volume->grid);
+    *volume = (iso_volume){0};
+}

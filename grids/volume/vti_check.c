@@ -1,0 +1,348 @@
+/* vti_check: the headers of arrays as VTK's vtkXMLDataParser takes them, and the shape of the XML around
+ * them.
+ *
+ * A binary array begins with its length in bytes; a compressed one with the number of blocks, the unpacked
+ * size of a block, that of the last one when it is smaller (else 0), and the packed size of every block. In
+ * base64 these numbers are encoded together with the values of an array that is not compressed, else on their
+ * own. */
+#define _GNU_SOURCE
+#include "grids/volume/vti_check.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "grids/volume/format.h"
+
+enum { BUFFER = 1 << 16 };
+
+/* VTK takes about 500 bytes for an element and three times its text. Images have a few elements for each of
+ * their pieces and nest five deep. */
+enum { MAX_ELEMENTS = 50000, MAX_MARKUP = 4 << 20, MAX_DEPTH = 64, MAX_ATTRIBUTES = 256 };
+
+typedef struct input {
+    const char *path;
+    FILE *stream;
+    uint64_t size;  /* of the file */
+    uint64_t begin; /* position of the buffer in the file */
+    size_t at, filled;
+    unsigned char buffer[BUFFER];
+} input;
+
+static iso_status open_input(const char *path, uint64_t position, input **opened, iso_error *error) {
+    uint64_t size = 0;
+    ISO_TRY(iso_format_file_bytes(path, &size, error));
+    if (position > size)
+        return iso_fail(error, ISO_ERR_IO, "%s: truncated: an array begins behind the end of the file", path);
+    input *in = iso_alloc(sizeof *in);
+    if (!in) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    in->path = path;
+    in->size = size;
+    in->begin = position;
+    in->at = in->filled = 0;
+    in->stream = fopen(path, "rb");
+    if (in->stream && fseeko(in->stream, (off_t)position, SEEK_SET) == 0) {
+        *opened = in;
+        return ISO_OK;
+    }
+    iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    if (in->stream) fclose(in->stream);
+    iso_free(in);
+    return ISO_ERR_IO;
+}
+
+static void close_input(input *in) {
+    fclose(in->stream);
+    iso_free(in);
+}
+
+/* False at the end of the file. */
+static bool refill(input *in) {
+    in->begin += in->filled;
+    in->at = 0;
+    in->filled = fread(in->buffer, 1, BUFFER, in->stream);
+    return in->filled > 0;
+}
+
+/* The next byte, or EOF. */
+static int next(input *in) {
+    if (in->at == in->filled && !refill(in)) return EOF;
+    return in->buffer[in->at++];
+}
+
+static uint64_t bytes_left(const input *in) {
+    uint64_t position = in->begin + in->at;
+    return position < in->size ? in->size - position : 0;
+}
+
+/* ---- numbers before the values ---- */
+
+/* Decodes base64 as it is read: four characters are three bytes. */
+typedef struct decoder {
+    input *in;
+    const iso_vti_layout *layout;
+    unsigned char triple[3];
+    int used; /* of the triple; 3: the next four characters are needed */
+} decoder;
+
+static int digit_value(int c) {
+    if (c >= 'A' && c <= 'Z') return c - 'A';
+    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+    if (c >= '0' && c <= '9') return c - '0' + 52;
+    return c == '+' ? 62 : c == '/' ? 63 : c == '=' ? 0 : -1;
+}
+
+static bool take_byte(decoder *d, unsigned char *byte) {
+    if (d->layout->encoding == ISO_VTI_RAW) {
+        int c = next(d->in);
+        *byte = (unsigned char)c;
+        return c != EOF;
+    }
+    if (d->used == 3) {
+        uint32_t bits = 0;
+        for (int i = 0; i < 4; i++) {
+            int value = digit_value(next(d->in));
+            if (value < 0) return false;
+            bits = bits << 6 | (uint32_t)value;
+        }
+        for (int i = 0; i < 3; i++) d->triple[i] = (unsigned char)(bits >> (16 - 8 * i));
+        d->used = 0;
+    }
+    *byte = d->triple[d->used++];
+    return true;
+}
+
+static bool take_number(decoder *d, uint64_t *number) {
+    const int count = d->layout->header_bytes;
+    *number = 0;
+    for (int i = 0; i < count; i++) {
+        unsigned char byte;
+        if (!take_byte(d, &byte)) return false;
+        *number |= (uint64_t)byte << 8 * (d->layout->big_endian ? count - 1 - i : i);
+    }
+    return true;
+}
+
+/* Bytes that `left` bytes of the file decode to. */
+static uint64_t decoded(const iso_vti_layout *layout, uint64_t left) {
+    return layout->encoding == ISO_VTI_RAW ? left : left / 4 * 3;
+}
+
+static iso_status cut_off(const input *in, iso_error *error) {
+    return iso_fail(error, ISO_ERR_IO, "%s: truncated: the file ends before its array does", in->path);
+}
+
+static iso_status check_length(decoder *d, iso_error *error) {
+    uint64_t length;
+    if (!take_number(d, &length)) return cut_off(d->in, error);
+    if (length < d->layout->bytes)
+        return iso_fail(error, ISO_ERR_IO, "%s: truncated: its array has %llu bytes, the voxels are %llu",
+                        d->in->path, (unsigned long long)length, (unsigned long long)d->layout->bytes);
+    const uint64_t spare = (uint64_t)(3 - d->used); /* decoded, not taken */
+    const uint64_t here = d->layout->encoding == ISO_VTI_RAW ? 0 : spare;
+    return decoded(d->layout, bytes_left(d->in)) + here < d->layout->bytes ? cut_off(d->in, error) : ISO_OK;
+}
+
+typedef struct blocks {
+    uint64_t count, size, last; /* last: unpacked size of the last block, 0: as the others */
+    uint64_t packed, largest;   /* of all blocks, and of one, in the file */
+} blocks;
+
+/* Unpacked bytes in all blocks; false when that is not possible. */
+static bool unpacked(const blocks *b, uint64_t *bytes) {
+    if (b->count == 0 || b->size == 0 || b->last > b->size) return false;
+    return !__builtin_mul_overflow(b->count - 1, b->size, bytes) &&
+           !__builtin_add_overflow(*bytes, b->last ? b->last : b->size, bytes);
+}
+
+static iso_status check_blocks(decoder *d, blocks *b, iso_error *error) {
+    uint64_t bytes, size;
+    if (!take_number(d, &b->count) || !take_number(d, &b->size) || !take_number(d, &b->last))
+        return cut_off(d->in, error);
+    if (!unpacked(b, &bytes) || bytes != d->layout->bytes)
+        return iso_fail(error, ISO_ERR_IO,
+                        "%s: corrupt: %llu compressed blocks of %llu bytes for voxels of %llu bytes",
+                        d->in->path, (unsigned long long)b->count, (unsigned long long)b->size,
+                        (unsigned long long)d->layout->bytes);
+    for (uint64_t i = 0; i < b->count; i++) {
+        if (!take_number(d, &size) || size > d->in->size) return cut_off(d->in, error);
+        b->packed += size; /* at most the file's size, as often as the file has bytes: below 2^64 */
+        if (size > b->largest) b->largest = size;
+        if (b->packed > d->in->size) return cut_off(d->in, error);
+    }
+    return decoded(d->layout, bytes_left(d->in)) < b->packed ? cut_off(d->in, error) : ISO_OK;
+}
+
+/* The sizes and places of all blocks, and one block packed and unpacked. */
+static uint64_t room_for(const iso_vti_layout *layout, const blocks *b) {
+    const uint64_t largest = b->count == 1 && b->last ? b->last : b->size;   /* at most all of the array */
+    const uint64_t sizes = b->count * ((uint64_t)layout->header_bytes + 16); /* count: the file has as many */
+    return sizes + b->largest + (layout->lzma ? 2 : 1) * largest;
+}
+
+/* ---- values as text ---- */
+
+static bool is_sign(int c) {
+    return c == '+' || c == '-';
+}
+
+/* One number after blanks; false where something else stands. */
+static bool pass_number(input *in) {
+    int c = next(in), digits = 0;
+    while (isspace(c)) c = next(in);
+    if (is_sign(c)) c = next(in);
+    for (; isdigit(c); c = next(in)) digits++;
+    if (c == '.')
+        for (c = next(in); isdigit(c); c = next(in)) digits++;
+    if (digits == 0) return false;
+    if (c == 'e' || c == 'E') {
+        c = next(in);
+        if (is_sign(c)) c = next(in);
+        for (digits = 0; isdigit(c); c = next(in)) digits++;
+        if (digits == 0) return false;
+    }
+    if (c != EOF) in->at--; /* the buffer holds what next has given last */
+    return c == EOF || c == '<' || isspace(c);
+}
+
+/* VTK parses everything up to the first thing that is no number, into memory that doubles as it goes. */
+static iso_status check_text(input *in, const iso_vti_layout *layout, uint64_t *room, iso_error *error) {
+    const uint64_t wanted = layout->bytes / (uint64_t)layout->value_bytes;
+    uint64_t count = 0, reserved = 64;
+    while (count <= wanted && pass_number(in)) count++;
+    if (count < wanted)
+        return iso_fail(error, ISO_ERR_IO, "%s: truncated: its array has %llu numbers, the voxels are %llu",
+                        in->path, (unsigned long long)count, (unsigned long long)wanted);
+    if (count > wanted)
+        return iso_fail(error, ISO_ERR_IO, "%s: corrupt: its array has more numbers than %llu voxels",
+                        in->path, (unsigned long long)wanted);
+    while (reserved < wanted) reserved *= 2;
+    *room = (reserved + reserved / 2) * (uint64_t)layout->value_bytes;
+    return ISO_OK;
+}
+
+/* To the first character behind the element's tag, as VTK finds it: the first > ends the tag. */
+static void enter_element(input *in) {
+    int c = next(in);
+    while (c != EOF && c != '>') c = next(in);
+    do c = next(in);
+    while (isspace(c));
+    if (c != EOF) in->at--;
+}
+
+static iso_status check_opened(input *in, const iso_vti_layout *layout, uint64_t *room, iso_error *error) {
+    decoder d = {.in = in, .layout = layout, .used = 3};
+    *room = 0;
+    if (layout->inside) enter_element(in);
+    if (layout->encoding == ISO_VTI_TEXT) return check_text(in, layout, room, error);
+    if (!layout->compressed) return check_length(&d, error);
+    blocks b = {0};
+    ISO_TRY(check_blocks(&d, &b, error));
+    *room = room_for(layout, &b);
+    return ISO_OK;
+}
+
+iso_status iso_vti_check_array(const char *path, const iso_vti_layout *layout, uint64_t *room,
+                               iso_error *error) {
+    input *in;
+    ISO_TRY(open_input(path, layout->position, &in, error));
+    iso_status status = check_opened(in, layout, room, error);
+    close_input(in);
+    return status;
+}
+
+/* ---- markup ---- */
+
+typedef struct markup {
+    input *in;
+    uint64_t elements, bytes; /* bytes: between < and > */
+    int depth;
+    bool done; /* the appended data begins */
+    const char *problem;
+} markup;
+
+static bool fails(markup *m, const char *problem) {
+    m->problem = problem;
+    return false;
+}
+
+/* A byte of markup; EOF at the end of the file. */
+static int next_of(markup *m) {
+    m->bytes++;
+    return next(m->in);
+}
+
+static bool is_bounded(markup *m) {
+    if (m->bytes > MAX_MARKUP) return fails(m, "the text of its XML elements is longer than 4 MB");
+    return m->elements <= MAX_ELEMENTS || fails(m, "has more than 50000 XML elements");
+}
+
+/* Passes everything up to `end`, of three characters, the first of which may be missing. */
+static bool pass_until(markup *m, const char *end) {
+    int before = 0, last = 0, c = 0;
+    while (c != EOF && m->bytes <= MAX_MARKUP) {
+        before = last;
+        last = c;
+        c = next_of(m);
+        if (c == end[2] && last == end[1] && (end[0] == '*' || before == end[0])) return true;
+    }
+    return is_bounded(m) && fails(m, "its XML ends early");
+}
+
+/* What begins with <!: a comment, or text that is taken as it is. */
+static bool pass_special(markup *m) {
+    int c = next_of(m);
+    if (c == '-') return pass_until(m, "-->");
+    if (c == '[') return pass_until(m, "]]>");
+    return fails(m, "its XML has a document type, which VTK's files do not have");
+}
+
+static bool pass_element(markup *m, int c) {
+    char name[sizeof "AppendedData"] = {0};
+    size_t length = 0;
+    int quote = 0, last = 0, attributes = 0;
+    const bool closes = c == '/';
+    if (++m->elements > MAX_ELEMENTS) return is_bounded(m);
+    for (; c != EOF && (quote || c != '>'); c = next_of(m)) {
+        if (length < sizeof name - 1) name[length++] = (char)c;
+        if (length == sizeof name - 1 && strcmp(name, "AppendedData") == 0) return m->done = true;
+        if (!quote && c == '=' && ++attributes > MAX_ATTRIBUTES)
+            return fails(m, "an element of its XML has more than 256 attributes");
+        if (quote ? c == quote : c == '"' || c == '\'') quote = quote ? 0 : c;
+        if (m->bytes > MAX_MARKUP) return is_bounded(m);
+        last = c;
+    }
+    if (closes)
+        m->depth -= m->depth > 0;
+    else if (last != '/' && ++m->depth > MAX_DEPTH)
+        return fails(m, "its XML elements are nested more than 64 deep");
+    return true;
+}
+
+/* The next tag, if there is one. */
+static bool pass_tag(markup *m) {
+    input *in = m->in;
+    for (;;) {
+        const void *found = memchr(in->buffer + in->at, '<', in->filled - in->at);
+        if (found) {
+            in->at = (size_t)((const unsigned char *)found - in->buffer) + 1;
+            break;
+        }
+        if (!refill(in)) return m->done = true;
+    }
+    int c = next_of(m);
+    if (c == '!') return pass_special(m);
+    if (c == '?') return pass_until(m, "*?>");
+    return pass_element(m, c) && is_bounded(m);
+}
+
+iso_status iso_vti_check_markup(const char *path, iso_error *error) {
+    markup m = {0};
+    ISO_TRY(open_input(path, 0, &m.in, error));
+    while (!m.done && pass_tag(&m)) continue;
+    close_input(m.in);
+    if (!m.problem) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", path, m.problem);
+}

@@ -1,0 +1,217 @@
+/* The visible blocks front to back, then bands of rows over threads. */
+#include <stdatomic.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "exact/kernel.h"
+#include "render/shading/phong_vectors.h"
+
+enum {
+    SPANS_PER_TASK = 64,
+    BAND_BITS = 1 << 20,  /* at most, of pixels that are still free: they should stay in cache */
+    BANDS_PER_THREAD = 4, /* to even out, at least.. */
+    LEAST_ROWS = 32       /* ..but a block is set up once for each band that it meets */
+};
+
+typedef struct exact_draw {
+    iso_exact_frame frame;
+    const iso_exact_kernel *kernel;
+    uint32_t *order; /* spans front to back */
+    size_t span_count;
+    iso_exact_visible *visible; /* task t's from t * SPANS_PER_TASK * ISO_EXACT_BLOCKS on */
+    int *visible_count;
+    size_t task_count;
+    int band_count, words;
+    iso_exact_scratch *scratch; /* by worker */
+    uint64_t *open;             /* by worker */
+    size_t open_words;
+    atomic_size_t covered; /* pixels of a picture */
+} exact_draw;
+
+static size_t task_count(const iso_exact *exact) {
+    if (!exact->sorted) return 0;
+    return (exact->set.span_count + SPANS_PER_TASK - 1) / SPANS_PER_TASK;
+}
+
+static int brick_split(int cells) {
+    return cells >= 0 ? cells / ISO_BRICK : -1;
+}
+
+static void order_spans(exact_draw *draw) {
+    const iso_exact *exact = draw->frame.exact;
+    const uint32_t *rows = exact->rows.data, *order = exact->order.data;
+    const int *bricks = exact->set.bricks;
+    int split[3];
+    for (int axis = 0; axis < 3; axis++) split[axis] = brick_split(draw->frame.split[axis]);
+    size_t count = 0;
+    for (int k = 0; k < bricks[2]; k++)
+        for (int j = 0; j < bricks[1]; j++) {
+            const size_t row = (size_t)iso_exact_nth(k, bricks[2], split[2]) * (size_t)bricks[1] +
+                               (size_t)iso_exact_nth(j, bricks[1], split[1]);
+            uint32_t middle = rows[row];
+            while (middle < rows[row + 1] && iso_exact_spans(exact)[order[middle]].brick[0] < split[0])
+                middle++;
+            for (uint32_t i = middle; i < rows[row + 1]; i++) draw->order[count++] = order[i];
+            for (uint32_t i = middle; i > rows[row]; i--) draw->order[count++] = order[i - 1];
+        }
+    draw->span_count = count;
+}
+
+static void see_task(void *context, size_t index, int worker) {
+    (void)worker;
+    exact_draw *draw = context;
+    iso_exact_visible *visible = draw->visible + index * SPANS_PER_TASK * ISO_EXACT_BLOCKS;
+    size_t end = (index + 1) * SPANS_PER_TASK;
+    if (end > draw->span_count) end = draw->span_count;
+    int count = 0;
+    for (size_t i = index * SPANS_PER_TASK; i < end; i++)
+        count += iso_exact_see_span(&draw->frame, draw->order[i], visible + count);
+    draw->visible_count[index] = count;
+}
+
+static void open_band(exact_draw *draw, iso_exact_scratch *scratch, size_t band) {
+    const int width = draw->frame.target->gbuffer->width;
+    scratch->rows = iso_band_rows(draw->frame.target->gbuffer->height, draw->band_count, band);
+    scratch->words = draw->words;
+    scratch->hits.count = scratch->hits.slots = 0;
+    scratch->pairs = scratch->careful = scratch->windows = 0;
+    scratch->patch.count = scratch->patch.runs = 0;
+    for (int y = 0; y <= scratch->rows.last - scratch->rows.first; y++) {
+        uint64_t *row = scratch->open + (size_t)y * (size_t)draw->words;
+        for (int word = 0; word < draw->words; word++) row[word] = word < width / 64 ? ~(uint64_t)0 : 0;
+        if (width % 64) row[width / 64] = ((uint64_t)1 << width % 64) - 1;
+    }
+}
+
+/* Fills what is still free; returns how many pixels are not. */
+static size_t fill_band(const exact_draw *draw, const iso_exact_scratch *scratch) {
+    const int width = draw->frame.target->gbuffer->width;
+    const iso_exact_paint *paint = draw->frame.paint;
+    size_t taken = 0;
+    for (int y = scratch->rows.first; y <= scratch->rows.last; y++) {
+        const uint64_t *row = scratch->open + (ptrdiff_t)(y - scratch->rows.first) * scratch->words;
+        int32_t *pixels = paint->pixels + (ptrdiff_t)y * width;
+        taken += (size_t)width;
+        for (int word = 0; word < scratch->words; word++, pixels += 64) {
+            taken -= (size_t)__builtin_popcountll(row[word]);
+            for (uint64_t open = row[word]; open;) {
+                const int first = __builtin_ctzll(open);
+                const uint64_t rest = ~(open >> first);
+                const int end = first + (rest ? __builtin_ctzll(rest) : 64);
+                for (int x = first; x < end; x++) pixels[x] = paint->empty;
+                open &= end < 64 ? ~(uint64_t)0 << end : 0;
+            }
+        }
+    }
+    return taken;
+}
+
+static void draw_band(void *context, size_t index, int worker) {
+    exact_draw *draw = context;
+    iso_exact_scratch *scratch = &draw->scratch[worker];
+    open_band(draw, scratch, index);
+    for (size_t task = 0; task < draw->task_count; task++) {
+        const iso_exact_visible *visible = draw->visible + task * SPANS_PER_TASK * ISO_EXACT_BLOCKS;
+        draw->kernel->draw(&draw->frame, visible, draw->visible_count[task], scratch);
+    }
+    draw->kernel->finish(&draw->frame, scratch);
+    if (draw->frame.paint)
+        atomic_fetch_add_explicit(&draw->covered, fill_band(draw, scratch), memory_order_relaxed);
+}
+
+static int bands_for(const iso_pool *pool, int height, int words) {
+    const int threads = iso_pool_threads(pool),
+              most = BAND_BITS / 64 / words > 1 ? BAND_BITS / 64 / words : 1;
+    int bands = (height + most - 1) / most;
+    if (threads > 1 && bands < BANDS_PER_THREAD * threads) bands = BANDS_PER_THREAD * threads;
+    const int limit = (height + LEAST_ROWS - 1) / LEAST_ROWS;
+    if (most >= LEAST_ROWS && bands > limit) bands = limit;
+    return bands;
+}
+
+static iso_status reserve(exact_draw *draw, iso_error *error) {
+    const iso_gbuffer *gbuffer = draw->frame.target->gbuffer;
+    const size_t workers = (size_t)iso_pool_threads(draw->frame.target->pool);
+    const iso_exact *exact = draw->frame.exact;
+    draw->task_count = task_count(exact);
+    draw->words = gbuffer->width / 64 + 2;
+    draw->band_count = bands_for(draw->frame.target->pool, gbuffer->height, draw->words);
+    const size_t rows = (size_t)((gbuffer->height + draw->band_count - 1) / draw->band_count);
+    draw->open_words = rows * (size_t)draw->words;
+    draw->order = iso_alloc(exact->set.span_count * sizeof *draw->order);
+    draw->visible = iso_alloc(draw->task_count * SPANS_PER_TASK * ISO_EXACT_BLOCKS * sizeof *draw->visible);
+    draw->visible_count = iso_alloc(draw->task_count * sizeof *draw->visible_count);
+    draw->scratch = iso_alloc(workers * sizeof *draw->scratch);
+    draw->open = iso_alloc(workers * draw->open_words * sizeof *draw->open);
+    if (!draw->order || !draw->visible || !draw->visible_count || !draw->scratch || !draw->open)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing %zu bricks of cells",
+                        exact->set.span_count);
+    for (size_t worker = 0; worker < workers; worker++)
+        draw->scratch[worker].open = draw->open + worker * draw->open_words;
+    return ISO_OK;
+}
+
+static void release(exact_draw *draw) {
+    iso_free(draw->order);
+    iso_free(draw->visible);
+    iso_free(draw->visible_count);
+    iso_free(draw->scratch);
+    iso_free(draw->open);
+}
+
+static iso_status run(exact_draw *draw, iso_error *error) {
+    iso_pool *pool = draw->frame.target->pool;
+    draw->kernel = iso_exact_kernel_get(iso_cpu_best());
+    draw->frame.gradients = iso_exact_gradients_get(&draw->frame.exact->grid, iso_cpu_best());
+    iso_status status = reserve(draw, error);
+    if (status == ISO_OK) {
+        if (draw->task_count) order_spans(draw);
+        iso_parallel_for(pool, draw->task_count, see_task, draw);
+        iso_parallel_for(pool, (size_t)draw->band_count, draw_band, draw);
+    }
+    release(draw);
+    return status;
+}
+
+iso_status iso_draw_exact(const iso_target *target, const iso_exact *exact, iso_error *error) {
+    if (!exact->sorted || exact->set.span_count == 0) return ISO_OK;
+    exact_draw draw = {.frame = iso_exact_frame_make(target, exact)};
+    return run(&draw, error);
+}
+
+/* ---- a picture at once */
+
+static int32_t word_of(iso_rgb color, int alpha) {
+    const uint8_t bytes[4] = {color.r, color.g, color.b, (uint8_t)alpha};
+    int32_t word;
+    memcpy(&word, bytes, sizeof word);
+    return word;
+}
+
+iso_status iso_paint_exact(const iso_exact_canvas *canvas, const iso_exact *exact, size_t *covered,
+                           iso_error *error) {
+    const iso_view *view = canvas->view;
+    const iso_shading *shading = canvas->shading;
+    const iso_rgb color = shading->colors[0], none = {0, 0, 0};
+    const size_t width = (size_t)view->width, height = (size_t)view->height;
+    float *slopes = iso_alloc((width + ISO_LANES_MAX + height) * sizeof *slopes);
+    if (!slopes) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a picture's rays");
+    float *u = slopes, *v = slopes + width + ISO_LANES_MAX;
+    for (int x = 0; x < view->width + ISO_LANES_MAX; x++) u[x] = iso_slope_of_column(view, x);
+    for (int y = 0; y < view->height; y++) v[y] = iso_slope_of_row(view, y);
+    iso_gbuffer size = {.width = view->width, .height = view->height};
+    const iso_target target = {.view = view, .gbuffer = &size, .pool = canvas->pool};
+    const iso_exact_paint paint = {
+        .pixels = (int32_t *)canvas->image->rgba,
+        .u = u,
+        .v = v,
+        .base = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255},
+        .empty = shading->transparent ? word_of(none, 0) : word_of(shading->background, 255),
+    };
+    exact_draw draw = {.frame = iso_exact_frame_make(&target, exact)};
+    draw.frame.paint = &paint;
+    const iso_status status = run(&draw, error);
+    iso_free(slopes);
+    if (covered && status == ISO_OK) *covered = atomic_load(&draw.covered);
+    return status;
+}

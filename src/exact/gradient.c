@@ -1,0 +1,135 @@
+/* From the 4^3 voxels around a cell, by 1/2: the differences of any two floats are finite then. Where all of
+ * them are there and finite, whole rows are worked on; the arithmetic is the same. */
+#include "exact/gradient.h"
+
+#include <math.h>
+
+#include "grids/voxel_kernels.h"
+
+/* around[z][y][x]: voxels cell - 1 .. cell + 2, clamped to the grid. The outermost edges along x are not
+ * needed. */
+typedef float voxels_around[4][4][4];
+
+static void fetch(const iso_grid *grid, const int cell[3], voxels_around around) {
+    const int *dims = iso_grid_dims(grid);
+    for (int z = 0; z < 4; z++)
+        for (int y = 0; y < 4; y++) {
+            const bool edge = (z == 0 || z == 3) && (y == 0 || y == 3);
+            for (int x = 0; x < 4 && !edge; x++) {
+                const int at[3] = {cell[0] + x - 1, cell[1] + y - 1, cell[2] + z - 1};
+                int inside[3];
+                for (int i = 0; i < 3; i++) inside[i] = at[i] < 0 ? 0 : at[i] < dims[i] ? at[i] : dims[i] - 1;
+                around[z][y][x] = grid->rgrid ? iso_rgrid_at(grid->rgrid, inside[0], inside[1], inside[2])
+                                              : iso_hgrid_at(grid->hgrid, inside[0], inside[1], inside[2]);
+            }
+        }
+}
+
+static float difference(float low, float middle, float high, bool has_low, bool has_high) {
+    has_low = has_low && isfinite(low);
+    has_high = has_high && isfinite(high);
+    if (has_low && has_high) return 0.25f * high - 0.25f * low;
+    return has_high ? 0.5f * high - 0.5f * middle : has_low ? 0.5f * middle - 0.5f * low : 0;
+}
+
+static void gradients_anywhere(const iso_grid *grid, const int cell[3], float gradient[8][4]) {
+    const int *dims = iso_grid_dims(grid);
+    voxels_around around;
+    fetch(grid, cell, around);
+    for (int corner = 0; corner < 8; corner++) {
+        const int x = 1 + (corner & 1), y = 1 + (corner >> 1 & 1), z = 1 + (corner >> 2);
+        const int at[3] = {cell[0] + x - 1, cell[1] + y - 1, cell[2] + z - 1};
+        const float middle = around[z][y][x];
+        const float low[3] = {around[z][y][x - 1], around[z][y - 1][x], around[z - 1][y][x]};
+        const float high[3] = {around[z][y][x + 1], around[z][y + 1][x], around[z + 1][y][x]};
+        for (int i = 0; i < 3; i++)
+            gradient[corner][i] = difference(low[i], middle, high[i], at[i] > 0, at[i] + 1 < dims[i]);
+        gradient[corner][3] = 0;
+    }
+}
+
+/* Four voxels of an hgrid's row, all inside, from x on. */
+static inline void fetch_row(const iso_hgrid *grid, const int at[3], float out[4]) {
+    const int local = at[0] % ISO_BRICK, first = local + 4 <= ISO_BRICK ? 4 : ISO_BRICK - local;
+    const size_t cell = iso_hgrid_cell_index(grid, at[0] / ISO_BRICK, at[1] / ISO_BRICK, at[2] / ISO_BRICK);
+    const ptrdiff_t row = (at[2] % ISO_BRICK * ISO_BRICK + at[1] % ISO_BRICK) * ISO_BRICK;
+    for (int part = 0, x = 0; x < 4; part++) {
+        const int end = part ? 4 : first;
+        const int32_t brick = grid->cell[cell + (size_t)part];
+        const float *voxels = brick < 0 ? NULL : iso_hgrid_brick(grid, brick) + row + (part ? -first : local);
+        for (; x < end; x++) out[x] = voxels ? voxels[x] : iso_hgrid_empty_value(grid, brick);
+    }
+}
+
+/* A cell with voxels all around it. */
+static void fetch_within(const iso_hgrid *grid, const int cell[3], voxels_around around) {
+    for (int z = 0; z < 4; z++)
+        for (int y = 0; y < 4; y++)
+            fetch_row(grid, (const int[3]){cell[0] - 1, cell[1] + y - 1, cell[2] + z - 1}, around[z][y]);
+}
+
+/* Whether a cell has voxels all around it. */
+static inline bool is_within(const int cell[3], const int dims[3]) {
+    return cell[0] > 0 && cell[1] > 0 && cell[2] > 0 && cell[0] + 2 < dims[0] && cell[1] + 2 < dims[1] &&
+           cell[2] + 2 < dims[2];
+}
+
+void iso_exact_gradients_fetch(const iso_grid *grid, const int cell[3]) {
+    if (!grid->rgrid) return;
+    const iso_rgrid *rgrid = grid->rgrid;
+    const ptrdiff_t bytes = (ptrdiff_t)iso_type_size(rgrid->type), step_y = bytes * rgrid->stride_y,
+                    step_z = bytes * rgrid->stride_z;
+    /* (an address outside the grid is not an error, but arithmetic on pointers would be) */
+    const uintptr_t first =
+        (uintptr_t)rgrid->data + (uintptr_t)(bytes * cell[0] + step_y * cell[1] + step_z * cell[2]);
+    for (int z = -1; z < 3; z++)
+        for (int y = -1; y < 3; y++) /* rows of the outermost edges are hardly worth an exception */
+            __builtin_prefetch((const void *)(first + (uintptr_t)(y * step_y + z * step_z)));
+}
+
+/* ---- four voxels of a row, by 1/4 */
+
+static inline vf_generic row_of_4_generic(iso_type type, const void *row) {
+    switch (type) {
+    case ISO_UINT8:
+        return 0.25f * v_to_float_generic(v_load_u8_generic(row));
+    case ISO_INT16:
+        return 0.25f * v_to_float_generic(v_load_i16_generic(row));
+    case ISO_UINT16:
+        return 0.25f * v_to_float_generic(v_load_u16_generic(row));
+    default:
+        return 0.25f * v_load_generic(row);
+    }
+}
+
+#if ISO_HAVE_X86
+ISO_TARGET_AVX2 static inline vf_generic row_of_4_avx2(iso_type type, const void *row) {
+    int32_t four;
+    int64_t eight;
+    switch (type) {
+    case ISO_UINT8:
+        memcpy(&four, row, sizeof four);
+        return 0.25f * (vf_generic)_mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(four)));
+    case ISO_INT16:
+        memcpy(&eight, row, sizeof eight);
+        return 0.25f * (vf_generic)_mm_cvtepi32_ps(_mm_cvtepi16_epi32(_mm_cvtsi64_si128(eight)));
+    case ISO_UINT16:
+        memcpy(&eight, row, sizeof eight);
+        return 0.25f * (vf_generic)_mm_cvtepi32_ps(_mm_cvtepu16_epi32(_mm_cvtsi64_si128(eight)));
+    default:
+        return 0.25f * v_load_generic(row);
+    }
+}
+/* (rows of four are no work for wider vectors) */
+ISO_TARGET_AVX512 static inline vf_generic row_of_4_avx512(iso_type type, const void *row) {
+    return row_of_4_avx2(type, row);
+}
+#endif
+
+#define ISO_KERNEL_BODY "exact/gradient_body.inc"
+#include "base/kernel_levels.inc"
+
+iso_exact_gradients *iso_exact_gradients_get(const iso_grid *grid, iso_cpu_level level) {
+    return grid->rgrid ? ISO_VOXEL_KERNEL(gradients, grid->rgrid->type, level)
+                       : ISO_KERNEL(gradients_hgrid, level);
+}

@@ -1,0 +1,82 @@
+#include "exact/kernel.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "render/shading/phong_vectors.h"
+
+/* How much larger than [-1, 1] cells are taken to be, so that rounding leaves no gaps between them: 5e-6
+ * voxel. Next to the eye rays are known less well. */
+#define ISO_EXACT_WIDER 1e-5f
+#define ISO_EXACT_WIDER_NEAR 4e-5f
+
+/* Pixels of a cell's box from which on it does not pay to fill its last vector from other cells. */
+#define ISO_EXACT_ALONE 32
+
+/* ..and from which on the rows of a cell are worth an outline. */
+#define ISO_EXACT_WIDE 250
+
+/* Pairs of several cells that are tested together: vectors of them overlap in time, but a pixel that is taken
+ * by one of them is listed, for nothing, for later ones. */
+#define ISO_EXACT_BATCH 64
+
+enum { RECORD_FLOATS = sizeof(iso_exact_record) / sizeof(float) };
+
+void iso_exact_place_near(const iso_exact_frame *frame, iso_exact_scratch *scratch) {
+    const double half[3] = {0.5, 0.5, 0.5};
+    for (int i = 0; i < scratch->block->cells; i++) {
+        const int local[3] = {scratch->position[i] & 7, scratch->position[i] >> 3 & 7,
+                              scratch->position[i] >> 6};
+        iso_exact_record *record = &scratch->record[i];
+        double centre[3];
+        for (int axis = 0; axis < 3; axis++) {
+            centre[axis] = (double)ISO_BRICK * scratch->span->brick[axis] + scratch->block->origin[axis] +
+                           local[axis] + 0.5;
+            record->eye[axis] = (float)(2 * (frame->eye[axis] - centre[axis]));
+            record->half[axis] = 1 + ISO_EXACT_WIDER_NEAR;
+            record->shift[axis] = 0;
+        }
+        record->place[0] = record->place[1] = record->scale = 0;
+        record->depth = (float)-frame->middle;
+        record->behind = (float)-frame->target->view->near;
+        int pixels[4] = {0, -1, 0, -1};
+        iso_exact_pixels(frame, centre, half, scratch->clip, pixels);
+        for (int k = 0; k < 4; k++) scratch->box[k][i] = pixels[k];
+    }
+}
+
+static void set_cell(const iso_exact_scratch *scratch, int cell, int voxel[3]) {
+    const int position = scratch->position[cell];
+    const int local[3] = {position & 7, position >> 3 & 7, position >> 6};
+    for (int axis = 0; axis < 3; axis++)
+        voxel[axis] = ISO_BRICK * scratch->span->brick[axis] + scratch->block->origin[axis] + local[axis];
+}
+
+/* Whether a block's cells are large, and rays hardly differ from one end of a cell to the other. */
+static bool has_outlines(const iso_exact_frame *frame, const iso_exact_view *view) {
+    if (view->near || view->clip || view->cell_pixels < ISO_EXACT_WIDE) return false;
+    return !frame->perspective || view->depth > 48 * frame->half_depth;
+}
+
+/* The lowest bits of a number, moved to where a mask has bits. */
+static inline uint64_t deposit_generic(uint64_t bits, uint64_t mask) {
+    uint64_t to = 0;
+    for (; mask; mask &= mask - 1, bits >>= 1)
+        if (bits & 1) to |= mask & (0 - mask);
+    return to;
+}
+#if ISO_HAVE_X86
+ISO_TARGET_AVX2 static inline uint64_t deposit_avx2(uint64_t bits, uint64_t mask) {
+    return _pdep_u64(bits, mask);
+}
+ISO_TARGET_AVX512 static inline uint64_t deposit_avx512(uint64_t bits, uint64_t mask) {
+    return _pdep_u64(bits, mask);
+}
+#endif
+
+#define ISO_KERNEL_BODY "exact/kernel_body.inc"
+#include "base/kernel_levels.inc"
+
+const iso_exact_kernel *iso_exact_kernel_get(iso_cpu_level level) {
+    return ISO_KERNEL(kernel, level);
+}

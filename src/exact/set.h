@@ -1,0 +1,38 @@
+/* exact_set: the crossed cells of a grid, by brick, and the order to go through them. Internal to truth. */
+#ifndef ISO_TRUTH_EXACT_SET_H
+#define ISO_TRUTH_EXACT_SET_H
+
+#include "exact/cells.h"
+#include "exact/exact.h"
+#include "grids/brick_set.h"
+#include "grids/threshold.h"
+
+struct iso_exact {
+    iso_brick_set set; /* heap 0: blocks, heap 1: groups of corners */
+    iso_grid grid;
+    iso_exact_opts opts;
+    iso_threshold surface;
+    iso_type type; /* of the corners */
+    iso_exact_extract *extract;
+    /* Numbers of the spans (uint32_t), sorted by brick; row r of bricks has order[rows[r]] .. order[rows[r +
+     * 1]
+     * - 1], r = z * bricks_y + y. */
+    iso_buffer order, rows;
+    bool sorted; /* they are those of the set; false: there was no memory, and nothing can be drawn */
+    size_t cells;
+};
+
+static inline const iso_exact_span *iso_exact_spans(const iso_exact *exact) {
+    return (const iso_exact_span *)exact->set.spans.data;
+}
+static inline const iso_exact_block *iso_exact_blocks(const iso_exact *exact) {
+    return (const iso_exact_block *)iso_brick_set_items(&exact->set, 0, 0);
+}
+/* The corners of a block's cells: eight planes of iso_exact_groups(cells) * ISO_EXACT_GROUP values. */
+static inline const void *iso_exact_corners(const iso_exact *exact, const iso_exact_span *span,
+                                            const iso_exact_block *block) {
+    const char *groups = (const char *)iso_brick_set_items(&exact->set, 1, 0);
+    return groups + (span->group + block->group) * iso_exact_group_bytes(exact->type);
+}
+
+#endif

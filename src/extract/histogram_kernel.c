@@ -1,9 +1,0 @@
-/* The variants of histogram_kernel_body.inc, and the choice between them. */
-#include "extract/histogram_kernel.h"
-
-#define ISO_KERNEL_BODY "extract/histogram_kernel_body.inc"
-#include "base/kernel_levels.inc"
-
-const iso_histogram_kernels *iso_histogram_kernels_get(iso_cpu_level level) {
-    return ISO_KERNEL(kernels, level);
-}

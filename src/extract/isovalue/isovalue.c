@@ -1,0 +1,564 @@
+/* Isovalues from a histogram. Otsu 1979, "A threshold selection method from gray-level histograms"; Liao,
+ * Chen and Chung 2001, "A fast algorithm for multilevel thresholding". */
+#include "extract/isovalue/isovalue.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "extract/isovalue/histogram_kernel.h"
+
+/* ---- walking over the voxels */
+
+/* A run of voxels along x: `count` values, or `constant` so many times when values is NULL. */
+typedef struct run {
+    const void *values;
+    float constant;
+    size_t count;
+    bool in_face;                      /* the whole run lies in a face of the volume */
+    bool starts_in_face, ends_in_face; /* its first or last voxel does */
+} run;
+
+typedef void run_visitor(void *worker_state, const run *voxels);
+
+static void mark_faces(run *voxels, const int dims[3], int x, int y, int z) {
+    voxels->in_face = y == 0 || z == 0 || y == dims[1] - 1 || z == dims[2] - 1;
+    voxels->starts_in_face = x == 0;
+    voxels->ends_in_face = x + (int)voxels->count == dims[0];
+}
+
+static inline bool on_face(const run *voxels, size_t i) {
+    return voxels->in_face || (voxels->starts_in_face && i == 0) ||
+           (voxels->ends_in_face && i + 1 == voxels->count);
+}
+
+static size_t count_on_faces(const run *voxels) {
+    if (voxels->in_face) return voxels->count;
+    size_t ends = (size_t)voxels->starts_in_face + voxels->ends_in_face;
+    return ends < voxels->count ? ends : voxels->count;
+}
+
+static void visit_rgrid_slice(const iso_rgrid *grid, int z, run_visitor *visit, void *state) {
+    for (int y = 0; y < grid->dims[1]; y++) {
+        ptrdiff_t first = y * grid->stride_y + z * grid->stride_z;
+        const char *data = grid->data;
+        run row = {.values = data + first * (ptrdiff_t)iso_type_size(grid->type),
+                   .count = (size_t)grid->dims[0]};
+        mark_faces(&row, grid->dims, 0, y, z);
+        visit(state, &row);
+    }
+}
+
+static void visit_hgrid_slice(const iso_hgrid *grid, int z, run_visitor *visit, void *state) {
+    for (int y = 0; y < grid->dims[1]; y++)
+        for (int cx = 0; cx < grid->cells[0]; cx++) {
+            int left = grid->dims[0] - cx * ISO_BRICK;
+            run row = {.count = (size_t)(left < ISO_BRICK ? left : ISO_BRICK)};
+            int32_t brick = grid->cell[iso_hgrid_cell_index(grid, cx, y / ISO_BRICK, z / ISO_BRICK)];
+            if (brick < 0)
+                row.constant = iso_hgrid_empty_value(grid, brick);
+            else
+                row.values =
+                    iso_hgrid_brick(grid, brick) + (z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK) * ISO_BRICK;
+            mark_faces(&row, grid->dims, cx * ISO_BRICK, y, z);
+            visit(state, &row);
+        }
+}
+
+static void visit_slice(const iso_grid *grid, int z, run_visitor *visit, void *state) {
+    if (grid->hgrid)
+        visit_hgrid_slice(grid->hgrid, z, visit, state);
+    else
+        visit_rgrid_slice(grid->rgrid, z, visit, state);
+}
+
+/* One slice a task; every worker has its own state, added up afterwards. */
+typedef struct walk {
+    const iso_grid *grid;
+    run_visitor *visit;
+    char *states;
+    size_t state_bytes;
+} walk;
+
+static void walk_slice(void *context, size_t z, int worker) {
+    const walk *job = context;
+    visit_slice(job->grid, (int)z, job->visit, job->states + (size_t)worker * job->state_bytes);
+}
+
+static void run_walk(walk *job, iso_pool *pool) {
+    iso_parallel_for(pool, (size_t)iso_grid_dims(job->grid)[2], walk_slice, job);
+}
+
+/* ---- integers: every value has a count of its own */
+
+enum { LEVELS = 1 << 16, TABLES = 2, FOLD_EVERY = 1 << 30 };
+
+/* What one worker has counted. Voxels are counted 16 bits at a time: single values of 16 bits, pairs of
+ * values of 8 bits, which halves the number of increments. Neighbours are often equal, and an increment has
+ * to wait for the one before it of the same counter, so that words are dealt out over several tables. */
+typedef struct level_counts {
+    uint64_t all[LEVELS], faces[LEVELS]; /* by value, less -32768 for int16 */
+    uint32_t words[TABLES][LEVELS];      /* not yet in `all` */
+    size_t word_count;
+} level_counts;
+
+static int level_of(iso_type type, const void *values, size_t i) {
+    switch (type) {
+    case ISO_UINT8:
+        return ((const uint8_t *)values)[i];
+    case ISO_INT16:
+        return ((const int16_t *)values)[i] + LEVELS / 2;
+    default:
+        return ((const uint16_t *)values)[i];
+    }
+}
+
+/* Adds the words to `all`. */
+static void fold_words(level_counts *counts, iso_type type) {
+    for (int word = 0; word < LEVELS; word++) {
+        uint64_t count = 0;
+        for (int table = 0; table < TABLES; table++) count += counts->words[table][word];
+        if (type == ISO_UINT8) {
+            counts->all[word & 255] += count;
+            counts->all[word >> 8] += count;
+        } else {
+            counts->all[type == ISO_INT16 ? word ^ LEVELS / 2 : word] += count;
+        }
+    }
+    memset(counts->words, 0, sizeof counts->words);
+    counts->word_count = 0;
+}
+
+static void count_words(uint32_t words[TABLES][LEVELS], const unsigned char *data, size_t count) {
+    const size_t fours = count / 4;
+    for (size_t i = 0; i < fours; i++) {
+        uint64_t four;
+        memcpy(&four, data + 8 * i, sizeof four);
+        words[0][four & 0xffff]++;
+        words[1][four >> 16 & 0xffff]++;
+        words[0][four >> 32 & 0xffff]++;
+        words[1][four >> 48]++;
+    }
+    for (size_t i = 4 * fours; i < count; i++) {
+        uint16_t word;
+        memcpy(&word, data + 2 * i, sizeof word);
+        words[0][word]++;
+    }
+}
+
+static void count_row(level_counts *counts, iso_type type, const void *values, size_t count) {
+    size_t words = type == ISO_UINT8 ? count / 2 : count;
+    count_words(counts->words, values, words);
+    if (type == ISO_UINT8 && count % 2) counts->all[level_of(type, values, count - 1)]++;
+    counts->word_count += words;
+    if (counts->word_count >= FOLD_EVERY) fold_words(counts, type);
+}
+
+static void count_faces(level_counts *counts, iso_type type, const void *values, size_t count, bool in_face) {
+    if (in_face)
+        for (size_t i = 0; i < count; i++) counts->faces[level_of(type, values, i)]++;
+    else
+        for (size_t i = 0; i<count; i += count> 1 ? count - 1 : 1) counts->faces[level_of(type, values, i)]++;
+}
+
+typedef struct level_walk {
+    const iso_rgrid *grid;
+    level_counts *counts; /* one for each worker */
+} level_walk;
+
+static void count_slice(void *context, size_t z, int worker) {
+    const level_walk *levels = context;
+    const iso_rgrid *grid = levels->grid;
+    level_counts *counts = &levels->counts[worker];
+    const size_t row = (size_t)grid->dims[0];
+    const bool end_slice = z == 0 || (int)z == grid->dims[2] - 1;
+    for (int y = 0; y < grid->dims[1]; y++) {
+        const ptrdiff_t first = y * grid->stride_y + (ptrdiff_t)z * grid->stride_z;
+        const char *values = (const char *)grid->data + first * (ptrdiff_t)iso_type_size(grid->type);
+        count_row(counts, grid->type, values, row);
+        count_faces(counts, grid->type, values, row, end_slice || y == 0 || y == grid->dims[1] - 1);
+    }
+}
+
+/* What the histogram of a range of levels is made from. */
+typedef struct level_range {
+    int first, last;
+    int padding; /* a level, or -1 */
+} level_range;
+
+static void shrink(const level_counts *counts, level_range *range) {
+    while (!counts->all[range->first]) range->first++;
+    while (!counts->all[range->last]) range->last--;
+}
+
+static level_range range_of_levels(const level_counts *counts) {
+    level_range range = {.first = 0, .last = LEVELS - 1, .padding = -1};
+    shrink(counts, &range);
+    uint64_t faces = 0;
+    for (int level = range.first; level <= range.last; level++) faces += counts->faces[level];
+    level_range rest = range;
+    if (2 * counts->faces[range.first] > faces)
+        rest.padding = rest.first++;
+    else if (2 * counts->faces[range.last] > faces)
+        rest.padding = rest.last--;
+    if (rest.padding < 0 || rest.first > rest.last) return range;
+    shrink(counts, &rest);
+    return rest.first < rest.last ? rest : range;
+}
+
+static void fill_from_levels(const iso_rgrid *grid, const level_counts *counts, iso_histogram *histogram) {
+    level_range range = range_of_levels(counts);
+    int base = grid->type == ISO_INT16 ? LEVELS / 2 : 0;
+    int step = (range.last - range.first) / ISO_HISTOGRAM_BINS + 1;
+    histogram->low = (range.first - base) * grid->scale + grid->offset;
+    histogram->high = (range.last - base) * grid->scale + grid->offset;
+    histogram->width = step * grid->scale;
+    histogram->minimum = histogram->low;
+    histogram->maximum = histogram->high;
+    if (range.padding >= 0) {
+        histogram->padding_value = (range.padding - base) * grid->scale + grid->offset;
+        histogram->padding = counts->all[range.padding];
+        if (range.padding < range.first) histogram->minimum = histogram->padding_value;
+        if (range.padding > range.last) histogram->maximum = histogram->padding_value;
+    }
+    for (int level = range.first; level <= range.last; level++) {
+        histogram->bins[(level - range.first) / step] += counts->all[level];
+        histogram->counted += counts->all[level];
+    }
+}
+
+static iso_status integer_histogram(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
+                                    iso_error *error) {
+    size_t workers = (size_t)iso_pool_threads(pool);
+    level_counts *counts = iso_alloc_zero(workers, sizeof *counts);
+    if (!counts) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a histogram");
+    level_walk levels = {grid->rgrid, counts};
+    iso_parallel_for(pool, (size_t)grid->rgrid->dims[2], count_slice, &levels);
+    for (size_t w = 0; w < workers; w++) fold_words(&counts[w], grid->rgrid->type);
+    for (size_t w = 1; w < workers; w++)
+        for (int level = 0; level < LEVELS; level++) {
+            counts[0].all[level] += counts[w].all[level];
+            counts[0].faces[level] += counts[w].faces[level];
+        }
+    fill_from_levels(grid->rgrid, counts, histogram);
+    iso_free(counts);
+    return ISO_OK;
+}
+
+/* ---- floats: the range first, then what may be padding, then the bins */
+
+/* Stored values. */
+typedef struct float_range {
+    float low, high; /* of finite voxels */
+    uint64_t finite, nonfinite;
+} float_range;
+
+static const float_range no_range = {.low = INFINITY, .high = -INFINITY};
+
+static void merge_range(float_range *sum, const float_range *part) {
+    sum->low = part->low < sum->low ? part->low : sum->low;
+    sum->high = part->high > sum->high ? part->high : sum->high;
+    sum->finite += part->finite;
+    sum->nonfinite += part->nonfinite;
+}
+
+static const iso_histogram_kernels *kernels(void) {
+    return iso_histogram_kernels_get(iso_cpu_best());
+}
+
+/* The values of a run, of which there is one when all are the same; each of them counts `*each` times. */
+static const float *floats_of(const run *voxels, int *count, uint64_t *each) {
+    *count = voxels->values ? (int)voxels->count : 1;
+    *each = voxels->values ? 1 : voxels->count;
+    return voxels->values ? voxels->values : &voxels->constant;
+}
+
+static void find_range(void *state, const run *voxels) {
+    iso_row_range row;
+    int count;
+    uint64_t each;
+    const float *values = floats_of(voxels, &count, &each);
+    kernels()->range(values, count, &row);
+    const float_range found = {row.lowest, row.highest, (uint64_t)row.finite * each,
+                               (uint64_t)(count - row.finite) * each};
+    merge_range(state, &found);
+}
+
+/* How many voxels of the volume's faces there are, and how many of them have the lowest and the highest
+ * value. */
+typedef struct face_counts {
+    float low, high;
+    uint64_t all, at_low, at_high;
+} face_counts;
+
+static void count_face_voxel(face_counts *counts, float value, uint64_t count) {
+    counts->all += count;
+    counts->at_low += value == counts->low ? count : 0;
+    counts->at_high += value == counts->high ? count : 0;
+}
+
+static void find_faces(void *state, const run *voxels) {
+    if (!voxels->values) {
+        count_face_voxel(state, voxels->constant, count_on_faces(voxels));
+        return;
+    }
+    const float *values = voxels->values;
+    const size_t count = voxels->count;
+    if (voxels->in_face) {
+        for (size_t i = 0; i < count; i++) count_face_voxel(state, values[i], 1);
+        return;
+    }
+    if (voxels->starts_in_face) count_face_voxel(state, values[0], 1);
+    if (voxels->ends_in_face && !(voxels->starts_in_face && count == 1))
+        count_face_voxel(state, values[count - 1], 1);
+}
+
+/* The value that may be padding, how often it occurs, and the next ones inwards from the lowest and the
+ * highest. */
+typedef struct padding_counts {
+    float low, high, padding;
+    float above_low, below_high;
+    uint64_t count;
+} padding_counts;
+
+static void find_padding(void *state, const run *voxels) {
+    padding_counts *counts = state;
+    iso_row_padding row = {.low = counts->low, .high = counts->high, .padding = counts->padding};
+    int count;
+    uint64_t each;
+    const float *values = floats_of(voxels, &count, &each);
+    kernels()->padding(values, count, &row);
+    counts->count += (uint64_t)row.count * each;
+    counts->above_low = fminf(counts->above_low, row.above_low);
+    counts->below_high = fmaxf(counts->below_high, row.below_high);
+}
+
+/* Counts of one worker. Several tables: see level_counts. */
+enum { BIN_TABLES = 4, BIN_BLOCK = 256 };
+typedef struct bin_counts {
+    iso_bin_range range;
+    uint64_t bins[BIN_TABLES][ISO_HISTOGRAM_BINS + 1]; /* the last one is ISO_BIN_OUTSIDE */
+} bin_counts;
+
+static void count_bins(void *state, const run *voxels) {
+    bin_counts *counts = state;
+    int count, bins[BIN_BLOCK];
+    uint64_t each;
+    const float *values = floats_of(voxels, &count, &each);
+    for (int first = 0; first < count; first += BIN_BLOCK) {
+        const int some = count - first < BIN_BLOCK ? count - first : BIN_BLOCK;
+        kernels()->bins(&counts->range, values + first, some, bins);
+        for (int i = 0; i < some; i++) counts->bins[i % BIN_TABLES][bins[i]] += each;
+    }
+}
+
+/* Walks over all voxels with a state for each worker, all of which begin as `first`. */
+static iso_status walk_with(const iso_grid *grid, iso_pool *pool, run_visitor *visit, const void *first,
+                            size_t bytes, char **states, iso_error *error) {
+    const size_t workers = (size_t)iso_pool_threads(pool);
+    *states = iso_alloc_zero(workers, bytes);
+    if (!*states) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a histogram");
+    for (size_t w = 0; w < workers; w++) memcpy(*states + w * bytes, first, bytes);
+    run_walk(&(walk){grid, visit, *states, bytes}, pool);
+    return ISO_OK;
+}
+
+static iso_status measure_range(const iso_grid *grid, iso_pool *pool, float_range *range, iso_error *error) {
+    char *states;
+    ISO_TRY(walk_with(grid, pool, find_range, &no_range, sizeof no_range, &states, error));
+    const float_range *found = (const float_range *)states;
+    *range = no_range;
+    for (int w = 0; w < iso_pool_threads(pool); w++) merge_range(range, &found[w]);
+    iso_free(states);
+    return ISO_OK;
+}
+
+static iso_status measure_faces(const iso_grid *grid, iso_pool *pool, const float_range *range,
+                                face_counts *faces, iso_error *error) {
+    char *states;
+    *faces = (face_counts){.low = range->low, .high = range->high};
+    ISO_TRY(walk_with(grid, pool, find_faces, faces, sizeof *faces, &states, error));
+    const face_counts *found = (const face_counts *)states;
+    for (int w = 0; w < iso_pool_threads(pool); w++) {
+        faces->all += found[w].all;
+        faces->at_low += found[w].at_low;
+        faces->at_high += found[w].at_high;
+    }
+    iso_free(states);
+    return ISO_OK;
+}
+
+static iso_status measure_padding(const iso_grid *grid, iso_pool *pool, padding_counts *padding,
+                                  iso_error *error) {
+    char *states;
+    padding->above_low = INFINITY;
+    padding->below_high = -INFINITY;
+    ISO_TRY(walk_with(grid, pool, find_padding, padding, sizeof *padding, &states, error));
+    const padding_counts *found = (const padding_counts *)states;
+    for (int w = 0; w < iso_pool_threads(pool); w++) {
+        padding->above_low = fminf(padding->above_low, found[w].above_low);
+        padding->below_high = fmaxf(padding->below_high, found[w].below_high);
+        padding->count += found[w].count;
+    }
+    iso_free(states);
+    return ISO_OK;
+}
+
+/* Leaves padding out of the range and says so in the histogram. */
+static iso_status leave_out_padding(const iso_grid *grid, iso_pool *pool, float_range *range,
+                                    iso_histogram *histogram, iso_error *error) {
+    face_counts faces;
+    ISO_TRY(measure_faces(grid, pool, range, &faces, error));
+    const bool at_low = 2 * faces.at_low > faces.all, at_high = 2 * faces.at_high > faces.all;
+    if (!at_low && !at_high) return ISO_OK;
+    padding_counts padding = {
+        .low = range->low, .high = range->high, .padding = at_low ? range->low : range->high};
+    ISO_TRY(measure_padding(grid, pool, &padding, error));
+    if (!(padding.above_low < range->high)) return ISO_OK; /* a mask of two values keeps both */
+    histogram->padding_value = iso_grid_physical(grid, padding.padding);
+    histogram->padding = padding.count;
+    if (at_low)
+        range->low = padding.above_low;
+    else
+        range->high = padding.below_high;
+    return ISO_OK;
+}
+
+static iso_status fill_from_floats(const iso_grid *grid, iso_pool *pool, const float_range *range,
+                                   iso_histogram *histogram, iso_error *error) {
+    const double span = (double)range->high - range->low;
+    const bin_counts none = {.range = {range->low, range->high, span > 0 ? ISO_HISTOGRAM_BINS / span : 0}};
+    char *states;
+    ISO_TRY(walk_with(grid, pool, count_bins, &none, sizeof none, &states, error));
+    const bin_counts *found = (const bin_counts *)states;
+    for (int w = 0; w < iso_pool_threads(pool); w++)
+        for (int table = 0; table < BIN_TABLES; table++)
+            for (int bin = 0; bin < ISO_HISTOGRAM_BINS; bin++)
+                histogram->bins[bin] += found[w].bins[table][bin];
+    iso_free(states);
+    return ISO_OK;
+}
+
+static iso_status float_histogram(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
+                                  iso_error *error) {
+    float_range range;
+    ISO_TRY(measure_range(grid, pool, &range, error));
+    if (!range.finite)
+        return iso_fail(
+            error, ISO_ERR_EMPTY,
+            "the volume holds no usable value: all are NaN, infinite or larger than a float holds (3.4e38)");
+    histogram->minimum = iso_grid_physical(grid, range.low);
+    histogram->maximum = iso_grid_physical(grid, range.high);
+    ISO_TRY(leave_out_padding(grid, pool, &range, histogram, error));
+    histogram->low = iso_grid_physical(grid, range.low);
+    histogram->high = iso_grid_physical(grid, range.high);
+    histogram->width = (histogram->high - histogram->low) / ISO_HISTOGRAM_BINS;
+    histogram->nonfinite = range.nonfinite;
+    histogram->counted = range.finite - histogram->padding;
+    return fill_from_floats(grid, pool, &range, histogram, error);
+}
+
+static bool has_integer_levels(const iso_grid *grid) {
+    return grid->rgrid && grid->rgrid->type != ISO_FLOAT32;
+}
+
+iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
+                                 iso_error *error) {
+    iso_histogram result = {0};
+    if (has_integer_levels(grid))
+        ISO_TRY(integer_histogram(grid, pool, &result, error));
+    else
+        ISO_TRY(float_histogram(grid, pool, &result, error));
+    *histogram = result;
+    return ISO_OK;
+}
+
+/* ---- thresholds */
+
+/* Sums over bins 0 .. i-1; bin numbers serve as values, which changes no threshold. */
+typedef struct cumulative {
+    double weight[ISO_HISTOGRAM_BINS + 1], moment[ISO_HISTOGRAM_BINS + 1];
+} cumulative;
+
+static cumulative accumulate(const iso_histogram *histogram) {
+    cumulative sums = {0};
+    for (int i = 0; i < ISO_HISTOGRAM_BINS; i++) {
+        sums.weight[i + 1] = sums.weight[i] + (double)histogram->bins[i];
+        sums.moment[i + 1] = sums.moment[i] + (double)histogram->bins[i] * i;
+    }
+    return sums;
+}
+
+/* What bins from .. to-1 add to the between-class variance; negative when they are empty. */
+static double class_term(const cumulative *sums, int from, int to) {
+    double weight = sums->weight[to] - sums->weight[from], moment = sums->moment[to] - sums->moment[from];
+    return weight > 0 ? moment * moment / weight : -1;
+}
+
+/* The value between the bins below `cut` and the others: half-way across the empty bins that follow, and
+ * between two levels when the data are integers. */
+static double cut_value(const iso_grid *grid, const iso_histogram *histogram, int cut) {
+    int end = cut;
+    while (end < ISO_HISTOGRAM_BINS && !histogram->bins[end]) end++;
+    double middle = (cut + end) / 2.0;
+    if (!has_integer_levels(grid)) return histogram->low + middle * histogram->width;
+    double scale = grid->rgrid->scale, step = floor(histogram->width / scale + 0.5);
+    return histogram->low + (floor(middle * step) - 0.5) * scale;
+}
+
+static int otsu_cut(const cumulative *sums) {
+    int best_cut = 0;
+    double best = 0;
+    for (int cut = 1; cut < ISO_HISTOGRAM_BINS; cut++) {
+        double below = class_term(sums, 0, cut), above = class_term(sums, cut, ISO_HISTOGRAM_BINS);
+        if (below < 0 || above < 0 || below + above <= best) continue;
+        best = below + above;
+        best_cut = cut;
+    }
+    return best_cut;
+}
+
+static bool otsu_three_cuts(const cumulative *sums, int cuts[2]) {
+    double best = 0;
+    for (int a = 1; a < ISO_HISTOGRAM_BINS; a++) {
+        double low = class_term(sums, 0, a);
+        if (low < 0) continue;
+        for (int b = a + 1; b < ISO_HISTOGRAM_BINS; b++) {
+            double middle = class_term(sums, a, b), high = class_term(sums, b, ISO_HISTOGRAM_BINS);
+            if (middle < 0 || high < 0 || low + middle + high <= best) continue;
+            best = low + middle + high;
+            cuts[0] = a;
+            cuts[1] = b;
+        }
+    }
+    return best > 0;
+}
+
+size_t iso_isovalue_suggest(const iso_grid *grid, const iso_histogram *histogram,
+                            double candidates[ISO_ISOVALUE_CANDIDATES]) {
+    if (iso_grid_is_level_set(grid)) {
+        candidates[0] = 0;
+        return 1;
+    }
+    cumulative sums = accumulate(histogram);
+    int cut = otsu_cut(&sums), cuts[2];
+    if (!cut) return 0;
+    size_t count = 0;
+    candidates[count++] = cut_value(grid, histogram, cut);
+    if (!otsu_three_cuts(&sums, cuts)) return count;
+    for (int i = 0; i < 2; i++) {
+        double value = cut_value(grid, histogram, cuts[i]);
+        bool known = false;
+        for (size_t k = 0; k < count; k++) known = known || candidates[k] == value;
+        if (!known) candidates[count++] = value;
+    }
+    return count;
+}
+
+iso_status iso_isovalue_check(const iso_grid *grid, double isovalue, iso_error *error) {
+    if (!grid->hgrid || fabs(iso_grid_stored(grid, isovalue)) < (double)grid->hgrid->band) return ISO_OK;
+    return iso_fail(error, ISO_ERR_EMPTY,
+                    "no surface at isovalue %g: the level set's narrow band is %g mm wide on either side",
+                    isovalue, iso_grid_physical(grid, (double)grid->hgrid->band));
+}

@@ -1,0 +1,146 @@
+/* Welding: the copies of vertices on the far faces of bricks are replaced by their owners. */
+#include "extract/mesh/mesh.h"
+
+#include <stdlib.h>
+
+#include "base/memory.h"
+
+/* Welded number of the first vertex that span `span` owns. */
+typedef struct owner {
+    int32_t brick[3];
+    uint32_t span, first;
+} owner;
+
+typedef struct welder {
+    const iso_mesh_view *view;
+    owner *owners;      /* sorted by brick, z slowest */
+    iso_buffer numbers; /* welded numbers of one span's vertices */
+} welder;
+
+static int compare_bricks(const int32_t a[3], const int32_t b[3]) {
+    for (int axis = 2; axis >= 0; axis--)
+        if (a[axis] != b[axis]) return a[axis] < b[axis] ? -1 : 1;
+    return 0;
+}
+
+static int compare_owners(const void *a, const void *b) {
+    return compare_bricks(((const owner *)a)->brick, ((const owner *)b)->brick);
+}
+
+static int compare_keys(const void *a, const void *b) {
+    return *(const iso_edge_key *)a - *(const iso_edge_key *)b;
+}
+
+/* Takes a key on a far face to the neighbour that owns the edge. */
+static iso_edge_key neighbour_key(iso_edge_key key, int32_t brick[3]) {
+    int voxel[3], along = iso_edge_key_split(key, voxel);
+    for (int axis = 0; axis < 3; axis++) {
+        brick[axis] += voxel[axis] / ISO_BRICK;
+        voxel[axis] %= ISO_BRICK;
+    }
+    return iso_edge_key_make(voxel[0], voxel[1], voxel[2], along);
+}
+
+static iso_status find_owner(const welder *weld, const iso_mesh_span *span, iso_edge_key key,
+                             uint32_t *number, iso_error *error) {
+    const iso_mesh_view *view = weld->view;
+    owner wanted = {.brick = {span->brick[0], span->brick[1], span->brick[2]}};
+    iso_edge_key own_key = neighbour_key(key, wanted.brick);
+    const owner *found =
+        bsearch(&wanted, weld->owners, view->span_count, sizeof *weld->owners, compare_owners);
+    if (found) {
+        const iso_mesh_span *theirs = &view->spans[found->span];
+        const iso_edge_key *keys = view->keys + theirs->first_vertex;
+        const iso_edge_key *match = bsearch(&own_key, keys, theirs->own_count, sizeof *keys, compare_keys);
+        if (match) {
+            *number = found->first + (uint32_t)(match - keys);
+            return ISO_OK;
+        }
+    }
+    return iso_fail(error, ISO_ERR_USAGE, "the mesh is not up to date: brick %d %d %d lacks a vertex",
+                    (int)wanted.brick[0], (int)wanted.brick[1], (int)wanted.brick[2]);
+}
+
+static iso_status weld_span(welder *weld, size_t index, const uint32_t *first, iso_weld *out,
+                            iso_error *error) {
+    const iso_mesh_view *view = weld->view;
+    const iso_mesh_span *span = &view->spans[index];
+    ISO_TRY(iso_buffer_reserve(&weld->numbers, span->vertex_count * sizeof(uint32_t), 0, error));
+    uint32_t *numbers = weld->numbers.data;
+    for (uint32_t i = 0; i < span->own_count; i++) {
+        numbers[i] = first[index] + i;
+        iso_surfel *vertex = &out->vertices[numbers[i]];
+        *vertex = view->vertices[span->first_vertex + i];
+        for (int axis = 0; axis < 3; axis++)
+            vertex->position[axis] += (float)ISO_BRICK * (float)span->brick[axis];
+    }
+    for (uint32_t i = span->own_count; i < span->vertex_count; i++)
+        ISO_TRY(find_owner(weld, span, view->keys[span->first_vertex + i], &numbers[i], error));
+    for (uint32_t i = 0; i < span->triangle_count; i++) {
+        const uint16_t *triangle = view->triangles[span->first_triangle + i];
+        for (int k = 0; k < 3; k++) out->triangles[out->triangle_count][k] = numbers[triangle[k]];
+        out->triangle_count++;
+    }
+    return ISO_OK;
+}
+
+static iso_status weld_all(welder *weld, uint32_t *first, iso_weld *out, iso_error *error) {
+    const iso_mesh_view *view = weld->view;
+    uint32_t number = 0;
+    for (size_t i = 0; i < view->span_count; i++) {
+        const iso_mesh_span *span = &view->spans[i];
+        first[i] = number;
+        weld->owners[i] = (owner){{span->brick[0], span->brick[1], span->brick[2]}, (uint32_t)i, number};
+        number += span->own_count;
+    }
+    qsort(weld->owners, view->span_count, sizeof *weld->owners, compare_owners);
+    for (size_t i = 0; i < view->span_count; i++) ISO_TRY(weld_span(weld, i, first, out, error));
+    return ISO_OK;
+}
+
+iso_status iso_mesh_weld(const iso_mesh_view *view, iso_weld *weld, iso_error *error) {
+    size_t vertices = iso_mesh_view_vertex_count(view), triangles = iso_mesh_view_triangle_count(view);
+    if (vertices > UINT32_MAX)
+        return iso_fail(error, ISO_ERR_LIMIT, "a welded mesh of %zu vertices needs wider indices", vertices);
+    iso_weld out = {.vertex_count = vertices};
+    welder work = {.view = view};
+    uint32_t *first = iso_alloc_zero(view->span_count, sizeof *first);
+    work.owners = iso_alloc_zero(view->span_count, sizeof *work.owners);
+    out.vertices = iso_alloc(vertices * sizeof *out.vertices);
+    out.triangles = iso_alloc(triangles * sizeof *out.triangles);
+    iso_status status;
+    if (first && work.owners && out.vertices && out.triangles)
+        status = weld_all(&work, first, &out, error);
+    else
+        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu vertices and %zu triangles", vertices,
+                          triangles);
+    iso_buffer_free(&work.numbers);
+    iso_free(work.owners);
+    iso_free(first);
+    if (status == ISO_OK)
+        *weld = out;
+    else
+        iso_weld_free(&out);
+    return status;
+}
+
+void iso_weld_separate(const iso_mesh_view *view, double distance, iso_weld *weld) {
+    size_t vertex = 0;
+    for (size_t s = 0; s < view->span_count; s++) {
+        const iso_mesh_span *span = &view->spans[s];
+        for (uint32_t i = 0; i < span->own_count; i++, vertex++) {
+            int voxel[3];
+            const int axis = iso_edge_key_split(view->keys[span->first_vertex + i], voxel);
+            const double lower = (double)ISO_BRICK * span->brick[axis] + voxel[axis];
+            float *position = &weld->vertices[vertex].position[axis];
+            if (*position < lower + distance) *position = (float)(lower + distance);
+            if (*position > lower + 1 - distance) *position = (float)(lower + 1 - distance);
+        }
+    }
+}
+
+void iso_weld_free(iso_weld *weld) {
+    iso_free(weld->vertices);
+    iso_free(weld->triangles);
+    *weld = (iso_weld){0};
+}

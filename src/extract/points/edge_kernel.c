@@ -1,0 +1,147 @@
+#include "extract/points/edge_kernel.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/point_code.h"
+#include "grids/voxel_kernels.h"
+
+enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64, ISO_EDGE_PARTS = 32 };
+
+/* Points of one axis on their way through fill. Arrays are padded so that whole vectors can be computed. */
+typedef struct iso_edge_batch {
+    int count;
+    uint8_t x[ISO_EDGE_BATCH_MAX];
+    uint16_t row[ISO_EDGE_BATCH_MAX];
+    float weight[4][ISO_EDGE_BATCH_MAX]; /* of differences along the edge at its two ends, x (or y), the third
+                                            axis */
+    float t[ISO_EDGE_BATCH_MAX];
+    float normal[3][ISO_EDGE_BATCH_MAX];
+    union {
+        iso_point packed[ISO_EDGE_BATCH_MAX];
+        struct {
+            float position[3][ISO_EDGE_BATCH_MAX];
+            iso_edge_key key[ISO_EDGE_BATCH_MAX];
+        };
+    };
+} iso_edge_batch;
+
+static inline int iso_edge_clamp(int i, int first, int dim) {
+    return i < first ? first : i < dim ? i : dim - 1;
+}
+
+static inline int iso_edge_extent(int left) {
+    return left < ISO_BRICK ? left : ISO_BRICK;
+}
+
+static inline ptrdiff_t iso_edge_index(const iso_edge_source *source, const int at[3]) {
+    return at[0] + at[1] * source->stride_y + at[2] * source->stride_z;
+}
+
+/* Whether any neighbour that the block's edges need may lie outside the grid. */
+static bool iso_edge_at_border(const iso_edge_source *source, const int origin[3]) {
+    const int size[3] = {ISO_EDGE_BLOCK_X, ISO_BRICK, ISO_BRICK};
+    for (int axis = 0; axis < 3; axis++)
+        if (origin[axis] == source->first[axis] || origin[axis] + size[axis] + 2 > source->dims[axis])
+            return true;
+    return false;
+}
+
+/* What to multiply a gradient by so that the inverse of its norm is finite. Sums of integers are never that
+ * small. */
+#define ISO_EDGE_LIFT(type, sum) (sizeof(type) == sizeof(float) && (sum) < 0x1p-64f ? 0x1p64f : 1.0f)
+
+/* Where an edge's stencil lies in a grid whose border is near. */
+typedef struct iso_edge_stencil {
+    ptrdiff_t end[2];             /* the two ends, elements */
+    ptrdiff_t neighbour[2][3][2]; /* of each end: axis, lower and upper side; clamped */
+    float weight[4]; /* 1/2, or 1 for a one-sided difference: along the edge at either end, then across */
+} iso_edge_stencil;
+
+static void iso_edge_border_stencil(const iso_edge_source *source, const int lower[3], int axis,
+                                    iso_edge_stencil *stencil) {
+    int across = 2;
+    for (int end = 0; end < 2; end++) {
+        int at[3] = {lower[0], lower[1], lower[2]};
+        at[axis] += end;
+        stencil->end[end] = iso_edge_index(source, at);
+        for (int k = 0; k < 3; k++) {
+            int low[3] = {at[0], at[1], at[2]}, high[3] = {at[0], at[1], at[2]};
+            low[k] = iso_edge_clamp(at[k] - 1, source->first[k], source->dims[k]);
+            high[k] = iso_edge_clamp(at[k] + 1, source->first[k], source->dims[k]);
+            stencil->neighbour[end][k][0] = iso_edge_index(source, low);
+            stencil->neighbour[end][k][1] = iso_edge_index(source, high);
+            float weight = high[k] - low[k] == 2 ? 0.5f : 1.0f;
+            if (k == axis) {
+                stencil->weight[end] = weight;
+            } else if (end == 0) {
+                stencil->weight[across++] = weight;
+            }
+        }
+    }
+}
+
+/* Part of a batch: what a job put into it. */
+typedef struct iso_edge_part {
+    iso_edge_job *job;
+    int from, end;
+} iso_edge_part;
+
+/* Those of a batch, which are all next to the grid's border or none. */
+typedef struct iso_edge_parts {
+    int count;
+    bool border;
+    iso_edge_part part[ISO_EDGE_PARTS];
+} iso_edge_parts;
+
+/* Moves a part to its bricks' places. */
+__attribute__((always_inline)) static inline void iso_edge_scatter(const iso_edge_batch *batch,
+                                                                   const iso_edge_part *part) {
+    const iso_edge_output *output = &part->job->output;
+    uint64_t lanes = part->job->lanes;
+    if (output->packed[0]) {
+        for (int i = part->from; i < part->end; i++) {
+            int brick = batch->x[i] >> 4;
+            output->packed[brick][lanes >> (16 * brick) & 0xffff] = batch->packed[i];
+            lanes += (uint64_t)1 << (16 * brick);
+        }
+        part->job->lanes = lanes;
+        return;
+    }
+    for (int i = part->from; i < part->end; i++) {
+        const int brick = batch->x[i] >> 4;
+        const uint64_t place = lanes >> (16 * brick) & 0xffff;
+        iso_surfel *surfel = output->surfels[brick] + place;
+        for (int k = 0; k < 3; k++) surfel->position[k] = batch->position[k][i];
+        for (int k = 0; k < 3; k++) surfel->normal[k] = batch->normal[k][i];
+        if (output->keys[0]) output->keys[brick][place] = batch->key[i];
+        lanes += (uint64_t)1 << (16 * brick);
+    }
+    part->job->lanes = lanes;
+}
+
+/* The bits of a block's word that are wanted and in the grid, of which `voxels` are left along x. */
+static uint64_t iso_edge_columns(iso_edge_wanted wanted, int voxels) {
+    uint64_t lanes = 0;
+    for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++)
+        lanes |= (uint64_t)(wanted.bricks >> brick & 1) * 0xffff << (16 * brick);
+    return voxels < ISO_EDGE_BLOCK_X ? lanes & (((uint64_t)1 << voxels) - 1) : lanes;
+}
+
+void iso_edge_source_prepare(iso_edge_source *source) {
+    for (int row = 0; row < ISO_EDGE_ROW_NAMES; row++)
+        source->row_offset[row] =
+            (row & 31) * source->stride_y + (row >> 5 & 31) * source->stride_z + !!(row & ISO_EDGE_FACE);
+}
+
+#include "extract/points/edge_kernel_rows.inc"
+
+#define ISO_KERNEL_BODY "grids/voxel_kernels.inc"
+#define ISO_VOXEL_BODY "extract/points/edge_kernel_body.inc"
+#include "base/kernel_levels.inc"
+#undef ISO_VOXEL_BODY
+
+const iso_edge_kernel *iso_edge_kernel_get(iso_type type, iso_cpu_level level) {
+    return ISO_VOXEL_KERNEL(kernel, type, level);
+}

@@ -1,0 +1,201 @@
+/* Foot points, Baerentzen and Christensen 2003, section 4: eq. 1 for distance fields, eq. 2 iterated for any
+ * scalar field. The band [0, sqrt 3) holds every voxel on the outer side that belongs to a crossed cell. */
+#include "extract/points/foot_points.h"
+
+#include <string.h>
+
+static const float BAND = 1.7320508f; /* sqrt 3, voxels */
+static const double REACH = 2; /* voxels from the seed; beyond sqrt 3, as the field need not be a distance */
+static const int MOST_STEPS = 10;
+static const double CONVERGED = 1e-4; /* voxels */
+
+static bool in_band(const iso_threshold *surface, float value) {
+    float distance = value - surface->at - surface->rest;
+    return value >= surface->at && distance < BAND;
+}
+
+static int last_voxel(const iso_brick_window *window, int axis) {
+    return window->last[axis] < ISO_BRICK - 1 ? window->last[axis] : ISO_BRICK - 1;
+}
+
+/* Floats to integers in the same order, and back. */
+static int32_t in_order(int32_t bits) {
+    return bits < 0 ? bits ^ INT32_MAX : bits;
+}
+
+static float float_of(int32_t order) {
+    float value;
+    memcpy(&value, &(int32_t){in_order(order)}, sizeof value);
+    return value;
+}
+
+static int32_t order_of(float value) {
+    int32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return in_order(bits);
+}
+
+/* The lowest float from `at` on that is not in the band; distances grow with values, so that halving finds
+ * it. */
+static float band_top(const iso_threshold *surface) {
+    if (!in_band(surface, surface->at)) return surface->at;
+    int64_t in = order_of(surface->at), out = order_of(INFINITY);
+    while (out - in > 1) {
+        int64_t middle = in + (out - in) / 2;
+        *(in_band(surface, float_of((int32_t)middle)) ? &in : &out) = middle;
+    }
+    return float_of((int32_t)out);
+}
+
+iso_foot_surface iso_foot_surface_of(const iso_threshold *surface, float band) {
+    return (iso_foot_surface){.at = surface->at,
+                              .rest = surface->rest,
+                              .outward = surface->outward,
+                              .top = band_top(surface),
+                              .band = band};
+}
+
+bool iso_foot_point(const iso_foot_surface *surface, const iso_foot_stencil *stencil, iso_surfel *point) {
+    if (iso_foot_is_clamped(surface->band, stencil)) return false;
+    float g[3];
+    for (int axis = 0; axis < 3; axis++) {
+        bool has_low = !isnan(stencil->low[axis]), has_high = !isnan(stencil->high[axis]);
+        float low = has_low ? stencil->low[axis] : stencil->centre;
+        float high = has_high ? stencil->high[axis] : stencil->centre;
+        g[axis] = has_low && has_high ? 0.5f * (high - low) : high - low;
+    }
+    float squared = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+    if (!(squared >= 0.25f)) return false;
+    if (iso_foot_is_regular(squared)) {
+        float scale = surface->outward / sqrtf(squared);
+        for (int axis = 0; axis < 3; axis++) point->normal[axis] = g[axis] * scale;
+    } else if (!iso_unit_normal(g, surface->outward, point->normal)) {
+        return false;
+    }
+    float distance = stencil->centre - surface->at - surface->rest;
+    for (int axis = 0; axis < 3; axis++)
+        point->position[axis] = (float)stencil->voxel[axis] - distance * point->normal[axis];
+    return true;
+}
+
+static iso_foot_stencil stencil_at(const iso_brick_window *window, const int voxel[3]) {
+    const float *centre = window->values + iso_window_index(voxel[0], voxel[1], voxel[2]);
+    iso_foot_stencil stencil = {.centre = *centre};
+    for (int axis = 0; axis < 3; axis++) {
+        int step = iso_window_step(axis);
+        stencil.voxel[axis] = voxel[axis];
+        stencil.low[axis] = voxel[axis] > window->first[axis] ? centre[-step] : NAN;
+        stencil.high[axis] = voxel[axis] < window->last[axis] ? centre[step] : NAN;
+    }
+    return stencil;
+}
+
+void iso_foot_points_direct(const iso_brick_window *window, const iso_foot_surface *surface,
+                            iso_foot_points *out) {
+    for (int z = 0; z <= last_voxel(window, 2); z++)
+        for (int y = 0; y <= last_voxel(window, 1); y++)
+            for (int x = 0; x <= last_voxel(window, 0); x++) {
+                float value = window->values[iso_window_index(x, y, z)];
+                if (!(value >= surface->at && value < surface->top)) continue;
+                iso_foot_stencil stencil = stencil_at(window, (int[3]){x, y, z});
+                if (out->voxels) out->voxels[out->count] = z << 8 | y << 4 | x;
+                if (iso_foot_point(surface, &stencil, &out->points[out->count]))
+                    out->count++;
+                else
+                    out->rejected++;
+            }
+}
+
+bool iso_foot_points_may_exist(const iso_grid *grid, const iso_threshold *surface, const int brick[3]) {
+    if (grid->hgrid) /* whether its brick has voxels in the band is for the kernel to find out */
+        return grid->hgrid->cell[iso_hgrid_cell_index(grid->hgrid, brick[0], brick[1], brick[2])] >= 0;
+    float top = surface->at + 1.75f; /* a little above sqrt 3: rounding must not lose a voxel */
+    if (iso_grid_brick_may_cross(grid, brick, surface->at) || iso_grid_brick_may_cross(grid, brick, top))
+        return true;
+    /* all finite voxels are below `at`, between the two or above `top` together */
+    float value = iso_grid_at(grid, ISO_BRICK * brick[0], ISO_BRICK * brick[1], ISO_BRICK * brick[2]);
+    return !isfinite(value) || (value >= surface->at && value < top);
+}
+
+/* Whether cell (x, y, z) of the window has finite corners on both sides. */
+static bool cell_is_crossed(const iso_brick_window *window, const iso_threshold *surface, const int cell[3]) {
+    int inside = 0;
+    for (int axis = 0; axis < 3; axis++)
+        if (cell[axis] < window->first[axis] || cell[axis] >= window->last[axis]) return false;
+    for (int i = 0; i < 8; i++) {
+        float value =
+            window->values[iso_window_index(cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2))];
+        if (!isfinite(value)) return false;
+        inside += iso_threshold_inside(surface, value);
+    }
+    return inside > 0 && inside < 8;
+}
+
+static bool is_seed(const iso_brick_window *window, const iso_threshold *surface, const int voxel[3]) {
+    float value = window->values[iso_window_index(voxel[0], voxel[1], voxel[2])];
+    if (!isfinite(value)) return false;
+    bool outside = iso_threshold_inside(surface, value) == (surface->outward > 0);
+    if (!outside) return false;
+    for (int i = 0; i < 8; i++) {
+        const int cell[3] = {voxel[0] - (i & 1), voxel[1] - (i >> 1 & 1), voxel[2] - (i >> 2)};
+        if (cell_is_crossed(window, surface, cell)) return true;
+    }
+    return false;
+}
+
+static bool inside_volume(const int *dims, iso_vec3 p) {
+    return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x <= dims[0] - 1 && p.y <= dims[1] - 1 && p.z <= dims[2] - 1;
+}
+
+/* Walks p to the surface; false when it does not get there within REACH of where it started. */
+static bool iterate(const iso_grid *grid, double isovalue, iso_vec3 *p, iso_vec3 *gradient) {
+    const int *dims = iso_grid_dims(grid);
+    iso_vec3 seed = *p;
+    for (int step = 0; step <= MOST_STEPS; step++) {
+        double excess = iso_grid_sample(grid, *p) - isovalue;
+        *gradient = iso_grid_gradient(grid, *p);
+        double squared = iso_vec3_dot(*gradient, *gradient);
+        if (!(squared > 0) || !isfinite(excess)) return false;
+        if (fabs(excess) <= CONVERGED * sqrt(squared)) return true;
+        *p = iso_vec3_sub(*p, iso_vec3_scale(*gradient, excess / squared));
+        iso_vec3 way = iso_vec3_sub(*p, seed);
+        if (!(iso_vec3_dot(way, way) < REACH * REACH) || !inside_volume(dims, *p)) return false;
+    }
+    return false;
+}
+
+static bool iterated_foot_of(const iso_grid *grid, const iso_brick_window *window,
+                             const iso_threshold *surface, const int voxel[3], iso_surfel *point) {
+    iso_vec3 origin = {ISO_BRICK * window->brick[0], ISO_BRICK * window->brick[1],
+                       ISO_BRICK * window->brick[2]};
+    iso_vec3 p = iso_vec3_add(origin, iso_vec3_make(voxel[0], voxel[1], voxel[2])), gradient;
+    if (!iterate(grid, (double)surface->at + surface->rest, &p, &gradient)) return false;
+    iso_vec3 local = iso_vec3_sub(p, origin), normal = iso_vec3_unit(gradient);
+    *point = (iso_surfel){{(float)local.x, (float)local.y, (float)local.z},
+                          {(float)(surface->outward * normal.x), (float)(surface->outward * normal.y),
+                           (float)(surface->outward * normal.z)}};
+    return true;
+}
+
+void iso_foot_points_iterated(const iso_grid *grid, const iso_brick_window *window,
+                              const iso_threshold *surface, iso_foot_points *out) {
+    for (int z = 0; z <= last_voxel(window, 2); z++)
+        for (int y = 0; y <= last_voxel(window, 1); y++)
+            for (int x = 0; x <= last_voxel(window, 0); x++) {
+                const int voxel[3] = {x, y, z};
+                if (!is_seed(window, surface, voxel)) continue;
+                if (iterated_foot_of(grid, window, surface, voxel, &out->points[out->count]))
+                    out->count++;
+                else
+                    out->rejected++;
+            }
+}
+
+bool iso_foot_seeds_may_exist(const iso_grid *grid, const iso_threshold *surface, const int brick[3]) {
+    for (int i = 0; i < 8; i++) { /* a seed's cell may lie in a lower brick */
+        const int near[3] = {brick[0] - (i & 1), brick[1] - (i >> 1 & 1), brick[2] - (i >> 2)};
+        if (near[0] < 0 || near[1] < 0 || near[2] < 0) continue;
+        if (iso_grid_brick_may_cross(grid, near, surface->at)) return true;
+    }
+    return false;
+}

@@ -1,0 +1,13 @@
+#include "render/pullpush/kernel.h"
+
+#include "base/simd.h"
+
+/* Where in its pixel a point lies is known to 1/32 (pyramid.h). */
+enum { PP_PART_BITS = 5, PP_PARTS = 1 << PP_PART_BITS };
+
+#define ISO_KERNEL_BODY "render/pullpush/kernel_body.inc"
+#include "base/kernel_levels.inc"
+
+const iso_pullpush_kernel *iso_pullpush_kernel_get(iso_cpu_level level) {
+    return ISO_KERNEL(kernel, level);
+}

@@ -1,0 +1,156 @@
+#include "render/pullpush/pyramid.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    LANES = 16, /* of the widest vectors */
+    LEFT = LANES,
+    RIGHT = 2 * LANES /* border columns; pairs of vectors of an odd row end up to RIGHT beyond */
+};
+
+/* The smallest projected radius that discs may have in pixels of their level. */
+static const float BASE_RADIUS = 8;
+
+static int round_up(int value, int multiple) {
+    return (value + multiple - 1) / multiple * multiple;
+}
+
+void iso_pyramid_levels(const float radius[2], float low_pass, int *base, int *top) {
+    float square = radius[1] * radius[1] + low_pass;
+    *top = 1;
+    while (*top < ISO_PYRAMID_TOP && square > 0.25f * (float)(1 << 2 * *top)) ++*top;
+    *base = 0;
+    while (*base < *top - 1 && radius[0] >= BASE_RADIUS * (float)(2 << *base)) ++*base;
+}
+
+/* Rows of level 0, from the whole frame's first, that rows lo .. hi depend on: at each step up a pixel takes
+ * in one more on each side. */
+static void widen_rows(int top, int *lo, int *hi) {
+    for (int level = 0; level < top; level++) {
+        *lo = (*lo - 1) >> 1;
+        *hi = (*hi + 1) >> 1;
+    }
+    *lo = *lo < 0 ? 0 : *lo << top;
+    *hi = ((*hi + 1) << top) - 1;
+}
+
+iso_pyramid_shape iso_pyramid_shape_of(const iso_view *view, int base, int top) {
+    int guard = 1 << (top > 1 ? top - 1 : 1);
+    if (guard > ISO_PYRAMID_GUARD) guard = ISO_PYRAMID_GUARD;
+    int last = view->above + view->height + view->below + 2 * guard - 1;
+    int lo = view->above + guard, hi = lo + view->height - 1;
+    widen_rows(top, &lo, &hi);
+    if (hi > last) hi = last;
+    return (iso_pyramid_shape){.base = base,
+                               .top = top,
+                               .guard = guard,
+                               .column = -guard,
+                               .row = lo - view->above - guard,
+                               .rows_before = lo,
+                               .width = view->width + 2 * guard,
+                               .height = hi - lo + 1};
+}
+
+static bool has_plane(const iso_pyramid_shape *shape, int level, int plane) {
+    if (plane >= ISO_PLANE_OPTIONAL) return (level > 0 || shape->base == 0) && (shape->planes >> plane & 1);
+    return level > 0;
+}
+
+static size_t plane_floats(const iso_pyramid_level *level) {
+    return level->stride * (size_t)(level->height + 2);
+}
+
+iso_pyramid_level iso_pyramid_level_of(const iso_pyramid_shape *shape, int number) {
+    int less = (1 << number) - 1;
+    int width = (shape->width + less) >> number, height = (shape->height + less) >> number;
+    return (iso_pyramid_level){
+        .width = width, .height = height, .stride = (size_t)(LEFT + round_up(width, LANES) + RIGHT)};
+}
+
+static size_t key_stride_of(const iso_pyramid_level *base) {
+    return (size_t)round_up(base->width, 2 * LANES);
+}
+
+/* One more row: an odd number of rows is made even. */
+static size_t key_count(const iso_pyramid_level *base) {
+    return key_stride_of(base) * (size_t)(base->height + 1);
+}
+
+static size_t piece_count(const iso_pyramid_level *base) {
+    return key_stride_of(base) / ISO_KEY_PIECE * (size_t)(base->height / 2 + 1);
+}
+
+size_t iso_pyramid_bytes(const iso_pyramid_shape *shape) {
+    const iso_pyramid_level base = iso_pyramid_level_of(shape, shape->base);
+    if (key_count(&base) > INT32_MAX) return SIZE_MAX; /* places of keys are 32-bit numbers */
+    size_t bytes =
+        key_count(&base) * (sizeof(int64_t) + (shape->indexed ? sizeof(int32_t) : 0)) + piece_count(&base);
+    for (int l = 0; l <= shape->top; l++) {
+        iso_pyramid_level level = iso_pyramid_level_of(shape, l);
+        for (int p = 0; p < ISO_PLANES; p++)
+            if (has_plane(shape, l, p)) bytes += plane_floats(&level) * sizeof(float);
+    }
+    return bytes;
+}
+
+static void fill(float *from, float *end, float value) {
+    while (from < end) *from++ = value;
+}
+
+/* The border is what is no pixel: whole rows before and after, and the ends of the others. */
+static void make_border(const iso_pyramid_level *level, int plane) {
+    float value = plane == ISO_PLANE_LOW || plane == ISO_PLANE_HIGH ? ISO_NOWHERE
+                  : plane == ISO_PLANE_WIDE                         ? INFINITY
+                                                                    : 0;
+    float *row = level->plane[plane] - LEFT - level->stride;
+    fill(row, row + level->stride, value);
+    for (int y = 0; y < level->height; y++) {
+        row += level->stride;
+        fill(row, row + LEFT, value);
+        fill(row + LEFT + level->width, row + level->stride, value);
+    }
+    row += level->stride;
+    fill(row, row + level->stride, value);
+}
+
+/* Returns where they end. */
+static char *lay_planes(iso_pyramid *pyramid, char *memory) {
+    float *next = (float *)memory;
+    for (int l = 0; l <= pyramid->shape.top; l++) {
+        iso_pyramid_level *level = &pyramid->level[l];
+        for (int p = 0; p < ISO_PLANES; p++) {
+            if (!has_plane(&pyramid->shape, l, p)) continue;
+            level->plane[p] = next + level->stride + LEFT;
+            make_border(level, p);
+            next += plane_floats(level);
+        }
+    }
+    return (char *)next;
+}
+
+iso_status iso_pyramid_reshape(iso_pyramid *pyramid, const iso_pyramid_shape *shape, iso_error *error) {
+    if (pyramid->memory.data && memcmp(shape, &pyramid->shape, sizeof *shape) == 0) return ISO_OK;
+    size_t bytes = iso_pyramid_bytes(shape);
+    if (bytes == SIZE_MAX) return iso_fail(error, ISO_ERR_NOMEM, "a picture of that size is impossible");
+    pyramid->shape = (iso_pyramid_shape){0}; /* until the memory is there */
+    ISO_TRY(iso_buffer_reserve(&pyramid->memory, bytes, 0, error));
+    memset(pyramid->memory.data, 0, bytes);
+    pyramid->shape = *shape;
+    for (int l = 0; l <= shape->top; l++) pyramid->level[l] = iso_pyramid_level_of(shape, l);
+    const iso_pyramid_level *base = &pyramid->level[shape->base];
+    pyramid->key_stride = key_stride_of(base);
+    size_t index = shape->indexed ? key_count(base) * sizeof(int32_t) : 0;
+    char *memory = pyramid->memory.data;
+    pyramid->keys = (int64_t *)memory;
+    memory += key_count(base) * sizeof(int64_t);
+    pyramid->index = shape->indexed ? (int32_t *)memory : NULL;
+    pyramid->used = (uint8_t *)lay_planes(pyramid, memory + index);
+    memset(pyramid->used, 1, piece_count(base));
+    return ISO_OK;
+}
+
+void iso_pyramid_free(iso_pyramid *pyramid) {
+    iso_buffer_free(&pyramid->memory);
+    *pyramid = (iso_pyramid){0};
+}

@@ -1,0 +1,28 @@
+/* pullpush_setup: what pull-push needs to know of a view, the same for every engine. Internal to render. */
+#ifndef ISO_RENDER_PULLPUSH_SETUP_H
+#define ISO_RENDER_PULLPUSH_SETUP_H
+
+#include "render/pullpush/kernel.h"
+#include "render/pullpush/pullpush.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The shape of a view's pyramid for discs of projected radii radius[0] .. radius[1], without optional planes.
+ */
+iso_pyramid_shape iso_pullpush_shape(const iso_view *view, const float radius[2]);
+
+/* All but `points` and `pyramid`; `packed` is what the points are. */
+iso_point_projection iso_pullpush_projection(const iso_pyramid_shape *shape, const iso_projector *projector,
+                                             const iso_transform *transform, bool packed, bool cull);
+
+/* All but `pyramid` and `target`; `radius` is the points' own, mm, of those that share one; `two_sided` when
+ * nothing is culled. */
+iso_reconstruction_job iso_pullpush_job(const iso_pyramid_shape *shape, const iso_projector *projector,
+                                        double radius, iso_reconstruction reconstruction, bool two_sided);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,302 @@
+/* Triangles with integer edge functions (Pineda 1988) on vertices snapped to 1/256 pixel: exact, so shared
+ * edges neither leave holes nor draw a pixel twice. Triangles that reach in front of the near plane, or so
+ * far beyond the picture that 64-bit edge functions would overflow, are clipped first (Sutherland and Hodgman
+ * 1974); new vertices are computed from the inner end of an edge to its outer one, so that both triangles at
+ * the edge get the same. */
+#include <assert.h>
+
+#include "base/memory.h"
+#include "render/project.h"
+#include "render/raster/raster.h"
+
+enum {
+    SUBPIXEL = 256,
+    GUARD = 1 << 21, /* pixels from the optical axis; edge functions stay below 2^62 */
+    CLIP_PLANES = 5, /* near, and the guard band's four sides */
+    POLYGON = 3 + CLIP_PLANES,
+    NARROW = 16 /* rows up to this wide are tested pixel by pixel */
+};
+
+typedef struct vertex {
+    iso_vec3 view;
+    double weight;   /* of perspective correction: 1/z, or 1 */
+    int64_t x, y;    /* 1/256 pixel; when inside */
+    float normal[3]; /* view space */
+    bool inside;     /* of all clip planes */
+} vertex;
+
+typedef struct mesh_draw {
+    const iso_target *target;
+    const iso_mesh_view *mesh;
+    iso_projector projector;
+    iso_rows *rows;  /* of each span */
+    vertex *scratch; /* `capacity` for each worker */
+    size_t capacity;
+    int band_count;
+} mesh_draw;
+
+/* >= 0 inside. */
+static double plane_distance(const iso_view *view, iso_vec3 p, int plane) {
+    double limit = view->orthographic ? GUARD / view->focal : p.z * (GUARD / view->focal);
+    switch (plane) {
+    case 0:
+        return p.z - view->near;
+    case 1:
+        return limit - p.x;
+    case 2:
+        return limit + p.x;
+    case 3:
+        return limit - p.y;
+    default:
+        return limit + p.y;
+    }
+}
+
+static bool is_inside(const iso_view *view, iso_vec3 p) {
+    for (int plane = 0; plane < CLIP_PLANES; plane++)
+        if (!(plane_distance(view, p, plane) >= 0)) return false;
+    return true;
+}
+
+static int64_t snapped(double pixels) {
+    return (int64_t)floor(pixels * SUBPIXEL + 0.5);
+}
+
+static void place_vertex(const iso_projector *projector, vertex *v) {
+    const iso_view *view = projector->view;
+    double scale = iso_projector_scale(projector, v->view.z);
+    v->weight = view->orthographic ? 1 : 1 / v->view.z;
+    v->x = snapped(v->view.x * scale) + snapped(view->cx);
+    v->y = snapped(v->view.y * scale) + snapped(view->cy);
+}
+
+/* The edges of a triangle as functions that are >= 0 inside; edge k lies opposite to corner k. */
+typedef struct edge {
+    int64_t value;          /* at the centre of the pixel (0, 0) of the triangle's rectangle */
+    int64_t step_x, step_y; /* per pixel */
+    int64_t bias;           /* -1 where pixels exactly on the edge belong to the neighbour */
+} edge;
+
+typedef struct triangle {
+    const vertex *corner[3];
+    edge edge[3];
+    int64_t x0, x1, y0, y1; /* pixels of its rectangle, clipped to the picture and the band */
+} triangle;
+
+/* Top-left rule, with y downwards and the inside to the right of a -> b. */
+static edge make_edge(const vertex *a, const vertex *b, int64_t x0, int64_t y0) {
+    int64_t dx = b->x - a->x, dy = b->y - a->y;
+    int64_t px = x0 * SUBPIXEL + SUBPIXEL / 2, py = y0 * SUBPIXEL + SUBPIXEL / 2;
+    bool top_left = dy < 0 || (dy == 0 && dx > 0);
+    return (edge){.value = dx * (py - a->y) - dy * (px - a->x),
+                  .step_x = -dy * SUBPIXEL,
+                  .step_y = dx * SUBPIXEL,
+                  .bias = top_left ? 0 : -1};
+}
+
+static int64_t floor_divide(int64_t a, int64_t b) {
+    int64_t quotient = a / b;
+    return quotient - (a % b != 0 && (a < 0) != (b < 0));
+}
+
+/* First and last pixel whose centre lies in [lo, hi] (1/256 pixel), clipped. */
+static void pixel_range(int64_t lo, int64_t hi, iso_rows clip, int64_t out[2]) {
+    out[0] = floor_divide(lo + SUBPIXEL / 2 - 1, SUBPIXEL);
+    out[1] = floor_divide(hi - SUBPIXEL / 2, SUBPIXEL);
+    if (out[0] < clip.first) out[0] = clip.first;
+    if (out[1] > clip.last) out[1] = clip.last;
+}
+
+static int64_t min3(int64_t a, int64_t b, int64_t c) {
+    int64_t ab = a < b ? a : b;
+    return ab < c ? ab : c;
+}
+
+static int64_t max3(int64_t a, int64_t b, int64_t c) {
+    return -min3(-a, -b, -c);
+}
+
+/* False when the triangle covers no pixel of the band. */
+static bool set_up(triangle *t, const vertex *a, const vertex *b, const vertex *c, const iso_rows clip[2]) {
+    int64_t x[2], y[2];
+    pixel_range(min3(a->y, b->y, c->y), max3(a->y, b->y, c->y), clip[1], y);
+    if (y[0] > y[1]) return false;
+    pixel_range(min3(a->x, b->x, c->x), max3(a->x, b->x, c->x), clip[0], x);
+    if (x[0] > x[1]) return false;
+    int64_t area = (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
+    if (area == 0) return false;
+    *t = (triangle){.x0 = x[0], .x1 = x[1], .y0 = y[0], .y1 = y[1]};
+    t->corner[0] = a;
+    t->corner[1] = area > 0 ? b : c;
+    t->corner[2] = area > 0 ? c : b;
+    for (int k = 0; k < 3; k++)
+        t->edge[k] = make_edge(t->corner[(k + 1) % 3], t->corner[(k + 2) % 3], x[0], y[0]);
+    return true;
+}
+
+static void draw_pixel(const mesh_draw *draw, const triangle *t, const int64_t value[3], size_t index) {
+    const iso_gbuffer *g = draw->target->gbuffer;
+    double weight[3], sum = 0, depth = 0;
+    for (int k = 0; k < 3; k++) {
+        weight[k] = (double)value[k] * t->corner[k]->weight;
+        sum += weight[k];
+        depth += weight[k] * t->corner[k]->view.z;
+    }
+    float z = (float)(depth / sum);
+    if (!(z < g->depth[index])) return;
+    float n[3], square = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        n[axis] = (float)((weight[0] * t->corner[0]->normal[axis] + weight[1] * t->corner[1]->normal[axis] +
+                           weight[2] * t->corner[2]->normal[axis]) /
+                          sum);
+        square += n[axis] * n[axis];
+    }
+    float length = sqrtf(square);
+    g->depth[index] = z;
+    g->surface[index] = draw->target->surface;
+    for (int axis = 0; axis < 3; axis++)
+        g->normal[axis][index] = length > 0 ? n[axis] / length : axis == 2 ? -1.0f : 0.0f;
+}
+
+/* Narrows pixels lo .. hi of a row to those where value + x * step >= 0. */
+static void narrow(int64_t value, int64_t step, int64_t *lo, int64_t *hi) {
+    if (step > 0) {
+        int64_t first = -floor_divide(value, step);
+        if (first > *lo) *lo = first;
+    } else if (step < 0) {
+        int64_t last = floor_divide(value, -step);
+        if (last < *hi) *hi = last;
+    } else if (value < 0) {
+        *hi = *lo - 1;
+    }
+}
+
+static void draw_row(const mesh_draw *draw, const triangle *t, int64_t y) {
+    int64_t start[3], lo = 0, hi = t->x1 - t->x0;
+    for (int k = 0; k < 3; k++) {
+        start[k] = t->edge[k].value + (y - t->y0) * t->edge[k].step_y;
+        if (t->x1 - t->x0 > NARROW) narrow(start[k] + t->edge[k].bias, t->edge[k].step_x, &lo, &hi);
+    }
+    size_t row = (size_t)y * (size_t)draw->target->gbuffer->width + (size_t)t->x0;
+    for (int64_t x = lo; x <= hi; x++) {
+        int64_t value[3];
+        bool covered = true;
+        for (int k = 0; k < 3; k++) {
+            value[k] = start[k] + x * t->edge[k].step_x;
+            covered &= value[k] + t->edge[k].bias >= 0;
+        }
+        if (covered) draw_pixel(draw, t, value, row + (size_t)x);
+    }
+}
+
+static void draw_triangle(const mesh_draw *draw, const vertex *const corners[3], iso_rows band) {
+    const iso_rows clip[2] = {{0, draw->target->gbuffer->width - 1}, band};
+    triangle t;
+    if (!set_up(&t, corners[0], corners[1], corners[2], clip)) return;
+    for (int64_t y = t.y0; y <= t.y1; y++) draw_row(draw, &t, y);
+}
+
+static vertex cut(const vertex *in, const vertex *out, double in_distance, double out_distance) {
+    double t = in_distance / (in_distance - out_distance);
+    vertex v = {.view = iso_vec3_add(in->view, iso_vec3_scale(iso_vec3_sub(out->view, in->view), t))};
+    for (int axis = 0; axis < 3; axis++)
+        v.normal[axis] = (float)(in->normal[axis] + t * (out->normal[axis] - in->normal[axis]));
+    return v;
+}
+
+static int clip_polygon(const iso_view *view, int plane, const vertex *polygon, int count, vertex *out) {
+    int kept = 0;
+    for (int i = 0; i < count; i++) {
+        const vertex *a = &polygon[i], *b = &polygon[(i + 1) % count];
+        double da = plane_distance(view, a->view, plane), db = plane_distance(view, b->view, plane);
+        if (da >= 0) out[kept++] = *a;
+        if (da >= 0 && db < 0) out[kept++] = cut(a, b, da, db);
+        if (da < 0 && db >= 0) out[kept++] = cut(b, a, db, da);
+    }
+    return kept;
+}
+
+static void draw_clipped(const mesh_draw *draw, const vertex *const corners[3], iso_rows band) {
+    vertex polygon[2][POLYGON];
+    int count = 3, now = 0;
+    for (int k = 0; k < 3; k++) {
+        polygon[0][k] = *corners[k];
+        iso_vec3 p = corners[k]->view;
+        if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z)) return;
+    }
+    for (int plane = 0; plane < CLIP_PLANES && count; plane++, now = !now)
+        count = clip_polygon(draw->projector.view, plane, polygon[now], count, polygon[!now]);
+    for (int k = 0; k < count; k++) place_vertex(&draw->projector, &polygon[now][k]);
+    for (int k = 2; k < count; k++) {
+        const vertex *fan[3] = {&polygon[now][0], &polygon[now][k - 1], &polygon[now][k]};
+        draw_triangle(draw, fan, band);
+    }
+}
+
+static void transform_span(const mesh_draw *draw, const iso_mesh_span *span, vertex *out) {
+    const iso_surfel *in = draw->mesh->vertices + span->first_vertex;
+    for (uint32_t i = 0; i < span->vertex_count; i++) {
+        out[i].view = iso_projector_point(&draw->projector, span->brick, in[i].position);
+        iso_projector_normal(&draw->projector, in[i].normal, out[i].normal);
+        out[i].inside = is_inside(draw->projector.view, out[i].view);
+        if (out[i].inside) place_vertex(&draw->projector, &out[i]);
+    }
+}
+
+static void draw_span(const mesh_draw *draw, const iso_mesh_span *span, vertex *vertices, iso_rows band) {
+    transform_span(draw, span, vertices);
+    for (uint32_t i = 0; i < span->triangle_count; i++) {
+        const uint16_t *number = draw->mesh->triangles[span->first_triangle + i];
+        const vertex *corners[3] = {&vertices[number[0]], &vertices[number[1]], &vertices[number[2]]};
+        if (corners[0]->inside && corners[1]->inside && corners[2]->inside)
+            draw_triangle(draw, corners, band);
+        else
+            draw_clipped(draw, corners, band);
+    }
+}
+
+static void draw_band(void *context, size_t index, int worker) {
+    const mesh_draw *draw = context;
+    iso_rows band = iso_band_rows(draw->projector.view->height, draw->band_count, index);
+    vertex *vertices = draw->scratch + (size_t)worker * draw->capacity;
+    for (size_t s = 0; s < draw->mesh->span_count; s++)
+        if (iso_rows_meet(draw->rows[s], band)) draw_span(draw, &draw->mesh->spans[s], vertices, band);
+}
+
+static void place_span(void *context, size_t index, int worker) {
+    (void)worker;
+    const mesh_draw *draw = context;
+    const iso_mesh_span *span = &draw->mesh->spans[index];
+    iso_box box =
+        iso_surfel_bounds(draw->mesh->vertices + span->first_vertex, span->vertex_count, span->brick);
+    draw->rows[index] = iso_projector_rows(&draw->projector, &box, 0);
+}
+
+static size_t largest_span(const iso_mesh_view *mesh) {
+    size_t most = 0;
+    for (size_t s = 0; s < mesh->span_count; s++)
+        if (mesh->spans[s].vertex_count > most) most = mesh->spans[s].vertex_count;
+    return most;
+}
+
+iso_status iso_draw_mesh(const iso_target *target, const iso_mesh_view *mesh, iso_error *error) {
+    const iso_view *view = target->view;
+    assert(view->width == target->gbuffer->width && view->height == target->gbuffer->height);
+    mesh_draw draw = {.target = target,
+                      .mesh = mesh,
+                      .projector = iso_projector_make(view, &mesh->transform),
+                      .capacity = largest_span(mesh),
+                      .band_count = iso_band_count(target->pool, view->height)};
+    draw.rows = iso_alloc_zero(mesh->span_count, sizeof *draw.rows);
+    draw.scratch = iso_alloc((size_t)iso_pool_threads(target->pool) * draw.capacity * sizeof(vertex));
+    iso_status status = ISO_OK;
+    if (draw.rows && draw.scratch) {
+        iso_parallel_for(target->pool, mesh->span_count, place_span, &draw);
+        iso_parallel_for(target->pool, (size_t)draw.band_count, draw_band, &draw);
+    } else {
+        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu spans of triangles", mesh->span_count);
+    }
+    iso_free(draw.rows);
+    iso_free(draw.scratch);
+    return status;
+}

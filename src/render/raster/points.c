@@ -1,0 +1,300 @@
+/* Attenuated points: Baerentzen and Christensen 2003, section 4.1. Discs that face the picture, sized by the
+ * depth z of eq. 3-4 itself, for which OpenGL's point parameters had to be content with a bound on it.
+ *
+ * The picture is worked off in bands of rows that stay in cache. A band holds depth and, instead of a normal,
+ * where the point's normal is found; normals are computed once for each pixel that shows a point in the end.
+ */
+#include <assert.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/point_code.h"
+#include "base/simd.h"
+#include "render/project.h"
+#include "render/raster/raster.h"
+
+enum {
+    BLOCK_POINTS = 4096, /* points that are culled together: a span, or a part of a long one */
+    CHUNK = 256,         /* points that are projected together */
+    REACH = 24,          /* pixels; larger discs are drawn row by row */
+    /* A band's rows are wider than the picture, so that discs at its border need no clipping. */
+    MARGIN = 64,
+    BAND_BYTES = 1200 << 10,
+    MOST_ROWS = 128,
+    LEAST_ROWS = 8
+};
+_Static_assert(MARGIN >= 2 * REACH + ISO_LANES_MAX, "discs must stay within the margin");
+/* Centres farther than this from the picture's corner are not those of small discs. */
+static const double FAR_PIXELS = 1 << 20;
+/* Where a band shows none of the points. */
+static const uint32_t NO_POINT = UINT32_MAX;
+
+typedef struct block {
+    const iso_point_span *span;
+    size_t first; /* in the arrays of points */
+    uint32_t count;
+    iso_rows rows;
+} block;
+
+typedef struct point_draw {
+    const iso_target *target;
+    const iso_point_view *points;
+    iso_projector projector;
+    block *blocks;
+    size_t block_count;
+    int band_rows;
+    size_t pitch; /* of a band's rows */
+    float *depth; /* band_rows * pitch for each worker */
+    uint32_t *source;
+    const struct point_kernels *kernels;
+} point_draw;
+
+/* A band of rows first .. last on its way. Pixel (x, y) is at [(y - first) * pitch + MARGIN + x]. */
+typedef struct point_band {
+    const point_draw *draw;
+    iso_rows rows;
+    float *depth;
+    uint32_t *source; /* the packed normal, or the number of the surfel; NO_POINT */
+} point_band;
+
+enum { POINT_OUT, POINT_PIXEL, POINT_DISC, POINT_LARGE };
+
+/* Points on their way into a band. Centres are snapped to 1/65536 pixel, relative to the optical axis, so
+ * that strips of a picture cover the same pixels as the whole. */
+typedef struct point_chunk {
+    int32_t kind[CHUNK];
+    int32_t column[CHUNK], row[CHUNK]; /* pixel that contains the centre */
+    float fx[CHUNK], fy[CHUNK];        /* centre inside it, 0 .. 1 */
+    float radius[CHUNK];               /* pixels */
+    float depth[CHUNK];
+} point_chunk;
+
+static float *band_pixel(const point_band *band, int x, int y) {
+    return band->depth + (size_t)(y - band->rows.first) * band->draw->pitch + MARGIN + (size_t)x;
+}
+
+static uint32_t source_of(const point_draw *draw, size_t index) {
+    if (draw->points->surfels) return (uint32_t)index;
+    return iso_point_normal_bits(draw->points->packed[index]);
+}
+
+static double point_radius(const iso_point_view *points, size_t index) {
+    double radius = points->radii ? points->radii[index] : points->radius;
+    return radius > 0 ? radius : 0;
+}
+
+/* ---- large discs, one at a time */
+
+typedef struct disc {
+    double column, row, fx, fy, radius;
+    float depth;
+    uint32_t source;
+} disc;
+
+static double snapped(double pixels) {
+    return floor(pixels * 65536 + 0.5) / 65536;
+}
+
+static bool project_disc(const point_draw *draw, const block *b, size_t index, disc *out) {
+    const iso_view *view = draw->projector.view;
+    iso_surfel surfel = iso_point_view_get(draw->points, index);
+    iso_vec3 p = iso_projector_point(&draw->projector, b->span->brick, surfel.position);
+    if (!(p.z >= view->near)) return false;
+    double scale = iso_projector_scale(&draw->projector, p.z);
+    double x = snapped(p.x * scale) + view->cx, y = snapped(p.y * scale) + view->cy;
+    if (!(fabs(x) < 1e15 && fabs(y) < 1e15)) return false; /* also what is not a number */
+    double column = floor(x), row = floor(y), radius = point_radius(draw->points, index) * scale;
+    *out = (disc){column, row, x - column, y - row, radius, (float)p.z, source_of(draw, index)};
+    return true;
+}
+
+/* Whole pixels k with centres k + 0.5 within `reach` of `at`, counted from `pixel` and clipped to [lo, hi];
+ * pixel 0 always belongs when keep is set. */
+static iso_rows covered(double at, double reach, double pixel, iso_rows clip, bool keep) {
+    double first = ceil(at - 0.5 - reach), last = floor(at - 0.5 + reach);
+    if (keep && first > 0) first = 0;
+    if (keep && last < 0) last = 0;
+    first += pixel;
+    last += pixel;
+    if (!(first <= clip.last && last >= clip.first)) return (iso_rows){0, -1};
+    return (iso_rows){first > clip.first ? (int)first : clip.first, last < clip.last ? (int)last : clip.last};
+}
+
+static void draw_large(const point_band *band, const block *b, size_t index) {
+    disc d;
+    if (!project_disc(band->draw, b, index, &d)) return;
+    const iso_rows whole = {0, band->draw->projector.view->width - 1};
+    iso_rows rows = covered(d.fy, d.radius, d.row, band->rows, true);
+    for (int j = rows.first; j <= rows.last; j++) {
+        double offset = (j - d.row) + (0.5 - d.fy);
+        double square = d.radius * d.radius - offset * offset;
+        bool center_row = j == d.row;
+        if (square < 0 && !center_row) continue;
+        iso_rows columns = covered(d.fx, square > 0 ? sqrt(square) : 0, d.column, whole, center_row);
+        float *depth = band_pixel(band, 0, j);
+        uint32_t *source = band->source + (depth - band->depth);
+        for (int x = columns.first; x <= columns.last; x++)
+            if (d.depth < depth[x]) {
+                depth[x] = d.depth;
+                source[x] = d.source;
+            }
+    }
+}
+
+/* ---- kernels */
+
+typedef struct point_kernels {
+    void (*project)(const point_draw *draw, const block *b, size_t first, int count, point_chunk *out);
+    void (*splat)(const point_band *band, const block *b, const point_chunk *chunk, size_t first, int count);
+    /* Takes a row of the band over into the gbuffer; packed points. */
+    void (*resolve)(const point_band *band, int row);
+} point_kernels;
+
+#define ISO_KERNEL_BODY "render/raster/points_body.inc"
+#include "base/kernel_levels.inc"
+
+/* ---- bands */
+
+static void open_band(const point_band *band) {
+    const point_draw *draw = band->draw;
+    const iso_gbuffer *g = draw->target->gbuffer;
+    size_t width = (size_t)g->width;
+    for (int y = band->rows.first; y <= band->rows.last; y++) {
+        float *row = band_pixel(band, 0, y);
+        for (int k = 0; k < MARGIN; k++) row[k - MARGIN] = row[width + (size_t)k] = -INFINITY;
+        memcpy(row, g->depth + (size_t)y * width, width * sizeof *row);
+        memset(band->source + (row - band->depth) - MARGIN, 0xff, draw->pitch * sizeof *band->source);
+    }
+}
+
+static void resolve_surfels(const point_band *band, int y) {
+    const point_draw *draw = band->draw;
+    const iso_gbuffer *g = draw->target->gbuffer;
+    const float *depth = band_pixel(band, 0, y);
+    const uint32_t *source = band->source + (depth - band->depth);
+    for (int x = 0; x < g->width; x++) {
+        if (source[x] == NO_POINT) continue;
+        size_t at = (size_t)y * (size_t)g->width + (size_t)x;
+        float normal[3];
+        iso_projector_normal(&draw->projector, draw->points->surfels[source[x]].normal, normal);
+        g->depth[at] = depth[x];
+        g->surface[at] = draw->target->surface;
+        for (int axis = 0; axis < 3; axis++) g->normal[axis][at] = normal[axis];
+    }
+}
+
+static void draw_block(const point_band *band, const block *b) {
+    const point_draw *draw = band->draw;
+    point_chunk chunk;
+    for (uint32_t done = 0; done < b->count; done += CHUNK) {
+        int count = b->count - done < CHUNK ? (int)(b->count - done) : CHUNK;
+        draw->kernels->project(draw, b, b->first + done, count, &chunk);
+        draw->kernels->splat(band, b, &chunk, b->first + done, count);
+    }
+}
+
+static void draw_band(void *context, size_t index, int worker) {
+    const point_draw *draw = context;
+    size_t pixels = (size_t)draw->band_rows * draw->pitch * (size_t)worker;
+    int height = draw->projector.view->height, first = (int)index * draw->band_rows;
+    int last = height - first < draw->band_rows ? height - 1 : first + draw->band_rows - 1;
+    point_band band = {draw, {first, last}, draw->depth + pixels, draw->source + pixels};
+    open_band(&band);
+    for (size_t k = 0; k < draw->block_count; k++)
+        if (iso_rows_meet(draw->blocks[k].rows, band.rows)) draw_block(&band, &draw->blocks[k]);
+    for (int y = first; y <= last; y++)
+        if (draw->points->surfels)
+            resolve_surfels(&band, y);
+        else
+            draw->kernels->resolve(&band, y);
+}
+
+/* Packed points cannot leave their range; floats can, and are looked at. */
+static iso_box block_box(const point_draw *draw, const block *b) {
+    const int32_t *brick = b->span->brick;
+    if (draw->points->surfels) return iso_surfel_bounds(draw->points->surfels + b->first, b->count, brick);
+    const float low = ISO_POINT_LOW, high = ISO_POINT_LOW + ISO_POINT_RANGE;
+    const iso_surfel corners[2] = {{.position = {low, low, low}}, {.position = {high, high, high}}};
+    return iso_surfel_bounds(corners, 2, brick);
+}
+
+static void place_block(void *context, size_t index, int worker) {
+    (void)worker;
+    point_draw *draw = context;
+    block *b = &draw->blocks[index];
+    double radius = 0;
+    if (!draw->points->radii) radius = point_radius(draw->points, 0);
+    for (size_t i = b->first; draw->points->radii && i < b->first + b->count; i++)
+        radius = fmax(radius, point_radius(draw->points, i));
+    iso_box box = block_box(draw, b);
+    b->rows = iso_projector_rows(&draw->projector, &box, radius);
+}
+
+static iso_status make_blocks(point_draw *draw, iso_error *error) {
+    const iso_point_view *points = draw->points;
+    size_t count = 0;
+    for (size_t s = 0; s < points->span_count; s++)
+        count += ((size_t)points->spans[s].count + BLOCK_POINTS - 1) / BLOCK_POINTS;
+    draw->blocks = iso_alloc_zero(count, sizeof(block));
+    if (!draw->blocks) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu spans of points", count);
+    for (size_t s = 0; s < points->span_count; s++) {
+        const iso_point_span *span = &points->spans[s];
+        for (uint32_t done = 0; done < span->count;) {
+            uint32_t left = span->count - done, taken = left < BLOCK_POINTS ? left : BLOCK_POINTS;
+            draw->blocks[draw->block_count++] =
+                (block){.span = span, .first = span->first + done, .count = taken};
+            done += taken;
+        }
+    }
+    return ISO_OK;
+}
+
+/* Rows of a band: as many as stay in cache, and enough bands for all threads. */
+static int band_rows(const point_draw *draw) {
+    int height = draw->projector.view->height, threads = iso_pool_threads(draw->target->pool);
+    size_t fit = BAND_BYTES / (draw->pitch * (sizeof *draw->depth + sizeof *draw->source));
+    int rows = fit < MOST_ROWS ? (int)fit : MOST_ROWS;
+    int share = (height + 4 * threads - 1) / (4 * threads);
+    if (threads > 1 && rows > share) rows = share;
+    return rows < LEAST_ROWS ? LEAST_ROWS : rows;
+}
+
+static iso_status draw_blocks(point_draw *draw, iso_error *error) {
+    int height = draw->projector.view->height;
+    size_t pixels = (size_t)draw->band_rows * draw->pitch * (size_t)iso_pool_threads(draw->target->pool);
+    draw->depth = iso_alloc(pixels * sizeof *draw->depth);
+    draw->source = iso_alloc(pixels * sizeof *draw->source);
+    iso_status status = ISO_OK;
+    if (draw->depth && draw->source)
+        iso_parallel_for(draw->target->pool, (size_t)((height + draw->band_rows - 1) / draw->band_rows),
+                         draw_band, draw);
+    else
+        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for bands of %zu pixels", pixels);
+    iso_free(draw->depth);
+    iso_free(draw->source);
+    return status;
+}
+
+/* Surfels are named by 32-bit numbers. */
+static bool has_too_many(const iso_point_view *points) {
+    for (size_t s = 0; points->surfels && s < points->span_count; s++)
+        if (points->spans[s].first + points->spans[s].count > NO_POINT) return true;
+    return false;
+}
+
+iso_status iso_draw_points(const iso_target *target, const iso_point_view *points, iso_error *error) {
+    const iso_view *view = target->view;
+    assert(view->width == target->gbuffer->width && view->height == target->gbuffer->height);
+    if (has_too_many(points)) return iso_fail(error, ISO_ERR_LIMIT, "more than 2^32 - 1 points in floats");
+    point_draw draw = {.target = target,
+                       .points = points,
+                       .projector = iso_projector_make(view, &points->transform),
+                       .pitch = (size_t)view->width + 2 * MARGIN,
+                       .kernels = ISO_KERNEL(kernels, iso_cpu_best())};
+    draw.band_rows = band_rows(&draw);
+    ISO_TRY(make_blocks(&draw, error));
+    iso_parallel_for(target->pool, draw.block_count, place_block, &draw);
+    iso_status status = draw_blocks(&draw, error);
+    iso_free(draw.blocks);
+    return status;
+}

@@ -1,0 +1,27 @@
+#include "render/refined/setup.h"
+
+#include <math.h>
+
+#include "render/refined/refined_numbers.h"
+
+float iso_refined_slant(const iso_view *view, double beyond) {
+    if (view->orthographic) return 1.04f;
+    const double top = view->cy + view->above, bottom = view->height + view->below - view->cy;
+    const double x = (fmax(fabs(view->cx), fabs(view->width - view->cx)) + beyond) / view->focal,
+                 y = (fmax(fabs(top), fabs(bottom)) + beyond) / view->focal;
+    return (float)(1.04 * sqrt(1 + x * x + y * y));
+}
+
+float iso_refined_reach(const iso_point_block *block) {
+    const float radius = block->radius[1] * 1.001f / ISO_DISC_RADII, /* a little widened */
+        wide = (radius - ISO_REFINED_GROW_FROM) / ISO_REFINED_GROW_OVER;
+    return radius * (ISO_REFINED_BALL + fminf(fmaxf(wide, 0), 1) * ISO_REFINED_BALL_MORE);
+}
+
+float iso_refined_per_mm(const float normal[9]) {
+    const float *m = normal;
+    float most = 0;
+    for (int k = 0; k < 3; k++)
+        most = fmaxf(most, sqrtf(m[k] * m[k] + m[3 + k] * m[3 + k] + m[6 + k] * m[6 + k]));
+    return most;
+}

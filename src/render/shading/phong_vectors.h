@@ -1,0 +1,27 @@
+/* phong_vectors: what render/shading/phong_body.inc needs: the light, rays, and words of pixels. Internal to
+ * those who shade. */
+#ifndef ISO_RENDER_PHONG_VECTORS_H
+#define ISO_RENDER_PHONG_VECTORS_H
+
+#include "base/simd.h"
+#include "image/camera.h"
+#include "render/shading/phong.h"
+
+static const float KEY_LIGHT[3] = {ISO_PHONG_LIGHT_X, ISO_PHONG_LIGHT_Y, ISO_PHONG_LIGHT_Z};
+
+/* Where the four bytes of a pixel are in a word. */
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+static const int SHIFT[4] = {24, 16, 8, 0};
+#else
+static const int SHIFT[4] = {0, 8, 16, 24};
+#endif
+
+/* The ray through a pixel is (u, v, 1): its u and v. */
+static inline float iso_slope_of_column(const iso_view *view, int x) {
+    return view->orthographic ? 0 : (float)((x + 0.5 - view->cx) / view->focal);
+}
+static inline float iso_slope_of_row(const iso_view *view, int y) {
+    return view->orthographic ? 0 : (float)((y + 0.5 - view->cy) / view->focal);
+}
+
+#endif

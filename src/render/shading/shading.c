@@ -1,0 +1,64 @@
+#include "render/shading/shading.h"
+
+#include <assert.h>
+#include <stdatomic.h>
+#include <string.h>
+
+#include "render/project.h"
+#include "render/shading/shading_kernel.h"
+
+static bool is_same(iso_rgb a, iso_rgb b) {
+    return a.r == b.r && a.g == b.g && a.b == b.b;
+}
+
+static iso_shade_job make_job(const iso_shading *shading, const iso_strip *strip, const iso_image *image) {
+    const iso_rgb back = shading->background;
+    iso_shade_job job = {.strip = strip,
+                         .one_color = true,
+                         .transparent = shading->transparent,
+                         .background = {(float)back.r / 255, (float)back.g / 255, (float)back.b / 255},
+                         .rgba = image->rgba + (size_t)strip->y0 * (size_t)image->width * 4};
+    int last = shading->color_count - 1;
+    for (int surface = 0; surface <= ISO_SURFACE_NONE; surface++) {
+        iso_rgb color = shading->colors[surface < last ? surface : last];
+        job.one_color &= is_same(color, shading->colors[0]);
+        job.base[0][surface] = (float)color.r / 255;
+        job.base[1][surface] = (float)color.g / 255;
+        job.base[2][surface] = (float)color.b / 255;
+    }
+    const uint8_t opaque[4] = {back.r, back.g, back.b, 255};
+    if (!shading->transparent) memcpy(job.empty, opaque, 4);
+    return job;
+}
+
+typedef struct bands {
+    const iso_shade_job *job;
+    iso_shade_rows *shade;
+    int rows, count;
+    atomic_size_t covered;
+} bands;
+
+static void shade_band(void *context, size_t index, int worker) {
+    (void)worker;
+    bands *b = context;
+    iso_rows rows = iso_band_rows(b->rows, b->count, index);
+    size_t covered = b->shade(b->job, rows.first, rows.last);
+    atomic_fetch_add_explicit(&b->covered, covered, memory_order_relaxed);
+}
+
+size_t iso_shade(const iso_shading *shading, const iso_strip *strip, iso_image *image, iso_pool *pool) {
+    assert(shading->color_count > 0 && strip->factor >= 1 && strip->factor <= ISO_FACTOR_MAX);
+    assert(image->width * strip->factor == strip->gbuffer->width);
+    const iso_shade_job job = make_job(shading, strip, image);
+    int rows = strip->gbuffer->height / strip->factor;
+    bands b = {&job, iso_shade_rows_get(iso_cpu_best()), rows, iso_band_count(pool, rows), 0};
+    iso_parallel_for(pool, (size_t)b.count, shade_band, &b);
+    return atomic_load_explicit(&b.covered, memory_order_relaxed);
+}
+
+iso_rgb iso_shading_palette(int surface) {
+    static const iso_rgb palette[] = {{0xD9, 0xB3, 0x6C}, {0x8F, 0x2D, 0x2D}, {0x3F, 0x6F, 0xA8},
+                                      {0x5B, 0x8E, 0x4B}, {0x7D, 0x5B, 0x9B}, {0xC7, 0x7A, 0x3A}};
+    enum { COLORS = sizeof palette / sizeof *palette };
+    return palette[surface % COLORS];
+}

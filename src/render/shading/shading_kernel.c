@@ -1,0 +1,86 @@
+/* Phong's model (1975) with two lights that hang on the camera. */
+#include "render/shading/shading_kernel.h"
+
+#include "render/shading/phong_vectors.h"
+
+enum {
+    TILE =
+        1024, /* columns of samples that are worked on at a time: their eye directions stay in the L1 cache */
+    SUMS = 4  /* red, green, blue, and how many samples */
+};
+
+/* A row of a tile's samples. */
+typedef struct sample_row {
+    const float *normal[3];
+    const uint8_t *surface;
+    const uint32_t *color; /* or NULL */
+    const float *u;        /* slopes of the rays: (u, v, 1) */
+    float v;
+    size_t below; /* samples to the row below; 0: there is none, or it is not said */
+} sample_row;
+
+static sample_row row_at(const iso_shade_job *job, const float *u, int x, int y) {
+    const iso_gbuffer *g = job->strip->gbuffer;
+    const iso_view *view = job->strip->view;
+    size_t at = (size_t)y * (size_t)g->width + (size_t)x;
+    return (sample_row){{g->normal[0] + at, g->normal[1] + at, g->normal[2] + at},
+                        g->surface + at,
+                        g->color ? g->color + at : NULL,
+                        u,
+                        iso_slope_of_row(view, y),
+                        y + 1 < g->height ? (size_t)g->width : 0};
+}
+
+/* The last samples of a row, which are fewer than a vector has lanes: empty ones follow. */
+typedef struct last_samples {
+    float normal[3][ISO_LANES_MAX], u[ISO_LANES_MAX];
+    uint8_t surface[ISO_LANES_MAX];
+    uint32_t color[ISO_LANES_MAX];
+} last_samples;
+
+static sample_row copy_last(const sample_row *row, int at, int count, last_samples *last) {
+    *last = (last_samples){0};
+    memset(last->surface, ISO_SURFACE_NONE, sizeof last->surface);
+    size_t floats = (size_t)count * sizeof(float);
+    for (int axis = 0; axis < 3; axis++) memcpy(last->normal[axis], row->normal[axis] + at, floats);
+    memcpy(last->u, row->u + at, floats);
+    memcpy(last->surface, row->surface + at, (size_t)count);
+    if (row->color) memcpy(last->color, row->color + at, (size_t)count * sizeof *last->color);
+    return (sample_row){{last->normal[0], last->normal[1], last->normal[2]},
+                        last->surface,
+                        row->color ? last->color : NULL,
+                        last->u,
+                        row->v,
+                        0};
+}
+
+/* Sums of columns to sums of pixels. */
+static void add_columns(float columns[SUMS][TILE + ISO_LANES_MAX], int factor, int pixels,
+                        float sums[SUMS][TILE + ISO_LANES_MAX]) {
+    for (int k = 0; k < SUMS; k++)
+        for (int x = 0; x < pixels; x++) {
+            float sum = columns[k][x * factor];
+            for (int i = 1; i < factor; i++) sum += columns[k][x * factor + i];
+            sums[k][x] = sum;
+        }
+}
+
+#define ISO_KERNEL_BODY "render/shading/shading_kernel_body.inc"
+#include "base/kernel_levels.inc"
+
+iso_shade_rows *iso_shade_rows_get(iso_cpu_level level) {
+    return ISO_KERNEL(shade_rows, level);
+}
+
+/* One sample is a vector of equal ones: the model is written once. */
+void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]) {
+    const float base[3] = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255};
+    vf_generic n[3], eye[3], b[3], out[3];
+    for (int axis = 0; axis < 3; axis++) {
+        n[axis] = v_set_generic(normal[axis]);
+        eye[axis] = v_set_generic(to_eye[axis]);
+        b[axis] = v_set_generic(base[axis]);
+    }
+    phong_generic(n, eye, b, out);
+    for (int c = 0; c < 3; c++) rgb[c] = out[c][0];
+}

@@ -1,0 +1,73 @@
+#include "sculpt/brush/brush.h"
+
+#include <math.h>
+#include <string.h>
+
+#define ISO_NAME(name, text) text,
+static const char *const tools[] = {ISO_TOOLS(ISO_NAME)};
+static const char *const shapes[] = {ISO_SOLIDS(ISO_NAME)};
+static const char *const falloffs[] = {ISO_FALLOFFS(ISO_NAME)};
+#undef ISO_NAME
+
+const char *iso_tool_name(iso_tool tool) {
+    return tools[tool];
+}
+const char *iso_solid_name(iso_solid shape) {
+    return shapes[shape];
+}
+const char *iso_falloff_name(iso_falloff falloff) {
+    return falloffs[falloff];
+}
+
+/* The number of `name` in a list; -1 when it is not there. */
+static int find(const char *const *names, int count, const char *name) {
+    for (int i = 0; i < count; i++)
+        if (strcmp(names[i], name) == 0) return i;
+    return -1;
+}
+
+iso_status iso_tool_find(const char *name, iso_tool *tool, iso_error *error) {
+    int found = find(tools, ISO_TOOL_COUNT, name);
+    if (found < 0) return iso_fail(error, ISO_ERR_USAGE, "no brush is called '%s'", name);
+    *tool = (iso_tool)found;
+    return ISO_OK;
+}
+
+iso_status iso_solid_find(const char *name, iso_solid *shape, iso_error *error) {
+    int found = find(shapes, ISO_SOLID_COUNT, name);
+    if (found < 0) return iso_fail(error, ISO_ERR_USAGE, "no shape is called '%s'", name);
+    *shape = (iso_solid)found;
+    return ISO_OK;
+}
+
+iso_status iso_falloff_find(const char *name, iso_falloff *falloff, iso_error *error) {
+    int found = find(falloffs, ISO_FALLOFF_COUNT, name);
+    if (found < 0) return iso_fail(error, ISO_ERR_USAGE, "no falloff is called '%s'", name);
+    *falloff = (iso_falloff)found;
+    return ISO_OK;
+}
+
+typedef struct range {
+    const char *name;
+    double value, low, high;
+} range;
+
+iso_status iso_brush_check(const iso_brush *brush, iso_error *error) {
+    if ((unsigned)brush->tool >= ISO_TOOL_COUNT || (unsigned)brush->shape >= ISO_SOLID_COUNT ||
+        (unsigned)brush->falloff >= ISO_FALLOFF_COUNT || brush->symmetry > 7)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "brush: tool %d, shape %d, falloff %d, symmetry %u: no such thing", (int)brush->tool,
+                        (int)brush->shape, (int)brush->falloff, brush->symmetry);
+    if (!(brush->radius > 0) || !isfinite(brush->radius))
+        return iso_fail(error, ISO_ERR_USAGE, "brush: radius %g mm: must be above 0", brush->radius);
+    const range ranges[] = {
+        {"strength", brush->strength, 0, 1},      {"aspect", brush->aspect, 0, 10},
+        {"blend", brush->blend, 0, 10},           {"spacing", brush->spacing, 0, 10},
+        {"mirror x", brush->mirror.x, -1e9, 1e9}, {"mirror y", brush->mirror.y, -1e9, 1e9},
+        {"mirror z", brush->mirror.z, -1e9, 1e9}};
+    for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
+        if (!(ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high))
+            return iso_fail(error, ISO_ERR_USAGE, "brush: %s %g: must be %g .. %g", ranges[i].name,
+                            ranges[i].value, ranges[i].low, ranges[i].high);
+    return ISO_OK;
+}

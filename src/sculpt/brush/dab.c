@@ -1,0 +1,93 @@
+#include "sculpt/brush/dab.h"
+
+#include <math.h>
+
+#include "base/simd.h"
+#include "grids/grid.h"
+
+bool iso_tool_is_set_operation(iso_tool tool) {
+    return tool <= ISO_TOOL_BLEND_CARVE;
+}
+
+bool iso_tool_is_warp(iso_tool tool) {
+    return tool == ISO_TOOL_PINCH || tool == ISO_TOOL_MOVE;
+}
+
+/* Radius of the ball around a centre (or segment) that holds the shape, in radii. */
+static double shape_reach(const iso_dabs *dabs) {
+    const double aspect = (double)dabs->aspect;
+    switch (dabs->shape) {
+    case ISO_SOLID_BOX:
+        return sqrt(1 + 2 * aspect * aspect);
+    case ISO_SOLID_CYLINDER:
+        return sqrt(1 + aspect * aspect);
+    case ISO_SOLID_TORUS:
+        return 1 + aspect;
+    case ISO_SOLID_STAMP:
+        return sqrt(3);
+    default:
+        return 1;
+    }
+}
+
+double iso_dabs_reach(const iso_dabs *dabs) {
+    if (!iso_tool_is_set_operation(dabs->tool)) return (double)dabs->radius;
+    return shape_reach(dabs) * (double)dabs->radius + (double)dabs->band + (double)dabs->blend;
+}
+
+/* A dab relative to a brick's first voxel, in floats. */
+typedef struct iso_local_dab {
+    float centre[3], segment[3], axis[3][3];
+} iso_local_dab;
+
+static void localise(const iso_dabs *dabs, const int brick[3], iso_local_dab local[ISO_DAB_MAX]) {
+    for (int i = 0; i < dabs->count; i++)
+        for (int k = 0; k < 3; k++) {
+            const iso_dab *dab = &dabs->dab[i];
+            local[i].centre[k] = (float)(dab->centre[k] - ISO_BRICK * (double)brick[k]);
+            local[i].segment[k] = (float)(dab->from[k] - dab->centre[k]);
+            for (int a = 0; a < 3; a++) local[i].axis[a][k] = (float)dab->axis[a][k];
+        }
+}
+
+int iso_dabs_steps(const iso_dabs *dabs) {
+    float s[3];
+    for (int k = 0; k < 3; k++) s[k] = (float)(dabs->dab[0].from[k] - dabs->dab[0].centre[k]);
+    const float steps = ceilf(8 * sqrtf(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / dabs->radius);
+    return steps < 1 ? 1 : steps > 256 ? 256 : (int)steps;
+}
+
+/* The distance to one stamp, in voxels of the field; beyond the stamp's band it is only known to be large. */
+static float stamp_distance(const iso_dabs *dabs, const iso_local_dab *dab, const float voxel[3]) {
+    const iso_grid stamp = {.hgrid = (iso_hgrid *)dabs->stamp}; /* (read only) */
+    const iso_transform *frame = &dabs->stamp->transform;
+    const double scale = frame->spacing[0] * (double)dabs->radius, far = (double)dabs->stamp->band * 0.999;
+    double p[3];
+    for (int a = 0; a < 3; a++) {
+        p[a] = -frame->origin[a] / frame->spacing[a];
+        for (int k = 0; k < 3; k++) p[a] += (double)(dab->axis[a][k] * (voxel[k] - dab->centre[k])) / scale;
+        if (!(p[a] >= 0 && p[a] <= dabs->stamp->dims[a] - 1)) return INFINITY; /* nothing of it is near */
+    }
+    const double d = iso_grid_sample(&stamp, iso_vec3_make(p[0], p[1], p[2]));
+    return (float)(d >= far ? INFINITY : d <= -far ? -INFINITY : d * scale);
+}
+
+/* Distances to the nearest of the stamps for all voxels of the brick. */
+static void stamp_distances(const iso_dabs *dabs, const iso_local_dab *local, float *out) {
+    for (int at = 0; at < ISO_BRICK_VOXELS; at++) {
+        const float voxel[3] = {(float)(at % ISO_BRICK), (float)(at / ISO_BRICK % ISO_BRICK),
+                                (float)(at / ISO_BRICK_ROWS)};
+        out[at] = INFINITY;
+        for (int i = 0; i < dabs->count; i++) {
+            const float distance = stamp_distance(dabs, &local[i], voxel);
+            if (distance < out[at]) out[at] = distance;
+        }
+    }
+}
+
+#define ISO_KERNEL_BODY "sculpt/brush/dab_body.inc"
+#include "base/kernel_levels.inc"
+
+const iso_dab_kernel *iso_dab_kernel_get(iso_cpu_level level) {
+    return ISO_KERNEL(dab_kernel, level);
+}

@@ -1,0 +1,236 @@
+#define _POSIX_C_SOURCE 200809L /* open_memstream */
+#include "sculpt/brush/stamp.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "grids/level_set.h"
+#include "sculpt/session/limits.h"
+#include "sculpt/session/snapshot.h"
+
+/* Voxels around the shape: the band, and one. */
+enum { MARGIN = 4 };
+
+/* ---- life */
+
+static iso_stamp *allocate(const char *path) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    iso_stamp *stamp = iso_alloc_zero(1, sizeof *stamp);
+    if (!stamp) return NULL;
+    snprintf(stamp->name, sizeof stamp->name, "%s", name);
+    for (char *c = stamp->name; *c; c++) /* it goes into a journal: ASCII is valid in every encoding */
+        if (*c < ' ' || *c > '~') *c = '_';
+    stamp->owners = 1;
+    return stamp;
+}
+
+iso_stamp *iso_stamp_share(iso_stamp *stamp) {
+    if (stamp) __atomic_add_fetch(&stamp->owners, 1, __ATOMIC_RELAXED);
+    return stamp;
+}
+
+void iso_stamp_free(iso_stamp *stamp) {
+    if (!stamp || __atomic_sub_fetch(&stamp->owners, 1, __ATOMIC_ACQ_REL)) return;
+    for (int i = 0; i < stamp->count; i++) iso_hgrid_destroy(stamp->level[i]);
+    iso_free(stamp);
+}
+
+const iso_hgrid *iso_stamp_level(const iso_stamp *stamp, double radius) {
+    int level = stamp->count - 1;
+    while (level > 0 && stamp->level[level]->transform.spacing[0] * radius < 1) level--;
+    return stamp->level[level];
+}
+
+/* ---- from a mesh */
+
+/* Levels in millimetres, at first; thin parts need small voxels, and coarse levels may lose them. */
+static iso_status convert(const char *path, const iso_closed_mesh *mesh, iso_mesh_frame frame,
+                          iso_stamp *stamp, iso_error *error) {
+    const iso_progress *progress = frame.progress;
+    const double longest = frame.voxel;
+    iso_status status = ISO_OK;
+    for (int i = 0; i < ISO_STAMP_LEVELS; i++) {
+        const iso_progress part =
+            iso_progress_part(progress, (double)i / ISO_STAMP_LEVELS, (i + 1.0) / ISO_STAMP_LEVELS);
+        frame.progress = &part;
+        frame.voxel = longest / (ISO_STAMP_FIRST << i);
+        status = iso_level_set_from_mesh(path, mesh, &frame, &stamp->level[stamp->count], error);
+        stamp->count += status == ISO_OK;
+        if (status != ISO_OK && status != ISO_ERR_EMPTY) return status;
+    }
+    return status;
+}
+
+/* The longest side from -1 to 1. Distances are in voxels: they stay. */
+static void normalise(iso_stamp *stamp, const double middle[3], double longest) {
+    for (int i = 0; i < stamp->count; i++) {
+        iso_transform *transform = &stamp->level[i]->transform;
+        for (int axis = 0; axis < 3; axis++) {
+            transform->origin[axis] = (transform->origin[axis] - middle[axis]) * 2 / longest;
+            transform->spacing[axis] *= 2 / longest;
+        }
+    }
+}
+
+iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, iso_pool *pool,
+                               const iso_progress *progress, iso_stamp **out, iso_error *error) {
+    const iso_box box = iso_closed_mesh_box(mesh);
+    const double middle[3] = {0.5 * (box.lo.x + box.hi.x), 0.5 * (box.lo.y + box.hi.y),
+                              0.5 * (box.lo.z + box.hi.z)};
+    const double longest = fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
+    const iso_mesh_frame frame = {longest, MARGIN, pool, progress};
+    iso_stamp *stamp = allocate(path);
+    if (!stamp) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    iso_status status = convert(path, mesh, frame, stamp, error);
+    normalise(stamp, middle, longest);
+    if (status == ISO_OK)
+        *out = stamp;
+    else
+        iso_stamp_free(stamp);
+    return status;
+}
+
+/* ---- as bytes: for each level its head and its cells as in a snapshot */
+
+typedef struct level_head {
+    int32_t dims[3];
+    uint32_t bytes; /* that follow */
+    double spacing, origin[3];
+} level_head;
+
+static iso_status put_level(FILE *stream, const iso_hgrid *grid) {
+    char *bytes = NULL;
+    size_t size = 0;
+    iso_mask mask = {0};
+    FILE *cells = open_memstream(&bytes, &size);
+    if (!cells) return ISO_ERR_NOMEM;
+    iso_snapshot_put(cells, grid, &mask);
+    const bool whole = fclose(cells) == 0 && size < UINT32_MAX;
+    level_head head = {.bytes = (uint32_t)size, .spacing = grid->transform.spacing[0]};
+    memcpy(head.dims, grid->dims, sizeof head.dims);
+    memcpy(head.origin, grid->transform.origin, sizeof head.origin);
+    if (whole) fwrite(&head, sizeof head, 1, stream);
+    if (whole) fwrite(bytes, 1, size, stream);
+    free(bytes);
+    return whole ? ISO_OK : ISO_ERR_NOMEM;
+}
+
+static iso_status get_cells(const uint8_t *bytes, size_t size, iso_hgrid *grid, iso_error *error) {
+    iso_mask none = {0};
+    ISO_TRY(iso_mask_init(&none, iso_hgrid_cell_count(grid), error));
+    iso_status status = iso_snapshot_get("the stamp", bytes, size, grid, &none, error);
+    iso_mask_free(&none);
+    return status;
+}
+
+static iso_status get_level(const uint8_t **at, const uint8_t *end, iso_hgrid **out, iso_error *error) {
+    level_head head;
+    iso_transform transform = iso_transform_identity();
+    if ((size_t)(end - *at) < sizeof head) return iso_fail(error, ISO_ERR_FORMAT, "the stamp is damaged");
+    memcpy(&head, *at, sizeof head);
+    *at += sizeof head;
+    const int dims[3] = {head.dims[0], head.dims[1], head.dims[2]};
+    ISO_TRY(iso_limit_check(ISO_LIMIT_STAMP_SPACING, head.spacing, 1, error));
+    for (int axis = 0; axis < 3; axis++) {
+        transform.spacing[axis] = head.spacing;
+        transform.origin[axis] = head.origin[axis];
+        ISO_TRY(iso_limit_check(ISO_LIMIT_STAMP_DIMS, dims[axis], 1, error));
+        ISO_TRY(iso_limit_check(ISO_LIMIT_STAMP_ORIGIN, head.origin[axis], 1, error));
+    }
+    if ((size_t)(end - *at) < head.bytes) return iso_fail(error, ISO_ERR_FORMAT, "the stamp is damaged");
+    iso_hgrid *grid;
+    ISO_TRY(iso_hgrid_create(dims, 0, &transform, &grid, error));
+    iso_status status = get_cells(*at, head.bytes, grid, error);
+    *at += head.bytes;
+    if (status == ISO_OK)
+        *out = grid;
+    else
+        iso_hgrid_destroy(grid);
+    return status;
+}
+
+/* ---- as text */
+
+static const char DIGITS[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+static char *encode(const uint8_t *bytes, size_t size) {
+    char *text = malloc((size + 2) / 3 * 4 + 1), *to = text;
+    if (!text) return NULL;
+    for (size_t i = 0; i < size; i += 3) {
+        uint32_t three = (uint32_t)bytes[i] << 16;
+        if (i + 1 < size) three |= (uint32_t)bytes[i + 1] << 8;
+        if (i + 2 < size) three |= bytes[i + 2];
+        *to++ = DIGITS[three >> 18];
+        *to++ = DIGITS[three >> 12 & 63];
+        *to++ = i + 1 < size ? DIGITS[three >> 6 & 63] : '=';
+        *to++ = i + 2 < size ? DIGITS[three & 63] : '=';
+    }
+    *to = 0;
+    return text;
+}
+
+/* The bytes, as many as *size says; NULL: not such a text, or out of memory. */
+static uint8_t *decode(const char *text, size_t *size) {
+    uint8_t value[256];
+    memset(value, 255, sizeof value);
+    for (int i = 0; i < 64; i++) value[(unsigned char)DIGITS[i]] = (uint8_t)i;
+    size_t length = strlen(text);
+    if (length % 4) return NULL;
+    while (length && text[length - 1] == '=') length--;
+    uint8_t *bytes = malloc(length / 4 * 3 + 3), *to = bytes;
+    uint32_t held = 0;
+    int bits = 0;
+    bool sound = bytes != NULL;
+    for (size_t i = 0; sound && i < length; i++) {
+        const uint8_t digit = value[(unsigned char)text[i]];
+        sound = digit < 64;
+        held = held << 6 | digit;
+        bits += 6;
+        if (bits < 8) continue;
+        bits -= 8;
+        *to++ = (uint8_t)(held >> bits);
+    }
+    *size = (size_t)(to - bytes);
+    if (sound) return bytes;
+    free(bytes);
+    return NULL;
+}
+
+char *iso_stamp_text(const iso_stamp *stamp) {
+    char *bytes = NULL, *text = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&bytes, &size);
+    if (!stream) return NULL;
+    iso_status status = ISO_OK;
+    for (int i = 0; i < stamp->count && status == ISO_OK; i++) status = put_level(stream, stamp->level[i]);
+    if (fclose(stream) == 0 && status == ISO_OK) text = encode((const uint8_t *)bytes, size);
+    free(bytes);
+    return text;
+}
+
+static iso_status get_levels(const uint8_t *bytes, size_t size, iso_stamp *stamp, iso_error *error) {
+    const uint8_t *at = bytes, *end = bytes + size;
+    while (at < end && stamp->count < ISO_STAMP_LEVELS) {
+        ISO_TRY(get_level(&at, end, &stamp->level[stamp->count], error));
+        stamp->count++;
+    }
+    return at == end && stamp->count ? ISO_OK : iso_fail(error, ISO_ERR_FORMAT, "the stamp is damaged");
+}
+
+iso_status iso_stamp_parse(const char *name, const char *text, iso_stamp **out, iso_error *error) {
+    size_t size;
+    uint8_t *bytes = decode(text, &size);
+    if (!bytes) return iso_fail(error, ISO_ERR_FORMAT, "the stamp is damaged");
+    iso_stamp *stamp = allocate(name);
+    iso_status status = stamp ? get_levels(bytes, size, stamp, error)
+                              : iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stamp");
+    free(bytes);
+    if (status == ISO_OK)
+        *out = stamp;
+    else
+        iso_stamp_free(stamp);
+    return status;
+}

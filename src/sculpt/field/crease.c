@@ -1,0 +1,197 @@
+#include "sculpt/field/crease.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* Crossings are kept by bins of 4^3 voxels; the brick's are the inner 4^3 of them, and what is near a voxel
+ * is in its bin and those around it. Voxels are numbered from the window's (1, 1, 1). */
+enum { SIDE = ISO_CREASE_SIDE, BIN = 4, BINS = (SIDE - 2) / BIN, BIN_COUNT = BINS * BINS * BINS };
+enum { STEP_Y = SIDE, STEP_Z = SIDE * SIDE };
+/* Voxels a side that edges begin at, and the most that there can be. */
+enum { EDGES = SIDE - 2, CROSSINGS = 3 * EDGES * EDGES * EDGES };
+/* Places are in whole numbers of this part of a voxel: mirrored fields have mirrored crossings. */
+enum { UNIT = 1024 };
+/* An interface bent more than one of radius 4 (the sum of second differences is 2 / radius) is a crease. */
+static const float CREASE = 0.5f;
+/* What redistancing may have missed, and half the largest gap between crossings; voxels. */
+static const float SHORT = 0.4f, HALF_GAP = 0.5f;
+/* Nearer voxels are found well from the interface beside them; farther ones, of wider bands, may have
+ * crossings beyond the bins around theirs. */
+static const float NEAR = 1, FAR = BIN - 0.4f;
+/* Nearer ones make foot points (the square root of 3) by the values beside them. */
+static const float FOOT = 1.7320508f;
+
+/* Crossings of one kind, by bins. */
+typedef struct places {
+    int32_t *at[3];
+    uint32_t first[BIN_COUNT + 1];
+} places;
+
+typedef struct crossing {
+    int32_t at[3];
+    uint16_t bin, crease;
+} crossing;
+
+typedef struct crossings {
+    const float *window;
+    crossing *found;
+    uint32_t count;
+    places kind[2]; /* [1]: at a crease */
+} crossings;
+
+static const float *value_at(const crossings *c, const int voxel[3]) {
+    return c->window + (voxel[2] + 1) * STEP_Z + (voxel[1] + 1) * STEP_Y + voxel[0] + 1;
+}
+
+static bool is_bent(const float *v) {
+    const float sum = (v[1] + v[-1]) + (v[STEP_Y] + v[-STEP_Y]) + (v[STEP_Z] + v[-STEP_Z]) - 6 * v[0];
+    return fabsf(sum) > CREASE;
+}
+
+static void add_crossing(crossings *c, const int voxel[3], int axis) {
+    static const int steps[3] = {1, STEP_Y, STEP_Z};
+    const float *low = value_at(c, voxel), *high = low + steps[axis];
+    crossing *made = &c->found[c->count++];
+    *made = (crossing){.at = {UNIT * voxel[0], UNIT * voxel[1], UNIT * voxel[2]},
+                       .bin = (uint16_t)((voxel[2] / BIN * BINS + voxel[1] / BIN) * BINS + voxel[0] / BIN),
+                       .crease = is_bent(low) || is_bent(high)};
+    made->at[axis] += (int32_t)lrint(UNIT * (double)*low / ((double)*low - (double)*high));
+}
+
+/* Bit x + 1 of each row: whether its voxel x is inside. */
+static void find_inside(const float *window, uint32_t inside[SIDE * SIDE]) {
+    for (int row = 0; row < SIDE * SIDE; row++) {
+        uint32_t bits = 0;
+        for (int x = 0; x < SIDE; x++) bits |= (uint32_t)(window[row * SIDE + x] < 0) << x;
+        inside[row] = bits;
+    }
+}
+
+/* Edges along an axis that cross the surface, from the voxels of a row; both ends have neighbours. */
+static uint32_t crossed(const uint32_t *inside, int y, int z, int axis) {
+    static const int steps[3] = {0, 1, SIDE};
+    const uint32_t *row = inside + (z + 1) * SIDE + y + 1, all = (1u << EDGES) - 1;
+    if ((axis == 1 && y == EDGES - 1) || (axis == 2 && z == EDGES - 1)) return 0;
+    return axis == 0 ? (*row ^ *row >> 1) >> 1 & all >> 1 : (*row ^ row[steps[axis]]) >> 1 & all;
+}
+
+static void find_crossings(crossings *c) {
+    uint32_t inside[SIDE * SIDE];
+    find_inside(c->window, inside);
+    for (int row = 0; row < EDGES * EDGES; row++)
+        for (int axis = 0; axis < 3; axis++) {
+            uint32_t bits = crossed(inside, row % EDGES, row / EDGES, axis);
+            for (; bits; bits &= bits - 1)
+                add_crossing(c, (int[3]){__builtin_ctz(bits), row % EDGES, row / EDGES}, axis);
+        }
+}
+
+/* In the order of their bins: those of bins beside each other along x are one run. */
+static void sort(crossings *c) {
+    uint32_t next[2][BIN_COUNT];
+    for (int kind = 0; kind < 2; kind++) {
+        places *p = &c->kind[kind];
+        memset(p->first, 0, sizeof p->first);
+        for (uint32_t i = 0; i < c->count; i++) p->first[c->found[i].bin + 1] += c->found[i].crease == kind;
+        for (int bin = 0; bin < BIN_COUNT; bin++) p->first[bin + 1] += p->first[bin];
+        memcpy(next[kind], p->first, sizeof next[kind]);
+    }
+    for (int axis = 0; axis < 3; axis++)
+        c->kind[1].at[axis] = c->kind[0].at[axis] + c->kind[0].first[BIN_COUNT];
+    for (uint32_t i = 0; i < c->count; i++) {
+        const crossing *from = &c->found[i];
+        const uint32_t to = next[from->crease][from->bin]++;
+        for (int axis = 0; axis < 3; axis++) c->kind[from->crease].at[axis][to] = from->at[axis];
+    }
+}
+
+/* The least square of the distances to a run of crossings. */
+static int32_t nearest_of(const places *p, uint32_t first, uint32_t end, const int32_t at[3], int32_t least) {
+    const int32_t *restrict px = p->at[0], *restrict py = p->at[1], *restrict pz = p->at[2];
+    for (uint32_t i = first; i < end; i++) {
+        const int32_t x = px[i] - at[0], y = py[i] - at[1], z = pz[i] - at[2];
+        const int32_t square = x * x + y * y + z * z;
+        least = square < least ? square : least;
+    }
+    return least;
+}
+
+/* The square of the distance to the nearest crossing of the bins around one; `most` where none is nearer than
+ * that. Looking ends below `enough`. */
+static int32_t nearest(const places *p, const int bin[3], const int32_t at[3], int32_t most, int32_t enough) {
+    int32_t least = most;
+    for (int k = 0; k < 9 && least >= enough; k++) {
+        const int low = ((bin[2] + k / 3 - 1) * BINS + bin[1] + k % 3 - 1) * BINS + bin[0] - 1;
+        least = nearest_of(p, p->first[low], p->first[low + 3], at, least);
+    }
+    return least;
+}
+
+static bool is_interface(const float *v) {
+    const bool inside = *v < 0;
+    return inside != (v[1] < 0) || inside != (v[-1] < 0) || inside != (v[STEP_Y] < 0) ||
+           inside != (v[-STEP_Y] < 0) || inside != (v[STEP_Z] < 0) || inside != (v[-STEP_Z] < 0);
+}
+
+/* A voxel is in a fan when no crossing is nearer than one at a crease. */
+static float bounded(const crossings *c, const int bin[3], const int voxel[3], float distance, float band) {
+    const int32_t at[3] = {UNIT * voxel[0], UNIT * voxel[1], UNIT * voxel[2]};
+    const int32_t reach = (int32_t)((distance + SHORT) * (distance + SHORT) * (UNIT * UNIT));
+    const int32_t least = nearest(&c->kind[1], bin, at, reach, 0);
+    if (least == reach || nearest(&c->kind[0], bin, at, least, least) < least) return distance;
+    const float square = (float)least / (UNIT * UNIT);
+    const float far = sqrtf(square), near = sqrtf(fmaxf(square - HALF_GAP * HALF_GAP, 0));
+    return fminf(fminf(fmaxf(distance, near), far), fmaxf(distance, 0.999f * band));
+}
+
+static bool is_beside_end(const float *v, float band) {
+    return fabsf(v[1]) >= band || fabsf(v[-1]) >= band || fabsf(v[STEP_Y]) >= band ||
+           fabsf(v[-STEP_Y]) >= band || fabsf(v[STEP_Z]) >= band || fabsf(v[-STEP_Z]) >= band;
+}
+
+static float mended(const crossings *c, const int bin[3], const int voxel[3], float band) {
+    const float *v = value_at(c, voxel), distance = fabsf(*v);
+    if (distance < NEAR || distance >= fminf(band, FAR) || is_interface(v)) return *v;
+    float made = bounded(c, bin, voxel, distance, band);
+    if (made < FOOT && is_beside_end(v, band)) made = FOOT; /* rather no foot point than a wrong one */
+    return *v < 0 ? -made : made;
+}
+
+static bool any_crease(const crossings *c, const int bin[3]) {
+    uint32_t count = 0;
+    for (int k = 0; k < 9; k++) {
+        const int low = ((bin[2] + k / 3 - 1) * BINS + bin[1] + k % 3 - 1) * BINS + bin[0] - 1;
+        count += c->kind[1].first[low + 3] - c->kind[1].first[low];
+    }
+    return count > 0;
+}
+
+static void mend_bin(const crossings *c, const int bin[3], float band, float *out) {
+    for (int i = 0; i < BIN * BIN * BIN; i++) {
+        const int voxel[3] = {BIN * bin[0] + i % BIN, BIN * bin[1] + i / BIN % BIN,
+                              BIN * bin[2] + i / (BIN * BIN)};
+        out[((voxel[2] - BIN) * ISO_BRICK + voxel[1] - BIN) * ISO_BRICK + voxel[0] - BIN] =
+            mended(c, bin, voxel, band);
+    }
+}
+
+iso_status iso_crease_mend(const float *window, float band, iso_buffer *room, float *out) {
+    enum { M = ISO_CREASE_MARGIN, INNER = ISO_BRICK / BIN };
+    crossings c = {.window = window};
+    for (int row = 0; row < ISO_BRICK * ISO_BRICK; row++)
+        memcpy(out + row * ISO_BRICK,
+               window + (row / ISO_BRICK + M) * STEP_Z + (row % ISO_BRICK + M) * STEP_Y + M,
+               ISO_BRICK * sizeof *out);
+    ISO_TRY(iso_buffer_reserve(room, CROSSINGS * (sizeof(crossing) + 3 * sizeof(int32_t)), 0, NULL));
+    c.found = room->data;
+    for (int axis = 0; axis < 3; axis++)
+        c.kind[0].at[axis] = (int32_t *)(c.found + CROSSINGS) + axis * CROSSINGS;
+    find_crossings(&c);
+    sort(&c);
+    for (int i = 0; i < INNER * INNER * INNER; i++) {
+        const int bin[3] = {1 + i % INNER, 1 + i / INNER % INNER, 1 + i / (INNER * INNER)};
+        if (any_crease(&c, bin)) mend_bin(&c, bin, band, out);
+    }
+    return ISO_OK;
+}

@@ -1,0 +1,650 @@
+#include "sculpt/field/edit.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "sculpt/field/crease.h"
+#include "sculpt/field/work.h"
+#include "sculpt/session/limits.h"
+
+/* Until the band is whole again where it was torn. */
+enum { TORN_ITERATIONS = 12 };
+/* Floats of a window of the field that are gathered for one brick; a warp that reaches farther (a long drag
+ * of a small brush) is sampled voxel by voxel. */
+enum { WINDOW_MAX = 1 << 22 };
+
+struct iso_editor {
+    iso_work work;
+    iso_affine affine;
+    double spacing;
+    int iterations;
+    iso_step_opts opts;
+    double done;    /* work, as iso_editor_work says */
+    uint32_t step;  /* number of the current step */
+    uint32_t *told; /* by cell: the step that last told it */
+    uint32_t *mask_told;
+    iso_buffer list; /* cells told in this step */
+    size_t list_count;
+};
+
+/* Distances are in voxels, and neighbours in whole bricks. */
+static iso_status check_grid(const iso_hgrid *grid, iso_error *error) {
+    const double *s = grid->transform.spacing;
+    if (fabs(s[0] - s[1]) > 1e-6 * s[0] || fabs(s[0] - s[2]) > 1e-6 * s[0])
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "voxels of %g x %g x %g mm cannot be sculpted: resample to cubes", s[0], s[1], s[2]);
+    for (int axis = 0; axis < 3; axis++)
+        if (grid->dims[axis] % ISO_BRICK)
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "a level set of %d voxels along %c cannot be sculpted: not whole bricks of %d",
+                            grid->dims[axis], "xyz"[axis], ISO_BRICK);
+    return ISO_OK;
+}
+
+iso_status iso_editor_create(iso_hgrid *grid, const iso_editor_opts *opts, iso_editor **out,
+                             iso_error *error) {
+    ISO_TRY(check_grid(grid, error));
+    iso_editor *editor = iso_alloc_zero(1, sizeof *editor);
+    if (!editor) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an editor");
+    iso_status status = iso_work_init(&editor->work, grid, opts->pool, error);
+    if (status != ISO_OK) {
+        iso_free(editor);
+        return status;
+    }
+    editor->affine = iso_transform_affine(&grid->transform);
+    editor->spacing = grid->transform.spacing[0];
+    editor->iterations = opts->iterations > 0 ? opts->iterations : opts->iterations < 0 ? 0 : 4;
+    editor->told = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->told);
+    editor->mask_told = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->mask_told);
+    if (!editor->told || !editor->mask_told) {
+        iso_editor_destroy(editor);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an editor of %zu cells",
+                        iso_hgrid_cell_count(grid));
+    }
+    *out = editor;
+    return ISO_OK;
+}
+
+void iso_editor_destroy(iso_editor *editor) {
+    if (!editor) return;
+    iso_work_free(&editor->work);
+    iso_buffer_free(&editor->list);
+    iso_free(editor->told);
+    iso_free(editor->mask_told);
+    iso_free(editor);
+}
+
+void iso_editor_step(iso_editor *editor, const iso_step_opts *opts) {
+    editor->opts = *opts;
+    editor->list_count = 0;
+    editor->step++;
+}
+
+/* ---- from a sample to dabs */
+
+/* Index positions are kept to 1/4096 voxel: differences to voxels are then exact in floats, and mirrored
+ * touches make mirrored bits. */
+static void set_position(const iso_affine *affine, iso_vec3 world, double out[3]) {
+    iso_vec3 p = iso_affine_point_to_index(affine, world);
+    out[0] = rint(p.x * 4096) / 4096;
+    out[1] = rint(p.y * 4096) / 4096;
+    out[2] = rint(p.z * 4096) / 4096;
+}
+
+/* The world position of what set_position keeps. */
+static iso_vec3 snapped(const iso_affine *affine, iso_vec3 world) {
+    double p[3];
+    set_position(affine, world, p);
+    return iso_affine_point(affine, iso_vec3_make(p[0], p[1], p[2]));
+}
+
+/* v mirrored at the planes of `through` that `bits` names; directions (NULL) only turn. */
+static iso_vec3 reflect(iso_vec3 v, unsigned bits, const iso_vec3 *through) {
+    const iso_vec3 at = through ? *through : iso_vec3_make(0, 0, 0);
+    return iso_vec3_make(bits & 1 ? 2 * at.x - v.x : v.x, bits & 2 ? 2 * at.y - v.y : v.y,
+                         bits & 4 ? 2 * at.z - v.z : v.z);
+}
+
+/* Two tangents and the normal, unit, world. */
+static void make_frame(iso_vec3 normal, iso_vec3 frame[3]) {
+    iso_vec3 n = iso_vec3_unit(normal);
+    if (iso_vec3_length(n) == 0) n = iso_vec3_make(0, 0, 1);
+    /* the coordinate axis farthest from the normal */
+    iso_vec3 a = fabs(n.x) <= fabs(n.y) && fabs(n.x) <= fabs(n.z) ? iso_vec3_make(1, 0, 0)
+                 : fabs(n.y) <= fabs(n.z)                         ? iso_vec3_make(0, 1, 0)
+                                                                  : iso_vec3_make(0, 0, 1);
+    frame[0] = iso_vec3_unit(iso_vec3_cross(a, n));
+    frame[1] = iso_vec3_cross(n, frame[0]);
+    frame[2] = n;
+}
+
+/* The frame itself is mirrored too, so that boxes and stamps are. */
+static void make_dab(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch, unsigned bits,
+                     iso_dab *dab) {
+    const iso_affine *affine = &editor->affine;
+    iso_vec3 from = brush->tool == ISO_TOOL_MOVE ? touch->first.position : touch->previous.position, frame[3];
+    set_position(affine, reflect(snapped(affine, touch->sample.position), bits, &brush->mirror), dab->centre);
+    set_position(affine, reflect(snapped(affine, from), bits, &brush->mirror), dab->from);
+    make_frame(touch->sample.normal, frame);
+    for (int i = 0; i < 3; i++) {
+        iso_vec3 axis = iso_affine_vector_to_index(affine, reflect(frame[i], bits, NULL));
+        axis = iso_vec3_scale(axis, editor->spacing); /* a rotation remains */
+        dab->axis[i][0] = axis.x;
+        dab->axis[i][1] = axis.y;
+        dab->axis[i][2] = axis.z;
+    }
+}
+
+/* How far one touch goes at its centre: a part of the radius, bounded where a larger step would leave the
+ * band. */
+static double full_strength(iso_tool tool, double radius) {
+    switch (tool) {
+    case ISO_TOOL_INFLATE:
+    case ISO_TOOL_DEFLATE:
+        return 0.05 * radius < 0.5 ? 0.05 * radius : 0.5;
+    case ISO_TOOL_FLATTEN:
+        return 0.3;
+    case ISO_TOOL_PINCH:
+        return 0.15;
+    default:
+        return 1;
+    }
+}
+
+static void make_dabs(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
+                      iso_dabs *dabs) {
+    double pressure = touch->sample.pressure;
+    double radius = brush->radius * (brush->pressure_radius ? pressure : 1) / editor->spacing;
+    double strength = (brush->strength > 0 ? brush->strength : 1) * (brush->pressure_strength ? pressure : 1);
+    bool blends = brush->tool == ISO_TOOL_BLEND_ADD || brush->tool == ISO_TOOL_BLEND_CARVE;
+    double blend = brush->blend > 0 ? brush->blend / editor->spacing : 0.25 * radius;
+    double band = (double)editor->work.grid->band; /* a wider blend would need distances beyond the band */
+    memset(dabs, 0, sizeof *dabs);
+    dabs->tool = brush->tool;
+    dabs->shape = brush->shape;
+    dabs->falloff = brush->falloff;
+    dabs->radius = (float)radius;
+    dabs->strength = (float)(strength * full_strength(brush->tool, radius));
+    dabs->aspect = (float)(brush->aspect > 0 ? brush->aspect : 0.5);
+    dabs->blend = blends ? (float)(blend < band ? blend : band) : 0;
+    dabs->band = editor->work.grid->band;
+    dabs->stamp = editor->opts.stamp ? iso_stamp_level(editor->opts.stamp, radius) : NULL;
+    for (unsigned bits = 0; bits < 8; bits++)
+        if (!(bits & ~brush->symmetry)) make_dab(editor, brush, touch, bits, &dabs->dab[dabs->count++]);
+}
+
+/* ---- which cells */
+
+/* Distance from the box of a cell's voxels to the dab (its centre, or the way it came). */
+static double cell_distance(const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
+    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SOLID_CAPSULE;
+    double centre[3], half = 0.5 * (ISO_BRICK - 1), t = 0, along = 0, square = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double d = segment ? dab->from[axis] - dab->centre[axis] : 0;
+        centre[axis] = ISO_BRICK * (double)at[axis] + half;
+        along += (centre[axis] - dab->centre[axis]) * d;
+        square += d * d;
+    }
+    if (square > 0) t = fmin(fmax(along / square, 0), 1);
+    if (segment) { /* no nearer than the cell's circumscribed ball says */
+        double distance = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double d = centre[axis] - dab->centre[axis] - t * (dab->from[axis] - dab->centre[axis]);
+            distance += d * d;
+        }
+        return sqrt(distance) - half * sqrt(3);
+    }
+    double distance = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double d = fmax(fabs(centre[axis] - dab->centre[axis]) - half, 0);
+        distance += d * d;
+    }
+    return sqrt(distance);
+}
+
+/* Whether the touch can change an empty cell at all. */
+static bool can_change(iso_tool tool, int32_t state) {
+    if (state >= 0 || iso_tool_is_warp(tool)) return true;
+    if (tool == ISO_TOOL_ADD || tool == ISO_TOOL_BLEND_ADD) return state == ISO_CELL_OUTSIDE;
+    if (tool == ISO_TOOL_CARVE || tool == ISO_TOOL_BLEND_CARVE) return state == ISO_CELL_INSIDE;
+    return false;
+}
+
+/* Cells lo .. hi that a dab can reach, clipped to the grid; true when it was clipped. */
+static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, int lo[3],
+                       int hi[3]) {
+    bool clipped = false;
+    double reach = iso_dabs_reach(dabs),
+           solid = reach - (iso_tool_is_set_operation(dabs->tool) ? (double)dabs->band : 0);
+    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SOLID_CAPSULE;
+    for (int axis = 0; axis < 3; axis++) {
+        double a = dab->centre[axis], b = segment ? dab->from[axis] : a;
+        double first = fmin(a, b), last = fmax(a, b), top = editor->work.grid->dims[axis] - 1;
+        clipped |= first - solid < 0 || last + solid > top;
+        lo[axis] = (int)floor(fmax(fmin(first - reach, top), 0) / ISO_BRICK);
+        hi[axis] = (int)floor(fmax(fmin(last + reach, top), 0) / ISO_BRICK);
+    }
+    return clipped;
+}
+
+/* Cells lo .. hi. */
+static double range_cells(const int lo[3], const int hi[3]) {
+    return (hi[0] - lo[0] + 1.0) * (hi[1] - lo[1] + 1.0) * (hi[2] - lo[2] + 1.0);
+}
+
+/* What a listed cell costs compared with one of a plain brush: mirrored instances add up; a stamp is sampled
+ * voxel by voxel; the way that MOVE follows has up to 256 steps. */
+static double cell_work(const iso_dabs *dabs) {
+    const double count = dabs->count;
+    if (dabs->tool == ISO_TOOL_MOVE) return 1 + count * iso_dabs_steps(dabs) / 4;
+    if (dabs->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(dabs->tool)) return 16 * count;
+    return 1 + count / 4;
+}
+
+static iso_status list_dab(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, bool *clipped,
+                           iso_error *error) {
+    int lo[3], hi[3], at[3];
+    *clipped |= cell_range(editor, dabs, dab, lo, hi);
+    editor->done += range_cells(lo, hi) / 256;
+    const double reach = iso_dabs_reach(dabs);
+    for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
+        for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
+            for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++) {
+                if (cell_distance(dabs, dab, at) >= reach) continue;
+                size_t cell = iso_hgrid_cell_index(editor->work.grid, at[0], at[1], at[2]);
+                if (!can_change(dabs->tool, editor->work.grid->cell[cell])) continue;
+                ISO_TRY(iso_work_add(&editor->work, at, true, error));
+                if (editor->work.job_count > ISO_LIMIT_TOUCH_CELLS)
+                    return iso_fail(error, ISO_ERR_LIMIT,
+                                    "a brush of %g voxels reaches more than %d bricks in one touch",
+                                    (double)dabs->radius, ISO_LIMIT_TOUCH_CELLS);
+            }
+    return ISO_OK;
+}
+
+static void cell_position(const iso_hgrid *grid, uint32_t cell, int at[3]) {
+    at[0] = (int)(cell % (uint32_t)grid->cells[0]);
+    at[1] = (int)(cell / (uint32_t)grid->cells[0] % (uint32_t)grid->cells[1]);
+    at[2] = (int)(cell / (uint32_t)grid->cells[0] / (uint32_t)grid->cells[1]);
+}
+
+/* MOVE starts from the field as it was: what earlier touches of the stroke changed must come back. */
+static iso_status list_told(iso_editor *editor, iso_error *error) {
+    const uint32_t *told = editor->list.data;
+    for (size_t i = 0; i < editor->list_count; i++) {
+        int at[3];
+        cell_position(editor->work.grid, told[i], at);
+        ISO_TRY(iso_work_add(&editor->work, at, true, error));
+    }
+    return ISO_OK;
+}
+
+static iso_status list_cells(iso_editor *editor, const iso_dabs *dabs, bool *clipped, iso_error *error) {
+    for (int i = 0; i < dabs->count; i++) ISO_TRY(list_dab(editor, dabs, &dabs->dab[i], clipped, error));
+    if (dabs->tool == ISO_TOOL_MOVE) ISO_TRY(list_told(editor, error));
+    return iso_work_reserve(&editor->work, error);
+}
+
+/* ---- new values */
+
+typedef struct edit_pass {
+    iso_editor *editor;
+    const iso_dabs *dabs;
+} edit_pass;
+
+/* The floats of a cell as the warp sees them: MOVE, at the stroke's start; PINCH, now. */
+static const float *source_of(const iso_editor *editor, iso_tool tool, uint32_t cell) {
+    int32_t state = editor->work.grid->cell[cell];
+    if (tool == ISO_TOOL_MOVE && editor->told[cell] == editor->step) {
+        const float *kept = editor->opts.kept(editor->opts.keeper.context, cell, &state);
+        if (kept) return kept;
+    }
+    return iso_work_before(&editor->work, state);
+}
+
+static int clamp_index(int value, int count) {
+    return value < 0 ? 0 : value >= count ? count - 1 : value;
+}
+
+/* One row of the window: voxels x0 .. x0 + count - 1 of row (y, z), repeated beyond the grid. */
+static void fill_row(const iso_editor *editor, iso_tool tool, const int first[3], int count, float *out) {
+    const iso_hgrid *grid = editor->work.grid;
+    const int y = clamp_index(first[1], grid->dims[1]), z = clamp_index(first[2], grid->dims[2]);
+    for (int i = 0, run; i < count; i += run) {
+        const int x = clamp_index(first[0] + i, grid->dims[0]), at = x % ISO_BRICK;
+        const size_t cell = iso_hgrid_cell_index(grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
+        const float *row = source_of(editor, tool, (uint32_t)cell) + (z % ISO_BRICK) * ISO_BRICK_ROWS +
+                           (y % ISO_BRICK) * ISO_BRICK;
+        run = x != first[0] + i ? 1 : ISO_BRICK - at < count - i ? ISO_BRICK - at : count - i;
+        memcpy(out + i, row + at, (size_t)run * sizeof *out);
+    }
+}
+
+/* The box that the warp's positions need, one voxel to spare at the upper end. */
+static void window_box(const iso_warp *warp, iso_field_window *window) {
+    for (int axis = 0; axis < 3; axis++) {
+        float low = warp->position[axis][0], high = low;
+        for (int i = 1; i < ISO_BRICK_VOXELS; i++) {
+            const float p = warp->position[axis][i];
+            low = p < low ? p : low;
+            high = p > high ? p : high;
+        }
+        window->lo[axis] = (int)floorf(low);
+        window->size[axis] = (int)floorf(high) - window->lo[axis] + 2;
+    }
+}
+
+static bool is_large(const iso_field_window *window) {
+    return (double)window->size[0] * window->size[1] * window->size[2] > WINDOW_MAX;
+}
+
+/* (as the kernels do it, to the bit) */
+static float mix(float a, float b, float t) {
+    return a * (1 - t) + b * t;
+}
+
+/* A voxel of the field as the warp sees it, the outermost ones repeated. */
+static float value_at(const iso_editor *editor, iso_tool tool, const int at[3]) {
+    const iso_hgrid *grid = editor->work.grid;
+    int p[3];
+    for (int axis = 0; axis < 3; axis++) p[axis] = clamp_index(at[axis], grid->dims[axis]);
+    const size_t cell = iso_hgrid_cell_index(grid, p[0] / ISO_BRICK, p[1] / ISO_BRICK, p[2] / ISO_BRICK);
+    return source_of(editor, tool, (uint32_t)cell)[(p[2] % ISO_BRICK) * ISO_BRICK_ROWS +
+                                                   (p[1] % ISO_BRICK) * ISO_BRICK + p[0] % ISO_BRICK];
+}
+
+/* What a kernel's `sample` makes of the window, without the window. */
+static void sample_far(const iso_editor *editor, iso_tool tool, const int brick[3], const iso_warp *warp,
+                       const iso_field_window *window, float *out) {
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        float part[3], row[4];
+        int first[3];
+        for (int axis = 0; axis < 3; axis++) {
+            const float p = warp->position[axis][i] - (float)window->lo[axis], whole = floorf(p);
+            part[axis] = p - whole;
+            first[axis] = ISO_BRICK * brick[axis] + window->lo[axis] + (int)whole;
+        }
+        for (int k = 0; k < 4; k++) {
+            const int a[3] = {first[0], first[1] + (k & 1), first[2] + (k >> 1)},
+                      b[3] = {a[0] + 1, a[1], a[2]};
+            row[k] = mix(value_at(editor, tool, a), value_at(editor, tool, b), part[0]);
+        }
+        out[i] = mix(mix(row[0], row[1], part[1]), mix(row[2], row[3], part[1]), part[2]);
+    }
+}
+
+static bool fill_window(const iso_editor *editor, iso_tool tool, const int brick[3], iso_field_window *window,
+                        iso_buffer *buffer) {
+    size_t row = (size_t)window->size[0], rows = (size_t)window->size[1] * (size_t)window->size[2];
+    if (iso_buffer_reserve(buffer, row * rows * sizeof(float), 0, NULL) != ISO_OK) return false;
+    float *out = buffer->data;
+    window->values = out;
+    for (size_t i = 0; i < rows; i++) {
+        const int first[3] = {ISO_BRICK * brick[0] + window->lo[0],
+                              ISO_BRICK * brick[1] + window->lo[1] + (int)(i % (size_t)window->size[1]),
+                              ISO_BRICK * brick[2] + window->lo[2] + (int)(i / (size_t)window->size[1])};
+        fill_row(editor, tool, first, window->size[0], out + i * row);
+    }
+    return true;
+}
+
+static void warp_job(const edit_pass *pass, iso_job *job, iso_worker *worker, float *out) {
+    const iso_editor *editor = pass->editor;
+    const iso_tool tool = pass->dabs->tool;
+    job->source = source_of(editor, tool, job->cell);
+    if (!editor->work.dab->warp(pass->dabs, job->at, &worker->warp)) {
+        memcpy(out, job->source, ISO_BRICK_VOXELS * sizeof(float));
+        return;
+    }
+    iso_field_window window;
+    window_box(&worker->warp, &window);
+    if (is_large(&window))
+        sample_far(editor, tool, job->at, &worker->warp, &window, out);
+    else if (fill_window(editor, tool, job->at, &window, &worker->window))
+        editor->work.dab->sample(&worker->warp, &window, out);
+    else
+        worker->failed = true;
+}
+
+static void edit_job(void *context, size_t index, int worker) {
+    const edit_pass *pass = context;
+    iso_work *work = &pass->editor->work;
+    iso_job *job = iso_work_job(work, index);
+    float *out = iso_work_stage(work, worker);
+    if (iso_tool_is_warp(pass->dabs->tool))
+        warp_job(pass, job, &work->workers[worker], out);
+    else {
+        /* Neighbours must be the grid's, not values that are being made: the brush reads the field before. */
+        iso_stencil stencil;
+        iso_work_stencil(work, ISO_WORK_GRID, index, work->workers[worker].border, &stencil);
+        work->dab->edit(pass->dabs, job->at, &stencil, out);
+    }
+    iso_work_edited(work, index, worker);
+}
+
+/* ---- a touch */
+
+/* Tells the keeper of cells that are about to be written. */
+static iso_status tell(iso_editor *editor, iso_error *error) {
+    const iso_keeper *keeper = &editor->opts.keeper;
+    if (!keeper->before) return ISO_OK;
+    for (size_t i = 0; i < editor->work.job_count; i++) {
+        const iso_job *job = iso_work_job(&editor->work, i);
+        if (!job->edited || editor->told[job->cell] == editor->step) continue;
+        size_t bytes = editor->list_count * sizeof(uint32_t);
+        ISO_TRY(iso_buffer_reserve(&editor->list, bytes + sizeof(uint32_t), bytes, error));
+        const float *brick = job->state >= 0 ? iso_hgrid_brick(editor->work.grid, job->state) : NULL;
+        ISO_TRY(keeper->before(keeper->context, job->cell, job->state, brick, error));
+        ((uint32_t *)editor->list.data)[editor->list_count++] = job->cell;
+        editor->told[job->cell] = editor->step;
+    }
+    return ISO_OK;
+}
+
+static iso_status finish(iso_editor *editor, iso_edit_stats *stats, iso_error *error) {
+    iso_work *work = &editor->work;
+    bool any;
+    iso_work_compare(work, &any);
+    if (!any) return ISO_OK;
+    ISO_TRY(tell(editor, error));
+    return iso_work_commit(work, stats, error);
+}
+
+/* The end of the band that an exact solid shares with what it is united with, or cut from; 0 when the tool or
+ * the solid leaves no distances of its own. */
+static float away_side(const iso_dabs *dabs) {
+    if (dabs->count > 1 || dabs->shape == ISO_SOLID_STAMP) return 0;
+    return dabs->tool == ISO_TOOL_ADD ? dabs->band : dabs->tool == ISO_TOOL_CARVE ? -dabs->band : 0;
+}
+
+static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit_stats *stats,
+                              iso_error *error) {
+    iso_work *work = &editor->work;
+    edit_pass pass = {.editor = editor, .dabs = dabs};
+    ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
+    editor->done += (double)work->job_count * cell_work(dabs);
+    work->away = away_side(dabs);
+    work->torn =
+        dabs->tool == ISO_TOOL_MOVE; /* it draws out, and presses together, as far as the hand goes */
+    iso_parallel_for(work->pool, work->job_count, edit_job, &pass);
+    if (iso_work_failed(work))
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a touch of the brush");
+    bool any;
+    ISO_TRY(iso_work_settle(work, editor->iterations > 0, &any, error));
+    if (!any) return ISO_OK;
+    for (size_t i = 0; i < work->job_count; i++) stats->edited += iso_work_job(work, i)->edited;
+    stats->redistanced += work->job_count;
+    editor->done += (double)work->job_count * (work->torn ? 3 : 1);
+    bool blends = dabs->tool == ISO_TOOL_BLEND_ADD || dabs->tool == ISO_TOOL_BLEND_CARVE;
+    if (editor->iterations > 0)
+        ISO_TRY(iso_work_redistance(work, work->torn ? TORN_ITERATIONS : editor->iterations,
+                                    blends || !iso_tool_is_set_operation(dabs->tool), error));
+    return finish(editor, stats, error);
+}
+
+/* ---- masking */
+
+/* The voxels of a cell inside the dab's radius; whether any changes. */
+static bool mask_cell(iso_voxel_bits *bits, const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
+    const double radius = (double)dabs->radius;
+    bool any = false;
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        const int voxel[3] = {i % ISO_BRICK, i / ISO_BRICK % ISO_BRICK, i / ISO_BRICK_ROWS};
+        double square = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double d = ISO_BRICK * (double)at[axis] + voxel[axis] - dab->centre[axis];
+            square += d * d;
+        }
+        if (square > radius * radius) continue;
+        const uint16_t bit = (uint16_t)(1u << voxel[0]), old = bits->row[i / ISO_BRICK];
+        bits->row[i / ISO_BRICK] = (uint16_t)(dabs->tool == ISO_TOOL_MASK ? old | bit : old & ~bit);
+        any |= bits->row[i / ISO_BRICK] != old;
+    }
+    return any;
+}
+
+static iso_status touch_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
+                                  const int at[3], iso_error *error) {
+    const iso_keeper *keeper = &editor->opts.keeper;
+    iso_mask *mask = &editor->work.mask;
+    const uint32_t cell = (uint32_t)iso_hgrid_cell_index(editor->work.grid, at[0], at[1], at[2]);
+    const iso_voxel_bits *before = iso_mask_bits(mask, cell);
+    iso_voxel_bits bits = {{0}};
+    if (before) bits = *before;
+    if (!mask_cell(&bits, dabs, dab, at)) return ISO_OK;
+    if (keeper->mask_before && editor->mask_told[cell] != editor->step)
+        ISO_TRY(keeper->mask_before(keeper->context, cell, before, error));
+    editor->mask_told[cell] = editor->step;
+    return iso_mask_set(mask, cell, &bits, error);
+}
+
+static iso_status touch_mask(iso_editor *editor, const iso_dabs *dabs, iso_error *error) {
+    for (int i = 0; i < dabs->count; i++) {
+        int lo[3], hi[3], at[3];
+        cell_range(editor, dabs, &dabs->dab[i], lo, hi);
+        editor->done += range_cells(lo, hi);
+        for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
+            for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
+                for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++)
+                    ISO_TRY(touch_mask_cell(editor, dabs, &dabs->dab[i], at, error));
+    }
+    return ISO_OK;
+}
+
+static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
+                              iso_error *error) {
+    ISO_TRY(iso_brush_check(brush, error));
+    const iso_sample *samples[] = {&touch->sample, &touch->previous, &touch->first};
+    for (int i = 0; i < 3; i++) {
+        const iso_sample *s = samples[i];
+        double sum = s->position.x + s->position.y + s->position.z + s->normal.x + s->normal.y + s->normal.z;
+        if (!isfinite(sum) || !(s->pressure >= 0 && s->pressure <= 1))
+            return iso_fail(error, ISO_ERR_USAGE, "a sample at (%g, %g, %g) with pressure %g", s->position.x,
+                            s->position.y, s->position.z, s->pressure);
+    }
+    if (brush->tool == ISO_TOOL_MOVE && !editor->opts.kept)
+        return iso_fail(error, ISO_ERR_USAGE, "move needs a step that keeps what it changes");
+    if (brush->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(brush->tool) && !editor->opts.stamp)
+        return iso_fail(error, ISO_ERR_USAGE, "a stamp needs a shape of its own");
+    return ISO_OK;
+}
+
+iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
+                            iso_edit_stats *stats, iso_error *error) {
+    ISO_TRY(check_touch(editor, brush, touch, error));
+    iso_dabs dabs;
+    make_dabs(editor, brush, touch, &dabs);
+    iso_edit_stats made = {0};
+    iso_status status = ISO_OK;
+    if (brush->tool == ISO_TOOL_MASK || brush->tool == ISO_TOOL_UNMASK)
+        status = touch_mask(editor, &dabs, error);
+    else if (dabs.radius > 0) /* (no pressure: nothing) */
+        status = touch_field(editor, &dabs, &made, error);
+    iso_work_clear(&editor->work);
+    if (status == ISO_OK && stats) *stats = made;
+    return status;
+}
+
+double iso_editor_work(const iso_editor *editor) {
+    return editor->done;
+}
+
+static void crease_job(void *context, size_t index, int worker) {
+    iso_editor *editor = context;
+    iso_work *work = &editor->work;
+    iso_job *job = iso_work_job(work, index);
+    iso_worker *own = &work->workers[worker];
+    enum { M = ISO_CREASE_MARGIN, SIDE = ISO_CREASE_SIDE };
+    iso_field_window window = {.lo = {-M, -M, -M}, .size = {SIDE, SIDE, SIDE}};
+    own->failed |= !fill_window(editor, ISO_TOOL_ADD, job->at, &window, &own->window);
+    if (own->failed) return;
+    own->failed = iso_crease_mend(window.values, work->grid->band, &own->crossings,
+                                  iso_work_stage(work, worker)) != ISO_OK;
+    if (!own->failed) iso_work_edited(work, index, worker);
+}
+
+static iso_status settle_cells(iso_editor *editor, iso_error *error) {
+    iso_work *work = &editor->work;
+    bool any;
+    ISO_TRY(list_told(editor, error));
+    ISO_TRY(iso_work_reserve(work, error));
+    iso_parallel_for(work->pool, work->job_count, crease_job, editor);
+    if (iso_work_failed(work)) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stroke's end");
+    editor->done += 4 * (double)work->job_count;
+    ISO_TRY(iso_work_settle(work, false, &any, error));
+    iso_edit_stats stats = {0};
+    return any ? finish(editor, &stats, error) : ISO_OK;
+}
+
+iso_status iso_editor_settle(iso_editor *editor, iso_error *error) {
+    iso_status status = settle_cells(editor, error);
+    iso_work_clear(&editor->work);
+    return status;
+}
+
+/* All that is not frozen. */
+static void change_all(const iso_work *work, iso_job *job) {
+    const iso_voxel_bits *masked = iso_mask_bits(&work->mask, job->cell);
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        job->changed.row[row] = masked ? (uint16_t)~masked->row[row] : 0xffff;
+    iso_work_find_box(job, &job->changed);
+}
+
+iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_progress *progress,
+                                 iso_error *error) {
+    iso_work *work = &editor->work;
+    iso_status status = ISO_OK;
+    for (size_t cell = 0; cell < iso_hgrid_cell_count(work->grid) && status == ISO_OK; cell++) {
+        int at[3];
+        if (work->grid->cell[cell] < 0) continue;
+        cell_position(work->grid, (uint32_t)cell, at);
+        status = iso_work_add(work, at, true, error);
+    }
+    for (size_t i = 0; i < work->job_count; i++) change_all(work, iso_work_job(work, i));
+    work->progress = progress;
+    if (status == ISO_OK) status = iso_work_redistance(work, iterations, true, error);
+    iso_edit_stats stats = {0};
+    if (status == ISO_OK) status = finish(editor, &stats, error);
+    iso_work_clear(work);
+    return status;
+}
+
+/* ---- the mask */
+
+bool iso_editor_masked(const iso_editor *editor, int x, int y, int z) {
+    size_t cell = iso_hgrid_cell_index(editor->work.grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
+    const iso_voxel_bits *bits = iso_mask_bits(&editor->work.mask, cell);
+    return bits && bits->row[z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK] >> (x % ISO_BRICK) & 1;
+}
+
+bool iso_editor_has_mask(const iso_editor *editor) {
+    return editor->work.mask.used > 0;
+}
+
+void iso_editor_mask_clear(iso_editor *editor) {
+    iso_mask_clear(&editor->work.mask);
+}
+
+iso_mask *iso_editor_mask(iso_editor *editor) {
+    return &editor->work.mask;
+}

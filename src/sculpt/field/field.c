@@ -1,0 +1,57 @@
+/* A field to sculpt, made of any grid. */
+#include "sculpt/field/field.h"
+
+#include <math.h>
+
+#include "sculpt/field/edit.h"
+
+/* Redistancing steps that fill the band. */
+enum { ITERATIONS = 16 };
+
+static bool has_cubes(const iso_hgrid *grid) {
+    const double *s = grid->transform.spacing;
+    return fabs(s[0] - s[1]) <= 1e-6 * s[0] && fabs(s[0] - s[2]) <= 1e-6 * s[0];
+}
+
+/* Bit for bit, in whole bricks and with room around. */
+static iso_status take_level_set(const iso_hgrid *from, iso_hgrid **grid, iso_error *error) {
+    const int offset[3] = {ISO_FIELD_MARGIN, ISO_FIELD_MARGIN, ISO_FIELD_MARGIN};
+    int dims[3];
+    for (int axis = 0; axis < 3; axis++)
+        dims[axis] = (from->dims[axis] + 2 * ISO_FIELD_MARGIN + ISO_BRICK - 1) / ISO_BRICK * ISO_BRICK;
+    return iso_level_set_reframe(from, offset, dims, grid, error);
+}
+
+iso_status iso_field_redistance(iso_hgrid *grid, iso_pool *pool, const iso_progress *progress,
+                                iso_error *error) {
+    iso_editor *editor;
+    const iso_editor_opts opts = {.pool = pool};
+    iso_status status = iso_editor_create(grid, &opts, &editor, error);
+    if (status == ISO_OK) {
+        status = iso_editor_redistance(editor, ITERATIONS, progress, error);
+        iso_editor_destroy(editor);
+    }
+    if (status != ISO_OK) iso_hgrid_destroy(grid);
+    return status;
+}
+
+static iso_status sample(const char *name, const iso_grid *from, const iso_resampling *asked,
+                         iso_hgrid **grid, iso_error *error) {
+    const iso_progress progress = iso_progress_part(asked->progress, 0, 0.5);
+    iso_resampling how = *asked;
+    how.margin = ISO_FIELD_MARGIN;
+    how.progress = &progress;
+    return iso_level_set_from_grid(name, from, &how, grid, error);
+}
+
+iso_status iso_field_from_grid(const char *name, const iso_grid *from, const iso_field_opts *opts,
+                               iso_hgrid **grid, iso_error *error) {
+    const iso_resampling *how = &opts->resampling;
+    const iso_hgrid *sparse = from->hgrid;
+    const double own = sparse ? sparse->transform.spacing[0] : 0;
+    const bool as_it_is =
+        sparse && has_cubes(sparse) && (how->voxel <= 0 || how->voxel == own) && how->isovalue == 0;
+    ISO_TRY(as_it_is ? take_level_set(sparse, grid, error) : sample(name, from, how, grid, error));
+    const iso_progress progress = iso_progress_part(how->progress, 0.5, 1);
+    return as_it_is && !opts->damaged ? ISO_OK : iso_field_redistance(*grid, how->pool, &progress, error);
+}

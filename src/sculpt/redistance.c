@@ -1,8 +1,0 @@
-#include "sculpt/redistance.h"
-
-#define ISO_KERNEL_BODY "sculpt/redistance_body.inc"
-#include "base/kernel_levels.inc"
-
-const iso_redistancer *iso_redistancer_get(iso_cpu_level level) {
-    return ISO_KERNEL(redistancer, level);
-}

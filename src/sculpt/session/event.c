@@ -1,0 +1,296 @@
+#include "sculpt/session/event.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sculpt/session/crc32c.h"
+#include "sculpt/session/limits.h"
+
+static const char FORMAT[] = "isopoint strokes";
+static const char *const KINDS[] = {"begin", "sample", "end", "cancel", "undo", "redo", "snapshot", "stamp"};
+enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
+
+/* What follows the line's own members: `,"crc":"xxxxxxxx"}`. */
+enum { CRC_TEXT = 18 };
+
+/* ---- writing */
+
+/* Takes over `object`. */
+static char *finish(json_t *object) {
+    char *text = object ? json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    json_decref(object);
+    if (!text) return NULL;
+    size_t size = strlen(text) - 1; /* without the closing brace */
+    char *line = malloc(size + CRC_TEXT + 2);
+    if (line) {
+        memcpy(line, text, size);
+        snprintf(line + size, CRC_TEXT + 2, ",\"crc\":\"%08x\"}\n", (unsigned)iso_crc32c(0, line, size));
+    }
+    free(text);
+    return line;
+}
+
+static json_t *vector_json(iso_vec3 v) {
+    return json_pack("[fff]", v.x, v.y, v.z);
+}
+
+char *iso_event_header_text(const iso_journal_start *start) {
+    const bool plain = !start->reading[0] && (start->isovalue == 0 || start->voxel_isovalue);
+    json_t *header = json_pack(
+        "{ss si ss si sf s[iii] so sf sf}", "format", FORMAT, "version", plain ? 1 : ISO_JOURNAL_VERSION,
+        "source", start->source, "source_crc", (int)start->source_crc, "voxel_size", start->voxel_size,
+        "dims", start->dims[0], start->dims[1], start->dims[2], "origin", vector_json(start->origin),
+        "radius", start->radius, "isovalue", start->isovalue);
+    if (header && start->reading[0] &&
+        json_object_set_new(header, "reading", json_string_nocheck(start->reading))) {
+        json_decref(header);
+        return NULL;
+    }
+    return finish(header);
+}
+
+static json_t *brush_json(const iso_brush *brush) {
+    return json_pack("{ss ss ss sf sf sf sf sf si so sb sb}", "tool", iso_tool_name(brush->tool), "shape",
+                     iso_solid_name(brush->shape), "falloff", iso_falloff_name(brush->falloff), "radius",
+                     brush->radius, "strength", brush->strength, "aspect", brush->aspect, "blend",
+                     brush->blend, "spacing", brush->spacing, "symmetry", (int)brush->symmetry, "mirror",
+                     vector_json(brush->mirror), "pressure_radius", brush->pressure_radius,
+                     "pressure_strength", brush->pressure_strength);
+}
+
+/* Nonzero when there is no memory for it. */
+static int put_stamp(json_t *object, const iso_stamp *stamp) {
+    char *text = iso_stamp_text(stamp);
+    int failed = !text || json_object_set_new(object, "name", json_string_nocheck(stamp->name)) ||
+                 json_object_set_new(object, "levels", json_string_nocheck(text));
+    free(text);
+    return failed;
+}
+
+char *iso_event_text(const iso_event *event, unsigned long long number) {
+    json_t *object = json_pack("{sI ss}", "n", (json_int_t)number, "event", KINDS[event->kind]);
+    int failed = !object;
+    if (!failed && event->kind == ISO_EVENT_BEGIN)
+        failed |= json_object_set_new(object, "brush", brush_json(&event->brush));
+    if (!failed && event->kind <= ISO_EVENT_SAMPLE) {
+        const iso_sample *s = &event->sample;
+        failed |= json_object_set_new(object, "at", vector_json(s->position));
+        failed |= json_object_set_new(object, "normal", vector_json(s->normal));
+        failed |= json_object_set_new(object, "pressure", json_real(s->pressure));
+        failed |= json_object_set_new(object, "t", json_real(s->seconds));
+    }
+    if (!failed && event->kind == ISO_EVENT_SNAPSHOT) {
+        failed |= json_object_set_new(object, "file", json_string(event->text));
+        failed |= json_object_set_new(object, "after", json_integer((json_int_t)event->after));
+    }
+    if (!failed && event->kind == ISO_EVENT_STAMP) failed |= put_stamp(object, event->stamp);
+    if (!failed) return finish(object);
+    json_decref(object);
+    return NULL;
+}
+
+/* ---- reading: every function returns ISO_ERR_FORMAT and says what is wrong */
+
+/* The line as JSON when its checksum is right. */
+static iso_line parse(const char *line, size_t size, json_t **object, iso_error *error) {
+    unsigned crc;
+    if (size < CRC_TEXT || memcmp(line + size - CRC_TEXT, ",\"crc\":\"", 8) ||
+        memcmp(line + size - 2, "\"}", 2)) {
+        iso_fail(error, ISO_ERR_FORMAT, "it is not whole");
+        return ISO_LINE_TORN;
+    }
+    char digits[9] = {0};
+    memcpy(digits, line + size - 10, 8);
+    if (strspn(digits, "0123456789abcdef") != 8 || sscanf(digits, "%8x", &crc) != 1 ||
+        crc != iso_crc32c(0, line, size - CRC_TEXT)) {
+        iso_fail(error, ISO_ERR_FORMAT, "its checksum is wrong");
+        return ISO_LINE_TORN;
+    }
+    *object = json_loadb(line, size, JSON_REJECT_DUPLICATES, NULL);
+    if (*object) return ISO_LINE_SOUND;
+    iso_fail(error, ISO_ERR_FORMAT, "it is not JSON");
+    return ISO_LINE_WRONG;
+}
+
+static iso_status bad_member(const char *key, const char *wanted, iso_error *error) {
+    return iso_fail(error, ISO_ERR_FORMAT, "'%s' is missing or is not %s", key, wanted);
+}
+
+static iso_status get_number(const json_t *object, const char *key, double *value, iso_error *error) {
+    const json_t *found = json_object_get(object, key);
+    if (!json_is_number(found)) return bad_member(key, "a number", error);
+    *value = json_number_value(found);
+    return ISO_OK;
+}
+
+/* Within its bounds, so that it fits into what it is stored in. */
+static iso_status get_integer(const json_t *object, const char *key, iso_limit limit, json_int_t *value,
+                              iso_error *error) {
+    const json_t *found = json_object_get(object, key);
+    if (!json_is_integer(found)) return bad_member(key, "a whole number", error);
+    *value = json_integer_value(found);
+    return iso_limit_check(limit, (double)*value, 1, error);
+}
+
+static iso_status get_vector(const json_t *object, const char *key, iso_vec3 *v, iso_error *error) {
+    const json_t *found = json_object_get(object, key);
+    double *out[3] = {&v->x, &v->y, &v->z};
+    if (json_array_size(found) != 3) return bad_member(key, "three numbers", error);
+    for (size_t i = 0; i < 3; i++) {
+        if (!json_is_number(json_array_get(found, i))) return bad_member(key, "three numbers", error);
+        *out[i] = json_number_value(json_array_get(found, i));
+    }
+    return ISO_OK;
+}
+
+static iso_status get_text(const json_t *object, const char *key, char out[ISO_JOURNAL_TEXT],
+                           iso_error *error) {
+    const char *text = json_string_value(json_object_get(object, key));
+    if (!text) return bad_member(key, "a text", error);
+    if (strlen(text) >= ISO_JOURNAL_TEXT)
+        return iso_fail(error, ISO_ERR_FORMAT, "'%s' has %zu bytes, at most %d", key, strlen(text),
+                        ISO_JOURNAL_TEXT - 1);
+    strcpy(out, text);
+    return ISO_OK;
+}
+
+static iso_status get_flag(const json_t *object, const char *key, bool *flag, iso_error *error) {
+    const json_t *found = json_object_get(object, key);
+    *flag = json_is_true(found);
+    return json_is_boolean(found) ? ISO_OK : bad_member(key, "true or false", error);
+}
+
+static iso_status get_dims(const json_t *object, int dims[3], iso_error *error) {
+    const json_t *found = json_object_get(object, "dims");
+    if (json_array_size(found) != 3) return bad_member("dims", "three numbers", error);
+    for (size_t i = 0; i < 3; i++) {
+        const json_int_t n = json_integer_value(json_array_get(found, i));
+        ISO_TRY(iso_limit_check(ISO_LIMIT_DIMS, (double)n, 1, error));
+        dims[i] = (int)n;
+    }
+    return ISO_OK;
+}
+
+static iso_status check_kind(const json_t *object, iso_error *error) {
+    const char *format = json_string_value(json_object_get(object, "format"));
+    if (!format || strcmp(format, FORMAT))
+        return iso_fail(error, ISO_ERR_FORMAT, "it does not begin a stroke file");
+    const json_int_t version = json_integer_value(json_object_get(object, "version"));
+    if (version > ISO_JOURNAL_VERSION)
+        return iso_fail(error, ISO_ERR_FORMAT, "it was written by a newer version");
+    return version >= 1 ? ISO_OK : bad_member("version", "a version's number", error);
+}
+
+static iso_status read_header(const json_t *object, iso_journal_start *start, iso_error *error) {
+    json_int_t crc = 0;
+    ISO_TRY(check_kind(object, error));
+    start->voxel_isovalue = json_integer_value(json_object_get(object, "version")) < 2;
+    start->reading[0] = 0;
+    if (json_object_get(object, "reading")) ISO_TRY(get_text(object, "reading", start->reading, error));
+    ISO_TRY(get_text(object, "source", start->source, error));
+    ISO_TRY(get_integer(object, "source_crc", ISO_LIMIT_CHECKSUM, &crc, error));
+    start->source_crc = (uint32_t)crc;
+    ISO_TRY(get_number(object, "voxel_size", &start->voxel_size, error));
+    ISO_TRY(get_dims(object, start->dims, error));
+    ISO_TRY(get_vector(object, "origin", &start->origin, error));
+    ISO_TRY(get_number(object, "radius", &start->radius, error));
+    ISO_TRY(get_number(object, "isovalue", &start->isovalue, error));
+    return iso_limits_start(start, error);
+}
+
+iso_line iso_event_header_read(const char *line, size_t size, iso_journal_start *start, iso_error *why) {
+    json_t *object = NULL;
+    iso_line state = parse(line, size, &object, why);
+    if (state != ISO_LINE_SOUND) return state;
+    if (read_header(object, start, why) != ISO_OK) state = ISO_LINE_WRONG;
+    json_decref(object);
+    return state;
+}
+
+static const char *text_of(const json_t *object, const char *key) {
+    const char *text = json_string_value(json_object_get(object, key));
+    return text ? text : "";
+}
+
+static iso_status read_names(const json_t *object, iso_brush *brush, iso_error *error) {
+    if (iso_tool_find(text_of(object, "tool"), &brush->tool, NULL) != ISO_OK)
+        return bad_member("tool", "a brush of this version", error);
+    if (iso_solid_find(text_of(object, "shape"), &brush->shape, NULL) != ISO_OK)
+        return bad_member("shape", "a shape of this version", error);
+    if (iso_falloff_find(text_of(object, "falloff"), &brush->falloff, NULL) != ISO_OK)
+        return bad_member("falloff", "a falloff of this version", error);
+    return ISO_OK;
+}
+
+static iso_status read_brush(const json_t *object, iso_brush *brush, iso_error *error) {
+    if (!json_is_object(object)) return bad_member("brush", "an object", error);
+    json_int_t symmetry = 0;
+    ISO_TRY(read_names(object, brush, error));
+    ISO_TRY(get_number(object, "radius", &brush->radius, error));
+    ISO_TRY(get_number(object, "strength", &brush->strength, error));
+    ISO_TRY(get_number(object, "aspect", &brush->aspect, error));
+    ISO_TRY(get_number(object, "blend", &brush->blend, error));
+    ISO_TRY(get_number(object, "spacing", &brush->spacing, error));
+    ISO_TRY(get_integer(object, "symmetry", ISO_LIMIT_SYMMETRY, &symmetry, error));
+    brush->symmetry = (unsigned)symmetry;
+    ISO_TRY(get_vector(object, "mirror", &brush->mirror, error));
+    ISO_TRY(get_flag(object, "pressure_radius", &brush->pressure_radius, error));
+    return get_flag(object, "pressure_strength", &brush->pressure_strength, error);
+}
+
+static iso_status read_sample(const json_t *object, iso_sample *sample, iso_error *error) {
+    ISO_TRY(get_vector(object, "at", &sample->position, error));
+    ISO_TRY(get_vector(object, "normal", &sample->normal, error));
+    ISO_TRY(get_number(object, "pressure", &sample->pressure, error));
+    return get_number(object, "t", &sample->seconds, error);
+}
+
+/* Lines of older versions stand where they were taken. */
+static iso_status read_snapshot(const json_t *object, unsigned long long number, iso_event *event,
+                                iso_error *error) {
+    const json_t *after = json_object_get(object, "after");
+    const json_int_t events = after ? json_integer_value(after) : (json_int_t)number;
+    if ((after && !json_is_integer(after)) || events < 0 || (unsigned long long)events > number)
+        return iso_fail(error, ISO_ERR_FORMAT, "a snapshot after %lld of %llu events", (long long)events,
+                        number);
+    event->after = (unsigned long long)events;
+    return get_text(object, "file", event->text, error);
+}
+
+static iso_status read_stamp(const json_t *object, iso_event *event, iso_error *error) {
+    const char *name = json_string_value(json_object_get(object, "name")),
+               *text = json_string_value(json_object_get(object, "levels"));
+    if (!name) return bad_member("name", "a text", error);
+    if (!text) return bad_member("levels", "a text", error);
+    return iso_stamp_parse(name, text, &event->stamp, error);
+}
+
+static iso_status read_event(const json_t *object, const iso_event_place *place, iso_event *event,
+                             iso_error *error) {
+    const json_t *number = json_object_get(object, "n");
+    const char *name = text_of(object, "event");
+    int kind = 0;
+    if (!json_is_integer(number) || (unsigned long long)json_integer_value(number) != place->number)
+        return iso_fail(error, ISO_ERR_FORMAT, "a line is missing before it");
+    while (kind < KIND_COUNT && strcmp(name, KINDS[kind])) kind++;
+    if (kind == KIND_COUNT) return bad_member("event", "an event of this version", error);
+    event->kind = (iso_event_kind)kind;
+    if (kind == ISO_EVENT_BEGIN) ISO_TRY(read_brush(json_object_get(object, "brush"), &event->brush, error));
+    if (kind <= ISO_EVENT_SAMPLE) ISO_TRY(read_sample(object, &event->sample, error));
+    ISO_TRY(iso_limits_event(event, place->start, error));
+    if (kind == ISO_EVENT_STAMP) return read_stamp(object, event, error);
+    return kind == ISO_EVENT_SNAPSHOT ? read_snapshot(object, place->number, event, error) : ISO_OK;
+}
+
+iso_line iso_event_read(const char *line, size_t size, const iso_event_place *place, iso_event *event,
+                        iso_error *why) {
+    json_t *object = NULL;
+    iso_line state = parse(line, size, &object, why);
+    if (state != ISO_LINE_SOUND) return state;
+    memset(event, 0, sizeof *event);
+    if (read_event(object, place, event, why) != ISO_OK) state = ISO_LINE_WRONG;
+    json_decref(object);
+    return state;
+}

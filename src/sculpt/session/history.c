@@ -1,0 +1,465 @@
+#define _POSIX_C_SOURCE 200809L
+#include "sculpt/session/history.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "sculpt/field/cell_pack.h"
+#include "sculpt/field/slabs.h"
+
+static const size_t DEFAULT_MEMORY = (size_t)1 << 30;
+
+/* What a step holds of a cell, beside ISO_CELL_OUTSIDE and ISO_CELL_INSIDE. */
+enum { BRICK = 0, MASK_BITS = 1, MASK_NONE = 2 };
+
+/* A cell as a step holds it: its values, or its frozen voxels. */
+typedef struct saved_cell {
+    uint32_t cell;
+    int32_t state;
+    size_t first, size; /* its bytes; first, in the open step: which of the raw bricks or masks */
+} saved_cell;
+
+static bool is_mask(const saved_cell *cell) {
+    return cell->state >= MASK_BITS;
+}
+
+/* The cells of a step: their state before it when it is done, after it when it is undone. */
+typedef struct step {
+    char *name;
+    saved_cell *cells;
+    size_t count;
+    uint8_t *bytes; /* NULL while they are in the file */
+    size_t size;
+    long long offset; /* in the file */
+} step;
+
+struct iso_history {
+    iso_hgrid *grid;
+    iso_mask *mask;
+    void (*changing)(void *context, uint32_t cell);
+    void *context;
+    size_t memory, used; /* bytes of all steps in memory */
+    char *path;
+    FILE *file;
+    long long file_size;
+    step *steps;
+    size_t count, room, position;
+    /* the open step */
+    bool open;
+    char *name;
+    uint32_t *copy_of; /* by cell: 1 + its copy, 0: none */
+    saved_cell *copies;
+    size_t copy_count, copy_room;
+    iso_slabs raw;
+    iso_buffer raw_masks; /* iso_voxel_bits */
+    size_t raw_count, raw_mask_count;
+};
+
+static char *duplicate(const char *text) {
+    size_t size = strlen(text) + 1;
+    char *copy = iso_alloc(size);
+    if (copy) memcpy(copy, text, size);
+    return copy;
+}
+
+iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso_history **out,
+                              iso_error *error) {
+    iso_history *history = iso_alloc_zero(1, sizeof *history);
+    if (!history) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history");
+    history->grid = grid;
+    history->mask = opts->mask;
+    history->changing = opts->changing;
+    history->context = opts->context;
+    history->memory = opts->memory ? opts->memory : DEFAULT_MEMORY;
+    history->copy_of = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *history->copy_of);
+    if (opts->spill) history->path = duplicate(opts->spill);
+    iso_status room = iso_slabs_reserve(&history->raw, 1, NULL);
+    iso_slabs_touch(&history->raw);
+    if (!history->copy_of || (opts->spill && !history->path) || room != ISO_OK) {
+        iso_history_destroy(history);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history of %zu cells",
+                        iso_hgrid_cell_count(grid));
+    }
+    *out = history;
+    return ISO_OK;
+}
+
+static void free_step(iso_history *history, step *s) {
+    if (s->bytes) history->used -= s->size;
+    iso_free(s->name);
+    iso_free(s->cells);
+    iso_free(s->bytes);
+}
+
+static void close_step(iso_history *history) {
+    for (size_t i = 0; i < history->copy_count; i++) history->copy_of[history->copies[i].cell] = 0;
+    history->copy_count = history->raw_count = history->raw_mask_count = 0;
+    history->open = false;
+    iso_free(history->name);
+    history->name = NULL;
+}
+
+void iso_history_destroy(iso_history *history) {
+    if (!history) return;
+    for (size_t i = 0; i < history->count; i++) free_step(history, &history->steps[i]);
+    if (history->file) {
+        fclose(history->file);
+        unlink(history->path);
+    }
+    iso_free(history->path);
+    iso_free(history->name);
+    iso_free(history->steps);
+    iso_free(history->copies);
+    iso_free(history->copy_of);
+    iso_slabs_free(&history->raw);
+    iso_buffer_free(&history->raw_masks);
+    iso_free(history);
+}
+
+/* ---- what does not fit */
+
+static bool open_file(iso_history *history) {
+    if (!history->file && history->path) history->file = fopen(history->path, "w+b");
+    return history->file != NULL;
+}
+
+/* Moves a step's bytes to the file; false when that cannot be done (they stay in memory). */
+static bool spill(iso_history *history, step *s) {
+    if (!open_file(history) || fseeko(history->file, (off_t)history->file_size, SEEK_SET)) return false;
+    if (fwrite(s->bytes, 1, s->size, history->file) != s->size || fflush(history->file)) return false;
+    s->offset = history->file_size;
+    history->file_size += (long long)s->size;
+    history->used -= s->size;
+    iso_free(s->bytes);
+    s->bytes = NULL;
+    return true;
+}
+
+/* Oldest first, but never what the next undo needs. */
+static void keep_within_memory(iso_history *history) {
+    for (size_t i = 0; i < history->count && history->used > history->memory; i++) {
+        step *s = &history->steps[i];
+        if (!s->bytes || i + 1 == history->position) continue;
+        if (!spill(history, s)) return;
+    }
+}
+
+static iso_status fetch(iso_history *history, step *s, iso_error *error) {
+    if (s->bytes || !s->size) return ISO_OK;
+    uint8_t *bytes = iso_alloc(s->size);
+    if (!bytes) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a step of %zu bytes", s->size);
+    if (fseeko(history->file, (off_t)s->offset, SEEK_SET) ||
+        fread(bytes, 1, s->size, history->file) != s->size) {
+        iso_free(bytes);
+        return iso_fail(error, ISO_ERR_IO, "cannot read step '%s' back from '%s'", s->name, history->path);
+    }
+    for (size_t i = 0; i < s->count; i++) {
+        float brick[ISO_BRICK_VOXELS];
+        const saved_cell *c = &s->cells[i];
+        if (c->state != BRICK || iso_cell_unpack(bytes + c->first, c->size, history->grid->band, brick))
+            continue;
+        iso_free(bytes);
+        return iso_fail(error, ISO_ERR_IO, "step '%s' is damaged in '%s'", s->name, history->path);
+    }
+    s->bytes = bytes;
+    history->used += s->size;
+    return ISO_OK;
+}
+
+/* ---- packing */
+
+/* A brick or the bits of a mask: the open step's copy, or (NULL) what is there now. */
+static const void *content_of(const iso_history *history, const saved_cell *cell, const saved_cell *copy) {
+    if (is_mask(cell))
+        return copy ? (const iso_voxel_bits *)history->raw_masks.data + copy->first
+                    : iso_mask_bits(history->mask, cell->cell);
+    return copy ? iso_slabs_brick(&history->raw, copy->first)
+                : iso_hgrid_brick(history->grid, history->grid->cell[cell->cell]);
+}
+
+/* Packs the step's cells: the open step's copies, or (NULL) what is there now. */
+static iso_status pack(const iso_history *history, step *s, const saved_cell *copies, iso_error *error) {
+    const float band = history->grid->band;
+    size_t total = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        saved_cell *c = &s->cells[i];
+        c->size = 0;
+        if (c->state == BRICK)
+            c->size = iso_cell_pack_size(content_of(history, c, copies ? &copies[i] : NULL), band);
+        if (c->state == MASK_BITS) c->size = sizeof(iso_voxel_bits);
+        c->first = total;
+        total += c->size;
+    }
+    s->bytes = iso_alloc(total);
+    if (!s->bytes)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step of %zu bytes", total);
+    s->size = total;
+    for (size_t i = 0; i < s->count; i++) {
+        const saved_cell *c = &s->cells[i];
+        if (!c->size) continue;
+        const void *content = content_of(history, c, copies ? &copies[i] : NULL);
+        if (c->state == BRICK)
+            iso_cell_pack(content, band, s->bytes + c->first);
+        else
+            memcpy(s->bytes + c->first, content, c->size);
+    }
+    return ISO_OK;
+}
+
+static void cell_position(const iso_hgrid *grid, uint32_t cell, int at[3]) {
+    at[0] = (int)(cell % (uint32_t)grid->cells[0]);
+    at[1] = (int)(cell / (uint32_t)grid->cells[0] % (uint32_t)grid->cells[1]);
+    at[2] = (int)(cell / (uint32_t)grid->cells[0] / (uint32_t)grid->cells[1]);
+}
+
+/* All that can fail before cells are put back: the log's entries, and room for bricks and masks. */
+static iso_status make_ready(iso_history *history, const saved_cell *cells, size_t count, iso_error *error) {
+    iso_change_log_begin(history->grid->log);
+    for (size_t i = 0; i < count; i++) {
+        int at[3], lo[3], hi[3];
+        float *brick;
+        if (cells[i].state == MASK_BITS) ISO_TRY(iso_mask_reserve(history->mask, cells[i].cell, error));
+        if (is_mask(&cells[i])) continue;
+        cell_position(history->grid, cells[i].cell, at);
+        for (int axis = 0; axis < 3; axis++) {
+            lo[axis] = ISO_BRICK * at[axis];
+            hi[axis] = lo[axis] + ISO_BRICK - 1;
+        }
+        ISO_TRY(iso_change_log_touch(history->grid->log, lo, hi, error));
+        if (cells[i].state == BRICK)
+            ISO_TRY(iso_hgrid_split(history->grid, at[0], at[1], at[2], &brick, error));
+    }
+    return ISO_OK;
+}
+
+static void restore_mask(iso_history *history, const saved_cell *cell, const void *content) {
+    iso_voxel_bits bits;
+    if (cell->state == MASK_BITS) memcpy(&bits, content, sizeof bits);
+    iso_mask_set(history->mask, cell->cell, cell->state == MASK_BITS ? &bits : NULL,
+                 NULL); /* (room was made) */
+}
+
+static void restore_cell(iso_history *history, const saved_cell *cell) {
+    int at[3];
+    cell_position(history->grid, cell->cell, at);
+    iso_hgrid_coalesce(history->grid, at[0], at[1], at[2], cell->state);
+}
+
+/* Puts saved cells back: packed bytes or (NULL) the open step's copies. */
+static iso_status restore(iso_history *history, const saved_cell *cells, size_t count, const uint8_t *bytes,
+                          iso_error *error) {
+    for (size_t i = 0; history->changing && i < count; i++)
+        if (!is_mask(&cells[i])) history->changing(history->context, cells[i].cell);
+    ISO_TRY(make_ready(history, cells, count, error));
+    for (size_t i = 0; i < count; i++) {
+        const saved_cell *c = &cells[i];
+        if (is_mask(c)) {
+            restore_mask(history, c, bytes ? (const void *)(bytes + c->first) : content_of(history, c, c));
+            continue;
+        }
+        if (c->state != BRICK) {
+            restore_cell(history, c);
+            continue;
+        }
+        float *values = iso_hgrid_brick(history->grid, history->grid->cell[c->cell]);
+        if (bytes)
+            iso_cell_unpack(bytes + c->first, c->size, history->grid->band, values);
+        else
+            memcpy(values, content_of(history, c, c), ISO_BRICK_VOXELS * sizeof(float));
+    }
+    return ISO_OK;
+}
+
+/* ---- steps */
+
+static void forget_undone(iso_history *history) {
+    while (history->count > history->position) free_step(history, &history->steps[--history->count]);
+}
+
+iso_status iso_history_begin(iso_history *history, const char *name, iso_error *error) {
+    if (history->open) return iso_fail(error, ISO_ERR_USAGE, "a step is open already: '%s'", history->name);
+    history->name = duplicate(name);
+    if (!history->name) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step");
+    history->open = true;
+    return ISO_OK;
+}
+
+static iso_status make_copy_room(iso_history *history, iso_error *error) {
+    if (history->copy_count < history->copy_room) return ISO_OK;
+    size_t room = history->copy_room ? 2 * history->copy_room : 256;
+    saved_cell *copies = iso_alloc(room * sizeof *copies);
+    if (!copies) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step of %zu cells", room);
+    if (history->copies) memcpy(copies, history->copies, history->copy_count * sizeof *copies);
+    iso_free(history->copies);
+    history->copies = copies;
+    history->copy_room = room;
+    return ISO_OK;
+}
+
+/* Room for one more item of `size` bytes in a buffer that holds `count`. */
+static iso_status make_room(iso_buffer *buffer, size_t count, size_t size, iso_error *error) {
+    return iso_buffer_reserve(buffer, (count + 1) * size, count * size, error);
+}
+
+static iso_status keep_cell(void *context, uint32_t cell, int32_t state, const float *brick,
+                            iso_error *error) {
+    iso_history *history = context;
+    const size_t size = ISO_BRICK_VOXELS * sizeof(float);
+    if (history->copy_of[cell]) return ISO_OK;
+    if (history->changing) history->changing(history->context, cell);
+    ISO_TRY(make_copy_room(history, error));
+    if (brick) ISO_TRY(iso_slabs_reserve(&history->raw, history->raw_count + 1, error));
+    saved_cell *copy = &history->copies[history->copy_count++];
+    *copy = (saved_cell){.cell = cell, .state = brick ? BRICK : state, .first = history->raw_count};
+    if (brick) memcpy(iso_slabs_brick(&history->raw, history->raw_count++), brick, size);
+    history->copy_of[cell] = (uint32_t)history->copy_count;
+    return ISO_OK;
+}
+
+static iso_status keep_mask(void *context, uint32_t cell, const iso_voxel_bits *bits, iso_error *error) {
+    iso_history *history = context;
+    ISO_TRY(make_copy_room(history, error));
+    if (bits) ISO_TRY(make_room(&history->raw_masks, history->raw_mask_count, sizeof *bits, error));
+    saved_cell *copy = &history->copies[history->copy_count++];
+    *copy =
+        (saved_cell){.cell = cell, .state = bits ? MASK_BITS : MASK_NONE, .first = history->raw_mask_count};
+    if (bits) ((iso_voxel_bits *)history->raw_masks.data)[history->raw_mask_count++] = *bits;
+    return ISO_OK;
+}
+
+static const float *kept_cell(void *context, uint32_t cell, int32_t *state) {
+    const iso_history *history = context;
+    if (!history->copy_of[cell]) return NULL;
+    const saved_cell *copy = &history->copies[history->copy_of[cell] - 1];
+    if (copy->state == BRICK) return iso_slabs_brick(&history->raw, copy->first);
+    *state = copy->state;
+    return NULL;
+}
+
+iso_step_opts iso_history_step(iso_history *history) {
+    return (iso_step_opts){.keeper = {keep_cell, history->mask ? keep_mask : NULL, history},
+                           .kept = kept_cell};
+}
+
+static iso_status make_step_room(iso_history *history, iso_error *error) {
+    if (history->position < history->room) return ISO_OK;
+    size_t room = history->room ? 2 * history->room : 64;
+    step *steps = iso_alloc(room * sizeof *steps);
+    if (!steps) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu undo steps", room);
+    if (history->steps) memcpy(steps, history->steps, history->count * sizeof *steps);
+    iso_free(history->steps);
+    history->steps = steps;
+    history->room = room;
+    return ISO_OK;
+}
+
+iso_status iso_history_end(iso_history *history, iso_error *error) {
+    if (!history->open) return iso_fail(error, ISO_ERR_USAGE, "no step is open");
+    if (history->copy_count == 0) { /* nothing happened: there is nothing to undo */
+        close_step(history);
+        return ISO_OK;
+    }
+    ISO_TRY(make_step_room(history, error));
+    step made = {.count = history->copy_count};
+    made.cells = iso_alloc(made.count * sizeof *made.cells);
+    if (!made.cells)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step of %zu cells", made.count);
+    memcpy(made.cells, history->copies, made.count * sizeof *made.cells);
+    iso_status status = pack(history, &made, history->copies, error);
+    if (status != ISO_OK) {
+        iso_free(made.cells);
+        return status;
+    }
+    made.name = history->name;
+    history->name = NULL;
+    forget_undone(history);
+    history->steps[history->count++] = made;
+    history->position = history->count;
+    history->used += made.size;
+    close_step(history);
+    keep_within_memory(history);
+    return ISO_OK;
+}
+
+iso_status iso_history_cancel(iso_history *history, iso_error *error) {
+    if (!history->open) return iso_fail(error, ISO_ERR_USAGE, "no step is open");
+    if (history->copy_count) ISO_TRY(restore(history, history->copies, history->copy_count, NULL, error));
+    close_step(history);
+    return ISO_OK;
+}
+
+static int32_t state_now(const iso_history *history, const saved_cell *cell) {
+    if (is_mask(cell)) return iso_mask_bits(history->mask, cell->cell) ? MASK_BITS : MASK_NONE;
+    int32_t state = history->grid->cell[cell->cell];
+    return state >= 0 ? BRICK : state;
+}
+
+/* Exchanges what a step holds with what is there. */
+static iso_status exchange(iso_history *history, step *s, iso_error *error) {
+    ISO_TRY(fetch(history, s, error));
+    step now = {.count = s->count, .cells = iso_alloc(s->count * sizeof *now.cells)};
+    if (!now.cells) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for undoing %zu cells", s->count);
+    for (size_t i = 0; i < s->count; i++)
+        now.cells[i] = (saved_cell){.cell = s->cells[i].cell, .state = state_now(history, &s->cells[i])};
+    iso_status status = pack(history, &now, NULL, error);
+    if (status == ISO_OK) status = restore(history, s->cells, s->count, s->bytes, error);
+    if (status != ISO_OK) {
+        iso_free(now.cells);
+        iso_free(now.bytes);
+        return status;
+    }
+    history->used += now.size - s->size;
+    iso_free(s->cells);
+    iso_free(s->bytes);
+    s->cells = now.cells;
+    s->bytes = now.bytes;
+    s->size = now.size;
+    return ISO_OK;
+}
+
+iso_status iso_history_undo(iso_history *history, iso_error *error) {
+    if (history->open) return iso_fail(error, ISO_ERR_USAGE, "cannot undo while a step is open");
+    if (!history->position) return iso_fail(error, ISO_ERR_USAGE, "there is nothing to undo");
+    ISO_TRY(exchange(history, &history->steps[history->position - 1], error));
+    history->position--;
+    keep_within_memory(history);
+    return ISO_OK;
+}
+
+iso_status iso_history_redo(iso_history *history, iso_error *error) {
+    if (history->open) return iso_fail(error, ISO_ERR_USAGE, "cannot redo while a step is open");
+    if (history->position == history->count)
+        return iso_fail(error, ISO_ERR_USAGE, "there is nothing to redo");
+    ISO_TRY(exchange(history, &history->steps[history->position], error));
+    history->position++;
+    keep_within_memory(history);
+    return ISO_OK;
+}
+
+iso_status iso_history_clear(iso_history *history, iso_error *error) {
+    if (history->open) return iso_fail(error, ISO_ERR_USAGE, "cannot forget steps while one is open");
+    history->position = 0;
+    forget_undone(history);
+    return ISO_OK;
+}
+
+size_t iso_history_count(const iso_history *history) {
+    return history->count;
+}
+size_t iso_history_position(const iso_history *history) {
+    return history->position;
+}
+size_t iso_history_cells(const iso_history *history, size_t number) {
+    return history->steps[number].count;
+}
+const char *iso_history_name(const iso_history *history, size_t number) {
+    return history->steps[number].name;
+}
+size_t iso_history_bytes(const iso_history *history) {
+    return history->used;
+}
+size_t iso_history_spilled(const iso_history *history) {
+    return (size_t)history->file_size;
+}

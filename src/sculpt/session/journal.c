@@ -1,0 +1,419 @@
+#define _POSIX_C_SOURCE 200809L
+#include "sculpt/session/journal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "base/thread.h"
+#include "sculpt/session/event.h"
+#include "sculpt/session/limits.h"
+
+/* Longest time that a line waits. */
+enum { FLUSH_SECONDS = 1 };
+
+/* Text that waits for the disk. */
+typedef struct queue {
+    char *text;
+    size_t size, room;
+} queue;
+
+struct iso_journal {
+    char *path;
+    int file;
+    unsigned long long next; /* number of the next line */
+    pthread_t thread;
+    pthread_mutex_t mutex;
+    pthread_cond_t wake, done;
+    /* under the mutex */
+    queue waiting;
+    bool sync_wanted, closing, idle;
+    int failure; /* errno of the last try, 0 when all went well */
+};
+
+/* ---- the writing thread */
+
+/* Writes all of it or says why not; what was written is counted in *done, so that nothing is written twice.
+ */
+static int write_all(int file, const queue *q, size_t *done) {
+    while (*done < q->size) {
+        ssize_t n = write(file, q->text + *done, q->size - *done);
+        if (n > 0) *done += (size_t)n;
+        if (n < 0 && errno != EINTR) return errno;
+        if (n == 0) return ENOSPC;
+    }
+    return 0;
+}
+
+static void wait_for_work(iso_journal *j) {
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_sec += FLUSH_SECONDS;
+    while (!j->closing && !j->sync_wanted)
+        if (pthread_cond_timedwait(&j->wake, &j->mutex, &until)) return;
+}
+
+/* After a failure: not again at once. */
+static void pause_writing(iso_journal *j) {
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += 200000000;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    pthread_cond_timedwait(&j->wake, &j->mutex, &until);
+}
+
+/* Takes what waits, writes it without holding the mutex, and puts back what could not be written. */
+static void write_waiting(iso_journal *j) {
+    queue taken = j->waiting;
+    bool sync = j->sync_wanted;
+    j->waiting = (queue){0};
+    j->sync_wanted = false;
+    pthread_mutex_unlock(&j->mutex);
+    size_t written = 0;
+    int failure = write_all(j->file, &taken, &written);
+    if (!failure && sync && fdatasync(j->file) && errno != EINVAL && errno != EROFS) failure = errno;
+    pthread_mutex_lock(&j->mutex);
+    size_t left = taken.size - written;
+    if (left || failure) {
+        size_t size = left + j->waiting.size;
+        char *text = size ? malloc(size) : NULL;
+        if (text) {
+            memcpy(text, taken.text + written, left);
+            if (j->waiting.size) memcpy(text + left, j->waiting.text, j->waiting.size);
+            free(j->waiting.text);
+            j->waiting = (queue){text, size, size};
+            free(taken.text);
+        } else if (!size)
+            free(taken.text);
+        else { /* no memory to join the two: what was taken first stays, the rest follows */
+            memmove(taken.text, taken.text + written, left);
+            free(j->waiting.text);
+            j->waiting = (queue){taken.text, left, taken.room};
+        }
+        j->sync_wanted |= sync && failure;
+    } else
+        free(taken.text);
+    j->failure = failure;
+}
+
+static void *write_lines(void *context) {
+    iso_journal *j = context;
+    pthread_mutex_lock(&j->mutex);
+    for (;;) {
+        j->idle = !j->waiting.size && !j->sync_wanted;
+        pthread_cond_broadcast(&j->done);
+        if (j->closing && (j->idle || j->failure)) break;
+        wait_for_work(j);
+        if (j->waiting.size || j->sync_wanted) {
+            j->idle = false;
+            write_waiting(j);
+            if (j->failure && !j->closing) {
+                pthread_cond_broadcast(&j->done);
+                pause_writing(j);
+            }
+        }
+    }
+    pthread_mutex_unlock(&j->mutex);
+    return NULL;
+}
+
+/* ---- opening and closing */
+
+static iso_status start_thread(iso_journal *j, iso_error *error) {
+    pthread_mutex_init(&j->mutex, NULL);
+    pthread_cond_init(&j->wake, NULL);
+    pthread_cond_init(&j->done, NULL);
+    j->idle = true;
+    if (iso_thread_start(&j->thread, write_lines, j) == 0) return ISO_OK;
+    pthread_mutex_destroy(&j->mutex);
+    pthread_cond_destroy(&j->wake);
+    pthread_cond_destroy(&j->done);
+    return iso_fail(error, ISO_ERR_NOMEM, "cannot start the journal's thread");
+}
+
+static void free_journal(iso_journal *j) {
+    if (j->file >= 0) close(j->file);
+    free(j->waiting.text);
+    iso_free(j->path);
+    iso_free(j);
+}
+
+static iso_journal *allocate(const char *path) {
+    iso_journal *j = iso_alloc_zero(1, sizeof *j);
+    size_t size = strlen(path) + 1;
+    if (!j) return NULL;
+    j->file = -1;
+    j->path = iso_alloc(size);
+    if (!j->path) {
+        free_journal(j);
+        return NULL;
+    }
+    memcpy(j->path, path, size);
+    return j;
+}
+
+static iso_status open_at(iso_journal *j, int flags, iso_error *error) {
+    j->file = open(j->path, O_WRONLY | O_CLOEXEC | flags, 0666);
+    if (j->file < 0) return iso_fail(error, ISO_ERR_WRITE, "cannot write '%s': %s", j->path, strerror(errno));
+    return start_thread(j, error);
+}
+
+/* Adds a line; takes over `line`. Under the mutex, or before the thread runs. */
+static bool enqueue(queue *q, char *line) {
+    size_t size = line ? strlen(line) : 0;
+    if (line && q->size + size > q->room) {
+        size_t room = 2 * q->room > q->size + size ? 2 * q->room : q->size + size + 4096;
+        char *text = realloc(q->text, room);
+        if (text) {
+            q->text = text;
+            q->room = room;
+        }
+    }
+    bool fits = line && q->size + size <= q->room;
+    if (fits) {
+        memcpy(q->text + q->size, line, size);
+        q->size += size;
+    }
+    free(line);
+    return fits;
+}
+
+iso_status iso_journal_create(const char *path, const iso_journal_start *start, iso_journal **out,
+                              iso_error *error) {
+    iso_journal *j = allocate(path);
+    if (!j || !enqueue(&j->waiting, iso_event_header_text(start))) {
+        if (j) free_journal(j);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the journal");
+    }
+    iso_status status = open_at(j, O_CREAT | O_EXCL, error);
+    if (status != ISO_OK) {
+        free_journal(j);
+        return status;
+    }
+    *out = j;
+    return iso_journal_sync(j, error) == ISO_OK ? ISO_OK : iso_journal_close(j, error);
+}
+
+iso_status iso_journal_append(const char *path, iso_journal **out, iso_error *error) {
+    iso_journal_start start;
+    iso_journal_reader *reader;
+    ISO_TRY(iso_journal_open(path, &start, &reader, error));
+    iso_event event;
+    bool more = true;
+    iso_status status = ISO_OK;
+    unsigned long long lines = 0;
+    while (status == ISO_OK && more) {
+        status = iso_journal_next(reader, &event, &more, error);
+        lines += status == ISO_OK && more;
+    }
+    uint64_t sound = iso_journal_sound_bytes(reader);
+    iso_journal_reader_free(reader);
+    if (status != ISO_OK) return status;
+    iso_journal *j = allocate(path);
+    if (!j) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the journal");
+    j->next = lines;
+    /* a torn last line goes, so that the next one stands alone */
+    if (truncate(path, (off_t)sound)) {
+        free_journal(j);
+        return iso_fail(error, ISO_ERR_WRITE, "cannot write '%s': %s", path, strerror(errno));
+    }
+    status = open_at(j, O_APPEND, error);
+    if (status != ISO_OK)
+        free_journal(j);
+    else
+        *out = j;
+    return status;
+}
+
+iso_status iso_journal_put(iso_journal *j, const iso_event *event, iso_error *error) {
+    pthread_mutex_lock(&j->mutex);
+    bool put = enqueue(&j->waiting, iso_event_text(event, j->next));
+    j->next += put;
+    j->idle &= !put;
+    if (put && event->kind != ISO_EVENT_BEGIN && event->kind != ISO_EVENT_SAMPLE) {
+        j->sync_wanted = true;
+        pthread_cond_signal(&j->wake);
+    }
+    pthread_mutex_unlock(&j->mutex);
+    return put ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the journal");
+}
+
+unsigned long long iso_journal_count(const iso_journal *j) {
+    return j->next; /* (the writing thread does not touch it) */
+}
+
+static iso_status report(const iso_journal *j, iso_error *error) {
+    if (!j->failure) return ISO_OK;
+    return iso_fail(error, ISO_ERR_WRITE, "cannot write '%s': %s (strokes are kept in memory)", j->path,
+                    strerror(j->failure));
+}
+
+iso_status iso_journal_status(iso_journal *j, iso_error *error) {
+    pthread_mutex_lock(&j->mutex);
+    iso_status status = report(j, error);
+    pthread_mutex_unlock(&j->mutex);
+    return status;
+}
+
+iso_status iso_journal_sync(iso_journal *j, iso_error *error) {
+    pthread_mutex_lock(&j->mutex);
+    j->sync_wanted = true;
+    j->idle = false;
+    j->failure = 0;
+    pthread_cond_signal(&j->wake);
+    while (!j->idle && !j->failure) pthread_cond_wait(&j->done, &j->mutex);
+    iso_status status = report(j, error);
+    pthread_mutex_unlock(&j->mutex);
+    return status;
+}
+
+iso_status iso_journal_close(iso_journal *j, iso_error *error) {
+    iso_status status = iso_journal_sync(j, error);
+    pthread_mutex_lock(&j->mutex);
+    j->closing = true;
+    pthread_cond_signal(&j->wake);
+    pthread_mutex_unlock(&j->mutex);
+    pthread_join(j->thread, NULL);
+    pthread_mutex_destroy(&j->mutex);
+    pthread_cond_destroy(&j->wake);
+    pthread_cond_destroy(&j->done);
+    free_journal(j);
+    return status;
+}
+
+/* ---- reading */
+
+struct iso_journal_reader {
+    char *path;
+    FILE *file;
+    iso_buffer line;
+    iso_journal_start start;
+    unsigned long long lines; /* that were read, the header included */
+    uint64_t sound;
+    iso_stamp *stamp; /* of the last event */
+};
+
+void iso_journal_reader_free(iso_journal_reader *reader) {
+    if (!reader) return;
+    if (reader->file) fclose(reader->file);
+    iso_stamp_free(reader->stamp);
+    iso_buffer_free(&reader->line);
+    iso_free(reader->path);
+    iso_free(reader);
+}
+
+/* The next whole line, without its newline; *whole = false at the end of the file or of its last whole line.
+ */
+static iso_status next_line(iso_journal_reader *reader, size_t *size, bool *whole, iso_error *error) {
+    enum { PIECE = 4096 };
+    *size = 0;
+    *whole = false;
+    for (int c; (c = getc_unlocked(reader->file)) != EOF; ((char *)reader->line.data)[(*size)++] = (char)c) {
+        *whole = c == '\n';
+        if (*whole) return ISO_OK;
+        if (*size == ISO_LIMIT_LINE)
+            return iso_fail(error, ISO_ERR_FORMAT,
+                            "'%s' is not a stroke file: line %llu is longer than %d bytes", reader->path,
+                            reader->lines + 1, ISO_LIMIT_LINE);
+        if (*size % PIECE == 0) ISO_TRY(iso_buffer_reserve(&reader->line, *size + PIECE, *size, error));
+    }
+    if (!ferror(reader->file)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "cannot read '%s': %s", reader->path, strerror(errno));
+}
+
+static iso_status read_header(iso_journal_reader *reader, iso_error *error) {
+    size_t size;
+    bool whole;
+    iso_error why = {0};
+    reader->file = fopen(reader->path, "rb");
+    if (!reader->file)
+        return iso_fail(error, ISO_ERR_IO, "cannot read '%s': %s", reader->path, strerror(errno));
+    ISO_TRY(next_line(reader, &size, &whole, error));
+    if (!whole)
+        return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a stroke file: it has no whole line",
+                        reader->path);
+    switch (iso_event_header_read(reader->line.data, size, &reader->start, &why)) {
+    case ISO_LINE_SOUND:
+        break;
+    case ISO_LINE_TORN:
+        return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a stroke file: line 1: %s", reader->path,
+                        why.text);
+    default:
+        return iso_fail(error, ISO_ERR_FORMAT, "'%s' line 1: %s", reader->path, why.text);
+    }
+    reader->lines = 1;
+    reader->sound = size + 1;
+    return ISO_OK;
+}
+
+iso_status iso_journal_open(const char *path, iso_journal_start *start, iso_journal_reader **out,
+                            iso_error *error) {
+    iso_journal_reader *reader = iso_alloc_zero(1, sizeof *reader);
+    size_t size = strlen(path) + 1;
+    if (reader) reader->path = iso_alloc(size);
+    if (!reader || !reader->path) {
+        iso_journal_reader_free(reader);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for reading '%s'", path);
+    }
+    memcpy(reader->path, path, size);
+    iso_status status = read_header(reader, error);
+    if (status == ISO_OK) {
+        *start = reader->start;
+        *out = reader;
+    } else
+        iso_journal_reader_free(reader);
+    return status;
+}
+
+/* A line that is not as it was written: the end of the file when it is the last one (its end reached the
+ * disk, the rest did not). */
+static iso_status end_at(iso_journal_reader *reader, const char *why, iso_error *error) {
+    if (getc_unlocked(reader->file) == EOF) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged at line %llu: %s", reader->path,
+                    reader->lines + 1, why);
+}
+
+iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *more, iso_error *error) {
+    size_t size;
+    iso_error why = {0};
+    *more = false;
+    iso_stamp_free(reader->stamp);
+    reader->stamp = NULL;
+    bool whole;
+    ISO_TRY(next_line(reader, &size, &whole, error));
+    if (!whole) return ISO_OK;
+    const iso_event_place place = {&reader->start, reader->lines - 1};
+    switch (iso_event_read(reader->line.data, size, &place, event, &why)) {
+    case ISO_LINE_SOUND:
+        break;
+    case ISO_LINE_TORN:
+        return end_at(reader, why.text, error);
+    default:
+        return iso_fail(error, ISO_ERR_FORMAT, "'%s' line %llu: %s", reader->path, reader->lines + 1,
+                        why.text);
+    }
+    *more = true;
+    reader->stamp = event->stamp;
+    reader->lines++;
+    reader->sound += size + 1;
+    return ISO_OK;
+}
+
+iso_status iso_journal_blame(const iso_journal_reader *reader, iso_status status, iso_error *error) {
+    if (status == ISO_OK || !error) return status;
+    const iso_error why = *error;
+    if (status == ISO_ERR_USAGE) status = ISO_ERR_FORMAT; /* it is the file that asks for it */
+    if (status != ISO_ERR_FORMAT && status != ISO_ERR_NOMEM && status != ISO_ERR_LIMIT) return status;
+    return iso_fail(error, status, "'%s' line %llu: %s", reader->path, reader->lines, why.text);
+}
+
+uint64_t iso_journal_sound_bytes(const iso_journal_reader *reader) {
+    return reader->sound;
+}

@@ -1,0 +1,81 @@
+#include "sculpt/session/limits.h"
+
+#include <string.h>
+
+#include "grids/hgrid.h"
+
+typedef struct range {
+    const char *name;
+    double low, high;
+    const char *unit;
+} range;
+
+static const range RANGES[] = {
+#define ISO_LIMIT_RANGE(name, text, low, high, unit) {text, low, high, unit},
+    ISO_STROKE_LIMITS(ISO_LIMIT_RANGE)
+#undef ISO_LIMIT_RANGE
+};
+
+iso_status iso_limit_check(iso_limit limit, double value, double voxel, iso_error *error) {
+    const range *r = &RANGES[limit];
+    const bool length = strcmp(r->unit, "voxels") == 0;
+    const double compared = length ? value / voxel : value;
+    if (compared >= r->low && compared <= r->high) return ISO_OK;
+    if (length)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s %g mm: must be %g .. %g voxels of %g mm", r->name, value,
+                        r->low, r->high, voxel);
+    return iso_fail(error, ISO_ERR_FORMAT, "%s %g%s%s: must be %g .. %g", r->name, value, *r->unit ? " " : "",
+                    r->unit, r->low, r->high);
+}
+
+static iso_status check_vector(iso_limit limit, iso_vec3 v, double voxel, iso_error *error) {
+    ISO_TRY(iso_limit_check(limit, v.x, voxel, error));
+    ISO_TRY(iso_limit_check(limit, v.y, voxel, error));
+    return iso_limit_check(limit, v.z, voxel, error);
+}
+
+/* A ball's grid is made of whole bricks; of others the radius says nothing. */
+static iso_status check_ball(const iso_journal_start *start, iso_error *error) {
+    const bool ball = strcmp(start->source, "ball") == 0;
+    for (int axis = 0; axis < 3; axis++)
+        if (ball && start->dims[axis] % ISO_BRICK)
+            return iso_fail(error, ISO_ERR_FORMAT,
+                            "number of voxels along an axis %d: must be a multiple of %d", start->dims[axis],
+                            ISO_BRICK);
+    return ball || start->radius != 0
+               ? iso_limit_check(ISO_LIMIT_BALL, start->radius, start->voxel_size, error)
+               : ISO_OK;
+}
+
+iso_status iso_limits_start(const iso_journal_start *start, iso_error *error) {
+    ISO_TRY(iso_limit_check(ISO_LIMIT_VOXEL_SIZE, start->voxel_size, 1, error));
+    for (int axis = 0; axis < 3; axis++)
+        ISO_TRY(iso_limit_check(ISO_LIMIT_DIMS, start->dims[axis], 1, error));
+    ISO_TRY(check_vector(ISO_LIMIT_ORIGIN, start->origin, start->voxel_size, error));
+    ISO_TRY(iso_limit_check(ISO_LIMIT_ISOVALUE, start->isovalue, 1, error));
+    return check_ball(start, error);
+}
+
+static iso_status check_brush(const iso_brush *brush, double voxel, iso_error *error) {
+    ISO_TRY(iso_limit_check(ISO_LIMIT_RADIUS, brush->radius, voxel, error));
+    ISO_TRY(iso_limit_check(ISO_LIMIT_STRENGTH, brush->strength, 1, error));
+    ISO_TRY(iso_limit_check(ISO_LIMIT_ASPECT, brush->aspect, 1, error));
+    ISO_TRY(iso_limit_check(ISO_LIMIT_BLEND, brush->blend, voxel, error));
+    if (brush->spacing != 0) ISO_TRY(iso_limit_check(ISO_LIMIT_SPACING, brush->spacing, 1, error));
+    ISO_TRY(iso_limit_check(ISO_LIMIT_SYMMETRY, brush->symmetry, 1, error));
+    ISO_TRY(check_vector(ISO_LIMIT_MIRROR, brush->mirror, voxel, error));
+    return iso_brush_check(brush, error) == ISO_OK ? ISO_OK : ISO_ERR_FORMAT;
+}
+
+static iso_status check_sample(const iso_sample *sample, const iso_journal_start *start, iso_error *error) {
+    const iso_vec3 away = iso_vec3_sub(sample->position, start->origin);
+    ISO_TRY(check_vector(ISO_LIMIT_POSITION, away, start->voxel_size, error));
+    ISO_TRY(check_vector(ISO_LIMIT_NORMAL, sample->normal, 1, error));
+    ISO_TRY(iso_limit_check(ISO_LIMIT_PRESSURE, sample->pressure, 1, error));
+    return iso_limit_check(ISO_LIMIT_SECONDS, sample->seconds, 1, error);
+}
+
+iso_status iso_limits_event(const iso_event *event, const iso_journal_start *start, iso_error *error) {
+    if (event->kind == ISO_EVENT_BEGIN) ISO_TRY(check_brush(&event->brush, start->voxel_size, error));
+    return event->kind <= ISO_EVENT_SAMPLE ? check_sample(&event->sample, start, error) : ISO_OK;
+}

@@ -1,0 +1,555 @@
+#include "sculpt/session/session.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "sculpt/session/limits.h"
+#include "sculpt/session/snapshot.h"
+
+enum { DEFAULT_SNAPSHOT_STROKES = 200 };
+/* Bricks that lie ready for a stroke: 4 MiB. */
+enum { RESERVE = 256 };
+
+struct iso_session {
+    iso_hgrid *grid;
+    iso_editor *editor;
+    iso_history *history;
+    iso_journal *journal;
+    char *journal_path;
+    iso_journal_start start;
+    iso_stamp *stamp; /* NULL: none yet */
+    int snapshot_every, strokes, snapshots;
+    bool drawing;
+    bool playing;                 /* what is played is in the journal already */
+    bool bounded;                 /* an event of a stroke file is being played */
+    double work, samples, undone; /* of the options; played samples; cells of played undo steps */
+    iso_brush brush;
+    iso_sample first, previous; /* of the stroke; the last touch */
+    iso_hold *holds[ISO_SESSION_HOLDS];
+    iso_snapshot *snapshot; /* being written; NULL: none */
+    iso_hold *held;         /* by it */
+    iso_event taken;        /* its line */
+};
+
+/* ---- the field for others */
+
+static void changing(void *context, uint32_t cell) {
+    iso_session *session = context;
+    for (int i = 0; i < ISO_SESSION_HOLDS; i++)
+        if (session->holds[i]) iso_hold_keep(session->holds[i], cell);
+}
+
+iso_status iso_session_hold(iso_session *session, iso_hold **hold, iso_error *error) {
+    int at = 0;
+    while (at < ISO_SESSION_HOLDS && session->holds[at]) at++;
+    if (session->drawing || at == ISO_SESSION_HOLDS)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        session->drawing ? "a stroke is being drawn" : "the field is held too often");
+    ISO_TRY(iso_hold_create(session->grid, &session->holds[at], error));
+    *hold = session->holds[at];
+    return ISO_OK;
+}
+
+void iso_session_release(iso_session *session, iso_hold *hold) {
+    for (int i = 0; i < ISO_SESSION_HOLDS; i++)
+        if (session->holds[i] == hold) session->holds[i] = NULL;
+    iso_hold_destroy(hold);
+}
+
+/* ---- the journal */
+
+static iso_status record(iso_session *session, const iso_event *event, iso_error *error) {
+    return session->journal && !session->playing ? iso_journal_put(session->journal, event, error) : ISO_OK;
+}
+
+/* Before anything is done: what is recorded can be played. */
+static iso_status check_record(const iso_session *session, const iso_event *event, iso_error *error) {
+    if (!session->journal || session->playing) return ISO_OK;
+    return iso_limits_event(event, &session->start, error) == ISO_OK ? ISO_OK : ISO_ERR_USAGE;
+}
+
+static iso_status record_kind(iso_session *session, iso_event_kind kind, iso_error *error) {
+    iso_event event;
+    memset(&event, 0, sizeof event);
+    event.kind = kind;
+    return record(session, &event, error);
+}
+
+/* Waits for the snapshot that is being written, if any. One that cannot be written costs replay time, nothing
+ * else: the journal stays as it is. */
+static iso_status finish_snapshot(iso_session *session, iso_error *error) {
+    if (!session->snapshot) return ISO_OK;
+    const bool written = iso_snapshot_finish(session->snapshot);
+    iso_session_release(session, session->held);
+    session->snapshot = NULL;
+    if (!written) return ISO_OK;
+    session->snapshots++;
+    return record(session, &session->taken, error);
+}
+
+/* Of the field as it is; the journal gets its line when it is written, and goes on meanwhile. */
+static iso_status take_snapshot(iso_session *session, iso_error *error) {
+    iso_event *event = &session->taken;
+    ISO_TRY(finish_snapshot(session, error)); /* (the one before has had the time of many strokes) */
+    memset(event, 0, sizeof *event);
+    event->kind = ISO_EVENT_SNAPSHOT;
+    event->after = iso_journal_count(session->journal);
+    int size = snprintf(event->text, sizeof event->text, "%s.%d.snapshot", session->journal_path,
+                        session->snapshots + 1);
+    if (size < 0 || (size_t)size >= sizeof event->text) return ISO_OK;
+    if (iso_session_hold(session, &session->held, NULL) != ISO_OK) return ISO_OK;
+    if (iso_snapshot_start(event->text, session->held, iso_editor_mask(session->editor), &session->snapshot,
+                           NULL) != ISO_OK)
+        iso_session_release(session, session->held);
+    return ISO_OK;
+}
+
+/* ---- resuming */
+
+/* What a journal holds. */
+typedef struct snapshot_line {
+    unsigned long long after;
+    char path[ISO_JOURNAL_TEXT];
+} snapshot_line;
+typedef struct contents {
+    iso_buffer lines; /* snapshot_line */
+    int snapshots;
+    unsigned long long events;
+} contents;
+
+typedef iso_status event_fn(iso_session *session, const iso_event *event, void *context, iso_error *error);
+
+static iso_status for_events(iso_session *session, event_fn *visit, void *context, iso_error *error) {
+    iso_journal_start start;
+    iso_journal_reader *reader;
+    ISO_TRY(iso_journal_open(session->journal_path, &start, &reader, error));
+    iso_event event;
+    bool more = true;
+    iso_status status = ISO_OK;
+    while (status == ISO_OK && more) {
+        status = iso_journal_next(reader, &event, &more, error);
+        if (status == ISO_OK && more)
+            status = iso_journal_blame(reader, visit(session, &event, context, error), error);
+    }
+    iso_journal_reader_free(reader);
+    return status;
+}
+
+static iso_status look_at(iso_session *session, const iso_event *event, void *context, iso_error *error) {
+    contents *found = context;
+    const size_t size = (size_t)found->snapshots * sizeof(snapshot_line);
+    (void)session;
+    found->events++;
+    if (event->kind != ISO_EVENT_SNAPSHOT) return ISO_OK;
+    ISO_TRY(iso_buffer_reserve(&found->lines, size + sizeof(snapshot_line), size, error));
+    snapshot_line *line = (snapshot_line *)found->lines.data + found->snapshots++;
+    line->after = event->after;
+    memcpy(line->path, event->text, sizeof line->path);
+    return ISO_OK;
+}
+
+typedef struct playing {
+    const iso_progress *progress;
+    unsigned long long at, from, count;
+} playing;
+
+static iso_status play_event(iso_session *session, const iso_event *event, void *context, iso_error *error) {
+    playing *p = context;
+    ISO_TRY(iso_progress_tell(p->progress, session->journal_path, (double)p->at / (double)p->count, error));
+    const bool wanted = p->at >= p->from || event->kind == ISO_EVENT_STAMP;
+    p->at++;
+    return wanted ? iso_session_play(session, event, NULL, error) : ISO_OK;
+}
+
+/* Plays the journal. `from`: the number of the snapshot to begin at, 0: the beginning. */
+static iso_status play_from(iso_session *session, const contents *found, int from,
+                            const iso_progress *progress, iso_error *error) {
+    playing p = {.progress = progress, .count = found->events};
+    if (from) {
+        const snapshot_line *line = (const snapshot_line *)found->lines.data + from - 1;
+        ISO_TRY(iso_snapshot_read(line->path, session->grid, iso_editor_mask(session->editor), error));
+        p.from = line->after;
+    }
+    return for_events(session, play_event, &p, error);
+}
+
+/* The field and the history as they were at the start. */
+static iso_status start_again(iso_session *session, const iso_hgrid *initial, iso_error *error) {
+    if (session->drawing) ISO_TRY(iso_session_cancel(session, error));
+    while (iso_history_position(session->history)) ISO_TRY(iso_history_undo(session->history, error));
+    iso_editor_mask_clear(session->editor);
+    ISO_TRY(iso_hgrid_copy_cells(initial, session->grid, error));
+    return iso_history_clear(session->history, error);
+}
+
+/* From the newest snapshot that will do: its file may be gone or damaged, or an undo may reach back before
+ * it. */
+static iso_status play_back(iso_session *session, const contents *found, const iso_progress *progress,
+                            iso_error *error) {
+    iso_hgrid *initial = NULL;
+    const int lo[3] = {0, 0, 0},
+              hi[3] = {session->grid->dims[0] - 1, session->grid->dims[1] - 1, session->grid->dims[2] - 1};
+    int from = found->snapshots;
+    iso_status status = from ? iso_hgrid_crop(session->grid, lo, hi, &initial, error) : ISO_OK;
+    for (int tries = 1; status == ISO_OK; from = tries++ < ISO_LIMIT_SNAPSHOTS ? from - 1 : 0) {
+        status = play_from(session, found, from, progress, error);
+        if (status == ISO_OK || from == 0 || iso_progress_cancelled(progress)) break;
+        status = start_again(session, initial, error);
+    }
+    iso_hgrid_destroy(initial);
+    return status;
+}
+
+static iso_status play_journal(iso_session *session, const iso_progress *progress, iso_error *error) {
+    contents found = {0};
+    iso_status status = for_events(session, look_at, &found, error);
+    session->snapshots = found.snapshots;
+    if (status == ISO_OK) status = play_back(session, &found, progress, error);
+    iso_buffer_free(&found.lines);
+    return status;
+}
+
+/* A stroke that never ended is closed where it broke off. */
+static iso_status resume(iso_session *session, const iso_progress *progress, iso_error *error) {
+    session->playing = true;
+    iso_status status = play_journal(session, progress, error);
+    session->playing = false;
+    if (status == ISO_OK) status = iso_journal_append(session->journal_path, &session->journal, error);
+    if (status == ISO_OK && session->drawing) status = iso_session_end(session, error);
+    return status;
+}
+
+/* ---- life */
+
+static iso_status keep_paths(iso_session *session, const char *journal, iso_error *error) {
+    if (!journal) return ISO_OK;
+    size_t size = strlen(journal) + 1;
+    session->journal_path = iso_alloc(size);
+    if (!session->journal_path) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a session");
+    memcpy(session->journal_path, journal, size);
+    return ISO_OK;
+}
+
+static iso_status set_up(iso_session *session, const iso_journal_start *start, const iso_session_opts *opts,
+                         iso_error *error) {
+    char spill[ISO_JOURNAL_TEXT];
+    iso_editor_opts editor = {.pool = opts->pool};
+    iso_history_opts history = {.memory = opts->undo_memory, .changing = changing, .context = session};
+    if (opts->journal && snprintf(spill, sizeof spill, "%s.undo", opts->journal) < (int)sizeof spill)
+        history.spill = spill;
+    ISO_TRY(keep_paths(session, opts->journal, error));
+    ISO_TRY(iso_editor_create(session->grid, &editor, &session->editor, error));
+    history.mask = iso_editor_mask(session->editor);
+    ISO_TRY(iso_history_create(session->grid, &history, &session->history, error));
+    iso_hgrid_reserve(session->grid, RESERVE);
+    if (!opts->journal) return ISO_OK;
+    if (iso_limits_start(start, error) != ISO_OK) return ISO_ERR_USAGE;
+    session->start = *start;
+    return opts->resume ? resume(session, opts->progress, error)
+                        : iso_journal_create(opts->journal, start, &session->journal, error);
+}
+
+iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, const iso_session_opts *opts,
+                              iso_session **out, iso_error *error) {
+    iso_session *session = iso_alloc_zero(1, sizeof *session);
+    if (!session) {
+        iso_hgrid_destroy(grid);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a session");
+    }
+    session->grid = grid;
+    session->work = opts->work > 0 ? opts->work : 1;
+    session->snapshot_every = opts->snapshot_strokes ? opts->snapshot_strokes : DEFAULT_SNAPSHOT_STROKES;
+    iso_status status = set_up(session, start, opts, error);
+    if (status == ISO_OK)
+        *out = session;
+    else
+        iso_session_destroy(session);
+    return status;
+}
+
+void iso_session_destroy(iso_session *session) {
+    if (!session) return;
+    finish_snapshot(session, NULL);
+    if (session->journal) iso_journal_close(session->journal, NULL);
+    iso_stamp_free(session->stamp);
+    iso_history_destroy(session->history);
+    iso_editor_destroy(session->editor);
+    iso_hgrid_destroy(session->grid);
+    iso_free(session->journal_path);
+    iso_free(session);
+}
+
+iso_hgrid *iso_session_grid(iso_session *session) {
+    return session->grid;
+}
+const iso_mask *iso_session_mask(const iso_session *session) {
+    return iso_editor_mask(session->editor);
+}
+iso_history *iso_session_history(iso_session *session) {
+    return session->history;
+}
+bool iso_session_has_mask(const iso_session *session) {
+    return iso_editor_has_mask(session->editor);
+}
+bool iso_session_masked(const iso_session *session, int x, int y, int z) {
+    return iso_editor_masked(session->editor, x, y, z);
+}
+iso_status iso_session_journal_status(iso_session *session, iso_error *error) {
+    return session->journal ? iso_journal_status(session->journal, error) : ISO_OK;
+}
+
+/* ---- strokes */
+
+static void add_stats(iso_edit_stats *sum, const iso_edit_stats *more) {
+    if (!sum) return;
+    sum->edited += more->edited;
+    sum->redistanced += more->redistanced;
+    sum->created += more->created;
+    sum->pruned += more->pruned;
+    sum->clipped |= more->clipped;
+}
+
+/* Whether a stroke file has asked for more than any hand would. */
+static iso_status check_work(const iso_session *session, iso_error *error) {
+    const double most = session->work * iso_limit_work(session->samples),
+                 done = iso_editor_work(session->editor) + session->undone;
+    if (!session->bounded || done <= most) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "the strokes up to here ask for more work than %.3g edited bricks",
+                    most);
+}
+
+static iso_status touch(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
+                        iso_error *error) {
+    ISO_TRY(check_work(session, error));
+    iso_touch t = {.sample = *sample, .previous = session->previous, .first = session->first};
+    iso_edit_stats made = {0};
+    ISO_TRY(iso_editor_touch(session->editor, &session->brush, &t, &made, error));
+    session->previous = *sample;
+    add_stats(stats, &made);
+    return ISO_OK;
+}
+
+static double mix(double a, double b, double t) {
+    return a + t * (b - a);
+}
+
+static iso_sample sample_between(const iso_sample *a, const iso_sample *b, double t) {
+    iso_sample s = {.pressure = mix(a->pressure, b->pressure, t), .seconds = mix(a->seconds, b->seconds, t)};
+    s.position = iso_vec3_add(a->position, iso_vec3_scale(iso_vec3_sub(b->position, a->position), t));
+    s.normal = iso_vec3_unit(iso_vec3_add(a->normal, iso_vec3_scale(iso_vec3_sub(b->normal, a->normal), t)));
+    return s;
+}
+
+/* Touches from the last one towards the sample, `spacing` apart. */
+static iso_status touch_along(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
+                              iso_error *error) {
+    const iso_brush *brush = &session->brush;
+    if (brush->tool == ISO_TOOL_MOVE ||
+        (brush->shape == ISO_SOLID_CAPSULE && brush->tool <= ISO_TOOL_BLEND_CARVE))
+        return touch(session, sample, stats, error); /* these reach back to the sample before by themselves */
+    double spacing = brush->radius * (brush->spacing > 0 ? brush->spacing : 0.25);
+    const iso_sample from = session->previous;
+    double length = iso_vec3_length(iso_vec3_sub(sample->position, from.position));
+    if (!(length / spacing <= ISO_LIMIT_TOUCHES))
+        return iso_fail(error, ISO_ERR_USAGE, "a sample that makes %.4g touches: at most %d",
+                        length / spacing, ISO_LIMIT_TOUCHES);
+    for (double along = spacing; along <= length; along += spacing) {
+        iso_sample s = sample_between(&from, sample, along / length);
+        ISO_TRY(touch(session, &s, stats, error));
+    }
+    return ISO_OK;
+}
+
+/* A ball, along a stroke or not, goes without saying. */
+static void name_step(const iso_brush *brush, char *name, size_t size) {
+    const bool plain = brush->tool > ISO_TOOL_BLEND_CARVE || brush->shape == ISO_SOLID_SPHERE ||
+                       brush->shape == ISO_SOLID_CAPSULE;
+    snprintf(name, size, "%s%s%s", iso_tool_name(brush->tool), plain ? "" : " ",
+             plain ? "" : iso_solid_name(brush->shape));
+}
+
+iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const iso_sample *sample,
+                             iso_edit_stats *stats, iso_error *error) {
+    const iso_event event = {.kind = ISO_EVENT_BEGIN, .brush = *brush, .sample = *sample};
+    if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn already");
+    ISO_TRY(iso_brush_check(brush, error));
+    ISO_TRY(check_record(session, &event, error));
+    char name[64];
+    name_step(brush, name, sizeof name);
+    ISO_TRY(iso_history_begin(session->history, name, error));
+    iso_step_opts step = iso_history_step(session->history);
+    step.stamp = session->stamp;
+    iso_editor_step(session->editor, &step);
+    session->brush = *brush;
+    session->first = session->previous = *sample;
+    iso_status status = touch(session, sample, stats, error);
+    if (status == ISO_OK) status = record(session, &event, error);
+    session->drawing = status == ISO_OK;
+    if (status != ISO_OK) iso_history_cancel(session->history, NULL);
+    return status;
+}
+
+iso_status iso_session_sample(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
+                              iso_error *error) {
+    const iso_event event = {.kind = ISO_EVENT_SAMPLE, .sample = *sample};
+    if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
+    ISO_TRY(check_record(session, &event, error));
+    ISO_TRY(touch_along(session, sample, stats, error));
+    return record(session, &event, error);
+}
+
+iso_status iso_session_end(iso_session *session, iso_error *error) {
+    if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
+    ISO_TRY(iso_editor_settle(session->editor, error));
+    ISO_TRY(iso_history_end(session->history, error));
+    session->drawing = false;
+    ISO_TRY(record_kind(session, ISO_EVENT_END, error));
+    session->strokes++;
+    iso_hgrid_reserve(session->grid, RESERVE);
+    if (session->snapshot && iso_snapshot_done(session->snapshot)) ISO_TRY(finish_snapshot(session, error));
+    bool due = session->snapshot_every > 0 && session->strokes % session->snapshot_every == 0;
+    return due && session->journal && !session->playing ? take_snapshot(session, error) : ISO_OK;
+}
+
+iso_status iso_session_cancel(iso_session *session, iso_error *error) {
+    if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
+    ISO_TRY(iso_history_cancel(session->history, error));
+    session->drawing = false;
+    return record_kind(session, ISO_EVENT_CANCEL, error);
+}
+
+iso_status iso_session_undo(iso_session *session, iso_error *error) {
+    ISO_TRY(iso_history_undo(session->history, error));
+    return record_kind(session, ISO_EVENT_UNDO, error);
+}
+
+iso_status iso_session_redo(iso_session *session, iso_error *error) {
+    ISO_TRY(iso_history_redo(session->history, error));
+    return record_kind(session, ISO_EVENT_REDO, error);
+}
+
+iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_error *error) {
+    iso_event event;
+    memset(&event, 0, sizeof event);
+    event.kind = ISO_EVENT_STAMP;
+    event.stamp = stamp;
+    iso_status status = session->drawing ? iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn") : ISO_OK;
+    if (!stamp) status = iso_fail(error, ISO_ERR_USAGE, "there is no stamp");
+    if (status == ISO_OK) status = record(session, &event, error);
+    if (status != ISO_OK) {
+        iso_stamp_free(stamp);
+        return status;
+    }
+    iso_stamp_free(session->stamp);
+    session->stamp = stamp;
+    return ISO_OK;
+}
+
+const iso_stamp *iso_session_stamp(const iso_session *session) {
+    return session->stamp;
+}
+
+/* Undoing costs what the step's cells do, as often as it is asked for. */
+static iso_status count_step(iso_session *session, bool redo, iso_error *error) {
+    const iso_history *history = session->history;
+    const size_t position = iso_history_position(history);
+    if (redo ? position < iso_history_count(history) : position > 0)
+        session->undone += (double)iso_history_cells(history, redo ? position : position - 1);
+    return check_work(session, error);
+}
+
+static iso_status play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
+                       iso_error *error) {
+    switch (event->kind) {
+    case ISO_EVENT_BEGIN:
+        return iso_session_begin(session, &event->brush, &event->sample, stats, error);
+    case ISO_EVENT_SAMPLE:
+        return iso_session_sample(session, &event->sample, stats, error);
+    case ISO_EVENT_END:
+        return iso_session_end(session, error);
+    case ISO_EVENT_CANCEL:
+        return iso_session_cancel(session, error);
+    case ISO_EVENT_UNDO:
+        ISO_TRY(count_step(session, false, error));
+        return iso_session_undo(session, error);
+    case ISO_EVENT_REDO:
+        ISO_TRY(count_step(session, true, error));
+        return iso_session_redo(session, error);
+    case ISO_EVENT_STAMP:
+        return iso_session_set_stamp(session, iso_stamp_share(event->stamp), error);
+    default:
+        return ISO_OK;
+    }
+}
+
+iso_status iso_session_play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
+                            iso_error *error) {
+    session->bounded = true;
+    session->samples += event->kind <= ISO_EVENT_SAMPLE;
+    iso_status status = play(session, event, stats, error);
+    session->bounded = false;
+    return status;
+}
+
+/* ---- a new ball */
+
+static iso_status fill_ball_cell(iso_hgrid *grid, const int at[3], const double centre[3], double radius,
+                                 iso_error *error) {
+    const double band = (double)grid->band, half = 0.5 * (ISO_BRICK - 1);
+    double square = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double d = ISO_BRICK * (double)at[axis] + half - centre[axis];
+        square += d * d;
+    }
+    double distance = sqrt(square) - radius, reach = half * sqrt(3) + band;
+    iso_hgrid_coalesce(grid, at[0], at[1], at[2], distance < 0 ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE);
+    if (fabs(distance) >= reach) return ISO_OK;
+    float *brick;
+    ISO_TRY(iso_hgrid_split(grid, at[0], at[1], at[2], &brick, error));
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        const int voxel[3] = {i % ISO_BRICK, i / ISO_BRICK % ISO_BRICK, i / (ISO_BRICK * ISO_BRICK)};
+        square = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double d = ISO_BRICK * (double)at[axis] + voxel[axis] - centre[axis];
+            square += d * d;
+        }
+        distance = sqrt(square) - radius;
+        brick[i] = (float)(distance > band ? band : distance < -band ? -band : distance);
+    }
+    return ISO_OK;
+}
+
+static iso_status fill_ball(iso_hgrid *grid, const iso_journal_start *start, iso_error *error) {
+    const double centre[3] = {-start->origin.x / start->voxel_size, -start->origin.y / start->voxel_size,
+                              -start->origin.z / start->voxel_size};
+    int at[3];
+    for (at[2] = 0; at[2] < grid->cells[2]; at[2]++)
+        for (at[1] = 0; at[1] < grid->cells[1]; at[1]++)
+            for (at[0] = 0; at[0] < grid->cells[0]; at[0]++)
+                ISO_TRY(fill_ball_cell(grid, at, centre, start->radius / start->voxel_size, error));
+    iso_hgrid_prune(grid);
+    return ISO_OK;
+}
+
+iso_status iso_session_ball(const iso_journal_start *start, iso_hgrid **out, iso_error *error) {
+    if (!(start->voxel_size > 0) || !isfinite(start->voxel_size) || !(start->radius > 0) ||
+        !isfinite(start->radius))
+        return iso_fail(error, ISO_ERR_USAGE, "a ball of %g mm in voxels of %g mm", start->radius,
+                        start->voxel_size);
+    iso_transform transform = iso_transform_identity();
+    const double origin[3] = {start->origin.x, start->origin.y, start->origin.z};
+    for (int axis = 0; axis < 3; axis++) {
+        transform.origin[axis] = origin[axis];
+        transform.spacing[axis] = start->voxel_size;
+    }
+    iso_hgrid *grid;
+    ISO_TRY(iso_hgrid_create(start->dims, 0, &transform, &grid, error));
+    iso_status status = fill_ball(grid, start, error);
+    if (status == ISO_OK)
+        *out = grid;
+    else
+        iso_hgrid_destroy(grid);
+    return status;
+}

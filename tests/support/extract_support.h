@@ -1,0 +1,65 @@
+/* Volumes and comparisons that the tests of extract share. */
+#ifndef ISO_TESTS_EXTRACT_SUPPORT_H
+#define ISO_TESTS_EXTRACT_SUPPORT_H
+
+#include <stdint.h>
+
+#include "extract/mesh/mesh.h"
+#include "extract/points/points.h"
+#include "grids/grid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct test_random {
+    uint64_t state;
+} test_random;
+
+uint32_t test_random_next(test_random *random);
+int test_random_int(test_random *random, int low, int high); /* inclusive */
+double test_random_real(test_random *random, double low, double high);
+void test_random_dims(test_random *random, int low, int high, int dims[3]); /* each low .. high */
+
+/* A new rgrid of `type` (contents 0), identity transform. Aborts the test when it cannot be had. */
+iso_grid test_rgrid(const int dims[3], iso_type type);
+
+/* A new hgrid, all outside. */
+iso_grid test_hgrid(const int dims[3], float band);
+
+/* Writes one voxel of an rgrid (rounded for integer types), or of an hgrid (splitting its cell). No touch. */
+void test_set(const iso_grid *grid, int x, int y, int z, double value);
+
+typedef enum test_pattern {
+    TEST_NOISE,  /* every voxel independent, 0 .. 250 */
+    TEST_LEVELS, /* few levels, among them the isovalue 100 itself */
+    TEST_SMOOTH  /* sums of a few waves: surfaces like real ones, isovalue 100 */
+} test_pattern;
+
+/* Fills an rgrid. The isovalue for all patterns is 100. */
+void test_fill(const iso_grid *grid, test_pattern pattern, test_random *random);
+
+/* Clamped signed distance to a ball into either kind of grid (cells of an hgrid split where needed). Centre
+ * and radius in voxels. `union_` keeps what is there (minimum of both). */
+typedef struct test_ball {
+    iso_vec3 centre;
+    double radius;
+    int carve; /* 0: added to what is there; 1: taken away */
+} test_ball;
+void test_stamp_ball(const iso_grid *grid, const test_ball *ball);
+
+/* One edit, touched: a ball added or taken away (level sets), or a box of noise or of one value, around the
+ * isovalue 100. */
+void test_random_edit(const iso_grid *grid, test_random *random);
+
+/* A level set of a ball: hgrid, or with `dense` an rgrid of float32. */
+iso_grid test_ball_grid(int size, iso_vec3 centre, double radius, int dense);
+
+/* Fail unless both hold the same primitives brick by brick, bit for bit, in any order of spans. */
+void test_same_points(const iso_point_view *a, const iso_point_view *b);
+void test_same_mesh(const iso_mesh_view *a, const iso_mesh_view *b);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,24 @@
+/* module_broken: modules that test_module expects to be refused; BROKEN says what is wrong with one. */
+#include "grids/volume/module.h"
+
+#define OTHER_ABI 1
+#define OTHER_VERSION 2
+#define EMPTY 3
+#define ORPHAN 4 /* nothing but a library that is not there */
+
+#if BROKEN == OTHER_ABI
+extern const iso_module iso_module_table;
+const iso_module iso_module_table = {ISO_MODULE_ABI + 1, ISO_VERSION, NULL, NULL, NULL};
+#elif BROKEN == OTHER_VERSION
+extern const iso_module iso_module_table;
+const iso_module iso_module_table = {ISO_MODULE_ABI, "0." ISO_VERSION, NULL, NULL, NULL};
+#elif BROKEN == EMPTY
+extern const int iso_module_other_table;
+const int iso_module_other_table = 1;
+#else
+int iso_module_gone(void);
+int iso_module_orphan(void);
+int iso_module_orphan(void) {
+    return iso_module_gone();
+}
+#endif
