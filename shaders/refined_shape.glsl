@@ -1,10 +1,10 @@
-/* A piece of the refined reconstruction's shaders: what an iso_shape says (base/primitives.h). */
+/* A piece of the refined reconstruction's shaders: what an iso_curvature says (base/primitives.h). */
 
 vec3 turned(vec3 covector) {
     return vec3(dot(normal_x.xyz, covector), dot(normal_y.xyz, covector), dot(normal_z.xyz, covector));
 }
 
-/* As iso_shape_frame. */
+/* As iso_curvature_frame. */
 void make_frame(vec3 n, out vec3 u, out vec3 v) {
     float side = floatBitsToInt(n.z) < 0 ? -1.0 : 1.0;
     float a = -1.0 / (side + n.z), b = n.x * n.y * a;
@@ -15,8 +15,8 @@ void make_frame(vec3 n, out vec3 u, out vec3 v) {
 /* The shape operator in the frame u, v, which has its scale, with a curvature along the normal too: the largest
  * principal one where that is convex. */
 mat3 bent(ivec4 bend, vec3 u, vec3 v, vec3 view_normal) {
-    const float each = ISO_SHAPE_STEP * float(1 << ISO_SHAPE_LOW_BITS);
-    vec3 entry = vec3(bend.xyz >> ISO_SHAPE_LOW_BITS) * each;
+    const float each = ISO_CURVATURE_STEP * float(1 << ISO_CURVATURE_LOW_BITS);
+    vec3 entry = vec3(bend.xyz >> ISO_CURVATURE_LOW_BITS) * each;
     mat3 s = outerProduct(u, entry.x * u + entry.y * v) + outerProduct(v, entry.y * u + entry.z * v);
     float trace = s[0].x + s[1].y + s[2].z, apart = sqrt(max(2.0 * norm_of(s) - trace * trace, 0.0));
     return s + outerProduct(view_normal, max(trace + apart, 0.0) * 0.5 * view_normal);
@@ -24,33 +24,33 @@ mat3 bent(ivec4 bend, vec3 u, vec3 v, vec3 view_normal) {
 
 /* How the surface lies against the normal, along u and v. */
 vec2 tilt(ivec4 bend) {
-    ivec3 low = bend.xyz & (1 << ISO_SHAPE_LOW_BITS) - 1;
-    int bits = low.x | low.y << ISO_SHAPE_LOW_BITS | low.z << 2 * ISO_SHAPE_LOW_BITS;
-    vec2 steps = vec2(bitfieldExtract(bits, 0, ISO_SHAPE_TILT_BITS),
-                      bitfieldExtract(bits, ISO_SHAPE_TILT_BITS, ISO_SHAPE_TILT_BITS));
-    return steps * abs(steps) * (ISO_SHAPE_TILT_MOST / (ISO_SHAPE_TILT_STEPS * ISO_SHAPE_TILT_STEPS));
+    ivec3 low = bend.xyz & (1 << ISO_CURVATURE_LOW_BITS) - 1;
+    int bits = low.x | low.y << ISO_CURVATURE_LOW_BITS | low.z << 2 * ISO_CURVATURE_LOW_BITS;
+    vec2 steps = vec2(bitfieldExtract(bits, 0, ISO_CURVATURE_TILT_BITS),
+                      bitfieldExtract(bits, ISO_CURVATURE_TILT_BITS, ISO_CURVATURE_TILT_BITS));
+    return steps * abs(steps) * (ISO_CURVATURE_TILT_MOST / (ISO_CURVATURE_TILT_STEPS * ISO_CURVATURE_TILT_STEPS));
 }
 
 /* How much of its ball a disc keeps. */
 float kept(ivec4 bend) {
-    return 1.0 - 0.25 * float((bend.w & 0xFFFF) >> ISO_SHAPE_LOST_BIT);
+    return 1.0 - 0.25 * float((bend.w & 0xFFFF) >> ISO_CURVATURE_LOST_BIT);
 }
 
 /* The box as far as it is known where the surface turns away from an edge point; `at` is in index coordinates. Packed
  * points at a voxel may be on the edge to either side. */
 void take_ends(ivec4 bend, vec3 at, inout vec3 lowest, inout vec3 highest) {
-    int ends = bend.w & 0xFFFF, edge = (ends >> ISO_SHAPE_AXIS_BIT & ISO_SHAPE_AXIS_MASK) - 1;
+    int ends = bend.w & 0xFFFF, edge = (ends >> ISO_CURVATURE_AXIS_BIT & ISO_CURVATURE_AXIS_MASK) - 1;
     if (ends == 0) return;
-    const float each = 1.0 / ISO_SHAPE_END_STEPS;
+    const float each = 1.0 / ISO_CURVATURE_END_STEPS;
     int next = 0;
     for (int k = 0; k < 3; k++) {
         float below = at[k] - floor(at[k]), above = 1.0 - below;
         if (below < ISO_REFINED_AT_VOXEL) below = 1.0;
         if (above < ISO_REFINED_AT_VOXEL) above = 1.0;
         if (k != edge) {
-            below = float(ends >> next & ISO_SHAPE_END_STEPS) * each;
-            above = float(ends >> next + ISO_SHAPE_END_BITS & ISO_SHAPE_END_STEPS) * each;
-            next += 2 * ISO_SHAPE_END_BITS;
+            below = float(ends >> next & ISO_CURVATURE_END_STEPS) * each;
+            above = float(ends >> next + ISO_CURVATURE_END_BITS & ISO_CURVATURE_END_STEPS) * each;
+            next += 2 * ISO_CURVATURE_END_BITS;
         }
         lowest[k] = -(below + ISO_REFINED_BEYOND_END);
         highest[k] = above + ISO_REFINED_BEYOND_END;

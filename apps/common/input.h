@@ -1,7 +1,7 @@
 /* input: how a volume is read, as the options of apps/common/input_options.inc say it. isorender, isocompare
  * and isosculpt share the table, what it is stored in, and what is made of it. */
-#ifndef ISO_APPS_INPUT_H
-#define ISO_APPS_INPUT_H
+#ifndef ISO_APPS_COMMON_INPUT_H
+#define ISO_APPS_COMMON_INPUT_H
 
 #include <stdbool.h>
 #include <stddef.h>

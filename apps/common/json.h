@@ -3,8 +3,8 @@
  * `key` is the member's name inside an object and NULL inside an array (and for the outermost value). Strings
  * are UTF-8; bytes that are not become U+FFFD. Numbers are the shortest that read back the same; NaN and
  * infinities become null. Write errors are the stream's to report. One thread at a time. */
-#ifndef ISO_APPS_JSON_H
-#define ISO_APPS_JSON_H
+#ifndef ISO_APPS_COMMON_JSON_H
+#define ISO_APPS_COMMON_JSON_H
 
 #include <stdbool.h>
 #include <stdint.h>

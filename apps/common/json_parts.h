@@ -1,6 +1,6 @@
 /* json_parts: objects that the reports of several programs have in common. */
-#ifndef ISO_APPS_JSON_PARTS_H
-#define ISO_APPS_JSON_PARTS_H
+#ifndef ISO_APPS_COMMON_JSON_PARTS_H
+#define ISO_APPS_COMMON_JSON_PARTS_H
 
 #include "apps/common/json.h"
 #include "extract/mesh/mesh_measure.h"

@@ -2,8 +2,8 @@
  *
  *     #define FIELD(name) .offset = offsetof(my_settings, name)
  */
-#ifndef ISO_APPS_OPTION_ROWS_H
-#define ISO_APPS_OPTION_ROWS_H
+#ifndef ISO_APPS_COMMON_OPTION_ROWS_H
+#define ISO_APPS_COMMON_OPTION_ROWS_H
 
 #include "apps/common/options.h"
 

@@ -4,8 +4,8 @@
  * Values are given as `--name value` or `--name=value`; a value that begins with `--` needs the second form.
  * `--` ends options, `-` alone is an operand. An option given twice: the last wins, unless its row says that
  * it may be repeated. Numbers are decimal, must fill the whole text, and do not depend on the locale. */
-#ifndef ISO_APPS_OPTIONS_H
-#define ISO_APPS_OPTIONS_H
+#ifndef ISO_APPS_COMMON_OPTIONS_H
+#define ISO_APPS_COMMON_OPTIONS_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -111,7 +111,7 @@ iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error 
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-void iso_program_say(const iso_program *program, const char *format, ...);
+void iso_program_log(const iso_program *program, const char *format, ...);
 
 /* Says what went wrong on stderr, and returns the exit status. */
 int iso_program_fail(const iso_program *program, const iso_error *error, iso_status status);

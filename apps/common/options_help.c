@@ -245,7 +245,7 @@ iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error 
     return ISO_OK;
 }
 
-void iso_program_say(const iso_program *program, const char *format, ...) {
+void iso_program_log(const iso_program *program, const char *format, ...) {
     char line[4096];
     va_list arguments;
     va_start(arguments, format);
@@ -255,7 +255,7 @@ void iso_program_say(const iso_program *program, const char *format, ...) {
 }
 
 int iso_program_fail(const iso_program *program, const iso_error *error, iso_status status) {
-    iso_program_say(program, "%s", error->text[0] ? error->text : iso_status_text(status));
+    iso_program_log(program, "%s", error->text[0] ? error->text : iso_status_text(status));
     return iso_status_exit(status);
 }
 
@@ -263,6 +263,6 @@ int iso_program_finish(const iso_program *program, int status) {
     if (status) return status;
     errno = 0;
     if (fflush(stdout) == 0 && !ferror(stdout)) return status;
-    iso_program_say(program, "standard output: cannot write: %s", strerror(errno ? errno : EIO));
+    iso_program_log(program, "standard output: cannot write: %s", strerror(errno ? errno : EIO));
     return iso_status_exit(ISO_ERR_WRITE);
 }

@@ -18,8 +18,8 @@
  *     ... read path, several times if need be; messages of readers begin with spool.path ...
  *     iso_spool_close(&spool);
  */
-#ifndef ISO_APPS_SPOOL_H
-#define ISO_APPS_SPOOL_H
+#ifndef ISO_APPS_COMMON_SPOOL_H
+#define ISO_APPS_COMMON_SPOOL_H
 
 #include <stdbool.h>
 

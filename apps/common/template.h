@@ -2,8 +2,8 @@
  *
  * {model} is the input's name without folder and extension; {n} and {n:3} a number, the second with at least
  * three digits. Texts are owned by the caller: free(). */
-#ifndef ISO_APPS_TEMPLATE_H
-#define ISO_APPS_TEMPLATE_H
+#ifndef ISO_APPS_COMMON_TEMPLATE_H
+#define ISO_APPS_COMMON_TEMPLATE_H
 
 #include <stdbool.h>
 

@@ -1,6 +1,6 @@
 /* isocompare: what its source files share. */
-#ifndef ISO_APPS_ISOCOMPARE_H
-#define ISO_APPS_ISOCOMPARE_H
+#ifndef ISO_APPS_ISOCOMPARE_ISOCOMPARE_H
+#define ISO_APPS_ISOCOMPARE_ISOCOMPARE_H
 
 #include "apps/common/options.h"
 #include "apps/isorender/isorender.h"

@@ -18,7 +18,7 @@ static const int ZOOMS[REPORT_ZOOMS] = {1, 4, 16};
 static const int SAMPLES[REPORT_SAMPLINGS] = {1, 4}, TRUTH_SAMPLES[REPORT_SAMPLINGS] = {1, 16};
 
 static void tell(const report *r, const char *text) {
-    if (!r->settings->render.quiet) iso_program_say(isocompare_program(), "%s", text);
+    if (!r->settings->render.quiet) iso_program_log(isocompare_program(), "%s", text);
 }
 
 /* ---- the volume ---- */
@@ -345,7 +345,7 @@ iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool
     if (status != ISO_OK) name_volume(r, error);
     if (status != ISO_OK && made) rmdir(settings->output);
     if (status == ISO_OK && !settings->render.quiet)
-        iso_program_say(isocompare_program(), "wrote %s/report.html and report.json", settings->output);
+        iso_program_log(isocompare_program(), "wrote %s/report.html and report.json", settings->output);
     free_report(r);
     return status;
 }

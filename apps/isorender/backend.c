@@ -160,7 +160,7 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
     iso_gl_engine_forget_seconds(job->backend->engine);
     for (int i = 0; i < job->surface_count; i++) {
-        iso_gl_shape **shape = &job->shapes[i];
+        iso_gl_surface **shape = &job->shapes[i];
         if (job->method == ISORENDER_MESH) {
             ISO_TRY(iso_mesh_set_bound(job->surfaces[i].mesh, error));
             iso_mesh_view mesh = iso_mesh_set_view(job->surfaces[i].mesh);
@@ -176,9 +176,9 @@ iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
-void isorender_gl_forget(isorender_job *job) {
+void isorender_gl_release(isorender_job *job) {
     for (int i = 0; i < job->surface_count; i++) {
-        iso_gl_shape_destroy(job->shapes[i]);
+        iso_gl_surface_destroy(job->shapes[i]);
         job->shapes[i] = NULL;
     }
 }
@@ -186,7 +186,7 @@ void isorender_gl_forget(isorender_job *job) {
 iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
                              iso_error *error) {
     const isorender_settings *settings = job->settings;
-    const iso_gl_shape *const *shapes = (const iso_gl_shape *const *)job->shapes;
+    const iso_gl_surface *const *shapes = (const iso_gl_surface *const *)job->shapes;
     if (job->method == ISORENDER_PULLPUSH) {
         const iso_gl_pullpush_opts pullpush = {view, shapes, job->surface_count,
                                                (iso_reconstruction)settings->reconstruction};

@@ -194,9 +194,9 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
 
 static void print_notes(const isorender_job *job) {
     const iso_volume_info *info = &job->volume.info;
-    for (int i = 0; i < info->note_count; i++) isorender_say(job, "note: %s", info->notes[i]);
+    for (int i = 0; i < info->note_count; i++) isorender_log(job, "note: %s", info->notes[i]);
     if (job->nonfinite)
-        isorender_say(job, "note: %zu voxels are NaN or infinite, as floats: %s", job->nonfinite,
+        isorender_log(job, "note: %zu voxels are NaN or infinite, as floats: %s", job->nonfinite,
                       job->settings->closed ? "outside the solid" : "no surface is made next to them");
 }
 

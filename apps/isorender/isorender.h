@@ -1,7 +1,7 @@
 /* isorender: what its source files share. The way of one input: open (header, outputs checked), read,
  * surfaces, exports, pictures, report. */
-#ifndef ISO_APPS_ISORENDER_H
-#define ISO_APPS_ISORENDER_H
+#ifndef ISO_APPS_ISORENDER_ISORENDER_H
+#define ISO_APPS_ISORENDER_ISORENDER_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -199,7 +199,7 @@ typedef struct isorender_job {
 
     isorender_surface surfaces[ISORENDER_SURFACES];
     int surface_count;
-    iso_gl_shape *shapes[ISORENDER_SURFACES]; /* of the gl engine */
+    iso_gl_surface *shapes[ISORENDER_SURFACES]; /* of the gl engine */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count;
     iso_box bounds_local, bounds_world; /* mm */
 
@@ -265,7 +265,7 @@ iso_status isorender_gl_upload(isorender_job *job, iso_error *error);
 uint64_t isorender_gl_bytes(const isorender_job *job); /* of main memory, for a picture, by the driver */
 iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
                              iso_error *error);
-void isorender_gl_forget(isorender_job *job);
+void isorender_gl_release(isorender_job *job);
 
 /* report.c */
 iso_status isorender_report_json(const isorender_job *job, iso_error *error);
@@ -273,15 +273,15 @@ iso_status isorender_report_json(const isorender_job *job, iso_error *error);
 void isorender_info_header(const isorender_job *job);
 void isorender_info_values(const isorender_job *job);
 
-/* talk.c: what goes to stderr. */
+/* log.c: what goes to stderr. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-void isorender_say(const isorender_job *job, const char *format, ...); /* unless --quiet */
+void isorender_log(const isorender_job *job, const char *format, ...); /* unless --quiet */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-void isorender_detail(const isorender_job *job, const char *format, ...); /* with --verbose */
+void isorender_log_verbose(const isorender_job *job, const char *format, ...); /* with --verbose */
 void isorender_progress(isorender_job *job, const char *stage, double fraction); /* with --progress */
 const char *isorender_input_name(const isorender_job *job);
 double isorender_now(void); /* seconds */

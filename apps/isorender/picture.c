@@ -219,7 +219,7 @@ static void suggest_film(const isorender_job *job) {
     const char *end = strchr(variable, '}');
     char number[8] = "%d";
     if (variable[2] == ':') snprintf(number, sizeof number, "%%0%cd", variable[3]);
-    isorender_say(job, "a film: ffmpeg -framerate 25 -i '%.*s%s%s' -pix_fmt yuv420p '%s.mp4'",
+    isorender_log(job, "a film: ffmpeg -framerate 25 -i '%.*s%s%s' -pix_fmt yuv420p '%s.mp4'",
                   (int)(variable - image), image, number, end + 1, job->plan->model);
 }
 

@@ -187,7 +187,7 @@ static void put_files(iso_json *json, const isorender_job *job) {
 static void put_strips(iso_json *json, const isorender_job *job) {
     uint64_t indices = 0, triangles = 0;
     for (int i = 0; i < job->surface_count && job->shapes[i]; i++) {
-        iso_gl_shape_stats stats = iso_gl_shape_measure(job->shapes[i]);
+        iso_gl_surface_stats stats = iso_gl_surface_measure(job->shapes[i]);
         indices += stats.indices;
         triangles += stats.triangles;
     }

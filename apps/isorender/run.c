@@ -21,12 +21,12 @@ static iso_status inform(isorender_job *job, iso_error *error) {
 }
 
 static void tell_done(const isorender_job *job) {
-    isorender_detail(job, "load %.3f s, extract %.3f s, render %.3f s, write %.3f s", job->seconds.load,
-                     job->seconds.extract, job->seconds.render, job->seconds.write);
+    isorender_log_verbose(job, "load %.3f s, extract %.3f s, render %.3f s, write %.3f s", job->seconds.load,
+                          job->seconds.extract, job->seconds.render, job->seconds.write);
     const char *frames = job->settings->turntable ? " (all frames)" : "";
     if (job->plan->image && strcmp(job->plan->image, "-") != 0)
-        isorender_say(job, "wrote %s%s", job->plan->image, frames);
-    if (job->plan->aov) isorender_say(job, "wrote %s%s", job->plan->aov, frames);
+        isorender_log(job, "wrote %s%s", job->plan->image, frames);
+    if (job->plan->aov) isorender_log(job, "wrote %s%s", job->plan->aov, frames);
 }
 
 static iso_status make(isorender_job *job, iso_error *error) {
@@ -87,7 +87,7 @@ static void name_input(const isorender_job *job, iso_error *error) {
 }
 
 static void free_surfaces(isorender_job *job) {
-    isorender_gl_forget(job);
+    isorender_gl_release(job);
     for (int i = 0; i < job->surface_count; i++) {
         iso_point_set_destroy(job->surfaces[i].points);
         iso_mesh_set_destroy(job->surfaces[i].mesh);

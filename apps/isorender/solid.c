@@ -38,7 +38,7 @@ static iso_status check_primitive(const isorender_job *job, iso_error *error) {
 
 static void say_parts(const isorender_job *job, const isorender_surface *surface) {
     const iso_components_totals *parts = &surface->parts;
-    isorender_say(job,
+    isorender_log(job,
                   "isovalue %g: kept %zu of %zu parts of the solid, dropped %zu with %.3g %% of its volume "
                   "(%.6g of %.6g mm3)",
                   surface->isovalue, parts->kept, parts->kept + parts->dropped, parts->dropped,
@@ -76,7 +76,7 @@ iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surfac
 
 static void say_mesh(const isorender_job *job, const isorender_surface *surface) {
     const iso_mesh_measures *m = &surface->measures;
-    isorender_detail(
+    isorender_log_verbose(
         job, "isovalue %g: mesh of %zu parts, %.6g mm2, %.6g mm3, %zu open edges, Euler number %" PRId64,
         surface->isovalue, m->parts, m->area, m->volume, m->open_edges, m->euler);
 }

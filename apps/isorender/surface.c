@@ -24,11 +24,11 @@ static iso_status suggest(isorender_job *job, double *isovalue, iso_error *error
                         job->histogram.minimum);
     *isovalue = candidates[0];
     if (iso_grid_is_level_set(&job->volume.grid))
-        isorender_say(job, "isovalue %g (a level set)", candidates[0]);
+        isorender_log(job, "isovalue %g (a level set)", candidates[0]);
     else if (count < ISO_ISOVALUE_CANDIDATES)
-        isorender_say(job, "isovalue %g (Otsu's threshold, 1979)", candidates[0]);
+        isorender_log(job, "isovalue %g (Otsu's threshold, 1979)", candidates[0]);
     else
-        isorender_say(job, "isovalue %g (Otsu's threshold, 1979); next candidates: %g and %g", candidates[0],
+        isorender_log(job, "isovalue %g (Otsu's threshold, 1979); next candidates: %g and %g", candidates[0],
                       candidates[1], candidates[2]);
     return ISO_OK;
 }
@@ -37,7 +37,7 @@ static iso_status suggest(isorender_job *job, double *isovalue, iso_error *error
 static void warn_of_band_end(const isorender_job *job, double isovalue) {
     const iso_grid *grid = &job->volume.grid;
     if (!grid->hgrid || fabs(iso_grid_stored(grid, isovalue)) <= (double)grid->hgrid->band - 1) return;
-    isorender_say(
+    isorender_log(
         job,
         "note: isovalue %g lies within a voxel of the end of the level set's narrow band (%g mm): the "
         "surface is not exact",
@@ -140,8 +140,8 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
     iso_points_stats stats = iso_point_set_stats(surface->points);
     job->point_count += stats.points;
     job->rejected += stats.rejected;
-    isorender_detail(job, "isovalue %g: %zu points in %zu bricks, %zu rejected", surface->isovalue,
-                     stats.points, stats.bricks, stats.rejected);
+    isorender_log_verbose(job, "isovalue %g: %zu points in %zu bricks, %zu rejected", surface->isovalue,
+                          stats.points, stats.bricks, stats.rejected);
     return stats.points ? ISO_OK : fail_empty(job, surface->isovalue, error);
 }
 
@@ -153,7 +153,8 @@ static iso_status extract_mesh(isorender_job *job, isorender_surface *surface, i
     size_t triangles = iso_mesh_view_triangle_count(&view), vertices = iso_mesh_view_vertex_count(&view);
     job->triangle_count += triangles;
     job->vertex_count += vertices;
-    isorender_detail(job, "isovalue %g: %zu vertices, %zu triangles", surface->isovalue, vertices, triangles);
+    isorender_log_verbose(job, "isovalue %g: %zu vertices, %zu triangles", surface->isovalue, vertices,
+                          triangles);
     return triangles ? ISO_OK : fail_empty(job, surface->isovalue, error);
 }
 
@@ -163,8 +164,8 @@ static iso_status extract_cells(isorender_job *job, isorender_surface *surface, 
     ISO_TRY(iso_exact_update(surface->exact, error));
     iso_exact_totals totals = iso_exact_stats(surface->exact);
     job->cell_count += totals.cells;
-    isorender_detail(job, "isovalue %g: %zu cells in %zu bricks", surface->isovalue, totals.cells,
-                     totals.bricks);
+    isorender_log_verbose(job, "isovalue %g: %zu cells in %zu bricks", surface->isovalue, totals.cells,
+                          totals.bricks);
     return totals.cells ? ISO_OK : fail_empty(job, surface->isovalue, error);
 }
 

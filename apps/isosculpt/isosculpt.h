@@ -1,6 +1,6 @@
 /* isosculpt: what its parts share. */
-#ifndef ISO_APPS_ISOSCULPT_H
-#define ISO_APPS_ISOSCULPT_H
+#ifndef ISO_APPS_ISOSCULPT_ISOSCULPT_H
+#define ISO_APPS_ISOSCULPT_ISOSCULPT_H
 
 #include "apps/common/input.h"
 #include "apps/common/options.h"

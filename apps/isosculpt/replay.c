@@ -6,7 +6,7 @@
 
 #include "apps/common/json.h"
 #include "apps/common/json_parts.h"
-#include "apps/isosculpt/desk.h"
+#include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/source.h"
 #include "apps/isosculpt/view/view.h"
@@ -73,7 +73,7 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
 static void say_parts(const isosculpt_settings *settings, const isosculpt_report *report) {
     const iso_components_totals *parts = &report->parts;
     if (settings->quiet || !parts->kept) return;
-    iso_program_say(isosculpt_program(),
+    iso_program_log(isosculpt_program(),
                     "%s: kept %zu of %zu parts of the solid, dropped %zu with %.3g %% of its volume (%.6g of "
                     "%.6g mm3)",
                     report->start.source, parts->kept, parts->kept + parts->dropped, parts->dropped,
@@ -105,22 +105,22 @@ static iso_status draw(player *p, iso_error *error) {
     return add_time(&p->report->draw, isosculpt_now() - start, error);
 }
 
-static void count(isosculpt_report *report, const iso_event *event, const iso_edit_stats *made) {
+static void count(isosculpt_report *report, const iso_event *event, const iso_edit_stats *surface_isovalue) {
     report->strokes += event->kind == ISO_EVENT_BEGIN;
     report->undone += event->kind == ISO_EVENT_UNDO;
     report->samples += event->kind <= ISO_EVENT_SAMPLE;
-    report->edits.edited += made->edited;
-    report->edits.redistanced += made->redistanced;
-    report->edits.created += made->created;
-    report->edits.pruned += made->pruned;
-    report->edits.clipped |= made->clipped;
+    report->edits.edited += surface_isovalue->edited;
+    report->edits.redistanced += surface_isovalue->redistanced;
+    report->edits.created += surface_isovalue->created;
+    report->edits.pruned += surface_isovalue->pruned;
+    report->edits.clipped |= surface_isovalue->clipped;
 }
 
 static iso_status play(player *p, const iso_event *event, iso_error *error) {
-    iso_edit_stats made = {0};
+    iso_edit_stats surface_isovalue = {0};
     double start = isosculpt_now();
-    ISO_TRY(iso_session_play(p->session, event, &made, error));
-    count(p->report, event, &made);
+    ISO_TRY(iso_session_play(p->session, event, &surface_isovalue, error));
+    count(p->report, event, &surface_isovalue);
     if (event->kind > ISO_EVENT_SAMPLE) return ISO_OK;
     ISO_TRY(add_time(&p->report->edit, isosculpt_now() - start, error));
     if (p->points) ISO_TRY(extract(p, error));
@@ -243,11 +243,11 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     for (int i = 0; status != ISO_OK && i < 2; i++) iso_file_remove(p->written[i]); /* all or none */
     ISO_TRY(status);
     if (!p->settings->quiet && p->report->edits.clipped)
-        iso_program_say(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
+        iso_program_log(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
                         name_of(p->settings));
     char note[240];
     if (!p->settings->quiet && iso_mesh_report_note(&p->report->opened_mesh, note, sizeof note))
-        iso_program_say(isosculpt_program(), "%s: %s", p->settings->open, note);
+        iso_program_log(isosculpt_program(), "%s: %s", p->settings->open, note);
     return ISO_OK;
 }
 

@@ -85,28 +85,28 @@ void isosculpt_target_beside(const char *path, char target[ISOSCULPT_PATH]) {
 
 /* ---- what may be written */
 
-static iso_status check_there(const isosculpt_desk *desk, const char *path, const struct stat *about,
+static iso_status check_there(const isosculpt_document *document, const char *path, const struct stat *about,
                               iso_error *error) {
     if (S_ISDIR(about->st_mode)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: is a folder", path);
     if (!S_ISREG(about->st_mode)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: is no regular file", path);
     if (access(path, W_OK)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: cannot be written", path);
-    if (desk->target_is_own && strcmp(path, desk->target) == 0) return ISO_OK;
-    if (iso_file_same(path, desk->start.source))
+    if (document->target_is_own && strcmp(path, document->target) == 0) return ISO_OK;
+    if (iso_file_same(path, document->start.source))
         return iso_fail(error, ISO_ERR_USAGE,
                         "%.700s: this session began with that file and needs it: choose another name", path);
     return ISO_OK;
 }
 
-iso_status isosculpt_desk_check_target(const isosculpt_desk *desk, const char *path, bool *replaces,
-                                       iso_error *error) {
+iso_status isosculpt_document_check_target(const isosculpt_document *document, const char *path,
+                                           bool *replaces, iso_error *error) {
     struct stat about;
     *replaces = false;
     if (!isosculpt_can_save_as(path))
         return iso_fail(error, ISO_ERR_USAGE,
                         "%.700s: the name must end in .vdb (level set), .stl, .ply or .obj (meshes)", path);
     if (stat(path, &about)) return ISO_OK;
-    ISO_TRY(check_there(desk, path, &about, error));
-    *replaces = !desk->target_is_own || strcmp(path, desk->target) != 0;
+    ISO_TRY(check_there(document, path, &about, error));
+    *replaces = !document->target_is_own || strcmp(path, document->target) != 0;
     return ISO_OK;
 }
 
@@ -114,7 +114,7 @@ iso_status isosculpt_desk_check_target(const isosculpt_desk *desk, const char *p
 
 struct isosculpt_saver {
     isosculpt_task *task;
-    iso_hold *hold;            /* on the field */
+    iso_snapshot *snapshot;    /* on the field */
     char path[ISOSCULPT_PATH]; /* of the file itself: no symbolic link */
     size_t changes;
     bool is_export;
@@ -165,7 +165,7 @@ static iso_status write_held(isosculpt_saver *saver, const char *fresh, const is
     const iso_progress taking = iso_progress_part(progress, 0, 0.2),
                        writing = iso_progress_part(progress, 0.2, 1);
     iso_hgrid *grid;
-    ISO_TRY(iso_hold_take(saver->hold, &taking, &grid, error));
+    ISO_TRY(iso_snapshot_copy(saver->snapshot, &taking, &grid, error));
     iso_status status = is_level_set(fresh) ? iso_level_set_write_vdb(fresh, grid, "surface", &writing, error)
                                             : write_mesh(fresh, grid, &writing, error);
     iso_hgrid_destroy(grid);
@@ -184,55 +184,57 @@ static iso_status save(void *context, const iso_progress *progress, iso_error *e
 
 /* ---- a save and its end */
 
-static iso_status start(isosculpt_desk *desk, isosculpt_saver *saver, void (*wake)(void), iso_error *error) {
-    char *whole = realpath(desk->saved_as, NULL);
-    snprintf(saver->path, sizeof saver->path, "%s", whole ? whole : desk->saved_as);
+static iso_status start(isosculpt_document *document, isosculpt_saver *saver, void (*wake)(void),
+                        iso_error *error) {
+    char *whole = realpath(document->saved_as, NULL);
+    snprintf(saver->path, sizeof saver->path, "%s", whole ? whole : document->saved_as);
     free(whole);
-    saver->changes = desk->changes;
-    ISO_TRY(iso_session_hold(desk->session, &saver->hold, error));
+    saver->changes = document->changes;
+    ISO_TRY(iso_session_snapshot(document->session, &saver->snapshot, error));
     iso_status status = isosculpt_task_start(save, saver, wake, &saver->task, error);
-    if (status != ISO_OK) iso_session_release(desk->session, saver->hold);
+    if (status != ISO_OK) iso_session_release_snapshot(document->session, saver->snapshot);
     return status;
 }
 
-iso_status isosculpt_desk_save(isosculpt_desk *desk, const isosculpt_save_opts *opts, iso_error *error) {
+iso_status isosculpt_document_save(isosculpt_document *document, const isosculpt_save_opts *opts,
+                                   iso_error *error) {
     bool replaces;
-    const char *path = opts->path ? opts->path : desk->target;
-    if (desk->saver) return iso_fail(error, ISO_ERR_USAGE, "the last save is still running");
-    ISO_TRY(isosculpt_desk_check_target(desk, path, &replaces, error));
+    const char *path = opts->path ? opts->path : document->target;
+    if (document->saver) return iso_fail(error, ISO_ERR_USAGE, "the last save is still running");
+    ISO_TRY(isosculpt_document_check_target(document, path, &replaces, error));
     isosculpt_saver *saver = calloc(1, sizeof *saver);
     if (!saver) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for saving");
-    if (path != desk->saved_as) snprintf(desk->saved_as, sizeof desk->saved_as, "%s", path);
+    if (path != document->saved_as) snprintf(document->saved_as, sizeof document->saved_as, "%s", path);
     saver->is_export = opts->is_export;
-    iso_status status = start(desk, saver, opts->wake, error);
+    iso_status status = start(document, saver, opts->wake, error);
     if (status != ISO_OK) {
         free(saver);
         return status;
     }
-    desk->saver = saver;
+    document->saver = saver;
     if (opts->is_export) return ISO_OK;
-    desk->target_is_own &= strcmp(desk->saved_as, desk->target) == 0;
-    memcpy(desk->target, desk->saved_as, sizeof desk->target);
+    document->target_is_own &= strcmp(document->saved_as, document->target) == 0;
+    memcpy(document->target, document->saved_as, sizeof document->target);
     return ISO_OK;
 }
 
-isosculpt_task *isosculpt_desk_save_task(const isosculpt_desk *desk) {
-    return desk->saver ? desk->saver->task : NULL;
+isosculpt_task *isosculpt_document_save_task(const isosculpt_document *document) {
+    return document->saver ? document->saver->task : NULL;
 }
 
-isosculpt_saving isosculpt_desk_saving(isosculpt_desk *desk, bool wait, iso_status *status,
-                                       iso_error *error) {
-    isosculpt_saver *saver = desk->saver;
+isosculpt_saving isosculpt_document_saving(isosculpt_document *document, bool wait, iso_status *status,
+                                           iso_error *error) {
+    isosculpt_saver *saver = document->saver;
     if (!saver) return ISOSCULPT_SAVE_IDLE;
     if (!wait && !isosculpt_task_done(saver->task)) return ISOSCULPT_SAVE_RUNNING;
     const iso_status saved = isosculpt_task_finish(saver->task, error);
     if (saved == ISO_OK && !saver->is_export) {
-        desk->saved = saver->changes;
-        desk->target_is_own = true;
+        document->saved = saver->changes;
+        document->target_is_own = true;
     }
     if (status) *status = saved;
-    iso_session_release(desk->session, saver->hold);
+    iso_session_release_snapshot(document->session, saver->snapshot);
     free(saver);
-    desk->saver = NULL;
+    document->saver = NULL;
     return ISOSCULPT_SAVE_DONE;
 }

@@ -3,7 +3,7 @@
 #ifndef ISO_APPS_ISOSCULPT_SAVE_H
 #define ISO_APPS_ISOSCULPT_SAVE_H
 
-#include "apps/isosculpt/desk.h"
+#include "apps/isosculpt/document.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -26,8 +26,8 @@ bool isosculpt_target_with(const char *target, const char *ending, char path[ISO
 /* Whether saving to `path` is allowed. ISO_ERR_USAGE: the extension, or the file is the one that the session
  * began with; ISO_ERR_WRITE: a folder, no regular file, or read-only. *replaces: there is a file that this
  * session did not write, so that its user has to be asked. */
-iso_status isosculpt_desk_check_target(const isosculpt_desk *desk, const char *path, bool *replaces,
-                                       iso_error *error);
+iso_status isosculpt_document_check_target(const isosculpt_document *document, const char *path,
+                                           bool *replaces, iso_error *error);
 
 typedef struct isosculpt_save_opts {
     const char *path;   /* copied; NULL: the desk's target */
@@ -37,10 +37,11 @@ typedef struct isosculpt_save_opts {
 
 /* Begins to save the field as it is, in a thread of its own: the file appears whole, what was there becomes
  * PATH.bak. A path becomes the desk's target. ISO_ERR_USAGE while a save is running or a stroke is drawn, or
- * as isosculpt_desk_check_target; ISO_ERR_NOMEM. */
-iso_status isosculpt_desk_save(isosculpt_desk *desk, const isosculpt_save_opts *opts, iso_error *error);
+ * as isosculpt_document_check_target; ISO_ERR_NOMEM. */
+iso_status isosculpt_document_save(isosculpt_document *document, const isosculpt_save_opts *opts,
+                                   iso_error *error);
 /* The save that is running, to ask or to cancel: then there is no new file. NULL: none. */
-isosculpt_task *isosculpt_desk_save_task(const isosculpt_desk *desk);
+isosculpt_task *isosculpt_document_save_task(const isosculpt_document *document);
 
 typedef enum isosculpt_saving {
     ISOSCULPT_SAVE_IDLE,
@@ -49,7 +50,8 @@ typedef enum isosculpt_saving {
 } isosculpt_saving;
 /* How the save stands; DONE once, with *status and *error its outcome; desk->saved_as names the file. `wait`:
  * until it is done. */
-isosculpt_saving isosculpt_desk_saving(isosculpt_desk *desk, bool wait, iso_status *status, iso_error *error);
+isosculpt_saving isosculpt_document_saving(isosculpt_document *document, bool wait, iso_status *status,
+                                           iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -234,7 +234,7 @@ static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, 
     iso_volume volume;
     ISO_TRY(iso_input_read(source->path, source->input ? source->input : &by_default, &opts, &volume, error));
     for (int i = 0; source->notes && i < volume.info.note_count; i++)
-        iso_program_say(isosculpt_program(), "%s: note: %s", source->path, volume.info.notes[i]);
+        iso_program_log(isosculpt_program(), "%s: note: %s", source->path, volume.info.notes[i]);
     iso_status status = from_grid(source, &volume.grid, grid, error);
     iso_volume_free(&volume);
     return status;

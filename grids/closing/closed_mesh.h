@@ -9,8 +9,8 @@
  *    and cracks whatever their length.
  *
  * Anything else is an error: there is no solid. */
-#ifndef ISO_GRIDS_CLOSED_MESH_H
-#define ISO_GRIDS_CLOSED_MESH_H
+#ifndef ISO_GRIDS_CLOSING_CLOSED_MESH_H
+#define ISO_GRIDS_CLOSING_CLOSED_MESH_H
 
 #include "base/primitives.h"
 #include "base/progress.h"

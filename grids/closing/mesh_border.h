@@ -5,8 +5,8 @@
  * triangle faces; so all regions are known but for one constant. A face without open edges is not cut: its
  * number is 0. Where all six faces are cut the smallest number is 0: the triangles are taken to face out of
  * the solid. The caps are the regions with other numbers. */
-#ifndef ISO_GRIDS_MESH_BORDER_H
-#define ISO_GRIDS_MESH_BORDER_H
+#ifndef ISO_GRIDS_CLOSING_MESH_BORDER_H
+#define ISO_GRIDS_CLOSING_MESH_BORDER_H
 
 #include "base/primitives.h"
 #include "base/status.h"

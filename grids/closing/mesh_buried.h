@@ -1,6 +1,6 @@
 /* mesh_buried: distances in a solid whose mesh has surfaces inside of it, as where parts overlap. */
-#ifndef ISO_GRIDS_MESH_BURIED_H
-#define ISO_GRIDS_MESH_BURIED_H
+#ifndef ISO_GRIDS_CLOSING_MESH_BURIED_H
+#define ISO_GRIDS_CLOSING_MESH_BURIED_H
 
 #include "base/parallel.h"
 #include "grids/closing/closed_mesh.h"

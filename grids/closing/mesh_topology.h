@@ -1,6 +1,6 @@
 /* mesh_topology: a triangle mesh whose corners are shared, and where it is open. */
-#ifndef ISO_GRIDS_MESH_TOPOLOGY_H
-#define ISO_GRIDS_MESH_TOPOLOGY_H
+#ifndef ISO_GRIDS_CLOSING_MESH_TOPOLOGY_H
+#define ISO_GRIDS_CLOSING_MESH_TOPOLOGY_H
 
 #include "base/primitives.h"
 #include "base/status.h"

@@ -6,8 +6,8 @@
  *
  * Building takes O(n log n), a query O(log n) where the triangles are spread evenly. No function of libm is
  * used whose result depends on the machine. Queries are thread-safe. */
-#ifndef ISO_GRIDS_TRIANGLE_TREE_H
-#define ISO_GRIDS_TRIANGLE_TREE_H
+#ifndef ISO_GRIDS_CLOSING_TRIANGLE_TREE_H
+#define ISO_GRIDS_CLOSING_TRIANGLE_TREE_H
 
 #include <stddef.h>
 

@@ -2,8 +2,8 @@
  *
  * The grid is given one more layer of voxels on every side, so far outside the solid that the surface crosses
  * within 1e-3 voxel of the border's samples: the cap lies there, flat, and bounds stay. */
-#ifndef ISO_GRIDS_CLOSED_H
-#define ISO_GRIDS_CLOSED_H
+#ifndef ISO_GRIDS_PARTS_CLOSED_H
+#define ISO_GRIDS_PARTS_CLOSED_H
 
 #include "base/parallel.h"
 #include "grids/grid.h"

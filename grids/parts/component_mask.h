@@ -1,8 +1,8 @@
 /* component_mask: which voxels of a row lie in a range of values, one bit a voxel. Internal to the library.
  *
  * The same bits at every instruction set. Thread-safe. */
-#ifndef ISO_GRIDS_COMPONENT_MASK_H
-#define ISO_GRIDS_COMPONENT_MASK_H
+#ifndef ISO_GRIDS_PARTS_COMPONENT_MASK_H
+#define ISO_GRIDS_PARTS_COMPONENT_MASK_H
 
 #include <stdbool.h>
 #include <stdint.h>

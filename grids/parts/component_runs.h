@@ -5,8 +5,8 @@
  * union always keeps the lower run, so that components are numbered by their first voxel in x-fastest order,
  * for every number of threads. (Run-based union-find: He, Chao and Suzuki 2008, "A run-based two-scan
  * labeling algorithm", in three dimensions.) */
-#ifndef ISO_GRIDS_COMPONENT_RUNS_H
-#define ISO_GRIDS_COMPONENT_RUNS_H
+#ifndef ISO_GRIDS_PARTS_COMPONENT_RUNS_H
+#define ISO_GRIDS_PARTS_COMPONENT_RUNS_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -6,8 +6,8 @@
  * Cubes joins them (extract/mesh/mesh.h). The volume of a part is its number of voxels times a voxel's
  * volume; parts are ordered by volume, the largest first, and equal ones by their first voxel in x-fastest
  * order. */
-#ifndef ISO_GRIDS_COMPONENTS_H
-#define ISO_GRIDS_COMPONENTS_H
+#ifndef ISO_GRIDS_PARTS_COMPONENTS_H
+#define ISO_GRIDS_PARTS_COMPONENTS_H
 
 #include "base/parallel.h"
 #include "grids/grid.h"

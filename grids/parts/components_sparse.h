@@ -1,6 +1,6 @@
 /* components_sparse: removes parts of the solid from a level set. Internal to the library. */
-#ifndef ISO_GRIDS_COMPONENTS_SPARSE_H
-#define ISO_GRIDS_COMPONENTS_SPARSE_H
+#ifndef ISO_GRIDS_PARTS_COMPONENTS_SPARSE_H
+#define ISO_GRIDS_PARTS_COMPONENTS_SPARSE_H
 
 #include "grids/parts/component_runs.h"
 

@@ -1,6 +1,6 @@
 /* scene_parts: what grids/scenes/scenes.c is made of. Private to the scenes. */
-#ifndef ISO_GRIDS_SCENE_PARTS_H
-#define ISO_GRIDS_SCENE_PARTS_H
+#ifndef ISO_GRIDS_SCENES_SCENE_PARTS_H
+#define ISO_GRIDS_SCENES_SCENE_PARTS_H
 
 #include "grids/scenes/scenes.h"
 

@@ -17,8 +17,8 @@
  *
  * The same bytes on every machine and for every thread count. Source of the shapes: the prototypes'
  * descriptions and Baerentzen and Christensen 2003. */
-#ifndef ISO_GRIDS_SCENES_H
-#define ISO_GRIDS_SCENES_H
+#ifndef ISO_GRIDS_SCENES_SCENES_H
+#define ISO_GRIDS_SCENES_SCENES_H
 
 #include "base/parallel.h"
 #include "grids/grid.h"

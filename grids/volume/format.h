@@ -13,8 +13,8 @@
  *
  * volume.c checks what `info` says (dims, directions, component), applies opts->spacing to info->transform
  * and fills `bytes` and `read_bytes` where they are left 0 (dense grid; nothing but the grid). */
-#ifndef ISO_GRIDS_FORMAT_H
-#define ISO_GRIDS_FORMAT_H
+#ifndef ISO_GRIDS_VOLUME_FORMAT_H
+#define ISO_GRIDS_VOLUME_FORMAT_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* level_set_vdb: what OpenVDB's module does beside reading. */
-#ifndef ISO_GRIDS_LEVEL_SET_VDB_HPP
-#define ISO_GRIDS_LEVEL_SET_VDB_HPP
+#ifndef ISO_GRIDS_VOLUME_LEVEL_SET_VDB_HPP
+#define ISO_GRIDS_VOLUME_LEVEL_SET_VDB_HPP
 
 #include <cstdio>
 

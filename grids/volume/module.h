@@ -11,8 +11,8 @@
  * shared library or where the installation has it as seen from a program in bin/, else where it was
  * installed. Nothing is kept here: the dynamic linker knows what it has loaded, and no module is ever
  * unloaded. */
-#ifndef ISO_GRIDS_MODULE_H
-#define ISO_GRIDS_MODULE_H
+#ifndef ISO_GRIDS_VOLUME_MODULE_H
+#define ISO_GRIDS_VOLUME_MODULE_H
 
 #include <stdio.h>
 

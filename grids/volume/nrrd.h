@@ -3,8 +3,8 @@
  * The format: https://teem.sourceforge.net/nrrd/format.html. A header is a magic line and then lines "field:
  * value", "key:=value" and "# comment", up to an empty line, after which the array follows unless `data file`
  * names where it is. Everything in it is checked here before it is used. */
-#ifndef ISO_GRIDS_NRRD_H
-#define ISO_GRIDS_NRRD_H
+#ifndef ISO_GRIDS_VOLUME_NRRD_H
+#define ISO_GRIDS_VOLUME_NRRD_H
 
 #include <stdbool.h>
 #include <stddef.h>

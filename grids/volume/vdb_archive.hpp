@@ -4,8 +4,8 @@
  *
  * What OpenVDB would believe is checked before: lengths of strings and metadata (vdb_lengths.hpp), the layout
  * of trees and the memory that they take (vdb_check.h). Functions throw what OpenVDB and the stream throw. */
-#ifndef ISO_GRIDS_VDB_ARCHIVE_HPP
-#define ISO_GRIDS_VDB_ARCHIVE_HPP
+#ifndef ISO_GRIDS_VOLUME_VDB_ARCHIVE_HPP
+#define ISO_GRIDS_VOLUME_VDB_ARCHIVE_HPP
 
 #include <fstream>
 #include <string>

@@ -2,8 +2,8 @@
  *
  * That reader believes the length of a block of values that is not compressed and reads as much into memory
  * that it sized by counting bits elsewhere: one flipped bit overwrites the heap. */
-#ifndef ISO_GRIDS_VDB_CHECK_H
-#define ISO_GRIDS_VDB_CHECK_H
+#ifndef ISO_GRIDS_VOLUME_VDB_CHECK_H
+#define ISO_GRIDS_VOLUME_VDB_CHECK_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -4,8 +4,8 @@
  * what OpenVDB is about to read and puts the stream back. It throws std::ios_base::failure where the file
  * ends first (the stream must do so as well) and openvdb::IoError where lengths contradict one another or the
  * headers take more memory than any right file's do. */
-#ifndef ISO_GRIDS_VDB_LENGTHS_HPP
-#define ISO_GRIDS_VDB_LENGTHS_HPP
+#ifndef ISO_GRIDS_VOLUME_VDB_LENGTHS_HPP
+#define ISO_GRIDS_VOLUME_VDB_LENGTHS_HPP
 
 #include <cstdint>
 #include <istream>

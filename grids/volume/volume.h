@@ -13,8 +13,8 @@
  * become hgrids; every other grid an rgrid over its active bounding box. A format library that is not built
  * in gives ISO_ERR_UNSUPPORTED. Everything here is thread-safe on different files; callbacks come from the
  * calling thread. */
-#ifndef ISO_GRIDS_VOLUME_H
-#define ISO_GRIDS_VOLUME_H
+#ifndef ISO_GRIDS_VOLUME_VOLUME_H
+#define ISO_GRIDS_VOLUME_VOLUME_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -3,8 +3,8 @@
  * VTK's reader takes as many block sizes, and as much memory for a block, as the header of a compressed array
  * names, and looks at the data afterwards. It also keeps an object for every element of the XML, frees them
  * recursively, and looks for attributes one by one. */
-#ifndef ISO_GRIDS_VTI_CHECK_H
-#define ISO_GRIDS_VTI_CHECK_H
+#ifndef ISO_GRIDS_VOLUME_VTI_CHECK_H
+#define ISO_GRIDS_VOLUME_VTI_CHECK_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -39,7 +39,7 @@ iso_surfel iso_point_unpack(iso_point point) {
     return surfel;
 }
 
-void iso_shape_frame(const float n[3], float u[3], float v[3]) {
+void iso_curvature_frame(const float n[3], float u[3], float v[3]) {
     const float sign = copysignf(1, n[2]), a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
     u[0] = 1 + sign * (n[0] * n[0] * a);
     u[1] = sign * b;
@@ -50,30 +50,30 @@ void iso_shape_frame(const float n[3], float u[3], float v[3]) {
 }
 
 static int16_t shape_steps(float value) {
-    const float per_voxel = 1 / (ISO_SHAPE_STEP * (1 << ISO_SHAPE_LOW_BITS));
-    return (int16_t)(((int32_t)(value * per_voxel + 2048.5f) - 2048) * (1 << ISO_SHAPE_LOW_BITS));
+    const float per_voxel = 1 / (ISO_CURVATURE_STEP * (1 << ISO_CURVATURE_LOW_BITS));
+    return (int16_t)(((int32_t)(value * per_voxel + 2048.5f) - 2048) * (1 << ISO_CURVATURE_LOW_BITS));
 }
 
-iso_shape iso_shape_pack(float uu, float uv, float vv) {
+iso_curvature iso_curvature_pack(float uu, float uv, float vv) {
     float norm = sqrtf(uu * uu + 2 * (uv * uv) + vv * vv);
-    if (!(norm < 1e15f)) return (iso_shape){0};
-    float scale = norm > ISO_SHAPE_MOST ? ISO_SHAPE_MOST / norm : 1;
-    return (iso_shape){shape_steps(uu * scale), shape_steps(uv * scale), shape_steps(vv * scale), 0};
+    if (!(norm < 1e15f)) return (iso_curvature){0};
+    float scale = norm > ISO_CURVATURE_MOST ? ISO_CURVATURE_MOST / norm : 1;
+    return (iso_curvature){shape_steps(uu * scale), shape_steps(uv * scale), shape_steps(vv * scale), 0};
 }
 
-void iso_shape_unpack(iso_shape shape, float s[3], float tilt[2]) {
-    const int entry[3] = {shape.uu, shape.uv, shape.vv}, low = (1 << ISO_SHAPE_LOW_BITS) - 1,
-              most = ISO_SHAPE_TILT_STEPS;
+void iso_curvature_unpack(iso_curvature shape, float s[3], float tilt[2]) {
+    const int entry[3] = {shape.uu, shape.uv, shape.vv}, low = (1 << ISO_CURVATURE_LOW_BITS) - 1,
+              most = ISO_CURVATURE_TILT_STEPS;
     int bits = 0;
     for (int k = 0; k < 3; k++) {
-        s[k] = (float)(entry[k] - (entry[k] & low)) * ISO_SHAPE_STEP;
-        bits |= (entry[k] & low) << (ISO_SHAPE_LOW_BITS * k);
+        s[k] = (float)(entry[k] - (entry[k] & low)) * ISO_CURVATURE_STEP;
+        bits |= (entry[k] & low) << (ISO_CURVATURE_LOW_BITS * k);
     }
     for (int k = 0; k < 2; k++) {
-        int steps = bits >> (ISO_SHAPE_TILT_BITS * k) & (2 * most + 1);
+        int steps = bits >> (ISO_CURVATURE_TILT_BITS * k) & (2 * most + 1);
         if (steps > most) steps -= 2 * most + 2;
         tilt[k] =
-            (float)(steps * (steps < 0 ? -steps : steps)) * (ISO_SHAPE_TILT_MOST / (float)(most * most));
+            (float)(steps * (steps < 0 ? -steps : steps)) * (ISO_CURVATURE_TILT_MOST / (float)(most * most));
     }
 }
 

@@ -40,33 +40,33 @@ iso_point iso_point_pack_scaled(const iso_surfel *surfel);
 iso_surfel iso_point_unpack(iso_point point);
 
 /* How a surface bends at a point, in 8 bytes: its shape operator S (second fundamental form) in index space,
- * symmetric, in the frame (u, v) that iso_shape_frame makes of the point's normal as iso_point_view_get gives
- * it. A step q along the surface turns the outward normal by S q: entries are in 1 / voxel, positive where
- * the surface is convex (1 / r on a sphere). Steps of ISO_SHAPE_STEP; norms are clamped to ISO_SHAPE_MOST.
- * Entries are multiples of 32 steps: their low five bits are the tilt's. */
-typedef struct iso_shape {
+ * symmetric, in the frame (u, v) that iso_curvature_frame makes of the point's normal as iso_point_view_get
+ * gives it. A step q along the surface turns the outward normal by S q: entries are in 1 / voxel, positive
+ * where the surface is convex (1 / r on a sphere). Steps of ISO_CURVATURE_STEP; norms are clamped to
+ * ISO_CURVATURE_MOST. Entries are multiples of 32 steps: their low five bits are the tilt's. */
+typedef struct iso_curvature {
     int16_t uu, uv, vv;
     uint16_t ends; /* 0: not known, or not an edge point. See below. */
-} iso_shape;
+} iso_curvature;
 
 /* How the surface around an edge point lies against the point's normal, which comes from gradients over two
  * voxels: its own is along normal + tilt[0] u + tilt[1] v. From the low bits of uu on, then uv's and vv's,
- * two numbers k of 7 bits in two's complement, -63 .. 63: tilt = k |k| ISO_SHAPE_TILT_MOST / 63^2. */
+ * two numbers k of 7 bits in two's complement, -63 .. 63: tilt = k |k| ISO_CURVATURE_TILT_MOST / 63^2. */
 
 /* How far the surface goes on from an edge point, in the faces of the cells around its edge, until it comes
  * to another edge of the face: from bit 0 on, voxels 0..1 down and up along the first of the axes at right
  * angles to the edge, and along the second, in steps of 1 / 7, rounded up; from bit 12 on, 1 + the edge's
  * axis; from bit 14 on, how many quarters of its size a disc with this shape must do without if it is not to
  * be too far outside the surface. */
-#define ISO_SHAPE_MOST 4.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */
+#define ISO_CURVATURE_MOST 4.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */
 
 /* Two unit vectors at right angles to a unit normal and to each other, u x v = normal (Duff et al. 2017,
  * "Building an orthonormal basis, revisited"). */
-void iso_shape_frame(const float normal[3], float u[3], float v[3]);
+void iso_curvature_frame(const float normal[3], float u[3], float v[3]);
 /* Nearest, with the norm clamped; all 0 when an entry is not finite. */
-iso_shape iso_shape_pack(float uu, float uv, float vv);
+iso_curvature iso_curvature_pack(float uu, float uv, float vv);
 /* uu, uv, vv in 1 / voxel, and the tilt. */
-void iso_shape_unpack(iso_shape shape, float s[3], float tilt[2]);
+void iso_curvature_unpack(iso_curvature shape, float s[3], float tilt[2]);
 
 /* The primitives of one brick. */
 typedef struct iso_point_span {
@@ -87,8 +87,8 @@ typedef struct iso_point_bounds {
 typedef struct iso_point_view {
     const iso_point *packed;
     const iso_surfel *surfels;
-    const iso_shape *shapes; /* per point, indexed like the points; NULL: points are flat */
-    const float *radii;      /* per point, mm, indexed like the points; NULL: `radius` holds for all */
+    const iso_curvature *shapes; /* per point, indexed like the points; NULL: points are flat */
+    const float *radii;          /* per point, mm, indexed like the points; NULL: `radius` holds for all */
     const iso_point_span *spans;
     size_t span_count;
     iso_transform transform;

@@ -4,8 +4,8 @@
  * time. The corner values of a block's crossed cells are kept as the grid stores them, in planes: all first
  * corners, all second ones .. (bit 0 of a corner's number is +x, bit 1 +y, bit 2 +z), each plane padded with
  * zeros to whole groups of ISO_EXACT_GROUP cells. Cells are in the order z, y, x, x fastest. */
-#ifndef ISO_TRUTH_EXACT_CELLS_H
-#define ISO_TRUTH_EXACT_CELLS_H
+#ifndef ISO_EXACT_CELLS_H
+#define ISO_EXACT_CELLS_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -8,8 +8,8 @@
  * Sloan 1998, "Interactive ray tracing for isosurface rendering", whose cubic per cell this solves, and
  * Westover 1990, "Footprint evaluation for volume rendering", whose front-to-back order over cells it uses.
  */
-#ifndef ISO_TRUTH_EXACT_H
-#define ISO_TRUTH_EXACT_H
+#ifndef ISO_EXACT_EXACT_H
+#define ISO_EXACT_EXACT_H
 
 #include "base/parallel.h"
 #include "grids/grid.h"

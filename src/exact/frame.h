@@ -5,8 +5,8 @@
  * block, cells from the block's centre, rays from the cell's centre, depths from the grid's middle. What is
  * large (the block's place in view space, the eye in index space) is computed in double. Pixels count from
  * the optical axis before anything else, so that strips of a picture are the same bytes as the whole. */
-#ifndef ISO_TRUTH_EXACT_FRAME_H
-#define ISO_TRUTH_EXACT_FRAME_H
+#ifndef ISO_EXACT_FRAME_H
+#define ISO_EXACT_FRAME_H
 
 #include "exact/gradient.h"
 #include "exact/set.h"

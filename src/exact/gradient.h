@@ -1,6 +1,6 @@
 /* exact_gradient: gradients at the corners of a cell, as raycast interpolates them. Internal to truth. */
-#ifndef ISO_TRUTH_EXACT_GRADIENT_H
-#define ISO_TRUTH_EXACT_GRADIENT_H
+#ifndef ISO_EXACT_GRADIENT_H
+#define ISO_EXACT_GRADIENT_H
 
 #include "base/cpu.h"
 #include "grids/grid.h"

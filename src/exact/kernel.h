@@ -5,8 +5,8 @@
  * of pixels, and the pixels that it fills wait in a queue, from any cells and blocks, until there are enough
  * of them to find roots and normals as whole vectors. Blocks and cells come front to back, so the first
  * crossing that a pixel meets is the nearest one: a bit per pixel says that it is still free. */
-#ifndef ISO_TRUTH_EXACT_KERNEL_H
-#define ISO_TRUTH_EXACT_KERNEL_H
+#ifndef ISO_EXACT_KERNEL_H
+#define ISO_EXACT_KERNEL_H
 
 #include <stdalign.h>
 

@@ -1,6 +1,6 @@
 /* exact_set: the crossed cells of a grid, by brick, and the order to go through them. Internal to truth. */
-#ifndef ISO_TRUTH_EXACT_SET_H
-#define ISO_TRUTH_EXACT_SET_H
+#ifndef ISO_EXACT_SET_H
+#define ISO_EXACT_SET_H
 
 #include "exact/cells.h"
 #include "exact/exact.h"

@@ -19,26 +19,26 @@ typedef struct lattice {
 } lattice;
 
 /* `bricks`: with the one to spare at either end. */
-static iso_status lattice_create(int side, int bricks, lattice *made, iso_error *error) {
+static iso_status lattice_create(int side, int bricks, lattice *surface_isovalue, iso_error *error) {
     int count = bricks * ISO_BRICK;
-    *made = (lattice){.spacing = 2.0f / (float)side,
-                      .place = calloc((size_t)count, sizeof(float)),
-                      .bump = calloc((size_t)count, sizeof(float))};
-    if (!made->place || !made->bump) {
-        free(made->place);
-        free(made->bump);
+    *surface_isovalue = (lattice){.spacing = 2.0f / (float)side,
+                                  .place = calloc((size_t)count, sizeof(float)),
+                                  .bump = calloc((size_t)count, sizeof(float))};
+    if (!surface_isovalue->place || !surface_isovalue->bump) {
+        free(surface_isovalue->place);
+        free(surface_isovalue->bump);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     }
     for (int i = 0; i < count; i++) {
-        made->place[i] = -1 + (float)(i - ISO_BRICK) * made->spacing;
-        made->bump[i] = sinf(11 * made->place[i]);
+        surface_isovalue->place[i] = -1 + (float)(i - ISO_BRICK) * surface_isovalue->spacing;
+        surface_isovalue->bump[i] = sinf(11 * surface_isovalue->place[i]);
     }
     return ISO_OK;
 }
 
-static void lattice_free(lattice *made) {
-    free(made->place);
-    free(made->bump);
+static void lattice_free(lattice *surface_isovalue) {
+    free(surface_isovalue->place);
+    free(surface_isovalue->bump);
 }
 
 /* Between the sphere of radius 0.68 and the ring of radii 0.86 and 0.05, tilted about z. */
@@ -141,7 +141,8 @@ typedef struct gathering {
 static iso_status make_room(gathering *all, const iso_point_view *view, iso_error *error) {
     size_t had = all->point_count, has = had + iso_point_view_count(view);
     ISO_TRY(iso_buffer_reserve(&all->points, has * sizeof(iso_point), had * sizeof(iso_point), error));
-    ISO_TRY(iso_buffer_reserve(&all->shapes, has * sizeof(iso_shape), had * sizeof(iso_shape), error));
+    ISO_TRY(
+        iso_buffer_reserve(&all->shapes, has * sizeof(iso_curvature), had * sizeof(iso_curvature), error));
     return iso_buffer_reserve(&all->spans, (all->span_count + view->span_count) * sizeof(iso_point_span),
                               all->span_count * sizeof(iso_point_span), error);
 }
@@ -150,7 +151,7 @@ static iso_status make_room(gathering *all, const iso_point_view *view, iso_erro
 static iso_status keep_spans(gathering *all, const piece *p, const iso_point_view *view, iso_error *error) {
     ISO_TRY(make_room(all, view, error));
     iso_point *points = all->points.data;
-    iso_shape *shapes = all->shapes.data;
+    iso_curvature *shapes = all->shapes.data;
     iso_point_span *spans = all->spans.data;
     for (size_t s = 0; s < view->span_count; s++) {
         iso_point_span span = view->spans[s];

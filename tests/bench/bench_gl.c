@@ -47,7 +47,7 @@ void bench_gl_close(bench_gl *gl) {
 
 /* What a row's frames have, beside what all have. */
 struct bench_gl_frame {
-    iso_gl_shape *shape;
+    iso_gl_surface *shape;
     double seconds[ISO_GL_PASSES]; /* of the fastest so far: the first ones are compiled */
 };
 
@@ -71,7 +71,7 @@ static iso_status open_mesh(bench_frame *frame, iso_error *error) {
 }
 
 static void close_gl(bench_frame *frame) {
-    if (frame->gl_frame) iso_gl_shape_destroy(frame->gl_frame->shape);
+    if (frame->gl_frame) iso_gl_surface_destroy(frame->gl_frame->shape);
     free(frame->gl_frame);
 }
 
@@ -88,14 +88,14 @@ static iso_status take_seconds(bench_frame *frame, iso_status status) {
 }
 
 static iso_status draw_shape(bench_frame *frame, const iso_target *target, iso_error *error) {
-    const iso_gl_shape *shape = frame->gl_frame->shape;
+    const iso_gl_surface *shape = frame->gl_frame->shape;
     const iso_gl_draw_opts opts = {.view = target->view, .shapes = &shape, .shape_count = 1};
     return take_seconds(frame, iso_gl_draw(frame->gl->engine, &opts, target->gbuffer, error));
 }
 
 static iso_status fill(bench_frame *frame, const iso_target *target, iso_reconstruction reconstruction,
                        iso_error *error) {
-    const iso_gl_shape *shape = frame->gl_frame->shape;
+    const iso_gl_surface *shape = frame->gl_frame->shape;
     const iso_gl_pullpush_opts opts = {target->view, &shape, 1, reconstruction};
     return take_seconds(frame, iso_gl_draw_pullpush(frame->gl->engine, &opts, target->gbuffer, error));
 }

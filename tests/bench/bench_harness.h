@@ -157,7 +157,7 @@ iso_status bench_process_groups(bench_state *bench, iso_error *error);
 /* From a file to a picture: the end of bench_render. */
 iso_status bench_picture_group(bench_state *bench, iso_error *error);
 /* From the hand to the picture: the end of bench_sculpt. */
-iso_status bench_hand_group(bench_state *bench, iso_error *error);
+iso_status bench_controller_group(bench_state *bench, iso_error *error);
 
 /* What the hidden options do in a process of its own; the exit status. */
 int bench_vtk_child(const bench_settings *settings);

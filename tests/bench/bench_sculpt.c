@@ -214,5 +214,5 @@ iso_status bench_sculpt(bench_state *bench, iso_error *error) {
         status = bench_run_group(bench, "a touch that adds a sphere, and the points it changed", error);
     }
     bench_scene_drop_head(bench->scenes);
-    return status == ISO_OK ? bench_hand_group(bench, error) : status;
+    return status == ISO_OK ? bench_controller_group(bench, error) : status;
 }

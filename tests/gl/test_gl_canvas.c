@@ -13,7 +13,7 @@
 #include "gl_support.h"
 #include "grids/scenes/scenes.h"
 #include "render/gl/canvas.h"
-#include "render/gl/shape.h"
+#include "render/gl/surface.h"
 #include "render/picture.h"
 #include "render/raster/raster.h"
 
@@ -88,7 +88,7 @@ static iso_image cpu_picture(const subject *s, draw_method method, int factor) {
 
 typedef struct easel {
     iso_gl_engine *engine;
-    iso_gl_shape *points, *mesh;
+    iso_gl_surface *points, *mesh;
     iso_gl_canvas *canvas;
 } easel;
 
@@ -105,8 +105,8 @@ static easel make_easel(iso_gl_context *context, const subject *s) {
 
 static void free_easel(easel *e) {
     iso_gl_canvas_destroy(e->canvas);
-    iso_gl_shape_destroy(e->points);
-    iso_gl_shape_destroy(e->mesh);
+    iso_gl_surface_destroy(e->points);
+    iso_gl_surface_destroy(e->mesh);
     iso_gl_engine_destroy(e->engine);
 }
 
@@ -118,7 +118,7 @@ static iso_view samples_of(const subject *s, int factor) {
 static iso_status paint_canvas(const easel *e, const subject *s, draw_method method,
                                const iso_gl_paint *paint, iso_error *error) {
     const iso_view view = samples_of(s, paint->factor);
-    const iso_gl_shape *shape = method == MESH ? e->mesh : e->points;
+    const iso_gl_surface *shape = method == MESH ? e->mesh : e->points;
     const iso_gl_draw_opts draw = {.view = &view, .shapes = &shape, .shape_count = 1};
     const iso_gl_pullpush_opts pullpush = {&view, &shape, 1, reconstruction_of(method)};
     return method >= GAUSSIAN ? iso_gl_canvas_draw_pullpush(e->canvas, &pullpush, paint, error)
@@ -207,7 +207,7 @@ static void picks_are_the_samples(iso_gl_context *context) {
     subject s = make_subject();
     easel e = make_easel(context, &s);
     const iso_view view = samples_of(&s, 1);
-    const iso_gl_shape *shape = e.mesh;
+    const iso_gl_surface *shape = e.mesh;
     const iso_gl_draw_opts opts = {.view = &view, .shapes = &shape, .shape_count = 1};
     const iso_gl_paint once = lamps(1), finer = lamps(2);
     iso_gbuffer g = gl_gbuffer(&view);

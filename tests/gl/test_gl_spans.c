@@ -13,8 +13,8 @@
 #include "extract_support.h"
 #include "gl_support.h"
 #include "grids/scenes/scenes.h"
-#include "render/gl/shape.h"
 #include "render/gl/strips.h"
+#include "render/gl/surface.h"
 
 static iso_gl_engine *make_engine(iso_gl_context *context) {
     iso_gl_engine *engine;
@@ -22,7 +22,7 @@ static iso_gl_engine *make_engine(iso_gl_context *context) {
     return engine;
 }
 
-static iso_gbuffer draw(iso_gl_engine *engine, const iso_gl_shape *shape, const iso_view *view) {
+static iso_gbuffer draw(iso_gl_engine *engine, const iso_gl_surface *shape, const iso_view *view) {
     iso_gbuffer g = gl_gbuffer(view);
     iso_error error = {ISO_OK, ""};
     const iso_gl_draw_opts opts = {.view = view, .shapes = &shape, .shape_count = 1};
@@ -155,10 +155,10 @@ static void strips_draw_the_same_picture(void **state) {
     iso_mesh_view mesh = iso_mesh_set_view(set);
     for (int c = 0; c < contexts.count; c++) {
         iso_gl_engine *engine = make_engine(contexts.context[c]);
-        iso_gl_shape *indexed, *stripped;
+        iso_gl_surface *indexed, *stripped;
         assert_int_equal(iso_gl_upload_mesh(engine, &mesh, &indexed, NULL), ISO_OK);
         assert_int_equal(iso_gl_upload_strips(engine, &mesh, &stripped, NULL), ISO_OK);
-        iso_gl_shape_stats a = iso_gl_shape_measure(indexed), b = iso_gl_shape_measure(stripped);
+        iso_gl_surface_stats a = iso_gl_surface_measure(indexed), b = iso_gl_surface_measure(stripped);
         assert_int_equal(a.triangles, iso_mesh_view_triangle_count(&mesh));
         assert_int_equal(a.indices, 3 * a.triangles);
         assert_int_equal(b.triangles, a.triangles);
@@ -174,8 +174,8 @@ static void strips_draw_the_same_picture(void **state) {
             iso_gbuffer_free(&first);
             iso_gbuffer_free(&second);
         }
-        iso_gl_shape_destroy(indexed);
-        iso_gl_shape_destroy(stripped);
+        iso_gl_surface_destroy(indexed);
+        iso_gl_surface_destroy(stripped);
         iso_gl_engine_destroy(engine);
     }
     iso_mesh_set_destroy(set);
@@ -211,7 +211,7 @@ static void check_bounds(const iso_mesh_view *mesh) {
 }
 
 /* Spans left out. */
-static size_t check_hidden(iso_gl_engine *engine, const iso_gl_shape *shape, const iso_view *view,
+static size_t check_hidden(iso_gl_engine *engine, const iso_gl_surface *shape, const iso_view *view,
                            const char *name) {
     iso_gbuffer culled = draw(engine, shape, view);
     size_t averted = engine->averted;
@@ -228,7 +228,7 @@ static size_t check_hidden(iso_gl_engine *engine, const iso_gl_shape *shape, con
 
 /* Twelve views from outside and one from the middle; spans left out. */
 static size_t check_views(iso_gl_engine *engine, const iso_mesh_view *mesh, const char *name) {
-    iso_gl_shape *shape;
+    iso_gl_surface *shape;
     assert_int_equal(iso_gl_upload_mesh(engine, mesh, &shape, NULL), ISO_OK);
     size_t averted = 0;
     for (int side = 0; side < GL_SIDES; side++)
@@ -243,7 +243,7 @@ static size_t check_views(iso_gl_engine *engine, const iso_mesh_view *mesh, cons
     inside.eye = iso_affine_point(&affine, iso_vec3_scale(iso_vec3_add(index.lo, index.hi), 0.5));
     assert_int_equal(check_hidden(engine, shape, &inside, name), 0);
     print_message("%s: %zu spans left out in 12 views of %zu\n", name, averted, mesh->span_count);
-    iso_gl_shape_destroy(shape);
+    iso_gl_surface_destroy(shape);
     return averted;
 }
 
@@ -345,7 +345,7 @@ typedef struct sculpture {
     iso_mesh_set *mesh;
     iso_point_set *points;
     iso_gl_engine *engine;
-    iso_gl_shape *mesh_shape, *strips_shape, *points_shape;
+    iso_gl_surface *mesh_shape, *strips_shape, *points_shape;
     follower of_mesh, of_points;
     size_t item; /* bytes of a point */
 } sculpture;
@@ -364,7 +364,7 @@ static void check_blocks(const iso_point_blocks *a, const iso_point_blocks *b) {
 
 static void check_against_fresh(sculpture *s, const iso_view *view, const iso_mesh_view *mesh,
                                 const iso_point_view *points) {
-    iso_gl_shape *fresh[3], *followed[3] = {s->mesh_shape, s->strips_shape, s->points_shape};
+    iso_gl_surface *fresh[3], *followed[3] = {s->mesh_shape, s->strips_shape, s->points_shape};
     assert_int_equal(iso_gl_upload_mesh(s->engine, mesh, &fresh[0], NULL), ISO_OK);
     assert_int_equal(iso_gl_upload_strips(s->engine, mesh, &fresh[1], NULL), ISO_OK);
     assert_int_equal(iso_gl_upload_points(s->engine, points, &fresh[2], NULL), ISO_OK);
@@ -372,11 +372,11 @@ static void check_against_fresh(sculpture *s, const iso_view *view, const iso_me
     for (int i = 0; i < 3; i++) {
         iso_gbuffer a = draw(s->engine, followed[i], view), b = draw(s->engine, fresh[i], view);
         assert_int_equal(pixels_that_differ(&a, &b), 0);
-        iso_gl_shape_stats x = iso_gl_shape_measure(followed[i]), y = iso_gl_shape_measure(fresh[i]);
+        iso_gl_surface_stats x = iso_gl_surface_measure(followed[i]), y = iso_gl_surface_measure(fresh[i]);
         assert_true(x.triangles == y.triangles && x.indices == y.indices);
         iso_gbuffer_free(&a);
         iso_gbuffer_free(&b);
-        iso_gl_shape_destroy(fresh[i]);
+        iso_gl_surface_destroy(fresh[i]);
     }
 }
 
@@ -391,8 +391,8 @@ static uint64_t follow(sculpture *s, const iso_view *view) {
     assert_int_equal(iso_gl_update_mesh(s->mesh_shape, &mesh, NULL), ISO_OK);
     assert_int_equal(iso_gl_update_mesh(s->strips_shape, &mesh, NULL), ISO_OK);
     assert_int_equal(iso_gl_update_points(s->points_shape, &points, NULL), ISO_OK);
-    uint64_t of_mesh = iso_gl_shape_measure(s->mesh_shape).uploaded,
-             of_points = iso_gl_shape_measure(s->points_shape).uploaded;
+    uint64_t of_mesh = iso_gl_surface_measure(s->mesh_shape).uploaded,
+             of_points = iso_gl_surface_measure(s->points_shape).uploaded;
     assert_int_equal(of_mesh, changed_bytes_of_mesh(&s->of_mesh, &mesh));
     assert_int_equal(of_points, changed_bytes_of_points(&s->of_points, &points, s->item));
     if (!of_points) assert_int_equal(s->points_shape->blocks->measured, 0);
@@ -412,16 +412,16 @@ static void begin_sculpture(sculpture *s, iso_gl_engine *engine, int kind) {
     assert_int_equal(iso_gl_upload_mesh(engine, &mesh, &s->mesh_shape, NULL), ISO_OK);
     assert_int_equal(iso_gl_upload_strips(engine, &mesh, &s->strips_shape, NULL), ISO_OK);
     assert_int_equal(iso_gl_upload_points(engine, &points, &s->points_shape, NULL), ISO_OK);
-    uint64_t all = iso_gl_shape_measure(s->mesh_shape).uploaded;
+    uint64_t all = iso_gl_surface_measure(s->mesh_shape).uploaded;
     assert_int_equal(all, changed_bytes_of_mesh(&s->of_mesh, &mesh));
-    assert_int_equal(iso_gl_shape_measure(s->points_shape).uploaded,
+    assert_int_equal(iso_gl_surface_measure(s->points_shape).uploaded,
                      changed_bytes_of_points(&s->of_points, &points, s->item));
 }
 
 static void end_sculpture(sculpture *s) {
-    iso_gl_shape_destroy(s->mesh_shape);
-    iso_gl_shape_destroy(s->strips_shape);
-    iso_gl_shape_destroy(s->points_shape);
+    iso_gl_surface_destroy(s->mesh_shape);
+    iso_gl_surface_destroy(s->strips_shape);
+    iso_gl_surface_destroy(s->points_shape);
     iso_mesh_set_destroy(s->mesh);
     iso_point_set_destroy(s->points);
     iso_grid_destroy(&s->grid);
@@ -442,7 +442,7 @@ static void only_what_changed_is_uploaded(void **state) {
         iso_mesh_view mesh = iso_mesh_set_view(s.mesh);
         iso_view view = view_of(&mesh, 6, false);
         uint64_t whole =
-            iso_gl_shape_measure(s.mesh_shape).uploaded + iso_gl_shape_measure(s.points_shape).uploaded;
+            iso_gl_surface_measure(s.mesh_shape).uploaded + iso_gl_surface_measure(s.points_shape).uploaded;
         uint64_t most = 0;
         size_t measured = 0;
         for (int edit = 0; edit < EDITS; edit++) {
@@ -515,19 +515,19 @@ static void what_moved_is_uploaded(void **state) {
         else
             memcpy(room, mesh.vertices, low * sizeof *room);
         moved.spans = spans;
-        iso_gl_shape *shape;
+        iso_gl_surface *shape;
         assert_int_equal(iso_gl_upload_mesh(engine, &mesh, &shape, NULL), ISO_OK);
-        uint64_t whole = iso_gl_shape_measure(shape).uploaded;
+        uint64_t whole = iso_gl_surface_measure(shape).uploaded;
         iso_gbuffer before = draw(engine, shape, &view);
         assert_int_equal(iso_gl_update_mesh(shape, &moved, NULL), ISO_OK);
-        uint64_t sent = iso_gl_shape_measure(shape).uploaded;
+        uint64_t sent = iso_gl_surface_measure(shape).uploaded;
         assert_true(sent > 0 && sent < whole);
         iso_gbuffer after = draw(engine, shape, &view);
         assert_true(covered(&before) > 0);
         assert_int_equal(pixels_that_differ(&before, &after), 0);
         iso_gbuffer_free(&before);
         iso_gbuffer_free(&after);
-        iso_gl_shape_destroy(shape);
+        iso_gl_surface_destroy(shape);
     }
     free(room);
     free(corners);

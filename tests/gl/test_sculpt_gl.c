@@ -43,7 +43,7 @@ static void open_studio(studio *s, iso_gl_context *context) {
     assert_int_equal(isosculpt_view_init(&s->by_cpu, grid, NULL, NULL), ISO_OK);
     assert_int_equal(isosculpt_view_init(&s->by_gl, grid, NULL, NULL), ISO_OK);
     s->by_gl.gl = s->gl;
-    s->by_gl.look.engine = ISOSCULPT_GL;
+    s->by_gl.mode.engine = ISOSCULPT_GL;
 }
 
 static void close_studio(studio *s) {
@@ -93,23 +93,23 @@ static void assert_same_picks(const studio *s, const char *when) {
                      iso_vec3_length(iso_vec3_sub(a.position, b.position)) < 2 * NEAR;
         }
     if (!(all > 100 && found > 0.98 * all))
-        fail_msg("%s, %s: %d of %d picks", isosculpt_method_name(s->by_gl.look.method), when, found, all);
+        fail_msg("%s, %s: %d of %d picks", isosculpt_method_name(s->by_gl.mode.method), when, found, all);
 }
 
 static void assert_alike(studio *s, bool best, const char *when) {
-    const isosculpt_look *look = &s->by_gl.look;
+    const isosculpt_display_mode *mode = &s->by_gl.mode;
     isosculpt_view *views[] = {&s->by_cpu, &s->by_gl};
     for (int i = 0; i < 2; i++) best ? draw_best(views[i]) : draw(views[i], false);
     double psnr = psnr_of(views[0], views[1]);
-    if (!(psnr >= 40)) fail_msg("%s, %s: %.1f dB", isosculpt_method_name(look->method), when, psnr);
+    if (!(psnr >= 40)) fail_msg("%s, %s: %.1f dB", isosculpt_method_name(mode->method), when, psnr);
     assert_null(s->by_cpu.drawn.canvas);
-    assert_int_equal(s->by_gl.drawn.canvas != NULL, look->method != ISOSCULPT_EXACT);
-    if (look->method == ISOSCULPT_EXACT) assert_true(isinf(psnr));
+    assert_int_equal(s->by_gl.drawn.canvas != NULL, mode->method != ISOSCULPT_EXACT);
+    if (mode->method == ISOSCULPT_EXACT) assert_true(isinf(psnr));
     assert_same_picks(s, when);
 }
 
 static void check_method(studio *s, isosculpt_method method) {
-    s->by_cpu.look.method = s->by_gl.look.method = method;
+    s->by_cpu.mode.method = s->by_gl.mode.method = method;
     assert_alike(s, false, "at rest");
     assert_alike(s, true, "at its best");
     stroke(s, -4 + 2.5 * (int)method);
@@ -119,9 +119,9 @@ static void check_method(studio *s, isosculpt_method method) {
     assert_alike(s, true, "from elsewhere");
     assert_int_equal(iso_session_undo(s->session, NULL), ISO_OK);
     assert_alike(s, true, "undone");
-    for (int light = ISOSCULPT_LIGHT_COUNT - 1; light >= 0; light--) {
-        s->by_cpu.look.paint.light = s->by_gl.look.paint.light = (isosculpt_light)light;
-        assert_alike(s, false, isosculpt_light_name((isosculpt_light)light));
+    for (int light = ISOSCULPT_SHADING_COUNT - 1; light >= 0; light--) {
+        s->by_cpu.mode.paint.light = s->by_gl.mode.paint.light = (isosculpt_shading)light;
+        assert_alike(s, false, isosculpt_shading_name((isosculpt_shading)light));
     }
 }
 
@@ -140,7 +140,7 @@ static void mesh_stands_in_for_exact(iso_gl_context *context) {
     draw(&s.by_gl, true);
     assert_non_null(s.by_gl.drawn.canvas);
     assert_int_equal(s.by_gl.quality, ISOSCULPT_MOVING);
-    s.by_cpu.look.method = ISOSCULPT_MESH;
+    s.by_cpu.mode.method = ISOSCULPT_MESH;
     draw(&s.by_cpu, false);
     assert_true(psnr_of(&s.by_cpu, &s.by_gl) >= 40);
     draw(&s.by_gl, false);
@@ -150,7 +150,7 @@ static void mesh_stands_in_for_exact(iso_gl_context *context) {
     draw(&s.by_gl, true);
     assert_null(s.by_gl.drawn.canvas);
     assert_true(isosculpt_damage_area(&s.by_gl.fresh) < (size_t)WIDTH * HEIGHT);
-    s.by_cpu.look.method = ISOSCULPT_EXACT;
+    s.by_cpu.mode.method = ISOSCULPT_EXACT;
     draw(&s.by_cpu, false);
     assert_true(isinf(psnr_of(&s.by_cpu, &s.by_gl)));
     close_studio(&s);
@@ -159,26 +159,26 @@ static void mesh_stands_in_for_exact(iso_gl_context *context) {
 /* Strokes pick from the picture that they began on. */
 static void held_picture_stays(iso_gl_context *context) {
     studio s;
-    isosculpt_pick before, held, now;
+    isosculpt_pick before, pick_layer, now;
     open_studio(&s, context);
     const double x = WIDTH / 2.0, y = HEIGHT / 2.0;
-    s.by_gl.look.method = ISOSCULPT_MESH;
+    s.by_gl.mode.method = ISOSCULPT_MESH;
     draw(&s.by_gl, false);
     assert_true(isosculpt_layer_pick(&s.by_gl.drawn, x, y, &before));
-    assert_int_equal(isosculpt_view_hold(&s.by_gl, NULL), ISO_OK);
+    assert_int_equal(isosculpt_view_keep_pick_layer(&s.by_gl, NULL), ISO_OK);
     stroke(&s, 0);
     draw(&s.by_gl, true);
-    assert_true(isosculpt_layer_pick(&s.by_gl.held, x, y, &held));
+    assert_true(isosculpt_layer_pick(&s.by_gl.pick_layer, x, y, &pick_layer));
     assert_true(isosculpt_layer_pick(&s.by_gl.drawn, x, y, &now));
-    assert_memory_equal(&held, &before, sizeof held);
+    assert_memory_equal(&pick_layer, &before, sizeof pick_layer);
     assert_true(now.depth < before.depth - 1);
-    s.by_gl.look.engine = ISOSCULPT_CPU; /* what is held does not depend on what draws now */
+    s.by_gl.mode.engine = ISOSCULPT_CPU; /* what is held does not depend on what draws now */
     draw(&s.by_gl, false);
-    assert_true(isosculpt_layer_pick(&s.by_gl.held, x, y, &held));
-    assert_memory_equal(&held, &before, sizeof held);
-    assert_int_equal(isosculpt_view_hold(&s.by_gl, NULL), ISO_OK);
-    assert_true(isosculpt_layer_pick(&s.by_gl.held, x, y, &held));
-    assert_true(fabs(held.depth - now.depth) < 0.01);
+    assert_true(isosculpt_layer_pick(&s.by_gl.pick_layer, x, y, &pick_layer));
+    assert_memory_equal(&pick_layer, &before, sizeof pick_layer);
+    assert_int_equal(isosculpt_view_keep_pick_layer(&s.by_gl, NULL), ISO_OK);
+    assert_true(isosculpt_layer_pick(&s.by_gl.pick_layer, x, y, &pick_layer));
+    assert_true(fabs(pick_layer.depth - now.depth) < 0.01);
     close_studio(&s);
 }
 
@@ -187,7 +187,7 @@ static void driver_that_fails_is_done_without(iso_gl_context *context) {
     for (int when = 0; when < 3; when++) {
         studio s;
         open_studio(&s, context);
-        s.by_gl.look.method = s.by_cpu.look.method = ISOSCULPT_POINTS;
+        s.by_gl.mode.method = s.by_cpu.mode.method = ISOSCULPT_POINTS;
         if (when) draw(&s.by_gl, false);
         context->lost = true;
         if (when == 1) isosculpt_view_orbit(&s.by_gl, 10, 0);
@@ -195,7 +195,7 @@ static void driver_that_fails_is_done_without(iso_gl_context *context) {
         draw_best(&s.by_gl);
         draw_best(&s.by_cpu);
         assert_true(strstr(s.by_gl.gl_error.text, "lost"));
-        assert_int_equal(s.by_gl.look.engine, ISOSCULPT_CPU);
+        assert_int_equal(s.by_gl.mode.engine, ISOSCULPT_CPU);
         assert_true(isinf(psnr_of(&s.by_cpu, &s.by_gl)));
         context->lost = false; /* so that it can be cleared away */
         close_studio(&s);
@@ -211,7 +211,7 @@ static bool everywhere(const void *context, int x, int y, int z) {
 static void frozen_parts_are_the_cpu_engines(iso_gl_context *context) {
     studio s;
     open_studio(&s, context);
-    s.by_gl.look.method = s.by_cpu.look.method = ISOSCULPT_MESH;
+    s.by_gl.mode.method = s.by_cpu.mode.method = ISOSCULPT_MESH;
     draw(&s.by_gl, true);
     s.by_gl.mask.at = s.by_cpu.mask.at = everywhere;
     s.by_gl.repaint = s.by_cpu.repaint = true;
@@ -237,13 +237,13 @@ static void open_volume(isosculpt_view *view, iso_rgrid *volume, isosculpt_gl *g
     const iso_grid grid = {.rgrid = volume};
     assert_int_equal(isosculpt_view_init_grid(view, &grid, 225, NULL, NULL), ISO_OK);
     view->gl = gl;
-    view->look.engine = ISOSCULPT_GL;
+    view->mode.engine = ISOSCULPT_GL;
     view->sliding = true;
 }
 
-static void go_to_level(isosculpt_levels *levels, int level) {
-    while (isosculpt_levels_now(levels) < level) isosculpt_levels_took(levels, 1, 1);
-    while (isosculpt_levels_now(levels) > level) isosculpt_levels_took(levels, 0, 0);
+static void go_to_level(isosculpt_lod *levels, int level) {
+    while (isosculpt_lod_level(levels) < level) isosculpt_lod_record_times(levels, 1, 1);
+    while (isosculpt_lod_level(levels) > level) isosculpt_lod_record_times(levels, 0, 0);
 }
 
 /* From one level to another OpenGL keeps nothing of the points before. */

@@ -193,7 +193,8 @@ void test_same_points(const iso_point_view *a, const iso_point_view *b) {
             same_bytes(a->packed + p->first, b->packed + q->first, p->count * sizeof(iso_point));
         else
             same_bytes(a->surfels + p->first, b->surfels + q->first, p->count * sizeof(iso_surfel));
-        if (a->shapes) same_bytes(a->shapes + p->first, b->shapes + q->first, p->count * sizeof(iso_shape));
+        if (a->shapes)
+            same_bytes(a->shapes + p->first, b->shapes + q->first, p->count * sizeof(iso_curvature));
     }
     free(spans_a);
     free(spans_b);

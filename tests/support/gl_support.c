@@ -174,7 +174,7 @@ static double check_picture(const iso_view *view, const iso_gbuffer *cpu, iso_gb
 }
 
 static double check(iso_gl_engine *engine, const iso_view *view, const iso_gbuffer *cpu,
-                    const iso_gl_shape *shape, const char *name) {
+                    const iso_gl_surface *shape, const char *name) {
     iso_gbuffer gl = gl_gbuffer(view);
     iso_error error = {ISO_OK, ""};
     const iso_gl_draw_opts opts = {.view = view, .shapes = &shape, .shape_count = 1};
@@ -186,7 +186,7 @@ static double check(iso_gl_engine *engine, const iso_view *view, const iso_gbuff
 double gl_check_pullpush(iso_gl_engine *engine, const iso_point_view *points,
                          iso_reconstruction reconstruction, const iso_view *views, int count,
                          const char *name) {
-    iso_gl_shape *shape;
+    iso_gl_surface *shape;
     iso_error error = {ISO_OK, ""};
     double worst = INFINITY;
     if (iso_gl_upload_points(engine, points, &shape, &error) != ISO_OK) fail_msg("%s", error.text);
@@ -196,12 +196,13 @@ double gl_check_pullpush(iso_gl_engine *engine, const iso_point_view *points,
         assert_int_equal(
             iso_draw_pullpush(&target, points, &(iso_pullpush_opts){.reconstruction = reconstruction}, NULL),
             ISO_OK);
-        const iso_gl_pullpush_opts opts = {&views[i], (const iso_gl_shape *const *)&shape, 1, reconstruction};
+        const iso_gl_pullpush_opts opts = {&views[i], (const iso_gl_surface *const *)&shape, 1,
+                                           reconstruction};
         if (iso_gl_draw_pullpush(engine, &opts, &gl, &error) != ISO_OK) fail_msg("%s: %s", name, error.text);
         worst = fmin(worst, check_picture(&views[i], &cpu, &gl, name));
         iso_gbuffer_free(&cpu);
     }
-    iso_gl_shape_destroy(shape);
+    iso_gl_surface_destroy(shape);
     return worst;
 }
 
@@ -216,7 +217,7 @@ static iso_status draw_mesh(const iso_target *target, const void *view) {
 }
 
 /* Takes over the shape. */
-static double check_views(iso_gl_engine *engine, iso_gl_shape *shape, draw_fn *draw, const void *primitives,
+static double check_views(iso_gl_engine *engine, iso_gl_surface *shape, draw_fn *draw, const void *primitives,
                           const iso_view *views, int count, const char *name) {
     double worst = INFINITY;
     for (int i = 0; i < count; i++) {
@@ -225,13 +226,13 @@ static double check_views(iso_gl_engine *engine, iso_gl_shape *shape, draw_fn *d
         worst = fmin(worst, check(engine, &views[i], &cpu, shape, name));
         iso_gbuffer_free(&cpu);
     }
-    iso_gl_shape_destroy(shape);
+    iso_gl_surface_destroy(shape);
     return worst;
 }
 
 double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views, int count,
                        const char *name) {
-    iso_gl_shape *shape;
+    iso_gl_surface *shape;
     iso_error error = {ISO_OK, ""};
     if (iso_gl_upload_points(engine, points, &shape, &error) != ISO_OK) fail_msg("%s", error.text);
     return check_views(engine, shape, draw_points, points, views, count, name);
@@ -239,7 +240,7 @@ double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, cons
 
 double gl_check_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, const iso_view *views, int count,
                      const char *name) {
-    iso_gl_shape *shape;
+    iso_gl_surface *shape;
     iso_error error = {ISO_OK, ""};
     if (iso_gl_upload_mesh(engine, mesh, &shape, &error) != ISO_OK) fail_msg("%s", error.text);
     return check_views(engine, shape, draw_mesh, mesh, views, count, name);

@@ -40,8 +40,8 @@ static void shape_of(const iso_projector *projector, const iso_point_view *point
     const iso_surfel surfel = iso_point_view_get(points, i);
     float entry[3], tilt[2], u[3], v[3];
     double a[3], b[3], trace = 0, square = 0;
-    iso_shape_unpack(points->shapes[i], entry, tilt);
-    iso_shape_frame(surfel.normal, u, v);
+    iso_curvature_unpack(points->shapes[i], entry, tilt);
+    iso_curvature_frame(surfel.normal, u, v);
     turn(projector, u, a);
     turn(projector, v, b);
     for (int r = 0; r < 3; r++)

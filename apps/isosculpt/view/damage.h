@@ -1,7 +1,7 @@
 /* damage: which parts of a picture an edit can have changed: a few rectangles around the projected boxes of
  * the voxels that the change log names. */
-#ifndef ISO_APPS_ISOSCULPT_DAMAGE_H
-#define ISO_APPS_ISOSCULPT_DAMAGE_H
+#ifndef ISO_APPS_ISOSCULPT_VIEW_DAMAGE_H
+#define ISO_APPS_ISOSCULPT_VIEW_DAMAGE_H
 
 #include "grids/hgrid.h"
 #include "image/camera.h"

@@ -5,35 +5,37 @@
 struct isosculpt_gl {
     iso_gl_context *context;
     iso_gl_engine *engine;
-    iso_gl_canvas *drawn, *held;
-    iso_gl_shape *points, *mesh; /* NULL: not needed so far */
+    iso_gl_canvas *drawn, *pick_layer;
+    iso_gl_surface *points, *mesh; /* NULL: not needed so far */
 };
 
 iso_status isosculpt_gl_create(iso_gl_context *context, isosculpt_gl **gl, iso_error *error) {
-    isosculpt_gl *made = iso_alloc_zero(1, sizeof *made);
-    if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an engine");
-    made->context = context;
-    iso_status status = iso_gl_engine_create(context, &made->engine, error);
-    if (status == ISO_OK) status = iso_gl_canvas_create(made->engine, &made->drawn, error);
-    if (status == ISO_OK) status = iso_gl_canvas_create(made->engine, &made->held, error);
+    isosculpt_gl *surface_isovalue = iso_alloc_zero(1, sizeof *surface_isovalue);
+    if (!surface_isovalue) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an engine");
+    surface_isovalue->context = context;
+    iso_status status = iso_gl_engine_create(context, &surface_isovalue->engine, error);
     if (status == ISO_OK)
-        *gl = made;
+        status = iso_gl_canvas_create(surface_isovalue->engine, &surface_isovalue->drawn, error);
+    if (status == ISO_OK)
+        status = iso_gl_canvas_create(surface_isovalue->engine, &surface_isovalue->pick_layer, error);
+    if (status == ISO_OK)
+        *gl = surface_isovalue;
     else
-        isosculpt_gl_destroy(made);
+        isosculpt_gl_destroy(surface_isovalue);
     return status;
 }
 
-void isosculpt_gl_forget(isosculpt_gl *gl) {
+void isosculpt_gl_release_buffers(isosculpt_gl *gl) {
     if (!gl) return;
-    iso_gl_shape_destroy(gl->points);
-    iso_gl_shape_destroy(gl->mesh);
+    iso_gl_surface_destroy(gl->points);
+    iso_gl_surface_destroy(gl->mesh);
     gl->points = gl->mesh = NULL;
 }
 
 void isosculpt_gl_destroy(isosculpt_gl *gl) {
     if (!gl) return;
-    isosculpt_gl_forget(gl);
-    iso_gl_canvas_destroy(gl->held);
+    isosculpt_gl_release_buffers(gl);
+    iso_gl_canvas_destroy(gl->pick_layer);
     iso_gl_canvas_destroy(gl->drawn);
     iso_gl_engine_destroy(gl->engine);
     iso_free(gl);
@@ -49,7 +51,7 @@ iso_status isosculpt_gl_draw_mesh(isosculpt_gl *gl, const iso_mesh_view *mesh, c
         ISO_TRY(iso_gl_update_mesh(gl->mesh, mesh, error));
     else
         ISO_TRY(iso_gl_upload_mesh(gl->engine, mesh, &gl->mesh, error));
-    const iso_gl_shape *const shape = gl->mesh;
+    const iso_gl_surface *const shape = gl->mesh;
     const iso_gl_draw_opts opts = {.view = view, .shapes = &shape, .shape_count = 1};
     *canvas = gl->drawn;
     return iso_gl_canvas_draw(gl->drawn, &opts, paint, error);
@@ -62,7 +64,7 @@ iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *poin
         ISO_TRY(iso_gl_update_points(gl->points, points, error));
     else
         ISO_TRY(iso_gl_upload_points(gl->engine, points, &gl->points, error));
-    const iso_gl_shape *const shape = gl->points;
+    const iso_gl_surface *const shape = gl->points;
     const iso_gl_draw_opts discs = {.view = view, .shapes = &shape, .shape_count = 1};
     const iso_gl_pullpush_opts filled = {view, &shape, 1, ISO_RECONSTRUCTION_REFINED};
     *canvas = gl->drawn;
@@ -70,7 +72,7 @@ iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *poin
                     : iso_gl_canvas_draw(gl->drawn, &discs, paint, error);
 }
 
-iso_status isosculpt_gl_hold(isosculpt_gl *gl, iso_gl_canvas **held, iso_error *error) {
-    *held = gl->held;
-    return iso_gl_canvas_copy(gl->held, gl->drawn, error);
+iso_status isosculpt_gl_keep_pick_layer(isosculpt_gl *gl, iso_gl_canvas **pick_layer, iso_error *error) {
+    *pick_layer = gl->pick_layer;
+    return iso_gl_canvas_copy(gl->pick_layer, gl->drawn, error);
 }

@@ -1,7 +1,7 @@
 /* gl: a view's pictures by OpenGL. Buffers on the GPU follow the points and the mesh; pictures stay there,
  * for a window that shares the context. Knows no window. */
-#ifndef ISO_APPS_ISOSCULPT_GL_H
-#define ISO_APPS_ISOSCULPT_GL_H
+#ifndef ISO_APPS_ISOSCULPT_VIEW_GL_H
+#define ISO_APPS_ISOSCULPT_VIEW_GL_H
 
 #include "render/gl/canvas.h"
 
@@ -16,7 +16,7 @@ iso_status isosculpt_gl_create(iso_gl_context *context, isosculpt_gl **gl, iso_e
 void isosculpt_gl_destroy(isosculpt_gl *gl); /* NULL is fine */
 
 /* Another field's points and mesh come next. NULL is fine. */
-void isosculpt_gl_forget(isosculpt_gl *gl);
+void isosculpt_gl_release_buffers(isosculpt_gl *gl);
 
 /* The GPU's name, or the software's. */
 const char *isosculpt_gl_renderer(const isosculpt_gl *gl);
@@ -31,7 +31,7 @@ iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *poin
                                     iso_error *error);
 
 /* Keeps what can be picked from the last picture; *held is ours. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
-iso_status isosculpt_gl_hold(isosculpt_gl *gl, iso_gl_canvas **held, iso_error *error);
+iso_status isosculpt_gl_keep_pick_layer(isosculpt_gl *gl, iso_gl_canvas **pick_layer, iso_error *error);
 
 #ifdef __cplusplus
 }

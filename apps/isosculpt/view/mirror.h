@@ -1,6 +1,6 @@
 /* mirror: the lines along which a plane cuts what is seen. */
-#ifndef ISO_APPS_ISOSCULPT_MIRROR_H
-#define ISO_APPS_ISOSCULPT_MIRROR_H
+#ifndef ISO_APPS_ISOSCULPT_VIEW_MIRROR_H
+#define ISO_APPS_ISOSCULPT_VIEW_MIRROR_H
 
 #include "apps/isosculpt/view/view.h"
 

@@ -2,8 +2,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "apps/isosculpt/desk.h"
-#include "apps/isosculpt/view/ahead.h"
+#include "apps/isosculpt/document.h"
+#include "apps/isosculpt/view/async_surface.h"
 #include "apps/isosculpt/view/view.h"
 
 /* Pictures while the camera moves: slower ones get coarser, and finer again when that would be fast enough.
@@ -46,9 +46,9 @@ static iso_status room_for_pixels(iso_image *image, size_t *room, int width, int
 static iso_status extract(isosculpt_view *view, isosculpt_method method, bool quick, iso_error *error) {
     double start = isosculpt_now();
     if (quick && view->levels)
-        ISO_TRY(isosculpt_levels_update(view->levels, view->isovalue, error));
+        ISO_TRY(isosculpt_lod_update(view->levels, view->isovalue, error));
     else
-        ISO_TRY(isosculpt_ahead_update(view, method, error));
+        ISO_TRY(isosculpt_async_surface_update(view, method, error));
     if (iso_change_log_now(iso_grid_log(&view->grid)) != view->seen || view->isovalue != view->drawn_isovalue)
         isosculpt_latency_add(&view->extract, isosculpt_now() - start);
     return ISO_OK;
@@ -106,7 +106,7 @@ static void mask_row(void *context, size_t row, int worker) {
 }
 
 static void shade(isosculpt_view *view, const iso_strip *strip, iso_image *image) {
-    isosculpt_paint_strip(&view->look.paint, &view->sphere, strip, image, view->pool);
+    isosculpt_material_strip(&view->mode.paint, &view->sphere, strip, image, view->pool);
     if (!view->mask.at) return;
     masking m = {view, strip, image, iso_transform_affine(iso_grid_transform(&view->grid))};
     iso_parallel_for(view->pool, (size_t)image->height, mask_row, &m);
@@ -129,7 +129,7 @@ static void begin_whole(isosculpt_view *view, int factor) {
 static void finish_whole(isosculpt_view *view) {
     view->drawn.samples = (double)view->drawn.view.width / view->width;
     view->drawn_camera = view->camera;
-    view->drawn_look = view->look;
+    view->drawn_mode = view->mode;
     view->drawn_isovalue = view->isovalue;
 }
 
@@ -153,18 +153,18 @@ static iso_status draw_whole(isosculpt_view *view, isosculpt_method method, int 
 /* ---- drawing by OpenGL */
 
 static bool is_by_gl(const isosculpt_view *view, bool moving) {
-    const isosculpt_look *look = &view->look;
-    return view->gl && look->engine == ISOSCULPT_GL && !view->mask.at &&
-           (look->method != ISOSCULPT_EXACT || moving);
+    const isosculpt_display_mode *mode = &view->mode;
+    return view->gl && mode->engine == ISOSCULPT_GL && !view->mask.at &&
+           (mode->method != ISOSCULPT_EXACT || moving);
 }
 
 /* The picture of drawn.view, with fine x fine samples a pixel. */
 static iso_status draw_canvas(isosculpt_view *view, isosculpt_method method, int fine, iso_error *error) {
-    const isosculpt_paint *look = &view->look.paint;
-    const isosculpt_sphere *sphere = isosculpt_paint_sphere(look, &view->sphere);
+    const isosculpt_material *mode = &view->mode.paint;
+    const isosculpt_matcap *sphere = isosculpt_material_matcap(mode, &view->sphere);
     const iso_gl_paint paint = {.factor = fine,
-                                .color = look->color,
-                                .background = look->background,
+                                .color = mode->color,
+                                .background = mode->background,
                                 .sphere = sphere ? sphere->rgb[0][0] : NULL,
                                 .sphere_side = ISOSCULPT_SPHERE};
     const iso_view samples = iso_view_scaled(&view->drawn.view, fine);
@@ -184,7 +184,7 @@ static iso_status draw_canvas(isosculpt_view *view, isosculpt_method method, int
 /* The cpu engine goes on where the driver fails: nobody should lose a sculpture to it. */
 static void give_up_gl(isosculpt_view *view, const iso_error *reason) {
     view->gl_error = *reason;
-    view->look.engine = ISOSCULPT_CPU;
+    view->mode.engine = ISOSCULPT_CPU;
     view->quality = ISOSCULPT_MOVING;
     view->drawn.samples = 0;
 }
@@ -272,7 +272,7 @@ static bool same_rgb(iso_rgb a, iso_rgb b) {
     return a.r == b.r && a.g == b.g && a.b == b.b;
 }
 
-static bool same_look(const isosculpt_look *a, const isosculpt_look *b) {
+static bool same_look(const isosculpt_display_mode *a, const isosculpt_display_mode *b) {
     return a->method == b->method && a->engine == b->engine && a->paint.light == b->paint.light &&
            same_rgb(a->paint.color, b->paint.color) && same_rgb(a->paint.background, b->paint.background);
 }
@@ -280,7 +280,7 @@ static bool same_look(const isosculpt_look *a, const isosculpt_look *b) {
 /* The picture differs from what is to be shown by edits alone. */
 static bool is_still(const isosculpt_view *view, int width, int height) {
     return view->drawn.samples > 0 && view->width == width && view->height == height &&
-           same_camera(&view->camera, &view->drawn_camera) && same_look(&view->look, &view->drawn_look) &&
+           same_camera(&view->camera, &view->drawn_camera) && same_look(&view->mode, &view->drawn_mode) &&
            view->isovalue == view->drawn_isovalue;
 }
 
@@ -291,16 +291,16 @@ static void adapt(isosculpt_view *view, double seconds) {
 
 /* OpenGL knows the points of one set. */
 static void show_points(isosculpt_view *view, bool quick) {
-    const iso_point_set *points = quick ? isosculpt_levels_points(view->levels) : view->points;
-    if (points != view->shown) isosculpt_gl_forget(view->gl);
+    const iso_point_set *points = quick ? isosculpt_lod_points(view->levels) : view->points;
+    if (points != view->shown) isosculpt_gl_release_buffers(view->gl);
     view->shown = points;
 }
 
 static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
     const bool gl = is_by_gl(view, moving);
-    const isosculpt_method wanted = view->look.method, stand_in = gl ? ISOSCULPT_MESH : ISOSCULPT_EXACT,
+    const isosculpt_method wanted = view->mode.method, stand_in = gl ? ISOSCULPT_MESH : ISOSCULPT_EXACT,
                            best = wanted == ISOSCULPT_EXACT ? stand_in : wanted;
-    const bool quick = moving && view->levels && (view->sliding || !isosculpt_ahead_has(view, best));
+    const bool quick = moving && view->levels && (view->sliding || !isosculpt_async_surface_has(view, best));
     const isosculpt_method method = quick ? ISOSCULPT_PULLPUSH : best;
     const double begun = isosculpt_now();
     ISO_TRY(extract(view, method, quick, error));
@@ -314,7 +314,7 @@ static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
     view->quality = factor > 1 || quick || method != wanted ? ISOSCULPT_MOVING : ISOSCULPT_REST;
     if (moving) adapt(view, isosculpt_now() - start);
     if (moving) isosculpt_latency_add(&view->draw, isosculpt_now() - start);
-    if (quick) isosculpt_levels_took(view->levels, start - begun, isosculpt_now() - start);
+    if (quick) isosculpt_lod_record_times(view->levels, start - begun, isosculpt_now() - start);
     return ISO_OK;
 }
 
@@ -342,8 +342,8 @@ static iso_status patch(isosculpt_view *view, iso_error *error) {
 iso_status isosculpt_view_draw(isosculpt_view *view, int width, int height, bool moving, iso_error *error) {
     const uint64_t now = iso_change_log_now(iso_grid_log(&view->grid));
     const bool still = is_still(view, width, height);
-    const bool exact = view->look.method == ISOSCULPT_EXACT,
-               at_once = !view->levels || isosculpt_ahead_has(view, ISOSCULPT_EXACT);
+    const bool exact = view->mode.method == ISOSCULPT_EXACT,
+               at_once = !view->levels || isosculpt_async_surface_has(view, ISOSCULPT_EXACT);
     view->width = width;
     view->height = height;
     if (still && exact && view->exactly)
@@ -369,7 +369,7 @@ static isosculpt_rectangle take_piece(isosculpt_damage *rough, bool all) {
 }
 
 iso_status isosculpt_view_refine(isosculpt_view *view, iso_error *error) {
-    const isosculpt_method method = view->look.method;
+    const isosculpt_method method = view->mode.method;
     iso_error reason = {ISO_OK, ""};
     if (view->quality != ISOSCULPT_REST) return ISO_OK;
     view->fresh = (isosculpt_damage){.count = 0};

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/isosculpt/desk.h"
-#include "apps/isosculpt/view/ahead.h"
+#include "apps/isosculpt/document.h"
+#include "apps/isosculpt/view/async_surface.h"
 #include "base/memory.h"
 
 static const double DEGREES_A_PIXEL = 0.4;
@@ -46,44 +46,44 @@ iso_status isosculpt_view_init(isosculpt_view *view, iso_hgrid *grid, iso_pool *
 }
 
 static iso_status make_levels(isosculpt_view *view, iso_error *error) {
-    for (int i = 0; i < ISOSCULPT_METHOD_COUNT; i++) view->made[i] = NAN;
-    view->unmade = NAN;
-    ISO_TRY(iso_pool_create(iso_pool_threads(view->pool), &view->ahead_pool, error));
-    return isosculpt_levels_create(view->grid.rgrid, view->isovalue, view->pool, &view->levels, error);
+    for (int i = 0; i < ISOSCULPT_METHOD_COUNT; i++) view->surface_isovalue[i] = NAN;
+    view->failed_isovalue = NAN;
+    ISO_TRY(iso_pool_create(iso_pool_threads(view->pool), &view->async_surface_pool, error));
+    return isosculpt_lod_create(view->grid.rgrid, view->isovalue, view->pool, &view->levels, error);
 }
 
 iso_status isosculpt_view_init_grid(isosculpt_view *view, const iso_grid *grid, double isovalue,
                                     iso_pool *pool, iso_error *error) {
     const iso_rgb clay = {206, 142, 112}, dusk = {46, 50, 56};
     *view =
-        (isosculpt_view){.look = {.paint = {.color = clay, .background = dusk}}, .factor = 1, .pool = pool};
+        (isosculpt_view){.mode = {.paint = {.color = clay, .background = dusk}}, .factor = 1, .pool = pool};
     view->grid = *grid;
     view->isovalue = view->drawn_isovalue = isovalue;
     view->camera.view_angle = 30;
     iso_status status = grid->rgrid ? make_levels(view, error) : ISO_OK;
-    if (status == ISO_OK) status = isosculpt_ahead_update(view, ISOSCULPT_POINTS, error);
+    if (status == ISO_OK) status = isosculpt_async_surface_update(view, ISOSCULPT_POINTS, error);
     if (status == ISO_OK) status = iso_pullpush_create(&view->workspace, error);
     if (status == ISO_OK)
-        isosculpt_view_look(view, ISO_FRONT);
+        isosculpt_view_set_direction(view, ISO_FRONT);
     else
         isosculpt_view_free(view);
     return status;
 }
 
 void isosculpt_view_free(isosculpt_view *view) {
-    isosculpt_ahead_wait(view);
-    isosculpt_gl_forget(view->gl);
-    isosculpt_levels_destroy(view->levels);
+    isosculpt_async_surface_wait(view);
+    isosculpt_gl_release_buffers(view->gl);
+    isosculpt_lod_destroy(view->levels);
     iso_point_set_destroy(view->points);
     iso_mesh_set_destroy(view->mesh);
     iso_exact_destroy(view->exact);
     iso_pullpush_destroy(view->workspace);
     iso_gbuffer_free(&view->drawn.gbuffer);
-    iso_gbuffer_free(&view->held.gbuffer);
+    iso_gbuffer_free(&view->pick_layer.gbuffer);
     iso_gbuffer_free(&view->piece);
     iso_image_free(&view->image);
     iso_image_free(&view->piece_image);
-    iso_pool_destroy(view->ahead_pool);
+    iso_pool_destroy(view->async_surface_pool);
     *view = (isosculpt_view){0};
 }
 
@@ -159,27 +159,27 @@ static void copy_plane(void *context, size_t index, int worker) {
         memcpy(to->surface, from->surface, samples * sizeof *from->surface);
 }
 
-iso_status isosculpt_view_hold(isosculpt_view *view, iso_error *error) {
+iso_status isosculpt_view_keep_pick_layer(isosculpt_view *view, iso_error *error) {
     const isosculpt_layer *drawn = &view->drawn;
-    isosculpt_layer *held = &view->held;
+    isosculpt_layer *pick_layer = &view->pick_layer;
     iso_gbuffer more;
-    held->view = drawn->view;
-    held->samples = 0;
-    held->canvas = NULL;
+    pick_layer->view = drawn->view;
+    pick_layer->samples = 0;
+    pick_layer->canvas = NULL;
     if (drawn->canvas) {
         iso_gl_canvas *canvas;
-        ISO_TRY(isosculpt_gl_hold(view->gl, &canvas, error));
-        held->canvas = canvas;
-        held->samples = drawn->samples;
+        ISO_TRY(isosculpt_gl_keep_pick_layer(view->gl, &canvas, error));
+        pick_layer->canvas = canvas;
+        pick_layer->samples = drawn->samples;
         return ISO_OK;
     }
-    if (held->gbuffer.samples < drawn->gbuffer.samples) {
+    if (pick_layer->gbuffer.samples < drawn->gbuffer.samples) {
         ISO_TRY(iso_gbuffer_create(drawn->gbuffer.width, drawn->gbuffer.height, &more, error));
-        iso_gbuffer_free(&held->gbuffer);
-        held->gbuffer = more;
+        iso_gbuffer_free(&pick_layer->gbuffer);
+        pick_layer->gbuffer = more;
     }
-    held->samples = drawn->samples;
-    planes p = {drawn, held};
+    pick_layer->samples = drawn->samples;
+    planes p = {drawn, pick_layer};
     iso_parallel_for(view->pool, 5, copy_plane, &p);
     return ISO_OK;
 }
@@ -217,9 +217,9 @@ void isosculpt_view_zoom(isosculpt_view *view, double factor) {
 
 iso_box isosculpt_view_bounds(isosculpt_view *view) {
     /* (Other methods leave a field's points as they were. Without memory for new ones the old ones do.) */
-    if (!view->levels) isosculpt_ahead_update(view, ISOSCULPT_POINTS, NULL);
+    if (!view->levels) isosculpt_async_surface_update(view, ISOSCULPT_POINTS, NULL);
     iso_point_view points =
-        iso_point_set_view(view->levels ? isosculpt_levels_points(view->levels) : view->points);
+        iso_point_set_view(view->levels ? isosculpt_lod_points(view->levels) : view->points);
     const iso_affine affine = iso_transform_affine(&points.transform);
     iso_box box = iso_point_view_bounds(&points);
     if (iso_box_is_empty(&box)) {
@@ -237,7 +237,7 @@ static void fit(isosculpt_view *view) {
     isosculpt_view_zoom(view, 0.8); /* room beside it, to orbit from */
 }
 
-void isosculpt_view_look(isosculpt_view *view, iso_direction direction) {
+void isosculpt_view_set_direction(isosculpt_view *view, iso_direction direction) {
     iso_vec3 forward, up;
     iso_direction_vectors(direction, iso_vec3_make(0, 0, 1), &forward, &up);
     view->camera.position = iso_vec3_sub(view->camera.focal_point, forward);

@@ -4,14 +4,14 @@
  * four samples a pixel. A stroke redraws only the parts of an exact picture that it changed. Each method
  * re-extracts only what the change log names. All picture coordinates are pixels of the full picture, y down.
  */
-#ifndef ISO_APPS_ISOSCULPT_VIEW_H
-#define ISO_APPS_ISOSCULPT_VIEW_H
+#ifndef ISO_APPS_ISOSCULPT_VIEW_VIEW_H
+#define ISO_APPS_ISOSCULPT_VIEW_VIEW_H
 
 #include "apps/isosculpt/task.h"
 #include "apps/isosculpt/view/damage.h"
 #include "apps/isosculpt/view/gl.h"
-#include "apps/isosculpt/view/levels.h"
-#include "apps/isosculpt/view/light.h"
+#include "apps/isosculpt/view/lod.h"
+#include "apps/isosculpt/view/shading.h"
 #include "exact/exact.h"
 #include "extract/mesh/mesh.h"
 #include "extract/points/points.h"
@@ -55,11 +55,11 @@ double isosculpt_latency_quantile(const isosculpt_latency *latency, double quant
 /* How good a picture is: drawn while the camera moves; at rest; with four samples a pixel. */
 typedef enum isosculpt_quality { ISOSCULPT_MOVING, ISOSCULPT_REST, ISOSCULPT_FINE } isosculpt_quality;
 
-typedef struct isosculpt_look {
+typedef struct isosculpt_display_mode {
     isosculpt_method method;
     isosculpt_engine engine;
-    isosculpt_paint paint;
-} isosculpt_look;
+    isosculpt_material paint;
+} isosculpt_display_mode;
 
 /* Frozen voxels look darker. `at`: whether one is frozen; called by several threads. Zero: none are. */
 typedef struct isosculpt_mask {
@@ -67,7 +67,7 @@ typedef struct isosculpt_mask {
     const void *context; /* borrowed */
 } isosculpt_mask;
 
-typedef struct isosculpt_ahead isosculpt_ahead;
+typedef struct isosculpt_async_surface isosculpt_async_surface;
 
 /* A picture as it was drawn: what a stroke picks from, while newer ones are drawn. */
 typedef struct isosculpt_layer {
@@ -80,7 +80,7 @@ typedef struct isosculpt_layer {
 /* Zero-initialise. Camera and look may be changed between calls. */
 typedef struct isosculpt_view {
     iso_camera camera;
-    isosculpt_look look;
+    isosculpt_display_mode mode;
     isosculpt_mask mask;
     double isovalue; /* physical; of volumes */
     bool sliding;    /* the isovalue changes under the hand */
@@ -94,19 +94,21 @@ typedef struct isosculpt_view {
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_pullpush *workspace;
-    isosculpt_sphere sphere;
+    isosculpt_matcap sphere;
 
     /* Of a volume, NULL for a field: what is drawn until the surface of its isovalue is there, which a thread
      * of its own may make. */
-    isosculpt_levels *levels;
-    isosculpt_ahead *ahead;              /* that is being made; NULL: nothing is */
-    iso_pool *ahead_pool;                /* the thread's, owned */
-    double made[ISOSCULPT_METHOD_COUNT]; /* isovalue of each method's surface, of volumes; NAN: none */
-    double unmade; /* the isovalue that a thread failed at: drawing tries it again, and says why; NAN: none */
+    isosculpt_lod *levels;
+    isosculpt_async_surface *async_surface;          /* that is being made; NULL: nothing is */
+    iso_pool *async_surface_pool;                    /* the thread's, owned */
+    double surface_isovalue[ISOSCULPT_METHOD_COUNT]; /* isovalue of each method's surface, of volumes; NAN:
+                                                        none */
+    double failed_isovalue;     /* the isovalue that a thread failed at: drawing tries it again, and says why;
+                                   NAN: none */
     size_t point_count;         /* when points were last made */
     const iso_point_set *shown; /* points that OpenGL has */
 
-    isosculpt_layer drawn, held; /* the last picture; the one that a stroke began on */
+    isosculpt_layer drawn, pick_layer; /* the last picture; the one that a stroke began on */
     iso_image image;   /* room; its width and height are the last picture's, unless drawn.canvas has that */
     size_t image_room; /* pixels */
     iso_gbuffer piece; /* room for a part of the picture */
@@ -116,7 +118,7 @@ typedef struct isosculpt_view {
     /* What is in the image: */
     int width, height; /* the full picture */
     iso_camera drawn_camera;
-    isosculpt_look drawn_look;
+    isosculpt_display_mode drawn_mode;
     double drawn_isovalue;
     isosculpt_quality quality;
     bool exactly;           /* the exact surface, at least one sample a pixel */
@@ -173,13 +175,13 @@ iso_vec3 isosculpt_layer_point(const isosculpt_layer *layer, double x, double y,
 bool isosculpt_layer_pixel(const isosculpt_layer *layer, iso_vec3 world, double *x, double *y);
 
 /* Keeps the last picture as view->held, for picks, until the next hold. ISO_ERR_NOMEM. */
-iso_status isosculpt_view_hold(isosculpt_view *view, iso_error *error);
+iso_status isosculpt_view_keep_pick_layer(isosculpt_view *view, iso_error *error);
 
 /* The camera. Pixels are of the full picture. */
 void isosculpt_view_orbit(isosculpt_view *view, double dx, double dy);
 void isosculpt_view_pan(isosculpt_view *view, double dx, double dy);
 void isosculpt_view_zoom(isosculpt_view *view, double factor); /* things appear `factor` times larger */
-void isosculpt_view_look(isosculpt_view *view, iso_direction direction);
+void isosculpt_view_set_direction(isosculpt_view *view, iso_direction direction);
 /* The box around the surface, world, as it is now; around the grid when there is no surface. */
 iso_box isosculpt_view_bounds(isosculpt_view *view);
 /* To the middle, and turned about from now on; as large as it was. NULL: the whole. */

@@ -1,6 +1,6 @@
 /* axis: round numbers along a range, for the scale under a histogram. */
-#ifndef ISO_APPS_ISOSCULPT_AXIS_H
-#define ISO_APPS_ISOSCULPT_AXIS_H
+#ifndef ISO_APPS_ISOSCULPT_WINDOW_AXIS_H
+#define ISO_APPS_ISOSCULPT_WINDOW_AXIS_H
 
 #ifdef __cplusplus
 extern "C" {

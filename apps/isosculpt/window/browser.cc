@@ -97,10 +97,10 @@ static void draw_result(const isosculpt_browser *browser) {
 }
 
 /* What a frame asks for. */
-enum wish { NOTHING, CHOOSE, FOLDER, CLOSE };
+enum command { NOTHING, CHOOSE, FOLDER, CLOSE };
 
-static wish draw_buttons(const isosculpt_browser *browser) {
-    wish wanted = ImGui::Button(verb(browser->purpose)) ? CHOOSE : NOTHING;
+static command draw_buttons(const isosculpt_browser *browser) {
+    command wanted = ImGui::Button(verb(browser->purpose)) ? CHOOSE : NOTHING;
     ImGui::SameLine();
     if (ImGui::Button("Cancel (Escape)") || browser->typed.escape) wanted = CLOSE;
     if (browser->purpose != ISOSCULPT_BROWSE_OPEN) return wanted;
@@ -109,7 +109,7 @@ static wish draw_buttons(const isosculpt_browser *browser) {
     return wanted;
 }
 
-static wish draw_inside(isosculpt_browser *browser, float scale) {
+static command draw_inside(isosculpt_browser *browser, float scale) {
     const bool follow = step(browser);
     draw_place(browser);
     const float below = 4 * ImGui::GetFrameHeightWithSpacing() + 2 * ImGui::GetTextLineHeight();
@@ -119,11 +119,11 @@ static wish draw_inside(isosculpt_browser *browser, float scale) {
     wanted |= draw_name(browser);
     draw_type(browser, scale);
     draw_result(browser);
-    const wish button = draw_buttons(browser);
+    const command button = draw_buttons(browser);
     return button ? button : wanted ? CHOOSE : NOTHING;
 }
 
-static bool is_chosen(isosculpt_browser *browser, wish wanted, char path[ISOSCULPT_PATH]) {
+static bool is_chosen(isosculpt_browser *browser, command wanted, char path[ISOSCULPT_PATH]) {
     if (wanted != FOLDER) return wanted == CHOOSE && isosculpt_browser_choose(browser, path);
     snprintf(path, ISOSCULPT_PATH, "%s", browser->folder);
     return true;
@@ -141,7 +141,7 @@ bool isosculpt_browser_draw(isosculpt_browser *browser, float scale, char path[I
                              ImGuiCond_Always);
     bool closed = false, chosen = false;
     if (ImGui::BeginPopupModal(name, nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoResize)) {
-        const wish wanted = draw_inside(browser, scale);
+        const command wanted = draw_inside(browser, scale);
         closed = wanted == CLOSE;
         chosen = is_chosen(browser, wanted, path);
         if (closed || chosen) ImGui::CloseCurrentPopup();

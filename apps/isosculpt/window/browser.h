@@ -1,12 +1,12 @@
 /* browser: a folder's files, for a person to choose one to open or a name to save to. The state is plain C;
  * Dear ImGui draws it (isosculpt_browser_draw). */
-#ifndef ISO_APPS_ISOSCULPT_BROWSER_H
-#define ISO_APPS_ISOSCULPT_BROWSER_H
+#ifndef ISO_APPS_ISOSCULPT_WINDOW_BROWSER_H
+#define ISO_APPS_ISOSCULPT_WINDOW_BROWSER_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "apps/isosculpt/desk.h"
+#include "apps/isosculpt/document.h"
 
 #ifdef __cplusplus
 extern "C" {

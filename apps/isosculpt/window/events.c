@@ -18,9 +18,9 @@ static unsigned modifiers(int mods) {
 static void on_move(GLFWwindow *glfw, double x, double y) {
     window *w = of(glfw);
     w->frames = ISOSCULPT_FRAMES;
-    if (w->hand.drag == ISOSCULPT_DRAG_BRUSH && isosculpt_pen_present(w->pen))
-        w->hand.pressure = isosculpt_pen_pressure(w->pen);
-    isosculpt_hand_move(&w->hand, x * w->screen.pixels, y * w->screen.pixels);
+    if (w->controller.drag == ISOSCULPT_DRAG_BRUSH && isosculpt_pen_present(w->pen))
+        w->controller.pressure = isosculpt_pen_pressure(w->pen);
+    isosculpt_controller_move(&w->controller, x * w->screen.pixels, y * w->screen.pixels);
 }
 
 static void on_button(GLFWwindow *glfw, int button, int action, int mods) {
@@ -28,14 +28,15 @@ static void on_button(GLFWwindow *glfw, int button, int action, int mods) {
     window *w = of(glfw);
     w->frames = ISOSCULPT_FRAMES;
     if (button < 0 || button > GLFW_MOUSE_BUTTON_MIDDLE) return;
-    const double x = w->hand.x, y = w->hand.y; /* of the last event: GLFW sends the position first */
+    const double x = w->controller.x,
+                 y = w->controller.y; /* of the last event: GLFW sends the position first */
     if (action == GLFW_RELEASE)
-        isosculpt_hand_release(&w->hand, buttons[button]);
+        isosculpt_controller_release(&w->controller, buttons[button]);
     else if (!w->screen.blank &&
              !isosculpt_panel_has_pointer(w->panel, x / w->screen.pixels, y / w->screen.pixels)) {
-        w->hand.pressure = isosculpt_pen_pressure(w->pen);
+        w->controller.pressure = isosculpt_pen_pressure(w->pen);
         w->screen.pen = isosculpt_pen_present(w->pen);
-        isosculpt_hand_press(&w->hand, buttons[button], modifiers(mods), x, y);
+        isosculpt_controller_press(&w->controller, buttons[button], modifiers(mods), x, y);
     }
 }
 
@@ -44,8 +45,9 @@ static void on_scroll(GLFWwindow *glfw, double dx, double dy) {
     window *w = of(glfw);
     w->frames = ISOSCULPT_FRAMES;
     double pixels = w->screen.pixels;
-    if (!w->screen.blank && !isosculpt_panel_has_pointer(w->panel, w->hand.x / pixels, w->hand.y / pixels))
-        isosculpt_hand_scroll(&w->hand, dy);
+    if (!w->screen.blank &&
+        !isosculpt_panel_has_pointer(w->panel, w->controller.x / pixels, w->controller.y / pixels))
+        isosculpt_controller_scroll(&w->controller, dy);
 }
 
 /* What a key stands for on this keyboard; the number pad's digits are views. */
@@ -73,9 +75,10 @@ static int key_of(int key, int scancode) {
 
 /* A window closed over unsaved changes asks first, and closes when it is closed again. */
 static void want_close(window *w) {
-    const bool ask = isosculpt_window_unsaved(w) && !w->leaving && w->screen.question != ISOSCULPT_ASK_CLOSE;
+    const bool ask =
+        isosculpt_window_has_unsaved_changes(w) && !w->leaving && w->screen.dialog != ISOSCULPT_DIALOG_CLOSE;
     glfwSetWindowShouldClose(w->glfw, !ask);
-    if (ask) w->screen.question = ISOSCULPT_ASK_CLOSE;
+    if (ask) w->screen.dialog = ISOSCULPT_DIALOG_CLOSE;
     w->frames = ISOSCULPT_FRAMES;
 }
 
@@ -85,22 +88,22 @@ static void on_close(GLFWwindow *glfw) {
 
 /* The gl engine, where there is one, and the cpu engine. */
 static void change_engine(window *w) {
-    isosculpt_look *look = &w->view.look;
+    isosculpt_display_mode *mode = &w->view.mode;
     if (!w->gl) return;
-    look->engine = look->engine == ISOSCULPT_GL ? ISOSCULPT_CPU : ISOSCULPT_GL;
+    mode->engine = mode->engine == ISOSCULPT_GL ? ISOSCULPT_CPU : ISOSCULPT_GL;
     w->view.gl_error.text[0] = 0;
 }
 
 /* Keys that change how it looks. */
 static bool change_look(window *w, int meant) {
-    isosculpt_look *look = &w->view.look;
+    isosculpt_display_mode *mode = &w->view.mode;
     if (meant == 'm')
-        look->method = (isosculpt_method)((look->method + 1) % ISOSCULPT_METHOD_COUNT);
+        mode->method = (isosculpt_method)((mode->method + 1) % ISOSCULPT_METHOD_COUNT);
     else if (meant == 'g')
         change_engine(w);
     else
         return false;
-    w->hand.wishes |= ISOSCULPT_WISH_PICTURE;
+    w->controller.commands |= ISOSCULPT_COMMAND_PICTURE;
     return true;
 }
 
@@ -108,30 +111,31 @@ static bool change_look(window *w, int meant) {
 static void on_drop(GLFWwindow *glfw, int count, const char **paths) {
     window *w = of(glfw);
     if (count < 1) return;
-    if (w->screen.question || w->screen.browser.purpose) {
-        isosculpt_window_say(w, true, "Something is asked: answer that first, then drop the file again.");
+    if (w->screen.dialog || w->screen.browser.purpose) {
+        isosculpt_window_set_status(w, true,
+                                    "Something is asked: answer that first, then drop the file again.");
         return;
     }
-    if (count > 1) isosculpt_window_say(w, false, "One file at a time: the first of them is taken.");
+    if (count > 1) isosculpt_window_set_status(w, false, "One file at a time: the first of them is taken.");
     isosculpt_window_drop(w, paths[0]);
     w->frames = ISOSCULPT_FRAMES;
 }
 
 /* While a question is asked keys answer it and do nothing else. */
 static bool answer(window *w, int key, int meant) {
-    static const unsigned yes[] = {[ISOSCULPT_ASK_RECOVER] = ISOSCULPT_ANSWER_RECOVER,
-                                   [ISOSCULPT_ASK_CLOSE] = ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE,
-                                   [ISOSCULPT_ASK_OPEN] = ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE,
-                                   [ISOSCULPT_ASK_MESH] = ISOSCULPT_ANSWER_OPEN,
-                                   [ISOSCULPT_ASK_REPLACE] = ISOSCULPT_ANSWER_REPLACE};
-    const isosculpt_question question = w->screen.question;
-    if (!question) return false;
+    static const unsigned yes[] = {[ISOSCULPT_DIALOG_RECOVER] = ISOSCULPT_RESULT_RECOVER,
+                                   [ISOSCULPT_DIALOG_CLOSE] = ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_LEAVE,
+                                   [ISOSCULPT_DIALOG_OPEN] = ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_LEAVE,
+                                   [ISOSCULPT_DIALOG_MESH] = ISOSCULPT_RESULT_OPEN,
+                                   [ISOSCULPT_DIALOG_REPLACE] = ISOSCULPT_RESULT_REPLACE};
+    const isosculpt_dialog dialog = w->screen.dialog;
+    if (!dialog) return false;
     if (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER)
-        isosculpt_window_answer(w, yes[question]);
-    else if (key == GLFW_KEY_ESCAPE && question != ISOSCULPT_ASK_RECOVER)
-        isosculpt_window_answer(w, ISOSCULPT_ANSWER_STAY);
-    else if (meant == 's' && question == ISOSCULPT_ASK_MESH)
-        isosculpt_window_answer(w, ISOSCULPT_ANSWER_STAMP);
+        isosculpt_window_handle_dialog_result(w, yes[dialog]);
+    else if (key == GLFW_KEY_ESCAPE && dialog != ISOSCULPT_DIALOG_RECOVER)
+        isosculpt_window_handle_dialog_result(w, ISOSCULPT_RESULT_STAY);
+    else if (meant == 's' && dialog == ISOSCULPT_DIALOG_MESH)
+        isosculpt_window_handle_dialog_result(w, ISOSCULPT_RESULT_STAMP);
     return true;
 }
 
@@ -139,8 +143,8 @@ static bool answer(window *w, int key, int meant) {
 static void escape(window *w) {
     if (w->screen.help)
         w->screen.help = false;
-    else if (w->screen.busy_count)
-        w->screen.answers |= ISOSCULPT_ANSWER_CANCEL;
+    else if (w->screen.progress_item_count)
+        w->screen.results |= ISOSCULPT_RESULT_CANCEL;
     else
         w->screen.message[0] = 0;
 }
@@ -159,23 +163,24 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
     w->frames = ISOSCULPT_FRAMES;
     int meant = key_of(key, scancode);
     if (action == GLFW_RELEASE) {
-        isosculpt_hand_key(&w->hand, meant, modifiers(mods), false);
+        isosculpt_controller_key(&w->controller, meant, modifiers(mods), false);
         return;
     }
     if (action == GLFW_PRESS && key == GLFW_KEY_F12)
-        *(mods & GLFW_MOD_SHIFT ? &w->shoot_all : &w->shoot) = true;
+        *(mods & GLFW_MOD_SHIFT ? &w->screenshot_all : &w->screenshot) = true;
     if (answer(w, key, meant)) return;
     if (w->screen.browser.purpose || isosculpt_panel_has_keys()) {
         note_typed(&w->screen.browser.typed, key);
         return;
     }
-    if (key == GLFW_KEY_ESCAPE && w->hand.drag != ISOSCULPT_DRAG_BRUSH) escape(w);
+    if (key == GLFW_KEY_ESCAPE && w->controller.drag != ISOSCULPT_DRAG_BRUSH) escape(w);
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
     if (action == GLFW_PRESS && meant == 'h') w->screen.help = !w->screen.help;
     if (action == GLFW_PRESS && !(mods & GLFW_MOD_CONTROL) && change_look(w, meant)) return;
-    if (!w->screen.blank || meant == 'q') isosculpt_hand_key(&w->hand, meant, modifiers(mods), true);
-    if (w->hand.wishes & ISOSCULPT_WISH_CLOSE) want_close(w);
-    w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_CLOSE;
+    if (!w->screen.blank || meant == 'q')
+        isosculpt_controller_key(&w->controller, meant, modifiers(mods), true);
+    if (w->controller.commands & ISOSCULPT_COMMAND_CLOSE) want_close(w);
+    w->controller.commands &= ~(unsigned)ISOSCULPT_COMMAND_CLOSE;
 }
 
 static void on_refresh(GLFWwindow *glfw) {
@@ -187,7 +192,7 @@ static void on_size(GLFWwindow *glfw, int width, int height) {
     (void)width;
     (void)height;
     w->frames = ISOSCULPT_FRAMES;
-    w->hand.wishes |= ISOSCULPT_WISH_PICTURE;
+    w->controller.commands |= ISOSCULPT_COMMAND_PICTURE;
 }
 
 /* Another screen, or the same one with other settings: text and panel follow when they are drawn. */
@@ -196,7 +201,7 @@ static void on_scale(GLFWwindow *glfw, float x, float y) {
     on_refresh(glfw);
 }
 
-void isosculpt_window_listen(window *w) {
+void isosculpt_window_install_callbacks(window *w) {
     glfwSetWindowUserPointer(w->glfw, w);
     glfwSetCursorPosCallback(w->glfw, on_move);
     glfwSetMouseButtonCallback(w->glfw, on_button);

@@ -12,7 +12,7 @@
 
 static void show_title(window *w) {
     char title[ISOSCULPT_PATH + 32];
-    const char *path = w->volume ? w->volume->path : w->desk.journal, *slash = strrchr(path, '/'),
+    const char *path = w->volume ? w->volume->path : w->document.journal, *slash = strrchr(path, '/'),
                *name = slash ? slash + 1 : path;
     snprintf(title, sizeof title, "isosculpt%s%s", name[0] ? ": " : "", name);
     glfwSetWindowTitle(w->glfw, title);
@@ -20,36 +20,37 @@ static void show_title(window *w) {
 
 /* The hand and the engine for what is on the desk and in the view. The brush stays as it is, in voxels. */
 static void take_up(window *w) {
-    iso_brush brush = w->hand.brush;
-    const double before = w->voxel, voxel = w->desk.start.voxel_size;
+    iso_brush brush = w->controller.brush;
+    const double before = w->voxel, voxel = w->document.start.voxel_size;
     w->view.gl = w->gl;
-    w->view.look.engine = w->engine;
-    isosculpt_hand_free(&w->hand);
-    isosculpt_hand_init(&w->hand, &w->desk, &w->view);
-    isosculpt_window_point(w);
+    w->view.mode.engine = w->engine;
+    isosculpt_controller_free(&w->controller);
+    isosculpt_controller_init(&w->controller, &w->document, &w->view);
+    isosculpt_window_sync_pointer(w);
     if (before > 0) {
-        const iso_vec3 middle = w->hand.brush.mirror; /* another object: no mirror, until it is asked for */
-        w->hand.brush = brush;
-        w->hand.brush.mirror = middle;
-        w->hand.brush.symmetry = 0;
-        w->hand.brush.radius = brush.radius / before * voxel;
+        const iso_vec3 middle =
+            w->controller.brush.mirror; /* another object: no mirror, until it is asked for */
+        w->controller.brush = brush;
+        w->controller.brush.mirror = middle;
+        w->controller.brush.symmetry = 0;
+        w->controller.brush.radius = brush.radius / before * voxel;
     }
     w->voxel = voxel;
-    w->hand.looking = w->screen.volume != NULL;
+    w->controller.viewing_volume = w->screen.volume != NULL;
     show_title(w);
-    w->hand.wishes = ISOSCULPT_WISH_PICTURE;
+    w->controller.commands = ISOSCULPT_COMMAND_PICTURE;
     w->frames = ISOSCULPT_FRAMES;
 }
 
 static iso_status show_desk(window *w, iso_error *error) {
-    ISO_TRY(isosculpt_view_init(&w->view, iso_session_grid(w->desk.session), w->pool, error));
+    ISO_TRY(isosculpt_view_init(&w->view, iso_session_grid(w->document.session), w->pool, error));
     take_up(w);
     return ISO_OK;
 }
 
 /* A new ball, with a journal if that can be. */
 static iso_status show_ball(window *w, iso_error *error) {
-    ISO_TRY(isosculpt_desk_new(&w->desk, w->has_folder ? w->folder : NULL, NULL, error));
+    ISO_TRY(isosculpt_document_new(&w->document, w->has_folder ? w->folder : NULL, NULL, error));
     return show_desk(w, error);
 }
 
@@ -67,7 +68,7 @@ static iso_status start_sculpting(window *w, iso_error *error) {
                                        .threads = w->settings->threads,
                                        .undo_memory = (size_t)w->settings->undo_memory,
                                        .wake = wake};
-    return isosculpt_opening_start(&request, &w->opening, error);
+    return isosculpt_load_job_start(&request, &w->load_job, error);
 }
 
 /* The path from the root, so that it means the same to whoever reads it on the screen or in a command. */
@@ -95,13 +96,13 @@ static iso_status start_opening(window *w, const char *path, bool stamp, iso_err
                                        .threads = settings->threads,
                                        .undo_memory = (size_t)settings->undo_memory,
                                        .wake = wake};
-    w->agreed = w->desk.changes;
-    return isosculpt_opening_start(&request, &w->opening, error);
+    w->agreed = w->document.changes;
+    return isosculpt_load_job_start(&request, &w->load_job, error);
 }
 
 /* Until it is there the window shows nothing. */
 static iso_status open_alone(window *w, const char *path, iso_error *error) {
-    ISO_TRY(isosculpt_desk_blank(&w->desk, error));
+    ISO_TRY(isosculpt_document_init_empty(&w->document, error));
     ISO_TRY(show_desk(w, error));
     w->screen.blank = true;
     return start_opening(w, path, false, error);
@@ -110,52 +111,52 @@ static iso_status open_alone(window *w, const char *path, iso_error *error) {
 iso_status isosculpt_window_open(window *w, iso_error *error) {
     const isosculpt_settings *settings = w->settings;
     iso_error reason = {0};
-    w->has_folder = isosculpt_desk_folder(w->folder, &reason) == ISO_OK;
+    w->has_folder = isosculpt_document_state_folder(w->folder, &reason) == ISO_OK;
     if (settings->strokes) return open_alone(w, settings->strokes, error);
-    const bool unclosed = w->has_folder && isosculpt_desk_unclosed(w->folder, w->screen.asked);
+    const bool unclosed = w->has_folder && isosculpt_document_find_unclosed(w->folder, w->screen.asked);
     if (settings->recover && unclosed) return open_alone(w, w->screen.asked, error);
-    if (unclosed) w->screen.question = ISOSCULPT_ASK_RECOVER;
+    if (unclosed) w->screen.dialog = ISOSCULPT_DIALOG_RECOVER;
     if (settings->recover)
-        isosculpt_window_say(w, false, "There is nothing to recover: no session was left unclosed.");
+        isosculpt_window_set_status(w, false, "There is nothing to recover: no session was left unclosed.");
     if (settings->open) return open_alone(w, settings->open, error);
     ISO_TRY(show_ball(w, error));
-    if (reason.text[0]) snprintf(w->desk.trouble, sizeof w->desk.trouble, "%s", reason.text);
+    if (reason.text[0]) snprintf(w->document.trouble, sizeof w->document.trouble, "%s", reason.text);
     return ISO_OK;
 }
 
 /* A volume has become a field: the mirror is where it was, and what was drawn meanwhile is done. */
 static void take_up_strokes(window *w, const iso_brush *brush, isosculpt_strokes *waiting) {
-    w->hand.brush.symmetry = brush->symmetry;
-    w->hand.brush.mirror = brush->mirror;
-    isosculpt_hand_play(&w->hand, waiting);
+    w->controller.brush.symmetry = brush->symmetry;
+    w->controller.brush.mirror = brush->mirror;
+    isosculpt_controller_play(&w->controller, waiting);
 }
 
 /* In place of what is on the desk, whose journal has all of it. What a volume becomes is seen from where the
  * volume was. */
-static iso_status replace_desk(window *w, isosculpt_opened *opened, iso_error *error) {
-    const isosculpt_look look = w->view.look;
+static iso_status replace_desk(window *w, isosculpt_loaded *loaded, iso_error *error) {
+    const isosculpt_display_mode mode = w->view.mode;
     const iso_camera camera = w->view.camera;
-    const bool same_place = w->volume && !opened->volume && w->sculpting;
-    const iso_brush brush = w->hand.brush;
-    isosculpt_strokes waiting = w->hand.waiting;
-    w->hand.waiting = (isosculpt_strokes){0};
+    const bool same_place = w->volume && !loaded->volume && w->sculpting;
+    const iso_brush brush = w->controller.brush;
+    isosculpt_strokes waiting = w->controller.waiting;
+    w->controller.waiting = (isosculpt_strokes){0};
     isosculpt_view_free(&w->view);
-    isosculpt_desk_close(&w->desk);
+    isosculpt_document_close(&w->document);
     isosculpt_volume_free(w->volume);
     iso_pool_destroy(w->own_pool);
-    w->pool = w->own_pool = opened->pool;
-    w->desk = opened->desk;
-    w->view = opened->view;
-    w->screen.volume = w->volume = opened->volume;
+    w->pool = w->own_pool = loaded->pool;
+    w->document = loaded->document;
+    w->view = loaded->view;
+    w->screen.volume = w->volume = loaded->volume;
     w->screen.isovalue = w->view.isovalue;
     w->screen.blank = false;
-    w->view.look = look;
+    w->view.mode = mode;
     if (same_place) w->view.camera = camera;
     if (w->volume) {
-        w->desk.pool = w->pool;
-        ISO_TRY(isosculpt_desk_blank(&w->desk, error));
-        w->desk.start.voxel_size = iso_grid_transform(&w->view.grid)->spacing[0];
-        isosculpt_target_default(w->volume->path, w->desk.target); /* what it would be saved to */
+        w->document.pool = w->pool;
+        ISO_TRY(isosculpt_document_init_empty(&w->document, error));
+        w->document.start.voxel_size = iso_grid_transform(&w->view.grid)->spacing[0];
+        isosculpt_target_default(w->volume->path, w->document.target); /* what it would be saved to */
     }
     take_up(w);
     if (same_place)
@@ -169,76 +170,78 @@ static iso_status replace_desk(window *w, isosculpt_opened *opened, iso_error *e
 static iso_status without(window *w, bool cancelled, iso_status status, iso_error *error) {
     const bool first = w->screen.blank;
     if (first && !cancelled) return status;
-    isosculpt_window_say(w, !cancelled, cancelled ? "Cancelled." : error->text);
+    isosculpt_window_set_status(w, !cancelled, cancelled ? "Cancelled." : error->text);
     if (!first) return ISO_OK;
     w->screen.blank = false;
     isosculpt_view_free(&w->view);
-    isosculpt_desk_close(&w->desk);
+    isosculpt_document_close(&w->document);
     return show_ball(w, error);
 }
 
-void isosculpt_window_ask(window *w, isosculpt_question question, const char *path) {
+void isosculpt_window_ask(window *w, isosculpt_dialog dialog, const char *path) {
     snprintf(w->screen.asked, sizeof w->screen.asked, "%s", path);
-    w->screen.question = question;
+    w->screen.dialog = dialog;
     w->frames = ISOSCULPT_FRAMES;
 }
 
 /* Strokes that were made while it was opened would be out of sight with the rest: nobody was asked about
  * them. */
 static bool must_ask_again(const window *w) {
-    const isosculpt_task *task = isosculpt_opening_task(w->opening);
-    return isosculpt_window_unsaved(w) && w->desk.changes != w->agreed && !isosculpt_task_cancelled(task) &&
-           !isosculpt_task_failed(task) && !isosculpt_opening_is_stamp(w->opening);
+    const isosculpt_task *task = isosculpt_load_job_task(w->load_job);
+    return isosculpt_window_has_unsaved_changes(w) && w->document.changes != w->agreed &&
+           !isosculpt_task_cancelled(task) && !isosculpt_task_failed(task) &&
+           !isosculpt_load_job_is_stamp(w->load_job);
 }
 
 /* The volume stays one, or is a field now. */
 static void not_sculpting(window *w) {
-    w->sculpting = w->screen.sculpting = w->hand.awaiting = false;
-    isosculpt_strokes_free(&w->hand.waiting);
+    w->sculpting = w->screen.sculpting = w->controller.awaiting = false;
+    isosculpt_strokes_free(&w->controller.waiting);
 }
 
 static iso_status finish_opening(window *w, iso_error *error) {
-    isosculpt_opened opened;
-    if (!w->opening || !isosculpt_task_done(isosculpt_opening_task(w->opening))) return ISO_OK;
-    const isosculpt_question question = w->screen.question;
-    if (w->hand.drag || w->desk.saver || (question && question != ISOSCULPT_ASK_RECOVER))
+    isosculpt_loaded loaded;
+    if (!w->load_job || !isosculpt_task_done(isosculpt_load_job_task(w->load_job))) return ISO_OK;
+    const isosculpt_dialog dialog = w->screen.dialog;
+    if (w->controller.drag || w->document.saver || (dialog && dialog != ISOSCULPT_DIALOG_RECOVER))
         return ISO_OK; /* first things first */
     if (must_ask_again(w)) {
-        snprintf(w->next, sizeof w->next, "%s", isosculpt_opening_path(w->opening));
-        isosculpt_window_ask(w, ISOSCULPT_ASK_OPEN, w->next);
+        snprintf(w->next, sizeof w->next, "%s", isosculpt_load_job_path(w->load_job));
+        isosculpt_window_ask(w, ISOSCULPT_DIALOG_OPEN, w->next);
         return ISO_OK;
     }
-    const bool cancelled = isosculpt_task_cancelled(isosculpt_opening_task(w->opening));
-    iso_status status = isosculpt_opening_finish(w->opening, &opened, error);
-    w->opening = NULL;
+    const bool cancelled = isosculpt_task_cancelled(isosculpt_load_job_task(w->load_job));
+    iso_status status = isosculpt_load_job_finish(w->load_job, &loaded, error);
+    w->load_job = NULL;
     if (status != ISO_OK) {
         not_sculpting(w);
         return without(w, cancelled, status, error);
     }
     char note[240];
-    const bool noted = iso_mesh_report_note(&opened.report, note, sizeof note);
-    if (opened.stamp)
-        isosculpt_hand_stamp(&w->hand, opened.stamp);
+    const bool noted = iso_mesh_report_note(&loaded.report, note, sizeof note);
+    if (loaded.stamp)
+        isosculpt_controller_set_stamp(&w->controller, loaded.stamp);
     else
-        status = replace_desk(w, &opened, error);
-    if (status == ISO_OK && noted) isosculpt_window_say(w, false, note);
+        status = replace_desk(w, &loaded, error);
+    if (status == ISO_OK && noted) isosculpt_window_set_status(w, false, note);
     not_sculpting(w);
     w->frames = ISOSCULPT_FRAMES;
     return status;
 }
 
 static bool is_opening(window *w) {
-    if (w->opening) isosculpt_window_say(w, true, "Another file is being opened: wait for it, or cancel it.");
-    return w->opening;
+    if (w->load_job)
+        isosculpt_window_set_status(w, true, "Another file is being opened: wait for it, or cancel it.");
+    return w->load_job;
 }
 
 static void open_path(window *w, const char *path, bool stamp) {
     iso_error reason = {0};
     if (is_opening(w)) return;
     if (stamp && w->volume)
-        isosculpt_window_say(w, true, "A stamp needs something to work on: sculpt this first.");
+        isosculpt_window_set_status(w, true, "A stamp needs something to work on: sculpt this first.");
     else if (start_opening(w, path, stamp, &reason) != ISO_OK)
-        isosculpt_window_say(w, true, reason.text);
+        isosculpt_window_set_status(w, true, reason.text);
     else
         w->screen.message[0] = 0; /* of what was tried before */
 }
@@ -247,8 +250,8 @@ static void open_path(window *w, const char *path, bool stamp) {
 static void ask_to_open(window *w, const char *path) {
     if (is_opening(w)) return;
     snprintf(w->next, sizeof w->next, "%s", path);
-    if (isosculpt_window_unsaved(w))
-        isosculpt_window_ask(w, ISOSCULPT_ASK_OPEN, w->next);
+    if (isosculpt_window_has_unsaved_changes(w))
+        isosculpt_window_ask(w, ISOSCULPT_DIALOG_OPEN, w->next);
     else
         open_path(w, w->next, false);
 }
@@ -260,25 +263,25 @@ void isosculpt_window_open_file(window *w, const char *path, bool stamp) {
         ask_to_open(w, path);
 }
 
-void isosculpt_window_leave(window *w, isosculpt_question question) {
-    if (question == ISOSCULPT_ASK_CLOSE) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
-    if (question == ISOSCULPT_ASK_OPEN && w->opening)
-        w->agreed = w->desk.changes; /* it is ready */
-    else if (question == ISOSCULPT_ASK_OPEN)
+void isosculpt_window_leave(window *w, isosculpt_dialog dialog) {
+    if (dialog == ISOSCULPT_DIALOG_CLOSE) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
+    if (dialog == ISOSCULPT_DIALOG_OPEN && w->load_job)
+        w->agreed = w->document.changes; /* it is ready */
+    else if (dialog == ISOSCULPT_DIALOG_OPEN)
         open_path(w, w->next, false);
 }
 
 /* What is ready to be opened is let go. */
-static void stay(window *w, isosculpt_question question) {
-    if (question == ISOSCULPT_ASK_OPEN && w->opening)
-        isosculpt_task_cancel(isosculpt_opening_task(w->opening));
+static void stay(window *w, isosculpt_dialog dialog) {
+    if (dialog == ISOSCULPT_DIALOG_OPEN && w->load_job)
+        isosculpt_task_cancel(isosculpt_load_job_task(w->load_job));
 }
 
 /* A mesh can be two things, unless there is nothing that a stamp could work on. */
 void isosculpt_window_drop(window *w, const char *path) {
     if (is_opening(w)) return;
     if (isosculpt_is_mesh(path) && !w->volume && !w->screen.blank)
-        isosculpt_window_ask(w, ISOSCULPT_ASK_MESH, path);
+        isosculpt_window_ask(w, ISOSCULPT_DIALOG_MESH, path);
     else
         ask_to_open(w, path);
 }
@@ -290,7 +293,7 @@ static void slide(window *w) {
     w->view.sliding = w->screen.sliding;
     if (w->screen.isovalue != w->view.isovalue) {
         isosculpt_view_set_isovalue(&w->view, w->screen.isovalue);
-        w->hand.wishes |= ISOSCULPT_WISH_PICTURE;
+        w->controller.commands |= ISOSCULPT_COMMAND_PICTURE;
     } else if (rested)
         w->changed = isosculpt_now(); /* the exact picture is due */
 }
@@ -299,16 +302,16 @@ static void sculpt(window *w) {
     iso_error reason = {0};
     if (!w->volume || w->sculpting || is_opening(w)) return;
     w->sculpting = start_sculpting(w, &reason) == ISO_OK;
-    w->screen.sculpting = w->hand.awaiting = w->sculpting;
+    w->screen.sculpting = w->controller.awaiting = w->sculpting;
     if (!w->sculpting)
-        isosculpt_window_say(w, true, reason.text);
+        isosculpt_window_set_status(w, true, reason.text);
     else
-        isosculpt_hand_center_mirror(&w->hand);
+        isosculpt_controller_center_mirror(&w->controller);
 }
 
 /* --stamp, once there is a session that can hold it. */
 static void ask_for_stamp(window *w) {
-    if (w->stamp_asked || w->screen.blank || w->volume || w->opening || !w->settings->stamp) return;
+    if (w->stamp_asked || w->screen.blank || w->volume || w->load_job || !w->settings->stamp) return;
     w->stamp_asked = true;
     open_path(w, w->settings->stamp, true);
 }
@@ -316,61 +319,61 @@ static void ask_for_stamp(window *w) {
 /* ---- heavy work */
 
 static void add_busy(window *w, const char *verb, const char *path, const isosculpt_task *task) {
-    isosculpt_busy *busy = &w->screen.busy[w->screen.busy_count++];
+    isosculpt_progress_item *progress_items = &w->screen.progress_items[w->screen.progress_item_count++];
     const char *slash = strrchr(path, '/');
-    snprintf(busy->text, sizeof busy->text, "%s %.120s", verb, slash ? slash + 1 : path);
-    busy->fraction = isosculpt_task_fraction(task);
+    snprintf(progress_items->text, sizeof progress_items->text, "%s %.120s", verb, slash ? slash + 1 : path);
+    progress_items->fraction = isosculpt_task_fraction(task);
 }
 
-static int running(const window *w, isosculpt_task *tasks[ISOSCULPT_BUSY]) {
+static int running(const window *w, isosculpt_task *tasks[ISOSCULPT_PROGRESS_ITEMS]) {
     int count = 0;
-    if (w->opening) tasks[count++] = isosculpt_opening_task(w->opening);
-    if (w->desk.saver) tasks[count++] = isosculpt_desk_save_task(&w->desk);
+    if (w->load_job) tasks[count++] = isosculpt_load_job_task(w->load_job);
+    if (w->document.saver) tasks[count++] = isosculpt_document_save_task(&w->document);
     return count;
 }
 
-void isosculpt_window_show_busy(window *w) {
-    isosculpt_task *tasks[ISOSCULPT_BUSY];
-    const int before = w->screen.busy_count, count = running(w, tasks);
-    w->screen.busy_count = 0;
-    if (w->opening)
+void isosculpt_window_show_progress(window *w) {
+    isosculpt_task *tasks[ISOSCULPT_PROGRESS_ITEMS];
+    const int before = w->screen.progress_item_count, count = running(w, tasks);
+    w->screen.progress_item_count = 0;
+    if (w->load_job)
         add_busy(w,
-                 w->sculpting                             ? "Making a field of"
-                 : isosculpt_opening_is_stamp(w->opening) ? "Stamp:"
-                                                          : "Opening",
-                 isosculpt_opening_path(w->opening), tasks[0]);
-    if (w->desk.saver) add_busy(w, "Saving", w->desk.saved_as, tasks[count - 1]);
+                 w->sculpting                               ? "Making a field of"
+                 : isosculpt_load_job_is_stamp(w->load_job) ? "Stamp:"
+                                                            : "Opening",
+                 isosculpt_load_job_path(w->load_job), tasks[0]);
+    if (w->document.saver) add_busy(w, "Saving", w->document.saved_as, tasks[count - 1]);
     if (count || before) w->frames = w->frames > 0 ? w->frames : 1;
 }
 
-static void cancel(window *w, unsigned answers) {
-    isosculpt_task *tasks[ISOSCULPT_BUSY];
+static void cancel(window *w, unsigned results) {
+    isosculpt_task *tasks[ISOSCULPT_PROGRESS_ITEMS];
     const int count = running(w, tasks);
     for (int i = 0; i < count; i++)
-        if (answers & (unsigned)ISOSCULPT_ANSWER_CANCEL << i) isosculpt_task_cancel(tasks[i]);
+        if (results & (unsigned)ISOSCULPT_RESULT_CANCEL << i) isosculpt_task_cancel(tasks[i]);
 }
 
 /* ---- what is asked for */
 
-void isosculpt_window_answer(window *w, unsigned answers) {
-    const isosculpt_question question = w->screen.question;
+void isosculpt_window_handle_dialog_result(window *w, unsigned results) {
+    const isosculpt_dialog dialog = w->screen.dialog;
     char path[ISOSCULPT_PATH];
-    if (answers & ISOSCULPT_ANSWER_RECOVER && is_opening(w)) return; /* it is asked on */
+    if (results & ISOSCULPT_RESULT_RECOVER && is_opening(w)) return; /* it is asked on */
     memcpy(path, w->screen.asked, sizeof path);
-    w->screen.question = ISOSCULPT_ASK_NOTHING;
-    if (answers & ISOSCULPT_ANSWER_RECOVER) open_path(w, path, false);
-    if (answers & ISOSCULPT_ANSWER_DISMISS) isosculpt_desk_dismiss(path);
-    if (answers & ISOSCULPT_ANSWER_OPEN) ask_to_open(w, path);
-    if (answers & ISOSCULPT_ANSWER_STAMP) open_path(w, path, true);
-    if (question == ISOSCULPT_ASK_REPLACE) {
-        isosculpt_window_replace(w, answers & ISOSCULPT_ANSWER_REPLACE);
-    } else if (answers & ISOSCULPT_ANSWER_SAVE) {
-        w->leaving = question;
+    w->screen.dialog = ISOSCULPT_DIALOG_NOTHING;
+    if (results & ISOSCULPT_RESULT_RECOVER) open_path(w, path, false);
+    if (results & ISOSCULPT_RESULT_DISMISS) isosculpt_document_dismiss_recovery(path);
+    if (results & ISOSCULPT_RESULT_OPEN) ask_to_open(w, path);
+    if (results & ISOSCULPT_RESULT_STAMP) open_path(w, path, true);
+    if (dialog == ISOSCULPT_DIALOG_REPLACE) {
+        isosculpt_window_replace(w, results & ISOSCULPT_RESULT_REPLACE);
+    } else if (results & ISOSCULPT_RESULT_SAVE) {
+        w->leaving = dialog;
         isosculpt_window_save(w, ISOSCULPT_BROWSE_SAVE, NULL);
-    } else if (answers & ISOSCULPT_ANSWER_LEAVE)
-        isosculpt_window_leave(w, question);
-    else if (answers & ISOSCULPT_ANSWER_STAY)
-        stay(w, question);
+    } else if (results & ISOSCULPT_RESULT_LEAVE)
+        isosculpt_window_leave(w, dialog);
+    else if (results & ISOSCULPT_RESULT_STAY)
+        stay(w, dialog);
 }
 
 /* What was typed in. */
@@ -383,35 +386,35 @@ static void take_path(window *w) {
 
 /* What the hand asks for. */
 static void take_wishes(window *w) {
-    const unsigned wishes = w->hand.wishes;
-    if (wishes & ISOSCULPT_WISH_SAVE) isosculpt_window_save(w, ISOSCULPT_BROWSE_SAVE, NULL);
-    if (wishes & ISOSCULPT_WISH_SAVE_AS) w->screen.browse = ISOSCULPT_BROWSE_SAVE;
-    if (wishes & ISOSCULPT_WISH_OPEN) w->screen.browse = ISOSCULPT_BROWSE_OPEN;
-    if (wishes & ISOSCULPT_WISH_SCULPT) sculpt(w);
-    w->hand.wishes &= ISOSCULPT_WISH_PICTURE | ISOSCULPT_WISH_CLOSE;
+    const unsigned commands = w->controller.commands;
+    if (commands & ISOSCULPT_COMMAND_SAVE) isosculpt_window_save(w, ISOSCULPT_BROWSE_SAVE, NULL);
+    if (commands & ISOSCULPT_COMMAND_SAVE_AS) w->screen.browse = ISOSCULPT_BROWSE_SAVE;
+    if (commands & ISOSCULPT_COMMAND_OPEN) w->screen.browse = ISOSCULPT_BROWSE_OPEN;
+    if (commands & ISOSCULPT_COMMAND_SCULPT) sculpt(w);
+    w->controller.commands &= ISOSCULPT_COMMAND_PICTURE | ISOSCULPT_COMMAND_CLOSE;
 }
 
 /* What went wrong under the hand. */
 static void tell_troubles(window *w) {
-    isosculpt_hand *hand = &w->hand;
-    if (hand->error.text[0])
-        isosculpt_window_say(w, true, hand->error.text);
-    else if (hand->clipped)
-        isosculpt_window_say(w, true, "The brush reached beyond the grid: what lies outside is lost.");
-    hand->error.text[0] = 0;
-    hand->clipped = false;
+    isosculpt_controller *controller = &w->controller;
+    if (controller->error.text[0])
+        isosculpt_window_set_status(w, true, controller->error.text);
+    else if (controller->clipped)
+        isosculpt_window_set_status(w, true, "The brush reached beyond the grid: what lies outside is lost.");
+    controller->error.text[0] = 0;
+    controller->clipped = false;
 }
 
-iso_status isosculpt_window_obey(window *w, iso_error *error) {
-    const unsigned answers = w->screen.answers;
-    w->screen.answers = 0;
-    cancel(w, answers);
-    if (w->screen.question && answers & ~(3u * ISOSCULPT_ANSWER_CANCEL))
-        isosculpt_window_answer(w, answers);
-    else if (answers & ISOSCULPT_ANSWER_OPEN)
+iso_status isosculpt_window_process_commands(window *w, iso_error *error) {
+    const unsigned results = w->screen.results;
+    w->screen.results = 0;
+    cancel(w, results);
+    if (w->screen.dialog && results & ~(3u * ISOSCULPT_RESULT_CANCEL))
+        isosculpt_window_handle_dialog_result(w, results);
+    else if (results & ISOSCULPT_RESULT_OPEN)
         take_path(w);
-    if (answers & ISOSCULPT_ANSWER_CHOSEN) isosculpt_window_take_choice(w);
-    if (answers & ISOSCULPT_ANSWER_COMMAND) isosculpt_window_copy_command(w);
+    if (results & ISOSCULPT_RESULT_CHOSEN) isosculpt_window_take_choice(w);
+    if (results & ISOSCULPT_RESULT_COMMAND) isosculpt_window_copy_command(w);
     take_wishes(w);
     isosculpt_window_go_on_saving(w);
     slide(w);
@@ -421,8 +424,8 @@ iso_status isosculpt_window_obey(window *w, iso_error *error) {
 }
 
 /* The window closes over it. */
-void isosculpt_window_abandon(window *w) {
-    isosculpt_opened opened = {0};
-    isosculpt_task_cancel(isosculpt_opening_task(w->opening));
-    if (isosculpt_opening_finish(w->opening, &opened, NULL) == ISO_OK) isosculpt_opened_free(&opened);
+void isosculpt_window_cancel_load(window *w) {
+    isosculpt_loaded loaded = {0};
+    isosculpt_task_cancel(isosculpt_load_job_task(w->load_job));
+    if (isosculpt_load_job_finish(w->load_job, &loaded, NULL) == ISO_OK) isosculpt_loaded_free(&loaded);
 }

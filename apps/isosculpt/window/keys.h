@@ -1,6 +1,6 @@
 /* What mouse and keys do: for the help sheet and the man page. */
-#ifndef ISO_APPS_ISOSCULPT_KEYS_H
-#define ISO_APPS_ISOSCULPT_KEYS_H
+#ifndef ISO_APPS_ISOSCULPT_WINDOW_KEYS_H
+#define ISO_APPS_ISOSCULPT_WINDOW_KEYS_H
 
 #define ISOSCULPT_KEYS(X)                                                                                    \
     X("left drag on the surface", "the brush; on a volume that is not sculpted yet: orbit")                  \

@@ -19,7 +19,7 @@
 
 struct rectangle {
     ImVec2 position, size;
-    bool holds(double x, double y) const {
+    bool snapshots(double x, double y) const {
         return x >= position.x && y >= position.y && x < position.x + size.x && y < position.y + size.y;
     }
 };
@@ -28,26 +28,26 @@ struct isosculpt_panel {
     float scale;
     bool place_anew; /* the scale is another one */
     bool modal;
-    rectangle place, busy,
+    rectangle place, progress_items,
         message; /* of the panel, of what tells progress and what was said, as last drawn */
     bool over(double x, double y) const {
-        return place.holds(x, y) || busy.holds(x, y) || message.holds(x, y);
+        return place.snapshots(x, y) || progress_items.snapshots(x, y) || message.snapshots(x, y);
     }
 };
 
 /* ---- parts of the panel */
 
 /* The solid that is added or carved; a stamp is there when one was loaded. */
-static void choose_shape(isosculpt_hand *hand) {
+static void choose_shape(isosculpt_controller *controller) {
     static const iso_solid shapes[] = {ISO_SOLID_SPHERE, ISO_SOLID_BOX, ISO_SOLID_CYLINDER, ISO_SOLID_TORUS,
                                        ISO_SOLID_STAMP};
-    iso_brush *brush = &hand->brush;
-    const iso_stamp *stamp = iso_session_stamp(hand->desk->session);
+    iso_brush *brush = &controller->brush;
+    const iso_stamp *stamp = iso_session_stamp(controller->document->session);
     const auto name = [&](iso_solid shape) {
         return shape == ISO_SOLID_STAMP && stamp ? stamp->name : iso_solid_name(shape);
     };
     if (brush->shape == ISO_SOLID_STAMP && !stamp) brush->shape = ISO_SOLID_SPHERE;
-    ImGui::BeginDisabled(!isosculpt_hand_has_shape(brush->tool));
+    ImGui::BeginDisabled(!isosculpt_tool_has_shape(brush->tool));
     if (ImGui::BeginCombo("shape", name(brush->shape))) {
         for (iso_solid shape : shapes)
             if ((shape != ISO_SOLID_STAMP || stamp) && ImGui::Selectable(name(shape), shape == brush->shape))
@@ -64,8 +64,8 @@ static void choose_shape(isosculpt_hand *hand) {
 }
 
 /* The planes, and where they are. */
-static void choose_mirror(isosculpt_hand *hand) {
-    iso_brush *brush = &hand->brush;
+static void choose_mirror(isosculpt_controller *controller) {
+    iso_brush *brush = &controller->brush;
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted("symmetry");
     for (unsigned axis = 0; axis < 3; axis++) {
@@ -75,10 +75,10 @@ static void choose_mirror(isosculpt_hand *hand) {
     }
     if (!brush->symmetry) return;
     ImGui::SameLine();
-    if (ImGui::Button("centre")) isosculpt_hand_center_mirror(hand);
+    if (ImGui::Button("centre")) isosculpt_controller_center_mirror(controller);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("the planes pass through the middle of the object");
     double *const at[] = {&brush->mirror.x, &brush->mirror.y, &brush->mirror.z};
-    const float speed = (float)(0.5 * hand->desk->start.voxel_size);
+    const float speed = (float)(0.5 * controller->document->start.voxel_size);
     const float inner = ImGui::GetStyle().ItemInnerSpacing.x,
                 width = (ImGui::CalcItemWidth() - 2 * inner) / 3;
     for (int axis = 0; axis < 3; axis++) {
@@ -95,32 +95,32 @@ static void choose_mirror(isosculpt_hand *hand) {
 }
 
 static void section_brush(const isosculpt_screen *screen) {
-    isosculpt_hand *hand = screen->hand;
+    isosculpt_controller *controller = screen->controller;
     static const char *const names[] = {"1 add",     "2 carve", "3 blend", "4 smooth", "5 inflate",
                                         "6 flatten", "7 pinch", "8 move",  "9 mask"};
     const float width = ImGui::GetContentRegionAvail().x / 3 - ImGui::GetStyle().ItemSpacing.x * 0.67f;
     for (int i = 0; i < ISOSCULPT_TOOLS; i++) {
-        bool chosen = hand->brush.tool == isosculpt_hand_tool(i + 1);
+        bool chosen = controller->brush.tool == isosculpt_controller_tool(i + 1);
         if (i % 3) ImGui::SameLine();
         if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-        if (ImGui::Button(names[i], ImVec2(width, 0))) isosculpt_hand_key(hand, '1' + i, 0, true);
+        if (ImGui::Button(names[i], ImVec2(width, 0))) isosculpt_controller_key(controller, '1' + i, 0, true);
         if (chosen) ImGui::PopStyleColor();
     }
-    const double voxel = hand->desk->start.voxel_size, low = 2 * voxel, high = 128 * voxel, none = 0.02,
-                 full = 1;
-    ImGui::SliderScalar("radius", ImGuiDataType_Double, &hand->brush.radius, &low, &high, "%.2f mm",
+    const double voxel = controller->document->start.voxel_size, low = 2 * voxel, high = 128 * voxel,
+                 none = 0.02, full = 1;
+    ImGui::SliderScalar("radius", ImGuiDataType_Double, &controller->brush.radius, &low, &high, "%.2f mm",
                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
-    ImGui::SliderScalar("strength", ImGuiDataType_Double, &hand->brush.strength, &none, &full, "%.2f",
+    ImGui::SliderScalar("strength", ImGuiDataType_Double, &controller->brush.strength, &none, &full, "%.2f",
                         ImGuiSliderFlags_AlwaysClamp);
-    choose_shape(hand);
-    choose_mirror(hand);
+    choose_shape(controller);
+    choose_mirror(controller);
     if (!screen->pen) return;
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted("pressure");
     ImGui::SameLine();
-    ImGui::Checkbox("size", &hand->brush.pressure_radius);
+    ImGui::Checkbox("size", &controller->brush.pressure_radius);
     ImGui::SameLine();
-    ImGui::Checkbox("strength##pen", &hand->brush.pressure_strength);
+    ImGui::Checkbox("strength##pen", &controller->brush.pressure_strength);
 }
 
 static bool color_edit(const char *label, iso_rgb *color) {
@@ -134,7 +134,7 @@ static bool color_edit(const char *label, iso_rgb *color) {
 /* The rest of a line: which engine is chosen; and under the pointer, what drew the picture. */
 static bool engine_combo(isosculpt_view *view) {
     static const char *const names[] = {"engine: cpu", "engine: gl"};
-    isosculpt_engine *engine = &view->look.engine;
+    isosculpt_engine *engine = &view->mode.engine;
     bool changed = false;
     if (!view->gl) {
         ImGui::TextColored(GREY, "%s", names[ISOSCULPT_CPU]);
@@ -162,7 +162,7 @@ static bool engine_combo(isosculpt_view *view) {
 }
 
 /* A button for each side. */
-static void choose_side(isosculpt_hand *hand) {
+static void choose_side(isosculpt_controller *controller) {
     static const struct {
         const char *name, *tip;
         iso_direction direction;
@@ -175,48 +175,49 @@ static void choose_side(isosculpt_hand *hand) {
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(padding, style.FramePadding.y));
     for (int i = 0; i < 6; i++) {
         if (i) ImGui::SameLine(0, gap);
-        if (ImGui::Button(sides[i].name)) isosculpt_hand_look(hand, sides[i].direction);
+        if (ImGui::Button(sides[i].name)) isosculpt_controller_look(controller, sides[i].direction);
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", sides[i].tip);
     }
     ImGui::PopStyleVar();
 }
 
 static void section_picture(isosculpt_screen *screen) {
-    isosculpt_hand *hand = screen->hand;
-    isosculpt_look *look = &hand->view->look;
+    isosculpt_controller *controller = screen->controller;
+    isosculpt_display_mode *mode = &controller->view->mode;
     bool changed = false;
-    if (ImGui::BeginCombo("method", isosculpt_method_name(look->method))) {
+    if (ImGui::BeginCombo("method", isosculpt_method_name(mode->method))) {
         for (int i = 0; i < ISOSCULPT_METHOD_COUNT; i++)
-            if (ImGui::Selectable(isosculpt_method_name((isosculpt_method)i), i == (int)look->method)) {
-                look->method = (isosculpt_method)i;
+            if (ImGui::Selectable(isosculpt_method_name((isosculpt_method)i), i == (int)mode->method)) {
+                mode->method = (isosculpt_method)i;
                 changed = true;
             }
         ImGui::EndCombo();
     }
-    if (ImGui::BeginCombo("light", isosculpt_light_name(look->paint.light))) {
-        for (int i = 0; i < ISOSCULPT_LIGHT_COUNT; i++)
-            if (ImGui::Selectable(isosculpt_light_name((isosculpt_light)i), i == (int)look->paint.light)) {
-                look->paint.light = (isosculpt_light)i;
+    if (ImGui::BeginCombo("light", isosculpt_shading_name(mode->paint.light))) {
+        for (int i = 0; i < ISOSCULPT_SHADING_COUNT; i++)
+            if (ImGui::Selectable(isosculpt_shading_name((isosculpt_shading)i),
+                                  i == (int)mode->paint.light)) {
+                mode->paint.light = (isosculpt_shading)i;
                 changed = true;
             }
         ImGui::EndCombo();
     }
-    changed |= color_edit("surface", &look->paint.color);
+    changed |= color_edit("surface", &mode->paint.color);
     ImGui::SameLine();
-    changed |= color_edit("background", &look->paint.background);
+    changed |= color_edit("background", &mode->paint.background);
     ImGui::SameLine();
-    changed |= engine_combo(hand->view);
-    if (changed) hand->wishes |= ISOSCULPT_WISH_PICTURE;
-    choose_side(hand);
-    if (ImGui::Button("Copy isorender command")) screen->answers |= ISOSCULPT_ANSWER_COMMAND;
+    changed |= engine_combo(controller->view);
+    if (changed) controller->commands |= ISOSCULPT_COMMAND_PICTURE;
+    choose_side(controller);
+    if (ImGui::Button("Copy isorender command")) screen->results |= ISOSCULPT_RESULT_COMMAND;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("a command that draws this picture, to the clipboard");
     ImGui::SameLine();
     if (ImGui::Button("Picture...")) screen->browse = ISOSCULPT_BROWSE_PICTURE;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("save it under a name; F12: beside the file, at once");
 }
 
-static void section_history(isosculpt_hand *hand, float scale) {
-    const iso_history *history = iso_session_history(hand->desk->session);
+static void section_history(isosculpt_controller *controller, float scale) {
+    const iso_history *history = iso_session_history(controller->document->session);
     const size_t position = iso_history_position(history), count = iso_history_count(history);
     size_t wanted = position;
     ImGui::BeginChild("steps", ImVec2(0, 110 * scale), true);
@@ -232,10 +233,10 @@ static void section_history(isosculpt_hand *hand, float scale) {
             if (ImGui::Selectable(label, (size_t)i + 1 == position)) wanted = (size_t)i + 1;
             if (undone) ImGui::PopStyleColor();
         }
-    if (hand->drag == ISOSCULPT_DRAG_BRUSH || ImGui::GetScrollY() >= ImGui::GetScrollMaxY())
+    if (controller->drag == ISOSCULPT_DRAG_BRUSH || ImGui::GetScrollY() >= ImGui::GetScrollMaxY())
         ImGui::SetScrollHereY(1);
     ImGui::EndChild();
-    if (wanted != position) isosculpt_hand_history(hand, wanted);
+    if (wanted != position) isosculpt_controller_go_to_step(controller, wanted);
 }
 
 static void latency_row(const char *name, const isosculpt_latency *latency) {
@@ -251,8 +252,8 @@ static void latency_row(const char *name, const isosculpt_latency *latency) {
     }
 }
 
-static void section_numbers(isosculpt_hand *hand) {
-    const iso_grid *grid = &hand->view->grid;
+static void section_numbers(isosculpt_controller *controller) {
+    const iso_grid *grid = &controller->view->grid;
     const int *dims = iso_grid_dims(grid);
     ImGui::Text("%d x %d x %d voxels of %.4g mm", dims[0], dims[1], dims[2],
                 iso_grid_transform(grid)->spacing[0]);
@@ -260,15 +261,15 @@ static void section_numbers(isosculpt_hand *hand) {
         ImGui::Text("%.2f M of them stored, in %.0f MB",
                     1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid->hgrid),
                     1e-6 * (double)iso_hgrid_bytes(grid->hgrid));
-    ImGui::Text("%.2f M points", 1e-6 * (double)isosculpt_view_points(hand->view));
+    ImGui::Text("%.2f M points", 1e-6 * (double)isosculpt_view_points(controller->view));
     if (!ImGui::BeginTable("latency", 3, ImGuiTableFlags_RowBg)) return;
     ImGui::TableSetupColumn("milliseconds", ImGuiTableColumnFlags_WidthStretch, 2);
     ImGui::TableSetupColumn("p50", ImGuiTableColumnFlags_WidthStretch, 1);
     ImGui::TableSetupColumn("p99", ImGuiTableColumnFlags_WidthStretch, 1);
     ImGui::TableHeadersRow();
-    latency_row("edit", &hand->edit);
-    latency_row("extract", &hand->view->extract);
-    latency_row("draw", &hand->view->draw);
+    latency_row("edit", &controller->edit);
+    latency_row("extract", &controller->view->extract);
+    latency_row("draw", &controller->view->draw);
     ImGui::EndTable();
 }
 
@@ -280,14 +281,15 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, display.y - 2 * gap));
     ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::PushItemWidth(-76 * panel->scale);
-    const bool looking = screen->volume != nullptr, brush = !looking || screen->sculpting;
+    const bool viewing_volume = screen->volume != nullptr, brush = !viewing_volume || screen->sculpting;
     const ImGuiTreeNodeFlags open = ImGuiTreeNodeFlags_DefaultOpen;
     if (!brush && ImGui::CollapsingHeader("Isovalue", open)) panel_isovalue(screen, panel->scale);
     if (brush && ImGui::CollapsingHeader("Brush", open)) section_brush(screen);
     if (ImGui::CollapsingHeader("Picture", open)) section_picture(screen);
     if (ImGui::CollapsingHeader("Files", open)) panel_files(screen);
-    if (!looking && ImGui::CollapsingHeader("History", open)) section_history(screen->hand, panel->scale);
-    if (ImGui::CollapsingHeader("Numbers", open)) section_numbers(screen->hand);
+    if (!viewing_volume && ImGui::CollapsingHeader("History", open))
+        section_history(screen->controller, panel->scale);
+    if (ImGui::CollapsingHeader("Numbers", open)) section_numbers(screen->controller);
     ImGui::PopItemWidth();
     panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
     ImGui::End();
@@ -304,17 +306,17 @@ static void draw_busy(isosculpt_panel *panel, isosculpt_screen *screen) {
     ImGui::Begin("##busy", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoFocusOnAppearing);
-    for (int i = 0; i < screen->busy_count; i++) {
-        const isosculpt_busy *busy = &screen->busy[i];
+    for (int i = 0; i < screen->progress_item_count; i++) {
+        const isosculpt_progress_item *progress_items = &screen->progress_items[i];
         ImGui::PushID(i);
-        ImGui::TextUnformatted(busy->text);
-        ImGui::ProgressBar((float)busy->fraction, ImVec2(280 * panel->scale, 0));
+        ImGui::TextUnformatted(progress_items->text);
+        ImGui::ProgressBar((float)progress_items->fraction, ImVec2(280 * panel->scale, 0));
         ImGui::SameLine();
         if (ImGui::Button(i ? "Cancel" : "Cancel (Escape)"))
-            screen->answers |= (unsigned)ISOSCULPT_ANSWER_CANCEL << i;
+            screen->results |= (unsigned)ISOSCULPT_RESULT_CANCEL << i;
         ImGui::PopID();
     }
-    panel->busy = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
+    panel->progress_items = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
     ImGui::End();
 }
 
@@ -323,7 +325,8 @@ static void draw_busy(isosculpt_panel *panel, isosculpt_screen *screen) {
 /* Seen without the panel too, above what tells progress. What went wrong stays until it is put away. */
 static void draw_message(isosculpt_panel *panel, isosculpt_screen *screen) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
-    const float below = screen->busy_count ? display.y - panel->busy.position.y : 0, gap = 16 * panel->scale;
+    const float below = screen->progress_item_count ? display.y - panel->progress_items.position.y : 0,
+                gap = 16 * panel->scale;
     ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y - gap - below), ImGuiCond_Always,
                             ImVec2(0.5f, 1));
     ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(display.x - 2 * gap, display.y));
@@ -376,70 +379,70 @@ static bool begin_question(const char *title, bool asked) {
     return open;
 }
 
-static void answer_button(isosculpt_screen *screen, const char *label, unsigned answers) {
-    if (ImGui::Button(label)) screen->answers |= answers;
+static void answer_button(isosculpt_screen *screen, const char *label, unsigned results) {
+    if (ImGui::Button(label)) screen->results |= results;
 }
 
 static void ask_recover(isosculpt_screen *screen) {
-    if (!begin_question("Recover?", screen->question == ISOSCULPT_ASK_RECOVER)) return;
+    if (!begin_question("Recover?", screen->dialog == ISOSCULPT_DIALOG_RECOVER)) return;
     ImGui::Text("A session was not closed:\n%s\n\nIts strokes are all there.", screen->asked);
-    answer_button(screen, "Recover it (Enter)", ISOSCULPT_ANSWER_RECOVER);
+    answer_button(screen, "Recover it (Enter)", ISOSCULPT_RESULT_RECOVER);
     ImGui::SameLine();
-    answer_button(screen, "Start new (the file stays)", ISOSCULPT_ANSWER_DISMISS);
+    answer_button(screen, "Start new (the file stays)", ISOSCULPT_RESULT_DISMISS);
     ImGui::EndPopup();
 }
 
 static void say_unsaved(const isosculpt_screen *screen) {
-    const char *journal = screen->hand->desk->journal;
+    const char *journal = screen->controller->document->journal;
     if (journal[0])
         ImGui::Text("What you did is not saved. The stroke file has all of it:\n%s", journal);
     else
         ImGui::TextColored(RED, "What you did is in no file.");
-    ImGui::Text("\nSaving writes\n%s\n\n", screen->hand->desk->target);
+    ImGui::Text("\nSaving writes\n%s\n\n", screen->controller->document->target);
 }
 
 static void ask_close(isosculpt_screen *screen) {
-    if (!begin_question("Close?", screen->question == ISOSCULPT_ASK_CLOSE)) return;
+    if (!begin_question("Close?", screen->dialog == ISOSCULPT_DIALOG_CLOSE)) return;
     say_unsaved(screen);
-    answer_button(screen, "Save and close (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE);
+    answer_button(screen, "Save and close (Enter)", ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_LEAVE);
     ImGui::SameLine();
-    answer_button(screen, "Close", ISOSCULPT_ANSWER_LEAVE);
+    answer_button(screen, "Close", ISOSCULPT_RESULT_LEAVE);
     ImGui::SameLine();
-    answer_button(screen, "Stay (Escape)", ISOSCULPT_ANSWER_STAY);
+    answer_button(screen, "Stay (Escape)", ISOSCULPT_RESULT_STAY);
     ImGui::EndPopup();
 }
 
 static void ask_open(isosculpt_screen *screen) {
-    if (!begin_question("Open?", screen->question == ISOSCULPT_ASK_OPEN)) return;
+    if (!begin_question("Open?", screen->dialog == ISOSCULPT_DIALOG_OPEN)) return;
     ImGui::Text("%s\nis to be opened in place of what is here.\n\n", screen->asked);
     say_unsaved(screen);
-    answer_button(screen, "Save and open (Enter)", ISOSCULPT_ANSWER_SAVE | ISOSCULPT_ANSWER_LEAVE);
+    answer_button(screen, "Save and open (Enter)", ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_LEAVE);
     ImGui::SameLine();
-    answer_button(screen, "Open", ISOSCULPT_ANSWER_LEAVE);
+    answer_button(screen, "Open", ISOSCULPT_RESULT_LEAVE);
     ImGui::SameLine();
-    answer_button(screen, "Stay (Escape)", ISOSCULPT_ANSWER_STAY);
+    answer_button(screen, "Stay (Escape)", ISOSCULPT_RESULT_STAY);
     ImGui::EndPopup();
 }
 
 static void ask_mesh(isosculpt_screen *screen) {
-    if (!begin_question("A mesh", screen->question == ISOSCULPT_ASK_MESH)) return;
+    if (!begin_question("A mesh", screen->dialog == ISOSCULPT_DIALOG_MESH)) return;
     ImGui::Text("%s", screen->asked);
-    answer_button(screen, "Sculpt it (Enter)", ISOSCULPT_ANSWER_OPEN);
+    answer_button(screen, "Sculpt it (Enter)", ISOSCULPT_RESULT_OPEN);
     ImGui::SameLine();
-    answer_button(screen, "Add and carve with it (S)", ISOSCULPT_ANSWER_STAMP);
+    answer_button(screen, "Add and carve with it (S)", ISOSCULPT_RESULT_STAMP);
     ImGui::SameLine();
-    answer_button(screen, "Neither (Escape)", ISOSCULPT_ANSWER_STAY);
+    answer_button(screen, "Neither (Escape)", ISOSCULPT_RESULT_STAY);
     ImGui::EndPopup();
 }
 
 static void ask_replace(isosculpt_screen *screen) {
-    if (!begin_question("Replace?", screen->question == ISOSCULPT_ASK_REPLACE)) return;
+    if (!begin_question("Replace?", screen->dialog == ISOSCULPT_DIALOG_REPLACE)) return;
     const bool picture = screen->chosen_for == ISOSCULPT_BROWSE_PICTURE;
     ImGui::Text("%s\nis there already.%s\n\n", screen->asked,
                 picture ? "" : " It will be kept with .bak added to its name.");
-    answer_button(screen, "Replace it (Enter)", ISOSCULPT_ANSWER_REPLACE);
+    answer_button(screen, "Replace it (Enter)", ISOSCULPT_RESULT_REPLACE);
     ImGui::SameLine();
-    answer_button(screen, "Keep it (Escape)", ISOSCULPT_ANSWER_STAY);
+    answer_button(screen, "Keep it (Escape)", ISOSCULPT_RESULT_STAY);
     ImGui::EndPopup();
 }
 
@@ -449,7 +452,7 @@ static void ask_replace(isosculpt_screen *screen) {
 static void open_browser(isosculpt_screen *screen) {
     char path[ISOSCULPT_PATH];
     const isosculpt_purpose purpose = screen->browse;
-    const char *target = screen->hand->desk->target, *typed = screen->path;
+    const char *target = screen->controller->document->target, *typed = screen->path;
     screen->browse = ISOSCULPT_BROWSE_NOTHING;
     if (purpose == ISOSCULPT_BROWSE_EXPORT)
         isosculpt_target_free(target, ".stl", path);
@@ -464,23 +467,23 @@ static void open_browser(isosculpt_screen *screen) {
 }
 
 static void draw_browser(isosculpt_panel *panel, isosculpt_screen *screen) {
-    if (screen->browse && !screen->question && !screen->browser.purpose) open_browser(screen);
+    if (screen->browse && !screen->dialog && !screen->browser.purpose) open_browser(screen);
     const isosculpt_purpose purpose = screen->browser.purpose;
     const bool chosen = isosculpt_browser_draw(&screen->browser, panel->scale, screen->chosen);
     screen->browser.typed = isosculpt_typed{}; /* (the box for a file's name has seen them, too) */
     if (!chosen) return;
     screen->chosen_for = purpose;
-    screen->answers |= ISOSCULPT_ANSWER_CHOSEN;
+    screen->results |= ISOSCULPT_RESULT_CHOSEN;
 }
 
 /* ---- a frame */
 
 static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
-    panel->modal = screen->question != ISOSCULPT_ASK_NOTHING || screen->browser.purpose;
-    panel->place = panel->busy = panel->message = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
+    panel->modal = screen->dialog != ISOSCULPT_DIALOG_NOTHING || screen->browser.purpose;
+    panel->place = panel->progress_items = panel->message = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
     screen->sliding = false;
     if (screen->panel && !screen->blank) draw_panel(panel, screen);
-    if (screen->busy_count) draw_busy(panel, screen);
+    if (screen->progress_item_count) draw_busy(panel, screen);
     if (screen->help) draw_help(screen, panel->scale);
     if (screen->message[0]) draw_message(panel, screen);
     ask_recover(screen);
@@ -489,11 +492,11 @@ static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     ask_mesh(screen);
     ask_replace(screen);
     draw_browser(panel, screen);
-    const isosculpt_hand *hand = screen->hand;
-    bool over = panel->over(hand->x / screen->pixels, hand->y / screen->pixels);
+    const isosculpt_controller *controller = screen->controller;
+    bool over = panel->over(controller->x / screen->pixels, controller->y / screen->pixels);
     const bool brush = !screen->volume || screen->sculpting;
     panel_picture(screen, panel->scale);
-    if (brush && !screen->blank && !panel->modal && (!over || hand->drag == ISOSCULPT_DRAG_BRUSH))
+    if (brush && !screen->blank && !panel->modal && (!over || controller->drag == ISOSCULPT_DRAG_BRUSH))
         panel_brush(screen, panel->scale);
 }
 

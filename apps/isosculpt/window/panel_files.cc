@@ -18,11 +18,11 @@ static void name_box(isosculpt_screen *screen) {
     const bool enter = ImGui::InputTextWithHint("##path", "a file to open", screen->path, sizeof screen->path,
                                                 ImGuiInputTextFlags_EnterReturnsTrue),
                entered = ImGui::IsItemActive() && screen->browser.typed.enter;
-    if ((enter || entered) && screen->path[0]) screen->answers |= ISOSCULPT_ANSWER_OPEN;
+    if ((enter || entered) && screen->path[0]) screen->results |= ISOSCULPT_RESULT_OPEN;
     ImGui::SameLine();
     if (ImGui::Button("Open...")) {
         if (screen->path[0])
-            screen->answers |= ISOSCULPT_ANSWER_OPEN;
+            screen->results |= ISOSCULPT_RESULT_OPEN;
         else
             screen->browse = ISOSCULPT_BROWSE_OPEN;
     }
@@ -32,12 +32,12 @@ static void name_box(isosculpt_screen *screen) {
 }
 
 static void file_buttons(isosculpt_screen *screen) {
-    isosculpt_hand *hand = screen->hand;
-    const bool saved = hand->desk->changes == hand->desk->saved;
+    isosculpt_controller *controller = screen->controller;
+    const bool saved = controller->document->changes == controller->document->saved;
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
     ImGui::BeginDisabled(screen->volume != nullptr);
-    if (ImGui::Button(saved ? "Save###save" : "Save*###save")) hand->wishes |= ISOSCULPT_WISH_SAVE;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl+S: %s", hand->desk->target);
+    if (ImGui::Button(saved ? "Save###save" : "Save*###save")) controller->commands |= ISOSCULPT_COMMAND_SAVE;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl+S: %s", controller->document->target);
     ImGui::SameLine(0, gap);
     browse_button(screen, "Save as...", ISOSCULPT_BROWSE_SAVE,
                   "Ctrl+Shift+S: .vdb (level set), .stl, .ply or .obj (meshes)");
@@ -55,21 +55,21 @@ static void show_path(ImVec4 color, const char *what, const char *path) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path);
 }
 
-static void show_journal(const isosculpt_desk *desk) {
+static void show_journal(const isosculpt_document *document) {
     iso_error error = {ISO_OK, ""};
-    if (!desk->journal[0])
+    if (!document->journal[0])
         ImGui::TextColored(RED, "No journal is written: %s. What you make is in memory only: save it.",
-                           desk->trouble);
-    else if (iso_session_journal_status(desk->session, &error) != ISO_OK)
+                           document->trouble);
+    else if (iso_session_journal_status(document->session, &error) != ISO_OK)
         ImGui::TextColored(RED,
                            "The journal lags behind: %s. Nothing is lost in memory, and it is tried again.",
                            error.text);
     else
-        show_path(GREEN, "Strokes: ", desk->journal);
+        show_path(GREEN, "Strokes: ", document->journal);
 }
 
 void panel_files(isosculpt_screen *screen) {
-    const isosculpt_desk *desk = screen->hand->desk;
+    const isosculpt_document *document = screen->controller->document;
     name_box(screen);
     file_buttons(screen);
     ImGui::PushTextWrapPos(0);
@@ -77,8 +77,9 @@ void panel_files(isosculpt_screen *screen) {
         ImGui::TextColored(GREY, "%s", screen->volume->path);
     else
         ImGui::TextColored(GREY, "%s %s",
-                           desk->changes == desk->saved && desk->target_is_own ? "Saved" : "Saves to",
-                           desk->target);
-    if (!screen->volume) show_journal(desk);
+                           document->changes == document->saved && document->target_is_own ? "Saved"
+                                                                                           : "Saves to",
+                           document->target);
+    if (!screen->volume) show_journal(document);
     ImGui::PopTextWrapPos();
 }

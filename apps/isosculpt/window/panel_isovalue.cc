@@ -120,7 +120,7 @@ void panel_isovalue(isosculpt_screen *screen, float scale) {
                         &histogram->high, "%.6g", ImGuiSliderFlags_AlwaysClamp);
     screen->sliding |= ImGui::IsItemActive();
     choose_suggested(screen);
-    if (ImGui::Button("Sculpt this")) screen->hand->wishes |= ISOSCULPT_WISH_SCULPT;
+    if (ImGui::Button("Sculpt this")) screen->controller->commands |= ISOSCULPT_COMMAND_SCULPT;
     ImGui::SameLine();
     ImGui::TextColored(GREY, "or pick a brush: 1 .. 9");
 }

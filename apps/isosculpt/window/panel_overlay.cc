@@ -18,8 +18,8 @@ static void across(iso_vec3 normal, iso_vec3 *u, iso_vec3 *v) {
 static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, const isosculpt_pick &pick,
                       float scale) {
     constexpr int CORNERS = 64;
-    const isosculpt_layer *layer = &screen->hand->view->drawn;
-    const double radius = screen->hand->brush.radius;
+    const isosculpt_layer *layer = &screen->controller->view->drawn;
+    const double radius = screen->controller->brush.radius;
     ImVec2 corners[CORNERS];
     iso_vec3 u, v;
     double x, y, sine, cosine;
@@ -36,14 +36,14 @@ static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, const is
 
 void panel_brush(const isosculpt_screen *screen, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
-    const isosculpt_hand *hand = screen->hand;
+    const isosculpt_controller *controller = screen->controller;
     isosculpt_pick pick;
     double x, y;
-    if (!isosculpt_hand_under(hand, &pick)) return;
+    if (!isosculpt_controller_pick(controller, &pick)) return;
     draw_ring(screen, list, pick, scale);
-    iso_vec3 tip = iso_vec3_add(pick.position, iso_vec3_scale(pick.normal, 0.4 * hand->brush.radius));
-    if (isosculpt_layer_pixel(&hand->view->drawn, tip, &x, &y))
-        list->AddLine(at_window(screen, hand->x, hand->y), at_window(screen, x, y),
+    iso_vec3 tip = iso_vec3_add(pick.position, iso_vec3_scale(pick.normal, 0.4 * controller->brush.radius));
+    if (isosculpt_layer_pixel(&controller->view->drawn, tip, &x, &y))
+        list->AddLine(at_window(screen, controller->x, controller->y), at_window(screen, x, y),
                       IM_COL32(255, 255, 255, 160), 1.5f * scale);
 }
 
@@ -54,9 +54,9 @@ static const ImU32 AXIS_COLORS[] = {IM_COL32(255, 120, 110, 235), IM_COL32(130, 
 static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axis, float scale) {
     enum { SEGMENTS = 4096 };
     static isosculpt_segment segments[SEGMENTS];
-    const isosculpt_hand *hand = screen->hand;
-    const isosculpt_layer *layer = &hand->view->drawn;
-    const iso_vec3 mirror = hand->brush.mirror, lo = hand->box.lo, hi = hand->box.hi;
+    const isosculpt_controller *controller = screen->controller;
+    const isosculpt_layer *layer = &controller->view->drawn;
+    const iso_vec3 mirror = controller->brush.mirror, lo = controller->box.lo, hi = controller->box.hi;
     const double at[] = {mirror.x, mirror.y, mirror.z}, low[] = {lo.x, lo.y, lo.z},
                  high[] = {hi.x, hi.y, hi.z};
     const size_t count = isosculpt_mirror_lines(layer, axis, at[axis], segments, SEGMENTS);
@@ -80,7 +80,7 @@ static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axi
 /* The way of a stroke that is made when there is a field. */
 static void draw_waiting(const isosculpt_screen *screen, ImDrawList *list, const isosculpt_stroke &stroke,
                          float scale) {
-    const isosculpt_layer *layer = &screen->hand->view->drawn;
+    const isosculpt_layer *layer = &screen->controller->view->drawn;
     ImVec2 before(0, 0);
     double x, y;
     for (size_t i = 0; i < stroke.count; i++) {
@@ -94,13 +94,13 @@ static void draw_waiting(const isosculpt_screen *screen, ImDrawList *list, const
 
 void panel_picture(const isosculpt_screen *screen, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
-    const isosculpt_hand *hand = screen->hand;
+    const isosculpt_controller *controller = screen->controller;
     if (screen->texture)
         list->AddImage((ImTextureID)(intptr_t)screen->texture, ImVec2(0, 0),
                        at_window(screen, screen->width, screen->height));
     if (screen->blank || (screen->volume && !screen->sculpting)) return;
     for (int axis = 0; axis < 3; axis++)
-        if (hand->brush.symmetry >> axis & 1) draw_plane(screen, list, axis, scale);
-    for (size_t i = 0; i < hand->waiting.count; i++)
-        draw_waiting(screen, list, hand->waiting.strokes[i], scale);
+        if (controller->brush.symmetry >> axis & 1) draw_plane(screen, list, axis, scale);
+    for (size_t i = 0; i < controller->waiting.count; i++)
+        draw_waiting(screen, list, controller->waiting.strokes[i], scale);
 }

@@ -1,6 +1,6 @@
 /* panel_parts: what the files of the panel share. Needs Dear ImGui; nothing else includes it. */
-#ifndef ISO_APPS_ISOSCULPT_PANEL_PARTS_H
-#define ISO_APPS_ISOSCULPT_PANEL_PARTS_H
+#ifndef ISO_APPS_ISOSCULPT_WINDOW_PANEL_PARTS_HPP
+#define ISO_APPS_ISOSCULPT_WINDOW_PANEL_PARTS_HPP
 
 #include <imgui.h>
 

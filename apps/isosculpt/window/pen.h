@@ -1,6 +1,6 @@
 /* pen: how hard a pen is pressed, which GLFW does not say: on X11 through XInput2. */
-#ifndef ISO_APPS_ISOSCULPT_PEN_H
-#define ISO_APPS_ISOSCULPT_PEN_H
+#ifndef ISO_APPS_ISOSCULPT_WINDOW_PEN_H
+#define ISO_APPS_ISOSCULPT_WINDOW_PEN_H
 
 #include <stdbool.h>
 

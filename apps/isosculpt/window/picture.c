@@ -27,7 +27,7 @@ static bool name_shot(window *w, char path[ISOSCULPT_PATH]) {
     if (path[0]) return true;
     for (int number = 1; number < 10000; number++) {
         snprintf(ending, sizeof ending, "-%d.png", number);
-        if (isosculpt_target_with(w->desk.target, ending, path) && access(path, F_OK)) return true;
+        if (isosculpt_target_with(w->document.target, ending, path) && access(path, F_OK)) return true;
     }
     return false;
 }
@@ -42,7 +42,7 @@ static void write_shot(window *w, const iso_image *image) {
              written ? path
              : named ? reason.text
                      : "there is no free name");
-    isosculpt_window_say(w, !written, text);
+    isosculpt_window_set_status(w, !written, text);
 }
 
 /* What is in the framebuffer, panel and all; OpenGL's first row is the lowest. */
@@ -98,10 +98,10 @@ static void upload(window *w) {
     glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
 }
 
-double isosculpt_window_until_better(const window *w) {
+double isosculpt_window_seconds_until_refine(const window *w) {
     if (w->screen.blank || w->view.quality == ISOSCULPT_FINE) return ISOSCULPT_IDLE;
     if (isosculpt_view_is_preparing(&w->view)) return ISOSCULPT_IDLE; /* which wakes us */
-    return w->shoot ? -1 : w->changed + REST[w->view.quality + 1] - isosculpt_now();
+    return w->screenshot ? -1 : w->changed + REST[w->view.quality + 1] - isosculpt_now();
 }
 
 /* One step to a better picture. */
@@ -111,13 +111,13 @@ static iso_status improve(window *w, iso_error *error) {
 }
 
 static iso_status draw_due(window *w, iso_error *error) {
-    if (w->screen.blank) w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_PICTURE;
+    if (w->screen.blank) w->controller.commands &= ~(unsigned)ISOSCULPT_COMMAND_PICTURE;
     if (w->screen.blank) return ISO_OK;
-    if (w->hand.wishes & ISOSCULPT_WISH_PICTURE) {
-        w->hand.wishes &= ~(unsigned)ISOSCULPT_WISH_PICTURE;
+    if (w->controller.commands & ISOSCULPT_COMMAND_PICTURE) {
+        w->controller.commands &= ~(unsigned)ISOSCULPT_COMMAND_PICTURE;
         w->changed = isosculpt_now();
         ISO_TRY(isosculpt_view_draw(&w->view, w->screen.width, w->screen.height, true, error));
-    } else if (isosculpt_window_until_better(w) >= 0)
+    } else if (isosculpt_window_seconds_until_refine(w) >= 0)
         return ISO_OK;
     else if (isosculpt_view_is_ready(&w->view))
         ISO_TRY(improve(w, error));
@@ -131,22 +131,22 @@ static iso_status draw_due(window *w, iso_error *error) {
 /* The picture that is due now, if any. */
 static iso_status update_picture(window *w, iso_error *error) {
     ISO_TRY(draw_due(w, error));
-    if (!w->shoot || w->view.quality != ISOSCULPT_FINE || w->screen.blank) return ISO_OK;
-    w->shoot = false;
+    if (!w->screenshot || w->view.quality != ISOSCULPT_FINE || w->screen.blank) return ISO_OK;
+    w->screenshot = false;
     iso_error reason = {0};
     if (isosculpt_view_fetch(&w->view, &reason) == ISO_OK)
         write_shot(w, &w->view.image);
     else
-        isosculpt_window_say(w, true, reason.text);
+        isosculpt_window_set_status(w, true, reason.text);
     return ISO_OK;
 }
 
 iso_status isosculpt_window_draw(window *w, iso_error *error) {
-    isosculpt_window_measure(w);
+    isosculpt_window_update_framebuffer_size(w);
     if (w->screen.width <= 0 || w->screen.height <= 0) return ISO_OK; /* iconified */
     ISO_TRY(isosculpt_panel_rescale(w->panel, isosculpt_window_text_scale(w), error));
     ISO_TRY(update_picture(w, error));
-    w->engine = w->view.look.engine;
+    w->engine = w->view.mode.engine;
     if (!w->screen.message_is_bad && isosculpt_now() - w->screen.said > SAID) w->screen.message[0] = 0;
     if (w->frames <= 0) return ISO_OK;
     w->frames--;
@@ -154,8 +154,8 @@ iso_status isosculpt_window_draw(window *w, iso_error *error) {
     glClearColor(0.18f, 0.196f, 0.22f, 1); /* seen until there is a picture */
     glClear(GL_COLOR_BUFFER_BIT);
     ISO_TRY(isosculpt_panel_draw(w->panel, &w->screen, error));
-    if (w->shoot_all && !w->screen.blank) {
-        w->shoot_all = false;
+    if (w->screenshot_all && !w->screen.blank) {
+        w->screenshot_all = false;
         shoot_window(w);
     }
     glfwSwapBuffers(w->glfw);

@@ -6,11 +6,11 @@
 
 #include <GLFW/glfw3.h>
 
-#include "apps/isosculpt/command.h"
+#include "apps/isosculpt/render_command.h"
 #include "apps/isosculpt/window/window.h"
 
-bool isosculpt_window_unsaved(const window *w) {
-    return w->desk.changes != w->desk.saved;
+bool isosculpt_window_has_unsaved_changes(const window *w) {
+    return w->document.changes != w->document.saved;
 }
 
 static void wake(void) {
@@ -22,14 +22,14 @@ static void wake(void) {
 /* What was to follow a save does not. */
 static void give_up(window *w) {
     w->saving = ISOSCULPT_BROWSE_NOTHING;
-    w->leaving = ISOSCULPT_ASK_NOTHING;
+    w->leaving = ISOSCULPT_DIALOG_NOTHING;
 }
 
 static void refuse(window *w, const char *reason) {
     char text[sizeof w->screen.message];
     snprintf(text, sizeof text, "Not saved: %.550s", reason);
     give_up(w);
-    isosculpt_window_say(w, true, text);
+    isosculpt_window_set_status(w, true, text);
 }
 
 void isosculpt_window_save(window *w, isosculpt_purpose purpose, const char *path) {
@@ -39,14 +39,14 @@ void isosculpt_window_save(window *w, isosculpt_purpose purpose, const char *pat
     }
     w->saving = purpose;
     w->replace = false;
-    snprintf(w->save_path, sizeof w->save_path, "%s", path ? path : w->desk.target);
+    snprintf(w->save_path, sizeof w->save_path, "%s", path ? path : w->document.target);
 }
 
 static void start(window *w) {
     iso_error reason = {0};
     const isosculpt_save_opts opts = {
         .path = w->save_path, .is_export = w->saving == ISOSCULPT_BROWSE_EXPORT, .wake = wake};
-    if (isosculpt_desk_save(&w->desk, &opts, &reason) == ISO_OK)
+    if (isosculpt_document_save(&w->document, &opts, &reason) == ISO_OK)
         w->saving = ISOSCULPT_BROWSE_NOTHING;
     else
         refuse(w, reason.text);
@@ -55,11 +55,12 @@ static void start(window *w) {
 void isosculpt_window_go_on_saving(window *w) {
     iso_error reason = {0};
     bool replaces;
-    if (!w->saving || w->hand.drag == ISOSCULPT_DRAG_BRUSH || w->desk.saver || w->screen.question) return;
-    if (isosculpt_desk_check_target(&w->desk, w->save_path, &replaces, &reason) != ISO_OK)
+    if (!w->saving || w->controller.drag == ISOSCULPT_DRAG_BRUSH || w->document.saver || w->screen.dialog)
+        return;
+    if (isosculpt_document_check_target(&w->document, w->save_path, &replaces, &reason) != ISO_OK)
         refuse(w, reason.text);
     else if (replaces && !w->replace)
-        isosculpt_window_ask(w, ISOSCULPT_ASK_REPLACE, w->save_path);
+        isosculpt_window_ask(w, ISOSCULPT_DIALOG_REPLACE, w->save_path);
     else
         start(w);
 }
@@ -70,7 +71,7 @@ void isosculpt_window_replace(window *w, bool agreed) {
         w->replace = agreed;
         if (!agreed) give_up(w);
     } else if (agreed)
-        w->shoot = true;
+        w->screenshot = true;
     else
         w->shot_path[0] = 0;
 }
@@ -78,22 +79,22 @@ void isosculpt_window_replace(window *w, bool agreed) {
 static void tell_saved(window *w, iso_status status, bool cancelled, const char *reason) {
     char text[sizeof w->screen.message];
     snprintf(text, sizeof text, "%s%.550s", status == ISO_OK ? "Saved " : "Not saved: ",
-             status == ISO_OK ? w->desk.saved_as
+             status == ISO_OK ? w->document.saved_as
              : cancelled      ? "cancelled"
                               : reason);
-    isosculpt_window_say(w, status != ISO_OK && !cancelled, text);
+    isosculpt_window_set_status(w, status != ISO_OK && !cancelled, text);
 }
 
-void isosculpt_window_saved(window *w) {
+void isosculpt_window_poll_save(window *w) {
     iso_error reason = {0};
     iso_status status = ISO_OK;
-    isosculpt_task *task = isosculpt_desk_save_task(&w->desk);
+    isosculpt_task *task = isosculpt_document_save_task(&w->document);
     const bool cancelled = task && isosculpt_task_cancelled(task);
-    if (isosculpt_desk_saving(&w->desk, false, &status, &reason) != ISOSCULPT_SAVE_DONE) return;
+    if (isosculpt_document_saving(&w->document, false, &status, &reason) != ISOSCULPT_SAVE_DONE) return;
     tell_saved(w, status, cancelled, reason.text);
-    const isosculpt_question leaving = w->leaving;
-    w->leaving = ISOSCULPT_ASK_NOTHING;
-    if (status == ISO_OK && leaving && isosculpt_window_unsaved(w))
+    const isosculpt_dialog leaving = w->leaving;
+    w->leaving = ISOSCULPT_DIALOG_NOTHING;
+    if (status == ISO_OK && leaving && isosculpt_window_has_unsaved_changes(w))
         isosculpt_window_ask(w, leaving, w->next); /* about what was done meanwhile */
     else if (status == ISO_OK)
         isosculpt_window_leave(w, leaving);
@@ -110,14 +111,14 @@ static bool ends_with(const char *path, const char *ending) {
 static void shoot_to(window *w, const char *path) {
     struct stat about;
     if (!ends_with(path, ".png")) {
-        isosculpt_window_say(w, true, "No picture: the name must end in .png");
+        isosculpt_window_set_status(w, true, "No picture: the name must end in .png");
         return;
     }
     snprintf(w->shot_path, sizeof w->shot_path, "%s", path);
     if (stat(path, &about) == 0)
-        isosculpt_window_ask(w, ISOSCULPT_ASK_REPLACE, path);
+        isosculpt_window_ask(w, ISOSCULPT_DIALOG_REPLACE, path);
     else
-        w->shoot = true;
+        w->screenshot = true;
 }
 
 void isosculpt_window_take_choice(window *w) {
@@ -134,36 +135,37 @@ void isosculpt_window_take_choice(window *w) {
 /* ---- the command */
 
 /* The file that holds what is shown and how it is read; false: there is none. */
-static bool find_shown(const window *w, isosculpt_command *command) {
-    const isosculpt_desk *desk = &w->desk;
-    const bool saved = desk->target_is_own && !isosculpt_window_unsaved(w);
+static bool find_shown(const window *w, isosculpt_render_command *command) {
+    const isosculpt_document *document = &w->document;
+    const bool saved = document->target_is_own && !isosculpt_window_has_unsaved_changes(w);
     command->reading = "";
     if (w->volume) {
         command->path = w->volume->path;
         command->reading = w->volume->reading;
-    } else if (saved && ends_with(desk->target, ".vdb")) {
-        command->path = desk->target;
-    } else if (desk->changes == 0 && !(w->settings->voxel_size > 0) &&
-               ends_with(desk->start.source, ".vdb")) {
-        command->path = desk->start.source; /* as it was opened */
-        command->reading = desk->start.reading;
+    } else if (saved && ends_with(document->target, ".vdb")) {
+        command->path = document->target;
+    } else if (document->changes == 0 && !(w->settings->voxel_size > 0) &&
+               ends_with(document->start.source, ".vdb")) {
+        command->path = document->start.source; /* as it was opened */
+        command->reading = document->start.reading;
     }
     return command->path;
 }
 
 void isosculpt_window_copy_command(window *w) {
     char text[8 * ISOSCULPT_PATH];
-    isosculpt_command command = {.view = &w->view, .width = w->screen.width, .height = w->screen.height};
+    isosculpt_render_command command = {
+        .view = &w->view, .width = w->screen.width, .height = w->screen.height};
     if (!find_shown(w, &command))
-        isosculpt_window_say(w, true,
-                             "No command: isorender reads files. Save the sculpture as .vdb, then copy.");
-    else if (!isosculpt_command_text(&command, text, sizeof text))
-        isosculpt_window_say(w, true, "No command: the file's name is too long.");
+        isosculpt_window_set_status(
+            w, true, "No command: isorender reads files. Save the sculpture as .vdb, then copy.");
+    else if (!isosculpt_render_command_text(&command, text, sizeof text))
+        isosculpt_window_set_status(w, true, "No command: the file's name is too long.");
     else {
         glfwSetClipboardString(w->glfw, text);
-        isosculpt_window_say(w, false,
-                             w->view.look.paint.light == ISOSCULPT_LIGHT_LAMPS
-                                 ? "The isorender command is on the clipboard."
-                                 : "The isorender command is on the clipboard; it draws with lamps.");
+        isosculpt_window_set_status(w, false,
+                                    w->view.mode.paint.light == ISOSCULPT_SHADING_LAMPS
+                                        ? "The isorender command is on the clipboard."
+                                        : "The isorender command is on the clipboard; it draws with lamps.");
     }
 }

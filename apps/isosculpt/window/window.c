@@ -11,15 +11,15 @@
 enum { WIDTH = 1280, HEIGHT = 800 };
 
 /* To those who watch the terminal, too, but once: a stroke can go wrong at every sample. */
-void isosculpt_window_say(window *w, bool bad, const char *text) {
-    if (bad && strcmp(w->screen.message, text)) iso_program_say(isosculpt_program(), "%s", text);
+void isosculpt_window_set_status(window *w, bool bad, const char *text) {
+    if (bad && strcmp(w->screen.message, text)) iso_program_log(isosculpt_program(), "%s", text);
     snprintf(w->screen.message, sizeof w->screen.message, "%s", text);
     w->screen.message_is_bad = bad;
     w->screen.said = isosculpt_now();
     w->frames = ISOSCULPT_FRAMES;
 }
 
-void isosculpt_window_measure(window *w) {
+void isosculpt_window_update_framebuffer_size(window *w) {
     int width, height;
     glfwGetWindowSize(w->glfw, &width, &height);
     glfwGetFramebufferSize(w->glfw, &w->screen.width, &w->screen.height);
@@ -34,19 +34,19 @@ double isosculpt_window_text_scale(const window *w) {
     return scale > 0.5 && scale < 8 ? scale : 1;
 }
 
-void isosculpt_window_point(window *w) {
+void isosculpt_window_sync_pointer(window *w) {
     double x, y;
     glfwGetCursorPos(w->glfw, &x, &y);
-    w->hand.x = x * w->screen.pixels;
-    w->hand.y = y * w->screen.pixels;
+    w->controller.x = x * w->screen.pixels;
+    w->controller.y = y * w->screen.pixels;
 }
 
 /* ---- the loop */
 
 static void wait_events(window *w) {
-    double wait = fmin(isosculpt_window_until_better(w), ISOSCULPT_IDLE);
-    if (w->screen.busy_count) wait = fmin(wait, 0.05);
-    if (w->frames > 0 || w->hand.wishes || w->screen.answers || w->screen.browse || wait <= 0) {
+    double wait = fmin(isosculpt_window_seconds_until_refine(w), ISOSCULPT_IDLE);
+    if (w->screen.progress_item_count) wait = fmin(wait, 0.05);
+    if (w->frames > 0 || w->controller.commands || w->screen.results || w->screen.browse || wait <= 0) {
         glfwPollEvents();
         return;
     }
@@ -58,11 +58,11 @@ static void wait_events(window *w) {
 
 static iso_status loop(window *w, iso_error *error) {
     while (!glfwWindowShouldClose(w->glfw)) {
-        isosculpt_window_show_busy(w);
+        isosculpt_window_show_progress(w);
         ISO_TRY(isosculpt_window_draw(w, error));
         wait_events(w);
-        isosculpt_window_saved(w);
-        ISO_TRY(isosculpt_window_obey(w, error));
+        isosculpt_window_poll_save(w);
+        ISO_TRY(isosculpt_window_process_commands(w, error));
     }
     return ISO_OK;
 }
@@ -79,13 +79,13 @@ static iso_status no_window(iso_error *error, const char *what) {
 /* The panel does with less than the gl engine. */
 static GLFWwindow *create_window(int width, int height) {
     static const int versions[][2] = {{4, 5}, {3, 2}};
-    GLFWwindow *made = NULL;
-    for (int i = 0; i < 2 && !made; i++) {
+    GLFWwindow *surface_isovalue = NULL;
+    for (int i = 0; i < 2 && !surface_isovalue; i++) {
         glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, versions[i][0]);
         glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, versions[i][1]);
-        made = glfwCreateWindow(width, height, "isosculpt", NULL, NULL);
+        surface_isovalue = glfwCreateWindow(width, height, "isosculpt", NULL, NULL);
     }
-    return made;
+    return surface_isovalue;
 }
 
 static void make_current(void *glfw) {
@@ -136,8 +136,8 @@ static iso_status make_window(window *w, iso_error *error) {
     fit_screen(w->glfw);
     glfwMakeContextCurrent(w->glfw);
     glfwSwapInterval(1);
-    isosculpt_window_listen(w);
-    isosculpt_window_measure(w);
+    isosculpt_window_install_callbacks(w);
+    isosculpt_window_update_framebuffer_size(w);
     w->pen = isosculpt_pen_open();
     w->screen.pen = isosculpt_pen_present(w->pen);
     ISO_TRY(open_engine(w, error));
@@ -151,16 +151,18 @@ static iso_status run(window *w, iso_error *error) {
 }
 
 iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, iso_error *error) {
-    window w = {.settings = settings, .pool = pool, .screen = {.hand = &w.hand, .panel = true, .pixels = 1}};
-    w.desk.pool = pool;
-    w.desk.undo_memory = (size_t)settings->undo_memory;
+    window w = {.settings = settings,
+                .pool = pool,
+                .screen = {.controller = &w.controller, .panel = true, .pixels = 1}};
+    w.document.pool = pool;
+    w.document.undo_memory = (size_t)settings->undo_memory;
     if (!glfwInit()) return no_window(error, "no window system");
     iso_status status = run(&w, error);
-    if (w.opening) isosculpt_window_abandon(&w);
-    isosculpt_hand_free(&w.hand);
+    if (w.load_job) isosculpt_window_cancel_load(&w);
+    isosculpt_controller_free(&w.controller);
     isosculpt_browser_close(&w.screen.browser);
     isosculpt_view_free(&w.view);
-    isosculpt_desk_close(&w.desk);
+    isosculpt_document_close(&w.document);
     close_engine(&w);
     isosculpt_volume_free(w.volume);
     iso_pool_destroy(w.own_pool);

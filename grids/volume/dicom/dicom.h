@@ -3,8 +3,8 @@
  * header.c reads a file's header, stack.c orders image planes into a volume, decode.cc
  * hands compressed pixels to GDCM (it is a module), format_dicom.c puts them together. The header is not left
  * to GDCM because that library asserts where a file is cut off or corrupt, which would end the program. */
-#ifndef ISO_GRIDS_DICOM_H
-#define ISO_GRIDS_DICOM_H
+#ifndef ISO_GRIDS_VOLUME_DICOM_DICOM_H
+#define ISO_GRIDS_VOLUME_DICOM_DICOM_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* histogram_kernel: what a histogram of floats needs to know of a row of voxels, a vector at a time, for each
  * instruction set with the same results. Internal to extract. */
-#ifndef ISO_EXTRACT_HISTOGRAM_KERNEL_H
-#define ISO_EXTRACT_HISTOGRAM_KERNEL_H
+#ifndef ISO_EXTRACT_ISOVALUE_HISTOGRAM_KERNEL_H
+#define ISO_EXTRACT_ISOVALUE_HISTOGRAM_KERNEL_H
 
 #include <stdint.h>
 

@@ -1,6 +1,6 @@
 /* isovalue: a histogram of a grid and the isovalues it suggests. */
-#ifndef ISO_EXTRACT_ISOVALUE_H
-#define ISO_EXTRACT_ISOVALUE_H
+#ifndef ISO_EXTRACT_ISOVALUE_ISOVALUE_H
+#define ISO_EXTRACT_ISOVALUE_ISOVALUE_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* marching_cubes: the part of a mesh that lies in the cells of one brick. Internal to extract. */
-#ifndef ISO_EXTRACT_MARCHING_CUBES_H
-#define ISO_EXTRACT_MARCHING_CUBES_H
+#ifndef ISO_EXTRACT_MESH_MARCHING_CUBES_H
+#define ISO_EXTRACT_MESH_MARCHING_CUBES_H
 
 #include "extract/points/edge_points.h"
 

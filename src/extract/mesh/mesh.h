@@ -8,8 +8,8 @@
  * infinite voxel have no triangles. Triangles are counter-clockwise seen from outside (lower values; higher
  * ones for level sets). The case table is made at build time by tools/make_mc_table.c. Lorensen and Cline
  * 1987; Baerentzen and Christensen 2003, section 5. */
-#ifndef ISO_EXTRACT_MESH_H
-#define ISO_EXTRACT_MESH_H
+#ifndef ISO_EXTRACT_MESH_MESH_H
+#define ISO_EXTRACT_MESH_MESH_H
 
 #include "base/parallel.h"
 #include "base/primitives.h"

@@ -6,8 +6,8 @@
  * as extract/mesh/marching_cubes.h from every instruction set. Lorensen and Cline 1987; vertices before
  * triangles as in Flying Edges (Schroeder, Maynard and Geveci 2015), rows taken to bit masks. Internal to
  * extract. */
-#ifndef ISO_EXTRACT_MESH_KERNEL_H
-#define ISO_EXTRACT_MESH_KERNEL_H
+#ifndef ISO_EXTRACT_MESH_MESH_KERNEL_H
+#define ISO_EXTRACT_MESH_MESH_KERNEL_H
 
 #include "extract/points/edge_kernel.h"
 

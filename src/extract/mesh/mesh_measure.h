@@ -1,6 +1,6 @@
 /* mesh_measure: what a mesh encloses, and whether it is closed. */
-#ifndef ISO_EXTRACT_MESH_MEASURE_H
-#define ISO_EXTRACT_MESH_MEASURE_H
+#ifndef ISO_EXTRACT_MESH_MESH_MEASURE_H
+#define ISO_EXTRACT_MESH_MESH_MEASURE_H
 
 #include "base/parallel.h"
 #include "extract/mesh/mesh.h"

@@ -1,7 +1,7 @@
 /* mesh_run: lists of bricks through the mesh kernel: those of an rgrid in runs of neighbouring blocks, single
  * ones from windows. Internal to extract. */
-#ifndef ISO_EXTRACT_MESH_RUN_H
-#define ISO_EXTRACT_MESH_RUN_H
+#ifndef ISO_EXTRACT_MESH_MESH_RUN_H
+#define ISO_EXTRACT_MESH_MESH_RUN_H
 
 #include "extract/mesh/marching_cubes.h"
 #include "extract/mesh/mesh_kernel.h"

@@ -7,8 +7,8 @@
  * Order within a brick: axis, then z, y, x of the lower voxel. Baerentzen and Christensen 2003, section 4;
  * the word lists are an idea of Flying Edges' row passes (Schroeder, Maynard and Geveci 2015) taken to bit
  * masks. */
-#ifndef ISO_EXTRACT_EDGE_KERNEL_H
-#define ISO_EXTRACT_EDGE_KERNEL_H
+#ifndef ISO_EXTRACT_POINTS_EDGE_KERNEL_H
+#define ISO_EXTRACT_POINTS_EDGE_KERNEL_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* edge_points: the points where the surface crosses edges between voxels. Internal to extract. */
-#ifndef ISO_EXTRACT_EDGE_POINTS_H
-#define ISO_EXTRACT_EDGE_POINTS_H
+#ifndef ISO_EXTRACT_POINTS_EDGE_POINTS_H
+#define ISO_EXTRACT_POINTS_EDGE_POINTS_H
 
 #include "extract/brick.h"
 

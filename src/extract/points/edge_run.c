@@ -192,17 +192,17 @@ static char *make_job(const iso_edge_runner *runner, const iso_edge_block *block
 }
 
 /* Shapes of a block's points; returns where the next block's go. */
-static iso_shape *make_shapes(const iso_edge_runner *runner, const iso_edge_block *block,
-                              const iso_edge_output *output, iso_shape *shapes) {
+static iso_curvature *make_shapes(const iso_edge_runner *runner, const iso_edge_block *block,
+                                  const iso_edge_output *output, iso_curvature *shapes) {
     const iso_threshold surface = {.at = runner->source.isovalue,
                                    .outward = runner->source.level_set ? 1 : -1};
     for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
         if (!block->points[k]) continue;
         const int brick[3] = {block->origin[0] / ISO_BRICK + k, block->origin[1] / ISO_BRICK,
                               block->origin[2] / ISO_BRICK};
-        const iso_shape_source source = iso_shape_source_grid(runner->grid, brick, &surface);
-        const iso_shape_points points = {output->packed[k], output->surfels[k], block->points[k]};
-        iso_shapes_of_edges(&source, &points, shapes);
+        const iso_curvature_source source = iso_curvature_source_grid(runner->grid, brick, &surface);
+        const iso_curvature_points points = {output->packed[k], output->surfels[k], block->points[k]};
+        iso_curvatures_of_edges(&source, &points, shapes);
         shapes += block->points[k];
     }
     return shapes;
@@ -213,7 +213,7 @@ static void fill_blocks(edge_run *run) {
     const int count = run->blocks;
     const bool shaped = run->runner->shapes;
     char *room = count ? iso_brick_sink_room(run->sink, 0, run->points) : NULL;
-    iso_shape *shapes = room && shaped ? iso_brick_sink_room(run->sink, 1, run->points) : NULL;
+    iso_curvature *shapes = room && shaped ? iso_brick_sink_room(run->sink, 1, run->points) : NULL;
     run->blocks = 0;
     run->points = 0;
     if (!room || (shaped && !shapes)) return;

@@ -1,11 +1,11 @@
 /* edge_run: lists of bricks of an rgrid through the edge kernel, in runs of neighbouring blocks. Internal to
  * extract. */
-#ifndef ISO_EXTRACT_EDGE_RUN_H
-#define ISO_EXTRACT_EDGE_RUN_H
+#ifndef ISO_EXTRACT_POINTS_EDGE_RUN_H
+#define ISO_EXTRACT_POINTS_EDGE_RUN_H
 
 #include "extract/brick.h"
+#include "extract/points/curvature.h"
 #include "extract/points/edge_kernel.h"
-#include "extract/points/shape.h"
 #include "grids/brick_set.h"
 
 /* What runs need to know; made once per surface. */

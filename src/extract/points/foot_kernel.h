@@ -6,8 +6,8 @@
  * differences, compressed, and the arithmetic of eq. 1 (Baerentzen and Christensen 2003) then runs on full
  * vectors of the queue. Voxels whose stencil is not plain (NaN, the grid's border) leave the vectors for
  * iso_foot_point. Internal to extract. */
-#ifndef ISO_EXTRACT_FOOT_KERNEL_H
-#define ISO_EXTRACT_FOOT_KERNEL_H
+#ifndef ISO_EXTRACT_POINTS_FOOT_KERNEL_H
+#define ISO_EXTRACT_POINTS_FOOT_KERNEL_H
 
 #include <stdalign.h>
 

@@ -1,6 +1,6 @@
 /* foot_points: for voxels near the surface, the nearest points of it. Internal to extract. */
-#ifndef ISO_EXTRACT_FOOT_POINTS_H
-#define ISO_EXTRACT_FOOT_POINTS_H
+#ifndef ISO_EXTRACT_POINTS_FOOT_POINTS_H
+#define ISO_EXTRACT_POINTS_FOOT_POINTS_H
 
 #include "extract/brick.h"
 

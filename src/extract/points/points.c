@@ -15,7 +15,7 @@ typedef struct point_scratch {
     iso_brick_window window;
     iso_surfel surfels[ISO_EDGES_OWN];
     iso_point packed[ISO_EDGES_OWN];
-    iso_shape shapes[ISO_EDGES_OWN];
+    iso_curvature shapes[ISO_EDGES_OWN];
     int32_t voxels[ISO_BRICK_VOXELS];
 } point_scratch;
 
@@ -42,14 +42,14 @@ static void output_points(const iso_point_set *points, point_scratch *scratch, u
     output->items[1] = scratch->shapes;
 }
 
-static iso_shape_points shape_points(const iso_point_set *points, const point_scratch *scratch,
-                                     uint32_t count) {
-    if (points->opts.floats) return (iso_shape_points){.surfels = scratch->surfels, .count = count};
-    return (iso_shape_points){.packed = scratch->packed, .count = count};
+static iso_curvature_points shape_points(const iso_point_set *points, const point_scratch *scratch,
+                                         uint32_t count) {
+    if (points->opts.floats) return (iso_curvature_points){.surfels = scratch->surfels, .count = count};
+    return (iso_curvature_points){.packed = scratch->packed, .count = count};
 }
 
-static iso_shape_feet shape_feet_of(const iso_point_set *points, const int32_t *voxels) {
-    return (iso_shape_feet){voxels, points->foot_surface.at, points->foot_surface.band};
+static iso_curvature_feet shape_feet_of(const iso_point_set *points, const int32_t *voxels) {
+    return (iso_curvature_feet){voxels, points->foot_surface.at, points->foot_surface.band};
 }
 
 static void pack_points(const iso_point_set *points, point_scratch *scratch, uint32_t count) {
@@ -71,9 +71,9 @@ static void extract_edges(const void *context, const int brick[3], void *memory,
     for (uint32_t i = 0; i < edges.count && edges.scaled; i++)
         scratch->packed[i] = iso_point_pack_scaled(&scratch->surfels[i]);
     if (points->opts.shapes) {
-        const iso_shape_source source = iso_shape_source_window(&scratch->window, &points->surface);
-        const iso_shape_points made = shape_points(points, scratch, edges.count);
-        iso_shapes_of_edges(&source, &made, scratch->shapes);
+        const iso_curvature_source source = iso_curvature_source_window(&scratch->window, &points->surface);
+        const iso_curvature_points made = shape_points(points, scratch, edges.count);
+        iso_curvatures_of_edges(&source, &made, scratch->shapes);
     }
     output_points(points, scratch, edges.count, output);
 }
@@ -103,10 +103,10 @@ static void extract_feet(const void *context, const int brick[3], void *memory, 
     output->rejected = feet.rejected;
     pack_points(points, scratch, feet.count);
     if (points->opts.shapes) {
-        const iso_shape_source source = iso_shape_source_window(&scratch->window, &points->surface);
-        const iso_shape_points made = shape_points(points, scratch, feet.count);
-        const iso_shape_feet from = shape_feet_of(points, scratch->voxels);
-        iso_shapes_of_feet(&source, &made, &from, scratch->shapes);
+        const iso_curvature_source source = iso_curvature_source_window(&scratch->window, &points->surface);
+        const iso_curvature_points made = shape_points(points, scratch, feet.count);
+        const iso_curvature_feet from = shape_feet_of(points, scratch->voxels);
+        iso_curvatures_of_feet(&source, &made, &from, scratch->shapes);
     }
     output_points(points, scratch, feet.count, output);
 }
@@ -123,13 +123,13 @@ typedef struct feet_scratch {
 } feet_scratch;
 
 static void shape_feet(const iso_point_set *points, const int brick[3], const iso_foot_output *feet,
-                       feet_scratch *scratch, iso_shape *shapes) {
+                       feet_scratch *scratch, iso_curvature *shapes) {
     if (!feet->count) return;
     iso_brick_window_fill(&points->grid, brick, &scratch->window);
-    const iso_shape_source source = iso_shape_source_window(&scratch->window, &points->surface);
-    const iso_shape_points made = {feet->packed, feet->surfels, feet->count};
-    const iso_shape_feet from = shape_feet_of(points, scratch->kernel.voxel);
-    iso_shapes_of_feet(&source, &made, &from, shapes);
+    const iso_curvature_source source = iso_curvature_source_window(&scratch->window, &points->surface);
+    const iso_curvature_points made = {feet->packed, feet->surfels, feet->count};
+    const iso_curvature_feet from = shape_feet_of(points, scratch->kernel.voxel);
+    iso_curvatures_of_feet(&source, &made, &from, shapes);
 }
 
 /* The next brick of the list is fetched into the cache meanwhile. */
@@ -142,7 +142,7 @@ static void run_feet(const void *context, const uint32_t *bricks, size_t count, 
         iso_brick_set_coordinates(&points->set, bricks[i], brick);
         const bool shaped = points->opts.shapes;
         void *room = iso_brick_sink_room(sink, 0, ISO_FOOT_ROOM);
-        iso_shape *shapes = room && shaped ? iso_brick_sink_room(sink, 1, ISO_FOOT_ROOM) : NULL;
+        iso_curvature *shapes = room && shaped ? iso_brick_sink_room(sink, 1, ISO_FOOT_ROOM) : NULL;
         if (!room || (shaped && !shapes)) return;
         iso_foot_brick around;
         iso_foot_brick_of(points->grid.hgrid, brick, &scratch->kernel, &around);
@@ -171,8 +171,8 @@ static void extract_iterated(const void *context, const int brick[3], void *memo
     output->rejected = feet.rejected;
     pack_points(points, scratch, feet.count);
     if (points->opts.shapes) {
-        const iso_shape_points made = shape_points(points, scratch, feet.count);
-        iso_shapes_of_places(&points->grid, brick, points->surface.outward, &made, scratch->shapes);
+        const iso_curvature_points made = shape_points(points, scratch, feet.count);
+        iso_curvature_of_places(&points->grid, brick, points->surface.outward, &made, scratch->shapes);
     }
     output_points(points, scratch, feet.count, output);
 }
@@ -188,7 +188,7 @@ static void write_span(void *span, const iso_brick_place *place) {
 static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
     iso_brick_kernel kernel = {
         .item_bytes = {opts->floats ? sizeof(iso_surfel) : sizeof(iso_point),
-                       opts->shapes ? sizeof(iso_shape) : 0},
+                       opts->shapes ? sizeof(iso_curvature) : 0},
         .scratch_bytes = sizeof(point_scratch),
         .span_bytes = sizeof(iso_point_span),
         .write_span = write_span,

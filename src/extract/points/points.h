@@ -18,8 +18,8 @@
  * when a value of its stencil is clamped: of magnitude at or above the hgrid's band (an rgrid states no band,
  * so there this rule does not apply). An iterated one when it gets 2 voxels away from where it started,
  * leaves the volume, meets a zero gradient or a non-finite value, or has not arrived after 10 steps. */
-#ifndef ISO_EXTRACT_POINTS_H
-#define ISO_EXTRACT_POINTS_H
+#ifndef ISO_EXTRACT_POINTS_POINTS_H
+#define ISO_EXTRACT_POINTS_POINTS_H
 
 #include <stdbool.h>
 
@@ -42,7 +42,8 @@ typedef struct iso_points_opts {
     double isovalue; /* physical (grids/grid.h): of a level set, mm */
     iso_primitive primitive;
     bool floats; /* keep iso_surfel (24 bytes, exact) instead of iso_point (8 bytes) */
-    bool shapes; /* keep an iso_shape (8 bytes) with each: how the surface bends there (base/primitives.h) */
+    bool shapes; /* keep an iso_curvature (8 bytes) with each: how the surface bends there (base/primitives.h)
+                  */
     iso_pool *pool; /* borrowed until destroy; NULL: the calling thread */
 } iso_points_opts;
 

@@ -5,8 +5,8 @@
 
 #include "base/memory.h"
 #include "render/gl/output.h"
-#include "render/gl/shape.h"
 #include "render/gl/shared.h"
+#include "render/gl/surface.h"
 
 _Static_assert(sizeof(iso_gl_shade) == 80, "std140 has it like this");
 

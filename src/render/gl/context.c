@@ -45,7 +45,7 @@ iso_status iso_gl_enter(iso_gl_context *context, iso_error *error) {
     if (context->lost) return tell_lost(context, error);
     if (!context->platform.enter(&context->platform))
         return iso_fail(error, ISO_ERR_BACKEND, "%s: the context cannot be made current", context->name);
-    if (context->platform.shared) iso_gl_state_take(&context->found, context->gl);
+    if (context->platform.shared) iso_gl_state_save(&context->found, context->gl);
     return ISO_OK;
 }
 
@@ -90,7 +90,7 @@ iso_status iso_gl_check(iso_gl_context *context, iso_error *error) {
 
 iso_status iso_gl_leave(iso_gl_context *context, iso_status status, iso_error *error) {
     iso_error found = {ISO_OK, ""};
-    if (context->platform.shared) iso_gl_state_put(&context->found, context->gl);
+    if (context->platform.shared) iso_gl_state_restore(&context->found, context->gl);
     iso_status late = iso_gl_check(context, &found);
     context->platform.leave(&context->platform);
     if (late == ISO_OK || (status != ISO_OK && !context->lost)) return status;

@@ -7,8 +7,8 @@
 #include "base/memory.h"
 #include "render/gl/output.h"
 #include "render/gl/refined.h"
-#include "render/gl/shape.h"
 #include "render/gl/shared.h"
+#include "render/gl/surface.h"
 #include "render/project.h"
 
 /* Parts of a picture are at most this wide and high. Drivers of OpenGL 4.5 can do
@@ -217,7 +217,7 @@ static iso_status read_part(const iso_gl_engine *engine, const iso_view *view, c
 typedef struct shape_draw {
     iso_gl_engine *engine;
     const iso_gl_draw_opts *opts;
-    const iso_gl_shape *shape;
+    const iso_gl_surface *shape;
     iso_projector projector; /* of the part's view */
     double widening;         /* of attenuated points: 1 / sqrt(k) */
     double range[2];         /* of depth, orthographic */
@@ -290,7 +290,7 @@ static bool is_seen(const shape_draw *draw, const iso_gl_span *span) {
 /* Whether triangles that face away are hidden: of a closed surface, all of it in front of the eye and of the
  * near plane. (Points are discs that face the picture: past the outline they show from whichever side.) */
 static bool hides_averted(const shape_draw *draw) {
-    const iso_gl_shape *shape = draw->shape;
+    const iso_gl_surface *shape = draw->shape;
     if (!shape->mesh || !shape->closed || draw->engine->keep_averted) return false;
     const iso_gl_span *spans = shape->spans.data;
     for (size_t s = 0; s < shape->span_count; s++)
@@ -314,12 +314,12 @@ static iso_gl_instance instance_of(const shape_draw *draw, const iso_gl_span *sp
 
 static void draw_all(const shape_draw *draw, size_t count, const void *commands, const void *instances) {
     draw->engine->drawn += count;
-    iso_gl_shape_command(draw->shape, count, commands, instances);
-    iso_gl_shape_draw(draw->shape, count);
+    iso_gl_surface_command(draw->shape, count, commands, instances);
+    iso_gl_surface_draw(draw->shape, count);
 }
 
 static iso_status draw_mesh(const shape_draw *draw, iso_buffer *room, iso_error *error) {
-    const iso_gl_shape *shape = draw->shape;
+    const iso_gl_surface *shape = draw->shape;
     size_t commands_size = shape->span_count * sizeof(iso_gl_mesh_command), seen = 0;
     ISO_TRY(iso_buffer_reserve(room, commands_size + shape->span_count * 3 * sizeof(int32_t), 0, error));
     iso_gl_mesh_command *commands = room->data;
@@ -356,7 +356,7 @@ static bool may_be_wide(const shape_draw *draw, const iso_gl_span *span) {
 }
 
 static iso_status draw_wide_points(const shape_draw *draw, iso_error *error) {
-    const iso_gl_shape *shape = draw->shape;
+    const iso_gl_surface *shape = draw->shape;
     unsigned program = 0;
     const iso_gl_span *spans = shape->spans.data;
     for (size_t s = 0; s < shape->span_count; s++) {
@@ -368,13 +368,13 @@ static iso_status draw_wide_points(const shape_draw *draw, iso_error *error) {
             draw->engine->context->gl->UseProgram(program);
         }
         const iso_gl_instance instance = instance_of(draw, span);
-        iso_gl_shape_draw_quads(shape, span->first, span->count, &instance);
+        iso_gl_surface_draw_quads(shape, span->first, span->count, &instance);
     }
     return ISO_OK;
 }
 
 static iso_status draw_points(const shape_draw *draw, iso_buffer *room, iso_error *error) {
-    const iso_gl_shape *shape = draw->shape;
+    const iso_gl_surface *shape = draw->shape;
     const GladGLContext *gl = draw->engine->context->gl;
     size_t commands_size = shape->span_count * sizeof(iso_gl_points_command), seen = 0;
     ISO_TRY(iso_buffer_reserve(room, commands_size + shape->span_count * sizeof(iso_gl_instance), 0, error));
@@ -403,7 +403,7 @@ static void depth_range(const iso_gl_draw_opts *opts, double range[2]) {
     range[0] = INFINITY;
     range[1] = -INFINITY;
     for (int i = 0; i < opts->shape_count; i++) {
-        const iso_gl_shape *shape = opts->shapes[i];
+        const iso_gl_surface *shape = opts->shapes[i];
         iso_projector p = iso_projector_make(opts->view, &shape->transform);
         const iso_gl_span *spans = shape->spans.data;
         for (size_t s = 0; s < shape->span_count; s++)
@@ -429,7 +429,7 @@ typedef struct picture {
 
 static iso_status draw_shapes(picture *p, const iso_view *view, iso_error *error) {
     for (int i = 0; i < p->opts->shape_count; i++) {
-        const iso_gl_shape *shape = p->opts->shapes[i];
+        const iso_gl_surface *shape = p->opts->shapes[i];
         shape_draw draw = {.engine = p->engine,
                            .opts = p->opts,
                            .shape = shape,

@@ -53,29 +53,29 @@ void iso_gl_engine_forget_seconds(iso_gl_engine *engine);
 /* A surface in the GPU's memory: copied, so that the view's owner may change it. What lies between the view's
  * spans takes room there as it does in the view. Errors: ISO_ERR_NOMEM, ISO_ERR_LIMIT (2^31 vertices, 2^32
  * points, 2^30 triangles; main memory, where the driver has no other), ISO_ERR_BACKEND. Keeps the engine. */
-typedef struct iso_gl_shape iso_gl_shape;
-iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_shape **shape,
+typedef struct iso_gl_surface iso_gl_surface;
+iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_surface **shape,
                                 iso_error *error);
-iso_status iso_gl_upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_shape **shape,
+iso_status iso_gl_upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_surface **shape,
                               iso_error *error);
 /* The mesh as triangle strips (2003, section 5), brick by brick: the same picture from fewer indices. */
-iso_status iso_gl_upload_strips(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_shape **shape,
+iso_status iso_gl_upload_strips(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_surface **shape,
                                 iso_error *error);
 
 /* Another view of the same set, later: only spans that changed are uploaded, which the view's stamps tell.
  * Points keep their kind: packed or not, with radii, colours and shapes or without. After a failure the shape
  * is empty until an update succeeds. */
-iso_status iso_gl_update_points(iso_gl_shape *shape, const iso_point_view *points, iso_error *error);
-iso_status iso_gl_update_mesh(iso_gl_shape *shape, const iso_mesh_view *mesh, iso_error *error);
-void iso_gl_shape_destroy(iso_gl_shape *shape);
+iso_status iso_gl_update_points(iso_gl_surface *shape, const iso_point_view *points, iso_error *error);
+iso_status iso_gl_update_mesh(iso_gl_surface *shape, const iso_mesh_view *mesh, iso_error *error);
+void iso_gl_surface_destroy(iso_gl_surface *shape);
 
-typedef struct iso_gl_shape_stats {
+typedef struct iso_gl_surface_stats {
     uint64_t uploaded; /* bytes, by the upload or the last update */
     /* Of a mesh: triangles, and the indices that draw them, restarts included (2003, table 2, compares these
      * with three a triangle). */
     size_t triangles, indices;
-} iso_gl_shape_stats;
-iso_gl_shape_stats iso_gl_shape_measure(const iso_gl_shape *shape);
+} iso_gl_surface_stats;
+iso_gl_surface_stats iso_gl_surface_measure(const iso_gl_surface *shape);
 
 /* How wide points are (2003, section 4.1). */
 typedef enum iso_point_scaling {
@@ -85,8 +85,8 @@ typedef enum iso_point_scaling {
 } iso_point_scaling;
 
 typedef struct iso_gl_draw_opts {
-    const iso_view *view;              /* borrowed */
-    const iso_gl_shape *const *shapes; /* shape i is surface i of the gbuffer */
+    const iso_view *view;                /* borrowed */
+    const iso_gl_surface *const *shapes; /* shape i is surface i of the gbuffer */
     int shape_count;
     iso_point_scaling scaling;
     /* Attenuated: tangents of half the angles of the whole picture, across and upwards; for a picture that is

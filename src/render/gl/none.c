@@ -62,40 +62,40 @@ uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, iso_reconstruction r
     return 0;
 }
 
-iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_shape **shape,
+iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_surface **shape,
                                 iso_error *error) {
     (void)engine, (void)points, (void)shape;
     return refuse(error);
 }
 
-iso_status iso_gl_upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_shape **shape,
+iso_status iso_gl_upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_surface **shape,
                               iso_error *error) {
     (void)engine, (void)mesh, (void)shape;
     return refuse(error);
 }
 
-iso_status iso_gl_upload_strips(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_shape **shape,
+iso_status iso_gl_upload_strips(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_surface **shape,
                                 iso_error *error) {
     (void)engine, (void)mesh, (void)shape;
     return refuse(error);
 }
 
-iso_status iso_gl_update_points(iso_gl_shape *shape, const iso_point_view *points, iso_error *error) {
+iso_status iso_gl_update_points(iso_gl_surface *shape, const iso_point_view *points, iso_error *error) {
     (void)shape, (void)points;
     return refuse(error);
 }
 
-iso_status iso_gl_update_mesh(iso_gl_shape *shape, const iso_mesh_view *mesh, iso_error *error) {
+iso_status iso_gl_update_mesh(iso_gl_surface *shape, const iso_mesh_view *mesh, iso_error *error) {
     (void)shape, (void)mesh;
     return refuse(error);
 }
 
-iso_gl_shape_stats iso_gl_shape_measure(const iso_gl_shape *shape) {
+iso_gl_surface_stats iso_gl_surface_measure(const iso_gl_surface *shape) {
     (void)shape;
-    return (iso_gl_shape_stats){0};
+    return (iso_gl_surface_stats){0};
 }
 
-void iso_gl_shape_destroy(iso_gl_shape *shape) {
+void iso_gl_surface_destroy(iso_gl_surface *shape) {
     (void)shape;
 }
 

@@ -8,8 +8,8 @@
 #include "base/memory.h"
 #include "render/gl/output.h"
 #include "render/gl/refined.h"
-#include "render/gl/shape.h"
 #include "render/gl/shared.h"
+#include "render/gl/surface.h"
 #include "render/pullpush/setup.h"
 
 enum {
@@ -47,7 +47,7 @@ typedef struct frame {
 /* One surface of a strip. */
 typedef struct drawing {
     const frame *frame;
-    const iso_gl_shape *shape;
+    const iso_gl_surface *shape;
     const iso_view *view;
     iso_projector projector;
     iso_pyramid_shape pyramid;
@@ -75,7 +75,7 @@ static void fill_buffer(const frame *f, iso_gl_storage which, size_t bytes, GLui
 /* ---- what is drawn */
 
 /* Points without colours, where refined was asked for. */
-static bool is_refined(const frame *f, const iso_gl_shape *shape) {
+static bool is_refined(const frame *f, const iso_gl_surface *shape) {
     return f->opts->reconstruction == ISO_RECONSTRUCTION_REFINED && !shape->has_colors;
 }
 
@@ -333,7 +333,7 @@ static iso_status read_picture(frame *f, const iso_gbuffer *to, size_t start, si
 }
 
 static drawing drawing_of(const frame *f, int number, const iso_view *view) {
-    const iso_gl_shape *shape = f->opts->shapes[number];
+    const iso_gl_surface *shape = f->opts->shapes[number];
     const iso_point_blocks *blocks = shape->blocks;
     return (drawing){.frame = f,
                      .shape = shape,
@@ -349,7 +349,7 @@ static iso_status draw_strip(frame *f, const iso_view *view, int row, const iso_
     need_buffer(f, ISO_GL_STORE_PICTURE, samples * f->planes * sizeof(float));
     clear_picture(f, samples);
     for (int i = 0; i < f->opts->shape_count; i++) {
-        const iso_gl_shape *shape = f->opts->shapes[i];
+        const iso_gl_surface *shape = f->opts->shapes[i];
         if (shape->blocks->seen == 0) continue;
         if (is_refined(f, shape)) {
             ISO_TRY(iso_gl_draw_refined(shape, view, i, &f->room, error));
@@ -372,7 +372,7 @@ static size_t strip_bytes(const frame *f, int rows) {
     const iso_view view = iso_view_rows(f->opts->view, 0, rows);
     size_t most = (size_t)view.width * (size_t)view.height * f->planes * sizeof(float);
     for (int i = 0; i < f->opts->shape_count; i++) {
-        const iso_gl_shape *shape = f->opts->shapes[i];
+        const iso_gl_surface *shape = f->opts->shapes[i];
         if (shape->blocks->seen == 0 || is_refined(f, shape)) continue;
         const drawing d = drawing_of(f, i, &view);
         const size_t keys = level_pixels(&d.pyramid, d.pyramid.base) * 2 * sizeof(uint32_t);
@@ -408,7 +408,7 @@ static iso_status draw_strips(frame *f, const iso_gl_output *to, iso_error *erro
 /* The same for every strip. */
 static iso_status look(const iso_gl_pullpush_opts *opts, iso_error *error) {
     for (int i = 0; i < opts->shape_count; i++) {
-        const iso_gl_shape *shape = opts->shapes[i];
+        const iso_gl_surface *shape = opts->shapes[i];
         assert(!shape->mesh);
         iso_projector projector = iso_projector_make(opts->view, &shape->transform);
         ISO_TRY(iso_point_blocks_look(shape->blocks, shape->closed, &shape->transform, &projector, error));

@@ -12,8 +12,8 @@ extern "C" {
 #endif
 
 typedef struct iso_gl_pullpush_opts {
-    const iso_view *view;              /* borrowed */
-    const iso_gl_shape *const *shapes; /* of points; shape i is surface i of the gbuffer */
+    const iso_view *view;                /* borrowed */
+    const iso_gl_surface *const *shapes; /* of points; shape i is surface i of the gbuffer */
     int shape_count;
     iso_reconstruction reconstruction;
 } iso_gl_pullpush_opts;

@@ -24,7 +24,7 @@ _Static_assert(SUMS == (int)ISO_GL_BLENDS, "what we blend is put back");
 typedef struct drawing {
     iso_gl_engine *engine;
     const GladGLContext *gl;
-    const iso_gl_shape *shape;
+    const iso_gl_surface *shape;
     const iso_view *view;
     iso_projector projector;
     float slant;
@@ -90,7 +90,7 @@ static iso_status need_discs(const drawing *d, int width, int height, iso_error 
 static void put_uniforms(const drawing *d, const tile *t) {
     const iso_projector *p = &d->projector;
     const iso_view *view = d->view;
-    const iso_gl_shape *shape = d->shape;
+    const iso_gl_surface *shape = d->shape;
     const double *spacing = shape->transform.spacing;
     const bool uneven = spacing[0] != spacing[1] || spacing[1] != spacing[2];
     const double voxels = shape->surfels ? 1 : ISO_POINT_STEP;
@@ -185,13 +185,13 @@ static iso_status use(const drawing *d, iso_gl_program program, iso_error *error
 static iso_status draw_discs(const drawing *d, const tile *t, iso_gl_program program, iso_error *error) {
     ISO_TRY(use(d, program, error));
     if (!d->shape->has_radii) d->gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)d->shape->radius);
-    iso_gl_shape_draw(d->shape, t->draws);
+    iso_gl_surface_draw(d->shape, t->draws);
     bool quads = false;
     for (size_t i = 0; i < t->draws; i++) {
         if (!t->wide[i]) continue;
         if (!quads) ISO_TRY(use(d, (iso_gl_program)(program + 1), error));
         quads = true;
-        iso_gl_shape_draw_quads(d->shape, t->commands[i].first, t->commands[i].count, &t->instances[i]);
+        iso_gl_surface_draw_quads(d->shape, t->commands[i].first, t->commands[i].count, &t->instances[i]);
     }
     return ISO_OK;
 }
@@ -249,7 +249,7 @@ static iso_status draw_tile(const drawing *d, tile *t, iso_buffer *room, iso_err
     iso_gl_timer *timer = &d->engine->timer;
     ISO_TRY(gather(d, t, room, error));
     if (!t->draws) return ISO_OK;
-    iso_gl_shape_command(d->shape, t->draws, t->commands, t->instances);
+    iso_gl_surface_command(d->shape, t->draws, t->commands, t->instances);
     put_uniforms(d, t);
     for (int i = 0; i < 3; i++) {
         iso_gl_timer_begin(timer, d->gl, (iso_gl_pass)(ISO_GL_PASS_FRONT + i));
@@ -261,8 +261,8 @@ static iso_status draw_tile(const drawing *d, tile *t, iso_buffer *room, iso_err
     return ISO_OK;
 }
 
-iso_status iso_gl_draw_refined(const iso_gl_shape *shape, const iso_view *view, int surface, iso_buffer *room,
-                               iso_error *error) {
+iso_status iso_gl_draw_refined(const iso_gl_surface *shape, const iso_view *view, int surface,
+                               iso_buffer *room, iso_error *error) {
     iso_gl_engine *engine = shape->engine;
     const drawing d = {.engine = engine,
                        .gl = engine->context->gl,

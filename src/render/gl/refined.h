@@ -2,7 +2,7 @@
 #ifndef ISO_RENDER_GL_REFINED_H
 #define ISO_RENDER_GL_REFINED_H
 
-#include "render/gl/shape.h"
+#include "render/gl/surface.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -11,8 +11,8 @@ extern "C" {
 /* Draws points, whose blocks have been looked at, over what is in the buffer ISO_GL_STORE_PICTURE, which has
  * the view's size; with the context current. `room` is memory to work with. ISO_ERR_NOMEM, ISO_ERR_BACKEND.
  */
-iso_status iso_gl_draw_refined(const iso_gl_shape *shape, const iso_view *view, int surface, iso_buffer *room,
-                               iso_error *error);
+iso_status iso_gl_draw_refined(const iso_gl_surface *shape, const iso_view *view, int surface,
+                               iso_buffer *room, iso_error *error);
 
 /* Bytes that it takes from the GPU for pictures of so many samples. */
 uint64_t iso_gl_discs_bytes(uint64_t samples);

@@ -11,7 +11,7 @@
 #define ISO_GL_ORIGIN 4   /* vec3, per span of points: view space position of its brick's corner */
 #define ISO_GL_BRICK 5    /* ivec3, per span of triangles */
 #define ISO_GL_PLACE 5 /* vec4, per span of points: index coordinates of its first step; 1: shapes matter */
-#define ISO_GL_BEND 6  /* ivec4: an iso_shape */
+#define ISO_GL_BEND 6  /* ivec4: an iso_curvature */
 
 /* Uniform blocks. */
 #define ISO_GL_FRAME 0

@@ -43,7 +43,7 @@ static void set_defaults(const GladGLContext *gl) {
     gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
-void iso_gl_state_take(iso_gl_state *state, const GladGLContext *gl) {
+void iso_gl_state_save(iso_gl_state *state, const GladGLContext *gl) {
     for (int i = 0; i < ISO_GL_SWITCHES; i++) state->on[i] = gl->IsEnabled(switches[i]);
     for (int i = 0; i < ISO_GL_PIXEL_STORES; i++) gl->GetIntegerv(pixel_stores[i], &state->pixel_store[i]);
     for (int i = 0; i < ISO_GL_BINDINGS; i++) gl->GetIntegerv(bindings[i].name, &state->binding[i]);
@@ -75,7 +75,7 @@ static void unbind_slots(const GladGLContext *gl) {
     gl->BindImageTextures(0, ISO_GL_IMAGE_SLOTS, NULL);
 }
 
-void iso_gl_state_put(const iso_gl_state *state, const GladGLContext *gl) {
+void iso_gl_state_restore(const iso_gl_state *state, const GladGLContext *gl) {
     unbind_slots(gl);
     for (int i = 0; i < ISO_GL_SWITCHES; i++) set_switch(gl, switches[i], state->on[i]);
     for (int i = 0; i < ISO_GL_PIXEL_STORES; i++) gl->PixelStorei(pixel_stores[i], state->pixel_store[i]);

@@ -32,9 +32,9 @@ typedef struct iso_gl_state {
 
 /* Takes down what there is and sets what we do not set ourselves to what we count on, which is what OpenGL
  * begins with. With the context current, like all here. */
-void iso_gl_state_take(iso_gl_state *state, const GladGLContext *gl);
+void iso_gl_state_save(iso_gl_state *state, const GladGLContext *gl);
 /* Puts it back. What shaders read by numbered slots is unbound. */
-void iso_gl_state_put(const iso_gl_state *state, const GladGLContext *gl);
+void iso_gl_state_restore(const iso_gl_state *state, const GladGLContext *gl);
 
 #ifdef __cplusplus
 }

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "render/gl/shape.h"
+#include "render/gl/surface.h"
 
 static double finished_at(const GladGLContext *gl) {
     struct timespec now;

@@ -10,8 +10,8 @@
  *
  * Points that face away are left out when the set is closed and the eye is outside the box around it; else
  * they are drawn too, and normals stay as they are (out of the solid). */
-#ifndef ISO_RENDER_PULLPUSH_H
-#define ISO_RENDER_PULLPUSH_H
+#ifndef ISO_RENDER_PULLPUSH_PULLPUSH_H
+#define ISO_RENDER_PULLPUSH_PULLPUSH_H
 
 #include "render/raster/raster.h"
 

@@ -5,8 +5,8 @@
  * are filled downwards to level 0 (push). The lattice of pixels starts at the corner of the whole picture's
  * guard band, and a strip of a picture takes in as many rows around its own as any of its pixels can depend
  * on: each pixel is the same in the strip and in the whole. */
-#ifndef ISO_RENDER_PYRAMID_H
-#define ISO_RENDER_PYRAMID_H
+#ifndef ISO_RENDER_PULLPUSH_PYRAMID_H
+#define ISO_RENDER_PULLPUSH_PYRAMID_H
 
 #include <stdbool.h>
 #include <stddef.h>

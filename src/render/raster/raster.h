@@ -3,8 +3,8 @@
  * Each call draws one surface over what is there: a sample is replaced when the new depth is smaller (equal
  * depths: the earlier surface, then the earlier primitive, stays), so pictures do not depend on threads. The
  * view's size must be the gbuffer's. Errors: ISO_ERR_NOMEM. */
-#ifndef ISO_RENDER_DRAW_H
-#define ISO_RENDER_DRAW_H
+#ifndef ISO_RENDER_RASTER_RASTER_H
+#define ISO_RENDER_RASTER_RASTER_H
 
 #include "base/parallel.h"
 #include "base/primitives.h"

@@ -49,7 +49,7 @@ enum {
 enum {
     ISO_DISC_COLUMN, /* pixels */
     ISO_DISC_ROW,
-    ISO_DISC_NX, /* normal, with its tilt (iso_shape) */
+    ISO_DISC_NX, /* normal, with its tilt (iso_curvature) */
     ISO_DISC_NY,
     ISO_DISC_NZ,
     ISO_DISC_LIT_X, /* the point's own, unit: what is shown */

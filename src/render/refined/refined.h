@@ -19,13 +19,13 @@
  * Balls are round where voxels are cubes, and reach as many voxels along every axis elsewhere.
  *
  * A surface ends at its grid's border, and where it bends much it turns away within a voxel: there, discs end
- * at the border and where the surface comes to the next edge of the cells around (iso_shape's ends). Discs
- * that would be far off the surface there are smaller.
+ * at the border and where the surface comes to the next edge of the cells around (iso_curvature's ends).
+ * Discs that would be far off the surface there are smaller.
  *
  * Blocks come from front to back; discs that lie behind all that is drawn around them are left out. Small
  * discs are measured a vector at a time, larger ones splatted one by one (render/refined/kernel.h). */
-#ifndef ISO_RENDER_REFINED_H
-#define ISO_RENDER_REFINED_H
+#ifndef ISO_RENDER_REFINED_REFINED_H
+#define ISO_RENDER_REFINED_REFINED_H
 
 #include "render/point_blocks.h"
 #include "render/raster/raster.h"

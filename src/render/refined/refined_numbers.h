@@ -1,6 +1,6 @@
 /* refined_numbers: the numbers of the refined reconstruction (render/refined/refined.h), for C and GLSL. */
-#ifndef ISO_RENDER_REFINED_NUMBERS_H
-#define ISO_RENDER_REFINED_NUMBERS_H
+#ifndef ISO_RENDER_REFINED_REFINED_NUMBERS_H
+#define ISO_RENDER_REFINED_REFINED_NUMBERS_H
 
 /* The ball of a disc, in the point's own radii: for extracted points 0.85 voxel, which is about the least
  * that leaves no holes, and up to 1 where that is many pixels: more discs meet there, and what noise there is

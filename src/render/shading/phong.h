@@ -1,6 +1,6 @@
 /* phong: the numbers of the shading model, for C and GLSL. */
-#ifndef ISO_RENDER_PHONG_H
-#define ISO_RENDER_PHONG_H
+#ifndef ISO_RENDER_SHADING_PHONG_H
+#define ISO_RENDER_SHADING_PHONG_H
 
 #define ISO_PHONG_AMBIENT 0.16f
 #define ISO_PHONG_KEY 0.58f

@@ -1,7 +1,7 @@
 /* phong_vectors: what render/shading/phong_body.inc needs: the light, rays, and words of pixels. Internal to
  * those who shade. */
-#ifndef ISO_RENDER_PHONG_VECTORS_H
-#define ISO_RENDER_PHONG_VECTORS_H
+#ifndef ISO_RENDER_SHADING_PHONG_VECTORS_H
+#define ISO_RENDER_SHADING_PHONG_VECTORS_H
 
 #include "base/simd.h"
 #include "image/camera.h"

@@ -1,7 +1,7 @@
 /* shading: Phong from a gbuffer, with the same arithmetic for every method and engine. No libm
  * transcendentals. */
-#ifndef ISO_RENDER_SHADING_H
-#define ISO_RENDER_SHADING_H
+#ifndef ISO_RENDER_SHADING_SHADING_H
+#define ISO_RENDER_SHADING_SHADING_H
 
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 /* shading_kernel: Phong of rows of samples and their averages, once for every instruction set. The same bytes
  * from each. Internal to render. */
-#ifndef ISO_RENDER_SHADING_KERNEL_H
-#define ISO_RENDER_SHADING_KERNEL_H
+#ifndef ISO_RENDER_SHADING_SHADING_KERNEL_H
+#define ISO_RENDER_SHADING_SHADING_KERNEL_H
 
 #include <stdbool.h>
 #include <stddef.h>

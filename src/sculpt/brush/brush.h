@@ -3,8 +3,8 @@
  * All lengths are world millimetres and all positions world positions, never screen coordinates: a stroke is
  * data that can be replayed on another grid, at another voxel size. Every number is a double that is written
  * to the journal with all its digits. */
-#ifndef ISO_SCULPT_BRUSH_H
-#define ISO_SCULPT_BRUSH_H
+#ifndef ISO_SCULPT_BRUSH_BRUSH_H
+#define ISO_SCULPT_BRUSH_BRUSH_H
 
 #include <stdbool.h>
 

@@ -30,7 +30,7 @@ static double shape_reach(const iso_dabs *dabs) {
     }
 }
 
-double iso_dabs_reach(const iso_dabs *dabs) {
+double iso_dabs_influence(const iso_dabs *dabs) {
     if (!iso_tool_is_set_operation(dabs->tool)) return (double)dabs->radius;
     return shape_reach(dabs) * (double)dabs->radius + (double)dabs->band + (double)dabs->blend;
 }

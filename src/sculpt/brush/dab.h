@@ -3,8 +3,8 @@
  * A kernel reads the brick, its face neighbours or a window of the field, and writes new values elsewhere: a
  * touch is complete before the grid is written. Mirrored touches act together (union of shapes, sum of
  * displacements), so a symmetric field stays symmetric. Internal to sculpt. */
-#ifndef ISO_SCULPT_DAB_H
-#define ISO_SCULPT_DAB_H
+#ifndef ISO_SCULPT_BRUSH_DAB_H
+#define ISO_SCULPT_BRUSH_DAB_H
 
 #include <stdbool.h>
 
@@ -37,7 +37,7 @@ typedef struct iso_dabs {
 } iso_dabs;
 
 /* Voxels from a centre (or the segment between from and centre) beyond which nothing changes. */
-double iso_dabs_reach(const iso_dabs *dabs);
+double iso_dabs_influence(const iso_dabs *dabs);
 
 /* Steps in which MOVE follows its way: each an eighth of the radius or less, 256 at most. */
 int iso_dabs_steps(const iso_dabs *dabs);

@@ -8,8 +8,8 @@
 
 #include "base/memory.h"
 #include "grids/level_set.h"
+#include "sculpt/session/checkpoint.h"
 #include "sculpt/session/limits.h"
-#include "sculpt/session/snapshot.h"
 
 /* Voxels around the shape: the band, and one. */
 enum { MARGIN = 4 };
@@ -107,7 +107,7 @@ static iso_status put_level(FILE *stream, const iso_hgrid *grid) {
     iso_mask mask = {0};
     FILE *cells = open_memstream(&bytes, &size);
     if (!cells) return ISO_ERR_NOMEM;
-    iso_snapshot_put(cells, grid, &mask);
+    iso_checkpoint_put(cells, grid, &mask);
     const bool whole = fclose(cells) == 0 && size < UINT32_MAX;
     level_head head = {.bytes = (uint32_t)size, .spacing = grid->transform.spacing[0]};
     memcpy(head.dims, grid->dims, sizeof head.dims);
@@ -121,7 +121,7 @@ static iso_status put_level(FILE *stream, const iso_hgrid *grid) {
 static iso_status get_cells(const uint8_t *bytes, size_t size, iso_hgrid *grid, iso_error *error) {
     iso_mask none = {0};
     ISO_TRY(iso_mask_init(&none, iso_hgrid_cell_count(grid), error));
-    iso_status status = iso_snapshot_get("the stamp", bytes, size, grid, &none, error);
+    iso_status status = iso_checkpoint_get("the stamp", bytes, size, grid, &none, error);
     iso_mask_free(&none);
     return status;
 }

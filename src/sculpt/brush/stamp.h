@@ -3,8 +3,8 @@
  *
  * A journal holds the fields themselves, not the mesh that they were made of: a stroke file needs no other
  * file, and plays the same whichever version made them. */
-#ifndef ISO_SCULPT_STAMP_H
-#define ISO_SCULPT_STAMP_H
+#ifndef ISO_SCULPT_BRUSH_STAMP_H
+#define ISO_SCULPT_BRUSH_STAMP_H
 
 #include "base/parallel.h"
 #include "base/progress.h"

@@ -2,8 +2,8 @@
  * voxel
  * (+band, -band or a distance) and the distances, a third to a quarter of its 16 KiB near a surface. Internal
  * to sculpt. */
-#ifndef ISO_SCULPT_CELL_PACK_H
-#define ISO_SCULPT_CELL_PACK_H
+#ifndef ISO_SCULPT_FIELD_CELL_PACK_H
+#define ISO_SCULPT_FIELD_CELL_PACK_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -137,9 +137,9 @@ static bool is_interface(const float *v) {
 /* A voxel is in a fan when no crossing is nearer than one at a crease. */
 static float bounded(const crossings *c, const int bin[3], const int voxel[3], float distance, float band) {
     const int32_t at[3] = {UNIT * voxel[0], UNIT * voxel[1], UNIT * voxel[2]};
-    const int32_t reach = (int32_t)((distance + SHORT) * (distance + SHORT) * (UNIT * UNIT));
-    const int32_t least = nearest(&c->kind[1], bin, at, reach, 0);
-    if (least == reach || nearest(&c->kind[0], bin, at, least, least) < least) return distance;
+    const int32_t influence = (int32_t)((distance + SHORT) * (distance + SHORT) * (UNIT * UNIT));
+    const int32_t least = nearest(&c->kind[1], bin, at, influence, 0);
+    if (least == influence || nearest(&c->kind[0], bin, at, least, least) < least) return distance;
     const float square = (float)least / (UNIT * UNIT);
     const float far = sqrtf(square), near = sqrtf(fmaxf(square - HALF_GAP * HALF_GAP, 0));
     return fminf(fminf(fmaxf(distance, near), far), fmaxf(distance, 0.999f * band));
@@ -176,7 +176,7 @@ static void mend_bin(const crossings *c, const int bin[3], float band, float *ou
     }
 }
 
-iso_status iso_crease_mend(const float *window, float band, iso_buffer *room, float *out) {
+iso_status iso_crease_correct(const float *window, float band, iso_buffer *room, float *out) {
     enum { M = ISO_CREASE_MARGIN, INNER = ISO_BRICK / BIN };
     crossings c = {.window = window};
     for (int row = 0; row < ISO_BRICK * ISO_BRICK; row++)

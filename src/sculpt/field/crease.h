@@ -5,8 +5,8 @@
  * those to the meant crease and those to the surface: up to a third of a voxel short. Where edges between
  * voxels cross the surface is known exactly, and no voxel can be farther from it than from the nearest of
  * them, nor nearer by much: in the fans that bounds the distance. Internal to sculpt. */
-#ifndef ISO_SCULPT_CREASE_H
-#define ISO_SCULPT_CREASE_H
+#ifndef ISO_SCULPT_FIELD_CREASE_H
+#define ISO_SCULPT_FIELD_CREASE_H
 
 #include "base/memory.h"
 #include "base/primitives.h"
@@ -18,6 +18,6 @@ enum { ISO_CREASE_MARGIN = 5, ISO_CREASE_SIDE = ISO_BRICK + 2 * ISO_CREASE_MARGI
  * beside the interface keep their value, so the zero set moves by no bit; none reaches the band's end or
  * leaves it, and beside those at its end none is left where foot points are made. Of a band wider than 3.6
  * voxels the rest stays as it is. `room`: the caller's, to use again. ISO_ERR_NOMEM. */
-iso_status iso_crease_mend(const float *window, float band, iso_buffer *room, float *out);
+iso_status iso_crease_correct(const float *window, float band, iso_buffer *room, float *out);
 
 #endif

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "sculpt/field/crease.h"
-#include "sculpt/field/work.h"
+#include "sculpt/field/transaction.h"
 #include "sculpt/session/limits.h"
 
 /* Until the band is whole again where it was torn. */
@@ -14,14 +14,14 @@ enum { TORN_ITERATIONS = 12 };
 enum { WINDOW_MAX = 1 << 22 };
 
 struct iso_editor {
-    iso_work work;
+    iso_transaction transaction;
     iso_affine affine;
     double spacing;
     int iterations;
     iso_step_opts opts;
-    double done;    /* work, as iso_editor_work says */
-    uint32_t step;  /* number of the current step */
-    uint32_t *told; /* by cell: the step that last told it */
+    double done;        /* work, as iso_editor_work says */
+    uint32_t step;      /* number of the current step */
+    uint32_t *notified; /* by cell: the step that last told it */
     uint32_t *mask_told;
     iso_buffer list; /* cells told in this step */
     size_t list_count;
@@ -46,7 +46,7 @@ iso_status iso_editor_create(iso_hgrid *grid, const iso_editor_opts *opts, iso_e
     ISO_TRY(check_grid(grid, error));
     iso_editor *editor = iso_alloc_zero(1, sizeof *editor);
     if (!editor) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an editor");
-    iso_status status = iso_work_init(&editor->work, grid, opts->pool, error);
+    iso_status status = iso_transaction_init(&editor->transaction, grid, opts->pool, error);
     if (status != ISO_OK) {
         iso_free(editor);
         return status;
@@ -54,9 +54,9 @@ iso_status iso_editor_create(iso_hgrid *grid, const iso_editor_opts *opts, iso_e
     editor->affine = iso_transform_affine(&grid->transform);
     editor->spacing = grid->transform.spacing[0];
     editor->iterations = opts->iterations > 0 ? opts->iterations : opts->iterations < 0 ? 0 : 4;
-    editor->told = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->told);
+    editor->notified = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->notified);
     editor->mask_told = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->mask_told);
-    if (!editor->told || !editor->mask_told) {
+    if (!editor->notified || !editor->mask_told) {
         iso_editor_destroy(editor);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an editor of %zu cells",
                         iso_hgrid_cell_count(grid));
@@ -67,9 +67,9 @@ iso_status iso_editor_create(iso_hgrid *grid, const iso_editor_opts *opts, iso_e
 
 void iso_editor_destroy(iso_editor *editor) {
     if (!editor) return;
-    iso_work_free(&editor->work);
+    iso_transaction_free(&editor->transaction);
     iso_buffer_free(&editor->list);
-    iso_free(editor->told);
+    iso_free(editor->notified);
     iso_free(editor->mask_told);
     iso_free(editor);
 }
@@ -158,7 +158,8 @@ static void make_dabs(const iso_editor *editor, const iso_brush *brush, const is
     double strength = (brush->strength > 0 ? brush->strength : 1) * (brush->pressure_strength ? pressure : 1);
     bool blends = brush->tool == ISO_TOOL_BLEND_ADD || brush->tool == ISO_TOOL_BLEND_CARVE;
     double blend = brush->blend > 0 ? brush->blend / editor->spacing : 0.25 * radius;
-    double band = (double)editor->work.grid->band; /* a wider blend would need distances beyond the band */
+    double band =
+        (double)editor->transaction.grid->band; /* a wider blend would need distances beyond the band */
     memset(dabs, 0, sizeof *dabs);
     dabs->tool = brush->tool;
     dabs->shape = brush->shape;
@@ -167,7 +168,7 @@ static void make_dabs(const iso_editor *editor, const iso_brush *brush, const is
     dabs->strength = (float)(strength * full_strength(brush->tool, radius));
     dabs->aspect = (float)(brush->aspect > 0 ? brush->aspect : 0.5);
     dabs->blend = blends ? (float)(blend < band ? blend : band) : 0;
-    dabs->band = editor->work.grid->band;
+    dabs->band = editor->transaction.grid->band;
     dabs->stamp = editor->opts.stamp ? iso_stamp_level(editor->opts.stamp, radius) : NULL;
     for (unsigned bits = 0; bits < 8; bits++)
         if (!(bits & ~brush->symmetry)) make_dab(editor, brush, touch, bits, &dabs->dab[dabs->count++]);
@@ -214,15 +215,15 @@ static bool can_change(iso_tool tool, int32_t state) {
 static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, int lo[3],
                        int hi[3]) {
     bool clipped = false;
-    double reach = iso_dabs_reach(dabs),
-           solid = reach - (iso_tool_is_set_operation(dabs->tool) ? (double)dabs->band : 0);
+    double influence = iso_dabs_influence(dabs),
+           solid = influence - (iso_tool_is_set_operation(dabs->tool) ? (double)dabs->band : 0);
     bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SOLID_CAPSULE;
     for (int axis = 0; axis < 3; axis++) {
         double a = dab->centre[axis], b = segment ? dab->from[axis] : a;
-        double first = fmin(a, b), last = fmax(a, b), top = editor->work.grid->dims[axis] - 1;
+        double first = fmin(a, b), last = fmax(a, b), top = editor->transaction.grid->dims[axis] - 1;
         clipped |= first - solid < 0 || last + solid > top;
-        lo[axis] = (int)floor(fmax(fmin(first - reach, top), 0) / ISO_BRICK);
-        hi[axis] = (int)floor(fmax(fmin(last + reach, top), 0) / ISO_BRICK);
+        lo[axis] = (int)floor(fmax(fmin(first - influence, top), 0) / ISO_BRICK);
+        hi[axis] = (int)floor(fmax(fmin(last + influence, top), 0) / ISO_BRICK);
     }
     return clipped;
 }
@@ -246,15 +247,15 @@ static iso_status list_dab(iso_editor *editor, const iso_dabs *dabs, const iso_d
     int lo[3], hi[3], at[3];
     *clipped |= cell_range(editor, dabs, dab, lo, hi);
     editor->done += range_cells(lo, hi) / 256;
-    const double reach = iso_dabs_reach(dabs);
+    const double influence = iso_dabs_influence(dabs);
     for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
         for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
             for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++) {
-                if (cell_distance(dabs, dab, at) >= reach) continue;
-                size_t cell = iso_hgrid_cell_index(editor->work.grid, at[0], at[1], at[2]);
-                if (!can_change(dabs->tool, editor->work.grid->cell[cell])) continue;
-                ISO_TRY(iso_work_add(&editor->work, at, true, error));
-                if (editor->work.job_count > ISO_LIMIT_TOUCH_CELLS)
+                if (cell_distance(dabs, dab, at) >= influence) continue;
+                size_t cell = iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
+                if (!can_change(dabs->tool, editor->transaction.grid->cell[cell])) continue;
+                ISO_TRY(iso_transaction_add(&editor->transaction, at, true, error));
+                if (editor->transaction.cell_count > ISO_LIMIT_TOUCH_CELLS)
                     return iso_fail(error, ISO_ERR_LIMIT,
                                     "a brush of %g voxels reaches more than %d bricks in one touch",
                                     (double)dabs->radius, ISO_LIMIT_TOUCH_CELLS);
@@ -270,11 +271,11 @@ static void cell_position(const iso_hgrid *grid, uint32_t cell, int at[3]) {
 
 /* MOVE starts from the field as it was: what earlier touches of the stroke changed must come back. */
 static iso_status list_told(iso_editor *editor, iso_error *error) {
-    const uint32_t *told = editor->list.data;
+    const uint32_t *notified = editor->list.data;
     for (size_t i = 0; i < editor->list_count; i++) {
         int at[3];
-        cell_position(editor->work.grid, told[i], at);
-        ISO_TRY(iso_work_add(&editor->work, at, true, error));
+        cell_position(editor->transaction.grid, notified[i], at);
+        ISO_TRY(iso_transaction_add(&editor->transaction, at, true, error));
     }
     return ISO_OK;
 }
@@ -282,7 +283,7 @@ static iso_status list_told(iso_editor *editor, iso_error *error) {
 static iso_status list_cells(iso_editor *editor, const iso_dabs *dabs, bool *clipped, iso_error *error) {
     for (int i = 0; i < dabs->count; i++) ISO_TRY(list_dab(editor, dabs, &dabs->dab[i], clipped, error));
     if (dabs->tool == ISO_TOOL_MOVE) ISO_TRY(list_told(editor, error));
-    return iso_work_reserve(&editor->work, error);
+    return iso_transaction_reserve(&editor->transaction, error);
 }
 
 /* ---- new values */
@@ -294,12 +295,12 @@ typedef struct edit_pass {
 
 /* The floats of a cell as the warp sees them: MOVE, at the stroke's start; PINCH, now. */
 static const float *source_of(const iso_editor *editor, iso_tool tool, uint32_t cell) {
-    int32_t state = editor->work.grid->cell[cell];
-    if (tool == ISO_TOOL_MOVE && editor->told[cell] == editor->step) {
-        const float *kept = editor->opts.kept(editor->opts.keeper.context, cell, &state);
+    int32_t state = editor->transaction.grid->cell[cell];
+    if (tool == ISO_TOOL_MOVE && editor->notified[cell] == editor->step) {
+        const float *kept = editor->opts.kept(editor->opts.observer.context, cell, &state);
         if (kept) return kept;
     }
-    return iso_work_before(&editor->work, state);
+    return iso_transaction_grid_values(&editor->transaction, state);
 }
 
 static int clamp_index(int value, int count) {
@@ -308,7 +309,7 @@ static int clamp_index(int value, int count) {
 
 /* One row of the window: voxels x0 .. x0 + count - 1 of row (y, z), repeated beyond the grid. */
 static void fill_row(const iso_editor *editor, iso_tool tool, const int first[3], int count, float *out) {
-    const iso_hgrid *grid = editor->work.grid;
+    const iso_hgrid *grid = editor->transaction.grid;
     const int y = clamp_index(first[1], grid->dims[1]), z = clamp_index(first[2], grid->dims[2]);
     for (int i = 0, run; i < count; i += run) {
         const int x = clamp_index(first[0] + i, grid->dims[0]), at = x % ISO_BRICK;
@@ -345,7 +346,7 @@ static float mix(float a, float b, float t) {
 
 /* A voxel of the field as the warp sees it, the outermost ones repeated. */
 static float value_at(const iso_editor *editor, iso_tool tool, const int at[3]) {
-    const iso_hgrid *grid = editor->work.grid;
+    const iso_hgrid *grid = editor->transaction.grid;
     int p[3];
     for (int axis = 0; axis < 3; axis++) p[axis] = clamp_index(at[axis], grid->dims[axis]);
     const size_t cell = iso_hgrid_cell_index(grid, p[0] / ISO_BRICK, p[1] / ISO_BRICK, p[2] / ISO_BRICK);
@@ -388,66 +389,68 @@ static bool fill_window(const iso_editor *editor, iso_tool tool, const int brick
     return true;
 }
 
-static void warp_job(const edit_pass *pass, iso_job *job, iso_worker *worker, float *out) {
+static void warp_cell(const edit_pass *pass, iso_edit_cell *edit_cell, iso_worker *worker, float *out) {
     const iso_editor *editor = pass->editor;
     const iso_tool tool = pass->dabs->tool;
-    job->source = source_of(editor, tool, job->cell);
-    if (!editor->work.dab->warp(pass->dabs, job->at, &worker->warp)) {
-        memcpy(out, job->source, ISO_BRICK_VOXELS * sizeof(float));
+    edit_cell->source = source_of(editor, tool, edit_cell->cell);
+    if (!editor->transaction.dab->warp(pass->dabs, edit_cell->at, &worker->warp)) {
+        memcpy(out, edit_cell->source, ISO_BRICK_VOXELS * sizeof(float));
         return;
     }
     iso_field_window window;
     window_box(&worker->warp, &window);
     if (is_large(&window))
-        sample_far(editor, tool, job->at, &worker->warp, &window, out);
-    else if (fill_window(editor, tool, job->at, &window, &worker->window))
-        editor->work.dab->sample(&worker->warp, &window, out);
+        sample_far(editor, tool, edit_cell->at, &worker->warp, &window, out);
+    else if (fill_window(editor, tool, edit_cell->at, &window, &worker->window))
+        editor->transaction.dab->sample(&worker->warp, &window, out);
     else
         worker->failed = true;
 }
 
 static void edit_job(void *context, size_t index, int worker) {
     const edit_pass *pass = context;
-    iso_work *work = &pass->editor->work;
-    iso_job *job = iso_work_job(work, index);
-    float *out = iso_work_stage(work, worker);
+    iso_transaction *transaction = &pass->editor->transaction;
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
+    float *out = iso_transaction_scratch(transaction, worker);
     if (iso_tool_is_warp(pass->dabs->tool))
-        warp_job(pass, job, &work->workers[worker], out);
+        warp_cell(pass, edit_cell, &transaction->workers[worker], out);
     else {
         /* Neighbours must be the grid's, not values that are being made: the brush reads the field before. */
         iso_stencil stencil;
-        iso_work_stencil(work, ISO_WORK_GRID, index, work->workers[worker].border, &stencil);
-        work->dab->edit(pass->dabs, job->at, &stencil, out);
+        iso_transaction_stencil(transaction, ISO_TRANSACTION_GRID, index, transaction->workers[worker].border,
+                                &stencil);
+        transaction->dab->edit(pass->dabs, edit_cell->at, &stencil, out);
     }
-    iso_work_edited(work, index, worker);
+    iso_transaction_mark_edited(transaction, index, worker);
 }
 
 /* ---- a touch */
 
 /* Tells the keeper of cells that are about to be written. */
 static iso_status tell(iso_editor *editor, iso_error *error) {
-    const iso_keeper *keeper = &editor->opts.keeper;
-    if (!keeper->before) return ISO_OK;
-    for (size_t i = 0; i < editor->work.job_count; i++) {
-        const iso_job *job = iso_work_job(&editor->work, i);
-        if (!job->edited || editor->told[job->cell] == editor->step) continue;
+    const iso_write_observer *observer = &editor->opts.observer;
+    if (!observer->before) return ISO_OK;
+    for (size_t i = 0; i < editor->transaction.cell_count; i++) {
+        const iso_edit_cell *edit_cell = iso_transaction_cell(&editor->transaction, i);
+        if (!edit_cell->edited || editor->notified[edit_cell->cell] == editor->step) continue;
         size_t bytes = editor->list_count * sizeof(uint32_t);
         ISO_TRY(iso_buffer_reserve(&editor->list, bytes + sizeof(uint32_t), bytes, error));
-        const float *brick = job->state >= 0 ? iso_hgrid_brick(editor->work.grid, job->state) : NULL;
-        ISO_TRY(keeper->before(keeper->context, job->cell, job->state, brick, error));
-        ((uint32_t *)editor->list.data)[editor->list_count++] = job->cell;
-        editor->told[job->cell] = editor->step;
+        const float *brick =
+            edit_cell->state >= 0 ? iso_hgrid_brick(editor->transaction.grid, edit_cell->state) : NULL;
+        ISO_TRY(observer->before(observer->context, edit_cell->cell, edit_cell->state, brick, error));
+        ((uint32_t *)editor->list.data)[editor->list_count++] = edit_cell->cell;
+        editor->notified[edit_cell->cell] = editor->step;
     }
     return ISO_OK;
 }
 
 static iso_status finish(iso_editor *editor, iso_edit_stats *stats, iso_error *error) {
-    iso_work *work = &editor->work;
+    iso_transaction *transaction = &editor->transaction;
     bool any;
-    iso_work_compare(work, &any);
+    iso_transaction_compare(transaction, &any);
     if (!any) return ISO_OK;
     ISO_TRY(tell(editor, error));
-    return iso_work_commit(work, stats, error);
+    return iso_transaction_commit(transaction, stats, error);
 }
 
 /* The end of the band that an exact solid shares with what it is united with, or cut from; 0 when the tool or
@@ -459,26 +462,28 @@ static float away_side(const iso_dabs *dabs) {
 
 static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit_stats *stats,
                               iso_error *error) {
-    iso_work *work = &editor->work;
+    iso_transaction *transaction = &editor->transaction;
     edit_pass pass = {.editor = editor, .dabs = dabs};
     ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
-    editor->done += (double)work->job_count * cell_work(dabs);
-    work->away = away_side(dabs);
-    work->torn =
+    editor->done += (double)transaction->cell_count * cell_work(dabs);
+    transaction->far_value = away_side(dabs);
+    transaction->band_damaged =
         dabs->tool == ISO_TOOL_MOVE; /* it draws out, and presses together, as far as the hand goes */
-    iso_parallel_for(work->pool, work->job_count, edit_job, &pass);
-    if (iso_work_failed(work))
+    iso_parallel_for(transaction->pool, transaction->cell_count, edit_job, &pass);
+    if (iso_transaction_failed(transaction))
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a touch of the brush");
     bool any;
-    ISO_TRY(iso_work_settle(work, editor->iterations > 0, &any, error));
+    ISO_TRY(iso_transaction_finalize(transaction, editor->iterations > 0, &any, error));
     if (!any) return ISO_OK;
-    for (size_t i = 0; i < work->job_count; i++) stats->edited += iso_work_job(work, i)->edited;
-    stats->redistanced += work->job_count;
-    editor->done += (double)work->job_count * (work->torn ? 3 : 1);
+    for (size_t i = 0; i < transaction->cell_count; i++)
+        stats->edited += iso_transaction_cell(transaction, i)->edited;
+    stats->redistanced += transaction->cell_count;
+    editor->done += (double)transaction->cell_count * (transaction->band_damaged ? 3 : 1);
     bool blends = dabs->tool == ISO_TOOL_BLEND_ADD || dabs->tool == ISO_TOOL_BLEND_CARVE;
     if (editor->iterations > 0)
-        ISO_TRY(iso_work_redistance(work, work->torn ? TORN_ITERATIONS : editor->iterations,
-                                    blends || !iso_tool_is_set_operation(dabs->tool), error));
+        ISO_TRY(iso_transaction_redistance(transaction,
+                                           transaction->band_damaged ? TORN_ITERATIONS : editor->iterations,
+                                           blends || !iso_tool_is_set_operation(dabs->tool), error));
     return finish(editor, stats, error);
 }
 
@@ -505,15 +510,15 @@ static bool mask_cell(iso_voxel_bits *bits, const iso_dabs *dabs, const iso_dab 
 
 static iso_status touch_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
                                   const int at[3], iso_error *error) {
-    const iso_keeper *keeper = &editor->opts.keeper;
-    iso_mask *mask = &editor->work.mask;
-    const uint32_t cell = (uint32_t)iso_hgrid_cell_index(editor->work.grid, at[0], at[1], at[2]);
+    const iso_write_observer *observer = &editor->opts.observer;
+    iso_mask *mask = &editor->transaction.mask;
+    const uint32_t cell = (uint32_t)iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
     const iso_voxel_bits *before = iso_mask_bits(mask, cell);
     iso_voxel_bits bits = {{0}};
     if (before) bits = *before;
     if (!mask_cell(&bits, dabs, dab, at)) return ISO_OK;
-    if (keeper->mask_before && editor->mask_told[cell] != editor->step)
-        ISO_TRY(keeper->mask_before(keeper->context, cell, before, error));
+    if (observer->mask_before && editor->mask_told[cell] != editor->step)
+        ISO_TRY(observer->mask_before(observer->context, cell, before, error));
     editor->mask_told[cell] = editor->step;
     return iso_mask_set(mask, cell, &bits, error);
 }
@@ -560,7 +565,7 @@ iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const is
         status = touch_mask(editor, &dabs, error);
     else if (dabs.radius > 0) /* (no pressure: nothing) */
         status = touch_field(editor, &dabs, &made, error);
-    iso_work_clear(&editor->work);
+    iso_transaction_clear(&editor->transaction);
     if (status == ISO_OK && stats) *stats = made;
     return status;
 }
@@ -571,80 +576,82 @@ double iso_editor_work(const iso_editor *editor) {
 
 static void crease_job(void *context, size_t index, int worker) {
     iso_editor *editor = context;
-    iso_work *work = &editor->work;
-    iso_job *job = iso_work_job(work, index);
-    iso_worker *own = &work->workers[worker];
+    iso_transaction *transaction = &editor->transaction;
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
+    iso_worker *own = &transaction->workers[worker];
     enum { M = ISO_CREASE_MARGIN, SIDE = ISO_CREASE_SIDE };
     iso_field_window window = {.lo = {-M, -M, -M}, .size = {SIDE, SIDE, SIDE}};
-    own->failed |= !fill_window(editor, ISO_TOOL_ADD, job->at, &window, &own->window);
+    own->failed |= !fill_window(editor, ISO_TOOL_ADD, edit_cell->at, &window, &own->window);
     if (own->failed) return;
-    own->failed = iso_crease_mend(window.values, work->grid->band, &own->crossings,
-                                  iso_work_stage(work, worker)) != ISO_OK;
-    if (!own->failed) iso_work_edited(work, index, worker);
+    own->failed = iso_crease_correct(window.values, transaction->grid->band, &own->crossings,
+                                     iso_transaction_scratch(transaction, worker)) != ISO_OK;
+    if (!own->failed) iso_transaction_mark_edited(transaction, index, worker);
 }
 
 static iso_status settle_cells(iso_editor *editor, iso_error *error) {
-    iso_work *work = &editor->work;
+    iso_transaction *transaction = &editor->transaction;
     bool any;
     ISO_TRY(list_told(editor, error));
-    ISO_TRY(iso_work_reserve(work, error));
-    iso_parallel_for(work->pool, work->job_count, crease_job, editor);
-    if (iso_work_failed(work)) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stroke's end");
-    editor->done += 4 * (double)work->job_count;
-    ISO_TRY(iso_work_settle(work, false, &any, error));
+    ISO_TRY(iso_transaction_reserve(transaction, error));
+    iso_parallel_for(transaction->pool, transaction->cell_count, crease_job, editor);
+    if (iso_transaction_failed(transaction))
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stroke's end");
+    editor->done += 4 * (double)transaction->cell_count;
+    ISO_TRY(iso_transaction_finalize(transaction, false, &any, error));
     iso_edit_stats stats = {0};
     return any ? finish(editor, &stats, error) : ISO_OK;
 }
 
-iso_status iso_editor_settle(iso_editor *editor, iso_error *error) {
+iso_status iso_editor_finalize(iso_editor *editor, iso_error *error) {
     iso_status status = settle_cells(editor, error);
-    iso_work_clear(&editor->work);
+    iso_transaction_clear(&editor->transaction);
     return status;
 }
 
 /* All that is not frozen. */
-static void change_all(const iso_work *work, iso_job *job) {
-    const iso_voxel_bits *masked = iso_mask_bits(&work->mask, job->cell);
+static void change_all(const iso_transaction *transaction, iso_edit_cell *edit_cell) {
+    const iso_voxel_bits *masked = iso_mask_bits(&transaction->mask, edit_cell->cell);
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
-        job->changed.row[row] = masked ? (uint16_t)~masked->row[row] : 0xffff;
-    iso_work_find_box(job, &job->changed);
+        edit_cell->changed.row[row] = masked ? (uint16_t)~masked->row[row] : 0xffff;
+    iso_transaction_find_box(edit_cell, &edit_cell->changed);
 }
 
 iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_progress *progress,
                                  iso_error *error) {
-    iso_work *work = &editor->work;
+    iso_transaction *transaction = &editor->transaction;
     iso_status status = ISO_OK;
-    for (size_t cell = 0; cell < iso_hgrid_cell_count(work->grid) && status == ISO_OK; cell++) {
+    for (size_t cell = 0; cell < iso_hgrid_cell_count(transaction->grid) && status == ISO_OK; cell++) {
         int at[3];
-        if (work->grid->cell[cell] < 0) continue;
-        cell_position(work->grid, (uint32_t)cell, at);
-        status = iso_work_add(work, at, true, error);
+        if (transaction->grid->cell[cell] < 0) continue;
+        cell_position(transaction->grid, (uint32_t)cell, at);
+        status = iso_transaction_add(transaction, at, true, error);
     }
-    for (size_t i = 0; i < work->job_count; i++) change_all(work, iso_work_job(work, i));
-    work->progress = progress;
-    if (status == ISO_OK) status = iso_work_redistance(work, iterations, true, error);
+    for (size_t i = 0; i < transaction->cell_count; i++)
+        change_all(transaction, iso_transaction_cell(transaction, i));
+    transaction->progress = progress;
+    if (status == ISO_OK) status = iso_transaction_redistance(transaction, iterations, true, error);
     iso_edit_stats stats = {0};
     if (status == ISO_OK) status = finish(editor, &stats, error);
-    iso_work_clear(work);
+    iso_transaction_clear(transaction);
     return status;
 }
 
 /* ---- the mask */
 
 bool iso_editor_masked(const iso_editor *editor, int x, int y, int z) {
-    size_t cell = iso_hgrid_cell_index(editor->work.grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
-    const iso_voxel_bits *bits = iso_mask_bits(&editor->work.mask, cell);
+    size_t cell = iso_hgrid_cell_index(editor->transaction.grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
+    const iso_voxel_bits *bits = iso_mask_bits(&editor->transaction.mask, cell);
     return bits && bits->row[z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK] >> (x % ISO_BRICK) & 1;
 }
 
 bool iso_editor_has_mask(const iso_editor *editor) {
-    return editor->work.mask.used > 0;
+    return editor->transaction.mask.used > 0;
 }
 
 void iso_editor_mask_clear(iso_editor *editor) {
-    iso_mask_clear(&editor->work.mask);
+    iso_mask_clear(&editor->transaction.mask);
 }
 
 iso_mask *iso_editor_mask(iso_editor *editor) {
-    return &editor->work.mask;
+    return &editor->transaction.mask;
 }

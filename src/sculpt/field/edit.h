@@ -6,8 +6,8 @@
  * a distance field again. Deforming ones rescale the interface voxels that they changed (Hartmann et al.,
  * CR-2). Not thread-safe: one writer a grid. Baerentzen and Christensen 2003, section 3; Sussman et al. 1994;
  * Russo and Smereka 2000. */
-#ifndef ISO_SCULPT_EDIT_H
-#define ISO_SCULPT_EDIT_H
+#ifndef ISO_SCULPT_FIELD_EDIT_H
+#define ISO_SCULPT_FIELD_EDIT_H
 
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -21,15 +21,15 @@
 extern "C" {
 #endif
 
-/* Told of a cell before a touch first writes it since iso_editor_keeper was set or iso_editor_step began:
- * `state` is the cell's entry before (a brick number, ISO_CELL_OUTSIDE or ISO_CELL_INSIDE), `brick` its
- * floats, NULL when empty. A status other than ISO_OK stops the touch before anything is written. */
-typedef struct iso_keeper {
+/* Told of a cell before a touch first writes it since iso_editor_set_observer was set or iso_editor_step
+ * began: `state` is the cell's entry before (a brick number, ISO_CELL_OUTSIDE or ISO_CELL_INSIDE), `brick`
+ * its floats, NULL when empty. A status other than ISO_OK stops the touch before anything is written. */
+typedef struct iso_write_observer {
     iso_status (*before)(void *context, uint32_t cell, int32_t state, const float *brick, iso_error *error);
     /* The same of a cell's frozen voxels (NULL: none) before MASK or UNMASK changes them. */
     iso_status (*mask_before)(void *context, uint32_t cell, const iso_voxel_bits *bits, iso_error *error);
     void *context;
-} iso_keeper;
+} iso_write_observer;
 
 typedef struct iso_editor iso_editor;
 
@@ -47,7 +47,7 @@ void iso_editor_destroy(iso_editor *editor);
  * as it is now is what MOVE drags: cells that the step has told are read from the copies that `keeper_cell`
  * returns. */
 typedef struct iso_step_opts {
-    iso_keeper keeper; /* before == NULL: nobody is told */
+    iso_write_observer observer; /* before == NULL: nobody is told */
     /* The cell's content as `before` got it, for cells that were told in this step: its floats, or NULL and
      * *state for an empty one. NULL: MOVE is not possible (ISO_ERR_USAGE). */
     const float *(*kept)(void *context, uint32_t cell, int32_t *state);
@@ -73,7 +73,7 @@ double iso_editor_work(const iso_editor *editor);
 /* After a step's last touch: distances beside creases in the cells that the step changed (those that the
  * keeper was told of), which touches leave a third of a voxel short, are taken from the surface (crease.h).
  * The zero set moves by no bit. What a touch does when it fails, this does. */
-iso_status iso_editor_settle(iso_editor *editor, iso_error *error);
+iso_status iso_editor_finalize(iso_editor *editor, iso_error *error);
 
 /* Makes the whole narrow band a distance field again (imported fields). Cancelled: ISO_ERR_IO, and the field
  * is as it was. */
@@ -85,7 +85,7 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_p
  * that the surface between masked voxels does not move at all; and when it is more than 4 voxels, along any
  * axis, from all that a brush changes. Others are distances to the surface as it is now, as anywhere. A brush
  * that builds up against masked voxels, or digs up to them, is cut off between those and the voxels beside
- * them (wall.h). */
+ * them (mask_boundary.h). */
 bool iso_editor_masked(const iso_editor *editor, int x, int y, int z);
 bool iso_editor_has_mask(const iso_editor *editor);
 void iso_editor_mask_clear(iso_editor *editor);

@@ -1,6 +1,6 @@
 /* field: a field to sculpt, made of any grid. */
-#ifndef ISO_SCULPT_FIELD_H
-#define ISO_SCULPT_FIELD_H
+#ifndef ISO_SCULPT_FIELD_FIELD_H
+#define ISO_SCULPT_FIELD_FIELD_H
 
 #include <stdbool.h>
 

@@ -1,7 +1,7 @@
 /* mask: the frozen region of a field: a bit a voxel, by cells; cells in which nothing is frozen have none.
  * Internal to sculpt. */
-#ifndef ISO_SCULPT_MASK_H
-#define ISO_SCULPT_MASK_H
+#ifndef ISO_SCULPT_FIELD_MASK_H
+#define ISO_SCULPT_FIELD_MASK_H
 
 #include <stdbool.h>
 #include <stddef.h>

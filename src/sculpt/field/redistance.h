@@ -7,8 +7,8 @@
  * they are either left as they are, so that the zero set moves by no bit, or, where a deformation changed
  * them, divided by the gradient's length (Russo and Smereka 2000) and then corrected so that the crossings on
  * the edges keep their ratios (Hartmann, Meinke and Schroeder 2010, CR-2). Internal to sculpt. */
-#ifndef ISO_SCULPT_REDISTANCE_H
-#define ISO_SCULPT_REDISTANCE_H
+#ifndef ISO_SCULPT_FIELD_REDISTANCE_H
+#define ISO_SCULPT_FIELD_REDISTANCE_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -48,7 +48,7 @@ typedef struct iso_relaxation {
  * was united, belongs to either. */
 typedef struct iso_seam_side {
     const iso_voxel_bits *self, *face[6]; /* changed; of the stencil's bricks */
-    float away;
+    float far_value;
 } iso_seam_side;
 
 /* 0.45 voxel a step. */

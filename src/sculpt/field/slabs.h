@@ -1,7 +1,7 @@
 /* slabs: bricks to work in, by number. More of them never move those there are, so growing copies nothing and
  * costs a page or two of fresh memory at a time. Internal to sculpt. */
-#ifndef ISO_SCULPT_SLABS_H
-#define ISO_SCULPT_SLABS_H
+#ifndef ISO_SCULPT_FIELD_SLABS_H
+#define ISO_SCULPT_FIELD_SLABS_H
 
 #include "base/memory.h"
 #include "base/primitives.h"

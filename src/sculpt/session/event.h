@@ -1,6 +1,6 @@
 /* event: lines of a stroke file, to text and back. Internal to sculpt. */
-#ifndef ISO_SCULPT_EVENT_H
-#define ISO_SCULPT_EVENT_H
+#ifndef ISO_SCULPT_SESSION_EVENT_H
+#define ISO_SCULPT_SESSION_EVENT_H
 
 #include <stdbool.h>
 #include <stddef.h>

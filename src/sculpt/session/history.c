@@ -339,7 +339,7 @@ static const float *kept_cell(void *context, uint32_t cell, int32_t *state) {
 }
 
 iso_step_opts iso_history_step(iso_history *history) {
-    return (iso_step_opts){.keeper = {keep_cell, history->mask ? keep_mask : NULL, history},
+    return (iso_step_opts){.observer = {keep_cell, history->mask ? keep_mask : NULL, history},
                            .kept = kept_cell};
 }
 

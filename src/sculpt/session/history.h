@@ -3,8 +3,8 @@
  * the change log. Memory is capped;
  * what does not fit goes to a file beside the journal, oldest first, and comes back from there. One thread at
  * a time, the grid's writer. */
-#ifndef ISO_SCULPT_HISTORY_H
-#define ISO_SCULPT_HISTORY_H
+#ifndef ISO_SCULPT_SESSION_HISTORY_H
+#define ISO_SCULPT_SESSION_HISTORY_H
 
 #include "grids/hgrid.h"
 #include "sculpt/field/edit.h"
@@ -31,7 +31,7 @@ iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso
                               iso_error *error);
 void iso_history_destroy(iso_history *history);
 
-/* A step: begin, edits that tell cells to iso_history_keeper, end. What could be redone is forgotten when a
+/* A step: begin, edits that tell cells to iso_history_observer, end. What could be redone is forgotten when a
  * step that changed anything ends. Steps do not nest. The name is copied. cancel puts back what was. */
 iso_status iso_history_begin(iso_history *history, const char *name, iso_error *error);
 iso_step_opts iso_history_step(iso_history *history); /* keeper and kept for iso_editor_step */

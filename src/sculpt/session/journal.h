@@ -5,8 +5,8 @@
  * The same file is autosave, crash recovery, undo history, recorded demo, regression test and benchmark. A
  * torn last line costs that line only; a damaged line in the middle ends what can be used there, and is
  * named. */
-#ifndef ISO_SCULPT_JOURNAL_H
-#define ISO_SCULPT_JOURNAL_H
+#ifndef ISO_SCULPT_SESSION_JOURNAL_H
+#define ISO_SCULPT_SESSION_JOURNAL_H
 
 #include <stdbool.h>
 #include <stdint.h>

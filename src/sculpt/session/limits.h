@@ -3,8 +3,8 @@
  * A stroke file may come from anybody, and is played without being asked about. All that a person can make in
  * the window lies well within these bounds; what lies outside is refused where the line is read, or where it
  * is played. Lengths are bounded in voxels of the file's own grid: it is voxels that cost time and memory. */
-#ifndef ISO_SCULPT_LIMITS_H
-#define ISO_SCULPT_LIMITS_H
+#ifndef ISO_SCULPT_SESSION_LIMITS_H
+#define ISO_SCULPT_SESSION_LIMITS_H
 
 #include "sculpt/session/journal.h"
 

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "sculpt/session/checkpoint.h"
 #include "sculpt/session/limits.h"
-#include "sculpt/session/snapshot.h"
 
 enum { DEFAULT_SNAPSHOT_STROKES = 200 };
 /* Bricks that lie ready for a stroke: 4 MiB. */
@@ -20,42 +20,42 @@ struct iso_session {
     char *journal_path;
     iso_journal_start start;
     iso_stamp *stamp; /* NULL: none yet */
-    int snapshot_every, strokes, snapshots;
+    int snapshot_every, strokes, checkpoints;
     bool drawing;
     bool playing;                 /* what is played is in the journal already */
     bool bounded;                 /* an event of a stroke file is being played */
     double work, samples, undone; /* of the options; played samples; cells of played undo steps */
     iso_brush brush;
     iso_sample first, previous; /* of the stroke; the last touch */
-    iso_hold *holds[ISO_SESSION_HOLDS];
-    iso_snapshot *snapshot; /* being written; NULL: none */
-    iso_hold *held;         /* by it */
-    iso_event taken;        /* its line */
+    iso_snapshot *snapshots[ISO_SESSION_SNAPSHOTS];
+    iso_checkpoint *checkpoint; /* being written; NULL: none */
+    iso_snapshot *held;         /* by it */
+    iso_event taken;            /* its line */
 };
 
 /* ---- the field for others */
 
 static void changing(void *context, uint32_t cell) {
     iso_session *session = context;
-    for (int i = 0; i < ISO_SESSION_HOLDS; i++)
-        if (session->holds[i]) iso_hold_keep(session->holds[i], cell);
+    for (int i = 0; i < ISO_SESSION_SNAPSHOTS; i++)
+        if (session->snapshots[i]) iso_snapshot_preserve(session->snapshots[i], cell);
 }
 
-iso_status iso_session_hold(iso_session *session, iso_hold **hold, iso_error *error) {
+iso_status iso_session_snapshot(iso_session *session, iso_snapshot **snapshot, iso_error *error) {
     int at = 0;
-    while (at < ISO_SESSION_HOLDS && session->holds[at]) at++;
-    if (session->drawing || at == ISO_SESSION_HOLDS)
+    while (at < ISO_SESSION_SNAPSHOTS && session->snapshots[at]) at++;
+    if (session->drawing || at == ISO_SESSION_SNAPSHOTS)
         return iso_fail(error, ISO_ERR_USAGE,
                         session->drawing ? "a stroke is being drawn" : "the field is held too often");
-    ISO_TRY(iso_hold_create(session->grid, &session->holds[at], error));
-    *hold = session->holds[at];
+    ISO_TRY(iso_snapshot_create(session->grid, &session->snapshots[at], error));
+    *snapshot = session->snapshots[at];
     return ISO_OK;
 }
 
-void iso_session_release(iso_session *session, iso_hold *hold) {
-    for (int i = 0; i < ISO_SESSION_HOLDS; i++)
-        if (session->holds[i] == hold) session->holds[i] = NULL;
-    iso_hold_destroy(hold);
+void iso_session_release_snapshot(iso_session *session, iso_snapshot *snapshot) {
+    for (int i = 0; i < ISO_SESSION_SNAPSHOTS; i++)
+        if (session->snapshots[i] == snapshot) session->snapshots[i] = NULL;
+    iso_snapshot_destroy(snapshot);
 }
 
 /* ---- the journal */
@@ -80,12 +80,12 @@ static iso_status record_kind(iso_session *session, iso_event_kind kind, iso_err
 /* Waits for the snapshot that is being written, if any. One that cannot be written costs replay time, nothing
  * else: the journal stays as it is. */
 static iso_status finish_snapshot(iso_session *session, iso_error *error) {
-    if (!session->snapshot) return ISO_OK;
-    const bool written = iso_snapshot_finish(session->snapshot);
-    iso_session_release(session, session->held);
-    session->snapshot = NULL;
+    if (!session->checkpoint) return ISO_OK;
+    const bool written = iso_checkpoint_finish(session->checkpoint);
+    iso_session_release_snapshot(session, session->held);
+    session->checkpoint = NULL;
     if (!written) return ISO_OK;
-    session->snapshots++;
+    session->checkpoints++;
     return record(session, &session->taken, error);
 }
 
@@ -97,12 +97,12 @@ static iso_status take_snapshot(iso_session *session, iso_error *error) {
     event->kind = ISO_EVENT_SNAPSHOT;
     event->after = iso_journal_count(session->journal);
     int size = snprintf(event->text, sizeof event->text, "%s.%d.snapshot", session->journal_path,
-                        session->snapshots + 1);
+                        session->checkpoints + 1);
     if (size < 0 || (size_t)size >= sizeof event->text) return ISO_OK;
-    if (iso_session_hold(session, &session->held, NULL) != ISO_OK) return ISO_OK;
-    if (iso_snapshot_start(event->text, session->held, iso_editor_mask(session->editor), &session->snapshot,
-                           NULL) != ISO_OK)
-        iso_session_release(session, session->held);
+    if (iso_session_snapshot(session, &session->held, NULL) != ISO_OK) return ISO_OK;
+    if (iso_checkpoint_start(event->text, session->held, iso_editor_mask(session->editor),
+                             &session->checkpoint, NULL) != ISO_OK)
+        iso_session_release_snapshot(session, session->held);
     return ISO_OK;
 }
 
@@ -115,7 +115,7 @@ typedef struct snapshot_line {
 } snapshot_line;
 typedef struct contents {
     iso_buffer lines; /* snapshot_line */
-    int snapshots;
+    int checkpoints;
     unsigned long long events;
 } contents;
 
@@ -139,12 +139,12 @@ static iso_status for_events(iso_session *session, event_fn *visit, void *contex
 
 static iso_status look_at(iso_session *session, const iso_event *event, void *context, iso_error *error) {
     contents *found = context;
-    const size_t size = (size_t)found->snapshots * sizeof(snapshot_line);
+    const size_t size = (size_t)found->checkpoints * sizeof(snapshot_line);
     (void)session;
     found->events++;
     if (event->kind != ISO_EVENT_SNAPSHOT) return ISO_OK;
     ISO_TRY(iso_buffer_reserve(&found->lines, size + sizeof(snapshot_line), size, error));
-    snapshot_line *line = (snapshot_line *)found->lines.data + found->snapshots++;
+    snapshot_line *line = (snapshot_line *)found->lines.data + found->checkpoints++;
     line->after = event->after;
     memcpy(line->path, event->text, sizeof line->path);
     return ISO_OK;
@@ -169,7 +169,7 @@ static iso_status play_from(iso_session *session, const contents *found, int fro
     playing p = {.progress = progress, .count = found->events};
     if (from) {
         const snapshot_line *line = (const snapshot_line *)found->lines.data + from - 1;
-        ISO_TRY(iso_snapshot_read(line->path, session->grid, iso_editor_mask(session->editor), error));
+        ISO_TRY(iso_checkpoint_read(line->path, session->grid, iso_editor_mask(session->editor), error));
         p.from = line->after;
     }
     return for_events(session, play_event, &p, error);
@@ -191,7 +191,7 @@ static iso_status play_back(iso_session *session, const contents *found, const i
     iso_hgrid *initial = NULL;
     const int lo[3] = {0, 0, 0},
               hi[3] = {session->grid->dims[0] - 1, session->grid->dims[1] - 1, session->grid->dims[2] - 1};
-    int from = found->snapshots;
+    int from = found->checkpoints;
     iso_status status = from ? iso_hgrid_crop(session->grid, lo, hi, &initial, error) : ISO_OK;
     for (int tries = 1; status == ISO_OK; from = tries++ < ISO_LIMIT_SNAPSHOTS ? from - 1 : 0) {
         status = play_from(session, found, from, progress, error);
@@ -205,7 +205,7 @@ static iso_status play_back(iso_session *session, const contents *found, const i
 static iso_status play_journal(iso_session *session, const iso_progress *progress, iso_error *error) {
     contents found = {0};
     iso_status status = for_events(session, look_at, &found, error);
-    session->snapshots = found.snapshots;
+    session->checkpoints = found.checkpoints;
     if (status == ISO_OK) status = play_back(session, &found, progress, error);
     iso_buffer_free(&found.lines);
     return status;
@@ -260,7 +260,7 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
     }
     session->grid = grid;
     session->work = opts->work > 0 ? opts->work : 1;
-    session->snapshot_every = opts->snapshot_strokes ? opts->snapshot_strokes : DEFAULT_SNAPSHOT_STROKES;
+    session->snapshot_every = opts->checkpoint_strokes ? opts->checkpoint_strokes : DEFAULT_SNAPSHOT_STROKES;
     iso_status status = set_up(session, start, opts, error);
     if (status == ISO_OK)
         *out = session;
@@ -402,13 +402,14 @@ iso_status iso_session_sample(iso_session *session, const iso_sample *sample, is
 
 iso_status iso_session_end(iso_session *session, iso_error *error) {
     if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
-    ISO_TRY(iso_editor_settle(session->editor, error));
+    ISO_TRY(iso_editor_finalize(session->editor, error));
     ISO_TRY(iso_history_end(session->history, error));
     session->drawing = false;
     ISO_TRY(record_kind(session, ISO_EVENT_END, error));
     session->strokes++;
     iso_hgrid_reserve(session->grid, RESERVE);
-    if (session->snapshot && iso_snapshot_done(session->snapshot)) ISO_TRY(finish_snapshot(session, error));
+    if (session->checkpoint && iso_checkpoint_done(session->checkpoint))
+        ISO_TRY(finish_snapshot(session, error));
     bool due = session->snapshot_every > 0 && session->strokes % session->snapshot_every == 0;
     return due && session->journal && !session->playing ? take_snapshot(session, error) : ISO_OK;
 }

@@ -1,12 +1,12 @@
 /* session: a field, the hand that works it, its undo history and its journal, put together: what the window
  * and the replayer drive. Samples become touches here: spacing along the stroke, pressure, symmetry. */
-#ifndef ISO_SCULPT_SESSION_H
-#define ISO_SCULPT_SESSION_H
+#ifndef ISO_SCULPT_SESSION_SESSION_H
+#define ISO_SCULPT_SESSION_SESSION_H
 
 #include "sculpt/field/edit.h"
 #include "sculpt/session/history.h"
-#include "sculpt/session/hold.h"
 #include "sculpt/session/journal.h"
+#include "sculpt/session/snapshot.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,11 +15,11 @@ extern "C" {
 typedef struct iso_session iso_session;
 
 typedef struct iso_session_opts {
-    iso_pool *pool;       /* borrowed */
-    const char *journal;  /* path of the stroke file to write; NULL: none */
-    bool resume;          /* the file exists: what it holds is played first, then it is continued */
-    size_t undo_memory;   /* bytes; 0 means 1 GiB */
-    int snapshot_strokes; /* a snapshot beside the journal after so many strokes, written by a thread of its
+    iso_pool *pool;         /* borrowed */
+    const char *journal;    /* path of the stroke file to write; NULL: none */
+    bool resume;            /* the file exists: what it holds is played first, then it is continued */
+    size_t undo_memory;     /* bytes; 0 means 1 GiB */
+    int checkpoint_strokes; /* a snapshot beside the journal after so many strokes, written by a thread of its
                              own; 0 means 200, < 0 never */
     double work; /* times iso_limit_work that iso_session_play may take: a finer grid makes more work of the
                     same strokes; 0 means 1 */
@@ -51,12 +51,12 @@ iso_status iso_session_cancel(iso_session *session, iso_error *error);
 iso_status iso_session_undo(iso_session *session, iso_error *error);
 iso_status iso_session_redo(iso_session *session, iso_error *error);
 
-/* The field as it is now, for another thread (iso_hold_take), while the session goes on; destroyed by
- * iso_session_release, before the session. ISO_ERR_USAGE while a stroke is drawn, or when too many are held;
- * ISO_ERR_NOMEM. */
-enum { ISO_SESSION_HOLDS = 4 };
-iso_status iso_session_hold(iso_session *session, iso_hold **hold, iso_error *error);
-void iso_session_release(iso_session *session, iso_hold *hold);
+/* The field as it is now, for another thread (iso_snapshot_copy), while the session goes on; destroyed by
+ * iso_session_release_snapshot, before the session. ISO_ERR_USAGE while a stroke is drawn, or when too many
+ * are held; ISO_ERR_NOMEM. */
+enum { ISO_SESSION_SNAPSHOTS = 4 };
+iso_status iso_session_snapshot(iso_session *session, iso_snapshot **snapshot, iso_error *error);
+void iso_session_release_snapshot(iso_session *session, iso_snapshot *snapshot);
 
 /* What strokes with ISO_SOLID_STAMP use from now on; takes it over (also when it fails), and the journal gets
  * all of it. ISO_ERR_USAGE while a stroke is drawn. */

@@ -1,33 +1,34 @@
-/* snapshot: a field and its mask as a file of packed cells, to the bit, so that replaying a long session need
- * not start at its beginning. Written beside its name and renamed. Internal to sculpt. */
-#ifndef ISO_SCULPT_SNAPSHOT_H
-#define ISO_SCULPT_SNAPSHOT_H
+/* hold: a field as it is now, for another thread, while the field goes on changing.
+ *
+ * Holding copies no values: the writer tells the hold of a cell before it first writes it, and only such
+ * cells are copied, until the other thread has taken all. Internal to sculpt but for iso_snapshot_copy. */
+#ifndef ISO_SCULPT_SESSION_SNAPSHOT_H
+#define ISO_SCULPT_SESSION_SNAPSHOT_H
 
-#include <stdio.h>
+#include "base/progress.h"
+#include "grids/hgrid.h"
 
-#include "sculpt/field/mask.h"
-#include "sculpt/session/hold.h"
+#ifdef __cplusplus
+extern "C" {
+#endif
 
-/* ISO_ERR_WRITE, ISO_ERR_NOMEM. */
-iso_status iso_snapshot_write(const char *path, const iso_hgrid *grid, const iso_mask *mask,
-                              iso_error *error);
-
-/* The same to and from memory; errors in writing are the stream's. */
-void iso_snapshot_put(FILE *stream, const iso_hgrid *grid, const iso_mask *mask);
-iso_status iso_snapshot_get(const char *name, const uint8_t *bytes, size_t size, iso_hgrid *grid,
-                            iso_mask *mask, iso_error *error);
-
-/* The same in a thread of its own, of a field that is held; path and mask are copied, the hold is borrowed
- * until iso_snapshot_finish. ISO_ERR_NOMEM. */
 typedef struct iso_snapshot iso_snapshot;
-iso_status iso_snapshot_start(const char *path, iso_hold *hold, const iso_mask *mask, iso_snapshot **snapshot,
-                              iso_error *error);
-bool iso_snapshot_done(const iso_snapshot *snapshot);
-/* Waits for it; whether it is written. */
-bool iso_snapshot_finish(iso_snapshot *snapshot);
 
-/* Fills a grid of the same dims and band; all of it counts as changed. ISO_ERR_IO, ISO_ERR_FORMAT (damaged,
- * another grid's): grid and mask are as before; ISO_ERR_NOMEM. */
-iso_status iso_snapshot_read(const char *path, iso_hgrid *grid, iso_mask *mask, iso_error *error);
+/* By the grid's writer; the grid must outlive the hold. ISO_ERR_NOMEM. */
+iso_status iso_snapshot_create(const iso_hgrid *grid, iso_snapshot **snapshot, iso_error *error);
+/* When nobody takes from it any more. */
+void iso_snapshot_destroy(iso_snapshot *snapshot);
 
+/* By the writer, before it writes a cell or makes it empty. Without memory for it the hold fails, not the
+ * writer. */
+void iso_snapshot_preserve(iso_snapshot *snapshot, uint32_t cell);
+
+/* By any one thread, once: a grid of its own with the cells as they were. Cancelled: ISO_ERR_IO. Else
+ * ISO_ERR_NOMEM. */
+iso_status iso_snapshot_copy(iso_snapshot *snapshot, const iso_progress *progress, iso_hgrid **grid,
+                             iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
 #endif

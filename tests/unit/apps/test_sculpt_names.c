@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "apps/isosculpt/command.h"
+#include "apps/isosculpt/render_command.h"
 #include "apps/isosculpt/save.h"
 #include "apps/isosculpt/window/axis.h"
 #include "apps/isosculpt/window/browser.h"
@@ -78,24 +78,27 @@ static void saving_goes_beside_the_source(void **state) {
 
 static void some_files_are_not_written(void **state) {
     (void)state;
-    isosculpt_desk desk = {.target_is_own = true};
+    isosculpt_document document = {.target_is_own = true};
     iso_error error = {0};
     bool replaces;
-    snprintf(desk.start.source, sizeof desk.start.source, "%s", in_folder("teapot.stl"));
-    snprintf(desk.target, sizeof desk.target, "%s", in_folder("a.vdb"));
-    assert_int_equal(isosculpt_desk_check_target(&desk, in_folder("new.stl"), &replaces, &error), ISO_OK);
+    snprintf(document.start.source, sizeof document.start.source, "%s", in_folder("teapot.stl"));
+    snprintf(document.target, sizeof document.target, "%s", in_folder("a.vdb"));
+    assert_int_equal(isosculpt_document_check_target(&document, in_folder("new.stl"), &replaces, &error),
+                     ISO_OK);
     assert_false(replaces);
-    assert_int_equal(isosculpt_desk_check_target(&desk, in_folder("a.vdb"), &replaces, &error), ISO_OK);
+    assert_int_equal(isosculpt_document_check_target(&document, in_folder("a.vdb"), &replaces, &error),
+                     ISO_OK);
     assert_false(replaces); /* its own */
-    assert_int_equal(isosculpt_desk_check_target(&desk, in_folder("B.obj"), &replaces, &error), ISO_OK);
+    assert_int_equal(isosculpt_document_check_target(&document, in_folder("B.obj"), &replaces, &error),
+                     ISO_OK);
     assert_true(replaces);
     static const char *const refused[] = {"teapot.stl", "notes.txt", "new", "shelf.vdb/", "link.stl"};
     assert_int_equal(mkdir(in_folder("shelf.vdb"), 0700), 0);
     assert_int_equal(symlink("teapot.stl", in_folder("link.stl")), 0);
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
         error = (iso_error){0};
-        assert_int_not_equal(isosculpt_desk_check_target(&desk, in_folder(refused[i]), &replaces, &error),
-                             ISO_OK);
+        assert_int_not_equal(
+            isosculpt_document_check_target(&document, in_folder(refused[i]), &replaces, &error), ISO_OK);
         assert_non_null(strstr(error.text, refused[i]));
     }
     rmdir(in_folder("shelf.vdb"));
@@ -140,20 +143,20 @@ static void the_browser_shows_what_can_be_chosen(void **state) {
 static void commands_are_quoted(void **state) {
     (void)state;
     isosculpt_view view = {.camera = {.position = {0.1, -2, 3}, .view_up = {0, 0, 1}, .view_angle = 30}};
-    view.look.paint.color = (iso_rgb){0xCE, 0x8E, 0x70};
-    isosculpt_command command = {.path = "/a b/it's.vdb",
-                                 .reading = "grid=x y\ncrop=1,2,3,4,5,6\n",
-                                 .view = &view,
-                                 .width = 64,
-                                 .height = 48};
+    view.mode.paint.color = (iso_rgb){0xCE, 0x8E, 0x70};
+    isosculpt_render_command command = {.path = "/a b/it's.vdb",
+                                        .reading = "grid=x y\ncrop=1,2,3,4,5,6\n",
+                                        .view = &view,
+                                        .width = 64,
+                                        .height = 48};
     char text[2048];
-    assert_true(isosculpt_command_text(&command, text, sizeof text));
+    assert_true(isosculpt_render_command_text(&command, text, sizeof text));
     assert_non_null(strstr(
         text, "isorender '/a b/it'\\''s.vdb' --grid='x y' --crop=1,2,3,4,5,6 -o 'it'\\''s-view.png' "));
     assert_non_null(strstr(text, " --color CE8E70 "));
     assert_non_null(strstr(text, " --camera-position=0.1,-2,3 "));
     assert_non_null(strstr(text, " --resolution 64x48 "));
-    assert_false(isosculpt_command_text(&command, text, 40));
+    assert_false(isosculpt_render_command_text(&command, text, 40));
 }
 
 static void ticks_are_round(void **state) {

@@ -175,9 +175,9 @@ static void test_fine_picture(void **state) {
                              .width = WIDTH,
                              .height = HEIGHT,
                              .samples = 4,
-                             .shading = {.colors = &view.look.paint.color,
+                             .shading = {.colors = &view.mode.paint.color,
                                          .color_count = 1,
-                                         .background = view.look.paint.background},
+                                         .background = view.mode.paint.background},
                              .draw = draw_exact,
                              .draw_context = view.exact};
     assert_int_equal(iso_picture_render(&opts, &image, NULL, NULL), ISO_OK);
@@ -191,19 +191,19 @@ static void test_held_picture_stays(void **state) {
     (void)state;
     iso_session *session = open_session(NULL);
     isosculpt_view view;
-    isosculpt_pick before, held, now;
+    isosculpt_pick before, pick_layer, now;
     open_view(&view, session, NULL);
     draw(&view, false);
     const double x = WIDTH / 2.0, y = HEIGHT / 2.0;
     assert_true(isosculpt_layer_pick(&view.drawn, x, y, &before));
-    assert_int_equal(isosculpt_view_hold(&view, NULL), ISO_OK);
+    assert_int_equal(isosculpt_view_keep_pick_layer(&view, NULL), ISO_OK);
     iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 4, .strength = 1};
     iso_sample sample = {.position = before.position, .normal = before.normal, .pressure = 1};
     assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
     draw(&view, true);
-    assert_true(isosculpt_layer_pick(&view.held, x, y, &held));
+    assert_true(isosculpt_layer_pick(&view.pick_layer, x, y, &pick_layer));
     assert_true(isosculpt_layer_pick(&view.drawn, x, y, &now));
-    assert_memory_equal(&held, &before, sizeof held);
+    assert_memory_equal(&pick_layer, &before, sizeof pick_layer);
     assert_true(now.depth < before.depth - 3.9);
     isosculpt_view_free(&view);
     iso_session_destroy(session);

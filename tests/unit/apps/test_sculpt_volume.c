@@ -84,15 +84,14 @@ static iso_rgrid *thin_out(const iso_rgrid *from, int step) {
     return to;
 }
 
-static void check_level(const isosculpt_levels *levels, const iso_rgrid *volume, double isovalue) {
-    iso_rgrid *thin = thin_out(volume, 1 << isosculpt_levels_now(levels));
+static void check_level(const isosculpt_lod *levels, const iso_rgrid *volume, double isovalue) {
+    iso_rgrid *thin = thin_out(volume, 1 << isosculpt_lod_level(levels));
     const iso_grid grid = {.rgrid = thin};
     const iso_points_opts opts = {.isovalue = isovalue};
     iso_point_set *wanted;
     assert_int_equal(iso_point_set_create(&grid, &opts, &wanted, NULL), ISO_OK);
     assert_int_equal(iso_point_set_update(wanted, NULL), ISO_OK);
-    const iso_point_view a = iso_point_set_view(isosculpt_levels_points(levels)),
-                         b = iso_point_set_view(wanted);
+    const iso_point_view a = iso_point_set_view(isosculpt_lod_points(levels)), b = iso_point_set_view(wanted);
     assert_true(iso_point_view_count(&b) > 100);
     assert_int_equal(iso_point_view_count(&a), iso_point_view_count(&b));
     assert_int_equal(a.span_count, b.span_count);
@@ -115,16 +114,16 @@ static void levels_are_every_second_voxel(void **state) {
     for (int kind = 0; kind < 8; kind++) {
         const iso_type type = (iso_type)(kind % 4);
         iso_rgrid *volume = make_volume(type, dims[kind / 4]);
-        isosculpt_levels *levels;
-        assert_int_equal(isosculpt_levels_create(volume, isovalues[type][0], pool, &levels, NULL), ISO_OK);
-        assert_int_equal(isosculpt_levels_now(levels), 0); /* it is small */
+        isosculpt_lod *levels;
+        assert_int_equal(isosculpt_lod_create(volume, isovalues[type][0], pool, &levels, NULL), ISO_OK);
+        assert_int_equal(isosculpt_lod_level(levels), 0); /* it is small */
         for (int level = 0; level < ISOSCULPT_LEVELS; level++) {
-            assert_int_equal(isosculpt_levels_now(levels), level);
-            assert_int_equal(isosculpt_levels_update(levels, isovalues[type][level % 2], NULL), ISO_OK);
+            assert_int_equal(isosculpt_lod_level(levels), level);
+            assert_int_equal(isosculpt_lod_update(levels, isovalues[type][level % 2], NULL), ISO_OK);
             check_level(levels, volume, isovalues[type][level % 2]);
-            isosculpt_levels_took(levels, SLOW, FAST);
+            isosculpt_lod_record_times(levels, SLOW, FAST);
         }
-        isosculpt_levels_destroy(levels);
+        isosculpt_lod_destroy(levels);
         iso_rgrid_destroy(volume);
     }
     iso_pool_destroy(pool);
@@ -135,26 +134,26 @@ static void levels_go_by_time(void **state) {
     static const int dims[3] = {40, 40, 40}, flat[3] = {40, 40, 3}, large[3] = {256, 256, 80};
     iso_rgrid *volume = make_volume(ISO_UINT8, dims), *slab = make_volume(ISO_UINT8, flat),
               *block = make_volume(ISO_UINT8, large);
-    isosculpt_levels *levels;
-    assert_int_equal(isosculpt_levels_create(volume, 120, NULL, &levels, NULL), ISO_OK);
-    isosculpt_levels_took(levels, FAST, FAST);
-    assert_int_equal(isosculpt_levels_now(levels), 0);
-    for (int i = 0; i < 5; i++) isosculpt_levels_took(levels, FAST, SLOW);
-    assert_int_equal(isosculpt_levels_now(levels), ISOSCULPT_LEVELS - 1);
-    isosculpt_levels_took(levels, 0.004, 0.004); /* fast enough, and the finer one would not be */
-    assert_int_equal(isosculpt_levels_now(levels), ISOSCULPT_LEVELS - 1);
-    isosculpt_levels_took(levels, 0.001, 0.004);
-    assert_int_equal(isosculpt_levels_now(levels), ISOSCULPT_LEVELS - 2);
-    for (int i = 0; i < ISOSCULPT_LEVELS; i++) isosculpt_levels_took(levels, FAST, 0.004);
-    assert_int_equal(isosculpt_levels_now(levels), 0);
-    isosculpt_levels_destroy(levels);
-    assert_int_equal(isosculpt_levels_create(slab, 120, NULL, &levels, NULL), ISO_OK);
-    isosculpt_levels_took(levels, SLOW, SLOW);
-    assert_int_equal(isosculpt_levels_now(levels), 0); /* it has no coarser one */
-    isosculpt_levels_destroy(levels);
-    assert_int_equal(isosculpt_levels_create(block, 120, NULL, &levels, NULL), ISO_OK);
-    assert_int_equal(isosculpt_levels_now(levels), 1); /* 5 million voxels would be slow */
-    isosculpt_levels_destroy(levels);
+    isosculpt_lod *levels;
+    assert_int_equal(isosculpt_lod_create(volume, 120, NULL, &levels, NULL), ISO_OK);
+    isosculpt_lod_record_times(levels, FAST, FAST);
+    assert_int_equal(isosculpt_lod_level(levels), 0);
+    for (int i = 0; i < 5; i++) isosculpt_lod_record_times(levels, FAST, SLOW);
+    assert_int_equal(isosculpt_lod_level(levels), ISOSCULPT_LEVELS - 1);
+    isosculpt_lod_record_times(levels, 0.004, 0.004); /* fast enough, and the finer one would not be */
+    assert_int_equal(isosculpt_lod_level(levels), ISOSCULPT_LEVELS - 1);
+    isosculpt_lod_record_times(levels, 0.001, 0.004);
+    assert_int_equal(isosculpt_lod_level(levels), ISOSCULPT_LEVELS - 2);
+    for (int i = 0; i < ISOSCULPT_LEVELS; i++) isosculpt_lod_record_times(levels, FAST, 0.004);
+    assert_int_equal(isosculpt_lod_level(levels), 0);
+    isosculpt_lod_destroy(levels);
+    assert_int_equal(isosculpt_lod_create(slab, 120, NULL, &levels, NULL), ISO_OK);
+    isosculpt_lod_record_times(levels, SLOW, SLOW);
+    assert_int_equal(isosculpt_lod_level(levels), 0); /* it has no coarser one */
+    isosculpt_lod_destroy(levels);
+    assert_int_equal(isosculpt_lod_create(block, 120, NULL, &levels, NULL), ISO_OK);
+    assert_int_equal(isosculpt_lod_level(levels), 1); /* 5 million voxels would be slow */
+    isosculpt_lod_destroy(levels);
     iso_rgrid_destroy(volume);
     iso_rgrid_destroy(slab);
     iso_rgrid_destroy(block);
@@ -186,7 +185,7 @@ static void check_rest(isosculpt_view *view, iso_rgrid *volume, iso_pool *pool) 
     open_view(&other, volume, 100, pool);
     isosculpt_view_set_isovalue(&other, view->isovalue);
     other.camera = view->camera;
-    other.look = view->look;
+    other.mode = view->mode;
     draw(&other, false);
     draw(view, false);
     assert_int_equal(view->quality, ISOSCULPT_REST);
@@ -208,7 +207,7 @@ static void surfaces_are_made_while_the_hand_moves(void **state) {
     open_view(&view, volume, 20, pool);
     for (int method = 0; method < ISOSCULPT_METHOD_COUNT; method++)
         for (int step = 0; step < 4; step++) {
-            view.look.method = (isosculpt_method)method;
+            view.mode.method = (isosculpt_method)method;
             view.sliding = true;
             isosculpt_view_set_isovalue(&view, 10 + 7 * step + method);
             draw(&view, true);

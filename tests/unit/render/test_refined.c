@@ -20,7 +20,7 @@
 /* Points of one's own, as floats, in one span. */
 typedef struct cloud {
     iso_surfel *surfels;
-    iso_shape *shapes;
+    iso_curvature *shapes;
     iso_point_span span;
     iso_point_view points;
 } cloud;
@@ -58,15 +58,15 @@ static void add_point(cloud *c, const double at[3], const double normal[3]) {
 static void bend_point(cloud *c, const double along[3], double bend, double across) {
     const uint32_t i = c->span.count - 1;
     float u[3], v[3];
-    iso_shape_frame(c->surfels[i].normal, u, v);
+    iso_curvature_frame(c->surfels[i].normal, u, v);
     double x = 0, y = 0;
     for (int k = 0; k < 3; k++) {
         x += (double)u[k] * along[k];
         y += (double)v[k] * along[k];
     }
     const double more = bend - across;
-    c->shapes[i] =
-        iso_shape_pack((float)(across + more * x * x), (float)(more * x * y), (float)(across + more * y * y));
+    c->shapes[i] = iso_curvature_pack((float)(across + more * x * x), (float)(more * x * y),
+                                      (float)(across + more * y * y));
 }
 
 enum { RADIUS = 12, DISTANCE = 60 };
@@ -154,12 +154,12 @@ static void like_reference(const iso_view *view, const iso_point_view *points, d
 }
 
 /* The points' shapes, the discs of three in four of them without a quarter of their size or more. */
-static iso_shape *smaller_discs(const iso_point_view *points) {
+static iso_curvature *smaller_discs(const iso_point_view *points) {
     const size_t count = iso_point_view_count(points);
-    iso_shape *shapes = malloc(count * sizeof *shapes);
+    iso_curvature *shapes = malloc(count * sizeof *shapes);
     assert_non_null(shapes);
     memcpy(shapes, points->shapes, count * sizeof *shapes);
-    for (size_t i = 0; i < count; i++) shapes[i].ends |= (uint16_t)(i % 4 << ISO_SHAPE_LOST_BIT);
+    for (size_t i = 0; i < count; i++) shapes[i].ends |= (uint16_t)(i % 4 << ISO_CURVATURE_LOST_BIT);
     return shapes;
 }
 
@@ -179,7 +179,7 @@ static void like_the_reference(void **state) {
         s.points.transform.spacing[2] *= 1.5;
         const iso_view view = test_look_at(&s, n, 2, false, 90, 67);
         like_reference(&view, &s.points, n == 1 ? 0.03 : 0.01);
-        iso_shape *shapes = smaller_discs(&s.points);
+        iso_curvature *shapes = smaller_discs(&s.points);
         s.points.shapes = shapes;
         like_reference(&view, &s.points, n == 1 ? 0.03 : 0.01);
         free(shapes);

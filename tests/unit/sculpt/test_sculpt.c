@@ -24,14 +24,14 @@ static iso_editor *make_editor(iso_hgrid *grid, iso_pool *pool) {
     iso_editor_opts opts = {.pool = pool};
     iso_error error = {0};
     if (iso_editor_create(grid, &opts, &editor, &error) != ISO_OK) fail_msg("%s", error.text);
-    iso_step_opts nobody = {.keeper = {.before = ignore}};
+    iso_step_opts nobody = {.observer = {.before = ignore}};
     iso_editor_step(editor, &nobody);
     return editor;
 }
 
 static void settle(iso_editor *editor) {
     iso_error error = {0};
-    if (iso_editor_settle(editor, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (iso_editor_finalize(editor, &error) != ISO_OK) fail_msg("%s", error.text);
 }
 
 /* Step s of a stroke that winds around the ball. */
@@ -213,7 +213,7 @@ static void ends_make_no_wrong_foot_points(void **state) {
         const double distance = hypot(fmax(x, 0), fmax(y, 0)) + fmin(fmax(x, y), 0);
         window[i] = (float)fmax(distance > 2.1 ? 3 : distance > 1.45 ? distance + 0.3 : distance, -3);
     }
-    assert_int_equal(iso_crease_mend(window, 3, &room, out), ISO_OK);
+    assert_int_equal(iso_crease_correct(window, 3, &room, out), ISO_OK);
     size_t cut = 0, held = 0, raised = 0;
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
         const float *was = &window[((i / 256 + M) * SIDE + i / 16 % 16 + M) * SIDE + i % 16 + M];
@@ -395,15 +395,15 @@ static void symmetry_is_symmetric(void **state) {
 
 /* ---- what is told, and failing half-way */
 
-typedef struct told {
+typedef struct notified {
     const iso_hgrid *grid;
     iso_hgrid *before;
     int count, fail_at;
-} told;
+} notified;
 
 static iso_status remember(void *context, uint32_t cell, int32_t state, const float *brick,
                            iso_error *error) {
-    told *t = context;
+    notified *t = context;
     if (t->count++ == t->fail_at) return iso_fail(error, ISO_ERR_NOMEM, "no more");
     assert_int_equal(t->grid->cell[cell] < 0, brick == NULL);
     assert_int_equal(t->before->cell[cell] < 0, brick == NULL);
@@ -423,8 +423,8 @@ static void keepers_are_told_before(void **state) {
     uint32_t seed = 23;
     int failures = 0;
     for (int step = 0; step < 20; step++) {
-        told t = {.grid = grid, .before = sculpt_copy(grid), .fail_at = step % 5 == 4 ? 1 : -1};
-        iso_step_opts opts = {.keeper = {.before = remember, .context = &t}};
+        notified t = {.grid = grid, .before = sculpt_copy(grid), .fail_at = step % 5 == 4 ? 1 : -1};
+        iso_step_opts opts = {.observer = {.before = remember, .context = &t}};
         iso_editor_step(editor, &opts);
         uint64_t seen = iso_change_log_now(grid->log);
         iso_status status = ISO_OK;

@@ -55,10 +55,10 @@ static void check_frozen(const iso_editor *editor, const iso_hgrid *grid, const 
         const bool frozen = is_frozen(editor, i);
         moved += !frozen && was != is;
         if (!frozen) continue;
-        const bool holds = holds_surface(editor, before, i), far = is_deep(i);
-        held += holds;
+        const bool snapshots = holds_surface(editor, before, i), far = is_deep(i);
+        held += snapshots;
         deep += far;
-        if (holds || far ? was != is : (was < 0) != (is < 0))
+        if (snapshots || far ? was != is : (was < 0) != (is < 0))
             fail_msg("frozen voxel (%d, %d, %d) was %g and is %g", i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE,
                      (double)was, (double)is);
     }

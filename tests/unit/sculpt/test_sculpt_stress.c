@@ -274,7 +274,7 @@ static void play(stress *s, const iso_event *event) {
 /* Closes the session and continues it: the history then begins at the last snapshot. */
 static void resume(stress *s) {
     const iso_session_opts opts = {
-        .journal = s->journal, .resume = true, .snapshot_strokes = SNAPSHOT, .undo_memory = 1 << 20};
+        .journal = s->journal, .resume = true, .checkpoint_strokes = SNAPSHOT, .undo_memory = 1 << 20};
     const iso_history *history = iso_session_history(s->session);
     const size_t position = iso_history_position(history), count = iso_history_count(history);
     iso_session_destroy(s->session);
@@ -293,7 +293,7 @@ static stress play_strokes(int tools) {
     const size_t wanted = text ? strtoul(text, NULL, 10) : 120;
     stress s = {.journal = session_path("stress.strokes")};
     const iso_session_opts opts = {.journal = s.journal,
-                                   .snapshot_strokes = SNAPSHOT,
+                                   .checkpoint_strokes = SNAPSHOT,
                                    .undo_memory = 1 << 20},
                            plain = {0};
     session_remove_files(s.journal);

@@ -17,8 +17,8 @@
 #include <cmocka.h>
 
 #include "file_support.h"
+#include "sculpt/session/checkpoint.h"
 #include "sculpt/session/session.h"
-#include "sculpt/session/snapshot.h"
 #include "session_support.h"
 
 /* Plays events; an undo or redo that there is nothing for is refused and not recorded. */
@@ -43,7 +43,7 @@ static void undo_restores_every_bit(void **state) {
         unlink(journal);
         /* the second time hardly anything may stay in memory */
         iso_session_opts opts = {
-            .undo_memory = round ? 20000 : 0, .journal = journal, .snapshot_strokes = -1};
+            .undo_memory = round ? 20000 : 0, .journal = journal, .checkpoint_strokes = -1};
         iso_session *session = session_open(&opts);
         iso_history *history = iso_session_history(session);
         session_field before[STROKES + 1];
@@ -107,7 +107,7 @@ static void cancelled_strokes_leave_nothing(void **state) {
 /* ---- journal */
 
 static void check_resumes_to(const char *journal, const session_field *wanted) {
-    iso_session_opts opts = {.journal = journal, .resume = true, .snapshot_strokes = -1};
+    iso_session_opts opts = {.journal = journal, .resume = true, .checkpoint_strokes = -1};
     iso_session *session = session_open(&opts);
     assert_true(session_is(session, wanted));
     iso_session_destroy(session);
@@ -116,15 +116,15 @@ static void check_resumes_to(const char *journal, const session_field *wanted) {
 /* With and without snapshots, whole or with some of them gone; and it can be continued. */
 static void journals_resume_to_the_same_bits(void **state) {
     (void)state;
-    for (int snapshots = 0; snapshots < 3; snapshots++) {
+    for (int checkpoints = 0; checkpoints < 3; checkpoints++) {
         const char *journal = session_path("resume.strokes");
         session_remove_files(journal);
-        iso_session_opts opts = {.journal = journal, .snapshot_strokes = snapshots ? 4 : -1};
+        iso_session_opts opts = {.journal = journal, .checkpoint_strokes = checkpoints ? 4 : -1};
         iso_session *session = session_open(&opts);
-        play_random(session, 70, 31 + (uint32_t)snapshots);
+        play_random(session, 70, 31 + (uint32_t)checkpoints);
         session_field wanted = session_field_of(session);
         iso_session_destroy(session);
-        if (snapshots == 2) /* the newest is damaged */
+        if (checkpoints == 2) /* the newest is damaged */
             for (int i = 40; i > 0; i--) {
                 char name[600];
                 snprintf(name, sizeof name, "%s.%d.snapshot", journal, i);
@@ -167,7 +167,7 @@ static void torn_and_damaged_lines(void **state) {
     (void)state;
     const char *journal = session_path("torn.strokes"), *part = session_path("part.strokes");
     session_remove_files(journal);
-    iso_session_opts opts = {.journal = journal, .snapshot_strokes = -1};
+    iso_session_opts opts = {.journal = journal, .checkpoint_strokes = -1};
     iso_session *session = session_open(&opts);
     play_random(session, 60, 8);
     iso_session_destroy(session);
@@ -360,7 +360,7 @@ static void what_cannot_be_played_is_not_recorded(void **state) {
     (void)state;
     const char *journal = session_path("bounds.strokes");
     session_remove_files(journal);
-    iso_session_opts opts = {.journal = journal, .snapshot_strokes = -1};
+    iso_session_opts opts = {.journal = journal, .checkpoint_strokes = -1};
     iso_session *session = session_open(&opts);
     iso_error error = {0};
     iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 1e6};
@@ -424,7 +424,7 @@ static void disks_that_fill_up_lose_nothing(void **state) {
         const char *journal = session_path("filling.strokes");
         iso_error error = {0};
         session_remove_files(journal);
-        const iso_session_opts opts = {.journal = journal, .snapshot_strokes = 3, .undo_memory = 20000};
+        const iso_session_opts opts = {.journal = journal, .checkpoint_strokes = 3, .undo_memory = 20000};
         iso_session *session = session_open(&opts);
         full = before;
         full.rlim_cur = 7001;
@@ -447,7 +447,7 @@ static void disks_that_fill_up_lose_nothing(void **state) {
         if (round == 0)
             check_resumes_to(journal, &wanted);
         else {
-            iso_session_opts again = {.journal = journal, .resume = true, .snapshot_strokes = -1};
+            iso_session_opts again = {.journal = journal, .resume = true, .checkpoint_strokes = -1};
             session = session_open(&again);
             assert_true(iso_history_count(iso_session_history(session)) > 3);
             iso_session_destroy(session);
@@ -468,7 +468,7 @@ static void read_only_folders_lose_nothing(void **state) {
     snprintf(journal, sizeof journal, "%s/a.strokes", folder);
     snprintf(other, sizeof other, "%s/b.strokes", folder);
     session_remove_files(journal);
-    const iso_session_opts opts = {.journal = journal, .snapshot_strokes = 2, .undo_memory = 20000};
+    const iso_session_opts opts = {.journal = journal, .checkpoint_strokes = 2, .undo_memory = 20000};
     iso_session *session = session_open(&opts);
     session_field first = session_field_of(session);
     const uid_t user = geteuid();
@@ -506,7 +506,7 @@ static double seconds_now(void) {
 
 /* Plays strokes until it is killed, and says so after each. */
 static void play_until_killed(const char *journal, uint32_t seed, int said) {
-    iso_session_opts opts = {.journal = journal, .snapshot_strokes = 5};
+    iso_session_opts opts = {.journal = journal, .checkpoint_strokes = 5};
     iso_session *session = session_open(&opts);
     for (;;) {
         iso_brush brush = session_random_brush(&seed, ISO_TOOL_COUNT);
@@ -561,7 +561,7 @@ static void killed_sessions_survive(void **state) {
             fail_msg("round %d: %d strokes were finished a second before, %d survived", round, finished,
                      ended);
         /* what is recovered is what the same events make */
-        iso_session_opts opts = {.journal = journal, .resume = true, .snapshot_strokes = -1}, plain = {0};
+        iso_session_opts opts = {.journal = journal, .resume = true, .checkpoint_strokes = -1}, plain = {0};
         iso_session *recovered = session_open(&opts), *again = session_open(&plain);
         iso_journal_start start;
         iso_journal_reader *reader;
@@ -593,9 +593,9 @@ static void snapshots_round_trip(void **state) {
     iso_mask mask = {0};
     assert_true(wanted->used > 0);
     assert_int_equal(iso_mask_init(&mask, wanted->cells, NULL), ISO_OK);
-    assert_int_equal(iso_snapshot_write(path, grid, wanted, NULL), ISO_OK);
+    assert_int_equal(iso_checkpoint_write(path, grid, wanted, NULL), ISO_OK);
     assert_int_equal(iso_session_ball(&SESSION_START, &other, NULL), ISO_OK);
-    assert_int_equal(iso_snapshot_read(path, other, &mask, NULL), ISO_OK);
+    assert_int_equal(iso_checkpoint_read(path, other, &mask, NULL), ISO_OK);
     assert_true(sculpt_same(grid, other) && session_same_mask(&mask, wanted));
     size_t size;
     char *bytes = slurp(path, &size);
@@ -604,12 +604,12 @@ static void snapshots_round_trip(void **state) {
         bytes[at] = (char)(bytes[at] ^ 4);
         spill(bad, bytes, size);
         bytes[at] = (char)(bytes[at] ^ 4);
-        assert_int_equal(iso_snapshot_read(bad, other, &mask, NULL), ISO_ERR_FORMAT);
+        assert_int_equal(iso_checkpoint_read(bad, other, &mask, NULL), ISO_ERR_FORMAT);
         spill(bad, bytes, at);
-        assert_int_equal(iso_snapshot_read(bad, other, &mask, NULL), ISO_ERR_FORMAT);
+        assert_int_equal(iso_checkpoint_read(bad, other, &mask, NULL), ISO_ERR_FORMAT);
     }
     assert_true(sculpt_same(before, other) && session_same_mask(&mask, wanted));
-    assert_int_equal(iso_snapshot_read("/no/such.snapshot", other, &mask, NULL), ISO_ERR_IO);
+    assert_int_equal(iso_checkpoint_read("/no/such.snapshot", other, &mask, NULL), ISO_ERR_IO);
     free(bytes);
     iso_mask_free(&mask);
     iso_hgrid_destroy(before);

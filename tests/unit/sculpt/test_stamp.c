@@ -166,11 +166,11 @@ static void play(iso_session *session, uint32_t *seed, int events) {
 static void journals_hold_their_stamps(void **state) {
     (void)state;
     iso_stamp *stamp = make_stamp();
-    for (int snapshots = -1; snapshots < 4; snapshots += 2) {
+    for (int checkpoints = -1; checkpoints < 4; checkpoints += 2) {
         const char *journal = session_path("stamped.strokes");
         session_remove_files(journal);
         uint32_t seed = 8;
-        iso_session_opts opts = {.journal = journal, .snapshot_strokes = snapshots};
+        iso_session_opts opts = {.journal = journal, .checkpoint_strokes = checkpoints};
         iso_session *session = session_open(&opts);
         session_field start = session_field_of(session);
         assert_int_equal(iso_session_set_stamp(session, iso_stamp_share(stamp), NULL), ISO_OK);

@@ -1,0 +1,67 @@
+/* What isorender says on stderr while it works. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "apps/isorender/isorender.h"
+#include "base/text.h"
+
+double isorender_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+const char *isorender_input_name(const isorender_job *job) {
+    return strcmp(job->plan->input, "-") == 0 ? "standard input" : job->plan->input;
+}
+
+static void say(const isorender_job *job, const char *format, va_list arguments) {
+    char text[4096];
+    iso_text_format(text, sizeof text, format, arguments);
+    iso_program_log(isorender_program(), "%s: %s", isorender_input_name(job), text);
+}
+
+void isorender_log(const isorender_job *job, const char *format, ...) {
+    if (job->settings->quiet) return;
+    va_list arguments;
+    va_start(arguments, format);
+    say(job, format, arguments);
+    va_end(arguments);
+}
+
+void isorender_log_verbose(const isorender_job *job, const char *format, ...) {
+    if (!job->settings->verbose || job->settings->quiet) return;
+    va_list arguments;
+    va_start(arguments, format);
+    say(job, format, arguments);
+    va_end(arguments);
+}
+
+static void draw_bar(const char *stage, int percent) {
+    enum { BAR = 40 };
+    char bar[BAR + 1];
+    for (int i = 0; i < BAR; i++) bar[i] = i < percent * BAR / 100 ? '#' : ' ';
+    bar[BAR] = 0;
+    fprintf(stderr, "\r%-12s [%s] %3d %%%s", stage, bar, percent, percent == 100 ? "\n" : "");
+    fflush(stderr);
+}
+
+void isorender_progress(isorender_job *job, const char *stage, double fraction) {
+    if (!job->settings->progress || job->settings->quiet) return;
+    /* Lines go to logs: a few are enough. */
+    bool terminal = isatty(STDERR_FILENO);
+    int step = terminal ? 1 : 20;
+    int percent = (int)floor(100 * fraction) / step * step;
+    bool same = job->stage && strcmp(job->stage, stage) == 0;
+    if (same && percent <= job->told) return;
+    job->stage = stage;
+    job->told = percent;
+    if (terminal)
+        draw_bar(stage, percent);
+    else
+        iso_program_log(isorender_program(), "%s: %s %d %%", isorender_input_name(job), stage, percent);
+}

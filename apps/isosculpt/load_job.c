@@ -1,0 +1,160 @@
+#include "apps/isosculpt/load_job.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct isosculpt_load_job {
+    isosculpt_task *task;
+    isosculpt_request request;
+    char path[ISOSCULPT_PATH], folder[ISOSCULPT_PATH]; /* the request's */
+    isosculpt_loaded loaded;
+};
+
+void isosculpt_loaded_free(isosculpt_loaded *loaded) {
+    iso_stamp_free(loaded->stamp);
+    isosculpt_view_free(&loaded->view);
+    isosculpt_volume_free(loaded->volume);
+    if (loaded->document.session) isosculpt_document_discard(&loaded->document);
+    iso_pool_destroy(loaded->pool);
+    *loaded = (isosculpt_loaded){0};
+}
+
+bool isosculpt_is_strokes(const char *path) {
+    static const char suffix[] = ".strokes";
+    const size_t length = strlen(path), tail = sizeof suffix - 1;
+    return length > tail && strcmp(path + length - tail, suffix) == 0;
+}
+
+static iso_status open_desk(isosculpt_load_job *load_job, const isosculpt_volume *volume,
+                            const iso_progress *progress, iso_error *error) {
+    const isosculpt_request *request = &load_job->request;
+    isosculpt_loaded *loaded = &load_job->loaded;
+    const isosculpt_source source = {.path = load_job->path,
+                                     .isovalue = request->isovalue,
+                                     .voxel = request->voxel,
+                                     .pool = loaded->pool,
+                                     .progress = progress,
+                                     .volume = volume,
+                                     .close_holes = request->close_holes,
+                                     .report = &loaded->report,
+                                     .input = &request->input};
+    loaded->document.pool = loaded->pool;
+    loaded->document.undo_memory = request->undo_memory;
+    ISO_TRY(isosculpt_is_strokes(load_job->path)
+                ? isosculpt_document_open(&loaded->document, load_job->path, progress, error)
+                : isosculpt_document_new(&loaded->document, request->folder, &source, error));
+    return isosculpt_view_init(&loaded->view, iso_session_grid(loaded->document.session), loaded->pool,
+                               error);
+}
+
+/* One that has isovalues to choose from is looked at, at first. */
+static iso_status open_volume(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
+    isosculpt_loaded *loaded = &load_job->loaded;
+    const iso_progress reading = iso_progress_part(progress, 0, 0.4),
+                       rest = iso_progress_part(progress, 0.4, 1);
+    const double asked = load_job->request.isovalue;
+    isosculpt_volume *volume;
+    ISO_TRY(isosculpt_volume_read(load_job->path, &load_job->request.input, loaded->pool, &reading, &volume,
+                                  error));
+    iso_status status;
+    if (volume->has_isovalues)
+        status = isosculpt_view_init_grid(&loaded->view, &volume->volume.grid,
+                                          isnan(asked) ? volume->suggested : asked, loaded->pool, error);
+    else
+        status = open_desk(load_job, volume, &rest, error);
+    if (status == ISO_OK && volume->has_isovalues)
+        loaded->volume = volume;
+    else
+        isosculpt_volume_free(volume);
+    return status;
+}
+
+static iso_status open_any(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
+    const isosculpt_request *request = &load_job->request;
+    const bool mesh = !request->input.has_raw && isosculpt_is_mesh(load_job->path);
+    if (request->sculpt || isosculpt_is_strokes(load_job->path) || mesh)
+        return open_desk(load_job, request->sculpt, progress, error);
+    return open_volume(load_job, progress, error);
+}
+
+static iso_status open_stamp(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
+    isosculpt_loaded *loaded = &load_job->loaded;
+    const isosculpt_source source = {.path = load_job->path,
+                                     .pool = loaded->pool,
+                                     .progress = progress,
+                                     .close_holes = load_job->request.close_holes,
+                                     .report = &loaded->report};
+    return isosculpt_stamp_read(&source, &loaded->stamp, error);
+}
+
+/* What was asked for, and what a window will draw of it first, so that it need not wait then. */
+static iso_status open_all(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
+    isosculpt_loaded *loaded = &load_job->loaded;
+    const iso_progress most = iso_progress_part(progress, 0, 0.9);
+    ISO_TRY(iso_pool_create(load_job->request.threads, &loaded->pool, error));
+    if (load_job->request.stamp) {
+        iso_status status = open_stamp(load_job, progress, error);
+        iso_pool_destroy(loaded->pool);
+        loaded->pool = NULL;
+        return status;
+    }
+    ISO_TRY(open_any(load_job, &most, error));
+    ISO_TRY(iso_progress_tell(progress, load_job->path, 0.95, error));
+    enum { SMALL = 64 }; /* it is the surface that is made ready */
+    ISO_TRY(isosculpt_view_draw(&loaded->view, SMALL, SMALL, false, error));
+    return iso_progress_tell(progress, load_job->path, 1, error);
+}
+
+static iso_status run(void *context, const iso_progress *progress, iso_error *error) {
+    isosculpt_load_job *load_job = context;
+    iso_status status = open_all(load_job, progress, error);
+    if (status != ISO_OK) isosculpt_loaded_free(&load_job->loaded);
+    return status;
+}
+
+iso_status isosculpt_load_job_start(const isosculpt_request *request, isosculpt_load_job **out,
+                                    iso_error *error) {
+    isosculpt_load_job *load_job = calloc(1, sizeof *load_job);
+    if (!load_job) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for opening '%s'", request->path);
+    load_job->request = *request;
+    const int path = snprintf(load_job->path, sizeof load_job->path, "%s", request->path),
+              folder = snprintf(load_job->folder, sizeof load_job->folder, "%s",
+                                request->folder ? request->folder : "");
+    load_job->request.folder = request->folder ? load_job->folder : NULL;
+    iso_status status = ISO_OK;
+    if (path >= ISOSCULPT_PATH || folder >= ISOSCULPT_PATH)
+        status = iso_fail(error, ISO_ERR_IO, "%.400s: the name is too long", request->path);
+    if (status == ISO_OK) status = isosculpt_task_start(run, load_job, request->wake, &load_job->task, error);
+    if (status == ISO_OK)
+        *out = load_job;
+    else
+        free(load_job);
+    return status;
+}
+
+bool isosculpt_load_job_is_stamp(const isosculpt_load_job *load_job) {
+    return load_job->request.stamp;
+}
+
+isosculpt_task *isosculpt_load_job_task(const isosculpt_load_job *load_job) {
+    return load_job->task;
+}
+
+const char *isosculpt_load_job_path(const isosculpt_load_job *load_job) {
+    return load_job->path;
+}
+
+iso_status isosculpt_load_job_finish(isosculpt_load_job *load_job, isosculpt_loaded *loaded,
+                                     iso_error *error) {
+    const bool cancelled = isosculpt_task_cancelled(load_job->task);
+    iso_status status = isosculpt_task_finish(load_job->task, error);
+    if (status == ISO_OK && cancelled) { /* it was asked too late to notice */
+        isosculpt_loaded_free(&load_job->loaded);
+        status = iso_fail(error, ISO_ERR_IO, "%s: cancelled", load_job->path);
+    }
+    if (status == ISO_OK) *loaded = load_job->loaded;
+    free(load_job);
+    return status;
+}

@@ -1,0 +1,102 @@
+#include "apps/isosculpt/render_command.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct writer {
+    char *text;
+    size_t length, room;
+    bool full;
+} writer;
+
+static void put(writer *w, const char *format, ...) {
+    va_list values;
+    va_start(values, format);
+    const int length = vsnprintf(w->text + w->length, w->room - w->length, format, values);
+    va_end(values);
+    w->full |= length < 0 || (size_t)length >= w->room - w->length;
+    if (!w->full) w->length += (size_t)length;
+}
+
+/* With as few digits as bring the same number back. */
+static void put_number(writer *w, double value) {
+    char text[40];
+    for (int digits = 6; digits <= 17; digits++) {
+        snprintf(text, sizeof text, "%.*g", digits, value);
+        if (strtod(text, NULL) == value) break;
+    }
+    put(w, "%s", text);
+}
+
+static void put_vector(writer *w, const char *option, iso_vec3 v) {
+    put(w, " %s=", option);
+    put_number(w, v.x);
+    put(w, ",");
+    put_number(w, v.y);
+    put(w, ",");
+    put_number(w, v.z);
+}
+
+/* As it is, or in single quotes where a shell would take a character for something else. */
+static void put_quoted(writer *w, const char *text) {
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789/._-+,:@%=";
+    if (text[0] && text[0] != '-' && text[strspn(text, plain)] == 0) {
+        put(w, "%s", text);
+        return;
+    }
+    put(w, "'");
+    for (const char *c = text; *c; c++) put(w, *c == '\'' ? "'\\''" : "%c", *c);
+    put(w, "'");
+}
+
+/* Lines "option=value" as options. */
+static void put_reading(writer *w, const char *reading) {
+    char value[1024];
+    for (const char *line = reading; *line; line += line[0] == '\n') {
+        const size_t length = strcspn(line, "\n"), name = strcspn(line, "=");
+        if (name < length) {
+            put(w, " --%.*s=", (int)name, line);
+            snprintf(value, sizeof value, "%.*s", (int)(length - name - 1), line + name + 1);
+            put_quoted(w, value);
+        }
+        line += length;
+    }
+}
+
+/* view.png beside nothing: in the folder where the command is run. */
+static void put_output(writer *w, const char *path) {
+    char name[256];
+    const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path, *dot = strchr(base, '.');
+    snprintf(name, sizeof name, "%.*s-view.png", dot && dot > base ? (int)(dot - base) : (int)strlen(base),
+             base);
+    put(w, " -o ");
+    put_quoted(w, name);
+}
+
+static void put_color(writer *w, const char *option, iso_rgb color) {
+    put(w, " %s %02X%02X%02X", option, color.r, color.g, color.b);
+}
+
+bool isosculpt_render_command_text(const isosculpt_render_command *command, char *text, size_t room) {
+    const isosculpt_view *view = command->view;
+    const iso_camera *camera = &view->camera;
+    writer w = {.text = text, .room = room};
+    put(&w, "isorender ");
+    put_quoted(&w, command->path);
+    put_reading(&w, command->reading);
+    put_output(&w, command->path);
+    put(&w, " --isovalue=");
+    put_number(&w, view->levels ? view->isovalue : 0);
+    put(&w, " --method %s --backend cpu --samples 4 --resolution %dx%d",
+        isosculpt_method_name(view->mode.method), command->width, command->height);
+    put_color(&w, "--color", view->mode.paint.color);
+    put_color(&w, "--background", view->mode.paint.background);
+    put_vector(&w, "--camera-position", camera->position);
+    put_vector(&w, "--camera-focal-point", camera->focal_point);
+    put_vector(&w, "--camera-view-up", camera->view_up);
+    put(&w, " --view-angle ");
+    put_number(&w, camera->view_angle);
+    return !w.full;
+}

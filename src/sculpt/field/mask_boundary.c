@@ -1,0 +1,209 @@
+#include "sculpt/field/mask_boundary.h"
+
+#include <math.h>
+
+static const float HALF = 0.5f; /* of an edge, in voxels */
+
+/* A voxel of an edited job. */
+typedef struct wall_voxel {
+    uint32_t edit_cell;
+    uint16_t at;
+} wall_voxel;
+
+typedef struct place {
+    uint32_t cell, edit_cell; /* job: 1 + its number, 0: none */
+    int at;
+} place;
+
+static bool is_bit(const iso_voxel_bits *bits, int at) {
+    return bits->row[at / ISO_BRICK] >> at % ISO_BRICK & 1;
+}
+
+static bool is_masked(const iso_transaction *transaction, const place *p) {
+    const iso_voxel_bits *bits = iso_mask_bits(&transaction->mask, p->cell);
+    return bits && is_bit(bits, p->at);
+}
+
+static bool is_changed(const iso_transaction *transaction, const place *p) {
+    return p->edit_cell && is_bit(&iso_transaction_cell(transaction, p->edit_cell - 1)->changed, p->at);
+}
+
+static float value_of(const iso_transaction *transaction, const place *p) {
+    return p->edit_cell ? iso_transaction_values(transaction, p->edit_cell - 1)[p->at]
+                        : iso_transaction_grid_values(transaction, transaction->grid->cell[p->cell])[p->at];
+}
+
+/* The voxel across `face`, -x, +x, -y ...; false beyond the grid. */
+static bool beside(const iso_transaction *transaction, const place *p, int face, place *out) {
+    const int axis = face / 2, step = axis == 0 ? 1 : axis == 1 ? ISO_BRICK : ISO_BRICK_ROWS;
+    const int *cells = transaction->grid->cells, up = face % 2, at = p->at / step % ISO_BRICK;
+    *out = *p;
+    if (at != (up ? ISO_BRICK - 1 : 0)) {
+        out->at += up ? step : -step;
+        return true;
+    }
+    const uint32_t stride = axis == 0 ? 1 : (uint32_t)cells[0] * (axis == 1 ? 1 : (uint32_t)cells[1]);
+    const int cell = (int)(p->cell / stride % (uint32_t)cells[axis]);
+    if (cell == (up ? cells[axis] - 1 : 0)) return false;
+    out->cell = up ? p->cell + stride : p->cell - stride;
+    out->edit_cell = transaction->cell_of[out->cell];
+    out->at -= (up ? 1 : -1) * (ISO_BRICK - 1) * step;
+    return true;
+}
+
+/* The voxel across `face` when it is on the surface's other side. */
+static bool across(const iso_transaction *transaction, const place *p, int face, place *out) {
+    return beside(transaction, p, face, out) &&
+           (value_of(transaction, p) < 0) != (value_of(transaction, out) < 0);
+}
+
+static bool wall_across(const iso_transaction *transaction, const place *changed, int face, place *frozen) {
+    return across(transaction, changed, face, frozen) && is_masked(transaction, frozen);
+}
+
+/* How far a changed voxel can be from the surface; *wall: whether a frozen one is across it. */
+static float bound_changed(const iso_transaction *transaction, const place *changed, bool *mask_boundary) {
+    float most = fabsf(value_of(transaction, changed));
+    place frozen;
+    *mask_boundary = false;
+    for (int face = 0; face < 6; face++) {
+        if (!wall_across(transaction, changed, face, &frozen)) continue;
+        *mask_boundary = true;
+        most = fminf(most, fmaxf(1 - fabsf(value_of(transaction, &frozen)), HALF));
+    }
+    return most;
+}
+
+bool iso_mask_boundary_near(const iso_transaction *transaction) {
+    for (size_t i = 0; i < transaction->cell_count && transaction->mask.used; i++) {
+        const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, i);
+        for (int k = 0; k < 27 && edit_cell->edited; k++) {
+            const int at[3] = {edit_cell->at[0] + k % 3 - 1, edit_cell->at[1] + k / 3 % 3 - 1,
+                               edit_cell->at[2] + k / 9 - 1};
+            bool within = true;
+            for (int axis = 0; axis < 3; axis++)
+                within &= at[axis] >= 0 && at[axis] < transaction->grid->cells[axis];
+            if (within && iso_mask_bits(&transaction->mask,
+                                        iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2])))
+                return true;
+        }
+    }
+    return false;
+}
+
+/* Voxels of a row that have a frozen one across a face. */
+static uint32_t beside_frozen(const iso_transaction *transaction, uint32_t cell, int row) {
+    uint32_t bits = 0;
+    place from = {.cell = cell}, to;
+    for (int face = 0; face < 6; face++) {
+        const int end = face == 1 ? ISO_BRICK - 1 : 0;
+        from.at = row * ISO_BRICK + end;
+        if (face < 2) { /* along the row */
+            const iso_voxel_bits *own = iso_mask_bits(&transaction->mask, cell);
+            const uint32_t frozen = own ? own->row[row] : 0;
+            bits |= face ? frozen >> 1 : frozen << 1;
+            if (beside(transaction, &from, face, &to)) bits |= (uint32_t)is_masked(transaction, &to) << end;
+        } else if (beside(transaction, &from, face, &to)) {
+            const iso_voxel_bits *other = iso_mask_bits(&transaction->mask, to.cell);
+            bits |= other ? other->row[to.at / ISO_BRICK] : 0;
+        }
+    }
+    return bits;
+}
+
+static iso_status find_in_row(iso_transaction *transaction, uint32_t number, int row, iso_error *error) {
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number);
+    if (!edit_cell->changed.row[row]) return ISO_OK;
+    uint32_t bits = edit_cell->changed.row[row] & beside_frozen(transaction, edit_cell->cell, row);
+    for (; bits; bits &= bits - 1) {
+        const place changed = {edit_cell->cell, number + 1, row * ISO_BRICK + __builtin_ctz(bits)};
+        bool mask_boundary;
+        const float most = bound_changed(transaction, &changed, &mask_boundary);
+        if (!mask_boundary) continue;
+        const size_t bytes = transaction->mask_boundary_count * sizeof(wall_voxel);
+        ISO_TRY(iso_buffer_reserve(&transaction->mask_boundaries, bytes + sizeof(wall_voxel), bytes, error));
+        ((wall_voxel *)transaction->mask_boundaries.data)[transaction->mask_boundary_count++] =
+            (wall_voxel){number, (uint16_t)changed.at};
+        float *value = &edit_cell->own[0][changed.at];
+        *value = *value < 0 ? -most : most;
+    }
+    return ISO_OK;
+}
+
+iso_status iso_mask_boundary_find(iso_transaction *transaction, iso_error *error) {
+    transaction->mask_boundary_count = 0;
+    for (uint32_t edit_cell = 0; edit_cell < transaction->cell_count; edit_cell++)
+        for (int row = 0; row < ISO_BRICK_ROWS; row++)
+            ISO_TRY(find_in_row(transaction, edit_cell, row, error));
+    return ISO_OK;
+}
+
+/* Whether a frozen voxel is at a surface that the brush left where it is. */
+static bool is_held(const iso_transaction *transaction, const place *frozen) {
+    place other;
+    for (int face = 0; face < 6; face++)
+        if (across(transaction, frozen, face, &other) && !is_changed(transaction, &other)) return true;
+    return false;
+}
+
+void iso_mask_boundary_close(iso_transaction *transaction) {
+    for (size_t i = 0; i < transaction->mask_boundary_count; i++) {
+        const wall_voxel *mask_boundary = (const wall_voxel *)transaction->mask_boundaries.data + i;
+        const place changed = {iso_transaction_cell(transaction, mask_boundary->edit_cell)->cell,
+                               mask_boundary->edit_cell + 1, mask_boundary->at};
+        const float left = 1 - fabsf(value_of(transaction, &changed));
+        place frozen;
+        for (int face = 0; face < 6; face++) {
+            if (!wall_across(transaction, &changed, face, &frozen) || is_held(transaction, &frozen)) continue;
+            const float value = value_of(transaction, &frozen);
+            if (fabsf(value) <= left) continue;
+            iso_transaction_own_values(transaction, frozen.edit_cell - 1)[frozen.at] =
+                value < 0 ? -left : left;
+        }
+    }
+}
+
+/* Voxels of a job and SPREAD on each side: bit x + SPREAD of row[z + SPREAD][y + SPREAD]. */
+enum { SPREAD = ISO_TRANSACTION_SPREAD, WIDE = ISO_BRICK + 2 * SPREAD };
+typedef struct surroundings {
+    uint32_t row[WIDE][WIDE];
+} surroundings;
+
+static void add_changed(const iso_voxel_bits *changed, const int side[3], surroundings *s) {
+    int lo[3], hi[3];
+    for (int axis = 0; axis < 3; axis++) {
+        lo[axis] = side[axis] < 0 ? ISO_BRICK - SPREAD : 0;
+        hi[axis] = side[axis] > 0 ? SPREAD : ISO_BRICK;
+    }
+    for (int z = lo[2]; z < hi[2]; z++)
+        for (int y = lo[1]; y < hi[1]; y++) {
+            const uint32_t bits = changed->row[z * ISO_BRICK + y] & ((1u << hi[0]) - (1u << lo[0]));
+            s->row[z + ISO_BRICK * side[2] + SPREAD][y + ISO_BRICK * side[1] + SPREAD] |=
+                side[0] < 0 ? bits >> (ISO_BRICK - SPREAD) : bits << (ISO_BRICK * side[0] + SPREAD);
+        }
+}
+
+/* Bits of rows within SPREAD of row `at`, `step` apart. */
+static uint32_t spread_rows(const uint32_t *rows, int at, int step) {
+    uint32_t bits = 0;
+    for (int i = at - SPREAD; i <= at + SPREAD; i++) bits |= rows[i * step];
+    return bits;
+}
+
+void iso_mask_boundary_influence(const iso_transaction *transaction, const iso_edit_cell *edit_cell,
+                                 iso_voxel_bits *reached) {
+    surroundings s = {0}, along_y = {0};
+    for (int k = 0; k < 27; k++) {
+        const int side[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        const iso_edit_cell *beside = iso_transaction_neighbour(transaction, edit_cell, side);
+        if (beside && beside->edited) add_changed(&beside->changed, side, &s);
+    }
+    for (int z = 0; z < WIDE; z++)
+        for (int y = SPREAD; y < WIDE - SPREAD; y++) along_y.row[z][y] = spread_rows(s.row[z], y, 1);
+    for (int row = 0; row < ISO_BRICK_ROWS; row++) {
+        uint32_t bits =
+            spread_rows(&along_y.row[0][row % ISO_BRICK + SPREAD], row / ISO_BRICK + SPREAD, WIDE);
+        for (int i = 0; i < SPREAD; i++) bits |= bits << 1 | bits >> 1;
+        reached->row[row] = (uint16_t)(bits >> SPREAD);
+    }
+}

@@ -1,0 +1,674 @@
+#include "sculpt/field/transaction.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "sculpt/field/mask_boundary.h"
+
+/* Voxels that redistancing reads on each side: the band. */
+enum { REACH = 3 };
+enum { SPREAD = ISO_TRANSACTION_SPREAD };
+/* Of iso_edit_cell.sides. */
+enum { BOTH_SIDES = 3 };
+/* Voxels by which a step of redistancing must move something for the next one to be worth it near by: where
+ * the interface itself is rescaled distances have farther to go, step by step. */
+static const float LEAST_FROZEN = 0.02f, LEAST_RESCALED = 0.01f;
+
+iso_status iso_transaction_init(iso_transaction *transaction, iso_hgrid *grid, iso_pool *pool,
+                                iso_error *error) {
+    size_t cells = iso_hgrid_cell_count(grid);
+    size_t threads = (size_t)iso_pool_threads(pool);
+    transaction->grid = grid;
+    transaction->pool = pool;
+    transaction->redistancer = iso_redistancer_get(iso_cpu_best());
+    transaction->dab = iso_dab_kernel_get(iso_cpu_best());
+    transaction->cell_of = iso_alloc_zero(cells, sizeof *transaction->cell_of);
+    transaction->workers = iso_alloc_zero(threads, sizeof *transaction->workers);
+    for (int sign = 0; sign < 2; sign++) {
+        transaction->constant[sign] = iso_alloc(ISO_BRICK_VOXELS * sizeof(float));
+        for (int i = 0; transaction->constant[sign] && i < ISO_BRICK_VOXELS; i++)
+            transaction->constant[sign][i] = sign ? -grid->band : grid->band;
+    }
+    iso_status room = iso_mask_init(&transaction->mask, cells, NULL);
+    if (room == ISO_OK) room = iso_slabs_reserve(&transaction->slabs, 1, NULL);
+    iso_slabs_touch(&transaction->slabs);
+    if (transaction->cell_of && transaction->workers && transaction->constant[0] &&
+        transaction->constant[1] && room == ISO_OK)
+        return ISO_OK;
+    iso_transaction_free(transaction);
+    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for sculpting %zu cells", cells);
+}
+
+void iso_transaction_free(iso_transaction *transaction) {
+    iso_mask_free(&transaction->mask);
+    iso_free(transaction->cell_of);
+    iso_free(transaction->constant[0]);
+    iso_free(transaction->constant[1]);
+    for (int i = 0; transaction->workers && i < iso_pool_threads(transaction->pool); i++) {
+        iso_buffer_free(&transaction->workers[i].window);
+        iso_buffer_free(&transaction->workers[i].crossings);
+    }
+    iso_free(transaction->workers);
+    iso_buffer_free(&transaction->cells);
+    iso_buffer_free(&transaction->mask_boundaries);
+    iso_slabs_free(&transaction->slabs);
+}
+
+void iso_transaction_clear(iso_transaction *transaction) {
+    for (size_t i = 0; i < transaction->cell_count; i++)
+        transaction->cell_of[iso_transaction_cell(transaction, i)->cell] = 0;
+    transaction->cell_count = 0;
+    transaction->now = 0;
+    transaction->redistanced = false;
+    transaction->far_value = 0;
+    transaction->band_damaged = false;
+    transaction->progress = NULL;
+    transaction->taken = 0;
+    for (int i = 0; i < iso_pool_threads(transaction->pool); i++) transaction->workers[i].stage = NULL;
+}
+
+const iso_edit_cell *iso_transaction_neighbour(const iso_transaction *transaction,
+                                               const iso_edit_cell *edit_cell, const int side[3]) {
+    int at[3];
+    for (int axis = 0; axis < 3; axis++) {
+        at[axis] = edit_cell->at[axis] + side[axis];
+        if (at[axis] < 0 || at[axis] >= transaction->grid->cells[axis]) return NULL;
+    }
+    const uint32_t number =
+        transaction->cell_of[iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2])];
+    return number ? iso_transaction_cell(transaction, number - 1) : NULL;
+}
+
+const float *iso_transaction_grid_values(const iso_transaction *transaction, int32_t state) {
+    if (state >= 0) return iso_hgrid_brick(transaction->grid, state);
+    return transaction->constant[state == ISO_CELL_INSIDE];
+}
+
+bool iso_transaction_failed(iso_transaction *transaction) {
+    bool failed = false;
+    for (int i = 0; i < iso_pool_threads(transaction->pool); i++) {
+        failed |= transaction->workers[i].failed;
+        transaction->workers[i].failed = false;
+    }
+    return failed;
+}
+
+iso_status iso_transaction_add(iso_transaction *transaction, const int at[3], bool edited, iso_error *error) {
+    uint32_t cell = (uint32_t)iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2]);
+    if (transaction->cell_of[cell]) return ISO_OK;
+    size_t bytes = transaction->cell_count * sizeof(iso_edit_cell);
+    ISO_TRY(iso_buffer_reserve(&transaction->cells, bytes + sizeof(iso_edit_cell), bytes, error));
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, transaction->cell_count++);
+    *edit_cell = (iso_edit_cell){.cell = cell, .state = transaction->grid->cell[cell], .edited = edited};
+    for (int axis = 0; axis < 3; axis++) edit_cell->at[axis] = at[axis];
+    edit_cell->value[transaction->now] = iso_transaction_grid_values(transaction, edit_cell->state);
+    transaction->cell_of[cell] = (uint32_t)transaction->cell_count;
+    return ISO_OK;
+}
+
+/* ---- memory */
+
+/* So many more bricks can be taken. */
+static iso_status reserve(iso_transaction *transaction, size_t bricks, iso_error *error) {
+    return iso_slabs_reserve(&transaction->slabs, transaction->taken + bricks, error);
+}
+
+/* (which brick goes to which job does not matter) */
+static float *take(iso_transaction *transaction) {
+    return iso_slabs_brick(&transaction->slabs, __atomic_fetch_add(&transaction->taken, 1, __ATOMIC_RELAXED));
+}
+
+iso_status iso_transaction_reserve(iso_transaction *transaction, iso_error *error) {
+    return reserve(transaction, transaction->cell_count + (size_t)iso_pool_threads(transaction->pool), error);
+}
+
+/* Memory of the job's own that holds neither of two values. */
+static float *room(iso_transaction *transaction, iso_edit_cell *edit_cell, const float *one,
+                   const float *two) {
+    int i = 0;
+    while (edit_cell->own[i] && (edit_cell->own[i] == one || edit_cell->own[i] == two)) i++;
+    if (!edit_cell->own[i]) edit_cell->own[i] = take(transaction);
+    return edit_cell->own[i];
+}
+
+static bool is_own(const iso_edit_cell *edit_cell, const float *values) {
+    bool own = false;
+    for (int i = 0; i < ISO_TRANSACTION_FIELDS; i++) own |= edit_cell->own[i] == values;
+    return own;
+}
+
+float *iso_transaction_own_values(iso_transaction *transaction, size_t number) {
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number);
+    const float *values = edit_cell->value[transaction->now];
+    if (!is_own(edit_cell, values)) {
+        float *own = room(transaction, edit_cell, NULL, NULL);
+        memcpy(own, values, ISO_BRICK_VOXELS * sizeof *own);
+        edit_cell->value[transaction->now] = own;
+    }
+    return (float *)edit_cell->value[transaction->now];
+}
+
+/* ---- stencils */
+
+/* The neighbour across face `face` as the grid's border has it: the outermost layer, repeated. Only what a
+ * stencil can read is made: whole rows along x, two layers along y and z. */
+static void repeat_layer(const float *self, int face, float *out) {
+    const int axis = face / 2, layer = face % 2 ? ISO_BRICK - 1 : 0;
+    for (int row = 0; axis == 0 && row < ISO_BRICK_ROWS; row++)
+        for (int x = 0; x < ISO_BRICK; x++) out[row * ISO_BRICK + x] = self[row * ISO_BRICK + layer];
+    const int step = axis == 1 ? ISO_BRICK : ISO_BRICK_ROWS, along = axis == 1 ? ISO_BRICK_ROWS : ISO_BRICK;
+    const int near = face % 2 ? 0 : ISO_BRICK - 1, next = face % 2 ? 1 : ISO_BRICK - 2;
+    for (int i = 0; axis > 0 && i < ISO_BRICK; i++) {
+        const float *from = self + layer * step + i * along;
+        memcpy(out + near * step + i * along, from, ISO_BRICK * sizeof *out);
+        memcpy(out + next * step + i * along, from, ISO_BRICK * sizeof *out);
+    }
+}
+
+void iso_transaction_stencil(const iso_transaction *transaction, int field, size_t number, iso_border *border,
+                             iso_stencil *stencil) {
+    const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number);
+    const bool grid = field == ISO_TRANSACTION_GRID;
+    stencil->self =
+        grid ? iso_transaction_grid_values(transaction, edit_cell->state) : edit_cell->value[field];
+    for (int face = 0; face < 6; face++) {
+        int at[3] = {edit_cell->at[0], edit_cell->at[1], edit_cell->at[2]};
+        at[face / 2] += face % 2 ? 1 : -1;
+        if (at[face / 2] < 0 || at[face / 2] >= transaction->grid->cells[face / 2]) {
+            repeat_layer(stencil->self, face, border->face[face]);
+            stencil->face[face] = border->face[face];
+            continue;
+        }
+        size_t cell = iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2]);
+        uint32_t beside = grid ? 0 : transaction->cell_of[cell];
+        stencil->face[face] = beside
+                                  ? iso_transaction_cell(transaction, beside - 1)->value[field]
+                                  : iso_transaction_grid_values(transaction, transaction->grid->cell[cell]);
+    }
+}
+
+/* ---- what changed */
+
+void iso_transaction_find_box(iso_edit_cell *edit_cell, const iso_voxel_bits *marked) {
+    enum { LOW = (1 << SPREAD) - 1, HIGH = LOW << (ISO_BRICK - SPREAD) };
+    uint32_t x = 0, y = 0, z = 0;
+    for (int i = 0; i < ISO_BRICK; i++) {
+        uint32_t any = 0, low = 0, high = 0;
+        for (int k = 0; k < ISO_BRICK; k++) {
+            const uint32_t bits = marked->row[i * ISO_BRICK + k];
+            x |= bits;
+            any |= (uint32_t)(bits != 0) << k;
+            low |= (uint32_t)((bits & LOW) != 0) << k;
+            high |= (uint32_t)((bits & HIGH) != 0) << k;
+        }
+        edit_cell->rows.any[i] = (uint16_t)any;
+        edit_cell->rows.low[i] = (uint16_t)low;
+        edit_cell->rows.high[i] = (uint16_t)high;
+        y |= any;
+        z |= (uint32_t)(any != 0) << i;
+    }
+    const uint32_t bits[3] = {x, y, z};
+    for (int axis = 0; axis < 3; axis++) {
+        edit_cell->lo[axis] = (uint8_t)__builtin_ctz(bits[axis] | 1u << 31);
+        edit_cell->hi[axis] = (uint8_t)(31 - __builtin_clz(bits[axis] | 1));
+    }
+}
+
+float *iso_transaction_scratch(iso_transaction *transaction, int worker) {
+    iso_worker *own = &transaction->workers[worker];
+    if (!own->stage) own->stage = take(transaction);
+    return own->stage;
+}
+
+/* A brush that begins with other values than the grid's has changed what it changed of those: what it only
+ * puts back makes no neighbours change. */
+void iso_transaction_mark_edited(iso_transaction *transaction, size_t number, int worker) {
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number);
+    float *values = transaction->workers[worker].stage;
+    const float *before = iso_transaction_grid_values(transaction, edit_cell->state);
+    edit_cell->edited = transaction->dab->settle(edit_cell->source ? edit_cell->source : before,
+                                                 iso_mask_bits(&transaction->mask, edit_cell->cell), values,
+                                                 &edit_cell->changed);
+    if (edit_cell->source)
+        edit_cell->edited |= memcmp(values, before, ISO_BRICK_VOXELS * sizeof *values) != 0;
+    if (!edit_cell->edited) return;
+    edit_cell->value[transaction->now] = edit_cell->own[0] = values;
+    transaction->workers[worker].stage = NULL;
+}
+
+/* Closes up: jobs that nothing happened to go. */
+static void drop_unchanged(iso_transaction *transaction) {
+    size_t kept = 0;
+    for (size_t i = 0; i < transaction->cell_count; i++) {
+        const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, i);
+        transaction->cell_of[edit_cell->cell] = 0;
+        if (!edit_cell->edited) continue;
+        if (kept != i) *iso_transaction_cell(transaction, kept) = *edit_cell;
+        transaction->cell_of[edit_cell->cell] = (uint32_t)++kept;
+    }
+    transaction->cell_count = kept;
+}
+
+/* Where redistancing of an edited job begins. */
+static void seam_job(void *context, size_t index, int worker) {
+    static const iso_voxel_bits none;
+    iso_transaction *transaction = context;
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
+    iso_voxel_bits seam;
+    if (transaction->far_value == 0) {
+        iso_transaction_find_box(edit_cell, &edit_cell->changed);
+        return;
+    }
+    iso_stencil stencil;
+    iso_transaction_stencil(transaction, transaction->now, index, transaction->workers[worker].border,
+                            &stencil);
+    iso_seam_side side = {.self = &edit_cell->changed, .far_value = transaction->far_value};
+    for (int face = 0; face < 6; face++) {
+        int sides[3] = {0};
+        sides[face / 2] = face % 2 ? 1 : -1;
+        const iso_edit_cell *beside = iso_transaction_neighbour(transaction, edit_cell, sides);
+        side.face[face] = beside ? &beside->changed : &none;
+    }
+    transaction->redistancer->find_seam(&stencil, &side, &seam);
+    iso_transaction_find_box(edit_cell, &seam);
+}
+
+/* Whether the job has a voxel inside the band within REACH of the neighbour at `side` (-1, 0, 1 an axis). */
+static bool band_near(const iso_transaction *transaction, size_t number, const int side[3]) {
+    const float *values = iso_transaction_values(transaction, number), band = transaction->grid->band;
+    int lo[3], hi[3];
+    for (int axis = 0; axis < 3; axis++) {
+        lo[axis] = side[axis] > 0 ? ISO_BRICK - REACH : 0;
+        hi[axis] = side[axis] < 0 ? REACH - 1 : ISO_BRICK - 1;
+    }
+    for (int z = lo[2]; z <= hi[2]; z++)
+        for (int y = lo[1]; y <= hi[1]; y++)
+            for (int x = lo[0]; x <= hi[0]; x++)
+                if (fabsf(values[(z * ISO_BRICK + y) * ISO_BRICK + x]) < band) return true;
+    return false;
+}
+
+/* Whether what redistancing begins from lies within REACH of that neighbour. */
+static bool begins_near(const iso_edit_cell *edit_cell, const int side[3]) {
+    for (int axis = 0; axis < 3; axis++)
+        if ((side[axis] < 0 && edit_cell->lo[axis] >= REACH) ||
+            (side[axis] > 0 && edit_cell->hi[axis] < ISO_BRICK - REACH))
+            return false;
+    return true;
+}
+
+static iso_status add_neighbours(iso_transaction *transaction, size_t number, iso_error *error) {
+    for (int k = 0; k < 27; k++) {
+        const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number); /* (the list moves) */
+        const int side[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        int at[3];
+        bool within = true;
+        for (int axis = 0; axis < 3; axis++) {
+            at[axis] = edit_cell->at[axis] + side[axis];
+            within &= at[axis] >= 0 && at[axis] < transaction->grid->cells[axis];
+        }
+        if (!within || !begins_near(edit_cell, side)) continue;
+        int32_t state = transaction->grid->cell[iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2])];
+        if (state < 0 && !transaction->band_damaged && !band_near(transaction, number, side)) continue;
+        ISO_TRY(iso_transaction_add(transaction, at, false, error));
+    }
+    return ISO_OK;
+}
+
+iso_status iso_transaction_finalize(iso_transaction *transaction, bool neighbours, bool *any,
+                                    iso_error *error) {
+    drop_unchanged(transaction);
+    size_t edited = transaction->cell_count;
+    *any = edited > 0;
+    if (!neighbours) return ISO_OK;
+    const bool frozen = iso_mask_boundary_near(transaction);
+    if (frozen) { /* the brush did not go where distances to what it left may reach */
+        transaction->far_value = 0;
+        transaction->band_damaged = true;
+        ISO_TRY(iso_mask_boundary_find(transaction, error));
+    }
+    iso_parallel_for(transaction->pool, edited, seam_job, transaction);
+    for (size_t i = 0; i < edited; i++) ISO_TRY(add_neighbours(transaction, i, error));
+    if (!frozen) return ISO_OK;
+    ISO_TRY(reserve(transaction, transaction->cell_count, error));
+    iso_mask_boundary_close(transaction);
+    return ISO_OK;
+}
+
+/* ---- redistancing */
+
+typedef struct pass {
+    iso_transaction *transaction;
+    int from, to, phi; /* fields */
+    int turn;          /* of job->moved: which this step writes */
+    bool first;        /* step */
+    float least;       /* of iso_relaxation */
+} pass;
+
+/* Adds the marked rows of the job beside that are within SPREAD, in rows of this one: plane[z + SPREAD] bit
+ * (y + SPREAD). */
+static void add_rows(const iso_edit_cell *beside, const int side[3], uint32_t plane[ISO_BRICK + 2 * SPREAD]) {
+    const uint16_t *rows = side[0] == 0  ? beside->rows.any
+                           : side[0] < 0 ? beside->rows.high
+                                         : beside->rows.low;
+    const int first = side[2] < 0 ? ISO_BRICK - SPREAD : 0, last = side[2] > 0 ? SPREAD - 1 : ISO_BRICK - 1;
+    for (int z = first; z <= last; z++) {
+        const uint32_t bits = rows[z], into = side[1] == 0 ? bits << SPREAD
+                                              : side[1] < 0
+                                                  ? bits >> (ISO_BRICK - SPREAD)
+                                                  : (bits & ((1 << SPREAD) - 1)) << (ISO_BRICK + SPREAD);
+        plane[z + ISO_BRICK * side[2] + SPREAD] |= into;
+    }
+}
+
+static void set_rows(iso_row_bits *rows, int z, uint32_t bits) {
+    rows->word[z / 2] |= (bits & 0xffff) << 16 * (z % 2);
+}
+
+static uint32_t rows_of(const iso_row_bits *rows, int z) {
+    return rows->word[z / 2] >> 16 * (z % 2) & 0xffff;
+}
+
+/* The other rows need not be made distances again: they are. */
+static void near_rows(const iso_transaction *transaction, const iso_edit_cell *edit_cell,
+                      iso_row_bits *near) {
+    uint32_t plane[ISO_BRICK + 2 * SPREAD] = {0};
+    for (int k = 0; k < 27; k++) {
+        const int side[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        const iso_edit_cell *beside = iso_transaction_neighbour(transaction, edit_cell, side);
+        if (beside && beside->edited) add_rows(beside, side, plane);
+    }
+    for (int z = 0; z < ISO_BRICK + 2 * SPREAD; z++)
+        for (int step = 0; step < SPREAD; step++) plane[z] |= plane[z] << 1 | plane[z] >> 1;
+    memset(near, 0, sizeof *near);
+    for (int z = 0; z < ISO_BRICK; z++) {
+        uint32_t rows = 0;
+        for (int step = 0; step <= 2 * SPREAD; step++) rows |= plane[z + step];
+        set_rows(near, z, rows >> SPREAD);
+    }
+}
+
+/* What is frozen is not rescaled, and beyond what can have changed stays as it is. */
+static void freeze(const iso_transaction *transaction, iso_edit_cell *edit_cell,
+                   const iso_voxel_bits *masked) {
+    iso_voxel_bits reached;
+    iso_mask_boundary_influence(transaction, edit_cell, &reached);
+    for (int row = 0; row < ISO_BRICK_ROWS; row++) {
+        const uint16_t partly_frozen = masked->row[row] & (uint16_t)~reached.row[row];
+        edit_cell->band.frozen.row[row] |= partly_frozen;
+        edit_cell->band.lost.row[row] &= (uint16_t)~masked->row[row];
+        edit_cell->partly_frozen |= partly_frozen != 0;
+    }
+}
+
+static void classify_job(void *context, size_t index, int worker) {
+    const pass *p = context;
+    iso_edit_cell *edit_cell = iso_transaction_cell(p->transaction, index);
+    iso_stencil stencil;
+    iso_row_bits near;
+    iso_transaction_stencil(p->transaction, p->from, index, p->transaction->workers[worker].border, &stencil);
+    near_rows(p->transaction, edit_cell, &near);
+    p->transaction->redistancer->classify(&stencil, p->transaction->grid->band, &near, &edit_cell->band);
+    if (p->transaction->band_damaged) edit_cell->band.active = near;
+    const iso_voxel_bits *masked = iso_mask_bits(&p->transaction->mask, edit_cell->cell);
+    if (masked) freeze(p->transaction, edit_cell, masked);
+}
+
+/* Whether the brush changed a voxel at the interface, or brought the interface to one that it did not change.
+ */
+static bool is_rescaled(const iso_edit_cell *edit_cell) {
+    uint32_t any = 0;
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        any |=
+            (edit_cell->band.frozen.row[row] & edit_cell->changed.row[row]) | edit_cell->band.lost.row[row];
+    return any != 0;
+}
+
+static void rescale_job(void *context, size_t index, int worker) {
+    const pass *p = context;
+    iso_edit_cell *edit_cell = iso_transaction_cell(p->transaction, index);
+    edit_cell->value[p->to] = edit_cell->value[p->from];
+    if (!is_rescaled(edit_cell)) return;
+    iso_stencil stencil;
+    iso_transaction_stencil(p->transaction, p->from, index, p->transaction->workers[worker].border, &stencil);
+    float *out = room(p->transaction, edit_cell, stencil.self, NULL);
+    p->transaction->redistancer->rescale(&stencil, &edit_cell->band, &edit_cell->changed, out);
+    edit_cell->value[p->to] = out;
+}
+
+static void correct_job(void *context, size_t index, int worker) {
+    const pass *p = context;
+    iso_edit_cell *edit_cell = iso_transaction_cell(p->transaction, index);
+    edit_cell->value[p->to] = edit_cell->value[p->from];
+    if (!is_rescaled(edit_cell)) return;
+    iso_stencil phi, scaled;
+    iso_transaction_stencil(p->transaction, p->phi, index, &p->transaction->workers[worker].border[0], &phi);
+    iso_transaction_stencil(p->transaction, p->from, index, &p->transaction->workers[worker].border[1],
+                            &scaled);
+    float *out = room(p->transaction, edit_cell, phi.self, scaled.self);
+    p->transaction->redistancer->correct(&phi, &scaled, &edit_cell->band, &edit_cell->changed, out);
+    edit_cell->value[p->to] = out;
+}
+
+/* Rows of the active ones whose stencils hold what the last step moved. */
+static void find_due(const pass *p, const iso_edit_cell *edit_cell, iso_row_bits *due) {
+    enum { FAR = 2 };                                                   /* what the stencil reaches */
+    uint32_t plane[ISO_BRICK + 2 * FAR] = {0}, across[ISO_BRICK] = {0}; /* bit y + FAR; bit y */
+    const int last = 1 - p->turn;
+    for (int z = 0; z < ISO_BRICK; z++) plane[z + FAR] = rows_of(&edit_cell->moved[last], z) << FAR;
+    for (int face = 0; face < 6; face++) {
+        const int up = face % 2, side[3] = {face / 2 == 0 ? 2 * up - 1 : 0, face / 2 == 1 ? 2 * up - 1 : 0,
+                                            face / 2 == 2 ? 2 * up - 1 : 0};
+        const iso_edit_cell *beside = iso_transaction_neighbour(p->transaction, edit_cell, side);
+        if (!beside) continue;
+        const iso_row_bits *moved = &beside->moved[last];
+        for (int z = 0; z < ISO_BRICK && side[0]; z++) across[z] |= rows_of(moved, z);
+        for (int z = 0; z < ISO_BRICK && side[1]; z++)
+            plane[z + FAR] |= up ? (rows_of(moved, z) & ((1 << FAR) - 1)) << (ISO_BRICK + FAR)
+                                 : rows_of(moved, z) >> (ISO_BRICK - FAR);
+        for (int z = 0; z < FAR && side[2]; z++)
+            plane[up ? ISO_BRICK + FAR + z : z] |= rows_of(moved, up ? z : ISO_BRICK - FAR + z) << FAR;
+    }
+    memset(due, 0, sizeof *due);
+    for (int z = 0; z < ISO_BRICK; z++) {
+        uint32_t rows = plane[z + FAR];
+        rows |= rows << 1 | rows << 2 | rows >> 1 | rows >> 2;
+        rows |= plane[z] | plane[z + 1] | plane[z + 3] | plane[z + 4];
+        set_rows(due, z, rows >> FAR | across[z]);
+    }
+    for (int i = 0; i < ISO_ROW_WORDS; i++) due->word[i] &= edit_cell->band.active.word[i];
+}
+
+/* A step need only be taken where the one before has moved something. */
+static void relax_job(void *context, size_t index, int worker) {
+    const pass *p = context;
+    iso_transaction *transaction = p->transaction;
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
+    iso_relaxation step = {.due = edit_cell->band.active, .band = transaction->grid->band, .least = p->least};
+    if (!p->first) find_due(p, edit_cell, &step.due);
+    uint32_t any = 0;
+    for (int i = 0; i < ISO_ROW_WORDS; i++) any |= step.due.word[i];
+    edit_cell->value[p->to] = edit_cell->value[p->from];
+    memset(&edit_cell->moved[p->turn], 0, sizeof edit_cell->moved[p->turn]);
+    if (!any) return;
+    iso_stencil stencil;
+    iso_transaction_stencil(transaction, p->from, index, transaction->workers[worker].border, &stencil);
+    float *out = edit_cell->spare ? edit_cell->spare : room(transaction, edit_cell, stencil.self, NULL);
+    if (edit_cell->spare)
+        step.stale = edit_cell->stale;
+    else
+        memset(&step.stale, 0xff, sizeof step.stale);
+    transaction->redistancer->relax(&stencil, &edit_cell->band.frozen, &step, out,
+                                    &edit_cell->moved[p->turn]);
+    edit_cell->value[p->to] = out;
+    edit_cell->stale = step.due;
+    edit_cell->spare = is_own(edit_cell, stencil.self) ? (float *)stencil.self : NULL;
+}
+
+static void run(const pass *p, iso_task *task) {
+    iso_parallel_for(p->transaction->pool, p->transaction->cell_count, task, (void *)p);
+}
+
+iso_status iso_transaction_redistance(iso_transaction *transaction, int iterations, bool rescale,
+                                      iso_error *error) {
+    pass p = {.transaction = transaction,
+              .from = transaction->now,
+              .to = (transaction->now + 1) % ISO_TRANSACTION_FIELDS,
+              .phi = transaction->now,
+              .first = true,
+              .least = rescale ? LEAST_RESCALED : LEAST_FROZEN};
+    ISO_TRY(reserve(transaction, transaction->cell_count * (rescale ? 3 : 2), error));
+    run(&p, classify_job);
+    transaction->redistanced = true;
+    if (rescale) {
+        run(&p, rescale_job);
+        p.from = p.to;
+        p.to = (p.phi + 2) % ISO_TRANSACTION_FIELDS;
+        run(&p, correct_job);
+        p.from = p.to;
+        p.to = p.phi;
+    }
+    for (int i = 0; i < iterations; i++) {
+        ISO_TRY(iso_progress_tell(transaction->progress, "the field", (double)i / iterations, error));
+        p.turn = i % 2;
+        p.first = i == 0;
+        run(&p, relax_job);
+        const int swap = p.from;
+        p.from = p.to;
+        p.to = swap;
+    }
+    transaction->now = p.from;
+    return ISO_OK;
+}
+
+static void sides_job(void *context, size_t index, int worker) {
+    (void)worker;
+    const iso_transaction *transaction = context;
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
+    edit_cell->sides =
+        edit_cell->partly_frozen
+            ? BOTH_SIDES
+            : (uint8_t)transaction->redistancer->sides(iso_transaction_values(transaction, index));
+}
+
+/* The sides of the interface that a cell's voxels are on, for all that is known: bricks that are no jobs may
+ * have both. */
+static unsigned sides_of(const iso_transaction *transaction, const int at[3]) {
+    const size_t cell = iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2]);
+    if (transaction->cell_of[cell])
+        return iso_transaction_cell(transaction, transaction->cell_of[cell] - 1)->sides;
+    return transaction->grid->cell[cell] >= 0 ? BOTH_SIDES
+                                              : 1u << (transaction->grid->cell[cell] == ISO_CELL_INSIDE);
+}
+
+/* A surface that was taken away leaves distances to nothing behind. Where neither a cell nor any around it
+ * has an interface, they go at once. */
+static void clear_ghost(void *context, size_t index, int worker) {
+    (void)worker;
+    iso_transaction *transaction = context;
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
+    unsigned sides = edit_cell->sides;
+    for (int k = 0; k < 27 && sides != BOTH_SIDES; k++) {
+        const int at[3] = {edit_cell->at[0] + k % 3 - 1, edit_cell->at[1] + k / 3 % 3 - 1,
+                           edit_cell->at[2] + k / 9 - 1};
+        bool within = true;
+        for (int axis = 0; axis < 3; axis++)
+            within &= at[axis] >= 0 && at[axis] < transaction->grid->cells[axis];
+        if (within) sides |= sides_of(transaction, at);
+    }
+    if (sides != BOTH_SIDES) edit_cell->value[transaction->now] = transaction->constant[sides >> 1];
+}
+
+static void compare_job(void *context, size_t index, int worker) {
+    (void)worker;
+    const iso_transaction *transaction = context;
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
+    const float *before = iso_transaction_grid_values(transaction, edit_cell->state),
+                *values = iso_transaction_values(transaction, index);
+    edit_cell->edited =
+        before != values && transaction->dab->settle(before, NULL, (float *)values, &edit_cell->changed);
+    if (edit_cell->edited) iso_transaction_find_box(edit_cell, &edit_cell->changed);
+}
+
+void iso_transaction_compare(iso_transaction *transaction, bool *any) {
+    if (transaction->redistanced) {
+        iso_parallel_for(transaction->pool, transaction->cell_count, sides_job, transaction);
+        iso_parallel_for(transaction->pool, transaction->cell_count, clear_ghost, transaction);
+    }
+    iso_parallel_for(transaction->pool, transaction->cell_count, compare_job, transaction);
+    *any = false;
+    for (size_t i = 0; i < transaction->cell_count; i++) *any |= iso_transaction_cell(transaction, i)->edited;
+}
+
+/* ---- writing */
+
+/* The state of a cell whose values are all +band or all -band; 0 when they are not. */
+static int32_t empty_state(const iso_transaction *transaction, const float *values) {
+    const float first = values[0], band = transaction->grid->band;
+    if (first != band && first != -band) return 0;
+    int same = 1;
+    for (int i = 0; i < ISO_BRICK_VOXELS && same; i += ISO_BRICK)
+        for (int k = 0; k < ISO_BRICK; k++) same &= values[i + k] == first;
+    return !same ? 0 : first > 0 ? ISO_CELL_OUTSIDE : ISO_CELL_INSIDE;
+}
+
+static void find_empty(void *context, size_t index, int worker) {
+    (void)worker;
+    const iso_transaction *transaction = context;
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
+    if (edit_cell->edited)
+        edit_cell->empty = empty_state(transaction, iso_transaction_values(transaction, index));
+}
+
+/* Everything that can fail: the log's entries (too many do no harm) and the bricks, which hold nothing yet.
+ */
+static iso_status prepare(iso_transaction *transaction, iso_edit_stats *stats, iso_error *error) {
+    iso_change_log_begin(transaction->grid->log);
+    for (size_t i = 0; i < transaction->cell_count; i++) {
+        const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, i);
+        if (!edit_cell->edited) continue;
+        int lo[3], hi[3];
+        for (int axis = 0; axis < 3; axis++) {
+            lo[axis] = ISO_BRICK * edit_cell->at[axis] + edit_cell->lo[axis];
+            hi[axis] = ISO_BRICK * edit_cell->at[axis] + edit_cell->hi[axis];
+        }
+        ISO_TRY(iso_change_log_touch(transaction->grid->log, lo, hi, error));
+        if (edit_cell->state >= 0 || edit_cell->empty) continue;
+        ISO_TRY(iso_hgrid_split_unset(transaction->grid, edit_cell->at[0], edit_cell->at[1], edit_cell->at[2],
+                                      error));
+        stats->created++;
+    }
+    return ISO_OK;
+}
+
+static void take_back(iso_transaction *transaction) {
+    for (size_t i = 0; i < transaction->cell_count; i++) {
+        const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, i);
+        if (edit_cell->state < 0)
+            iso_hgrid_coalesce(transaction->grid, edit_cell->at[0], edit_cell->at[1], edit_cell->at[2],
+                               edit_cell->state);
+    }
+}
+
+iso_status iso_transaction_commit(iso_transaction *transaction, iso_edit_stats *stats, iso_error *error) {
+    iso_edit_stats made = *stats;
+    iso_parallel_for(transaction->pool, transaction->cell_count, find_empty, transaction);
+    iso_status status = prepare(transaction, &made, error);
+    if (status != ISO_OK) {
+        take_back(transaction);
+        return status;
+    }
+    for (size_t i = 0; i < transaction->cell_count; i++) {
+        const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, i);
+        if (!edit_cell->edited) continue;
+        if (edit_cell->empty) {
+            made.pruned += edit_cell->state >= 0;
+            iso_hgrid_coalesce(transaction->grid, edit_cell->at[0], edit_cell->at[1], edit_cell->at[2],
+                               edit_cell->empty);
+        } else
+            memcpy(iso_hgrid_brick(transaction->grid, transaction->grid->cell[edit_cell->cell]),
+                   iso_transaction_values(transaction, i), ISO_BRICK_VOXELS * sizeof(float));
+    }
+    *stats = made;
+    return ISO_OK;
+}

@@ -1,0 +1,150 @@
+/* isosculpt's hand: what becomes of a stroke that runs out of memory. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "apps/isosculpt/controller.h"
+#include "refused_memory.h"
+#include "sculpt_support.h"
+
+enum { WIDTH = 160, HEIGHT = 100 };
+
+static const iso_journal_start START = {.source = "ball",
+                                        .voxel_size = 0.5,
+                                        .dims = {96, 96, 96},
+                                        .origin = {-23.75, -23.75, -23.75},
+                                        .radius = 15};
+
+static void press(isosculpt_controller *controller) {
+    isosculpt_controller_press(controller, ISOSCULPT_LEFT, 0, WIDTH / 2, HEIGHT / 2);
+    assert_int_equal(controller->drag, ISOSCULPT_DRAG_BRUSH);
+}
+
+/* A stroke whose end is refused memory is taken back, and the next one can be drawn. */
+static void strokes_that_cannot_end_are_taken_back(void **state) {
+    (void)state;
+    isosculpt_document document = {.start = START};
+    isosculpt_view view;
+    isosculpt_controller controller;
+    iso_hgrid *grid;
+    const iso_session_opts opts = {0};
+    assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_create(grid, &START, &opts, &document.session, NULL), ISO_OK);
+    assert_int_equal(isosculpt_view_init(&view, grid, NULL, NULL), ISO_OK);
+    assert_int_equal(isosculpt_view_draw(&view, WIDTH, HEIGHT, false, NULL), ISO_OK);
+    isosculpt_controller_init(&controller, &document, &view);
+    iso_hgrid *before = sculpt_copy(grid);
+    const iso_history *history = iso_session_history(document.session);
+    int refused = 0;
+    for (long calls = 0; iso_history_count(history) == 0; calls++) {
+        press(&controller);
+        assert_false(sculpt_same(grid, before));
+        test_refuse_memory_after(calls);
+        isosculpt_controller_release(&controller, ISOSCULPT_LEFT);
+        test_grant_memory();
+        if (iso_history_count(history)) break;
+        assert_int_equal(controller.error.status, ISO_ERR_NOMEM);
+        refused++;
+    }
+    assert_true(refused > 2);
+    assert_false(sculpt_same(grid, before));
+    assert_int_equal(iso_session_undo(document.session, NULL), ISO_OK);
+    assert_true(sculpt_same(grid, before));
+    iso_hgrid_destroy(before);
+    isosculpt_view_free(&view);
+    iso_session_destroy(document.session);
+}
+
+/* A session with its view, and a hand on both; the view is drawn. */
+typedef struct scene {
+    isosculpt_document document;
+    isosculpt_view view;
+    isosculpt_controller controller;
+} scene;
+
+static void open_scene(scene *s) {
+    const iso_session_opts opts = {0};
+    iso_hgrid *grid;
+    *s = (scene){.document = {.start = START}};
+    assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_create(grid, &START, &opts, &s->document.session, NULL), ISO_OK);
+    assert_int_equal(isosculpt_view_init(&s->view, grid, NULL, NULL), ISO_OK);
+    assert_int_equal(isosculpt_view_draw(&s->view, WIDTH, HEIGHT, false, NULL), ISO_OK);
+    isosculpt_controller_init(&s->controller, &s->document, &s->view);
+}
+
+static void close_scene(scene *s) {
+    isosculpt_controller_free(&s->controller);
+    isosculpt_view_free(&s->view);
+    iso_session_destroy(s->document.session);
+}
+
+static void draw_stroke(isosculpt_controller *controller, int to_x) {
+    isosculpt_controller_move(controller, WIDTH / 2, HEIGHT / 2);
+    press(controller);
+    isosculpt_controller_move(controller, to_x, HEIGHT / 2);
+    isosculpt_controller_release(controller, ISOSCULPT_LEFT);
+}
+
+/* What is drawn while there is no field yet becomes, played, what it would have been. */
+static void strokes_wait_for_a_field(void **state) {
+    (void)state;
+    scene direct, late;
+    open_scene(&direct);
+    open_scene(&late);
+    late.controller.viewing_volume = true;
+    isosculpt_controller_press(&late.controller, ISOSCULPT_LEFT, 0, WIDTH / 2, HEIGHT / 2);
+    assert_int_equal(late.controller.drag, ISOSCULPT_DRAG_ORBIT); /* no brush was picked */
+    isosculpt_controller_release(&late.controller, ISOSCULPT_LEFT);
+    assert_true(isosculpt_controller_key(&late.controller, '1', 0, true));
+    assert_true(late.controller.commands & ISOSCULPT_COMMAND_SCULPT);
+    late.controller.awaiting = true;
+    iso_hgrid *before = sculpt_copy(iso_session_grid(late.document.session));
+    draw_stroke(&late.controller, WIDTH / 2 + 20);
+    draw_stroke(&late.controller, WIDTH / 2 - 10);
+    draw_stroke(&late.controller, WIDTH / 2 - 20);
+    isosculpt_controller_key(&late.controller, 'z', ISOSCULPT_CTRL, true); /* not the last one */
+    assert_int_equal(late.controller.waiting.count, 2);
+    assert_true(sculpt_same(iso_session_grid(late.document.session), before));
+    isosculpt_strokes waiting = late.controller.waiting;
+    late.controller.waiting = (isosculpt_strokes){0};
+    late.controller.viewing_volume = late.controller.awaiting = false;
+    isosculpt_controller_play(&late.controller, &waiting);
+    assert_int_equal(late.controller.error.status, ISO_OK);
+    assert_int_equal(late.document.changes, 2);
+    draw_stroke(&direct.controller, WIDTH / 2 + 20);
+    draw_stroke(&direct.controller, WIDTH / 2 - 10); /* (the picture picked from is the same) */
+    assert_true(
+        sculpt_same(iso_session_grid(late.document.session), iso_session_grid(direct.document.session)));
+    iso_hgrid_destroy(before);
+    close_scene(&direct);
+    close_scene(&late);
+}
+
+/* In the middle of what is there, on half voxels. */
+static void the_mirror_is_in_the_middle(void **state) {
+    (void)state;
+    scene s;
+    open_scene(&s);
+    assert_true(iso_vec3_length(s.controller.brush.mirror) < 1e-12);
+    const iso_brush bump = {.tool = ISO_TOOL_ADD, .radius = 4};
+    const iso_sample sample = {.position = {15, 0, 0}, .normal = {1, 0, 0}, .pressure = 1};
+    assert_int_equal(iso_session_begin(s.document.session, &bump, &sample, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_session_end(s.document.session, NULL), ISO_OK);
+    isosculpt_controller_center_mirror(&s.controller);
+    assert_true(fabs(s.controller.brush.mirror.x - 2) < 0.26); /* from -15 to 19, give or take half a voxel */
+    const double halves = 2 * (s.controller.brush.mirror.x - START.origin.x) / START.voxel_size;
+    assert_true(fabs(halves - round(halves)) < 1e-9);
+    close_scene(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(strokes_that_cannot_end_are_taken_back),
+                                       cmocka_unit_test(strokes_wait_for_a_field),
+                                       cmocka_unit_test(the_mirror_is_in_the_middle)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,265 @@
+/* isosculpt's files: heavy work that is cancelled leaves nothing, and what was there stays. */
+#define _DEFAULT_SOURCE /* usleep */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "apps/isosculpt/load_job.h"
+#include "apps/isosculpt/save.h"
+#include "grids/level_set.h"
+#include "session_support.h"
+
+/* Refuses when it was asked so often. */
+typedef struct patience {
+    int left;
+} patience;
+
+static int refuse(void *context, double fraction) {
+    patience *p = context;
+    (void)fraction;
+    return p->left-- <= 0;
+}
+
+static bool is_there(const char *path) {
+    return access(path, F_OK) == 0;
+}
+
+/* Whether there is OpenVDB. */
+static bool write_ball(const char *path) {
+    iso_hgrid *ball;
+    iso_error error = {0};
+    assert_int_equal(iso_session_ball(&SESSION_START, &ball, NULL), ISO_OK);
+    iso_status status = iso_level_set_write_vdb(path, ball, "surface", NULL, &error);
+    iso_hgrid_destroy(ball);
+    if (status == ISO_ERR_UNSUPPORTED) print_message("%s: left out\n", error.text);
+    return status == ISO_OK;
+}
+
+static void write_mesh(const char *path) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    fputs("v 0 0 0\nv 20 0 0\nv 0 20 0\nv 0 0 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", file);
+    fclose(file);
+}
+
+enum { SIDE = 40 };
+static void write_volume(const char *path) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    fprintf(file, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: %d %d %d\nencoding: raw\n\n", SIDE, SIDE,
+            SIDE);
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const int x = i % SIDE - 20, y = i / SIDE % SIDE - 20, z = i / SIDE / SIDE - 20;
+        fputc(250 - (x * x + y * y + z * z) / 5, file);
+    }
+    fclose(file);
+}
+
+static void cancelled_writing_leaves_no_file(void **state) {
+    (void)state;
+    const char *path = session_path("written.vdb");
+    iso_hgrid *ball;
+    if (!write_ball(path)) return;
+    unlink(path);
+    assert_int_equal(iso_session_ball(&SESSION_START, &ball, NULL), ISO_OK);
+    iso_status status = ISO_ERR_IO;
+    int refusals = 0;
+    for (int calls = 0; status != ISO_OK; calls++, refusals++) {
+        patience p = {calls};
+        iso_error error = {0};
+        const iso_progress progress = {.tell = refuse, .context = &p};
+        status = iso_level_set_write_vdb(path, ball, "surface", &progress, &error);
+        assert_int_equal(is_there(path), status == ISO_OK);
+        if (status == ISO_OK) break;
+        assert_int_equal(status, ISO_ERR_IO);
+        assert_non_null(strstr(error.text, "cancelled"));
+    }
+    assert_true(refusals > 4);
+    iso_hgrid_destroy(ball);
+    unlink(path);
+}
+
+/* The desk's save: at once, and now and then later. */
+static void cancelled_saves_keep_the_file_before(void **state) {
+    (void)state;
+    const char *path = session_path("probe.vdb");
+    if (!write_ball(path)) return;
+    unlink(path);
+    iso_pool *pool;
+    assert_int_equal(iso_pool_create(2, &pool, NULL), ISO_OK);
+    isosculpt_document document = {.pool = pool};
+    char folder[ISOSCULPT_PATH / 2], target[ISOSCULPT_PATH + 8], fresh[ISOSCULPT_PATH];
+    const isosculpt_save_opts how = {0};
+    snprintf(folder, sizeof folder, "%s", ISO_TEST_TMP);
+    assert_int_equal(isosculpt_document_new(&document, folder, NULL, NULL), ISO_OK);
+    snprintf(document.target, sizeof document.target, "%s/saved.vdb", folder);
+    snprintf(target, sizeof target, "%s", document.target);
+    assert_true(isosculpt_target_with(target, ".new-1.vdb", fresh));
+    int cancelled = 0;
+    for (int round = 0; round < 4; round++) {
+        FILE *old = fopen(target, "wb");
+        assert_non_null(old);
+        fputs("what was there", old);
+        fclose(old);
+        iso_status status = ISO_OK;
+        iso_error error = {0};
+        document.changes++;
+        assert_int_equal(isosculpt_document_save(&document, &how, &error), ISO_OK);
+        assert_int_equal(isosculpt_document_save(&document, &how, &error), ISO_ERR_USAGE);
+        usleep((useconds_t)(round * 20000));
+        isosculpt_task_cancel(isosculpt_document_save_task(&document));
+        assert_int_equal(isosculpt_document_saving(&document, true, &status, &error), ISOSCULPT_SAVE_DONE);
+        char text[32] = "";
+        old = fopen(target, "rb");
+        assert_non_null(old);
+        assert_non_null(fgets(text, sizeof text, old));
+        fclose(old);
+        assert_int_equal(strcmp(text, "what was there") == 0, status != ISO_OK);
+        assert_false(is_there(fresh));
+        assert_int_equal(document.saved == document.changes, status == ISO_OK); /* closing still asks */
+        cancelled += status != ISO_OK;
+    }
+    assert_true(cancelled > 0);
+    unlink(target);
+    strcat(target, ".bak");
+    unlink(target);
+    isosculpt_document_close(&document);
+    iso_pool_destroy(pool);
+}
+
+/* A source, cancelled all along its way. */
+static void check_cancelling(const char *path, double isovalue) {
+    int refusals = 0;
+    for (int calls = 0;; calls += 1 + calls / 4, refusals++) {
+        patience p = {calls};
+        iso_error error = {0};
+        iso_journal_start start;
+        iso_hgrid *grid;
+        const iso_progress progress = {.tell = refuse, .context = &p};
+        const isosculpt_source source = {.path = path, .isovalue = isovalue, .progress = &progress};
+        iso_status status = isosculpt_source_open(&source, &start, &grid, &error);
+        if (status == ISO_OK) {
+            iso_hgrid_destroy(grid);
+            break;
+        }
+        if (status != ISO_ERR_IO || !strstr(error.text, "cancelled"))
+            fail_msg("%s, %d calls: %s", path, calls, error.text);
+    }
+    assert_true(refusals > 8);
+}
+
+static void sources_can_be_cancelled(void **state) {
+    (void)state;
+    const char *vdb = session_path("source.vdb"), *mesh = session_path("source.obj"),
+               *volume = session_path("source.nrrd");
+    const bool have = write_ball(vdb);
+    write_mesh(mesh);
+    write_volume(volume);
+    if (have) check_cancelling(mesh, NAN);
+    check_cancelling(volume, 200);
+    unlink(vdb);
+    unlink(mesh);
+    unlink(volume);
+}
+
+static void openings(void **state) {
+    (void)state;
+    const char *volume = session_path("opened.nrrd");
+    write_volume(volume);
+    const isosculpt_request request = {.path = volume, .isovalue = 200, .threads = 2},
+                            none = {.path = "/no/such.vdb", .isovalue = NAN, .threads = 1};
+    isosculpt_load_job *load_job;
+    isosculpt_loaded loaded;
+    iso_error error = {0};
+    assert_int_equal(isosculpt_load_job_start(&request, &load_job, NULL), ISO_OK);
+    assert_int_equal(isosculpt_load_job_finish(load_job, &loaded, NULL), ISO_OK);
+    assert_true(isosculpt_view_points(&loaded.view) > 1000);
+    assert_null(loaded.document.session); /* it is looked at first */
+    assert_non_null(loaded.volume);
+    const size_t points = isosculpt_view_points(&loaded.view);
+    isosculpt_view_set_isovalue(&loaded.view, 220); /* a smaller ball */
+    loaded.view.sliding = true;
+    assert_int_equal(isosculpt_view_draw(&loaded.view, 64, 40, true, NULL), ISO_OK);
+    assert_int_equal(loaded.view.quality, ISOSCULPT_MOVING);
+    assert_int_equal(isosculpt_view_draw(&loaded.view, 64, 40, false, NULL), ISO_OK);
+    while (loaded.view.quality != ISOSCULPT_FINE)
+        assert_int_equal(isosculpt_view_refine(&loaded.view, NULL), ISO_OK);
+    assert_true(isosculpt_view_points(&loaded.view) < points);
+    const isosculpt_request surface_isovalue = {
+        .path = loaded.volume->path, .sculpt = loaded.volume, .isovalue = 220, .threads = 2};
+    isosculpt_loaded field;
+    assert_int_equal(isosculpt_load_job_start(&surface_isovalue, &load_job, NULL), ISO_OK);
+    assert_int_equal(isosculpt_load_job_finish(load_job, &field, NULL), ISO_OK);
+    iso_journal_start start;
+    iso_hgrid *wanted;
+    const isosculpt_source source = {.path = volume, .isovalue = 220};
+    assert_int_equal(isosculpt_source_open(&source, &start, &wanted, NULL), ISO_OK);
+    assert_true(sculpt_same(iso_session_grid(field.document.session), wanted));
+    assert_int_equal(field.document.start.source_crc, start.source_crc);
+    assert_string_equal(field.document.start.source, start.source);
+    iso_hgrid_destroy(wanted);
+    isosculpt_loaded_free(&field);
+    isosculpt_loaded_free(&loaded);
+    assert_int_equal(isosculpt_load_job_start(&request, &load_job, NULL), ISO_OK);
+    isosculpt_task_cancel(isosculpt_load_job_task(load_job));
+    assert_int_equal(isosculpt_load_job_finish(load_job, &loaded, &error), ISO_ERR_IO);
+    assert_non_null(strstr(error.text, "cancelled"));
+    assert_int_equal(isosculpt_load_job_start(&request, &load_job, NULL), ISO_OK);
+    while (!isosculpt_task_done(isosculpt_load_job_task(load_job))) usleep(1000);
+    isosculpt_task_cancel(isosculpt_load_job_task(load_job)); /* too late, and heard all the same */
+    assert_int_equal(isosculpt_load_job_finish(load_job, &loaded, &error), ISO_ERR_IO);
+    assert_int_equal(isosculpt_load_job_start(&none, &load_job, NULL), ISO_OK);
+    assert_int_equal(isosculpt_load_job_finish(load_job, &loaded, &error), ISO_ERR_IO);
+    assert_non_null(strstr(error.text, "/no/such.vdb"));
+    unlink(volume);
+}
+
+/* A session that was not closed is offered again when its recovery is cancelled, however late. */
+static void cancelled_recoveries_are_offered_again(void **state) {
+    (void)state;
+    const char *folder = session_path("recovered"), *strokes = session_path("recovered/left.strokes"),
+               *marker = session_path("recovered/left.strokes.open");
+    char found[ISOSCULPT_PATH];
+    iso_journal *journal;
+    mkdir(folder, 0700);
+    unlink(strokes);
+    assert_int_equal(iso_journal_create(strokes, &SESSION_START, &journal, NULL), ISO_OK);
+    assert_int_equal(iso_journal_close(journal, NULL), ISO_OK);
+    FILE *left = fopen(marker, "wb");
+    assert_non_null(left);
+    fclose(left);
+    const isosculpt_request request = {.path = strokes, .isovalue = NAN, .threads = 1};
+    for (int round = 0; round < 2; round++) {
+        isosculpt_load_job *load_job;
+        isosculpt_loaded loaded;
+        assert_true(isosculpt_document_find_unclosed(folder, found));
+        assert_int_equal(isosculpt_load_job_start(&request, &load_job, NULL), ISO_OK);
+        while (round && !isosculpt_task_done(isosculpt_load_job_task(load_job))) usleep(1000);
+        isosculpt_task_cancel(isosculpt_load_job_task(load_job));
+        assert_int_equal(isosculpt_load_job_finish(load_job, &loaded, NULL), ISO_ERR_IO);
+    }
+    assert_true(isosculpt_document_find_unclosed(folder, found));
+    assert_string_equal(found, strokes);
+    isosculpt_document document = {0};
+    assert_int_equal(isosculpt_document_open(&document, strokes, NULL, NULL), ISO_OK);
+    isosculpt_document_close(&document);
+    assert_false(isosculpt_document_find_unclosed(folder, found));
+    unlink(strokes);
+    rmdir(folder);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(cancelled_writing_leaves_no_file),
+                                       cmocka_unit_test(cancelled_saves_keep_the_file_before),
+                                       cmocka_unit_test(sources_can_be_cancelled), cmocka_unit_test(openings),
+                                       cmocka_unit_test(cancelled_recoveries_are_offered_again)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
