@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "apps/common/template.h"
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/text.h"
@@ -91,10 +92,10 @@ static iso_status extract(report *r, iso_error *error) {
     for (int m = 0; m < r->method_count; m++) needs |= r->methods[m]->needs;
     for (int part = 0; part < ISO_PART_COUNT; part++) {
         if (!(needs & 1u << part)) continue;
-        double start = isorender_now();
+        double start = iso_seconds_now();
         ISO_TRY(iso_subject_prepare(&r->subject, (iso_part)part, error));
         r->parts[part] =
-            (report_part){true, isorender_now() - start, iso_subject_size(&r->subject, (iso_part)part)};
+            (report_part){true, iso_seconds_now() - start, iso_subject_size(&r->subject, (iso_part)part)};
     }
     iso_mesh_view mesh = iso_mesh_set_view(r->subject.mesh);
     if (iso_mesh_view_triangle_count(&mesh) == 0)
@@ -159,9 +160,9 @@ static iso_status draw_timed(report *r, const report_view *v, int method, iso_st
     bool known = isocompare_reset_peak();
     uint64_t before = isocompare_resident(false);
     while (frames == 0 || (frames < FRAMES && spent < patience)) {
-        double start = isorender_now();
+        double start = iso_seconds_now();
         ISO_TRY(iso_study_draw(&r->subject, r->methods[method], &v->view, &look, frame, error));
-        seconds[frames] = isorender_now() - start;
+        seconds[frames] = iso_seconds_now() - start;
         spent += seconds[frames];
         uint64_t peak = isocompare_resident(true);
         if (frames++ == 0 && known && peak > before) cell->memory = peak - before;

@@ -284,7 +284,6 @@ __attribute__((format(printf, 2, 3)))
 void isorender_log_verbose(const isorender_job *job, const char *format, ...); /* with --verbose */
 void isorender_progress(isorender_job *job, const char *stage, double fraction); /* with --progress */
 const char *isorender_input_name(const isorender_job *job);
-double isorender_now(void); /* seconds */
 
 #ifdef __cplusplus
 }

@@ -3,17 +3,10 @@
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "apps/isorender/isorender.h"
 #include "base/text.h"
-
-double isorender_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 const char *isorender_input_name(const isorender_job *job) {
     return strcmp(job->plan->input, "-") == 0 ? "standard input" : job->plan->input;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "apps/isorender/isorender.h"
+#include "base/clock.h"
 #include "image/annotate.h"
 #include "image/exr.h"
 #include "image/image.h"
@@ -144,11 +145,11 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
         .draw_context = job,
         .pool = job->pool,
         .aov = c->aov.depth ? &c->aov : NULL};
-    double start = isorender_now();
+    double start = iso_seconds_now();
     ISO_TRY(is_painted(job, &opts)
                 ? paint(job, &opts, &c->image, &job->frames[frame].covered, error)
                 : iso_picture_render(&opts, &c->image, &job->frames[frame].covered, error));
-    job->seconds.render += isorender_now() - start;
+    job->seconds.render += iso_seconds_now() - start;
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
     ISO_TRY(annotate(job, &camera, &c->image, error));
@@ -181,10 +182,10 @@ static iso_status render_frames(isorender_job *job, canvas *c, iso_error *error)
     for (int frame = 0; frame < job->frame_count; frame++) {
         isorender_progress(job, "rendering", (double)frame / job->frame_count);
         ISO_TRY(render_frame(job, frame, c, error));
-        double start = isorender_now();
+        double start = iso_seconds_now();
         ISO_TRY(save_image(job, frame, c, error));
         ISO_TRY(save_aov(job, frame, c, error));
-        job->seconds.write += isorender_now() - start;
+        job->seconds.write += iso_seconds_now() - start;
     }
     isorender_progress(job, "rendering", 1);
     return ISO_OK;
@@ -236,9 +237,9 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);
     c.aov.voxel = smallest_spacing(job);
-    double start = isorender_now();
+    double start = iso_seconds_now();
     if (status == ISO_OK && job->backend->engine) status = isorender_gl_upload(job, error);
-    job->seconds.render += isorender_now() - start;
+    job->seconds.render += iso_seconds_now() - start;
     if (status == ISO_OK) status = render_frames(job, &c, error);
     iso_image_free(&c.image);
     iso_aov_free(&c.aov);

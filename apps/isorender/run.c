@@ -3,15 +3,16 @@
 #include <string.h>
 
 #include "apps/isorender/isorender.h"
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/text.h"
 
 static iso_status inform(isorender_job *job, iso_error *error) {
     bool text = !job->settings->json;
-    double start = isorender_now();
+    double start = iso_seconds_now();
     if (text) isorender_info_header(job);
     ISO_TRY(isorender_read(job, error));
-    job->seconds.load += isorender_now() - start;
+    job->seconds.load += iso_seconds_now() - start;
     if (!job->from_points) {
         iso_status status = isorender_histogram(job, error);
         if (status != ISO_OK && status != ISO_ERR_EMPTY) return status;
@@ -30,29 +31,29 @@ static void tell_done(const isorender_job *job) {
 }
 
 static iso_status make(isorender_job *job, iso_error *error) {
-    double start = isorender_now();
+    double start = iso_seconds_now();
     ISO_TRY(isorender_read(job, error));
-    double read = isorender_now();
+    double read = iso_seconds_now();
     job->seconds.load += read - start;
     ISO_TRY(isorender_extract(job, error));
-    double extracted = isorender_now();
+    double extracted = iso_seconds_now();
     job->seconds.extract = extracted - read;
     ISO_TRY(isorender_export(job, error));
-    job->seconds.write = isorender_now() - extracted;
+    job->seconds.write = iso_seconds_now() - extracted;
     if (isorender_plan_draws(job->plan)) ISO_TRY(isorender_render(job, error));
     return ISO_OK;
 }
 
 static iso_status work(isorender_job *job, iso_error *error) {
-    double start = isorender_now();
+    double start = iso_seconds_now();
     ISO_TRY(isorender_open(job, error));
-    job->seconds.load = isorender_now() - start;
+    job->seconds.load = iso_seconds_now() - start;
     ISO_TRY(isorender_plan_check_writable(job->plan, error));
     if (job->settings->info)
         ISO_TRY(inform(job, error));
     else
         ISO_TRY(make(job, error));
-    job->seconds.total = isorender_now() - start;
+    job->seconds.total = iso_seconds_now() - start;
     if (job->settings->json) ISO_TRY(isorender_report_json(job, error));
     if (!job->settings->info) tell_done(job);
     return ISO_OK;
@@ -101,7 +102,7 @@ static void free_surfaces(isorender_job *job) {
 iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
                          const isorender_backend *backend, iso_error *error) {
     isorender_job *job = calloc(1, sizeof *job);
-    if (!job) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", plan->input);
+    if (!job) return iso_fail_memory(error, plan->input);
     job->settings = settings;
     job->plan = plan;
     job->pool = pool;

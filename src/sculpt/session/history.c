@@ -208,12 +208,6 @@ static iso_status pack(const iso_history *history, step *s, const saved_cell *co
     return ISO_OK;
 }
 
-static void cell_position(const iso_hgrid *grid, uint32_t cell, int at[3]) {
-    at[0] = (int)(cell % (uint32_t)grid->cells[0]);
-    at[1] = (int)(cell / (uint32_t)grid->cells[0] % (uint32_t)grid->cells[1]);
-    at[2] = (int)(cell / (uint32_t)grid->cells[0] / (uint32_t)grid->cells[1]);
-}
-
 /* All that can fail before cells are put back: the log's entries, and room for bricks and masks. */
 static iso_status make_ready(iso_history *history, const saved_cell *cells, size_t count, iso_error *error) {
     iso_change_log_begin(history->grid->log);
@@ -222,7 +216,7 @@ static iso_status make_ready(iso_history *history, const saved_cell *cells, size
         float *brick;
         if (cells[i].state == MASK_BITS) ISO_TRY(iso_mask_reserve(history->mask, cells[i].cell, error));
         if (is_mask(&cells[i])) continue;
-        cell_position(history->grid, cells[i].cell, at);
+        iso_hgrid_cell_position(history->grid, cells[i].cell, at);
         for (int axis = 0; axis < 3; axis++) {
             lo[axis] = ISO_BRICK * at[axis];
             hi[axis] = lo[axis] + ISO_BRICK - 1;
@@ -243,7 +237,7 @@ static void restore_mask(iso_history *history, const saved_cell *cell, const voi
 
 static void restore_cell(iso_history *history, const saved_cell *cell) {
     int at[3];
-    cell_position(history->grid, cell->cell, at);
+    iso_hgrid_cell_position(history->grid, cell->cell, at);
     iso_hgrid_coalesce(history->grid, at[0], at[1], at[2], cell->state);
 }
 
