@@ -104,7 +104,7 @@ static iso_sample sample_at(isosculpt_controller *controller, double x, double y
     return (iso_sample){.position = centre(controller, position, controller->normal),
                         .normal = controller->normal,
                         .pressure = controller->pressure,
-                        .seconds = iso_seconds_now() - controller->document->began};
+                        .seconds = iso_clock_seconds() - controller->document->began};
 }
 
 static void done(isosculpt_controller *controller, iso_status status, const iso_edit_stats *stats) {
@@ -142,10 +142,10 @@ static iso_status begin_stroke(isosculpt_controller *controller, const iso_brush
                                const iso_sample *sample, iso_edit_stats *stats) {
     if (controller->viewing_volume)
         return isosculpt_strokes_begin(&controller->waiting, brush, sample, &controller->error);
-    double start = iso_seconds_now();
+    double start = iso_clock_seconds();
     iso_status status =
         iso_session_begin(controller->document->session, brush, sample, stats, &controller->error);
-    isosculpt_latency_add(&controller->edit, iso_seconds_now() - start);
+    isosculpt_latency_add(&controller->edit, iso_clock_seconds() - start);
     controller->document->changes += status == ISO_OK;
     return status;
 }
@@ -179,12 +179,12 @@ static void go_on(isosculpt_controller *controller, double x, double y, bool las
     double moved = iso_vec3_length(iso_vec3_sub(sample.position, controller->last.position));
     if (moved <= (last ? 0 : least_move(controller))) return;
     controller->last = sample;
-    double start = iso_seconds_now();
+    double start = iso_clock_seconds();
     iso_status status =
         controller->viewing_volume
             ? isosculpt_strokes_add(&controller->waiting, &sample, &controller->error)
             : iso_session_sample(controller->document->session, &sample, &stats, &controller->error);
-    isosculpt_latency_add(&controller->edit, iso_seconds_now() - start);
+    isosculpt_latency_add(&controller->edit, iso_clock_seconds() - start);
     done(controller, status, &stats);
 }
 

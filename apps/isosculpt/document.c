@@ -124,7 +124,7 @@ static iso_status open_session(isosculpt_document *document, iso_hgrid *grid, co
     opts.pool = document->pool;
     opts.undo_memory = document->undo_memory;
     ISO_TRY(iso_session_create(grid, &document->start, &opts, &document->session, error));
-    document->began = iso_seconds_now();
+    document->began = iso_clock_seconds();
     document->changes = document->saved = 0;
     return ISO_OK;
 }

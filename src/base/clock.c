@@ -4,7 +4,7 @@
 
 #include <time.h>
 
-double iso_seconds_now(void) {
+double iso_clock_seconds(void) {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;

@@ -7,7 +7,7 @@ extern "C" {
 #endif
 
 /* Seconds of a clock that is never set: only differences mean anything. Thread-safe. */
-double iso_seconds_now(void);
+double iso_clock_seconds(void);
 
 #ifdef __cplusplus
 }

@@ -199,9 +199,9 @@ static iso_status keep_picture(const session *s, const iso_study_frame *frame, i
 
 static iso_status judge(session *s, const iso_view *view, const iso_renderer *method, row *r,
                         iso_error *error) {
-    double start = iso_seconds_now();
+    double start = iso_clock_seconds();
     ISO_TRY(iso_study_draw(&s->subject, method, view, &mode, &s->candidate, error));
-    r->seconds = iso_seconds_now() - start;
+    r->seconds = iso_clock_seconds() - start;
     ISO_TRY(keep_picture(s, &s->candidate, r->zoom, method->name, error));
     iso_study_light(&s->candidate, view, &mode, s->colors[1]);
     iso_compare_picture truth = iso_study_picture(&s->truth), candidate = iso_study_picture(&s->candidate);

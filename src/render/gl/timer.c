@@ -9,7 +9,7 @@
 
 static double finished_at(const GladGLContext *gl) {
     gl->Finish();
-    return iso_seconds_now();
+    return iso_clock_seconds();
 }
 
 void iso_gl_timer_begin(iso_gl_timer *timer, const GladGLContext *gl, iso_gl_pass pass) {

@@ -508,7 +508,7 @@ static void play_until_killed(const char *journal, uint32_t seed, int said) {
         if (iso_session_begin(session, &brush, &sample, NULL, NULL) != ISO_OK) _exit(1);
         if (iso_session_sample(session, &next, NULL, NULL) != ISO_OK) _exit(1);
         if (iso_session_end(session, NULL) != ISO_OK) _exit(1);
-        double now = iso_seconds_now();
+        double now = iso_clock_seconds();
         if (write(said, &now, sizeof now) != sizeof now) _exit(1);
     }
 }
@@ -545,7 +545,7 @@ static void killed_sessions_survive(void **state) {
         close(said[1]);
         double wait = 1.2 + 0.8 * uniform(&seed);
         usleep((useconds_t)(wait * 1e6));
-        double killed = iso_seconds_now(), at;
+        double killed = iso_clock_seconds(), at;
         kill(child, SIGKILL);
         waitpid(child, NULL, 0);
         while (read(said[0], &at, sizeof at) == sizeof at) finished += at < killed - 1;
