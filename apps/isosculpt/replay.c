@@ -134,11 +134,12 @@ static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *err
     for (;;) {
         ISO_TRY(iso_journal_next(reader, &event, &more, error));
         if (!more) break;
-        ISO_TRY(iso_journal_blame(reader, play(p, &event, error), error));
+        ISO_TRY(iso_journal_add_location(reader, play(p, &event, error), error));
         if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
     }
     if (!drawing) return ISO_OK;
-    return iso_journal_blame(reader, iso_session_end(p->session, error), error); /* it broke off here */
+    return iso_journal_add_location(reader, iso_session_end(p->session, error),
+                                    error); /* it broke off here */
 }
 
 /* ---- outputs */
@@ -269,7 +270,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
         iso_hgrid_destroy(grid);
     iso_file_set_free(&files);
     if (status == ISO_OK) say_parts(settings, &report);
-    if (status == ISO_OK && reader) opts.work = fmax(1, pow(own / grid->transform.spacing[0], 3));
+    if (status == ISO_OK && reader) opts.cost_factor = fmax(1, pow(own / grid->transform.spacing[0], 3));
     if (status == ISO_OK) status = iso_session_create(grid, &report.start, &opts, &p.session, error);
     if (status == ISO_OK) status = run(&p, reader, error);
     iso_point_set_destroy(p.points);
