@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/numbers.h"
 #include "base/primitives.h"
 #include "grids/voxel_kernels.h"
 
@@ -55,10 +56,6 @@ static inline void touch_slice(const void *slice, const range_box *box, size_t s
     for (int y = 0; y < box->n[1]; y++)
         for (size_t byte = 0; byte < (size_t)box->n[0] * size; byte += 64)
             (void)*((const volatile char *)slice + (ptrdiff_t)size * y * box->stride_y + byte);
-}
-
-static inline int smaller(int a, int b) {
-    return a < b ? a : b;
 }
 
 static inline bool is_finite_key(int32_t key) {
@@ -140,8 +137,8 @@ static bool all_finite(const iso_brick_reading *readings, int bricks) {
 void iso_brick_band_most(const iso_rgrid *grid, int most[2]) {
     const int bricks = ISO_BAND_BRICKS / (int)iso_type_size(grid->type),
               row = (grid->dims[0] - 1) / ISO_BRICK + 1;
-    most[0] = smaller(row, bricks);
-    most[1] = smaller(bricks / most[0], ISO_BAND_ROWS);
+    most[0] = iso_min_int(row, bricks);
+    most[1] = iso_min_int(bricks / most[0], ISO_BAND_ROWS);
 }
 
 void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_brick_band *band,
@@ -158,7 +155,7 @@ void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_bric
     const int count[3] = {columns, rows, 1};
     for (int axis = 0; axis < 3; axis++) {
         const int first = band->first[axis] * ISO_BRICK;
-        box.n[axis] = smaller(count[axis] * ISO_BRICK + 1, grid->dims[axis] - first);
+        box.n[axis] = iso_min_int(count[axis] * ISO_BRICK + 1, grid->dims[axis] - first);
         at += first * stride[axis];
     }
     const char *data = (const char *)grid->data + at * (ptrdiff_t)iso_type_size(grid->type);
