@@ -95,9 +95,11 @@ static void fold_groups(const range_values *values, int bricks, iso_brick_readin
     for (int g = 0; g < ISO_ROW_GROUPS; g++)
         for (int b = 0; b < bricks; b++) {
             const float low = values->lo[g][b], high = values->hi[g][b];
-            odd[b] |= (key_of_value(low) < LEAST_KEY) | (key_of_value(high) > LARGEST_KEY);
-            lo[b] = !is_empty(low, high) & (low < lo[b]) ? low : lo[b];
-            hi[b] = !is_empty(low, high) & (high > hi[b]) ? high : hi[b];
+            const bool below = key_of_value(low) < LEAST_KEY;
+            const bool above = key_of_value(high) > LARGEST_KEY;
+            odd[b] |= below | above;
+            lo[b] = (!is_empty(low, high) & (low < lo[b])) ? low : lo[b];
+            hi[b] = (!is_empty(low, high) & (high > hi[b])) ? high : hi[b];
         }
     for (int b = 0; b < bricks; b++) readings[b].range = (iso_brick_range){lo[b], hi[b], !odd[b]};
 }

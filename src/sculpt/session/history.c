@@ -179,9 +179,9 @@ static iso_status read_back(iso_history *history, step *s, iso_error *error) {
 /* The values or mask bits of a cell: those of a copy in the open step or, with `copy` NULL, the grid's. */
 static const void *content_of_cell(const iso_history *history, const saved_cell *cell,
                                    const saved_cell *copy) {
-    if (is_mask(cell))
-        return copy ? (const iso_voxel_bits *)history->raw_masks.data + copy->first
-                    : iso_mask_bits(history->mask, cell->cell);
+    if (is_mask(cell) && !copy) return iso_mask_bits(history->mask, cell->cell);
+    if (is_mask(cell) && copy->state == MASK_NONE) return NULL;
+    if (is_mask(cell)) return (const iso_voxel_bits *)history->raw_masks.data + copy->first;
     return copy ? iso_slabs_get(&history->raw, copy->first)
                 : iso_hgrid_brick(history->grid, history->grid->cell[cell->cell]);
 }
