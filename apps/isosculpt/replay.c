@@ -108,22 +108,22 @@ static iso_status draw(player *p, iso_error *error) {
     return add_time(&p->report->draw, iso_clock_seconds() - start, error);
 }
 
-static void count(isosculpt_report *report, const iso_event *event, const iso_edit_stats *surface_isovalue) {
+static void count(isosculpt_report *report, const iso_event *event, const iso_edit_stats *stats) {
     report->strokes += event->kind == ISO_EVENT_BEGIN;
     report->undone += event->kind == ISO_EVENT_UNDO;
     report->samples += event->kind <= ISO_EVENT_SAMPLE;
-    report->edits.edited += surface_isovalue->edited;
-    report->edits.redistanced += surface_isovalue->redistanced;
-    report->edits.created += surface_isovalue->created;
-    report->edits.pruned += surface_isovalue->pruned;
-    report->edits.clipped |= surface_isovalue->clipped;
+    report->edits.edited += stats->edited;
+    report->edits.redistanced += stats->redistanced;
+    report->edits.created += stats->created;
+    report->edits.pruned += stats->pruned;
+    report->edits.clipped |= stats->clipped;
 }
 
 static iso_status play(player *p, const iso_event *event, iso_error *error) {
-    iso_edit_stats surface_isovalue = {0};
+    iso_edit_stats stats = {0};
     double start = iso_clock_seconds();
-    ISO_TRY(iso_session_play(p->session, event, &surface_isovalue, error));
-    count(p->report, event, &surface_isovalue);
+    ISO_TRY(iso_session_play(p->session, event, &stats, error));
+    count(p->report, event, &stats);
     if (event->kind > ISO_EVENT_SAMPLE) return ISO_OK;
     ISO_TRY(add_time(&p->report->edit, iso_clock_seconds() - start, error));
     if (p->points) ISO_TRY(extract(p, error));

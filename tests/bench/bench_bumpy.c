@@ -19,26 +19,26 @@ typedef struct lattice {
 } lattice;
 
 /* `bricks`: with the one to spare at either end. */
-static iso_status lattice_create(int side, int bricks, lattice *surface_isovalue, iso_error *error) {
+static iso_status lattice_create(int side, int bricks, lattice *made, iso_error *error) {
     int count = bricks * ISO_BRICK;
-    *surface_isovalue = (lattice){.spacing = 2.0f / (float)side,
-                                  .place = calloc((size_t)count, sizeof(float)),
-                                  .bump = calloc((size_t)count, sizeof(float))};
-    if (!surface_isovalue->place || !surface_isovalue->bump) {
-        free(surface_isovalue->place);
-        free(surface_isovalue->bump);
+    *made = (lattice){.spacing = 2.0f / (float)side,
+                      .place = calloc((size_t)count, sizeof(float)),
+                      .bump = calloc((size_t)count, sizeof(float))};
+    if (!made->place || !made->bump) {
+        free(made->place);
+        free(made->bump);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     }
     for (int i = 0; i < count; i++) {
-        surface_isovalue->place[i] = -1 + (float)(i - ISO_BRICK) * surface_isovalue->spacing;
-        surface_isovalue->bump[i] = sinf(11 * surface_isovalue->place[i]);
+        made->place[i] = -1 + (float)(i - ISO_BRICK) * made->spacing;
+        made->bump[i] = sinf(11 * made->place[i]);
     }
     return ISO_OK;
 }
 
-static void lattice_free(lattice *surface_isovalue) {
-    free(surface_isovalue->place);
-    free(surface_isovalue->bump);
+static void lattice_free(lattice *made) {
+    free(made->place);
+    free(made->bump);
 }
 
 /* Between the sphere of radius 0.68 and the ring of radii 0.86 and 0.05, tilted about z. */

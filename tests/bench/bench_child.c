@@ -116,9 +116,10 @@ iso_status bench_child_start(const char *const *argv, int threads, const char *d
 
 /* ---- talking ---- */
 
-iso_status bench_child_ask(bench_child *child, const char *dialog, char *answer, int size, iso_error *error) {
-    if (dialog) fprintf(child->to, "%s\n", dialog);
-    if (dialog) fflush(child->to);
+iso_status bench_child_ask(bench_child *child, const char *question, char *answer, int size,
+                           iso_error *error) {
+    if (question) fprintf(child->to, "%s\n", question);
+    if (question) fflush(child->to);
     if (!fgets(answer, size, child->from))
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s does not run here", child->name);
     answer[strcspn(answer, "\n")] = 0;

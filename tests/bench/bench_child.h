@@ -20,7 +20,8 @@ iso_status bench_child_start(const char *const *argv, int threads, const char *d
                              iso_error *error);
 
 /* Sends `question` (NULL: nothing) and reads a line, without its end, into answer[size]. */
-iso_status bench_child_ask(bench_child *child, const char *dialog, char *answer, int size, iso_error *error);
+iso_status bench_child_ask(bench_child *child, const char *question, char *answer, int size,
+                           iso_error *error);
 
 /* Closes its input and waits until it ends; whether it ended well. NULL is fine. */
 bool bench_child_end(bench_child *child);

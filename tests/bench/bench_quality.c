@@ -30,7 +30,7 @@ typedef quality_row row;
 static const int zooms[ZOOMS] = {1, 4, 16};
 
 /* The colours of the study whose figures stand in the issues. */
-static const iso_study_look mode = {.color = {191, 140, 102}, .background = {31, 33, 41}};
+static const iso_study_look look = {.color = {191, 140, 102}, .background = {31, 33, 41}};
 
 /* A volume or scene. */
 typedef struct entry {
@@ -200,14 +200,14 @@ static iso_status keep_picture(const session *s, const iso_study_frame *frame, i
 static iso_status judge(session *s, const iso_view *view, const iso_renderer *method, row *r,
                         iso_error *error) {
     double start = iso_clock_seconds();
-    ISO_TRY(iso_study_draw(&s->subject, method, view, &mode, &s->candidate, error));
+    ISO_TRY(iso_study_draw(&s->subject, method, view, &look, &s->candidate, error));
     r->seconds = iso_clock_seconds() - start;
     ISO_TRY(keep_picture(s, &s->candidate, r->zoom, method->name, error));
-    iso_study_light(&s->candidate, view, &mode, s->colors[1]);
+    iso_study_light(&s->candidate, view, &look, s->colors[1]);
     iso_compare_picture truth = iso_study_picture(&s->truth), candidate = iso_study_picture(&s->candidate);
     truth.color = s->colors[0];
     candidate.color = s->colors[1];
-    iso_compare_opts opts = {.background = mode.background,
+    iso_compare_opts opts = {.background = look.background,
                              .voxel = s->voxel,
                              .pixels_per_voxel = r->pixels_per_voxel,
                              .pool = s->state->pool};
@@ -233,8 +233,8 @@ static iso_status judge_all(session *s, const iso_view *view, int zoom, double p
                             iso_error *error) {
     size_t count;
     const iso_renderer *methods = iso_renderer_list(&count);
-    ISO_TRY(iso_study_draw(&s->subject, iso_renderer_truth(), view, &mode, &s->truth, error));
-    iso_study_light(&s->truth, view, &mode, s->colors[0]);
+    ISO_TRY(iso_study_draw(&s->subject, iso_renderer_truth(), view, &look, &s->truth, error));
+    iso_study_light(&s->truth, view, &look, s->colors[0]);
     ISO_TRY(keep_picture(s, &s->truth, zoom, iso_renderer_truth()->name, error));
     for (size_t m = 0; m < count && s->state->row_count < ROWS; m++) {
         if (!is_wanted(s, &methods[m])) continue;
@@ -286,7 +286,7 @@ static iso_status turn(session *s, const iso_renderer *method, double *change, i
     if (status == ISO_OK) status = iso_study_frame_create(set->side, true, &frames[1], error);
     for (int i = 0; i < set->frames && status == ISO_OK; i++) {
         iso_view view = iso_study_fit(&s->ball, set->side, 0.5 * i);
-        status = iso_study_draw(&s->subject, method, &view, &mode, &frames[i & 1], error);
+        status = iso_study_draw(&s->subject, method, &view, &look, &frames[i & 1], error);
         if (i > 0 && status == ISO_OK) sum += iso_study_change(&frames[0], &frames[1]);
     }
     iso_study_frame_free(&frames[0]);

@@ -28,7 +28,7 @@ static iso_status read_file(bench_subject *s, iso_error *error) {
 }
 
 static iso_status make(bench_subject *s, iso_error *error) {
-    if (s->surface_isovalue) return ISO_OK;
+    if (s->made) return ISO_OK;
     if (!s->pool) ISO_TRY(iso_pool_create(0, &s->pool, error));
     if (s->bumpy_side) {
         bench_bumpy_free(&s->bumpy);
@@ -38,7 +38,7 @@ static iso_status make(bench_subject *s, iso_error *error) {
     } else {
         ISO_TRY(bench_scene_ct(s->bench->scenes, s->ct_size, ISO_UINT8, &s->grid, error));
     }
-    s->surface_isovalue = true;
+    s->made = true;
     return ISO_OK;
 }
 

@@ -46,7 +46,7 @@ typedef struct bench_subject {
     bool bumpy_meshless; /* no row wants a mesh of it */
 
     /* The rest is made on demand. */
-    bool surface_isovalue;
+    bool made;
     iso_pool *pool;
     bench_bumpy bumpy;
     iso_volume volume;

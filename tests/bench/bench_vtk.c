@@ -122,24 +122,24 @@ static iso_status open_row(bench_row *row, iso_error *error) {
             return status;
         }
     }
-    vtk_row *loaded = calloc(1, sizeof *loaded);
-    if (!loaded) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    row->context = loaded;
-    loaded->child = vtk->child[index];
+    vtk_row *opened = calloc(1, sizeof *opened);
+    if (!opened) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    row->context = opened;
+    opened->child = vtk->child[index];
     char line[256];
     ISO_TRY(show(plan->subject, row->threads, plan->view, error));
-    ISO_TRY(bench_child_ask(loaded->child, "covered", line, sizeof line, error));
-    if (sscanf(line, "covered %zu", &loaded->covered) != 1)
+    ISO_TRY(bench_child_ask(opened->child, "covered", line, sizeof line, error));
+    if (sscanf(line, "covered %zu", &opened->covered) != 1)
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "vtk_frame said '%.80s'", line);
     return ISO_OK;
 }
 
 static iso_status run_row(bench_row *row, bench_sample *sample, iso_error *error) {
     const bench_frame_plan *plan = row->plan;
-    const vtk_row *loaded = row->context;
+    const vtk_row *opened = row->context;
     char line[256];
     ISO_TRY(show(plan->subject, row->threads, plan->view, error));
-    ISO_TRY(bench_child_ask(loaded->child, "frame", line, sizeof line, error));
+    ISO_TRY(bench_child_ask(opened->child, "frame", line, sizeof line, error));
     if (sscanf(line, "frame %lf %lf", &sample->wall, &sample->cpu) != 2)
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "vtk_frame said '%.80s'", line);
     sample->primitives = plan->subject->vtk.triangles;
@@ -147,8 +147,8 @@ static iso_status run_row(bench_row *row, bench_sample *sample, iso_error *error
 }
 
 static void finish_row(bench_row *row) {
-    const vtk_row *loaded = row->context;
-    bench_count(row, "covered_pixels", (double)loaded->covered, 0, 0);
+    const vtk_row *opened = row->context;
+    bench_count(row, "covered_pixels", (double)opened->covered, 0, 0);
 }
 
 static void close_row(bench_row *row) {

@@ -141,12 +141,12 @@ static void pull(work *w, int number) {
                 if (c && c->valid) shares[count++] = (share){c, 1};
             }
             if (!count) continue;
-            cell surface_isovalue = mix(w, shares, count), front = surface_isovalue;
+            cell made = mix(w, shares, count), front = made;
             for (int i = 0; i < count; i++)
-                if (shares[i].from->low == surface_isovalue.low) front = *shares[i].from;
+                if (shares[i].from->low == made.low) front = *shares[i].from;
             for (int i = 0; i < count; i++)
-                if (!joins(w, shares[i].from, &front)) surface_isovalue.hides = true;
-            *cell_at(coarse, x, y) = surface_isovalue;
+                if (!joins(w, shares[i].from, &front)) made.hides = true;
+            *cell_at(coarse, x, y) = made;
         }
 }
 

@@ -13,7 +13,7 @@ static GLFWwindow *window;
 static GLFWwindowcontentscalefun listener;
 static float now = 1;
 
-static void mode(void) {
+static void look(void) {
     float scale = now;
     FILE *file = fopen(getenv("ISO_TEST_SCALE"), "r");
     if (!file) return;
@@ -46,12 +46,12 @@ void glfwPollEvents(void) {
     void (*poll)(void);
     FIND(poll);
     poll();
-    mode();
+    look();
 }
 
 void glfwWaitEventsTimeout(double seconds) {
     void (*wait)(double);
     FIND(wait);
     wait(seconds);
-    mode();
+    look();
 }
