@@ -158,9 +158,9 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
 }
 
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
-    iso_gl_engine_forget_seconds(job->backend->engine);
+    iso_gl_engine_reset_seconds(job->backend->engine);
     for (int i = 0; i < job->surface_count; i++) {
-        iso_gl_surface **shape = &job->shapes[i];
+        iso_gl_surface **shape = &job->gl_surfaces[i];
         if (job->method == ISORENDER_MESH) {
             ISO_TRY(iso_mesh_set_bound(job->surfaces[i].mesh, error));
             iso_mesh_view mesh = iso_mesh_set_view(job->surfaces[i].mesh);
@@ -178,23 +178,23 @@ iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
 
 void isorender_gl_release(isorender_job *job) {
     for (int i = 0; i < job->surface_count; i++) {
-        iso_gl_surface_destroy(job->shapes[i]);
-        job->shapes[i] = NULL;
+        iso_gl_surface_destroy(job->gl_surfaces[i]);
+        job->gl_surfaces[i] = NULL;
     }
 }
 
 iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
                              iso_error *error) {
     const isorender_settings *settings = job->settings;
-    const iso_gl_surface *const *shapes = (const iso_gl_surface *const *)job->shapes;
+    const iso_gl_surface *const *gl_surfaces = (const iso_gl_surface *const *)job->gl_surfaces;
     if (job->method == ISORENDER_PULLPUSH) {
-        const iso_gl_pullpush_opts pullpush = {view, shapes, job->surface_count,
+        const iso_gl_pullpush_opts pullpush = {view, gl_surfaces, job->surface_count,
                                                (iso_reconstruction)settings->reconstruction};
         return iso_gl_draw_pullpush(job->backend->engine, &pullpush, gbuffer, error);
     }
     iso_gl_draw_opts opts = {.view = view,
-                             .shapes = shapes,
-                             .shape_count = job->surface_count,
+                             .surfaces = gl_surfaces,
+                             .surface_count = job->surface_count,
                              .scaling = (iso_point_scaling)settings->scaling};
     /* The view may be a strip; the bound on depth is the whole picture's. */
     opts.tan_y = iso_tan(job->camera.view_angle * (ISO_PI / 360));

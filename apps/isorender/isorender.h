@@ -199,7 +199,7 @@ typedef struct isorender_job {
 
     isorender_surface surfaces[ISORENDER_SURFACES];
     int surface_count;
-    iso_gl_surface *shapes[ISORENDER_SURFACES]; /* of the gl engine */
+    iso_gl_surface *gl_surfaces[ISORENDER_SURFACES]; /* of the gl engine */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count;
     iso_box bounds_local, bounds_world; /* mm */
 

@@ -186,8 +186,8 @@ static void put_files(iso_json *json, const isorender_job *job) {
 /* As 2003, table 2: indices of the strips, restarts included, in percent of three a triangle. */
 static void put_strips(iso_json *json, const isorender_job *job) {
     uint64_t indices = 0, triangles = 0;
-    for (int i = 0; i < job->surface_count && job->shapes[i]; i++) {
-        iso_gl_surface_stats stats = iso_gl_surface_measure(job->shapes[i]);
+    for (int i = 0; i < job->surface_count && job->gl_surfaces[i]; i++) {
+        iso_gl_surface_stats stats = iso_gl_surface_measure(job->gl_surfaces[i]);
         indices += stats.indices;
         triangles += stats.triangles;
     }
