@@ -14,6 +14,6 @@
 #define REALS(field, n) .kind = ISO_OPTION_REALS, FIELD(field), .count = (n)
 #define CHOICE(field, list) .kind = ISO_OPTION_CHOICE, FIELD(field), .choices = (list)
 #define CALL(function) .kind = ISO_OPTION_CALL, .apply = (function)
-#define QUIETLY .flags = ISO_OPTION_UNRECORDED
+#define UNRECORDED .flags = ISO_OPTION_UNRECORDED
 
 #endif

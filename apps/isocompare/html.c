@@ -344,7 +344,7 @@ static void put_head(const report *r, FILE *stream) {
     fputs("<!doctype html>\n<html lang=en><head><meta charset=utf-8>\n"
           "<meta name=viewport content=\"width=device-width,initial-scale=1\">\n<title>",
           stream);
-    isocompare_put_text(stream, r->plan.model);
+    isocompare_put_text(stream, r->model);
     fputs(": methods against the truth</title>\n<style>\n", stream);
     put_lines(stream, STYLE);
     iso_rgb back = r->settings->background;
@@ -354,9 +354,9 @@ static void put_head(const report *r, FILE *stream) {
 }
 
 static void put_facts(const report *r, FILE *stream) {
-    const iso_volume_info *info = &r->job.volume.info;
+    const iso_volume_info *info = &r->loader.volume.info;
     fputs("<h1>", stream);
-    isocompare_put_text(stream, r->plan.model);
+    isocompare_put_text(stream, r->model);
     fprintf(
         stream,
         "</h1>\n<p class=soft>Every way to draw one isosurface, against rays through the trilinear field "
@@ -394,11 +394,11 @@ static void put_verdict(const report *r, FILE *stream) {
 }
 
 static void put_run(const report *r, FILE *stream) {
-    const iso_volume_info *info = &r->job.volume.info;
+    const iso_volume_info *info = &r->loader.volume.info;
     fprintf(stream,
             "<h2>What was run, and on what</h2>\n<dl><dt>program</dt><dd>%s %s</dd><dt>volume</dt><dd>",
             isocompare_program()->name, isocompare_program()->version);
-    isocompare_put_text(stream, r->plan.input);
+    isocompare_put_text(stream, r->loader.input);
     fprintf(stream, " (%s, spacing %.6g × %.6g × %.6g mm)</dd>", info->format, info->transform.spacing[0],
             info->transform.spacing[1], info->transform.spacing[2]);
     for (int i = 0; i < info->note_count; i++) {
@@ -407,12 +407,12 @@ static void put_run(const report *r, FILE *stream) {
         fputs("</dd>", stream);
     }
     fputs("<dt>command</dt><dd><code>isocompare report ", stream);
-    isocompare_put_text(stream, r->plan.model);
-    isocompare_put_text(stream, r->settings->render.record);
+    isocompare_put_text(stream, r->model);
+    isocompare_put_text(stream, r->settings->common.record);
     fputs("</code></dd><dt>processor</dt><dd>", stream);
     isocompare_put_text(stream, r->processor);
     fprintf(stream, ", %s, %d thread%s</dd><dt>memory</dt><dd>", iso_cpu_level_name(iso_cpu_best()),
-            iso_pool_threads(r->job.pool), iso_pool_threads(r->job.pool) > 1 ? "s" : "");
+            iso_pool_threads(r->pool), iso_pool_threads(r->pool) > 1 ? "s" : "");
     put_amount(stream, (double)r->peak, "B");
     fputs(" at most, for all of this</dd><dt>view</dt><dd>perspective, 30° at fit, from 34° to the right of "
           "the "

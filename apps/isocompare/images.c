@@ -147,7 +147,7 @@ static void put_all(iso_json *json, const comparison *c) {
 
 static iso_status write_json(const comparison *c, iso_error *error) {
     iso_sink sink = {0};
-    ISO_TRY(iso_sink_open(c->settings->render.json_path ? c->settings->render.json_path : "-", &sink, error));
+    ISO_TRY(iso_sink_open(c->settings->common.json_path ? c->settings->common.json_path : "-", &sink, error));
     iso_json json = {.stream = sink.stream};
     put_all(&json, c);
     return iso_sink_commit(&sink, error);
@@ -193,11 +193,11 @@ static iso_status check_outputs(const isocompare_settings *settings, iso_error *
     for (int i = 0; i < 4; i++)
         if (inputs[i]) iso_file_set_read(&files, inputs[i]);
     iso_file_set_write(&files, settings->difference);
-    iso_file_set_write(&files, settings->render.json_path);
+    iso_file_set_write(&files, settings->common.json_path);
     iso_status status = iso_file_set_check(&files, error);
     iso_file_set_free(&files);
     if (status == ISO_OK) status = iso_sink_check(settings->difference, error);
-    return status == ISO_OK ? iso_sink_check(settings->render.json_path, error) : status;
+    return status == ISO_OK ? iso_sink_check(settings->common.json_path, error) : status;
 }
 
 /* Bytes for pictures of these sizes, known before anything is decoded: what is read, and a pixel's share in
@@ -207,7 +207,7 @@ static iso_status check_memory(const isocompare_settings *settings, iso_error *e
     enum { PNG_BYTES = 4, EXR_BYTES = 20, METRIC_BYTES = 16, DIFFERENCE_BYTES = 8 };
     const char *const files[] = {settings->truth, settings->candidate, settings->truth_aov,
                                  settings->candidate_aov};
-    const uint64_t limit = iso_memory_limit(settings->render.input.max_memory);
+    const uint64_t limit = iso_memory_limit(settings->common.input.max_memory);
     uint64_t needs = 0, most = 0;
     for (int i = 0; i < 4; i++) {
         uint32_t size[2];
@@ -253,9 +253,9 @@ static iso_status compare(comparison *c, iso_error *error) {
                              .pool = c->pool};
     ISO_TRY(iso_compare(&c->sides[0].picture, &c->sides[1].picture, &opts, &c->metrics, error));
     if (settings->difference) ISO_TRY(write_difference(c, error));
-    bool to_stdout = settings->render.json && !settings->render.json_path;
-    if (!settings->render.quiet && !to_stdout) print_table(c);
-    iso_status status = settings->render.json ? write_json(c, error) : ISO_OK;
+    bool to_stdout = settings->common.json && !settings->common.json_path;
+    if (!settings->common.quiet && !to_stdout) print_table(c);
+    iso_status status = settings->common.json ? write_json(c, error) : ISO_OK;
     if (status != ISO_OK) iso_file_remove(settings->difference); /* all outputs or none */
     ISO_TRY(status);
     return check_bounds(c, error);

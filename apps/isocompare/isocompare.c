@@ -3,9 +3,9 @@
 
 #include "apps/isocompare/isocompare.h"
 
-static iso_status run(const isocompare_settings *settings, iso_error *error) {
+static iso_status run_command(const isocompare_settings *settings, iso_error *error) {
     iso_pool *pool = NULL;
-    ISO_TRY(iso_pool_create(settings->render.threads, &pool, error));
+    ISO_TRY(iso_pool_create(settings->common.threads, &pool, error));
     iso_status status = settings->command == ISOCOMPARE_IMAGES ? isocompare_images(settings, pool, error)
                                                                : isocompare_report(settings, pool, error);
     iso_pool_destroy(pool);
@@ -19,12 +19,8 @@ static int run_program(int argc, char **argv) {
     iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
     if (!operands.values) return iso_status_exit(ISO_ERR_NOMEM);
     iso_status status = isocompare_settings_parse(argc, argv, &settings, &operands, &error);
-    if (status == ISO_OK && settings.render.help == ISORENDER_HELP)
-        iso_options_help(program, settings.render.help_form, stdout);
-    else if (status == ISO_OK && settings.render.help == ISORENDER_VERSION)
-        printf("%s %s\n", program->name, program->version);
-    else if (status == ISO_OK)
-        status = run(&settings, &error);
+    if (status == ISO_OK && !iso_settings_print_help(&settings.common, program))
+        status = run_command(&settings, &error);
     free(operands.values);
     int code = status == ISO_OK ? 0 : iso_program_fail(program, &error, status);
     return iso_program_finish(program, code);

@@ -2,8 +2,7 @@
 #ifndef ISO_APPS_ISOCOMPARE_ISOCOMPARE_H
 #define ISO_APPS_ISOCOMPARE_ISOCOMPARE_H
 
-#include "apps/common/options.h"
-#include "apps/isorender/isorender.h"
+#include "apps/common/settings.h"
 #include "base/parallel.h"
 #include "compare/metrics.h"
 
@@ -23,9 +22,10 @@ typedef struct isocompare_bound {
 
 /* Strings are borrowed from argv. */
 typedef struct isocompare_settings {
-    isorender_settings render; /* reading, isovalue, json, threads, quiet, help; first: options are shared */
+    iso_common_settings common; /* first */
     isocompare_command command;
     const char *volume, *output; /* report */
+    double isovalue;             /* of the report, physical; NaN: not given */
     int side;
     const char *truth, *candidate, *truth_aov, *candidate_aov;
     const char *difference;

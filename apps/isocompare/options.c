@@ -55,19 +55,14 @@ static iso_status apply_bound(void *target, const char *value, iso_error *error)
 
 static iso_status apply_isovalue(void *target, const char *value, iso_error *error) {
     isocompare_settings *settings = target;
-    settings->render.isovalue_count = 1;
-    if (iso_parse_real(value, &settings->render.isovalues[0])) return ISO_OK;
+    if (iso_parse_real(value, &settings->isovalue)) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a number", value);
 }
 
 /* ---- the table ---- */
 
-/* What is shared with isorender is at the same place in both settings. */
-#define FIELD(name) .offset = offsetof(isorender_settings, name)
+#define FIELD(name) .offset = offsetof(isocompare_settings, name)
 #include "apps/common/option_rows.h"
-#define OWN(kind_of, field) .kind = (kind_of), .offset = offsetof(isocompare_settings, field)
-#define OWN_TEXT(field) OWN(ISO_OPTION_TEXT, field)
-#define OWN_REAL(field, from, to) OWN(ISO_OPTION_REAL, field), .low = (from), .high = (to)
 
 static const iso_option options[] = {
     {"fail-under", NULL, "METRIC=VALUE",
@@ -80,29 +75,31 @@ static const iso_option options[] = {
      "those of a report are laid on",
      .group = IMAGES, .standard = "FFFFFF", CALL(apply_background)},
     {"aov-a", NULL, "FILE.exr", "depth, normals and coverage of TRUTH, as isorender --aov writes them",
-     .group = IMAGES, OWN_TEXT(truth_aov)},
-    {"aov-b", NULL, "FILE.exr", "the same of CANDIDATE", .group = IMAGES, OWN_TEXT(candidate_aov)},
+     .group = IMAGES, TEXT(truth_aov)},
+    {"aov-b", NULL, "FILE.exr", "the same of CANDIDATE", .group = IMAGES, TEXT(candidate_aov)},
     {"voxel", NULL, "MM", "size of a voxel, for errors of depth", .group = IMAGES,
-     .standard = "what TRUTH's .exr says", OWN_REAL(voxel, 1e-12, 1e12)},
+     .standard = "what TRUTH's .exr says", REAL(voxel, 1e-12, 1e12)},
     {"pixels-per-voxel", NULL, "N", "for dilations in voxels", .group = IMAGES,
-     OWN_REAL(pixels_per_voxel, 1e-9, 1e9)},
+     REAL(pixels_per_voxel, 1e-9, 1e9)},
     {"pixels-per-degree", "ppd", "N", "how densely the eye sees the pictures, for FLIP", .group = IMAGES,
-     .standard = "67.02", OWN_REAL(pixels_per_degree, 1, 450)},
+     .standard = "67.02", REAL(pixels_per_degree, 1, 450)},
     {"difference", NULL, "FILE.png", "write a picture of FLIP's differences, black to white", .group = IMAGES,
-     OWN_TEXT(difference)},
+     TEXT(difference)},
 
     {"json", NULL, "FILE", "one object with all metrics, to stdout without a FILE", .group = IMAGES,
-     CALL(isorender_apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL},
+     CALL(iso_settings_apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL},
 
     {"output", "o", "DIR", "folder for report.html and report.json; made when it is not there",
-     .group = REPORT, OWN_TEXT(output), .flags = ISO_OPTION_UNRECORDED},
+     .group = REPORT, TEXT(output), .flags = ISO_OPTION_UNRECORDED},
     {"isovalue", "isosurface iso-value", "V",
      "value of the surface, in the file's physical units (of a level set: mm)", .group = REPORT,
      .standard = "as isorender chooses it", CALL(apply_isovalue)},
     {"side", NULL, "N", "pixels a side of its pictures, a multiple of 32", .group = REPORT,
-     .standard = "1024", OWN(ISO_OPTION_INT, side), .low = 64, .high = 4096},
+     .standard = "1024", INT(side, 64, 4096)},
 #include "apps/common/input_options.inc"
 
+    {"threads", NULL, "N", "threads to use; what comes out does not depend on it", .group = RUNNING,
+     .standard = "one a processor", INT(common.threads, 1, 1024), UNRECORDED},
 #include "apps/common/running_options.inc"
 };
 
@@ -150,7 +147,7 @@ static void see_option(void *target, const iso_option *option, const char *value
         settings->of_images = option->name;
     if (option->group == REPORT || (option->group == INPUT && strcmp(option->name, "max-memory") != 0))
         settings->of_report = option->name;
-    isorender_record(&settings->render, option, value);
+    iso_settings_record_option(settings, option, value);
 }
 
 const iso_program *isocompare_program(void) {
@@ -206,9 +203,9 @@ static iso_status check_command(const isocompare_settings *settings, iso_error *
 
 iso_status isocompare_settings_parse(int argc, char *const *argv, isocompare_settings *settings,
                                      iso_operands *operands, iso_error *error) {
-    *settings = (isocompare_settings){.background = {255, 255, 255}, .side = 1024};
+    *settings = (isocompare_settings){.background = {255, 255, 255}, .isovalue = NAN, .side = 1024};
     ISO_TRY(iso_options_parse(isocompare_program(), argc, argv, settings, operands, error));
-    if (settings->render.help) return ISO_OK;
+    if (settings->common.action) return ISO_OK;
     ISO_TRY(take_operands(settings, operands, error));
     return check_command(settings, error);
 }

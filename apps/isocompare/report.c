@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "apps/common/clock.h"
 #include "apps/common/template.h"
 #include "base/file.h"
 #include "base/memory.h"
@@ -18,7 +19,7 @@ static const int ZOOMS[REPORT_ZOOMS] = {1, 4, 16};
 static const int SAMPLES[REPORT_SAMPLINGS] = {1, 4}, TRUTH_SAMPLES[REPORT_SAMPLINGS] = {1, 16};
 
 static void tell(const report *r, const char *text) {
-    if (!r->settings->render.quiet) iso_program_log(isocompare_program(), "%s", text);
+    if (!r->settings->common.quiet) iso_program_log(isocompare_program(), "%s", text);
 }
 
 /* ---- the volume ---- */
@@ -30,28 +31,27 @@ static char *path_of(const char *folder, int file) {
 }
 
 static iso_status choose_isovalue(report *r, iso_error *error) {
-    const isorender_settings *settings = &r->settings->render;
     iso_subject *subject = &r->subject;
-    if (settings->isovalue_count) {
-        subject->isovalue = settings->isovalues[0];
+    if (!isnan(r->settings->isovalue)) {
+        subject->isovalue = r->settings->isovalue;
         r->isovalue_from = "given";
-        return iso_isovalue_check(&r->job.volume.grid, subject->isovalue, error);
-    } else if (!isnan(r->job.scene_isovalue)) {
-        subject->isovalue = r->job.scene_isovalue;
+        return iso_isovalue_check(&r->loader.volume.grid, subject->isovalue, error);
+    } else if (!isnan(r->loader.scene_isovalue)) {
+        subject->isovalue = r->loader.scene_isovalue;
         r->isovalue_from = "the scene's";
     } else {
         double candidates[ISO_ISOVALUE_CANDIDATES];
-        ISO_TRY(isorender_histogram(&r->job, error));
-        if (iso_isovalue_suggest(&r->job.volume.grid, &r->job.histogram, candidates) == 0)
+        ISO_TRY(iso_loader_histogram(&r->loader, error));
+        if (iso_isovalue_suggest(&r->loader.volume.grid, &r->loader.histogram, candidates) == 0)
             return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant");
         subject->isovalue = candidates[0];
         r->isovalue_from =
-            iso_grid_is_level_set(&r->job.volume.grid) ? "a level set's" : "Otsu's threshold (1979)";
+            iso_grid_is_level_set(&r->loader.volume.grid) ? "a level set's" : "Otsu's threshold (1979)";
     }
     return ISO_OK;
 }
 
-/* isorender_open holds them against what is read. */
+/* iso_loader_open checks that no output overwrites a file that is read. */
 static iso_status add_outputs(report *r, iso_error *error) {
     for (int i = 0; i < 2; i++) {
         char *path = path_of(r->settings->output, i);
@@ -59,22 +59,21 @@ static iso_status add_outputs(report *r, iso_error *error) {
         iso_file_set_write(&r->files, path);
         free(path);
     }
-    r->plan.files = &r->files;
     return iso_file_set_check(&r->files, error);
 }
 
 static iso_status open_volume(report *r, iso_error *error) {
-    ISO_TRY(iso_template_model(r->plan.input, &r->plan.model, error));
+    ISO_TRY(iso_template_model(r->loader.input, &r->model, error));
     ISO_TRY(add_outputs(r, error));
-    ISO_TRY(isorender_open(&r->job, error));
-    if (r->job.from_points)
+    ISO_TRY(iso_loader_open(&r->loader, error));
+    if (r->loader.has_points)
         return iso_fail(error, ISO_ERR_USAGE, "holds points: a report needs the volume they come from");
     tell(r, "reading");
-    ISO_TRY(isorender_read(&r->job, error));
-    const double *spacing = iso_grid_transform(&r->job.volume.grid)->spacing;
+    ISO_TRY(iso_loader_read(&r->loader, error));
+    const double *spacing = iso_grid_transform(&r->loader.volume.grid)->spacing;
     r->voxel = fmin(spacing[0], fmin(spacing[1], spacing[2]));
-    r->subject.grid = &r->job.volume.grid;
-    r->subject.pool = r->job.pool;
+    r->subject.grid = &r->loader.volume.grid;
+    r->subject.pool = r->pool;
     return choose_isovalue(r, error);
 }
 
@@ -91,10 +90,10 @@ static iso_status extract(report *r, iso_error *error) {
     for (int m = 0; m < r->method_count; m++) needs |= r->methods[m]->needs;
     for (int part = 0; part < ISO_PART_COUNT; part++) {
         if (!(needs & 1u << part)) continue;
-        double start = isorender_now();
+        double start = iso_clock_seconds();
         ISO_TRY(iso_subject_prepare(&r->subject, (iso_part)part, error));
         r->parts[part] =
-            (report_part){true, isorender_now() - start, iso_subject_size(&r->subject, (iso_part)part)};
+            (report_part){true, iso_clock_seconds() - start, iso_subject_size(&r->subject, (iso_part)part)};
     }
     iso_mesh_view mesh = iso_mesh_set_view(r->subject.mesh);
     if (iso_mesh_view_triangle_count(&mesh) == 0)
@@ -143,7 +142,7 @@ static void note_peak(report *r) {
 
 static iso_status keep_picture(const report *r, const iso_image *image, report_picture *picture,
                                iso_error *error) {
-    iso_png_opts opts = {.small = true, .pool = r->job.pool};
+    iso_png_opts opts = {.small = true, .pool = r->pool};
     return iso_png_encode(image, &opts, &picture->bytes, &picture->size, error);
 }
 
@@ -159,9 +158,9 @@ static iso_status draw_timed(report *r, const report_view *v, int method, iso_st
     bool known = isocompare_reset_peak();
     uint64_t before = isocompare_resident(false);
     while (frames == 0 || (frames < FRAMES && spent < patience)) {
-        double start = isorender_now();
+        double start = iso_clock_seconds();
         ISO_TRY(iso_study_draw(&r->subject, r->methods[method], &v->view, &look, frame, error));
-        seconds[frames] = isorender_now() - start;
+        seconds[frames] = iso_clock_seconds() - start;
         spent += seconds[frames];
         uint64_t peak = isocompare_resident(true);
         if (frames++ == 0 && known && peak > before) cell->memory = peak - before;
@@ -201,7 +200,7 @@ static iso_status compare_frames(const report *r, const report_view *v, easel *e
                              .pixels_per_voxel = v->pixels_per_voxel,
                              .pixels_per_degree = r->settings->pixels_per_degree,
                              .flip_map = sampling == REPORT_SINGLE ? e->map : NULL,
-                             .pool = r->job.pool};
+                             .pool = r->pool};
     return iso_compare(&truth, &candidate, &opts, metrics, error);
 }
 
@@ -313,16 +312,16 @@ static void free_report(report *r) {
             free(r->views[z].cells[m].picture.bytes);
             free(r->views[z].cells[m].difference.bytes);
         }
-    free(r->plan.model);
+    free(r->model);
     iso_subject_free(&r->subject);
-    isorender_close(&r->job);
+    iso_loader_close(&r->loader);
     iso_file_set_free(&r->files);
     free(r);
 }
 
 /* Every message names a thing: the volume, unless the text names a file already. */
 static void name_volume(const report *r, iso_error *error) {
-    const char *name = isorender_input_name(&r->job);
+    const char *name = iso_spool_name(r->loader.input);
     if (error->status == ISO_ERR_WRITE || iso_text_begins(error->text, name)) return;
     iso_fail(error, error->status, "%s: %s", name, error->text);
 }
@@ -333,18 +332,15 @@ iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool
     report *r = calloc(1, sizeof *r);
     if (!r) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     r->settings = settings;
-    r->plan.input = settings->volume;
-    r->reading = settings->render;
-    r->reading.quiet = 1;
-    r->job.settings = &r->reading;
-    r->job.plan = &r->plan;
-    r->job.pool = pool;
+    r->pool = pool;
+    r->loader = (iso_loader){
+        .input = settings->volume, .options = &settings->common.input, .files = &r->files, .pool = pool};
     iso_sink sinks[2] = {{0}};
     iso_status status = work(r, sinks, error);
     for (int i = 0; i < 2; i++) iso_sink_abort(&sinks[i]);
     if (status != ISO_OK) name_volume(r, error);
     if (status != ISO_OK && made) rmdir(settings->output);
-    if (status == ISO_OK && !settings->render.quiet)
+    if (status == ISO_OK && !settings->common.quiet)
         iso_program_log(isocompare_program(), "wrote %s/report.html and report.json", settings->output);
     free_report(r);
     return status;

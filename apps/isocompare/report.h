@@ -2,9 +2,10 @@
 #ifndef ISO_APPS_ISOCOMPARE_REPORT_H
 #define ISO_APPS_ISOCOMPARE_REPORT_H
 
+#include "apps/common/loader.h"
 #include "apps/isocompare/isocompare.h"
-#include "apps/isorender/isorender.h"
 #include "compare/study.h"
+#include "methods/method.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -44,10 +45,10 @@ typedef struct report_part {
 
 typedef struct report {
     const isocompare_settings *settings;
-    isorender_settings reading; /* as settings->render, but quiet: this program speaks for itself */
-    isorender_job job;
-    iso_file_set files; /* what is read, and the outputs */
-    isorender_plan plan;
+    iso_pool *pool;
+    iso_loader loader;
+    iso_file_set files; /* the files that are read, and the outputs */
+    char *model;        /* the volume's name without folder and extension */
     iso_subject subject;
     iso_study_ball ball;
     double voxel; /* mm, the smallest spacing */

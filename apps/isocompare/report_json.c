@@ -6,9 +6,9 @@
 #include "base/cpu.h"
 
 static void put_volume(iso_json *json, const report *r) {
-    const iso_volume_info *info = &r->job.volume.info;
+    const iso_volume_info *info = &r->loader.volume.info;
     iso_json_begin_object(json, "volume");
-    iso_json_string(json, "path", r->plan.input);
+    iso_json_string(json, "path", r->loader.input);
     iso_json_string(json, "format", info->format);
     iso_json_ints(json, "dims", info->dims, 3);
     iso_json_string(json, "type", iso_type_name(info->type));
@@ -86,7 +86,7 @@ void isocompare_write_json(const report *r, FILE *stream) {
     iso_json_string(&json, "truth", r->methods[0]->name);
     iso_json_string(&json, "processor", r->processor);
     iso_json_string(&json, "instructions", iso_cpu_level_name(iso_cpu_best()));
-    iso_json_integer(&json, "threads", (uint64_t)iso_pool_threads(r->job.pool));
+    iso_json_integer(&json, "threads", (uint64_t)iso_pool_threads(r->pool));
     iso_json_integer(&json, "peak_bytes", r->peak);
     put_parts(&json, r);
     put_frames(&json, r);

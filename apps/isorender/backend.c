@@ -1,14 +1,15 @@
 /* Which engine draws: the cpu engine, or the gl engine on a context that is found at run time. */
+#include "apps/isorender/backend.h"
+
+#include <stdio.h>
 #include <string.h>
 
-#include "apps/isorender/isorender.h"
 #include "base/cpu.h"
-#include "render/gl/pullpush.h"
 
-/* What both engines have. */
+/* Whether OpenGL has the method. */
 static bool has_gl(const isorender_settings *settings) {
-    return settings->method == ISORENDER_POINTS || settings->method == ISORENDER_MESH ||
-           settings->method == ISORENDER_PULLPUSH;
+    return settings->method == ISO_METHOD_POINTS || settings->method == ISO_METHOD_MESH ||
+           settings->method == ISO_METHOD_PULLPUSH;
 }
 
 static bool is_any(const char *name, const char *a, const char *b) {
@@ -21,7 +22,7 @@ static bool is_too_large(const isorender_settings *settings) {
     return pixels * (uint64_t)settings->samples > ISO_GL_SAMPLES_MAX;
 }
 
-/* Options that only OpenGL has, and the method that each is for. */
+/* Whether an option is given that only OpenGL has. */
 static bool needs_gl(const isorender_settings *settings) {
     return settings->scaling == ISO_SCALING_ATTENUATED || settings->strips;
 }
@@ -29,11 +30,11 @@ static bool needs_gl(const isorender_settings *settings) {
 static iso_status check_needs(const isorender_settings *settings, iso_error *error) {
     bool cpu = strcmp(settings->backend, "cpu") == 0;
     bool attenuated = settings->scaling == ISO_SCALING_ATTENUATED;
-    if (attenuated && (settings->method != ISORENDER_POINTS || cpu))
+    if (attenuated && (settings->method != ISO_METHOD_POINTS || cpu))
         return iso_fail(
             error, ISO_ERR_USAGE,
             "--point-scaling attenuated is for --method points with OpenGL (--backend egl or osmesa)");
-    if (settings->strips && (settings->method != ISORENDER_MESH || cpu))
+    if (settings->strips && (settings->method != ISO_METHOD_MESH || cpu))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--strips is for --method mesh with OpenGL (--backend egl or osmesa)");
     return ISO_OK;
@@ -44,8 +45,8 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     bool gl = is_any(name, "egl", "osmesa"), needed = needs_gl(settings);
     if (!gl && !is_any(name, "auto", "cpu"))
         return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
-    if ((gl || needed) && settings->method == ISORENDER_UNCHOSEN)
-        settings->method = settings->strips ? ISORENDER_MESH : ISORENDER_POINTS;
+    if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN)
+        settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--backend %s has the methods points, pullpush and mesh: others need the cpu", name);
@@ -142,62 +143,4 @@ void isorender_backends_list(int threads) {
     list_devices();
     list_context(&surfaceless, "egl surfaceless");
     list_context(&osmesa, "osmesa");
-}
-
-/* ---- pictures */
-
-uint64_t isorender_gl_bytes(const isorender_job *job) {
-    const isorender_backend *backend = job->backend;
-    if (!backend->engine || iso_gl_context_info(backend->context).hardware) return 0;
-    int factor = 1;
-    while (factor * factor < job->settings->samples) factor++;
-    const int width = job->settings->width * factor, height = job->settings->height * factor;
-    if (job->settings->method != ISORENDER_PULLPUSH) return iso_gl_draw_bytes(backend->engine, width, height);
-    return iso_gl_pullpush_bytes(backend->engine, (iso_reconstruction)job->settings->reconstruction, width,
-                                 height);
-}
-
-iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
-    iso_gl_engine_reset_seconds(job->backend->engine);
-    for (int i = 0; i < job->surface_count; i++) {
-        iso_gl_surface **shape = &job->gl_surfaces[i];
-        if (job->method == ISORENDER_MESH) {
-            ISO_TRY(iso_mesh_set_bound(job->surfaces[i].mesh, error));
-            iso_mesh_view mesh = iso_mesh_set_view(job->surfaces[i].mesh);
-            if (job->settings->strips)
-                ISO_TRY(iso_gl_upload_strips(job->backend->engine, &mesh, shape, error));
-            else
-                ISO_TRY(iso_gl_upload_mesh(job->backend->engine, &mesh, shape, error));
-        } else {
-            iso_point_view points = isorender_points_view(job, i);
-            ISO_TRY(iso_gl_upload_points(job->backend->engine, &points, shape, error));
-        }
-    }
-    return ISO_OK;
-}
-
-void isorender_gl_release(isorender_job *job) {
-    for (int i = 0; i < job->surface_count; i++) {
-        iso_gl_surface_destroy(job->gl_surfaces[i]);
-        job->gl_surfaces[i] = NULL;
-    }
-}
-
-iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
-                             iso_error *error) {
-    const isorender_settings *settings = job->settings;
-    const iso_gl_surface *const *gl_surfaces = (const iso_gl_surface *const *)job->gl_surfaces;
-    if (job->method == ISORENDER_PULLPUSH) {
-        const iso_gl_pullpush_opts pullpush = {view, gl_surfaces, job->surface_count,
-                                               (iso_reconstruction)settings->reconstruction};
-        return iso_gl_draw_pullpush(job->backend->engine, &pullpush, gbuffer, error);
-    }
-    iso_gl_draw_opts opts = {.view = view,
-                             .surfaces = gl_surfaces,
-                             .surface_count = job->surface_count,
-                             .scaling = (iso_point_scaling)settings->scaling};
-    /* The view may be a strip; the bound on depth is the whole picture's. */
-    opts.tan_y = iso_tan(job->camera.view_angle * (ISO_PI / 360));
-    opts.tan_x = opts.tan_y * settings->width / settings->height;
-    return iso_gl_draw(job->backend->engine, &opts, gbuffer, error);
 }

@@ -1,4 +1,4 @@
-/* The camera: presets, framing, turntables, and what the options for them must agree on. */
+/* The camera: presets, framing and turntables. */
 #include <math.h>
 
 #include "apps/isorender/isorender.h"
@@ -21,7 +21,7 @@ static double degrees_between_frames(const isorender_settings *settings) {
 static iso_box bounds_along(void *context, const iso_vec3 vectors[3]) {
     const isorender_job *job = context;
     const iso_transform transform =
-        job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
+        job->loader.has_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
     const iso_affine world = iso_transform_affine(&transform);
     iso_affine along = {.determinant = 1}; /* only points are taken there */
     for (int row = 0; row < 3; row++) {
@@ -94,34 +94,4 @@ iso_camera isorender_camera_of_frame(const isorender_job *job, int frame) {
     iso_camera camera = job->camera;
     if (frame > 0) iso_camera_orbit(&camera, frame * degrees_between_frames(job->settings), 0);
     return camera;
-}
-
-/* ---- what must agree */
-
-static iso_status check_framing(const isorender_settings *settings, iso_error *error) {
-    const bool tight = settings->fit == ISORENDER_FIT_TIGHT, margin = !isnan(settings->margin);
-    const char *option = tight ? "--fit tight" : "--margin";
-    if (!tight && !margin) return ISO_OK;
-    if (is_given(settings->position))
-        return iso_fail(error, ISO_ERR_USAGE, "%s frames the surface, which --camera-position does not",
-                        option);
-    if (tight && is_given(settings->focal_point))
-        return iso_fail(error, ISO_ERR_USAGE, "--fit tight chooses the focal point: give one or the other");
-    return ISO_OK;
-}
-
-iso_status isorender_camera_check(isorender_settings *settings, iso_error *error) {
-    ISO_TRY(check_framing(settings, error));
-    if (settings->mm_per_pixel > 0) {
-        settings->orthographic = 1;
-        if (settings->zoom != 1 || !isnan(settings->margin))
-            return iso_fail(error, ISO_ERR_USAGE, "--mm-per-pixel and %s both set the scale",
-                            settings->zoom != 1 ? "--zoom" : "--margin");
-    }
-    if (settings->scale_bar && !settings->orthographic)
-        return iso_fail(
-            error, ISO_ERR_USAGE,
-            "--scale-bar needs --orthographic or --mm-per-pixel: in perspective what is near is larger "
-            "than what is far");
-    return ISO_OK;
 }

@@ -28,19 +28,19 @@ static void print_matrix(const iso_transform *transform) {
 
 static void print_memory(const isorender_job *job) {
     printf("  %-11s ", "memory");
-    print_bytes(job->volume.info.bytes);
+    print_bytes(job->loader.volume.info.bytes);
     printf(" for the grid, ");
-    print_bytes(job->volume.info.read_bytes);
+    print_bytes(job->loader.volume.info.read_bytes);
     printf(" while reading, ");
     print_bytes(isorender_picture_bytes(job));
     printf(" for a picture of %dx%d\n", job->settings->width, job->settings->height);
 }
 
 void isorender_info_header(const isorender_job *job) {
-    const iso_volume_info *info = &job->volume.info;
+    const iso_volume_info *info = &job->loader.volume.info;
     iso_text_put(stdout, isorender_input_name(job));
     putchar('\n');
-    if (job->from_points) {
+    if (job->loader.has_points) {
         printf("  %-11s points (ply)\n", "format");
         return;
     }
@@ -80,31 +80,32 @@ static void print_histogram(const iso_histogram *histogram) {
 
 static void print_isovalues(const isorender_job *job) {
     double candidates[ISO_ISOVALUE_CANDIDATES];
-    size_t count = iso_isovalue_suggest(&job->volume.grid, &job->histogram, candidates);
+    size_t count = iso_isovalue_suggest(&job->loader.volume.grid, &job->loader.histogram, candidates);
     printf("  %-11s ", "isovalues");
     if (count == 0) printf("none: the volume is constant");
     for (size_t i = 0; i < count; i++) printf("%s%.6g", i ? ", " : "", candidates[i]);
     if (count > 0)
-        printf(iso_grid_is_level_set(&job->volume.grid) ? " (level set)"
-                                                        : " (Otsu; then two of three classes)");
+        printf(iso_grid_is_level_set(&job->loader.volume.grid) ? " (level set)"
+                                                               : " (Otsu; then two of three classes)");
     printf("\n");
 }
 
 void isorender_info_values(const isorender_job *job) {
-    if (job->from_points) {
-        iso_point_view view = iso_points_view(&job->points);
+    if (job->loader.has_points) {
+        iso_point_view view = iso_points_view(&job->loader.points);
         iso_box box = iso_point_view_bounds(&view);
         printf("  %-11s %zu\n", "points", iso_point_view_count(&view));
         printf("  %-11s %.6g %.6g %.6g .. %.6g %.6g %.6g mm\n", "bounds", box.lo.x, box.lo.y, box.lo.z,
                box.hi.x, box.hi.y, box.hi.z);
         return;
     }
-    if (job->nonfinite) printf("  %-11s %zu voxels are NaN or infinite\n", "not finite", job->nonfinite);
-    if (!job->has_histogram) {
+    if (job->loader.nonfinite)
+        printf("  %-11s %zu voxels are NaN or infinite\n", "not finite", job->loader.nonfinite);
+    if (!job->loader.has_histogram) {
         printf("  %-11s none: no voxel is finite\n", "range");
         return;
     }
-    const iso_histogram *histogram = &job->histogram;
+    const iso_histogram *histogram = &job->loader.histogram;
     printf("  %-11s %.10g .. %.10g\n", "range", histogram->minimum, histogram->maximum);
     if (histogram->padding)
         printf("  %-11s %llu voxels of %.10g around the rest, left out below\n", "padding",

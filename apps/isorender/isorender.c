@@ -7,20 +7,17 @@ static int fail(const iso_error *error, iso_status status) {
     return iso_program_fail(isorender_program(), error, status);
 }
 
-static iso_status print_help(const isorender_settings *settings, iso_error *error) {
-    if (settings->help == ISORENDER_HELP) iso_options_help(isorender_program(), settings->help_form, stdout);
-    if (settings->help == ISORENDER_VERSION) printf("isorender %s\n", isorender_program()->version);
-    if (settings->help != ISORENDER_BACKENDS) return ISO_OK;
+static iso_status list_backends(const isorender_settings *settings, iso_error *error) {
     iso_pool *pool = NULL;
-    ISO_TRY(iso_pool_create(settings->threads, &pool, error));
+    ISO_TRY(iso_pool_create(settings->common.threads, &pool, error));
     isorender_backends_list(iso_pool_threads(pool));
     iso_pool_destroy(pool);
     return ISO_OK;
 }
 
 /* One input that fails does not stop the others; the first failure gives the exit status. */
-static int run_all(const isorender_settings *settings, const isorender_plan *plans, iso_pool *pool,
-                   const isorender_backend *backend) {
+static int render_each(const isorender_settings *settings, const isorender_plan *plans, iso_pool *pool,
+                       const isorender_backend *backend) {
     int worst = 0;
     for (int i = 0; i < settings->input_count; i++) {
         iso_error error = {0};
@@ -38,22 +35,28 @@ static bool draws_any(const isorender_settings *settings, const isorender_plan *
     return false;
 }
 
-static iso_status run(const isorender_settings *settings, int *code, iso_error *error) {
+static iso_status render_inputs(const isorender_settings *settings, int *code, iso_error *error) {
     isorender_plan *plans = NULL;
     iso_pool *pool = NULL;
     ISO_TRY(isorender_plans_make(settings, &plans, error));
     isorender_backend backend = isorender_backend_cpu();
     for (int i = 0; settings->input_count > 1 && i < settings->input_count; i++)
-        isorender_look(settings, &plans[i]);
+        iso_loader_list_files(plans[i].input, &settings->common.input, plans[i].files);
     iso_status status = iso_file_set_check(plans->files, error);
-    if (status == ISO_OK) status = iso_pool_create(settings->threads, &pool, error);
+    if (status == ISO_OK) status = iso_pool_create(settings->common.threads, &pool, error);
     if (status == ISO_OK && draws_any(settings, plans))
         status = isorender_backend_open(settings, &backend, error);
-    if (status == ISO_OK) *code = run_all(settings, plans, pool, &backend);
+    if (status == ISO_OK) *code = render_each(settings, plans, pool, &backend);
     isorender_backend_close(&backend);
     iso_pool_destroy(pool);
     isorender_plans_free(plans, settings->input_count);
     return status;
+}
+
+static iso_status perform(const isorender_settings *settings, int *code, iso_error *error) {
+    if (iso_settings_print_help(&settings->common, isorender_program())) return ISO_OK;
+    if (settings->common.action == ISORENDER_ACTION_LIST_BACKENDS) return list_backends(settings, error);
+    return render_inputs(settings, code, error);
 }
 
 static int run_program(int argc, char **argv) {
@@ -63,8 +66,7 @@ static int run_program(int argc, char **argv) {
     if (!operands.values) return iso_status_exit(ISO_ERR_NOMEM);
     int code = 0;
     iso_status status = isorender_settings_parse(argc, argv, &settings, &operands, &error);
-    if (status == ISO_OK)
-        status = settings.help ? print_help(&settings, &error) : run(&settings, &code, &error);
+    if (status == ISO_OK) status = perform(&settings, &code, &error);
     if (status != ISO_OK) code = fail(&error, status);
     free(operands.values);
     return iso_program_finish(isorender_program(), code);

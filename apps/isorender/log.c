@@ -3,41 +3,34 @@
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "apps/isorender/isorender.h"
 #include "base/text.h"
 
-double isorender_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 const char *isorender_input_name(const isorender_job *job) {
-    return strcmp(job->plan->input, "-") == 0 ? "standard input" : job->plan->input;
+    return iso_spool_name(job->plan->input);
 }
 
-static void say(const isorender_job *job, const char *format, va_list arguments) {
+static void print_line(const isorender_job *job, const char *format, va_list arguments) {
     char text[4096];
     iso_text_format(text, sizeof text, format, arguments);
     iso_program_log(isorender_program(), "%s: %s", isorender_input_name(job), text);
 }
 
 void isorender_log(const isorender_job *job, const char *format, ...) {
-    if (job->settings->quiet) return;
+    if (job->settings->common.quiet) return;
     va_list arguments;
     va_start(arguments, format);
-    say(job, format, arguments);
+    print_line(job, format, arguments);
     va_end(arguments);
 }
 
 void isorender_log_verbose(const isorender_job *job, const char *format, ...) {
-    if (!job->settings->verbose || job->settings->quiet) return;
+    if (!job->settings->verbose || job->settings->common.quiet) return;
     va_list arguments;
     va_start(arguments, format);
-    say(job, format, arguments);
+    print_line(job, format, arguments);
     va_end(arguments);
 }
 
@@ -51,15 +44,15 @@ static void draw_bar(const char *stage, int percent) {
 }
 
 void isorender_progress(isorender_job *job, const char *stage, double fraction) {
-    if (!job->settings->progress || job->settings->quiet) return;
+    if (!job->settings->progress || job->settings->common.quiet) return;
     /* Lines go to logs: a few are enough. */
     bool terminal = isatty(STDERR_FILENO);
     int step = terminal ? 1 : 20;
     int percent = (int)floor(100 * fraction) / step * step;
-    bool same = job->stage && strcmp(job->stage, stage) == 0;
-    if (same && percent <= job->told) return;
-    job->stage = stage;
-    job->told = percent;
+    bool same = job->progress_stage && strcmp(job->progress_stage, stage) == 0;
+    if (same && percent <= job->progress_percent) return;
+    job->progress_stage = stage;
+    job->progress_percent = percent;
     if (terminal)
         draw_bar(stage, percent);
     else

@@ -1,11 +1,13 @@
-/* The command line of isorender: its table, and what must agree between options. Names are F3D's where F3D
- * has the option. */
+/* The command line of isorender: the table of options and the checks between options. Options that F3D has,
+ * too, have F3D's names. */
 #include <limits.h>
 #include <math.h>
 #include <string.h>
 
-#include "apps/isorender/isorender.h"
+#include "apps/isorender/backend.h"
+#include "apps/isorender/settings.h"
 #include "image/image.h"
+#include "methods/method.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"
@@ -19,7 +21,11 @@ static const char *const groups[] = {"Input",         "Surface", "Picture", "Cam
 static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --output TEMPLATE IN ...",
                                     "[options] --scene NAME[:SIZE] [OUT.png]", NULL};
 
-static const char *const methods[] = {"exact", "points", "pullpush", "mesh", "raycast", NULL};
+/* The reconstructions of pullpush have an option of their own. The names come from the table of renderers. */
+enum { METHODS = 5 };
+static const iso_method methods[METHODS] = {ISO_METHOD_EXACT, ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH,
+                                            ISO_METHOD_MESH, ISO_METHOD_RAYCAST};
+static const char *method_names[METHODS + 1]; /* filled by isorender_program */
 static const char *const reconstructions[] = {"refined", "box", "gaussian", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
@@ -136,14 +142,6 @@ static iso_status apply_up(void *target, const char *value, iso_error *error) {
     return ISO_OK;
 }
 
-iso_status isorender_apply_json(void *target, const char *value, iso_error *error) {
-    isorender_settings *settings = target;
-    if (value && !*value) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
-    settings->json = 1;
-    settings->json_path = value && strcmp(value, "-") == 0 ? NULL : value;
-    return ISO_OK;
-}
-
 static iso_status apply_verbose(void *target, const char *value, iso_error *error) {
     static const char *const levels[] = {"quiet", "error", "warning", "info", "debug"};
     isorender_settings *settings = target;
@@ -153,25 +151,13 @@ static iso_status apply_verbose(void *target, const char *value, iso_error *erro
     if (level == 5)
         return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of quiet, error, warning, info, debug", value);
     settings->verbose = level >= 3;
-    settings->quiet = level <= 1;
-    return ISO_OK;
-}
-
-iso_status isorender_apply_help(void *target, const char *value, iso_error *error) {
-    isorender_settings *settings = target;
-    settings->help = ISORENDER_HELP;
-    return iso_parse_help_form(value, &settings->help_form, error);
-}
-
-iso_status isorender_apply_version(void *target, const char *value, iso_error *error) {
-    (void)value, (void)error;
-    ((isorender_settings *)target)->help = ISORENDER_VERSION;
+    settings->common.quiet = level <= 1;
     return ISO_OK;
 }
 
 static iso_status apply_list_backends(void *target, const char *value, iso_error *error) {
     (void)value, (void)error;
-    ((isorender_settings *)target)->help = ISORENDER_BACKENDS;
+    ((isorender_settings *)target)->common.action = ISORENDER_ACTION_LIST_BACKENDS;
     return ISO_OK;
 }
 
@@ -220,7 +206,7 @@ static const iso_option options[] = {
      "to see the samples themselves) or raycast (rays through the field, slow: to check the others); files "
      "of "
      "points: points",
-     .group = PICTURE, .standard = "exact", CHOICE(method, methods)},
+     .group = PICTURE, .standard = "exact", CHOICE(method, method_names)},
     {"reconstruction", NULL, "NAME",
      "how pullpush fills in: refined (second-order discs; points that have colours: as gaussian), box or "
      "gaussian (equal or Gaussian weights in ellipses; Marroquim 2008)",
@@ -285,31 +271,35 @@ static const iso_option options[] = {
     {"output", "o", "NAME",
      "the picture: a .png, - for stdout; {model} is the input's name, {n:3} a number with three "
      "digits",
-     .group = OUTPUT, .standard = "{model}.png", TEXT(output), QUIETLY},
+     .group = OUTPUT, .standard = "{model}.png", TEXT(output), UNRECORDED},
     {"points", NULL, "FILE.ply", "write the points: x y z nx ny nz radius, in mm (isorender reads them back)",
-     .group = OUTPUT, TEXT(points), QUIETLY},
+     .group = OUTPUT, TEXT(points), UNRECORDED},
     {"mesh", NULL, "FILE", "write the Marching Cubes mesh: .ply, .stl or .obj, in mm", .group = OUTPUT,
-     TEXT(mesh), QUIETLY},
+     TEXT(mesh), UNRECORDED},
     {"aov", NULL, "FILE.exr",
      "write depth Z (mm along the view), normal N.X N.Y N.Z (world, out of the solid) and coverage A of "
      "every pixel "
      "as OpenEXR floats: means over its covered samples",
-     .group = OUTPUT, TEXT(aov), QUIETLY},
-    {"no-image", "no-render", NULL, "make no picture", .group = OUTPUT, FLAG(no_image), QUIETLY},
+     .group = OUTPUT, TEXT(aov), UNRECORDED},
+    {"no-image", "no-render", NULL, "make no picture", .group = OUTPUT, FLAG(no_image), UNRECORDED},
     {"info", NULL, NULL, "no picture: header, matrix, value range, histogram, suggested isovalues, memory",
-     .group = OUTPUT, FLAG(info), QUIETLY},
+     .group = OUTPUT, FLAG(info), UNRECORDED},
     {"json", NULL, "FILE", "one object with what was read, made and measured, to stdout without a FILE",
-     .group = OUTPUT, CALL(isorender_apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
+     .group = OUTPUT, CALL(iso_settings_apply_json),
+     .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
     {"backend", "rendering-backend", "NAME",
      "cpu, egl or osmesa (OpenGL without a window: points, pullpush and mesh); auto is a GPU where EGL finds "
      "one, else cpu; but what needs the cpu is drawn by it",
-     .group = RUNNING, .standard = "auto", TEXT(backend), QUIETLY},
+     .group = RUNNING, .standard = "auto", TEXT(backend), UNRECORDED},
     {"list-backends", "list-rendering-backends", NULL, "say what can render here", .group = RUNNING,
-     CALL(apply_list_backends), QUIETLY},
-    {"progress", "loading-progress", NULL, "tell how far it is", .group = RUNNING, FLAG(progress), QUIETLY},
+     CALL(apply_list_backends), UNRECORDED},
+    {"progress", "loading-progress", NULL, "tell how far it is", .group = RUNNING, FLAG(progress),
+     UNRECORDED},
     {"verbose", NULL, "LEVEL", "say more: timings and counts (quiet, error, warning, info, debug)",
      .group = RUNNING, CALL(apply_verbose), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
+    {"threads", NULL, "N", "threads to use; what comes out does not depend on it", .group = RUNNING,
+     .standard = "one a processor", INT(common.threads, 1, 1024), UNRECORDED},
 #include "apps/common/running_options.inc"
 };
 
@@ -342,17 +332,6 @@ static const char *const example_text[] = {
 static const iso_section sections[] = {
     {"Inputs", inputs_text}, {"Exit status", exit_text}, {"Examples", example_text}};
 
-/* Appends " --name=value" to the record when it fits, in quotes where a shell needs them. */
-void isorender_record(void *target, const iso_option *option, const char *value) {
-    isorender_settings *settings = target;
-    if (option->flags & ISO_OPTION_UNRECORDED) return;
-    char text[512];
-    int length = snprintf(text, sizeof text, " --%s%s%s", option->name, value ? "=" : "", value ? value : "");
-    size_t used = strlen(settings->record);
-    if (length < (int)sizeof text && used + (size_t)length < sizeof settings->record)
-        memcpy(settings->record + used, text, (size_t)length + 1);
-}
-
 const iso_program *isorender_program(void) {
     static const iso_program program = {.name = "isorender",
                                         .version = ISO_VERSION,
@@ -364,15 +343,12 @@ const iso_program *isorender_program(void) {
                                         .option_count = sizeof options / sizeof *options,
                                         .sections = sections,
                                         .section_count = sizeof sections / sizeof *sections,
-                                        .seen = isorender_record};
+                                        .seen = iso_settings_record_option};
+    for (int i = 0; i < METHODS; i++) method_names[i] = iso_method_name(methods[i]);
     return &program;
 }
 
-const char *isorender_method_name(isorender_method method) {
-    return methods[method];
-}
-
-/* ---- what must agree ---- */
+/* ---- checks between options ---- */
 
 static bool ends_with(const char *text, const char *suffix) {
     size_t length = strlen(text), tail = strlen(suffix);
@@ -402,6 +378,39 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     return ISO_OK;
 }
 
+static bool is_vector_given(const double v[3]) {
+    return !isnan(v[0]);
+}
+
+static iso_status check_framing(const isorender_settings *settings, iso_error *error) {
+    const bool tight = settings->fit == ISORENDER_FIT_TIGHT, margin = !isnan(settings->margin);
+    const char *option = tight ? "--fit tight" : "--margin";
+    if (!tight && !margin) return ISO_OK;
+    if (is_vector_given(settings->position))
+        return iso_fail(error, ISO_ERR_USAGE, "%s frames the surface, which --camera-position does not",
+                        option);
+    if (tight && is_vector_given(settings->focal_point))
+        return iso_fail(error, ISO_ERR_USAGE, "--fit tight chooses the focal point: give one or the other");
+    return ISO_OK;
+}
+
+/* --mm-per-pixel makes the projection parallel. */
+static iso_status check_camera(isorender_settings *settings, iso_error *error) {
+    ISO_TRY(check_framing(settings, error));
+    if (settings->mm_per_pixel > 0) {
+        settings->orthographic = 1;
+        if (settings->zoom != 1 || !isnan(settings->margin))
+            return iso_fail(error, ISO_ERR_USAGE, "--mm-per-pixel and %s both set the scale",
+                            settings->zoom != 1 ? "--zoom" : "--margin");
+    }
+    if (settings->scale_bar && !settings->orthographic)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "--scale-bar needs --orthographic or --mm-per-pixel: in perspective what is near is larger "
+            "than what is far");
+    return ISO_OK;
+}
+
 static iso_status check_aov(const isorender_settings *settings, iso_error *error) {
     if (!settings->aov) return ISO_OK;
     if (!ends_with(settings->aov, ".exr"))
@@ -417,7 +426,7 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
     if (settings->output && !to_stdout && image && !ends_with(settings->output, ".png"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png", settings->output);
-    if (to_stdout && settings->json && !settings->json_path)
+    if (to_stdout && settings->common.json && !settings->common.json_path)
         return iso_fail(error, ISO_ERR_USAGE, "the picture and --json cannot both go to standard output");
     if (to_stdout && settings->turntable)
         return iso_fail(error, ISO_ERR_USAGE, "a turntable cannot go to standard output");
@@ -427,10 +436,10 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
         !ends_with(settings->mesh, ".obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", settings->mesh);
     ISO_TRY(check_aov(settings, error));
-    if (settings->no_image && !settings->points && !settings->mesh && !settings->aov && !settings->json &&
-        !settings->info)
+    if (settings->no_image && !settings->points && !settings->mesh && !settings->aov &&
+        !settings->common.json && !settings->info)
         return iso_fail(error, ISO_ERR_USAGE, "--no-image leaves nothing to do");
-    if (settings->input_count > 1 && settings->json && !settings->json_path)
+    if (settings->input_count > 1 && settings->common.json && !settings->common.json_path)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--json of several inputs needs a template: --json='{model}.json'");
     return ISO_OK;
@@ -458,7 +467,7 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
 
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error) {
-    *settings = (isorender_settings){.method = ISORENDER_UNCHOSEN,
+    *settings = (isorender_settings){.method = ISORENDER_METHOD_UNCHOSEN,
                                      .backend = "auto",
                                      .width = 1024,
                                      .height = 1024,
@@ -470,9 +479,10 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .view_angle = 30};
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     ISO_TRY(iso_options_parse(isorender_program(), argc, argv, settings, operands, error));
-    if (settings->help) return ISO_OK;
-    ISO_TRY(iso_input_check(&settings->input, error));
-    ISO_TRY(isorender_camera_check(settings, error));
+    if (settings->method != ISORENDER_METHOD_UNCHOSEN) settings->method = (int)methods[settings->method];
+    if (settings->common.action) return ISO_OK;
+    ISO_TRY(iso_input_check(&settings->common.input, error));
+    ISO_TRY(check_camera(settings, error));
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(check_outputs(settings, error));

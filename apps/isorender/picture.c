@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/common/clock.h"
 #include "apps/isorender/isorender.h"
 #include "image/annotate.h"
 #include "image/exr.h"
@@ -12,27 +13,28 @@
 
 /* ---- one picture ---- */
 
+/* Points that were read have no set of extracted points. */
+static iso_status draw_read_points(const isorender_job *job, const iso_target *target, iso_error *error) {
+    const iso_point_view points = iso_points_view(&job->loader.points);
+    const iso_pullpush_opts opts = {(iso_reconstruction)job->settings->reconstruction, job->pullpush};
+    if (job->method == ISO_METHOD_POINTS) return iso_draw_points(target, &points, error);
+    return iso_draw_pullpush(target, &points, &opts, error);
+}
+
+/* Draws all surfaces: iso_picture_opts.draw. */
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const isorender_job *job = context;
     if (job->backend->engine) return isorender_gl_draw(job, view, gbuffer, error);
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
-        iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
-        if (job->method == ISORENDER_EXACT) {
-            ISO_TRY(iso_draw_exact(&target, surface->exact, error));
-        } else if (job->method == ISORENDER_MESH) {
-            iso_mesh_view mesh = iso_mesh_set_view(surface->mesh);
-            ISO_TRY(iso_draw_mesh(&target, &mesh, error));
-        } else if (job->method == ISORENDER_RAYCAST) {
-            ISO_TRY(iso_draw_raycast(&target, surface->caster, error));
-        } else if (job->method == ISORENDER_PULLPUSH) {
-            iso_point_view points = isorender_points_view(job, i);
-            iso_pullpush_opts opts = {(iso_reconstruction)job->settings->reconstruction, job->pullpush};
-            ISO_TRY(iso_draw_pullpush(&target, &points, &opts, error));
-        } else {
-            iso_point_view points = isorender_points_view(job, i);
-            ISO_TRY(iso_draw_points(&target, &points, error));
-        }
+        const iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
+        const iso_subject subject = {.points = surface->points,
+                                     .workspace = job->pullpush,
+                                     .mesh = surface->mesh,
+                                     .exact = surface->exact,
+                                     .caster = surface->caster};
+        ISO_TRY(job->loader.has_points ? draw_read_points(job, &target, error)
+                                       : job->renderer->draw(&subject, &target, error));
     }
     return ISO_OK;
 }
@@ -52,7 +54,7 @@ static uint64_t hash_image(const iso_image *image) {
 /* What the files say about themselves. Neither paths nor thread counts: the same picture is the same file
  * wherever it is made. */
 typedef struct labels {
-    char software[64], isovalues[512], command[ISORENDER_RECORD + 256];
+    char software[64], isovalues[512], command[ISO_RECORD_SIZE + 256];
 } labels;
 
 static void make_labels(const isorender_job *job, labels *l) {
@@ -60,11 +62,11 @@ static void make_labels(const isorender_job *job, labels *l) {
     snprintf(l->software, sizeof l->software, "%s %s", program->name, program->version);
     size_t used = 0;
     l->isovalues[0] = 0;
-    for (int i = 0; i < job->surface_count && !job->from_points && used + 32 < sizeof l->isovalues; i++)
+    for (int i = 0; i < job->surface_count && !job->loader.has_points && used + 32 < sizeof l->isovalues; i++)
         used += (size_t)snprintf(l->isovalues + used, sizeof l->isovalues - used, "%s%.10g",
                                  i ? ", " : "isovalue ", job->surfaces[i].isovalue);
     snprintf(l->command, sizeof l->command, "%s %s%s", program->name, job->plan->model,
-             job->settings->record);
+             job->settings->common.record);
 }
 
 static iso_status write_picture(isorender_job *job, const iso_image *image, const char *path,
@@ -101,7 +103,7 @@ typedef struct canvas {
 
 /* One exact surface of one sample a pixel needs no gbuffer, unless somebody wants its numbers. */
 static bool is_painted(const isorender_job *job, const iso_picture_opts *opts) {
-    return job->method == ISORENDER_EXACT && !job->backend->engine && job->surface_count == 1 &&
+    return job->method == ISO_METHOD_EXACT && !job->backend->engine && job->surface_count == 1 &&
            opts->samples <= 1 && !opts->aov;
 }
 
@@ -124,7 +126,8 @@ static iso_status annotate(const isorender_job *job, const iso_camera *camera, i
     const iso_annotation annotation = {.camera = camera,
                                        .scale_bar = settings->scale_bar != 0,
                                        .orientation_marker = settings->orientation_marker != 0,
-                                       .anatomical = !job->from_points && job->volume.info.anatomical,
+                                       .anatomical =
+                                           !job->loader.has_points && job->loader.volume.info.anatomical,
                                        .dark = is_dark(settings)};
     return iso_annotate(image, &annotation, error);
 }
@@ -144,16 +147,16 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
         .draw_context = job,
         .pool = job->pool,
         .aov = c->aov.depth ? &c->aov : NULL};
-    double start = isorender_now();
+    double start = iso_clock_seconds();
     ISO_TRY(is_painted(job, &opts)
                 ? paint(job, &opts, &c->image, &job->frames[frame].covered, error)
                 : iso_picture_render(&opts, &c->image, &job->frames[frame].covered, error));
-    job->seconds.render += isorender_now() - start;
+    job->seconds.render += iso_clock_seconds() - start;
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
     ISO_TRY(annotate(job, &camera, &c->image, error));
     /* (a few milliseconds, byte by byte) */
-    if (settings->json) job->frames[frame].hash = hash_image(&c->image);
+    if (settings->common.json) job->frames[frame].hash = hash_image(&c->image);
     return ISO_OK;
 }
 
@@ -181,10 +184,10 @@ static iso_status render_frames(isorender_job *job, canvas *c, iso_error *error)
     for (int frame = 0; frame < job->frame_count; frame++) {
         isorender_progress(job, "rendering", (double)frame / job->frame_count);
         ISO_TRY(render_frame(job, frame, c, error));
-        double start = isorender_now();
+        double start = iso_clock_seconds();
         ISO_TRY(save_image(job, frame, c, error));
         ISO_TRY(save_aov(job, frame, c, error));
-        job->seconds.write += isorender_now() - start;
+        job->seconds.write += iso_clock_seconds() - start;
     }
     isorender_progress(job, "rendering", 1);
     return ISO_OK;
@@ -193,8 +196,8 @@ static iso_status render_frames(isorender_job *job, canvas *c, iso_error *error)
 /* ---- all pictures ---- */
 
 static float smallest_spacing(const isorender_job *job) {
-    if (job->from_points) return 0;
-    const double *s = job->volume.info.transform.spacing;
+    if (job->loader.has_points) return 0;
+    const double *s = job->loader.volume.info.transform.spacing;
     return (float)fmin(s[0], fmin(s[1], s[2]));
 }
 
@@ -206,7 +209,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     uint64_t aov = settings->aov ? pixels * ISO_AOV_PLANES * sizeof(float) : 0;
     uint64_t bytes = 4 * pixels + aov + (samples < STRIP ? samples : STRIP);
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
-    if (settings->method != ISORENDER_PULLPUSH) return bytes;
+    if (settings->method != ISO_METHOD_PULLPUSH) return bytes;
     enum { PYRAMID = 24 }; /* bytes a sample; drawn in parts as well */
     uint64_t pyramid = pixels * (uint64_t)settings->samples * PYRAMID;
     return bytes + (pyramid < STRIP ? pyramid : STRIP);
@@ -231,14 +234,14 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     canvas c = {0};
     iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
-    if (status == ISO_OK && job->method == ISORENDER_PULLPUSH && !job->backend->engine)
+    if (status == ISO_OK && job->method == ISO_METHOD_PULLPUSH && !job->backend->engine)
         status = iso_pullpush_create(&job->pullpush, error);
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);
     c.aov.voxel = smallest_spacing(job);
-    double start = isorender_now();
+    double start = iso_clock_seconds();
     if (status == ISO_OK && job->backend->engine) status = isorender_gl_upload(job, error);
-    job->seconds.render += isorender_now() - start;
+    job->seconds.render += iso_clock_seconds() - start;
     if (status == ISO_OK) status = render_frames(job, &c, error);
     iso_image_free(&c.image);
     iso_aov_free(&c.aov);

@@ -1,10 +1,11 @@
 /* Names of the outputs of every input, and the refusal of names that would destroy something. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/common/loader.h"
 #include "apps/common/template.h"
-#include "apps/isorender/isorender.h"
-#include "base/file.h"
+#include "apps/isorender/plan.h"
 #include "image/exr.h"
 
 /* The name of what there is one of for every frame. */
@@ -27,8 +28,8 @@ static iso_status make_names(const isorender_settings *settings, int number, iso
     if (settings->points)
         ISO_TRY(iso_template_expand(settings->points, plan->model, number, &plan->points, error));
     if (settings->mesh) ISO_TRY(iso_template_expand(settings->mesh, plan->model, number, &plan->mesh, error));
-    if (settings->json_path)
-        ISO_TRY(iso_template_expand(settings->json_path, plan->model, number, &plan->json, error));
+    if (settings->common.json_path)
+        ISO_TRY(iso_template_expand(settings->common.json_path, plan->model, number, &plan->json, error));
     if (settings->info) return ISO_OK;
     if (settings->aov) ISO_TRY(make_frame_name(settings, plan, settings->aov, number, &plan->aov, error));
     if (settings->no_image) return ISO_OK;
@@ -72,7 +73,7 @@ static iso_status add_files(const isorender_settings *settings, const isorender_
                             iso_error *error) {
     const char *names[NAMES];
     names_of(plan, names);
-    if (strncmp(plan->input, "scene:", 6) != 0 && !iso_spool_needed(plan->input))
+    if (!iso_loader_is_scene(plan->input) && !iso_spool_needed(plan->input))
         iso_file_set_read(plan->files, plan->input);
     for (int i = 0; i < NAMES; i++)
         if (i == IMAGE || i == AOV)
@@ -82,7 +83,8 @@ static iso_status add_files(const isorender_settings *settings, const isorender_
     return ISO_OK;
 }
 
-/* What is known before any header is read; isorender_open and isorender_plan_look add the rest. */
+/* Checks the names that are known before any header is read; iso_loader_open and iso_loader_list_files add
+ * the other files of an input. */
 static iso_status check_all(const isorender_settings *settings, const isorender_plan *plans,
                             iso_error *error) {
     for (int i = 0; i < settings->input_count; i++) ISO_TRY(add_files(settings, &plans[i], error));

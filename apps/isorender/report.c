@@ -21,11 +21,11 @@ static void put_box(iso_json *json, const char *key, const iso_box *box) {
 }
 
 static void put_volume(iso_json *json, const isorender_job *job) {
-    const iso_volume_info *info = &job->volume.info;
+    const iso_volume_info *info = &job->loader.volume.info;
     iso_json_begin_object(json, "volume");
     iso_json_string(json, "path", job->plan->input);
-    iso_json_string(json, "format", job->from_points ? "ply" : info->format);
-    if (!job->from_points) {
+    iso_json_string(json, "format", job->loader.has_points ? "ply" : info->format);
+    if (!job->loader.has_points) {
         iso_json_string(json, "name", info->name);
         iso_json_ints(json, "dims", info->dims, 3);
         iso_json_string(json, "type", iso_type_name(info->type));
@@ -46,14 +46,14 @@ static void put_volume(iso_json *json, const isorender_job *job) {
         iso_json_begin_array(json, "notes");
         for (int i = 0; i < info->note_count; i++) iso_json_string(json, NULL, info->notes[i]);
         iso_json_end_array(json);
-        if (job->settings->input.cropped || job->settings->input.cropped_mm)
-            iso_json_ints(json, "crop", job->crop, 6);
+        if (job->settings->common.input.cropped || job->settings->common.input.cropped_mm)
+            iso_json_ints(json, "crop", job->loader.crop, 6);
     }
     iso_json_end_object(json);
 }
 
 static void put_histogram(iso_json *json, const isorender_job *job) {
-    const iso_histogram *histogram = &job->histogram;
+    const iso_histogram *histogram = &job->loader.histogram;
     iso_json_begin_object(json, "histogram");
     iso_json_real(json, "low", histogram->low);
     iso_json_real(json, "high", histogram->high);
@@ -65,13 +65,13 @@ static void put_histogram(iso_json *json, const isorender_job *job) {
     iso_json_reals(json, "bins", bins, ISO_HISTOGRAM_BINS);
     iso_json_end_object(json);
     double candidates[ISO_ISOVALUE_CANDIDATES];
-    size_t count = iso_isovalue_suggest(&job->volume.grid, histogram, candidates);
+    size_t count = iso_isovalue_suggest(&job->loader.volume.grid, histogram, candidates);
     iso_json_reals(json, "suggested_isovalues", candidates, (int)count);
 }
 
 static void put_info(iso_json *json, const isorender_job *job) {
-    if (!job->from_points) {
-        iso_affine affine = iso_transform_affine(&job->volume.info.transform);
+    if (!job->loader.has_points) {
+        iso_affine affine = iso_transform_affine(&job->loader.volume.info.transform);
         double matrix[12];
         for (int row = 0; row < 3; row++) {
             memcpy(matrix + 4 * row, affine.m + 3 * row, 3 * sizeof *matrix);
@@ -79,10 +79,10 @@ static void put_info(iso_json *json, const isorender_job *job) {
         }
         iso_json_reals(json, "matrix", matrix, 12);
     }
-    if (job->has_histogram) put_histogram(json, job);
+    if (job->loader.has_histogram) put_histogram(json, job);
     iso_json_begin_object(json, "memory");
-    iso_json_integer(json, "grid", job->volume.info.bytes);
-    iso_json_integer(json, "reading", job->volume.info.read_bytes);
+    iso_json_integer(json, "grid", job->loader.volume.info.bytes);
+    iso_json_integer(json, "reading", job->loader.volume.info.read_bytes);
     iso_json_integer(json, "picture", isorender_picture_bytes(job));
     iso_json_end_object(json);
 }
@@ -100,18 +100,18 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
         iso_json_string(json, NULL, text);
     }
     iso_json_end_array(json);
-    bool points = job->from_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL,
+    bool points = job->loader.has_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL,
          cells = job->surfaces[0].exact != NULL;
     iso_json_begin_object(json, "primitives");
     if (cells) iso_json_integer(json, "cells", job->cell_count);
     if (points) iso_json_integer(json, "points", job->point_count);
-    if (points && !job->from_points)
+    if (points && !job->loader.has_points)
         iso_json_string(json, "kind", iso_primitive_name(isorender_primitive(job)));
-    if (points && !job->from_points) iso_json_integer(json, "rejected", job->rejected);
+    if (points && !job->loader.has_points) iso_json_integer(json, "rejected", job->rejected);
     if (mesh) iso_json_integer(json, "vertices", job->vertex_count);
     if (mesh) iso_json_integer(json, "triangles", job->triangle_count);
     iso_json_end_object(json);
-    isorender_solid_put(json, job);
+    isorender_report_solid(json, job);
     put_box(json, "bounds_local", &job->bounds_local);
     put_box(json, "bounds_world", &job->bounds_world);
 }
@@ -228,11 +228,11 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     iso_json_string(json, "schema", "isorender/1");
     iso_json_string(json, "version", isorender_program()->version);
     put_volume(json, job);
-    if (job->has_histogram) {
-        const double range[2] = {job->histogram.minimum, job->histogram.maximum};
+    if (job->loader.has_histogram) {
+        const double range[2] = {job->loader.histogram.minimum, job->loader.histogram.maximum};
         iso_json_reals(json, "value_range", range, 2);
     }
-    iso_json_integer(json, "nonfinite", job->nonfinite);
+    iso_json_integer(json, "nonfinite", job->loader.nonfinite);
     if (settings->info)
         put_info(json, job);
     else
@@ -241,7 +241,7 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     put_seconds(json, &job->seconds);
     iso_json_integer(json, "peak_bytes", iso_memory_peak());
     put_backend(json, job);
-    if (!settings->info) iso_json_string(json, "method", isorender_method_name(job->method));
+    if (!settings->info) iso_json_string(json, "method", iso_method_name(job->method));
     iso_json_integer(json, "threads", (uint64_t)iso_pool_threads(job->pool));
     ISO_TRY(put_images(json, job, error));
     iso_json_end_object(json);

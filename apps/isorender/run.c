@@ -2,18 +2,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/common/clock.h"
 #include "apps/isorender/isorender.h"
 #include "base/file.h"
 #include "base/text.h"
 
 static iso_status inform(isorender_job *job, iso_error *error) {
-    bool text = !job->settings->json;
-    double start = isorender_now();
+    bool text = !job->settings->common.json;
+    double start = iso_clock_seconds();
     if (text) isorender_info_header(job);
     ISO_TRY(isorender_read(job, error));
-    job->seconds.load += isorender_now() - start;
-    if (!job->from_points) {
-        iso_status status = isorender_histogram(job, error);
+    job->seconds.load += iso_clock_seconds() - start;
+    if (!job->loader.has_points) {
+        iso_status status = iso_loader_histogram(&job->loader, error);
         if (status != ISO_OK && status != ISO_ERR_EMPTY) return status;
     }
     if (text) isorender_info_values(job);
@@ -30,30 +31,30 @@ static void tell_done(const isorender_job *job) {
 }
 
 static iso_status make(isorender_job *job, iso_error *error) {
-    double start = isorender_now();
+    double start = iso_clock_seconds();
     ISO_TRY(isorender_read(job, error));
-    double read = isorender_now();
+    double read = iso_clock_seconds();
     job->seconds.load += read - start;
     ISO_TRY(isorender_extract(job, error));
-    double extracted = isorender_now();
+    double extracted = iso_clock_seconds();
     job->seconds.extract = extracted - read;
     ISO_TRY(isorender_export(job, error));
-    job->seconds.write = isorender_now() - extracted;
+    job->seconds.write = iso_clock_seconds() - extracted;
     if (isorender_plan_draws(job->plan)) ISO_TRY(isorender_render(job, error));
     return ISO_OK;
 }
 
 static iso_status work(isorender_job *job, iso_error *error) {
-    double start = isorender_now();
+    double start = iso_clock_seconds();
     ISO_TRY(isorender_open(job, error));
-    job->seconds.load = isorender_now() - start;
+    job->seconds.load = iso_clock_seconds() - start;
     ISO_TRY(isorender_plan_check_writable(job->plan, error));
     if (job->settings->info)
         ISO_TRY(inform(job, error));
     else
         ISO_TRY(make(job, error));
-    job->seconds.total = isorender_now() - start;
-    if (job->settings->json) ISO_TRY(isorender_report_json(job, error));
+    job->seconds.total = iso_clock_seconds() - start;
+    if (job->settings->common.json) ISO_TRY(isorender_report_json(job, error));
     if (!job->settings->info) tell_done(job);
     return ISO_OK;
 }
@@ -79,9 +80,9 @@ static void remove_outputs(const isorender_job *job) {
 static void name_input(const isorender_job *job, iso_error *error) {
     const char *name = isorender_input_name(job), *text = error->text;
     if (error->status == ISO_ERR_WRITE || iso_text_begins(text, name)) return;
-    size_t length = job->path ? iso_text_begins(text, job->path) : 0;
+    size_t length = job->loader.path ? iso_text_begins(text, job->loader.path) : 0;
     if (text[length] != ':' && text[length] != '/') length = 0;
-    if (length && !job->spool.path) return;
+    if (length && !job->loader.spool.path) return;
     iso_fail(error, error->status, "%s: %s", name,
              length ? text + length + strspn(text + length, ":/ ") : text);
 }
@@ -112,7 +113,8 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
         name_input(job, error);
     }
     free_surfaces(job);
-    isorender_close(job);
+    iso_pullpush_destroy(job->pullpush);
+    iso_loader_close(&job->loader);
     free(job);
     return status;
 }

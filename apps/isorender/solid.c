@@ -9,7 +9,7 @@
 #include "grids/parts/components.h"
 
 static bool drops_parts(const isorender_settings *settings) {
-    return iso_input_drops_parts(&settings->input);
+    return iso_input_drops_parts(&settings->common.input);
 }
 
 static bool makes_copies(const isorender_job *job, int surfaces) {
@@ -22,14 +22,14 @@ uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint
     double bytes = 0;
     if (makes_copies(job, surfaces)) bytes += (double)grid_bytes * surfaces;
     if (settings->closed)
-        bytes +=
-            surfaces * (job->volume.info.sparse ? (double)grid_bytes : (double)iso_grid_close_estimate(dims));
+        bytes += surfaces * (job->loader.volume.info.sparse ? (double)grid_bytes
+                                                            : (double)iso_grid_close_estimate(dims));
     return bytes < 0x1p63 ? (uint64_t)bytes : UINT64_MAX;
 }
 
 /* Foot points are made of all distances in the band, also of those that are none any more. */
 static iso_status check_primitive(const isorender_job *job, iso_error *error) {
-    const iso_grid *grid = &job->volume.grid;
+    const iso_grid *grid = &job->loader.volume.grid;
     if (job->settings->primitive == ISO_PRIMITIVE_FOOT && grid->rgrid && drops_parts(job->settings))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--largest and --min-size of a dense level set cannot have --primitive foot");
@@ -49,12 +49,12 @@ static void say_parts(const isorender_job *job, const isorender_surface *surface
 static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const iso_components_opts opts = {.isovalue = surface->isovalue,
-                                      .largest = (size_t)settings->input.largest,
-                                      .min_volume = settings->input.min_size,
+                                      .largest = (size_t)settings->common.input.largest,
+                                      .min_volume = settings->common.input.min_size,
                                       .pool = job->pool};
     /* Another surface needs the parts that this one drops. */
     if (makes_copies(job, job->surface_count)) {
-        ISO_TRY(iso_grid_copy(&job->volume.grid, job->pool, &surface->own_grid, error));
+        ISO_TRY(iso_grid_copy(&job->loader.volume.grid, job->pool, &surface->own_grid, error));
         surface->grid = surface->own_grid;
     }
     ISO_TRY(iso_components_filter(&surface->grid, &opts, &surface->parts, error));
@@ -63,7 +63,7 @@ static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso
 }
 
 iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error) {
-    surface->grid = job->volume.grid;
+    surface->grid = job->loader.volume.grid;
     ISO_TRY(check_primitive(job, error));
     if (drops_parts(job->settings)) ISO_TRY(drop_parts(job, surface, error));
     if (!job->settings->closed) return ISO_OK;
@@ -87,7 +87,7 @@ iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surf
     ISO_TRY(iso_mesh_weld(&view, weld, error));
     /* Caps lie this far out, so that they stay flat. */
     if (job->settings->closed) iso_weld_separate(&view, ISO_CLOSED_TOLERANCE, weld);
-    if (!job->settings->json && !job->settings->verbose) return ISO_OK;
+    if (!job->settings->common.json && !job->settings->verbose) return ISO_OK;
     iso_status status = iso_weld_measure(weld, &view.transform, job->pool, &surface->measures, error);
     if (status != ISO_OK) iso_weld_free(weld);
     if (status == ISO_OK) say_mesh(job, surface);
@@ -101,7 +101,7 @@ static void put_surface(iso_json *json, const isorender_job *job, const isorende
     if (surface->mesh) iso_put_mesh_measures(json, "mesh", &surface->measures);
 }
 
-void isorender_solid_put(iso_json *json, const isorender_job *job) {
+void isorender_report_solid(iso_json *json, const isorender_job *job) {
     put_surface(json, job, &job->surfaces[0]);
     if (job->surface_count < 2 || (!drops_parts(job->settings) && !job->surfaces[0].mesh)) return;
     iso_json_begin_array(json, "surfaces");

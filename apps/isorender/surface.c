@@ -6,24 +6,17 @@
 #include "io/mesh_io.h"
 #include "methods/bounds.h"
 
-iso_status isorender_histogram(isorender_job *job, iso_error *error) {
-    if (job->has_histogram) return ISO_OK;
-    ISO_TRY(iso_histogram_compute(&job->volume.grid, job->pool, &job->histogram, error));
-    job->has_histogram = true;
-    return ISO_OK;
-}
-
 /* ---- which isovalues ---- */
 
 static iso_status suggest(isorender_job *job, double *isovalue, iso_error *error) {
-    ISO_TRY(isorender_histogram(job, error));
+    ISO_TRY(iso_loader_histogram(&job->loader, error));
     double candidates[ISO_ISOVALUE_CANDIDATES];
-    size_t count = iso_isovalue_suggest(&job->volume.grid, &job->histogram, candidates);
+    size_t count = iso_isovalue_suggest(&job->loader.volume.grid, &job->loader.histogram, candidates);
     if (count == 0)
         return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
-                        job->histogram.minimum);
+                        job->loader.histogram.minimum);
     *isovalue = candidates[0];
-    if (iso_grid_is_level_set(&job->volume.grid))
+    if (iso_grid_is_level_set(&job->loader.volume.grid))
         isorender_log(job, "isovalue %g (a level set)", candidates[0]);
     else if (count < ISO_ISOVALUE_CANDIDATES)
         isorender_log(job, "isovalue %g (Otsu's threshold, 1979)", candidates[0]);
@@ -35,7 +28,7 @@ static iso_status suggest(isorender_job *job, double *isovalue, iso_error *error
 
 /* Values one voxel from the end of a narrow band have neighbours that are clamped to it. */
 static void warn_of_band_end(const isorender_job *job, double isovalue) {
-    const iso_grid *grid = &job->volume.grid;
+    const iso_grid *grid = &job->loader.volume.grid;
     if (!grid->hgrid || fabs(iso_grid_stored(grid, isovalue)) <= (double)grid->hgrid->band - 1) return;
     isorender_log(
         job,
@@ -48,7 +41,7 @@ static iso_status take_isovalues(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     for (int i = 0; i < settings->isovalue_count; i++) {
         job->surfaces[i].isovalue = settings->isovalues[i];
-        ISO_TRY(iso_isovalue_check(&job->volume.grid, settings->isovalues[i], error));
+        ISO_TRY(iso_isovalue_check(&job->loader.volume.grid, settings->isovalues[i], error));
         warn_of_band_end(job, settings->isovalues[i]);
     }
     return ISO_OK;
@@ -58,10 +51,10 @@ static iso_status choose_isovalues(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     job->surface_count = settings->isovalue_count ? settings->isovalue_count : 1;
     if (settings->isovalue_count) return take_isovalues(job, error);
-    if (job->from_points)
+    if (job->loader.has_points)
         job->surfaces[0].isovalue = NAN;
-    else if (!isnan(job->scene_isovalue))
-        job->surfaces[0].isovalue = job->scene_isovalue;
+    else if (!isnan(job->loader.scene_isovalue))
+        job->surfaces[0].isovalue = job->loader.scene_isovalue;
     else
         return suggest(job, &job->surfaces[0].isovalue, error);
     return ISO_OK;
@@ -80,31 +73,24 @@ static bool only_exports(const isorender_job *job) {
     return !isorender_plan_draws(job->plan) && (job->settings->points || job->settings->mesh);
 }
 
-static bool wants_mesh(const isorender_job *job) {
-    return job->settings->mesh || (job->method == ISORENDER_MESH && !only_exports(job));
-}
-
-static bool wants_points(const isorender_job *job) {
-    bool drawn = job->method == ISORENDER_POINTS || job->method == ISORENDER_PULLPUSH;
-    return job->settings->points || (drawn && !only_exports(job));
-}
-
-/* The ray caster's pictures show what exact's do, framed alike. */
-static bool wants_cells(const isorender_job *job) {
-    bool drawn = job->method == ISORENDER_EXACT || job->method == ISORENDER_RAYCAST;
-    return drawn && !only_exports(job);
+/* Whether a part of the surface is needed for the picture. The cells are also needed with the ray caster:
+ * they give the bounds, so that its pictures are framed as those of exact. */
+static bool is_drawn(const isorender_job *job, iso_part part) {
+    unsigned needs = job->renderer->needs;
+    if (needs & 1u << ISO_PART_CASTER) needs |= 1u << ISO_PART_CELLS;
+    return needs & 1u << part && !only_exports(job);
 }
 
 /* Says what the data holds, so that the user can choose better. */
 static iso_status fail_empty(isorender_job *job, double isovalue, iso_error *error) {
-    const int *dims = iso_grid_dims(&job->volume.grid);
+    const int *dims = iso_grid_dims(&job->loader.volume.grid);
     if (dims[0] < 2 || dims[1] < 2 || dims[2] < 2)
         return iso_fail(
             error, ISO_ERR_EMPTY,
             "%d x %d x %d voxels have no surface: it lies between two voxels or more on every axis", dims[0],
             dims[1], dims[2]);
-    ISO_TRY(isorender_histogram(job, error));
-    const iso_histogram *histogram = &job->histogram;
+    ISO_TRY(iso_loader_histogram(&job->loader, error));
+    const iso_histogram *histogram = &job->loader.histogram;
     if (histogram->minimum == histogram->maximum)
         return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g: every voxel is %g", isovalue,
                         histogram->minimum);
@@ -114,7 +100,7 @@ static iso_status fail_empty(isorender_job *job, double isovalue, iso_error *err
 
 /* Whether points are drawn as curved discs. */
 static bool is_refined(const isorender_job *job) {
-    return job->method == ISORENDER_PULLPUSH && job->settings->reconstruction == ISO_RECONSTRUCTION_REFINED;
+    return job->renderer->method == ISO_METHOD_PULLPUSH;
 }
 
 iso_primitive isorender_primitive(const isorender_job *job) {
@@ -123,7 +109,7 @@ iso_primitive isorender_primitive(const isorender_job *job) {
     /* One kind for all surfaces; the outer layer of a closed level set holds no distances. */
     bool foot = !is_refined(job) && !job->settings->closed;
     for (int i = 0; i < job->surface_count && foot; i++)
-        foot = iso_primitive_auto(&job->volume.grid, job->surfaces[i].isovalue) == ISO_PRIMITIVE_FOOT;
+        foot = iso_primitive_auto(&job->loader.volume.grid, job->surfaces[i].isovalue) == ISO_PRIMITIVE_FOOT;
     return foot ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
 }
 
@@ -136,7 +122,7 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
                             .pool = job->pool};
     ISO_TRY(iso_point_set_create(&surface->grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));
-    if (job->method == ISORENDER_PULLPUSH) ISO_TRY(iso_point_set_bound(surface->points, error));
+    if (job->method == ISO_METHOD_PULLPUSH) ISO_TRY(iso_point_set_bound(surface->points, error));
     iso_points_stats stats = iso_point_set_stats(surface->points);
     job->point_count += stats.points;
     job->rejected += stats.rejected;
@@ -171,10 +157,10 @@ static iso_status extract_cells(isorender_job *job, isorender_surface *surface, 
 
 static iso_status extract_surface(isorender_job *job, isorender_surface *surface, iso_error *error) {
     ISO_TRY(isorender_solid_prepare(job, surface, error));
-    if (wants_points(job)) ISO_TRY(extract_points(job, surface, error));
-    if (wants_mesh(job)) ISO_TRY(extract_mesh(job, surface, error));
-    if (wants_cells(job)) ISO_TRY(extract_cells(job, surface, error));
-    if (isorender_plan_draws(job->plan) && job->method == ISORENDER_RAYCAST)
+    if (job->settings->points || is_drawn(job, ISO_PART_POINTS)) ISO_TRY(extract_points(job, surface, error));
+    if (job->settings->mesh || is_drawn(job, ISO_PART_MESH)) ISO_TRY(extract_mesh(job, surface, error));
+    if (is_drawn(job, ISO_PART_CELLS)) ISO_TRY(extract_cells(job, surface, error));
+    if (isorender_plan_draws(job->plan) && is_drawn(job, ISO_PART_CASTER))
         return iso_raycaster_create(&surface->grid, surface->isovalue, job->pool, &surface->caster, error);
     return ISO_OK;
 }
@@ -182,16 +168,16 @@ static iso_status extract_surface(isorender_job *job, isorender_surface *surface
 /* ---- bounds ---- */
 
 iso_point_view isorender_points_view(const isorender_job *job, int surface) {
-    return job->from_points ? iso_points_view(&job->points)
-                            : iso_point_set_view(job->surfaces[surface].points);
+    return job->loader.has_points ? iso_points_view(&job->loader.points)
+                                  : iso_point_set_view(job->surfaces[surface].points);
 }
 
 /* Voxel (0, 0, 0) of the file is the local origin, also when a part of it was cut out. */
 static iso_box to_local(const isorender_job *job, const iso_box *index) {
-    const int *crop = job->crop;
+    const int *crop = job->loader.crop;
     const int around = job->settings->closed ? 1 : 0; /* voxels that --closed adds */
     iso_transform transform = iso_transform_identity();
-    if (!job->from_points) {
+    if (!job->loader.has_points) {
         transform = iso_transform_local(iso_grid_transform(&job->surfaces[0].grid));
         for (int axis = 0; axis < 3; axis++)
             transform.origin[axis] = (crop[2 * axis] - around) * transform.spacing[axis];
@@ -207,7 +193,7 @@ iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine) {
         if (surface->exact) {
             const iso_box box = iso_exact_bounds(surface->exact, affine);
             iso_bounds_add(&all, &box);
-        } else if (surface->points || job->from_points) {
+        } else if (surface->points || job->loader.has_points) {
             const iso_point_view view = isorender_points_view(job, i);
             const iso_box box = iso_bounds_of_each_point(&view, affine);
             iso_bounds_add(&all, &box);
@@ -227,7 +213,7 @@ static iso_box index_bounds(const isorender_job *job) {
         iso_box box;
         if (surface->exact) {
             box = iso_exact_bounds(surface->exact, NULL);
-        } else if (surface->points || job->from_points) {
+        } else if (surface->points || job->loader.has_points) {
             const iso_point_view view = isorender_points_view(job, i);
             box = iso_point_view_bounds(&view);
         } else {
@@ -241,7 +227,7 @@ static iso_box index_bounds(const isorender_job *job) {
 
 static void measure(isorender_job *job) {
     iso_transform transform =
-        job->from_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
+        job->loader.has_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
     iso_affine affine = iso_transform_affine(&transform);
     const iso_box index = index_bounds(job);
     job->bounds_local = to_local(job, &index);
@@ -252,12 +238,12 @@ static void measure(isorender_job *job) {
 iso_status isorender_extract(isorender_job *job, iso_error *error) {
     ISO_TRY(choose_isovalues(job, error));
     choose_colors(job);
-    if (job->from_points) {
-        iso_point_view view = iso_points_view(&job->points);
+    if (job->loader.has_points) {
+        iso_point_view view = iso_points_view(&job->loader.points);
         job->point_count = iso_point_view_count(&view);
         if (job->point_count == 0) return iso_fail(error, ISO_ERR_EMPTY, "holds no usable point");
     }
-    for (int i = 0; i < job->surface_count && !job->from_points; i++) {
+    for (int i = 0; i < job->surface_count && !job->loader.has_points; i++) {
         isorender_progress(job, "extracting", (double)i / job->surface_count);
         ISO_TRY(extract_surface(job, &job->surfaces[i], error));
     }
@@ -270,7 +256,7 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
 
 /* What is not exported is measured all the same. */
 static iso_status measure_meshes(isorender_job *job, iso_error *error) {
-    const bool wanted = job->settings->json || job->settings->verbose;
+    const bool wanted = job->settings->common.json || job->settings->verbose;
     for (int i = 0; i < job->surface_count && wanted && !job->plan->mesh; i++) {
         iso_weld weld;
         if (!job->surfaces[i].mesh) continue;

@@ -4,9 +4,9 @@
 
 #include "apps/isosculpt/isosculpt.h"
 
-static iso_status run(const isosculpt_settings *settings, iso_error *error) {
+static iso_status run_session(const isosculpt_settings *settings, iso_error *error) {
     iso_pool *pool = NULL;
-    ISO_TRY(iso_pool_create(settings->threads, &pool, error));
+    ISO_TRY(iso_pool_create(settings->common.threads, &pool, error));
     iso_status status = settings->headless ? isosculpt_replay(settings, pool, error)
                                            : isosculpt_window(settings, pool, error);
     iso_pool_destroy(pool);
@@ -20,12 +20,8 @@ static int run_program(int argc, char **argv) {
     iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
     if (!operands.values) return iso_status_exit(ISO_ERR_NOMEM);
     iso_status status = isosculpt_settings_parse(argc, argv, &settings, &operands, &error);
-    if (status == ISO_OK && settings.help == ISOSCULPT_HELP)
-        iso_options_help(program, settings.help_form, stdout);
-    else if (status == ISO_OK && settings.help == ISOSCULPT_VERSION)
-        printf("%s %s\n", program->name, program->version);
-    else if (status == ISO_OK)
-        status = run(&settings, &error);
+    if (status == ISO_OK && !iso_settings_print_help(&settings.common, program))
+        status = run_session(&settings, &error);
     free(operands.values);
     return iso_program_finish(program, status == ISO_OK ? 0 : iso_program_fail(program, &error, status));
 }

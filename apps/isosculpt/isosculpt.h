@@ -2,16 +2,13 @@
 #ifndef ISO_APPS_ISOSCULPT_ISOSCULPT_H
 #define ISO_APPS_ISOSCULPT_ISOSCULPT_H
 
-#include "apps/common/input.h"
-#include "apps/common/options.h"
+#include "apps/common/settings.h"
 #include "extract/mesh/mesh.h"
 #include "extract/mesh/mesh_measure.h"
 #include "extract/points/points.h"
 #include "grids/closing/closed_mesh.h"
 #include "grids/parts/components.h"
 #include "sculpt/session/session.h"
-
-typedef enum isosculpt_help { ISOSCULPT_HELP_NONE, ISOSCULPT_HELP, ISOSCULPT_VERSION } isosculpt_help;
 
 /* Which engine draws in the window; auto: OpenGL where a GPU does it. */
 typedef enum isosculpt_backend {
@@ -21,17 +18,15 @@ typedef enum isosculpt_backend {
 } isosculpt_backend;
 
 typedef struct isosculpt_settings {
-    iso_input input;     /* how what is opened is read; first, as apps/common/input_options.inc wants it */
-    const char *strokes; /* the operand: to continue in a window */
-    const char *replay, *open, *stamp, *output, *mesh, *json_path;
-    int json, headless, recover, quiet, threads, extract, draw;
+    iso_common_settings common; /* first; `input` says how the opened file is read */
+    const char *strokes;        /* the operand: a stroke file to continue in a window */
+    const char *replay, *open, *stamp, *output, *mesh;
+    int headless, recover, extract, draw;
     int backend;                 /* isosculpt_backend */
     int resolution[2];           /* of the pictures that are drawn; 0: 1280 x 800 */
     double voxel_size, isovalue; /* isovalue: NAN when not given */
     double close_holes;          /* iso_closing_opts.hole */
-    uint64_t undo_memory;
-    isosculpt_help help;
-    iso_help_form help_form;
+    uint64_t undo_memory;        /* bytes */
 } isosculpt_settings;
 
 const iso_program *isosculpt_program(void);
@@ -69,7 +64,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
  */
 iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, iso_error *error);
 
-/* The report as JSON, to settings->json_path or standard output. ISO_ERR_WRITE. */
+/* The report as JSON, to settings->common.json_path or standard output. ISO_ERR_WRITE. */
 iso_status isosculpt_report_write(const isosculpt_settings *settings, const isosculpt_report *report,
                                   iso_error *error);
 

@@ -16,14 +16,6 @@ static const char *const groups[] = {"Session", "Reading a volume", "Output", "R
 static const char *const usage[] = {"[STROKES|FILE]", "--replay STROKES --headless [--output OUT] [--json]",
                                     "--open FILE --headless [--replay STROKES] [--output OUT]", NULL};
 
-static iso_status apply_json(void *target, const char *value, iso_error *error) {
-    isosculpt_settings *settings = target;
-    (void)error;
-    settings->json = 1;
-    settings->json_path = value;
-    return ISO_OK;
-}
-
 static iso_status apply_resolution(void *target, const char *value, iso_error *error) {
     isosculpt_settings *settings = target;
     return iso_parse_resolution(value, settings->resolution, error);
@@ -37,20 +29,6 @@ static iso_status apply_close_holes(void *target, const char *value, iso_error *
         return iso_fail(error, ISO_ERR_USAGE, "'%s' is no size in mm", value);
     settings->close_holes = size > 0 ? size : -1;
     return ISO_OK;
-}
-
-static iso_status apply_version(void *target, const char *value, iso_error *error) {
-    isosculpt_settings *settings = target;
-    (void)value;
-    (void)error;
-    settings->help = ISOSCULPT_VERSION;
-    return ISO_OK;
-}
-
-static iso_status apply_help(void *target, const char *value, iso_error *error) {
-    isosculpt_settings *settings = target;
-    settings->help = ISOSCULPT_HELP;
-    return iso_parse_help_form(value, &settings->help_form, error);
 }
 
 static const char *const backends[] = {"auto", "cpu", "gl", NULL};
@@ -88,7 +66,7 @@ static const iso_option options[] = {
     {"mesh", NULL, "FILE", "write a mesh: .ply, .stl or .obj", .group = OUTPUT, .kind = ISO_OPTION_TEXT,
      AT(mesh)},
     {"json", NULL, "FILE", "say what was done as JSON, to standard output without a file", .group = OUTPUT,
-     .kind = ISO_OPTION_CALL, .apply = apply_json, .flags = ISO_OPTION_VALUE_OPTIONAL},
+     .kind = ISO_OPTION_CALL, .apply = iso_settings_apply_json, .flags = ISO_OPTION_VALUE_OPTIONAL},
 
     {"extract", NULL, NULL, "extract the points after every sample, and time it", .group = RUNNING,
      .kind = ISO_OPTION_FLAG, AT(extract)},
@@ -102,12 +80,8 @@ static const iso_option options[] = {
      "auto is gl where a GPU does it; the panel changes it",
      .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(backend), .choices = backends, .standard = "auto"},
     {"threads", NULL, "N", "threads to use; the result does not depend on it", .group = RUNNING,
-     .kind = ISO_OPTION_INT, AT(threads), .standard = "one a processor", .low = 1, .high = 1024},
-    {"quiet", "q", NULL, "say nothing but errors", .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(quiet)},
-    {"version", NULL, NULL, "print the version", .group = RUNNING, .kind = ISO_OPTION_CALL,
-     .apply = apply_version},
-    {"help", "h", "FORM", "print this; FORM may be man, markdown or bash", .group = RUNNING,
-     .kind = ISO_OPTION_CALL, .apply = apply_help, .flags = ISO_OPTION_VALUE_OPTIONAL},
+     .kind = ISO_OPTION_INT, AT(common.threads), .standard = "one a processor", .low = 1, .high = 1024},
+#include "apps/common/running_options.inc"
 };
 
 static const char *const exit_text[] = {"0  done",
@@ -169,12 +143,12 @@ static iso_status check_files(const isosculpt_settings *settings, const iso_oper
 
 /* Options that say how a volume is read need one. */
 static iso_status check_opened(const isosculpt_settings *settings, iso_error *error) {
-    const char *option = iso_input_volume_option(&settings->input);
-    ISO_TRY(iso_input_check(&settings->input, error));
+    const char *option = iso_input_volume_option(&settings->common.input);
+    ISO_TRY(iso_input_check(&settings->common.input, error));
     if (!settings->open && !isnan(settings->isovalue))
         return iso_fail(error, ISO_ERR_USAGE, "--isovalue needs a file to open");
-    if (!option && iso_input_drops_parts(&settings->input))
-        option = settings->input.largest ? "--largest" : "--min-size";
+    if (!option && iso_input_drops_parts(&settings->common.input))
+        option = settings->common.input.largest ? "--largest" : "--min-size";
     if (!settings->open && option) return iso_fail(error, ISO_ERR_USAGE, "%s needs a file to open", option);
     return ISO_OK;
 }
@@ -182,8 +156,8 @@ static iso_status check_opened(const isosculpt_settings *settings, iso_error *er
 /* What a window makes no use of is not taken in silence. The operand is a stroke file or what --open takes.
  */
 static iso_status check_window(isosculpt_settings *settings, const iso_operands *operands, iso_error *error) {
-    if (settings->replay || settings->output || settings->mesh || settings->json || settings->extract ||
-        settings->draw)
+    if (settings->replay || settings->output || settings->mesh || settings->common.json ||
+        settings->extract || settings->draw)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--replay, --output, --mesh, --json, --extract and --draw need --headless");
     if (operands->count + (settings->open != NULL) + (settings->recover != 0) > 1)
@@ -204,7 +178,7 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
     memset(settings, 0, sizeof *settings);
     settings->isovalue = NAN;
     ISO_TRY(iso_options_parse(isosculpt_program(), argc, argv, settings, operands, error));
-    if (settings->help) return ISO_OK;
+    if (settings->common.action) return ISO_OK;
     ISO_TRY(check_files(settings, operands, error));
     if (!settings->headless) return check_window(settings, operands, error);
     if (settings->backend == ISOSCULPT_BACKEND_GL)

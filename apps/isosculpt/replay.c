@@ -59,10 +59,10 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
                                      .pool = pool,
                                      .close_holes = settings->close_holes,
                                      .report = &report->opened_mesh,
-                                     .input = &settings->input,
+                                     .input = &settings->common.input,
                                      .parts = &report->parts,
                                      .files = files,
-                                     .notes = !settings->quiet};
+                                     .notes = !settings->common.quiet};
     if (settings->open) return isosculpt_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
         return isosculpt_source_find(settings->replay, &source, start, grid, error);
@@ -72,7 +72,7 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
 
 static void say_parts(const isosculpt_settings *settings, const isosculpt_report *report) {
     const iso_components_totals *parts = &report->parts;
-    if (settings->quiet || !parts->kept) return;
+    if (settings->common.quiet || !parts->kept) return;
     iso_program_log(isosculpt_program(),
                     "%s: kept %zu of %zu parts of the solid, dropped %zu with %.3g %% of its volume (%.6g of "
                     "%.6g mm3)",
@@ -134,11 +134,12 @@ static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *err
     for (;;) {
         ISO_TRY(iso_journal_next(reader, &event, &more, error));
         if (!more) break;
-        ISO_TRY(iso_journal_blame(reader, play(p, &event, error), error));
+        ISO_TRY(iso_journal_add_location(reader, play(p, &event, error), error));
         if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
     }
     if (!drawing) return ISO_OK;
-    return iso_journal_blame(reader, iso_session_end(p->session, error), error); /* it broke off here */
+    return iso_journal_add_location(reader, iso_session_end(p->session, error),
+                                    error); /* it broke off here */
 }
 
 /* ---- outputs */
@@ -167,7 +168,7 @@ static iso_status write_welded(player *p, const char *path, const iso_mesh_view 
     iso_weld weld;
     ISO_TRY(iso_mesh_weld(view, &weld, error));
     iso_status status = ISO_OK;
-    if (p->settings->json) {
+    if (p->settings->common.json) {
         p->report->has_mesh = true;
         status = iso_weld_measure(&weld, &view->transform, p->pool, &p->report->mesh, error);
     }
@@ -205,12 +206,12 @@ static iso_status write_outputs(player *p, iso_error *error) {
     p->written[0] = output;
     if (settings->mesh) ISO_TRY(write_mesh(p, settings->mesh, error));
     p->written[1] = settings->mesh;
-    return settings->json ? isosculpt_report_write(settings, p->report, error) : ISO_OK;
+    return settings->common.json ? isosculpt_report_write(settings, p->report, error) : ISO_OK;
 }
 
 /* What cannot be written is known before the work is done. */
 static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set *files, iso_error *error) {
-    const char *const outputs[] = {settings->output, settings->mesh, settings->json_path};
+    const char *const outputs[] = {settings->output, settings->mesh, settings->common.json_path};
     for (int i = 0; i < 3; i++) iso_file_set_write(files, outputs[i]);
     ISO_TRY(iso_file_set_check(files, error));
     for (int i = 0; i < 3; i++) ISO_TRY(iso_sink_check(outputs[i], error));
@@ -242,11 +243,11 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     iso_status status = write_outputs(p, error);
     for (int i = 0; status != ISO_OK && i < 2; i++) iso_file_remove(p->written[i]); /* all or none */
     ISO_TRY(status);
-    if (!p->settings->quiet && p->report->edits.clipped)
+    if (!p->settings->common.quiet && p->report->edits.clipped)
         iso_program_log(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
                         name_of(p->settings));
     char note[240];
-    if (!p->settings->quiet && iso_mesh_report_note(&p->report->opened_mesh, note, sizeof note))
+    if (!p->settings->common.quiet && iso_mesh_report_note(&p->report->opened_mesh, note, sizeof note))
         iso_program_log(isosculpt_program(), "%s: %s", p->settings->open, note);
     return ISO_OK;
 }
@@ -269,7 +270,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
         iso_hgrid_destroy(grid);
     iso_file_set_free(&files);
     if (status == ISO_OK) say_parts(settings, &report);
-    if (status == ISO_OK && reader) opts.work = fmax(1, pow(own / grid->transform.spacing[0], 3));
+    if (status == ISO_OK && reader) opts.cost_factor = fmax(1, pow(own / grid->transform.spacing[0], 3));
     if (status == ISO_OK) status = iso_session_create(grid, &report.start, &opts, &p.session, error);
     if (status == ISO_OK) status = run(&p, reader, error);
     iso_point_set_destroy(p.points);
@@ -351,7 +352,7 @@ static void put_report(FILE *stream, const isosculpt_settings *settings, const i
 iso_status isosculpt_report_write(const isosculpt_settings *settings, const isosculpt_report *report,
                                   iso_error *error) {
     iso_sink sink;
-    ISO_TRY(iso_sink_open(settings->json_path ? settings->json_path : "-", &sink, error));
+    ISO_TRY(iso_sink_open(settings->common.json_path ? settings->common.json_path : "-", &sink, error));
     put_report(sink.stream, settings, report);
     return iso_sink_commit(&sink, error);
 }

@@ -14,6 +14,7 @@
 #include <openexr.h>
 
 #include "base/file.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "image/image.h"
 
@@ -155,39 +156,15 @@ static exr_context_initializer_t initializer_for(exr_file *file) {
     return initializer;
 }
 
-/* ---- writing: chunks of 16 rows are compressed by all threads and written in order; whoever holds the first
- * chunk that is not in the file yet never waits, because indices are handed out in order */
+/* ---- writing: chunks of 16 rows are compressed by all threads and written in order */
 
 typedef struct writer {
     exr_context_t context;
     const iso_aov *aov;
     exr_file file;
-    int rows;                      /* of a chunk */
-    pthread_mutex_t mutex;         /* of turn */
-    pthread_cond_t turn_has_moved; /* turn: chunks that are written, or given up */
-    size_t turn;
+    int rows;                         /* of a chunk */
+    exr_encode_pipeline_t *pipelines; /* one for each slot of iso_parallel_ordered */
 } writer;
-
-static void wait_for_turn(writer *w, size_t chunk) {
-    pthread_mutex_lock(&w->mutex);
-    while (w->turn != chunk) pthread_cond_wait(&w->turn_has_moved, &w->mutex);
-    pthread_mutex_unlock(&w->mutex);
-}
-
-static void pass_turn_on(writer *w, size_t chunk) {
-    wait_for_turn(w, chunk);
-    pthread_mutex_lock(&w->mutex);
-    w->turn = chunk + 1;
-    pthread_cond_broadcast(&w->turn_has_moved);
-    pthread_mutex_unlock(&w->mutex);
-}
-
-/* Called by the library when a chunk is compressed. */
-static exr_result_t chunk_is_ready(exr_encode_pipeline_t *pipeline) {
-    writer *w = pipeline->encoding_user_data;
-    wait_for_turn(w, (size_t)(pipeline->chunk.start_y / w->rows));
-    return has_failed(&w->file) ? EXR_ERR_WRITE_IO : EXR_ERR_SUCCESS;
-}
 
 static void take_planes(const writer *w, exr_encode_pipeline_t *pipeline) {
     for (int i = 0; i < pipeline->channel_count; i++) {
@@ -202,23 +179,57 @@ static void take_planes(const writer *w, exr_encode_pipeline_t *pipeline) {
     }
 }
 
-static void write_chunk(void *context, size_t index, int worker) {
+static exr_result_t encode(const writer *w, exr_encode_pipeline_t *pipeline) {
+    take_planes(w, pipeline);
+    exr_result_t result = exr_encoding_choose_default_routines(w->context, 0, pipeline);
+    if (result != EXR_ERR_SUCCESS) return result;
+    /* The library's pipeline would write as its last step, and out of order: write_chunk does that step. */
+    pipeline->yield_until_ready_fn = NULL;
+    pipeline->write_fn = NULL;
+    return exr_encoding_run(w->context, 0, pipeline);
+}
+
+/* The three steps of iso_parallel_ordered. After a failure they do nothing. */
+
+static void compress_chunk(void *context, size_t index, size_t slot, int worker) {
     (void)worker;
     writer *w = context;
+    exr_encode_pipeline_t *pipeline = &w->pipelines[slot];
     exr_chunk_info_t chunk;
-    exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
     int y = (int)index * w->rows;
     if (!has_failed(&w->file) && note(&w->file, exr_write_scanline_chunk_info(w->context, 0, y, &chunk)) &&
-        note(&w->file, exr_encoding_initialize(w->context, 0, &chunk, &pipeline))) {
-        take_planes(w, &pipeline);
-        if (note(&w->file, exr_encoding_choose_default_routines(w->context, 0, &pipeline))) {
-            pipeline.encoding_user_data = w;
-            pipeline.yield_until_ready_fn = chunk_is_ready;
-            note(&w->file, exr_encoding_run(w->context, 0, &pipeline));
-        }
-        exr_encoding_destroy(w->context, &pipeline);
-    }
-    pass_turn_on(w, index);
+        note(&w->file, exr_encoding_initialize(w->context, 0, &chunk, pipeline)))
+        note(&w->file, encode(w, pipeline));
+}
+
+static bool write_chunk(void *context, size_t slot, bool alone) {
+    (void)alone;
+    writer *w = context;
+    const exr_encode_pipeline_t *pipeline = &w->pipelines[slot];
+    if (!has_failed(&w->file))
+        note(&w->file, exr_write_scanline_chunk(w->context, 0, pipeline->chunk.start_y,
+                                                pipeline->compressed_buffer, pipeline->compressed_bytes));
+    return true;
+}
+
+static void free_chunk(void *context, size_t slot) {
+    writer *w = context;
+    exr_encoding_destroy(w->context, &w->pipelines[slot]);
+}
+
+static void write_chunks(writer *w, iso_pool *pool) {
+    size_t chunks = ((size_t)w->aov->height + (size_t)w->rows - 1) / (size_t)w->rows;
+    /* A slot for each thread: more would hold more memory and save no time. */
+    iso_ordered steps = {.work = compress_chunk,
+                         .place = write_chunk,
+                         .finish = free_chunk,
+                         .slots = (size_t)iso_pool_threads(pool)};
+    w->pipelines = iso_alloc_zero(steps.slots, sizeof *w->pipelines);
+    if (w->pipelines)
+        iso_parallel_ordered(pool, chunks, &steps, w);
+    else
+        note(&w->file, EXR_ERR_OUT_OF_MEMORY);
+    iso_free(w->pipelines);
 }
 
 /* OpenEXR's matrices act on row vectors; its camera space has y up where ours has y down. */
@@ -277,10 +288,7 @@ static bool write_all(writer *w, const char *path, const iso_exr_info *info, iso
     exr_context_initializer_t initializer = initializer_for(&w->file);
     if (!note(&w->file, exr_start_write(&w->context, path, EXR_WRITE_FILE_DIRECTLY, &initializer)))
         return false;
-    if (write_header(w, info)) {
-        size_t chunks = ((size_t)w->aov->height + (size_t)w->rows - 1) / (size_t)w->rows;
-        iso_parallel_for(pool, chunks, write_chunk, w);
-    }
+    if (write_header(w, info)) write_chunks(w, pool);
     note(&w->file, exr_finish(&w->context)); /* writes the table of chunks */
     return !has_failed(&w->file);
 }
@@ -293,16 +301,12 @@ iso_status iso_exr_write(const char *path, const iso_aov *aov, const iso_exr_inf
     ISO_TRY(iso_sink_open(path, &sink, error));
     writer w = {.aov = aov};
     file_open(&w.file, fileno(sink.stream));
-    pthread_mutex_init(&w.mutex, NULL);
-    pthread_cond_init(&w.turn_has_moved, NULL);
     iso_status status = ISO_OK;
     if (!write_all(&w, path, info, pool)) {
         status = w.file.code == EXR_ERR_OUT_OF_MEMORY ? ISO_ERR_NOMEM : ISO_ERR_WRITE;
         iso_fail(error, status, "%s: cannot write: %s", path, reason_of(&w.file));
         iso_sink_abort(&sink);
     }
-    pthread_cond_destroy(&w.turn_has_moved);
-    pthread_mutex_destroy(&w.mutex);
     file_close(&w.file);
     return status == ISO_OK ? iso_sink_commit(&sink, error) : status;
 }

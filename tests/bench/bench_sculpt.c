@@ -92,8 +92,8 @@ static iso_status run_touch(const sculpt_plan *plan, sculpting *work, bench_samp
     iso_touch touch = {s, s, s};
     if (work->step == 0) {
         ISO_TRY(iso_history_begin(work->history, "stroke", error));
-        iso_step_opts step = iso_history_step(work->history);
-        iso_editor_step(work->editor, &step);
+        iso_step_opts step = iso_history_step_opts(work->history);
+        iso_editor_begin_step(work->editor, &step);
     }
     bench_clock clock = bench_clock_start();
     ISO_TRY(iso_editor_touch(work->editor, &brush, &touch, NULL, error));

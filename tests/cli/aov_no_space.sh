@@ -1,3 +1,5 @@
+# exit: 7
+# stderr: isorender: in/out.exr: cannot write: File too large
 if isorender scene:sphere:16 --no-image --aov in/try.exr 2>&1 | grep -q "built without"; then echo "skipped: built without OpenEXR"; exit 77; fi
 # the picture fits, the numbers do not: both have to go, and what was there before stays
 echo old >in/out.exr

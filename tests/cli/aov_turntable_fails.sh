@@ -1,3 +1,5 @@
+# exit: 7
+# stderr: isorender: in/t_001.exr: cannot write: Is a directory
 if isorender scene:sphere:16 --no-image --aov in/try.exr 2>&1 | grep -q "built without"; then echo "skipped: built without OpenEXR"; exit 77; fi
 mkdir in/t_001.exr
 status=0

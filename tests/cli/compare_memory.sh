@@ -1,3 +1,5 @@
+# exit: 5
+# stderr: isocompare: in/big.png: comparing 268 million pixels needs * MB, limit is 268 MB (--max-memory)
 # The pictures' headers say what comparing them takes: nothing is decoded that does not fit.
 python3 - <<'P'
 import struct, zlib

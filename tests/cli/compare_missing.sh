@@ -1,1 +1,3 @@
+# exit: 3
+# stderr: isocompare: nowhere.png: *
 isocompare images nowhere.png neither.png

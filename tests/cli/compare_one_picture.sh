@@ -1,1 +1,3 @@
+# exit: 2
+# stderr: isocompare: images takes two pictures, the truth first
 isocompare images a.png

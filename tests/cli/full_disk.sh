@@ -1,3 +1,5 @@
+# exit: 7
+# stderr: isorender: in/disk/out.png: cannot write: No space left on device
 mkdir in/disk
 mount -t tmpfs -o size=16k tmpfs in/disk 2>/dev/null || { echo "skipped: cannot mount a small file system here"; exit 77; }
 status=0

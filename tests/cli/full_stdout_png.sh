@@ -1,1 +1,3 @@
+# exit: 7
+# stderr: isorender: *standard output: cannot write: *
 isorender scene:torus:32 - --quiet >/dev/full

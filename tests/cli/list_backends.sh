@@ -1,3 +1,4 @@
+# stdout: cpu*3 threads*egl *osmesa *
 isorender --list-backends --threads 3
 # The instruction set in use is named, whatever the machine has.
 set_in_use() {

@@ -1,1 +1,3 @@
+# exit: 2
+# stderr: isorender: no input (see --help)
 isorender

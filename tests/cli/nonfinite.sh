@@ -1,3 +1,4 @@
+# stderr: isorender: in/a.mha: note: 2 voxels are NaN or infinite*wrote out.png
 python3 - <<'P'
 from check import *
 odd = {(3, 3, 3): float("nan"), (9, 9, 9): float("inf")}

@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # Runs one case of the command line's tests: run.sh FOLDER-OF-PROGRAMS CASE.sh
-# The case runs in a fresh folder with the programs on its PATH; CASE.exit (0 when missing), CASE.stdout.glob and
-# CASE.stderr.glob say what is expected. Inputs that a case makes go to in/: after a failure nothing else may be
-# there, and whatever happens nothing may be left in TMPDIR. Status 77 of a case means that it was skipped.
+# The case runs in a fresh folder with the programs on its PATH. Its first lines may say what is expected of it:
+#     # exit: 2                 the exit status, 0 when not said
+#     # stdout: GLOB            a bash pattern for the whole of standard output
+#     # stderr: GLOB            the same for standard error
+# Inputs that a case makes go to in/. A case that is expected to fail must leave no other file and write one line to standard
+# error; no case may leave anything in TMPDIR. Exit status 77 of a case means that it was skipped.
 set -u
 programs=$(cd "$1" && pwd)
-case=$2
+case=$(realpath "$2")
 here=$(cd "$(dirname "$0")" && pwd)
-base=$here/$(basename "$case" .sh)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/run" "$work/run/in" "$work/tmp"
@@ -20,33 +22,44 @@ problem() {
     exit 1
 }
 
-# matches FILE GLOB-FILE: the whole of one against the whole of the other
-matches() {
-    local text glob
-    text=$(tr -d '\0' <"$1")
-    glob=$(cat "$2")
-    # shellcheck disable=SC2053
-    [[ $text == $glob ]]
+# read_expectations: fills `expected` from the first lines of the case. A line that only looks like an expectation
+# (misspelt, given twice, below other lines) would silently not be checked, so it fails the test.
+declare -A expected
+read_expectations() {
+    local line at_top=1
+    local right='^# (exit|stdout|stderr): ([^[:space:]].*)$'
+    local similar='^#[[:space:]]*(exit|stdout|stderr)([^[:alpha:]]|$)' other_word='^#[[:space:]]*[[:alpha:]]+[[:space:]]*:'
+    while IFS= read -r line || [[ $line ]]; do
+        if [[ $at_top && $line =~ $right && ! -v expected[${BASH_REMATCH[1]}] ]]; then
+            expected[${BASH_REMATCH[1]}]=${BASH_REMATCH[2]}
+        elif [[ $line =~ $similar || ($at_top && $line =~ $other_word) ]]; then
+            problem "malformed expectation in $case: $line"
+        else
+            at_top=
+        fi
+    done <"$case"
+    [[ ${expected[exit]=0} =~ ^[0-9]+$ ]] || problem "malformed exit status in $case: ${expected[exit]}"
 }
 
+touch "$work/stdout" "$work/stderr"
+read_expectations
 (
     cd "$work/run" || exit 99
     export PATH="$programs:$PATH" TMPDIR="$work/tmp" PYTHONPATH="$here" volumes="$(dirname "$(dirname "$here")")/volumes" PYTHONDONTWRITEBYTECODE=1 LC_ALL=C
-    exec bash -eu "$base.sh"
+    exec bash -eu "$case"
 ) >"$work/stdout" 2>"$work/stderr" </dev/null
 status=$?
 
 [ $status -eq 77 ] && { cat "$work/stdout"; exit 77; }
-expected=0
-[ -f "$base.exit" ] && expected=$(cat "$base.exit")
-[ "$status" -eq "$expected" ] || problem "status $status instead of $expected"
+[ "$status" -eq "${expected[exit]}" ] || problem "status $status instead of ${expected[exit]}"
 for stream in stdout stderr; do
-    [ ! -f "$base.$stream.glob" ] || matches "$work/$stream" "$base.$stream.glob" ||
-        problem "$stream is not $(cat "$base.$stream.glob")"
+    text=$(tr -d '\0' <"$work/$stream")
+    # shellcheck disable=SC2053
+    [[ ! -v expected[$stream] || $text == ${expected[$stream]} ]] || problem "$stream is not ${expected[$stream]}"
 done
 left=$(ls -A "$work/tmp")
 [ -z "$left" ] || problem "left in TMPDIR: $left"
-if [ "$expected" -ne 0 ]; then
+if [ "${expected[exit]}" -ne 0 ]; then
     left=$(ls -A "$work/run" | grep -v '^in$')
     [ -z "$left" ] || problem "left behind: $left"
     [ "$(grep -c '' "$work/stderr")" -eq 1 ] || problem "not one line on stderr"

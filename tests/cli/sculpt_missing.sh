@@ -1,1 +1,3 @@
+# exit: 3
+# stderr: isosculpt: *in/no.strokes*
 isosculpt --replay in/no.strokes --headless

@@ -1,3 +1,5 @@
+# exit: 3
+# stderr: isosculpt: in/sheet.obj: the mesh is open: 80 open edges; the largest hole measures 28.* mm, and only holes up to 2 mm can be closed
 python3 - <<'P'
 import math
 with open("in/sheet.obj", "w") as out:

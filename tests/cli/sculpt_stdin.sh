@@ -1,1 +1,3 @@
+# exit: 2
+# stderr: isosculpt: standard input cannot be opened: *
 isosculpt --headless --open - --output out.stl

@@ -1,1 +1,3 @@
+# exit: 4
+# stderr: isosculpt: *--headless*
 isosculpt

@@ -1,1 +1,3 @@
+# exit: 3
+# stderr: isorender: standard input: is empty
 isorender -

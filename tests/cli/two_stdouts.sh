@@ -1,1 +1,3 @@
+# exit: 2
+# stderr: isorender: the picture and --json cannot both go to standard output
 isorender x.vti - --json

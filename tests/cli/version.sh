@@ -1,1 +1,2 @@
+# stdout: isorender [0-9]*.[0-9]*.[0-9]*
 isorender --version

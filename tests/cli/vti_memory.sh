@@ -1,3 +1,5 @@
+# exit: 3
+# stderr: isorender: in/a.vti: refused*
 # A block of 256 MB, packed into 250 kB, for 16^3 voxels: nothing of it is unpacked.
 python3 - <<'P'
 import struct

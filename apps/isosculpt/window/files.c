@@ -65,7 +65,7 @@ static iso_status start_sculpting(window *w, iso_error *error) {
                                        .folder = w->has_folder ? w->folder : NULL,
                                        .isovalue = w->view.isovalue,
                                        .voxel = w->settings->voxel_size,
-                                       .threads = w->settings->threads,
+                                       .threads = w->settings->common.threads,
                                        .undo_memory = (size_t)w->settings->undo_memory,
                                        .wake = wake};
     return isosculpt_load_job_start(&request, &w->load_job, error);
@@ -92,8 +92,8 @@ static iso_status start_opening(window *w, const char *path, bool stamp, iso_err
                                        .isovalue = asked ? settings->isovalue : NAN,
                                        .voxel = asked ? settings->voxel_size : 0,
                                        .close_holes = settings->close_holes,
-                                       .input = asked ? settings->input : (iso_input){0},
-                                       .threads = settings->threads,
+                                       .input = asked ? settings->common.input : (iso_input){0},
+                                       .threads = settings->common.threads,
                                        .undo_memory = (size_t)settings->undo_memory,
                                        .wake = wake};
     w->agreed = w->document.changes;

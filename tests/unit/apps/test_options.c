@@ -104,7 +104,7 @@ static void test_defaults(void **state) {
     assert_null(s->output);
     assert_int_equal(s->width, 1024);
     assert_int_equal(s->height, 1024);
-    assert_int_equal(s->method, ISORENDER_UNCHOSEN);
+    assert_int_equal(s->method, ISORENDER_METHOD_UNCHOSEN);
     assert_int_equal(s->isovalue_count, 0);
     assert_int_equal(s->samples, 1);
     assert_true(s->up.x == 0 && s->up.y == 0 && s->up.z == 1);
@@ -126,9 +126,9 @@ static void test_forms(void **state) {
     assert_true(s->zoom == 3); /* the last wins */
     assert_string_equal(s->output, "out.png");
     assert_int_equal(s->samples, 16);
-    assert_int_equal(s->input.crop[5], 6);
+    assert_int_equal(s->common.input.crop[5], 6);
     assert_true(s->up.y == -1);
-    assert_true(s->input.max_memory == 2ull << 30);
+    assert_true(s->common.input.max_memory == 2ull << 30);
     assert_true(s->position[2] == -3);
     assert_int_equal(s->transparent, 1);
     assert_string_equal(s->inputs[0], "--in.vti");

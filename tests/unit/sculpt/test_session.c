@@ -314,7 +314,7 @@ static iso_event event_at(iso_event_kind kind, iso_vec3 position) {
 static void work_is_bounded(void **state) {
     (void)state;
     const double far = 1e4;
-    const iso_session_opts opts = {.work = 1e-4};
+    const iso_session_opts opts = {.cost_factor = 1e-4};
     iso_session *session = session_open(&opts);
     iso_error error = {0};
     iso_event event = event_at(ISO_EVENT_BEGIN, iso_vec3_make(0, 0, 0));

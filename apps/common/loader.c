@@ -1,0 +1,175 @@
+/* Inputs of the programs: volume files, procedural scenes, points that isorender wrote, and any of the files
+ * on standard input. */
+#define _GNU_SOURCE
+#include "apps/common/loader.h"
+
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#include "apps/common/options.h"
+#include "base/memory.h"
+#include "grids/scenes/scenes.h"
+
+static const char SCENE_PREFIX[] = "scene:";
+
+static uint64_t memory_limit(const iso_loader *loader) {
+    return iso_memory_limit(loader->options->max_memory);
+}
+
+/* ---- scenes ---- */
+
+enum { SCENE_NAME = 32 };
+
+bool iso_loader_is_scene(const char *input) {
+    return strncmp(input, SCENE_PREFIX, strlen(SCENE_PREFIX)) == 0;
+}
+
+/* "NAME" or "NAME:SIZE". */
+static iso_status parse_scene(const char *text, char name[SCENE_NAME], int *size, iso_error *error) {
+    size_t length = strcspn(text, ":");
+    *size = 0;
+    if (text[length] && (!iso_parse_int(text + length + 1, size) || *size < 16 || *size > ISO_HGRID_MAX))
+        return iso_fail(error, ISO_ERR_USAGE, "the size of a scene is 16 to %d voxels a side", ISO_HGRID_MAX);
+    snprintf(name, SCENE_NAME, "%.*s", length < SCENE_NAME ? (int)length : SCENE_NAME - 1, text);
+    return ISO_OK;
+}
+
+/* Estimates the memory of a scene. Dense scenes take every voxel, sparse ones bricks along a surface: the six
+ * faces of a cube, times two. */
+static uint64_t scene_bytes(const char *name, int size) {
+    uint64_t side = size ? (uint64_t)size : 128;
+    if (strcmp(name, "ct") == 0) return side * side * side;
+    if (strcmp(name, "gyroid") == 0) return 4 * side * side * side;
+    return 12 * side * side * (ISO_BRICK_VOXELS * sizeof(float) / (ISO_BRICK * ISO_BRICK));
+}
+
+/* The header that a file with this grid would have. */
+static void describe_scene(const iso_grid *grid, const char *name, iso_volume_info *info) {
+    snprintf(info->format, sizeof info->format, "scene");
+    snprintf(info->name, sizeof info->name, "%s", name);
+    memcpy(info->dims, iso_grid_dims(grid), sizeof info->dims);
+    info->type = grid->rgrid ? grid->rgrid->type : ISO_FLOAT32;
+    snprintf(info->file_type, sizeof info->file_type, "%s", iso_type_name(info->type));
+    info->components = 1;
+    info->transform = *iso_grid_transform(grid);
+    info->scale = grid->rgrid ? grid->rgrid->scale : 1;
+    info->offset = grid->rgrid ? grid->rgrid->offset : 0;
+    info->level_set = iso_grid_is_level_set(grid) != 0;
+    info->sparse = grid->hgrid != NULL;
+    info->bytes = info->read_bytes = grid->hgrid ? iso_hgrid_bytes(grid->hgrid)
+                                                 : (uint64_t)info->dims[0] * (uint64_t)info->dims[1] *
+                                                       (uint64_t)info->dims[2] * iso_type_size(info->type);
+}
+
+static iso_status make_scene(iso_loader *loader, iso_error *error) {
+    char name[SCENE_NAME];
+    iso_scene_opts opts = {.pool = loader->pool};
+    ISO_TRY(parse_scene(loader->input + strlen(SCENE_PREFIX), name, &opts.size, error));
+    uint64_t needs = scene_bytes(name, opts.size), limit = memory_limit(loader);
+    if (needs > limit)
+        return iso_fail(error, ISO_ERR_LIMIT, "needs about %.0f MB, limit is %.0f MB (--max-memory)",
+                        (double)needs / 1e6, (double)limit / 1e6);
+    ISO_TRY(iso_scene_create(name, &opts, &loader->volume.grid, &loader->scene_isovalue, error));
+    describe_scene(&loader->volume.grid, name, &loader->volume.info);
+    return ISO_OK;
+}
+
+/* ---- files ---- */
+
+static int report_reading(void *context, double fraction) {
+    const iso_loader *loader = context;
+    if (loader->progress) loader->progress(loader->progress_context, fraction);
+    return 0;
+}
+
+static iso_volume_opts volume_opts(iso_loader *loader) {
+    iso_volume_opts opts = iso_input_volume_opts(loader->options);
+    opts.files = loader->files;
+    opts.pool = loader->pool;
+    opts.progress = report_reading;
+    opts.progress_context = loader;
+    return opts;
+}
+
+/* By the name or by the first bytes. */
+static bool is_ply(const char *path) {
+    unsigned char head[4] = {0};
+    int file = open(path, O_RDONLY | O_CLOEXEC);
+    ssize_t count = file < 0 ? -1 : read(file, head, sizeof head);
+    if (file >= 0) close(file);
+    size_t length = strlen(path);
+    bool named = length > 4 && strcasecmp(path + length - 4, ".ply") == 0;
+    return named || (count == 4 && memcmp(head, "ply", 3) == 0 && (head[3] == '\n' || head[3] == '\r'));
+}
+
+void iso_loader_list_files(const char *input, const iso_input *options, iso_file_set *files) {
+    iso_volume_info info;
+    iso_volume_opts opts = iso_input_volume_opts(options);
+    opts.files = files;
+    if (iso_loader_is_scene(input) || iso_spool_needed(input)) return;
+    if (options->has_raw || !is_ply(input)) iso_volume_read_info(input, &opts, &info, NULL);
+}
+
+/* ---- opening and reading ---- */
+
+static iso_status check_files(const iso_loader *loader, iso_error *error) {
+    return loader->files ? iso_file_set_check(loader->files, error) : ISO_OK;
+}
+
+static iso_status find_crop(iso_loader *loader, iso_error *error) {
+    const iso_volume_info *info = &loader->volume.info;
+    return iso_input_box(loader->options, info->dims, &info->transform, loader->crop, error);
+}
+
+iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
+    loader->scene_isovalue = NAN;
+    loader->path = loader->input;
+    if (iso_loader_is_scene(loader->input)) {
+        ISO_TRY(make_scene(loader, error));
+        return find_crop(loader, error);
+    }
+    iso_volume_opts opts = volume_opts(loader);
+    if (iso_spool_needed(loader->input)) {
+        iso_spool_opts spooling = {.volume = &opts, .points = true};
+        ISO_TRY(iso_spool_open(loader->input, &spooling, &loader->spool, error));
+        loader->path = loader->spool.path;
+    }
+    iso_file_set_read_as(loader->files, loader->path, iso_spool_name(loader->input));
+    loader->has_points = !loader->options->has_raw && is_ply(loader->path);
+    if (loader->has_points) return check_files(loader, error);
+    ISO_TRY(iso_volume_read_info(loader->path, &opts, &loader->volume.info, error));
+    ISO_TRY(check_files(loader, error));
+    return find_crop(loader, error);
+}
+
+iso_status iso_loader_read(iso_loader *loader, iso_error *error) {
+    if (loader->has_points) {
+        uint64_t limit = memory_limit(loader);
+        return iso_points_read_ply(loader->path, limit == UINT64_MAX ? 0 : limit, &loader->points, error);
+    }
+    if (isnan(loader->scene_isovalue)) {
+        iso_volume_opts opts = volume_opts(loader);
+        ISO_TRY(iso_volume_read(loader->path, &opts, &loader->volume, error));
+        report_reading(loader, 1);
+    }
+    ISO_TRY(iso_input_crop(loader->options, loader->crop, &loader->volume.grid, error));
+    loader->nonfinite = iso_grid_count_nonfinite(&loader->volume.grid, loader->pool);
+    return ISO_OK;
+}
+
+iso_status iso_loader_histogram(iso_loader *loader, iso_error *error) {
+    if (loader->has_histogram) return ISO_OK;
+    ISO_TRY(iso_histogram_compute(&loader->volume.grid, loader->pool, &loader->histogram, error));
+    loader->has_histogram = true;
+    return ISO_OK;
+}
+
+void iso_loader_close(iso_loader *loader) {
+    iso_points_free(&loader->points);
+    iso_volume_free(&loader->volume);
+    iso_spool_close(&loader->spool);
+}

@@ -1,0 +1,80 @@
+/* loader: opens and reads the input of a program that works on one input at a time: a volume file or DICOM
+ * folder, a procedural scene ("scene:NAME" or "scene:NAME:SIZE"), a .ply file of points, or any of these
+ * files on standard input ("-") or from a FIFO. The content decides the format, not the name.
+ *
+ *     iso_loader loader = {.input = path, .options = &input, .files = &files, .pool = pool};
+ *     iso_loader_open(&loader, &error)     the header: kind of input, size, type; nothing large is read
+ *     ... check whether the run fits into memory, whether the outputs can be written ...
+ *     iso_loader_read(&loader, &error)     the voxels or points
+ *     iso_loader_close(&loader)            always, also after an error
+ *
+ * Messages name the input only where a reader does; the caller puts iso_spool_name(loader.input) before the
+ * others. One thread at a time. */
+#ifndef ISO_APPS_COMMON_LOADER_H
+#define ISO_APPS_COMMON_LOADER_H
+
+#include "apps/common/input.h"
+#include "apps/common/spool.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "extract/isovalue/isovalue.h"
+#include "io/points_io.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The first members are the caller's, all borrowed until iso_loader_close; the others are zero-initialised,
+ * and set by the functions below. */
+typedef struct iso_loader {
+    const char *input;        /* as typed: a path, "scene:...", "-" */
+    const iso_input *options; /* how it is read */
+    iso_file_set *files;      /* gets every file that is read, with outputs to be checked against; or NULL */
+    iso_pool *pool;
+    void (*progress)(void *context, double fraction); /* of iso_loader_read, 0 .. 1; NULL: not wanted */
+    void *progress_context;
+
+    /* after iso_loader_open: */
+    const char *path; /* what readers open: the input, or the copy of standard input or a FIFO */
+    iso_spool spool;
+    bool has_points;       /* the input holds points: `points` is read, and there is no volume */
+    iso_volume volume;     /* info; of scenes also the grid */
+    int crop[6];           /* voxels of the file that are kept: x0 x1 y0 y1 z0 z1, first and last */
+    double scene_isovalue; /* the isovalue a scene is made for; NAN when the input is no scene */
+
+    /* after iso_loader_read: */
+    iso_points points;
+    size_t nonfinite; /* voxels that are NaN or infinite */
+
+    /* after iso_loader_histogram: */
+    bool has_histogram;
+    iso_histogram histogram;
+} iso_loader;
+
+/* Reads the header, adds the files to `files` and checks that none of them is also an output. Makes a scene
+ * at once, because that takes no longer. ISO_ERR_USAGE (unknown scene, crop outside the volume, an output
+ * would overwrite an input), ISO_ERR_LIMIT (a scene larger than the memory limit), and the errors of
+ * iso_spool_open and iso_volume_read_info. */
+iso_status iso_loader_open(iso_loader *loader, iso_error *error);
+
+/* Reads the voxels and cuts them down to `crop`, or reads the points. Errors: those of iso_volume_read and
+ * iso_points_read_ply. */
+iso_status iso_loader_read(iso_loader *loader, iso_error *error);
+
+/* Makes `histogram` of the volume, unless it is there already. ISO_ERR_EMPTY: no voxel is finite. */
+iso_status iso_loader_histogram(iso_loader *loader, iso_error *error);
+
+/* Frees what was read, and the copy of standard input. */
+void iso_loader_close(iso_loader *loader);
+
+/* Adds the files that `input` is read from to `files`, as far as its header can be read; errors are left to
+ * iso_loader_open. For runs of several inputs: no output of one may overwrite an input of another. */
+void iso_loader_list_files(const char *input, const iso_input *options, iso_file_set *files);
+
+/* Whether the input is a scene, by its name. */
+bool iso_loader_is_scene(const char *input);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,45 @@
+/* The options that all programs have: --json, --help, --version, and the record of the options given. */
+#include "apps/common/settings.h"
+
+#include <string.h>
+
+iso_status iso_settings_apply_json(void *target, const char *value, iso_error *error) {
+    iso_common_settings *settings = target;
+    if (value && !*value) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
+    settings->json = 1;
+    settings->json_path = value && strcmp(value, "-") == 0 ? NULL : value;
+    return ISO_OK;
+}
+
+iso_status iso_settings_apply_help(void *target, const char *value, iso_error *error) {
+    iso_common_settings *settings = target;
+    settings->action = ISO_ACTION_HELP;
+    return iso_parse_help_form(value, &settings->help_form, error);
+}
+
+iso_status iso_settings_apply_version(void *target, const char *value, iso_error *error) {
+    (void)value, (void)error;
+    ((iso_common_settings *)target)->action = ISO_ACTION_VERSION;
+    return ISO_OK;
+}
+
+void iso_settings_record_option(void *target, const iso_option *option, const char *value) {
+    iso_common_settings *settings = target;
+    if (option->flags & ISO_OPTION_UNRECORDED) return;
+    char text[512];
+    const int length =
+        snprintf(text, sizeof text, " --%s%s%s", option->name, value ? "=" : "", value ? value : "");
+    const size_t used = strlen(settings->record);
+    if (length < (int)sizeof text && used + (size_t)length < sizeof settings->record)
+        memcpy(settings->record + used, text, (size_t)length + 1);
+}
+
+bool iso_settings_print_help(const iso_common_settings *settings, const iso_program *program) {
+    if (settings->action == ISO_ACTION_HELP)
+        iso_options_help(program, settings->help_form, stdout);
+    else if (settings->action == ISO_ACTION_VERSION)
+        printf("%s %s\n", program->name, program->version);
+    else
+        return false;
+    return true;
+}

@@ -1,0 +1,54 @@
+/* settings: the part of a program's settings that isorender, isocompare and isosculpt have in common, and the
+ * options that set it.
+ *
+ * A program's settings struct begins with an iso_common_settings, so that the rows of input_options.inc and
+ * running_options.inc mean the same in every program's option table. */
+#ifndef ISO_APPS_COMMON_SETTINGS_H
+#define ISO_APPS_COMMON_SETTINGS_H
+
+#include "apps/common/input.h"
+#include "apps/common/options.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISO_RECORD_SIZE = 4096 };
+
+/* What a program does instead of its work. */
+typedef enum iso_program_action {
+    ISO_ACTION_WORK,
+    ISO_ACTION_HELP,
+    ISO_ACTION_VERSION,
+    ISO_ACTION_OWN /* this value and those above it: actions that a single program has */
+} iso_program_action;
+
+/* Zero-initialise. Strings are borrowed from argv. */
+typedef struct iso_common_settings {
+    iso_input input;       /* first: the rows of input_options.inc store into it */
+    int threads;           /* 0: one for each processor */
+    int quiet;             /* print nothing but errors */
+    int json;              /* write a report as JSON .. */
+    const char *json_path; /* .. to this file; NULL: to standard output */
+    int action;            /* iso_program_action; the last such option on the command line wins */
+    iso_help_form help_form;
+    char record[ISO_RECORD_SIZE]; /* the options that influence the result, as typed: " --name=value ..." */
+} iso_common_settings;
+
+/* Functions for iso_option.apply. `settings` begins with an iso_common_settings. */
+iso_status iso_settings_apply_json(void *settings, const char *value, iso_error *error);
+iso_status iso_settings_apply_help(void *settings, const char *value, iso_error *error);
+iso_status iso_settings_apply_version(void *settings, const char *value, iso_error *error);
+
+/* For iso_program.seen: appends the option to `record` when there is room, unless the option is marked
+ * ISO_OPTION_UNRECORDED. */
+void iso_settings_record_option(void *settings, const iso_option *option, const char *value);
+
+/* Prints the help or the version to standard output if the settings ask for one of them; returns whether they
+ * do. */
+bool iso_settings_print_help(const iso_common_settings *settings, const iso_program *program);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

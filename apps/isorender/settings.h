@@ -1,0 +1,73 @@
+/* settings: the command line of isorender, parsed and checked (options.c). */
+#ifndef ISO_APPS_ISORENDER_SETTINGS_H
+#define ISO_APPS_ISORENDER_SETTINGS_H
+
+#include "apps/common/settings.h"
+#include "base/geometry.h"
+#include "isopoint.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISORENDER_SURFACES = 64 }; /* isovalues in one picture */
+
+/* isorender_settings.method when the option is not given: exact for volumes, points for files of points. */
+enum { ISORENDER_METHOD_UNCHOSEN = -1 };
+
+/* What the camera frames: the box around the surface, or the surface itself. */
+typedef enum isorender_fit { ISORENDER_FIT_BOX, ISORENDER_FIT_TIGHT } isorender_fit;
+
+/* A value of iso_common_settings.action. */
+enum { ISORENDER_ACTION_LIST_BACKENDS = ISO_ACTION_OWN };
+
+/* Strings are borrowed from argv. */
+typedef struct isorender_settings {
+    iso_common_settings common; /* first */
+    const char *const *inputs;
+    int input_count;
+    const char *scene, *output;
+
+    double isovalues[ISORENDER_SURFACES];
+    int isovalue_count, isovalue_auto;
+    iso_rgb colors[ISORENDER_SURFACES];
+    int color_count;
+    int primitive; /* iso_primitive */
+    int closed;    /* the solid ends at the volume's border and is capped there */
+    const char *points, *mesh, *aov;
+
+    int method; /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _MESH, _RAYCAST or ISORENDER_METHOD_UNCHOSEN */
+    int reconstruction; /* iso_reconstruction, of pullpush */
+    const char *backend;
+    int scaling; /* iso_point_scaling */
+    int strips;
+    int width, height, samples, turntable, no_image;
+    iso_rgb background;
+    int transparent;
+
+    int direction; /* iso_direction */
+    iso_vec3 up;
+    double azimuth, elevation, view_angle; /* degrees */
+    double zoom;
+    int orthographic, fit; /* isorender_fit */
+    double mm_per_pixel;   /* 0: not given */
+    double margin;         /* part of the picture on each side; NaN: not given */
+    int scale_bar, orientation_marker;
+    double position[3], focal_point[3], view_up[3]; /* NaN: not given */
+
+    int progress, verbose, info;
+} isorender_settings;
+
+/* Name, version and option table of isorender. */
+const iso_program *isorender_program(void);
+
+/* Parses the command line into `settings` and checks that the options agree with each other. `operands` has
+ * room for argc pointers. ISO_ERR_USAGE; ISO_ERR_BACKEND for an unknown backend; ISO_ERR_LIMIT for a picture
+ * larger than the backend draws. */
+iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
+                                    iso_operands *operands, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
