@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "base/numbers.h"
 #include "base/point_code.h"
 #include "extract/points/curvature_kernel.h"
 
@@ -312,12 +313,8 @@ static float grid_value(const void *context, const int at[3]) {
     return iso_grid_at(context, at[0], at[1], at[2]);
 }
 
-static int clamped(int value, int last) {
-    return value < 0 ? 0 : value < last ? value : last;
-}
-
 void iso_curvatures_of_nearest_voxels(const iso_grid *grid, const int brick[3], float normal_sign,
-                                      const iso_curvature_points *points, iso_curvature *curvatures) {
+                             const iso_curvature_points *points, iso_curvature *curvatures) {
     const int *dims = iso_grid_dims(grid), first[3] = {0, 0, 0};
     const int last[3] = {dims[0] - 1, dims[1] - 1, dims[2] - 1};
     const reader from = {grid, grid_value, first, last};
@@ -331,7 +328,7 @@ void iso_curvatures_of_nearest_voxels(const iso_grid *grid, const int brick[3], 
             int32_t position[3], voxel[3];
             fixed_position(points, done + i, position);
             for (int k = 0; k < 3; k++)
-                voxel[k] = clamped(ISO_BRICK * brick[k] + ((position[k] + UNIT / 2) >> 14), last[k]);
+                voxel[k] = iso_clamp_index(ISO_BRICK * brick[k] + ((position[k] + UNIT / 2) >> 14), dims[k]);
             for (int which = 0; which < ISO_CURVATURE_VOXEL; which++) {
                 const int at[3] = {voxel[0] + OFFSETS[which][0], voxel[1] + OFFSETS[which][1],
                                    voxel[2] + OFFSETS[which][2]};
