@@ -1,4 +1,5 @@
 #include "extract_support.h"
+#include "check_support.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -10,8 +11,7 @@
 #include <cmocka.h>
 
 uint32_t test_random_next(test_random *random) {
-    random->state = random->state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)(random->state >> 32);
+    return random_long(&random->state);
 }
 
 int test_random_int(test_random *random, int low, int high) {
@@ -228,4 +228,20 @@ void test_same_mesh(const iso_mesh_view *a, const iso_mesh_view *b) {
     }
     free(spans_a);
     free(spans_b);
+}
+
+iso_point_set *test_point_set(const iso_grid *grid, const iso_points_opts *opts) {
+    iso_point_set *set = NULL;
+    iso_error error = {0};
+    test_ok(iso_point_set_create(grid, opts, &set, &error), &error);
+    test_ok(iso_point_set_update(set, &error), &error);
+    return set;
+}
+
+iso_mesh_set *test_mesh_set(const iso_grid *grid, const iso_mesh_opts *opts) {
+    iso_mesh_set *set = NULL;
+    iso_error error = {0};
+    test_ok(iso_mesh_set_create(grid, opts, &set, &error), &error);
+    test_ok(iso_mesh_set_update(set, &error), &error);
+    return set;
 }

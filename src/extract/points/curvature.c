@@ -314,7 +314,7 @@ static float grid_value(const void *context, const int at[3]) {
 }
 
 void iso_curvatures_of_nearest_voxels(const iso_grid *grid, const int brick[3], float normal_sign,
-                             const iso_curvature_points *points, iso_curvature *curvatures) {
+                                      const iso_curvature_points *points, iso_curvature *curvatures) {
     const int *dims = iso_grid_dims(grid), first[3] = {0, 0, 0};
     const int last[3] = {dims[0] - 1, dims[1] - 1, dims[2] - 1};
     const reader from = {grid, grid_value, first, last};
