@@ -203,6 +203,18 @@ bool iso_brick_index_current(const iso_brick_index *index) {
     return index->seen == iso_change_log_now(index->grid->log);
 }
 
+iso_status iso_brick_index_of(iso_rgrid *grid, iso_pool *pool, const iso_brick_index **index,
+                              iso_error *error) {
+    if (grid->index && !iso_brick_index_current(grid->index))
+        ISO_TRY(iso_brick_index_update(grid->index, pool, error));
+    if (!grid->index) {
+        ISO_TRY(iso_brick_index_create(grid, pool, &grid->index, error));
+        grid->destroy_index = iso_brick_index_destroy;
+    }
+    if (index) *index = grid->index;
+    return ISO_OK;
+}
+
 /* ---- look-ups */
 
 uint32_t iso_brick_index_number(const iso_brick_index *index, const int brick[3]) {

@@ -39,6 +39,13 @@ iso_status iso_brick_index_update(iso_brick_index *index, iso_pool *pool, iso_er
 /* Whether no edit was recorded since the index was created or updated. */
 bool iso_brick_index_current(const iso_brick_index *index);
 
+/* The index that a grid owns: created by the first call, updated by later ones if the grid was edited.
+ * *index (may be NULL) is valid until the grid is destroyed or cropped. Until the next edit, everything that
+ * asks which bricks an isovalue crosses uses it. Must not be called while other threads read the grid, except
+ * when the index is current: then it is only read. `pool` may be NULL. ISO_ERR_NOMEM. */
+iso_status iso_brick_index_of(iso_rgrid *grid, iso_pool *pool, const iso_brick_index **index,
+                              iso_error *error);
+
 /* A brick's number: (z * bricks_y + y) * bricks_x + x. */
 uint32_t iso_brick_index_number(const iso_brick_index *index, const int brick[3]);
 

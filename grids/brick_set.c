@@ -377,7 +377,7 @@ static void survey_task(void *context, size_t index, int worker) {
 
 static iso_status list_crossed(iso_brick_set *set, size_t *count, iso_error *error) {
     const iso_brick_index *index;
-    ISO_TRY(iso_rgrid_index(set->grid.rgrid, set->pool, &index, error));
+    ISO_TRY(iso_brick_index_of(set->grid.rgrid, set->pool, &index, error));
     ISO_TRY(iso_brick_index_query(index, set->kernel.isovalue(set->context), &set->query, error));
     *count = set->query.count;
     return ISO_OK;

@@ -2,7 +2,6 @@
 
 #include "base/memory.h"
 #include "base/primitives.h"
-#include "grids/brick_index.h"
 
 size_t iso_type_size(iso_type type) {
     return type == ISO_UINT8 ? 1 : type == ISO_FLOAT32 ? 4 : 2;
@@ -96,9 +95,14 @@ iso_status iso_rgrid_create(const iso_rgrid_desc *desc, iso_rgrid **out, iso_err
     return ISO_OK;
 }
 
+static void drop_index(iso_rgrid *grid) {
+    if (grid->index) grid->destroy_index(grid->index);
+    grid->index = NULL;
+}
+
 void iso_rgrid_destroy(iso_rgrid *grid) {
     if (!grid) return;
-    iso_brick_index_destroy(grid->index);
+    drop_index(grid);
     if (grid->release) grid->release(grid->owner);
     iso_change_log_destroy(grid->log);
     iso_free(grid);
@@ -109,8 +113,7 @@ iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso
     ISO_TRY(iso_crop_dims(grid->dims, lo, hi, dims, error));
     iso_change_log *log = NULL;
     ISO_TRY(create_log(dims, &log, error));
-    iso_brick_index_destroy(grid->index);
-    grid->index = NULL;
+    drop_index(grid);
     iso_change_log_destroy(grid->log);
     grid->log = log;
     grid->transform = iso_transform_shift(&grid->transform, lo);
@@ -126,13 +129,4 @@ iso_status iso_rgrid_touch(iso_rgrid *grid, const int lo[3], const int hi[3], is
         last[axis] = hi[axis] < grid->dims[axis] ? hi[axis] : grid->dims[axis] - 1;
     iso_change_log_begin(grid->log);
     return iso_change_log_touch(grid->log, lo, last, error);
-}
-
-iso_status iso_rgrid_index(iso_rgrid *grid, iso_pool *pool, const struct iso_brick_index **index,
-                           iso_error *error) {
-    if (grid->index && !iso_brick_index_current(grid->index))
-        ISO_TRY(iso_brick_index_update(grid->index, pool, error));
-    if (!grid->index) ISO_TRY(iso_brick_index_create(grid, pool, &grid->index, error));
-    if (index) *index = grid->index;
-    return ISO_OK;
 }

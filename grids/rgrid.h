@@ -37,8 +37,10 @@ typedef struct iso_rgrid {
     iso_transform transform;
     int level_set; /* 1: a distance field, negative inside; 0: the inside is at or above the isovalue */
     iso_change_log *log;
-    struct iso_brick_index *index; /* ranges of the bricks; NULL before iso_rgrid_index */
-    void (*release)(void *owner);  /* called with `owner` by iso_rgrid_destroy; may be NULL */
+    /* Owned; set by iso_brick_index_of (brick_index.h), which says how to destroy it; NULL before. */
+    struct iso_brick_index *index;
+    void (*destroy_index)(struct iso_brick_index *index);
+    void (*release)(void *owner); /* called with `owner` by iso_rgrid_destroy; may be NULL */
     void *owner;
 } iso_rgrid;
 
@@ -66,13 +68,6 @@ iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso
 
 /* Starts an edit and records voxels lo..hi (clipped to the grid) as changed. */
 iso_status iso_rgrid_touch(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
-
-/* The grid's index of bricks (brick_index.h), made at the first call and brought up to date by later ones;
- * *index (NULL is fine) belongs to the grid. `pool` may be NULL. Not while others read the grid, except that
- * one without edits since is only read. Until the
- * next edit everything that asks which bricks an isovalue crosses is faster. ISO_ERR_NOMEM. */
-iso_status iso_rgrid_index(iso_rgrid *grid, iso_pool *pool, const struct iso_brick_index **index,
-                           iso_error *error);
 
 /* The stored value that corresponds to a physical one. */
 static inline double iso_rgrid_stored(const iso_rgrid *grid, double physical) {

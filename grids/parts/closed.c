@@ -60,11 +60,11 @@ static iso_status close_dense(const iso_grid *from, double isovalue, iso_pool *p
         desc.dims[axis] = grid->dims[axis] + 2;
     }
     const struct iso_brick_index *index;
-    ISO_TRY(iso_rgrid_index(from->rgrid, pool, &index, error));
+    ISO_TRY(iso_brick_index_of(from->rgrid, pool, &index, error));
     padding p = {.from = grid, .outside = choose_outside(grid, index, iso_threshold_of(from, isovalue).at)};
     ISO_TRY(iso_rgrid_create(&desc, &p.to, error));
     iso_parallel_for(pool, (size_t)desc.dims[2], copy_slice, &p);
-    iso_status status = iso_rgrid_index(p.to, pool, NULL, error);
+    iso_status status = iso_brick_index_of(p.to, pool, NULL, error);
     if (status == ISO_OK)
         *closed = p.to;
     else

@@ -167,7 +167,7 @@ static iso_status log_changes(const filter *f, iso_error *error) {
 static iso_status filter_dense(filter *f, iso_pool *pool, iso_error *error) {
     iso_rgrid *grid = f->grid->rgrid;
     const iso_brick_index *index;
-    ISO_TRY(iso_rgrid_index(grid, pool, &index, error));
+    ISO_TRY(iso_brick_index_of(grid, pool, &index, error));
     f->replacement = choose_replacement(f, index);
     iso_grid_bricks(f->grid, f->bricks);
     const size_t bricks = (size_t)f->bricks[0] * (size_t)f->bricks[1] * (size_t)f->bricks[2];
@@ -175,7 +175,7 @@ static iso_status filter_dense(filter *f, iso_pool *pool, iso_error *error) {
     if (!f->changed) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the parts of the solid");
     iso_parallel_for(pool, f->runs.slab_count, replace_slab, f);
     ISO_TRY(log_changes(f, error));
-    return iso_rgrid_index(grid, pool, NULL, error);
+    return iso_brick_index_of(grid, pool, NULL, error);
 }
 
 /* ---- either */
