@@ -43,22 +43,22 @@ static int smaller(int a, int b) {
 }
 
 /* All bricks, in bands: numbered along y, then z. */
-typedef struct creation {
+typedef struct full_read {
     iso_brick_index *index;
-    int most[2], bands; /* of a band; bands of a layer */
-} creation;
+    int most[2], batches; /* of a band; bands of a layer */
+} full_read;
 
-static void read_band(void *context, size_t number, int worker) {
+static void read_batch(void *context, size_t number, int worker) {
     (void)worker;
-    const creation *work = context;
-    iso_brick_index *index = work->index;
-    const int *bricks = index->bricks, y = (int)(number % (size_t)work->bands) * work->most[1],
-              z = (int)(number / (size_t)work->bands), rows = smaller(work->most[1], bricks[1] - y);
-    iso_brick_reading readings[ISO_BAND_BRICKS];
-    for (int x = 0; x < bricks[0]; x += work->most[0]) {
-        const int columns = smaller(work->most[0], bricks[0] - x);
-        const iso_brick_band band = {{x, y, z}, {columns, rows}};
-        iso_brick_ranges(index->grid, index->level, &band, readings);
+    const full_read *read = context;
+    iso_brick_index *index = read->index;
+    const int *bricks = index->bricks, y = (int)(number % (size_t)read->batches) * read->most[1],
+              z = (int)(number / (size_t)read->batches), rows = smaller(read->most[1], bricks[1] - y);
+    iso_brick_reading readings[ISO_BATCH_BRICKS];
+    for (int x = 0; x < bricks[0]; x += read->most[0]) {
+        const int columns = smaller(read->most[0], bricks[0] - x);
+        const iso_brick_batch batch = {{x, y, z}, {columns, rows}};
+        iso_brick_ranges(index->grid, index->level, &batch, readings);
         for (int row = 0; row < rows; row++) {
             const size_t first = ((size_t)z * (size_t)bricks[1] + (size_t)(y + row)) * (size_t)bricks[0];
             for (int i = 0; i < columns; i++)
@@ -68,13 +68,13 @@ static void read_band(void *context, size_t number, int worker) {
 }
 
 static void read_all(iso_brick_index *index, iso_pool *pool) {
-    creation work = {.index = index};
-    iso_brick_band_most(index->grid, work.most);
-    work.bands = (index->bricks[1] - 1) / work.most[1] + 1;
-    iso_parallel_for(pool, (size_t)work.bands * (size_t)index->bricks[2], read_band, &work);
+    full_read read = {.index = index};
+    iso_brick_batch_max(index->grid, read.most);
+    read.batches = (index->bricks[1] - 1) / read.most[1] + 1;
+    iso_parallel_for(pool, (size_t)read.batches * (size_t)index->bricks[2], read_batch, &read);
 }
 
-static iso_status reserve(iso_brick_index *index, iso_error *error) {
+static iso_status allocate_tables(iso_brick_index *index, iso_error *error) {
     index->lo = iso_alloc(index->total * sizeof *index->lo);
     index->hi = iso_alloc(index->total * sizeof *index->hi);
     index->flags = iso_alloc_zero(index->total, sizeof *index->flags);
@@ -95,7 +95,7 @@ iso_status iso_brick_index_create(const iso_rgrid *grid, iso_pool *pool, iso_bri
     }
     index->seen = iso_change_log_now(grid->log);
     index->level = iso_cpu_best();
-    iso_status status = reserve(index, error);
+    iso_status status = allocate_tables(index, error);
     if (status == ISO_OK) {
         read_all(index, pool);
         status = iso_interval_tree_build(&index->tree, index->lo, index->hi, (uint32_t)index->total, error);
@@ -152,11 +152,11 @@ static void read_dirty(void *context, size_t i, int worker) {
     const uint32_t brick = ((const uint32_t *)index->dirty.data)[i];
     const uint32_t nx = (uint32_t)index->bricks[0], ny = (uint32_t)index->bricks[1];
     const int at[3] = {(int)(brick % nx), (int)(brick / nx % ny), (int)(brick / nx / ny)};
-    const iso_brick_band band = {{at[0], at[1], at[2]}, {1, 1}};
-    iso_brick_ranges(index->grid, index->level, &band, (iso_brick_reading *)index->fresh.data + i);
+    const iso_brick_batch batch = {{at[0], at[1], at[2]}, {1, 1}};
+    iso_brick_ranges(index->grid, index->level, &batch, (iso_brick_reading *)index->fresh.data + i);
 }
 
-static void apply(iso_brick_index *index, uint32_t brick, const iso_brick_reading *fresh) {
+static void apply_reading(iso_brick_index *index, uint32_t brick, const iso_brick_reading *fresh) {
     const iso_brick_range *range = &fresh->range;
     const float lo = index->lo[brick], hi = index->hi[brick];
     const bool in_tree = lo < hi || range->lo < range->hi;
@@ -193,7 +193,7 @@ iso_status iso_brick_index_update(iso_brick_index *index, iso_pool *pool, iso_er
     iso_parallel_for(pool, index->dirty_count, read_dirty, index);
     const uint32_t *dirty = index->dirty.data;
     const iso_brick_reading *fresh = index->fresh.data;
-    for (size_t i = 0; i < index->dirty_count; i++) apply(index, dirty[i], &fresh[i]);
+    for (size_t i = 0; i < index->dirty_count; i++) apply_reading(index, dirty[i], &fresh[i]);
     index->seen = iso_change_log_now(index->grid->log);
     rebuild_when_due(index);
     return ISO_OK;
@@ -287,10 +287,10 @@ static void sort_bricks(iso_brick_query *query, size_t largest) {
     for (int shift = 0; largest >> shift; shift += 8) {
         const uint32_t *from = query->bricks.data;
         uint32_t *to = query->scratch.data;
-        size_t place[257] = {0};
-        for (size_t i = 0; i < query->count; i++) place[(from[i] >> shift & 255) + 1]++;
-        for (int value = 0; value < 255; value++) place[value + 1] += place[value];
-        for (size_t i = 0; i < query->count; i++) to[place[from[i] >> shift & 255]++] = from[i];
+        size_t offset[257] = {0};
+        for (size_t i = 0; i < query->count; i++) offset[(from[i] >> shift & 255) + 1]++;
+        for (int value = 0; value < 255; value++) offset[value + 1] += offset[value];
+        for (size_t i = 0; i < query->count; i++) to[offset[from[i] >> shift & 255]++] = from[i];
         iso_buffer swap = query->bricks;
         query->bricks = query->scratch;
         query->scratch = swap;

@@ -22,8 +22,8 @@ extern "C" {
 
 /* The voxels of one cell that one edit may have changed: lo..hi inclusive, 0..15 in the cell. */
 typedef struct iso_change {
-    uint64_t stamp; /* the edit's number, 1 and up */
-    uint32_t cell;  /* (z * cells_y + y) * cells_x + x */
+    uint64_t edit; /* the edit's number, 1 and up */
+    uint32_t cell; /* (z * cells_y + y) * cells_x + x */
     uint8_t lo[3], hi[3];
 } iso_change;
 
@@ -39,13 +39,13 @@ uint64_t iso_change_log_begin(iso_change_log *log);
 /* Records, under the current edit, that voxels lo..hi (inclusive, clipped to the grid) may have changed; one
  * entry for each cell they lie in. Before the first iso_change_log_begin it starts edit 1. ISO_ERR_NOMEM: the
  * log is as before. Touches that meet in one cell under one edit may share an entry. */
-iso_status iso_change_log_touch(iso_change_log *log, const int lo[3], const int hi[3], iso_error *error);
+iso_status iso_change_log_add(iso_change_log *log, const int lo[3], const int hi[3], iso_error *error);
 
 /* Number of the current edit, 0 before the first. */
 uint64_t iso_change_log_now(const iso_change_log *log);
 
 /* Number of the last edit that touched `cell`, 0 when none did. */
-uint64_t iso_change_log_stamp(const iso_change_log *log, uint32_t cell);
+uint64_t iso_change_log_last_edit(const iso_change_log *log, uint32_t cell);
 
 /* All entries with a stamp above `seen`, oldest first: *changes points into the log (borrowed until the next
  * touch) and the count is returned. A cell can appear more than once. */

@@ -23,28 +23,28 @@ enum { DIGITS = 4, DIGIT_VALUES = 256 };
 /* Stable, ascending. *ends and *spare may trade places. A digit that all have in common is passed over: the
  * floats of small integers differ in two of four. */
 static void sort_ends(iso_interval_end **ends, iso_interval_end **spare, size_t count) {
-    uint32_t places[DIGITS][DIGIT_VALUES] = {{0}};
+    uint32_t offsets[DIGITS][DIGIT_VALUES] = {{0}};
     for (size_t i = 0; i < count; i++) {
         uint32_t key = key_of((*ends)[i].at);
-        for (int digit = 0; digit < DIGITS; digit++) places[digit][key >> 8 * digit & 255]++;
+        for (int digit = 0; digit < DIGITS; digit++) offsets[digit][key >> 8 * digit & 255]++;
     }
     for (int digit = 0; digit < DIGITS && count; digit++) {
-        uint32_t *place = places[digit], sum = 0;
-        if (place[key_of((*ends)[0].at) >> 8 * digit & 255] == count) continue;
+        uint32_t *offset = offsets[digit], sum = 0;
+        if (offset[key_of((*ends)[0].at) >> 8 * digit & 255] == count) continue;
         for (int value = 0; value < DIGIT_VALUES; value++) {
-            uint32_t here = place[value];
-            place[value] = sum;
+            uint32_t here = offset[value];
+            offset[value] = sum;
             sum += here;
         }
         iso_interval_end *from = *ends, *to = *spare;
-        for (size_t i = 0; i < count; i++) to[place[key_of(from[i].at) >> 8 * digit & 255]++] = from[i];
+        for (size_t i = 0; i < count; i++) to[offset[key_of(from[i].at) >> 8 * digit & 255]++] = from[i];
         *ends = to;
         *spare = from;
     }
 }
 
-static void gather(const float *lo, const float *hi, const float *at, uint32_t total,
-                   iso_interval_end *ends) {
+static void collect_ends(const float *lo, const float *hi, const float *at, uint32_t total,
+                         iso_interval_end *ends) {
     size_t count = 0;
     for (uint32_t i = 0; i < total; i++)
         if (lo[i] < hi[i]) ends[count++] = (iso_interval_end){at[i], i};
@@ -82,7 +82,7 @@ static void find_nodes(build *b) {
 
 /* The first hand-out moves every start to its node's end, the second one, from there down, moves it back and
  * turns ascending into descending. */
-static void hand_out(build *b) {
+static void distribute(build *b) {
     iso_interval_tree *tree = &b->tree;
     uint32_t *starts = tree->starts, sum = 0;
     memset(starts, 0, ((size_t)tree->nodes + 2) * sizeof *starts);
@@ -101,7 +101,7 @@ static void hand_out(build *b) {
     b->spare = b->by_lower = NULL;
 }
 
-static iso_status reserve(build *b, uint32_t total, iso_error *error) {
+static iso_status allocate_build(build *b, uint32_t total, iso_error *error) {
     size_t bytes = b->tree.count * sizeof(iso_interval_end);
     b->by_lower = iso_alloc(bytes);
     b->by_upper = iso_alloc(bytes);
@@ -122,25 +122,25 @@ static iso_status reserve_nodes(build *b, iso_error *error) {
                     (unsigned)distinct);
 }
 
-static iso_status make(build *b, const float *lo, const float *hi, uint32_t total, iso_error *error) {
+static iso_status build_tree(build *b, const float *lo, const float *hi, uint32_t total, iso_error *error) {
     for (uint32_t i = 0; i < total; i++) b->tree.count += lo[i] < hi[i];
     if (b->tree.count == 0) return ISO_OK;
-    ISO_TRY(reserve(b, total, error));
-    gather(lo, hi, hi, total, b->by_upper);
+    ISO_TRY(allocate_build(b, total, error));
+    collect_ends(lo, hi, hi, total, b->by_upper);
     sort_ends(&b->by_upper, &b->spare, b->tree.count);
-    gather(lo, hi, lo, total, b->by_lower);
+    collect_ends(lo, hi, lo, total, b->by_lower);
     sort_ends(&b->by_lower, &b->spare, b->tree.count);
     ISO_TRY(reserve_nodes(b, error));
     number_splits(b);
     find_nodes(b);
-    hand_out(b);
+    distribute(b);
     return ISO_OK;
 }
 
 iso_status iso_interval_tree_build(iso_interval_tree *tree, const float *lo, const float *hi, uint32_t total,
                                    iso_error *error) {
     build b = {0};
-    iso_status status = make(&b, lo, hi, total, error);
+    iso_status status = build_tree(&b, lo, hi, total, error);
     iso_interval_tree_free(status == ISO_OK ? tree : &b.tree);
     if (status == ISO_OK) *tree = b.tree;
     iso_free(b.by_lower);

@@ -48,7 +48,7 @@ static iso_status create_log(const int dims[3], iso_change_log **log, iso_error 
 }
 
 /* Everything but the data's ownership, so that one place can release lent data when it fails. */
-static iso_status make(const iso_rgrid_desc *desc, iso_rgrid **out, iso_error *error) {
+static iso_status create_without_owner(const iso_rgrid_desc *desc, iso_rgrid **out, iso_error *error) {
     size_t bytes = 0;
     ISO_TRY(check_desc(desc, &bytes, error));
     iso_rgrid *grid = iso_alloc_zero(1, sizeof *grid);
@@ -82,7 +82,7 @@ static iso_status make(const iso_rgrid_desc *desc, iso_rgrid **out, iso_error *e
 
 iso_status iso_rgrid_create(const iso_rgrid_desc *desc, iso_rgrid **out, iso_error *error) {
     iso_rgrid *grid = NULL;
-    iso_status status = make(desc, &grid, error);
+    iso_status status = create_without_owner(desc, &grid, error);
     if (status != ISO_OK) {
         if (desc->data && desc->release) desc->release(desc->owner);
         return status;
@@ -123,10 +123,10 @@ iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso
     return ISO_OK;
 }
 
-iso_status iso_rgrid_touch(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error) {
+iso_status iso_rgrid_mark_changed(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error) {
     int last[3];
     for (int axis = 0; axis < 3; axis++)
         last[axis] = hi[axis] < grid->dims[axis] ? hi[axis] : grid->dims[axis] - 1;
     iso_change_log_begin(grid->log);
-    return iso_change_log_touch(grid->log, lo, last, error);
+    return iso_change_log_add(grid->log, lo, last, error);
 }

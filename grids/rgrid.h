@@ -5,8 +5,8 @@
  * NaN and infinite voxels are allowed in float grids. Coordinates outside the grid are clamped to it.
  *
  * The data may be lent: the grid keeps the pointer and calls `release` once when it is destroyed. A crop is a
- * view of the same data. Reading is thread-safe while nobody writes; writers call iso_rgrid_touch for what
- * they changed. */
+ * view of the same data. Reading is thread-safe while nobody writes; writers call iso_rgrid_mark_changed for
+ * what they changed. */
 #ifndef ISO_GRIDS_RGRID_H
 #define ISO_GRIDS_RGRID_H
 
@@ -67,7 +67,7 @@ void iso_rgrid_destroy(iso_rgrid *grid);
 iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
 /* Starts an edit and records voxels lo..hi (clipped to the grid) as changed. */
-iso_status iso_rgrid_touch(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
+iso_status iso_rgrid_mark_changed(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
 /* The stored value that corresponds to a physical one. */
 static inline double iso_rgrid_stored(const iso_rgrid *grid, double physical) {

@@ -125,7 +125,7 @@ static void slide_together(iso_span_heap *heap) {
     heap->moved = true;
 }
 
-static iso_status append(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error) {
+static iso_status append_block(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error) {
     if (heap->end + count > 2 * (heap->live + count) + ISO_SPAN_HEAP_SLACK) slide_together(heap);
     for (int i = 0; i < ISO_SPAN_ARRAYS; i++) {
         size_t bytes = heap->item_bytes[i];
@@ -140,44 +140,44 @@ static iso_status append(iso_span_heap *heap, size_t count, uint32_t *block, iso
 }
 
 /* Makes the part of a used block beyond `count` items a free block; reserve_record must have been called. */
-static void split(iso_span_heap *heap, uint32_t block, size_t count) {
+static void split_block(iso_span_heap *heap, uint32_t block, size_t count) {
     uint32_t rest = link_record(heap, block);
     iso_span_block *record = record_at(heap, block), *tail = record_at(heap, rest);
     tail->first = record->first + count;
     tail->capacity = record->capacity - count;
     record->capacity = count;
-    iso_span_heap_give(heap, rest);
+    iso_span_heap_release(heap, rest);
 }
 
-iso_status iso_span_heap_take(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error) {
+iso_status iso_span_heap_alloc(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error) {
     ISO_TRY(reserve_record(heap, error));
     uint32_t found = bin_find(heap, count);
-    if (found == ISO_SPAN_NONE) return append(heap, count, block, error);
+    if (found == ISO_SPAN_NONE) return append_block(heap, count, block, error);
     bin_remove(heap, found);
     iso_span_block *record = record_at(heap, found);
     record->used = true;
     heap->live += record->capacity;
-    if (record->capacity - count >= SMALLEST_SPLIT) split(heap, found, count);
+    if (record->capacity - count >= SMALLEST_SPLIT) split_block(heap, found, count);
     *block = found;
     return ISO_OK;
 }
 
 /* Merges free block `next` into its free neighbour `block` before it. */
-static void merge(iso_span_heap *heap, uint32_t block, uint32_t next) {
+static void merge_blocks(iso_span_heap *heap, uint32_t block, uint32_t next) {
     record_at(heap, block)->capacity += record_at(heap, next)->capacity;
     unlink_record(heap, next);
 }
 
-void iso_span_heap_give(iso_span_heap *heap, uint32_t block) {
+void iso_span_heap_release(iso_span_heap *heap, uint32_t block) {
     heap->live -= record_at(heap, block)->capacity;
     uint32_t after = record_at(heap, block)->after, before = record_at(heap, block)->before;
     if (after != ISO_SPAN_NONE && !record_at(heap, after)->used) {
         bin_remove(heap, after);
-        merge(heap, block, after);
+        merge_blocks(heap, block, after);
     }
     if (before != ISO_SPAN_NONE && !record_at(heap, before)->used) {
         bin_remove(heap, before);
-        merge(heap, before, block);
+        merge_blocks(heap, before, block);
         block = before;
     }
     if (heap->last == block) { /* the array never ends in free space */
@@ -191,5 +191,5 @@ void iso_span_heap_give(iso_span_heap *heap, uint32_t block) {
 void iso_span_heap_trim(iso_span_heap *heap, uint32_t block, size_t count) {
     size_t capacity = record_at(heap, block)->capacity, wanted = count + count / 8 + SMALLEST_SPLIT;
     if (capacity < 2 * wanted) return;
-    if (reserve_record(heap, NULL) == ISO_OK) split(heap, block, wanted);
+    if (reserve_record(heap, NULL) == ISO_OK) split_block(heap, block, wanted);
 }

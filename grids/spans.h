@@ -48,8 +48,8 @@ void iso_span_heap_clear(iso_span_heap *heap);
 void iso_span_heap_free(iso_span_heap *heap);
 
 /* A block of `count` >= 1 items, contents unset. ISO_ERR_NOMEM leaves everything as it was. */
-iso_status iso_span_heap_take(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error);
-void iso_span_heap_give(iso_span_heap *heap, uint32_t block);
+iso_status iso_span_heap_alloc(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error);
+void iso_span_heap_release(iso_span_heap *heap, uint32_t block);
 
 /* Gives back what the block has beyond `count` items when that is much; the block stays where it is. */
 void iso_span_heap_trim(iso_span_heap *heap, uint32_t block, size_t count);

@@ -180,7 +180,7 @@ iso_status iso_volume_crop(iso_volume *volume, const int lo[3], const int hi[3],
 iso_status iso_volume_changed(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error) {
     if (volume->grid.hgrid)
         return iso_fail(error, ISO_ERR_USAGE, "a sparse level set is changed by sculpting only");
-    return iso_rgrid_touch(volume->grid.rgrid, lo, hi, error);
+    return iso_rgrid_mark_changed(volume->grid.rgrid, lo, hi, error);
 }
 
 /* ---- files ---- */

@@ -56,7 +56,7 @@ typedef struct search {
 static void bound_spans(void *context, size_t index, int worker) {
     (void)worker;
     const search *s = context;
-    const uint64_t *stamps = iso_brick_set_stamps(s->set);
+    const uint64_t *stamps = iso_brick_set_versions(s->set);
     size_t end = (index + 1) * TASK_SPANS;
     for (size_t i = index * TASK_SPANS; i < end && i < s->set->span_count; i++) {
         if (s->bounded[i].stamp == stamps[i]) continue;

@@ -250,20 +250,20 @@ static void levels_agree(void **state) {
                              (int)random_below(&random, (uint32_t)last[1] + 1),
                              (int)random_below(&random, (uint32_t)last[2] + 1)};
         int most[2];
-        iso_brick_band_most(grid, most);
+        iso_brick_batch_max(grid, most);
         iso_brick_reading *generic = NULL;
         for (int level = 0; level <= (int)iso_cpu_supported(); level++) {
-            iso_brick_reading *readings = calloc(ISO_BAND_BRICKS, sizeof *readings);
-            iso_brick_band band = {{from[0], from[1], from[2]},
-                                   {least(most[0], n - from[0]), least(most[1], last[1] + 1 - from[1])}};
-            iso_brick_ranges(grid, (iso_cpu_level)level, &band, readings);
-            for (int i = 0; i < band.count[0] * band.count[1]; i++) {
-                const int at[3] = {from[0] + i % band.count[0], from[1] + i / band.count[0], from[2]};
+            iso_brick_reading *readings = calloc(ISO_BATCH_BRICKS, sizeof *readings);
+            iso_brick_batch batch = {{from[0], from[1], from[2]},
+                                     {least(most[0], n - from[0]), least(most[1], last[1] + 1 - from[1])}};
+            iso_brick_ranges(grid, (iso_cpu_level)level, &batch, readings);
+            for (int i = 0; i < batch.count[0] * batch.count[1]; i++) {
+                const int at[3] = {from[0] + i % batch.count[0], from[1] + i / batch.count[0], from[2]};
                 iso_brick_range model = model_range(grid, at);
                 assert_true(same_range(&readings[i].range, &model));
             }
             if (!generic) generic = readings;
-            for (int i = 0; i < ISO_BAND_BRICKS; i++)
+            for (int i = 0; i < ISO_BATCH_BRICKS; i++)
                 assert_memory_equal(&readings[i].groups, &generic[i].groups, sizeof generic[i].groups);
             if (readings != generic) free(readings);
         }
@@ -317,7 +317,7 @@ static void edit(iso_rgrid *grid, uint64_t *random) {
                 float noise = random_value(grid->type, WRONG, at, random);
                 set_voxel(grid, at[0], at[1], at[2], flat ? value : noise);
             }
-    assert_int_equal(iso_rgrid_touch(grid, lo, hi, NULL), ISO_OK);
+    assert_int_equal(iso_rgrid_mark_changed(grid, lo, hi, NULL), ISO_OK);
 }
 
 static void updates_follow_edits(void **state) {
@@ -379,8 +379,8 @@ static void untouched_bricks_are_not_read(void **state) {
         for (int j = 0; j < 80; j++)
             for (int k = 0; k < 80; k++) set_voxel(grid, i, j, k, -32768);
     const int inner[3] = {33, 35, 40}, corner[3] = {64, 66, 48};
-    assert_int_equal(iso_rgrid_touch(grid, inner, inner, NULL), ISO_OK);
-    assert_int_equal(iso_rgrid_touch(grid, corner, corner, NULL), ISO_OK);
+    assert_int_equal(iso_rgrid_mark_changed(grid, inner, inner, NULL), ISO_OK);
+    assert_int_equal(iso_rgrid_mark_changed(grid, corner, corner, NULL), ISO_OK);
     assert_int_equal(iso_brick_index_of(grid, NULL, NULL, NULL), ISO_OK);
     for (uint32_t i = 0; i < total; i++) {
         const int b[3] = {(int)(i % 5), (int)(i / 5 % 5), (int)(i / 25)};
