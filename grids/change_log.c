@@ -1,11 +1,10 @@
-/* change_log: stamps and a bounded log of changes, for incremental extraction, undo and journals
- * (docs/ARCHITECTURE.md, decision 4).
+/* The log of changes and the last edit of each cell (docs/ARCHITECTURE.md, decision 4).
  *
- * The log may hold BUDGET_PER_CELL entries for each cell that was ever touched (at least BUDGET_MIN). Over
- * that, its older half is sorted by cell and merged. Say T cells were touched: half of 4 T entries becomes at
- * most T, so every merge frees T entries or more, and sorting costs O(log T) an entry over the log's life. No
- * step looks at cells that were not touched. At 24 bytes an entry the log stays below 1 % of the bricks that
- * it watches. */
+ * The log may hold BUDGET_PER_CELL entries for each cell that ever changed (at least BUDGET_MIN). Beyond that
+ * its older half is sorted by cell and merged. If T cells have changed, half of 4 T entries becomes at most
+ * T, so every merge frees at least T entries, and sorting costs O(log T) an entry over the log's life. No
+ * step looks at cells that never changed. At 24 bytes an entry the log takes less than 1 % of the bricks'
+ * memory. */
 #include "grids/change_log.h"
 
 #include <stdbool.h>
@@ -19,7 +18,7 @@ enum { BUDGET_MIN = 4096, BUDGET_PER_CELL = 4, COALESCE_DEPTH = 8 };
 struct iso_change_log {
     int cells[3];
     uint64_t now;
-    uint64_t *edit;       /* per cell; zeroed pages that no edit touched are never paid for */
+    uint64_t *edit;       /* by cell: its last edit; pages of unchanged cells stay unallocated */
     size_t changed_cells; /* cells with a stamp */
     iso_buffer entries;
     size_t count;
@@ -76,7 +75,7 @@ static void unite(iso_change *into, const iso_change *from) {
     if (from->edit > into->edit) into->edit = from->edit;
 }
 
-/* Writers often touch one cell several times in a row under one edit: those share an entry. */
+/* Adds an entry, or widens a recent one of the same cell and edit: writers often add a cell several times. */
 static void append_entry(iso_change_log *log, const iso_change *change) {
     iso_change *entries = entries_of(log);
     for (size_t back = 1; back <= COALESCE_DEPTH && back <= log->count; back++) {
@@ -103,8 +102,8 @@ static int by_edit(const void *left, const void *right) {
     return by_cell(left, right);
 }
 
-/* Merged entries take their cell's latest number in this half, so all numbers stay at or below those of the
- * newer half and the log stays sorted. */
+/* A merged entry gets the latest edit number of its cell in this half. This is not above those of the newer
+ * half, so the log stays sorted. */
 static void merge_older_half(iso_change_log *log) {
     iso_change *entries = entries_of(log);
     size_t half = log->count / 2, merged = 0;

@@ -1,11 +1,8 @@
+/* Creation, cropping and destruction of dense grids. */
 #include "grids/rgrid.h"
 
 #include "base/memory.h"
 #include "base/primitives.h"
-
-size_t iso_type_size(iso_type type) {
-    return type == ISO_UINT8 ? 1 : type == ISO_FLOAT32 ? 4 : 2;
-}
 
 const char *iso_type_name(iso_type type) {
     static const char *const names[] = {"uint8", "int16", "uint16", "float32"};
@@ -47,7 +44,7 @@ static iso_status create_log(const int dims[3], iso_change_log **log, iso_error 
     return iso_change_log_create(cells, log, error);
 }
 
-/* Everything but the data's ownership, so that one place can release lent data when it fails. */
+/* Creates the grid without taking ownership of lent data, so that the caller can release it in one place. */
 static iso_status create_without_owner(const iso_rgrid_desc *desc, iso_rgrid **out, iso_error *error) {
     size_t bytes = 0;
     ISO_TRY(check_desc(desc, &bytes, error));

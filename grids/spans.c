@@ -1,22 +1,24 @@
+/* The span allocator: blocks are records in a doubly linked list in the order of the array; free ones are
+ * also in the list of their size class. */
 #include "grids/spans.h"
 
 #include <string.h>
 
-/* A remainder below this stays with its block: a run of so few items would hardly be used again. */
+/* A remainder of fewer items stays with its block: so small a block would hardly be used again. */
 enum { SMALLEST_SPLIT = 16 };
 
 static iso_span_block *record_at(iso_span_heap *heap, uint32_t block) {
     return (iso_span_block *)heap->records.data + block;
 }
 
-/* Class of a size: exact below 8, then eight classes an octave. */
+/* The class of a size: one for each size below 8, then eight an octave. */
 static unsigned class_of(size_t size) {
     if (size < 8) return (unsigned)size;
     unsigned octave = 63 - (unsigned)__builtin_clzll(size);
     return (octave - 2) * 8 + (size >> (octave - 3) & 7);
 }
 
-/* The lowest class in which every block holds `size` items. */
+/* The lowest class whose blocks all have at least `size` items. */
 static unsigned class_above(size_t size) {
     if (size < 8) return (unsigned)size;
     unsigned octave = 63 - (unsigned)__builtin_clzll(size);
@@ -50,7 +52,7 @@ static uint32_t bin_find(const iso_span_heap *heap, size_t count) {
     uint64_t bits = heap->occupied[word] & ~(uint64_t)0 << bin % 64;
     while (!bits && ++word < ISO_SPAN_CLASSES / 64) bits = heap->occupied[word];
     if (bits) return heap->bins[word * 64 + (unsigned)__builtin_ctzll(bits)];
-    uint32_t block = heap->bins[class_of(count)]; /* its members may still be large enough */
+    uint32_t block = heap->bins[class_of(count)]; /* its first block may be large enough */
     if (block != ISO_SPAN_NONE && iso_span_heap_block(heap, block)->capacity >= count) return block;
     return ISO_SPAN_NONE;
 }
@@ -62,7 +64,7 @@ static iso_status reserve_record(iso_span_heap *heap, iso_error *error) {
                               error);
 }
 
-/* A record, linked into the array behind `before`; reserve_record must have made room for it. */
+/* A new record, linked in behind `before`; reserve_record has made room for it. */
 static uint32_t link_record(iso_span_heap *heap, uint32_t before) {
     uint32_t block = heap->unused;
     if (block != ISO_SPAN_NONE)
@@ -139,7 +141,8 @@ static iso_status append_block(iso_span_heap *heap, size_t count, uint32_t *bloc
     return ISO_OK;
 }
 
-/* Makes the part of a used block beyond `count` items a free block; reserve_record must have been called. */
+/* Makes the items of a used block beyond `count` a free block; reserve_record has made room for its record.
+ */
 static void split_block(iso_span_heap *heap, uint32_t block, size_t count) {
     uint32_t rest = link_record(heap, block);
     iso_span_block *record = record_at(heap, block), *tail = record_at(heap, rest);
@@ -162,7 +165,7 @@ iso_status iso_span_heap_alloc(iso_span_heap *heap, size_t count, uint32_t *bloc
     return ISO_OK;
 }
 
-/* Merges free block `next` into its free neighbour `block` before it. */
+/* Joins a block with the free block `next` that follows it. */
 static void merge_blocks(iso_span_heap *heap, uint32_t block, uint32_t next) {
     record_at(heap, block)->capacity += record_at(heap, next)->capacity;
     unlink_record(heap, next);

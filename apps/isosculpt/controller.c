@@ -2,6 +2,9 @@
 
 #include <math.h>
 
+#include "base/clock.h"
+#include "sculpt/brush/dab.h"
+
 /* A wheel's step, a size key's step, a pixel of dragging with X or C. */
 static const double WHEEL = 1.1, SIZE = 1.15, SIZE_A_PIXEL = 1.01, STRENGTH_A_PIXEL = 0.005;
 /* Radii in voxels; strengths. */
@@ -71,7 +74,7 @@ void isosculpt_controller_center_mirror(isosculpt_controller *controller) {
 /* ---- strokes */
 
 bool isosculpt_tool_has_shape(iso_tool tool) {
-    return tool <= ISO_TOOL_BLEND_CARVE;
+    return iso_tool_is_set_operation(tool);
 }
 
 /* A solid goes in by as much of its radius as the strength says: its centre lies below the surface when it
@@ -101,7 +104,7 @@ static iso_sample sample_at(isosculpt_controller *controller, double x, double y
     return (iso_sample){.position = centre(controller, position, controller->normal),
                         .normal = controller->normal,
                         .pressure = controller->pressure,
-                        .seconds = isosculpt_now() - controller->document->began};
+                        .seconds = iso_clock_seconds() - controller->document->began};
 }
 
 static void done(isosculpt_controller *controller, iso_status status, const iso_edit_stats *stats) {
@@ -139,10 +142,10 @@ static iso_status begin_stroke(isosculpt_controller *controller, const iso_brush
                                const iso_sample *sample, iso_edit_stats *stats) {
     if (controller->viewing_volume)
         return isosculpt_strokes_begin(&controller->waiting, brush, sample, &controller->error);
-    double start = isosculpt_now();
+    double start = iso_clock_seconds();
     iso_status status =
         iso_session_begin(controller->document->session, brush, sample, stats, &controller->error);
-    isosculpt_latency_add(&controller->edit, isosculpt_now() - start);
+    isosculpt_latency_add(&controller->edit, iso_clock_seconds() - start);
     controller->document->changes += status == ISO_OK;
     return status;
 }
@@ -176,12 +179,12 @@ static void go_on(isosculpt_controller *controller, double x, double y, bool las
     double moved = iso_vec3_length(iso_vec3_sub(sample.position, controller->last.position));
     if (moved <= (last ? 0 : least_move(controller))) return;
     controller->last = sample;
-    double start = isosculpt_now();
+    double start = iso_clock_seconds();
     iso_status status =
         controller->viewing_volume
             ? isosculpt_strokes_add(&controller->waiting, &sample, &controller->error)
             : iso_session_sample(controller->document->session, &sample, &stats, &controller->error);
-    isosculpt_latency_add(&controller->edit, isosculpt_now() - start);
+    isosculpt_latency_add(&controller->edit, iso_clock_seconds() - start);
     done(controller, status, &stats);
 }
 

@@ -13,18 +13,14 @@
 #include <unistd.h>
 
 #include "apps/isosculpt/save.h"
+#include "base/clock.h"
+#include "base/text.h"
 
 static const char STROKES[] = ".strokes", OPEN[] = ".open", UNDO[] = ".undo";
 
 /* The new ball: half the side of its grid. */
 enum { BALL_VOXELS = 384 };
 static const double BALL_VOXEL = 0.5, BALL_RADIUS = 40;
-
-double isosculpt_now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static iso_status join(char out[ISOSCULPT_PATH], const char *a, const char *b, iso_error *error) {
     size_t first = strlen(a), second = strlen(b);
@@ -33,11 +29,6 @@ static iso_status join(char out[ISOSCULPT_PATH], const char *a, const char *b, i
     memmove(out, a, first);
     memcpy(out + first, b, second + 1);
     return ISO_OK;
-}
-
-static bool ends_with(const char *text, const char *suffix) {
-    size_t length = strlen(text), tail = strlen(suffix);
-    return length > tail && strcmp(text + length - tail, suffix) == 0;
 }
 
 /* ---- the folder */
@@ -108,7 +99,7 @@ bool isosculpt_document_find_unclosed(const char *folder, char path[ISOSCULPT_PA
     for (struct dirent *entry; (entry = readdir(directory));) {
         char marker[2 * ISOSCULPT_PATH], journal[2 * ISOSCULPT_PATH];
         struct stat about;
-        if (!ends_with(entry->d_name, ".strokes.open")) continue;
+        if (!iso_text_ends_with(entry->d_name, ".strokes.open")) continue;
         int length = snprintf(marker, sizeof marker, "%s/%s", folder, entry->d_name);
         if (length >= ISOSCULPT_PATH) continue;
         snprintf(journal, sizeof journal, "%.*s", length - (int)strlen(OPEN), marker);
@@ -133,7 +124,7 @@ static iso_status open_session(isosculpt_document *document, iso_hgrid *grid, co
     opts.pool = document->pool;
     opts.undo_memory = document->undo_memory;
     ISO_TRY(iso_session_create(grid, &document->start, &opts, &document->session, error));
-    document->began = isosculpt_now();
+    document->began = iso_clock_seconds();
     document->changes = document->saved = 0;
     return ISO_OK;
 }

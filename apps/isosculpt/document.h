@@ -67,8 +67,6 @@ void isosculpt_document_close(isosculpt_document *document);
 /* The same of one that nobody came to see: a journal that was not closed before is not closed now. */
 void isosculpt_document_discard(isosculpt_document *document);
 
-double isosculpt_now(void); /* monotonic seconds */
-
 #ifdef __cplusplus
 }
 #endif

@@ -10,8 +10,11 @@
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/source.h"
 #include "apps/isosculpt/view/view.h"
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/numbers.h"
+#include "base/text.h"
 #include "grids/level_set.h"
 #include "io/mesh_io.h"
 #include "io/points_io.h"
@@ -94,15 +97,15 @@ typedef struct player {
 } player;
 
 static iso_status extract(player *p, iso_error *error) {
-    double start = isosculpt_now();
+    double start = iso_clock_seconds();
     ISO_TRY(iso_point_set_update(p->points, error));
-    return add_time(&p->report->extract, isosculpt_now() - start, error);
+    return add_time(&p->report->extract, iso_clock_seconds() - start, error);
 }
 
 static iso_status draw(player *p, iso_error *error) {
-    double start = isosculpt_now();
+    double start = iso_clock_seconds();
     ISO_TRY(isosculpt_view_draw(p->view, p->report->resolution[0], p->report->resolution[1], true, error));
-    return add_time(&p->report->draw, isosculpt_now() - start, error);
+    return add_time(&p->report->draw, iso_clock_seconds() - start, error);
 }
 
 static void count(isosculpt_report *report, const iso_event *event, const iso_edit_stats *surface_isovalue) {
@@ -118,14 +121,14 @@ static void count(isosculpt_report *report, const iso_event *event, const iso_ed
 
 static iso_status play(player *p, const iso_event *event, iso_error *error) {
     iso_edit_stats surface_isovalue = {0};
-    double start = isosculpt_now();
+    double start = iso_clock_seconds();
     ISO_TRY(iso_session_play(p->session, event, &surface_isovalue, error));
     count(p->report, event, &surface_isovalue);
     if (event->kind > ISO_EVENT_SAMPLE) return ISO_OK;
-    ISO_TRY(add_time(&p->report->edit, isosculpt_now() - start, error));
+    ISO_TRY(add_time(&p->report->edit, iso_clock_seconds() - start, error));
     if (p->points) ISO_TRY(extract(p, error));
     if (p->view) ISO_TRY(draw(p, error));
-    return add_time(&p->report->step, isosculpt_now() - start, error);
+    return add_time(&p->report->step, iso_clock_seconds() - start, error);
 }
 
 static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *error) {
@@ -189,17 +192,12 @@ static iso_status write_mesh(player *p, const char *path, iso_error *error) {
     return status;
 }
 
-static bool ends_with(const char *text, const char *suffix) {
-    size_t length = strlen(text), tail = strlen(suffix);
-    return length >= tail && strcmp(text + length - tail, suffix) == 0;
-}
-
 static iso_status write_outputs(player *p, iso_error *error) {
     const isosculpt_settings *settings = p->settings;
     const char *output = settings->output;
-    bool points = output && ends_with(output, ".ply");
+    bool points = output && iso_text_ends_with(output, ".ply");
     ISO_TRY(write_points(p, points ? output : NULL, error));
-    if (output && ends_with(output, ".vdb"))
+    if (output && iso_text_ends_with(output, ".vdb"))
         ISO_TRY(iso_level_set_write_vdb(output, iso_session_grid(p->session), "surface", NULL, error));
     else if (output && !points)
         ISO_TRY(write_mesh(p, output, error));
@@ -234,9 +232,9 @@ static iso_status prepare(player *p, iso_error *error) {
 
 static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     ISO_TRY(prepare(p, error));
-    double start = isosculpt_now();
+    double start = iso_clock_seconds();
     if (reader) ISO_TRY(play_all(p, reader, error));
-    p->report->total = isosculpt_now() - start;
+    p->report->total = iso_clock_seconds() - start;
     const iso_hgrid *grid = iso_session_grid(p->session);
     p->report->bricks = iso_hgrid_brick_count(grid);
     p->report->bytes = iso_hgrid_bytes(grid);
@@ -283,14 +281,9 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
 
 /* ---- the report */
 
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void put_times(iso_json *json, const char *key, const isosculpt_times *times) {
     if (!times->count) return;
-    qsort(times->seconds, times->count, sizeof *times->seconds, compare);
+    qsort(times->seconds, times->count, sizeof *times->seconds, iso_compare_doubles);
     iso_json_begin_object(json, key);
     iso_json_integer(json, "count", times->count);
     iso_json_real(json, "p50", times->seconds[times->count / 2]);

@@ -5,6 +5,7 @@
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/view/async_surface.h"
 #include "apps/isosculpt/view/view.h"
+#include "base/clock.h"
 
 /* Pictures while the camera moves: slower ones get coarser, and finer again when that would be fast enough.
  */
@@ -44,13 +45,13 @@ static iso_status room_for_pixels(iso_image *image, size_t *room, int width, int
 
 /* `quick`: of volumes, the points of a coarser one, when that is what can be made in time. */
 static iso_status extract(isosculpt_view *view, isosculpt_method method, bool quick, iso_error *error) {
-    double start = isosculpt_now();
+    double start = iso_clock_seconds();
     if (quick && view->levels)
         ISO_TRY(isosculpt_lod_update(view->levels, view->isovalue, error));
     else
         ISO_TRY(isosculpt_async_surface_update(view, method, error));
     if (iso_change_log_now(iso_grid_log(&view->grid)) != view->seen || view->isovalue != view->drawn_isovalue)
-        isosculpt_latency_add(&view->extract, isosculpt_now() - start);
+        isosculpt_latency_add(&view->extract, iso_clock_seconds() - start);
     return ISO_OK;
 }
 
@@ -302,26 +303,26 @@ static iso_status redraw(isosculpt_view *view, bool moving, iso_error *error) {
                            best = wanted == ISOSCULPT_EXACT ? stand_in : wanted;
     const bool quick = moving && view->levels && (view->sliding || !isosculpt_async_surface_has(view, best));
     const isosculpt_method method = quick ? ISOSCULPT_PULLPUSH : best;
-    const double begun = isosculpt_now();
+    const double begun = iso_clock_seconds();
     ISO_TRY(extract(view, method, quick, error));
     show_points(view, quick);
-    double start = isosculpt_now();
+    double start = iso_clock_seconds();
     const int factor = moving ? view->factor : 1;
     if (!gl)
         ISO_TRY(draw_whole(view, method, factor, error));
     else if (!draw_whole_by_gl(view, method, factor))
         return redraw(view, moving, error);
     view->quality = factor > 1 || quick || method != wanted ? ISOSCULPT_MOVING : ISOSCULPT_REST;
-    if (moving) adapt(view, isosculpt_now() - start);
-    if (moving) isosculpt_latency_add(&view->draw, isosculpt_now() - start);
-    if (quick) isosculpt_lod_record_times(view->levels, start - begun, isosculpt_now() - start);
+    if (moving) adapt(view, iso_clock_seconds() - start);
+    if (moving) isosculpt_latency_add(&view->draw, iso_clock_seconds() - start);
+    if (quick) isosculpt_lod_record_times(view->levels, start - begun, iso_clock_seconds() - start);
     return ISO_OK;
 }
 
 /* What edits changed in an exact picture; all of it when that is most of it. */
 static iso_status patch(isosculpt_view *view, iso_error *error) {
     ISO_TRY(extract(view, ISOSCULPT_EXACT, false, error));
-    double start = isosculpt_now();
+    double start = iso_clock_seconds();
     view->fresh = (isosculpt_damage){.count = 0};
     if (view->grid.hgrid) /* (no one writes to others) */
         isosculpt_damage_add_edits(&view->fresh, &view->drawn.view, view->grid.hgrid, view->seen);
@@ -335,7 +336,7 @@ static iso_status patch(isosculpt_view *view, iso_error *error) {
             ISO_TRY(draw_piece(view, ISOSCULPT_EXACT, view->fresh.rectangle[i], 1, error));
             isosculpt_damage_add(&view->rough, view->fresh.rectangle[i]);
         }
-    isosculpt_latency_add(&view->draw, isosculpt_now() - start);
+    isosculpt_latency_add(&view->draw, iso_clock_seconds() - start);
     return ISO_OK;
 }
 

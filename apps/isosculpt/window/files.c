@@ -7,6 +7,7 @@
 #include <GLFW/glfw3.h>
 
 #include "apps/isosculpt/window/window.h"
+#include "base/clock.h"
 
 /* ---- the sculpture on the desk */
 
@@ -295,7 +296,7 @@ static void slide(window *w) {
         isosculpt_view_set_isovalue(&w->view, w->screen.isovalue);
         w->controller.commands |= ISOSCULPT_COMMAND_PICTURE;
     } else if (rested)
-        w->changed = isosculpt_now(); /* the exact picture is due */
+        w->changed = iso_clock_seconds(); /* the exact picture is due */
 }
 
 static void sculpt(window *w) {

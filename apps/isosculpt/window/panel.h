@@ -65,7 +65,7 @@ typedef struct isosculpt_screen {
     double isovalue;                /* chosen for it */
     bool sliding;                   /* just now, by hand */
     char message[600];              /* of the last command; "" none. Good ones go by themselves, */
-    double said;                    /* after so long since then (isosculpt_now) */
+    double said;                    /* after so long since then (iso_clock_seconds) */
     bool message_is_bad;
     unsigned results;
 } isosculpt_screen;

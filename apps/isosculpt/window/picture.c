@@ -6,6 +6,7 @@
 #include <GLFW/glfw3.h>
 
 #include "apps/isosculpt/window/window.h"
+#include "base/clock.h"
 
 #ifndef GL_CLAMP_TO_EDGE
 #define GL_CLAMP_TO_EDGE 0x812F /* OpenGL 1.2 */
@@ -101,7 +102,7 @@ static void upload(window *w) {
 double isosculpt_window_seconds_until_refine(const window *w) {
     if (w->screen.blank || w->view.quality == ISOSCULPT_FINE) return ISOSCULPT_IDLE;
     if (isosculpt_view_is_preparing(&w->view)) return ISOSCULPT_IDLE; /* which wakes us */
-    return w->screenshot ? -1 : w->changed + REST[w->view.quality + 1] - isosculpt_now();
+    return w->screenshot ? -1 : w->changed + REST[w->view.quality + 1] - iso_clock_seconds();
 }
 
 /* One step to a better picture. */
@@ -115,7 +116,7 @@ static iso_status draw_due(window *w, iso_error *error) {
     if (w->screen.blank) return ISO_OK;
     if (w->controller.commands & ISOSCULPT_COMMAND_PICTURE) {
         w->controller.commands &= ~(unsigned)ISOSCULPT_COMMAND_PICTURE;
-        w->changed = isosculpt_now();
+        w->changed = iso_clock_seconds();
         ISO_TRY(isosculpt_view_draw(&w->view, w->screen.width, w->screen.height, true, error));
     } else if (isosculpt_window_seconds_until_refine(w) >= 0)
         return ISO_OK;
@@ -147,7 +148,7 @@ iso_status isosculpt_window_draw(window *w, iso_error *error) {
     ISO_TRY(isosculpt_panel_rescale(w->panel, isosculpt_window_text_scale(w), error));
     ISO_TRY(update_picture(w, error));
     w->engine = w->view.mode.engine;
-    if (!w->screen.message_is_bad && isosculpt_now() - w->screen.said > SAID) w->screen.message[0] = 0;
+    if (!w->screen.message_is_bad && iso_clock_seconds() - w->screen.said > SAID) w->screen.message[0] = 0;
     if (w->frames <= 0) return ISO_OK;
     w->frames--;
     glViewport(0, 0, w->screen.width, w->screen.height);

@@ -8,6 +8,7 @@
 
 #include "apps/isosculpt/render_command.h"
 #include "apps/isosculpt/window/window.h"
+#include "base/text.h"
 
 bool isosculpt_window_has_unsaved_changes(const window *w) {
     return w->document.changes != w->document.saved;
@@ -102,15 +103,10 @@ void isosculpt_window_poll_save(window *w) {
 
 /* ---- what the browser chose */
 
-static bool ends_with(const char *path, const char *ending) {
-    const size_t length = strlen(path), tail = strlen(ending);
-    return length > tail && strcasecmp(path + length - tail, ending) == 0;
-}
-
 /* A picture under a name. */
 static void shoot_to(window *w, const char *path) {
     struct stat about;
-    if (!ends_with(path, ".png")) {
+    if (!iso_text_has_extension(path, ".png")) {
         isosculpt_window_set_status(w, true, "No picture: the name must end in .png");
         return;
     }
@@ -142,10 +138,10 @@ static bool find_shown(const window *w, isosculpt_render_command *command) {
     if (w->volume) {
         command->path = w->volume->path;
         command->reading = w->volume->reading;
-    } else if (saved && ends_with(document->target, ".vdb")) {
+    } else if (saved && iso_text_has_extension(document->target, ".vdb")) {
         command->path = document->target;
     } else if (document->changes == 0 && !(w->settings->voxel_size > 0) &&
-               ends_with(document->start.source, ".vdb")) {
+               iso_text_has_extension(document->start.source, ".vdb")) {
         command->path = document->start.source; /* as it was opened */
         command->reading = document->start.reading;
     }

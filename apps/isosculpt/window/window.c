@@ -8,6 +8,8 @@
 
 #include "apps/isosculpt/window/window.h"
 
+#include "base/clock.h"
+
 enum { WIDTH = 1280, HEIGHT = 800 };
 
 /* To those who watch the terminal, too, but once: a stroke can go wrong at every sample. */
@@ -15,7 +17,7 @@ void isosculpt_window_set_status(window *w, bool bad, const char *text) {
     if (bad && strcmp(w->screen.message, text)) iso_program_log(isosculpt_program(), "%s", text);
     snprintf(w->screen.message, sizeof w->screen.message, "%s", text);
     w->screen.message_is_bad = bad;
-    w->screen.said = isosculpt_now();
+    w->screen.said = iso_clock_seconds();
     w->frames = ISOSCULPT_FRAMES;
 }
 
@@ -50,9 +52,9 @@ static void wait_events(window *w) {
         glfwPollEvents();
         return;
     }
-    double start = isosculpt_now();
+    double start = iso_clock_seconds();
     glfwWaitEventsTimeout(wait);
-    if (isosculpt_now() - start > 0.9 * ISOSCULPT_IDLE)
+    if (iso_clock_seconds() - start > 0.9 * ISOSCULPT_IDLE)
         w->frames = 1; /* the journal's state may have changed */
 }
 

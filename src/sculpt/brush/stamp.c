@@ -85,7 +85,7 @@ iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, is
     const double longest = fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
     const iso_mesh_sampling sampling = {longest, MARGIN, pool, progress};
     iso_stamp *stamp = allocate_stamp(path);
-    if (!stamp) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!stamp) return iso_fail_memory(error, path);
     iso_status status = make_levels(path, mesh, sampling, stamp, error);
     normalise(stamp, middle, longest);
     if (status == ISO_OK)

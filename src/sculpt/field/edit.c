@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/numbers.h"
 #include "sculpt/field/crease.h"
 #include "sculpt/field/transaction.h"
 #include "sculpt/session/limits.h"
@@ -269,19 +270,13 @@ static iso_status list_dab_cells(iso_editor *editor, const iso_dabs *dabs, const
     return ISO_OK;
 }
 
-static void cell_position(const iso_hgrid *grid, uint32_t cell, int at[3]) {
-    at[0] = (int)(cell % (uint32_t)grid->cells[0]);
-    at[1] = (int)(cell / (uint32_t)grid->cells[0] % (uint32_t)grid->cells[1]);
-    at[2] = (int)(cell / (uint32_t)grid->cells[0] / (uint32_t)grid->cells[1]);
-}
-
 /* Lists the cells that the step has changed so far. MOVE edits the field as it was when the step began, so
  * the changes of its earlier touches must be undone. */
 static iso_status list_notified(iso_editor *editor, iso_error *error) {
     const uint32_t *notified = editor->notified_cells.data;
     for (size_t i = 0; i < editor->notified_count; i++) {
         int at[3];
-        cell_position(editor->transaction.grid, notified[i], at);
+        iso_hgrid_cell_position(editor->transaction.grid, notified[i], at);
         ISO_TRY(iso_transaction_add(&editor->transaction, at, true, error));
     }
     return ISO_OK;
@@ -311,18 +306,14 @@ static const float *source_of(const iso_editor *editor, iso_tool tool, uint32_t 
     return iso_transaction_grid_values(&editor->transaction, state);
 }
 
-static int clamp_index(int value, int count) {
-    return value < 0 ? 0 : value >= count ? count - 1 : value;
-}
-
 /* Fills one row of a window with `count` voxels from `first` along x; the outermost voxels are repeated
  * beyond the grid. */
 static void fill_window_row(const iso_editor *editor, iso_tool tool, const int first[3], int count,
                             float *out) {
     const iso_hgrid *grid = editor->transaction.grid;
-    const int y = clamp_index(first[1], grid->dims[1]), z = clamp_index(first[2], grid->dims[2]);
+    const int y = iso_clamp_index(first[1], grid->dims[1]), z = iso_clamp_index(first[2], grid->dims[2]);
     for (int i = 0, copied; i < count; i += copied) {
-        const int x = clamp_index(first[0] + i, grid->dims[0]), at = x % ISO_BRICK;
+        const int x = iso_clamp_index(first[0] + i, grid->dims[0]), at = x % ISO_BRICK;
         const size_t cell = iso_hgrid_cell_index(grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
         const float *row = source_of(editor, tool, (uint32_t)cell) + (z % ISO_BRICK) * ISO_BRICK_ROWS +
                            (y % ISO_BRICK) * ISO_BRICK;
@@ -358,7 +349,7 @@ static float mix(float a, float b, float t) {
 static float value_at(const iso_editor *editor, iso_tool tool, const int at[3]) {
     const iso_hgrid *grid = editor->transaction.grid;
     int p[3];
-    for (int axis = 0; axis < 3; axis++) p[axis] = clamp_index(at[axis], grid->dims[axis]);
+    for (int axis = 0; axis < 3; axis++) p[axis] = iso_clamp_index(at[axis], grid->dims[axis]);
     const size_t cell = iso_hgrid_cell_index(grid, p[0] / ISO_BRICK, p[1] / ISO_BRICK, p[2] / ISO_BRICK);
     return source_of(editor, tool, (uint32_t)cell)[(p[2] % ISO_BRICK) * ISO_BRICK_ROWS +
                                                    (p[1] % ISO_BRICK) * ISO_BRICK + p[0] % ISO_BRICK];
@@ -635,7 +626,7 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_p
     for (size_t cell = 0; cell < iso_hgrid_cell_count(transaction->grid) && status == ISO_OK; cell++) {
         int at[3];
         if (transaction->grid->cell[cell] < 0) continue;
-        cell_position(transaction->grid, (uint32_t)cell, at);
+        iso_hgrid_cell_position(transaction->grid, (size_t)cell, at);
         status = iso_transaction_add(transaction, at, true, error);
     }
     for (size_t i = 0; i < transaction->cell_count; i++)

@@ -179,9 +179,9 @@ static iso_status read_back(iso_history *history, step *s, iso_error *error) {
 /* The values or mask bits of a cell: those of a copy in the open step or, with `copy` NULL, the grid's. */
 static const void *content_of_cell(const iso_history *history, const saved_cell *cell,
                                    const saved_cell *copy) {
-    if (is_mask(cell))
-        return copy ? (const iso_voxel_bits *)history->raw_masks.data + copy->first
-                    : iso_mask_bits(history->mask, cell->cell);
+    if (is_mask(cell) && !copy) return iso_mask_bits(history->mask, cell->cell);
+    if (is_mask(cell) && copy->state == MASK_NONE) return NULL;
+    if (is_mask(cell)) return (const iso_voxel_bits *)history->raw_masks.data + copy->first;
     return copy ? iso_slabs_get(&history->raw, copy->first)
                 : iso_hgrid_brick(history->grid, history->grid->cell[cell->cell]);
 }
@@ -215,12 +215,6 @@ static iso_status pack(const iso_history *history, step *s, const saved_cell *co
     return ISO_OK;
 }
 
-static void cell_position(const iso_hgrid *grid, uint32_t cell, int at[3]) {
-    at[0] = (int)(cell % (uint32_t)grid->cells[0]);
-    at[1] = (int)(cell / (uint32_t)grid->cells[0] % (uint32_t)grid->cells[1]);
-    at[2] = (int)(cell / (uint32_t)grid->cells[0] / (uint32_t)grid->cells[1]);
-}
-
 /* Does everything about restoring cells that can fail: adds them to the change log, allocates bricks and
  * masks.
  */
@@ -232,7 +226,7 @@ static iso_status prepare_restore(iso_history *history, const saved_cell *cells,
         float *brick;
         if (cells[i].state == MASK_BITS) ISO_TRY(iso_mask_reserve(history->mask, cells[i].cell, error));
         if (is_mask(&cells[i])) continue;
-        cell_position(history->grid, cells[i].cell, at);
+        iso_hgrid_cell_position(history->grid, cells[i].cell, at);
         for (int axis = 0; axis < 3; axis++) {
             lo[axis] = ISO_BRICK * at[axis];
             hi[axis] = lo[axis] + ISO_BRICK - 1;
@@ -253,7 +247,7 @@ static void restore_mask(iso_history *history, const saved_cell *cell, const voi
 
 static void restore_empty_cell(iso_history *history, const saved_cell *cell) {
     int at[3];
-    cell_position(history->grid, cell->cell, at);
+    iso_hgrid_cell_position(history->grid, cell->cell, at);
     iso_hgrid_coalesce(history->grid, at[0], at[1], at[2], cell->state);
 }
 

@@ -213,8 +213,7 @@ static const char *const good_lines[] = {
     "kinds: domain ??? none\ncenterings: cell node none\n",
     "kinds: Space SPACE space   \nspacings: 1 2e0 0x1p0\t\naxismins: nan NaN -nan\naxis maxs: 4 4 4\n",
     "units: \"mm\" \"a \\\"quoted\\\" word\" \"\"\nspacings: 1 2 3\n",
-    "space: Left Posterior-superior\nspacedirections: (1,0,0) ( 0 , 2,0)  (0,0,3)\nspace origin: ( 1,2 ,3 "
-    ")\n",
+    "space: Left Posterior-superior\nspacedirections: (1,0,0) ( 0 , 2,0)  (0,0,3)\nspace origin: (1, 2 ,3)\n",
     "space dimension: 3\nspace directions: (1,0,0) (0,2,0) (0,0,3)\nspace units: \"mm\" \"mm\" \"mm\"\n",
     "space: LPS\nmeasurement frame: (1,0,0) (0,1,0) (0,0,1)\nspace origin: none\nspacings: 1 1 1\n",
 };
