@@ -275,3 +275,9 @@ iso_status bench_run_group(bench_state *bench, const char *title, iso_error *err
     bench->group = bench->row_count;
     return status;
 }
+
+int bench_single_thread(const bench_settings *settings) {
+    for (int t = 0; t < settings->thread_count; t++)
+        if (settings->threads[t] == 1) return t;
+    return -1;
+}
