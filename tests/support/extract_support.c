@@ -11,8 +11,7 @@
 #include <cmocka.h>
 
 uint32_t test_random_next(test_random *random) {
-    random->state = random->state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)(random->state >> 32);
+    return random_long(&random->state);
 }
 
 int test_random_int(test_random *random, int low, int high) {

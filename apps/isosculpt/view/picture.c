@@ -269,13 +269,10 @@ static bool same_camera(const iso_camera *a, const iso_camera *b) {
            a->orthographic == b->orthographic && a->parallel_scale == b->parallel_scale;
 }
 
-static bool same_rgb(iso_rgb a, iso_rgb b) {
-    return a.r == b.r && a.g == b.g && a.b == b.b;
-}
-
 static bool same_look(const isosculpt_display_mode *a, const isosculpt_display_mode *b) {
     return a->method == b->method && a->engine == b->engine && a->paint.light == b->paint.light &&
-           same_rgb(a->paint.color, b->paint.color) && same_rgb(a->paint.background, b->paint.background);
+           iso_rgb_equal(a->paint.color, b->paint.color) &&
+           iso_rgb_equal(a->paint.background, b->paint.background);
 }
 
 /* The picture differs from what is to be shown by edits alone. */

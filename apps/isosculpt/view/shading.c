@@ -72,8 +72,7 @@ static void make_sphere(const isosculpt_material *paint, isosculpt_matcap *spher
 }
 
 static bool is_of(const isosculpt_matcap *sphere, const isosculpt_material *paint) {
-    return sphere->light == paint->light && sphere->color.r == paint->color.r &&
-           sphere->color.g == paint->color.g && sphere->color.b == paint->color.b;
+    return sphere->light == paint->light && iso_rgb_equal(sphere->color, paint->color);
 }
 
 /* ---- looking up */
