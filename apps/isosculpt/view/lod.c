@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "grids/brick_index.h"
 #include "grids/grid.h"
 #include "grids/rgrid.h"
 
@@ -69,7 +70,7 @@ static bool can_be_halved(const iso_rgrid *grid) {
 static iso_status make_level(isosculpt_lod *levels, int level, double isovalue, iso_error *error) {
     const iso_grid grid = {.rgrid = levels->grid[level]};
     const iso_points_opts opts = {.isovalue = isovalue, .pool = levels->pool};
-    ISO_TRY(iso_rgrid_index(levels->grid[level], levels->pool, NULL, error));
+    ISO_TRY(iso_brick_index_of(levels->grid[level], levels->pool, NULL, error));
     return iso_point_set_create(&grid, &opts, &levels->points[level], error);
 }
 
