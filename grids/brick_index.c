@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/numbers.h"
 #include "base/primitives.h"
 #include "grids/interval_tree.h"
 
@@ -38,10 +39,6 @@ static void set_brick(iso_brick_index *index, size_t brick, const iso_brick_read
 
 /* ---- creation */
 
-static int smaller(int a, int b) {
-    return a < b ? a : b;
-}
-
 /* All bricks, in bands: numbered along y, then z. */
 typedef struct creation {
     iso_brick_index *index;
@@ -53,10 +50,10 @@ static void read_band(void *context, size_t number, int worker) {
     const creation *work = context;
     iso_brick_index *index = work->index;
     const int *bricks = index->bricks, y = (int)(number % (size_t)work->bands) * work->most[1],
-              z = (int)(number / (size_t)work->bands), rows = smaller(work->most[1], bricks[1] - y);
+              z = (int)(number / (size_t)work->bands), rows = iso_min_int(work->most[1], bricks[1] - y);
     iso_brick_reading readings[ISO_BAND_BRICKS];
     for (int x = 0; x < bricks[0]; x += work->most[0]) {
-        const int columns = smaller(work->most[0], bricks[0] - x);
+        const int columns = iso_min_int(work->most[0], bricks[0] - x);
         const iso_brick_band band = {{x, y, z}, {columns, rows}};
         iso_brick_ranges(index->grid, index->level, &band, readings);
         for (int row = 0; row < rows; row++) {

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/numbers.h"
 #include "base/primitives.h"
 #include "grids/voxel_kernels.h"
 
@@ -57,10 +58,6 @@ static inline void touch_slice(const void *slice, const range_box *box, size_t s
             (void)*((const volatile char *)slice + (ptrdiff_t)size * y * box->stride_y + byte);
 }
 
-static inline int smaller(int a, int b) {
-    return a < b ? a : b;
-}
-
 static inline bool is_finite_key(int32_t key) {
     return (key >= LEAST_KEY) & (key <= LARGEST_KEY);
 }
@@ -98,9 +95,11 @@ static void fold_groups(const range_values *values, int bricks, iso_brick_readin
     for (int g = 0; g < ISO_ROW_GROUPS; g++)
         for (int b = 0; b < bricks; b++) {
             const float low = values->lo[g][b], high = values->hi[g][b];
-            odd[b] |= (key_of_value(low) < LEAST_KEY) | (key_of_value(high) > LARGEST_KEY);
-            lo[b] = !is_empty(low, high) & (low < lo[b]) ? low : lo[b];
-            hi[b] = !is_empty(low, high) & (high > hi[b]) ? high : hi[b];
+            const bool below = key_of_value(low) < LEAST_KEY;
+            const bool above = key_of_value(high) > LARGEST_KEY;
+            odd[b] |= below | above;
+            lo[b] = (!is_empty(low, high) & (low < lo[b])) ? low : lo[b];
+            hi[b] = (!is_empty(low, high) & (high > hi[b])) ? high : hi[b];
         }
     for (int b = 0; b < bricks; b++) readings[b].range = (iso_brick_range){lo[b], hi[b], !odd[b]};
 }
@@ -138,8 +137,8 @@ static bool all_finite(const iso_brick_reading *readings, int bricks) {
 void iso_brick_band_most(const iso_rgrid *grid, int most[2]) {
     const int bricks = ISO_BAND_BRICKS / (int)iso_type_size(grid->type),
               row = (grid->dims[0] - 1) / ISO_BRICK + 1;
-    most[0] = smaller(row, bricks);
-    most[1] = smaller(bricks / most[0], ISO_BAND_ROWS);
+    most[0] = iso_min_int(row, bricks);
+    most[1] = iso_min_int(bricks / most[0], ISO_BAND_ROWS);
 }
 
 void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_brick_band *band,
@@ -156,7 +155,7 @@ void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_bric
     const int count[3] = {columns, rows, 1};
     for (int axis = 0; axis < 3; axis++) {
         const int first = band->first[axis] * ISO_BRICK;
-        box.n[axis] = smaller(count[axis] * ISO_BRICK + 1, grid->dims[axis] - first);
+        box.n[axis] = iso_min_int(count[axis] * ISO_BRICK + 1, grid->dims[axis] - first);
         at += first * stride[axis];
     }
     const char *data = (const char *)grid->data + at * (ptrdiff_t)iso_type_size(grid->type);

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "base/numbers.h"
 #include "base/parallel.h"
 
 const int *iso_grid_dims(const iso_grid *grid) {
@@ -89,13 +90,10 @@ static inline float value_at(const iso_grid *grid, int x, int y, int z) {
     return grid->hgrid ? iso_hgrid_at(grid->hgrid, x, y, z) : iso_rgrid_at(grid->rgrid, x, y, z);
 }
 
-static inline int clamped(int i, int count) {
-    return i < 0 ? 0 : i < count ? i : count - 1;
-}
-
 float iso_grid_at(const iso_grid *grid, int x, int y, int z) {
     const int *dims = iso_grid_dims(grid);
-    return value_at(grid, clamped(x, dims[0]), clamped(y, dims[1]), clamped(z, dims[2]));
+    return value_at(grid, iso_clamp_index(x, dims[0]), iso_clamp_index(y, dims[1]),
+                    iso_clamp_index(z, dims[2]));
 }
 
 /* The eight voxels around a position and its weights: corner bit 0 is +x, bit 1 +y, bit 2 +z. On an axis of

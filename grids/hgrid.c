@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/numbers.h"
 
 static iso_status add_chunk(iso_brick_pool *pool, iso_error *error) {
     if (pool->chunk_count == pool->chunk_room) {
@@ -124,10 +125,6 @@ void iso_hgrid_coalesce(iso_hgrid *grid, int cx, int cy, int cz, int32_t state) 
     *cell = state;
 }
 
-static int smaller(int a, int b) {
-    return a < b ? a : b;
-}
-
 /* Coalesces the cell when its voxels inside the grid are all +band or all -band. */
 static void prune_cell(iso_hgrid *grid, int cx, int cy, int cz) {
     int32_t number = grid->cell[iso_hgrid_cell_index(grid, cx, cy, cz)];
@@ -135,9 +132,9 @@ static void prune_cell(iso_hgrid *grid, int cx, int cy, int cz) {
     const float *brick = iso_hgrid_brick(grid, number);
     float value = brick[0];
     if (value != grid->band && value != -grid->band) return;
-    int nx = smaller(ISO_BRICK, grid->dims[0] - cx * ISO_BRICK);
-    int ny = smaller(ISO_BRICK, grid->dims[1] - cy * ISO_BRICK);
-    int nz = smaller(ISO_BRICK, grid->dims[2] - cz * ISO_BRICK);
+    int nx = iso_min_int(ISO_BRICK, grid->dims[0] - cx * ISO_BRICK);
+    int ny = iso_min_int(ISO_BRICK, grid->dims[1] - cy * ISO_BRICK);
+    int nz = iso_min_int(ISO_BRICK, grid->dims[2] - cz * ISO_BRICK);
     for (int z = 0; z < nz; z++)
         for (int y = 0; y < ny; y++)
             for (int x = 0; x < nx; x++)
@@ -164,7 +161,7 @@ size_t iso_hgrid_bytes(const iso_hgrid *grid) {
 
 iso_status iso_hgrid_touch(iso_hgrid *grid, const int lo[3], const int hi[3], iso_error *error) {
     int last[3];
-    for (int axis = 0; axis < 3; axis++) last[axis] = smaller(hi[axis], grid->dims[axis] - 1);
+    for (int axis = 0; axis < 3; axis++) last[axis] = iso_min_int(hi[axis], grid->dims[axis] - 1);
     iso_change_log_begin(grid->log);
     return iso_change_log_touch(grid->log, lo, last, error);
 }
@@ -189,7 +186,7 @@ static iso_status crop_cell(const iso_hgrid *grid, const int lo[3], const int c[
     int first[3], last[3];
     for (int axis = 0; axis < 3; axis++) {
         first[axis] = lo[axis] + c[axis] * ISO_BRICK;
-        last[axis] = smaller(first[axis] + ISO_BRICK, lo[axis] + cropped->dims[axis]) - 1;
+        last[axis] = iso_min_int(first[axis] + ISO_BRICK, lo[axis] + cropped->dims[axis]) - 1;
     }
     int32_t state = common_state(grid, first, last);
     if (state) {

@@ -64,6 +64,14 @@ static inline size_t iso_hgrid_cell_index(const iso_hgrid *grid, int cx, int cy,
     return ((size_t)cz * (size_t)grid->cells[1] + (size_t)cy) * (size_t)grid->cells[0] + (size_t)cx;
 }
 
+/* The inverse of iso_hgrid_cell_index: where the cell of this number lies, counted in cells. */
+static inline void iso_hgrid_cell_position(const iso_hgrid *grid, size_t cell, int at[3]) {
+    const size_t nx = (size_t)grid->cells[0], ny = (size_t)grid->cells[1];
+    at[0] = (int)(cell % nx);
+    at[1] = (int)(cell / nx % ny);
+    at[2] = (int)(cell / nx / ny);
+}
+
 /* The 4096 floats of a brick by its number in the pool. */
 static inline float *iso_hgrid_brick(const iso_hgrid *grid, int32_t brick) {
     return grid->pool.chunk[brick / ISO_POOL_CHUNK] + (size_t)(brick % ISO_POOL_CHUNK) * ISO_BRICK_VOXELS;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/numbers.h"
 #include "grids/volume/module.h"
 
 iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, const char *name,
@@ -23,17 +24,13 @@ iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, cons
     return status;
 }
 
-static int clamp(int value, int count) {
-    return value < 0 ? 0 : value >= count ? count - 1 : value;
-}
-
 /* A cell's values; whether any differs from the first. */
 static bool read_cell(const iso_hgrid *from, const int first[3], float values[ISO_BRICK_VOXELS]) {
     bool mixed = false;
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
-        values[i] = iso_hgrid_at(from, clamp(first[0] + i % ISO_BRICK, from->dims[0]),
-                                 clamp(first[1] + i / ISO_BRICK % ISO_BRICK, from->dims[1]),
-                                 clamp(first[2] + i / ISO_BRICK / ISO_BRICK, from->dims[2]));
+        values[i] = iso_hgrid_at(from, iso_clamp_index(first[0] + i % ISO_BRICK, from->dims[0]),
+                                 iso_clamp_index(first[1] + i / ISO_BRICK % ISO_BRICK, from->dims[1]),
+                                 iso_clamp_index(first[2] + i / ISO_BRICK / ISO_BRICK, from->dims[2]));
         mixed |= values[i] != values[0];
     }
     return mixed || fabsf(values[0]) < from->band;

@@ -79,12 +79,6 @@ static bool may_hold_band(const resampling *r, const int at[3]) {
     return false;
 }
 
-static void cell_position(const iso_hgrid *grid, size_t cell, int at[3]) {
-    at[0] = (int)(cell % (size_t)grid->cells[0]);
-    at[1] = (int)(cell / (size_t)grid->cells[0] % (size_t)grid->cells[1]);
-    at[2] = (int)(cell / (size_t)grid->cells[0] / (size_t)grid->cells[1]);
-}
-
 static iso_status make_cells(const resampling *r, const iso_progress *progress, iso_error *error) {
     const size_t count = iso_hgrid_cell_count(r->to);
     for (size_t cell = 0; cell < count; cell++) {
@@ -92,7 +86,7 @@ static iso_status make_cells(const resampling *r, const iso_progress *progress, 
             ISO_TRY(iso_progress_tell(progress, "the volume", (double)cell / (double)count, error));
         int at[3];
         float *brick;
-        cell_position(r->to, cell, at);
+        iso_hgrid_cell_position(r->to, cell, at);
         const int first[3] = {ISO_BRICK * at[0], ISO_BRICK * at[1], ISO_BRICK * at[2]};
         if (may_hold_band(r, at))
             ISO_TRY(iso_hgrid_split(r->to, at[0], at[1], at[2], &brick, error));
@@ -111,7 +105,7 @@ static void sample_cell(void *context, size_t index, int worker) {
     const double fraction = (double)index / (double)iso_hgrid_cell_count(r->to);
     if (iso_progress_tell(&r->progress, "", fraction, NULL) != ISO_OK) return; /* (told afterwards) */
     int at[3];
-    cell_position(r->to, index, at);
+    iso_hgrid_cell_position(r->to, index, at);
     float *brick = iso_hgrid_brick(r->to, r->to->cell[index]);
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
         const int voxel[3] = {ISO_BRICK * at[0] + i % ISO_BRICK,
@@ -138,7 +132,7 @@ static void for_interface(const resampling *r, void (*visit)(void *, float *, bo
     for (size_t cell = 0; cell < iso_hgrid_cell_count(r->to); cell++) {
         if (r->to->cell[cell] < 0) continue;
         int at[3];
-        cell_position(r->to, cell, at);
+        iso_hgrid_cell_position(r->to, cell, at);
         float *brick = iso_hgrid_brick(r->to, r->to->cell[cell]);
         for (int i = 0; i < ISO_BRICK_VOXELS; i++) visit(context, &brick[i], is_interface(r->to, at, i));
     }
@@ -173,7 +167,7 @@ static void scale_value(void *context, float *value, bool interface) {
 /* By the power of two that all but a thousandth stay below. */
 static iso_status scale_values(const resampling *r, const char *path, iso_error *error) {
     magnitudes *m = iso_alloc_zero(1, sizeof *m);
-    if (!m) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!m) return iso_fail_memory(error, path);
     for_interface(r, count_magnitude, m);
     size_t above = 0;
     int bin = 511;
@@ -221,7 +215,7 @@ static iso_status resample(const char *path, const iso_resampling *how, resampli
     iso_grid_bricks(r->from, r->from_bricks);
     const size_t bricks = (size_t)r->from_bricks[0] * (size_t)r->from_bricks[1] * (size_t)r->from_bricks[2];
     r->crosses = iso_alloc(bricks);
-    if (!r->crosses) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!r->crosses) return iso_fail_memory(error, path);
     ISO_TRY(make_grid(path, how, r, error));
     const iso_progress making = iso_progress_part(how->progress, 0.1, 0.2),
                        scaling = iso_progress_part(how->progress, 0.8, 1);

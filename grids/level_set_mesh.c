@@ -54,19 +54,13 @@ typedef struct conversion {
 
 /* ---- places */
 
-static void cell_at(const iso_hgrid *grid, size_t cell, int at[3]) {
-    at[0] = (int)(cell % (size_t)grid->cells[0]);
-    at[1] = (int)(cell / (size_t)grid->cells[0] % (size_t)grid->cells[1]);
-    at[2] = (int)(cell / (size_t)grid->cells[0] / (size_t)grid->cells[1]);
-}
-
 static iso_vec3 place(const conversion *c, double x, double y, double z) {
     const double *origin = c->grid->transform.origin;
     return iso_vec3_make(origin[0] + c->voxel * x, origin[1] + c->voxel * y, origin[2] + c->voxel * z);
 }
 
 static void voxel_at(const conversion *c, size_t cell, int voxel, int at[3]) {
-    cell_at(c->grid, cell, at);
+    iso_hgrid_cell_position(c->grid, cell, at);
     at[0] = at[0] * ISO_BRICK + voxel % ISO_BRICK;
     at[1] = at[1] * ISO_BRICK + voxel / ISO_BRICK % ISO_BRICK;
     at[2] = at[2] * ISO_BRICK + voxel / (ISO_BRICK * ISO_BRICK);
@@ -109,7 +103,7 @@ static void find_near(void *context, size_t cell, int worker) {
     int at[3];
     iso_nearest nearest = {0};
     if (cancelled(c)) return;
-    cell_at(c->grid, cell, at);
+    iso_hgrid_cell_position(c->grid, cell, at);
     const double middle = (ISO_BRICK - 1) / 2.0, most = BAND + BRICK_REACH;
     const iso_vec3 p =
         place(c, ISO_BRICK * at[0] + middle, ISO_BRICK * at[1] + middle, ISO_BRICK * at[2] + middle);
@@ -120,7 +114,7 @@ static iso_status make_bricks(conversion *c, iso_error *error) {
     for (size_t cell = 0; cell < c->cells; cell++) {
         int at[3];
         if (!c->near[cell]) continue;
-        cell_at(c->grid, cell, at);
+        iso_hgrid_cell_position(c->grid, cell, at);
         ISO_TRY(iso_hgrid_split_unset(c->grid, at[0], at[1], at[2], error));
         c->brick_cell[c->bricks++] = (uint32_t)cell;
     }
@@ -136,7 +130,7 @@ static float *brick_of(const conversion *c, size_t brick) {
 static void measure_block(const conversion *c, size_t cell, const int corner[3], float *brick) {
     int at[3];
     iso_nearest nearest = {0};
-    cell_at(c->grid, cell, at);
+    iso_hgrid_cell_position(c->grid, cell, at);
     for (int axis = 0; axis < 3; axis++) at[axis] = ISO_BRICK * at[axis] + corner[axis];
     const double middle = (BLOCK - 1) / 2.0, most = BAND + BLOCK_REACH;
     const iso_vec3 centre = place(c, at[0] + middle, at[1] + middle, at[2] + middle);
@@ -272,7 +266,7 @@ static void join_all(conversion *c, const uint32_t *brick_of_cell) {
                                 (size_t)c->grid->cells[0] * (size_t)c->grid->cells[1]};
         const cell_view low = view_of(c, brick_of_cell, cell);
         int at[3];
-        cell_at(c->grid, cell, at);
+        iso_hgrid_cell_position(c->grid, cell, at);
         for (int axis = 0; axis < 3; axis++) {
             if (at[axis] + 1 >= c->grid->cells[axis]) continue;
             const cell_view high = view_of(c, brick_of_cell, cell + step[axis]);
@@ -322,7 +316,7 @@ static iso_status make_regions(conversion *c, iso_error *error) {
         join_all(c, brick_of_cell);
     }
     iso_free(brick_of_cell);
-    return whole ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", c->path);
+    return whole ? ISO_OK : iso_fail_memory(error, c->path);
 }
 
 static void find_side(void *context, size_t index, int worker) {
@@ -398,7 +392,7 @@ static iso_status check(const conversion *c, const volumes *field, iso_error *er
 static iso_status allocate(conversion *c, iso_error *error) {
     c->label = iso_alloc(c->bricks * sizeof *c->label);
     c->sums = iso_alloc(c->bricks * sizeof *c->sums);
-    return c->label && c->sums ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", c->path);
+    return c->label && c->sums ? ISO_OK : iso_fail_memory(error, c->path);
 }
 
 static iso_status fill(conversion *c, const iso_mesh_frame *frame, iso_error *error) {
@@ -429,9 +423,8 @@ static iso_status convert(conversion *c, const iso_mesh_frame *frame, iso_error 
     c->near = iso_alloc_zero(c->cells, sizeof *c->near);
     c->first = iso_alloc_zero(c->cells + 1, sizeof *c->first);
     c->brick_cell = iso_alloc(c->cells * sizeof *c->brick_cell);
-    iso_status status = c->near && c->first && c->brick_cell
-                            ? fill(c, frame, error)
-                            : iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", c->path);
+    iso_status status =
+        c->near && c->first && c->brick_cell ? fill(c, frame, error) : iso_fail_memory(error, c->path);
     iso_free(c->near);
     iso_free(c->first);
     iso_free(c->brick_cell);

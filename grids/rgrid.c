@@ -4,10 +4,6 @@
 #include "base/primitives.h"
 #include "grids/brick_index.h"
 
-size_t iso_type_size(iso_type type) {
-    return type == ISO_UINT8 ? 1 : type == ISO_FLOAT32 ? 4 : 2;
-}
-
 const char *iso_type_name(iso_type type) {
     static const char *const names[] = {"uint8", "int16", "uint16", "float32"};
     return names[type];

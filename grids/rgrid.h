@@ -23,8 +23,12 @@
 extern "C" {
 #endif
 
-size_t iso_type_size(iso_type type);      /* bytes of one voxel */
 const char *iso_type_name(iso_type type); /* "uint8", "int16", "uint16", "float32" */
+
+/* Bytes of one voxel. */
+static inline size_t iso_type_size(iso_type type) {
+    return type == ISO_UINT8 ? 1 : type == ISO_FLOAT32 ? 4 : 2;
+}
 
 struct iso_brick_index;
 

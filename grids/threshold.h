@@ -24,6 +24,12 @@ static inline bool iso_threshold_inside(const iso_threshold *threshold, float va
     return value >= threshold->at;
 }
 
+/* For integer voxels v, v >= isovalue is v >= ceil(isovalue). Values beyond the integer types' range are kept
+ * just outside of it. */
+static inline int32_t iso_integer_threshold(float isovalue) {
+    return isovalue < -40000 ? -40000 : isovalue > 70000 ? 70000 : (int32_t)ceilf(isovalue);
+}
+
 #ifdef __cplusplus
 }
 #endif

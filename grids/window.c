@@ -3,16 +3,9 @@
 #include <float.h>
 #include <string.h>
 
+#include "base/numbers.h"
 #include "grids/brick_index.h"
 #include "grids/grid.h"
-
-static int smaller(int a, int b) {
-    return a < b ? a : b;
-}
-
-static int clamped(int i, int count) {
-    return i < 0 ? 0 : i < count ? i : count - 1;
-}
 
 /* Voxels x0 .. x0 + count - 1 of a row to floats. */
 static void convert_row(const iso_rgrid *grid, ptrdiff_t first, int count, float *out) {
@@ -39,11 +32,11 @@ static void replicate_ends(float row[ISO_WINDOW], int low, int end) {
 
 static void rgrid_window(const iso_rgrid *grid, const int brick[3], float *window) {
     int x0 = brick[0] * ISO_BRICK - ISO_WINDOW_LOW;
-    int low = x0 < 0 ? -x0 : 0, end = smaller(ISO_WINDOW, grid->dims[0] - x0);
+    int low = x0 < 0 ? -x0 : 0, end = iso_min_int(ISO_WINDOW, grid->dims[0] - x0);
     for (int k = 0; k < ISO_WINDOW; k++) {
-        int z = clamped(brick[2] * ISO_BRICK - ISO_WINDOW_LOW + k, grid->dims[2]);
+        int z = iso_clamp_index(brick[2] * ISO_BRICK - ISO_WINDOW_LOW + k, grid->dims[2]);
         for (int j = 0; j < ISO_WINDOW; j++) {
-            int y = clamped(brick[1] * ISO_BRICK - ISO_WINDOW_LOW + j, grid->dims[1]);
+            int y = iso_clamp_index(brick[1] * ISO_BRICK - ISO_WINDOW_LOW + j, grid->dims[1]);
             float *row = window + (k * ISO_WINDOW + j) * ISO_WINDOW;
             convert_row(grid, x0 + low + y * grid->stride_y + z * grid->stride_z, end - low, row + low);
             replicate_ends(row, low, end);
@@ -74,12 +67,12 @@ static void copy_part(const cell_row *source, int cx, int local_x, int count, fl
 
 static void hgrid_window(const iso_hgrid *grid, const int brick[3], float *window) {
     int x0 = brick[0] * ISO_BRICK - ISO_WINDOW_LOW;
-    int low = x0 < 0 ? -x0 : 0, end = smaller(ISO_WINDOW, grid->dims[0] - x0);
-    int middle = smaller(ISO_BRICK, end - ISO_WINDOW_LOW), above = end - ISO_WINDOW_LOW - middle;
+    int low = x0 < 0 ? -x0 : 0, end = iso_min_int(ISO_WINDOW, grid->dims[0] - x0);
+    int middle = iso_min_int(ISO_BRICK, end - ISO_WINDOW_LOW), above = end - ISO_WINDOW_LOW - middle;
     for (int k = 0; k < ISO_WINDOW; k++) {
-        int z = clamped(brick[2] * ISO_BRICK - ISO_WINDOW_LOW + k, grid->dims[2]);
+        int z = iso_clamp_index(brick[2] * ISO_BRICK - ISO_WINDOW_LOW + k, grid->dims[2]);
         for (int j = 0; j < ISO_WINDOW; j++) {
-            int y = clamped(brick[1] * ISO_BRICK - ISO_WINDOW_LOW + j, grid->dims[1]);
+            int y = iso_clamp_index(brick[1] * ISO_BRICK - ISO_WINDOW_LOW + j, grid->dims[1]);
             float *row = window + (k * ISO_WINDOW + j) * ISO_WINDOW;
             const cell_row source = {grid,
                                      grid->cell + iso_hgrid_cell_index(grid, 0, y / ISO_BRICK, z / ISO_BRICK),
@@ -173,7 +166,7 @@ static int hgrid_may_cross(const iso_hgrid *grid, const int brick[3], const int 
         int c[3], n[3], inside = 1;
         for (int axis = 0; axis < 3; axis++) {
             c[axis] = brick[axis] + (corner >> axis & 1);
-            n[axis] = smaller(ISO_BRICK, end[axis] - c[axis] * ISO_BRICK);
+            n[axis] = iso_min_int(ISO_BRICK, end[axis] - c[axis] * ISO_BRICK);
             inside &= n[axis] > 0;
         }
         if (!inside) continue;
@@ -188,7 +181,7 @@ int iso_grid_brick_may_cross(const iso_grid *grid, const int brick[3], float iso
     int first[3], end[3];
     for (int axis = 0; axis < 3; axis++) {
         first[axis] = brick[axis] * ISO_BRICK;
-        end[axis] = smaller(first[axis] + ISO_BRICK + 1, dims[axis]);
+        end[axis] = iso_min_int(first[axis] + ISO_BRICK + 1, dims[axis]);
     }
     if (grid->hgrid) return hgrid_may_cross(grid->hgrid, brick, end, isovalue);
     const iso_brick_index *index = grid->rgrid->index;

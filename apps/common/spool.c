@@ -225,7 +225,7 @@ static bool take_file(const copier *c) {
 
 static iso_status copy_input(copier *c, iso_error *error) {
     c->block = iso_alloc(BLOCK);
-    if (!c->block) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", c->name);
+    if (!c->block) return iso_fail_memory(error, c->name);
     iso_status status = copy_all(c, error);
     iso_free(c->block);
     return status;

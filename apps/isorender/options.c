@@ -6,6 +6,7 @@
 
 #include "apps/isorender/backend.h"
 #include "apps/isorender/settings.h"
+#include "base/text.h"
 #include "image/image.h"
 #include "methods/method.h"
 
@@ -350,11 +351,6 @@ const iso_program *isorender_program(void) {
 
 /* ---- checks between options ---- */
 
-static bool ends_with(const char *text, const char *suffix) {
-    size_t length = strlen(text), tail = strlen(suffix);
-    return length >= tail && strcmp(text + length - tail, suffix) == 0;
-}
-
 static iso_status take_operands(isorender_settings *settings, const iso_operands *operands,
                                 iso_error *error) {
     int count = operands->count;
@@ -362,7 +358,7 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     if (!settings->output && count == inputs + 1) {
         settings->output = operands->values[count - 1];
         count--;
-        if (strcmp(settings->output, "-") != 0 && !ends_with(settings->output, ".png"))
+        if (strcmp(settings->output, "-") != 0 && !iso_text_ends_with(settings->output, ".png"))
             return iso_fail(error, ISO_ERR_USAGE,
                             "%s: a picture's name must end in .png (several inputs need --output TEMPLATE)",
                             settings->output);
@@ -413,7 +409,7 @@ static iso_status check_camera(isorender_settings *settings, iso_error *error) {
 
 static iso_status check_aov(const isorender_settings *settings, iso_error *error) {
     if (!settings->aov) return ISO_OK;
-    if (!ends_with(settings->aov, ".exr"))
+    if (!iso_text_ends_with(settings->aov, ".exr"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: --aov writes OpenEXR files: a name must end in .exr",
                         settings->aov);
     if (settings->info)
@@ -424,16 +420,16 @@ static iso_status check_aov(const isorender_settings *settings, iso_error *error
 static iso_status check_outputs(const isorender_settings *settings, iso_error *error) {
     bool image = !settings->no_image && !settings->info;
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
-    if (settings->output && !to_stdout && image && !ends_with(settings->output, ".png"))
+    if (settings->output && !to_stdout && image && !iso_text_ends_with(settings->output, ".png"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png", settings->output);
     if (to_stdout && settings->common.json && !settings->common.json_path)
         return iso_fail(error, ISO_ERR_USAGE, "the picture and --json cannot both go to standard output");
     if (to_stdout && settings->turntable)
         return iso_fail(error, ISO_ERR_USAGE, "a turntable cannot go to standard output");
-    if (settings->points && !ends_with(settings->points, ".ply"))
+    if (settings->points && !iso_text_ends_with(settings->points, ".ply"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: points are written as .ply", settings->points);
-    if (settings->mesh && !ends_with(settings->mesh, ".ply") && !ends_with(settings->mesh, ".stl") &&
-        !ends_with(settings->mesh, ".obj"))
+    if (settings->mesh && !iso_text_ends_with(settings->mesh, ".ply") &&
+        !iso_text_ends_with(settings->mesh, ".stl") && !iso_text_ends_with(settings->mesh, ".obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", settings->mesh);
     ISO_TRY(check_aov(settings, error));
     if (settings->no_image && !settings->points && !settings->mesh && !settings->aov &&

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/common/clock.h"
 #include "apps/isorender/isorender.h"
+#include "base/clock.h"
 #include "image/annotate.h"
 #include "image/exr.h"
 #include "image/image.h"

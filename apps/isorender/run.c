@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/common/clock.h"
 #include "apps/isorender/isorender.h"
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/text.h"
 
@@ -102,7 +102,7 @@ static void free_surfaces(isorender_job *job) {
 iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
                          const isorender_backend *backend, iso_error *error) {
     isorender_job *job = calloc(1, sizeof *job);
-    if (!job) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", plan->input);
+    if (!job) return iso_fail_memory(error, plan->input);
     job->settings = settings;
     job->plan = plan;
     job->pool = pool;

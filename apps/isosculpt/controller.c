@@ -1,9 +1,9 @@
 /* The input controller: drags become strokes or camera moves, keys become commands. */
 #include "apps/isosculpt/controller.h"
+#include "base/clock.h"
+#include "sculpt/brush/dab.h"
 
 #include <math.h>
-
-#include "apps/common/clock.h"
 
 /* Factors: zoom of a step of the wheel, radius of a key press and of a pixel of dragging with X; strength
  * that is added by a pixel of dragging with C. */
@@ -76,7 +76,7 @@ void isosculpt_controller_center_mirror(isosculpt_controller *controller) {
 /* ---- strokes */
 
 bool isosculpt_tool_has_shape(iso_tool tool) {
-    return tool <= ISO_TOOL_BLEND_CARVE;
+    return iso_tool_is_set_operation(tool);
 }
 
 /* The centre of a touch. A tool that adds or removes a solid moves it off the surface, so that it reaches

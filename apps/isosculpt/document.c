@@ -13,8 +13,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "apps/common/clock.h"
 #include "apps/isosculpt/save.h"
+#include "base/clock.h"
+#include "base/text.h"
 
 static const char STROKES[] = ".strokes", OPEN[] = ".open", UNDO[] = ".undo";
 
@@ -29,11 +30,6 @@ static iso_status join_path(char out[ISOSCULPT_PATH], const char *a, const char 
     memmove(out, a, first);
     memcpy(out + first, b, second + 1);
     return ISO_OK;
-}
-
-static bool ends_with(const char *text, const char *suffix) {
-    size_t length = strlen(text), tail = strlen(suffix);
-    return length > tail && strcmp(text + length - tail, suffix) == 0;
 }
 
 /* ---- the state folder */
@@ -105,7 +101,7 @@ bool isosculpt_document_find_unclosed(const char *folder, char path[ISOSCULPT_PA
     for (struct dirent *entry; (entry = readdir(directory));) {
         char lock_file[2 * ISOSCULPT_PATH], journal[2 * ISOSCULPT_PATH];
         struct stat about;
-        if (!ends_with(entry->d_name, ".strokes.open")) continue;
+        if (!iso_text_ends_with(entry->d_name, ".strokes.open")) continue;
         int length = snprintf(lock_file, sizeof lock_file, "%s/%s", folder, entry->d_name);
         if (length >= ISOSCULPT_PATH) continue;
         snprintf(journal, sizeof journal, "%.*s", length - (int)strlen(OPEN), lock_file);

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
+
 struct isosculpt_load_job {
     isosculpt_task *task;
     isosculpt_load_request request;
@@ -23,9 +25,7 @@ void isosculpt_loaded_free(isosculpt_loaded *loaded) {
 }
 
 bool isosculpt_is_strokes(const char *path) {
-    static const char suffix[] = ".strokes";
-    const size_t length = strlen(path), tail = sizeof suffix - 1;
-    return length > tail && strcmp(path + length - tail, suffix) == 0;
+    return iso_text_ends_with(path, ".strokes");
 }
 
 static iso_status open_document(isosculpt_load_job *load_job, const isosculpt_volume *volume,

@@ -4,15 +4,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/common/clock.h"
 #include "apps/common/json.h"
 #include "apps/common/json_parts.h"
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/source.h"
 #include "apps/isosculpt/viewport/viewport.h"
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/numbers.h"
+#include "base/text.h"
 #include "grids/level_set.h"
 #include "io/mesh_io.h"
 #include "io/points_io.h"
@@ -157,24 +159,19 @@ static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *err
     for (;;) {
         ISO_TRY(iso_journal_next(reader, &event, &more, error));
         if (!more) break;
-        ISO_TRY(iso_journal_blame(reader, play_event(p, &event, error), error));
+        ISO_TRY(iso_journal_add_location(reader, play_event(p, &event, error), error));
         if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
     }
     if (!drawing) return ISO_OK;
-    return iso_journal_blame(reader, iso_session_end(p->session, error),
-                             error); /* the file ends within a stroke */
+    return iso_journal_add_location(reader, iso_session_end(p->session, error),
+                                    error); /* the file ends within a stroke */
 }
 
 /* ---- the report */
 
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void put_times(iso_json *json, const char *key, const times *list) {
     if (!list->count) return;
-    qsort(list->seconds, list->count, sizeof *list->seconds, compare);
+    qsort(list->seconds, list->count, sizeof *list->seconds, iso_compare_doubles);
     iso_json_begin_object(json, key);
     iso_json_integer(json, "count", list->count);
     iso_json_real(json, "p50", list->seconds[list->count / 2]);
@@ -288,17 +285,12 @@ static iso_status write_mesh(player *p, const char *path, iso_error *error) {
     return status;
 }
 
-static bool ends_with(const char *text, const char *suffix) {
-    size_t length = strlen(text), tail = strlen(suffix);
-    return length >= tail && strcmp(text + length - tail, suffix) == 0;
-}
-
 static iso_status write_outputs(player *p, iso_error *error) {
     const isosculpt_settings *settings = p->settings;
     const char *output = settings->output;
-    bool points = output && ends_with(output, ".ply");
+    bool points = output && iso_text_ends_with(output, ".ply");
     ISO_TRY(write_points(p, points ? output : NULL, error));
-    if (output && ends_with(output, ".vdb"))
+    if (output && iso_text_ends_with(output, ".vdb"))
         ISO_TRY(iso_level_set_write_vdb(output, iso_session_grid(p->session), "surface", NULL, error));
     else if (output && !points)
         ISO_TRY(write_mesh(p, output, error));
@@ -370,7 +362,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
         iso_hgrid_destroy(grid);
     iso_file_set_free(&files);
     if (status == ISO_OK) log_parts(settings, &r);
-    if (status == ISO_OK && reader) opts.work = fmax(1, pow(own / grid->transform.spacing[0], 3));
+    if (status == ISO_OK && reader) opts.cost_factor = fmax(1, pow(own / grid->transform.spacing[0], 3));
     if (status == ISO_OK) status = iso_session_create(grid, &r.start, &opts, &p.session, error);
     if (status == ISO_OK) status = play_and_write(&p, reader, error);
     iso_point_set_destroy(p.points);

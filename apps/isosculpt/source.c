@@ -49,7 +49,7 @@ static iso_status compute_checksum(const char *path, const iso_progress *progres
     fclose(file);
     free(bytes);
     if (status != ISO_OK) return status;
-    if (!bytes) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!bytes) return iso_fail_memory(error, path);
     return failed ? iso_fail(error, ISO_ERR_IO, "%s: cannot read", path) : ISO_OK;
 }
 
@@ -182,7 +182,7 @@ static iso_status read_volume(isosculpt_volume *volume, const iso_input *input, 
 iso_status isosculpt_volume_read(const char *path, const iso_input *input, iso_pool *pool,
                                  const iso_progress *progress, isosculpt_volume **out, iso_error *error) {
     isosculpt_volume *volume = calloc(1, sizeof *volume);
-    if (!volume) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!volume) return iso_fail_memory(error, path);
     iso_status status = ISO_OK;
     if (snprintf(volume->path, sizeof volume->path, "%s", path) >= (int)sizeof volume->path)
         status = iso_fail(error, ISO_ERR_IO, "%.400s: the name is too long", path);

@@ -27,10 +27,6 @@ struct iso_closed_mesh {
     iso_mesh_report report;
 };
 
-static iso_status no_memory(const char *path, iso_error *error) {
-    return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
-}
-
 static iso_vec3 vertex(const iso_triangles *mesh, uint32_t number) {
     const float *v = mesh->vertices[number];
     return iso_vec3_make(v[0], v[1], v[2]);
@@ -204,7 +200,7 @@ static iso_status close_loops(closing *c, bool capped, iso_error *error) {
         const uint32_t *loop = loop_of(t, i, &count);
         const loop_kind kind = kind_of(c, loop, count, capped);
         if (kind == LOOP_BORDER) put_border(c, loop, count);
-        if (kind == LOOP_FILL && !fill(c, loop, count)) return no_memory(c->path, error);
+        if (kind == LOOP_FILL && !fill(c, loop, count)) return iso_fail_memory(error, c->path);
         if (kind != LOOP_TOO_LARGE) continue;
         c->refused++;
         c->largest_refused = fmax(c->largest_refused, loop_size(&c->closed->mesh, loop, count));
@@ -297,7 +293,8 @@ static iso_status close_mesh(const char *path, iso_closed_mesh *c, double hole, 
                     .scratch = iso_alloc(sizeof *work.scratch),
                     .most = hole == 0 ? ISO_MESH_HOLE * longest_side(&c->border) : hole,
                     .border = iso_alloc((t->open_count + 1) * sizeof *work.border)};
-    iso_status status = work.scratch && work.border ? close_somehow(&work, error) : no_memory(path, error);
+    iso_status status =
+        work.scratch && work.border ? close_somehow(&work, error) : iso_fail_memory(error, path);
     iso_free(work.scratch);
     iso_free(work.border);
     return status;
@@ -327,7 +324,7 @@ iso_status iso_closed_mesh_create(const char *path, const iso_triangles *mesh, c
                                   iso_closed_mesh **closed, iso_error *error) {
     if (mesh->triangle_count == 0) return iso_fail(error, ISO_ERR_EMPTY, "%s: holds no triangles", path);
     iso_closed_mesh *c = iso_alloc_zero(1, sizeof *c);
-    iso_status status = c ? make(path, mesh, opts, c, error) : no_memory(path, error);
+    iso_status status = c ? make(path, mesh, opts, c, error) : iso_fail_memory(error, path);
     if (status == ISO_OK)
         *closed = c;
     else

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/numbers.h"
 
 /* An inside voxel this near to a triangle has an outside neighbour, or the triangle is inside the solid. */
 static const float NEAR = 0.75f;
@@ -20,18 +21,9 @@ typedef struct work {
     float *values;   /* of the batch's bricks */
 } work;
 
-static void cell_at(const iso_hgrid *grid, size_t cell, int at[3]) {
-    at[0] = (int)(cell % (size_t)grid->cells[0]);
-    at[1] = (int)(cell / (size_t)grid->cells[0] % (size_t)grid->cells[1]);
-    at[2] = (int)(cell / (size_t)grid->cells[0] / (size_t)grid->cells[1]);
-}
-
-static int limit(int value, int count) {
-    return value < 0 ? 0 : value >= count ? count - 1 : value;
-}
-
 static float value_at(const iso_hgrid *grid, int x, int y, int z) {
-    return iso_hgrid_at(grid, limit(x, grid->dims[0]), limit(y, grid->dims[1]), limit(z, grid->dims[2]));
+    return iso_hgrid_at(grid, iso_clamp_index(x, grid->dims[0]), iso_clamp_index(y, grid->dims[1]),
+                        iso_clamp_index(z, grid->dims[2]));
 }
 
 /* Whether any voxel of a box is outside. */
@@ -56,7 +48,7 @@ static void look_in_cell(void *context, size_t cell, int worker) {
     (void)worker;
     if (number < 0) return;
     const float *brick = iso_hgrid_brick(w->grid, number);
-    cell_at(w->grid, cell, at);
+    iso_hgrid_cell_position(w->grid, cell, at);
     for (int i = 0; i < ISO_BRICK_VOXELS && !w->found[cell]; i++) {
         if (brick[i] >= 0 || brick[i] < -NEAR) continue;
         voxel_at(at, i, p);
@@ -72,11 +64,11 @@ static size_t collect(const work *w, size_t count) {
         int at[3];
         bool wanted = false;
         if (w->grid->cell[cell] < 0) continue;
-        cell_at(w->grid, cell, at);
+        iso_hgrid_cell_position(w->grid, cell, at);
         for (int i = 0; i < 27 && !wanted; i++) {
-            const int x = limit(at[0] + i % 3 - 1, w->grid->cells[0]),
-                      y = limit(at[1] + i / 3 % 3 - 1, w->grid->cells[1]),
-                      z = limit(at[2] + i / 9 - 1, w->grid->cells[2]);
+            const int x = iso_clamp_index(at[0] + i % 3 - 1, w->grid->cells[0]),
+                      y = iso_clamp_index(at[1] + i / 3 % 3 - 1, w->grid->cells[1]),
+                      z = iso_clamp_index(at[2] + i / 9 - 1, w->grid->cells[2]);
             wanted = w->found[iso_hgrid_cell_index(w->grid, x, y, z)] != 0;
         }
         if (wanted) w->cells[collected++] = (uint32_t)cell;
@@ -125,7 +117,7 @@ static void repair(void *context, size_t index, int worker) {
     (void)worker;
     const float *brick = iso_hgrid_brick(w->grid, w->grid->cell[cell]);
     memcpy(to, brick, ISO_BRICK_VOXELS * sizeof *to);
-    cell_at(w->grid, cell, at);
+    iso_hgrid_cell_position(w->grid, cell, at);
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
         if (brick[i] >= 0 || brick[i] <= -w->grid->band) continue;
         voxel_at(at, i, p);

@@ -9,10 +9,6 @@
 enum { MOST_TRIANGLES = 1 << 30, KEY = 12 };
 static const uint32_t NONE = UINT32_MAX;
 
-static iso_status no_memory(const char *path, iso_error *error) {
-    return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
-}
-
 /* ---- hash tables: numbers of things, by what they are */
 
 static uint64_t mix(uint64_t h) { /* the finaliser of MurmurHash3 */
@@ -410,12 +406,12 @@ iso_status iso_mesh_topology_make(const char *path, const iso_triangles *mesh, i
     t.mesh.vertices = iso_alloc((mesh->vertex_count + 1) * sizeof *t.mesh.vertices);
     t.mesh.triangles = iso_alloc((mesh->triangle_count + 1) * sizeof *t.mesh.triangles);
     if (!t.mesh.vertices || !t.mesh.triangles || !join_triangles(mesh, &t.mesh))
-        status = no_memory(path, error);
+        status = iso_fail_memory(error, path);
     else if (t.mesh.triangle_count == 0)
         status = iso_fail(error, ISO_ERR_EMPTY, "%s: the mesh encloses nothing: all its triangles are %s",
                           path, "degenerate or cancel each other");
     else if (!find_openings(&t))
-        status = no_memory(path, error);
+        status = iso_fail_memory(error, path);
     if (status == ISO_OK)
         *topology = t;
     else

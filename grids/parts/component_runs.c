@@ -104,9 +104,9 @@ static uint32_t list_runs(const uint64_t *words, int count, iso_run *runs) {
 
 static run_row row_of(const iso_run_slab *slab, int ny, int y, int z, size_t base) {
     const size_t row = (size_t)(z - slab->z[0]) * (size_t)ny + (size_t)y;
-    const uint32_t first = slab->rows[row];
-    return (run_row){(const iso_run *)slab->runs.data + first, slab->rows[row + 1] - first,
-                     (uint32_t)(base + first)};
+    const uint32_t first = slab->rows[row], count = slab->rows[row + 1] - first;
+    const iso_run *runs = slab->runs.data; /* NULL when the slab has no run */
+    return (run_row){count ? runs + first : NULL, count, (uint32_t)(base + first)};
 }
 
 /* Joins a row of slice z with those of slice z - 1 beside it. */

@@ -8,6 +8,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/numbers.h"
+
 /* An estimate may be this much above a distance that is right (voxels). */
 static const float TOLERANCE = 0.75f;
 /* Kept voxels this deep below the isovalue or deeper lie too far inside to give good estimates (voxels). */
@@ -35,12 +37,6 @@ typedef struct surroundings {
 } surroundings;
 
 /* ---- marking */
-
-static void cell_position(const iso_hgrid *grid, size_t cell, int at[3]) {
-    at[0] = (int)(cell % (size_t)grid->cells[0]);
-    at[1] = (int)(cell / (size_t)grid->cells[0] % (size_t)grid->cells[1]);
-    at[2] = (int)(cell / (size_t)grid->cells[0] / (size_t)grid->cells[1]);
-}
 
 /* Dropped voxels are infinite until they have their value. An empty cell is one part altogether. */
 static void mark_run(remover *r, iso_run run, int y, int z, uint8_t *dropped) {
@@ -88,7 +84,7 @@ static iso_status list_affected(remover *r, const uint8_t *dropped, iso_error *e
     iso_change_log_begin(grid->log);
     for (size_t cell = 0; cell < cells; cell++) {
         int at[3], lo[3], hi[3];
-        cell_position(grid, cell, at);
+        iso_hgrid_cell_position(grid, cell, at);
         const bool empty = grid->cell[cell] < 0;
         if (empty ? !dropped[cell] : !is_affected(grid, at, dropped)) continue;
         for (int axis = 0; axis < 3; axis++) {
@@ -110,10 +106,6 @@ static iso_status list_affected(remover *r, const uint8_t *dropped, iso_error *e
 
 /* ---- distances to the kept parts */
 
-static int clamp(int i, int count) {
-    return i < 0 ? 0 : i < count ? i : count - 1;
-}
-
 static void read_surroundings(const remover *r, const int at[3], surroundings *s) {
     const iso_hgrid *grid = r->grid;
     const float inside = r->removal->at;
@@ -124,8 +116,9 @@ static void read_surroundings(const remover *r, const int at[3], surroundings *s
             for (int x = 0; x < s->side; x++, i++) {
                 const int p[3] = {at[0] * ISO_BRICK + x - s->low, at[1] * ISO_BRICK + y - s->low,
                                   at[2] * ISO_BRICK + z - s->low};
-                s->value[i] = iso_hgrid_at(grid, clamp(p[0], grid->dims[0]), clamp(p[1], grid->dims[1]),
-                                           clamp(p[2], grid->dims[2]));
+                s->value[i] =
+                    iso_hgrid_at(grid, iso_clamp_index(p[0], grid->dims[0]),
+                                 iso_clamp_index(p[1], grid->dims[1]), iso_clamp_index(p[2], grid->dims[2]));
                 s->near[i] = s->value[i] == INFINITY;
                 if (!(s->value[i] < inside && s->value[i] > inside - DEPTH)) continue;
                 int32_t *kept = s->kept[s->kept_count++];
@@ -189,7 +182,7 @@ static void remake_brick(void *context, size_t index, int worker) {
     s.near = (uint8_t *)(s.kept + count);
     s.other = s.near + count;
     int at[3];
-    cell_position(r->grid, cell, at);
+    iso_hgrid_cell_position(r->grid, cell, at);
     read_surroundings(r, at, &s);
     widen(&s, s.near, s.other, 1, r->reach);
     widen(&s, s.other, s.near, side, r->reach);

@@ -4,6 +4,7 @@
  * gyroid pores (diploe), the lower front gyroid sheets (facial bone). Noise is white, filtered by a binomial
  * [1 2 1]/4 along each axis, which is about what a scanner's reconstruction kernel leaves. */
 #include "base/memory.h"
+#include "base/numbers.h"
 #include "grids/scenes/scene_parts.h"
 
 /* Work is done in beams of BEAM x BEAM rows, so that the noise around one fits the cache. */
@@ -50,19 +51,15 @@ static void smooth_rows(int size, const float *a, const float *b, const float *c
     for (int x = 0; x < size; x++) out[x] = 0.25f * a[x] + 0.5f * b[x] + 0.25f * c[x];
 }
 
-static int clamped(int i, int count) {
-    return i < 0 ? 0 : i < count ? i : count - 1;
-}
-
 /* Noise smoothed along x and y for rows y0 .. y0 + BEAM - 1 of slices z0 - 1 .. z0 + BEAM: row j of slice k
  * at (k * BEAM + j) * size. Beyond the border the last slice or row is repeated. */
 static float *noise_beam(const ct *job, int y0, int z0, float *scratch) {
     int n = job->size;
     float *raw = scratch, *slice = raw + n + 2, *smooth = slice + (size_t)HALO * (size_t)n;
     for (int k = 0; k < HALO; k++) {
-        int z = clamped(z0 - 1 + k, n);
+        int z = iso_clamp_index(z0 - 1 + k, n);
         for (int j = 0; j < HALO; j++)
-            noise_row(n, clamped(y0 - 1 + j, n), z, raw, slice + (size_t)j * (size_t)n);
+            noise_row(n, iso_clamp_index(y0 - 1 + j, n), z, raw, slice + (size_t)j * (size_t)n);
         for (int j = 0; j < BEAM; j++) {
             const float *row = slice + (size_t)j * (size_t)n;
             smooth_rows(n, row, row + n, row + 2 * n, smooth + (size_t)(k * BEAM + j) * (size_t)n);

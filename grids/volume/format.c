@@ -92,7 +92,7 @@ iso_status iso_format_open(const char *path, FILE **stream, uint64_t *bytes, iso
     FILE *opened = fdopen(file, "rb");
     if (!opened) {
         close(file);
-        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+        return iso_fail_memory(error, path);
     }
     *stream = opened;
     if (bytes) *bytes = (uint64_t)status.st_size;
@@ -140,4 +140,10 @@ void iso_volume_note(iso_volume_info *info, const char *format, ...) {
     va_start(arguments, format);
     iso_text_format(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
     va_end(arguments);
+}
+
+void iso_format_skip_line(FILE *file) {
+    int c;
+    do c = getc(file);
+    while (c != EOF && c != '\n');
 }

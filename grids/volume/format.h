@@ -183,6 +183,9 @@ char *iso_format_beside(const char *header, const char *name);
 /* Bytes of dims[0] * dims[1] * dims[2] * each; UINT64_MAX when that is more than 64 bits. */
 uint64_t iso_format_size(const int dims[3], uint64_t each);
 
+/* Reads on behind the next end of line, or to the end of the file. */
+void iso_format_skip_line(FILE *file);
+
 #ifdef __cplusplus
 }
 #endif

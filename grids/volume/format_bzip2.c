@@ -33,7 +33,7 @@ iso_status iso_bunzip_create(const char *path, FILE *file, uint64_t total, iso_b
     iso_bunzip *made = iso_alloc_zero(1, sizeof *made);
     if (!made || !restart(made)) {
         iso_free(made);
-        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+        return iso_fail_memory(error, path);
     }
     made->path = path;
     made->file = file;
@@ -55,14 +55,14 @@ iso_status iso_bunzip_read(iso_bunzip *b, void *target, size_t bytes, size_t *go
         unsigned part = left < MAX_PART ? (unsigned)left : MAX_PART;
         bool more = refill(b);
         if (!b->open && !more) break;
-        if (!b->open && !restart(b)) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", b->path);
+        if (!b->open && !restart(b)) return iso_fail_memory(error, b->path);
         b->z.next_out = (char *)target + *got;
         b->z.avail_out = part;
         int result = BZ2_bzDecompress(&b->z);
         unsigned now = part - b->z.avail_out;
         b->done += now;
         *got += now;
-        if (result == BZ_MEM_ERROR) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", b->path);
+        if (result == BZ_MEM_ERROR) return iso_fail_memory(error, b->path);
         if (result != BZ_OK && result != BZ_STREAM_END)
             return iso_fail(error, ISO_ERR_IO, "%s: damaged compressed data", b->path);
         if (result == BZ_OK && !more && now == 0)

@@ -19,7 +19,7 @@ iso_status iso_inflater_create(const char *path, FILE *file, uint64_t total, iso
     iso_inflater *made = iso_alloc_zero(1, sizeof *made);
     if (!made || inflateInit2(&made->z, 15 + 32) != Z_OK) { /* either wrapper */
         iso_free(made);
-        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+        return iso_fail_memory(error, path);
     }
     made->path = path;
     made->file = file;

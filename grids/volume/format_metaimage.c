@@ -162,16 +162,10 @@ static bool take_line(const char *key, const char *value, meta_header *header) {
     return known || take_storage(key, value, header);
 }
 
-static void drop_line(FILE *file) {
-    int c;
-    do c = getc(file);
-    while (c != EOF && c != '\n');
-}
-
 static iso_status parse_lines(const char *path, FILE *file, meta_header *header, iso_error *error) {
     char line[MAX_LINE];
     for (int i = 0; i < MAX_LINES && fgets(line, sizeof line, file); i++) {
-        if (!strchr(line, '\n')) drop_line(file); /* a long comment */
+        if (!strchr(line, '\n')) iso_format_skip_line(file); /* a long comment */
         size_t end = strcspn(line, "=:");
         char *key = line, *value = line + end;
         if (*value) *value++ = 0;
@@ -411,7 +405,7 @@ static iso_status next_name(chain *c, iso_error *error) {
         snprintf(line, sizeof line, "%s", c->header->data);
     }
     c->name = is_local(c->header->data) ? strdup(c->path) : iso_format_beside(c->path, name);
-    if (!c->name) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", c->path);
+    if (!c->name) return iso_fail_memory(error, c->path);
     return ISO_OK;
 }
 
@@ -547,7 +541,7 @@ static iso_status meta_read(const char *path, const iso_volume_opts *opts, iso_v
     for (int i = 0; i < 3; i++) same = same && header.dims[i] == (uint64_t)info->dims[i];
     if (!same) return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
     chain *c = iso_alloc_zero(1, sizeof *c);
-    if (!c) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!c) return iso_fail_memory(error, path);
     c->path = path;
     c->header = &header;
     iso_grid result = {0};

@@ -18,6 +18,7 @@
 
 #include <nifti2_io.h>
 
+#include "base/text.h"
 #include "grids/volume/format.h"
 
 /* What the library replaces in silence when it is not a number, or not positive. */
@@ -48,11 +49,6 @@ static void silence(void) {
 
 /* ---- header ---- */
 
-static bool ends_with(const char *text, const char *suffix) {
-    size_t length = strlen(text), tail = strlen(suffix);
-    return length > tail && strcasecmp(text + length - tail, suffix) == 0;
-}
-
 static bool is_upper(char letter) {
     return letter >= 'A' && letter <= 'Z';
 }
@@ -61,7 +57,7 @@ static bool is_upper(char letter) {
  * not there. The library finds it by opening it, which would wait for the writer of a pipe. */
 static char *find_half(const char *path, const char *suffix, const char *upper_suffix) {
     size_t length = strlen(path);
-    if (ends_with(path, ".gz")) length -= strlen(".gz");
+    if (iso_text_has_extension(path, ".gz")) length -= strlen(".gz");
     if (length < strlen(suffix)) return NULL;
     length -= strlen(suffix);
     bool upper = is_upper(path[length + 1]);
@@ -78,7 +74,7 @@ static char *find_half(const char *path, const char *suffix, const char *upper_s
 }
 
 static iso_status find_header(const char *path, nifti_file *file, iso_error *error) {
-    bool is_image = ends_with(path, ".img") || ends_with(path, ".img.gz");
+    bool is_image = iso_text_has_extension(path, ".img") || iso_text_has_extension(path, ".img.gz");
     file->header = is_image ? find_half(path, ".hdr", ".HDR") : strdup(path);
     if (file->header) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: has no header file (.hdr) beside it", path);
@@ -87,7 +83,8 @@ static iso_status find_header(const char *path, nifti_file *file, iso_error *err
 static iso_status find_data(const char *path, nifti_file *file, iso_error *error) {
     int type = file->image->nifti_type;
     bool pair = type != NIFTI_FTYPE_NIFTI1_1 && type != NIFTI_FTYPE_NIFTI2_1;
-    bool named = ends_with(file->header, ".hdr") || ends_with(file->header, ".hdr.gz");
+    bool named =
+        iso_text_has_extension(file->header, ".hdr") || iso_text_has_extension(file->header, ".hdr.gz");
     if (!pair) file->data = strdup(file->header);
     if (pair && named) file->data = find_half(file->header, ".img", ".IMG");
     if (file->data) return ISO_OK;

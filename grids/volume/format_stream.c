@@ -46,7 +46,7 @@ static iso_status fill_grid(const char *path, const iso_volume_opts *opts, const
     size_t chunk = chunk_voxels(stream), each = iso_type_size(grid->type);
     bool direct = is_direct(stream, grid->type);
     void *scratch = direct ? NULL : iso_alloc(chunk * voxel_bytes(stream));
-    if (!direct && !scratch) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!direct && !scratch) return iso_fail_memory(error, path);
     iso_status status = ISO_OK;
     for (size_t at = 0; at < count && status == ISO_OK; at += chunk) {
         size_t voxels = count - at < chunk ? count - at : chunk;

@@ -50,12 +50,6 @@ static bool next_word(FILE *file, char word[MAX_NAME]) {
     return length > 0;
 }
 
-static void skip_line(FILE *file) {
-    int c;
-    do c = getc(file);
-    while (c != EOF && c != '\n');
-}
-
 static bool word_is(const char *word, const char *wanted) {
     return strcasecmp(word, wanted) == 0;
 }
@@ -151,7 +145,7 @@ static iso_status skip_numbers(vtk_file *f, iso_scalar scalar, uint64_t count) {
 
 /* Notes an array whose header was just read, and passes over it. */
 static iso_status add_array(vtk_file *f, const iso_format_array *array) {
-    if (f->binary) skip_line(f->stream);
+    if (f->binary) iso_format_skip_line(f->stream);
     uint64_t count;
     if (array->components < 1 || __builtin_mul_overflow(array->components, array->tuples, &count))
         return bad(f, "an array has an impossible size");
@@ -213,7 +207,7 @@ static iso_status take_field(vtk_file *f) {
         ISO_TRY(read_size(f, &array.tuples));
         ISO_TRY(read_type(f, &array.scalar));
         if (array.components == 0 || array.tuples == 0) {
-            if (f->binary) skip_line(f->stream);
+            if (f->binary) iso_format_skip_line(f->stream);
             continue;
         }
         ISO_TRY(add_array(f, &array));
@@ -228,14 +222,14 @@ static iso_status skip_table(vtk_file *f) {
     if (!next_word(f->stream, word)) return ends(f, "its header");
     ISO_TRY(read_size(f, &size));
     if (__builtin_mul_overflow(size, 4, &numbers)) return bad(f, "a table of impossible size");
-    if (f->binary) skip_line(f->stream);
+    if (f->binary) iso_format_skip_line(f->stream);
     return skip_numbers(f, ISO_SCALAR_UINT8, numbers);
 }
 
 /* METADATA: lines up to an empty one. */
 static iso_status skip_metadata(vtk_file *f) {
     char line[MAX_NAME];
-    skip_line(f->stream);
+    iso_format_skip_line(f->stream);
     while (fgets(line, sizeof line, f->stream))
         if (line[strspn(line, " \t\r\n")] == 0) break;
     return ISO_OK;
@@ -298,8 +292,8 @@ static iso_status scan(vtk_file *f) {
     if (fread(word, 1, sizeof magic - 1, f->stream) != sizeof magic - 1 ||
         memcmp(word, magic, sizeof magic - 1) != 0)
         return bad(f, "it does not begin with '# vtk DataFile'");
-    skip_line(f->stream);
-    skip_line(f->stream); /* the title */
+    iso_format_skip_line(f->stream);
+    iso_format_skip_line(f->stream); /* the title */
     if (!next_word(f->stream, word)) return ends(f, "its header");
     f->binary = word_is(word, "BINARY");
     if (!f->binary && !word_is(word, "ASCII")) return bad(f, "neither ASCII nor BINARY");

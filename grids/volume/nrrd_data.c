@@ -31,10 +31,6 @@ struct iso_nrrd_data {
     unsigned zeros; /* of a run, still to come */
 };
 
-static iso_status no_memory(const iso_nrrd_data *d, iso_error *error) {
-    return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", d->path);
-}
-
 static void close_decoders(iso_nrrd_data *d) {
     iso_inflater_destroy(d->inflater);
     iso_bunzip_destroy(d->bunzip);
@@ -184,7 +180,7 @@ static iso_status next_name(iso_nrrd_data *d, int64_t *skip, iso_error *error) {
         name = end + 1;
     }
     d->name = header->place == ISO_NRRD_ATTACHED ? strdup(d->path) : iso_format_beside(d->path, name);
-    return d->name ? ISO_OK : no_memory(d, error);
+    return d->name ? ISO_OK : iso_fail_memory(error, d->path);
 }
 
 /* ---- where the array begins in a file ---- */
@@ -313,7 +309,7 @@ iso_status iso_nrrd_data_open(const char *path, const iso_nrrd_header *header, i
     if (all == UINT64_MAX)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: its array is more than any machine can hold", path);
     iso_nrrd_data *d = iso_alloc_zero(1, sizeof *d);
-    if (!d) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!d) return iso_fail_memory(error, path);
     d->path = path;
     d->header = header;
     iso_status status = count_files(d, all, error);

@@ -676,7 +676,7 @@ iso_status iso_nrrd_header_parse(const char *path, char *text, size_t count, boo
     parser p = {
         .path = path, .header = header, .at = text, .end = text + count, .whole = whole, .error = error};
     p.c_locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (!p.c_locale) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!p.c_locale) return iso_fail_memory(error, path);
     clear(header);
     text[count] = 0;
     iso_status status = parse_lines(&p);
@@ -694,7 +694,7 @@ iso_status iso_nrrd_header_read(const char *path, iso_nrrd_header *header, iso_e
     size_t room = whole ? (size_t)bytes : ISO_NRRD_HEADER_BYTES;
     iso_status status = ISO_OK;
     char *text = iso_alloc(room + 1);
-    if (!text) status = iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!text) status = iso_fail_memory(error, path);
     size_t count = text ? fread(text, 1, room, file) : 0;
     if (text && count < room && ferror(file))
         status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));

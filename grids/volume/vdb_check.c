@@ -195,7 +195,7 @@ static iso_status run(const char *path, const iso_vdb_layout *layout, bool (*che
     walk w = {.layout = layout, .stream = fopen(path, "rb"), .buffer = iso_alloc(BUFFER)};
     iso_status status = ISO_OK;
     if (!w.buffer) {
-        status = iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+        status = iso_fail_memory(error, path);
     } else if (!w.stream || fseeko(w.stream, 0, SEEK_END) != 0) {
         status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     } else {

@@ -34,14 +34,9 @@ static const struct {
     {".vdb", &format_vdb},
 };
 
-static bool ends_with(const char *text, const char *suffix) {
-    size_t length = strlen(text), tail = strlen(suffix);
-    return length > tail && strcasecmp(text + length - tail, suffix) == 0;
-}
-
 static const iso_format *format_of_name(const char *path) {
     for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++)
-        if (ends_with(path, suffixes[i].suffix)) return suffixes[i].format;
+        if (iso_text_has_extension(path, suffixes[i].suffix)) return suffixes[i].format;
     return NULL;
 }
 
@@ -127,7 +122,7 @@ static const iso_format *format_of_file(const char *path, const head *h) {
  */
 static iso_status guess_raw(const char *path, uint64_t bytes, request *r, const iso_format **format,
                             iso_error *error) {
-    if (*format && !ends_with(path, ".raw")) return ISO_OK;
+    if (*format && !iso_text_has_extension(path, ".raw")) return ISO_OK;
     if (!iso_raw_layout_of_name(path, &r->guessed)) return ISO_OK;
     uint64_t wanted = iso_raw_layout_bytes(&r->guessed);
     r->is_guessed = bytes == wanted;
@@ -159,7 +154,7 @@ static iso_status find_format(const char *path, request *r, const iso_format **f
     *format = r->opts.raw ? &iso_format_raw : format_of_file(path, &h);
     if (!r->opts.raw) ISO_TRY(guess_raw(path, (uint64_t)status.st_size, r, format, error));
     if (*format) return ISO_OK;
-    if (ends_with(path, ".raw"))
+    if (iso_text_has_extension(path, ".raw"))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: raw data needs a layout (--raw WxHxD:TYPE)", path);
     return iso_fail(error, ISO_ERR_FORMAT, "%s: not a volume that isopoint can read", path);
 }

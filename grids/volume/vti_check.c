@@ -37,7 +37,7 @@ static iso_status open_input(const char *path, uint64_t position, input **opened
     if (position > size)
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: an array begins behind the end of the file", path);
     input *in = iso_alloc(sizeof *in);
-    if (!in) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!in) return iso_fail_memory(error, path);
     in->path = path;
     in->size = size;
     in->begin = position;

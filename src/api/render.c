@@ -15,14 +15,10 @@ static const double DEFAULT_VIEW_ANGLE = 30;
 
 /* ---- camera ---- */
 
-static bool is_finite(iso_vec3 v) {
-    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
-}
-
 static iso_status check_fit(const iso_fit_opts *o, iso_vec3 up, iso_error *error) {
     if (o->direction < ISO_FRONT || o->direction > ISO_ISOMETRIC)
         return iso_fail(error, ISO_ERR_USAGE, "there is no direction %d", (int)o->direction);
-    if (!is_finite(up) || iso_vec3_length(up) == 0)
+    if (!iso_vec3_is_finite(up) || iso_vec3_length(up) == 0)
         return iso_fail(error, ISO_ERR_USAGE, "the axis that is up is no direction");
     if (!isfinite(o->azimuth) || !isfinite(o->elevation))
         return iso_fail(error, ISO_ERR_USAGE, "an angle of the camera is not finite");
@@ -41,7 +37,7 @@ iso_status iso_camera_of_box(const iso_box *box, int width, int height, const is
     ISO_TRY(check_fit(opts, up, error));
     if (width < 1 || height < 1)
         return iso_fail(error, ISO_ERR_USAGE, "a picture of %d x %d pixels", width, height);
-    if (iso_box_is_empty(box) || !is_finite(box->lo) || !is_finite(box->hi))
+    if (iso_box_is_empty(box) || !iso_vec3_is_finite(box->lo) || !iso_vec3_is_finite(box->hi))
         return iso_fail(error, ISO_ERR_USAGE, "the box to look at is empty or not finite");
     iso_camera made = {.view_angle = opts->view_angle > 0 ? opts->view_angle : DEFAULT_VIEW_ANGLE,
                        .orthographic = opts->orthographic,

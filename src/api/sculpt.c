@@ -161,10 +161,12 @@ static iso_status play(iso_sculpt *sculpt, iso_journal_reader *reader, iso_error
     for (;;) {
         ISO_TRY(iso_journal_next(reader, &event, &more, error));
         if (!more) break;
-        ISO_TRY(iso_journal_blame(reader, iso_session_play(sculpt->session, &event, NULL, error), error));
+        ISO_TRY(
+            iso_journal_add_location(reader, iso_session_play(sculpt->session, &event, NULL, error), error));
         if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
     }
-    return drawing ? iso_journal_blame(reader, iso_session_end(sculpt->session, error), error) : ISO_OK;
+    return drawing ? iso_journal_add_location(reader, iso_session_end(sculpt->session, error), error)
+                   : ISO_OK;
 }
 
 /* `journal` NULL: the file is only read. */

@@ -25,7 +25,7 @@ static iso_status fail_path(iso_error *error, const char *path, int code) {
 /* /dev/null, a terminal or a pipe is written to; a rename would replace it by a file. */
 static iso_status open_device(const char *path, iso_sink *sink, iso_error *error) {
     char *target = strdup(path);
-    if (!target) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!target) return iso_fail_memory(error, path);
     FILE *stream = fopen(path, "wb");
     if (!stream) {
         int code = errno;
@@ -54,7 +54,7 @@ static iso_status open_unseen(const char *path, iso_sink *sink, iso_error *error
     char *target = strdup(path), *temporary = NULL;
     if (!target || asprintf(&temporary, "%s.XXXXXX", path) < 0) {
         free(target);
-        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+        return iso_fail_memory(error, path);
     }
     int descriptor = open_beside(path, temporary);
     int code = errno;

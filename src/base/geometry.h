@@ -38,6 +38,14 @@ static inline iso_vec3 iso_vec3_cross(iso_vec3 a, iso_vec3 b) {
 static inline double iso_vec3_length(iso_vec3 a) {
     return sqrt(iso_vec3_dot(a, a));
 }
+static inline bool iso_vec3_is_finite(iso_vec3 a) {
+    return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
+}
+static inline void iso_vec3_store(iso_vec3 a, double to[3]) {
+    to[0] = a.x;
+    to[1] = a.y;
+    to[2] = a.z;
+}
 /* a / |a|; the zero vector stays zero. */
 static inline iso_vec3 iso_vec3_unit(iso_vec3 a) {
     double length = iso_vec3_length(a);

@@ -87,7 +87,7 @@ iso_surfel iso_point_view_get(const iso_point_view *view, size_t index) {
     return view->packed ? iso_point_unpack(view->packed[index]) : view->surfels[index];
 }
 
-static iso_vec3 index_position(const int32_t brick[3], const float position[3]) {
+iso_vec3 iso_brick_position(const int32_t brick[3], const float position[3]) {
     return iso_vec3_make(brick[0] * (double)ISO_BRICK + position[0],
                          brick[1] * (double)ISO_BRICK + position[1],
                          brick[2] * (double)ISO_BRICK + position[2]);
@@ -99,7 +99,7 @@ iso_box iso_point_view_bounds(const iso_point_view *view) {
         const iso_point_span *span = &view->spans[s];
         for (uint32_t i = 0; i < span->count; i++) {
             iso_surfel surfel = iso_point_view_get(view, span->first + i);
-            iso_box_add(&box, index_position(span->brick, surfel.position));
+            iso_box_add(&box, iso_brick_position(span->brick, surfel.position));
         }
     }
     return box;
@@ -122,7 +122,8 @@ iso_box iso_mesh_view_bounds(const iso_mesh_view *view) {
     for (size_t s = 0; s < view->span_count; s++) {
         const iso_mesh_span *span = &view->spans[s];
         for (uint32_t i = 0; i < span->own_count; i++)
-            iso_box_add(&box, index_position(span->brick, view->vertices[span->first_vertex + i].position));
+            iso_box_add(&box,
+                        iso_brick_position(span->brick, view->vertices[span->first_vertex + i].position));
     }
     return box;
 }

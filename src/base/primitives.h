@@ -108,6 +108,9 @@ typedef struct iso_point_view {
 size_t iso_point_view_count(const iso_point_view *view);
 /* Point `index` (counted from 0 in the arrays, not in a span) as floats. */
 iso_surfel iso_point_view_get(const iso_point_view *view, size_t index);
+/* Index coordinates of a position that is relative to a brick's first voxel, both in voxels. */
+iso_vec3 iso_brick_position(const int32_t brick[3], const float position[3]);
+
 /* Box of all points in index coordinates. */
 iso_box iso_point_view_bounds(const iso_point_view *view);
 

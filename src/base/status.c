@@ -35,3 +35,7 @@ iso_status iso_fail(iso_error *error, iso_status status, const char *format, ...
     va_end(arguments);
     return status;
 }
+
+iso_status iso_fail_memory(iso_error *error, const char *name) {
+    return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", name);
+}

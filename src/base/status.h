@@ -37,6 +37,9 @@ __attribute__((format(printf, 3, 4)))
 iso_status
 iso_fail(iso_error *error, iso_status status, const char *format, ...);
 
+/* iso_fail with ISO_ERR_NOMEM and "NAME: out of memory". */
+iso_status iso_fail_memory(iso_error *error, const char *name);
+
 /* Forwards a failure to the caller. */
 #define ISO_TRY(call)                                                                                        \
     do {                                                                                                     \

@@ -1,8 +1,8 @@
 #include "base/text.h"
 
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 int iso_text_utf8(const char *bytes) {
     const unsigned char *text = (const unsigned char *)bytes;
@@ -145,4 +145,14 @@ void iso_text_format(char *clean, size_t room, const char *format, va_list argum
     vsnprintf(raw, sizeof raw, format, arguments);
     if (strlen(raw) + 1 == sizeof raw) cut_incomplete(raw, sizeof raw - 1);
     iso_text_clean(raw, clean, room);
+}
+
+bool iso_text_ends_with(const char *text, const char *suffix) {
+    size_t length = strlen(text), tail = strlen(suffix);
+    return length >= tail && strcmp(text + length - tail, suffix) == 0;
+}
+
+bool iso_text_has_extension(const char *name, const char *extension) {
+    size_t length = strlen(name), tail = strlen(extension);
+    return length > tail && strcasecmp(name + length - tail, extension) == 0;
 }

@@ -8,6 +8,7 @@
 #define ISO_BASE_TEXT_H
 
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -39,6 +40,12 @@ size_t iso_text_begins(const char *text, const char *name);
 
 /* Writes what iso_text_clean makes of `text`, however long that is. */
 void iso_text_put(FILE *stream, const char *text);
+
+/* Whether `text` ends in `suffix`, letter for letter. */
+bool iso_text_ends_with(const char *text, const char *suffix);
+
+/* Whether a file's name ends in `extension` (".gz"), in capitals or not, and something stands before it. */
+bool iso_text_has_extension(const char *name, const char *extension);
 
 /* Formats as vsnprintf and cleans the result. */
 void iso_text_format(char *clean, size_t room, const char *format, va_list arguments);

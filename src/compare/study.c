@@ -39,12 +39,6 @@ iso_status iso_study_bound(const iso_mesh_view *mesh, iso_study_ball *ball, iso_
     return ISO_OK;
 }
 
-static void set_row(double row[3], iso_vec3 v) {
-    row[0] = v.x;
-    row[1] = v.y;
-    row[2] = v.z;
-}
-
 iso_view iso_study_fit(const iso_study_ball *ball, int side, double azimuth) {
     double half = VIEW_ANGLE / 2 * (ISO_PI / 180), sine, cosine, along, across, up, flat;
     iso_sincos(half, &sine, &cosine);
@@ -61,9 +55,9 @@ iso_view iso_study_fit(const iso_study_ball *ball, int side, double azimuth) {
                      .near = 1e-4 * distance};
     iso_vec3 forward = iso_vec3_scale(outward, -1);
     iso_vec3 right = iso_vec3_unit(iso_vec3_cross(forward, iso_vec3_make(0, 0, 1)));
-    set_row(view.rotation, right);
-    set_row(view.rotation + 3, iso_vec3_cross(forward, right));
-    set_row(view.rotation + 6, forward);
+    iso_vec3_store(right, view.rotation);
+    iso_vec3_store(iso_vec3_cross(forward, right), view.rotation + 3);
+    iso_vec3_store(forward, view.rotation + 6);
     return view;
 }
 

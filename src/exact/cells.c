@@ -3,12 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "grids/threshold.h"
 #include "grids/voxel_kernels.h"
-
-/* The smallest integer at or above the isovalue, kept just outside the types' range beyond it. */
-static int32_t integer_threshold(float isovalue) {
-    return isovalue < -40000 ? -40000 : isovalue > 70000 ? 70000 : (int32_t)ceilf(isovalue);
-}
 
 /* ---- the elements of a row of eight whose bits are set, packed; eight are written */
 

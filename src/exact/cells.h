@@ -40,14 +40,9 @@ static inline uint32_t iso_exact_groups(uint32_t cells) {
     return (cells + ISO_EXACT_GROUP - 1) / ISO_EXACT_GROUP;
 }
 
-/* iso_type_size, known to the compiler. */
-static inline size_t iso_exact_voxel_bytes(iso_type type) {
-    return type == ISO_UINT8 ? 1 : type == ISO_FLOAT32 ? 4 : 2;
-}
-
 /* Bytes of a group: eight corners of ISO_EXACT_GROUP cells. */
 static inline size_t iso_exact_group_bytes(iso_type type) {
-    return (size_t)8 * ISO_EXACT_GROUP * iso_exact_voxel_bytes(type);
+    return (size_t)8 * ISO_EXACT_GROUP * iso_type_size(type);
 }
 
 /* Rows of 17 voxels of a brick, as many as the cells need: all 17 of a row must be readable, also where there

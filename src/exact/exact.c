@@ -39,7 +39,7 @@ static void copy_rows(const iso_exact_source *source, size_t bytes, void *window
 
 static void source_of_rgrid(const iso_rgrid *grid, const int brick[3], iso_exact_source *source,
                             void *window) {
-    const size_t bytes = iso_exact_voxel_bytes(grid->type);
+    const size_t bytes = iso_type_size(grid->type);
     const ptrdiff_t first = ISO_BRICK * (brick[0] + brick[1] * grid->stride_y + brick[2] * grid->stride_z);
     source->voxels = (const char *)grid->data + first * (ptrdiff_t)bytes;
     source->stride_y = grid->stride_y;

@@ -244,12 +244,9 @@ void iso_camera_zoom(iso_camera *camera, double factor) {
     camera->parallel_scale /= factor;
 }
 
-static bool is_finite(iso_vec3 v) {
-    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
-}
-
 iso_status iso_camera_check(const iso_camera *camera, iso_error *error) {
-    if (!is_finite(camera->position) || !is_finite(camera->focal_point) || !is_finite(camera->view_up))
+    if (!iso_vec3_is_finite(camera->position) || !iso_vec3_is_finite(camera->focal_point) ||
+        !iso_vec3_is_finite(camera->view_up))
         return iso_fail(error, ISO_ERR_USAGE, "camera: position, focal point and view up must be finite");
     iso_vec3 forward = iso_vec3_unit(iso_vec3_sub(camera->focal_point, camera->position));
     if (!(iso_vec3_length(forward) > 0.5))
@@ -265,12 +262,6 @@ iso_status iso_camera_check(const iso_camera *camera, iso_error *error) {
     return ISO_OK;
 }
 
-static void set_row(double row[3], iso_vec3 v) {
-    row[0] = v.x;
-    row[1] = v.y;
-    row[2] = v.z;
-}
-
 iso_view iso_view_make(const iso_camera *camera, int width, int height) {
     iso_vec3 arm = iso_vec3_sub(camera->focal_point, camera->position);
     frame f = frame_of(arm, camera->view_up);
@@ -280,9 +271,9 @@ iso_view iso_view_make(const iso_camera *camera, int width, int height) {
                      .width = width,
                      .height = height,
                      .orthographic = camera->orthographic};
-    set_row(view.rotation, f.right);
-    set_row(view.rotation + 3, iso_vec3_scale(f.up, -1));
-    set_row(view.rotation + 6, f.forward);
+    iso_vec3_store(f.right, view.rotation);
+    iso_vec3_store(iso_vec3_scale(f.up, -1), view.rotation + 3);
+    iso_vec3_store(f.forward, view.rotation + 6);
     view.focal = height / 2.0 /
                  (camera->orthographic ? camera->parallel_scale : iso_tan(radians(camera->view_angle) / 2));
     view.near = camera->orthographic ? -DBL_MAX : 1e-4 * iso_vec3_length(arm);

@@ -323,8 +323,7 @@ typedef struct reader {
 } reader;
 
 static iso_status fail(reader *r, iso_error *error) {
-    if (r->file.code == EXR_ERR_OUT_OF_MEMORY)
-        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", r->path);
+    if (r->file.code == EXR_ERR_OUT_OF_MEMORY) return iso_fail_memory(error, r->path);
     if (r->file.system_code)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", r->path, reason_of(&r->file));
     return iso_fail(error, ISO_ERR_FORMAT, "%s: not a readable OpenEXR picture: %s", r->path,

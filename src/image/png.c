@@ -269,8 +269,7 @@ static iso_status fail_reading(const reader *r, const char *path, iso_error *err
 
 static iso_status read_stream(reader *r, const char *path, iso_image *image, iso_error *error) {
     r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r->trouble, on_error, on_warning);
-    if (!r->png || !(r->info = png_create_info_struct(r->png)))
-        return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!r->png || !(r->info = png_create_info_struct(r->png))) return iso_fail_memory(error, path);
     if (!read_header(r)) return fail_reading(r, path, error);
     if (r->width > ISO_IMAGE_MAX || r->height > ISO_IMAGE_MAX)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: %dx%d pixels, sides may have %d at most", path, r->width,

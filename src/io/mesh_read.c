@@ -240,7 +240,7 @@ static iso_status read_ply_elements(reading *r, iso_ply *ply, iso_error *error) 
 
 static iso_status read_ply(reading *r, iso_error *error) {
     iso_ply *ply = iso_alloc_zero(1, sizeof *ply);
-    if (!ply) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", r->path);
+    if (!ply) return iso_fail_memory(error, r->path);
     iso_status status = read_ply_elements(r, ply, error);
     iso_ply_close(ply);
     iso_free(ply);

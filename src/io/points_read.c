@@ -166,7 +166,7 @@ static iso_status read_file(iso_ply *ply, const char *path, collector *points, i
 
 iso_status iso_points_read_ply(const char *path, uint64_t max_memory, iso_points *out, iso_error *error) {
     iso_ply *ply = malloc(sizeof *ply);
-    if (!ply) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!ply) return iso_fail_memory(error, path);
     ply->stream = NULL;
     collector points = {.max_memory = max_memory};
     void *numbers = iso_encode_numbers_begin();

@@ -7,19 +7,13 @@ bool iso_bounds_is_oblique(const iso_transform *transform) {
     return zeros < 6;
 }
 
-static iso_vec3 index_position(const int32_t brick[3], const float position[3]) {
-    return iso_vec3_make(brick[0] * (double)ISO_BRICK + position[0],
-                         brick[1] * (double)ISO_BRICK + position[1],
-                         brick[2] * (double)ISO_BRICK + position[2]);
-}
-
 iso_box iso_bounds_of_each_point(const iso_point_view *view, const iso_affine *affine) {
     iso_box box = iso_box_empty();
     for (size_t s = 0; s < view->span_count; s++)
         for (uint32_t i = 0; i < view->spans[s].count; i++) {
             iso_surfel surfel = iso_point_view_get(view, view->spans[s].first + i);
             iso_box_add(&box,
-                        iso_affine_point(affine, index_position(view->spans[s].brick, surfel.position)));
+                        iso_affine_point(affine, iso_brick_position(view->spans[s].brick, surfel.position)));
         }
     return box;
 }
@@ -30,7 +24,7 @@ iso_box iso_bounds_of_each_vertex(const iso_mesh_view *view, const iso_affine *a
         for (uint32_t i = 0; i < view->spans[s].own_count; i++) {
             const iso_surfel *vertex = &view->vertices[view->spans[s].first_vertex + i];
             iso_box_add(&box,
-                        iso_affine_point(affine, index_position(view->spans[s].brick, vertex->position)));
+                        iso_affine_point(affine, iso_brick_position(view->spans[s].brick, vertex->position)));
         }
     return box;
 }

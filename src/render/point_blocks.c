@@ -242,7 +242,8 @@ static void survey_chunk(void *context, size_t index, int worker) {
                    .radius = {FLT_MAX, 0},
                    .lo = {DBL_MAX, DBL_MAX, DBL_MAX},
                    .hi = {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
-    if (s->points) cut(s->points, index * CHUNK, chunk_end(index, s->points->span_count), s->blocks + first);
+    if (s->points && first < end)
+        cut(s->points, index * CHUNK, chunk_end(index, s->points->span_count), s->blocks + first);
     for (size_t i = first; i < end; i++) {
         iso_point_block *block = &s->blocks[i];
         if (s->measures) {

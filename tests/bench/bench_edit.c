@@ -127,36 +127,33 @@ static iso_status open_brush(bench_row *row, iso_error *error) {
     return work->place_count ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "the head has no surface");
 }
 
+/* Updates the points, which is what is timed, and counts what was looked at; `changed` NULL: everything. */
+static iso_status update(brushing *work, const voxel_box *changed, bench_sample *sample, iso_error *error) {
+    bench_clock clock = bench_clock_start();
+    ISO_TRY(iso_point_set_update(work->set, error));
+    bench_clock_stop(&clock, sample);
+    iso_points_stats stats = iso_point_set_stats(work->set);
+    sample->primitives = stats.points;
+    work->touched += (double)stats.bricks;
+    work->active += (double)active_bricks(work->set, changed);
+    work->updates++;
+    return ISO_OK;
+}
+
 /* Alternately adds and digs a sphere at the next place; only the update is timed. */
 static iso_status run_brush(bench_row *row, bench_sample *sample, iso_error *error) {
     brushing *work = row->context;
     brush_dab dab = {.centre = work->places[work->next % work->place_count], .digs = work->next % 2 != 0};
     work->next++;
     ISO_TRY(paint(work->grid, &dab, error));
-    bench_clock clock = bench_clock_start();
-    ISO_TRY(iso_point_set_update(work->set, error));
-    bench_clock_stop(&clock, sample);
-    iso_points_stats stats = iso_point_set_stats(work->set);
-    sample->primitives = stats.points;
-    work->touched += (double)stats.bricks;
-    work->active += (double)active_bricks(work->set, &dab.changed);
-    work->updates++;
-    return ISO_OK;
+    return update(work, &dab.changed, sample, error);
 }
 
 static iso_status run_whole(bench_row *row, bench_sample *sample, iso_error *error) {
     brushing *work = row->context;
     work->nudged = !work->nudged;
     iso_point_set_isovalue(work->set, work->nudged ? 0x1p-30 : 0);
-    bench_clock clock = bench_clock_start();
-    ISO_TRY(iso_point_set_update(work->set, error));
-    bench_clock_stop(&clock, sample);
-    iso_points_stats stats = iso_point_set_stats(work->set);
-    sample->primitives = stats.points;
-    work->touched += (double)stats.bricks;
-    work->active += (double)active_bricks(work->set, NULL);
-    work->updates++;
-    return ISO_OK;
+    return update(work, NULL, sample, error);
 }
 
 /* The first comparison of the brush's row is the one with the whole. Bricks with points stand for the work on

@@ -287,13 +287,6 @@ static void add_ours(bench_state *bench, const bench_input *input, bool as_mesh,
         }
 }
 
-/* Position of one thread in settings->threads, -1 when it is not measured. */
-static int single_thread(const bench_settings *settings) {
-    for (int t = 0; t < settings->thread_count; t++)
-        if (settings->threads[t] == 1) return t;
-    return -1;
-}
-
 /* Speed-up over one thread; two threads are asked for 0.85 of what reading gains. */
 static void compare_scaling(bench_row *row, bench_row *single, const bench_row *measure) {
     if (!single || row == single) return;
@@ -303,7 +296,7 @@ static void compare_scaling(bench_row *row, bench_row *single, const bench_row *
 }
 
 static void compare_threads(bench_state *bench, const bench_input *input, input_rows *rows, int t) {
-    int single = single_thread(bench->settings);
+    int single = bench_single_thread(bench->settings);
     bool asked = input->full_size && t == single;
     const char *ratio = input->head ? "ratio_vs_volumeToMesh" : "ratio_vs_vtkFlyingEdges3D";
     const char *pairwise =

@@ -1,5 +1,6 @@
 #define _GNU_SOURCE
 #include "bench_harness.h"
+#include "base/numbers.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -28,17 +29,12 @@ void bench_clock_stop(const bench_clock *clock, bench_sample *sample) {
     sample->cpu = milliseconds(CLOCK_PROCESS_CPUTIME_ID) - clock->cpu;
 }
 
-static int compare_numbers(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 double bench_median(const double *values, int count) {
     double sorted[BENCH_ROUNDS];
     if (count > BENCH_ROUNDS) count = BENCH_ROUNDS;
     if (count < 1) return 0;
     memcpy(sorted, values, (size_t)count * sizeof *sorted);
-    qsort(sorted, (size_t)count, sizeof *sorted, compare_numbers);
+    qsort(sorted, (size_t)count, sizeof *sorted, iso_compare_doubles);
     return (sorted[(count - 1) / 2] + sorted[count / 2]) / 2;
 }
 
@@ -278,4 +274,10 @@ iso_status bench_run_group(bench_state *bench, const char *title, iso_error *err
     if (status == ISO_OK) bench_print_rows(bench, title, first);
     bench->group = bench->row_count;
     return status;
+}
+
+int bench_single_thread(const bench_settings *settings) {
+    for (int t = 0; t < settings->thread_count; t++)
+        if (settings->threads[t] == 1) return t;
+    return -1;
 }

@@ -162,6 +162,9 @@ iso_status bench_controller_group(bench_state *bench, iso_error *error);
 /* What the hidden options do in a process of its own; the exit status. */
 int bench_vtk_child(const bench_settings *settings);
 
+/* Position of one thread in settings->threads, -1 when it is not measured. */
+int bench_single_thread(const bench_settings *settings);
+
 #ifdef __cplusplus
 }
 #endif

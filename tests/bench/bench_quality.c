@@ -6,13 +6,13 @@
  * studies. */
 #define _GNU_SOURCE
 #include "bench_quality.h"
+#include "base/clock.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 
 #include "apps/common/json.h"
 #include "apps/common/options.h"
@@ -54,12 +54,6 @@ typedef struct state {
     int row_count;
     iso_sink json; /* open from the start: minutes of work shall not fail at the end */
 } state;
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Whether `name` is one of the words of a list separated by commas; NULL lists everything. */
 static bool is_listed(const char *list, const char *name) {
@@ -205,9 +199,9 @@ static iso_status keep_picture(const session *s, const iso_study_frame *frame, i
 
 static iso_status judge(session *s, const iso_view *view, const iso_renderer *method, row *r,
                         iso_error *error) {
-    double start = now();
+    double start = iso_clock_seconds();
     ISO_TRY(iso_study_draw(&s->subject, method, view, &mode, &s->candidate, error));
-    r->seconds = now() - start;
+    r->seconds = iso_clock_seconds() - start;
     ISO_TRY(keep_picture(s, &s->candidate, r->zoom, method->name, error));
     iso_study_light(&s->candidate, view, &mode, s->colors[1]);
     iso_compare_picture truth = iso_study_picture(&s->truth), candidate = iso_study_picture(&s->candidate);

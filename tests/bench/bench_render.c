@@ -132,12 +132,6 @@ static bench_row *row_of(const frame_group *group, int subject, int view, const 
     return row == like ? NULL : row;
 }
 
-static int single_thread(const bench_settings *settings) {
-    for (int t = 0; t < settings->thread_count; t++)
-        if (settings->threads[t] == 1) return t;
-    return -1;
-}
-
 static void compare_exact(const frame_group *group, bench_row *row, int subject, int view, int t) {
     const bench_method *method = &bench_methods[method_number("exact")];
     bench_compare(row, row_of(group, subject, view, "raycast", row, t), "ratio_vs_raycast", NULL,
@@ -176,7 +170,7 @@ static void compare_pullpush(const frame_group *group, bench_row *row, const ben
 
 static void compare_row(const frame_group *group, int subject, int view, int number, int t) {
     const bench_method *method = &bench_methods[number];
-    int single = single_thread(group->bench->settings);
+    int single = bench_single_thread(group->bench->settings);
     for (int level = 0; level < ISO_CPU_LEVELS; level++) {
         bench_row *row = group->rows[subject][view][number][level][t];
         if (!row) continue;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/numbers.h"
 #include "bench_harness.h"
 #include "bench_peers.h"
 #include "bench_scenes.h"
@@ -92,8 +93,8 @@ static iso_status run_touch(const sculpt_plan *plan, sculpting *work, bench_samp
     iso_touch touch = {s, s, s};
     if (work->step == 0) {
         ISO_TRY(iso_history_begin(work->history, "stroke", error));
-        iso_step_opts step = iso_history_step(work->history);
-        iso_editor_step(work->editor, &step);
+        iso_step_opts step = iso_history_step_opts(work->history);
+        iso_editor_begin_step(work->editor, &step);
     }
     bench_clock clock = bench_clock_start();
     ISO_TRY(iso_editor_touch(work->editor, &brush, &touch, NULL, error));
@@ -113,11 +114,6 @@ static iso_status run_touch(const sculpt_plan *plan, sculpting *work, bench_samp
     return iso_point_set_update(work->set, error);
 }
 
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The median touch of a turn. */
 static iso_status run_ours(const sculpt_plan *plan, sculpting *work, bench_sample *sample, iso_error *error) {
     double wall[TURN], cpu[TURN];
@@ -129,8 +125,8 @@ static iso_status run_ours(const sculpt_plan *plan, sculpting *work, bench_sampl
         wall[i] = touch.wall;
         cpu[i] = touch.cpu;
     }
-    qsort(wall, TURN, sizeof *wall, compare);
-    qsort(cpu, TURN, sizeof *cpu, compare);
+    qsort(wall, TURN, sizeof *wall, iso_compare_doubles);
+    qsort(cpu, TURN, sizeof *cpu, iso_compare_doubles);
     sample->wall = wall[TURN / 2];
     sample->cpu = cpu[TURN / 2];
     return ISO_OK;
@@ -146,8 +142,8 @@ static iso_status run_sculpt(bench_row *row, bench_sample *sample, iso_error *er
 static void finish_sculpt(bench_row *row) {
     sculpting *work = row->context;
     if (!work->time_count) return;
-    qsort(work->times, (size_t)work->time_count, sizeof *work->times, compare);
-    qsort(work->cpu, (size_t)work->time_count, sizeof *work->cpu, compare);
+    qsort(work->times, (size_t)work->time_count, sizeof *work->times, iso_compare_doubles);
+    qsort(work->cpu, (size_t)work->time_count, sizeof *work->cpu, iso_compare_doubles);
     double p50 = work->times[work->time_count / 2], p99 = work->times[work->time_count * 99 / 100];
     double cpu50 = work->cpu[work->time_count / 2], cpu99 = work->cpu[work->time_count * 99 / 100];
     bench_count(row, "p50_us", p50 * 1e3, 0, 0);

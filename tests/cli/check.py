@@ -31,6 +31,17 @@ def ball(path, side=24, radius=8.0, header=""):
     volume(path, (side, side, side), value, header=header)
 
 
+def nifti_header(dims, kind, bits):
+    """The header of a NIfTI pair: voxels of 1 mm whose NIfTI datatype is `kind`, of `bits` bits."""
+    header = bytearray(348)
+    struct.pack_into("<i", header, 0, 348)
+    struct.pack_into("<8h", header, 40, 3, *dims, 1, 1, 1, 1)
+    struct.pack_into("<2h", header, 70, kind, bits)
+    struct.pack_into("<8f", header, 76, 1, 1, 1, 1, 1, 1, 1, 1)
+    header[344:348] = b"ni1\0"
+    return bytes(header)
+
+
 def report(path):
     with open(path, encoding="utf-8") as file:
         return json.load(file)

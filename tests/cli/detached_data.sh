@@ -2,16 +2,11 @@
 # names both files and the reason.
 formats="nhdr mhd hdr"
 python3 - <<'END'
-import socket, struct
+import socket
+from check import nifti_header
 open("in/a.nhdr", "w").write("NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nencoding: raw\ndata file: data.img\n")
 open("in/a.mhd", "w").write("NDims = 3\nDimSize = 8 8 8\nElementType = MET_UCHAR\nElementDataFile = data.img\n")
-header = bytearray(352)
-struct.pack_into("<i", header, 0, 348)
-struct.pack_into("<8h", header, 40, 3, 8, 8, 8, 1, 1, 1, 1)
-struct.pack_into("<2h", header, 70, 2, 8)
-struct.pack_into("<8f", header, 76, 1, 1, 1, 1, 1, 1, 1, 1)
-header[344:348] = b"ni1\0"
-open("in/data.hdr", "wb").write(header)
+open("in/data.hdr", "wb").write(nifti_header((8, 8, 8), 2, 8) + bytes(4))
 END
 try() { # try REASON: every format's line must hold it
     for format in $formats; do

@@ -2,7 +2,6 @@
 # and every file as it was.
 mkdir in/slices out
 python3 - <<'P'
-import struct
 from check import *
 ball("in/ball.mha")
 data = open("in/ball.mha", "rb").read().split(b"LOCAL\n", 1)[1]
@@ -15,13 +14,7 @@ nrrd = "NRRD0004\ntype: float\ndimension: 3\nsizes: 24 24 24\nencoding: raw\nend
 open("in/n.nhdr", "w").write(nrrd + "n.raw\n")
 open("in/l.nhdr", "w").write(nrrd + "LIST 3\nn.raw\n")
 open("in/p.nhdr", "w").write(nrrd + "list%d.raw 0 0 1 3\n")
-nifti = bytearray(348)
-struct.pack_into("<i", nifti, 0, 348)
-struct.pack_into("<8h", nifti, 40, 3, 24, 24, 24, 1, 1, 1, 1)
-struct.pack_into("<hh", nifti, 70, 16, 32)
-struct.pack_into("<8f", nifti, 76, 1, 1, 1, 1, 1, 1, 1, 1)
-nifti[344:348] = b"ni1\0"
-open("in/pair.hdr", "wb").write(nifti)
+open("in/pair.hdr", "wb").write(nifti_header((24, 24, 24), 16, 32))
 open("in/pair.img", "wb").write(data)
 P
 isorender in/ball.mha --no-image --points in/p.ply --mesh in/m.stl --quiet

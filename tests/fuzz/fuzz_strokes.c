@@ -155,7 +155,7 @@ static void play(iso_journal_reader *reader, iso_session *session, const char *p
     for (int i = 0; status == ISO_OK && more; i++) {
         status = iso_journal_next(reader, &event, &more, &error);
         if (status != ISO_OK || !more || i >= EVENTS || !is_short(&s, &event)) continue;
-        status = iso_journal_blame(reader, iso_session_play(session, &event, NULL, &error), &error);
+        status = iso_journal_add_location(reader, iso_session_play(session, &event, NULL, &error), &error);
         if (status == ISO_OK && event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
         check_field(iso_session_grid(session));
     }

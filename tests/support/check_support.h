@@ -1,5 +1,5 @@
-/* What tests of every module need: comparisons within a tolerance, and numbers that are random but the same
- * in every run. */
+/* What tests of every module need: success, comparisons within a tolerance, and numbers that are random but
+ * the same in every run. */
 #ifndef ISO_TESTS_CHECK_SUPPORT_H
 #define ISO_TESTS_CHECK_SUPPORT_H
 
@@ -10,6 +10,13 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+
+#include "base/status.h"
+
+/* Fails with the error's text, unless all is well. */
+static inline void test_ok(iso_status status, const iso_error *error) {
+    if (status != ISO_OK) fail_msg("%s", error->text);
+}
 
 /* Fails unless `got` is within `tolerance` of `wanted`; a NaN is not. */
 static inline void near(double got, double wanted, double tolerance) {

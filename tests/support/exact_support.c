@@ -1,4 +1,5 @@
 #include "exact_support.h"
+#include "check_support.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -12,14 +13,10 @@
 
 #include "render/shading/shading.h"
 
-static void ok(iso_status status, const iso_error *error) {
-    if (status != ISO_OK) fail_msg("%s", error->text);
-}
-
 iso_gbuffer empty_picture(const iso_view *view) {
     iso_gbuffer gbuffer;
     iso_error error = {0};
-    ok(iso_gbuffer_create(view->width, view->height, &gbuffer, &error), &error);
+    test_ok(iso_gbuffer_create(view->width, view->height, &gbuffer, &error), &error);
     iso_gbuffer_clear(&gbuffer);
     for (int axis = 0; axis < 3; axis++)
         memset(gbuffer.normal[axis], 0, (size_t)(view->width * view->height) * sizeof(float));
@@ -30,15 +27,15 @@ iso_exact *make_exact(const iso_grid *grid, double isovalue, iso_pool *pool) {
     const iso_exact_opts opts = {isovalue, pool};
     iso_exact *exact = NULL;
     iso_error error = {0};
-    ok(iso_exact_create(grid, &opts, &exact, &error), &error);
-    ok(iso_exact_update(exact, &error), &error);
+    test_ok(iso_exact_create(grid, &opts, &exact, &error), &error);
+    test_ok(iso_exact_update(exact, &error), &error);
     return exact;
 }
 
 void draw_exact(const iso_exact *exact, const iso_view *view, iso_gbuffer *gbuffer, iso_pool *pool) {
     const iso_target target = {view, gbuffer, pool, 3};
     iso_error error = {0};
-    ok(iso_draw_exact(&target, exact, &error), &error);
+    test_ok(iso_draw_exact(&target, exact, &error), &error);
 }
 
 iso_gbuffer picture_of(const iso_grid *grid, double isovalue, const iso_view *view, iso_pool *pool) {
@@ -55,9 +52,9 @@ iso_gbuffer truth_of(const iso_grid *grid, double isovalue, const iso_view *view
     iso_gbuffer gbuffer = empty_picture(view);
     iso_raycaster *caster;
     iso_error error = {0};
-    ok(iso_raycaster_create(grid, isovalue, NULL, &caster, &error), &error);
+    test_ok(iso_raycaster_create(grid, isovalue, NULL, &caster, &error), &error);
     const iso_target target = {view, &gbuffer, NULL, 3};
-    ok(iso_draw_raycast(&target, caster, &error), &error);
+    test_ok(iso_draw_raycast(&target, caster, &error), &error);
     iso_raycaster_destroy(caster);
     return gbuffer;
 }
@@ -72,7 +69,7 @@ static iso_image shaded(const iso_view *view, const iso_gbuffer *gbuffer) {
     const iso_shading shading = {.colors = &color, .color_count = 1};
     iso_image image;
     iso_error error = {0};
-    ok(iso_image_create(view->width, view->height, &image, &error), &error);
+    test_ok(iso_image_create(view->width, view->height, &image, &error), &error);
     const iso_strip strip = {.view = view, .gbuffer = gbuffer, .factor = 1};
     iso_shade(&shading, &strip, &image, NULL);
     return image;

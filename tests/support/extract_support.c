@@ -1,4 +1,5 @@
 #include "extract_support.h"
+#include "check_support.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -228,4 +229,20 @@ void test_same_mesh(const iso_mesh_view *a, const iso_mesh_view *b) {
     }
     free(spans_a);
     free(spans_b);
+}
+
+iso_point_set *test_point_set(const iso_grid *grid, const iso_points_opts *opts) {
+    iso_point_set *set = NULL;
+    iso_error error = {0};
+    test_ok(iso_point_set_create(grid, opts, &set, &error), &error);
+    test_ok(iso_point_set_update(set, &error), &error);
+    return set;
+}
+
+iso_mesh_set *test_mesh_set(const iso_grid *grid, const iso_mesh_opts *opts) {
+    iso_mesh_set *set = NULL;
+    iso_error error = {0};
+    test_ok(iso_mesh_set_create(grid, opts, &set, &error), &error);
+    test_ok(iso_mesh_set_update(set, &error), &error);
+    return set;
 }

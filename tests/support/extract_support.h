@@ -55,6 +55,10 @@ void test_random_edit(const iso_grid *grid, test_random *random);
 /* A level set of a ball: hgrid, or with `dense` an rgrid of float32. */
 iso_grid test_ball_grid(int size, iso_vec3 centre, double radius, int dense);
 
+/* Sets of the grid, up to date. The test fails when they cannot be had. */
+iso_point_set *test_point_set(const iso_grid *grid, const iso_points_opts *opts);
+iso_mesh_set *test_mesh_set(const iso_grid *grid, const iso_mesh_opts *opts);
+
 /* Fail unless both hold the same primitives brick by brick, bit for bit, in any order of spans. */
 void test_same_points(const iso_point_view *a, const iso_point_view *b);
 void test_same_mesh(const iso_mesh_view *a, const iso_mesh_view *b);

@@ -11,10 +11,6 @@
 #include "base/cpu.h"
 #include "grids/scenes/scenes.h"
 
-void test_ok(iso_status status, const iso_error *error) {
-    if (status != ISO_OK) fail_msg("%s", error->text);
-}
-
 test_scene test_scene_make(const char *name, int size, const iso_points_opts *opts, bool bounded) {
     iso_error error = {0};
     test_scene s = {0};

@@ -3,13 +3,11 @@
 #define ISO_TESTS_SCENE_SUPPORT_H
 
 #include "base/status.h"
+#include "check_support.h"
 #include "extract/points/points.h"
 #include "image/camera.h"
 #include "render/gbuffer.h"
 #include "render/pullpush/pullpush.h"
-
-/* Fails the test with the error's text, unless all is well. */
-void test_ok(iso_status status, const iso_error *error);
 
 typedef struct test_scene {
     iso_grid grid;

@@ -8,8 +8,7 @@ tools=$(realpath -m "$2")
 source_folder=$(cd "$(dirname "$0")/../.." && pwd)
 . "$(dirname "$0")/support.sh"
 [ -x "$tools/window_drop" ] || { echo "skipped: built without X11"; exit 77; }
-env -u DISPLAY "$bin/isosculpt" 2>"$work/said"
-grep -q "built without GLFW" "$work/said" && { echo "skipped: built without a window"; exit 77; }
+require_window
 trap 'kill -9 $program $closing $server 2>/dev/null; wait 2>/dev/null; rm -rf "$work"' EXIT
 open_display
 cd "$work" || exit 1

@@ -8,8 +8,7 @@ tools=$(realpath -m "$2")
 volumes=$(cd "$(dirname "$0")/../../volumes" && pwd)
 . "$(dirname "$0")/support.sh"
 [ -x "$tools/window_clipboard" ] || { echo "skipped: built without X11"; exit 77; }
-env -u DISPLAY "$bin/isosculpt" 2>"$work/said"
-grep -q "built without GLFW" "$work/said" && { echo "skipped: built without a window"; exit 77; }
+require_window
 make_box "$work/box.obj" 100 0 0 20
 "$bin/isosculpt" --open "$work/box.obj" --headless --quiet --voxel-size 1 --output "$work/probe.vdb" ||
     { echo "skipped: built without OpenVDB"; exit 77; }

@@ -24,6 +24,16 @@ fail() {
     exit 1
 }
 
+# require_window: ends the test as skipped when the program was built without a window; else returns the exit status of the
+# program without a display, and what it said is in $work/said
+require_window() {
+    local status
+    env -u DISPLAY "$bin/isosculpt" 2>"$work/said"
+    status=$?
+    if grep -q "built without GLFW" "$work/said"; then echo "skipped: built without a window"; exit 77; fi
+    return $status
+}
+
 # until TEXT COMMAND: until the command succeeds
 until_() {
     local what=$1 end=$((SECONDS + LIMIT))

@@ -3,9 +3,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "apps/common/clock.h"
 #include "apps/isosculpt/viewport/async_surface.h"
 #include "apps/isosculpt/viewport/viewport.h"
+#include "base/clock.h"
 
 /* Seconds of a picture while the camera moves: the next one gets fewer samples above the first limit, and
  * more below the second one. */

@@ -7,6 +7,7 @@
 
 #include "apps/isosculpt/viewport/async_surface.h"
 #include "base/memory.h"
+#include "base/numbers.h"
 
 static const double DEGREES_A_PIXEL = 0.4;
 
@@ -19,17 +20,12 @@ void isosculpt_latency_add(isosculpt_latency *latency, double seconds) {
     latency->seconds[latency->count++ % ISOSCULPT_LATENCIES] = seconds;
 }
 
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 double isosculpt_latency_quantile(const isosculpt_latency *latency, double quantile) {
     double sorted[ISOSCULPT_LATENCIES];
     size_t count = latency->count < ISOSCULPT_LATENCIES ? latency->count : ISOSCULPT_LATENCIES;
     if (!count) return 0;
     memcpy(sorted, latency->seconds, count * sizeof *sorted);
-    qsort(sorted, count, sizeof *sorted, compare);
+    qsort(sorted, count, sizeof *sorted, iso_compare_doubles);
     size_t at = (size_t)(quantile * (double)count);
     return sorted[at < count ? at : count - 1];
 }

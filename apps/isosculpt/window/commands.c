@@ -6,9 +6,9 @@
 
 #include <GLFW/glfw3.h>
 
-#include "apps/common/clock.h"
 #include "apps/isosculpt/window/opening.h"
 #include "apps/isosculpt/window/saving.h"
+#include "base/clock.h"
 
 /* ---- background tasks */
 

@@ -1,13 +1,12 @@
 /* The picture in isosculpt's window: when it is drawn in which quality, and screenshots. */
 #include "apps/isosculpt/window/picture.h"
+#include "base/clock.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include <GLFW/glfw3.h>
-
-#include "apps/common/clock.h"
 
 #ifndef GL_CLAMP_TO_EDGE
 #define GL_CLAMP_TO_EDGE 0x812F /* OpenGL 1.2 */

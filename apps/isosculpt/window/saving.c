@@ -3,12 +3,12 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 
 #include <GLFW/glfw3.h>
 
 #include "apps/isosculpt/render_command.h"
+#include "base/text.h"
 
 /* ---- a save */
 
@@ -98,14 +98,9 @@ isosculpt_dialog isosculpt_window_poll_save(window *w) {
 
 /* ---- screenshots */
 
-static bool ends_with(const char *path, const char *ending) {
-    const size_t length = strlen(path), tail = strlen(ending);
-    return length > tail && strcasecmp(path + length - tail, ending) == 0;
-}
-
 void isosculpt_window_request_screenshot(window *w, const char *path) {
     struct stat about;
-    if (!ends_with(path, ".png")) {
+    if (!iso_text_has_extension(path, ".png")) {
         isosculpt_window_set_status(w, true, "No picture: the name must end in .png");
         return;
     }
@@ -126,10 +121,10 @@ static bool find_shown_file(const window *w, isosculpt_render_command *command) 
     if (w->volume) {
         command->path = w->volume->path;
         command->reading = w->volume->reading;
-    } else if (saved && ends_with(document->target, ".vdb")) {
+    } else if (saved && iso_text_has_extension(document->target, ".vdb")) {
         command->path = document->target;
     } else if (document->change_count == 0 && !(w->settings->voxel_size > 0) &&
-               ends_with(document->start.source, ".vdb")) {
+               iso_text_has_extension(document->start.source, ".vdb")) {
         command->path = document->start.source; /* as it was opened */
         command->reading = document->start.reading;
     }

@@ -1,12 +1,11 @@
 /* The state of isosculpt's window: status messages, sizes and the pointer. */
 #include "apps/isosculpt/window/state.h"
+#include "base/clock.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #include <GLFW/glfw3.h>
-
-#include "apps/common/clock.h"
 
 /* An error is printed once: a stroke can fail at every sample. */
 void isosculpt_window_set_status(window *w, bool is_error, const char *text) {

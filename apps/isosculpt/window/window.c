@@ -6,11 +6,11 @@
 
 #include <GLFW/glfw3.h>
 
-#include "apps/common/clock.h"
 #include "apps/isosculpt/window/commands.h"
 #include "apps/isosculpt/window/events.h"
 #include "apps/isosculpt/window/opening.h"
 #include "apps/isosculpt/window/picture.h"
+#include "base/clock.h"
 
 enum { WIDTH = 1280, HEIGHT = 800 };
 

@@ -32,10 +32,6 @@ static void free_folder(folder *f) {
     *f = (folder){0};
 }
 
-static iso_status no_memory(const char *path, iso_error *error) {
-    return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
-}
-
 static bool has_dicom_name(const char *path) {
     const char *dot = strrchr(path, '.');
     return dot &&
@@ -47,7 +43,7 @@ static iso_status add_file(folder *f, const char *path, iso_error *error) {
     if (f->count == f->room) {
         size_t room = f->room ? 2 * f->room : 64;
         iso_dicom_file *files = realloc(f->files, room * sizeof *files);
-        if (!files) return no_memory(f->path, error);
+        if (!files) return iso_fail_memory(error, f->path);
         f->files = files;
         f->room = room;
     }
@@ -64,7 +60,7 @@ static iso_status add_file(folder *f, const char *path, iso_error *error) {
 static iso_status add_entry(folder *f, const char *name, iso_error *error) {
     char *path = NULL;
     struct stat status;
-    if (asprintf(&path, "%s/%s", f->path, name) < 0) return no_memory(f->path, error);
+    if (asprintf(&path, "%s/%s", f->path, name) < 0) return iso_fail_memory(error, f->path);
     iso_status result = ISO_OK;
     if (stat(path, &status) == 0 && S_ISREG(status.st_mode)) result = add_file(f, path, error);
     free(path);
@@ -119,7 +115,7 @@ static int compare_series(const void *left, const void *right) {
 
 static iso_status list_series(const folder *f, series_list *all, iso_error *error) {
     *all = (series_list){.list = calloc(f->count ? f->count : 1, sizeof *all->list)};
-    if (!all->list) return no_memory(f->path, error);
+    if (!all->list) return iso_fail_memory(error, f->path);
     for (size_t i = 0; i < f->count; i++) {
         size_t k = 0;
         while (k < all->count && strcmp(all->list[k].first->series, f->files[i].series) != 0) k++;
@@ -207,7 +203,7 @@ static iso_status keep_largest_fit(const folder *f, planes *p, iso_volume_info *
     if (!representative || !sizes) {
         free(representative);
         free(sizes);
-        return no_memory(f->path, error);
+        return iso_fail_memory(error, f->path);
     }
     for (size_t i = 0; i < p->count; i++) {
         size_t g = 0;
@@ -231,7 +227,7 @@ static iso_status collect(const folder *f, const char *uid, const char *only, pl
     size_t count = 0;
     for (size_t i = 0; i < f->count; i++) count += (size_t)f->files[i].frame_count;
     p->frames = malloc(count * sizeof *p->frames);
-    if (!p->frames) return no_memory(f->path, error);
+    if (!p->frames) return iso_fail_memory(error, f->path);
     for (size_t i = 0; i < f->count; i++) {
         const iso_dicom_file *file = &f->files[i];
         if (strcmp(file->series, uid) != 0 || (only && strcmp(file->path, only) != 0)) continue;
@@ -354,7 +350,7 @@ static iso_status open_one_file(const char *path, source *s, iso_error *error) {
     bool single = file.frame_count > 1 || !*file.series;
     iso_dicom_file_free(&file);
     if (s->folder_path && single) s->only = listed_name(s->folder_path, path);
-    if (!s->own_series || !s->folder_path || (single && !s->only)) return no_memory(path, error);
+    if (!s->own_series || !s->folder_path || (single && !s->only)) return iso_fail_memory(error, path);
     return ISO_OK;
 }
 
@@ -453,12 +449,12 @@ static bool find_items(pixel_file *f) {
 static iso_status load_items(pixel_file *f, iso_error *error) {
     const iso_dicom_file *file = f->file;
     f->bytes = iso_alloc((size_t)file->pixel_bytes);
-    if (!f->bytes) return no_memory(file->path, error);
+    if (!f->bytes) return iso_fail_memory(error, file->path);
     if (fread(f->bytes, 1, (size_t)file->pixel_bytes, f->stream) != file->pixel_bytes || !find_items(f))
         return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", file->path);
     f->offset = malloc(f->items * sizeof *f->offset);
     f->length = malloc(f->items * sizeof *f->length);
-    if (!f->offset || !f->length) return no_memory(file->path, error);
+    if (!f->offset || !f->length) return iso_fail_memory(error, file->path);
     find_items(f);
     return ISO_OK;
 }
@@ -604,7 +600,7 @@ static iso_status read_planes(const char *path, const iso_volume_opts *opts, con
                               iso_error *error) {
     reading r = {.path = path, .opts = opts, .source = s};
     r.pixels = iso_alloc((size_t)iso_dicom_frame_bytes(&s->folder.files[s->planes.frames[0].file]));
-    if (!r.pixels) return no_memory(path, error);
+    if (!r.pixels) return iso_fail_memory(error, path);
     iso_status status = ISO_OK;
     for (size_t z = 0; z < s->planes.count && status == ISO_OK; z++) status = read_plane(&r, z, grid, error);
     close_pixels(&r.open);

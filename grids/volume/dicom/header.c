@@ -612,7 +612,7 @@ static iso_status check_image(const iso_dicom_file *file, iso_error *error) {
 
 static iso_status finish(parser *p, iso_dicom_kind *kind, iso_error *error) {
     iso_dicom_file *file = p->file;
-    if (p->no_memory) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", file->path);
+    if (p->no_memory) return iso_fail_memory(error, file->path);
     if (p->cut) return iso_fail(error, ISO_ERR_IO, "%s: truncated: the file ends too early", file->path);
     if (p->corrupt) return iso_fail(error, ISO_ERR_IO, "%s: corrupt: not a DICOM data set", file->path);
     if (*p->problem) return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", file->path, p->problem);
@@ -661,14 +661,14 @@ static iso_status open_parser(parser *p, iso_error *error) {
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     rewind(p->stream);
     p->c_locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (!p->c_locale) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!p->c_locale) return iso_fail_memory(error, path);
     return ISO_OK;
 }
 
 iso_status iso_dicom_file_read(const char *path, iso_dicom_file *file, iso_dicom_kind *kind,
                                iso_error *error) {
     iso_dicom_file result = {.path = strdup(path), .frame_count = 1, .samples = 1, .series_number = -1};
-    if (!result.path) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
+    if (!result.path) return iso_fail_memory(error, path);
     parser p = {.file = &result,
                 .common = {.slope = 1, .phase = {-1, -1, -1}, .orientation = {1, 0, 0, 0, 1, 0}}};
     *kind = ISO_DICOM_NOT;

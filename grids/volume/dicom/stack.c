@@ -3,6 +3,7 @@
  * Where a slice lies is what its position says along the normal of the image plane; thickness, file names and
  * instance numbers say nothing reliable. A missing slice is an error: a picture of a body from which a part
  * is missing, or in which it is made up, looks like a picture of a body. */
+#include "base/numbers.h"
 #include "grids/volume/dicom/dicom.h"
 
 #include <math.h>
@@ -138,18 +139,13 @@ static iso_status resolve_doubles(stack *s) {
 
 /* ---- gaps ---- */
 
-static int compare_doubles(const void *left, const void *right) {
-    double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
 /* The lower median of the steps: the usual one, also where every other slice is missing at one end. */
 static iso_status usual_step(const stack *s, double *step) {
     size_t steps = s->count - 1;
     double *sorted = iso_alloc(steps * sizeof *sorted);
-    if (!sorted) return iso_fail(s->error, ISO_ERR_NOMEM, "%s: out of memory", s->path);
+    if (!sorted) return iso_fail_memory(s->error, s->path);
     for (size_t i = 0; i < steps; i++) sorted[i] = s->frames[i + 1].at - s->frames[i].at;
-    qsort(sorted, steps, sizeof *sorted, compare_doubles);
+    qsort(sorted, steps, sizeof *sorted, iso_compare_doubles);
     *step = sorted[(steps - 1) / 2];
     iso_free(sorted);
     return ISO_OK;

@@ -28,11 +28,6 @@ static void mark_faces(run *voxels, const int dims[3], int x, int y, int z) {
     voxels->ends_in_face = x + (int)voxels->count == dims[0];
 }
 
-static inline bool on_face(const run *voxels, size_t i) {
-    return voxels->in_face || (voxels->starts_in_face && i == 0) ||
-           (voxels->ends_in_face && i + 1 == voxels->count);
-}
-
 static size_t count_on_faces(const run *voxels) {
     if (voxels->in_face) return voxels->count;
     size_t ends = (size_t)voxels->starts_in_face + voxels->ends_in_face;

@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "base/numbers.h"
 #include "base/point_code.h"
 #include "extract/points/curvature_kernel.h"
 
@@ -312,10 +313,6 @@ static float grid_value(const void *context, const int at[3]) {
     return iso_grid_at(context, at[0], at[1], at[2]);
 }
 
-static int clamped(int value, int last) {
-    return value < 0 ? 0 : value < last ? value : last;
-}
-
 void iso_curvature_of_places(const iso_grid *grid, const int brick[3], float outward,
                              const iso_curvature_points *points, iso_curvature *shapes) {
     const int *dims = iso_grid_dims(grid), first[3] = {0, 0, 0};
@@ -331,7 +328,7 @@ void iso_curvature_of_places(const iso_grid *grid, const int brick[3], float out
             int32_t position[3], voxel[3];
             fixed_position(points, done + i, position);
             for (int k = 0; k < 3; k++)
-                voxel[k] = clamped(ISO_BRICK * brick[k] + ((position[k] + UNIT / 2) >> 14), last[k]);
+                voxel[k] = iso_clamp_index(ISO_BRICK * brick[k] + ((position[k] + UNIT / 2) >> 14), dims[k]);
             for (int which = 0; which < ISO_CURVATURE_VOXEL; which++) {
                 const int at[3] = {voxel[0] + STEPS[which][0], voxel[1] + STEPS[which][1],
                                    voxel[2] + STEPS[which][2]};

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/point_code.h"
+#include "grids/threshold.h"
 #include "grids/voxel_kernels.h"
 
 enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64, ISO_EDGE_PARTS = 32 };

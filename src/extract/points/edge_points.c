@@ -4,6 +4,8 @@
 
 #include <float.h>
 
+#include "base/numbers.h"
+
 /* An edge from `voxel` along `axis`, its index in the window. */
 typedef struct edge {
     int voxel[3], axis;
@@ -71,13 +73,9 @@ static void try_edge(const iso_brick_window *window, const edge *e, const iso_th
     out->count++;
 }
 
-static int smaller(int a, int b) {
-    return a < b ? a : b;
-}
-
 void iso_edge_points_own(const iso_brick_window *window, const iso_threshold *surface, iso_edge_points *out) {
     int last[3];
-    for (int axis = 0; axis < 3; axis++) last[axis] = smaller(window->last[axis], ISO_BRICK - 1);
+    for (int axis = 0; axis < 3; axis++) last[axis] = iso_min_int(window->last[axis], ISO_BRICK - 1);
     for (int axis = 0; axis < 3; axis++)
         for (int z = 0; z <= last[2]; z++)
             for (int y = 0; y <= last[1]; y++)
@@ -89,7 +87,7 @@ void iso_edge_points_far(const iso_brick_window *window, const iso_threshold *su
     int last[3];
     for (int axis = 0; axis < 3; axis++) {
         if (window->last[axis] < 1) return; /* a layer of one voxel has no cells */
-        last[axis] = smaller(window->last[axis], ISO_BRICK);
+        last[axis] = iso_min_int(window->last[axis], ISO_BRICK);
     }
     for (int axis = 0; axis < 3; axis++)
         for (int z = 0; z <= last[2]; z++)

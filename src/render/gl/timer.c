@@ -3,15 +3,13 @@
 
 #include <glad/gl.h>
 #include <string.h>
-#include <time.h>
 
+#include "base/clock.h"
 #include "render/gl/surface.h"
 
 static double finished_at(const GladGLContext *gl) {
-    struct timespec now;
     gl->Finish();
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+    return iso_clock_seconds();
 }
 
 void iso_gl_timer_begin(iso_gl_timer *timer, const GladGLContext *gl, iso_gl_pass pass) {

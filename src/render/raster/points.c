@@ -70,7 +70,8 @@ typedef struct point_chunk {
 } point_chunk;
 
 static float *band_pixel(const point_band *band, int x, int y) {
-    return band->depth + (size_t)(y - band->rows.first) * band->draw->pitch + MARGIN + (size_t)x;
+    const ptrdiff_t row = y - band->rows.first; /* from -MARGIN on, as x */
+    return band->depth + row * (ptrdiff_t)band->draw->pitch + MARGIN + x;
 }
 
 static uint32_t source_of(const point_draw *draw, size_t index) {

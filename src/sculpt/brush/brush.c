@@ -1,3 +1,4 @@
+/* The names of tools, solids and falloffs, and the ranges of a brush's numbers. */
 #include "sculpt/brush/brush.h"
 
 #include <math.h>
@@ -5,43 +6,43 @@
 
 #define ISO_NAME(name, text) text,
 static const char *const tools[] = {ISO_TOOLS(ISO_NAME)};
-static const char *const shapes[] = {ISO_SOLIDS(ISO_NAME)};
+static const char *const solids[] = {ISO_SOLIDS(ISO_NAME)};
 static const char *const falloffs[] = {ISO_FALLOFFS(ISO_NAME)};
 #undef ISO_NAME
 
 const char *iso_tool_name(iso_tool tool) {
     return tools[tool];
 }
-const char *iso_solid_name(iso_solid shape) {
-    return shapes[shape];
+const char *iso_solid_name(iso_solid solid) {
+    return solids[solid];
 }
 const char *iso_falloff_name(iso_falloff falloff) {
     return falloffs[falloff];
 }
 
-/* The number of `name` in a list; -1 when it is not there. */
-static int find(const char *const *names, int count, const char *name) {
+/* The index of `name` in a list, or -1. */
+static int find_name(const char *const *names, int count, const char *name) {
     for (int i = 0; i < count; i++)
         if (strcmp(names[i], name) == 0) return i;
     return -1;
 }
 
 iso_status iso_tool_find(const char *name, iso_tool *tool, iso_error *error) {
-    int found = find(tools, ISO_TOOL_COUNT, name);
+    int found = find_name(tools, ISO_TOOL_COUNT, name);
     if (found < 0) return iso_fail(error, ISO_ERR_USAGE, "no brush is called '%s'", name);
     *tool = (iso_tool)found;
     return ISO_OK;
 }
 
-iso_status iso_solid_find(const char *name, iso_solid *shape, iso_error *error) {
-    int found = find(shapes, ISO_SOLID_COUNT, name);
+iso_status iso_solid_find(const char *name, iso_solid *solid, iso_error *error) {
+    int found = find_name(solids, ISO_SOLID_COUNT, name);
     if (found < 0) return iso_fail(error, ISO_ERR_USAGE, "no shape is called '%s'", name);
-    *shape = (iso_solid)found;
+    *solid = (iso_solid)found;
     return ISO_OK;
 }
 
 iso_status iso_falloff_find(const char *name, iso_falloff *falloff, iso_error *error) {
-    int found = find(falloffs, ISO_FALLOFF_COUNT, name);
+    int found = find_name(falloffs, ISO_FALLOFF_COUNT, name);
     if (found < 0) return iso_fail(error, ISO_ERR_USAGE, "no falloff is called '%s'", name);
     *falloff = (iso_falloff)found;
     return ISO_OK;

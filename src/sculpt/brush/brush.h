@@ -1,8 +1,8 @@
-/* brush: what a hand holds, and one touch of it.
+/* brush: the names of tools, solids and falloffs, and the check of a brush's numbers.
  *
- * All lengths are world millimetres and all positions world positions, never screen coordinates: a stroke is
- * data that can be replayed on another grid, at another voxel size. Every number is a double that is written
- * to the journal with all its digits. */
+ * The types iso_brush and iso_sample are in isopoint.h. Their lengths (radius, blend) are millimetres and
+ * their positions world positions, never screen coordinates, so a stroke can be replayed on another grid with
+ * another voxel size. sculpt/field/edit.c converts them to voxels (iso_dabs of dab.h). */
 #ifndef ISO_SCULPT_BRUSH_BRUSH_H
 #define ISO_SCULPT_BRUSH_BRUSH_H
 
@@ -16,47 +16,49 @@
 extern "C" {
 #endif
 
-/* What a touch does to the field. The first group are set operations with a shape, the second deforms what is
- * there (sculpt/field/edit.h says how the two keep the field a distance field). */
+/* The tools: X(enumerator, name in stroke files). ADD to BLEND_CARVE are set operations with a solid, SMOOTH
+ * to MOVE deform the surface, MASK and UNMASK change only the mask. */
 #define ISO_TOOLS(X)                                                                                         \
-    X(ADD, "add")             /* union with the shape */                                                     \
-    X(CARVE, "carve")         /* difference */                                                               \
-    X(BLEND_ADD, "blend-add") /* smooth union, over `blend` */                                               \
-    X(BLEND_CARVE, "blend-carve")                                                                            \
+    X(ADD, "add")                 /* union with the solid */                                                 \
+    X(CARVE, "carve")             /* difference */                                                           \
+    X(BLEND_ADD, "blend-add")     /* union with a fillet of width `blend` */                                 \
+    X(BLEND_CARVE, "blend-carve") /* difference with a fillet */                                             \
     X(SMOOTH, "smooth")                                                                                      \
     X(INFLATE, "inflate")                                                                                    \
     X(DEFLATE, "deflate")                                                                                    \
     X(FLATTEN, "flatten") /* towards the plane of the sample's position and normal */                        \
     X(PINCH, "pinch")     /* towards the axis of the sample's normal */                                      \
-    X(MOVE, "move")       /* drags what lay at the stroke's first sample to the current one */               \
-    X(MASK, "mask")       /* freezes what it touches */                                                      \
-    X(UNMASK, "unmask")
+    X(MOVE, "move")       /* drags the surface from the stroke's first sample to the current one */          \
+    X(MASK, "mask")       /* freezes the voxels within the radius */                                         \
+    X(UNMASK, "unmask")   /* unfreezes them */
 
-/* The solid of a set operation, centred on the sample, its z axis along the sample's normal. Sizes are in
- * units of the radius. */
+/* The solids of set operations, centred on the sample with the z axis along its normal. Sizes are in units of
+ * the radius. */
 #define ISO_SOLIDS(X)                                                                                        \
     X(SPHERE, "sphere")                                                                                      \
     X(BOX, "box")           /* half sides 1, `aspect`, `aspect` */                                           \
-    X(CAPSULE, "capsule")   /* from the sample before to this one */                                         \
+    X(CAPSULE, "capsule")   /* from the previous sample to this one */                                       \
     X(CYLINDER, "cylinder") /* radius 1, half height `aspect` */                                             \
     X(TORUS, "torus")       /* ring radius 1, tube radius `aspect` */                                        \
-    X(STAMP, "stamp")       /* a field of its own (sculpt/brush/stamp.h) */
+    X(STAMP, "stamp")       /* a mesh, as a distance field (sculpt/brush/stamp.h) */
 
-/* How the effect of a deforming touch fades from 1 at the centre to 0 at the radius. */
+/* How the effect of a deforming touch falls from 1 at the centre to 0 at the radius; t = distance / radius.
+ */
 #define ISO_FALLOFFS(X)                                                                                      \
-    X(SMOOTH, "smooth") /* (1 - t^2)^2 */                                                                    \
-    X(LINEAR, "linear")                                                                                      \
-    X(CONSTANT, "constant")
+    X(SMOOTH, "smooth")     /* (1 - t^2)^2 */                                                                \
+    X(LINEAR, "linear")     /* 1 - t */                                                                      \
+    X(CONSTANT, "constant") /* 1 up to the radius */
 
+/* The names, static. */
 const char *iso_tool_name(iso_tool tool);
-const char *iso_solid_name(iso_solid shape);
+const char *iso_solid_name(iso_solid solid);
 const char *iso_falloff_name(iso_falloff falloff);
-/* ISO_ERR_USAGE, naming what was asked for, when there is no such name. */
+/* Finds a name. ISO_ERR_USAGE: there is no such name; the message quotes it. */
 iso_status iso_tool_find(const char *name, iso_tool *tool, iso_error *error);
-iso_status iso_solid_find(const char *name, iso_solid *shape, iso_error *error);
+iso_status iso_solid_find(const char *name, iso_solid *solid, iso_error *error);
 iso_status iso_falloff_find(const char *name, iso_falloff *falloff, iso_error *error);
 
-/* ISO_ERR_USAGE naming the value: a number that is not finite or outside its range. */
+/* ISO_ERR_USAGE: a number that is not finite or outside its range; the message names it. */
 iso_status iso_brush_check(const iso_brush *brush, iso_error *error);
 
 #ifdef __cplusplus

@@ -1,3 +1,5 @@
+/* The parts of brush kernels that are the same for every instruction set; dab_body.inc is instantiated for
+ * each of them at the end. */
 #include "sculpt/brush/dab.h"
 
 #include <math.h>
@@ -13,10 +15,10 @@ bool iso_tool_is_warp(iso_tool tool) {
     return tool == ISO_TOOL_PINCH || tool == ISO_TOOL_MOVE;
 }
 
-/* Radius of the ball around a centre (or segment) that holds the shape, in radii. */
-static double shape_reach(const iso_dabs *dabs) {
+/* The radius, in brush radii, of the ball around the centre (or segment) that encloses the solid. */
+static double solid_radius(const iso_dabs *dabs) {
     const double aspect = (double)dabs->aspect;
-    switch (dabs->shape) {
+    switch (dabs->solid) {
     case ISO_SOLID_BOX:
         return sqrt(1 + 2 * aspect * aspect);
     case ISO_SOLID_CYLINDER:
@@ -31,11 +33,11 @@ static double shape_reach(const iso_dabs *dabs) {
 }
 
 double iso_dabs_influence(const iso_dabs *dabs) {
-    if (!iso_tool_is_set_operation(dabs->tool)) return (double)dabs->radius;
-    return shape_reach(dabs) * (double)dabs->radius + (double)dabs->band + (double)dabs->blend;
+    if (!iso_tool_is_set_operation(dabs->tool)) return (double)dabs->radius_voxels;
+    return solid_radius(dabs) * (double)dabs->radius_voxels + (double)dabs->band + (double)dabs->blend_voxels;
 }
 
-/* A dab relative to a brick's first voxel, in floats. */
+/* A dab relative to a brick's first voxel. `segment` goes from the centre to `from`. */
 typedef struct iso_local_dab {
     float centre[3], segment[3], axis[3][3];
 } iso_local_dab;
@@ -53,26 +55,27 @@ static void localise(const iso_dabs *dabs, const int brick[3], iso_local_dab loc
 int iso_dabs_steps(const iso_dabs *dabs) {
     float s[3];
     for (int k = 0; k < 3; k++) s[k] = (float)(dabs->dab[0].from[k] - dabs->dab[0].centre[k]);
-    const float steps = ceilf(8 * sqrtf(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / dabs->radius);
+    const float steps = ceilf(8 * sqrtf(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / dabs->radius_voxels);
     return steps < 1 ? 1 : steps > 256 ? 256 : (int)steps;
 }
 
-/* The distance to one stamp, in voxels of the field; beyond the stamp's band it is only known to be large. */
+/* The distance to one stamp, in voxels of the field; +-INFINITY beyond the stamp's band. */
 static float stamp_distance(const iso_dabs *dabs, const iso_local_dab *dab, const float voxel[3]) {
-    const iso_grid stamp = {.hgrid = (iso_hgrid *)dabs->stamp}; /* (read only) */
-    const iso_transform *frame = &dabs->stamp->transform;
-    const double scale = frame->spacing[0] * (double)dabs->radius, far = (double)dabs->stamp->band * 0.999;
+    const iso_grid stamp = {.hgrid = (iso_hgrid *)dabs->stamp}; /* only read */
+    const iso_transform *transform = &dabs->stamp->transform;
+    const double scale = transform->spacing[0] * (double)dabs->radius_voxels;
+    const double far = (double)dabs->stamp->band * 0.999;
     double p[3];
     for (int a = 0; a < 3; a++) {
-        p[a] = -frame->origin[a] / frame->spacing[a];
+        p[a] = -transform->origin[a] / transform->spacing[a];
         for (int k = 0; k < 3; k++) p[a] += (double)(dab->axis[a][k] * (voxel[k] - dab->centre[k])) / scale;
-        if (!(p[a] >= 0 && p[a] <= dabs->stamp->dims[a] - 1)) return INFINITY; /* nothing of it is near */
+        if (!(p[a] >= 0 && p[a] <= dabs->stamp->dims[a] - 1)) return INFINITY; /* outside its grid */
     }
     const double d = iso_grid_sample(&stamp, iso_vec3_make(p[0], p[1], p[2]));
     return (float)(d >= far ? INFINITY : d <= -far ? -INFINITY : d * scale);
 }
 
-/* Distances to the nearest of the stamps for all voxels of the brick. */
+/* The distance to the nearest of the mirrored stamps, for all voxels of the brick. */
 static void stamp_distances(const iso_dabs *dabs, const iso_local_dab *local, float *out) {
     for (int at = 0; at < ISO_BRICK_VOXELS; at++) {
         const float voxel[3] = {(float)(at % ISO_BRICK), (float)(at / ISO_BRICK % ISO_BRICK),

@@ -1,3 +1,5 @@
+/* Stamps: conversion of a mesh to distance fields (grids/level_set.h), and their serialisation as base 64
+ * text (RFC 4648). */
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
 #include "sculpt/brush/stamp.h"
 
@@ -11,17 +13,17 @@
 #include "sculpt/session/checkpoint.h"
 #include "sculpt/session/limits.h"
 
-/* Voxels around the shape: the band, and one. */
+/* Voxels around the mesh: the band's 3, and 1. */
 enum { MARGIN = 4 };
 
 /* ---- life */
 
-static iso_stamp *allocate(const char *path) {
+static iso_stamp *allocate_stamp(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     iso_stamp *stamp = iso_alloc_zero(1, sizeof *stamp);
     if (!stamp) return NULL;
     snprintf(stamp->name, sizeof stamp->name, "%s", name);
-    for (char *c = stamp->name; *c; c++) /* it goes into a journal: ASCII is valid in every encoding */
+    for (char *c = stamp->name; *c; c++) /* journals contain the name: ASCII is valid in every encoding */
         if (*c < ' ' || *c > '~') *c = '_';
     stamp->owners = 1;
     return stamp;
@@ -38,17 +40,17 @@ void iso_stamp_free(iso_stamp *stamp) {
     iso_free(stamp);
 }
 
-const iso_hgrid *iso_stamp_level(const iso_stamp *stamp, double radius) {
+const iso_hgrid *iso_stamp_level(const iso_stamp *stamp, double radius_voxels) {
     int level = stamp->count - 1;
-    while (level > 0 && stamp->level[level]->transform.spacing[0] * radius < 1) level--;
+    while (level > 0 && stamp->level[level]->transform.spacing[0] * radius_voxels < 1) level--;
     return stamp->level[level];
 }
 
 /* ---- from a mesh */
 
-/* Levels in millimetres, at first; thin parts need small voxels, and coarse levels may lose them. */
-static iso_status convert(const char *path, const iso_closed_mesh *mesh, iso_mesh_frame frame,
-                          iso_stamp *stamp, iso_error *error) {
+/* Makes all levels, in the mesh's millimetres. A level that is too coarse for thin parts may be empty. */
+static iso_status make_levels(const char *path, const iso_closed_mesh *mesh, iso_mesh_frame frame,
+                              iso_stamp *stamp, iso_error *error) {
     const iso_progress *progress = frame.progress;
     const double longest = frame.voxel;
     iso_status status = ISO_OK;
@@ -64,7 +66,7 @@ static iso_status convert(const char *path, const iso_closed_mesh *mesh, iso_mes
     return status;
 }
 
-/* The longest side from -1 to 1. Distances are in voxels: they stay. */
+/* Scales the levels so that the longest side goes from -1 to 1. Distances are in voxels and do not change. */
 static void normalise(iso_stamp *stamp, const double middle[3], double longest) {
     for (int i = 0; i < stamp->count; i++) {
         iso_transform *transform = &stamp->level[i]->transform;
@@ -82,9 +84,9 @@ iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, is
                               0.5 * (box.lo.z + box.hi.z)};
     const double longest = fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
     const iso_mesh_frame frame = {longest, MARGIN, pool, progress};
-    iso_stamp *stamp = allocate(path);
-    if (!stamp) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
-    iso_status status = convert(path, mesh, frame, stamp, error);
+    iso_stamp *stamp = allocate_stamp(path);
+    if (!stamp) return iso_fail_memory(error, path);
+    iso_status status = make_levels(path, mesh, frame, stamp, error);
     normalise(stamp, middle, longest);
     if (status == ISO_OK)
         *out = stamp;
@@ -93,11 +95,11 @@ iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, is
     return status;
 }
 
-/* ---- as bytes: for each level its head and its cells as in a snapshot */
+/* ---- as bytes: for each level a head, and the cells in the format of a checkpoint */
 
 typedef struct level_head {
     int32_t dims[3];
-    uint32_t bytes; /* that follow */
+    uint32_t bytes; /* of the cells that follow */
     double spacing, origin[3];
 } level_head;
 
@@ -172,7 +174,7 @@ static char *encode(const uint8_t *bytes, size_t size) {
     return text;
 }
 
-/* The bytes, as many as *size says; NULL: not such a text, or out of memory. */
+/* The decoded bytes, malloc'ed, and their number; NULL: not base 64, or out of memory. */
 static uint8_t *decode(const char *text, size_t *size) {
     uint8_t value[256];
     memset(value, 255, sizeof value);
@@ -224,7 +226,7 @@ iso_status iso_stamp_parse(const char *name, const char *text, iso_stamp **out, 
     size_t size;
     uint8_t *bytes = decode(text, &size);
     if (!bytes) return iso_fail(error, ISO_ERR_FORMAT, "the stamp is damaged");
-    iso_stamp *stamp = allocate(name);
+    iso_stamp *stamp = allocate_stamp(name);
     iso_status status = stamp ? get_levels(bytes, size, stamp, error)
                               : iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stamp");
     free(bytes);

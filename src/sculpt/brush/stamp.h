@@ -1,8 +1,8 @@
-/* stamp: a shape of its own for ISO_SOLID_STAMP, as distance fields of several sizes. Its longest side goes
- * from -1 to 1: a brush's radius scales it.
+/* stamp: a mesh as the solid of a brush (ISO_SOLID_STAMP), stored as distance fields of several resolutions.
+ * Its longest side extends from -1 to 1 and is scaled by the brush's radius.
  *
- * A journal holds the fields themselves, not the mesh that they were made of: a stroke file needs no other
- * file, and plays the same whichever version made them. */
+ * A journal contains the distance fields, not the mesh. A stroke file therefore needs no other file, and
+ * replays the same whichever version converted the mesh. */
 #ifndef ISO_SCULPT_BRUSH_STAMP_H
 #define ISO_SCULPT_BRUSH_STAMP_H
 
@@ -15,32 +15,33 @@
 extern "C" {
 #endif
 
-/* Voxels along the longest side: 8, 16, .. 128. What is finer than the last is lost. */
+/* Levels have 8, 16, .. 128 voxels along the longest side; finer detail is lost. ISO_STAMP_NAME: bytes. */
 enum { ISO_STAMP_LEVELS = 5, ISO_STAMP_FIRST = 8, ISO_STAMP_NAME = 64 };
 
-/* Shared; read only. */
+/* Reference-counted and immutable, so threads may share it. */
 typedef struct iso_stamp {
-    char name[ISO_STAMP_NAME];          /* of the file, for people */
-    iso_hgrid *level[ISO_STAMP_LEVELS]; /* ascending sizes; those in which nothing is left are not there */
-    int count;                          /* of levels, 1 at least */
+    char name[ISO_STAMP_NAME];          /* the mesh's file name, for display */
+    iso_hgrid *level[ISO_STAMP_LEVELS]; /* coarse to fine; levels in which nothing is inside are left out */
+    int count;                          /* of levels, at least 1 */
     int owners;                         /* atomic */
 } iso_stamp;
 
-/* Of the solid that a mesh encloses. As iso_level_set_from_mesh; levels whose voxels are too large for the
- * mesh are left out. The pool is borrowed; NULL: the calling thread. */
+/* Converts the solid that a mesh encloses. `path` gives the name. Levels too coarse for the mesh are left
+ * out. The pool is borrowed; NULL: the calling thread. Errors: those of iso_level_set_from_mesh. */
 iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, iso_pool *pool,
                                const iso_progress *progress, iso_stamp **stamp, iso_error *error);
 
-/* One more owner; each calls iso_stamp_free. NULL is fine. Thread-safe. */
+/* Adds an owner; each owner calls iso_stamp_free. Both accept NULL and are thread-safe. */
 iso_stamp *iso_stamp_share(iso_stamp *stamp);
 void iso_stamp_free(iso_stamp *stamp);
 
-/* The finest level that a brush of this radius (voxels) does not skip voxels of, else the coarsest. */
-const iso_hgrid *iso_stamp_level(const iso_stamp *stamp, double radius);
+/* The finest level whose voxels are not smaller than the grid's when the brush has this radius, in voxels of
+ * the grid; if there is none, the coarsest level. Owned by the stamp. */
+const iso_hgrid *iso_stamp_level(const iso_stamp *stamp, double radius_voxels);
 
-/* As text (base 64) and back, to the bit. The text is malloc'ed (free); NULL: out of memory. */
+/* The stamp as base 64 text, for journals; malloc'ed (free). NULL: out of memory. */
 char *iso_stamp_text(const iso_stamp *stamp);
-/* ISO_ERR_FORMAT: that is no stamp; ISO_ERR_NOMEM. */
+/* The stamp of such a text, to the bit. ISO_ERR_FORMAT: the text is damaged; ISO_ERR_NOMEM. */
 iso_status iso_stamp_parse(const char *name, const char *text, iso_stamp **stamp, iso_error *error);
 
 #ifdef __cplusplus

@@ -1,10 +1,11 @@
+/* Lossless packing of a brick: 4096 codes of two bits, then the values that are neither +band nor -band. */
 #include "sculpt/field/cell_pack.h"
 
 #include <string.h>
 
 enum { MASK_BYTES = ISO_BRICK_VOXELS / 4, OUTSIDE = 0, INSIDE = 1, DISTANCE = 2 };
 
-/* Compared as bits: a value must come back exactly, whatever it is. */
+/* Compares bit patterns, so that any value, even NaN, is restored exactly. */
 static unsigned kind_of(float value, float band) {
     const float inside = -band;
     if (memcmp(&value, &band, sizeof value) == 0) return OUTSIDE;

@@ -1,7 +1,6 @@
-/* cell_pack: a cell of the hgrid as bytes, without loss. An empty cell takes none; a brick is two bits a
- * voxel
- * (+band, -band or a distance) and the distances, a third to a quarter of its 16 KiB near a surface. Internal
- * to sculpt. */
+/* cell_pack: lossless compression of a brick, for undo steps and checkpoints. Two bits a voxel say whether it
+ * is +band, -band or a distance; the distances follow as floats. Near a surface this takes a third to a
+ * quarter of the brick's 16 KiB. Internal to sculpt. */
 #ifndef ISO_SCULPT_FIELD_CELL_PACK_H
 #define ISO_SCULPT_FIELD_CELL_PACK_H
 
@@ -13,11 +12,11 @@
 
 enum { ISO_CELL_PACK_MAX = ISO_BRICK_VOXELS / 4 + ISO_BRICK_VOXELS * 4 };
 
-/* Bytes that packing takes. */
+/* Bytes of the packed brick, at most ISO_CELL_PACK_MAX. */
 size_t iso_cell_pack_size(const float *brick, float band);
-/* Writes them. */
+/* Writes that many bytes. */
 void iso_cell_pack(const float *brick, float band, uint8_t *bytes);
-/* Restores the brick, to the bit; false when the bytes are not as many as such a brick takes. */
+/* Restores the brick, to the bit. False: `bytes` is not a packed brick of this size. */
 bool iso_cell_unpack(const uint8_t *bytes, size_t size, float band, float *brick);
 
 #endif

@@ -1,32 +1,39 @@
+/* Correction of distances beside creases. The crossings of the zero set with the edges between voxels are
+ * collected, sorted into bins of 4^3 voxels and split into those at a crease and the others. A voxel lies in
+ * the fan of a crease when the crossing nearest to it is at a crease; its distance is then bounded by the
+ * distance to that crossing. */
 #include "sculpt/field/crease.h"
 
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
 
-/* Crossings are kept by bins of 4^3 voxels; the brick's are the inner 4^3 of them, and what is near a voxel
- * is in its bin and those around it. Voxels are numbered from the window's (1, 1, 1). */
+/* The inner 4^3 of the bins are the brick's; all crossings near a voxel are in its bin and the 26 around it.
+ * Voxels are numbered from the window's (1, 1, 1). */
 enum { SIDE = ISO_CREASE_SIDE, BIN = 4, BINS = (SIDE - 2) / BIN, BIN_COUNT = BINS * BINS * BINS };
 enum { STEP_Y = SIDE, STEP_Z = SIDE * SIDE };
-/* Voxels a side that edges begin at, and the most that there can be. */
+/* Voxels along an axis that edges begin at; the largest number of crossings. */
 enum { EDGES = SIDE - 2, CROSSINGS = 3 * EDGES * EDGES * EDGES };
-/* Places are in whole numbers of this part of a voxel: mirrored fields have mirrored crossings. */
+/* Crossings have integer coordinates in 1/UNIT voxel, so that mirrored fields have mirrored crossings. */
 enum { UNIT = 1024 };
-/* An interface bent more than one of radius 4 (the sum of second differences is 2 / radius) is a crease. */
+/* A crossing is at a crease if the interface is bent more than a sphere of 4 voxels radius, where the sum of
+ * the second differences is 2 / radius. */
 static const float CREASE = 0.5f;
-/* What redistancing may have missed, and half the largest gap between crossings; voxels. */
-static const float SHORT = 0.4f, HALF_GAP = 0.5f;
-/* Nearer voxels are found well from the interface beside them; farther ones, of wider bands, may have
- * crossings beyond the bins around theirs. */
+/* By how much redistancing may have made a distance too small, and half the largest gap between neighbouring
+ * crossings; both in voxels. */
+static const float SHORTFALL = 0.4f, HALF_GAP = 0.5f;
+/* Only distances between these two are corrected: smaller ones are already right, as they come from the
+ * interface directly; for larger ones (in wide bands) the nearest crossing may lie beyond the 27 bins. */
 static const float NEAR = 1, FAR = BIN - 0.4f;
-/* Nearer ones make foot points (the square root of 3) by the values beside them. */
+/* Voxels nearer than the square root of 3 get a foot point, which is computed from their neighbours' values.
+ */
 static const float FOOT = 1.7320508f;
 
-/* Crossings of one kind, by bins. */
-typedef struct places {
+/* Crossings of one kind, sorted by bins: those of bin b are first[b] .. first[b + 1] - 1. */
+typedef struct crossing_bins {
     int32_t *at[3];
     uint32_t first[BIN_COUNT + 1];
-} places;
+} crossing_bins;
 
 typedef struct crossing {
     int32_t at[3];
@@ -37,7 +44,7 @@ typedef struct crossings {
     const float *window;
     crossing *found;
     uint32_t count;
-    places kind[2]; /* [1]: at a crease */
+    crossing_bins kind[2]; /* [1]: at a crease */
 } crossings;
 
 static const float *value_at(const crossings *c, const int voxel[3]) {
@@ -68,7 +75,8 @@ static void find_inside(const float *window, uint32_t inside[SIDE * SIDE]) {
     }
 }
 
-/* Edges along an axis that cross the surface, from the voxels of a row; both ends have neighbours. */
+/* The edges that start at the voxels of a row, run along an axis and cross the surface. Edges whose far end
+ * has no neighbours in the window are left out. */
 static uint32_t crossed(const uint32_t *inside, int y, int z, int axis) {
     static const int steps[3] = {0, 1, SIDE};
     const uint32_t *row = inside + (z + 1) * SIDE + y + 1, all = (1u << EDGES) - 1;
@@ -87,11 +95,11 @@ static void find_crossings(crossings *c) {
         }
 }
 
-/* In the order of their bins: those of bins beside each other along x are one run. */
-static void sort(crossings *c) {
+/* Sorts the crossings by kind and bin; the crossings of bins that are neighbours along x are contiguous. */
+static void sort_into_bins(crossings *c) {
     uint32_t next[2][BIN_COUNT];
     for (int kind = 0; kind < 2; kind++) {
-        places *p = &c->kind[kind];
+        crossing_bins *p = &c->kind[kind];
         memset(p->first, 0, sizeof p->first);
         for (uint32_t i = 0; i < c->count; i++) p->first[c->found[i].bin + 1] += c->found[i].crease == kind;
         for (int bin = 0; bin < BIN_COUNT; bin++) p->first[bin + 1] += p->first[bin];
@@ -106,8 +114,9 @@ static void sort(crossings *c) {
     }
 }
 
-/* The least square of the distances to a run of crossings. */
-static int32_t nearest_of(const places *p, uint32_t first, uint32_t end, const int32_t at[3], int32_t least) {
+/* The smallest squared distance to the crossings first .. end - 1, or `least` if that is smaller. */
+static int32_t nearest_in_run(const crossing_bins *p, uint32_t first, uint32_t end, const int32_t at[3],
+                              int32_t least) {
     const int32_t *restrict px = p->at[0], *restrict py = p->at[1], *restrict pz = p->at[2];
     for (uint32_t i = first; i < end; i++) {
         const int32_t x = px[i] - at[0], y = py[i] - at[1], z = pz[i] - at[2];
@@ -117,13 +126,14 @@ static int32_t nearest_of(const places *p, uint32_t first, uint32_t end, const i
     return least;
 }
 
-/* The square of the distance to the nearest crossing of the bins around one; `most` where none is nearer than
- * that. Looking ends below `enough`. */
-static int32_t nearest(const places *p, const int bin[3], const int32_t at[3], int32_t most, int32_t enough) {
+/* The squared distance to the nearest crossing in a bin and the 26 around it, at most `most`. The search
+ * stops early at a value below `enough`. */
+static int32_t nearest(const crossing_bins *p, const int bin[3], const int32_t at[3], int32_t most,
+                       int32_t enough) {
     int32_t least = most;
     for (int k = 0; k < 9 && least >= enough; k++) {
         const int low = ((bin[2] + k / 3 - 1) * BINS + bin[1] + k % 3 - 1) * BINS + bin[0] - 1;
-        least = nearest_of(p, p->first[low], p->first[low + 3], at, least);
+        least = nearest_in_run(p, p->first[low], p->first[low + 3], at, least);
     }
     return least;
 }
@@ -134,12 +144,14 @@ static bool is_interface(const float *v) {
            inside != (v[-STEP_Y] < 0) || inside != (v[STEP_Z] < 0) || inside != (v[-STEP_Z] < 0);
 }
 
-/* A voxel is in a fan when no crossing is nearer than one at a crease. */
-static float bounded(const crossings *c, const int bin[3], const int voxel[3], float distance, float band) {
+/* The distance, bounded if the voxel lies in the fan of a crease: if no crossing is nearer than the nearest
+ * at a crease. */
+static float bounded_distance(const crossings *c, const int bin[3], const int voxel[3], float distance,
+                              float band) {
     const int32_t at[3] = {UNIT * voxel[0], UNIT * voxel[1], UNIT * voxel[2]};
-    const int32_t influence = (int32_t)((distance + SHORT) * (distance + SHORT) * (UNIT * UNIT));
-    const int32_t least = nearest(&c->kind[1], bin, at, influence, 0);
-    if (least == influence || nearest(&c->kind[0], bin, at, least, least) < least) return distance;
+    const int32_t reach = (int32_t)((distance + SHORTFALL) * (distance + SHORTFALL) * (UNIT * UNIT));
+    const int32_t least = nearest(&c->kind[1], bin, at, reach, 0);
+    if (least == reach || nearest(&c->kind[0], bin, at, least, least) < least) return distance;
     const float square = (float)least / (UNIT * UNIT);
     const float far = sqrtf(square), near = sqrtf(fmaxf(square - HALF_GAP * HALF_GAP, 0));
     return fminf(fminf(fmaxf(distance, near), far), fmaxf(distance, 0.999f * band));
@@ -150,11 +162,11 @@ static bool is_beside_end(const float *v, float band) {
            fabsf(v[-STEP_Y]) >= band || fabsf(v[STEP_Z]) >= band || fabsf(v[-STEP_Z]) >= band;
 }
 
-static float mended(const crossings *c, const int bin[3], const int voxel[3], float band) {
+static float corrected_value(const crossings *c, const int bin[3], const int voxel[3], float band) {
     const float *v = value_at(c, voxel), distance = fabsf(*v);
     if (distance < NEAR || distance >= fminf(band, FAR) || is_interface(v)) return *v;
-    float made = bounded(c, bin, voxel, distance, band);
-    if (made < FOOT && is_beside_end(v, band)) made = FOOT; /* rather no foot point than a wrong one */
+    float made = bounded_distance(c, bin, voxel, distance, band);
+    if (made < FOOT && is_beside_end(v, band)) made = FOOT; /* no foot point is better than a wrong one */
     return *v < 0 ? -made : made;
 }
 
@@ -167,12 +179,12 @@ static bool any_crease(const crossings *c, const int bin[3]) {
     return count > 0;
 }
 
-static void mend_bin(const crossings *c, const int bin[3], float band, float *out) {
+static void correct_bin(const crossings *c, const int bin[3], float band, float *out) {
     for (int i = 0; i < BIN * BIN * BIN; i++) {
         const int voxel[3] = {BIN * bin[0] + i % BIN, BIN * bin[1] + i / BIN % BIN,
                               BIN * bin[2] + i / (BIN * BIN)};
         out[((voxel[2] - BIN) * ISO_BRICK + voxel[1] - BIN) * ISO_BRICK + voxel[0] - BIN] =
-            mended(c, bin, voxel, band);
+            corrected_value(c, bin, voxel, band);
     }
 }
 
@@ -188,10 +200,10 @@ iso_status iso_crease_correct(const float *window, float band, iso_buffer *room,
     for (int axis = 0; axis < 3; axis++)
         c.kind[0].at[axis] = (int32_t *)(c.found + CROSSINGS) + axis * CROSSINGS;
     find_crossings(&c);
-    sort(&c);
+    sort_into_bins(&c);
     for (int i = 0; i < INNER * INNER * INNER; i++) {
         const int bin[3] = {1 + i % INNER, 1 + i / INNER % INNER, 1 + i / (INNER * INNER)};
-        if (any_crease(&c, bin)) mend_bin(&c, bin, band, out);
+        if (any_crease(&c, bin)) correct_bin(&c, bin, band, out);
     }
     return ISO_OK;
 }

@@ -1,23 +1,27 @@
-/* crease: distances beside the creases of a field, from the surface that the field itself has.
+/* crease: corrects the distances of a level set beside creases.
  *
- * At a crease a field's surface is blunter than what was meant: between voxels it is cut off. Distances that
- * redistancing finds beside it, in the fan of the voxels to which the crease is the nearest, lie between
- * those to the meant crease and those to the surface: up to a third of a voxel short. Where edges between
- * voxels cross the surface is known exactly, and no voxel can be farther from it than from the nearest of
- * them, nor nearer by much: in the fans that bounds the distance. Internal to sculpt. */
+ * A sampled distance field rounds creases: its zero set cuts the corner between voxels. In the fan of voxels
+ * to which the crease is the nearest part of the surface, redistancing yields values between the distance to
+ * the intended crease and the distance to the zero set: up to a third of a voxel too small. The positions
+ * where the zero set crosses the edges between voxels are known exactly. A voxel cannot be farther from the
+ * zero set than from the nearest crossing, nor much nearer, which bounds the distances in the fans. Internal
+ * to sculpt. */
 #ifndef ISO_SCULPT_FIELD_CREASE_H
 #define ISO_SCULPT_FIELD_CREASE_H
 
 #include "base/memory.h"
 #include "base/primitives.h"
 
-/* What a brick's distances depend on: itself and ISO_CREASE_MARGIN voxels on each side, x fastest. */
+/* The window on which the distances of a brick depend: the brick and ISO_CREASE_MARGIN voxels on each side.
+ */
 enum { ISO_CREASE_MARGIN = 5, ISO_CREASE_SIDE = ISO_BRICK + 2 * ISO_CREASE_MARGIN };
 
-/* out = the brick in the middle of `window` (ISO_CREASE_SIDE^3 values), its distances in fans bounded. Voxels
- * beside the interface keep their value, so the zero set moves by no bit; none reaches the band's end or
- * leaves it, and beside those at its end none is left where foot points are made. Of a band wider than 3.6
- * voxels the rest stays as it is. `room`: the caller's, to use again. ISO_ERR_NOMEM. */
+/* Writes to `out` the brick in the middle of `window` (ISO_CREASE_SIDE^3 values in voxels, x fastest) with
+ * the distances in fans bounded. Voxels beside the interface keep their values, so the zero set does not
+ * move. No value enters or leaves the band. A voxel with a neighbour at the band's end is kept at least the
+ * square root of 3 from the surface, where extraction makes no foot point of it. In bands wider than 3.6
+ * voxels, values beyond that stay as they are. `room` is working memory, kept for the next call.
+ * ISO_ERR_NOMEM. */
 iso_status iso_crease_correct(const float *window, float band, iso_buffer *room, float *out);
 
 #endif

@@ -1,16 +1,20 @@
+/* The editor: turns a touch (world millimetres) into dabs (voxels of the grid), lists the cells they reach,
+ * runs the brush's kernel on each (dab.h), then redistances and commits them (transaction.h). The tools MASK
+ * and UNMASK change only the mask. */
 #include "sculpt/field/edit.h"
 
 #include <math.h>
 #include <string.h>
 
+#include "base/numbers.h"
 #include "sculpt/field/crease.h"
 #include "sculpt/field/transaction.h"
 #include "sculpt/session/limits.h"
 
-/* Until the band is whole again where it was torn. */
-enum { TORN_ITERATIONS = 12 };
-/* Floats of a window of the field that are gathered for one brick; a warp that reaches farther (a long drag
- * of a small brush) is sampled voxel by voxel. */
+/* Redistancing steps of 0.45 voxel that rebuild the band where an edit left gaps in it. */
+enum { DAMAGED_BAND_ITERATIONS = 12 };
+/* Limit, in floats, of the window of the field that is gathered to warp one brick. A warp that needs more (a
+ * long drag of a small brush) is sampled voxel by voxel instead. */
 enum { WINDOW_MAX = 1 << 22 };
 
 struct iso_editor {
@@ -19,15 +23,15 @@ struct iso_editor {
     double spacing;
     int iterations;
     iso_step_opts opts;
-    double done;        /* work, as iso_editor_work says */
+    double cost;        /* see iso_editor_cost */
     uint32_t step;      /* number of the current step */
-    uint32_t *notified; /* by cell: the step that last told it */
-    uint32_t *mask_told;
-    iso_buffer list; /* cells told in this step */
-    size_t list_count;
+    uint32_t *notified; /* by cell: the last step in which the observer was notified of it */
+    uint32_t *mask_notified;
+    iso_buffer notified_cells; /* uint32_t: the cells notified in this step */
+    size_t notified_count;
 };
 
-/* Distances are in voxels, and neighbours in whole bricks. */
+/* Distances are in voxels, so voxels must be cubes; kernels work on whole bricks. */
 static iso_status check_grid(const iso_hgrid *grid, iso_error *error) {
     const double *s = grid->transform.spacing;
     if (fabs(s[0] - s[1]) > 1e-6 * s[0] || fabs(s[0] - s[2]) > 1e-6 * s[0])
@@ -55,8 +59,8 @@ iso_status iso_editor_create(iso_hgrid *grid, const iso_editor_opts *opts, iso_e
     editor->spacing = grid->transform.spacing[0];
     editor->iterations = opts->iterations > 0 ? opts->iterations : opts->iterations < 0 ? 0 : 4;
     editor->notified = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->notified);
-    editor->mask_told = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->mask_told);
-    if (!editor->notified || !editor->mask_told) {
+    editor->mask_notified = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->mask_notified);
+    if (!editor->notified || !editor->mask_notified) {
         iso_editor_destroy(editor);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an editor of %zu cells",
                         iso_hgrid_cell_count(grid));
@@ -68,22 +72,22 @@ iso_status iso_editor_create(iso_hgrid *grid, const iso_editor_opts *opts, iso_e
 void iso_editor_destroy(iso_editor *editor) {
     if (!editor) return;
     iso_transaction_free(&editor->transaction);
-    iso_buffer_free(&editor->list);
+    iso_buffer_free(&editor->notified_cells);
     iso_free(editor->notified);
-    iso_free(editor->mask_told);
+    iso_free(editor->mask_notified);
     iso_free(editor);
 }
 
-void iso_editor_step(iso_editor *editor, const iso_step_opts *opts) {
+void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts) {
     editor->opts = *opts;
-    editor->list_count = 0;
+    editor->notified_count = 0;
     editor->step++;
 }
 
 /* ---- from a sample to dabs */
 
-/* Index positions are kept to 1/4096 voxel: differences to voxels are then exact in floats, and mirrored
- * touches make mirrored bits. */
+/* The index coordinates of a world position, rounded to 1/4096 voxel: differences to voxels are then exact in
+ * floats, and mirrored touches give mirrored results, to the bit. */
 static void set_position(const iso_affine *affine, iso_vec3 world, double out[3]) {
     iso_vec3 p = iso_affine_point_to_index(affine, world);
     out[0] = rint(p.x * 4096) / 4096;
@@ -91,22 +95,22 @@ static void set_position(const iso_affine *affine, iso_vec3 world, double out[3]
     out[2] = rint(p.z * 4096) / 4096;
 }
 
-/* The world position of what set_position keeps. */
+/* The world position of the rounded index coordinates. */
 static iso_vec3 snapped(const iso_affine *affine, iso_vec3 world) {
     double p[3];
     set_position(affine, world, p);
     return iso_affine_point(affine, iso_vec3_make(p[0], p[1], p[2]));
 }
 
-/* v mirrored at the planes of `through` that `bits` names; directions (NULL) only turn. */
+/* `v` mirrored at the planes of the axes in `bits` through a point; `through` is NULL for directions. */
 static iso_vec3 reflect(iso_vec3 v, unsigned bits, const iso_vec3 *through) {
     const iso_vec3 at = through ? *through : iso_vec3_make(0, 0, 0);
     return iso_vec3_make(bits & 1 ? 2 * at.x - v.x : v.x, bits & 2 ? 2 * at.y - v.y : v.y,
                          bits & 4 ? 2 * at.z - v.z : v.z);
 }
 
-/* Two tangents and the normal, unit, world. */
-static void make_frame(iso_vec3 normal, iso_vec3 frame[3]) {
+/* Two tangents and the normal: unit vectors in world coordinates. */
+static void make_tangent_frame(iso_vec3 normal, iso_vec3 frame[3]) {
     iso_vec3 n = iso_vec3_unit(normal);
     if (iso_vec3_length(n) == 0) n = iso_vec3_make(0, 0, 1);
     /* the coordinate axis farthest from the normal */
@@ -118,30 +122,30 @@ static void make_frame(iso_vec3 normal, iso_vec3 frame[3]) {
     frame[2] = n;
 }
 
-/* The frame itself is mirrored too, so that boxes and stamps are. */
+/* One mirror image of a touch. Its axes are mirrored too, and with them boxes and stamps. */
 static void make_dab(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch, unsigned bits,
                      iso_dab *dab) {
     const iso_affine *affine = &editor->affine;
     iso_vec3 from = brush->tool == ISO_TOOL_MOVE ? touch->first.position : touch->previous.position, frame[3];
     set_position(affine, reflect(snapped(affine, touch->sample.position), bits, &brush->mirror), dab->centre);
     set_position(affine, reflect(snapped(affine, from), bits, &brush->mirror), dab->from);
-    make_frame(touch->sample.normal, frame);
+    make_tangent_frame(touch->sample.normal, frame);
     for (int i = 0; i < 3; i++) {
         iso_vec3 axis = iso_affine_vector_to_index(affine, reflect(frame[i], bits, NULL));
-        axis = iso_vec3_scale(axis, editor->spacing); /* a rotation remains */
+        axis = iso_vec3_scale(axis, editor->spacing); /* a unit vector again */
         dab->axis[i][0] = axis.x;
         dab->axis[i][1] = axis.y;
         dab->axis[i][2] = axis.z;
     }
 }
 
-/* How far one touch goes at its centre: a part of the radius, bounded where a larger step would leave the
- * band. */
-static double full_strength(iso_tool tool, double radius) {
+/* The effect of one touch of strength 1 at its centre. INFLATE and DEFLATE: an offset in voxels, bounded so
+ * that the surface stays inside the band; others: a factor. */
+static double full_strength(iso_tool tool, double radius_voxels) {
     switch (tool) {
     case ISO_TOOL_INFLATE:
     case ISO_TOOL_DEFLATE:
-        return 0.05 * radius < 0.5 ? 0.05 * radius : 0.5;
+        return 0.05 * radius_voxels < 0.5 ? 0.05 * radius_voxels : 0.5;
     case ISO_TOOL_FLATTEN:
         return 0.3;
     case ISO_TOOL_PINCH:
@@ -151,34 +155,35 @@ static double full_strength(iso_tool tool, double radius) {
     }
 }
 
+/* Converts a brush and its touch from millimetres to voxels and makes the mirror images. */
 static void make_dabs(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                       iso_dabs *dabs) {
     double pressure = touch->sample.pressure;
-    double radius = brush->radius * (brush->pressure_radius ? pressure : 1) / editor->spacing;
+    double radius_voxels = brush->radius * (brush->pressure_radius ? pressure : 1) / editor->spacing;
     double strength = (brush->strength > 0 ? brush->strength : 1) * (brush->pressure_strength ? pressure : 1);
     bool blends = brush->tool == ISO_TOOL_BLEND_ADD || brush->tool == ISO_TOOL_BLEND_CARVE;
-    double blend = brush->blend > 0 ? brush->blend / editor->spacing : 0.25 * radius;
-    double band =
-        (double)editor->transaction.grid->band; /* a wider blend would need distances beyond the band */
+    double blend_voxels = brush->blend > 0 ? brush->blend / editor->spacing : 0.25 * radius_voxels;
+    double band = (double)editor->transaction.grid->band; /* beyond it there are no distances to blend */
     memset(dabs, 0, sizeof *dabs);
     dabs->tool = brush->tool;
-    dabs->shape = brush->shape;
+    dabs->solid = brush->shape;
     dabs->falloff = brush->falloff;
-    dabs->radius = (float)radius;
-    dabs->strength = (float)(strength * full_strength(brush->tool, radius));
+    dabs->radius_voxels = (float)radius_voxels;
+    dabs->strength = (float)(strength * full_strength(brush->tool, radius_voxels));
     dabs->aspect = (float)(brush->aspect > 0 ? brush->aspect : 0.5);
-    dabs->blend = blends ? (float)(blend < band ? blend : band) : 0;
+    dabs->blend_voxels = blends ? (float)(blend_voxels < band ? blend_voxels : band) : 0;
     dabs->band = editor->transaction.grid->band;
-    dabs->stamp = editor->opts.stamp ? iso_stamp_level(editor->opts.stamp, radius) : NULL;
+    dabs->stamp = editor->opts.stamp ? iso_stamp_level(editor->opts.stamp, radius_voxels) : NULL;
     for (unsigned bits = 0; bits < 8; bits++)
         if (!(bits & ~brush->symmetry)) make_dab(editor, brush, touch, bits, &dabs->dab[dabs->count++]);
 }
 
 /* ---- which cells */
 
-/* Distance from the box of a cell's voxels to the dab (its centre, or the way it came). */
+/* A lower bound of the distance, in voxels, from a cell's voxels to a dab's centre, or to the segment along
+ * which it moved. */
 static double cell_distance(const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
-    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SOLID_CAPSULE;
+    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->solid == ISO_SOLID_CAPSULE;
     double centre[3], half = 0.5 * (ISO_BRICK - 1), t = 0, along = 0, square = 0;
     for (int axis = 0; axis < 3; axis++) {
         double d = segment ? dab->from[axis] - dab->centre[axis] : 0;
@@ -187,7 +192,7 @@ static double cell_distance(const iso_dabs *dabs, const iso_dab *dab, const int 
         square += d * d;
     }
     if (square > 0) t = fmin(fmax(along / square, 0), 1);
-    if (segment) { /* no nearer than the cell's circumscribed ball says */
+    if (segment) { /* to the cell's circumscribed ball */
         double distance = 0;
         for (int axis = 0; axis < 3; axis++) {
             double d = centre[axis] - dab->centre[axis] - t * (dab->from[axis] - dab->centre[axis]);
@@ -203,7 +208,8 @@ static double cell_distance(const iso_dabs *dabs, const iso_dab *dab, const int 
     return sqrt(distance);
 }
 
-/* Whether the touch can change an empty cell at all. */
+/* Whether a tool can change a cell with this entry in the grid: adding to the inside changes nothing, nor
+ * does carving outside. */
 static bool can_change(iso_tool tool, int32_t state) {
     if (state >= 0 || iso_tool_is_warp(tool)) return true;
     if (tool == ISO_TOOL_ADD || tool == ISO_TOOL_BLEND_ADD) return state == ISO_CELL_OUTSIDE;
@@ -211,13 +217,14 @@ static bool can_change(iso_tool tool, int32_t state) {
     return false;
 }
 
-/* Cells lo .. hi that a dab can reach, clipped to the grid; true when it was clipped. */
+/* The range of cells within a dab's influence, clipped to the grid. Returns whether the grid clips the solid
+ * or radius of the dab itself. */
 static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, int lo[3],
                        int hi[3]) {
     bool clipped = false;
     double influence = iso_dabs_influence(dabs),
            solid = influence - (iso_tool_is_set_operation(dabs->tool) ? (double)dabs->band : 0);
-    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->shape == ISO_SOLID_CAPSULE;
+    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->solid == ISO_SOLID_CAPSULE;
     for (int axis = 0; axis < 3; axis++) {
         double a = dab->centre[axis], b = segment ? dab->from[axis] : a;
         double first = fmin(a, b), last = fmax(a, b), top = editor->transaction.grid->dims[axis] - 1;
@@ -228,25 +235,25 @@ static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso
     return clipped;
 }
 
-/* Cells lo .. hi. */
+/* The number of cells in a range. */
 static double range_cells(const int lo[3], const int hi[3]) {
     return (hi[0] - lo[0] + 1.0) * (hi[1] - lo[1] + 1.0) * (hi[2] - lo[2] + 1.0);
 }
 
-/* What a listed cell costs compared with one of a plain brush: mirrored instances add up; a stamp is sampled
- * voxel by voxel; the way that MOVE follows has up to 256 steps. */
-static double cell_work(const iso_dabs *dabs) {
+/* The cost of editing a cell, in cells of a plain brush. Mirror images add up, a stamp is sampled voxel by
+ * voxel, and MOVE integrates its path in up to 256 steps. */
+static double cell_cost(const iso_dabs *dabs) {
     const double count = dabs->count;
     if (dabs->tool == ISO_TOOL_MOVE) return 1 + count * iso_dabs_steps(dabs) / 4;
-    if (dabs->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(dabs->tool)) return 16 * count;
+    if (dabs->solid == ISO_SOLID_STAMP && iso_tool_is_set_operation(dabs->tool)) return 16 * count;
     return 1 + count / 4;
 }
 
-static iso_status list_dab(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, bool *clipped,
-                           iso_error *error) {
+static iso_status list_dab_cells(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, bool *clipped,
+                                 iso_error *error) {
     int lo[3], hi[3], at[3];
     *clipped |= cell_range(editor, dabs, dab, lo, hi);
-    editor->done += range_cells(lo, hi) / 256;
+    editor->cost += range_cells(lo, hi) / 256;
     const double influence = iso_dabs_influence(dabs);
     for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
         for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
@@ -258,70 +265,64 @@ static iso_status list_dab(iso_editor *editor, const iso_dabs *dabs, const iso_d
                 if (editor->transaction.cell_count > ISO_LIMIT_TOUCH_CELLS)
                     return iso_fail(error, ISO_ERR_LIMIT,
                                     "a brush of %g voxels reaches more than %d bricks in one touch",
-                                    (double)dabs->radius, ISO_LIMIT_TOUCH_CELLS);
+                                    (double)dabs->radius_voxels, ISO_LIMIT_TOUCH_CELLS);
             }
     return ISO_OK;
 }
 
-static void cell_position(const iso_hgrid *grid, uint32_t cell, int at[3]) {
-    at[0] = (int)(cell % (uint32_t)grid->cells[0]);
-    at[1] = (int)(cell / (uint32_t)grid->cells[0] % (uint32_t)grid->cells[1]);
-    at[2] = (int)(cell / (uint32_t)grid->cells[0] / (uint32_t)grid->cells[1]);
-}
-
-/* MOVE starts from the field as it was: what earlier touches of the stroke changed must come back. */
-static iso_status list_told(iso_editor *editor, iso_error *error) {
-    const uint32_t *notified = editor->list.data;
-    for (size_t i = 0; i < editor->list_count; i++) {
+/* Lists the cells that the step has changed so far. MOVE edits the field as it was when the step began, so
+ * the changes of its earlier touches must be undone. */
+static iso_status list_notified(iso_editor *editor, iso_error *error) {
+    const uint32_t *notified = editor->notified_cells.data;
+    for (size_t i = 0; i < editor->notified_count; i++) {
         int at[3];
-        cell_position(editor->transaction.grid, notified[i], at);
+        iso_hgrid_cell_position(editor->transaction.grid, notified[i], at);
         ISO_TRY(iso_transaction_add(&editor->transaction, at, true, error));
     }
     return ISO_OK;
 }
 
 static iso_status list_cells(iso_editor *editor, const iso_dabs *dabs, bool *clipped, iso_error *error) {
-    for (int i = 0; i < dabs->count; i++) ISO_TRY(list_dab(editor, dabs, &dabs->dab[i], clipped, error));
-    if (dabs->tool == ISO_TOOL_MOVE) ISO_TRY(list_told(editor, error));
+    for (int i = 0; i < dabs->count; i++)
+        ISO_TRY(list_dab_cells(editor, dabs, &dabs->dab[i], clipped, error));
+    if (dabs->tool == ISO_TOOL_MOVE) ISO_TRY(list_notified(editor, error));
     return iso_transaction_reserve(&editor->transaction, error);
 }
 
 /* ---- new values */
 
-typedef struct edit_pass {
+typedef struct brush_pass {
     iso_editor *editor;
     const iso_dabs *dabs;
-} edit_pass;
+} brush_pass;
 
-/* The floats of a cell as the warp sees them: MOVE, at the stroke's start; PINCH, now. */
+/* The values of a cell that a warp reads: for MOVE those when the step began, for PINCH the current ones. */
 static const float *source_of(const iso_editor *editor, iso_tool tool, uint32_t cell) {
     int32_t state = editor->transaction.grid->cell[cell];
     if (tool == ISO_TOOL_MOVE && editor->notified[cell] == editor->step) {
-        const float *kept = editor->opts.kept(editor->opts.observer.context, cell, &state);
-        if (kept) return kept;
+        const float *original = editor->opts.original(editor->opts.observer.context, cell, &state);
+        if (original) return original;
     }
     return iso_transaction_grid_values(&editor->transaction, state);
 }
 
-static int clamp_index(int value, int count) {
-    return value < 0 ? 0 : value >= count ? count - 1 : value;
-}
-
-/* One row of the window: voxels x0 .. x0 + count - 1 of row (y, z), repeated beyond the grid. */
-static void fill_row(const iso_editor *editor, iso_tool tool, const int first[3], int count, float *out) {
+/* Fills one row of a window with `count` voxels from `first` along x; the outermost voxels are repeated
+ * beyond the grid. */
+static void fill_window_row(const iso_editor *editor, iso_tool tool, const int first[3], int count,
+                            float *out) {
     const iso_hgrid *grid = editor->transaction.grid;
-    const int y = clamp_index(first[1], grid->dims[1]), z = clamp_index(first[2], grid->dims[2]);
-    for (int i = 0, run; i < count; i += run) {
-        const int x = clamp_index(first[0] + i, grid->dims[0]), at = x % ISO_BRICK;
+    const int y = iso_clamp_index(first[1], grid->dims[1]), z = iso_clamp_index(first[2], grid->dims[2]);
+    for (int i = 0, copied; i < count; i += copied) {
+        const int x = iso_clamp_index(first[0] + i, grid->dims[0]), at = x % ISO_BRICK;
         const size_t cell = iso_hgrid_cell_index(grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
         const float *row = source_of(editor, tool, (uint32_t)cell) + (z % ISO_BRICK) * ISO_BRICK_ROWS +
                            (y % ISO_BRICK) * ISO_BRICK;
-        run = x != first[0] + i ? 1 : ISO_BRICK - at < count - i ? ISO_BRICK - at : count - i;
-        memcpy(out + i, row + at, (size_t)run * sizeof *out);
+        copied = x != first[0] + i ? 1 : ISO_BRICK - at < count - i ? ISO_BRICK - at : count - i;
+        memcpy(out + i, row + at, (size_t)copied * sizeof *out);
     }
 }
 
-/* The box that the warp's positions need, one voxel to spare at the upper end. */
+/* The box of all voxels that interpolation at the warp's positions reads. */
 static void window_box(const iso_warp *warp, iso_field_window *window) {
     for (int axis = 0; axis < 3; axis++) {
         float low = warp->position[axis][0], high = low;
@@ -335,28 +336,28 @@ static void window_box(const iso_warp *warp, iso_field_window *window) {
     }
 }
 
-static bool is_large(const iso_field_window *window) {
+static bool window_is_too_large(const iso_field_window *window) {
     return (double)window->size[0] * window->size[1] * window->size[2] > WINDOW_MAX;
 }
 
-/* (as the kernels do it, to the bit) */
+/* The same arithmetic as the kernels', to the bit. */
 static float mix(float a, float b, float t) {
     return a * (1 - t) + b * t;
 }
 
-/* A voxel of the field as the warp sees it, the outermost ones repeated. */
+/* A voxel of the field that a warp reads; the outermost voxels are repeated beyond the grid. */
 static float value_at(const iso_editor *editor, iso_tool tool, const int at[3]) {
     const iso_hgrid *grid = editor->transaction.grid;
     int p[3];
-    for (int axis = 0; axis < 3; axis++) p[axis] = clamp_index(at[axis], grid->dims[axis]);
+    for (int axis = 0; axis < 3; axis++) p[axis] = iso_clamp_index(at[axis], grid->dims[axis]);
     const size_t cell = iso_hgrid_cell_index(grid, p[0] / ISO_BRICK, p[1] / ISO_BRICK, p[2] / ISO_BRICK);
     return source_of(editor, tool, (uint32_t)cell)[(p[2] % ISO_BRICK) * ISO_BRICK_ROWS +
                                                    (p[1] % ISO_BRICK) * ISO_BRICK + p[0] % ISO_BRICK];
 }
 
-/* What a kernel's `sample` makes of the window, without the window. */
-static void sample_far(const iso_editor *editor, iso_tool tool, const int brick[3], const iso_warp *warp,
-                       const iso_field_window *window, float *out) {
+/* The same result as the kernel's `sample`, without gathering a window. */
+static void sample_without_window(const iso_editor *editor, iso_tool tool, const int brick[3],
+                                  const iso_warp *warp, const iso_field_window *window, float *out) {
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
         float part[3], row[4];
         int first[3];
@@ -384,114 +385,116 @@ static bool fill_window(const iso_editor *editor, iso_tool tool, const int brick
         const int first[3] = {ISO_BRICK * brick[0] + window->lo[0],
                               ISO_BRICK * brick[1] + window->lo[1] + (int)(i % (size_t)window->size[1]),
                               ISO_BRICK * brick[2] + window->lo[2] + (int)(i / (size_t)window->size[1])};
-        fill_row(editor, tool, first, window->size[0], out + i * row);
+        fill_window_row(editor, tool, first, window->size[0], out + i * row);
     }
     return true;
 }
 
-static void warp_cell(const edit_pass *pass, iso_edit_cell *edit_cell, iso_worker *worker, float *out) {
+static void warp_cell(const brush_pass *pass, iso_edit_cell *edit_cell, iso_worker_scratch *scratch,
+                      float *out) {
     const iso_editor *editor = pass->editor;
     const iso_tool tool = pass->dabs->tool;
     edit_cell->source = source_of(editor, tool, edit_cell->cell);
-    if (!editor->transaction.dab->warp(pass->dabs, edit_cell->at, &worker->warp)) {
+    if (!editor->transaction.dab->warp(pass->dabs, edit_cell->at, &scratch->warp)) {
         memcpy(out, edit_cell->source, ISO_BRICK_VOXELS * sizeof(float));
         return;
     }
     iso_field_window window;
-    window_box(&worker->warp, &window);
-    if (is_large(&window))
-        sample_far(editor, tool, edit_cell->at, &worker->warp, &window, out);
-    else if (fill_window(editor, tool, edit_cell->at, &window, &worker->window))
-        editor->transaction.dab->sample(&worker->warp, &window, out);
+    window_box(&scratch->warp, &window);
+    if (window_is_too_large(&window))
+        sample_without_window(editor, tool, edit_cell->at, &scratch->warp, &window, out);
+    else if (fill_window(editor, tool, edit_cell->at, &window, &scratch->window))
+        editor->transaction.dab->sample(&scratch->warp, &window, out);
     else
-        worker->failed = true;
+        scratch->failed = true;
 }
 
-static void edit_job(void *context, size_t index, int worker) {
-    const edit_pass *pass = context;
+static void brush_cell(void *context, size_t index, int worker) {
+    const brush_pass *pass = context;
     iso_transaction *transaction = &pass->editor->transaction;
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
-    float *out = iso_transaction_scratch(transaction, worker);
+    float *out = iso_transaction_scratch_brick(transaction, worker);
     if (iso_tool_is_warp(pass->dabs->tool))
         warp_cell(pass, edit_cell, &transaction->workers[worker], out);
     else {
-        /* Neighbours must be the grid's, not values that are being made: the brush reads the field before. */
+        /* The brush reads the field before the touch: other threads are editing the neighbours' new values.
+         */
         iso_stencil stencil;
         iso_transaction_stencil(transaction, ISO_TRANSACTION_GRID, index, transaction->workers[worker].border,
                                 &stencil);
         transaction->dab->edit(pass->dabs, edit_cell->at, &stencil, out);
     }
-    iso_transaction_mark_edited(transaction, index, worker);
+    iso_transaction_accept_scratch(transaction, index, worker);
 }
 
 /* ---- a touch */
 
-/* Tells the keeper of cells that are about to be written. */
-static iso_status tell(iso_editor *editor, iso_error *error) {
+/* Notifies the observer of the cells that are about to be written for the first time in this step. */
+static iso_status notify_observer(iso_editor *editor, iso_error *error) {
     const iso_write_observer *observer = &editor->opts.observer;
     if (!observer->before) return ISO_OK;
     for (size_t i = 0; i < editor->transaction.cell_count; i++) {
         const iso_edit_cell *edit_cell = iso_transaction_cell(&editor->transaction, i);
         if (!edit_cell->edited || editor->notified[edit_cell->cell] == editor->step) continue;
-        size_t bytes = editor->list_count * sizeof(uint32_t);
-        ISO_TRY(iso_buffer_reserve(&editor->list, bytes + sizeof(uint32_t), bytes, error));
+        size_t bytes = editor->notified_count * sizeof(uint32_t);
+        ISO_TRY(iso_buffer_reserve(&editor->notified_cells, bytes + sizeof(uint32_t), bytes, error));
         const float *brick =
             edit_cell->state >= 0 ? iso_hgrid_brick(editor->transaction.grid, edit_cell->state) : NULL;
         ISO_TRY(observer->before(observer->context, edit_cell->cell, edit_cell->state, brick, error));
-        ((uint32_t *)editor->list.data)[editor->list_count++] = edit_cell->cell;
+        ((uint32_t *)editor->notified_cells.data)[editor->notified_count++] = edit_cell->cell;
         editor->notified[edit_cell->cell] = editor->step;
     }
     return ISO_OK;
 }
 
-static iso_status finish(iso_editor *editor, iso_edit_stats *stats, iso_error *error) {
+static iso_status commit_changes(iso_editor *editor, iso_edit_stats *stats, iso_error *error) {
     iso_transaction *transaction = &editor->transaction;
     bool any;
     iso_transaction_compare(transaction, &any);
     if (!any) return ISO_OK;
-    ISO_TRY(tell(editor, error));
+    ISO_TRY(notify_observer(editor, error));
     return iso_transaction_commit(transaction, stats, error);
 }
 
-/* The end of the band that an exact solid shares with what it is united with, or cut from; 0 when the tool or
- * the solid leaves no distances of its own. */
-static float away_side(const iso_dabs *dabs) {
-    if (dabs->count > 1 || dabs->shape == ISO_SOLID_STAMP) return 0;
+/* The value of iso_changed_stencil.far_value: the end of the band that is right on both sides of a seam. 0 if
+ * the edit does not leave exact distances to one solid. */
+static float far_value_of(const iso_dabs *dabs) {
+    if (dabs->count > 1 || dabs->solid == ISO_SOLID_STAMP) return 0;
     return dabs->tool == ISO_TOOL_ADD ? dabs->band : dabs->tool == ISO_TOOL_CARVE ? -dabs->band : 0;
 }
 
 static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit_stats *stats,
                               iso_error *error) {
     iso_transaction *transaction = &editor->transaction;
-    edit_pass pass = {.editor = editor, .dabs = dabs};
+    brush_pass pass = {.editor = editor, .dabs = dabs};
     ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
-    editor->done += (double)transaction->cell_count * cell_work(dabs);
-    transaction->far_value = away_side(dabs);
-    transaction->band_damaged =
-        dabs->tool == ISO_TOOL_MOVE; /* it draws out, and presses together, as far as the hand goes */
-    iso_parallel_for(transaction->pool, transaction->cell_count, edit_job, &pass);
+    editor->cost += (double)transaction->cell_count * cell_cost(dabs);
+    transaction->far_value = far_value_of(dabs);
+    transaction->band_damaged = dabs->tool == ISO_TOOL_MOVE; /* it stretches and compresses without limit */
+    iso_parallel_for(transaction->pool, transaction->cell_count, brush_cell, &pass);
     if (iso_transaction_failed(transaction))
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a touch of the brush");
     bool any;
-    ISO_TRY(iso_transaction_finalize(transaction, editor->iterations > 0, &any, error));
+    ISO_TRY(iso_transaction_end_brush(transaction, editor->iterations > 0, &any, error));
     if (!any) return ISO_OK;
     for (size_t i = 0; i < transaction->cell_count; i++)
         stats->edited += iso_transaction_cell(transaction, i)->edited;
     stats->redistanced += transaction->cell_count;
-    editor->done += (double)transaction->cell_count * (transaction->band_damaged ? 3 : 1);
+    editor->cost += (double)transaction->cell_count * (transaction->band_damaged ? 3 : 1);
     bool blends = dabs->tool == ISO_TOOL_BLEND_ADD || dabs->tool == ISO_TOOL_BLEND_CARVE;
     if (editor->iterations > 0)
-        ISO_TRY(iso_transaction_redistance(transaction,
-                                           transaction->band_damaged ? TORN_ITERATIONS : editor->iterations,
-                                           blends || !iso_tool_is_set_operation(dabs->tool), error));
-    return finish(editor, stats, error);
+        ISO_TRY(iso_transaction_redistance(
+            transaction, transaction->band_damaged ? DAMAGED_BAND_ITERATIONS : editor->iterations,
+            blends || !iso_tool_is_set_operation(dabs->tool), error));
+    return commit_changes(editor, stats, error);
 }
 
 /* ---- masking */
 
-/* The voxels of a cell inside the dab's radius; whether any changes. */
+/* Sets (MASK) or clears (UNMASK) the bits of a cell's voxels within the dab's radius; returns whether any
+ * changed. */
 static bool mask_cell(iso_voxel_bits *bits, const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
-    const double radius = (double)dabs->radius;
+    const double radius_voxels = (double)dabs->radius_voxels;
     bool any = false;
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
         const int voxel[3] = {i % ISO_BRICK, i / ISO_BRICK % ISO_BRICK, i / ISO_BRICK_ROWS};
@@ -500,7 +503,7 @@ static bool mask_cell(iso_voxel_bits *bits, const iso_dabs *dabs, const iso_dab 
             double d = ISO_BRICK * (double)at[axis] + voxel[axis] - dab->centre[axis];
             square += d * d;
         }
-        if (square > radius * radius) continue;
+        if (square > radius_voxels * radius_voxels) continue;
         const uint16_t bit = (uint16_t)(1u << voxel[0]), old = bits->row[i / ISO_BRICK];
         bits->row[i / ISO_BRICK] = (uint16_t)(dabs->tool == ISO_TOOL_MASK ? old | bit : old & ~bit);
         any |= bits->row[i / ISO_BRICK] != old;
@@ -517,9 +520,9 @@ static iso_status touch_mask_cell(iso_editor *editor, const iso_dabs *dabs, cons
     iso_voxel_bits bits = {{0}};
     if (before) bits = *before;
     if (!mask_cell(&bits, dabs, dab, at)) return ISO_OK;
-    if (observer->mask_before && editor->mask_told[cell] != editor->step)
+    if (observer->mask_before && editor->mask_notified[cell] != editor->step)
         ISO_TRY(observer->mask_before(observer->context, cell, before, error));
-    editor->mask_told[cell] = editor->step;
+    editor->mask_notified[cell] = editor->step;
     return iso_mask_set(mask, cell, &bits, error);
 }
 
@@ -527,7 +530,7 @@ static iso_status touch_mask(iso_editor *editor, const iso_dabs *dabs, iso_error
     for (int i = 0; i < dabs->count; i++) {
         int lo[3], hi[3], at[3];
         cell_range(editor, dabs, &dabs->dab[i], lo, hi);
-        editor->done += range_cells(lo, hi);
+        editor->cost += range_cells(lo, hi);
         for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
             for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
                 for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++)
@@ -547,7 +550,7 @@ static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, 
             return iso_fail(error, ISO_ERR_USAGE, "a sample at (%g, %g, %g) with pressure %g", s->position.x,
                             s->position.y, s->position.z, s->pressure);
     }
-    if (brush->tool == ISO_TOOL_MOVE && !editor->opts.kept)
+    if (brush->tool == ISO_TOOL_MOVE && !editor->opts.original)
         return iso_fail(error, ISO_ERR_USAGE, "move needs a step that keeps what it changes");
     if (brush->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(brush->tool) && !editor->opts.stamp)
         return iso_fail(error, ISO_ERR_USAGE, "a stamp needs a shape of its own");
@@ -563,52 +566,52 @@ iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const is
     iso_status status = ISO_OK;
     if (brush->tool == ISO_TOOL_MASK || brush->tool == ISO_TOOL_UNMASK)
         status = touch_mask(editor, &dabs, error);
-    else if (dabs.radius > 0) /* (no pressure: nothing) */
+    else if (dabs.radius_voxels > 0) /* it is 0 without pressure */
         status = touch_field(editor, &dabs, &made, error);
     iso_transaction_clear(&editor->transaction);
     if (status == ISO_OK && stats) *stats = made;
     return status;
 }
 
-double iso_editor_work(const iso_editor *editor) {
-    return editor->done;
+double iso_editor_cost(const iso_editor *editor) {
+    return editor->cost;
 }
 
-static void crease_job(void *context, size_t index, int worker) {
+static void correct_creases(void *context, size_t index, int worker) {
     iso_editor *editor = context;
     iso_transaction *transaction = &editor->transaction;
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
-    iso_worker *own = &transaction->workers[worker];
+    iso_worker_scratch *scratch = &transaction->workers[worker];
     enum { M = ISO_CREASE_MARGIN, SIDE = ISO_CREASE_SIDE };
     iso_field_window window = {.lo = {-M, -M, -M}, .size = {SIDE, SIDE, SIDE}};
-    own->failed |= !fill_window(editor, ISO_TOOL_ADD, edit_cell->at, &window, &own->window);
-    if (own->failed) return;
-    own->failed = iso_crease_correct(window.values, transaction->grid->band, &own->crossings,
-                                     iso_transaction_scratch(transaction, worker)) != ISO_OK;
-    if (!own->failed) iso_transaction_mark_edited(transaction, index, worker);
+    scratch->failed |= !fill_window(editor, ISO_TOOL_ADD, edit_cell->at, &window, &scratch->window);
+    if (scratch->failed) return;
+    scratch->failed = iso_crease_correct(window.values, transaction->grid->band, &scratch->crossings,
+                                         iso_transaction_scratch_brick(transaction, worker)) != ISO_OK;
+    if (!scratch->failed) iso_transaction_accept_scratch(transaction, index, worker);
 }
 
-static iso_status settle_cells(iso_editor *editor, iso_error *error) {
+static iso_status finalize_cells(iso_editor *editor, iso_error *error) {
     iso_transaction *transaction = &editor->transaction;
     bool any;
-    ISO_TRY(list_told(editor, error));
+    ISO_TRY(list_notified(editor, error));
     ISO_TRY(iso_transaction_reserve(transaction, error));
-    iso_parallel_for(transaction->pool, transaction->cell_count, crease_job, editor);
+    iso_parallel_for(transaction->pool, transaction->cell_count, correct_creases, editor);
     if (iso_transaction_failed(transaction))
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stroke's end");
-    editor->done += 4 * (double)transaction->cell_count;
-    ISO_TRY(iso_transaction_finalize(transaction, false, &any, error));
+    editor->cost += 4 * (double)transaction->cell_count;
+    ISO_TRY(iso_transaction_end_brush(transaction, false, &any, error));
     iso_edit_stats stats = {0};
-    return any ? finish(editor, &stats, error) : ISO_OK;
+    return any ? commit_changes(editor, &stats, error) : ISO_OK;
 }
 
 iso_status iso_editor_finalize(iso_editor *editor, iso_error *error) {
-    iso_status status = settle_cells(editor, error);
+    iso_status status = finalize_cells(editor, error);
     iso_transaction_clear(&editor->transaction);
     return status;
 }
 
-/* All that is not frozen. */
+/* Marks every voxel that is not frozen as changed. */
 static void change_all(const iso_transaction *transaction, iso_edit_cell *edit_cell) {
     const iso_voxel_bits *masked = iso_mask_bits(&transaction->mask, edit_cell->cell);
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
@@ -623,7 +626,7 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_p
     for (size_t cell = 0; cell < iso_hgrid_cell_count(transaction->grid) && status == ISO_OK; cell++) {
         int at[3];
         if (transaction->grid->cell[cell] < 0) continue;
-        cell_position(transaction->grid, (uint32_t)cell, at);
+        iso_hgrid_cell_position(transaction->grid, (size_t)cell, at);
         status = iso_transaction_add(transaction, at, true, error);
     }
     for (size_t i = 0; i < transaction->cell_count; i++)
@@ -631,7 +634,7 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_p
     transaction->progress = progress;
     if (status == ISO_OK) status = iso_transaction_redistance(transaction, iterations, true, error);
     iso_edit_stats stats = {0};
-    if (status == ISO_OK) status = finish(editor, &stats, error);
+    if (status == ISO_OK) status = commit_changes(editor, &stats, error);
     iso_transaction_clear(transaction);
     return status;
 }

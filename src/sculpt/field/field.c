@@ -1,11 +1,12 @@
-/* A field to sculpt, made of any grid. */
+/* Conversion of a grid to a level set for sculpting: a level set is copied, anything else is resampled by
+ * grids/level_set.h and redistanced. */
 #include "sculpt/field/field.h"
 
 #include <math.h>
 
 #include "sculpt/field/edit.h"
 
-/* Redistancing steps that fill the band. */
+/* Redistancing steps (0.45 voxel each) that fill the whole band. */
 enum { ITERATIONS = 16 };
 
 static bool has_cubes(const iso_hgrid *grid) {
@@ -13,8 +14,8 @@ static bool has_cubes(const iso_hgrid *grid) {
     return fabs(s[0] - s[1]) <= 1e-6 * s[0] && fabs(s[0] - s[2]) <= 1e-6 * s[0];
 }
 
-/* Bit for bit, in whole bricks and with room around. */
-static iso_status take_level_set(const iso_hgrid *from, iso_hgrid **grid, iso_error *error) {
+/* Copies bit by bit, adds the margin and rounds the size up to whole bricks. */
+static iso_status copy_level_set(const iso_hgrid *from, iso_hgrid **grid, iso_error *error) {
     const int offset[3] = {ISO_FIELD_MARGIN, ISO_FIELD_MARGIN, ISO_FIELD_MARGIN};
     int dims[3];
     for (int axis = 0; axis < 3; axis++)
@@ -35,8 +36,8 @@ iso_status iso_field_redistance(iso_hgrid *grid, iso_pool *pool, const iso_progr
     return status;
 }
 
-static iso_status sample(const char *name, const iso_grid *from, const iso_resampling *asked,
-                         iso_hgrid **grid, iso_error *error) {
+static iso_status sample_volume(const char *name, const iso_grid *from, const iso_resampling *asked,
+                                iso_hgrid **grid, iso_error *error) {
     const iso_progress progress = iso_progress_part(asked->progress, 0, 0.5);
     iso_resampling how = *asked;
     how.margin = ISO_FIELD_MARGIN;
@@ -48,10 +49,10 @@ iso_status iso_field_from_grid(const char *name, const iso_grid *from, const iso
                                iso_hgrid **grid, iso_error *error) {
     const iso_resampling *how = &opts->resampling;
     const iso_hgrid *sparse = from->hgrid;
-    const double own = sparse ? sparse->transform.spacing[0] : 0;
-    const bool as_it_is =
-        sparse && has_cubes(sparse) && (how->voxel <= 0 || how->voxel == own) && how->isovalue == 0;
-    ISO_TRY(as_it_is ? take_level_set(sparse, grid, error) : sample(name, from, how, grid, error));
+    const double own_voxel = sparse ? sparse->transform.spacing[0] : 0;
+    const bool is_copied =
+        sparse && has_cubes(sparse) && (how->voxel <= 0 || how->voxel == own_voxel) && how->isovalue == 0;
+    ISO_TRY(is_copied ? copy_level_set(sparse, grid, error) : sample_volume(name, from, how, grid, error));
     const iso_progress progress = iso_progress_part(how->progress, 0.5, 1);
-    return as_it_is && !opts->damaged ? ISO_OK : iso_field_redistance(*grid, how->pool, &progress, error);
+    return is_copied && !opts->damaged ? ISO_OK : iso_field_redistance(*grid, how->pool, &progress, error);
 }

@@ -1,4 +1,4 @@
-/* field: a field to sculpt, made of any grid. */
+/* field: makes a level set that can be sculpted from any grid. */
 #ifndef ISO_SCULPT_FIELD_FIELD_H
 #define ISO_SCULPT_FIELD_FIELD_H
 
@@ -10,23 +10,23 @@
 extern "C" {
 #endif
 
-/* Voxels of room around, for what will be added. */
+/* Empty voxels added on each side of the source's box, as room for what will be sculpted onto it. */
 enum { ISO_FIELD_MARGIN = 32 };
 
 typedef struct iso_field_opts {
-    iso_resampling resampling; /* its margin is not read */
-    bool damaged;              /* voxels of a level set were written: they are no distances any more */
+    iso_resampling resampling; /* `margin` is ignored: it is ISO_FIELD_MARGIN */
+    bool damaged; /* a level set whose voxels were written: its values are no distances any more */
 } iso_field_opts;
 
-/* The solid of a grid as a distance field, with ISO_FIELD_MARGIN voxels of room around. A level set of cubic
- * voxels is taken bit by bit, when it is not to be moved (isovalue 0) or sampled at another voxel size, and
- * made a distance field only when it is damaged; anything else is sampled and made one. `name` is for
- * messages. As iso_level_set_from_grid, and ISO_ERR_NOMEM. */
+/* Converts the solid of a grid to a signed distance field with ISO_FIELD_MARGIN voxels of room on each side.
+ * A level set with cubic voxels is copied bit by bit when neither its isovalue (0) nor its voxel size
+ * changes, and redistanced only if it is `damaged`; any other grid is resampled and redistanced. `name` is
+ * used in messages. The caller owns *grid. Errors: those of iso_level_set_from_grid, and ISO_ERR_NOMEM. */
 iso_status iso_field_from_grid(const char *name, const iso_grid *from, const iso_field_opts *opts,
                                iso_hgrid **grid, iso_error *error);
 
-/* Makes all of a field's narrow band distances again. The grid is destroyed by a failure. `pool` may be NULL.
- * Cancelled: ISO_ERR_IO. */
+/* Recomputes the distances of the whole narrow band. Destroys the grid when it fails. `pool` may be NULL.
+ * ISO_ERR_IO: cancelled through `progress`. */
 iso_status iso_field_redistance(iso_hgrid *grid, iso_pool *pool, const iso_progress *progress,
                                 iso_error *error);
 

@@ -1,3 +1,4 @@
+/* The bits of frozen voxels, allocated for the cells that have any. */
 #include "sculpt/field/mask.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* mask: the frozen region of a field: a bit a voxel, by cells; cells in which nothing is frozen have none.
+/* mask: the frozen voxels of a field, as one bit a voxel. Bits exist only for cells with a frozen voxel.
  * Internal to sculpt. */
 #ifndef ISO_SCULPT_FIELD_MASK_H
 #define ISO_SCULPT_FIELD_MASK_H
@@ -12,7 +12,7 @@
 
 enum { ISO_BRICK_ROWS = ISO_BRICK * ISO_BRICK };
 
-/* Bits of a brick's voxels, one word a row of x. */
+/* One bit for each voxel of a brick: bit x of row z * 16 + y. */
 typedef struct iso_voxel_bits {
     uint16_t row[ISO_BRICK_ROWS];
 } iso_voxel_bits;
@@ -20,21 +20,25 @@ typedef struct iso_voxel_bits {
 /* Zero-initialise; iso_mask_free when done. */
 typedef struct iso_mask {
     iso_voxel_bits **cell; /* by the grid's cells; NULL: nothing is frozen there */
-    size_t cells, used;    /* used: cells that have bits */
+    size_t cells;          /* cells of the grid */
+    size_t used;           /* cells that have bits */
 } iso_mask;
 
+/* ISO_ERR_NOMEM. */
 iso_status iso_mask_init(iso_mask *mask, size_t cells, iso_error *error);
 void iso_mask_free(iso_mask *mask);
+/* Unfreezes everything. */
 void iso_mask_clear(iso_mask *mask);
 
-/* NULL: none. */
+/* NULL: nothing is frozen in the cell. */
 static inline const iso_voxel_bits *iso_mask_bits(const iso_mask *mask, size_t cell) {
     return mask->cell[cell];
 }
 
-/* Storage for a cell's bits, so that setting them cannot fail; none is set. */
+/* Allocates a cell's bits, all 0 if it had none, so that iso_mask_set cannot fail. ISO_ERR_NOMEM. */
 iso_status iso_mask_reserve(iso_mask *mask, size_t cell, iso_error *error);
-/* Copies the bits; NULL, or none set, frees the cell. ISO_ERR_NOMEM leaves the mask as it was. */
+/* Copies the bits; NULL, or bits that are all 0, frees those of the cell. ISO_ERR_NOMEM: the mask is as
+ * before. */
 iso_status iso_mask_set(iso_mask *mask, size_t cell, const iso_voxel_bits *bits, iso_error *error);
 
 #endif

@@ -1,40 +1,41 @@
+/* Limits distances on both sides of a surface that a brush has brought up to frozen voxels. */
 #include "sculpt/field/mask_boundary.h"
 
 #include <math.h>
 
 static const float HALF = 0.5f; /* of an edge, in voxels */
 
-/* A voxel of an edited job. */
-typedef struct wall_voxel {
+/* A voxel of an edit cell, given by its index. */
+typedef struct boundary_voxel {
     uint32_t edit_cell;
     uint16_t at;
-} wall_voxel;
+} boundary_voxel;
 
-typedef struct place {
-    uint32_t cell, edit_cell; /* job: 1 + its number, 0: none */
-    int at;
-} place;
+typedef struct voxel_ref {
+    uint32_t cell, edit_cell; /* the grid's cell; 1 + the index of its edit cell, 0: not listed */
+    int at;                   /* offset in the brick */
+} voxel_ref;
 
 static bool is_bit(const iso_voxel_bits *bits, int at) {
     return bits->row[at / ISO_BRICK] >> at % ISO_BRICK & 1;
 }
 
-static bool is_masked(const iso_transaction *transaction, const place *p) {
+static bool is_masked(const iso_transaction *transaction, const voxel_ref *p) {
     const iso_voxel_bits *bits = iso_mask_bits(&transaction->mask, p->cell);
     return bits && is_bit(bits, p->at);
 }
 
-static bool is_changed(const iso_transaction *transaction, const place *p) {
+static bool is_changed(const iso_transaction *transaction, const voxel_ref *p) {
     return p->edit_cell && is_bit(&iso_transaction_cell(transaction, p->edit_cell - 1)->changed, p->at);
 }
 
-static float value_of(const iso_transaction *transaction, const place *p) {
+static float value_of(const iso_transaction *transaction, const voxel_ref *p) {
     return p->edit_cell ? iso_transaction_values(transaction, p->edit_cell - 1)[p->at]
                         : iso_transaction_grid_values(transaction, transaction->grid->cell[p->cell])[p->at];
 }
 
-/* The voxel across `face`, -x, +x, -y ...; false beyond the grid. */
-static bool beside(const iso_transaction *transaction, const place *p, int face, place *out) {
+/* The voxel beyond a face (-x, +x, -y, +y, -z, +z); false outside the grid. */
+static bool beside(const iso_transaction *transaction, const voxel_ref *p, int face, voxel_ref *out) {
     const int axis = face / 2, step = axis == 0 ? 1 : axis == 1 ? ISO_BRICK : ISO_BRICK_ROWS;
     const int *cells = transaction->grid->cells, up = face % 2, at = p->at / step % ISO_BRICK;
     *out = *p;
@@ -46,35 +47,37 @@ static bool beside(const iso_transaction *transaction, const place *p, int face,
     const int cell = (int)(p->cell / stride % (uint32_t)cells[axis]);
     if (cell == (up ? cells[axis] - 1 : 0)) return false;
     out->cell = up ? p->cell + stride : p->cell - stride;
-    out->edit_cell = transaction->cell_of[out->cell];
+    out->edit_cell = transaction->edit_cell_of[out->cell];
     out->at -= (up ? 1 : -1) * (ISO_BRICK - 1) * step;
     return true;
 }
 
-/* The voxel across `face` when it is on the surface's other side. */
-static bool across(const iso_transaction *transaction, const place *p, int face, place *out) {
+/* As beside; false also when the voxel is on the same side of the surface. */
+static bool across(const iso_transaction *transaction, const voxel_ref *p, int face, voxel_ref *out) {
     return beside(transaction, p, face, out) &&
            (value_of(transaction, p) < 0) != (value_of(transaction, out) < 0);
 }
 
-static bool wall_across(const iso_transaction *transaction, const place *changed, int face, place *frozen) {
+static bool frozen_across(const iso_transaction *transaction, const voxel_ref *changed, int face,
+                          voxel_ref *frozen) {
     return across(transaction, changed, face, frozen) && is_masked(transaction, frozen);
 }
 
-/* How far a changed voxel can be from the surface; *wall: whether a frozen one is across it. */
-static float bound_changed(const iso_transaction *transaction, const place *changed, bool *mask_boundary) {
+/* The largest distance that a changed voxel can have; *limited: whether a frozen voxel lies across the
+ * surface. */
+static float bound_changed(const iso_transaction *transaction, const voxel_ref *changed, bool *limited) {
     float most = fabsf(value_of(transaction, changed));
-    place frozen;
-    *mask_boundary = false;
+    voxel_ref frozen;
+    *limited = false;
     for (int face = 0; face < 6; face++) {
-        if (!wall_across(transaction, changed, face, &frozen)) continue;
-        *mask_boundary = true;
+        if (!frozen_across(transaction, changed, face, &frozen)) continue;
+        *limited = true;
         most = fminf(most, fmaxf(1 - fabsf(value_of(transaction, &frozen)), HALF));
     }
     return most;
 }
 
-bool iso_mask_boundary_near(const iso_transaction *transaction) {
+bool iso_mask_boundary_any_frozen(const iso_transaction *transaction) {
     for (size_t i = 0; i < transaction->cell_count && transaction->mask.used; i++) {
         const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, i);
         for (int k = 0; k < 27 && edit_cell->edited; k++) {
@@ -91,10 +94,10 @@ bool iso_mask_boundary_near(const iso_transaction *transaction) {
     return false;
 }
 
-/* Voxels of a row that have a frozen one across a face. */
+/* The voxels of a row that have a frozen face neighbour. */
 static uint32_t beside_frozen(const iso_transaction *transaction, uint32_t cell, int row) {
     uint32_t bits = 0;
-    place from = {.cell = cell}, to;
+    voxel_ref from = {.cell = cell}, to;
     for (int face = 0; face < 6; face++) {
         const int end = face == 1 ? ISO_BRICK - 1 : 0;
         from.at = row * ISO_BRICK + end;
@@ -116,21 +119,22 @@ static iso_status find_in_row(iso_transaction *transaction, uint32_t number, int
     if (!edit_cell->changed.row[row]) return ISO_OK;
     uint32_t bits = edit_cell->changed.row[row] & beside_frozen(transaction, edit_cell->cell, row);
     for (; bits; bits &= bits - 1) {
-        const place changed = {edit_cell->cell, number + 1, row * ISO_BRICK + __builtin_ctz(bits)};
-        bool mask_boundary;
-        const float most = bound_changed(transaction, &changed, &mask_boundary);
-        if (!mask_boundary) continue;
-        const size_t bytes = transaction->mask_boundary_count * sizeof(wall_voxel);
-        ISO_TRY(iso_buffer_reserve(&transaction->mask_boundaries, bytes + sizeof(wall_voxel), bytes, error));
-        ((wall_voxel *)transaction->mask_boundaries.data)[transaction->mask_boundary_count++] =
-            (wall_voxel){number, (uint16_t)changed.at};
+        const voxel_ref changed = {edit_cell->cell, number + 1, row * ISO_BRICK + __builtin_ctz(bits)};
+        bool limited;
+        const float most = bound_changed(transaction, &changed, &limited);
+        if (!limited) continue;
+        const size_t bytes = transaction->mask_boundary_count * sizeof(boundary_voxel);
+        ISO_TRY(
+            iso_buffer_reserve(&transaction->mask_boundaries, bytes + sizeof(boundary_voxel), bytes, error));
+        ((boundary_voxel *)transaction->mask_boundaries.data)[transaction->mask_boundary_count++] =
+            (boundary_voxel){number, (uint16_t)changed.at};
         float *value = &edit_cell->own[0][changed.at];
         *value = *value < 0 ? -most : most;
     }
     return ISO_OK;
 }
 
-iso_status iso_mask_boundary_find(iso_transaction *transaction, iso_error *error) {
+iso_status iso_mask_boundary_limit_changed(iso_transaction *transaction, iso_error *error) {
     transaction->mask_boundary_count = 0;
     for (uint32_t edit_cell = 0; edit_cell < transaction->cell_count; edit_cell++)
         for (int row = 0; row < ISO_BRICK_ROWS; row++)
@@ -138,23 +142,25 @@ iso_status iso_mask_boundary_find(iso_transaction *transaction, iso_error *error
     return ISO_OK;
 }
 
-/* Whether a frozen voxel is at a surface that the brush left where it is. */
-static bool is_held(const iso_transaction *transaction, const place *frozen) {
-    place other;
+/* Whether the surface passes between a frozen voxel and a voxel that the brush did not change. */
+static bool is_at_unchanged_surface(const iso_transaction *transaction, const voxel_ref *frozen) {
+    voxel_ref other;
     for (int face = 0; face < 6; face++)
         if (across(transaction, frozen, face, &other) && !is_changed(transaction, &other)) return true;
     return false;
 }
 
-void iso_mask_boundary_close(iso_transaction *transaction) {
+void iso_mask_boundary_limit_frozen(iso_transaction *transaction) {
     for (size_t i = 0; i < transaction->mask_boundary_count; i++) {
-        const wall_voxel *mask_boundary = (const wall_voxel *)transaction->mask_boundaries.data + i;
-        const place changed = {iso_transaction_cell(transaction, mask_boundary->edit_cell)->cell,
-                               mask_boundary->edit_cell + 1, mask_boundary->at};
+        const boundary_voxel *voxel = (const boundary_voxel *)transaction->mask_boundaries.data + i;
+        const voxel_ref changed = {iso_transaction_cell(transaction, voxel->edit_cell)->cell,
+                                   voxel->edit_cell + 1, voxel->at};
         const float left = 1 - fabsf(value_of(transaction, &changed));
-        place frozen;
+        voxel_ref frozen;
         for (int face = 0; face < 6; face++) {
-            if (!wall_across(transaction, &changed, face, &frozen) || is_held(transaction, &frozen)) continue;
+            if (!frozen_across(transaction, &changed, face, &frozen) ||
+                is_at_unchanged_surface(transaction, &frozen))
+                continue;
             const float value = value_of(transaction, &frozen);
             if (fabsf(value) <= left) continue;
             iso_transaction_own_values(transaction, frozen.edit_cell - 1)[frozen.at] =
@@ -163,7 +169,7 @@ void iso_mask_boundary_close(iso_transaction *transaction) {
     }
 }
 
-/* Voxels of a job and SPREAD on each side: bit x + SPREAD of row[z + SPREAD][y + SPREAD]. */
+/* The voxels of a cell and SPREAD more on each side: bit x + SPREAD of row[z + SPREAD][y + SPREAD]. */
 enum { SPREAD = ISO_TRANSACTION_SPREAD, WIDE = ISO_BRICK + 2 * SPREAD };
 typedef struct surroundings {
     uint32_t row[WIDE][WIDE];
@@ -183,7 +189,7 @@ static void add_changed(const iso_voxel_bits *changed, const int side[3], surrou
         }
 }
 
-/* Bits of rows within SPREAD of row `at`, `step` apart. */
+/* The union of the rows up to SPREAD before and after row `at`; rows lie `step` words apart. */
 static uint32_t spread_rows(const uint32_t *rows, int at, int step) {
     uint32_t bits = 0;
     for (int i = at - SPREAD; i <= at + SPREAD; i++) bits |= rows[i * step];

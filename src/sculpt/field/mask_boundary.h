@@ -1,25 +1,27 @@
-/* wall: where a brush builds up against frozen voxels, or digs up to them.
+/* mask_boundary: limits distances where a brush builds up against frozen voxels, or digs up to them.
  *
- * A frozen voxel stays on its side of the surface. Beside one that the brush has brought to the other side
- * the surface is cut off; what either held was the distance to something else, up to the band's end. Both
- * become what distances there can be: together no longer than the edge between them, the surface half-way
- * where neither is nearer. Internal to sculpt. */
+ * A frozen voxel stays on its side of the surface. When the brush carries the voxel beside it to the other
+ * side, a new surface appears between the two, but their values are still distances to other parts of the
+ * surface, up to the band. Both are reduced to distances that are possible there: their sum is at most the
+ * length of the edge between them, and the surface lies half-way where neither was nearer. Internal to
+ * sculpt. */
 #ifndef ISO_SCULPT_FIELD_MASK_BOUNDARY_H
 #define ISO_SCULPT_FIELD_MASK_BOUNDARY_H
 
 #include "sculpt/field/transaction.h"
 
-/* Whether any voxel is frozen in the edited jobs' cells or in those around them. */
-bool iso_mask_boundary_near(const iso_transaction *transaction);
+/* Whether any voxel is frozen in the edited cells or in the cells around them. */
+bool iso_mask_boundary_any_frozen(const iso_transaction *transaction);
 
-/* After the brush, before redistancing: first the voxels that the brush changed, which are noted in
- * work->walls; then, when all cells around are jobs, the frozen ones beside them. Those between which and an
- * unchanged voxel the surface passes keep their value, to the bit. ISO_ERR_NOMEM. */
-iso_status iso_mask_boundary_find(iso_transaction *transaction, iso_error *error);
-void iso_mask_boundary_close(iso_transaction *transaction);
+/* The two calls come after the brush and before redistancing. The first limits voxels that the brush changed
+ * and that have a frozen voxel across the surface, and remembers them in transaction->mask_boundaries
+ * (ISO_ERR_NOMEM). The second limits the frozen voxels beside those, when all cells around are listed. A
+ * frozen voxel with the surface between it and an unchanged voxel keeps its value, to the bit. */
+iso_status iso_mask_boundary_limit_changed(iso_transaction *transaction, iso_error *error);
+void iso_mask_boundary_limit_frozen(iso_transaction *transaction);
 
-/* Voxels of a job whose distance what the brush changed can have changed: frozen ones beyond stay as they
- * are. */
+/* Marks the voxels of a cell within ISO_TRANSACTION_SPREAD voxels, along each axis, of a voxel that the brush
+ * changed: only their distances can change. */
 void iso_mask_boundary_influence(const iso_transaction *transaction, const iso_edit_cell *edit_cell,
                                  iso_voxel_bits *reached);
 

@@ -1,3 +1,4 @@
+/* Instantiates the redistancing kernels (redistance_body.inc) for each instruction set and selects one. */
 #include "sculpt/field/redistance.h"
 
 #define ISO_KERNEL_BODY "sculpt/field/redistance_body.inc"

@@ -1,12 +1,13 @@
-/* redistance: the kernels that make a clamped field a distance field again, brick by brick.
+/* redistance: kernels that turn a clamped field into a distance field, brick by brick.
  *
- * The equation u_t = sign(phi) (1 - |grad u|) is stepped explicitly (Sussman, Smereka and Osher 1994) with
- * Godunov's upwind differences of second order (ENO2, min-mod of second differences), Jacobi across bricks:
- * what a step makes depends on the step before only, so neither the order of bricks nor threads change a bit.
- * Voxels beside the interface (a face neighbour has the other sign) keep their value; before the first step
- * they are either left as they are, so that the zero set moves by no bit, or, where a deformation changed
- * them, divided by the gradient's length (Russo and Smereka 2000) and then corrected so that the crossings on
- * the edges keep their ratios (Hartmann, Meinke and Schroeder 2010, CR-2). Internal to sculpt. */
+ * The equation u_t = sign(phi) (1 - |grad u|) is integrated explicitly (Sussman, Smereka and Osher 1994) with
+ * Godunov's upwind differences of second order (ENO2: min-mod of second differences). The iteration is
+ * Jacobi: a step reads only values of the step before, so the order of bricks and threads does not change a
+ * bit. Voxels beside the interface (a face neighbour has the other sign) are fixed during the steps. Before
+ * the first step they are either left alone, so that the zero set does not move, or, where a deformation
+ * changed them, divided by the length of the gradient (Russo and Smereka 2000) and corrected so that the
+ * crossings on the edges keep their ratios (scheme CR-2 of Hartmann, Meinke and Schroeder 2010). All values
+ * are in voxels. Internal to sculpt. */
 #ifndef ISO_SCULPT_FIELD_REDISTANCE_H
 #define ISO_SCULPT_FIELD_REDISTANCE_H
 
@@ -28,50 +29,52 @@ typedef struct iso_row_bits {
     uint32_t word[ISO_ROW_WORDS];
 } iso_row_bits;
 
-/* What the steps need to know of a brick. */
+/* The voxels and rows of a brick that the steps treat differently. */
 typedef struct iso_band_state {
-    iso_voxel_bits frozen; /* beside the interface, or kept by the caller */
-    iso_voxel_bits lost;   /* beside the interface, but at the band's end: its distance is not known */
-    iso_row_bits active;   /* rows that hold, or touch, a voxel inside the band */
+    iso_voxel_bits fixed;   /* beside the interface, or frozen by the mask: the steps do not change them */
+    iso_voxel_bits unknown; /* beside the interface, but with a clamped value: their distance is not known */
+    iso_row_bits active;    /* rows with a voxel that is, or has a face neighbour, inside the band */
 } iso_band_state;
 
-/* A step of one brick. */
+/* One step on one brick. */
 typedef struct iso_relaxation {
-    iso_row_bits due;   /* rows to step */
-    iso_row_bits stale; /* rows of `out` that differ from the brick */
-    float band, least;  /* voxels */
+    iso_row_bits due;   /* rows to compute */
+    iso_row_bits stale; /* rows of `out` that differ from the brick: copied unless they are due */
+    float band;
+    float least; /* the change from which on a voxel counts as moved */
 } iso_relaxation;
 
-/* What a set operation with one exact solid left of a brick. Where all is the solid's, or all is as it was,
- * it is as good a distance field as those are; what must be made one again begins at the seams, where a voxel
- * that changed lies beside one that did not. A voxel at `away`, the end of the band that lies outside what
- * was united, belongs to either. */
-typedef struct iso_seam_side {
-    const iso_voxel_bits *self, *face[6]; /* changed; of the stencil's bricks */
+/* The voxels of a stencil that a set operation with one exact solid changed. Where a neighbourhood is
+ * entirely changed, or entirely unchanged, it is as good a distance field as the solid's, or as before.
+ * Redistancing therefore starts at the seams, where a changed voxel has an unchanged neighbour. Neighbours
+ * with the value `far_value` do not make a seam: this end of the band (+band after a union, -band after a
+ * difference) is right on both sides. */
+typedef struct iso_changed_stencil {
+    const iso_voxel_bits *self, *face[6];
     float far_value;
-} iso_seam_side;
+} iso_changed_stencil;
 
-/* 0.45 voxel a step. */
+/* The kernels; steps advance by 0.45 voxel. */
 typedef struct iso_redistancer {
-    /* The changed voxels at a seam; whether there are any. */
-    bool (*find_seam)(const iso_stencil *phi, const iso_seam_side *side, iso_voxel_bits *seam);
-    /* Bit 0: some voxel is outside, bit 1: some is inside. */
+    /* Marks the changed voxels at a seam; returns whether there are any. */
+    bool (*find_seam)(const iso_stencil *phi, const iso_changed_stencil *side, iso_voxel_bits *seam);
+    /* Bit 0: some voxel is outside, bit 1: some voxel is inside. */
     uint32_t (*sides)(const float *values);
-    /* Finds the state of a brick in these rows; the other rows' is cleared. */
+    /* Computes the state of a brick in `rows` and clears that of all other rows. */
     void (*classify)(const iso_stencil *phi, float band, const iso_row_bits *rows, iso_band_state *state);
-    /* out = phi, but phi / |grad phi| where both `changed` and frozen, or lost. */
+    /* out = phi / |grad phi| where a voxel is `changed` and fixed, or unknown; elsewhere phi. */
     void (*rescale)(const iso_stencil *phi, const iso_band_state *state, const iso_voxel_bits *changed,
                     float *out);
-    /* out = scaled, but corrected for the crossings' ratios in phi at the same voxels. */
+    /* out = scaled, with the same voxels corrected to keep the ratios of the crossings in phi. */
     void (*correct)(const iso_stencil *phi, const iso_stencil *scaled, const iso_band_state *state,
                     const iso_voxel_bits *changed, float *out);
-    /* One step: out becomes the brick after it, *moved the rows in which a voxel moved by more than `least`.
-     * Voxels that are frozen stay. */
-    void (*relax)(const iso_stencil *phi, const iso_voxel_bits *frozen, const iso_relaxation *step,
-                  float *out, iso_row_bits *moved);
+    /* One step: `out` is the brick after it, except for voxels in `fixed`, and *moved the rows in which a
+     * voxel changed by more than step->least. */
+    void (*relax)(const iso_stencil *phi, const iso_voxel_bits *fixed, const iso_relaxation *step, float *out,
+                  iso_row_bits *moved);
 } iso_redistancer;
 
-/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
+/* The kernels for an instruction set, or for the best one below it that this build has. */
 const iso_redistancer *iso_redistancer_get(iso_cpu_level level);
 
 #endif

@@ -1,3 +1,4 @@
+/* Bricks allocated in slabs of 2 MiB, so that growing neither copies nor moves any. */
 #include "sculpt/field/slabs.h"
 
 iso_status iso_slabs_reserve(iso_slabs *slabs, size_t bricks, iso_error *error) {
@@ -11,7 +12,7 @@ iso_status iso_slabs_reserve(iso_slabs *slabs, size_t bricks, iso_error *error) 
     return ISO_OK;
 }
 
-void iso_slabs_touch(iso_slabs *slabs) {
+void iso_slabs_prefault(iso_slabs *slabs) {
     enum { PAGE = 4096 / sizeof(float) };
     for (size_t i = 0; i < slabs->count; i++)
         for (size_t k = 0; k < (size_t)ISO_SLAB_BRICKS * ISO_BRICK_VOXELS; k += PAGE)

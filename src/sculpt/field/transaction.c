@@ -1,3 +1,6 @@
+/* The passes of a touch after the brush: finding where redistancing starts and which neighbouring cells it
+ * may change, the redistancing steps themselves, and writing the result to the grid. Passes run in parallel
+ * over cells; each reads one field of values and writes another, so threads do not change the result. */
 #include "sculpt/field/transaction.h"
 
 #include <math.h>
@@ -5,14 +8,14 @@
 
 #include "sculpt/field/mask_boundary.h"
 
-/* Voxels that redistancing reads on each side: the band. */
-enum { REACH = 3 };
+/* The band in voxels: a change nearer than this to a face can change distances in the cell beyond it. */
+enum { NEIGHBOUR_DISTANCE = 3 };
 enum { SPREAD = ISO_TRANSACTION_SPREAD };
-/* Of iso_edit_cell.sides. */
+/* A value of iso_edit_cell.sides. */
 enum { BOTH_SIDES = 3 };
-/* Voxels by which a step of redistancing must move something for the next one to be worth it near by: where
- * the interface itself is rescaled distances have farther to go, step by step. */
-static const float LEAST_FROZEN = 0.02f, LEAST_RESCALED = 0.01f;
+/* A voxel is recomputed only if the previous step changed one in its stencil by more than this, in voxels.
+ * Where the interface itself is rescaled, distances must travel farther in small steps. */
+static const float LEAST_MOVE_FIXED = 0.02f, LEAST_MOVE_RESCALED = 0.01f;
 
 iso_status iso_transaction_init(iso_transaction *transaction, iso_hgrid *grid, iso_pool *pool,
                                 iso_error *error) {
@@ -22,18 +25,18 @@ iso_status iso_transaction_init(iso_transaction *transaction, iso_hgrid *grid, i
     transaction->pool = pool;
     transaction->redistancer = iso_redistancer_get(iso_cpu_best());
     transaction->dab = iso_dab_kernel_get(iso_cpu_best());
-    transaction->cell_of = iso_alloc_zero(cells, sizeof *transaction->cell_of);
+    transaction->edit_cell_of = iso_alloc_zero(cells, sizeof *transaction->edit_cell_of);
     transaction->workers = iso_alloc_zero(threads, sizeof *transaction->workers);
     for (int sign = 0; sign < 2; sign++) {
         transaction->constant[sign] = iso_alloc(ISO_BRICK_VOXELS * sizeof(float));
         for (int i = 0; transaction->constant[sign] && i < ISO_BRICK_VOXELS; i++)
             transaction->constant[sign][i] = sign ? -grid->band : grid->band;
     }
-    iso_status room = iso_mask_init(&transaction->mask, cells, NULL);
-    if (room == ISO_OK) room = iso_slabs_reserve(&transaction->slabs, 1, NULL);
-    iso_slabs_touch(&transaction->slabs);
-    if (transaction->cell_of && transaction->workers && transaction->constant[0] &&
-        transaction->constant[1] && room == ISO_OK)
+    iso_status status = iso_mask_init(&transaction->mask, cells, NULL);
+    if (status == ISO_OK) status = iso_slabs_reserve(&transaction->slabs, 1, NULL);
+    iso_slabs_prefault(&transaction->slabs);
+    if (transaction->edit_cell_of && transaction->workers && transaction->constant[0] &&
+        transaction->constant[1] && status == ISO_OK)
         return ISO_OK;
     iso_transaction_free(transaction);
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory for sculpting %zu cells", cells);
@@ -41,7 +44,7 @@ iso_status iso_transaction_init(iso_transaction *transaction, iso_hgrid *grid, i
 
 void iso_transaction_free(iso_transaction *transaction) {
     iso_mask_free(&transaction->mask);
-    iso_free(transaction->cell_of);
+    iso_free(transaction->edit_cell_of);
     iso_free(transaction->constant[0]);
     iso_free(transaction->constant[1]);
     for (int i = 0; transaction->workers && i < iso_pool_threads(transaction->pool); i++) {
@@ -56,15 +59,15 @@ void iso_transaction_free(iso_transaction *transaction) {
 
 void iso_transaction_clear(iso_transaction *transaction) {
     for (size_t i = 0; i < transaction->cell_count; i++)
-        transaction->cell_of[iso_transaction_cell(transaction, i)->cell] = 0;
+        transaction->edit_cell_of[iso_transaction_cell(transaction, i)->cell] = 0;
     transaction->cell_count = 0;
-    transaction->now = 0;
+    transaction->current = 0;
     transaction->redistanced = false;
     transaction->far_value = 0;
     transaction->band_damaged = false;
     transaction->progress = NULL;
-    transaction->taken = 0;
-    for (int i = 0; i < iso_pool_threads(transaction->pool); i++) transaction->workers[i].stage = NULL;
+    transaction->bricks_taken = 0;
+    for (int i = 0; i < iso_pool_threads(transaction->pool); i++) transaction->workers[i].brick = NULL;
 }
 
 const iso_edit_cell *iso_transaction_neighbour(const iso_transaction *transaction,
@@ -75,7 +78,7 @@ const iso_edit_cell *iso_transaction_neighbour(const iso_transaction *transactio
         if (at[axis] < 0 || at[axis] >= transaction->grid->cells[axis]) return NULL;
     }
     const uint32_t number =
-        transaction->cell_of[iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2])];
+        transaction->edit_cell_of[iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2])];
     return number ? iso_transaction_cell(transaction, number - 1) : NULL;
 }
 
@@ -95,39 +98,41 @@ bool iso_transaction_failed(iso_transaction *transaction) {
 
 iso_status iso_transaction_add(iso_transaction *transaction, const int at[3], bool edited, iso_error *error) {
     uint32_t cell = (uint32_t)iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2]);
-    if (transaction->cell_of[cell]) return ISO_OK;
+    if (transaction->edit_cell_of[cell]) return ISO_OK;
     size_t bytes = transaction->cell_count * sizeof(iso_edit_cell);
     ISO_TRY(iso_buffer_reserve(&transaction->cells, bytes + sizeof(iso_edit_cell), bytes, error));
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, transaction->cell_count++);
     *edit_cell = (iso_edit_cell){.cell = cell, .state = transaction->grid->cell[cell], .edited = edited};
     for (int axis = 0; axis < 3; axis++) edit_cell->at[axis] = at[axis];
-    edit_cell->value[transaction->now] = iso_transaction_grid_values(transaction, edit_cell->state);
-    transaction->cell_of[cell] = (uint32_t)transaction->cell_count;
+    edit_cell->value[transaction->current] = iso_transaction_grid_values(transaction, edit_cell->state);
+    transaction->edit_cell_of[cell] = (uint32_t)transaction->cell_count;
     return ISO_OK;
 }
 
 /* ---- memory */
 
-/* So many more bricks can be taken. */
-static iso_status reserve(iso_transaction *transaction, size_t bricks, iso_error *error) {
-    return iso_slabs_reserve(&transaction->slabs, transaction->taken + bricks, error);
+/* Makes room for this many more bricks. */
+static iso_status reserve_bricks(iso_transaction *transaction, size_t bricks, iso_error *error) {
+    return iso_slabs_reserve(&transaction->slabs, transaction->bricks_taken + bricks, error);
 }
 
-/* (which brick goes to which job does not matter) */
-static float *take(iso_transaction *transaction) {
-    return iso_slabs_brick(&transaction->slabs, __atomic_fetch_add(&transaction->taken, 1, __ATOMIC_RELAXED));
+/* The next free brick. Threads take them in any order, which does not affect results. */
+static float *take_brick(iso_transaction *transaction) {
+    return iso_slabs_get(&transaction->slabs,
+                         __atomic_fetch_add(&transaction->bricks_taken, 1, __ATOMIC_RELAXED));
 }
 
 iso_status iso_transaction_reserve(iso_transaction *transaction, iso_error *error) {
-    return reserve(transaction, transaction->cell_count + (size_t)iso_pool_threads(transaction->pool), error);
+    return reserve_bricks(transaction, transaction->cell_count + (size_t)iso_pool_threads(transaction->pool),
+                          error);
 }
 
-/* Memory of the job's own that holds neither of two values. */
-static float *room(iso_transaction *transaction, iso_edit_cell *edit_cell, const float *one,
-                   const float *two) {
+/* A brick of the cell's own that is neither of two bricks which are still needed. */
+static float *own_brick_except(iso_transaction *transaction, iso_edit_cell *edit_cell, const float *one,
+                               const float *two) {
     int i = 0;
     while (edit_cell->own[i] && (edit_cell->own[i] == one || edit_cell->own[i] == two)) i++;
-    if (!edit_cell->own[i]) edit_cell->own[i] = take(transaction);
+    if (!edit_cell->own[i]) edit_cell->own[i] = take_brick(transaction);
     return edit_cell->own[i];
 }
 
@@ -139,19 +144,19 @@ static bool is_own(const iso_edit_cell *edit_cell, const float *values) {
 
 float *iso_transaction_own_values(iso_transaction *transaction, size_t number) {
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number);
-    const float *values = edit_cell->value[transaction->now];
+    const float *values = edit_cell->value[transaction->current];
     if (!is_own(edit_cell, values)) {
-        float *own = room(transaction, edit_cell, NULL, NULL);
+        float *own = own_brick_except(transaction, edit_cell, NULL, NULL);
         memcpy(own, values, ISO_BRICK_VOXELS * sizeof *own);
-        edit_cell->value[transaction->now] = own;
+        edit_cell->value[transaction->current] = own;
     }
-    return (float *)edit_cell->value[transaction->now];
+    return (float *)edit_cell->value[transaction->current];
 }
 
 /* ---- stencils */
 
-/* The neighbour across face `face` as the grid's border has it: the outermost layer, repeated. Only what a
- * stencil can read is made: whole rows along x, two layers along y and z. */
+/* Fills the brick beyond a face on the grid's border with the outermost layer, repeated. Only the parts that
+ * a stencil reads are filled: whole rows along x, two layers along y and z. */
 static void repeat_layer(const float *self, int face, float *out) {
     const int axis = face / 2, layer = face % 2 ? ISO_BRICK - 1 : 0;
     for (int row = 0; axis == 0 && row < ISO_BRICK_ROWS; row++)
@@ -180,7 +185,7 @@ void iso_transaction_stencil(const iso_transaction *transaction, int field, size
             continue;
         }
         size_t cell = iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2]);
-        uint32_t beside = grid ? 0 : transaction->cell_of[cell];
+        uint32_t beside = grid ? 0 : transaction->edit_cell_of[cell];
         stencil->face[face] = beside
                                   ? iso_transaction_cell(transaction, beside - 1)->value[field]
                                   : iso_transaction_grid_values(transaction, transaction->grid->cell[cell]);
@@ -214,43 +219,43 @@ void iso_transaction_find_box(iso_edit_cell *edit_cell, const iso_voxel_bits *ma
     }
 }
 
-float *iso_transaction_scratch(iso_transaction *transaction, int worker) {
-    iso_worker *own = &transaction->workers[worker];
-    if (!own->stage) own->stage = take(transaction);
-    return own->stage;
+float *iso_transaction_scratch_brick(iso_transaction *transaction, int worker) {
+    iso_worker_scratch *scratch = &transaction->workers[worker];
+    if (!scratch->brick) scratch->brick = take_brick(transaction);
+    return scratch->brick;
 }
 
-/* A brush that begins with other values than the grid's has changed what it changed of those: what it only
- * puts back makes no neighbours change. */
-void iso_transaction_mark_edited(iso_transaction *transaction, size_t number, int worker) {
+/* With a `source` of its own (MOVE), `changed` is relative to the source: voxels that merely return to their
+ * original value do not affect their neighbours. The cell is edited if its values differ from the grid. */
+void iso_transaction_accept_scratch(iso_transaction *transaction, size_t number, int worker) {
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number);
-    float *values = transaction->workers[worker].stage;
+    float *values = transaction->workers[worker].brick;
     const float *before = iso_transaction_grid_values(transaction, edit_cell->state);
-    edit_cell->edited = transaction->dab->settle(edit_cell->source ? edit_cell->source : before,
-                                                 iso_mask_bits(&transaction->mask, edit_cell->cell), values,
-                                                 &edit_cell->changed);
+    edit_cell->edited = transaction->dab->find_changes(edit_cell->source ? edit_cell->source : before,
+                                                       iso_mask_bits(&transaction->mask, edit_cell->cell),
+                                                       values, &edit_cell->changed);
     if (edit_cell->source)
         edit_cell->edited |= memcmp(values, before, ISO_BRICK_VOXELS * sizeof *values) != 0;
     if (!edit_cell->edited) return;
-    edit_cell->value[transaction->now] = edit_cell->own[0] = values;
-    transaction->workers[worker].stage = NULL;
+    edit_cell->value[transaction->current] = edit_cell->own[0] = values;
+    transaction->workers[worker].brick = NULL;
 }
 
-/* Closes up: jobs that nothing happened to go. */
+/* Removes unedited cells and closes the gaps. */
 static void drop_unchanged(iso_transaction *transaction) {
     size_t kept = 0;
     for (size_t i = 0; i < transaction->cell_count; i++) {
         const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, i);
-        transaction->cell_of[edit_cell->cell] = 0;
+        transaction->edit_cell_of[edit_cell->cell] = 0;
         if (!edit_cell->edited) continue;
         if (kept != i) *iso_transaction_cell(transaction, kept) = *edit_cell;
-        transaction->cell_of[edit_cell->cell] = (uint32_t)++kept;
+        transaction->edit_cell_of[edit_cell->cell] = (uint32_t)++kept;
     }
     transaction->cell_count = kept;
 }
 
-/* Where redistancing of an edited job begins. */
-static void seam_job(void *context, size_t index, int worker) {
+/* Finds where the redistancing of an edited cell starts: at its seams, or at all changed voxels. */
+static void find_seam_in_cell(void *context, size_t index, int worker) {
     static const iso_voxel_bits none;
     iso_transaction *transaction = context;
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
@@ -260,9 +265,9 @@ static void seam_job(void *context, size_t index, int worker) {
         return;
     }
     iso_stencil stencil;
-    iso_transaction_stencil(transaction, transaction->now, index, transaction->workers[worker].border,
+    iso_transaction_stencil(transaction, transaction->current, index, transaction->workers[worker].border,
                             &stencil);
-    iso_seam_side side = {.self = &edit_cell->changed, .far_value = transaction->far_value};
+    iso_changed_stencil side = {.self = &edit_cell->changed, .far_value = transaction->far_value};
     for (int face = 0; face < 6; face++) {
         int sides[3] = {0};
         sides[face / 2] = face % 2 ? 1 : -1;
@@ -273,13 +278,13 @@ static void seam_job(void *context, size_t index, int worker) {
     iso_transaction_find_box(edit_cell, &seam);
 }
 
-/* Whether the job has a voxel inside the band within REACH of the neighbour at `side` (-1, 0, 1 an axis). */
-static bool band_near(const iso_transaction *transaction, size_t number, const int side[3]) {
+/* Whether a cell has a voxel inside the band within NEIGHBOUR_DISTANCE of its neighbour at `side`. */
+static bool band_is_near(const iso_transaction *transaction, size_t number, const int side[3]) {
     const float *values = iso_transaction_values(transaction, number), band = transaction->grid->band;
     int lo[3], hi[3];
     for (int axis = 0; axis < 3; axis++) {
-        lo[axis] = side[axis] > 0 ? ISO_BRICK - REACH : 0;
-        hi[axis] = side[axis] < 0 ? REACH - 1 : ISO_BRICK - 1;
+        lo[axis] = side[axis] > 0 ? ISO_BRICK - NEIGHBOUR_DISTANCE : 0;
+        hi[axis] = side[axis] < 0 ? NEIGHBOUR_DISTANCE - 1 : ISO_BRICK - 1;
     }
     for (int z = lo[2]; z <= hi[2]; z++)
         for (int y = lo[1]; y <= hi[1]; y++)
@@ -288,18 +293,19 @@ static bool band_near(const iso_transaction *transaction, size_t number, const i
     return false;
 }
 
-/* Whether what redistancing begins from lies within REACH of that neighbour. */
-static bool begins_near(const iso_edit_cell *edit_cell, const int side[3]) {
+/* Whether redistancing starts within NEIGHBOUR_DISTANCE of that neighbour. */
+static bool start_is_near(const iso_edit_cell *edit_cell, const int side[3]) {
     for (int axis = 0; axis < 3; axis++)
-        if ((side[axis] < 0 && edit_cell->lo[axis] >= REACH) ||
-            (side[axis] > 0 && edit_cell->hi[axis] < ISO_BRICK - REACH))
+        if ((side[axis] < 0 && edit_cell->lo[axis] >= NEIGHBOUR_DISTANCE) ||
+            (side[axis] > 0 && edit_cell->hi[axis] < ISO_BRICK - NEIGHBOUR_DISTANCE))
             return false;
     return true;
 }
 
 static iso_status add_neighbours(iso_transaction *transaction, size_t number, iso_error *error) {
     for (int k = 0; k < 27; k++) {
-        const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number); /* (the list moves) */
+        const iso_edit_cell *edit_cell =
+            iso_transaction_cell(transaction, number); /* adding moves the list */
         const int side[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
         int at[3];
         bool within = true;
@@ -307,46 +313,46 @@ static iso_status add_neighbours(iso_transaction *transaction, size_t number, is
             at[axis] = edit_cell->at[axis] + side[axis];
             within &= at[axis] >= 0 && at[axis] < transaction->grid->cells[axis];
         }
-        if (!within || !begins_near(edit_cell, side)) continue;
+        if (!within || !start_is_near(edit_cell, side)) continue;
         int32_t state = transaction->grid->cell[iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2])];
-        if (state < 0 && !transaction->band_damaged && !band_near(transaction, number, side)) continue;
+        if (state < 0 && !transaction->band_damaged && !band_is_near(transaction, number, side)) continue;
         ISO_TRY(iso_transaction_add(transaction, at, false, error));
     }
     return ISO_OK;
 }
 
-iso_status iso_transaction_finalize(iso_transaction *transaction, bool neighbours, bool *any,
-                                    iso_error *error) {
+iso_status iso_transaction_end_brush(iso_transaction *transaction, bool neighbours, bool *any,
+                                     iso_error *error) {
     drop_unchanged(transaction);
     size_t edited = transaction->cell_count;
     *any = edited > 0;
     if (!neighbours) return ISO_OK;
-    const bool frozen = iso_mask_boundary_near(transaction);
-    if (frozen) { /* the brush did not go where distances to what it left may reach */
+    const bool frozen = iso_mask_boundary_any_frozen(transaction);
+    if (frozen) { /* a cut-off surface leaves gaps in the band beyond the voxels that the brush changed */
         transaction->far_value = 0;
         transaction->band_damaged = true;
-        ISO_TRY(iso_mask_boundary_find(transaction, error));
+        ISO_TRY(iso_mask_boundary_limit_changed(transaction, error));
     }
-    iso_parallel_for(transaction->pool, edited, seam_job, transaction);
+    iso_parallel_for(transaction->pool, edited, find_seam_in_cell, transaction);
     for (size_t i = 0; i < edited; i++) ISO_TRY(add_neighbours(transaction, i, error));
     if (!frozen) return ISO_OK;
-    ISO_TRY(reserve(transaction, transaction->cell_count, error));
-    iso_mask_boundary_close(transaction);
+    ISO_TRY(reserve_bricks(transaction, transaction->cell_count, error));
+    iso_mask_boundary_limit_frozen(transaction);
     return ISO_OK;
 }
 
 /* ---- redistancing */
 
-typedef struct pass {
+typedef struct redistance_pass {
     iso_transaction *transaction;
-    int from, to, phi; /* fields */
-    int turn;          /* of job->moved: which this step writes */
-    bool first;        /* step */
+    int from, to, phi; /* fields: read, written, and the brush's values */
+    int turn;          /* index in iso_edit_cell.moved that this step writes */
+    bool first;        /* the first step: all active rows are due */
     float least;       /* of iso_relaxation */
-} pass;
+} redistance_pass;
 
-/* Adds the marked rows of the job beside that are within SPREAD, in rows of this one: plane[z + SPREAD] bit
- * (y + SPREAD). */
+/* Adds the marked rows of a neighbouring cell within SPREAD voxels, in coordinates of this cell: bit
+ * y + SPREAD of plane[z + SPREAD]. */
 static void add_rows(const iso_edit_cell *beside, const int side[3], uint32_t plane[ISO_BRICK + 2 * SPREAD]) {
     const uint16_t *rows = side[0] == 0  ? beside->rows.any
                            : side[0] < 0 ? beside->rows.high
@@ -369,7 +375,7 @@ static uint32_t rows_of(const iso_row_bits *rows, int z) {
     return rows->word[z / 2] >> 16 * (z % 2) & 0xffff;
 }
 
-/* The other rows need not be made distances again: they are. */
+/* The rows within SPREAD voxels of where redistancing starts; all others are distances already. */
 static void near_rows(const iso_transaction *transaction, const iso_edit_cell *edit_cell,
                       iso_row_bits *near) {
     uint32_t plane[ISO_BRICK + 2 * SPREAD] = {0};
@@ -388,21 +394,21 @@ static void near_rows(const iso_transaction *transaction, const iso_edit_cell *e
     }
 }
 
-/* What is frozen is not rescaled, and beyond what can have changed stays as it is. */
-static void freeze(const iso_transaction *transaction, iso_edit_cell *edit_cell,
-                   const iso_voxel_bits *masked) {
+/* Frozen voxels are never rescaled, and those beyond the influence of the change are fixed. */
+static void fix_masked(const iso_transaction *transaction, iso_edit_cell *edit_cell,
+                       const iso_voxel_bits *masked) {
     iso_voxel_bits reached;
     iso_mask_boundary_influence(transaction, edit_cell, &reached);
     for (int row = 0; row < ISO_BRICK_ROWS; row++) {
-        const uint16_t partly_frozen = masked->row[row] & (uint16_t)~reached.row[row];
-        edit_cell->band.frozen.row[row] |= partly_frozen;
-        edit_cell->band.lost.row[row] &= (uint16_t)~masked->row[row];
-        edit_cell->partly_frozen |= partly_frozen != 0;
+        const uint16_t beyond = masked->row[row] & (uint16_t)~reached.row[row];
+        edit_cell->band.fixed.row[row] |= beyond;
+        edit_cell->band.unknown.row[row] &= (uint16_t)~masked->row[row];
+        edit_cell->has_fixed_mask |= beyond != 0;
     }
 }
 
-static void classify_job(void *context, size_t index, int worker) {
-    const pass *p = context;
+static void classify_cell(void *context, size_t index, int worker) {
+    const redistance_pass *p = context;
     iso_edit_cell *edit_cell = iso_transaction_cell(p->transaction, index);
     iso_stencil stencil;
     iso_row_bits near;
@@ -411,33 +417,33 @@ static void classify_job(void *context, size_t index, int worker) {
     p->transaction->redistancer->classify(&stencil, p->transaction->grid->band, &near, &edit_cell->band);
     if (p->transaction->band_damaged) edit_cell->band.active = near;
     const iso_voxel_bits *masked = iso_mask_bits(&p->transaction->mask, edit_cell->cell);
-    if (masked) freeze(p->transaction, edit_cell, masked);
+    if (masked) fix_masked(p->transaction, edit_cell, masked);
 }
 
-/* Whether the brush changed a voxel at the interface, or brought the interface to one that it did not change.
+/* Whether the brush changed a voxel at the interface, or moved the interface to a voxel with a clamped value.
  */
 static bool is_rescaled(const iso_edit_cell *edit_cell) {
     uint32_t any = 0;
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         any |=
-            (edit_cell->band.frozen.row[row] & edit_cell->changed.row[row]) | edit_cell->band.lost.row[row];
+            (edit_cell->band.fixed.row[row] & edit_cell->changed.row[row]) | edit_cell->band.unknown.row[row];
     return any != 0;
 }
 
-static void rescale_job(void *context, size_t index, int worker) {
-    const pass *p = context;
+static void rescale_cell(void *context, size_t index, int worker) {
+    const redistance_pass *p = context;
     iso_edit_cell *edit_cell = iso_transaction_cell(p->transaction, index);
     edit_cell->value[p->to] = edit_cell->value[p->from];
     if (!is_rescaled(edit_cell)) return;
     iso_stencil stencil;
     iso_transaction_stencil(p->transaction, p->from, index, p->transaction->workers[worker].border, &stencil);
-    float *out = room(p->transaction, edit_cell, stencil.self, NULL);
+    float *out = own_brick_except(p->transaction, edit_cell, stencil.self, NULL);
     p->transaction->redistancer->rescale(&stencil, &edit_cell->band, &edit_cell->changed, out);
     edit_cell->value[p->to] = out;
 }
 
-static void correct_job(void *context, size_t index, int worker) {
-    const pass *p = context;
+static void correct_cell(void *context, size_t index, int worker) {
+    const redistance_pass *p = context;
     iso_edit_cell *edit_cell = iso_transaction_cell(p->transaction, index);
     edit_cell->value[p->to] = edit_cell->value[p->from];
     if (!is_rescaled(edit_cell)) return;
@@ -445,14 +451,14 @@ static void correct_job(void *context, size_t index, int worker) {
     iso_transaction_stencil(p->transaction, p->phi, index, &p->transaction->workers[worker].border[0], &phi);
     iso_transaction_stencil(p->transaction, p->from, index, &p->transaction->workers[worker].border[1],
                             &scaled);
-    float *out = room(p->transaction, edit_cell, phi.self, scaled.self);
+    float *out = own_brick_except(p->transaction, edit_cell, phi.self, scaled.self);
     p->transaction->redistancer->correct(&phi, &scaled, &edit_cell->band, &edit_cell->changed, out);
     edit_cell->value[p->to] = out;
 }
 
-/* Rows of the active ones whose stencils hold what the last step moved. */
-static void find_due(const pass *p, const iso_edit_cell *edit_cell, iso_row_bits *due) {
-    enum { FAR = 2 };                                                   /* what the stencil reaches */
+/* The active rows whose stencils contain a row that the last step moved. */
+static void find_due(const redistance_pass *p, const iso_edit_cell *edit_cell, iso_row_bits *due) {
+    enum { FAR = 2 };                                                   /* voxels a stencil extends */
     uint32_t plane[ISO_BRICK + 2 * FAR] = {0}, across[ISO_BRICK] = {0}; /* bit y + FAR; bit y */
     const int last = 1 - p->turn;
     for (int z = 0; z < ISO_BRICK; z++) plane[z + FAR] = rows_of(&edit_cell->moved[last], z) << FAR;
@@ -479,9 +485,9 @@ static void find_due(const pass *p, const iso_edit_cell *edit_cell, iso_row_bits
     for (int i = 0; i < ISO_ROW_WORDS; i++) due->word[i] &= edit_cell->band.active.word[i];
 }
 
-/* A step need only be taken where the one before has moved something. */
-static void relax_job(void *context, size_t index, int worker) {
-    const pass *p = context;
+/* One redistancing step of a cell, in its due rows. */
+static void relax_cell(void *context, size_t index, int worker) {
+    const redistance_pass *p = context;
     iso_transaction *transaction = p->transaction;
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
     iso_relaxation step = {.due = edit_cell->band.active, .band = transaction->grid->band, .least = p->least};
@@ -493,38 +499,38 @@ static void relax_job(void *context, size_t index, int worker) {
     if (!any) return;
     iso_stencil stencil;
     iso_transaction_stencil(transaction, p->from, index, transaction->workers[worker].border, &stencil);
-    float *out = edit_cell->spare ? edit_cell->spare : room(transaction, edit_cell, stencil.self, NULL);
+    float *out =
+        edit_cell->spare ? edit_cell->spare : own_brick_except(transaction, edit_cell, stencil.self, NULL);
     if (edit_cell->spare)
         step.stale = edit_cell->stale;
     else
         memset(&step.stale, 0xff, sizeof step.stale);
-    transaction->redistancer->relax(&stencil, &edit_cell->band.frozen, &step, out,
-                                    &edit_cell->moved[p->turn]);
+    transaction->redistancer->relax(&stencil, &edit_cell->band.fixed, &step, out, &edit_cell->moved[p->turn]);
     edit_cell->value[p->to] = out;
     edit_cell->stale = step.due;
     edit_cell->spare = is_own(edit_cell, stencil.self) ? (float *)stencil.self : NULL;
 }
 
-static void run(const pass *p, iso_task *task) {
+static void run_pass(const redistance_pass *p, iso_task *task) {
     iso_parallel_for(p->transaction->pool, p->transaction->cell_count, task, (void *)p);
 }
 
 iso_status iso_transaction_redistance(iso_transaction *transaction, int iterations, bool rescale,
                                       iso_error *error) {
-    pass p = {.transaction = transaction,
-              .from = transaction->now,
-              .to = (transaction->now + 1) % ISO_TRANSACTION_FIELDS,
-              .phi = transaction->now,
-              .first = true,
-              .least = rescale ? LEAST_RESCALED : LEAST_FROZEN};
-    ISO_TRY(reserve(transaction, transaction->cell_count * (rescale ? 3 : 2), error));
-    run(&p, classify_job);
+    redistance_pass p = {.transaction = transaction,
+                         .from = transaction->current,
+                         .to = (transaction->current + 1) % ISO_TRANSACTION_FIELDS,
+                         .phi = transaction->current,
+                         .first = true,
+                         .least = rescale ? LEAST_MOVE_RESCALED : LEAST_MOVE_FIXED};
+    ISO_TRY(reserve_bricks(transaction, transaction->cell_count * (rescale ? 3 : 2), error));
+    run_pass(&p, classify_cell);
     transaction->redistanced = true;
     if (rescale) {
-        run(&p, rescale_job);
+        run_pass(&p, rescale_cell);
         p.from = p.to;
         p.to = (p.phi + 2) % ISO_TRANSACTION_FIELDS;
-        run(&p, correct_job);
+        run_pass(&p, correct_cell);
         p.from = p.to;
         p.to = p.phi;
     }
@@ -532,38 +538,37 @@ iso_status iso_transaction_redistance(iso_transaction *transaction, int iteratio
         ISO_TRY(iso_progress_tell(transaction->progress, "the field", (double)i / iterations, error));
         p.turn = i % 2;
         p.first = i == 0;
-        run(&p, relax_job);
+        run_pass(&p, relax_cell);
         const int swap = p.from;
         p.from = p.to;
         p.to = swap;
     }
-    transaction->now = p.from;
+    transaction->current = p.from;
     return ISO_OK;
 }
 
-static void sides_job(void *context, size_t index, int worker) {
+static void find_sides(void *context, size_t index, int worker) {
     (void)worker;
     const iso_transaction *transaction = context;
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
     edit_cell->sides =
-        edit_cell->partly_frozen
+        edit_cell->has_fixed_mask
             ? BOTH_SIDES
             : (uint8_t)transaction->redistancer->sides(iso_transaction_values(transaction, index));
 }
 
-/* The sides of the interface that a cell's voxels are on, for all that is known: bricks that are no jobs may
- * have both. */
+/* The sides of the interface that a cell's voxels may be on: both, for bricks that are not listed. */
 static unsigned sides_of(const iso_transaction *transaction, const int at[3]) {
     const size_t cell = iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2]);
-    if (transaction->cell_of[cell])
-        return iso_transaction_cell(transaction, transaction->cell_of[cell] - 1)->sides;
+    if (transaction->edit_cell_of[cell])
+        return iso_transaction_cell(transaction, transaction->edit_cell_of[cell] - 1)->sides;
     return transaction->grid->cell[cell] >= 0 ? BOTH_SIDES
                                               : 1u << (transaction->grid->cell[cell] == ISO_CELL_INSIDE);
 }
 
-/* A surface that was taken away leaves distances to nothing behind. Where neither a cell nor any around it
- * has an interface, they go at once. */
-static void clear_ghost(void *context, size_t index, int worker) {
+/* Clamps the whole cell if neither it nor any of its 26 neighbours holds an interface: its values are then
+ * distances to a surface that the touch removed. */
+static void clear_without_interface(void *context, size_t index, int worker) {
     (void)worker;
     iso_transaction *transaction = context;
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
@@ -576,26 +581,26 @@ static void clear_ghost(void *context, size_t index, int worker) {
             within &= at[axis] >= 0 && at[axis] < transaction->grid->cells[axis];
         if (within) sides |= sides_of(transaction, at);
     }
-    if (sides != BOTH_SIDES) edit_cell->value[transaction->now] = transaction->constant[sides >> 1];
+    if (sides != BOTH_SIDES) edit_cell->value[transaction->current] = transaction->constant[sides >> 1];
 }
 
-static void compare_job(void *context, size_t index, int worker) {
+static void compare_cell(void *context, size_t index, int worker) {
     (void)worker;
     const iso_transaction *transaction = context;
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
     const float *before = iso_transaction_grid_values(transaction, edit_cell->state),
                 *values = iso_transaction_values(transaction, index);
-    edit_cell->edited =
-        before != values && transaction->dab->settle(before, NULL, (float *)values, &edit_cell->changed);
+    edit_cell->edited = before != values &&
+                        transaction->dab->find_changes(before, NULL, (float *)values, &edit_cell->changed);
     if (edit_cell->edited) iso_transaction_find_box(edit_cell, &edit_cell->changed);
 }
 
 void iso_transaction_compare(iso_transaction *transaction, bool *any) {
     if (transaction->redistanced) {
-        iso_parallel_for(transaction->pool, transaction->cell_count, sides_job, transaction);
-        iso_parallel_for(transaction->pool, transaction->cell_count, clear_ghost, transaction);
+        iso_parallel_for(transaction->pool, transaction->cell_count, find_sides, transaction);
+        iso_parallel_for(transaction->pool, transaction->cell_count, clear_without_interface, transaction);
     }
-    iso_parallel_for(transaction->pool, transaction->cell_count, compare_job, transaction);
+    iso_parallel_for(transaction->pool, transaction->cell_count, compare_cell, transaction);
     *any = false;
     for (size_t i = 0; i < transaction->cell_count; i++) *any |= iso_transaction_cell(transaction, i)->edited;
 }
@@ -620,9 +625,9 @@ static void find_empty(void *context, size_t index, int worker) {
         edit_cell->empty = empty_state(transaction, iso_transaction_values(transaction, index));
 }
 
-/* Everything that can fail: the log's entries (too many do no harm) and the bricks, which hold nothing yet.
- */
-static iso_status prepare(iso_transaction *transaction, iso_edit_stats *stats, iso_error *error) {
+/* Does everything that can fail: adds entries to the change log (superfluous ones do no harm) and allocates
+ * bricks, still uninitialised. */
+static iso_status prepare_commit(iso_transaction *transaction, iso_edit_stats *stats, iso_error *error) {
     iso_change_log_begin(transaction->grid->log);
     for (size_t i = 0; i < transaction->cell_count; i++) {
         const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, i);
@@ -641,7 +646,7 @@ static iso_status prepare(iso_transaction *transaction, iso_edit_stats *stats, i
     return ISO_OK;
 }
 
-static void take_back(iso_transaction *transaction) {
+static void undo_prepare(iso_transaction *transaction) {
     for (size_t i = 0; i < transaction->cell_count; i++) {
         const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, i);
         if (edit_cell->state < 0)
@@ -653,9 +658,9 @@ static void take_back(iso_transaction *transaction) {
 iso_status iso_transaction_commit(iso_transaction *transaction, iso_edit_stats *stats, iso_error *error) {
     iso_edit_stats made = *stats;
     iso_parallel_for(transaction->pool, transaction->cell_count, find_empty, transaction);
-    iso_status status = prepare(transaction, &made, error);
+    iso_status status = prepare_commit(transaction, &made, error);
     if (status != ISO_OK) {
-        take_back(transaction);
+        undo_prepare(transaction);
         return status;
     }
     for (size_t i = 0; i < transaction->cell_count; i++) {

@@ -1,8 +1,10 @@
-/* work: the cells that a touch works on: their new values beside the grid, until all is done.
+/* transaction: the cells that one touch edits, with their new values kept beside the grid until it succeeds.
  *
- * Jobs are listed cells with their values in scratch; a job's neighbours are other jobs' scratch, the grid's
- * bricks, or one of two constant bricks. Nothing is written to the grid before iso_transaction_commit, so a
- * touch that fails leaves no trace. Internal to sculpt. */
+ * Each listed cell is an iso_edit_cell whose values lie in scratch bricks. Kernels read a cell's neighbours
+ * from other edit cells, from the grid's bricks, or from two constant bricks that stand for empty cells.
+ * Nothing is written to the grid before iso_transaction_commit, so a touch that fails leaves no trace. The
+ * order of calls is: add, reserve, (in parallel) scratch_brick and accept_scratch, end_brush, redistance,
+ * compare, commit, clear. Internal to sculpt. */
 #ifndef ISO_SCULPT_FIELD_TRANSACTION_H
 #define ISO_SCULPT_FIELD_TRANSACTION_H
 
@@ -12,132 +14,140 @@
 #include "sculpt/field/edit.h"
 #include "sculpt/field/slabs.h"
 
-/* Values of a job that a pass may read and the next one writes; and, read only, the grid's own. */
+/* Fields: sets of values that every edit cell has, so that one pass reads a field and writes another.
+ * ISO_TRANSACTION_GRID names the grid's own values, which are read only. */
 enum { ISO_TRANSACTION_FIELDS = 3, ISO_TRANSACTION_GRID = -1 };
-/* Voxels around a change within which distances can change: the band, and one for the stencil's sake. */
+/* Voxels around a change within which distances can change: the band's 3, and 1 for the stencil. */
 enum { ISO_TRANSACTION_SPREAD = 4 };
 
-/* Rows of a brick with a voxel of some kind, a bit for each y: anywhere, and near the row's low and high end.
- */
+/* The rows of a brick that hold a marked voxel, for each z a bit for each y: anywhere in the row, and within
+ * ISO_TRANSACTION_SPREAD voxels of its low and high end. */
 typedef struct iso_marked_rows {
     uint16_t any[ISO_BRICK], low[ISO_BRICK], high[ISO_BRICK];
 } iso_marked_rows;
 
-/* One cell. */
+/* A cell of the grid in a transaction. */
 typedef struct iso_edit_cell {
-    uint32_t cell;
-    int at[3];
-    int32_t state;          /* the grid's entry before */
-    const float *source;    /* what the brush began with; NULL: the grid's floats */
-    bool edited;            /* the brush wrote it; else it is a neighbour that redistancing may reach */
-    iso_voxel_bits changed; /* by the brush; later by all that was done */
-    iso_marked_rows rows;   /* from which redistancing begins; of an edited job */
+    uint32_t cell;          /* number in the grid */
+    int at[3];              /* position in the grid, in cells */
+    int32_t state;          /* the grid's entry before the touch */
+    const float *source;    /* the values that the brush began with; NULL: the grid's */
+    bool edited;            /* the brush changed it; otherwise a neighbour that redistancing may change */
+    iso_voxel_bits changed; /* voxels that the brush changed; after compare: that differ from the grid */
+    iso_marked_rows rows;   /* of an edited cell: the voxels where redistancing starts */
     iso_band_state band;
-    int32_t empty;        /* the cell's state when it is to be empty, else 0 */
-    bool partly_frozen;   /* some voxels are frozen, and beyond what changed */
-    uint8_t sides;        /* of the interface: 1 outside, 2 inside, 3 both, or `still` */
-    uint8_t lo[3], hi[3]; /* box of what redistancing begins from; later of `changed` */
+    int32_t empty;        /* ISO_CELL_OUTSIDE or ISO_CELL_INSIDE when it is to be emptied, else 0 */
+    bool has_fixed_mask;  /* some frozen voxels, beyond the influence of the change, keep their values */
+    uint8_t sides;        /* of the interface that its voxels are on: 1 outside, 2 inside, 3 both */
+    uint8_t lo[3], hi[3]; /* box of the voxels where redistancing starts; after compare: of `changed` */
     const float *value[ISO_TRANSACTION_FIELDS]; /* own memory, the grid's, or a constant brick */
-    float *own[ISO_TRANSACTION_FIELDS];         /* NULL: not taken yet */
-    float *spare; /* own memory with the current values but for the rows `stale`; NULL: none */
+    float *own[ISO_TRANSACTION_FIELDS];         /* scratch bricks; NULL: not allocated yet */
+    float *spare; /* one of `own` with the current values except in the rows `stale`; NULL: none */
     iso_row_bits stale;
-    iso_row_bits moved[2]; /* by the last step and the one before, taking turns */
+    iso_row_bits moved[2]; /* rows that the last two redistancing steps changed, alternating */
 } iso_edit_cell;
 
-/* Neighbours beyond the grid's border, made up for one stencil. */
+/* Made-up neighbours beyond the grid's border, for one stencil. */
 typedef struct iso_border {
     float face[6][ISO_BRICK_VOXELS];
 } iso_border;
 
-/* One worker's. */
-typedef struct iso_worker {
+/* Memory of one worker thread. */
+typedef struct iso_worker_scratch {
     iso_border border[2];
     iso_warp warp;
     iso_buffer window, crossings;
-    float *stage; /* where the next job is edited, unless the last one kept it; NULL: none yet */
-    bool failed;  /* no memory */
-} iso_worker;
+    float *brick; /* for the next cell's new values; NULL: not allocated, or the last cell kept it */
+    bool failed;  /* out of memory */
+} iso_worker_scratch;
 
 typedef struct iso_transaction {
     iso_hgrid *grid;
     iso_pool *pool;
     const iso_redistancer *redistancer;
     const iso_dab_kernel *dab;
-    float *constant[2]; /* bricks of +band and -band */
-    uint32_t *cell_of;  /* by cell: 1 + its job, 0: none */
+    float *constant[2];     /* bricks filled with +band and -band */
+    uint32_t *edit_cell_of; /* by grid cell: 1 + the index of its edit cell, 0: not listed */
     iso_mask mask;
-    iso_buffer cells;
+    iso_buffer cells; /* iso_edit_cell */
     size_t cell_count;
-    float far_value;   /* of iso_seam_side; 0: redistancing begins from all that changed */
-    bool band_damaged; /* what the brush left may lack its band: it is made anew, not only mended */
-    int now;           /* the field that holds the jobs' values */
+    float far_value;   /* of iso_changed_stencil; 0: redistancing starts from every changed voxel */
+    bool band_damaged; /* the edit may have left gaps in the band: all of it near the change is redistanced */
+    int current;       /* the field that holds the current values */
     bool redistanced;
-    iso_buffer mask_boundaries; /* of mask_boundary.h */
+    iso_buffer mask_boundaries; /* owned by mask_boundary.c */
     size_t mask_boundary_count;
-    iso_worker *workers;
-    iso_slabs slabs;              /* of bricks that jobs take */
-    size_t taken;                 /* of them; atomic while jobs run */
-    const iso_progress *progress; /* of redistancing; NULL: nobody waits */
+    iso_worker_scratch *workers;  /* one for each thread of the pool */
+    iso_slabs slabs;              /* scratch bricks */
+    size_t bricks_taken;          /* of the slabs; atomic in parallel loops */
+    const iso_progress *progress; /* of redistancing; NULL: none */
 } iso_transaction;
 
-/* Zero-initialised storage; grid and pool are borrowed until free. */
+/* `transaction` is zero-initialised storage; grid and pool are borrowed until free. ISO_ERR_NOMEM. */
 iso_status iso_transaction_init(iso_transaction *transaction, iso_hgrid *grid, iso_pool *pool,
                                 iso_error *error);
 void iso_transaction_free(iso_transaction *transaction);
-/* Forgets all jobs. */
+/* Removes all cells, for the next touch. The mask and the memory stay. */
 void iso_transaction_clear(iso_transaction *transaction);
 
-static inline iso_edit_cell *iso_transaction_cell(const iso_transaction *transaction, size_t edit_cell) {
-    return (iso_edit_cell *)transaction->cells.data + edit_cell;
+/* Edit cell `index`, and its current values. */
+static inline iso_edit_cell *iso_transaction_cell(const iso_transaction *transaction, size_t index) {
+    return (iso_edit_cell *)transaction->cells.data + index;
 }
-static inline const float *iso_transaction_values(const iso_transaction *transaction, size_t edit_cell) {
-    return iso_transaction_cell(transaction, edit_cell)->value[transaction->now];
+static inline const float *iso_transaction_values(const iso_transaction *transaction, size_t index) {
+    return iso_transaction_cell(transaction, index)->value[transaction->current];
 }
 
-/* The job of the cell beside another's (side: -1, 0, 1 an axis); NULL: none. */
+/* The edit cell at an offset of -1, 0 or 1 cells along each axis; NULL: outside the grid, or not listed. */
 const iso_edit_cell *iso_transaction_neighbour(const iso_transaction *transaction,
                                                const iso_edit_cell *edit_cell, const int side[3]);
 
-/* The floats of a cell with this entry in the grid. */
+/* The grid's values of a cell with the entry `state`: its brick, or a constant one. */
 const float *iso_transaction_grid_values(const iso_transaction *transaction, int32_t state);
-/* Whether a worker ran out of memory since the last question. */
+/* Whether a worker has run out of memory; resets the flags. */
 bool iso_transaction_failed(iso_transaction *transaction);
 
-/* Lists a cell once, with the grid's values. ISO_ERR_NOMEM. */
+/* Lists the cell at a position, with the grid's values; does nothing if it is listed. ISO_ERR_NOMEM. */
 iso_status iso_transaction_add(iso_transaction *transaction, const int at[3], bool edited, iso_error *error);
-/* Room for the brush's values of all listed cells. */
+/* Allocates a scratch brick for each listed cell and each worker, so that the brush cannot run out of them.
+ */
 iso_status iso_transaction_reserve(iso_transaction *transaction, iso_error *error);
 
-/* Where a worker writes a job's new values; iso_transaction_mark_edited is to follow. */
-float *iso_transaction_scratch(iso_transaction *transaction, int worker);
-/* The job's values are those now, or, where they are the same as before, it is no longer `edited`. */
-void iso_transaction_mark_edited(iso_transaction *transaction, size_t edit_cell, int worker);
+/* The brick into which a worker writes the new values of one cell; to be followed by
+ * iso_transaction_accept_scratch with the index of that cell. */
+float *iso_transaction_scratch_brick(iso_transaction *transaction, int worker);
+/* Makes the worker's brick the cell's current values, with frozen voxels restored, and finds `changed`. If
+ * nothing changed, clears `edited` and keeps the brick for the worker's next cell. */
+void iso_transaction_accept_scratch(iso_transaction *transaction, size_t index, int worker);
 
-/* The job's values, in memory of its own: those of an edited job, or a copy of the grid's (there is room). */
-float *iso_transaction_own_values(iso_transaction *transaction, size_t edit_cell);
+/* A cell's current values, writable: copied to a brick of its own first, if need be (already reserved). */
+float *iso_transaction_own_values(iso_transaction *transaction, size_t index);
 
-/* The stencil of a job's values in `field` (of the grid's where a neighbour is no job); faces on the grid's
- * border repeat the outermost voxels (kept in `border` while the stencil is used). */
-void iso_transaction_stencil(const iso_transaction *transaction, int field, size_t edit_cell,
-                             iso_border *border, iso_stencil *stencil);
+/* Fills the stencil of a cell's values in `field`. Neighbours that are not listed have the grid's values;
+ * faces on the grid's border repeat the outermost voxels (stored in `border`, which must outlive the
+ * stencil). */
+void iso_transaction_stencil(const iso_transaction *transaction, int field, size_t index, iso_border *border,
+                             iso_stencil *stencil);
 
-/* After the brush has been everywhere: drops jobs where nothing changed, and lists the neighbours that
- * redistancing may reach. *any: whether anything changed. */
-iso_status iso_transaction_finalize(iso_transaction *transaction, bool neighbours, bool *any,
-                                    iso_error *error);
+/* Ends the brush's part, when all cells have been edited: drops unchanged cells and, with `neighbours`, adds
+ * the cells that redistancing may change. *any: whether anything changed. ISO_ERR_NOMEM. */
+iso_status iso_transaction_end_brush(iso_transaction *transaction, bool neighbours, bool *any,
+                                     iso_error *error);
 
-/* Sets a job's box and rows from these voxels. */
+/* Sets a cell's `rows`, `lo` and `hi` from these voxels. */
 void iso_transaction_find_box(iso_edit_cell *edit_cell, const iso_voxel_bits *bits);
 
-/* Makes the listed cells a distance field where something changed near by (jobs that are `edited`, their
- * bits and boxes); `rescale`: voxels at the interface that the brush changed too. ISO_ERR_NOMEM. */
+/* Makes the listed cells a distance field near the changes (the `changed`, `rows` and boxes of the `edited`
+ * cells). `rescale`: interface voxels that the brush changed are rescaled too. ISO_ERR_NOMEM; ISO_ERR_IO:
+ * cancelled. */
 iso_status iso_transaction_redistance(iso_transaction *transaction, int iterations, bool rescale,
                                       iso_error *error);
 
-/* Finds what differs from the grid now; *any: whether anything does. */
+/* Compares each cell with the grid and sets `edited`, `changed` and its box. *any: whether any differs. */
 void iso_transaction_compare(iso_transaction *transaction, bool *any);
 
-/* Writes what differs, under one edit of the change log. ISO_ERR_NOMEM: nothing was written. */
+/* Writes the cells that differ to the grid, as one edit of its change log, and adds to `stats`.
+ * ISO_ERR_NOMEM: nothing was written. */
 iso_status iso_transaction_commit(iso_transaction *transaction, iso_edit_stats *stats, iso_error *error);
 
 #endif

@@ -1,3 +1,5 @@
+/* Checkpoint files: a head, for each cell its state or its packed brick (cell_pack.h), the masks, and the
+ * CRC-32C of everything before it. A file is checked as a whole before the grid is changed. */
 #include "sculpt/session/checkpoint.h"
 
 #include <errno.h>
@@ -13,28 +15,28 @@
 #include "sculpt/field/cell_pack.h"
 #include "sculpt/session/crc32c.h"
 
-/* The file: a head, for each cell its state and packed bytes, for each cell with frozen voxels its number and
- * their bits, and the CRC-32C of all before it.
- * Little-endian, as all machines are that this runs on. */
-typedef struct head {
+/* The head is followed, for each cell, by an int32: a negative state of an empty cell, or the size of the
+ * packed brick that follows; then, for each of `masks` cells, by its number (uint32) and its iso_voxel_bits;
+ * then by the checksum. Little-endian, like all supported machines. */
+typedef struct file_head {
     char magic[8];
     int32_t dims[3];
     float band;
     uint32_t masks;
-} head;
+} file_head;
 
 static const char MAGIC[8] = "isosnp2";
 
-static head head_of(const iso_hgrid *grid) {
-    head h = {.band = grid->band};
+static file_head file_head_of(const iso_hgrid *grid) {
+    file_head h = {.band = grid->band};
     memcpy(h.magic, MAGIC, sizeof h.magic);
     for (int axis = 0; axis < 3; axis++) h.dims[axis] = grid->dims[axis];
     return h;
 }
 
-static void put(FILE *file, uint32_t *crc, const void *bytes, size_t size) {
+static void put_bytes(FILE *file, uint32_t *crc, const void *bytes, size_t size) {
     *crc = iso_crc32c(*crc, bytes, size);
-    fwrite(bytes, 1, size, file); /* (errors are found when the sink commits) */
+    fwrite(bytes, 1, size, file); /* errors are found when the file is committed */
 }
 
 static void put_mask(FILE *file, uint32_t *crc, const iso_mask *mask) {
@@ -42,16 +44,16 @@ static void put_mask(FILE *file, uint32_t *crc, const iso_mask *mask) {
         const uint32_t cell = (uint32_t)i;
         const iso_voxel_bits *bits = iso_mask_bits(mask, i);
         if (!bits) continue;
-        put(file, crc, &cell, sizeof cell);
-        put(file, crc, bits, sizeof *bits);
+        put_bytes(file, crc, &cell, sizeof cell);
+        put_bytes(file, crc, bits, sizeof *bits);
     }
 }
 
 void iso_checkpoint_put(FILE *stream, const iso_hgrid *grid, const iso_mask *mask) {
     uint32_t crc = 0;
-    head h = head_of(grid);
+    file_head h = file_head_of(grid);
     h.masks = (uint32_t)mask->used;
-    put(stream, &crc, &h, sizeof h);
+    put_bytes(stream, &crc, &h, sizeof h);
     for (size_t i = 0; i < iso_hgrid_cell_count(grid); i++) {
         uint8_t bytes[ISO_CELL_PACK_MAX];
         int32_t size = grid->cell[i];
@@ -60,8 +62,8 @@ void iso_checkpoint_put(FILE *stream, const iso_hgrid *grid, const iso_mask *mas
             iso_cell_pack(brick, grid->band, bytes);
             size = (int32_t)iso_cell_pack_size(brick, grid->band);
         }
-        put(stream, &crc, &size, sizeof size);
-        if (size >= 0) put(stream, &crc, bytes, (size_t)size);
+        put_bytes(stream, &crc, &size, sizeof size);
+        if (size >= 0) put_bytes(stream, &crc, bytes, (size_t)size);
     }
     put_mask(stream, &crc, mask);
     fwrite(&crc, 1, sizeof crc, stream);
@@ -75,7 +77,7 @@ iso_status iso_checkpoint_write(const char *path, const iso_hgrid *grid, const i
     return iso_sink_commit(&sink, error);
 }
 
-/* ---- in a thread of its own */
+/* ---- writing in a background thread */
 
 struct iso_checkpoint {
     pthread_t thread;
@@ -86,7 +88,7 @@ struct iso_checkpoint {
     atomic_bool done;
 };
 
-static iso_status write_held(iso_checkpoint *checkpoint) {
+static iso_status write_snapshot(iso_checkpoint *checkpoint) {
     iso_hgrid *grid;
     ISO_TRY(iso_snapshot_copy(checkpoint->snapshot, NULL, &grid, NULL));
     iso_status status = iso_checkpoint_write(checkpoint->path, grid, &checkpoint->mask, NULL);
@@ -94,9 +96,9 @@ static iso_status write_held(iso_checkpoint *checkpoint) {
     return status;
 }
 
-static void *run(void *context) {
+static void *write_in_thread(void *context) {
     iso_checkpoint *checkpoint = context;
-    checkpoint->written = write_held(checkpoint) == ISO_OK;
+    checkpoint->written = write_snapshot(checkpoint) == ISO_OK;
     atomic_store(&checkpoint->done, true);
     return NULL;
 }
@@ -108,7 +110,7 @@ static iso_status copy_mask(const iso_mask *from, iso_mask *to, iso_error *error
     return ISO_OK;
 }
 
-static void free_snapshot(iso_checkpoint *checkpoint) {
+static void free_checkpoint(iso_checkpoint *checkpoint) {
     if (checkpoint->mask.cell) iso_mask_free(&checkpoint->mask);
     iso_free(checkpoint->path);
     iso_free(checkpoint);
@@ -124,12 +126,12 @@ iso_status iso_checkpoint_start(const char *path, iso_snapshot *snapshot, const 
     if (checkpoint->path) memcpy(checkpoint->path, path, size);
     iso_status status = checkpoint->path ? copy_mask(mask, &checkpoint->mask, error)
                                          : iso_fail(error, ISO_ERR_NOMEM, "out of memory for a snapshot");
-    if (status == ISO_OK && iso_thread_start(&checkpoint->thread, run, checkpoint))
+    if (status == ISO_OK && iso_thread_start(&checkpoint->thread, write_in_thread, checkpoint))
         status = iso_fail(error, ISO_ERR_NOMEM, "no thread can be started for a snapshot");
     if (status == ISO_OK)
         *out = checkpoint;
     else
-        free_snapshot(checkpoint);
+        free_checkpoint(checkpoint);
     return status;
 }
 
@@ -140,27 +142,27 @@ bool iso_checkpoint_done(const iso_checkpoint *checkpoint) {
 bool iso_checkpoint_finish(iso_checkpoint *checkpoint) {
     pthread_join(checkpoint->thread, NULL);
     const bool written = checkpoint->written;
-    free_snapshot(checkpoint);
+    free_checkpoint(checkpoint);
     return written;
 }
 
 /* ---- reading: checked as a whole before anything is written */
 
-typedef struct reading {
+typedef struct file_reader {
     const char *path;
     const uint8_t *at, *end;
     uint32_t masks;
-} reading;
+} file_reader;
 
-/* Bytes of the largest snapshot of such a grid. */
+/* The size of the largest possible checkpoint of a grid. */
 static uint64_t most_bytes(const iso_hgrid *grid) {
     const uint64_t each = sizeof(int32_t) + ISO_CELL_PACK_MAX + sizeof(uint32_t) + sizeof(iso_voxel_bits);
-    return sizeof(head) + iso_hgrid_cell_count(grid) * each + sizeof(uint32_t);
+    return sizeof(file_head) + iso_hgrid_cell_count(grid) * each + sizeof(uint32_t);
 }
 
-/* A journal may name any file: no more is read than a snapshot can be. */
-static iso_status load(const char *path, const iso_hgrid *grid, iso_buffer *buffer, size_t *size,
-                       iso_error *error) {
+/* Reads a whole file. A journal may name any file, so the size is checked first. */
+static iso_status load_file(const char *path, const iso_hgrid *grid, iso_buffer *buffer, size_t *size,
+                            iso_error *error) {
     FILE *file;
     uint64_t bytes;
     ISO_TRY(iso_format_open(path, &file, &bytes, error));
@@ -174,8 +176,8 @@ static iso_status load(const char *path, const iso_hgrid *grid, iso_buffer *buff
     return status;
 }
 
-/* The next cell's size (or state) and bytes; false when the file does not hold them. */
-static bool next_cell(reading *r, int32_t *size, const uint8_t **bytes) {
+/* The next cell: its state if negative, else its size and bytes. False: the file ends before. */
+static bool next_cell(file_reader *r, int32_t *size, const uint8_t **bytes) {
     *size = ISO_CELL_OUTSIDE;
     *bytes = r->at;
     if (r->end - r->at < (ptrdiff_t)sizeof *size) return false;
@@ -188,8 +190,8 @@ static bool next_cell(reading *r, int32_t *size, const uint8_t **bytes) {
     return true;
 }
 
-/* The next cell with frozen voxels; the file is known to hold it. */
-static uint32_t next_mask(reading *r, iso_voxel_bits *bits) {
+/* The next cell with frozen voxels; masks_are_sound has checked that the file contains it. */
+static uint32_t next_mask(file_reader *r, iso_voxel_bits *bits) {
     uint32_t cell;
     memcpy(&cell, r->at, sizeof cell);
     memcpy(bits, r->at + sizeof cell, sizeof *bits);
@@ -197,7 +199,7 @@ static uint32_t next_mask(reading *r, iso_voxel_bits *bits) {
     return cell;
 }
 
-static bool masks_are_sound(reading *r, size_t cells) {
+static bool masks_are_sound(file_reader *r, size_t cells) {
     iso_voxel_bits bits;
     const size_t each = sizeof(uint32_t) + sizeof bits;
     if ((size_t)(r->end - r->at) != r->masks * each) return false;
@@ -206,14 +208,14 @@ static bool masks_are_sound(reading *r, size_t cells) {
     return true;
 }
 
-/* Distances end at the band; anything else, NaN included, is none. */
+/* Whether all values are distances within the band; NaN is not. */
 static bool brick_is_sound(const float *brick, float band) {
     bool sound = true;
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) sound &= brick[i] >= -band && brick[i] <= band;
     return sound;
 }
 
-static iso_status check(reading r, const iso_hgrid *grid, iso_error *error) {
+static iso_status check_cells(file_reader r, const iso_hgrid *grid, iso_error *error) {
     float brick[ISO_BRICK_VOXELS];
     for (size_t i = 0; i < iso_hgrid_cell_count(grid); i++) {
         int32_t size;
@@ -228,7 +230,7 @@ static iso_status check(reading r, const iso_hgrid *grid, iso_error *error) {
                : iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
 }
 
-static iso_status fill_mask(reading *r, iso_mask *mask, iso_error *error) {
+static iso_status fill_mask(file_reader *r, iso_mask *mask, iso_error *error) {
     iso_mask_clear(mask);
     for (uint32_t i = 0; i < r->masks; i++) {
         iso_voxel_bits bits;
@@ -238,7 +240,7 @@ static iso_status fill_mask(reading *r, iso_mask *mask, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status fill(reading r, iso_hgrid *grid, iso_mask *mask, iso_error *error) {
+static iso_status fill_grid(file_reader r, iso_hgrid *grid, iso_mask *mask, iso_error *error) {
     const int lo[3] = {0, 0, 0}, hi[3] = {grid->dims[0] - 1, grid->dims[1] - 1, grid->dims[2] - 1};
     ISO_TRY(iso_hgrid_touch(grid, lo, hi, error));
     for (size_t i = 0; i < iso_hgrid_cell_count(grid); i++) {
@@ -248,7 +250,7 @@ static iso_status fill(reading r, iso_hgrid *grid, iso_mask *mask, iso_error *er
         int32_t size = ISO_CELL_OUTSIDE;
         const uint8_t *bytes = NULL;
         float *brick;
-        if (!next_cell(&r, &size, &bytes) || size < 0) { /* (checked before) */
+        if (!next_cell(&r, &size, &bytes) || size < 0) { /* check_cells has read them all */
             iso_hgrid_coalesce(grid, at[0], at[1], at[2], size);
             continue;
         }
@@ -260,25 +262,25 @@ static iso_status fill(reading r, iso_hgrid *grid, iso_mask *mask, iso_error *er
 
 iso_status iso_checkpoint_get(const char *path, const uint8_t *bytes, size_t size, iso_hgrid *grid,
                               iso_mask *mask, iso_error *error) {
-    head wanted = head_of(grid);
+    file_head expected = file_head_of(grid);
     uint32_t crc;
-    if (size < sizeof wanted + sizeof crc || memcmp(bytes, MAGIC, sizeof MAGIC))
+    if (size < sizeof expected + sizeof crc || memcmp(bytes, MAGIC, sizeof MAGIC))
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a snapshot", path);
     memcpy(&crc, bytes + size - sizeof crc, sizeof crc);
     if (crc != iso_crc32c(0, bytes, size - sizeof crc))
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", path);
-    memcpy(&wanted.masks, bytes + offsetof(head, masks), sizeof wanted.masks);
-    if (memcmp(bytes, &wanted, sizeof wanted))
+    memcpy(&expected.masks, bytes + offsetof(file_head, masks), sizeof expected.masks);
+    if (memcmp(bytes, &expected, sizeof expected))
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' is a snapshot of another grid", path);
-    reading r = {path, bytes + sizeof wanted, bytes + size - sizeof crc, wanted.masks};
-    ISO_TRY(check(r, grid, error));
-    return fill(r, grid, mask, error);
+    file_reader r = {path, bytes + sizeof expected, bytes + size - sizeof crc, expected.masks};
+    ISO_TRY(check_cells(r, grid, error));
+    return fill_grid(r, grid, mask, error);
 }
 
 iso_status iso_checkpoint_read(const char *path, iso_hgrid *grid, iso_mask *mask, iso_error *error) {
     iso_buffer buffer = {0};
     size_t size = 0;
-    iso_status status = load(path, grid, &buffer, &size, error);
+    iso_status status = load_file(path, grid, &buffer, &size, error);
     if (status == ISO_OK) status = iso_checkpoint_get(path, buffer.data, size, grid, mask, error);
     iso_buffer_free(&buffer);
     return status;

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Of `size` more bytes; start with crc 0. */
+/* The checksum of the bytes before (0 when there are none) and `size` more. */
 uint32_t iso_crc32c(uint32_t crc, const void *bytes, size_t size);
 
 #endif

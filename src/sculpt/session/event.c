@@ -1,3 +1,5 @@
+/* Lines of a stroke file as JSON objects (jansson). The last member of each line is the CRC-32C of the text
+ * before it. Every number is checked against its bounds when it is read. */
 #include "sculpt/session/event.h"
 
 #include <jansson.h>
@@ -12,13 +14,13 @@ static const char FORMAT[] = "isopoint strokes";
 static const char *const KINDS[] = {"begin", "sample", "end", "cancel", "undo", "redo", "snapshot", "stamp"};
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
 
-/* What follows the line's own members: `,"crc":"xxxxxxxx"}`. */
+/* The length of the end of a line: `,"crc":"xxxxxxxx"}`. */
 enum { CRC_TEXT = 18 };
 
 /* ---- writing */
 
-/* Takes over `object`. */
-static char *finish(json_t *object) {
+/* The text of a line: the object's members, then its checksum. Releases `object`, which may be NULL. */
+static char *finish_line(json_t *object) {
     char *text = object ? json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(object);
     if (!text) return NULL;
@@ -48,7 +50,7 @@ char *iso_event_header_text(const iso_journal_start *start) {
         json_decref(header);
         return NULL;
     }
-    return finish(header);
+    return finish_line(header);
 }
 
 static json_t *brush_json(const iso_brush *brush) {
@@ -60,7 +62,7 @@ static json_t *brush_json(const iso_brush *brush) {
                      "pressure_strength", brush->pressure_strength);
 }
 
-/* Nonzero when there is no memory for it. */
+/* Nonzero: out of memory. */
 static int put_stamp(json_t *object, const iso_stamp *stamp) {
     char *text = iso_stamp_text(stamp);
     int failed = !text || json_object_set_new(object, "name", json_string_nocheck(stamp->name)) ||
@@ -81,20 +83,20 @@ char *iso_event_text(const iso_event *event, unsigned long long number) {
         failed |= json_object_set_new(object, "pressure", json_real(s->pressure));
         failed |= json_object_set_new(object, "t", json_real(s->seconds));
     }
-    if (!failed && event->kind == ISO_EVENT_SNAPSHOT) {
+    if (!failed && event->kind == ISO_EVENT_CHECKPOINT) {
         failed |= json_object_set_new(object, "file", json_string(event->text));
         failed |= json_object_set_new(object, "after", json_integer((json_int_t)event->after));
     }
     if (!failed && event->kind == ISO_EVENT_STAMP) failed |= put_stamp(object, event->stamp);
-    if (!failed) return finish(object);
+    if (!failed) return finish_line(object);
     json_decref(object);
     return NULL;
 }
 
-/* ---- reading: every function returns ISO_ERR_FORMAT and says what is wrong */
+/* ---- reading: failures are ISO_ERR_FORMAT with a message that says what is wrong */
 
-/* The line as JSON when its checksum is right. */
-static iso_line parse(const char *line, size_t size, json_t **object, iso_error *error) {
+/* Checks the checksum and parses the JSON. */
+static iso_line parse_line(const char *line, size_t size, json_t **object, iso_error *error) {
     unsigned crc;
     if (size < CRC_TEXT || memcmp(line + size - CRC_TEXT, ",\"crc\":\"", 8) ||
         memcmp(line + size - 2, "\"}", 2)) {
@@ -125,7 +127,7 @@ static iso_status get_number(const json_t *object, const char *key, double *valu
     return ISO_OK;
 }
 
-/* Within its bounds, so that it fits into what it is stored in. */
+/* An integer within the bounds of `limit`. */
 static iso_status get_integer(const json_t *object, const char *key, iso_limit limit, json_int_t *value,
                               iso_error *error) {
     const json_t *found = json_object_get(object, key);
@@ -202,7 +204,7 @@ static iso_status read_header(const json_t *object, iso_journal_start *start, is
 
 iso_line iso_event_header_read(const char *line, size_t size, iso_journal_start *start, iso_error *why) {
     json_t *object = NULL;
-    iso_line state = parse(line, size, &object, why);
+    iso_line state = parse_line(line, size, &object, why);
     if (state != ISO_LINE_SOUND) return state;
     if (read_header(object, start, why) != ISO_OK) state = ISO_LINE_WRONG;
     json_decref(object);
@@ -247,9 +249,9 @@ static iso_status read_sample(const json_t *object, iso_sample *sample, iso_erro
     return get_number(object, "t", &sample->seconds, error);
 }
 
-/* Lines of older versions stand where they were taken. */
-static iso_status read_snapshot(const json_t *object, unsigned long long number, iso_event *event,
-                                iso_error *error) {
+/* Lines of older versions have no `after`: the checkpoint is of the events before the line. */
+static iso_status read_checkpoint(const json_t *object, unsigned long long number, iso_event *event,
+                                  iso_error *error) {
     const json_t *after = json_object_get(object, "after");
     const json_int_t events = after ? json_integer_value(after) : (json_int_t)number;
     if ((after && !json_is_integer(after)) || events < 0 || (unsigned long long)events > number)
@@ -267,30 +269,30 @@ static iso_status read_stamp(const json_t *object, iso_event *event, iso_error *
     return iso_stamp_parse(name, text, &event->stamp, error);
 }
 
-static iso_status read_event(const json_t *object, const iso_event_place *place, iso_event *event,
+static iso_status read_event(const json_t *object, const iso_event_context *context, iso_event *event,
                              iso_error *error) {
     const json_t *number = json_object_get(object, "n");
     const char *name = text_of(object, "event");
     int kind = 0;
-    if (!json_is_integer(number) || (unsigned long long)json_integer_value(number) != place->number)
+    if (!json_is_integer(number) || (unsigned long long)json_integer_value(number) != context->number)
         return iso_fail(error, ISO_ERR_FORMAT, "a line is missing before it");
     while (kind < KIND_COUNT && strcmp(name, KINDS[kind])) kind++;
     if (kind == KIND_COUNT) return bad_member("event", "an event of this version", error);
     event->kind = (iso_event_kind)kind;
     if (kind == ISO_EVENT_BEGIN) ISO_TRY(read_brush(json_object_get(object, "brush"), &event->brush, error));
     if (kind <= ISO_EVENT_SAMPLE) ISO_TRY(read_sample(object, &event->sample, error));
-    ISO_TRY(iso_limits_event(event, place->start, error));
+    ISO_TRY(iso_limits_event(event, context->start, error));
     if (kind == ISO_EVENT_STAMP) return read_stamp(object, event, error);
-    return kind == ISO_EVENT_SNAPSHOT ? read_snapshot(object, place->number, event, error) : ISO_OK;
+    return kind == ISO_EVENT_CHECKPOINT ? read_checkpoint(object, context->number, event, error) : ISO_OK;
 }
 
-iso_line iso_event_read(const char *line, size_t size, const iso_event_place *place, iso_event *event,
+iso_line iso_event_read(const char *line, size_t size, const iso_event_context *context, iso_event *event,
                         iso_error *why) {
     json_t *object = NULL;
-    iso_line state = parse(line, size, &object, why);
+    iso_line state = parse_line(line, size, &object, why);
     if (state != ISO_LINE_SOUND) return state;
     memset(event, 0, sizeof *event);
-    if (read_event(object, place, event, why) != ISO_OK) state = ISO_LINE_WRONG;
+    if (read_event(object, context, event, why) != ISO_OK) state = ISO_LINE_WRONG;
     json_decref(object);
     return state;
 }

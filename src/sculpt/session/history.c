@@ -1,3 +1,6 @@
+/* Undo steps. While a step is open, the old content of its cells lies unpacked in slabs; ending the step
+ * packs it. Undo and redo exchange the content of a step with that of the grid, so each step is stored once.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "sculpt/session/history.h"
 
@@ -11,26 +14,28 @@
 
 static const size_t DEFAULT_MEMORY = (size_t)1 << 30;
 
-/* What a step holds of a cell, beside ISO_CELL_OUTSIDE and ISO_CELL_INSIDE. */
+/* Values of saved_cell.state, beside ISO_CELL_OUTSIDE and ISO_CELL_INSIDE: a brick, the mask of a cell, the
+ * mask of a cell without frozen voxels. */
 enum { BRICK = 0, MASK_BITS = 1, MASK_NONE = 2 };
 
-/* A cell as a step holds it: its values, or its frozen voxels. */
+/* The values or the mask of a cell in a step. */
 typedef struct saved_cell {
     uint32_t cell;
     int32_t state;
-    size_t first, size; /* its bytes; first, in the open step: which of the raw bricks or masks */
+    size_t first, size; /* range of the step's packed bytes; in the open step `first` is the index of an
+                           unpacked brick or mask */
 } saved_cell;
 
 static bool is_mask(const saved_cell *cell) {
     return cell->state >= MASK_BITS;
 }
 
-/* The cells of a step: their state before it when it is done, after it when it is undone. */
+/* A step: the content of its cells before the step or, while the step is undone, after it. */
 typedef struct step {
     char *name;
     saved_cell *cells;
     size_t count;
-    uint8_t *bytes; /* NULL while they are in the file */
+    uint8_t *bytes; /* NULL while they are in the spill file */
     size_t size;
     long long offset; /* in the file */
 } step;
@@ -38,7 +43,7 @@ typedef struct step {
 struct iso_history {
     iso_hgrid *grid;
     iso_mask *mask;
-    void (*changing)(void *context, uint32_t cell);
+    void (*before_write)(void *context, uint32_t cell);
     void *context;
     size_t memory, used; /* bytes of all steps in memory */
     char *path;
@@ -49,7 +54,7 @@ struct iso_history {
     /* the open step */
     bool open;
     char *name;
-    uint32_t *copy_of; /* by cell: 1 + its copy, 0: none */
+    uint32_t *copy_of; /* by cell: 1 + the index of its values in `copies`, 0: not saved */
     saved_cell *copies;
     size_t copy_count, copy_room;
     iso_slabs raw;
@@ -70,13 +75,13 @@ iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso
     if (!history) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history");
     history->grid = grid;
     history->mask = opts->mask;
-    history->changing = opts->changing;
+    history->before_write = opts->before_write;
     history->context = opts->context;
     history->memory = opts->memory ? opts->memory : DEFAULT_MEMORY;
     history->copy_of = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *history->copy_of);
     if (opts->spill) history->path = duplicate(opts->spill);
     iso_status room = iso_slabs_reserve(&history->raw, 1, NULL);
-    iso_slabs_touch(&history->raw);
+    iso_slabs_prefault(&history->raw);
     if (!history->copy_of || (opts->spill && !history->path) || room != ISO_OK) {
         iso_history_destroy(history);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history of %zu cells",
@@ -118,14 +123,14 @@ void iso_history_destroy(iso_history *history) {
     iso_free(history);
 }
 
-/* ---- what does not fit */
+/* ---- the spill file */
 
 static bool open_file(iso_history *history) {
     if (!history->file && history->path) history->file = fopen(history->path, "w+b");
     return history->file != NULL;
 }
 
-/* Moves a step's bytes to the file; false when that cannot be done (they stay in memory). */
+/* Moves a step's bytes to the file. False: the file cannot be written, the bytes stay in memory. */
 static bool spill(iso_history *history, step *s) {
     if (!open_file(history) || fseeko(history->file, (off_t)history->file_size, SEEK_SET)) return false;
     if (fwrite(s->bytes, 1, s->size, history->file) != s->size || fflush(history->file)) return false;
@@ -137,8 +142,8 @@ static bool spill(iso_history *history, step *s) {
     return true;
 }
 
-/* Oldest first, but never what the next undo needs. */
-static void keep_within_memory(iso_history *history) {
+/* Spills steps, oldest first, until the rest fits into memory; never the step that the next undo needs. */
+static void spill_excess(iso_history *history) {
     for (size_t i = 0; i < history->count && history->used > history->memory; i++) {
         step *s = &history->steps[i];
         if (!s->bytes || i + 1 == history->position) continue;
@@ -146,7 +151,8 @@ static void keep_within_memory(iso_history *history) {
     }
 }
 
-static iso_status fetch(iso_history *history, step *s, iso_error *error) {
+/* Reads a spilled step back into memory. */
+static iso_status read_back(iso_history *history, step *s, iso_error *error) {
     if (s->bytes || !s->size) return ISO_OK;
     uint8_t *bytes = iso_alloc(s->size);
     if (!bytes) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a step of %zu bytes", s->size);
@@ -170,16 +176,17 @@ static iso_status fetch(iso_history *history, step *s, iso_error *error) {
 
 /* ---- packing */
 
-/* A brick or the bits of a mask: the open step's copy, or (NULL) what is there now. */
-static const void *content_of(const iso_history *history, const saved_cell *cell, const saved_cell *copy) {
-    if (is_mask(cell))
-        return copy ? (const iso_voxel_bits *)history->raw_masks.data + copy->first
-                    : iso_mask_bits(history->mask, cell->cell);
-    return copy ? iso_slabs_brick(&history->raw, copy->first)
+/* The values or mask bits of a cell: those of a copy in the open step or, with `copy` NULL, the grid's. */
+static const void *content_of_cell(const iso_history *history, const saved_cell *cell,
+                                   const saved_cell *copy) {
+    if (is_mask(cell) && !copy) return iso_mask_bits(history->mask, cell->cell);
+    if (is_mask(cell) && copy->state == MASK_NONE) return NULL;
+    if (is_mask(cell)) return (const iso_voxel_bits *)history->raw_masks.data + copy->first;
+    return copy ? iso_slabs_get(&history->raw, copy->first)
                 : iso_hgrid_brick(history->grid, history->grid->cell[cell->cell]);
 }
 
-/* Packs the step's cells: the open step's copies, or (NULL) what is there now. */
+/* Packs the content of a step's cells: from the open step's copies or, with `copies` NULL, from the grid. */
 static iso_status pack(const iso_history *history, step *s, const saved_cell *copies, iso_error *error) {
     const float band = history->grid->band;
     size_t total = 0;
@@ -187,7 +194,7 @@ static iso_status pack(const iso_history *history, step *s, const saved_cell *co
         saved_cell *c = &s->cells[i];
         c->size = 0;
         if (c->state == BRICK)
-            c->size = iso_cell_pack_size(content_of(history, c, copies ? &copies[i] : NULL), band);
+            c->size = iso_cell_pack_size(content_of_cell(history, c, copies ? &copies[i] : NULL), band);
         if (c->state == MASK_BITS) c->size = sizeof(iso_voxel_bits);
         c->first = total;
         total += c->size;
@@ -199,7 +206,7 @@ static iso_status pack(const iso_history *history, step *s, const saved_cell *co
     for (size_t i = 0; i < s->count; i++) {
         const saved_cell *c = &s->cells[i];
         if (!c->size) continue;
-        const void *content = content_of(history, c, copies ? &copies[i] : NULL);
+        const void *content = content_of_cell(history, c, copies ? &copies[i] : NULL);
         if (c->state == BRICK)
             iso_cell_pack(content, band, s->bytes + c->first);
         else
@@ -208,21 +215,18 @@ static iso_status pack(const iso_history *history, step *s, const saved_cell *co
     return ISO_OK;
 }
 
-static void cell_position(const iso_hgrid *grid, uint32_t cell, int at[3]) {
-    at[0] = (int)(cell % (uint32_t)grid->cells[0]);
-    at[1] = (int)(cell / (uint32_t)grid->cells[0] % (uint32_t)grid->cells[1]);
-    at[2] = (int)(cell / (uint32_t)grid->cells[0] / (uint32_t)grid->cells[1]);
-}
-
-/* All that can fail before cells are put back: the log's entries, and room for bricks and masks. */
-static iso_status make_ready(iso_history *history, const saved_cell *cells, size_t count, iso_error *error) {
+/* Does everything about restoring cells that can fail: adds them to the change log, allocates bricks and
+ * masks.
+ */
+static iso_status prepare_restore(iso_history *history, const saved_cell *cells, size_t count,
+                                  iso_error *error) {
     iso_change_log_begin(history->grid->log);
     for (size_t i = 0; i < count; i++) {
         int at[3], lo[3], hi[3];
         float *brick;
         if (cells[i].state == MASK_BITS) ISO_TRY(iso_mask_reserve(history->mask, cells[i].cell, error));
         if (is_mask(&cells[i])) continue;
-        cell_position(history->grid, cells[i].cell, at);
+        iso_hgrid_cell_position(history->grid, cells[i].cell, at);
         for (int axis = 0; axis < 3; axis++) {
             lo[axis] = ISO_BRICK * at[axis];
             hi[axis] = lo[axis] + ISO_BRICK - 1;
@@ -238,43 +242,44 @@ static void restore_mask(iso_history *history, const saved_cell *cell, const voi
     iso_voxel_bits bits;
     if (cell->state == MASK_BITS) memcpy(&bits, content, sizeof bits);
     iso_mask_set(history->mask, cell->cell, cell->state == MASK_BITS ? &bits : NULL,
-                 NULL); /* (room was made) */
+                 NULL); /* cannot fail: prepare_restore has allocated the bits */
 }
 
-static void restore_cell(iso_history *history, const saved_cell *cell) {
+static void restore_empty_cell(iso_history *history, const saved_cell *cell) {
     int at[3];
-    cell_position(history->grid, cell->cell, at);
+    iso_hgrid_cell_position(history->grid, cell->cell, at);
     iso_hgrid_coalesce(history->grid, at[0], at[1], at[2], cell->state);
 }
 
-/* Puts saved cells back: packed bytes or (NULL) the open step's copies. */
+/* Restores cells from packed bytes or, with `bytes` NULL, from the open step's copies. */
 static iso_status restore(iso_history *history, const saved_cell *cells, size_t count, const uint8_t *bytes,
                           iso_error *error) {
-    for (size_t i = 0; history->changing && i < count; i++)
-        if (!is_mask(&cells[i])) history->changing(history->context, cells[i].cell);
-    ISO_TRY(make_ready(history, cells, count, error));
+    for (size_t i = 0; history->before_write && i < count; i++)
+        if (!is_mask(&cells[i])) history->before_write(history->context, cells[i].cell);
+    ISO_TRY(prepare_restore(history, cells, count, error));
     for (size_t i = 0; i < count; i++) {
         const saved_cell *c = &cells[i];
         if (is_mask(c)) {
-            restore_mask(history, c, bytes ? (const void *)(bytes + c->first) : content_of(history, c, c));
+            restore_mask(history, c,
+                         bytes ? (const void *)(bytes + c->first) : content_of_cell(history, c, c));
             continue;
         }
         if (c->state != BRICK) {
-            restore_cell(history, c);
+            restore_empty_cell(history, c);
             continue;
         }
         float *values = iso_hgrid_brick(history->grid, history->grid->cell[c->cell]);
         if (bytes)
             iso_cell_unpack(bytes + c->first, c->size, history->grid->band, values);
         else
-            memcpy(values, content_of(history, c, c), ISO_BRICK_VOXELS * sizeof(float));
+            memcpy(values, content_of_cell(history, c, c), ISO_BRICK_VOXELS * sizeof(float));
     }
     return ISO_OK;
 }
 
 /* ---- steps */
 
-static void forget_undone(iso_history *history) {
+static void discard_undone(iso_history *history) {
     while (history->count > history->position) free_step(history, &history->steps[--history->count]);
 }
 
@@ -298,7 +303,7 @@ static iso_status make_copy_room(iso_history *history, iso_error *error) {
     return ISO_OK;
 }
 
-/* Room for one more item of `size` bytes in a buffer that holds `count`. */
+/* Makes room for one more item of `size` bytes in a buffer of `count` items. */
 static iso_status make_room(iso_buffer *buffer, size_t count, size_t size, iso_error *error) {
     return iso_buffer_reserve(buffer, (count + 1) * size, count * size, error);
 }
@@ -308,12 +313,12 @@ static iso_status keep_cell(void *context, uint32_t cell, int32_t state, const f
     iso_history *history = context;
     const size_t size = ISO_BRICK_VOXELS * sizeof(float);
     if (history->copy_of[cell]) return ISO_OK;
-    if (history->changing) history->changing(history->context, cell);
+    if (history->before_write) history->before_write(history->context, cell);
     ISO_TRY(make_copy_room(history, error));
     if (brick) ISO_TRY(iso_slabs_reserve(&history->raw, history->raw_count + 1, error));
     saved_cell *copy = &history->copies[history->copy_count++];
     *copy = (saved_cell){.cell = cell, .state = brick ? BRICK : state, .first = history->raw_count};
-    if (brick) memcpy(iso_slabs_brick(&history->raw, history->raw_count++), brick, size);
+    if (brick) memcpy(iso_slabs_get(&history->raw, history->raw_count++), brick, size);
     history->copy_of[cell] = (uint32_t)history->copy_count;
     return ISO_OK;
 }
@@ -329,18 +334,18 @@ static iso_status keep_mask(void *context, uint32_t cell, const iso_voxel_bits *
     return ISO_OK;
 }
 
-static const float *kept_cell(void *context, uint32_t cell, int32_t *state) {
+static const float *cell_before_step(void *context, uint32_t cell, int32_t *state) {
     const iso_history *history = context;
     if (!history->copy_of[cell]) return NULL;
     const saved_cell *copy = &history->copies[history->copy_of[cell] - 1];
-    if (copy->state == BRICK) return iso_slabs_brick(&history->raw, copy->first);
+    if (copy->state == BRICK) return iso_slabs_get(&history->raw, copy->first);
     *state = copy->state;
     return NULL;
 }
 
-iso_step_opts iso_history_step(iso_history *history) {
+iso_step_opts iso_history_step_opts(iso_history *history) {
     return (iso_step_opts){.observer = {keep_cell, history->mask ? keep_mask : NULL, history},
-                           .kept = kept_cell};
+                           .original = cell_before_step};
 }
 
 static iso_status make_step_room(iso_history *history, iso_error *error) {
@@ -357,7 +362,7 @@ static iso_status make_step_room(iso_history *history, iso_error *error) {
 
 iso_status iso_history_end(iso_history *history, iso_error *error) {
     if (!history->open) return iso_fail(error, ISO_ERR_USAGE, "no step is open");
-    if (history->copy_count == 0) { /* nothing happened: there is nothing to undo */
+    if (history->copy_count == 0) { /* the step changed nothing */
         close_step(history);
         return ISO_OK;
     }
@@ -374,12 +379,12 @@ iso_status iso_history_end(iso_history *history, iso_error *error) {
     }
     made.name = history->name;
     history->name = NULL;
-    forget_undone(history);
+    discard_undone(history);
     history->steps[history->count++] = made;
     history->position = history->count;
     history->used += made.size;
     close_step(history);
-    keep_within_memory(history);
+    spill_excess(history);
     return ISO_OK;
 }
 
@@ -396,9 +401,9 @@ static int32_t state_now(const iso_history *history, const saved_cell *cell) {
     return state >= 0 ? BRICK : state;
 }
 
-/* Exchanges what a step holds with what is there. */
+/* Exchanges the content of a step with that of the grid. */
 static iso_status exchange(iso_history *history, step *s, iso_error *error) {
-    ISO_TRY(fetch(history, s, error));
+    ISO_TRY(read_back(history, s, error));
     step now = {.count = s->count, .cells = iso_alloc(s->count * sizeof *now.cells)};
     if (!now.cells) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for undoing %zu cells", s->count);
     for (size_t i = 0; i < s->count; i++)
@@ -424,7 +429,7 @@ iso_status iso_history_undo(iso_history *history, iso_error *error) {
     if (!history->position) return iso_fail(error, ISO_ERR_USAGE, "there is nothing to undo");
     ISO_TRY(exchange(history, &history->steps[history->position - 1], error));
     history->position--;
-    keep_within_memory(history);
+    spill_excess(history);
     return ISO_OK;
 }
 
@@ -434,14 +439,14 @@ iso_status iso_history_redo(iso_history *history, iso_error *error) {
         return iso_fail(error, ISO_ERR_USAGE, "there is nothing to redo");
     ISO_TRY(exchange(history, &history->steps[history->position], error));
     history->position++;
-    keep_within_memory(history);
+    spill_excess(history);
     return ISO_OK;
 }
 
 iso_status iso_history_clear(iso_history *history, iso_error *error) {
     if (history->open) return iso_fail(error, ISO_ERR_USAGE, "cannot forget steps while one is open");
     history->position = 0;
-    forget_undone(history);
+    discard_undone(history);
     return ISO_OK;
 }
 

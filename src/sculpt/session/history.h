@@ -1,8 +1,7 @@
-/* history: undo without limit. Every step keeps the cells that it changed as they were before, packed without
- * loss (cell_pack.h), and the frozen voxels that it changed; undo and redo restore them bit for bit through
- * the change log. Memory is capped;
- * what does not fit goes to a file beside the journal, oldest first, and comes back from there. One thread at
- * a time, the grid's writer. */
+/* history: unlimited undo. Each step stores the previous content of the cells that it changed, packed without
+ * loss (cell_pack.h), and their previous masks. Undo and redo restore them bit for bit and mark them in the
+ * change log. Memory is limited: steps that do not fit are moved to a file, oldest first, and read back when
+ * they are needed. For the thread that writes the grid only. */
 #ifndef ISO_SCULPT_SESSION_HISTORY_H
 #define ISO_SCULPT_SESSION_HISTORY_H
 
@@ -16,42 +15,42 @@ extern "C" {
 typedef struct iso_history iso_history;
 
 typedef struct iso_history_opts {
-    iso_mask *mask;                                 /* of the field; borrowed; NULL: no step changes it */
-    size_t memory;                                  /* bytes; 0 means 1 GiB */
-    void (*changing)(void *context, uint32_t cell); /* told of a cell before a step, undo, redo or cancel
-                                                       writes it; NULL: nobody is */
+    iso_mask *mask; /* of the field; borrowed; NULL: no step changes a mask */
+    size_t memory;  /* limit in bytes; 0 means 1 GiB */
+    /* Called before a step, undo, redo or cancel writes a cell; NULL: not called. */
+    void (*before_write)(void *context, uint32_t cell);
     void *context;
-    const char
-        *spill; /* path of the file that takes what does not fit; copied. NULL: memory grows beyond its cap */
+    const char *spill; /* path of the file for steps that do not fit; copied. NULL: all stay in memory */
 } iso_history_opts;
 
-/* The grid is borrowed until destroy; the spill file is made when first needed and removed by destroy. Where
- * it cannot be written, steps stay in memory. */
+/* The grid is borrowed until destroy. The spill file is created when it is first needed and removed by
+ * destroy; if it cannot be written, steps stay in memory. ISO_ERR_NOMEM. */
 iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso_history **history,
                               iso_error *error);
 void iso_history_destroy(iso_history *history);
 
-/* A step: begin, edits that tell cells to iso_history_observer, end. What could be redone is forgotten when a
- * step that changed anything ends. Steps do not nest. The name is copied. cancel puts back what was. */
+/* Records a step: begin, edits by an editor that uses iso_history_step_opts, then end, or cancel, which
+ * restores the content from before the step. A step that changed something discards all steps that could be
+ * redone. Steps do not nest (ISO_ERR_USAGE). The name is copied. ISO_ERR_NOMEM. */
 iso_status iso_history_begin(iso_history *history, const char *name, iso_error *error);
-iso_step_opts iso_history_step(iso_history *history); /* keeper and kept for iso_editor_step */
+iso_step_opts iso_history_step_opts(iso_history *history); /* for iso_editor_begin_step */
 iso_status iso_history_end(iso_history *history, iso_error *error);
 iso_status iso_history_cancel(iso_history *history, iso_error *error);
 
-/* ISO_ERR_USAGE when there is nothing to undo or redo; ISO_ERR_IO when the spill file cannot be read: the
- * grid is as before. */
+/* ISO_ERR_USAGE: there is nothing to undo or redo, or a step is open; ISO_ERR_IO: the spill file cannot be
+ * read; ISO_ERR_NOMEM. The grid is as before then. */
 iso_status iso_history_undo(iso_history *history, iso_error *error);
 iso_status iso_history_redo(iso_history *history, iso_error *error);
 
-/* Forgets all steps. ISO_ERR_USAGE while one is open. */
+/* Discards all steps. ISO_ERR_USAGE: a step is open. */
 iso_status iso_history_clear(iso_history *history, iso_error *error);
 
-size_t iso_history_count(const iso_history *history);              /* steps, undone ones included */
-size_t iso_history_position(const iso_history *history);           /* steps that are done */
-size_t iso_history_cells(const iso_history *history, size_t step); /* that a step changed */
+size_t iso_history_count(const iso_history *history);              /* all steps, undone ones included */
+size_t iso_history_position(const iso_history *history);           /* steps that are not undone */
+size_t iso_history_cells(const iso_history *history, size_t step); /* cells that a step changed */
 const char *iso_history_name(const iso_history *history, size_t step);
-size_t iso_history_bytes(const iso_history *history);   /* in memory */
-size_t iso_history_spilled(const iso_history *history); /* in the file */
+size_t iso_history_bytes(const iso_history *history);   /* packed bytes in memory */
+size_t iso_history_spilled(const iso_history *history); /* bytes of the spill file */
 
 #ifdef __cplusplus
 }

@@ -1,3 +1,5 @@
+/* Writing and reading stroke files. Lines wait in a queue that a background thread writes; after a failure
+ * the unwritten rest stays in the queue. The text of a line is made and parsed by event.c. */
 #define _POSIX_C_SOURCE 200809L
 #include "sculpt/session/journal.h"
 
@@ -15,10 +17,10 @@
 #include "sculpt/session/event.h"
 #include "sculpt/session/limits.h"
 
-/* Longest time that a line waits. */
+/* The longest time that a line waits in the queue. */
 enum { FLUSH_SECONDS = 1 };
 
-/* Text that waits for the disk. */
+/* Text that has not been written yet. */
 typedef struct queue {
     char *text;
     size_t size, room;
@@ -31,16 +33,15 @@ struct iso_journal {
     pthread_t thread;
     pthread_mutex_t mutex;
     pthread_cond_t wake, done;
-    /* under the mutex */
+    /* protected by the mutex */
     queue waiting;
     bool sync_wanted, closing, idle;
-    int failure; /* errno of the last try, 0 when all went well */
+    int failure; /* errno of the last attempt, 0: it succeeded */
 };
 
 /* ---- the writing thread */
 
-/* Writes all of it or says why not; what was written is counted in *done, so that nothing is written twice.
- */
+/* Writes the whole queue, and counts the bytes written in *done. Returns 0 or an errno. */
 static int write_all(int file, const queue *q, size_t *done) {
     while (*done < q->size) {
         ssize_t n = write(file, q->text + *done, q->size - *done);
@@ -51,7 +52,7 @@ static int write_all(int file, const queue *q, size_t *done) {
     return 0;
 }
 
-static void wait_for_work(iso_journal *j) {
+static void wait_for_lines(iso_journal *j) {
     struct timespec until;
     clock_gettime(CLOCK_REALTIME, &until);
     until.tv_sec += FLUSH_SECONDS;
@@ -59,7 +60,7 @@ static void wait_for_work(iso_journal *j) {
         if (pthread_cond_timedwait(&j->wake, &j->mutex, &until)) return;
 }
 
-/* After a failure: not again at once. */
+/* Waits 0.2 s after a failure. */
 static void pause_writing(iso_journal *j) {
     struct timespec until;
     clock_gettime(CLOCK_REALTIME, &until);
@@ -69,8 +70,8 @@ static void pause_writing(iso_journal *j) {
     pthread_cond_timedwait(&j->wake, &j->mutex, &until);
 }
 
-/* Takes what waits, writes it without holding the mutex, and puts back what could not be written. */
-static void write_waiting(iso_journal *j) {
+/* Takes the queue, writes it with the mutex unlocked, and puts back what could not be written. */
+static void write_queue(iso_journal *j) {
     queue taken = j->waiting;
     bool sync = j->sync_wanted;
     j->waiting = (queue){0};
@@ -92,7 +93,7 @@ static void write_waiting(iso_journal *j) {
             free(taken.text);
         } else if (!size)
             free(taken.text);
-        else { /* no memory to join the two: what was taken first stays, the rest follows */
+        else { /* no memory to join the two: the older lines are kept, the newer ones are lost */
             memmove(taken.text, taken.text + written, left);
             free(j->waiting.text);
             j->waiting = (queue){taken.text, left, taken.room};
@@ -110,10 +111,10 @@ static void *write_lines(void *context) {
         j->idle = !j->waiting.size && !j->sync_wanted;
         pthread_cond_broadcast(&j->done);
         if (j->closing && (j->idle || j->failure)) break;
-        wait_for_work(j);
+        wait_for_lines(j);
         if (j->waiting.size || j->sync_wanted) {
             j->idle = false;
-            write_waiting(j);
+            write_queue(j);
             if (j->failure && !j->closing) {
                 pthread_cond_broadcast(&j->done);
                 pause_writing(j);
@@ -145,7 +146,7 @@ static void free_journal(iso_journal *j) {
     iso_free(j);
 }
 
-static iso_journal *allocate(const char *path) {
+static iso_journal *allocate_journal(const char *path) {
     iso_journal *j = iso_alloc_zero(1, sizeof *j);
     size_t size = strlen(path) + 1;
     if (!j) return NULL;
@@ -165,7 +166,7 @@ static iso_status open_at(iso_journal *j, int flags, iso_error *error) {
     return start_thread(j, error);
 }
 
-/* Adds a line; takes over `line`. Under the mutex, or before the thread runs. */
+/* Adds a line and frees it; `line` NULL, or no memory: false. The mutex is locked, or no thread runs yet. */
 static bool enqueue(queue *q, char *line) {
     size_t size = line ? strlen(line) : 0;
     if (line && q->size + size > q->room) {
@@ -187,7 +188,7 @@ static bool enqueue(queue *q, char *line) {
 
 iso_status iso_journal_create(const char *path, const iso_journal_start *start, iso_journal **out,
                               iso_error *error) {
-    iso_journal *j = allocate(path);
+    iso_journal *j = allocate_journal(path);
     if (!j || !enqueue(&j->waiting, iso_event_header_text(start))) {
         if (j) free_journal(j);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the journal");
@@ -216,10 +217,10 @@ iso_status iso_journal_append(const char *path, iso_journal **out, iso_error *er
     uint64_t sound = iso_journal_sound_bytes(reader);
     iso_journal_reader_free(reader);
     if (status != ISO_OK) return status;
-    iso_journal *j = allocate(path);
+    iso_journal *j = allocate_journal(path);
     if (!j) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the journal");
     j->next = lines;
-    /* a torn last line goes, so that the next one stands alone */
+    /* removes an incomplete last line */
     if (truncate(path, (off_t)sound)) {
         free_journal(j);
         return iso_fail(error, ISO_ERR_WRITE, "cannot write '%s': %s", path, strerror(errno));
@@ -246,10 +247,10 @@ iso_status iso_journal_put(iso_journal *j, const iso_event *event, iso_error *er
 }
 
 unsigned long long iso_journal_count(const iso_journal *j) {
-    return j->next; /* (the writing thread does not touch it) */
+    return j->next; /* the writing thread does not use it */
 }
 
-static iso_status report(const iso_journal *j, iso_error *error) {
+static iso_status report_failure(const iso_journal *j, iso_error *error) {
     if (!j->failure) return ISO_OK;
     return iso_fail(error, ISO_ERR_WRITE, "cannot write '%s': %s (strokes are kept in memory)", j->path,
                     strerror(j->failure));
@@ -257,7 +258,7 @@ static iso_status report(const iso_journal *j, iso_error *error) {
 
 iso_status iso_journal_status(iso_journal *j, iso_error *error) {
     pthread_mutex_lock(&j->mutex);
-    iso_status status = report(j, error);
+    iso_status status = report_failure(j, error);
     pthread_mutex_unlock(&j->mutex);
     return status;
 }
@@ -269,7 +270,7 @@ iso_status iso_journal_sync(iso_journal *j, iso_error *error) {
     j->failure = 0;
     pthread_cond_signal(&j->wake);
     while (!j->idle && !j->failure) pthread_cond_wait(&j->done, &j->mutex);
-    iso_status status = report(j, error);
+    iso_status status = report_failure(j, error);
     pthread_mutex_unlock(&j->mutex);
     return status;
 }
@@ -295,9 +296,9 @@ struct iso_journal_reader {
     FILE *file;
     iso_buffer line;
     iso_journal_start start;
-    unsigned long long lines; /* that were read, the header included */
-    uint64_t sound;
-    iso_stamp *stamp; /* of the last event */
+    unsigned long long lines; /* read so far, the header included */
+    uint64_t sound;           /* bytes up to the end of the last valid line */
+    iso_stamp *stamp;         /* of the last event */
 };
 
 void iso_journal_reader_free(iso_journal_reader *reader) {
@@ -309,8 +310,7 @@ void iso_journal_reader_free(iso_journal_reader *reader) {
     iso_free(reader);
 }
 
-/* The next whole line, without its newline; *whole = false at the end of the file or of its last whole line.
- */
+/* Reads the next line, without its newline; *whole = false: the file ends before a newline. */
 static iso_status next_line(iso_journal_reader *reader, size_t *size, bool *whole, iso_error *error) {
     enum { PIECE = 4096 };
     *size = 0;
@@ -372,8 +372,8 @@ iso_status iso_journal_open(const char *path, iso_journal_start *start, iso_jour
     return status;
 }
 
-/* A line that is not as it was written: the end of the file when it is the last one (its end reached the
- * disk, the rest did not). */
+/* The status of a torn line: as the last line it is the end of the file (a crash may write a line's end but
+ * not its beginning), elsewhere it is damage. */
 static iso_status end_at(iso_journal_reader *reader, const char *why, iso_error *error) {
     if (getc_unlocked(reader->file) == EOF) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged at line %llu: %s", reader->path,
@@ -389,7 +389,7 @@ iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *
     bool whole;
     ISO_TRY(next_line(reader, &size, &whole, error));
     if (!whole) return ISO_OK;
-    const iso_event_place place = {&reader->start, reader->lines - 1};
+    const iso_event_context place = {&reader->start, reader->lines - 1};
     switch (iso_event_read(reader->line.data, size, &place, event, &why)) {
     case ISO_LINE_SOUND:
         break;
@@ -406,10 +406,10 @@ iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *
     return ISO_OK;
 }
 
-iso_status iso_journal_blame(const iso_journal_reader *reader, iso_status status, iso_error *error) {
+iso_status iso_journal_add_location(const iso_journal_reader *reader, iso_status status, iso_error *error) {
     if (status == ISO_OK || !error) return status;
     const iso_error why = *error;
-    if (status == ISO_ERR_USAGE) status = ISO_ERR_FORMAT; /* it is the file that asks for it */
+    if (status == ISO_ERR_USAGE) status = ISO_ERR_FORMAT; /* the file caused it */
     if (status != ISO_ERR_FORMAT && status != ISO_ERR_NOMEM && status != ISO_ERR_LIMIT) return status;
     return iso_fail(error, status, "'%s' line %llu: %s", reader->path, reader->lines, why.text);
 }

@@ -1,3 +1,4 @@
+/* Checks of the numbers in a stroke file against the table of limits.h. */
 #include "sculpt/session/limits.h"
 
 #include <string.h>
@@ -34,7 +35,7 @@ static iso_status check_vector(iso_limit limit, iso_vec3 v, double voxel, iso_er
     return iso_limit_check(limit, v.z, voxel, error);
 }
 
-/* A ball's grid is made of whole bricks; of others the radius says nothing. */
+/* The grid of a ball must consist of whole bricks; the radius of other sources is not used. */
 static iso_status check_ball(const iso_journal_start *start, iso_error *error) {
     const bool ball = strcmp(start->source, "ball") == 0;
     for (int axis = 0; axis < 3; axis++)
@@ -68,8 +69,8 @@ static iso_status check_brush(const iso_brush *brush, double voxel, iso_error *e
 }
 
 static iso_status check_sample(const iso_sample *sample, const iso_journal_start *start, iso_error *error) {
-    const iso_vec3 away = iso_vec3_sub(sample->position, start->origin);
-    ISO_TRY(check_vector(ISO_LIMIT_POSITION, away, start->voxel_size, error));
+    const iso_vec3 relative = iso_vec3_sub(sample->position, start->origin);
+    ISO_TRY(check_vector(ISO_LIMIT_POSITION, relative, start->voxel_size, error));
     ISO_TRY(check_vector(ISO_LIMIT_NORMAL, sample->normal, 1, error));
     ISO_TRY(iso_limit_check(ISO_LIMIT_PRESSURE, sample->pressure, 1, error));
     return iso_limit_check(ISO_LIMIT_SECONDS, sample->seconds, 1, error);

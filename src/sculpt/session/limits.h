@@ -1,8 +1,8 @@
-/* limits: the bounds of every number that a stroke file holds, and of the work that it may ask for.
+/* limits: the bounds of every number in a stroke file, and of the computation that replaying it may take.
  *
- * A stroke file may come from anybody, and is played without being asked about. All that a person can make in
- * the window lies well within these bounds; what lies outside is refused where the line is read, or where it
- * is played. Lengths are bounded in voxels of the file's own grid: it is voxels that cost time and memory. */
+ * Stroke files may come from untrusted sources and are replayed without asking. Everything that can be
+ * recorded in the program's window lies well within the bounds; anything else is an error when its line is
+ * read or replayed. Lengths are bounded in voxels of the file's grid, because voxels cost time and memory. */
 #ifndef ISO_SCULPT_SESSION_LIMITS_H
 #define ISO_SCULPT_SESSION_LIMITS_H
 
@@ -12,8 +12,9 @@
 extern "C" {
 #endif
 
-/* X(name, text, lowest, highest, unit). A unit of "voxels" is a length in millimetres that is compared after
- * division by the voxel size; "radii", "s", "mm" and "" are compared as they are. */
+/* X(name, text in messages, lowest, highest, unit). With the unit "voxels" the value is a length in
+ * millimetres, compared after division by the voxel size. Values with other units are compared as they are.
+ */
 #define ISO_STROKE_LIMITS(X)                                                                                 \
     /* the first line */                                                                                     \
     X(VOXEL_SIZE, "voxel size", 1e-12, 1e12, "mm")                                                           \
@@ -30,7 +31,7 @@ extern "C" {
     X(SPACING, "spacing", 0.01, 10, "radii")                                                                 \
     X(SYMMETRY, "symmetry", 0, 7, "")                                                                        \
     X(MIRROR, "mirror plane", -1e9, 1e9, "voxels")                                                           \
-    /* a sample; positions are taken from the grid's first voxel */                                          \
+    /* a sample; positions are relative to the grid's first voxel */                                         \
     X(POSITION, "distance from the grid's origin", -1e6, 1e6, "voxels")                                      \
     X(NORMAL, "component of a normal", -1000, 1000, "")                                                      \
     X(PRESSURE, "pressure", 0, 1, "")                                                                        \
@@ -47,27 +48,26 @@ typedef enum iso_limit {
         ISO_LIMIT_COUNT
 } iso_limit;
 
-/* Bytes of a line, its newline included: the largest stamp takes a quarter of it. */
+/* Bytes of a line with its newline; the largest stamp takes a quarter of this. */
 enum { ISO_LIMIT_LINE = 64 << 20 };
-/* Touches that one sample makes: with the smallest brush of the window, half a million voxels of way. */
+/* Touches of one sample; with the smallest brush of the window this is a path of half a million voxels. */
 enum { ISO_LIMIT_TOUCHES = 1 << 20 };
-/* Cells that one touch lists: each takes 16 KiB of scratch memory, several times. */
+/* Cells that one touch lists; each takes 16 KiB of scratch memory, several times. */
 enum { ISO_LIMIT_TOUCH_CELLS = 1 << 18 };
-/* Snapshots that are tried before a session is played from its beginning. */
-enum { ISO_LIMIT_SNAPSHOTS = 8 };
-/* Work of a whole file, in cells edited (iso_editor_work; some 10 microseconds each): so much, and so much
- * more for each sample. A hand that makes a million cells of work with every sample would wait for 10 s
- * each time. */
-static inline double iso_limit_work(double samples) {
+/* Checkpoints that are tried before a journal is replayed from its beginning. */
+enum { ISO_LIMIT_CHECKPOINTS = 8 };
+/* The largest cost (iso_editor_cost) of replaying a file with this many samples. A million cells a sample
+ * would be a wait of 10 s for each sample of a recording. */
+static inline double iso_limit_cost(double samples) {
     return (double)(1 << 22) + (double)(1 << 20) * samples;
 }
 
-/* ISO_ERR_FORMAT, naming the number and its bounds, when it is outside (or not a number). `voxel` is the
- * voxel size in millimetres, for lengths. */
+/* ISO_ERR_FORMAT: the value is NaN or outside its bounds; the message names both. `voxel` is the voxel size
+ * in millimetres, used for lengths. */
 iso_status iso_limit_check(iso_limit limit, double value, double voxel, iso_error *error);
 
-/* The same for all numbers of a header, and of an event in the file that begins with it. Who writes a file
- * asks before, so that it can be read. */
+/* The same for all numbers of a header, and of an event in the file with that header. Also called before
+ * writing, so that every written file can be read. */
 iso_status iso_limits_start(const iso_journal_start *start, iso_error *error);
 iso_status iso_limits_event(const iso_event *event, const iso_journal_start *start, iso_error *error);
 

@@ -1,3 +1,4 @@
+/* The session: strokes, undo steps, the journal with its checkpoints, and resuming from it. */
 #include "sculpt/session/session.h"
 
 #include <math.h>
@@ -8,9 +9,9 @@
 #include "sculpt/session/checkpoint.h"
 #include "sculpt/session/limits.h"
 
-enum { DEFAULT_SNAPSHOT_STROKES = 200 };
-/* Bricks that lie ready for a stroke: 4 MiB. */
-enum { RESERVE = 256 };
+enum { DEFAULT_CHECKPOINT_STROKES = 200 };
+/* Bricks that are allocated between strokes, so that the next stroke need not: 4 MiB. */
+enum { RESERVED_BRICKS = 256 };
 
 struct iso_session {
     iso_hgrid *grid;
@@ -19,23 +20,25 @@ struct iso_session {
     iso_journal *journal;
     char *journal_path;
     iso_journal_start start;
-    iso_stamp *stamp; /* NULL: none yet */
-    int snapshot_every, strokes, checkpoints;
-    bool drawing;
-    bool playing;                 /* what is played is in the journal already */
-    bool bounded;                 /* an event of a stroke file is being played */
-    double work, samples, undone; /* of the options; played samples; cells of played undo steps */
+    iso_stamp *stamp;                             /* NULL: none yet */
+    int checkpoint_strokes, strokes, checkpoints; /* interval; numbers of strokes and checkpoints so far */
+    bool drawing;                                 /* a stroke */
+    bool replaying;     /* the journal being resumed: events are not recorded again */
+    bool bounded;       /* an event of a stroke file is being replayed: check_cost applies */
+    double cost_factor; /* of the options */
+    double samples;     /* replayed so far */
+    double undo_cost;   /* cells of all replayed undo and redo steps */
     iso_brush brush;
-    iso_sample first, previous; /* of the stroke; the last touch */
+    iso_sample first, previous; /* of the stroke: the first sample, and the last touch */
     iso_snapshot *snapshots[ISO_SESSION_SNAPSHOTS];
-    iso_checkpoint *checkpoint; /* being written; NULL: none */
-    iso_snapshot *held;         /* by it */
-    iso_event taken;            /* its line */
+    iso_checkpoint *checkpoint;      /* being written; NULL: none */
+    iso_snapshot *checkpoint_source; /* the snapshot that it is written from */
+    iso_event checkpoint_event;      /* to be recorded when it is written */
 };
 
-/* ---- the field for others */
+/* ---- snapshots */
 
-static void changing(void *context, uint32_t cell) {
+static void preserve_in_snapshots(void *context, uint32_t cell) {
     iso_session *session = context;
     for (int i = 0; i < ISO_SESSION_SNAPSHOTS; i++)
         if (session->snapshots[i]) iso_snapshot_preserve(session->snapshots[i], cell);
@@ -46,7 +49,8 @@ iso_status iso_session_snapshot(iso_session *session, iso_snapshot **snapshot, i
     while (at < ISO_SESSION_SNAPSHOTS && session->snapshots[at]) at++;
     if (session->drawing || at == ISO_SESSION_SNAPSHOTS)
         return iso_fail(error, ISO_ERR_USAGE,
-                        session->drawing ? "a stroke is being drawn" : "the field is held too often");
+                        session->drawing ? "a stroke is being drawn"
+                                         : "there are too many snapshots of the field");
     ISO_TRY(iso_snapshot_create(session->grid, &session->snapshots[at], error));
     *snapshot = session->snapshots[at];
     return ISO_OK;
@@ -60,13 +64,13 @@ void iso_session_release_snapshot(iso_session *session, iso_snapshot *snapshot) 
 
 /* ---- the journal */
 
-static iso_status record(iso_session *session, const iso_event *event, iso_error *error) {
-    return session->journal && !session->playing ? iso_journal_put(session->journal, event, error) : ISO_OK;
+static iso_status record_event(iso_session *session, const iso_event *event, iso_error *error) {
+    return session->journal && !session->replaying ? iso_journal_put(session->journal, event, error) : ISO_OK;
 }
 
-/* Before anything is done: what is recorded can be played. */
+/* Checks before an event changes anything that it can be replayed. */
 static iso_status check_record(const iso_session *session, const iso_event *event, iso_error *error) {
-    if (!session->journal || session->playing) return ISO_OK;
+    if (!session->journal || session->replaying) return ISO_OK;
     return iso_limits_event(event, &session->start, error) == ISO_OK ? ISO_OK : ISO_ERR_USAGE;
 }
 
@@ -74,50 +78,51 @@ static iso_status record_kind(iso_session *session, iso_event_kind kind, iso_err
     iso_event event;
     memset(&event, 0, sizeof event);
     event.kind = kind;
-    return record(session, &event, error);
+    return record_event(session, &event, error);
 }
 
-/* Waits for the snapshot that is being written, if any. One that cannot be written costs replay time, nothing
- * else: the journal stays as it is. */
-static iso_status finish_snapshot(iso_session *session, iso_error *error) {
+/* Waits for the checkpoint that is being written, if any, and records it. One that could not be written is
+ * left out of the journal, which only makes replaying slower. */
+static iso_status finish_checkpoint(iso_session *session, iso_error *error) {
     if (!session->checkpoint) return ISO_OK;
     const bool written = iso_checkpoint_finish(session->checkpoint);
-    iso_session_release_snapshot(session, session->held);
+    iso_session_release_snapshot(session, session->checkpoint_source);
     session->checkpoint = NULL;
     if (!written) return ISO_OK;
     session->checkpoints++;
-    return record(session, &session->taken, error);
+    return record_event(session, &session->checkpoint_event, error);
 }
 
-/* Of the field as it is; the journal gets its line when it is written, and goes on meanwhile. */
-static iso_status take_snapshot(iso_session *session, iso_error *error) {
-    iso_event *event = &session->taken;
-    ISO_TRY(finish_snapshot(session, error)); /* (the one before has had the time of many strokes) */
+/* Starts writing a checkpoint of the current field. It is recorded in the journal when its file is complete;
+ * other events may be recorded before that. */
+static iso_status start_checkpoint(iso_session *session, iso_error *error) {
+    iso_event *event = &session->checkpoint_event;
+    ISO_TRY(finish_checkpoint(session, error)); /* the previous one; after many strokes it is complete */
     memset(event, 0, sizeof *event);
-    event->kind = ISO_EVENT_SNAPSHOT;
+    event->kind = ISO_EVENT_CHECKPOINT;
     event->after = iso_journal_count(session->journal);
     int size = snprintf(event->text, sizeof event->text, "%s.%d.snapshot", session->journal_path,
                         session->checkpoints + 1);
     if (size < 0 || (size_t)size >= sizeof event->text) return ISO_OK;
-    if (iso_session_snapshot(session, &session->held, NULL) != ISO_OK) return ISO_OK;
-    if (iso_checkpoint_start(event->text, session->held, iso_editor_mask(session->editor),
+    if (iso_session_snapshot(session, &session->checkpoint_source, NULL) != ISO_OK) return ISO_OK;
+    if (iso_checkpoint_start(event->text, session->checkpoint_source, iso_editor_mask(session->editor),
                              &session->checkpoint, NULL) != ISO_OK)
-        iso_session_release_snapshot(session, session->held);
+        iso_session_release_snapshot(session, session->checkpoint_source);
     return ISO_OK;
 }
 
 /* ---- resuming */
 
-/* What a journal holds. */
-typedef struct snapshot_line {
+/* A first look at a journal: its checkpoints and the number of its events. */
+typedef struct checkpoint_line {
     unsigned long long after;
     char path[ISO_JOURNAL_TEXT];
-} snapshot_line;
-typedef struct contents {
+} checkpoint_line;
+typedef struct journal_contents {
     iso_buffer lines; /* snapshot_line */
     int checkpoints;
     unsigned long long events;
-} contents;
+} journal_contents;
 
 typedef iso_status event_fn(iso_session *session, const iso_event *event, void *context, iso_error *error);
 
@@ -131,52 +136,53 @@ static iso_status for_events(iso_session *session, event_fn *visit, void *contex
     while (status == ISO_OK && more) {
         status = iso_journal_next(reader, &event, &more, error);
         if (status == ISO_OK && more)
-            status = iso_journal_blame(reader, visit(session, &event, context, error), error);
+            status = iso_journal_add_location(reader, visit(session, &event, context, error), error);
     }
     iso_journal_reader_free(reader);
     return status;
 }
 
-static iso_status look_at(iso_session *session, const iso_event *event, void *context, iso_error *error) {
-    contents *found = context;
-    const size_t size = (size_t)found->checkpoints * sizeof(snapshot_line);
+static iso_status collect_contents(iso_session *session, const iso_event *event, void *context,
+                                   iso_error *error) {
+    journal_contents *found = context;
+    const size_t size = (size_t)found->checkpoints * sizeof(checkpoint_line);
     (void)session;
     found->events++;
-    if (event->kind != ISO_EVENT_SNAPSHOT) return ISO_OK;
-    ISO_TRY(iso_buffer_reserve(&found->lines, size + sizeof(snapshot_line), size, error));
-    snapshot_line *line = (snapshot_line *)found->lines.data + found->checkpoints++;
+    if (event->kind != ISO_EVENT_CHECKPOINT) return ISO_OK;
+    ISO_TRY(iso_buffer_reserve(&found->lines, size + sizeof(checkpoint_line), size, error));
+    checkpoint_line *line = (checkpoint_line *)found->lines.data + found->checkpoints++;
     line->after = event->after;
     memcpy(line->path, event->text, sizeof line->path);
     return ISO_OK;
 }
 
-typedef struct playing {
+typedef struct replay_progress {
     const iso_progress *progress;
     unsigned long long at, from, count;
-} playing;
+} replay_progress;
 
 static iso_status play_event(iso_session *session, const iso_event *event, void *context, iso_error *error) {
-    playing *p = context;
+    replay_progress *p = context;
     ISO_TRY(iso_progress_tell(p->progress, session->journal_path, (double)p->at / (double)p->count, error));
     const bool wanted = p->at >= p->from || event->kind == ISO_EVENT_STAMP;
     p->at++;
     return wanted ? iso_session_play(session, event, NULL, error) : ISO_OK;
 }
 
-/* Plays the journal. `from`: the number of the snapshot to begin at, 0: the beginning. */
-static iso_status play_from(iso_session *session, const contents *found, int from,
-                            const iso_progress *progress, iso_error *error) {
-    playing p = {.progress = progress, .count = found->events};
+/* Replays the journal from checkpoint `from` (counted from 1), or from the beginning (0). */
+static iso_status play_from_checkpoint(iso_session *session, const journal_contents *found, int from,
+                                       const iso_progress *progress, iso_error *error) {
+    replay_progress p = {.progress = progress, .count = found->events};
     if (from) {
-        const snapshot_line *line = (const snapshot_line *)found->lines.data + from - 1;
+        const checkpoint_line *line = (const checkpoint_line *)found->lines.data + from - 1;
         ISO_TRY(iso_checkpoint_read(line->path, session->grid, iso_editor_mask(session->editor), error));
         p.from = line->after;
     }
     return for_events(session, play_event, &p, error);
 }
 
-/* The field and the history as they were at the start. */
-static iso_status start_again(iso_session *session, const iso_hgrid *initial, iso_error *error) {
+/* Restores the initial field, without mask and history. */
+static iso_status reset_to(iso_session *session, const iso_hgrid *initial, iso_error *error) {
     if (session->drawing) ISO_TRY(iso_session_cancel(session, error));
     while (iso_history_position(session->history)) ISO_TRY(iso_history_undo(session->history, error));
     iso_editor_mask_clear(session->editor);
@@ -184,38 +190,38 @@ static iso_status start_again(iso_session *session, const iso_hgrid *initial, is
     return iso_history_clear(session->history, error);
 }
 
-/* From the newest snapshot that will do: its file may be gone or damaged, or an undo may reach back before
- * it. */
-static iso_status play_back(iso_session *session, const contents *found, const iso_progress *progress,
-                            iso_error *error) {
+/* Replays from the newest checkpoint with which that succeeds: a file may be missing or damaged, or an undo
+ * may go back to events before it. */
+static iso_status play_from_newest(iso_session *session, const journal_contents *found,
+                                   const iso_progress *progress, iso_error *error) {
     iso_hgrid *initial = NULL;
     const int lo[3] = {0, 0, 0},
               hi[3] = {session->grid->dims[0] - 1, session->grid->dims[1] - 1, session->grid->dims[2] - 1};
     int from = found->checkpoints;
     iso_status status = from ? iso_hgrid_crop(session->grid, lo, hi, &initial, error) : ISO_OK;
-    for (int tries = 1; status == ISO_OK; from = tries++ < ISO_LIMIT_SNAPSHOTS ? from - 1 : 0) {
-        status = play_from(session, found, from, progress, error);
+    for (int tries = 1; status == ISO_OK; from = tries++ < ISO_LIMIT_CHECKPOINTS ? from - 1 : 0) {
+        status = play_from_checkpoint(session, found, from, progress, error);
         if (status == ISO_OK || from == 0 || iso_progress_cancelled(progress)) break;
-        status = start_again(session, initial, error);
+        status = reset_to(session, initial, error);
     }
     iso_hgrid_destroy(initial);
     return status;
 }
 
 static iso_status play_journal(iso_session *session, const iso_progress *progress, iso_error *error) {
-    contents found = {0};
-    iso_status status = for_events(session, look_at, &found, error);
+    journal_contents found = {0};
+    iso_status status = for_events(session, collect_contents, &found, error);
     session->checkpoints = found.checkpoints;
-    if (status == ISO_OK) status = play_back(session, &found, progress, error);
+    if (status == ISO_OK) status = play_from_newest(session, &found, progress, error);
     iso_buffer_free(&found.lines);
     return status;
 }
 
-/* A stroke that never ended is closed where it broke off. */
+/* Replays the journal and opens it for appending. A stroke that was not finished is ended. */
 static iso_status resume(iso_session *session, const iso_progress *progress, iso_error *error) {
-    session->playing = true;
+    session->replaying = true;
     iso_status status = play_journal(session, progress, error);
-    session->playing = false;
+    session->replaying = false;
     if (status == ISO_OK) status = iso_journal_append(session->journal_path, &session->journal, error);
     if (status == ISO_OK && session->drawing) status = iso_session_end(session, error);
     return status;
@@ -223,7 +229,7 @@ static iso_status resume(iso_session *session, const iso_progress *progress, iso
 
 /* ---- life */
 
-static iso_status keep_paths(iso_session *session, const char *journal, iso_error *error) {
+static iso_status copy_journal_path(iso_session *session, const char *journal, iso_error *error) {
     if (!journal) return ISO_OK;
     size_t size = strlen(journal) + 1;
     session->journal_path = iso_alloc(size);
@@ -236,14 +242,15 @@ static iso_status set_up(iso_session *session, const iso_journal_start *start, c
                          iso_error *error) {
     char spill[ISO_JOURNAL_TEXT];
     iso_editor_opts editor = {.pool = opts->pool};
-    iso_history_opts history = {.memory = opts->undo_memory, .changing = changing, .context = session};
+    iso_history_opts history = {
+        .memory = opts->undo_memory, .before_write = preserve_in_snapshots, .context = session};
     if (opts->journal && snprintf(spill, sizeof spill, "%s.undo", opts->journal) < (int)sizeof spill)
         history.spill = spill;
-    ISO_TRY(keep_paths(session, opts->journal, error));
+    ISO_TRY(copy_journal_path(session, opts->journal, error));
     ISO_TRY(iso_editor_create(session->grid, &editor, &session->editor, error));
     history.mask = iso_editor_mask(session->editor);
     ISO_TRY(iso_history_create(session->grid, &history, &session->history, error));
-    iso_hgrid_reserve(session->grid, RESERVE);
+    iso_hgrid_reserve(session->grid, RESERVED_BRICKS);
     if (!opts->journal) return ISO_OK;
     if (iso_limits_start(start, error) != ISO_OK) return ISO_ERR_USAGE;
     session->start = *start;
@@ -259,8 +266,9 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a session");
     }
     session->grid = grid;
-    session->work = opts->work > 0 ? opts->work : 1;
-    session->snapshot_every = opts->checkpoint_strokes ? opts->checkpoint_strokes : DEFAULT_SNAPSHOT_STROKES;
+    session->cost_factor = opts->cost_factor > 0 ? opts->cost_factor : 1;
+    session->checkpoint_strokes =
+        opts->checkpoint_strokes ? opts->checkpoint_strokes : DEFAULT_CHECKPOINT_STROKES;
     iso_status status = set_up(session, start, opts, error);
     if (status == ISO_OK)
         *out = session;
@@ -271,7 +279,7 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
 
 void iso_session_destroy(iso_session *session) {
     if (!session) return;
-    finish_snapshot(session, NULL);
+    finish_checkpoint(session, NULL);
     if (session->journal) iso_journal_close(session->journal, NULL);
     iso_stamp_free(session->stamp);
     iso_history_destroy(session->history);
@@ -311,21 +319,21 @@ static void add_stats(iso_edit_stats *sum, const iso_edit_stats *more) {
     sum->clipped |= more->clipped;
 }
 
-/* Whether a stroke file has asked for more than any hand would. */
-static iso_status check_work(const iso_session *session, iso_error *error) {
-    const double most = session->work * iso_limit_work(session->samples),
-                 done = iso_editor_work(session->editor) + session->undone;
+/* Fails if replaying has cost more than recordings can. */
+static iso_status check_cost(const iso_session *session, iso_error *error) {
+    const double most = session->cost_factor * iso_limit_cost(session->samples),
+                 done = iso_editor_cost(session->editor) + session->undo_cost;
     if (!session->bounded || done <= most) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "the strokes up to here ask for more work than %.3g edited bricks",
                     most);
 }
 
-static iso_status touch(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
-                        iso_error *error) {
-    ISO_TRY(check_work(session, error));
-    iso_touch t = {.sample = *sample, .previous = session->previous, .first = session->first};
+static iso_status touch_sample(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
+                               iso_error *error) {
+    ISO_TRY(check_cost(session, error));
+    iso_touch touch = {.sample = *sample, .previous = session->previous, .first = session->first};
     iso_edit_stats made = {0};
-    ISO_TRY(iso_editor_touch(session->editor, &session->brush, &t, &made, error));
+    ISO_TRY(iso_editor_touch(session->editor, &session->brush, &touch, &made, error));
     session->previous = *sample;
     add_stats(stats, &made);
     return ISO_OK;
@@ -342,27 +350,27 @@ static iso_sample sample_between(const iso_sample *a, const iso_sample *b, doubl
     return s;
 }
 
-/* Touches from the last one towards the sample, `spacing` apart. */
+/* Touches the field along the line from the last touch to the sample, at the brush's spacing. */
 static iso_status touch_along(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
                               iso_error *error) {
     const iso_brush *brush = &session->brush;
     if (brush->tool == ISO_TOOL_MOVE ||
         (brush->shape == ISO_SOLID_CAPSULE && brush->tool <= ISO_TOOL_BLEND_CARVE))
-        return touch(session, sample, stats, error); /* these reach back to the sample before by themselves */
-    double spacing = brush->radius * (brush->spacing > 0 ? brush->spacing : 0.25);
+        return touch_sample(session, sample, stats, error); /* one touch covers the whole line */
+    double spacing_mm = brush->radius * (brush->spacing > 0 ? brush->spacing : 0.25);
     const iso_sample from = session->previous;
-    double length = iso_vec3_length(iso_vec3_sub(sample->position, from.position));
-    if (!(length / spacing <= ISO_LIMIT_TOUCHES))
+    double length_mm = iso_vec3_length(iso_vec3_sub(sample->position, from.position));
+    if (!(length_mm / spacing_mm <= ISO_LIMIT_TOUCHES))
         return iso_fail(error, ISO_ERR_USAGE, "a sample that makes %.4g touches: at most %d",
-                        length / spacing, ISO_LIMIT_TOUCHES);
-    for (double along = spacing; along <= length; along += spacing) {
-        iso_sample s = sample_between(&from, sample, along / length);
-        ISO_TRY(touch(session, &s, stats, error));
+                        length_mm / spacing_mm, ISO_LIMIT_TOUCHES);
+    for (double along = spacing_mm; along <= length_mm; along += spacing_mm) {
+        iso_sample s = sample_between(&from, sample, along / length_mm);
+        ISO_TRY(touch_sample(session, &s, stats, error));
     }
     return ISO_OK;
 }
 
-/* A ball, along a stroke or not, goes without saying. */
+/* The name of an undo step: the tool and, unless it is a sphere or capsule, the solid. */
 static void name_step(const iso_brush *brush, char *name, size_t size) {
     const bool plain = brush->tool > ISO_TOOL_BLEND_CARVE || brush->shape == ISO_SOLID_SPHERE ||
                        brush->shape == ISO_SOLID_CAPSULE;
@@ -379,13 +387,13 @@ iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const
     char name[64];
     name_step(brush, name, sizeof name);
     ISO_TRY(iso_history_begin(session->history, name, error));
-    iso_step_opts step = iso_history_step(session->history);
+    iso_step_opts step = iso_history_step_opts(session->history);
     step.stamp = session->stamp;
-    iso_editor_step(session->editor, &step);
+    iso_editor_begin_step(session->editor, &step);
     session->brush = *brush;
     session->first = session->previous = *sample;
-    iso_status status = touch(session, sample, stats, error);
-    if (status == ISO_OK) status = record(session, &event, error);
+    iso_status status = touch_sample(session, sample, stats, error);
+    if (status == ISO_OK) status = record_event(session, &event, error);
     session->drawing = status == ISO_OK;
     if (status != ISO_OK) iso_history_cancel(session->history, NULL);
     return status;
@@ -397,7 +405,7 @@ iso_status iso_session_sample(iso_session *session, const iso_sample *sample, is
     if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
     ISO_TRY(check_record(session, &event, error));
     ISO_TRY(touch_along(session, sample, stats, error));
-    return record(session, &event, error);
+    return record_event(session, &event, error);
 }
 
 iso_status iso_session_end(iso_session *session, iso_error *error) {
@@ -407,11 +415,11 @@ iso_status iso_session_end(iso_session *session, iso_error *error) {
     session->drawing = false;
     ISO_TRY(record_kind(session, ISO_EVENT_END, error));
     session->strokes++;
-    iso_hgrid_reserve(session->grid, RESERVE);
+    iso_hgrid_reserve(session->grid, RESERVED_BRICKS);
     if (session->checkpoint && iso_checkpoint_done(session->checkpoint))
-        ISO_TRY(finish_snapshot(session, error));
-    bool due = session->snapshot_every > 0 && session->strokes % session->snapshot_every == 0;
-    return due && session->journal && !session->playing ? take_snapshot(session, error) : ISO_OK;
+        ISO_TRY(finish_checkpoint(session, error));
+    bool due = session->checkpoint_strokes > 0 && session->strokes % session->checkpoint_strokes == 0;
+    return due && session->journal && !session->replaying ? start_checkpoint(session, error) : ISO_OK;
 }
 
 iso_status iso_session_cancel(iso_session *session, iso_error *error) {
@@ -438,7 +446,7 @@ iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_err
     event.stamp = stamp;
     iso_status status = session->drawing ? iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn") : ISO_OK;
     if (!stamp) status = iso_fail(error, ISO_ERR_USAGE, "there is no stamp");
-    if (status == ISO_OK) status = record(session, &event, error);
+    if (status == ISO_OK) status = record_event(session, &event, error);
     if (status != ISO_OK) {
         iso_stamp_free(stamp);
         return status;
@@ -452,13 +460,13 @@ const iso_stamp *iso_session_stamp(const iso_session *session) {
     return session->stamp;
 }
 
-/* Undoing costs what the step's cells do, as often as it is asked for. */
-static iso_status count_step(iso_session *session, bool redo, iso_error *error) {
+/* Adds the cost of an undo or redo: the cells of its step. */
+static iso_status count_step_cost(iso_session *session, bool redo, iso_error *error) {
     const iso_history *history = session->history;
     const size_t position = iso_history_position(history);
     if (redo ? position < iso_history_count(history) : position > 0)
-        session->undone += (double)iso_history_cells(history, redo ? position : position - 1);
-    return check_work(session, error);
+        session->undo_cost += (double)iso_history_cells(history, redo ? position : position - 1);
+    return check_cost(session, error);
 }
 
 static iso_status play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
@@ -473,10 +481,10 @@ static iso_status play(iso_session *session, const iso_event *event, iso_edit_st
     case ISO_EVENT_CANCEL:
         return iso_session_cancel(session, error);
     case ISO_EVENT_UNDO:
-        ISO_TRY(count_step(session, false, error));
+        ISO_TRY(count_step_cost(session, false, error));
         return iso_session_undo(session, error);
     case ISO_EVENT_REDO:
-        ISO_TRY(count_step(session, true, error));
+        ISO_TRY(count_step_cost(session, true, error));
         return iso_session_redo(session, error);
     case ISO_EVENT_STAMP:
         return iso_session_set_stamp(session, iso_stamp_share(event->stamp), error);
@@ -496,17 +504,17 @@ iso_status iso_session_play(iso_session *session, const iso_event *event, iso_ed
 
 /* ---- a new ball */
 
-static iso_status fill_ball_cell(iso_hgrid *grid, const int at[3], const double centre[3], double radius,
-                                 iso_error *error) {
+static iso_status fill_ball_cell(iso_hgrid *grid, const int at[3], const double centre[3],
+                                 double radius_voxels, iso_error *error) {
     const double band = (double)grid->band, half = 0.5 * (ISO_BRICK - 1);
     double square = 0;
     for (int axis = 0; axis < 3; axis++) {
         double d = ISO_BRICK * (double)at[axis] + half - centre[axis];
         square += d * d;
     }
-    double distance = sqrt(square) - radius, reach = half * sqrt(3) + band;
+    double distance = sqrt(square) - radius_voxels, influence = half * sqrt(3) + band;
     iso_hgrid_coalesce(grid, at[0], at[1], at[2], distance < 0 ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE);
-    if (fabs(distance) >= reach) return ISO_OK;
+    if (fabs(distance) >= influence) return ISO_OK;
     float *brick;
     ISO_TRY(iso_hgrid_split(grid, at[0], at[1], at[2], &brick, error));
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
@@ -516,7 +524,7 @@ static iso_status fill_ball_cell(iso_hgrid *grid, const int at[3], const double 
             double d = ISO_BRICK * (double)at[axis] + voxel[axis] - centre[axis];
             square += d * d;
         }
-        distance = sqrt(square) - radius;
+        distance = sqrt(square) - radius_voxels;
         brick[i] = (float)(distance > band ? band : distance < -band ? -band : distance);
     }
     return ISO_OK;

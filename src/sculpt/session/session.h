@@ -1,5 +1,6 @@
-/* session: a field, the hand that works it, its undo history and its journal, put together: what the window
- * and the replayer drive. Samples become touches here: spacing along the stroke, pressure, symmetry. */
+/* session: a level set with its editor, undo history and journal; used by the program's window, by replaying
+ * and by the public API. It turns the samples of a stroke into touches, which are spaced along the stroke.
+ * All functions are for one thread. */
 #ifndef ISO_SCULPT_SESSION_SESSION_H
 #define ISO_SCULPT_SESSION_SESSION_H
 
@@ -17,31 +18,34 @@ typedef struct iso_session iso_session;
 typedef struct iso_session_opts {
     iso_pool *pool;         /* borrowed */
     const char *journal;    /* path of the stroke file to write; NULL: none */
-    bool resume;            /* the file exists: what it holds is played first, then it is continued */
+    bool resume;            /* the file exists: its events are replayed, then new ones are appended */
     size_t undo_memory;     /* bytes; 0 means 1 GiB */
-    int checkpoint_strokes; /* a snapshot beside the journal after so many strokes, written by a thread of its
-                             own; 0 means 200, < 0 never */
-    double work; /* times iso_limit_work that iso_session_play may take: a finer grid makes more work of the
-                    same strokes; 0 means 1 */
-    const iso_progress *progress; /* of resuming; cancelled: ISO_ERR_IO, and the journal is as it was */
+    int checkpoint_strokes; /* strokes between checkpoints, which are written in the background to files
+                               beside the journal; 0 means 200, < 0 none */
+    double cost_factor; /* multiplies iso_limit_cost, which bounds iso_session_play: on a finer grid the same
+                           strokes cost more; 0 means 1 */
+    const iso_progress *progress; /* of resuming; cancelled: ISO_ERR_IO, and the journal is unchanged */
 } iso_session_opts;
 
-/* Takes over the grid (also when it fails). `start` says what the grid is; the journal's header. Resuming
- * begins at the last snapshot that can be read; what was done before it cannot be undone then. */
+/* Takes ownership of the grid, also when it fails. `start` describes the grid and becomes the journal's
+ * header. Resuming begins at the last checkpoint that can be read; events before that cannot be undone.
+ * Errors: those of the editor, the history and the journal; ISO_ERR_USAGE: a number of `start` is outside its
+ * bounds. */
 iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, const iso_session_opts *opts,
                               iso_session **session, iso_error *error);
-/* Closes the journal; what was not saved stays in it. */
+/* Closes the journal and waits for a checkpoint that is being written. NULL is allowed. */
 void iso_session_destroy(iso_session *session);
 
-iso_hgrid *iso_session_grid(iso_session *session);            /* borrowed; do not write */
+iso_hgrid *iso_session_grid(iso_session *session);            /* borrowed; not to be written */
 const iso_mask *iso_session_mask(const iso_session *session); /* borrowed */
 iso_history *iso_session_history(iso_session *session);
 bool iso_session_has_mask(const iso_session *session);
 bool iso_session_masked(const iso_session *session, int x, int y, int z); /* a voxel inside the grid */
 
-/* A stroke: begin with its first sample, then samples, then end or cancel. A sample makes as many touches as
- * the spacing asks for (none when the hand has hardly moved); more than ISO_LIMIT_TOUCHES are ISO_ERR_USAGE,
- * and none is made. stats add up. */
+/* Draws a stroke: begin with its first sample, then further samples, then end or cancel. A sample makes the
+ * touches between the last one and itself that the brush's spacing gives, possibly none. `stats` may be NULL
+ * and are added to. ISO_ERR_USAGE: the wrong order of calls, a bad brush or sample, or more than
+ * ISO_LIMIT_TOUCHES touches, of which none is made; also the errors of iso_editor_touch. */
 iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const iso_sample *sample,
                              iso_edit_stats *stats, iso_error *error);
 iso_status iso_session_sample(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
@@ -51,28 +55,29 @@ iso_status iso_session_cancel(iso_session *session, iso_error *error);
 iso_status iso_session_undo(iso_session *session, iso_error *error);
 iso_status iso_session_redo(iso_session *session, iso_error *error);
 
-/* The field as it is now, for another thread (iso_snapshot_copy), while the session goes on; destroyed by
- * iso_session_release_snapshot, before the session. ISO_ERR_USAGE while a stroke is drawn, or when too many
- * are held; ISO_ERR_NOMEM. */
+/* Makes a snapshot of the field, for another thread to copy (iso_snapshot_copy) while editing continues. It
+ * must be released before the session is destroyed. ISO_ERR_USAGE: a stroke is being drawn, or there are
+ * ISO_SESSION_SNAPSHOTS already; ISO_ERR_NOMEM. */
 enum { ISO_SESSION_SNAPSHOTS = 4 };
 iso_status iso_session_snapshot(iso_session *session, iso_snapshot **snapshot, iso_error *error);
 void iso_session_release_snapshot(iso_session *session, iso_snapshot *snapshot);
 
-/* What strokes with ISO_SOLID_STAMP use from now on; takes it over (also when it fails), and the journal gets
- * all of it. ISO_ERR_USAGE while a stroke is drawn. */
+/* Sets the stamp for strokes with ISO_SOLID_STAMP and writes it to the journal. Takes ownership, also when it
+ * fails. ISO_ERR_USAGE: a stroke is being drawn; ISO_ERR_NOMEM. */
 iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_error *error);
 const iso_stamp *iso_session_stamp(const iso_session *session); /* NULL: none yet */
 
-/* Why the journal lags behind, or ISO_OK. */
+/* As iso_journal_status; ISO_OK without a journal. */
 iso_status iso_session_journal_status(iso_session *session, iso_error *error);
 
-/* Plays one event of a stroke file. ISO_ERR_USAGE: the events before it do not allow it; ISO_ERR_FORMAT: the
- * file asks for more work than iso_limit_work says. iso_journal_blame names the line. */
+/* Replays one event of a stroke file. ISO_ERR_USAGE: the event is not possible after those before it;
+ * ISO_ERR_FORMAT: the cost of the file exceeds iso_limit_cost; iso_journal_add_location adds the line. */
 iso_status iso_session_play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
                             iso_error *error);
 
-/* The unit ball of a new session: a grid of `dims` voxels of `voxel_size` mm with a ball of `radius` mm at
- * the world's origin, which is the grid's centre. */
+/* Makes the level set of a new session: a grid as `start` describes it, with a ball of `radius` mm around the
+ * world's origin. The caller owns *grid. ISO_ERR_USAGE: a size that is not positive; ISO_ERR_LIMIT,
+ * ISO_ERR_NOMEM. */
 iso_status iso_session_ball(const iso_journal_start *start, iso_hgrid **grid, iso_error *error);
 
 #ifdef __cplusplus

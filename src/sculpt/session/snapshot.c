@@ -1,3 +1,5 @@
+/* Copy-on-write snapshots of a level set. Cells are copied in order by iso_snapshot_copy; the writer copies a
+ * cell that it is about to change if that has not been reached. A mutex orders the two. */
 #include "sculpt/session/snapshot.h"
 
 #include <pthread.h>
@@ -5,21 +7,22 @@
 
 #include "base/memory.h"
 
-/* Cells between two looks at the progress. */
-enum { TELL = 4096 };
+/* Cells between two reports of progress. */
+enum { PROGRESS_CELLS = 4096 };
 
 struct iso_snapshot {
     int dims[3], cells[3];
     size_t count;
     float band;
     iso_transform transform;
-    int32_t *state; /* by cell, as it was */
-    float **chunk;  /* the pool's table, which moves when the pool grows; chunks do not */
+    int32_t *state; /* by cell: the grid's entry when the snapshot was made */
+    float **chunk;  /* copy of the brick pool's table, which moves when the pool grows; chunks do not move */
     pthread_mutex_t mutex;
-    /* under the mutex */
-    float **copy;        /* by cell; NULL: the grid's brick is as it was, or was taken */
-    size_t copies, next; /* `next`: cells before this one were taken */
-    bool failed;
+    /* protected by the mutex */
+    float **copy;  /* by cell: preserved values; NULL: the grid's brick is unchanged, or was copied already */
+    size_t copies; /* that exist */
+    size_t next;   /* the reader has copied all cells before this one */
+    bool failed;   /* out of memory: some old values are lost */
 };
 
 enum { BRICK_BYTES = ISO_BRICK_VOXELS * sizeof(float) };
@@ -77,8 +80,8 @@ void iso_snapshot_preserve(iso_snapshot *snapshot, uint32_t cell) {
     pthread_mutex_unlock(&snapshot->mutex);
 }
 
-/* The values as they were; false: they are lost. */
-static bool take_brick(iso_snapshot *snapshot, size_t cell, float *brick) {
+/* Copies the values of a cell as they were. False: they are lost. */
+static bool copy_brick(iso_snapshot *snapshot, size_t cell, float *brick) {
     pthread_mutex_lock(&snapshot->mutex);
     const float *values = snapshot->copy[cell] ? snapshot->copy[cell] : brick_of(snapshot, cell);
     memcpy(brick, values, BRICK_BYTES);
@@ -91,10 +94,10 @@ static bool take_brick(iso_snapshot *snapshot, size_t cell, float *brick) {
     return sound;
 }
 
-static iso_status take_cells(iso_snapshot *snapshot, const iso_progress *progress, iso_hgrid *grid,
+static iso_status copy_cells(iso_snapshot *snapshot, const iso_progress *progress, iso_hgrid *grid,
                              iso_error *error) {
     for (size_t cell = 0; cell < snapshot->count; cell++) {
-        if (cell % TELL == 0)
+        if (cell % PROGRESS_CELLS == 0)
             ISO_TRY(iso_progress_tell(progress, "the field", (double)cell / (double)snapshot->count, error));
         grid->cell[cell] = snapshot->state[cell] < 0 ? snapshot->state[cell] : ISO_CELL_OUTSIDE;
         if (snapshot->state[cell] < 0) continue;
@@ -102,14 +105,14 @@ static iso_status take_cells(iso_snapshot *snapshot, const iso_progress *progres
         float *brick;
         ISO_TRY(
             iso_hgrid_split(grid, (int)(cell % x), (int)(cell / x % y), (int)(cell / x / y), &brick, error));
-        if (!take_brick(snapshot, cell, brick))
+        if (!copy_brick(snapshot, cell, brick))
             return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a copy of the field");
     }
     return ISO_OK;
 }
 
-/* Nothing is kept any more. */
-static void finish(iso_snapshot *snapshot) {
+/* From here on iso_snapshot_preserve copies nothing. */
+static void stop_preserving(iso_snapshot *snapshot) {
     pthread_mutex_lock(&snapshot->mutex);
     snapshot->next = snapshot->count;
     pthread_mutex_unlock(&snapshot->mutex);
@@ -119,8 +122,8 @@ iso_status iso_snapshot_copy(iso_snapshot *snapshot, const iso_progress *progres
                              iso_error *error) {
     iso_hgrid *grid = NULL;
     iso_status status = iso_hgrid_create(snapshot->dims, snapshot->band, &snapshot->transform, &grid, error);
-    if (status == ISO_OK) status = take_cells(snapshot, progress, grid, error);
-    finish(snapshot);
+    if (status == ISO_OK) status = copy_cells(snapshot, progress, grid, error);
+    stop_preserving(snapshot);
     if (status == ISO_OK)
         *out = grid;
     else

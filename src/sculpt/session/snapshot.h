@@ -1,7 +1,9 @@
-/* hold: a field as it is now, for another thread, while the field goes on changing.
+/* snapshot: a copy-on-write snapshot of a level set. A background thread (saving, meshing) reads the field as
+ * it was while editing continues.
  *
- * Holding copies no values: the writer tells the hold of a cell before it first writes it, and only such
- * cells are copied, until the other thread has taken all. Internal to sculpt but for iso_snapshot_copy. */
+ * Creating a snapshot copies no values. Before the writer changes a cell for the first time it calls
+ * iso_snapshot_preserve, which copies the cell unless the reader has it already. Internal to sculpt, except
+ * iso_snapshot_copy. */
 #ifndef ISO_SCULPT_SESSION_SNAPSHOT_H
 #define ISO_SCULPT_SESSION_SNAPSHOT_H
 
@@ -14,17 +16,17 @@ extern "C" {
 
 typedef struct iso_snapshot iso_snapshot;
 
-/* By the grid's writer; the grid must outlive the hold. ISO_ERR_NOMEM. */
+/* Called by the thread that writes the grid; the grid must outlive the snapshot. ISO_ERR_NOMEM. */
 iso_status iso_snapshot_create(const iso_hgrid *grid, iso_snapshot **snapshot, iso_error *error);
-/* When nobody takes from it any more. */
+/* Must not be called during iso_snapshot_copy. NULL is allowed. */
 void iso_snapshot_destroy(iso_snapshot *snapshot);
 
-/* By the writer, before it writes a cell or makes it empty. Without memory for it the hold fails, not the
- * writer. */
+/* Called by the writer before it writes a cell or makes it empty. If there is no memory for the copy, the
+ * snapshot fails, not the writer. */
 void iso_snapshot_preserve(iso_snapshot *snapshot, uint32_t cell);
 
-/* By any one thread, once: a grid of its own with the cells as they were. Cancelled: ISO_ERR_IO. Else
- * ISO_ERR_NOMEM. */
+/* Copies the field as it was to a new grid, which the caller owns. Called once, by any thread. ISO_ERR_IO:
+ * cancelled through `progress`; ISO_ERR_NOMEM. */
 iso_status iso_snapshot_copy(iso_snapshot *snapshot, const iso_progress *progress, iso_hgrid **grid,
                              iso_error *error);
 

@@ -12,13 +12,10 @@
 #include <cmocka.h>
 
 #include "base/cpu.h"
+#include "check_support.h"
 #include "exact_support.h"
 #include "extract_support.h"
 #include "view_support.h"
-
-static void ok(iso_status status, const iso_error *error) {
-    if (status != ISO_OK) fail_msg("%s", error->text);
-}
 
 /* ---- volumes and views */
 
@@ -297,7 +294,7 @@ static void levels_and_threads_give_the_same_bytes(void **state) {
     test_random random = {8};
     iso_pool *pool;
     iso_error error = {0};
-    ok(iso_pool_create(3, &pool, &error), &error);
+    test_ok(iso_pool_create(3, &pool, &error), &error);
     for (int round = 0; round < 16; round++) {
         const int pattern = round % 3;
         iso_grid grid = round % 4 == 3 ? random_balls(60, 14, &random)
@@ -332,7 +329,7 @@ static void ties_do_not_depend_on_vectors_or_bands(void **state) {
     test_random random = {9};
     iso_pool *pool;
     iso_error error = {0};
-    ok(iso_pool_create(3, &pool, &error), &error);
+    test_ok(iso_pool_create(3, &pool, &error), &error);
     for (int round = 0; round < 200; round++) {
         int dims[3];
         test_random_dims(&random, 10, 24, dims);
@@ -376,12 +373,12 @@ static void same_when_painted(const iso_grid *grid, double isovalue, const iso_v
     iso_image wanted, got;
     iso_error error = {0};
     size_t covered = 0;
-    ok(iso_image_create(view->width, view->height, &wanted, &error), &error);
-    ok(iso_image_create(view->width, view->height, &got, &error), &error);
+    test_ok(iso_image_create(view->width, view->height, &wanted, &error), &error);
+    test_ok(iso_image_create(view->width, view->height, &got, &error), &error);
     iso_gbuffer gbuffer = empty_picture(view);
     iso_exact *exact = make_exact(grid, isovalue, NULL);
     const iso_target target = {.view = view, .gbuffer = &gbuffer};
-    ok(iso_draw_exact(&target, exact, &error), &error);
+    test_ok(iso_draw_exact(&target, exact, &error), &error);
     const iso_strip strip = {.view = view, .gbuffer = &gbuffer, .factor = 1};
     iso_shade(shading, &strip, &wanted, NULL);
     const size_t bytes = (size_t)view->width * (size_t)view->height * 4;
@@ -390,7 +387,7 @@ static void same_when_painted(const iso_grid *grid, double isovalue, const iso_v
             iso_cpu_limit(level);
             memset(got.rgba, 0x5a, bytes);
             const iso_exact_canvas canvas = {view, shading, &got, threads ? pool : NULL};
-            ok(iso_paint_exact(&canvas, exact, &covered, &error), &error);
+            test_ok(iso_paint_exact(&canvas, exact, &covered, &error), &error);
             assert_memory_equal(got.rgba, wanted.rgba, bytes);
             assert_int_equal(covered, test_covered(&gbuffer));
         }
@@ -407,7 +404,7 @@ static void painted_pictures_are_shaded_gbuffers(void **state) {
     iso_pool *pool;
     iso_error error = {0};
     const iso_rgb colors[] = {{200, 120, 40}, {1, 2, 3}};
-    ok(iso_pool_create(3, &pool, &error), &error);
+    test_ok(iso_pool_create(3, &pool, &error), &error);
     for (int round = 0; round < 4 * TEST_VIEWS; round++) {
         iso_grid grid = round % 4 == 3 ? random_balls(60, 14, &random)
                                        : test_rgrid((const int[3]){23, 19, 26}, types[round / 4 % 4]);
@@ -464,7 +461,7 @@ static void updates_equal_rebuilding(void **state) {
     test_random random = {10};
     iso_error error = {0};
     iso_pool *pool;
-    ok(iso_pool_create(3, &pool, &error), &error);
+    test_ok(iso_pool_create(3, &pool, &error), &error);
     for (int kind = 0; kind < 4; kind++) {
         iso_grid grid = kind == 3 ? random_balls(60, 6, &random)
                                   : smooth_grid((const int[3]){70, 50, 40}, types[kind + 1], &random);
@@ -474,7 +471,7 @@ static void updates_equal_rebuilding(void **state) {
         size_t partial = 0;
         for (int round = 0; round < 12; round++) {
             for (int edits = test_random_int(&random, 1, 3); edits; edits--) test_random_edit(&grid, &random);
-            ok(iso_exact_update(exact, &error), &error);
+            test_ok(iso_exact_update(exact, &error), &error);
             partial += iso_exact_stats(exact).bricks < 20;
             if (isovalue == 100) {
                 same_as_new(&grid, exact, &view);
@@ -488,7 +485,7 @@ static void updates_equal_rebuilding(void **state) {
         }
         assert_true(partial > 6); /* not everything, every time */
         iso_exact_isovalue(exact, isovalue + 0.5);
-        ok(iso_exact_update(exact, &error), &error);
+        test_ok(iso_exact_update(exact, &error), &error);
         iso_gbuffer got = empty_picture(&view), wanted = picture_of(&grid, isovalue + 0.5, &view, NULL);
         draw_exact(exact, &view, &got, NULL);
         test_same_pictures(&got, &wanted);
@@ -514,14 +511,14 @@ static void surfaces_are_drawn_over_each_other(void **state) {
         iso_exact *exact = make_exact(&grid, isovalues[i], NULL),
                   *last = make_exact(&grid, isovalues[2 - i], NULL);
         iso_raycaster *caster;
-        ok(iso_raycaster_create(&grid, isovalues[i], NULL, &caster, &error), &error);
+        test_ok(iso_raycaster_create(&grid, isovalues[i], NULL, &caster, &error), &error);
         iso_target target = {&view, &exact_picture, NULL, (uint8_t)i};
-        ok(iso_draw_exact(&target, exact, &error), &error);
+        test_ok(iso_draw_exact(&target, exact, &error), &error);
         target.gbuffer = &truth;
-        ok(iso_draw_raycast(&target, caster, &error), &error);
+        test_ok(iso_draw_raycast(&target, caster, &error), &error);
         target.gbuffer = &back;
         target.surface = (uint8_t)(2 - i);
-        ok(iso_draw_exact(&target, last, &error), &error);
+        test_ok(iso_draw_exact(&target, last, &error), &error);
         iso_raycaster_destroy(caster);
         iso_exact_destroy(exact);
         iso_exact_destroy(last);
@@ -600,8 +597,8 @@ static void bounds_are_those_of_points(void **state) {
         const double isovalue = grid.rgrid ? 100 : 0;
         const iso_points_opts opts = {.isovalue = isovalue, .primitive = ISO_PRIMITIVE_EDGE, .floats = true};
         iso_point_set *points;
-        ok(iso_point_set_create(&grid, &opts, &points, &error), &error);
-        ok(iso_point_set_update(points, &error), &error);
+        test_ok(iso_point_set_create(&grid, &opts, &points, &error), &error);
+        test_ok(iso_point_set_update(points, &error), &error);
         const iso_point_view view = iso_point_set_view(points);
         const iso_affine affine = iso_transform_affine(iso_grid_transform(&grid));
         iso_exact *exact = make_exact(&grid, isovalue, NULL);

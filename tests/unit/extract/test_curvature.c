@@ -15,14 +15,6 @@
 #include "extract_support.h"
 #include "grids/scenes/scenes.h"
 
-static iso_point_set *make_set(const iso_grid *grid, const iso_points_opts *opts) {
-    iso_point_set *set = NULL;
-    iso_error error = {0};
-    if (iso_point_set_create(grid, opts, &set, &error) != ISO_OK) fail_msg("%s", error.text);
-    if (iso_point_set_update(set, &error) != ISO_OK) fail_msg("%s", error.text);
-    return set;
-}
-
 /* A point of a view in index coordinates, with its shape as a matrix. */
 typedef struct bent_point {
     iso_vec3 position, normal;
@@ -152,7 +144,7 @@ static void check_analytic(const char *name, int size, analytic *shape, double t
                 assert_int_equal(iso_scene_create(name, &scene, &grid, NULL, NULL), ISO_OK);
                 const iso_points_opts opts = {
                     .primitive = (iso_primitive)primitive, .floats = floats, .shapes = true};
-                iso_point_set *set = make_set(&grid, &opts);
+                iso_point_set *set = test_point_set(&grid, &opts);
                 iso_point_view view = iso_point_set_view(set);
                 size_t checked = 0;
                 for (size_t k = 0; k < view.span_count; k++)
@@ -446,7 +438,7 @@ static void edge_shapes_match_the_reference(void **state) {
         grid.rgrid->level_set = round % 5 == 0;
         const iso_points_opts opts = {
             .isovalue = 100.3, .primitive = ISO_PRIMITIVE_EDGE, .floats = true, .shapes = true};
-        iso_point_set *set = make_set(&grid, &opts);
+        iso_point_set *set = test_point_set(&grid, &opts);
         iso_point_view view = iso_point_set_view(set);
         checked += check_against_reference(&grid, &view, opts.isovalue);
         iso_point_set_destroy(set);
@@ -466,7 +458,7 @@ static void points_at_voxels_have_the_ends_of_crossed_edges(void **state) {
         test_fill(&grid, TEST_SMOOTH, &random);
         const iso_points_opts opts = {
             .isovalue = 100, .primitive = ISO_PRIMITIVE_EDGE, .floats = true, .shapes = true};
-        iso_point_set *set = make_set(&grid, &opts);
+        iso_point_set *set = test_point_set(&grid, &opts);
         const iso_point_view view = iso_point_set_view(set);
         for (size_t n = 0; n < view.span_count; n++)
             for (uint32_t i = 0; i < view.spans[n].count; i++) {
@@ -500,7 +492,7 @@ static void points_at_voxels_have_the_ends_of_crossed_edges(void **state) {
 /* How many points' discs do without 0 .. 3 quarters of their size. */
 static void count_lost(const iso_grid *grid, size_t lost[4]) {
     const iso_points_opts opts = {.isovalue = 100, .primitive = ISO_PRIMITIVE_EDGE, .shapes = true};
-    iso_point_set *set = make_set(grid, &opts);
+    iso_point_set *set = test_point_set(grid, &opts);
     const iso_point_view view = iso_point_set_view(set);
     const size_t count = iso_point_view_count(&view);
     for (size_t i = 0; i < count; i++) lost[view.shapes[i].ends >> ISO_CURVATURE_LOST_BIT]++;
@@ -542,7 +534,7 @@ static void odd_values_are_flat(void **state) {
     test_set(&grid, 15, 9, 9, NAN);
     test_set(&grid, 3, 9, 9, INFINITY);
     const iso_points_opts opts = {.isovalue = 100, .floats = true, .shapes = true};
-    iso_point_set *set = make_set(&grid, &opts);
+    iso_point_set *set = test_point_set(&grid, &opts);
     iso_point_view view = iso_point_set_view(set);
     size_t flat = 0, bent = 0;
     for (size_t k = 0; k < view.span_count; k++)
@@ -567,12 +559,12 @@ static void odd_values_are_flat(void **state) {
 
 static void check_levels(const iso_grid *grid, const iso_points_opts *opts) {
     assert_int_equal(iso_cpu_limit(ISO_CPU_GENERIC), ISO_CPU_GENERIC);
-    iso_point_set *plain = make_set(grid, opts);
+    iso_point_set *plain = test_point_set(grid, opts);
     iso_point_view a = iso_point_set_view(plain);
     assert_non_null(a.shapes);
     for (int level = ISO_CPU_AVX2; level <= ISO_CPU_AVX512; level++) {
         if (iso_cpu_limit((iso_cpu_level)level) != (iso_cpu_level)level) continue;
-        iso_point_set *other = make_set(grid, opts);
+        iso_point_set *other = test_point_set(grid, opts);
         iso_point_view b = iso_point_set_view(other);
         test_same_points(&a, &b);
         iso_point_set_destroy(other);
@@ -606,9 +598,9 @@ static void packed_points_have_the_same_shapes(void **state) {
     iso_grid grid = test_rgrid((int[3]){60, 40, 50}, ISO_UINT16);
     test_fill(&grid, TEST_SMOOTH, &random);
     iso_points_opts opts = {.isovalue = 100, .shapes = true};
-    iso_point_set *packed = make_set(&grid, &opts);
+    iso_point_set *packed = test_point_set(&grid, &opts);
     opts.floats = true;
-    iso_point_set *floats = make_set(&grid, &opts);
+    iso_point_set *floats = test_point_set(&grid, &opts);
     iso_point_view a = iso_point_set_view(packed), b = iso_point_set_view(floats);
     assert_int_equal(a.span_count, b.span_count);
     for (size_t k = 0; k < a.span_count; k++) {

@@ -303,13 +303,6 @@ static void the_band_ends_where_rounding_says(void **state) {
 
 /* ---- sets */
 
-static iso_point_set *make_set(const iso_grid *grid, const iso_points_opts *opts) {
-    iso_point_set *set = NULL;
-    assert_int_equal(iso_point_set_create(grid, opts, &set, NULL), ISO_OK);
-    assert_int_equal(iso_point_set_update(set, NULL), ISO_OK);
-    return set;
-}
-
 /* The set's spans against a kernel called brick after brick. */
 static void check_set(const iso_grid *grid, const iso_point_set *set, const iso_foot_kernel *kernel) {
     const iso_hgrid *hgrid = grid->hgrid;
@@ -354,10 +347,10 @@ static void sets_hold_what_any_kernel_makes(void **state) {
         iso_point_set *first = NULL;
         for (int t = 0; t < 3; t++) {
             assert_int_equal(iso_pool_create(threads[t], &opts.pool, NULL), ISO_OK);
-            iso_point_set *set = make_set(&grid, &opts);
+            iso_point_set *set = test_point_set(&grid, &opts);
             for (int level = 0; level <= (int)iso_cpu_supported() && !opts.floats; level++)
                 check_set(&grid, set, iso_foot_kernel_get((iso_cpu_level)level));
-            if (!first) first = make_set(&grid, &(iso_points_opts){.floats = opts.floats});
+            if (!first) first = test_point_set(&grid, &(iso_points_opts){.floats = opts.floats});
             iso_point_view a = iso_point_set_view(first), v = iso_point_set_view(set);
             assert_int_equal(a.span_count, v.span_count);
             assert_int_equal(iso_point_view_count(&a), iso_point_view_count(&v));

@@ -17,16 +17,8 @@
 
 static const iso_type all_types[] = {ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32};
 
-static iso_mesh_set *make_mesh(const iso_grid *grid, const iso_mesh_opts *opts) {
-    iso_mesh_set *set = NULL;
-    iso_error error = {0};
-    if (iso_mesh_set_create(grid, opts, &set, &error) != ISO_OK) fail_msg("%s", error.text);
-    if (iso_mesh_set_update(set, &error) != ISO_OK) fail_msg("%s", error.text);
-    return set;
-}
-
 static iso_weld weld_of(const iso_grid *grid, double isovalue) {
-    iso_mesh_set *set = make_mesh(grid, &(iso_mesh_opts){.isovalue = isovalue});
+    iso_mesh_set *set = test_mesh_set(grid, &(iso_mesh_opts){.isovalue = isovalue});
     iso_mesh_view view = iso_mesh_set_view(set);
     iso_weld weld = {0};
     iso_error error = {0};
@@ -295,7 +287,7 @@ static void check_against_points(const iso_mesh_view *mesh, const iso_point_view
 }
 
 static void check_mesh_and_points(const iso_grid *grid, double isovalue) {
-    iso_mesh_set *mesh = make_mesh(grid, &(iso_mesh_opts){.isovalue = isovalue});
+    iso_mesh_set *mesh = test_mesh_set(grid, &(iso_mesh_opts){.isovalue = isovalue});
     iso_point_set *points = NULL;
     const iso_points_opts opts = {.isovalue = isovalue, .primitive = ISO_PRIMITIVE_EDGE, .floats = true};
     assert_int_equal(iso_point_set_create(grid, &opts, &points, NULL), ISO_OK);
@@ -463,12 +455,12 @@ static void same_bytes_for_any_thread_count(void **state) {
     iso_grid grid = test_rgrid((int[3]){60, 50, 70}, ISO_INT16);
     test_fill(&grid, TEST_SMOOTH, &random);
     iso_mesh_opts opts = {.isovalue = 100};
-    iso_mesh_set *one = make_mesh(&grid, &opts);
+    iso_mesh_set *one = test_mesh_set(&grid, &opts);
     iso_mesh_view a = iso_mesh_set_view(one);
     const int threads[] = {2, 7};
     for (int t = 0; t < 2; t++) {
         assert_int_equal(iso_pool_create(threads[t], &opts.pool, NULL), ISO_OK);
-        iso_mesh_set *many = make_mesh(&grid, &opts);
+        iso_mesh_set *many = test_mesh_set(&grid, &opts);
         iso_mesh_view b = iso_mesh_set_view(many);
         assert_int_equal(a.span_count, b.span_count);
         assert_memory_equal(a.spans, b.spans, a.span_count * sizeof *a.spans);
@@ -482,7 +474,7 @@ static void same_bytes_for_any_thread_count(void **state) {
 
 static void follow(const iso_grid *grid, iso_mesh_set *followed, double isovalue) {
     assert_int_equal(iso_mesh_set_update(followed, NULL), ISO_OK);
-    iso_mesh_set *fresh = make_mesh(grid, &(iso_mesh_opts){.isovalue = isovalue});
+    iso_mesh_set *fresh = test_mesh_set(grid, &(iso_mesh_opts){.isovalue = isovalue});
     iso_mesh_view a = iso_mesh_set_view(followed), b = iso_mesh_set_view(fresh);
     test_same_mesh(&a, &b);
     iso_mesh_set_destroy(fresh);
@@ -494,7 +486,7 @@ static void following_edits_equals_extracting_everything(void **state) {
     for (int type = 0; type < 4; type++) {
         iso_grid grid = test_rgrid((int[3]){36, 35, 34}, all_types[type]);
         test_fill(&grid, TEST_SMOOTH, &random);
-        iso_mesh_set *followed = make_mesh(&grid, &(iso_mesh_opts){.isovalue = 100});
+        iso_mesh_set *followed = test_mesh_set(&grid, &(iso_mesh_opts){.isovalue = 100});
         for (int edit = 0; edit < 80; edit++) {
             int lo[3], hi[3], side = edit % 2 ? 0 : test_random_int(&random, 0, 7);
             for (int axis = 0; axis < 3; axis++) { /* around the corners of bricks, where halos matter */
@@ -522,7 +514,7 @@ static void following_strokes_equals_extracting_everything(void **state) {
     test_random random = {23};
     for (int dense = 0; dense < 2; dense++) {
         iso_grid grid = test_ball_grid(60, iso_vec3_make(30, 30, 30), 20, dense);
-        iso_mesh_set *followed = make_mesh(&grid, &(iso_mesh_opts){0});
+        iso_mesh_set *followed = test_mesh_set(&grid, &(iso_mesh_opts){0});
         for (int edit = 0; edit < 120; edit++) {
             test_ball ball = {.radius = test_random_real(&random, 1, 8), .carve = edit % 2};
             ball.centre = iso_vec3_make(test_random_real(&random, 0, 60), test_random_real(&random, 0, 60),
@@ -540,7 +532,7 @@ static void following_strokes_equals_extracting_everything(void **state) {
 static void welding_names_a_missing_brick(void **state) {
     (void)state;
     iso_grid grid = test_ball_grid(40, iso_vec3_make(20, 20, 20), 12, 1);
-    iso_mesh_set *set = make_mesh(&grid, &(iso_mesh_opts){0});
+    iso_mesh_set *set = test_mesh_set(&grid, &(iso_mesh_opts){0});
     iso_mesh_view view = iso_mesh_set_view(set);
     view.span_count--;
     iso_weld weld = {0};

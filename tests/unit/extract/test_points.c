@@ -20,14 +20,6 @@
 
 static const iso_type all_types[] = {ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32};
 
-static iso_point_set *make_set(const iso_grid *grid, const iso_points_opts *opts) {
-    iso_point_set *set = NULL;
-    iso_error error = {0};
-    if (iso_point_set_create(grid, opts, &set, &error) != ISO_OK) fail_msg("%s", error.text);
-    if (iso_point_set_update(set, &error) != ISO_OK) fail_msg("%s", error.text);
-    return set;
-}
-
 /* ---- edge points against a reference */
 
 /* The point on edge p, p + axis, in double; 0 when there is none. */
@@ -103,7 +95,7 @@ static void edge_points_match_the_reference(void **state) {
         if (grid.rgrid->type == ISO_FLOAT32 && round % 8 == 3) sprinkle_nonfinite(&grid, &random);
         grid.rgrid->level_set = round % 5 == 0;
         const iso_points_opts opts = {.isovalue = 100, .floats = true};
-        iso_point_set *set = make_set(&grid, &opts);
+        iso_point_set *set = test_point_set(&grid, &opts);
         iso_point_view view = iso_point_set_view(set);
         check_edge_points(&grid, 100, &view);
         iso_point_set_destroy(set);
@@ -124,7 +116,7 @@ static void isovalues_between_floats_classify_exactly(void **state) {
             v[0] = at;
             v[1] = (float)(isovalues[i] + fabs(isovalues[i]));
             const iso_points_opts opts = {.isovalue = isovalues[i], .floats = true};
-            iso_point_set *set = make_set(&grid, &opts);
+            iso_point_set *set = test_point_set(&grid, &opts);
             iso_point_view view = iso_point_set_view(set);
             assert_int_equal(iso_point_view_count(&view), v[0] < isovalues[i]);
             /* neighbouring floats: the exact fraction still comes out */
@@ -151,7 +143,7 @@ static void scaled_isovalues_hit_their_voxels(void **state) {
         v[0] = (int16_t)(level - 1);
         v[1] = (int16_t)level;
         const iso_points_opts opts = {.isovalue = level * 0.1 - 1024.3, .floats = true};
-        iso_point_set *set = make_set(&grid, &opts);
+        iso_point_set *set = test_point_set(&grid, &opts);
         iso_point_view view = iso_point_set_view(set);
         assert_int_equal(iso_point_view_count(&view), 1);
         near(iso_point_view_get(&view, 0).position[0], 1, 1e-6);
@@ -168,7 +160,7 @@ static void normals_survive_any_magnitude(void **state) {
     float *voxels = grid.rgrid->data;
     for (int v = 0; v < 216; v++) voxels[v] = (float)test_random_real(&random, -1, 1);
     const iso_points_opts opts = {.isovalue = 0, .floats = true};
-    iso_point_set *moderate = make_set(&grid, &opts);
+    iso_point_set *moderate = test_point_set(&grid, &opts);
     iso_point_view wanted = iso_point_set_view(moderate);
     size_t count = iso_point_view_count(&wanted);
     assert_true(count > 100);
@@ -176,7 +168,7 @@ static void normals_survive_any_magnitude(void **state) {
     for (int i = 0; i < 4; i++) {
         for (int v = 0; v < 216; v++) voxels[v] = ldexpf(voxels[v], exponents[i]);
         assert_int_equal(iso_rgrid_touch(grid.rgrid, (int[3]){0, 0, 0}, (int[3]){5, 5, 5}, NULL), ISO_OK);
-        iso_point_set *set = make_set(&grid, &opts);
+        iso_point_set *set = test_point_set(&grid, &opts);
         iso_point_view view = iso_point_set_view(set);
         assert_int_equal(iso_point_view_count(&view), count);
         for (size_t k = 0; k < count; k++)
@@ -203,7 +195,7 @@ static sphere_error sphere_errors(int size, iso_primitive primitive, int dense) 
     double radius = 0.35 * size;
     iso_grid grid = test_ball_grid(size, centre, radius, dense);
     const iso_points_opts opts = {.primitive = primitive, .floats = true};
-    iso_point_set *set = make_set(&grid, &opts);
+    iso_point_set *set = test_point_set(&grid, &opts);
     iso_point_view view = iso_point_set_view(set);
     sphere_error e = {.rejected = iso_point_set_stats(set).rejected};
     for (size_t s = 0; s < view.span_count; s++)
@@ -271,7 +263,7 @@ static void foot_points_are_rejected_by_the_stated_rules(void **state) {
             for (int x = 0; x < 32; x++)
                 test_set(&grid, x, y, z, fmin(3, fmin(fabs(x - 10.0), fabs(x - 12.3)) - 0.6));
     iso_points_opts opts = {.floats = true};
-    iso_point_set *set = make_set(&grid, &opts);
+    iso_point_set *set = test_point_set(&grid, &opts);
     iso_points_stats stats = iso_point_set_stats(set);
     /* x = 8, 9, 13 and 14 have feet; x = 11 lies between the slabs, |g| = 0.15 */
     assert_int_equal(stats.points, 4 * 64);
@@ -320,7 +312,7 @@ static void every_voxel_of_the_band_counts(void **state) {
             wanted += distance >= 0 && distance < sqrt(3);
         }
         const iso_points_opts opts = {.isovalue = isovalue, .primitive = ISO_PRIMITIVE_FOOT};
-        iso_point_set *set = make_set(&grid, &opts);
+        iso_point_set *set = test_point_set(&grid, &opts);
         iso_points_stats stats = iso_point_set_stats(set);
         assert_int_equal(stats.points + stats.rejected, wanted);
         iso_point_set_destroy(set);
@@ -373,7 +365,7 @@ static void iterated_foot_points_lie_on_the_surface(void **state) {
         grid.rgrid->level_set = round % 3 == 0;
         const iso_points_opts opts = {
             .isovalue = 100, .floats = true, .primitive = ISO_PRIMITIVE_FOOT_ITERATED};
-        iso_point_set *set = make_set(&grid, &opts);
+        iso_point_set *set = test_point_set(&grid, &opts);
         iso_point_view view = iso_point_set_view(set);
         for (size_t s = 0; s < view.span_count; s++)
             for (uint32_t i = 0; i < view.spans[s].count; i++) {
@@ -406,9 +398,9 @@ static void packed_points_are_the_floats_packed(void **state) {
     grid.hgrid->transform.spacing[1] = 3;
     for (int primitive = ISO_PRIMITIVE_EDGE; primitive <= ISO_PRIMITIVE_FOOT_ITERATED; primitive++) {
         iso_points_opts opts = {.primitive = (iso_primitive)primitive};
-        iso_point_set *packed = make_set(&grid, &opts);
+        iso_point_set *packed = test_point_set(&grid, &opts);
         opts.floats = true;
-        iso_point_set *floats = make_set(&grid, &opts);
+        iso_point_set *floats = test_point_set(&grid, &opts);
         iso_point_view a = iso_point_set_view(packed), b = iso_point_set_view(floats);
         assert_null(a.surfels);
         assert_null(b.packed);
@@ -435,11 +427,11 @@ static void same_bytes_for_any_thread_count(void **state) {
     for (int primitive = ISO_PRIMITIVE_EDGE; primitive <= ISO_PRIMITIVE_FOOT_ITERATED; primitive++) {
         if (primitive == ISO_PRIMITIVE_FOOT) continue;
         iso_points_opts opts = {.isovalue = 100, .primitive = (iso_primitive)primitive, .shapes = true};
-        iso_point_set *one = make_set(&grid, &opts);
+        iso_point_set *one = test_point_set(&grid, &opts);
         iso_point_view a = iso_point_set_view(one);
         for (int t = 0; t < 2; t++) {
             assert_int_equal(iso_pool_create(threads[t], &opts.pool, NULL), ISO_OK);
-            iso_point_set *many = make_set(&grid, &opts);
+            iso_point_set *many = test_point_set(&grid, &opts);
             iso_point_view b = iso_point_set_view(many);
             assert_int_equal(a.span_count, b.span_count);
             assert_memory_equal(a.spans, b.spans, a.span_count * sizeof *a.spans);
@@ -456,7 +448,7 @@ static void same_bytes_for_any_thread_count(void **state) {
 
 static void follow(const iso_grid *grid, const iso_points_opts *opts, iso_point_set *followed) {
     assert_int_equal(iso_point_set_update(followed, NULL), ISO_OK);
-    iso_point_set *fresh = make_set(grid, opts);
+    iso_point_set *fresh = test_point_set(grid, opts);
     iso_point_view a = iso_point_set_view(followed), b = iso_point_set_view(fresh);
     test_same_points(&a, &b);
     iso_point_set_destroy(fresh);
@@ -468,7 +460,7 @@ static void check_followed_edits(const iso_grid *grid, iso_primitive primitive, 
                                   .primitive = primitive,
                                   .floats = seed % 2,
                                   .shapes = true};
-    iso_point_set *followed = make_set(grid, &opts);
+    iso_point_set *followed = test_point_set(grid, &opts);
     for (int edit = 0; edit < edits; edit++) {
         int together = test_random_int(&random, 1, 3);
         for (int i = 0; i < together; i++) test_random_edit(grid, &random);
@@ -508,7 +500,7 @@ static void single_voxels_are_followed(void **state) {
         grid.rgrid->level_set = primitive == ISO_PRIMITIVE_FOOT;
         const iso_points_opts opts = {
             .isovalue = 100, .primitive = (iso_primitive)primitive, .floats = true, .shapes = true};
-        iso_point_set *followed = make_set(&grid, &opts);
+        iso_point_set *followed = test_point_set(&grid, &opts);
         for (int edit = 0; edit < (primitive == ISO_PRIMITIVE_FOOT_ITERATED ? 40 : 200); edit++) {
             int v[3];
             for (int axis = 0; axis < 3; axis++) {
@@ -534,7 +526,7 @@ static void sliding_keeps_the_points(void **state) {
     uint8_t *voxels = grid.rgrid->data;
     for (int i = 0; i < 96 * 96 * 96; i++) voxels[i] = test_random_int(&random, 0, 15) ? 0 : 200;
     const iso_points_opts opts = {.isovalue = 100, .floats = true};
-    iso_point_set *followed = make_set(&grid, &opts);
+    iso_point_set *followed = test_point_set(&grid, &opts);
     iso_point_view before = iso_point_set_view(followed);
     size_t last = before.spans[before.span_count - 1].first;
     for (int brick = 0; brick < 216; brick++) {
@@ -563,7 +555,7 @@ static void few_bricks_are_extracted(void **state) {
     test_random random = {41};
     test_fill(&grid, TEST_NOISE, &random);
     const iso_points_opts opts = {.isovalue = 100};
-    iso_point_set *set = make_set(&grid, &opts);
+    iso_point_set *set = test_point_set(&grid, &opts);
     assert_int_equal(iso_point_set_stats(set).bricks, 216);
     assert_int_equal(iso_point_set_update(set, NULL), ISO_OK);
     assert_int_equal(iso_point_set_stats(set).bricks, 0);
@@ -597,7 +589,7 @@ static void thousands_of_edits_take_bounded_memory(void **state) {
     (void)state;
     iso_grid grid = test_rgrid((int[3]){64, 64, 64}, ISO_UINT8);
     const iso_points_opts opts = {.isovalue = 100};
-    iso_point_set *set = make_set(&grid, &opts);
+    iso_point_set *set = test_point_set(&grid, &opts);
     test_random random = {51};
     size_t worst = 0, peak = 0;
     for (int edit = 0; edit < 6000; edit++) {
@@ -621,7 +613,7 @@ static void thousands_of_edits_take_bounded_memory(void **state) {
         for (size_t i = 0; i < view.span_count; i++) assert_true(view.spans[i].count > 0);
     }
     iso_point_view view = iso_point_set_view(set);
-    iso_point_set *fresh = make_set(&grid, &opts);
+    iso_point_set *fresh = test_point_set(&grid, &opts);
     iso_point_view wanted = iso_point_set_view(fresh);
     test_same_points(&view, &wanted);
     print_message("6000 edits: at most %zu points of space, %zu points at the end\n", worst,
@@ -703,7 +695,7 @@ static void bounds_follow_edits(void **state) {
             iso_grid grid = test_ball_grid(70, iso_vec3_make(34, 35, 33), 20, !sparse);
             iso_points_opts opts = {.primitive = sparse ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE,
                                     .pool = pool};
-            iso_point_set *set = make_set(&grid, &opts);
+            iso_point_set *set = test_point_set(&grid, &opts);
             test_random random = {(uint64_t)(5 + sparse)};
             for (int edit = 0; edit < 25; edit++) {
                 if (edit) test_random_edit(&grid, &random);

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "base/cpu.h"
+#include "check_support.h"
 #include "extract/mesh/mesh_measure.h"
 #include "extract_support.h"
 #include "grids/brick_index.h"
@@ -18,10 +19,6 @@
 #include "grids/parts/components.h"
 #include "grids/scenes/scenes.h"
 #include "grids/threshold.h"
-
-static void expect_ok(iso_status status, const iso_error *error) {
-    if (status != ISO_OK) fail_msg("%s", error->text);
-}
 
 /* ---- the reference: labels by breadth-first search in x-fastest order */
 
@@ -165,7 +162,7 @@ static void check_values(const reference *r, const iso_grid *grid, float at, con
 static iso_grid copy_of(const iso_grid *grid) {
     iso_grid copy;
     iso_error error = {0};
-    expect_ok(iso_grid_copy(grid, NULL, &copy, &error), &error);
+    test_ok(iso_grid_copy(grid, NULL, &copy, &error), &error);
     return copy;
 }
 
@@ -185,7 +182,7 @@ static void check_filter(const iso_grid *grid, iso_components_opts opts) {
         iso_cpu_limit(run == 3 ? ISO_CPU_GENERIC : run == 4 ? ISO_CPU_AVX2 : ISO_CPU_AVX512);
         iso_pool *pool = NULL;
         iso_error error = {0};
-        expect_ok(iso_pool_create(threads[run % 3], &pool, &error), &error);
+        test_ok(iso_pool_create(threads[run % 3], &pool, &error), &error);
         opts.pool = pool;
         iso_grid copy = copy_of(grid);
         iso_components_totals totals;
@@ -193,7 +190,7 @@ static void check_filter(const iso_grid *grid, iso_components_opts opts) {
         if (nothing_left(&r)) {
             assert_int_equal(status, ISO_ERR_EMPTY);
         } else {
-            expect_ok(status, &error);
+            test_ok(status, &error);
             check_totals(&r, &totals);
         }
         float *after = values_of(&copy);
@@ -287,10 +284,10 @@ static iso_weld weld_of(const iso_grid *grid, double isovalue) {
     iso_error error = {0};
     iso_mesh_set *set = NULL;
     iso_weld weld = {0};
-    expect_ok(iso_mesh_set_create(grid, &(iso_mesh_opts){.isovalue = isovalue}, &set, &error), &error);
-    expect_ok(iso_mesh_set_update(set, &error), &error);
+    test_ok(iso_mesh_set_create(grid, &(iso_mesh_opts){.isovalue = isovalue}, &set, &error), &error);
+    test_ok(iso_mesh_set_update(set, &error), &error);
     const iso_mesh_view view = iso_mesh_set_view(set);
-    expect_ok(iso_mesh_weld(&view, &weld, &error), &error);
+    test_ok(iso_mesh_weld(&view, &weld, &error), &error);
     iso_mesh_set_destroy(set);
     return weld;
 }
@@ -321,7 +318,7 @@ static void check_subset(const iso_grid *grid, const iso_components_opts *opts) 
     iso_weld all = weld_of(grid, opts->isovalue);
     iso_components_totals totals;
     iso_grid copy = copy_of(grid);
-    expect_ok(iso_components_filter(&copy, opts, &totals, &error), &error);
+    test_ok(iso_components_filter(&copy, opts, &totals, &error), &error);
     iso_weld kept = weld_of(&copy, opts->isovalue);
     size_t expected = 0;
     for (size_t i = 0; i < all.vertex_count; i++) expected += r.kept[label_at(&r, &all.vertices[i])];
@@ -367,14 +364,14 @@ static void index_follows(void **state) {
                  test_random_int(&random, 0, i < 5 ? 0 : 34), 150 + i);
     }
     iso_components_totals totals;
-    expect_ok(iso_rgrid_index(grid.rgrid, NULL, NULL, &error), &error);
-    expect_ok(iso_components_filter(&grid, &(iso_components_opts){.isovalue = 100, .min_volume = 5}, &totals,
-                                    &error),
-              &error);
+    test_ok(iso_rgrid_index(grid.rgrid, NULL, NULL, &error), &error);
+    test_ok(iso_components_filter(&grid, &(iso_components_opts){.isovalue = 100, .min_volume = 5}, &totals,
+                                  &error),
+            &error);
     iso_grid copy = copy_of(&grid);
     const struct iso_brick_index *a, *b;
-    expect_ok(iso_rgrid_index(grid.rgrid, NULL, &a, &error), &error);
-    expect_ok(iso_rgrid_index(copy.rgrid, NULL, &b, &error), &error);
+    test_ok(iso_rgrid_index(grid.rgrid, NULL, &a, &error), &error);
+    test_ok(iso_rgrid_index(copy.rgrid, NULL, &b, &error), &error);
     for (uint32_t i = 0; i < iso_brick_index_bricks(a); i++) {
         const iso_brick_range p = iso_brick_index_range(a, i), q = iso_brick_index_range(b, i);
         assert_true(p.lo == q.lo && p.hi == q.hi && p.finite == q.finite);
@@ -393,12 +390,12 @@ static void foot_points_are_of_kept_parts(void **state) {
     test_stamp_ball(&grid, &(test_ball){.centre = {41, 30, 30}, .radius = 3});
     test_stamp_ball(&grid, &(test_ball){.centre = {52, 50, 50}, .radius = 6});
     iso_components_totals totals;
-    expect_ok(iso_components_filter(&grid, &(iso_components_opts){.largest = 1}, &totals, &error), &error);
+    test_ok(iso_components_filter(&grid, &(iso_components_opts){.largest = 1}, &totals, &error), &error);
     assert_int_equal(totals.kept, 1);
     assert_int_equal(totals.dropped, 2);
     iso_point_set *set = NULL;
-    expect_ok(iso_point_set_create(&grid, &(iso_points_opts){.floats = true}, &set, &error), &error);
-    expect_ok(iso_point_set_update(set, &error), &error);
+    test_ok(iso_point_set_create(&grid, &(iso_points_opts){.floats = true}, &set, &error), &error);
+    test_ok(iso_point_set_update(set, &error), &error);
     const iso_point_view view = iso_point_set_view(set);
     assert_true(iso_point_view_count(&view) > 1000);
     for (size_t s = 0; s < view.span_count; s++)
@@ -422,9 +419,9 @@ static iso_mesh_measures measure(const iso_grid *grid, double isovalue) {
     iso_mesh_measures one, many;
     iso_pool *pool = NULL;
     iso_weld weld = weld_of(grid, isovalue);
-    expect_ok(iso_pool_create(7, &pool, &error), &error);
-    expect_ok(iso_weld_measure(&weld, iso_grid_transform(grid), NULL, &one, &error), &error);
-    expect_ok(iso_weld_measure(&weld, iso_grid_transform(grid), pool, &many, &error), &error);
+    test_ok(iso_pool_create(7, &pool, &error), &error);
+    test_ok(iso_weld_measure(&weld, iso_grid_transform(grid), NULL, &one, &error), &error);
+    test_ok(iso_weld_measure(&weld, iso_grid_transform(grid), pool, &many, &error), &error);
     assert_memory_equal(&one.area, &many.area, sizeof one.area);
     assert_memory_equal(&one.volume, &many.volume, sizeof one.volume);
     assert_int_equal(one.edges, many.edges);
@@ -437,7 +434,7 @@ static iso_mesh_measures measure(const iso_grid *grid, double isovalue) {
 static iso_grid closed_of(const iso_grid *grid, double isovalue) {
     iso_error error = {0};
     iso_grid closed;
-    expect_ok(iso_grid_close(grid, isovalue, NULL, &closed, &error), &error);
+    test_ok(iso_grid_close(grid, isovalue, NULL, &closed, &error), &error);
     return closed;
 }
 
@@ -504,10 +501,10 @@ static void half_balls(void **state) {
         const int lo[3] = {2, 3, 32}, hi[3] = {61, 60, 63};
         assert_true(measure(&ball, 0).open_edges == 0);
         if (dense) {
-            expect_ok(iso_rgrid_crop(ball.rgrid, lo, hi, &error), &error);
+            test_ok(iso_rgrid_crop(ball.rgrid, lo, hi, &error), &error);
         } else {
             iso_hgrid *cropped = NULL;
-            expect_ok(iso_hgrid_crop(ball.hgrid, lo, hi, &cropped, &error), &error);
+            test_ok(iso_hgrid_crop(ball.hgrid, lo, hi, &cropped, &error), &error);
             iso_hgrid_destroy(ball.hgrid);
             ball.hgrid = cropped;
         }
@@ -535,9 +532,9 @@ static void closed_gyroid(void **state) {
     iso_error error = {0};
     iso_grid gyroid;
     double isovalue;
-    expect_ok(iso_scene_create("gyroid", &(iso_scene_opts){.size = 48}, &gyroid, &isovalue, &error), &error);
+    test_ok(iso_scene_create("gyroid", &(iso_scene_opts){.size = 48}, &gyroid, &isovalue, &error), &error);
     const int lo[3] = {3, 0, 5}, hi[3] = {40, 37, 47};
-    expect_ok(iso_rgrid_crop(gyroid.rgrid, lo, hi, &error), &error);
+    test_ok(iso_rgrid_crop(gyroid.rgrid, lo, hi, &error), &error);
     iso_grid closed = closed_of(&gyroid, isovalue);
     reference r = reference_of(&gyroid, isovalue);
     double voxels = 0;
@@ -572,11 +569,11 @@ static void separated_vertices(void **state) {
     test_fill(&grid, TEST_LEVELS, &random);
     iso_mesh_set *set = NULL;
     iso_weld weld = {0};
-    expect_ok(iso_mesh_set_create(&grid, &(iso_mesh_opts){.isovalue = 100}, &set, &error), &error);
-    expect_ok(iso_mesh_set_update(set, &error), &error);
+    test_ok(iso_mesh_set_create(&grid, &(iso_mesh_opts){.isovalue = 100}, &set, &error), &error);
+    test_ok(iso_mesh_set_update(set, &error), &error);
     const iso_mesh_view view = iso_mesh_set_view(set);
     for (int separate = 0; separate < 2; separate++) {
-        expect_ok(iso_mesh_weld(&view, &weld, &error), &error);
+        test_ok(iso_mesh_weld(&view, &weld, &error), &error);
         if (separate) iso_weld_separate(&view, ISO_CLOSED_TOLERANCE, &weld);
         qsort(weld.vertices, weld.vertex_count, sizeof *weld.vertices, compare_positions);
         size_t twins = 0;
@@ -597,7 +594,7 @@ static void refusals(void **state) {
     assert_int_equal(iso_components_filter(&grid, &(iso_components_opts){.isovalue = NAN}, &totals, &error),
                      ISO_ERR_USAGE);
     assert_int_equal(iso_grid_close(&grid, INFINITY, NULL, &closed, &error), ISO_ERR_USAGE);
-    expect_ok(
+    test_ok(
         iso_components_filter(&grid, &(iso_components_opts){.isovalue = -100, .largest = 1}, &totals, &error),
         &error);
     assert_int_equal(totals.kept + totals.dropped, 0);

@@ -25,10 +25,6 @@
 
 #define FILE_PLY ISO_TEST_TMP "/test_io.ply"
 
-static void ok(iso_status status, const iso_error *error) {
-    if (status != ISO_OK) fail_msg("%s", error->text);
-}
-
 /* ---- bytes and files */
 
 typedef struct bytes {
@@ -130,8 +126,8 @@ static void points_come_back_bit_for_bit(void **state) {
                                  .transform = iso_transform_identity()};
     iso_error error = {0};
     iso_points points;
-    ok(iso_points_write_ply(FILE_PLY, &view, "one\nline", &error), &error);
-    ok(iso_points_read_ply(FILE_PLY, 0, &points, &error), &error);
+    test_ok(iso_points_write_ply(FILE_PLY, &view, "one\nline", &error), &error);
+    test_ok(iso_points_read_ply(FILE_PLY, 0, &points, &error), &error);
     same_points(&points, cloud.surfels, cloud.radii, COUNT);
     bytes *in = load(FILE_PLY);
     assert_non_null(memmem(in->data, in->size, "comment one\\nline\nelement", 25));
@@ -139,8 +135,8 @@ static void points_come_back_bit_for_bit(void **state) {
     /* a second trip through the reader's own view changes nothing */
     const iso_point_view again = iso_points_view(&points);
     iso_points second;
-    ok(iso_points_write_ply(FILE_PLY, &again, NULL, &error), &error);
-    ok(iso_points_read_ply(FILE_PLY, 0, &second, &error), &error);
+    test_ok(iso_points_write_ply(FILE_PLY, &again, NULL, &error), &error);
+    test_ok(iso_points_read_ply(FILE_PLY, 0, &second, &error), &error);
     same_points(&second, cloud.surfels, cloud.radii, COUNT);
     iso_points_free(&points);
     iso_points_free(&second);
@@ -163,8 +159,8 @@ static void points_are_written_in_world_millimetres(void **state) {
             view.surfels = cloud.surfels;
         iso_error error = {0};
         iso_points points;
-        ok(iso_points_write_ply(FILE_PLY, &view, NULL, &error), &error);
-        ok(iso_points_read_ply(FILE_PLY, 0, &points, &error), &error);
+        test_ok(iso_points_write_ply(FILE_PLY, &view, NULL, &error), &error);
+        test_ok(iso_points_read_ply(FILE_PLY, 0, &points, &error), &error);
         assert_int_equal(points.span.count, COUNT - 10);
         size_t next = 0;
         for (int s = 0; s < 2; s++)
@@ -270,7 +266,7 @@ static void check_three(const bytes *file) {
     save(FILE_PLY, file->data, file->size);
     iso_error error = {0};
     iso_points points;
-    ok(iso_points_read_ply(FILE_PLY, 0, &points, &error), &error);
+    test_ok(iso_points_read_ply(FILE_PLY, 0, &points, &error), &error);
     assert_int_equal(points.span.count, 3);
     for (int i = 0; i < 3; i++) {
         assert_memory_equal(points.surfels[i].position, three[i], 12);
@@ -348,18 +344,18 @@ static void unusable_points_are_dropped(void **state) {
     (void)state;
     iso_error error;
     iso_points points;
-    ok(read_text("ply\nformat ascii 1.0\nelement vertex 10\n" XYZ NORMAL RADIUS END "1 2 3 0 0 0 1\n"
-                 "nan 2 3 0 0 1 1\n"
-                 "1 2 inf 0 0 1 1\n"
-                 "1 2 3 0 0 1 0\n"
-                 "1 2 3 0 0 1 -1\n"
-                 "1 2 3 nan 0 1 1\n"
-                 "1e300 2 3 0 0 1 1\n"
-                 "1 2 3 0 0 1 1e-300\n"
-                 "1 2 3 0 3e-30 -4e-30 1\n"
-                 "4 5 6 1e30 0 0 2\n",
-                 &points, &error),
-       &error);
+    test_ok(read_text("ply\nformat ascii 1.0\nelement vertex 10\n" XYZ NORMAL RADIUS END "1 2 3 0 0 0 1\n"
+                      "nan 2 3 0 0 1 1\n"
+                      "1 2 inf 0 0 1 1\n"
+                      "1 2 3 0 0 1 0\n"
+                      "1 2 3 0 0 1 -1\n"
+                      "1 2 3 nan 0 1 1\n"
+                      "1e300 2 3 0 0 1 1\n"
+                      "1 2 3 0 0 1 1e-300\n"
+                      "1 2 3 0 3e-30 -4e-30 1\n"
+                      "4 5 6 1e30 0 0 2\n",
+                      &points, &error),
+            &error);
     assert_int_equal(points.span.count, 2);
     assert_true(fabsf(points.surfels[0].normal[1] - 0.6f) < 1e-6f);
     assert_true(fabsf(points.surfels[0].normal[2] + 0.8f) < 1e-6f);
@@ -440,7 +436,7 @@ static void what_cannot_be_read_is_an_error(void **state) {
     put_mixed(file, false, "\n");
     save(FILE_PLY, file->data, file->size);
     assert_int_equal(iso_points_read_ply(FILE_PLY, 3 * 28 - 1, &points, &error), ISO_ERR_LIMIT);
-    ok(iso_points_read_ply(FILE_PLY, 3 * 28, &points, &error), &error);
+    test_ok(iso_points_read_ply(FILE_PLY, 3 * 28, &points, &error), &error);
     iso_points_free(&points);
     free(file);
 }
@@ -604,7 +600,7 @@ static iso_grid dense_ball(const iso_transform *transform, int level_set) {
         .dims = {SIDE, SIDE, SIDE}, .type = ISO_FLOAT32, .transform = transform, .level_set = level_set};
     iso_grid grid = {0};
     iso_error error = {0};
-    ok(iso_rgrid_create(&desc, &grid.rgrid, &error), &error);
+    test_ok(iso_rgrid_create(&desc, &grid.rgrid, &error), &error);
     float *data = grid.rgrid->data;
     for (int z = 0; z < SIDE; z++)
         for (int y = 0; y < SIDE; y++)
@@ -617,11 +613,11 @@ static iso_grid sparse_ball(const iso_transform *transform) {
     const int dims[3] = {SIDE, SIDE, SIDE};
     iso_grid grid = {0};
     iso_error error = {0};
-    ok(iso_hgrid_create(dims, 0, transform, &grid.hgrid, &error), &error);
+    test_ok(iso_hgrid_create(dims, 0, transform, &grid.hgrid, &error), &error);
     for (int c = 0; c < 8; c++) {
         const int cell[3] = {c & 1, c >> 1 & 1, c >> 2};
         float *brick;
-        ok(iso_hgrid_split(grid.hgrid, cell[0], cell[1], cell[2], &brick, &error), &error);
+        test_ok(iso_hgrid_split(grid.hgrid, cell[0], cell[1], cell[2], &brick, &error), &error);
         for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
             double d =
                 ball_distance(16 * cell[0] + i % 16, 16 * cell[1] + i / 16 % 16, 16 * cell[2] + i / 256);
@@ -633,7 +629,7 @@ static iso_grid sparse_ball(const iso_transform *transform) {
 
 static void check_ball(const iso_grid *grid, const iso_mesh_view *view, int format) {
     iso_error error = {0};
-    ok(iso_mesh_write(formats[format].path, view, "a ball", &error), &error);
+    test_ok(iso_mesh_write(formats[format].path, view, "a ball", &error), &error);
     FILE *file = fopen(formats[format].path, "rb");
     assert_non_null(file);
     triangle_soup soup;
@@ -670,8 +666,8 @@ static void meshes_enclose_their_volume(void **state) {
             iso_mesh_opts opts = {.isovalue = 0};
             iso_mesh_set *set;
             iso_error error = {0};
-            ok(iso_mesh_set_create(&grid, &opts, &set, &error), &error);
-            ok(iso_mesh_set_update(set, &error), &error);
+            test_ok(iso_mesh_set_create(&grid, &opts, &set, &error), &error);
+            test_ok(iso_mesh_set_update(set, &error), &error);
             iso_mesh_view view = iso_mesh_set_view(set);
             for (int format = 0; format < 3; format++) check_ball(&grid, &view, format);
             iso_mesh_set_destroy(set);
@@ -699,7 +695,7 @@ static void degenerate_triangles_and_floats_survive(void **state) {
     const iso_mesh_view view = flat_mesh();
     for (int format = 0; format < 3; format++) {
         iso_error error = {0};
-        ok(iso_mesh_write(formats[format].path, &view, NULL, &error), &error);
+        test_ok(iso_mesh_write(formats[format].path, &view, NULL, &error), &error);
         FILE *file = fopen(formats[format].path, "rb");
         triangle_soup soup;
         formats[format].read(file, &soup);
@@ -747,10 +743,10 @@ static void a_full_disk_is_an_error(void **state) {
     iso_mesh_set *meshes;
     iso_point_set *points;
     iso_error error = {0};
-    ok(iso_mesh_set_create(&grid, &mesh_opts, &meshes, &error), &error);
-    ok(iso_mesh_set_update(meshes, &error), &error);
-    ok(iso_point_set_create(&grid, &points_opts, &points, &error), &error);
-    ok(iso_point_set_update(points, &error), &error);
+    test_ok(iso_mesh_set_create(&grid, &mesh_opts, &meshes, &error), &error);
+    test_ok(iso_mesh_set_update(meshes, &error), &error);
+    test_ok(iso_point_set_create(&grid, &points_opts, &points, &error), &error);
+    test_ok(iso_point_set_update(points, &error), &error);
     const iso_mesh_view mesh_view = iso_mesh_set_view(meshes);
     const iso_point_view point_view = iso_point_set_view(points);
 

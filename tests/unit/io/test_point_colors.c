@@ -8,13 +8,10 @@
 
 #include <cmocka.h>
 
+#include "check_support.h"
 #include "io/points_io.h"
 
 #define FILE_PLY ISO_TEST_TMP "/test_point_colors.ply"
-
-static void ok(iso_status status, const iso_error *error) {
-    if (status != ISO_OK) fail_msg("%s", error->text);
-}
 
 static void read_text(const char *text, iso_points *points) {
     FILE *file = fopen(FILE_PLY, "wb");
@@ -22,7 +19,7 @@ static void read_text(const char *text, iso_points *points) {
     assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
     fclose(file);
     iso_error error = {0};
-    ok(iso_points_read_ply(FILE_PLY, 0, points, &error), &error);
+    test_ok(iso_points_read_ply(FILE_PLY, 0, points, &error), &error);
 }
 
 static void colors_come_back(void **state) {
@@ -43,8 +40,8 @@ static void colors_come_back(void **state) {
                                  .radius = 2};
     iso_error error = {0};
     iso_points points;
-    ok(iso_points_write_ply(FILE_PLY, &view, NULL, &error), &error);
-    ok(iso_points_read_ply(FILE_PLY, 0, &points, &error), &error);
+    test_ok(iso_points_write_ply(FILE_PLY, &view, NULL, &error), &error);
+    test_ok(iso_points_read_ply(FILE_PLY, 0, &points, &error), &error);
     assert_int_equal(points.span.count, COUNT);
     assert_memory_equal(points.surfels, surfels, sizeof surfels);
     assert_memory_equal(points.colors, colors, sizeof colors);
@@ -53,7 +50,7 @@ static void colors_come_back(void **state) {
     assert_null(points.colors);
     /* the limit counts them */
     size_t needed = COUNT * (sizeof(iso_surfel) + sizeof(float) + 3);
-    ok(iso_points_read_ply(FILE_PLY, needed, &points, &error), &error);
+    test_ok(iso_points_read_ply(FILE_PLY, needed, &points, &error), &error);
     iso_points_free(&points);
     assert_int_equal(iso_points_read_ply(FILE_PLY, needed - 1, &points, &error), ISO_ERR_LIMIT);
 }

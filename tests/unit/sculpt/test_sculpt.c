@@ -25,7 +25,7 @@ static iso_editor *make_editor(iso_hgrid *grid, iso_pool *pool) {
     iso_error error = {0};
     if (iso_editor_create(grid, &opts, &editor, &error) != ISO_OK) fail_msg("%s", error.text);
     iso_step_opts nobody = {.observer = {.before = ignore}};
-    iso_editor_step(editor, &nobody);
+    iso_editor_begin_step(editor, &nobody);
     return editor;
 }
 
@@ -425,7 +425,7 @@ static void keepers_are_told_before(void **state) {
     for (int step = 0; step < 20; step++) {
         notified t = {.grid = grid, .before = sculpt_copy(grid), .fail_at = step % 5 == 4 ? 1 : -1};
         iso_step_opts opts = {.observer = {.before = remember, .context = &t}};
-        iso_editor_step(editor, &opts);
+        iso_editor_begin_step(editor, &opts);
         uint64_t seen = iso_change_log_now(grid->log);
         iso_status status = ISO_OK;
         for (int i = 0; i < 3 && status == ISO_OK; i++) {

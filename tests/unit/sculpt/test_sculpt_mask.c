@@ -19,7 +19,7 @@ static iso_editor *make_editor(iso_hgrid *grid, iso_pool *pool) {
     const iso_editor_opts opts = {.pool = pool};
     iso_error error = {0};
     if (iso_editor_create(grid, &opts, &editor, &error) != ISO_OK) fail_msg("%s", error.text);
-    iso_editor_step(editor, &(iso_step_opts){0});
+    iso_editor_begin_step(editor, &(iso_step_opts){0});
     return editor;
 }
 

@@ -11,11 +11,11 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <cmocka.h>
 
+#include "base/clock.h"
 #include "file_support.h"
 #include "sculpt/session/checkpoint.h"
 #include "sculpt/session/session.h"
@@ -314,7 +314,7 @@ static iso_event event_at(iso_event_kind kind, iso_vec3 position) {
 static void work_is_bounded(void **state) {
     (void)state;
     const double far = 1e4;
-    const iso_session_opts opts = {.work = 1e-4};
+    const iso_session_opts opts = {.cost_factor = 1e-4};
     iso_session *session = session_open(&opts);
     iso_error error = {0};
     iso_event event = event_at(ISO_EVENT_BEGIN, iso_vec3_make(0, 0, 0));
@@ -498,12 +498,6 @@ static void read_only_folders_lose_nothing(void **state) {
 
 /* ---- kill -9 */
 
-static double seconds_now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Plays strokes until it is killed, and says so after each. */
 static void play_until_killed(const char *journal, uint32_t seed, int said) {
     iso_session_opts opts = {.journal = journal, .checkpoint_strokes = 5};
@@ -514,7 +508,7 @@ static void play_until_killed(const char *journal, uint32_t seed, int said) {
         if (iso_session_begin(session, &brush, &sample, NULL, NULL) != ISO_OK) _exit(1);
         if (iso_session_sample(session, &next, NULL, NULL) != ISO_OK) _exit(1);
         if (iso_session_end(session, NULL) != ISO_OK) _exit(1);
-        double now = seconds_now();
+        double now = iso_clock_seconds();
         if (write(said, &now, sizeof now) != sizeof now) _exit(1);
     }
 }
@@ -551,7 +545,7 @@ static void killed_sessions_survive(void **state) {
         close(said[1]);
         double wait = 1.2 + 0.8 * uniform(&seed);
         usleep((useconds_t)(wait * 1e6));
-        double killed = seconds_now(), at;
+        double killed = iso_clock_seconds(), at;
         kill(child, SIGKILL);
         waitpid(child, NULL, 0);
         while (read(said[0], &at, sizeof at) == sizeof at) finished += at < killed - 1;

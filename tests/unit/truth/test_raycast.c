@@ -16,17 +16,13 @@
 #include "truth/raycast.h"
 #include "view_support.h"
 
-static void ok(iso_status status, const iso_error *error) {
-    if (status != ISO_OK) fail_msg("%s", error->text);
-}
-
 /* ---- volumes */
 
 static iso_grid make_rgrid(int nx, int ny, int nz, iso_type type, const iso_transform *transform) {
     const iso_rgrid_desc desc = {.dims = {nx, ny, nz}, .type = type, .transform = transform};
     iso_grid grid = {0};
     iso_error error = {0};
-    ok(iso_rgrid_create(&desc, &grid.rgrid, &error), &error);
+    test_ok(iso_rgrid_create(&desc, &grid.rgrid, &error), &error);
     return grid;
 }
 
@@ -92,11 +88,11 @@ static iso_gbuffer cast(const iso_grid *grid, double isovalue, const iso_view *v
     iso_gbuffer gbuffer;
     iso_raycaster *caster;
     iso_error error = {0};
-    ok(iso_gbuffer_create(view->width, view->height, &gbuffer, &error), &error);
+    test_ok(iso_gbuffer_create(view->width, view->height, &gbuffer, &error), &error);
     iso_gbuffer_clear(&gbuffer);
-    ok(iso_raycaster_create(grid, isovalue, pool, &caster, &error), &error);
+    test_ok(iso_raycaster_create(grid, isovalue, pool, &caster, &error), &error);
     const iso_target target = {view, &gbuffer, pool, 3};
-    ok(iso_draw_raycast(&target, caster, &error), &error);
+    test_ok(iso_draw_raycast(&target, caster, &error), &error);
     iso_raycaster_destroy(caster);
     for (int i = 0; i < view->width * view->height; i++)
         assert_int_equal(gbuffer.surface[i], isfinite(gbuffer.depth[i]) ? 3 : ISO_SURFACE_NONE);
@@ -495,8 +491,8 @@ static void hits_on_edges_are_mesh_vertices(void **state) {
         iso_mesh_opts opts = {.isovalue = isovalue};
         iso_mesh_set *set;
         iso_error error = {0};
-        ok(iso_mesh_set_create(&grid, &opts, &set, &error), &error);
-        ok(iso_mesh_set_update(set, &error), &error);
+        test_ok(iso_mesh_set_create(&grid, &opts, &set, &error), &error);
+        test_ok(iso_mesh_set_update(set, &error), &error);
         iso_mesh_view mesh = iso_mesh_set_view(set);
         float first[N][N];
         for (int i = 0; i < N * N; i++) first[i / N][i % N] = INFINITY;
@@ -537,12 +533,12 @@ static iso_grid make_hgrid(const iso_transform *transform) {
     const int dims[3] = {70, 45, 61};
     iso_grid grid = {0};
     iso_error error = {0};
-    ok(iso_hgrid_create(dims, 3, transform, &grid.hgrid, &error), &error);
+    test_ok(iso_hgrid_create(dims, 3, transform, &grid.hgrid, &error), &error);
     for (int cz = 0; cz < grid.hgrid->cells[2]; cz++)
         for (int cy = 0; cy < grid.hgrid->cells[1]; cy++)
             for (int cx = 0; cx < grid.hgrid->cells[0]; cx++) {
                 float *brick;
-                ok(iso_hgrid_split(grid.hgrid, cx, cy, cz, &brick, &error), &error);
+                test_ok(iso_hgrid_split(grid.hgrid, cx, cy, cz, &brick, &error), &error);
                 for (int i = 0; i < ISO_BRICK_VOXELS; i++)
                     brick[i] = (float)blob(16 * cx + i % 16, 16 * cy + i / 16 % 16, 16 * cz + i / 256);
             }
@@ -598,7 +594,7 @@ static void a_crop_looks_like_its_copy(void **state) {
                 for (int x = 0; x < 28; x++)
                     set_voxel(&copy, x, y, z, (double)iso_grid_at(&grid, x + lo[0], y + lo[1], z + lo[2]));
         iso_error error = {0};
-        ok(iso_rgrid_crop(grid.rgrid, lo, hi, &error), &error);
+        test_ok(iso_rgrid_crop(grid.rgrid, lo, hi, &error), &error);
         copy.rgrid->transform = grid.rgrid->transform;
         iso_view view = make_view(&grid, TEST_PERSPECTIVE, 50, &seed);
         iso_gbuffer a = cast(&grid, 2.5, &view, NULL), b = cast(&copy, 2.5, &view, NULL);
@@ -623,7 +619,7 @@ static void threads_do_not_matter(void **state) {
     for (int i = 0; i < 3; i++) {
         iso_pool *pool;
         iso_error error = {0};
-        ok(iso_pool_create(threads[i], &pool, &error), &error);
+        test_ok(iso_pool_create(threads[i], &pool, &error), &error);
         iso_gbuffer many = cast(&grid, 0, &view, pool);
         test_same_pictures(&one, &many);
         iso_gbuffer_free(&many);
@@ -671,16 +667,16 @@ static void nearer_samples_stay(void **state) {
     iso_gbuffer gbuffer;
     iso_raycaster *caster;
     iso_error error = {0};
-    ok(iso_gbuffer_create(11, 11, &gbuffer, &error), &error);
+    test_ok(iso_gbuffer_create(11, 11, &gbuffer, &error), &error);
     iso_gbuffer_clear(&gbuffer);
     static const float before[] = {3, 3.5f, 4, INFINITY};
     for (int i = 0; i < 121; i++) {
         gbuffer.depth[i] = before[i % 4];
         gbuffer.surface[i] = 9;
     }
-    ok(iso_raycaster_create(&grid, 0.5, NULL, &caster, &error), &error);
+    test_ok(iso_raycaster_create(&grid, 0.5, NULL, &caster, &error), &error);
     const iso_target target = {&view, &gbuffer, NULL, 5};
-    ok(iso_draw_raycast(&target, caster, &error), &error);
+    test_ok(iso_draw_raycast(&target, caster, &error), &error);
     for (int i = 0; i < 121; i++) {
         assert_true(gbuffer.depth[i] == (i % 4 < 2 ? before[i % 4] : 3.5f));
         assert_int_equal(gbuffer.surface[i], i % 4 < 2 ? 9 : 5);

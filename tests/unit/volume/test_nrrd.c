@@ -15,12 +15,6 @@
 
 static const char folder[] = ISO_TEST_TMP "/nrrd";
 
-static int make_folder(void **state) {
-    (void)state;
-    mkdir(folder, 0777);
-    return 0;
-}
-
 /* "abc" and the bytes 1 to 8, in two streams one after the other. */
 static const unsigned char bzip2_bytes[] = {
     0x42, 0x5a, 0x68, 0x39, 0x31, 0x41, 0x59, 0x26, 0x53, 0x59, 0x06, 0x3b, 0x69, 0xee, 0x00, 0x00, 0x01,
@@ -213,8 +207,7 @@ static const char *const good_lines[] = {
     "kinds: domain ??? none\ncenterings: cell node none\n",
     "kinds: Space SPACE space   \nspacings: 1 2e0 0x1p0\t\naxismins: nan NaN -nan\naxis maxs: 4 4 4\n",
     "units: \"mm\" \"a \\\"quoted\\\" word\" \"\"\nspacings: 1 2 3\n",
-    "space: Left Posterior-superior\nspacedirections: (1,0,0) ( 0 , 2,0)  (0,0,3)\nspace origin: ( 1,2 ,3 "
-    ")\n",
+    "space: Left Posterior-superior\nspacedirections: (1,0,0) ( 0 , 2,0)  (0,0,3)\nspace origin: (1, 2 ,3)\n",
     "space dimension: 3\nspace directions: (1,0,0) (0,2,0) (0,0,3)\nspace units: \"mm\" \"mm\" \"mm\"\n",
     "space: LPS\nmeasurement frame: (1,0,0) (0,1,0) (0,0,1)\nspace origin: none\nspacings: 1 1 1\n",
 };
@@ -391,5 +384,6 @@ int main(void) {
         cmocka_unit_test(lists_may_be_long),
         cmocka_unit_test(long_names_keep_the_reason),
     };
-    return cmocka_run_group_tests(tests, make_folder, NULL);
+    mkdir(folder, 0777);
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -685,12 +685,6 @@ static void vti_pieces_join(void **state) {
     iso_volume_free(&volume);
 }
 
-static int make_folder(void **state) {
-    (void)state;
-    mkdir(folder, 0777);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_format_round_trips),
@@ -708,5 +702,6 @@ int main(void) {
         cmocka_unit_test(arrays_are_chosen),
         cmocka_unit_test(vti_pieces_join),
     };
-    return cmocka_run_group_tests(tests, make_folder, NULL);
+    mkdir(folder, 0777);
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -318,12 +318,6 @@ static void room_for_blocks_is_counted(void **state) {
 
 #endif
 
-static int make_folder(void **state) {
-    (void)state;
-    mkdir(folder, 0777);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_that_no_picture_can_use),
@@ -340,5 +334,6 @@ int main(void) {
         cmocka_unit_test(room_for_blocks_is_counted),
 #endif
     };
-    return cmocka_run_group_tests(tests, make_folder, NULL);
+    mkdir(folder, 0777);
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,6 @@
-/* The monotonic clock of POSIX. */
+/* The clock is POSIX's CLOCK_MONOTONIC. */
 #define _GNU_SOURCE
-#include "apps/common/clock.h"
+#include "base/clock.h"
 
 #include <time.h>
 
