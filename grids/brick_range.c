@@ -11,8 +11,12 @@
 /* A band of bricks is read at a time, slice by slice: in memory the rows of a slice follow one another, and
  * long runs are read fastest (twice as fast as the 17 rows of one brick). What is kept of a band, lines of
  * columns, stays in the second cache. */
-enum { BAND_BYTES = ISO_BAND_BRICKS * ISO_BRICK, COLUMN_SLACK = 64, LINES = ISO_GROUPS_SIDE * ISO_BAND_ROWS };
-#define LINE_ITEMS(type) (ISO_GROUPS_SIDE * BAND_BYTES / (int)sizeof(type) + LINES * COLUMN_SLACK)
+enum {
+    BATCH_BYTES = ISO_BATCH_BRICKS * ISO_BRICK,
+    COLUMN_SLACK = 64,
+    LINES = ISO_GROUPS_SIDE * ISO_BATCH_ROWS
+};
+#define LINE_ITEMS(type) (ISO_GROUPS_SIDE * BATCH_BYTES / (int)sizeof(type) + LINES * COLUMN_SLACK)
 
 /* Voxels to read, from the first one's address on. */
 typedef struct range_box {
@@ -23,8 +27,8 @@ typedef struct range_box {
 
 /* What a kernel finds for the bricks of a band. */
 typedef struct range_values {
-    _Alignas(64) float lo[ISO_ROW_GROUPS][ISO_BAND_BRICKS],
-        hi[ISO_ROW_GROUPS][ISO_BAND_BRICKS]; /* lo > hi: no voxels */
+    _Alignas(64) float lo[ISO_ROW_GROUPS][ISO_BATCH_BRICKS],
+        hi[ISO_ROW_GROUPS][ISO_BATCH_BRICKS]; /* lo > hi: no voxels */
 } range_values;
 
 /* Floats are read as integers that ascend as the values do: infinities lie beyond all finite ones, and NaNs
@@ -89,8 +93,8 @@ static inline bool is_empty(float lo, float hi) {
 
 /* Bricks from their groups. Groups without voxels count as finite. */
 static void fold_groups(const range_values *values, int bricks, iso_brick_reading *readings) {
-    float lo[ISO_BAND_BRICKS], hi[ISO_BAND_BRICKS];
-    uint8_t odd[ISO_BAND_BRICKS] = {0};
+    float lo[ISO_BATCH_BRICKS], hi[ISO_BATCH_BRICKS];
+    uint8_t odd[ISO_BATCH_BRICKS] = {0};
     for (int b = 0; b < bricks; b++) lo[b] = INFINITY, hi[b] = -INFINITY;
     for (int g = 0; g < ISO_ROW_GROUPS; g++)
         for (int b = 0; b < bricks; b++) {
@@ -105,8 +109,8 @@ static void fold_groups(const range_values *values, int bricks, iso_brick_readin
 }
 
 static void finish_groups(const range_values *values, int bricks, iso_brick_reading *readings) {
-    float lo[ISO_BAND_BRICKS], scale[ISO_BAND_BRICKS];
-    uint8_t low[ISO_BAND_BRICKS], high[ISO_BAND_BRICKS];
+    float lo[ISO_BATCH_BRICKS], scale[ISO_BATCH_BRICKS];
+    uint8_t low[ISO_BATCH_BRICKS], high[ISO_BATCH_BRICKS];
     for (int b = 0; b < bricks; b++) {
         lo[b] = readings[b].range.lo;
         scale[b] = iso_range_scale(lo[b], readings[b].range.hi);
@@ -134,17 +138,17 @@ static bool all_finite(const iso_brick_reading *readings, int bricks) {
     return all;
 }
 
-void iso_brick_band_most(const iso_rgrid *grid, int most[2]) {
-    const int bricks = ISO_BAND_BRICKS / (int)iso_type_size(grid->type),
+void iso_brick_batch_max(const iso_rgrid *grid, int most[2]) {
+    const int bricks = ISO_BATCH_BRICKS / (int)iso_type_size(grid->type),
               row = (grid->dims[0] - 1) / ISO_BRICK + 1;
     most[0] = iso_min_int(row, bricks);
-    most[1] = iso_min_int(bricks / most[0], ISO_BAND_ROWS);
+    most[1] = iso_min_int(bricks / most[0], ISO_BATCH_ROWS);
 }
 
-void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_brick_band *band,
+void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_brick_batch *batch,
                       iso_brick_reading *readings) {
-    const int columns = band->count[0], rows = band->count[1], bricks = columns * rows;
-    assert(rows <= ISO_BAND_ROWS && bricks * (int)iso_type_size(grid->type) <= ISO_BAND_BRICKS);
+    const int columns = batch->count[0], rows = batch->count[1], bricks = columns * rows;
+    assert(rows <= ISO_BATCH_ROWS && bricks * (int)iso_type_size(grid->type) <= ISO_BATCH_BRICKS);
     range_box box = {.stride_y = grid->stride_y,
                      .stride_z = grid->stride_z,
                      .bricks = columns,
@@ -154,7 +158,7 @@ void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_bric
     const ptrdiff_t stride[3] = {1, grid->stride_y, grid->stride_z};
     const int count[3] = {columns, rows, 1};
     for (int axis = 0; axis < 3; axis++) {
-        const int first = band->first[axis] * ISO_BRICK;
+        const int first = batch->first[axis] * ISO_BRICK;
         box.n[axis] = iso_min_int(count[axis] * ISO_BRICK + 1, grid->dims[axis] - first);
         at += first * stride[axis];
     }
@@ -164,7 +168,7 @@ void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_bric
     ISO_VOXEL_KERNEL(ranges, grid->type, level)(data, &box, &values);
     fold_groups(&values, bricks, readings);
     if (!all_finite(readings, bricks)) {
-        bool finite[ISO_BAND_BRICKS];
+        bool finite[ISO_BATCH_BRICKS];
         for (int b = 0; b < bricks; b++) finite[b] = readings[b].range.finite;
         clear_values(&values, bricks);
         ISO_KERNEL(ranges_finite, level)(data, &box, &values);

@@ -48,16 +48,16 @@ typedef struct iso_brick_reading {
 } iso_brick_reading;
 
 /* Bricks of one layer, that many along x and y: what is read at a time. */
-enum { ISO_BAND_BRICKS = 256, ISO_BAND_ROWS = 8 };
-typedef struct iso_brick_band {
+enum { ISO_BATCH_BRICKS = 256, ISO_BATCH_ROWS = 8 };
+typedef struct iso_brick_batch {
     int first[3], count[2];
-} iso_brick_band;
+} iso_brick_batch;
 
 /* The most along x and y that one call takes, and the best for reading all of the grid. */
-void iso_brick_band_most(const iso_rgrid *grid, int most[2]);
+void iso_brick_batch_max(const iso_rgrid *grid, int most[2]);
 
 /* Brick (x, y) of the band to readings[y * count[0] + x]. The same for every level. */
-void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_brick_band *band,
+void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_brick_batch *batch,
                       iso_brick_reading *readings);
 
 #endif

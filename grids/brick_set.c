@@ -12,7 +12,7 @@ enum {
 /* A brick that has a span. */
 typedef struct slot {
     uint32_t brick;
-    iso_brick_place place;
+    iso_brick_location location;
     uint32_t block[ISO_SET_HEAPS];
 } slot;
 
@@ -28,7 +28,7 @@ typedef struct chunk {
     iso_buffer array[ISO_SET_ARRAYS];
     size_t used[ISO_SET_HEAPS];
     result results[CHUNK_BRICKS];
-    size_t count, placed;
+    size_t count, stored;
     size_t extracted, rejected;
     bool failed;
 } chunk;
@@ -57,8 +57,8 @@ static slot *slot_at(const iso_brick_set *set, size_t number) {
     return (slot *)set->slots.data + number;
 }
 
-const uint64_t *iso_brick_set_stamps(const iso_brick_set *set) {
-    return set->stamps.data;
+const uint64_t *iso_brick_set_versions(const iso_brick_set *set) {
+    return set->versions.data;
 }
 
 static chunk *chunk_at(const iso_brick_set *set, size_t number) {
@@ -69,7 +69,7 @@ static chunk *chunk_at(const iso_brick_set *set, size_t number) {
 
 static void release_blocks(iso_brick_set *set, slot *entry) {
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
-        if (entry->block[heap] != ISO_SPAN_NONE) iso_span_heap_give(&set->heap[heap], entry->block[heap]);
+        if (entry->block[heap] != ISO_SPAN_NONE) iso_span_heap_release(&set->heap[heap], entry->block[heap]);
         entry->block[heap] = ISO_SPAN_NONE;
     }
 }
@@ -78,10 +78,10 @@ static void write_span(iso_brick_set *set, size_t number) {
     slot *entry = slot_at(set, number);
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
         uint32_t block = entry->block[heap];
-        entry->place.first[heap] =
+        entry->location.first[heap] =
             block == ISO_SPAN_NONE ? 0 : iso_span_heap_block(&set->heap[heap], block)->first;
     }
-    set->kernel.write_span((char *)set->spans.data + number * set->kernel.span_bytes, &entry->place);
+    set->kernel.write_span((char *)set->spans.data + number * set->kernel.span_bytes, &entry->location);
 }
 
 /* The last span takes the place of the one that goes. */
@@ -91,8 +91,8 @@ static void remove_slot(iso_brick_set *set, uint32_t brick) {
     set->span_of[brick] = 0;
     if (number == last) return;
     *slot_at(set, number) = *slot_at(set, last);
-    uint64_t *stamps = set->stamps.data;
-    stamps[number] = stamps[last];
+    uint64_t *versions = set->versions.data;
+    versions[number] = versions[last];
     set->span_of[slot_at(set, number)->brick] = (uint32_t)number + 1;
     write_span(set, number);
 }
@@ -102,12 +102,12 @@ static iso_status add_slot(iso_brick_set *set, uint32_t brick, iso_error *error)
     ISO_TRY(iso_buffer_reserve(&set->slots, (count + 1) * sizeof(slot), count * sizeof(slot), error));
     ISO_TRY(iso_buffer_reserve(&set->spans, (count + 1) * span_bytes, count * span_bytes, error));
     ISO_TRY(
-        iso_buffer_reserve(&set->stamps, (count + 1) * sizeof(uint64_t), count * sizeof(uint64_t), error));
+        iso_buffer_reserve(&set->versions, (count + 1) * sizeof(uint64_t), count * sizeof(uint64_t), error));
     slot *entry = slot_at(set, count);
     *entry = (slot){.brick = brick};
     int coordinates[3];
     iso_brick_set_coordinates(set, brick, coordinates);
-    for (int axis = 0; axis < 3; axis++) entry->place.brick[axis] = coordinates[axis];
+    for (int axis = 0; axis < 3; axis++) entry->location.brick[axis] = coordinates[axis];
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) entry->block[heap] = ISO_SPAN_NONE;
     set->span_of[brick] = (uint32_t)++set->span_count;
     return ISO_OK;
@@ -121,16 +121,16 @@ static iso_status fit_block(iso_brick_set *set, iso_span_heap *heap, uint32_t *b
             iso_span_heap_trim(heap, *block, count);
             return ISO_OK;
         }
-        iso_span_heap_give(heap, *block);
+        iso_span_heap_release(heap, *block);
         *block = ISO_SPAN_NONE;
     }
     if (!count) return ISO_OK;
     /* an edited brick grows again, a first extraction is packed tight */
     size_t room = set->full ? count : count + count / 8 + 8;
-    return iso_span_heap_take(heap, room, block, error);
+    return iso_span_heap_alloc(heap, room, block, error);
 }
 
-static iso_status place_result(iso_brick_set *set, const result *made, iso_error *error) {
+static iso_status store_result(iso_brick_set *set, const result *made, iso_error *error) {
     bool empty = true;
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) empty = empty && !made->count[heap];
     if (empty) {
@@ -146,10 +146,10 @@ static iso_status place_result(iso_brick_set *set, const result *made, iso_error
             remove_slot(set, made->brick);
             return status;
         }
-        entry->place.count[heap] = made->count[heap];
+        entry->location.count[heap] = made->count[heap];
     }
-    entry->place.own = made->own;
-    ((uint64_t *)set->stamps.data)[number] = ++set->placed;
+    entry->location.own = made->own;
+    ((uint64_t *)set->versions.data)[number] = ++set->stored;
     write_span(set, number);
     return ISO_OK;
 }
@@ -190,7 +190,7 @@ void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, const iso_brick_ou
     } else {
         sink->set->extracted++;
         sink->set->rejected += output->rejected;
-        iso_status status = place_result(sink->set, &made, sink->error);
+        iso_status status = store_result(sink->set, &made, sink->error);
         if (status != ISO_OK) sink->status = status;
     }
 }
@@ -219,8 +219,8 @@ void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t number) {
 /* Bricks of the list, all of which may have something. */
 static void extract_present(iso_brick_sink *sink, const uint32_t *bricks, size_t count) {
     const iso_brick_kernel *kernel = &sink->set->kernel;
-    if (kernel->run) {
-        if (count) kernel->run(sink->set->context, bricks, count, sink->scratch, sink);
+    if (kernel->extract_many) {
+        if (count) kernel->extract_many(sink->set->context, bricks, count, sink->scratch, sink);
         return;
     }
     for (size_t i = 0; i < count && !iso_brick_sink_failed(sink); i++)
@@ -232,7 +232,7 @@ static void extract_chunk(void *context, size_t index, size_t number, int worker
     iso_brick_set *set = work->set;
     chunk *part = chunk_at(set, number);
     memset(part->used, 0, sizeof part->used);
-    part->count = part->placed = part->extracted = part->rejected = 0;
+    part->count = part->stored = part->extracted = part->rejected = 0;
     iso_brick_sink sink = {.set = set, .part = part};
     sink.scratch = (char *)set->scratch.data + (size_t)worker * set->kernel.scratch_bytes;
     size_t start = index * CHUNK_BRICKS, end = start + CHUNK_BRICKS;
@@ -251,7 +251,7 @@ static void extract_chunk(void *context, size_t index, size_t number, int worker
 
 /* Whether placing the chunk moves nothing in the arrays: so it is while they are filled for the first time
  * and have room. */
-static bool moves_nothing(const iso_brick_set *set, const chunk *part) {
+static bool fits_in_place(const iso_brick_set *set, const chunk *part) {
     for (int i = 0; i < ISO_SET_ARRAYS; i++) {
         const iso_span_heap *heap = &set->heap[i / ISO_SPAN_ARRAYS];
         const size_t end = heap->end + part->used[i / ISO_SPAN_ARRAYS];
@@ -261,34 +261,34 @@ static bool moves_nothing(const iso_brick_set *set, const chunk *part) {
 }
 
 /* Where the chunk's results are to go. Spans may slide together on the way. */
-static void note_places(iso_brick_set *set, chunk *part) {
+static void note_locations(iso_brick_set *set, chunk *part) {
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
         if (!set->heap[heap].moved) continue;
         for (size_t i = 0; i < set->span_count; i++) write_span(set, i);
         set->heap[heap].moved = false;
     }
-    for (size_t r = 0; r < part->placed; r++) {
+    for (size_t r = 0; r < part->stored; r++) {
         result *made = &part->results[r];
         if (!set->span_of[made->brick]) continue; /* nothing was made */
-        const iso_brick_place *place = &slot_at(set, set->span_of[made->brick] - 1)->place;
-        memcpy(made->first, place->first, sizeof made->first);
+        const iso_brick_location *location = &slot_at(set, set->span_of[made->brick] - 1)->location;
+        memcpy(made->first, location->first, sizeof made->first);
     }
 }
 
-static bool place_chunk(void *context, size_t number, bool alone) {
+static bool store_chunk(void *context, size_t number, bool alone) {
     extraction *work = context;
     iso_brick_set *set = work->set;
     chunk *part = chunk_at(set, number);
-    if (!alone && !moves_nothing(set, part)) return false;
-    while (part->placed < part->count && work->status == ISO_OK) {
-        work->status = place_result(set, &part->results[part->placed], work->error);
-        if (work->status == ISO_OK) part->placed++;
+    if (!alone && !fits_in_place(set, part)) return false;
+    while (part->stored < part->count && work->status == ISO_OK) {
+        work->status = store_result(set, &part->results[part->stored], work->error);
+        if (work->status == ISO_OK) part->stored++;
     }
     if (work->status == ISO_OK && part->failed)
         work->status = iso_fail(work->error, ISO_ERR_NOMEM, "out of memory while extracting bricks");
     set->extracted += part->extracted;
     if (set->full) set->rejected += part->rejected;
-    note_places(set, part);
+    note_locations(set, part);
     return true;
 }
 
@@ -301,7 +301,7 @@ static void copy_array(const iso_brick_set *set, const chunk *part, int array) {
     char *target = set->heap[heap].array[array % ISO_SPAN_ARRAYS].data;
     size_t from = 0, to = 0, count = 0,
            next = 0; /* items: what is to be copied, and where the next brick's are */
-    for (size_t r = 0; r < part->placed; r++) {
+    for (size_t r = 0; r < part->stored; r++) {
         const result *made = &part->results[r];
         if (!made->count[heap]) continue;
         const size_t first = made->first[heap];
@@ -340,14 +340,14 @@ static iso_status reserve_chunks(iso_brick_set *set, size_t wanted, iso_error *e
 static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, size_t count, iso_error *error) {
     const size_t workers = (size_t)iso_pool_threads(set->pool),
                  chunks = (count + CHUNK_BRICKS - 1) / CHUNK_BRICKS;
-    if (set->full && set->kernel.run && workers == 1) {
+    if (set->full && set->kernel.extract_many && workers == 1) {
         ISO_TRY(iso_buffer_reserve(&set->scratch, set->kernel.scratch_bytes, 0, error));
         iso_brick_sink sink = {.set = set, .scratch = set->scratch.data, .error = error};
         extract_present(&sink, bricks, count);
         return sink.status;
     }
     iso_ordered steps = {.work = extract_chunk,
-                         .place = place_chunk,
+                         .place = store_chunk,
                          .finish = copy_chunk,
                          .slots = iso_ordered_slots(set->pool)};
     if (steps.slots > chunks) steps.slots = chunks ? chunks : 1;
@@ -377,7 +377,7 @@ static void survey_task(void *context, size_t index, int worker) {
 
 static iso_status list_crossed(iso_brick_set *set, size_t *count, iso_error *error) {
     const iso_brick_index *index;
-    ISO_TRY(iso_rgrid_index(set->grid.rgrid, set->pool, &index, error));
+    ISO_TRY(iso_brick_index_of(set->grid.rgrid, set->pool, &index, error));
     ISO_TRY(iso_brick_index_query(index, set->kernel.isovalue(set->context), &set->query, error));
     *count = set->query.count;
     return ISO_OK;
@@ -426,7 +426,7 @@ static iso_status list_all(iso_brick_set *set, const uint32_t **list, size_t *co
     return ISO_OK;
 }
 
-static void forget_spans(iso_brick_set *set) {
+static void clear_spans(iso_brick_set *set) {
     for (size_t i = 0; i < set->span_count; i++) set->span_of[slot_at(set, i)->brick] = 0;
     set->span_count = 0;
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) iso_span_heap_clear(&set->heap[heap]);
@@ -446,7 +446,7 @@ iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error) {
     set->extracted = 0;
     if (set->full) {
         set->rejected = 0;
-        forget_spans(set);
+        clear_spans(set);
         ISO_TRY(list_all(set, &list, &count, error));
     } else {
         ISO_TRY(list_changed(set, &count, error));
@@ -454,7 +454,7 @@ iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error) {
     }
     iso_status status = extract_bricks(set, list, count, error);
     if (status != ISO_OK) {
-        if (set->full) forget_spans(set);
+        if (set->full) clear_spans(set);
         return status;
     }
     set->full = false;
@@ -483,7 +483,7 @@ void iso_brick_set_free(iso_brick_set *set) {
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) iso_span_heap_free(&set->heap[heap]);
     iso_buffer_free(&set->spans);
     iso_buffer_free(&set->slots);
-    iso_buffer_free(&set->stamps);
+    iso_buffer_free(&set->versions);
     iso_buffer_free(&set->scratch);
     iso_buffer_free(&set->list);
     iso_brick_query_free(&set->query);

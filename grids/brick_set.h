@@ -31,12 +31,12 @@ typedef struct iso_brick_output {
 } iso_brick_output;
 
 /* Where a brick's results lie. */
-typedef struct iso_brick_place {
+typedef struct iso_brick_location {
     int32_t brick[3];
     uint32_t own;
     uint32_t count[ISO_SET_HEAPS];
     size_t first[ISO_SET_HEAPS];
-} iso_brick_place;
+} iso_brick_location;
 
 /* Where a kernel that does several bricks at once puts what it makes, brick after brick. */
 typedef struct iso_brick_sink iso_brick_sink;
@@ -62,13 +62,13 @@ typedef struct iso_brick_kernel {
     void (*extract)(const void *context, const int brick[3], void *scratch, iso_brick_output *output);
     /* Optional: several bricks of the list at once, none of which may_exist refuses. Each must come to the
      * sink once, in the order of the list. */
-    void (*run)(const void *context, const uint32_t *bricks, size_t count, void *scratch,
-                iso_brick_sink *sink);
+    void (*extract_many)(const void *context, const uint32_t *bricks, size_t count, void *scratch,
+                         iso_brick_sink *sink);
     /* Optional: the stored isovalue, without whose crossing a brick has nothing. In an rgrid the bricks are
      * then found through the grid's index, and may_exist is asked of edited ones only. */
     float (*isovalue)(const void *context);
     bool bricks_only; /* cells of an hgrid that have no brick have nothing: may_exist need not be asked */
-    void (*write_span)(void *span, const iso_brick_place *place);
+    void (*write_span)(void *span, const iso_brick_location *location);
 } iso_brick_kernel;
 
 typedef struct iso_brick_set {
@@ -79,9 +79,9 @@ typedef struct iso_brick_set {
     int bricks[3];
     bool full;         /* the next update does all bricks */
     uint64_t seen;     /* edits up to this one are in the set */
-    uint64_t placed;   /* results that got a place so far */
+    uint64_t stored;   /* results that got a place so far */
     uint32_t *span_of; /* by brick: 1 + its span's number, 0: none */
-    iso_buffer spans, slots, stamps;
+    iso_buffer spans, slots, versions;
     size_t span_count;
     iso_span_heap heap[ISO_SET_HEAPS];
     iso_buffer scratch, list, chunks;
@@ -106,7 +106,7 @@ void iso_brick_set_coordinates(const iso_brick_set *set, uint32_t number, int br
 
 /* A number for each span, never 0, that changes whenever what is in the span does or another brick's comes
  * there. Not when it only moves. NULL when there is no span. */
-const uint64_t *iso_brick_set_stamps(const iso_brick_set *set);
+const uint64_t *iso_brick_set_versions(const iso_brick_set *set);
 
 /* An array of a heap; NULL when nothing is in it. */
 const void *iso_brick_set_items(const iso_brick_set *set, int heap, int array);

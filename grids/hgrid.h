@@ -7,7 +7,7 @@
  * inside; voxel coordinates outside the grid are clamped to it. Access takes constant time; reading never
  * allocates.
  *
- * Reading is thread-safe while nobody writes. Writers call iso_hgrid_touch for what they changed. */
+ * Reading is thread-safe while nobody writes. Writers call iso_hgrid_mark_changed for what they changed. */
 #ifndef ISO_GRIDS_HGRID_H
 #define ISO_GRIDS_HGRID_H
 
@@ -105,7 +105,7 @@ size_t iso_hgrid_brick_count(const iso_hgrid *grid);
 size_t iso_hgrid_bytes(const iso_hgrid *grid);
 
 /* Starts an edit and records voxels lo..hi (clipped to the grid) as changed. */
-iso_status iso_hgrid_touch(iso_hgrid *grid, const int lo[3], const int hi[3], iso_error *error);
+iso_status iso_hgrid_mark_changed(iso_hgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
 /* A new grid holding voxels lo..hi (inclusive) of this one, with its origin moved accordingly and an empty
  * log. ISO_ERR_USAGE when the range is empty or outside. The original is untouched. */

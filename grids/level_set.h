@@ -21,12 +21,12 @@ iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, cons
 
 /* The grid that a mesh is put into: whole bricks of cubic voxels along the world's axes, the mesh's box in
  * the middle with at least `margin` voxels around it. */
-typedef struct iso_mesh_frame {
+typedef struct iso_mesh_sampling {
     double voxel; /* mm */
     int margin;
     iso_pool *pool;               /* borrowed; NULL: the calling thread */
     const iso_progress *progress; /* told from any thread; cancelled: ISO_ERR_IO */
-} iso_mesh_frame;
+} iso_mesh_sampling;
 
 /* The level set, with a band of 3 voxels, of the solid that a mesh encloses (grids/closing/closed_mesh.h).
  * The same for every number of threads. The time is that of a search in the mesh's tree for each voxel of the
@@ -35,8 +35,8 @@ typedef struct iso_mesh_frame {
  * The voxels' volume is compared with the mesh's. ISO_ERR_EMPTY: less than half of it would be left, as the
  * voxels are too large for parts that thin. ISO_ERR_FORMAT: they differ by more than voxels explain.
  * ISO_ERR_LIMIT when the grid would be too large, ISO_ERR_NOMEM. */
-iso_status iso_level_set_from_mesh(const char *path, const iso_closed_mesh *mesh, const iso_mesh_frame *frame,
-                                   iso_hgrid **grid, iso_error *error);
+iso_status iso_level_set_from_mesh(const char *path, const iso_closed_mesh *mesh,
+                                   const iso_mesh_sampling *frame, iso_hgrid **grid, iso_error *error);
 
 /* How a grid becomes a level set. */
 typedef struct iso_resampling {
@@ -57,8 +57,8 @@ iso_status iso_level_set_from_grid(const char *path, const iso_grid *from, const
 
 /* A new grid of `dims` voxels whose voxel i is voxel i - offset of `from`, its transform moved along; beyond
  * `from` its outermost voxels are repeated. As iso_hgrid_create. */
-iso_status iso_level_set_reframe(const iso_hgrid *from, const int offset[3], const int dims[3],
-                                 iso_hgrid **out, iso_error *error);
+iso_status iso_level_set_resize(const iso_hgrid *from, const int offset[3], const int dims[3],
+                                iso_hgrid **out, iso_error *error);
 
 #ifdef __cplusplus
 }

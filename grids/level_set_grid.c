@@ -7,14 +7,14 @@
 #include "grids/level_set.h"
 
 /* Cells this many voxels from the interface have bricks: the band and what central differences see. */
-enum { REACH = 4 };
+enum { BAND_CELLS_REACH = 4 };
 /* Cells between two words about the progress. */
-enum { TELL = 1024 };
+enum { PROGRESS_CELLS = 1024 };
 /* Values at the interface are scaled so that nearly all stay below this: their neighbours', which say how
  * steep the field is there, are then inside the band as well. */
 static const double INTERFACE_MOST = 1.2;
 /* Voxels away from the interface: inside the band, so that redistancing works on them. */
-static const double BEYOND = 2.99;
+static const double FAR_VALUE = 2.99;
 
 typedef struct resampling {
     const iso_grid *from;
@@ -57,8 +57,9 @@ static bool brick_range(const resampling *r, const int at[3], int lo[3], int hi[
     const int *dims = iso_grid_dims(r->from);
     bool beyond = false;
     for (int axis = 0; axis < 3; axis++) {
-        const double first = r->scale[axis] * (ISO_BRICK * at[axis] - REACH) - r->offset[axis];
-        const double last = r->scale[axis] * (ISO_BRICK * (at[axis] + 1) + REACH) - r->offset[axis];
+        const double first = r->scale[axis] * (ISO_BRICK * at[axis] - BAND_CELLS_REACH) - r->offset[axis];
+        const double last =
+            r->scale[axis] * (ISO_BRICK * (at[axis] + 1) + BAND_CELLS_REACH) - r->offset[axis];
         beyond |= first < 0 || last > dims[axis] - 1;
         lo[axis] = (int)(fmin(fmax(first - 1, 0), dims[axis] - 1) / ISO_BRICK);
         hi[axis] = (int)(fmin(fmax(last + 1, 0), dims[axis] - 1) / ISO_BRICK);
@@ -82,7 +83,7 @@ static bool may_hold_band(const resampling *r, const int at[3]) {
 static iso_status make_cells(const resampling *r, const iso_progress *progress, iso_error *error) {
     const size_t count = iso_hgrid_cell_count(r->to);
     for (size_t cell = 0; cell < count; cell++) {
-        if (cell % TELL == 0)
+        if (cell % PROGRESS_CELLS == 0)
             ISO_TRY(iso_progress_tell(progress, "the volume", (double)cell / (double)count, error));
         int at[3];
         float *brick;
@@ -157,7 +158,7 @@ static void count_magnitude(void *context, float *value, bool interface) {
  * pass half-way. */
 static void scale_value(void *context, float *value, bool interface) {
     const magnitudes *m = context;
-    const float side = *value < 0 ? -1 : 1, scaled = fabsf(*value) * m->factor, most = (float)BEYOND;
+    const float side = *value < 0 ? -1 : 1, scaled = fabsf(*value) * m->factor, most = (float)FAR_VALUE;
     if (interface && !isfinite(*value))
         *value = 0.5f;
     else

@@ -87,8 +87,8 @@ static iso_status convert_mesh(const isosculpt_source *source, iso_hgrid **grid,
                        converting = iso_progress_part(source->progress, 0.3, 1);
     iso_closed_mesh *mesh;
     ISO_TRY(read_mesh(source, &reading, &mesh, error));
-    const iso_mesh_frame frame = {source->voxel > 0 ? source->voxel : longest_side(mesh) / MESH_VOXELS,
-                                  ISO_FIELD_MARGIN, source->pool, &converting};
+    const iso_mesh_sampling frame = {source->voxel > 0 ? source->voxel : longest_side(mesh) / MESH_VOXELS,
+                                     ISO_FIELD_MARGIN, source->pool, &converting};
     iso_status status = iso_level_set_from_mesh(source->path, mesh, &frame, grid, error);
     iso_closed_mesh_destroy(mesh);
     return status;

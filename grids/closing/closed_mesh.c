@@ -34,22 +34,22 @@ static iso_vec3 vertex(const iso_triangles *mesh, uint32_t number) {
 
 /* ---- a mesh that grows */
 
-static bool grow(void **block, size_t *room, size_t count, size_t size) {
+static bool grow(void **memory, size_t *room, size_t count, size_t size) {
     if (count < *room) return true;
     const size_t more = 2 * count + 64;
     void *grown = iso_alloc(more * size);
     if (!grown) return false;
-    if (count) memcpy(grown, *block, count * size);
-    iso_free(*block);
-    *block = grown;
+    if (count) memcpy(grown, *memory, count * size);
+    iso_free(*memory);
+    *memory = grown;
     *room = more;
     return true;
 }
 
 static bool add_vertex(iso_closed_mesh *c, iso_vec3 p) {
-    void *block = c->mesh.vertices;
-    const bool room = grow(&block, &c->vertex_room, c->mesh.vertex_count, sizeof *c->mesh.vertices);
-    c->mesh.vertices = block;
+    void *memory = c->mesh.vertices;
+    const bool room = grow(&memory, &c->vertex_room, c->mesh.vertex_count, sizeof *c->mesh.vertices);
+    c->mesh.vertices = memory;
     if (!room) return false;
     float *v = c->mesh.vertices[c->mesh.vertex_count++];
     v[0] = (float)p.x;
@@ -59,9 +59,9 @@ static bool add_vertex(iso_closed_mesh *c, iso_vec3 p) {
 }
 
 static bool add_triangle(iso_closed_mesh *c, uint32_t first, uint32_t second, uint32_t third) {
-    void *block = c->mesh.triangles;
-    const bool room = grow(&block, &c->triangle_room, c->mesh.triangle_count, sizeof *c->mesh.triangles);
-    c->mesh.triangles = block;
+    void *memory = c->mesh.triangles;
+    const bool room = grow(&memory, &c->triangle_room, c->mesh.triangle_count, sizeof *c->mesh.triangles);
+    c->mesh.triangles = memory;
     if (!room) return false;
     uint32_t *t = c->mesh.triangles[c->mesh.triangle_count++];
     t[0] = first;
@@ -167,7 +167,7 @@ static loop_kind kind_of(const closing *c, const uint32_t *loop, size_t count, b
     return LOOP_TOO_LARGE;
 }
 
-static bool fill(closing *c, const uint32_t *loop, size_t count) {
+static bool fill_hole(closing *c, const uint32_t *loop, size_t count) {
     iso_closed_mesh *closed = c->closed;
     closed->report.holes_closed++;
     closed->report.largest_hole = fmax(closed->report.largest_hole, loop_size(&closed->mesh, loop, count));
@@ -200,7 +200,7 @@ static iso_status close_loops(closing *c, bool capped, iso_error *error) {
         const uint32_t *loop = loop_of(t, i, &count);
         const loop_kind kind = kind_of(c, loop, count, capped);
         if (kind == LOOP_BORDER) put_border(c, loop, count);
-        if (kind == LOOP_FILL && !fill(c, loop, count)) return iso_fail_memory(error, c->path);
+        if (kind == LOOP_FILL && !fill_hole(c, loop, count)) return iso_fail_memory(error, c->path);
         if (kind != LOOP_TOO_LARGE) continue;
         c->refused++;
         c->largest_refused = fmax(c->largest_refused, loop_size(&c->closed->mesh, loop, count));
@@ -300,8 +300,8 @@ static iso_status close_mesh(const char *path, iso_closed_mesh *c, double hole, 
     return status;
 }
 
-static iso_status make(const char *path, const iso_triangles *mesh, const iso_closing_opts *opts,
-                       iso_closed_mesh *c, iso_error *error) {
+static iso_status build_closed_mesh(const char *path, const iso_triangles *mesh, const iso_closing_opts *opts,
+                                    iso_closed_mesh *c, iso_error *error) {
     const iso_progress *progress = opts->progress;
     ISO_TRY(iso_progress_tell(progress, path, 0, error));
     ISO_TRY(iso_mesh_topology_make(path, mesh, &c->topology, error));
@@ -324,7 +324,7 @@ iso_status iso_closed_mesh_create(const char *path, const iso_triangles *mesh, c
                                   iso_closed_mesh **closed, iso_error *error) {
     if (mesh->triangle_count == 0) return iso_fail(error, ISO_ERR_EMPTY, "%s: holds no triangles", path);
     iso_closed_mesh *c = iso_alloc_zero(1, sizeof *c);
-    iso_status status = c ? make(path, mesh, opts, c, error) : iso_fail_memory(error, path);
+    iso_status status = c ? build_closed_mesh(path, mesh, opts, c, error) : iso_fail_memory(error, path);
     if (status == ISO_OK)
         *closed = c;
     else

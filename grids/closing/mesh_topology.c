@@ -336,7 +336,7 @@ static const uint32_t *next_edge(const iso_mesh_topology *t, walk *w, uint32_t v
     return t->open[i];
 }
 
-static void step(iso_mesh_topology *t, walk *w, uint32_t vertex) {
+static void advance(iso_mesh_topology *t, walk *w, uint32_t vertex) {
     if (w->place[vertex] == NONE) {
         w->place[vertex] = (uint32_t)w->length;
         w->path[w->length++] = vertex;
@@ -355,8 +355,8 @@ static void step(iso_mesh_topology *t, walk *w, uint32_t vertex) {
 static void find_loops(iso_mesh_topology *t, walk *w) {
     for (size_t i = 0; i < t->open_count; i++) {
         const uint32_t *edge;
-        step(t, w, t->open[i][0]);
-        while ((edge = next_edge(t, w, w->path[w->length - 1]))) step(t, w, edge[1]);
+        advance(t, w, t->open[i][0]);
+        while ((edge = next_edge(t, w, w->path[w->length - 1]))) advance(t, w, edge[1]);
         while (w->length > 0) w->place[w->path[--w->length]] = NONE;
     }
 }

@@ -148,7 +148,7 @@ static void build_leaf(const iso_triangle_tree *tree, size_t leaf, node *n, sums
     set_node(n, s);
 }
 
-static void build(const iso_triangle_tree *tree, sums *s) {
+static void build_sums(const iso_triangle_tree *tree, sums *s) {
     for (size_t leaf = 0; leaf < tree->leaves; leaf++) {
         const size_t i = tree->leaves - 1 + leaf;
         build_leaf(tree, leaf, &tree->nodes[i], &s[i]);
@@ -167,7 +167,7 @@ static void build(const iso_triangle_tree *tree, sums *s) {
 }
 
 /* NULL: out of memory. */
-static iso_triangle_tree *make(const iso_triangles *mesh) {
+static iso_triangle_tree *create_tree(const iso_triangles *mesh) {
     iso_triangle_tree *tree = iso_alloc_zero(1, sizeof *tree);
     if (!tree) return NULL;
     tree->count = mesh->triangle_count;
@@ -185,7 +185,7 @@ static iso_triangle_tree *make(const iso_triangles *mesh) {
             for (int k = 0; k < 3; k++)
                 memcpy(tree->triangles[i].p[k], mesh->vertices[mesh->triangles[places[i].triangle][k]],
                        sizeof tree->triangles[i].p[k]);
-        build(tree, s);
+        build_sums(tree, s);
     }
     iso_free(places);
     iso_free(s);
@@ -195,7 +195,7 @@ static iso_triangle_tree *make(const iso_triangles *mesh) {
 }
 
 iso_status iso_triangle_tree_create(const iso_triangles *mesh, iso_triangle_tree **tree, iso_error *error) {
-    iso_triangle_tree *made = make(mesh);
+    iso_triangle_tree *made = create_tree(mesh);
     if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu triangles", mesh->triangle_count);
     *tree = made;
     return ISO_OK;

@@ -11,7 +11,7 @@
 
 /* A cap lies at (value - isovalue) / (value - outside) of the way from a sample to the outer layer: `outside`
  * is this many times the largest value - isovalue away. Twice as many as needed, for rounding. */
-static const double TIMES = 2 / ISO_CLOSED_TOLERANCE;
+static const double OUTSIDE_FACTOR = 2 / ISO_CLOSED_TOLERANCE;
 
 /* ---- dense grids */
 
@@ -41,7 +41,7 @@ static float choose_outside(const iso_rgrid *grid, const struct iso_brick_index 
     const double deepest =
         fmax(grid->level_set ? at - low : high - at, 0); /* 0 also when nothing is finite */
     /* A solid whose values are all the isovalue has no depth: then any distance will do. */
-    const double far = fmax(TIMES * deepest, fmax(fabs((double)at), 1));
+    const double far = fmax(OUTSIDE_FACTOR * deepest, fmax(fabs((double)at), 1));
     return (float)fmin(fmax(grid->level_set ? at + far : at - far, -FLT_MAX), FLT_MAX);
 }
 
@@ -60,11 +60,11 @@ static iso_status close_dense(const iso_grid *from, double isovalue, iso_pool *p
         desc.dims[axis] = grid->dims[axis] + 2;
     }
     const struct iso_brick_index *index;
-    ISO_TRY(iso_rgrid_index(from->rgrid, pool, &index, error));
+    ISO_TRY(iso_brick_index_of(from->rgrid, pool, &index, error));
     padding p = {.from = grid, .outside = choose_outside(grid, index, iso_threshold_of(from, isovalue).at)};
     ISO_TRY(iso_rgrid_create(&desc, &p.to, error));
     iso_parallel_for(pool, (size_t)desc.dims[2], copy_slice, &p);
-    iso_status status = iso_rgrid_index(p.to, pool, NULL, error);
+    iso_status status = iso_brick_index_of(p.to, pool, NULL, error);
     if (status == ISO_OK)
         *closed = p.to;
     else
@@ -117,9 +117,9 @@ static iso_status close_sparse(const iso_hgrid *from, float at, iso_hgrid **clos
     const int offset[3] = {1, 1, 1};
     const int dims[3] = {from->dims[0] + 2, from->dims[1] + 2, from->dims[2] + 2};
     iso_hgrid *grid;
-    ISO_TRY(iso_level_set_reframe(from, offset, dims, &grid, error));
+    ISO_TRY(iso_level_set_resize(from, offset, dims, &grid, error));
     const double deepest = (double)at + (double)from->band;
-    const double outside = fmax((double)at, 0) + TIMES * fmax(deepest, 1);
+    const double outside = fmax((double)at, 0) + OUTSIDE_FACTOR * fmax(deepest, 1);
     iso_status status = close_cells(grid, (float)outside, error);
     if (status == ISO_OK)
         *closed = grid;

@@ -92,7 +92,7 @@ static iso_status list_affected(remover *r, const uint8_t *dropped, iso_error *e
             hi[axis] =
                 lo[axis] + ISO_BRICK <= grid->dims[axis] ? lo[axis] + ISO_BRICK - 1 : grid->dims[axis] - 1;
         }
-        ISO_TRY(iso_change_log_touch(grid->log, lo, hi, error));
+        ISO_TRY(iso_change_log_add(grid->log, lo, hi, error));
         if (empty) {
             iso_hgrid_coalesce(grid, at[0], at[1], at[2], ISO_CELL_OUTSIDE);
             continue;
@@ -130,9 +130,9 @@ static void read_surroundings(const remover *r, const int at[3], surroundings *s
 static void widen(const surroundings *s, const uint8_t *from, uint8_t *to, int stride, int reach) {
     const int count = s->side * s->side * s->side;
     for (int i = 0; i < count; i++) {
-        const int place = i / stride % s->side;
-        const int low = place < reach ? place : reach,
-                  high = s->side - 1 - place < reach ? s->side - 1 - place : reach;
+        const int position = i / stride % s->side;
+        const int low = position < reach ? position : reach,
+                  high = s->side - 1 - position < reach ? s->side - 1 - position : reach;
         uint8_t any = 0;
         for (int k = -low; k <= high; k++) any |= from[i + k * stride];
         to[i] = any;
@@ -170,7 +170,7 @@ static float new_value(const remover *r, const surroundings *s, const int p[3]) 
     return distance < inside ? inside : distance < most ? distance : most;
 }
 
-static void remake_brick(void *context, size_t index, int worker) {
+static void recompute_brick(void *context, size_t index, int worker) {
     remover *r = context;
     const uint32_t cell = ((const uint32_t *)r->affected.data)[index];
     const int side = ISO_BRICK + 2 * r->reach;
@@ -205,7 +205,7 @@ static iso_status remake_bricks(remover *r, iso_error *error) {
     r->scratch = iso_alloc(workers * r->scratch_bytes);
     if (!r->values || !r->scratch)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu bricks around dropped parts", r->count);
-    iso_parallel_for(r->removal->pool, r->count, remake_brick, r);
+    iso_parallel_for(r->removal->pool, r->count, recompute_brick, r);
     for (size_t i = 0; i < r->count; i++) {
         const uint32_t cell = ((const uint32_t *)r->affected.data)[i];
         memcpy(iso_hgrid_brick(r->grid, r->grid->cell[cell]), r->values[i], sizeof r->values[i]);

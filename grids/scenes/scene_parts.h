@@ -12,7 +12,7 @@ extern "C" {
 #define ISO_SCENE_BAND 3.0
 
 /* A solid that can fill the bricks of a level set. Both functions are called from several threads. */
-typedef struct iso_scene_shape {
+typedef struct iso_scene_solid {
     int size; /* voxels a side */
     const void *self;
     /* ISO_CELL_OUTSIDE or ISO_CELL_INSIDE when no voxel of the cell is nearer to the surface than the band;
@@ -21,10 +21,10 @@ typedef struct iso_scene_shape {
     /* All 4096 distances, clamped to the band. `scratch` holds scratch_bytes and belongs to the caller. */
     void (*fill)(const void *self, const int cell[3], void *scratch, float *brick);
     size_t scratch_bytes;
-} iso_scene_shape;
+} iso_scene_solid;
 
 /* An hgrid, or with opts->dense an rgrid, of the shape. */
-iso_status iso_scene_build(const iso_scene_shape *shape, const iso_scene_opts *opts, iso_grid *grid,
+iso_status iso_scene_build(const iso_scene_solid *solid, const iso_scene_opts *opts, iso_grid *grid,
                            iso_error *error);
 
 /* Sine and cosine of rate * (i + first + 1/2) for i in 0 .. count - 1, shifted by `phase`: out[2 i] and

@@ -81,7 +81,7 @@ const char *iso_volume_format(const void *bytes, size_t count);
 iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
                                    iso_error *error);
 
-/* Reads the volume; a dense one comes with its index of bricks (iso_rgrid_index). Errors as above, and
+/* Reads the volume; a dense one comes with its index of bricks (iso_brick_index_of). Errors as above, and
  * ISO_ERR_LIMIT (over max_memory, checked from the header before anything is allocated) and ISO_ERR_NOMEM. A
  * file shorter than its header promises is ISO_ERR_IO in every format. */
 iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_volume *volume,

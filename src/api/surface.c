@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "extract/isovalue/isovalue.h"
 #include "extract/mesh/mesh_measure.h"
+#include "grids/brick_index.h"
 #include "io/mesh_io.h"
 #include "io/points_io.h"
 #include "methods/bounds.h"
@@ -68,7 +69,7 @@ iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_e
 
 iso_status iso_api_surface_ready(iso_surface *surface, iso_error *error) {
     iso_rgrid *grid = surface->subject.grid->rgrid;
-    return grid ? iso_rgrid_index(grid, surface->volume->pool, NULL, error) : ISO_OK;
+    return grid ? iso_brick_index_of(grid, surface->volume->pool, NULL, error) : ISO_OK;
 }
 
 static iso_status fail_empty(const iso_surface *surface, iso_error *error) {

@@ -125,7 +125,7 @@ static void extract_list(const void *context, const uint32_t *bricks, size_t cou
         iso_brick_sink_extract(sink, bricks[i]);
 }
 
-static void write_span(void *span, const iso_brick_place *place) {
+static void write_span(void *span, const iso_brick_location *place) {
     *(iso_exact_span *)span = (iso_exact_span){
         .brick = {place->brick[0], place->brick[1], place->brick[2]},
         .blocks = place->count[0],
@@ -158,7 +158,7 @@ iso_status iso_exact_create(const iso_grid *grid, const iso_exact_opts *opts, is
         .halo = HALO,
         .may_exist = may_exist,
         .extract = extract,
-        .run = extract_list,
+        .extract_many = extract_list,
         .isovalue = isovalue_of,
         .write_span = write_span,
     };

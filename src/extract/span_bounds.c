@@ -56,7 +56,7 @@ typedef struct search {
 static void bound_spans(void *context, size_t index, int worker) {
     (void)worker;
     const search *s = context;
-    const uint64_t *stamps = iso_brick_set_stamps(s->set);
+    const uint64_t *stamps = iso_brick_set_versions(s->set);
     size_t end = (index + 1) * TASK_SPANS;
     for (size_t i = index * TASK_SPANS; i < end && i < s->set->span_count; i++) {
         if (s->bounded[i].stamp == stamps[i]) continue;
@@ -72,7 +72,7 @@ iso_status iso_span_bounds_update(iso_span_bounds *bounds, const iso_brick_set *
                                   iso_span_bounds_find *find, const void *context, iso_error *error) {
     const iso_brick_index *index; /* which float bricks are finite */
     if (set->grid.rgrid && set->grid.rgrid->type == ISO_FLOAT32)
-        ISO_TRY(iso_rgrid_index(set->grid.rgrid, set->pool, &index, error));
+        ISO_TRY(iso_brick_index_of(set->grid.rgrid, set->pool, &index, error));
     size_t count = set->span_count, had = bounds->bounded.bytes / sizeof(bounded_span);
     ISO_TRY(
         iso_buffer_reserve(&bounds->bounds, count * sizeof(iso_point_bounds), bounds->bounds.bytes, error));

@@ -13,6 +13,7 @@
 #include <glad/gl.h>
 
 #include "apps/isorender/isorender.h"
+#include "check_support.h"
 #include "gl_support.h"
 #include "render/gl/internal.h"
 #include "render/gl/surface.h"
@@ -226,7 +227,7 @@ static void contexts_come_and_go_in_any_order(void **state) {
     bool has_first = false;
     int made = 0, tried = 0, lost = 0;
     while (tried < CONTEXTS) {
-        seed = seed * 1664525u + 1013904223u;
+        random_word(&seed);
         inhabitant *who = &slots[seed >> 8 & (SLOTS - 1)];
         uint32_t dice = seed >> 16 & 255;
         if (!who->context) {

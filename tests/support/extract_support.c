@@ -11,8 +11,7 @@
 #include <cmocka.h>
 
 uint32_t test_random_next(test_random *random) {
-    random->state = random->state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)(random->state >> 32);
+    return random_long(&random->state);
 }
 
 int test_random_int(test_random *random, int low, int high) {
@@ -113,9 +112,9 @@ void test_stamp_ball(const iso_grid *grid, const test_ball *ball) {
             }
     if (grid->hgrid) {
         iso_hgrid_prune(grid->hgrid);
-        assert_int_equal(iso_hgrid_touch(grid->hgrid, lo, hi, NULL), ISO_OK);
+        assert_int_equal(iso_hgrid_mark_changed(grid->hgrid, lo, hi, NULL), ISO_OK);
     } else {
-        assert_int_equal(iso_rgrid_touch(grid->rgrid, lo, hi, NULL), ISO_OK);
+        assert_int_equal(iso_rgrid_mark_changed(grid->rgrid, lo, hi, NULL), ISO_OK);
     }
 }
 
@@ -151,7 +150,7 @@ void test_random_edit(const iso_grid *grid, test_random *random) {
         for (int y = lo[1]; y <= hi[1]; y++)
             for (int x = lo[0]; x <= hi[0]; x++)
                 test_set(grid, x, y, z, flat ? 50 * flat : test_random_real(random, 50, 150));
-    assert_int_equal(iso_rgrid_touch(grid->rgrid, lo, hi, NULL), ISO_OK);
+    assert_int_equal(iso_rgrid_mark_changed(grid->rgrid, lo, hi, NULL), ISO_OK);
 }
 
 static int compare_bricks(const int32_t *a, const int32_t *b) {

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "grids/brick_index.h"
 #include "grids/grid.h"
 #include "grids/rgrid.h"
 
@@ -73,7 +74,7 @@ static bool can_be_halved(const iso_rgrid *grid) {
 static iso_status create_level(isosculpt_lod *lod, int level, double isovalue, iso_error *error) {
     const iso_grid grid = {.rgrid = lod->grid[level]};
     const iso_points_opts opts = {.isovalue = isovalue, .pool = lod->pool};
-    ISO_TRY(iso_rgrid_index(lod->grid[level], lod->pool, NULL, error));
+    ISO_TRY(iso_brick_index_of(lod->grid[level], lod->pool, NULL, error));
     return iso_point_set_create(&grid, &opts, &lod->points[level], error);
 }
 

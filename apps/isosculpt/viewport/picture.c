@@ -274,14 +274,10 @@ static bool same_camera(const iso_camera *a, const iso_camera *b) {
            a->orthographic == b->orthographic && a->parallel_scale == b->parallel_scale;
 }
 
-static bool same_rgb(iso_rgb a, iso_rgb b) {
-    return a.r == b.r && a.g == b.g && a.b == b.b;
-}
-
 static bool same_mode(const isosculpt_display_mode *a, const isosculpt_display_mode *b) {
     return a->method == b->method && a->engine == b->engine && a->material.shading == b->material.shading &&
-           same_rgb(a->material.color, b->material.color) &&
-           same_rgb(a->material.background, b->material.background);
+           iso_rgb_equal(a->material.color, b->material.color) &&
+           iso_rgb_equal(a->material.background, b->material.background);
 }
 
 /* Whether nothing but edits has changed since the last picture. */

@@ -76,8 +76,7 @@ static void make_matcap(const isosculpt_material *material, isosculpt_matcap *ma
 }
 
 static bool matches(const isosculpt_matcap *matcap, const isosculpt_material *material) {
-    return matcap->shading == material->shading && matcap->color.r == material->color.r &&
-           matcap->color.g == material->color.g && matcap->color.b == material->color.b;
+    return matcap->shading == material->shading && iso_rgb_equal(matcap->color, material->color);
 }
 
 /* ---- shading with a matcap */

@@ -55,7 +55,7 @@ static void set_surface(iso_mesh_set *mesh, double isovalue) {
     iso_mesh_runner_init(&mesh->runner, &mesh->grid, &surface);
 }
 
-static void write_span(void *span, const iso_brick_place *place) {
+static void write_span(void *span, const iso_brick_location *place) {
     *(iso_mesh_span *)span = (iso_mesh_span){
         .brick = {place->brick[0], place->brick[1], place->brick[2]},
         .vertex_count = place->count[VERTICES],
@@ -80,7 +80,7 @@ iso_status iso_mesh_set_create(const iso_grid *grid, const iso_mesh_opts *opts, 
         .halo = ISO_HALO_MESH,
         .may_exist = may_exist,
         .extract = extract,
-        .run = grid->rgrid ? run : NULL,
+        .extract_many = grid->rgrid ? run : NULL,
         .isovalue = stored_isovalue,
         .write_span = write_span,
     };
@@ -122,7 +122,7 @@ iso_mesh_view iso_mesh_set_view(const iso_mesh_set *set) {
         .spans = set->set.spans.data,
         .span_count = set->set.span_count,
         .transform = *iso_grid_transform(&set->grid),
-        .stamps = iso_brick_set_stamps(&set->set),
+        .stamps = iso_brick_set_versions(&set->set),
         .bounds = iso_span_bounds_of(&set->bounds),
         .closed = set->bounds.closed,
     };

@@ -177,7 +177,7 @@ static void extract_iterated(const void *context, const int brick[3], void *memo
     output_points(points, scratch, feet.count, output);
 }
 
-static void write_span(void *span, const iso_brick_place *place) {
+static void write_span(void *span, const iso_brick_location *place) {
     *(iso_point_span *)span = (iso_point_span){
         .brick = {place->brick[0], place->brick[1], place->brick[2]},
         .count = place->count[0],
@@ -199,7 +199,7 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
         kernel.may_exist = feet_may_exist;
         kernel.extract = extract_feet;
         if (!dense) {
-            kernel.run = run_feet;
+            kernel.extract_many = run_feet;
             kernel.scratch_bytes = sizeof(feet_scratch);
             kernel.bricks_only = true;
         }
@@ -214,7 +214,7 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
         kernel.may_exist = edges_may_exist;
         kernel.extract = extract_edges;
         if (dense) {
-            kernel.run = run_edges;
+            kernel.extract_many = run_edges;
             kernel.isovalue = edges_isovalue;
             kernel.scratch_bytes += iso_edge_run_scratch_bytes();
         }
@@ -298,7 +298,7 @@ iso_point_view iso_point_set_view(const iso_point_set *set) {
         .spans = set->set.spans.data,
         .span_count = set->set.span_count,
         .transform = *iso_grid_transform(&set->grid),
-        .stamps = iso_brick_set_stamps(&set->set),
+        .stamps = iso_brick_set_versions(&set->set),
     };
     for (int k = 0; k < 3; k++) view.dims[k] = iso_grid_dims(&set->grid)[k];
     const double *spacing = view.transform.spacing;

@@ -387,7 +387,7 @@ static void nonfinite_voxels_take_their_cells(void **state) {
         for (int axis = 0; axis < 3; axis++) v[axis] = test_random_int(&random, 0, dims[axis] - 1);
         iso_weld before = weld_of(&grid, 100);
         test_set(&grid, v[0], v[1], v[2], odd[round % 3]);
-        assert_int_equal(iso_rgrid_touch(grid.rgrid, v, v, NULL), ISO_OK);
+        assert_int_equal(iso_rgrid_mark_changed(grid.rgrid, v, v, NULL), ISO_OK);
         iso_weld after = weld_of(&grid, 100);
         size_t expected = 0;
         for (size_t i = 0; i < before.triangle_count; i++) {
@@ -499,7 +499,7 @@ static void following_edits_equals_extracting_everything(void **state) {
                 for (int y = lo[1]; y <= hi[1]; y++)
                     for (int x = lo[0]; x <= hi[0]; x++)
                         test_set(&grid, x, y, z, flat ? 50 * flat : test_random_real(&random, 50, 150));
-            assert_int_equal(iso_rgrid_touch(grid.rgrid, lo, hi, NULL), ISO_OK);
+            assert_int_equal(iso_rgrid_mark_changed(grid.rgrid, lo, hi, NULL), ISO_OK);
             follow(&grid, followed, 100);
         }
         iso_mesh_set_isovalue(followed, 120);

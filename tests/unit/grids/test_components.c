@@ -364,14 +364,14 @@ static void index_follows(void **state) {
                  test_random_int(&random, 0, i < 5 ? 0 : 34), 150 + i);
     }
     iso_components_totals totals;
-    test_ok(iso_rgrid_index(grid.rgrid, NULL, NULL, &error), &error);
+    test_ok(iso_brick_index_of(grid.rgrid, NULL, NULL, &error), &error);
     test_ok(iso_components_filter(&grid, &(iso_components_opts){.isovalue = 100, .min_volume = 5}, &totals,
                                   &error),
             &error);
     iso_grid copy = copy_of(&grid);
     const struct iso_brick_index *a, *b;
-    test_ok(iso_rgrid_index(grid.rgrid, NULL, &a, &error), &error);
-    test_ok(iso_rgrid_index(copy.rgrid, NULL, &b, &error), &error);
+    test_ok(iso_brick_index_of(grid.rgrid, NULL, &a, &error), &error);
+    test_ok(iso_brick_index_of(copy.rgrid, NULL, &b, &error), &error);
     for (uint32_t i = 0; i < iso_brick_index_bricks(a); i++) {
         const iso_brick_range p = iso_brick_index_range(a, i), q = iso_brick_index_range(b, i);
         assert_true(p.lo == q.lo && p.hi == q.hi && p.finite == q.finite);
