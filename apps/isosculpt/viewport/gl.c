@@ -1,4 +1,5 @@
-#include "apps/isosculpt/view/gl.h"
+/* The gl engine of a viewport: one canvas for pictures, one for picking, buffers for points and mesh. */
+#include "apps/isosculpt/viewport/gl.h"
 
 #include "base/memory.h"
 
@@ -10,18 +11,16 @@ struct isosculpt_gl {
 };
 
 iso_status isosculpt_gl_create(iso_gl_context *context, isosculpt_gl **gl, iso_error *error) {
-    isosculpt_gl *surface_isovalue = iso_alloc_zero(1, sizeof *surface_isovalue);
-    if (!surface_isovalue) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an engine");
-    surface_isovalue->context = context;
-    iso_status status = iso_gl_engine_create(context, &surface_isovalue->engine, error);
+    isosculpt_gl *created = iso_alloc_zero(1, sizeof *created);
+    if (!created) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an engine");
+    created->context = context;
+    iso_status status = iso_gl_engine_create(context, &created->engine, error);
+    if (status == ISO_OK) status = iso_gl_canvas_create(created->engine, &created->drawn, error);
+    if (status == ISO_OK) status = iso_gl_canvas_create(created->engine, &created->pick_layer, error);
     if (status == ISO_OK)
-        status = iso_gl_canvas_create(surface_isovalue->engine, &surface_isovalue->drawn, error);
-    if (status == ISO_OK)
-        status = iso_gl_canvas_create(surface_isovalue->engine, &surface_isovalue->pick_layer, error);
-    if (status == ISO_OK)
-        *gl = surface_isovalue;
+        *gl = created;
     else
-        isosculpt_gl_destroy(surface_isovalue);
+        isosculpt_gl_destroy(created);
     return status;
 }
 
