@@ -39,25 +39,25 @@ iso_point iso_point_pack(const iso_surfel *surfel);
 iso_point iso_point_pack_scaled(const iso_surfel *surfel);
 iso_surfel iso_point_unpack(iso_point point);
 
-/* How a surface bends at a point, in 8 bytes: its shape operator S (second fundamental form) in index space,
- * symmetric, in the frame (u, v) that iso_curvature_frame makes of the point's normal as iso_point_view_get
- * gives it. A step q along the surface turns the outward normal by S q: entries are in 1 / voxel, positive
- * where the surface is convex (1 / r on a sphere). Steps of ISO_CURVATURE_STEP; norms are clamped to
- * ISO_CURVATURE_MOST. Entries are multiples of 32 steps: their low five bits are the tilt's. */
+/* The curvature of a surface at a point, in 8 bytes: its shape operator S (second fundamental form) in index
+ * space, symmetric, in the frame (u, v) that iso_curvature_frame makes of the point's normal as
+ * iso_point_view_get gives it. A step q along the surface turns the outward normal by S q: entries are in 1 /
+ * voxel, positive where the surface is convex (1 / r on a sphere). Steps of ISO_CURVATURE_STEP; norms are
+ * clamped to ISO_CURVATURE_MOST. Entries are multiples of 32 steps: their low five bits are the tilt's. */
 typedef struct iso_curvature {
     int16_t uu, uv, vv;
-    uint16_t extents; /* 0: not known, or not an edge point. See below. */
+    uint16_t extents; /* see below; 0: not known, or not an edge point */
 } iso_curvature;
 
 /* How the surface around an edge point lies against the point's normal, which comes from gradients over two
  * voxels: its own is along normal + tilt[0] u + tilt[1] v. From the low bits of uu on, then uv's and vv's,
  * two numbers k of 7 bits in two's complement, -63 .. 63: tilt = k |k| ISO_CURVATURE_TILT_MOST / 63^2. */
 
-/* How far the surface goes on from an edge point, in the faces of the cells around its edge, until it comes
- * to another edge of the face: from bit 0 on, voxels 0..1 down and up along the first of the axes at right
- * angles to the edge, and along the second, in steps of 1 / 7, rounded up; from bit 12 on, 1 + the edge's
- * axis; from bit 14 on, how many quarters of its size a disc with this shape must do without if it is not to
- * be too far outside the surface. */
+/* extents: how far the surface continues from an edge point within the four faces beside its edge, before
+ * it reaches another edge of the face. Bits 0-11: four distances of 3 bits, down and up along the first
+ * axis at right angles to the edge, then along the second, in steps of 1/7 voxel (0 to 1), rounded up.
+ * Bits 12-13: 1 + the edge's axis. Bits 14-15: by how much the point's disc is drawn smaller, in quarters
+ * of its radius (0 to 3), so that its rim does not leave the surface. */
 #define ISO_CURVATURE_MOST 4.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */
 
 /* Two unit vectors at right angles to a unit normal and to each other, u x v = normal (Duff et al. 2017,

@@ -1,4 +1,4 @@
-/* exact_cells: what `exact` keeps of a brick, and the kernels that find it. Internal to truth.
+/* exact_cells: what `exact` keeps of a brick, and the kernels that find it. Internal to exact.
  *
  * A brick's cells lie in up to eight blocks of 8^3 cells: a block is what drawing culls and sets up at a
  * time. The corner values of a block's crossed cells are kept as the grid stores them, in planes: all first

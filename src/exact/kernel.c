@@ -1,3 +1,4 @@
+/* kernel: constants and scalar helpers of the drawing kernel; includes its body once per instruction set. */
 #include "exact/kernel.h"
 
 #include <math.h>
@@ -10,10 +11,11 @@
 #define ISO_EXACT_WIDER 1e-5f
 #define ISO_EXACT_WIDER_NEAR 4e-5f
 
-/* Pixels of a cell's box from which on it does not pay to fill its last vector from other cells. */
+/* Cells whose box has more pixels than this are tested alone: filling their last vector with pixels of
+ * other cells no longer pays. */
 #define ISO_EXACT_LARGE_CELL 32
 
-/* ..and from which on the rows of a cell are worth an outline. */
+/* Cells whose box has at least this many pixels get an outline. */
 #define ISO_EXACT_OUTLINED_CELL 250
 
 /* Pairs of several cells that are tested together: vectors of them overlap in time, but a pixel that is taken

@@ -1,4 +1,4 @@
-/* exact_kernel: draws visible blocks into a band of rows. Internal to truth.
+/* kernel: draws visible blocks into a band of rows. Internal to exact.
  *
  * One kernel body (kernel_body.inc), included once per instruction set; every variant gives the same
  * bytes. A block's cells are set up as vectors of cells, each cell's free pixels are then tested as vectors

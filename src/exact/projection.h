@@ -1,5 +1,4 @@
-/* exact_frame: what one drawing of the exact surface knows, and where blocks and cells lie in the picture.
- * Internal to truth.
+/* projection: how a grid, its blocks and its cells are projected into one picture. Internal to exact.
  *
  * Arithmetic is in floats relative to something near: pixels count from a whole pixel next to the projected
  * block, cells from the block's centre, rays from the cell's centre, depths from the grid's middle. What is
@@ -48,7 +47,7 @@ typedef struct iso_exact_visible {
     const void *corners; /* of its cells */
 } iso_exact_visible;
 
-/* How a block's cells are projected, in floats. */
+/* How the cells of one block are projected, in floats. */
 typedef struct iso_exact_block_projection {
     bool near;           /* some cells may lie next to the eye: they are done one by one, relative to it */
     bool clip;           /* the near plane may cut cells */

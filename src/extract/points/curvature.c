@@ -1,3 +1,5 @@
+/* curvature: gathers points into batches, fetches the values around their edges or voxels (linearly
+ * extrapolated beyond the grid's border) and runs the kernel, which has the method. */
 #include "extract/points/curvature.h"
 
 #include <assert.h>
@@ -36,7 +38,7 @@ iso_curvature_source iso_curvature_source_window(const iso_brick_window *window,
     return source;
 }
 
-/* ---- which voxels */
+/* ---- the voxels of points */
 
 /* A batch's voxels, and the axis that its edges are along (0 for voxels). */
 typedef struct batch_voxels {
@@ -64,7 +66,8 @@ static bool is_whole(int32_t at) {
     return ((at + ROUNDED) & (UNIT - 1)) <= 2 * ROUNDED;
 }
 
-/* Whether a point can be on an edge along `axis`; then its lower voxel and where on the edge. */
+/* Whether a point can lie on an edge along `axis`; sets the edge's lower voxel and the position along the
+ * edge, 0 to 1. */
 static bool on_edge(const int32_t at[3], int axis, int8_t voxel[3], float *along) {
     for (int k = 0; k < 3; k++) {
         if (k != axis && !is_whole(at[k])) return false;
@@ -127,7 +130,7 @@ static reader source_reader(const iso_curvature_source *source) {
     return (reader){source, source_value, source->first, source->last};
 }
 
-/* What lies beyond the border is on the line through the two voxels before it. */
+/* The value of a voxel; beyond the border extrapolated linearly from the last two voxels, axis by axis. */
 static float extrapolated_value(const reader *from, const int at[3], int axis) {
     while (axis < 3 && at[axis] >= from->first[axis] && at[axis] <= from->last[axis]) axis++;
     if (axis == 3) return from->value(from->context, at);
@@ -173,7 +176,7 @@ static int32_t bits_of(float value) {
     return bits;
 }
 
-/* One point's values near the border, or in it. */
+/* Fetches the values of one point whose stencil crosses the border. */
 static __attribute__((noinline)) void fetch_border(const iso_curvature_source *source,
                                                    const batch_voxels *places, int values,
                                                    iso_curvature_batch *batch, uint32_t i) {

@@ -1,4 +1,4 @@
-/* shape_kernel: from the voxels around points to curvatures, a vector of points at a time, for each
+/* curvature_kernel: from the voxels around points to curvatures, a vector of points at a time, for each
  * instruction set with the same bytes. Internal to extract. */
 #ifndef ISO_EXTRACT_POINTS_CURVATURE_KERNEL_H
 #define ISO_EXTRACT_POINTS_CURVATURE_KERNEL_H
@@ -36,7 +36,7 @@ enum {
     ISO_CURVATURE_B1C0,
     ISO_CURVATURE_B0C1,
     ISO_CURVATURE_B1C1,
-    ISO_CURVATURE_VOXEL, /* as many as a voxel needs; the other end of an edge needs besides: */
+    ISO_CURVATURE_VOXEL, /* count of the values that a voxel needs. The second end of an edge also needs: */
     ISO_CURVATURE_A2 = ISO_CURVATURE_VOXEL, /* ++ 0 0 */
     ISO_CURVATURE_A2B0,
     ISO_CURVATURE_A2B1,
@@ -49,6 +49,7 @@ enum {
     ISO_CURVATURE_EDGE
 };
 
+/* Points on their way through the kernel, as structure of arrays. */
 typedef struct iso_curvature_batch {
     uint32_t count;
     alignas(64) int32_t value[ISO_CURVATURE_EDGE][ISO_CURVATURE_BATCH]; /* integers, or the bits of floats */
@@ -67,10 +68,10 @@ typedef struct iso_curvature_params {
     float band; /* voxels: magnitude at and above which values are clamped; INFINITY when they are not */
 } iso_curvature_params;
 
-/* Whole vectors are computed: what lies beyond `count` may be anything. */
+/* Both compute whole vectors: items from `count` on may hold anything. */
 typedef struct iso_curvature_kernel {
     void (*edges)(const iso_curvature_params *params, iso_curvature_batch *batch);
-    /* Of floats. */
+    /* Curvatures at voxels of a float grid; sets extents to 0. */
     void (*voxels)(const iso_curvature_params *params, iso_curvature_batch *batch);
 } iso_curvature_kernel;
 

@@ -38,7 +38,7 @@ typedef struct iso_edge_source {
     int dims[3];                  /* one past the grid's last voxel */
     float isovalue_ceil;
     bool level_set; /* normals point to higher values */
-    float residual; /* the surface is at isovalue + rest; at or above isovalue is inside */
+    float residual; /* as in iso_threshold: the isovalue is isovalue_ceil + residual */
     int first[3];   /* the grid's first voxel: below 0 where `data` is a window into it */
     ptrdiff_t row_offset[ISO_EDGE_ROW_NAMES]; /* set by iso_edge_source_prepare */
 } iso_edge_source;
@@ -61,15 +61,16 @@ typedef struct iso_edge_entries {
     int count;
 } iso_edge_entries;
 
-/* What of a block is looked at: bit k is brick k, and row group (grids/brick_range.h) k of any of them. */
+/* The active part of a block: bit k of `bricks` is brick k, bit k of `groups` row group k
+ * (grids/brick_range.h) of any of them. */
 typedef struct iso_edge_active {
     uint16_t groups;
     uint8_t bricks;
 } iso_edge_active;
 #define ISO_EDGE_WHOLE ((iso_edge_active){.groups = 0xffff, .bricks = 15})
 
-/* Of slice z, 0 .. 16, the rows that wanted groups look at (a bit each, 0 .. 16), and those whose edges are
- * theirs (0 .. 15). */
+/* For slice z (0 .. 16), a bit per row: the rows that the active groups read (0 .. 16), and the rows whose
+ * edges they own (0 .. 15). */
 static inline uint32_t iso_edge_group_rows(uint32_t groups) { /* bits 0, 4, 8 and 12, each group's first */
     return (groups & 1) | (groups & 2) << 3 | (groups & 4) << 6 | (groups & 8) << 9;
 }
@@ -85,7 +86,7 @@ static inline uint32_t iso_edge_rows_own(iso_edge_active active, int z) {
 
 /* Mask words of a run of blocks along x: what `count` classifies into, kept by the caller for reuse.
  * bits[b][z * 17 + y] is row (y, z) of block b; the lowest bit of the next block's word is the voxel after
- * it, also for the last block. What is not wanted means nothing. */
+ * it, also for the last block. Bits outside the active parts are undefined. */
 enum { ISO_EDGE_SIDE = ISO_BRICK + 1, ISO_EDGE_WORD_BLOCKS = 32 };
 typedef struct iso_edge_words {
     int blocks;                                   /* 1 .. ISO_EDGE_WORD_BLOCKS */
@@ -96,7 +97,7 @@ typedef struct iso_edge_words {
 /* What `count` leaves for `fill`. */
 typedef struct iso_edge_block {
     int origin[3];   /* voxels; multiples of 64, 16, 16 */
-    unsigned bricks; /* those that are wanted */
+    unsigned bricks; /* bit k: brick k is active */
     uint32_t points[ISO_EDGE_BRICKS];
     iso_edge_list axes[3];
 } iso_edge_block;
@@ -108,7 +109,7 @@ typedef struct iso_edge_output {
     iso_edge_key *keys[ISO_EDGE_BRICKS]; /* all or none; not with packed */
 } iso_edge_output;
 
-/* Points to be made: those of lists, one for each axis, in the block at `origin`. */
+/* Input and output of `fill` for one block: the lists of its three axes and where the points go. */
 typedef struct iso_edge_task {
     int origin[3];
     iso_edge_entries axes[3];
@@ -125,8 +126,8 @@ static inline uint64_t iso_edge_lane_counts(uint64_t mask) {
 }
 
 typedef struct iso_edge_kernel {
-    /* Counts and lists the points of the wanted bricks of words->blocks consecutive blocks along x;
-     * blocks[0].origin names the first. Row groups that are not wanted must have none. */
+    /* Counts and lists the points of the active bricks of words->blocks consecutive blocks along x;
+     * blocks[0].origin names the first. Inactive row groups must have no points. */
     void (*count)(const iso_edge_source *source, iso_edge_words *words, iso_edge_block *blocks);
     /* Makes the points of several blocks, packed for all of them or for none: the more there are, the less
      * each costs. Uses up `lanes`. */

@@ -17,7 +17,7 @@ typedef struct iso_edge_context {
     bool curvature; /* with each point, in the sink's second array */
 } iso_edge_context;
 
-/* With `floats` and `shapes` off. */
+/* Sets `floats` and `curvature` to false. */
 void iso_edge_context_init(iso_edge_context *context, const iso_rgrid *grid, const iso_threshold *surface);
 
 /* Bricks of a list that lie in neighbouring blocks of one row, and which of their rows are looked at. */
@@ -38,12 +38,12 @@ typedef struct iso_edge_walk {
     const iso_brick_set *set;
     const uint32_t *bricks;
     size_t count;
-    size_t next;       /* brick that is not in a stretch yet; 0 at first, as those below */
+    size_t next;       /* first brick that is not in a run yet; 0 at first, like the two below */
     size_t first, end; /* stretches that are found, in a ring */
     iso_edge_brick_run run[ISO_EDGE_AHEAD + 1];
 } iso_edge_walk;
 
-/* The next stretch, valid until the next call; NULL after the last one. */
+/* The next run, valid until the next call; NULL after the last one. */
 const iso_edge_brick_run *iso_edge_walk_next(iso_edge_walk *walk);
 
 size_t iso_edge_run_scratch_bytes(void);
