@@ -46,7 +46,7 @@ typedef struct iso_exact_cell {
  * TOUCHING: no corner is above it, so the surface is in faces only. UNSEEN: and there are none. */
 enum { ISO_EXACT_FACES = 63, ISO_EXACT_TOUCHING = 64, ISO_EXACT_UNSEEN = 128 };
 
-/* Pixels that will be drawn: the cubic f[0] + f[1] x + .. along the ray rays the cell, x in [0, 1], with
+/* Pixels that will be drawn: the cubic f[0] + f[1] x + .. along the ray through the cell, x in [0, 1], with
  * one change of state in it; where the ray is at x = 0 and how it goes on; depths there. */
 typedef struct iso_exact_hits {
     int count, slots;
@@ -72,7 +72,7 @@ typedef struct iso_exact_outline {
     float slope[8], low[8], high[8];
 } iso_exact_outline;
 
-/* How rays go rays a large cell: they pass the middle's depth at `right` * x + `down` * y, x and y pixels
+/* How rays go through a large cell: they pass the middle's depth at `right` * x + `down` * y, x and y pixels
  * from the projected middle, and go on `along` + `turn` * that per mm, on which the field's linear part
  * changes by `rate` + `turn` * what it changes by there. A cell is flat where the field is so nearly linear
  * that a ray which meets the surface there meets it once, and within `reach` of where it meets the plane of

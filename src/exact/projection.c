@@ -8,7 +8,7 @@
 
 /* ---- the projection */
 
-/* index = eye + depth * (view-space ray rays inverse): columns of the inverse of `matrix`. */
+/* index = eye + depth * (view-space ray through inverse): columns of the inverse of `matrix`. */
 static void set_rays(iso_exact_projection *projection, const iso_affine *affine) {
     const iso_view *view = projection->target->view;
     double inverse[3][3], largest = 0; /* [view axis][index axis] */
