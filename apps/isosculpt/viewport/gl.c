@@ -1,4 +1,5 @@
-#include "apps/isosculpt/view/gl.h"
+/* The gl engine of a viewport: one canvas for pictures, one for picking, buffers for points and mesh. */
+#include "apps/isosculpt/viewport/gl.h"
 
 #include "base/memory.h"
 
@@ -10,18 +11,16 @@ struct isosculpt_gl {
 };
 
 iso_status isosculpt_gl_create(iso_gl_context *context, isosculpt_gl **gl, iso_error *error) {
-    isosculpt_gl *surface_isovalue = iso_alloc_zero(1, sizeof *surface_isovalue);
-    if (!surface_isovalue) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an engine");
-    surface_isovalue->context = context;
-    iso_status status = iso_gl_engine_create(context, &surface_isovalue->engine, error);
+    isosculpt_gl *created = iso_alloc_zero(1, sizeof *created);
+    if (!created) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an engine");
+    created->context = context;
+    iso_status status = iso_gl_engine_create(context, &created->engine, error);
+    if (status == ISO_OK) status = iso_gl_canvas_create(created->engine, &created->drawn, error);
+    if (status == ISO_OK) status = iso_gl_canvas_create(created->engine, &created->pick_layer, error);
     if (status == ISO_OK)
-        status = iso_gl_canvas_create(surface_isovalue->engine, &surface_isovalue->drawn, error);
-    if (status == ISO_OK)
-        status = iso_gl_canvas_create(surface_isovalue->engine, &surface_isovalue->pick_layer, error);
-    if (status == ISO_OK)
-        *gl = surface_isovalue;
+        *gl = created;
     else
-        isosculpt_gl_destroy(surface_isovalue);
+        isosculpt_gl_destroy(created);
     return status;
 }
 
@@ -51,8 +50,8 @@ iso_status isosculpt_gl_draw_mesh(isosculpt_gl *gl, const iso_mesh_view *mesh, c
         ISO_TRY(iso_gl_update_mesh(gl->mesh, mesh, error));
     else
         ISO_TRY(iso_gl_upload_mesh(gl->engine, mesh, &gl->mesh, error));
-    const iso_gl_surface *const shape = gl->mesh;
-    const iso_gl_draw_opts opts = {.view = view, .shapes = &shape, .shape_count = 1};
+    const iso_gl_surface *const surface = gl->mesh;
+    const iso_gl_draw_opts opts = {.view = view, .shapes = &surface, .shape_count = 1};
     *canvas = gl->drawn;
     return iso_gl_canvas_draw(gl->drawn, &opts, paint, error);
 }
@@ -64,9 +63,9 @@ iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *poin
         ISO_TRY(iso_gl_update_points(gl->points, points, error));
     else
         ISO_TRY(iso_gl_upload_points(gl->engine, points, &gl->points, error));
-    const iso_gl_surface *const shape = gl->points;
-    const iso_gl_draw_opts discs = {.view = view, .shapes = &shape, .shape_count = 1};
-    const iso_gl_pullpush_opts filled = {view, &shape, 1, ISO_RECONSTRUCTION_REFINED};
+    const iso_gl_surface *const surface = gl->points;
+    const iso_gl_draw_opts discs = {.view = view, .shapes = &surface, .shape_count = 1};
+    const iso_gl_pullpush_opts filled = {view, &surface, 1, ISO_RECONSTRUCTION_REFINED};
     *canvas = gl->drawn;
     return pullpush ? iso_gl_canvas_draw_pullpush(gl->drawn, &filled, paint, error)
                     : iso_gl_canvas_draw(gl->drawn, &discs, paint, error);

@@ -1,7 +1,7 @@
-/* damage: which parts of a picture an edit can have changed: a few rectangles around the projected boxes of
- * the voxels that the change log names. */
-#ifndef ISO_APPS_ISOSCULPT_VIEW_DAMAGE_H
-#define ISO_APPS_ISOSCULPT_VIEW_DAMAGE_H
+/* damage: the parts of a picture that an edit can have changed, as a few rectangles around the projected
+ * boxes of the voxels that the change log names. */
+#ifndef ISO_APPS_ISOSCULPT_VIEWPORT_DAMAGE_H
+#define ISO_APPS_ISOSCULPT_VIEWPORT_DAMAGE_H
 
 #include "grids/hgrid.h"
 #include "image/camera.h"
@@ -26,14 +26,15 @@ typedef struct isosculpt_damage {
     int count;
 } isosculpt_damage;
 
-/* Adds pixels; rectangles that lie close together become one. */
+/* Adds a rectangle; rectangles that lie close together are merged. An empty one changes nothing. */
 void isosculpt_damage_add(isosculpt_damage *damage, isosculpt_rectangle rectangle);
 
-/* Adds what edits after number `seen` can have changed. A picture of trilinear cells with normals from
- * central differences depends on voxels up to two away. */
+/* Adds the pixels that edits after number `drawn_edit` can have changed. A picture of trilinear cells with
+ * normals from central differences depends on voxels up to two away. */
 void isosculpt_damage_add_edits(isosculpt_damage *damage, const iso_view *view, const iso_hgrid *grid,
-                                uint64_t seen);
+                                uint64_t drawn_edit);
 
+/* Sum of the rectangles' areas, in pixels. */
 size_t isosculpt_damage_area(const isosculpt_damage *damage);
 
 #ifdef __cplusplus

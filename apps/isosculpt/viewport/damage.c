@@ -1,25 +1,26 @@
-#include "apps/isosculpt/view/damage.h"
+/* Damage rectangles: merged when few pixels are gained by keeping them apart. */
+#include "apps/isosculpt/viewport/damage.h"
 
 #include <math.h>
 
-/* Pixels that cost as much as one more rectangle. */
+/* One more rectangle costs as much as drawing so many pixels. */
 enum { RECTANGLE_PIXELS = 4096 };
-/* Voxels that a picture looks beyond a changed one; pixels for rounding. */
-static const double REACH = 2, SLACK = 1;
+/* Voxels around a changed voxel on which the picture depends; pixels for rounding. */
+static const double REACH_VOXELS = 2, SLACK_PIXELS = 1;
 
-static isosculpt_rectangle join(isosculpt_rectangle a, isosculpt_rectangle b) {
+static isosculpt_rectangle merge(isosculpt_rectangle a, isosculpt_rectangle b) {
     return (isosculpt_rectangle){a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0,
                                  a.x1 > b.x1 ? a.x1 : b.x1, a.y1 > b.y1 ? a.y1 : b.y1};
 }
 
-/* Pixels that are drawn more when two rectangles are made one; negative when they overlap by more. */
+/* Pixels that are drawn in addition when two rectangles are merged; negative when they overlap. */
 static double growth(isosculpt_rectangle a, isosculpt_rectangle b) {
-    return (double)isosculpt_rectangle_area(join(a, b)) - (double)isosculpt_rectangle_area(a) -
+    return (double)isosculpt_rectangle_area(merge(a, b)) - (double)isosculpt_rectangle_area(a) -
            (double)isosculpt_rectangle_area(b);
 }
 
-/* The one that grows least. */
-static int nearest(const isosculpt_damage *damage, isosculpt_rectangle rectangle) {
+/* The index of the rectangle that grows least when it is merged. */
+static int find_nearest(const isosculpt_damage *damage, isosculpt_rectangle rectangle) {
     int best = 0;
     for (int i = 1; i < damage->count; i++)
         if (growth(damage->rectangle[i], rectangle) < growth(damage->rectangle[best], rectangle)) best = i;
@@ -29,24 +30,24 @@ static int nearest(const isosculpt_damage *damage, isosculpt_rectangle rectangle
 void isosculpt_damage_add(isosculpt_damage *damage, isosculpt_rectangle rectangle) {
     if (rectangle.x0 >= rectangle.x1 || rectangle.y0 >= rectangle.y1) return;
     while (damage->count) {
-        int other = nearest(damage, rectangle);
+        int other = find_nearest(damage, rectangle);
         bool full = damage->count == ISOSCULPT_RECTANGLES;
         if (!full && growth(damage->rectangle[other], rectangle) > RECTANGLE_PIXELS) break;
-        rectangle = join(rectangle, damage->rectangle[other]);
+        rectangle = merge(rectangle, damage->rectangle[other]);
         damage->rectangle[other] = damage->rectangle[--damage->count];
     }
     damage->rectangle[damage->count++] = rectangle;
 }
 
-static int pixel(double value, int end) {
+static int clamp_pixel(double value, int end) {
     return value <= 0 ? 0 : value >= end ? end : (int)value;
 }
 
-static void add_box(isosculpt_damage *damage, const iso_view *view, const iso_box *box) {
+static void add_projected_box(isosculpt_damage *damage, const iso_view *view, const iso_box *box) {
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (int i = 0; i < 8; i++) {
         iso_vec3 p = iso_view_point(view, iso_box_corner(box, i));
-        if (!(p.z > view->near)) { /* beside the eye: anywhere */
+        if (!(p.z > view->near)) { /* a corner beside the eye may be seen anywhere */
             isosculpt_damage_add(damage, (isosculpt_rectangle){0, 0, view->width, view->height});
             return;
         }
@@ -57,33 +58,34 @@ static void add_box(isosculpt_damage *damage, const iso_view *view, const iso_bo
             high[k] = fmax(high[k], at[k]);
         }
     }
-    isosculpt_damage_add(damage, (isosculpt_rectangle){pixel(floor(low[0] - SLACK), view->width),
-                                                       pixel(floor(low[1] - SLACK), view->height),
-                                                       pixel(ceil(high[0] + SLACK), view->width),
-                                                       pixel(ceil(high[1] + SLACK), view->height)});
+    isosculpt_damage_add(damage,
+                         (isosculpt_rectangle){clamp_pixel(floor(low[0] - SLACK_PIXELS), view->width),
+                                               clamp_pixel(floor(low[1] - SLACK_PIXELS), view->height),
+                                               clamp_pixel(ceil(high[0] + SLACK_PIXELS), view->width),
+                                               clamp_pixel(ceil(high[1] + SLACK_PIXELS), view->height)});
 }
 
-/* Index coordinates; widened by what a picture looks beyond a voxel. */
-static iso_box box_of(const iso_hgrid *grid, const iso_change *change) {
+/* The voxels of a change, widened by REACH_VOXELS; index coordinates. */
+static iso_box reached_box(const iso_hgrid *grid, const iso_change *change) {
     const uint32_t x = (uint32_t)grid->cells[0], y = (uint32_t)grid->cells[1];
     const uint32_t at[3] = {change->cell % x, change->cell / x % y, change->cell / x / y};
     double lo[3], hi[3];
     for (int axis = 0; axis < 3; axis++) {
-        lo[axis] = ISO_BRICK * (double)at[axis] + change->lo[axis] - REACH;
-        hi[axis] = ISO_BRICK * (double)at[axis] + change->hi[axis] + REACH;
+        lo[axis] = ISO_BRICK * (double)at[axis] + change->lo[axis] - REACH_VOXELS;
+        hi[axis] = ISO_BRICK * (double)at[axis] + change->hi[axis] + REACH_VOXELS;
     }
     return (iso_box){{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
 }
 
 void isosculpt_damage_add_edits(isosculpt_damage *damage, const iso_view *view, const iso_hgrid *grid,
-                                uint64_t seen) {
+                                uint64_t drawn_edit) {
     const iso_affine affine = iso_transform_affine(&grid->transform);
     const iso_change *changes;
-    size_t count = iso_change_log_since(grid->log, seen, &changes);
+    size_t count = iso_change_log_since(grid->log, drawn_edit, &changes);
     for (size_t i = 0; i < count; i++) {
-        iso_box box = box_of(grid, &changes[i]);
+        iso_box box = reached_box(grid, &changes[i]);
         box = iso_box_transform(&box, &affine);
-        add_box(damage, view, &box);
+        add_projected_box(damage, view, &box);
     }
 }
 

@@ -1,10 +1,10 @@
-/* Marching squares over the samples of a picture. */
-#include "apps/isosculpt/view/mirror.h"
+/* Marching squares over the samples of a picture: the zero line of their distances to the mirror plane. */
+#include "apps/isosculpt/viewport/mirror.h"
 
 #include <math.h>
 
-/* Samples from one corner of a square to the next; a surface that is steeper than this many of a square's
- * width in depth is taken for two surfaces, one in front of the other. */
+/* Samples from one corner of a square to the next; a square whose corners differ in depth by more than so
+ * many of its widths shows two surfaces, one in front of the other, and is left out. */
 enum { STEP = 4, STEEPEST = 12 };
 
 /* A corner: its distance from the plane and its depth, mm; NAN: no surface is there. */
@@ -18,7 +18,7 @@ typedef struct plane {
     double at;
 } plane;
 
-static corner corner_at(const plane *p, int column, int row) {
+static corner read_corner(const plane *p, int column, int row) {
     const iso_view *v = &p->layer->view;
     const iso_gbuffer *g = &p->layer->gbuffer;
     const size_t i = (size_t)row * (size_t)v->width + (size_t)column;
@@ -40,9 +40,10 @@ static bool is_one_surface(const iso_view *view, const corner c[4]) {
     return high - low <= STEEPEST * STEP * (view->orthographic ? 1 : low) / view->focal;
 }
 
-/* The crossings on a square's four sides, in order around it; two of them make a segment. */
-static int cross(const isosculpt_layer *layer, const corner c[4], int column, int row,
-                 isosculpt_segment *segment) {
+/* Finds where the plane crosses the four sides of a square, in order around it; returns their number. Two of
+ * them make a segment. */
+static int find_crossings(const isosculpt_layer *layer, const corner c[4], int column, int row,
+                          isosculpt_segment *segment) {
     static const int x[] = {0, 1, 1, 0}, y[] = {0, 0, 1, 1};
     int found = 0;
     for (int i = 0; i < 4 && found < 2; i++) {
@@ -62,13 +63,13 @@ size_t isosculpt_mirror_lines(const isosculpt_layer *layer, int axis, double at,
     size_t count = 0;
     if (layer->canvas || !(layer->samples > 0)) return 0;
     for (int row = 0; row + STEP < view->height; row += STEP) {
-        corner left[2] = {corner_at(&p, 0, row), corner_at(&p, 0, row + STEP)};
+        corner left[2] = {read_corner(&p, 0, row), read_corner(&p, 0, row + STEP)};
         for (int column = 0; column + STEP < view->width && count < room; column += STEP) {
-            const corner right[2] = {corner_at(&p, column + STEP, row),
-                                     corner_at(&p, column + STEP, row + STEP)},
+            const corner right[2] = {read_corner(&p, column + STEP, row),
+                                     read_corner(&p, column + STEP, row + STEP)},
                          square[4] = {left[0], right[0], right[1], left[1]};
             if (is_one_surface(view, square))
-                count += cross(layer, square, column, row, &segments[count]) == 2;
+                count += find_crossings(layer, square, column, row, &segments[count]) == 2;
             left[0] = right[0];
             left[1] = right[1];
         }
