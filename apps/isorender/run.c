@@ -68,7 +68,7 @@ static void remove_frames(const char *name, int count) {
     }
 }
 
-/* After an error, outputs written before it are removed: nobody should take them for a complete result. */
+/* After an error, outputs written before it are removed: they would pass for a complete result. */
 static void remove_outputs(const isorender_job *job) {
     if (job->points_written) iso_file_remove(job->plan->points);
     if (job->mesh_written) iso_file_remove(job->plan->mesh);
