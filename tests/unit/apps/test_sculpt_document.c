@@ -87,7 +87,7 @@ static void cancelled_writing_leaves_no_file(void **state) {
     unlink(path);
 }
 
-/* Saves of the document, also while it is edited. */
+/* Saves that are cancelled, some at once and some later, leave the old file. */
 static void cancelled_saves_keep_the_file_before(void **state) {
     (void)state;
     const char *path = session_path("probe.vdb");
