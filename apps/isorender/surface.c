@@ -118,7 +118,7 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
     iso_points_opts opts = {.isovalue = surface->isovalue,
                             .primitive = isorender_primitive(job),
                             .floats = job->settings->points != NULL,
-                            .shapes = is_refined(job),
+                            .curvature = is_refined(job),
                             .pool = job->pool};
     ISO_TRY(iso_point_set_create(&surface->grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));
