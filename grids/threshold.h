@@ -14,14 +14,14 @@ extern "C" {
 /* An isovalue in stored values. `at` is the smallest float at or above the isovalue, so that v >= at holds
  * for exactly the floats v at or above it; the isovalue itself is at + rest. */
 typedef struct iso_threshold {
-    float at, rest;
-    float outward; /* -1: the outside is lower; +1: higher (level sets) */
+    float isovalue_ceil, residual;
+    float normal_sign; /* -1: the outside is lower; +1: higher (level sets) */
 } iso_threshold;
 
 iso_threshold iso_threshold_of(const iso_grid *grid, double physical_isovalue);
 
 static inline bool iso_threshold_inside(const iso_threshold *threshold, float value) {
-    return value >= threshold->at;
+    return value >= threshold->isovalue_ceil;
 }
 
 /* For integer voxels v, v >= isovalue is v >= ceil(isovalue). Values beyond the integer types' range are kept

@@ -63,7 +63,8 @@ static iso_status close_dense(const iso_grid *from, double isovalue, iso_pool *p
     }
     const struct iso_brick_index *index;
     ISO_TRY(iso_brick_index_of(from->rgrid, pool, &index, error));
-    padding p = {.from = grid, .outside = choose_outside(grid, index, iso_threshold_of(from, isovalue).at)};
+    padding p = {.from = grid,
+                 .outside = choose_outside(grid, index, iso_threshold_of(from, isovalue).isovalue_ceil)};
     ISO_TRY(iso_rgrid_create(&desc, &p.to, error));
     iso_parallel_for(pool, (size_t)desc.dims[2], copy_slice, &p);
     iso_status status = iso_brick_index_of(p.to, pool, NULL, error);
@@ -135,5 +136,5 @@ iso_status iso_grid_close(const iso_grid *from, double isovalue, iso_pool *pool,
     *closed = (iso_grid){0};
     if (!isfinite(isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not a number");
     if (from->rgrid) return close_dense(from, isovalue, pool, &closed->rgrid, error);
-    return close_sparse(from->hgrid, iso_threshold_of(from, isovalue).at, &closed->hgrid, error);
+    return close_sparse(from->hgrid, iso_threshold_of(from, isovalue).isovalue_ceil, &closed->hgrid, error);
 }

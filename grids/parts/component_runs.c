@@ -52,7 +52,7 @@ static uint64_t brick_bits(const float *row, float at) {
 
 static void sparse_row(const finder *f, int y, int z, uint64_t *words) {
     const iso_hgrid *grid = f->grid->hgrid;
-    const float at = f->surface.at;
+    const float at = f->surface.isovalue_ceil;
     const uint64_t full = (1u << ISO_BRICK) - 1;
     const size_t first = iso_hgrid_cell_index(grid, 0, y / ISO_BRICK, z / ISO_BRICK);
     const size_t offset = ((size_t)(z % ISO_BRICK) * ISO_BRICK + (size_t)(y % ISO_BRICK)) * ISO_BRICK;
@@ -256,7 +256,7 @@ iso_status iso_component_runs_find(const iso_grid *grid, const iso_threshold *su
     finder f = {.grid = grid, .surface = *surface, .diagonal = below, .runs = runs};
     if (grid->rgrid) {
         f.kernel = iso_mask_kernel_get(grid->rgrid->type, iso_cpu_best());
-        f.none = !iso_mask_range_of(grid->rgrid->type, surface->at, below, &f.range);
+        f.none = !iso_mask_range_of(grid->rgrid->type, surface->isovalue_ceil, below, &f.range);
     }
     ISO_TRY(make_slabs(runs, error));
     iso_parallel_for(pool, runs->slab_count, find_slab, &f);

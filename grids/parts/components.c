@@ -91,7 +91,7 @@ static void sum_totals(const filter *f, double voxel, iso_components_totals *tot
  * the isovalue, or by one that is not finite, which only floats can be. */
 static float choose_replacement(const filter *f, const iso_brick_index *index) {
     const iso_rgrid *grid = f->grid->rgrid;
-    const float at = f->surface.at;
+    const float at = f->surface.isovalue_ceil;
     if (grid->type != ISO_FLOAT32) return ceilf(at) - (grid->level_set ? 0 : 1);
     double low, high;
     iso_brick_index_extremes(index, &low, &high);
@@ -193,7 +193,7 @@ static iso_status filter_parts(filter *f, const iso_components_opts *opts, iso_c
     ISO_TRY(choose_kept(f, opts, voxel, error));
     sum_totals(f, voxel, totals);
     if (!totals->dropped) return ISO_OK;
-    const iso_sparse_removal removal = {f->surface.at, &f->runs, f->kept, opts->pool};
+    const iso_sparse_removal removal = {f->surface.isovalue_ceil, &f->runs, f->kept, opts->pool};
     return f->grid->rgrid ? filter_dense(f, opts->pool, error)
                           : iso_components_remove_sparse(f->grid->hgrid, &removal, error);
 }

@@ -46,7 +46,7 @@ iso_surfel iso_point_unpack(iso_point point);
  * ISO_CURVATURE_MOST. Entries are multiples of 32 steps: their low five bits are the tilt's. */
 typedef struct iso_curvature {
     int16_t uu, uv, vv;
-    uint16_t ends; /* 0: not known, or not an edge point. See below. */
+    uint16_t extents; /* 0: not known, or not an edge point. See below. */
 } iso_curvature;
 
 /* How the surface around an edge point lies against the point's normal, which comes from gradients over two
@@ -66,7 +66,7 @@ void iso_curvature_frame(const float normal[3], float u[3], float v[3]);
 /* Nearest, with the norm clamped; all 0 when an entry is not finite. */
 iso_curvature iso_curvature_pack(float uu, float uv, float vv);
 /* uu, uv, vv in 1 / voxel, and the tilt. */
-void iso_curvature_unpack(iso_curvature shape, float s[3], float tilt[2]);
+void iso_curvature_unpack(iso_curvature curvature, float s[3], float tilt[2]);
 
 /* The primitives of one brick. */
 typedef struct iso_point_span {
@@ -87,8 +87,8 @@ typedef struct iso_point_bounds {
 typedef struct iso_point_view {
     const iso_point *packed;
     const iso_surfel *surfels;
-    const iso_curvature *shapes; /* per point, indexed like the points; NULL: points are flat */
-    const float *radii;          /* per point, mm, indexed like the points; NULL: `radius` holds for all */
+    const iso_curvature *curvatures; /* per point, indexed like the points; NULL: points are flat */
+    const float *radii; /* per point, mm, indexed like the points; NULL: `radius` holds for all */
     const iso_point_span *spans;
     size_t span_count;
     iso_transform transform;
@@ -98,7 +98,7 @@ typedef struct iso_point_view {
     const uint8_t (*colors)[3]; /* per point, red green blue, display values; NULL: the surface's for all */
     /* One per span, never 0: changes when what the span holds does or another brick's comes there, not when
      * it only moves. NULL: not known. */
-    const uint64_t *stamps;
+    const uint64_t *versions;
     const iso_point_bounds *bounds; /* one per span; NULL: not known */
     bool closed; /* the points lie on closed surfaces with their normals outwards: seen from outside, those
                     that face away are hidden */
@@ -114,12 +114,12 @@ iso_vec3 iso_brick_position(const int32_t brick[3], const float position[3]);
 /* Box of all points in index coordinates. */
 iso_box iso_point_view_bounds(const iso_point_view *view);
 
-/* The part of a mesh that lies in the cells of one brick. Vertices first .. first + own_count - 1 are on
+/* The part of a mesh that lies in the cells of one brick. Vertices first .. first + owned_count - 1 are on
  * edges that the brick owns (an edge belongs to its lower voxel's brick); the rest are bit-identical copies
  * of vertices that a neighbour owns. Triangles are counter-clockwise seen from outside. */
 typedef struct iso_mesh_span {
     int32_t brick[3];
-    uint32_t vertex_count, own_count;
+    uint32_t vertex_count, owned_count;
     uint32_t triangle_count;
     size_t first_vertex;
     size_t first_triangle;
@@ -153,7 +153,7 @@ typedef struct iso_mesh_view {
     const iso_mesh_span *spans;
     size_t span_count;
     iso_transform transform;
-    const uint64_t *stamps;         /* as an iso_point_view's */
+    const uint64_t *versions;       /* as an iso_point_view's */
     const iso_point_bounds *bounds; /* one per span; NULL: not known */
     bool closed; /* the triangles are whole surfaces: seen from outside, those that face away are hidden */
 } iso_mesh_view;

@@ -51,7 +51,7 @@ typedef struct iso_exact_source {
     const void *voxels;
     ptrdiff_t stride_y, stride_z; /* elements */
     int cells[3];                 /* 1 .. 16 */
-    float isovalue;               /* at or above it is inside */
+    float isovalue_ceil;          /* at or above it is inside */
 } iso_exact_source;
 
 /* What a brick has: blocks that are not empty, and their corners one after another. One worker's. */

@@ -68,7 +68,7 @@ typedef struct iso_exact_canvas {
 } iso_exact_canvas;
 
 /* The picture of this surface alone, one sample a pixel: the bytes that iso_shade makes of an empty gbuffer
- * into which the surface was drawn, but sooner, as no gbuffer has to go through memory. *covered (NULL is
+ * into which the surface was drawn, but sooner, as no gbuffer has to go rays memory. *covered (NULL is
  * fine): pixels that show the surface. ISO_ERR_NOMEM. */
 iso_status iso_paint_exact(const iso_exact_canvas *canvas, const iso_exact *exact, size_t *covered,
                            iso_error *error);

@@ -1,4 +1,4 @@
-/* exact_set: the crossed cells of a grid, by brick, and the order to go through them. Internal to truth. */
+/* exact_set: the crossed cells of a grid, by brick, and the order to go rays them. Internal to truth. */
 #ifndef ISO_EXACT_SET_H
 #define ISO_EXACT_SET_H
 

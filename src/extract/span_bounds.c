@@ -4,7 +4,7 @@ enum { TASK_SPANS = 256 };
 
 /* Which state of a span its bounds are of, and whether the surface may end in it. */
 typedef struct bounded_span {
-    uint64_t stamp;
+    uint64_t version;
     bool open;
 } bounded_span;
 
@@ -56,15 +56,15 @@ typedef struct search {
 static void bound_spans(void *context, size_t index, int worker) {
     (void)worker;
     const search *s = context;
-    const uint64_t *stamps = iso_brick_set_versions(s->set);
+    const uint64_t *versions = iso_brick_set_versions(s->set);
     size_t end = (index + 1) * TASK_SPANS;
     for (size_t i = index * TASK_SPANS; i < end && i < s->set->span_count; i++) {
-        if (s->bounded[i].stamp == stamps[i]) continue;
+        if (s->bounded[i].version == versions[i]) continue;
         s->find(s->context, i, &s->bounds[i]);
         /* spans of both kinds begin with it */
         const int32_t *brick =
             (const int32_t *)((const char *)s->set->spans.data + i * s->set->kernel.span_bytes);
-        s->bounded[i] = (bounded_span){stamps[i], may_be_open(&s->set->grid, brick, &s->bounds[i])};
+        s->bounded[i] = (bounded_span){versions[i], may_be_open(&s->set->grid, brick, &s->bounds[i])};
     }
 }
 
@@ -78,7 +78,7 @@ iso_status iso_span_bounds_update(iso_span_bounds *bounds, const iso_brick_set *
         iso_buffer_reserve(&bounds->bounds, count * sizeof(iso_point_bounds), bounds->bounds.bytes, error));
     ISO_TRY(iso_buffer_reserve(&bounds->bounded, count * sizeof(bounded_span), bounds->bounded.bytes, error));
     bounded_span *bounded = bounds->bounded.data;
-    for (size_t i = had; i < bounds->bounded.bytes / sizeof(bounded_span); i++) bounded[i].stamp = 0;
+    for (size_t i = had; i < bounds->bounded.bytes / sizeof(bounded_span); i++) bounded[i].version = 0;
     search s = {set, find, context, bounds->bounds.data, bounded};
     iso_parallel_for(set->pool, (count + TASK_SPANS - 1) / TASK_SPANS, bound_spans, &s);
     bounds->known = true;

@@ -193,8 +193,8 @@ void test_same_points(const iso_point_view *a, const iso_point_view *b) {
             same_bytes(a->packed + p->first, b->packed + q->first, p->count * sizeof(iso_point));
         else
             same_bytes(a->surfels + p->first, b->surfels + q->first, p->count * sizeof(iso_surfel));
-        if (a->shapes)
-            same_bytes(a->shapes + p->first, b->shapes + q->first, p->count * sizeof(iso_curvature));
+        if (a->curvatures)
+            same_bytes(a->curvatures + p->first, b->curvatures + q->first, p->count * sizeof(iso_curvature));
     }
     free(spans_a);
     free(spans_b);
@@ -217,7 +217,7 @@ void test_same_mesh(const iso_mesh_view *a, const iso_mesh_view *b) {
         const iso_mesh_span *p = &spans_a[i], *q = &spans_b[i];
         assert_int_equal(compare_mesh_spans(p, q), 0);
         assert_int_equal(p->vertex_count, q->vertex_count);
-        assert_int_equal(p->own_count, q->own_count);
+        assert_int_equal(p->owned_count, q->owned_count);
         assert_int_equal(p->triangle_count, q->triangle_count);
         same_bytes(a->vertices + p->first_vertex, b->vertices + q->first_vertex,
                    p->vertex_count * sizeof(iso_surfel));

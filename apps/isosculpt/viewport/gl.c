@@ -51,7 +51,7 @@ iso_status isosculpt_gl_draw_mesh(isosculpt_gl *gl, const iso_mesh_view *mesh, c
     else
         ISO_TRY(iso_gl_upload_mesh(gl->engine, mesh, &gl->mesh, error));
     const iso_gl_surface *const surface = gl->mesh;
-    const iso_gl_draw_opts opts = {.view = view, .shapes = &surface, .shape_count = 1};
+    const iso_gl_draw_opts opts = {.view = view, .surfaces = &surface, .surface_count = 1};
     *canvas = gl->drawn;
     return iso_gl_canvas_draw(gl->drawn, &opts, paint, error);
 }
@@ -64,7 +64,7 @@ iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *poin
     else
         ISO_TRY(iso_gl_upload_points(gl->engine, points, &gl->points, error));
     const iso_gl_surface *const surface = gl->points;
-    const iso_gl_draw_opts discs = {.view = view, .shapes = &surface, .shape_count = 1};
+    const iso_gl_draw_opts discs = {.view = view, .surfaces = &surface, .surface_count = 1};
     const iso_gl_pullpush_opts filled = {view, &surface, 1, ISO_RECONSTRUCTION_REFINED};
     *canvas = gl->drawn;
     return pullpush ? iso_gl_canvas_draw_pullpush(gl->drawn, &filled, paint, error)

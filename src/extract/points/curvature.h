@@ -28,10 +28,10 @@
 /* Where values come from: a dense array, or a window of an hgrid. */
 typedef struct iso_curvature_source {
     iso_type type;
-    const void *data;             /* of the brick's voxel (0, 0, 0) */
-    ptrdiff_t stride_y, stride_z; /* elements */
-    int first[3], last[3];        /* the grid's first and last voxel, counted from there */
-    float outward, at;            /* as in iso_threshold */
+    const void *data;                 /* of the brick's voxel (0, 0, 0) */
+    ptrdiff_t stride_y, stride_z;     /* elements */
+    int first[3], last[3];            /* the grid's first and last voxel, counted from there */
+    float normal_sign, isovalue_ceil; /* as in iso_threshold */
 } iso_curvature_source;
 
 iso_curvature_source iso_curvature_source_grid(const iso_rgrid *grid, const int brick[3],
@@ -50,21 +50,21 @@ typedef struct iso_curvature_points {
  * ends. Reads one voxel beyond both ends along the edge, and one to each side: no more than the points
  * themselves. */
 void iso_curvatures_of_edges(const iso_curvature_source *source, const iso_curvature_points *points,
-                             iso_curvature *shapes);
+                             iso_curvature *curvatures);
 
 /* Where foot points come from. */
 typedef struct iso_curvature_feet {
-    const int32_t *voxels; /* z << 8 | y << 4 | x */
-    float at, band;        /* as in iso_foot_surface */
+    const int32_t *voxels;     /* z << 8 | y << 4 | x */
+    float isovalue_ceil, band; /* as in iso_foot_surface */
 } iso_curvature_feet;
 
 /* Shapes of foot points of a distance field: those of the parallel surfaces through their voxels, which lie d
  * = value - at off the surface, taken back to it: S (1 - d S)^-1. */
 void iso_curvatures_of_feet(const iso_curvature_source *source, const iso_curvature_points *points,
-                            const iso_curvature_feet *feet, iso_curvature *shapes);
+                            const iso_curvature_feet *feet, iso_curvature *curvatures);
 
 /* Shapes of points anywhere in any scalar field: those at the nearest voxels of `grid`. */
-void iso_curvature_of_places(const iso_grid *grid, const int brick[3], float outward,
-                             const iso_curvature_points *points, iso_curvature *shapes);
+void iso_curvatures_of_nearest_voxels(const iso_grid *grid, const int brick[3], float normal_sign,
+                                      const iso_curvature_points *points, iso_curvature *curvatures);
 
 #endif

@@ -1,5 +1,5 @@
-/* shape_kernel: from the voxels around points to shapes, a vector of points at a time, for each instruction
- * set with the same bytes. Internal to extract. */
+/* shape_kernel: from the voxels around points to curvatures, a vector of points at a time, for each
+ * instruction set with the same bytes. Internal to extract. */
 #ifndef ISO_EXTRACT_POINTS_CURVATURE_KERNEL_H
 #define ISO_EXTRACT_POINTS_CURVATURE_KERNEL_H
 
@@ -56,22 +56,22 @@ typedef struct iso_curvature_batch {
     float normal[3][ISO_CURVATURE_BATCH];    /* surfels: unit, x y z */
     int32_t octahedral[ISO_CURVATURE_BATCH]; /* packed points: bits 42..63 */
     int32_t uu[ISO_CURVATURE_BATCH], uv[ISO_CURVATURE_BATCH], vv[ISO_CURVATURE_BATCH]; /* out: steps */
-    int32_t ends[ISO_CURVATURE_BATCH]; /* out: as in iso_curvature */
+    int32_t extents[ISO_CURVATURE_BATCH]; /* out: as in iso_curvature */
 } iso_curvature_batch;
 
-typedef struct iso_curvature_job {
+typedef struct iso_curvature_params {
     bool floats; /* the values' type */
     bool packed; /* normals come from `octahedral` */
     int axis;    /* a; b and c are the others, ascending */
-    float outward, at;
+    float normal_sign, isovalue_ceil;
     float band; /* voxels: magnitude at and above which values are clamped; INFINITY when they are not */
-} iso_curvature_job;
+} iso_curvature_params;
 
 /* Whole vectors are computed: what lies beyond `count` may be anything. */
 typedef struct iso_curvature_kernel {
-    void (*edges)(const iso_curvature_job *job, iso_curvature_batch *batch);
+    void (*edges)(const iso_curvature_params *params, iso_curvature_batch *batch);
     /* Of floats. */
-    void (*voxels)(const iso_curvature_job *job, iso_curvature_batch *batch);
+    void (*voxels)(const iso_curvature_params *params, iso_curvature_batch *batch);
 } iso_curvature_kernel;
 
 /* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */

@@ -24,7 +24,7 @@
 #define ISO_REFINED_AT_VOXEL 0.002f
 
 /* Discs whose normals face away by less than the root of this (a cosine) may be in sight where they bend. */
-#define ISO_REFINED_AVERTED 0.04f
+#define ISO_REFINED_BACK_FACING 0.04f
 /* Discs of a larger radius, in their distances to the eye, are met by rays that are not nearly parallel. */
 #define ISO_REFINED_EXACT 0.02f
 /* The same for flat discs, which are met all over at once. */

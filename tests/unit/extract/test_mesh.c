@@ -236,7 +236,7 @@ static void check_copy(const iso_mesh_view *view, const iso_mesh_span *span, uin
     for (size_t s = 0; s < view->span_count; s++) {
         const iso_mesh_span *owner = &view->spans[s];
         if (memcmp(owner->brick, brick, sizeof brick) != 0) continue;
-        for (uint32_t i = 0; i < owner->own_count; i++) {
+        for (uint32_t i = 0; i < owner->owned_count; i++) {
             if (view->keys[owner->first_vertex + i] != own_key) continue;
             const iso_surfel *own = &view->vertices[owner->first_vertex + i];
             assert_memory_equal(own->normal, copy->normal, sizeof own->normal);
@@ -257,8 +257,8 @@ static void check_span(const iso_mesh_view *view, const iso_mesh_span *span) {
         iso_edge_key_split(keys[i], voxel);
         const int x = voxel[0], y = voxel[1], z = voxel[2];
         bool own = x < 16 && y < 16 && z < 16;
-        assert_int_equal(own, i < span->own_count);
-        if (i && i != span->own_count) assert_true(keys[i] > keys[i - 1]);
+        assert_int_equal(own, i < span->owned_count);
+        if (i && i != span->owned_count) assert_true(keys[i] > keys[i - 1]);
         if (!own) check_copy(view, span, i);
         const float *p = view->vertices[span->first_vertex + i].position;
         assert_true(p[0] >= (float)x && p[1] >= (float)y && p[2] >= (float)z);
@@ -275,11 +275,11 @@ static void check_against_points(const iso_mesh_view *mesh, const iso_point_view
     for (size_t s = 0; s < mesh->span_count; s++) {
         const iso_mesh_span *span = &mesh->spans[s];
         check_span(mesh, span);
-        if (!span->own_count) continue;
+        if (!span->owned_count) continue;
         assert_true(p < points->span_count);
         const iso_point_span *theirs = &points->spans[p++];
         assert_memory_equal(span->brick, theirs->brick, sizeof theirs->brick);
-        assert_int_equal(span->own_count, theirs->count);
+        assert_int_equal(span->owned_count, theirs->count);
         assert_memory_equal(mesh->vertices + span->first_vertex, points->surfels + theirs->first,
                             theirs->count * sizeof(iso_surfel));
     }

@@ -427,7 +427,7 @@ static void same_bytes_for_any_thread_count(void **state) {
     const int threads[] = {2, 7};
     for (int primitive = ISO_PRIMITIVE_EDGE; primitive <= ISO_PRIMITIVE_FOOT_ITERATED; primitive++) {
         if (primitive == ISO_PRIMITIVE_FOOT) continue;
-        iso_points_opts opts = {.isovalue = 100, .primitive = (iso_primitive)primitive, .shapes = true};
+        iso_points_opts opts = {.isovalue = 100, .primitive = (iso_primitive)primitive, .curvature = true};
         iso_point_set *one = test_point_set(&grid, &opts);
         iso_point_view a = iso_point_set_view(one);
         for (int t = 0; t < 2; t++) {
@@ -437,7 +437,7 @@ static void same_bytes_for_any_thread_count(void **state) {
             assert_int_equal(a.span_count, b.span_count);
             assert_memory_equal(a.spans, b.spans, a.span_count * sizeof *a.spans);
             assert_memory_equal(a.packed, b.packed, iso_point_view_count(&a) * sizeof *a.packed);
-            assert_memory_equal(a.shapes, b.shapes, iso_point_view_count(&a) * sizeof *a.shapes);
+            assert_memory_equal(a.curvatures, b.curvatures, iso_point_view_count(&a) * sizeof *a.curvatures);
             assert_int_equal(iso_point_set_stats(one).rejected, iso_point_set_stats(many).rejected);
             iso_point_set_destroy(many);
             iso_pool_destroy(opts.pool);
@@ -460,7 +460,7 @@ static void check_followed_edits(const iso_grid *grid, iso_primitive primitive, 
     const iso_points_opts opts = {.isovalue = iso_grid_is_level_set(grid) ? 0 : 100,
                                   .primitive = primitive,
                                   .floats = seed % 2,
-                                  .shapes = true};
+                                  .curvature = true};
     iso_point_set *followed = test_point_set(grid, &opts);
     for (int edit = 0; edit < edits; edit++) {
         int together = test_random_int(&random, 1, 3);
@@ -500,7 +500,7 @@ static void single_voxels_are_followed(void **state) {
         test_fill(&grid, TEST_SMOOTH, &random);
         grid.rgrid->level_set = primitive == ISO_PRIMITIVE_FOOT;
         const iso_points_opts opts = {
-            .isovalue = 100, .primitive = (iso_primitive)primitive, .floats = true, .shapes = true};
+            .isovalue = 100, .primitive = (iso_primitive)primitive, .floats = true, .curvature = true};
         iso_point_set *followed = test_point_set(&grid, &opts);
         for (int edit = 0; edit < (primitive == ISO_PRIMITIVE_FOOT_ITERATED ? 40 : 200); edit++) {
             int v[3];

@@ -93,7 +93,7 @@ static void check_mesh(follower *f, iso_mesh_set *set) {
         const iso_mesh_span *span = &view.spans[s];
         iso_brick_window_fill(&f->grid, span->brick, &f->window);
         iso_marching_cubes(&f->window, &surface, &f->mesh);
-        assert_int_equal(span->own_count, f->mesh.own_count);
+        assert_int_equal(span->owned_count, f->mesh.owned_count);
         assert_int_equal(span->vertex_count, f->mesh.vertex_count);
         assert_int_equal(span->triangle_count, f->mesh.triangle_count);
         assert_memory_equal(view.vertices + span->first_vertex, f->mesh.vertices,
@@ -102,7 +102,7 @@ static void check_mesh(follower *f, iso_mesh_set *set) {
                             span->vertex_count * sizeof *f->mesh.keys);
         assert_memory_equal(view.triangles + span->first_triangle, f->mesh.triangles,
                             span->triangle_count * sizeof *f->mesh.triangles);
-        total += span->own_count;
+        total += span->owned_count;
     }
     assert_int_equal(total, count_edges(&f->grid, f->isovalue));
 }

@@ -195,7 +195,7 @@ static void check_filter(const iso_grid *grid, iso_components_opts opts) {
         }
         float *after = values_of(&copy);
         if (status == ISO_OK)
-            check_values(&r, grid, iso_threshold_of(grid, opts.isovalue).at, before, after);
+            check_values(&r, grid, iso_threshold_of(grid, opts.isovalue).isovalue_ceil, before, after);
         else
             assert_memory_equal(before, after, r.count * sizeof *after);
         if (first) assert_memory_equal(first, after, r.count * sizeof *after);

@@ -6,7 +6,7 @@ layout(binding = ISO_GL_SUMS) uniform sampler2D sums[4];
 /* Of the frontmost discs: their mean normal, turned as their mean shape has it from their centres to here. The more
  * shape operators differ, and the larger they are, the more of them is noise: shapes count in full where all are the
  * same and small. */
-vec3 settled(vec4 a, vec4 b, vec4 c, vec3 q) {
+vec3 resolved_normal(vec4 a, vec4 b, vec4 c, vec3 q) {
     float noisy = ISO_REFINED_NOISY_BEND * sizes.y;
     mat3 s = shape_operator(b, c) * (1.0 / a.x);
     float norm = norm_of(s);
@@ -21,6 +21,6 @@ void main() {
     if (min(front.x, front.y) >= ISO_GL_NOWHERE) return;
     vec4 a = texelFetch(sums[0], at, 0), b = texelFetch(sums[1], at, 0), c = texelFetch(sums[2], at, 0);
     bool faces = front.z <= front.y;
-    vec3 normal = settled(a, b, c, texelFetch(sums[3], at, 0).xyz);
+    vec3 normal = resolved_normal(a, b, c, texelFetch(sums[3], at, 0).xyz);
     put_sample(at + tile.zw, c.w / a.x, culled || faces ? normal : -normal);
 }

@@ -14,17 +14,17 @@ void make_frame(vec3 n, out vec3 u, out vec3 v) {
 
 /* The shape operator in the frame u, v, which has its scale, with a curvature along the normal too: the largest
  * principal one where that is convex. */
-mat3 bent(ivec4 bend, vec3 u, vec3 v, vec3 view_normal) {
+mat3 shape_operator_of(ivec4 curvature, vec3 u, vec3 v, vec3 view_normal) {
     const float each = ISO_CURVATURE_STEP * float(1 << ISO_CURVATURE_LOW_BITS);
-    vec3 entry = vec3(bend.xyz >> ISO_CURVATURE_LOW_BITS) * each;
+    vec3 entry = vec3(curvature.xyz >> ISO_CURVATURE_LOW_BITS) * each;
     mat3 s = outerProduct(u, entry.x * u + entry.y * v) + outerProduct(v, entry.y * u + entry.z * v);
     float trace = s[0].x + s[1].y + s[2].z, apart = sqrt(max(2.0 * norm_of(s) - trace * trace, 0.0));
     return s + outerProduct(view_normal, max(trace + apart, 0.0) * 0.5 * view_normal);
 }
 
 /* How the surface lies against the normal, along u and v. */
-vec2 tilt(ivec4 bend) {
-    ivec3 low = bend.xyz & (1 << ISO_CURVATURE_LOW_BITS) - 1;
+vec2 tilt(ivec4 curvature) {
+    ivec3 low = curvature.xyz & (1 << ISO_CURVATURE_LOW_BITS) - 1;
     int bits = low.x | low.y << ISO_CURVATURE_LOW_BITS | low.z << 2 * ISO_CURVATURE_LOW_BITS;
     vec2 steps = vec2(bitfieldExtract(bits, 0, ISO_CURVATURE_TILT_BITS),
                       bitfieldExtract(bits, ISO_CURVATURE_TILT_BITS, ISO_CURVATURE_TILT_BITS));
@@ -32,25 +32,25 @@ vec2 tilt(ivec4 bend) {
 }
 
 /* How much of its ball a disc keeps. */
-float kept(ivec4 bend) {
-    return 1.0 - 0.25 * float((bend.w & 0xFFFF) >> ISO_CURVATURE_LOST_BIT);
+float disc_scale(ivec4 curvature) {
+    return 1.0 - 0.25 * float((curvature.w & 0xFFFF) >> ISO_CURVATURE_SHRINK_BIT);
 }
 
 /* The box as far as it is known where the surface turns away from an edge point; `at` is in index coordinates. Packed
  * points at a voxel may be on the edge to either side. */
-void take_ends(ivec4 bend, vec3 at, inout vec3 lowest, inout vec3 highest) {
-    int ends = bend.w & 0xFFFF, edge = (ends >> ISO_CURVATURE_AXIS_BIT & ISO_CURVATURE_AXIS_MASK) - 1;
-    if (ends == 0) return;
-    const float each = 1.0 / ISO_CURVATURE_END_STEPS;
+void apply_extents(ivec4 curvature, vec3 at, inout vec3 lowest, inout vec3 highest) {
+    int extents = curvature.w & 0xFFFF, edge = (extents >> ISO_CURVATURE_AXIS_BIT & ISO_CURVATURE_AXIS_MASK) - 1;
+    if (extents == 0) return;
+    const float each = 1.0 / ISO_CURVATURE_EXTENT_STEPS;
     int next = 0;
     for (int k = 0; k < 3; k++) {
         float below = at[k] - floor(at[k]), above = 1.0 - below;
         if (below < ISO_REFINED_AT_VOXEL) below = 1.0;
         if (above < ISO_REFINED_AT_VOXEL) above = 1.0;
         if (k != edge) {
-            below = float(ends >> next & ISO_CURVATURE_END_STEPS) * each;
-            above = float(ends >> next + ISO_CURVATURE_END_BITS & ISO_CURVATURE_END_STEPS) * each;
-            next += 2 * ISO_CURVATURE_END_BITS;
+            below = float(extents >> next & ISO_CURVATURE_EXTENT_STEPS) * each;
+            above = float(extents >> next + ISO_CURVATURE_EXTENT_BITS & ISO_CURVATURE_EXTENT_STEPS) * each;
+            next += 2 * ISO_CURVATURE_EXTENT_BITS;
         }
         lowest[k] = -(below + ISO_REFINED_BEYOND_END);
         highest[k] = above + ISO_REFINED_BEYOND_END;

@@ -20,7 +20,7 @@ typedef struct iso_exact_paint {
     int32_t empty;      /* a pixel that shows nothing */
 } iso_exact_paint;
 
-typedef struct iso_exact_frame {
+typedef struct iso_exact_projection {
     const iso_target *target;
     const iso_exact_paint *paint; /* or NULL. With one, the target's gbuffer has but its size */
     const iso_exact *exact;
@@ -36,9 +36,10 @@ typedef struct iso_exact_frame {
     double middle;    /* depth that depths are relative to; a float */
     float ray[3][3];  /* [k][i]: index axis i of view axis k, times 2: a cell is [-1, 1] */
     float per_focal;  /* 1 / focal; 0 when rays are parallel */
-    float at, rest;   /* of the surface; for float voxels a quarter, so that differences stay finite */
-    float normal[9];  /* gradient to outward view space normal; its length is not kept */
-} iso_exact_frame;
+    float isovalue_ceil,
+        residual;    /* of the surface; for float voxels a quarter, so that differences stay finite */
+    float normal[9]; /* gradient to outward view space normal; its length is not kept */
+} iso_exact_projection;
 
 /* A block and the pixels that its cells can touch. */
 typedef struct iso_exact_visible {
@@ -48,7 +49,7 @@ typedef struct iso_exact_visible {
 } iso_exact_visible;
 
 /* How a block's cells are projected, in floats. */
-typedef struct iso_exact_view {
+typedef struct iso_exact_block_projection {
     bool near;           /* some cells may lie next to the eye: they are done one by one, relative to it */
     bool clip;           /* the near plane may cut cells */
     int origin[2];       /* pixel that pixels are counted from, */
@@ -59,16 +60,16 @@ typedef struct iso_exact_view {
     float sheared[2][3]; /* view x and y of index axes, less the reference direction's share */
     float across[2][3], along[3]; /* view x and y, and z, of index axes */
     float focal, depth;           /* of the block's centre */
-    float relative;               /* the same less frame->middle */
+    float relative;               /* the same less projection->middle */
     float behind;                 /* the same less the near plane's */
     float cell_pixels;            /* about as many as a cell's box has */
-} iso_exact_view;
+} iso_exact_block_projection;
 
-/* The frame for a target and an up-to-date set, both borrowed. */
-iso_exact_frame iso_exact_frame_make(const iso_target *target, const iso_exact *exact);
+/* The projection for a target and an up-to-date set, both borrowed. */
+iso_exact_projection iso_exact_projection_make(const iso_target *target, const iso_exact *exact);
 
 /* Numbers 0 .. count - 1 of an axis front to back: the i-th of them, when those from `split` on ascend. */
-static inline int iso_exact_nth(int i, int count, int split) {
+static inline int iso_exact_front_to_back(int i, int count, int split) {
     int first = split < 0 ? 0 : split > count ? count : split;
     return i < count - first ? first + i : count - 1 - i;
 }
@@ -79,14 +80,15 @@ static inline int iso_exact_rank(int n, int count, int split) {
 }
 
 /* Writes the visible blocks of a brick's span, front to back; returns their number. */
-int iso_exact_see_span(const iso_exact_frame *frame, uint32_t span, iso_exact_visible *visible);
+int iso_exact_list_visible_blocks(const iso_exact_projection *projection, uint32_t span,
+                                  iso_exact_visible *visible);
 
-iso_exact_view iso_exact_view_of(const iso_exact_frame *frame, const iso_exact_span *span,
-                                 const iso_exact_block *block);
+iso_exact_block_projection iso_exact_project_block(const iso_exact_projection *projection,
+                                                   const iso_exact_span *span, const iso_exact_block *block);
 
 /* Pixels x0 x1 y0 y1 whose rays can meet the box of half extents `half` around `centre` (index coordinates)
  * at or behind the near plane, clipped to `clip` (the same four); false when there are none. */
-bool iso_exact_pixels(const iso_exact_frame *frame, const double centre[3], const double half[3],
-                      const int clip[4], int pixels[4]);
+bool iso_exact_pixel_box(const iso_exact_projection *projection, const double centre[3], const double half[3],
+                         const int clip[4], int pixels[4]);
 
 #endif
