@@ -1,3 +1,5 @@
+/* Ranges of bricks: kernels (brick_range_body.inc) find the range of each row group in a batch of bricks,
+ * from which those of bricks are derived. */
 #include "grids/brick_range.h"
 
 #include <assert.h>
@@ -8,9 +10,9 @@
 #include "base/primitives.h"
 #include "grids/voxel_kernels.h"
 
-/* A band of bricks is read at a time, slice by slice: in memory the rows of a slice follow one another, and
- * long runs are read fastest (twice as fast as the 17 rows of one brick). What is kept of a band, lines of
- * columns, stays in the second cache. */
+/* A batch of bricks is read slice by slice: the rows of a slice are contiguous in memory, and long ranges are
+ * read fastest (twice as fast as the 17 rows of one brick at a time). The intermediate results of a batch,
+ * lines of columns, fit into the second-level cache. */
 enum {
     BATCH_BYTES = ISO_BATCH_BRICKS * ISO_BRICK,
     COLUMN_SLACK = 64,
@@ -18,21 +20,21 @@ enum {
 };
 #define LINE_ITEMS(type) (ISO_GROUPS_SIDE * BATCH_BYTES / (int)sizeof(type) + LINES * COLUMN_SLACK)
 
-/* Voxels to read, from the first one's address on. */
+/* The voxels to read, from a first one on. */
 typedef struct range_box {
     ptrdiff_t stride_y, stride_z; /* elements */
     int n[3];
-    int bricks, lines, pitch; /* bricks along x; lines of columns, and from one to the next */
+    int bricks, lines, pitch; /* bricks along x; lines of columns, and items from one to the next */
 } range_box;
 
-/* What a kernel finds for the bricks of a band. */
+/* The result of a kernel: the range of each row group of the bricks of a batch. */
 typedef struct range_values {
     _Alignas(64) float lo[ISO_ROW_GROUPS][ISO_BATCH_BRICKS],
         hi[ISO_ROW_GROUPS][ISO_BATCH_BRICKS]; /* lo > hi: no voxels */
 } range_values;
 
-/* Floats are read as integers that ascend as the values do: infinities lie beyond all finite ones, and NaNs
- * beyond those, on either side. */
+/* Floats are compared as integers with the same order: infinities lie beyond all finite values, and NaNs
+ * beyond the infinities, on either side. */
 typedef int32_t __attribute__((may_alias)) float_bits;
 
 static inline int32_t key_of_bits(int32_t bits) {
@@ -54,8 +56,8 @@ static inline int32_t key_of_value(float value) {
 
 enum { LARGEST_KEY = 0x7f7fffff, LEAST_KEY = ~LARGEST_KEY }; /* of finite floats */
 
-/* Reads what will be read row after row: many rows at once are too much for the processor to see that they
- * follow one another. */
+/* Reads a slice once, row by row, so that the hardware prefetcher recognises the order: the kernels read many
+ * rows at once. */
 static inline void touch_slice(const void *slice, const range_box *box, size_t size) {
     for (int y = 0; y < box->n[1]; y++)
         for (size_t byte = 0; byte < (size_t)box->n[0] * size; byte += 64)
@@ -66,7 +68,8 @@ static inline bool is_finite_key(int32_t key) {
     return (key >= LEAST_KEY) & (key <= LARGEST_KEY);
 }
 
-/* What a float counts as when only finite ones do. */
+/* The key of a float for the minimum (finite_low) and the maximum (finite_high), if only finite values count.
+ */
 static inline int32_t finite_low(int32_t bits) {
     const int32_t key = key_of_bits(bits);
     return is_finite_key(key) ? key : INT32_MAX;
@@ -86,12 +89,12 @@ static void clear_values(range_values *values, int bricks) {
         for (int b = 0; b < bricks; b++) values->lo[g][b] = INFINITY, values->hi[g][b] = -INFINITY;
 }
 
-/* A group that says nothing: no voxels, or none that is finite. */
+/* Whether a group has no finite voxel. */
 static inline bool is_empty(float lo, float hi) {
     return !(lo <= hi);
 }
 
-/* Bricks from their groups. Groups without voxels count as finite. */
+/* The ranges of bricks from those of their groups. */
 static void fold_groups(const range_values *values, int bricks, iso_brick_reading *readings) {
     float lo[ISO_BATCH_BRICKS], hi[ISO_BATCH_BRICKS];
     uint8_t odd[ISO_BATCH_BRICKS] = {0};

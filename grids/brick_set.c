@@ -1,3 +1,5 @@
+/* Incremental extraction. Tasks extract chunks of bricks into memory of their own; the chunks' results are
+ * then stored in the set's arrays in the order of bricks. */
 #include "grids/brick_set.h"
 
 #include <string.h>
@@ -5,8 +7,8 @@
 #include "base/primitives.h"
 
 enum {
-    CHUNK_BRICKS = 32,      /* one task's */
-    SURVEY_BRICKS = 1 << 12 /* bricks that one task only looks at */
+    CHUNK_BRICKS = 32,      /* that one task extracts */
+    SURVEY_BRICKS = 1 << 12 /* that one task tests by may_exist */
 };
 
 /* A brick that has a span. */
@@ -23,7 +25,7 @@ typedef struct result {
     size_t first[ISO_SET_HEAPS]; /* place in the set's arrays, once it has one */
 } result;
 
-/* What one task made. Kept and reused. */
+/* The results of one task; reused. */
 typedef struct chunk {
     iso_buffer array[ISO_SET_ARRAYS];
     size_t used[ISO_SET_HEAPS];
@@ -33,12 +35,12 @@ typedef struct chunk {
     bool failed;
 } chunk;
 
-/* Bricks on their way through chunks. */
+/* An extraction of a list of bricks. */
 typedef struct extraction {
     iso_brick_set *set;
     const uint32_t *bricks;
     size_t count;
-    iso_status status; /* of placing; what comes after a failure has no place */
+    iso_status status; /* of storing; after a failure nothing more is stored */
     iso_error *error;
 } extraction;
 
@@ -65,7 +67,7 @@ static chunk *chunk_at(const iso_brick_set *set, size_t number) {
     return (chunk *)set->chunks.data + number;
 }
 
-/* ---- giving results a place */
+/* ---- storing results */
 
 static void release_blocks(iso_brick_set *set, slot *entry) {
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
@@ -84,7 +86,7 @@ static void write_span(iso_brick_set *set, size_t number) {
     set->kernel.write_span((char *)set->spans.data + number * set->kernel.span_bytes, &entry->location);
 }
 
-/* The last span takes the place of the one that goes. */
+/* Removes a span; the last span takes its place. */
 static void remove_slot(iso_brick_set *set, uint32_t brick) {
     size_t number = set->span_of[brick] - 1, last = --set->span_count;
     release_blocks(set, slot_at(set, number));
@@ -113,7 +115,7 @@ static iso_status add_slot(iso_brick_set *set, uint32_t brick, iso_error *error)
     return ISO_OK;
 }
 
-/* Room for `count` items: the block that is there when it suffices, else another one. */
+/* Makes *block a block of at least `count` items: the old one if it suffices, else a new one. */
 static iso_status fit_block(iso_brick_set *set, iso_span_heap *heap, uint32_t *block, size_t count,
                             iso_error *error) {
     if (*block != ISO_SPAN_NONE) {
@@ -125,7 +127,7 @@ static iso_status fit_block(iso_brick_set *set, iso_span_heap *heap, uint32_t *b
         *block = ISO_SPAN_NONE;
     }
     if (!count) return ISO_OK;
-    /* an edited brick grows again, a first extraction is packed tight */
+    /* edited bricks tend to grow again; a full extraction leaves no gaps */
     size_t room = set->full ? count : count + count / 8 + 8;
     return iso_span_heap_alloc(heap, room, block, error);
 }
@@ -154,10 +156,10 @@ static iso_status store_result(iso_brick_set *set, const result *made, iso_error
     return ISO_OK;
 }
 
-/* ---- what kernels that do several bricks at once write to */
+/* ---- the output of kernels that extract several bricks at once */
 
-/* Either a task's chunk, or (part NULL) the set's own array: a full extraction by one thread needs no copy.
- */
+/* Items go to a task's chunk or, with part NULL, directly to the set's arrays: a full extraction by one
+ * thread needs no copy. */
 struct iso_brick_sink {
     iso_brick_set *set;
     chunk *part;
@@ -171,7 +173,7 @@ void *iso_brick_sink_room(iso_brick_sink *sink, int array, size_t count) {
     iso_buffer *buffer = sink->part ? &sink->part->array[array] : &heap->array[array % ISO_SPAN_ARRAYS];
     size_t used = sink->part ? sink->part->used[array / ISO_SPAN_ARRAYS] : heap->end,
            bytes = sink->set->kernel.item_bytes[array];
-    /* no room is a place too, never NULL: hence one item more */
+    /* one item more, so that the result is not NULL for a count of 0 */
     iso_status status = iso_buffer_reserve(buffer, (used + count + 1) * bytes, used * bytes, sink->error);
     if (status == ISO_OK) return (char *)buffer->data + used * bytes;
     sink->status = status;
@@ -199,7 +201,7 @@ bool iso_brick_sink_failed(const iso_brick_sink *sink) {
     return sink->status != ISO_OK;
 }
 
-/* The plain way: one brick into scratch, then to its place. */
+/* Extracts one brick into scratch memory and copies the result to the sink. */
 void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t number) {
     const iso_brick_kernel *kernel = &sink->set->kernel;
     int brick[3];
@@ -216,7 +218,7 @@ void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t number) {
     iso_brick_sink_add(sink, number, &output);
 }
 
-/* Bricks of the list, all of which may have something. */
+/* Extracts bricks for which may_exist is known to be true. */
 static void extract_present(iso_brick_sink *sink, const uint32_t *bricks, size_t count) {
     const iso_brick_kernel *kernel = &sink->set->kernel;
     if (kernel->extract_many) {
@@ -249,8 +251,8 @@ static void extract_chunk(void *context, size_t index, size_t number, int worker
     part->failed = iso_brick_sink_failed(&sink);
 }
 
-/* Whether placing the chunk moves nothing in the arrays: so it is while they are filled for the first time
- * and have room. */
+/* Whether storing the chunk neither moves nor reallocates the arrays: true in a full extraction while they
+ * have room. */
 static bool fits_in_place(const iso_brick_set *set, const chunk *part) {
     for (int i = 0; i < ISO_SET_ARRAYS; i++) {
         const iso_span_heap *heap = &set->heap[i / ISO_SPAN_ARRAYS];
@@ -260,7 +262,7 @@ static bool fits_in_place(const iso_brick_set *set, const chunk *part) {
     return set->full;
 }
 
-/* Where the chunk's results are to go. Spans may slide together on the way. */
+/* Notes where the chunk's results are to be copied, after blocks may have been moved together. */
 static void note_locations(iso_brick_set *set, chunk *part) {
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
         if (!set->heap[heap].moved) continue;
@@ -269,7 +271,7 @@ static void note_locations(iso_brick_set *set, chunk *part) {
     }
     for (size_t r = 0; r < part->stored; r++) {
         result *made = &part->results[r];
-        if (!set->span_of[made->brick]) continue; /* nothing was made */
+        if (!set->span_of[made->brick]) continue; /* no results */
         const iso_brick_location *location = &slot_at(set, set->span_of[made->brick] - 1)->location;
         memcpy(made->first, location->first, sizeof made->first);
     }
@@ -292,15 +294,15 @@ static bool store_chunk(void *context, size_t number, bool alone) {
     return true;
 }
 
-/* One of a chunk's arrays to the bricks' places: as few copies as those places allow, which is one when the
- * set is full, because spans are then packed tight. */
+/* Copies one of a chunk's arrays to the locations of its bricks, contiguous ones in one copy: a single copy
+ * in a full extraction. */
 static void copy_array(const iso_brick_set *set, const chunk *part, int array) {
     const int heap = array / ISO_SPAN_ARRAYS;
     const size_t bytes = set->kernel.item_bytes[array];
     const char *source = part->array[array].data;
     char *target = set->heap[heap].array[array % ISO_SPAN_ARRAYS].data;
     size_t from = 0, to = 0, count = 0,
-           next = 0; /* items: what is to be copied, and where the next brick's are */
+           next = 0; /* items: the pending copy, and the start of the next brick in the source */
     for (size_t r = 0; r < part->stored; r++) {
         const result *made = &part->results[r];
         if (!made->count[heap]) continue;
@@ -358,7 +360,7 @@ static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, siz
     return work.status;
 }
 
-/* All bricks of the grid, tested over threads. */
+/* may_exist for all bricks of the grid, by all threads. */
 typedef struct survey {
     const iso_brick_set *set;
     uint8_t *may_exist;
@@ -383,7 +385,7 @@ static iso_status list_crossed(iso_brick_set *set, size_t *count, iso_error *err
     return ISO_OK;
 }
 
-/* Cells of the grid are numbered like the set's bricks. */
+/* Lists the cells that have a brick; cells are numbered like the set's bricks. */
 static iso_status list_bricks(iso_brick_set *set, size_t *count, iso_error *error) {
     const iso_hgrid *grid = set->grid.hgrid;
     size_t total = brick_total(set), found = 0;
@@ -413,7 +415,7 @@ static iso_status list_surveyed(iso_brick_set *set, size_t *count, iso_error *er
     return status;
 }
 
-/* Every brick that may have something, ascending, in *list. */
+/* Lists all bricks that may have results, ascending. */
 static iso_status list_all(iso_brick_set *set, const uint32_t **list, size_t *count, iso_error *error) {
     if (set->grid.rgrid && set->kernel.isovalue) {
         ISO_TRY(list_crossed(set, count, error));

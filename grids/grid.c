@@ -1,4 +1,5 @@
-/* grid: one handle for both kinds of grid; sampling and gradients (2003, sections 3 and 4). */
+/* The handle for both kinds of grid; trilinear sampling and gradients (Baerentzen and Christensen 2003,
+ * sections 3 and 4). */
 #include "grids/grid.h"
 
 #include <stdatomic.h>
@@ -96,8 +97,8 @@ float iso_grid_at(const iso_grid *grid, int x, int y, int z) {
                     iso_clamp_index(z, dims[2]));
 }
 
-/* The eight voxels around a position and its weights: corner bit 0 is +x, bit 1 +y, bit 2 +z. On an axis of
- * one voxel both ends are that voxel. */
+/* The eight voxels around a position and its weights: corner bit 0 is +x, bit 1 +y, bit 2 +z. Along an axis
+ * of one voxel both corners are this voxel. */
 typedef struct interpolation_cell {
     int lo[3], hi[3];
     double fraction[3];
@@ -119,7 +120,7 @@ static interpolation_cell cell_around(const iso_grid *grid, iso_vec3 p) {
     return c;
 }
 
-/* Exact at both ends, whatever the values. */
+/* Linear interpolation, exact at both ends for all finite values. */
 static inline double blend(double a, double b, double t) {
     return a * (1 - t) + b * t;
 }
@@ -130,7 +131,7 @@ static double blend_corners(const double v[8], const double t[3]) {
     return blend(low, high, t[2]);
 }
 
-/* With all corners in one brick, one look-up serves them all. */
+/* The brick that contains all eight corners, or NULL. */
 static const float *shared_brick(const iso_hgrid *grid, const interpolation_cell *c) {
     for (int axis = 0; axis < 3; axis++)
         if (c->lo[axis] / ISO_BRICK != c->hi[axis] / ISO_BRICK) return NULL;
@@ -155,7 +156,7 @@ double iso_grid_sample(const iso_grid *grid, iso_vec3 p) {
     return blend_corners(v, c.fraction);
 }
 
-/* Difference along one axis: has_low and has_high say whether the neighbour lies in the grid. */
+/* The difference along one axis; has_low and has_high: whether the neighbours lie in the grid. */
 static double difference(double low, double middle, double high, bool has_low, bool has_high) {
     has_low = has_low && isfinite(low);
     has_high = has_high && isfinite(high);

@@ -1,8 +1,9 @@
-/* What a closed mesh encloses as a level set.
+/* Conversion of the solid that a closed mesh encloses to a level set.
  *
- * Distances are exact: to the nearest triangle or cap. Where those of two neighbouring voxels add up to more
- * than the way between them, no surface lies between, and both are on the same side: voxels are joined to
- * regions, and one winding number a region tells its side, at the voxel that is farthest from the surface. */
+ * Distances are exact: to the nearest triangle or cap. If the distances of two neighbouring voxels add up to
+ * more than the distance between the voxels, no surface lies between them and both are on the same side.
+ * Voxels are joined to regions in this way, and the side of a region is found by one winding number (Jacobson
+ * et al. 2013), at its voxel that is farthest from the surface. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,28 +13,29 @@
 #include "grids/level_set.h"
 
 static const double BAND = 3;
-/* Rounding of distances, in voxels. */
+/* The tolerance for rounding of distances, in voxels. */
 static const double ROUNDING = 1e-4;
-/* Half the diagonal of a brick's voxels, in voxels. */
+/* Half the diagonal between the outermost voxels of a brick, in voxels. */
 static const double BRICK_RADIUS = 12.991;
-/* Voxels a side of the blocks that are asked for their distance as one, and half such a block's diagonal. */
+/* Bricks are divided into cubes of 4^3 voxels, which are skipped if their centre is far from the mesh; half
+ * the diagonal between the outermost voxels of such a cube. */
 enum { SUBBRICK = 4 };
 static const double SUBBRICK_RADIUS = 2.599;
 enum { NO_REGION = 0xffff };
 
-/* A region: of a brick until regions are joined. */
+/* A region: within a brick at first, later joined with others (union-find). */
 typedef struct region {
-    uint32_t parent; /* itself: it stands for all that are joined to it */
-    float depth;     /* of its deepest voxel, in voxels, and where that is */
-    uint32_t cell;
-    uint16_t voxel;
-    int16_t winding; /* rounded; of those that stand for others */
+    uint32_t parent; /* its own number: the representative of all that are joined to it */
+    float depth;     /* distance of its deepest voxel from the surface, in voxels */
+    uint32_t cell;   /* of the deepest voxel */
+    uint16_t voxel;  /* of the deepest voxel, in the cell */
+    int16_t winding; /* number, rounded; of representatives */
 } region;
 
-/* Sums over voxels. */
+/* Volumes: sums over voxels. */
 typedef struct volumes {
-    double winding; /* each counts as often as the mesh winds around it */
-    double solid;
+    double winding; /* each voxel counts as often as the mesh winds around it */
+    double solid;   /* voxels inside */
 } volumes;
 
 typedef struct conversion {
@@ -41,9 +43,9 @@ typedef struct conversion {
     const iso_closed_mesh *mesh;
     iso_hgrid *grid;
     double voxel;
-    iso_progress progress; /* of the part that is under way */
+    iso_progress progress; /* of the current part */
     size_t cells, bricks;
-    uint8_t *near;                       /* by cell */
+    uint8_t *near;                       /* by cell: it may contain part of the band */
     uint32_t *brick_cell;                /* by brick, in the order of cells */
     uint16_t (*label)[ISO_BRICK_VOXELS]; /* by brick: a voxel's region, counted in the brick */
     uint32_t *first;                     /* by cell: its first region; one more at the end */
@@ -52,7 +54,7 @@ typedef struct conversion {
     volumes *sums; /* by brick */
 } conversion;
 
-/* ---- places */
+/* ---- positions */
 
 static iso_vec3 world_position(const conversion *c, double x, double y, double z) {
     const double *origin = c->grid->transform.origin;
@@ -143,7 +145,7 @@ static void measure_subbrick(const conversion *c, size_t cell, const int corner[
     }
 }
 
-/* Unsigned, at first. */
+/* Computes the distances of a brick, without signs. */
 static void measure_brick(void *context, size_t index, int worker) {
     conversion *c = context;
     int corner[3];
@@ -158,12 +160,12 @@ static void measure_brick(void *context, size_t index, int worker) {
 
 /* ---- regions of a brick */
 
-/* Whether no surface can lie between two voxels this far apart. */
+/* Whether no surface can lie between two voxels with distances a and b that are `apart` voxels apart. */
 static bool same_side(float a, float b, double apart) {
     return (double)a + (double)b > apart + ROUNDING;
 }
 
-/* Labels what is joined to a voxel. `stack` has room for all voxels. */
+/* Labels the region of a voxel by flood fill. `stack` has room for all voxels. */
 static void flood(const float *brick, uint16_t *label, uint16_t number, uint16_t *stack, int seed) {
     static const double apart[4] = {0, 1, 1.4142135623730951, 1.7320508075688772};
     int depth = 0;
@@ -208,7 +210,7 @@ static uint32_t find_root(region *regions, uint32_t r) {
     return r;
 }
 
-/* The lower number stands for both, and keeps the deeper voxel. */
+/* Joins two regions: the lower number represents both, with the deeper voxel. */
 static void unite(region *regions, uint32_t a, uint32_t b) {
     a = find_root(regions, a);
     b = find_root(regions, b);
@@ -225,9 +227,9 @@ static void unite(region *regions, uint32_t a, uint32_t b) {
     regions[a].voxel = regions[b].voxel;
 }
 
-/* What is needed of a cell to join it to its neighbours. */
+/* The distances and labels of a cell. */
 typedef struct cell_labels {
-    const float *brick; /* NULL: none */
+    const float *brick; /* NULL: the cell has none and is one region */
     const uint16_t *label;
     uint32_t first;
 } cell_labels;
@@ -275,7 +277,7 @@ static void join_all(conversion *c, const uint32_t *brick_of_cell) {
     }
 }
 
-/* Each region with its deepest voxel: of a cell without a brick its middle. */
+/* Initialises the regions and finds their deepest voxels: the middle, for a cell without a brick. */
 static void begin_regions(conversion *c) {
     size_t brick = 0;
     for (size_t cell = 0; cell < c->cells; cell++) {
@@ -370,10 +372,10 @@ static volumes sign_all(conversion *c, iso_pool *pool) {
     return (volumes){sum.winding * cube, sum.solid * cube};
 }
 
-/* ---- whether it can be true */
+/* ---- plausibility */
 
-/* The sum of the voxels' winding numbers is the mesh's signed volume, whatever the mesh; counting voxels is
- * wrong by half a voxel at the surface, at most. */
+/* Compares volumes. The sum of the voxels' winding numbers is the signed volume of any mesh; counting voxels
+ * is wrong by at most half a voxel at the surface. */
 static iso_status check_volume(const conversion *c, const volumes *field, iso_error *error) {
     const iso_mesh_report *mesh = iso_closed_mesh_report(c->mesh);
     const double allowed = 0.05 * fabs(mesh->volume) + 0.5 * c->voxel * mesh->area;
@@ -387,7 +389,7 @@ static iso_status check_volume(const conversion *c, const volumes *field, iso_er
                     c->path, mesh->open_edges, field->winding, mesh->volume);
 }
 
-/* ---- all of it */
+/* ---- conversion */
 
 static iso_status allocate(conversion *c, iso_error *error) {
     c->label = iso_alloc(c->bricks * sizeof *c->label);

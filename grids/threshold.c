@@ -1,3 +1,4 @@
+/* Conversion of a physical isovalue to stored values. */
 #include "grids/threshold.h"
 
 #include <float.h>

@@ -1,3 +1,5 @@
+/* A complete binary tree over triangles in Morton order, with boxes for nearest points and dipoles for
+ * winding numbers; triangle_tree.h names the papers. */
 #include "grids/closing/triangle_tree.h"
 
 #include <math.h>
@@ -7,10 +9,10 @@
 
 #include "base/memory.h"
 
-/* Triangles of a leaf, at most; room for the nodes that wait while a tree is searched. */
+/* The largest number of triangles of a leaf; the size of the stack of a search. */
 enum { LEAF = 4, DEEPEST = 30, MORTON_BITS = 10 };
-/* A cluster is seen as a dipole from this many times its radius on; the error of a closed surface's winding
- * number is then below 0.1 (tests/unit/grids/test_closed_mesh.c). */
+/* A cluster is approximated by a dipole beyond this many times its radius; the error of the winding number of
+ * a closed surface is then below 0.1 (tests/unit/grids/test_closed_mesh.c). */
 static const double FAR = 2;
 
 typedef struct corners {
@@ -96,7 +98,7 @@ static iso_vec3 area_vector(const corners *t) {
     return iso_vec3_scale(iso_vec3_cross(iso_vec3_sub(corner(t, 1), a), iso_vec3_sub(corner(t, 2), a)), 0.5);
 }
 
-/* Sums that a node's numbers are made of. */
+/* The sums from which the data of a node is computed. */
 typedef struct sums {
     iso_vec3 moment, dipole;
     double area;

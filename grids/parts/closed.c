@@ -1,3 +1,4 @@
+/* Closing of solids at the volume's border by one more layer of voxels outside. */
 #include "grids/parts/closed.h"
 
 #include <float.h>
@@ -9,8 +10,9 @@
 #include "grids/level_set.h"
 #include "grids/threshold.h"
 
-/* A cap lies at (value - isovalue) / (value - outside) of the way from a sample to the outer layer: `outside`
- * is this many times the largest value - isovalue away. Twice as many as needed, for rounding. */
+/* A cap lies at (value - isovalue) / (value - outside) of the way from a border's sample to the new layer.
+ * `outside` is therefore this factor times the largest value - isovalue away from the isovalue; it is twice
+ * as large as needed, for rounding. */
 static const double OUTSIDE_FACTOR = 2 / ISO_CLOSED_TOLERANCE;
 
 /* ---- dense grids */
@@ -40,7 +42,7 @@ static float choose_outside(const iso_rgrid *grid, const struct iso_brick_index 
     iso_brick_index_extremes(index, &low, &high);
     const double deepest =
         fmax(grid->level_set ? at - low : high - at, 0); /* 0 also when nothing is finite */
-    /* A solid whose values are all the isovalue has no depth: then any distance will do. */
+    /* In a solid whose values all equal the isovalue, any distance will do. */
     const double far = fmax(OUTSIDE_FACTOR * deepest, fmax(fabs((double)at), 1));
     return (float)fmin(fmax(grid->level_set ? at + far : at - far, -FLT_MAX), FLT_MAX);
 }
@@ -85,7 +87,7 @@ uint64_t iso_grid_close_estimate(const int dims[3]) {
 
 /* ---- level sets */
 
-/* Sets the voxels of the outermost layer in one cell; an empty cell outside the solid can stay so. */
+/* Sets the voxels of the outermost layer in one cell; an empty cell outside the solid stays empty. */
 static iso_status close_cell(iso_hgrid *grid, const int at[3], float outside, iso_error *error) {
     float *brick;
     const int32_t state = grid->cell[iso_hgrid_cell_index(grid, at[0], at[1], at[2])];

@@ -1,3 +1,5 @@
+/* Removal of small parts: the choice of parts, and the replacement of their voxels in dense grids.
+ * components_sparse.c does the same for level sets. */
 #include "grids/parts/components.h"
 
 #include <math.h>
@@ -40,7 +42,8 @@ static uint64_t size_of_rank(const iso_component_runs *runs, size_t wanted) {
     return low;
 }
 
-/* Components are numbered by their first voxel, so that of equal ones the first come first. */
+/* Keeps the largest components; of equally large ones those with lower numbers, whose first voxels are first.
+ */
 static void keep_largest(filter *f, size_t wanted) {
     const iso_component_runs *runs = &f->runs;
     const uint64_t least = size_of_rank(runs, wanted);
@@ -84,8 +87,8 @@ static void sum_totals(const filter *f, double voxel, iso_components_totals *tot
 
 /* ---- dense grids */
 
-/* There is such a value: between two parts lies a voxel on the other side of the isovalue, or one that is not
- * finite, which floats only have. */
+/* The value for voxels of dropped parts. One exists: two parts are separated by a voxel on the other side of
+ * the isovalue, or by one that is not finite, which only floats can be. */
 static float choose_replacement(const filter *f, const iso_brick_index *index) {
     const iso_rgrid *grid = f->grid->rgrid;
     const float at = f->surface.isovalue_ceil;
@@ -178,7 +181,7 @@ static iso_status filter_dense(filter *f, iso_pool *pool, iso_error *error) {
     return iso_brick_index_of(grid, pool, NULL, error);
 }
 
-/* ---- either */
+/* ---- both kinds of grid */
 
 static iso_status filter_parts(filter *f, const iso_components_opts *opts, iso_components_totals *totals,
                                iso_error *error) {

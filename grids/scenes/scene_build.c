@@ -1,13 +1,13 @@
-/* scene_build: a shape's bricks into a grid, in parallel, with the same result for any number of threads. */
+/* Fills a grid with the bricks of a solid, in parallel, with the same result for any number of threads. */
 #include <string.h>
 
 #include "base/memory.h"
 #include "grids/scenes/scene_parts.h"
 
-/* Bricks are computed this many at a time and then put into the grid in the order of their cells, so that
- * their numbers do not depend on threads and no memory goes to those that turn out to be empty. */
+/* Bricks are computed in batches of this size and then stored in the order of their cells, so that their
+ * numbers do not depend on threads, and bricks that turn out to be empty take no memory. */
 enum { BATCH = 256 };
-/* Not yet decided; no brick number and no state. */
+/* Marks a cell that may contain part of the band; differs from all brick numbers and states. */
 #define UNDECIDED INT32_MIN
 
 typedef struct build {

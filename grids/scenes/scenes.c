@@ -1,3 +1,4 @@
+/* The table of scenes, those with closed-form distances, and the gyroid. */
 #include "grids/scenes/scenes.h"
 
 #include <string.h>

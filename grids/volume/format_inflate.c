@@ -1,9 +1,10 @@
+/* Unpacking of zlib and gzip streams through zlib, for files of any size. */
 #include <zlib.h>
 
 #include "base/memory.h"
 #include "grids/volume/format.h"
 
-/* zlib counts in 32 bits. */
+/* zlib's counters have 32 bits. */
 enum { MAX_PART = 1 << 30 };
 
 struct iso_inflater {

@@ -1,4 +1,5 @@
-/* format_raw: voxels in a file without a header, laid out as iso_raw_layout says. */
+/* The reader of files without a header, whose layout (iso_raw_layout) is given by the caller or by the file's
+ * name. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>

@@ -1,5 +1,5 @@
-/* vdb_check: a walk over the nodes of a tree as OpenVDB's readTopology and readBuffers take them, without
- * decompressing anything. */
+/* Walks over the nodes of a tree in the order in which OpenVDB's readTopology and readBuffers read them,
+ * without decompressing anything. */
 #define _GNU_SOURCE
 #include "grids/volume/vdb_check.h"
 

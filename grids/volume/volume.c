@@ -1,3 +1,5 @@
+/* Reading volumes: finding the format from the content and the name, calling its reader, and the checks that
+ * all formats share. */
 #define _GNU_SOURCE
 #include "grids/volume/volume.h"
 

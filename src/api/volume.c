@@ -1,4 +1,4 @@
-/* Volumes of isopoint.h: files and lent arrays, with the threads that work for them. */
+/* The functions of isopoint.h for volumes: files and lent arrays, each with its thread pool. */
 #include <string.h>
 
 #include "api/internal.h"
@@ -88,8 +88,7 @@ static void describe_lent(const iso_rgrid *grid, iso_volume_info *info) {
                   (uint64_t)grid->dims[2];
 }
 
-/* The index of bricks makes everything that asks where the surface is faster. The array is released by the
- * grid from here on. */
+/* Creates the grid, which from here on releases the array, and its brick index. */
 static iso_status lend(const iso_rgrid_desc *desc, iso_api_volume *volume, iso_error *error) {
     iso_rgrid **grid = &volume->volume.grid.rgrid;
     ISO_TRY(iso_rgrid_create(desc, grid, error));
@@ -133,7 +132,7 @@ void iso_volume_destroy(iso_volume *volume) {
     iso_free(own);
 }
 
-/* ---- what it is ---- */
+/* ---- properties ---- */
 
 const iso_volume_info *iso_volume_describe(const iso_volume *volume) {
     return &volume->info;

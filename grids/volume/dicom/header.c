@@ -1,7 +1,7 @@
-/* dicom_header: the data set of a DICOM file up to its pixels (PS3.5, sections 7 and 10 and annex A).
+/* Parses the data set of a DICOM file up to its pixels (PS3.5, sections 7 and 10 and annex A).
  *
- * Every length is checked against what is left of the file before it is used. Only a few dozen elements are
- * looked at; all others are stepped over. */
+ * Every length is checked against the rest of the file before it is used. Only a few dozen elements are read;
+ * all others are skipped. */
 #define _GNU_SOURCE
 #include "grids/volume/dicom/dicom.h"
 

@@ -1,4 +1,4 @@
-/* isosculpt's hand: what becomes of a stroke that runs out of memory. */
+/* isosculpt's input controller: strokes that run out of memory. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -59,7 +59,7 @@ static void strokes_that_cannot_end_are_taken_back(void **state) {
     iso_session_destroy(document.session);
 }
 
-/* A session with its view, and a hand on both; the view is drawn. */
+/* A session with a viewport, drawn once, and a controller for both. */
 typedef struct scene {
     isosculpt_document document;
     isosculpt_viewport view;

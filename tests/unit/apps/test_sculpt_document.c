@@ -87,7 +87,7 @@ static void cancelled_writing_leaves_no_file(void **state) {
     unlink(path);
 }
 
-/* The desk's save: at once, and now and then later. */
+/* Saves that are cancelled, some at once and some later, leave the old file. */
 static void cancelled_saves_keep_the_file_before(void **state) {
     (void)state;
     const char *path = session_path("probe.vdb");
@@ -183,7 +183,7 @@ static void openings(void **state) {
     assert_int_equal(isosculpt_load_job_start(&request, &load_job, NULL), ISO_OK);
     assert_int_equal(isosculpt_load_job_finish(load_job, &loaded, NULL), ISO_OK);
     assert_true(isosculpt_viewport_point_count(&loaded.viewport) > 1000);
-    assert_null(loaded.document.session); /* it is looked at first */
+    assert_null(loaded.document.session); /* the volume is viewed first */
     assert_non_null(loaded.volume);
     const size_t points = isosculpt_viewport_point_count(&loaded.viewport);
     isosculpt_viewport_set_isovalue(&loaded.viewport, 220); /* a smaller ball */

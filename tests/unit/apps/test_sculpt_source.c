@@ -314,7 +314,7 @@ static void readings_are_kept(void **state) {
         fail_msg("%s", error.text);
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
-    /* looked at before it is sculpted, as in a window */
+    /* viewed before it is sculpted, as in a window */
     isosculpt_volume *volume;
     assert_int_equal(isosculpt_volume_read(path, &input, NULL, NULL, &volume, NULL), ISO_OK);
     const isosculpt_source seen = {.path = path, .isovalue = 125, .volume = volume};

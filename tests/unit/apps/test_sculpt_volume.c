@@ -1,4 +1,4 @@
-/* isosculpt's volumes under a hand that slides their isovalue: the levels it slides through, and the surface
+/* isosculpt's volumes while the user drags their isovalue: the levels it slides through, and the surface
  * that a thread makes meanwhile. */
 #define _DEFAULT_SOURCE /* usleep */
 #include <math.h>
@@ -198,7 +198,7 @@ static void check_rest(isosculpt_viewport *view, iso_rgrid *volume, iso_pool *po
     isosculpt_viewport_free(&other);
 }
 
-static void surfaces_are_made_while_the_hand_moves(void **state) {
+static void surfaces_are_made_while_the_isovalue_is_dragged(void **state) {
     (void)state;
     static const int dims[3] = {70, 65, 60};
     iso_pool *pool;
@@ -215,7 +215,7 @@ static void surfaces_are_made_while_the_hand_moves(void **state) {
             assert_int_equal(view.quality, ISOSCULPT_QUALITY_MOVING);
             assert_false(isosculpt_viewport_is_ready(&view));
             assert_int_equal(isosculpt_viewport_prepare(&view, NULL, NULL), ISO_OK);
-            for (int i = 0; i < step; i++) { /* the hand goes on, and comes back */
+            for (int i = 0; i < step; i++) { /* the isovalue is dragged on and back */
                 isosculpt_viewport_set_isovalue(&view, 30 + i);
                 draw(&view, true);
                 isosculpt_viewport_orbit(&view, 3, 1);
@@ -234,7 +234,7 @@ static void surfaces_are_made_while_the_hand_moves(void **state) {
     iso_pool_destroy(pool);
 }
 
-/* Made for an isovalue that the hand has left: the next one is made then. */
+/* When a surface is ready for an isovalue that is not the current one any more, the next one is made. */
 static void what_was_made_for_nothing_is_made_anew(void **state) {
     (void)state;
     static const int dims[3] = {50, 50, 50};
@@ -252,7 +252,7 @@ static void what_was_made_for_nothing_is_made_anew(void **state) {
     wait_for(&view);
     assert_true(isosculpt_viewport_is_ready(&view));
     check_rest(&view, volume, NULL);
-    isosculpt_viewport_set_isovalue(&view, 90); /* and with nobody having made anything */
+    isosculpt_viewport_set_isovalue(&view, 90); /* no surface is made in the background */
     check_rest(&view, volume, NULL);
     isosculpt_viewport_free(&view);
     iso_rgrid_destroy(volume);
@@ -276,7 +276,8 @@ static void pictures_that_move_do_not_wait(void **state) {
     iso_rgrid_destroy(volume);
 }
 
-/* A thread that runs out of memory leaves the surface to whoever draws, and is not started again and again.
+/* A thread that runs out of memory leaves the surface to the next drawing, and is not started again and
+ * again.
  */
 static void a_surface_that_could_not_be_made_is_made_when_it_is_drawn(void **state) {
     (void)state;
@@ -309,7 +310,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_are_every_second_voxel),
         cmocka_unit_test(levels_go_by_time),
-        cmocka_unit_test(surfaces_are_made_while_the_hand_moves),
+        cmocka_unit_test(surfaces_are_made_while_the_isovalue_is_dragged),
         cmocka_unit_test(what_was_made_for_nothing_is_made_anew),
         cmocka_unit_test(pictures_that_move_do_not_wait),
         cmocka_unit_test(a_surface_that_could_not_be_made_is_made_when_it_is_drawn),

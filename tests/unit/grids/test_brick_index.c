@@ -1,4 +1,4 @@
-/* The index of bricks against plain loops over voxels. */
+/* The brick index compared with plain loops over voxels. */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* The change log against a model that remembers every voxel of every edit. */
+/* The change log compared with a model that stores every voxel of every edit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* closed meshes: what is open is closed, or refused; and level sets of what they enclose. */
+/* Closing of open meshes, meshes that cannot be closed, and the level sets of the enclosed solids. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
-/* components: the parts of solids against a plain breadth-first search, and what is left of a surface when
- * small parts are dropped. */
+/* The parts of solids compared with a plain breadth-first search, and the surface that remains when small
+ * parts are dropped. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

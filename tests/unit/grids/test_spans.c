@@ -1,4 +1,4 @@
-/* spans: blocks keep apart, free space is found again, and a heap full of holes slides together. */
+/* The span allocator: blocks do not overlap, free space is reused, and a fragmented heap is compacted. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
