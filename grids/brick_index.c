@@ -1,3 +1,5 @@
+/* The index of brick ranges: created by reading the grid in batches of bricks, updated from its change log.
+ */
 #include "grids/brick_index.h"
 
 #include <math.h>
@@ -7,9 +9,10 @@
 #include "base/primitives.h"
 #include "grids/interval_tree.h"
 
-/* Making the tree anew costs some 15 ns a brick of the grid, reading one edited brick 1 to 2 us: with room
- * for 1/32 of the bricks beside the tree, the former is at most a few tenths of the latter for each edited
- * brick, and a query looks at 1/32 of the bricks too many in the worst case, a microsecond at 512^3. */
+/* When to rebuild the tree. Rebuilding takes about 15 ns for each brick of the grid, reading an edited brick
+ * 1 to 2 us. With up to 1/32 of the bricks outside the tree, rebuilding adds at most a few tenths to the cost
+ * of reading the edited bricks, and a query scans at most 1/32 of all bricks, which takes a microsecond at
+ * 512^3. */
 enum { PENDING_SHARE = 32, PENDING_MIN = 64 };
 
 enum { FINITE = 1, PENDING = 2, DIRTY = 4 };
@@ -18,16 +21,16 @@ struct iso_brick_index {
     const iso_rgrid *grid;
     int bricks[3];
     size_t total;
-    uint64_t seen;            /* the grid's log is read up to here */
-    float *lo, *hi;           /* every brick's range as it is now */
-    iso_group_ranges *groups; /* and its row groups' */
-    uint8_t *flags;         /* FINITE, PENDING: not what the tree has; DIRTY: to be read, within an update */
-    iso_interval_tree tree; /* over the ranges as they were when it was built */
-    iso_buffer pending;     /* the bricks with that flag */
+    uint64_t seen;            /* the last edit that the index includes */
+    float *lo, *hi;           /* by brick: its current range */
+    iso_group_ranges *groups; /* by brick: the ranges of its row groups */
+    uint8_t *flags; /* FINITE; PENDING: the range differs from the tree's; DIRTY: to be read in this update */
+    iso_interval_tree tree; /* over the ranges at the time it was built */
+    iso_buffer pending;     /* the bricks with the flag PENDING */
     size_t pending_count;
-    iso_buffer dirty, fresh; /* an update's bricks, and what was read of them */
+    iso_buffer dirty, fresh; /* of an update: its bricks (uint32_t) and their iso_brick_reading */
     size_t dirty_count;
-    iso_cpu_level level; /* of the update or creation that runs */
+    iso_cpu_level level; /* of the current update or creation */
 };
 
 static void set_brick(iso_brick_index *index, size_t brick, const iso_brick_reading *reading) {
@@ -40,22 +43,22 @@ static void set_brick(iso_brick_index *index, size_t brick, const iso_brick_read
 /* ---- creation */
 
 /* All bricks, in bands: numbered along y, then z. */
-typedef struct creation {
+typedef struct full_read {
     iso_brick_index *index;
-    int most[2], bands; /* of a band; bands of a layer */
-} creation;
+    int most[2], batches; /* of a band; bands of a layer */
+} full_read;
 
-static void read_band(void *context, size_t number, int worker) {
+static void read_batch(void *context, size_t number, int worker) {
     (void)worker;
-    const creation *work = context;
-    iso_brick_index *index = work->index;
-    const int *bricks = index->bricks, y = (int)(number % (size_t)work->bands) * work->most[1],
-              z = (int)(number / (size_t)work->bands), rows = iso_min_int(work->most[1], bricks[1] - y);
-    iso_brick_reading readings[ISO_BAND_BRICKS];
-    for (int x = 0; x < bricks[0]; x += work->most[0]) {
-        const int columns = iso_min_int(work->most[0], bricks[0] - x);
-        const iso_brick_band band = {{x, y, z}, {columns, rows}};
-        iso_brick_ranges(index->grid, index->level, &band, readings);
+    const full_read *read = context;
+    iso_brick_index *index = read->index;
+    const int *bricks = index->bricks, y = (int)(number % (size_t)read->batches) * read->most[1],
+              z = (int)(number / (size_t)read->batches), rows = iso_min_int(read->most[1], bricks[1] - y);
+    iso_brick_reading readings[ISO_BATCH_BRICKS];
+    for (int x = 0; x < bricks[0]; x += read->most[0]) {
+        const int columns = iso_min_int(read->most[0], bricks[0] - x);
+        const iso_brick_batch batch = {{x, y, z}, {columns, rows}};
+        iso_brick_ranges(index->grid, index->level, &batch, readings);
         for (int row = 0; row < rows; row++) {
             const size_t first = ((size_t)z * (size_t)bricks[1] + (size_t)(y + row)) * (size_t)bricks[0];
             for (int i = 0; i < columns; i++)
@@ -65,13 +68,13 @@ static void read_band(void *context, size_t number, int worker) {
 }
 
 static void read_all(iso_brick_index *index, iso_pool *pool) {
-    creation work = {.index = index};
-    iso_brick_band_most(index->grid, work.most);
-    work.bands = (index->bricks[1] - 1) / work.most[1] + 1;
-    iso_parallel_for(pool, (size_t)work.bands * (size_t)index->bricks[2], read_band, &work);
+    full_read read = {.index = index};
+    iso_brick_batch_max(index->grid, read.most);
+    read.batches = (index->bricks[1] - 1) / read.most[1] + 1;
+    iso_parallel_for(pool, (size_t)read.batches * (size_t)index->bricks[2], read_batch, &read);
 }
 
-static iso_status reserve(iso_brick_index *index, iso_error *error) {
+static iso_status allocate_tables(iso_brick_index *index, iso_error *error) {
     index->lo = iso_alloc(index->total * sizeof *index->lo);
     index->hi = iso_alloc(index->total * sizeof *index->hi);
     index->flags = iso_alloc_zero(index->total, sizeof *index->flags);
@@ -92,7 +95,7 @@ iso_status iso_brick_index_create(const iso_rgrid *grid, iso_pool *pool, iso_bri
     }
     index->seen = iso_change_log_now(grid->log);
     index->level = iso_cpu_best();
-    iso_status status = reserve(index, error);
+    iso_status status = allocate_tables(index, error);
     if (status == ISO_OK) {
         read_all(index, pool);
         status = iso_interval_tree_build(&index->tree, index->lo, index->hi, (uint32_t)index->total, error);
@@ -126,7 +129,7 @@ static void mark_dirty(iso_brick_index *index, size_t brick) {
     ((uint32_t *)index->dirty.data)[index->dirty_count++] = (uint32_t)brick;
 }
 
-/* A lower neighbour's range sees a cell's first voxels only. */
+/* Marks the cell of a change, and the lower neighbours whose ranges include its first voxels. */
 static void mark_change(iso_brick_index *index, const iso_change *change) {
     const size_t nx = (size_t)index->bricks[0], ny = (size_t)index->bricks[1];
     const size_t cell[3] = {change->cell % nx, change->cell / nx % ny, change->cell / nx / ny};
@@ -149,11 +152,11 @@ static void read_dirty(void *context, size_t i, int worker) {
     const uint32_t brick = ((const uint32_t *)index->dirty.data)[i];
     const uint32_t nx = (uint32_t)index->bricks[0], ny = (uint32_t)index->bricks[1];
     const int at[3] = {(int)(brick % nx), (int)(brick / nx % ny), (int)(brick / nx / ny)};
-    const iso_brick_band band = {{at[0], at[1], at[2]}, {1, 1}};
-    iso_brick_ranges(index->grid, index->level, &band, (iso_brick_reading *)index->fresh.data + i);
+    const iso_brick_batch batch = {{at[0], at[1], at[2]}, {1, 1}};
+    iso_brick_ranges(index->grid, index->level, &batch, (iso_brick_reading *)index->fresh.data + i);
 }
 
-static void apply(iso_brick_index *index, uint32_t brick, const iso_brick_reading *fresh) {
+static void apply_reading(iso_brick_index *index, uint32_t brick, const iso_brick_reading *fresh) {
     const iso_brick_range *range = &fresh->range;
     const float lo = index->lo[brick], hi = index->hi[brick];
     const bool in_tree = lo < hi || range->lo < range->hi;
@@ -165,7 +168,8 @@ static void apply(iso_brick_index *index, uint32_t brick, const iso_brick_readin
     ((uint32_t *)index->pending.data)[index->pending_count++] = brick;
 }
 
-/* Without memory for another tree the list stays as long as it is: slower, and right. */
+/* Rebuilds the tree if too many bricks are pending. Without memory for it they stay pending: queries are
+ * slower but right. */
 static void rebuild_when_due(iso_brick_index *index) {
     if (index->pending_count <= index->total / PENDING_SHARE + PENDING_MIN) return;
     if (iso_interval_tree_build(&index->tree, index->lo, index->hi, (uint32_t)index->total, NULL) != ISO_OK)
@@ -190,7 +194,7 @@ iso_status iso_brick_index_update(iso_brick_index *index, iso_pool *pool, iso_er
     iso_parallel_for(pool, index->dirty_count, read_dirty, index);
     const uint32_t *dirty = index->dirty.data;
     const iso_brick_reading *fresh = index->fresh.data;
-    for (size_t i = 0; i < index->dirty_count; i++) apply(index, dirty[i], &fresh[i]);
+    for (size_t i = 0; i < index->dirty_count; i++) apply_reading(index, dirty[i], &fresh[i]);
     index->seen = iso_change_log_now(index->grid->log);
     rebuild_when_due(index);
     return ISO_OK;
@@ -198,6 +202,18 @@ iso_status iso_brick_index_update(iso_brick_index *index, iso_pool *pool, iso_er
 
 bool iso_brick_index_current(const iso_brick_index *index) {
     return index->seen == iso_change_log_now(index->grid->log);
+}
+
+iso_status iso_brick_index_of(iso_rgrid *grid, iso_pool *pool, const iso_brick_index **index,
+                              iso_error *error) {
+    if (grid->index && !iso_brick_index_current(grid->index))
+        ISO_TRY(iso_brick_index_update(grid->index, pool, error));
+    if (!grid->index) {
+        ISO_TRY(iso_brick_index_create(grid, pool, &grid->index, error));
+        grid->destroy_index = iso_brick_index_destroy;
+    }
+    if (index) *index = grid->index;
+    return ISO_OK;
 }
 
 /* ---- look-ups */
@@ -218,8 +234,8 @@ bool iso_brick_index_crosses(const iso_brick_index *index, uint32_t brick, float
 uint32_t iso_brick_index_groups(const iso_brick_index *index, uint32_t brick, float isovalue) {
     const float lo = index->lo[brick], scale = iso_range_scale(lo, index->hi[brick]);
     const bool floats = index->grid->type == ISO_FLOAT32;
-    /* The largest value below the isovalue and the least at it; for floats the isovalue is both, which may
-     * find a group too many. */
+    /* The largest value below the isovalue and the smallest at or above it. For floats both are taken to be
+     * the isovalue, which may include a group too many. */
     const float at = floats ? isovalue : ceilf(isovalue), below = floats ? isovalue : at - 1;
     const uint8_t most = iso_range_step(below, lo, scale), least = iso_range_step(at, lo, scale);
     const iso_group_ranges *groups = &index->groups[brick];
@@ -253,8 +269,8 @@ size_t iso_brick_index_bytes(const iso_brick_index *index) {
            index->fresh.bytes;
 }
 
-/* Ranges, groups and flags 41 bytes a brick; the tree's lists 16, its nodes 8, and while it is built 12 more.
- */
+/* For each brick: 41 bytes of ranges, groups and flags, 16 of the tree's lists, 8 of its nodes, and 12 more
+ * while it is built. */
 uint64_t iso_brick_index_estimate(const int dims[3]) {
     uint64_t bytes = 2 * sizeof(float) + 1 + sizeof(iso_group_ranges) + 3 * sizeof(iso_interval_end) +
                      sizeof(float) + 2 * sizeof(uint32_t);
@@ -267,15 +283,15 @@ uint64_t iso_brick_index_estimate(const int dims[3]) {
 
 /* ---- queries */
 
-/* Ascending, by radix, in as many digits as the largest number has. */
+/* Sorts the bricks ascending: radix sort by as many bytes as the largest number has. */
 static void sort_bricks(iso_brick_query *query, size_t largest) {
     for (int shift = 0; largest >> shift; shift += 8) {
         const uint32_t *from = query->bricks.data;
         uint32_t *to = query->scratch.data;
-        size_t place[257] = {0};
-        for (size_t i = 0; i < query->count; i++) place[(from[i] >> shift & 255) + 1]++;
-        for (int value = 0; value < 255; value++) place[value + 1] += place[value];
-        for (size_t i = 0; i < query->count; i++) to[place[from[i] >> shift & 255]++] = from[i];
+        size_t offset[257] = {0};
+        for (size_t i = 0; i < query->count; i++) offset[(from[i] >> shift & 255) + 1]++;
+        for (int value = 0; value < 255; value++) offset[value + 1] += offset[value];
+        for (size_t i = 0; i < query->count; i++) to[offset[from[i] >> shift & 255]++] = from[i];
         iso_buffer swap = query->bricks;
         query->bricks = query->scratch;
         query->scratch = swap;

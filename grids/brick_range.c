@@ -1,3 +1,5 @@
+/* Ranges of bricks: kernels (brick_range_body.inc) find the range of each row group in a batch of bricks,
+ * from which those of bricks are derived. */
 #include "grids/brick_range.h"
 
 #include <assert.h>
@@ -8,27 +10,31 @@
 #include "base/primitives.h"
 #include "grids/voxel_kernels.h"
 
-/* A band of bricks is read at a time, slice by slice: in memory the rows of a slice follow one another, and
- * long runs are read fastest (twice as fast as the 17 rows of one brick). What is kept of a band, lines of
- * columns, stays in the second cache. */
-enum { BAND_BYTES = ISO_BAND_BRICKS * ISO_BRICK, COLUMN_SLACK = 64, LINES = ISO_GROUPS_SIDE * ISO_BAND_ROWS };
-#define LINE_ITEMS(type) (ISO_GROUPS_SIDE * BAND_BYTES / (int)sizeof(type) + LINES * COLUMN_SLACK)
+/* A batch of bricks is read slice by slice: the rows of a slice are contiguous in memory, and long ranges are
+ * read fastest (twice as fast as the 17 rows of one brick at a time). The intermediate results of a batch,
+ * lines of columns, fit into the second-level cache. */
+enum {
+    BATCH_BYTES = ISO_BATCH_BRICKS * ISO_BRICK,
+    COLUMN_SLACK = 64,
+    LINES = ISO_GROUPS_SIDE * ISO_BATCH_ROWS
+};
+#define LINE_ITEMS(type) (ISO_GROUPS_SIDE * BATCH_BYTES / (int)sizeof(type) + LINES * COLUMN_SLACK)
 
-/* Voxels to read, from the first one's address on. */
+/* The voxels to read, from a first one on. */
 typedef struct range_box {
     ptrdiff_t stride_y, stride_z; /* elements */
     int n[3];
-    int bricks, lines, pitch; /* bricks along x; lines of columns, and from one to the next */
+    int bricks, lines, pitch; /* bricks along x; lines of columns, and items from one to the next */
 } range_box;
 
-/* What a kernel finds for the bricks of a band. */
+/* The result of a kernel: the range of each row group of the bricks of a batch. */
 typedef struct range_values {
-    _Alignas(64) float lo[ISO_ROW_GROUPS][ISO_BAND_BRICKS],
-        hi[ISO_ROW_GROUPS][ISO_BAND_BRICKS]; /* lo > hi: no voxels */
+    _Alignas(64) float lo[ISO_ROW_GROUPS][ISO_BATCH_BRICKS],
+        hi[ISO_ROW_GROUPS][ISO_BATCH_BRICKS]; /* lo > hi: no voxels */
 } range_values;
 
-/* Floats are read as integers that ascend as the values do: infinities lie beyond all finite ones, and NaNs
- * beyond those, on either side. */
+/* Floats are compared as integers with the same order: infinities lie beyond all finite values, and NaNs
+ * beyond the infinities, on either side. */
 typedef int32_t __attribute__((may_alias)) float_bits;
 
 static inline int32_t key_of_bits(int32_t bits) {
@@ -50,8 +56,8 @@ static inline int32_t key_of_value(float value) {
 
 enum { LARGEST_KEY = 0x7f7fffff, LEAST_KEY = ~LARGEST_KEY }; /* of finite floats */
 
-/* Reads what will be read row after row: many rows at once are too much for the processor to see that they
- * follow one another. */
+/* Reads a slice once, row by row, so that the hardware prefetcher recognises the order: the kernels read many
+ * rows at once. */
 static inline void touch_slice(const void *slice, const range_box *box, size_t size) {
     for (int y = 0; y < box->n[1]; y++)
         for (size_t byte = 0; byte < (size_t)box->n[0] * size; byte += 64)
@@ -62,7 +68,8 @@ static inline bool is_finite_key(int32_t key) {
     return (key >= LEAST_KEY) & (key <= LARGEST_KEY);
 }
 
-/* What a float counts as when only finite ones do. */
+/* The key of a float for the minimum (finite_low) and the maximum (finite_high), if only finite values count.
+ */
 static inline int32_t finite_low(int32_t bits) {
     const int32_t key = key_of_bits(bits);
     return is_finite_key(key) ? key : INT32_MAX;
@@ -82,15 +89,15 @@ static void clear_values(range_values *values, int bricks) {
         for (int b = 0; b < bricks; b++) values->lo[g][b] = INFINITY, values->hi[g][b] = -INFINITY;
 }
 
-/* A group that says nothing: no voxels, or none that is finite. */
+/* Whether a group has no finite voxel. */
 static inline bool is_empty(float lo, float hi) {
     return !(lo <= hi);
 }
 
-/* Bricks from their groups. Groups without voxels count as finite. */
+/* The ranges of bricks from those of their groups. */
 static void fold_groups(const range_values *values, int bricks, iso_brick_reading *readings) {
-    float lo[ISO_BAND_BRICKS], hi[ISO_BAND_BRICKS];
-    uint8_t odd[ISO_BAND_BRICKS] = {0};
+    float lo[ISO_BATCH_BRICKS], hi[ISO_BATCH_BRICKS];
+    uint8_t odd[ISO_BATCH_BRICKS] = {0};
     for (int b = 0; b < bricks; b++) lo[b] = INFINITY, hi[b] = -INFINITY;
     for (int g = 0; g < ISO_ROW_GROUPS; g++)
         for (int b = 0; b < bricks; b++) {
@@ -105,8 +112,8 @@ static void fold_groups(const range_values *values, int bricks, iso_brick_readin
 }
 
 static void finish_groups(const range_values *values, int bricks, iso_brick_reading *readings) {
-    float lo[ISO_BAND_BRICKS], scale[ISO_BAND_BRICKS];
-    uint8_t low[ISO_BAND_BRICKS], high[ISO_BAND_BRICKS];
+    float lo[ISO_BATCH_BRICKS], scale[ISO_BATCH_BRICKS];
+    uint8_t low[ISO_BATCH_BRICKS], high[ISO_BATCH_BRICKS];
     for (int b = 0; b < bricks; b++) {
         lo[b] = readings[b].range.lo;
         scale[b] = iso_range_scale(lo[b], readings[b].range.hi);
@@ -134,17 +141,17 @@ static bool all_finite(const iso_brick_reading *readings, int bricks) {
     return all;
 }
 
-void iso_brick_band_most(const iso_rgrid *grid, int most[2]) {
-    const int bricks = ISO_BAND_BRICKS / (int)iso_type_size(grid->type),
+void iso_brick_batch_max(const iso_rgrid *grid, int most[2]) {
+    const int bricks = ISO_BATCH_BRICKS / (int)iso_type_size(grid->type),
               row = (grid->dims[0] - 1) / ISO_BRICK + 1;
     most[0] = iso_min_int(row, bricks);
-    most[1] = iso_min_int(bricks / most[0], ISO_BAND_ROWS);
+    most[1] = iso_min_int(bricks / most[0], ISO_BATCH_ROWS);
 }
 
-void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_brick_band *band,
+void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_brick_batch *batch,
                       iso_brick_reading *readings) {
-    const int columns = band->count[0], rows = band->count[1], bricks = columns * rows;
-    assert(rows <= ISO_BAND_ROWS && bricks * (int)iso_type_size(grid->type) <= ISO_BAND_BRICKS);
+    const int columns = batch->count[0], rows = batch->count[1], bricks = columns * rows;
+    assert(rows <= ISO_BATCH_ROWS && bricks * (int)iso_type_size(grid->type) <= ISO_BATCH_BRICKS);
     range_box box = {.stride_y = grid->stride_y,
                      .stride_z = grid->stride_z,
                      .bricks = columns,
@@ -154,7 +161,7 @@ void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_bric
     const ptrdiff_t stride[3] = {1, grid->stride_y, grid->stride_z};
     const int count[3] = {columns, rows, 1};
     for (int axis = 0; axis < 3; axis++) {
-        const int first = band->first[axis] * ISO_BRICK;
+        const int first = batch->first[axis] * ISO_BRICK;
         box.n[axis] = iso_min_int(count[axis] * ISO_BRICK + 1, grid->dims[axis] - first);
         at += first * stride[axis];
     }
@@ -164,7 +171,7 @@ void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_bric
     ISO_VOXEL_KERNEL(ranges, grid->type, level)(data, &box, &values);
     fold_groups(&values, bricks, readings);
     if (!all_finite(readings, bricks)) {
-        bool finite[ISO_BAND_BRICKS];
+        bool finite[ISO_BATCH_BRICKS];
         for (int b = 0; b < bricks; b++) finite[b] = readings[b].range.finite;
         clear_values(&values, bricks);
         ISO_KERNEL(ranges_finite, level)(data, &box, &values);

@@ -1,3 +1,5 @@
+/* Incremental extraction. Tasks extract chunks of bricks into memory of their own; the chunks' results are
+ * then stored in the set's arrays in the order of bricks. */
 #include "grids/brick_set.h"
 
 #include <string.h>
@@ -5,14 +7,14 @@
 #include "base/primitives.h"
 
 enum {
-    CHUNK_BRICKS = 32,      /* one task's */
-    SURVEY_BRICKS = 1 << 12 /* bricks that one task only looks at */
+    CHUNK_BRICKS = 32,      /* that one task extracts */
+    SURVEY_BRICKS = 1 << 12 /* that one task tests by may_exist */
 };
 
 /* A brick that has a span. */
 typedef struct slot {
     uint32_t brick;
-    iso_brick_place place;
+    iso_brick_location location;
     uint32_t block[ISO_SET_HEAPS];
 } slot;
 
@@ -23,22 +25,22 @@ typedef struct result {
     size_t first[ISO_SET_HEAPS]; /* place in the set's arrays, once it has one */
 } result;
 
-/* What one task made. Kept and reused. */
+/* The results of one task; reused. */
 typedef struct chunk {
     iso_buffer array[ISO_SET_ARRAYS];
     size_t used[ISO_SET_HEAPS];
     result results[CHUNK_BRICKS];
-    size_t count, placed;
+    size_t count, stored;
     size_t extracted, rejected;
     bool failed;
 } chunk;
 
-/* Bricks on their way through chunks. */
+/* An extraction of a list of bricks. */
 typedef struct extraction {
     iso_brick_set *set;
     const uint32_t *bricks;
     size_t count;
-    iso_status status; /* of placing; what comes after a failure has no place */
+    iso_status status; /* of storing; after a failure nothing more is stored */
     iso_error *error;
 } extraction;
 
@@ -57,19 +59,19 @@ static slot *slot_at(const iso_brick_set *set, size_t number) {
     return (slot *)set->slots.data + number;
 }
 
-const uint64_t *iso_brick_set_stamps(const iso_brick_set *set) {
-    return set->stamps.data;
+const uint64_t *iso_brick_set_versions(const iso_brick_set *set) {
+    return set->versions.data;
 }
 
 static chunk *chunk_at(const iso_brick_set *set, size_t number) {
     return (chunk *)set->chunks.data + number;
 }
 
-/* ---- giving results a place */
+/* ---- storing results */
 
 static void release_blocks(iso_brick_set *set, slot *entry) {
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
-        if (entry->block[heap] != ISO_SPAN_NONE) iso_span_heap_give(&set->heap[heap], entry->block[heap]);
+        if (entry->block[heap] != ISO_SPAN_NONE) iso_span_heap_release(&set->heap[heap], entry->block[heap]);
         entry->block[heap] = ISO_SPAN_NONE;
     }
 }
@@ -78,21 +80,21 @@ static void write_span(iso_brick_set *set, size_t number) {
     slot *entry = slot_at(set, number);
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
         uint32_t block = entry->block[heap];
-        entry->place.first[heap] =
+        entry->location.first[heap] =
             block == ISO_SPAN_NONE ? 0 : iso_span_heap_block(&set->heap[heap], block)->first;
     }
-    set->kernel.write_span((char *)set->spans.data + number * set->kernel.span_bytes, &entry->place);
+    set->kernel.write_span((char *)set->spans.data + number * set->kernel.span_bytes, &entry->location);
 }
 
-/* The last span takes the place of the one that goes. */
+/* Removes a span; the last span takes its place. */
 static void remove_slot(iso_brick_set *set, uint32_t brick) {
     size_t number = set->span_of[brick] - 1, last = --set->span_count;
     release_blocks(set, slot_at(set, number));
     set->span_of[brick] = 0;
     if (number == last) return;
     *slot_at(set, number) = *slot_at(set, last);
-    uint64_t *stamps = set->stamps.data;
-    stamps[number] = stamps[last];
+    uint64_t *versions = set->versions.data;
+    versions[number] = versions[last];
     set->span_of[slot_at(set, number)->brick] = (uint32_t)number + 1;
     write_span(set, number);
 }
@@ -102,18 +104,18 @@ static iso_status add_slot(iso_brick_set *set, uint32_t brick, iso_error *error)
     ISO_TRY(iso_buffer_reserve(&set->slots, (count + 1) * sizeof(slot), count * sizeof(slot), error));
     ISO_TRY(iso_buffer_reserve(&set->spans, (count + 1) * span_bytes, count * span_bytes, error));
     ISO_TRY(
-        iso_buffer_reserve(&set->stamps, (count + 1) * sizeof(uint64_t), count * sizeof(uint64_t), error));
+        iso_buffer_reserve(&set->versions, (count + 1) * sizeof(uint64_t), count * sizeof(uint64_t), error));
     slot *entry = slot_at(set, count);
     *entry = (slot){.brick = brick};
     int coordinates[3];
     iso_brick_set_coordinates(set, brick, coordinates);
-    for (int axis = 0; axis < 3; axis++) entry->place.brick[axis] = coordinates[axis];
+    for (int axis = 0; axis < 3; axis++) entry->location.brick[axis] = coordinates[axis];
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) entry->block[heap] = ISO_SPAN_NONE;
     set->span_of[brick] = (uint32_t)++set->span_count;
     return ISO_OK;
 }
 
-/* Room for `count` items: the block that is there when it suffices, else another one. */
+/* Makes *block a block of at least `count` items: the old one if it suffices, else a new one. */
 static iso_status fit_block(iso_brick_set *set, iso_span_heap *heap, uint32_t *block, size_t count,
                             iso_error *error) {
     if (*block != ISO_SPAN_NONE) {
@@ -121,16 +123,16 @@ static iso_status fit_block(iso_brick_set *set, iso_span_heap *heap, uint32_t *b
             iso_span_heap_trim(heap, *block, count);
             return ISO_OK;
         }
-        iso_span_heap_give(heap, *block);
+        iso_span_heap_release(heap, *block);
         *block = ISO_SPAN_NONE;
     }
     if (!count) return ISO_OK;
-    /* an edited brick grows again, a first extraction is packed tight */
+    /* edited bricks tend to grow again; a full extraction leaves no gaps */
     size_t room = set->full ? count : count + count / 8 + 8;
-    return iso_span_heap_take(heap, room, block, error);
+    return iso_span_heap_alloc(heap, room, block, error);
 }
 
-static iso_status place_result(iso_brick_set *set, const result *made, iso_error *error) {
+static iso_status store_result(iso_brick_set *set, const result *made, iso_error *error) {
     bool empty = true;
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) empty = empty && !made->count[heap];
     if (empty) {
@@ -146,18 +148,18 @@ static iso_status place_result(iso_brick_set *set, const result *made, iso_error
             remove_slot(set, made->brick);
             return status;
         }
-        entry->place.count[heap] = made->count[heap];
+        entry->location.count[heap] = made->count[heap];
     }
-    entry->place.own = made->own;
-    ((uint64_t *)set->stamps.data)[number] = ++set->placed;
+    entry->location.own = made->own;
+    ((uint64_t *)set->versions.data)[number] = ++set->stored;
     write_span(set, number);
     return ISO_OK;
 }
 
-/* ---- what kernels that do several bricks at once write to */
+/* ---- the output of kernels that extract several bricks at once */
 
-/* Either a task's chunk, or (part NULL) the set's own array: a full extraction by one thread needs no copy.
- */
+/* Items go to a task's chunk or, with part NULL, directly to the set's arrays: a full extraction by one
+ * thread needs no copy. */
 struct iso_brick_sink {
     iso_brick_set *set;
     chunk *part;
@@ -171,7 +173,7 @@ void *iso_brick_sink_room(iso_brick_sink *sink, int array, size_t count) {
     iso_buffer *buffer = sink->part ? &sink->part->array[array] : &heap->array[array % ISO_SPAN_ARRAYS];
     size_t used = sink->part ? sink->part->used[array / ISO_SPAN_ARRAYS] : heap->end,
            bytes = sink->set->kernel.item_bytes[array];
-    /* no room is a place too, never NULL: hence one item more */
+    /* one item more, so that the result is not NULL for a count of 0 */
     iso_status status = iso_buffer_reserve(buffer, (used + count + 1) * bytes, used * bytes, sink->error);
     if (status == ISO_OK) return (char *)buffer->data + used * bytes;
     sink->status = status;
@@ -190,7 +192,7 @@ void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, const iso_brick_ou
     } else {
         sink->set->extracted++;
         sink->set->rejected += output->rejected;
-        iso_status status = place_result(sink->set, &made, sink->error);
+        iso_status status = store_result(sink->set, &made, sink->error);
         if (status != ISO_OK) sink->status = status;
     }
 }
@@ -199,7 +201,7 @@ bool iso_brick_sink_failed(const iso_brick_sink *sink) {
     return sink->status != ISO_OK;
 }
 
-/* The plain way: one brick into scratch, then to its place. */
+/* Extracts one brick into scratch memory and copies the result to the sink. */
 void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t number) {
     const iso_brick_kernel *kernel = &sink->set->kernel;
     int brick[3];
@@ -216,11 +218,11 @@ void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t number) {
     iso_brick_sink_add(sink, number, &output);
 }
 
-/* Bricks of the list, all of which may have something. */
+/* Extracts bricks for which may_exist is known to be true. */
 static void extract_present(iso_brick_sink *sink, const uint32_t *bricks, size_t count) {
     const iso_brick_kernel *kernel = &sink->set->kernel;
-    if (kernel->run) {
-        if (count) kernel->run(sink->set->context, bricks, count, sink->scratch, sink);
+    if (kernel->extract_many) {
+        if (count) kernel->extract_many(sink->set->context, bricks, count, sink->scratch, sink);
         return;
     }
     for (size_t i = 0; i < count && !iso_brick_sink_failed(sink); i++)
@@ -232,7 +234,7 @@ static void extract_chunk(void *context, size_t index, size_t number, int worker
     iso_brick_set *set = work->set;
     chunk *part = chunk_at(set, number);
     memset(part->used, 0, sizeof part->used);
-    part->count = part->placed = part->extracted = part->rejected = 0;
+    part->count = part->stored = part->extracted = part->rejected = 0;
     iso_brick_sink sink = {.set = set, .part = part};
     sink.scratch = (char *)set->scratch.data + (size_t)worker * set->kernel.scratch_bytes;
     size_t start = index * CHUNK_BRICKS, end = start + CHUNK_BRICKS;
@@ -249,9 +251,9 @@ static void extract_chunk(void *context, size_t index, size_t number, int worker
     part->failed = iso_brick_sink_failed(&sink);
 }
 
-/* Whether placing the chunk moves nothing in the arrays: so it is while they are filled for the first time
- * and have room. */
-static bool moves_nothing(const iso_brick_set *set, const chunk *part) {
+/* Whether storing the chunk neither moves nor reallocates the arrays: true in a full extraction while they
+ * have room. */
+static bool fits_in_place(const iso_brick_set *set, const chunk *part) {
     for (int i = 0; i < ISO_SET_ARRAYS; i++) {
         const iso_span_heap *heap = &set->heap[i / ISO_SPAN_ARRAYS];
         const size_t end = heap->end + part->used[i / ISO_SPAN_ARRAYS];
@@ -260,48 +262,48 @@ static bool moves_nothing(const iso_brick_set *set, const chunk *part) {
     return set->full;
 }
 
-/* Where the chunk's results are to go. Spans may slide together on the way. */
-static void note_places(iso_brick_set *set, chunk *part) {
+/* Notes where the chunk's results are to be copied, after blocks may have been moved together. */
+static void note_locations(iso_brick_set *set, chunk *part) {
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
         if (!set->heap[heap].moved) continue;
         for (size_t i = 0; i < set->span_count; i++) write_span(set, i);
         set->heap[heap].moved = false;
     }
-    for (size_t r = 0; r < part->placed; r++) {
+    for (size_t r = 0; r < part->stored; r++) {
         result *made = &part->results[r];
-        if (!set->span_of[made->brick]) continue; /* nothing was made */
-        const iso_brick_place *place = &slot_at(set, set->span_of[made->brick] - 1)->place;
-        memcpy(made->first, place->first, sizeof made->first);
+        if (!set->span_of[made->brick]) continue; /* no results */
+        const iso_brick_location *location = &slot_at(set, set->span_of[made->brick] - 1)->location;
+        memcpy(made->first, location->first, sizeof made->first);
     }
 }
 
-static bool place_chunk(void *context, size_t number, bool alone) {
+static bool store_chunk(void *context, size_t number, bool alone) {
     extraction *work = context;
     iso_brick_set *set = work->set;
     chunk *part = chunk_at(set, number);
-    if (!alone && !moves_nothing(set, part)) return false;
-    while (part->placed < part->count && work->status == ISO_OK) {
-        work->status = place_result(set, &part->results[part->placed], work->error);
-        if (work->status == ISO_OK) part->placed++;
+    if (!alone && !fits_in_place(set, part)) return false;
+    while (part->stored < part->count && work->status == ISO_OK) {
+        work->status = store_result(set, &part->results[part->stored], work->error);
+        if (work->status == ISO_OK) part->stored++;
     }
     if (work->status == ISO_OK && part->failed)
         work->status = iso_fail(work->error, ISO_ERR_NOMEM, "out of memory while extracting bricks");
     set->extracted += part->extracted;
     if (set->full) set->rejected += part->rejected;
-    note_places(set, part);
+    note_locations(set, part);
     return true;
 }
 
-/* One of a chunk's arrays to the bricks' places: as few copies as those places allow, which is one when the
- * set is full, because spans are then packed tight. */
+/* Copies one of a chunk's arrays to the locations of its bricks, contiguous ones in one copy: a single copy
+ * in a full extraction. */
 static void copy_array(const iso_brick_set *set, const chunk *part, int array) {
     const int heap = array / ISO_SPAN_ARRAYS;
     const size_t bytes = set->kernel.item_bytes[array];
     const char *source = part->array[array].data;
     char *target = set->heap[heap].array[array % ISO_SPAN_ARRAYS].data;
     size_t from = 0, to = 0, count = 0,
-           next = 0; /* items: what is to be copied, and where the next brick's are */
-    for (size_t r = 0; r < part->placed; r++) {
+           next = 0; /* items: the pending copy, and the start of the next brick in the source */
+    for (size_t r = 0; r < part->stored; r++) {
         const result *made = &part->results[r];
         if (!made->count[heap]) continue;
         const size_t first = made->first[heap];
@@ -340,14 +342,14 @@ static iso_status reserve_chunks(iso_brick_set *set, size_t wanted, iso_error *e
 static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, size_t count, iso_error *error) {
     const size_t workers = (size_t)iso_pool_threads(set->pool),
                  chunks = (count + CHUNK_BRICKS - 1) / CHUNK_BRICKS;
-    if (set->full && set->kernel.run && workers == 1) {
+    if (set->full && set->kernel.extract_many && workers == 1) {
         ISO_TRY(iso_buffer_reserve(&set->scratch, set->kernel.scratch_bytes, 0, error));
         iso_brick_sink sink = {.set = set, .scratch = set->scratch.data, .error = error};
         extract_present(&sink, bricks, count);
         return sink.status;
     }
     iso_ordered steps = {.work = extract_chunk,
-                         .place = place_chunk,
+                         .place = store_chunk,
                          .finish = copy_chunk,
                          .slots = iso_ordered_slots(set->pool)};
     if (steps.slots > chunks) steps.slots = chunks ? chunks : 1;
@@ -358,7 +360,7 @@ static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, siz
     return work.status;
 }
 
-/* All bricks of the grid, tested over threads. */
+/* may_exist for all bricks of the grid, by all threads. */
 typedef struct survey {
     const iso_brick_set *set;
     uint8_t *may_exist;
@@ -377,13 +379,13 @@ static void survey_task(void *context, size_t index, int worker) {
 
 static iso_status list_crossed(iso_brick_set *set, size_t *count, iso_error *error) {
     const iso_brick_index *index;
-    ISO_TRY(iso_rgrid_index(set->grid.rgrid, set->pool, &index, error));
+    ISO_TRY(iso_brick_index_of(set->grid.rgrid, set->pool, &index, error));
     ISO_TRY(iso_brick_index_query(index, set->kernel.isovalue(set->context), &set->query, error));
     *count = set->query.count;
     return ISO_OK;
 }
 
-/* Cells of the grid are numbered like the set's bricks. */
+/* Lists the cells that have a brick; cells are numbered like the set's bricks. */
 static iso_status list_bricks(iso_brick_set *set, size_t *count, iso_error *error) {
     const iso_hgrid *grid = set->grid.hgrid;
     size_t total = brick_total(set), found = 0;
@@ -413,7 +415,7 @@ static iso_status list_surveyed(iso_brick_set *set, size_t *count, iso_error *er
     return status;
 }
 
-/* Every brick that may have something, ascending, in *list. */
+/* Lists all bricks that may have results, ascending. */
 static iso_status list_all(iso_brick_set *set, const uint32_t **list, size_t *count, iso_error *error) {
     if (set->grid.rgrid && set->kernel.isovalue) {
         ISO_TRY(list_crossed(set, count, error));
@@ -426,7 +428,7 @@ static iso_status list_all(iso_brick_set *set, const uint32_t **list, size_t *co
     return ISO_OK;
 }
 
-static void forget_spans(iso_brick_set *set) {
+static void clear_spans(iso_brick_set *set) {
     for (size_t i = 0; i < set->span_count; i++) set->span_of[slot_at(set, i)->brick] = 0;
     set->span_count = 0;
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) iso_span_heap_clear(&set->heap[heap]);
@@ -446,7 +448,7 @@ iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error) {
     set->extracted = 0;
     if (set->full) {
         set->rejected = 0;
-        forget_spans(set);
+        clear_spans(set);
         ISO_TRY(list_all(set, &list, &count, error));
     } else {
         ISO_TRY(list_changed(set, &count, error));
@@ -454,7 +456,7 @@ iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error) {
     }
     iso_status status = extract_bricks(set, list, count, error);
     if (status != ISO_OK) {
-        if (set->full) forget_spans(set);
+        if (set->full) clear_spans(set);
         return status;
     }
     set->full = false;
@@ -483,7 +485,7 @@ void iso_brick_set_free(iso_brick_set *set) {
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) iso_span_heap_free(&set->heap[heap]);
     iso_buffer_free(&set->spans);
     iso_buffer_free(&set->slots);
-    iso_buffer_free(&set->stamps);
+    iso_buffer_free(&set->versions);
     iso_buffer_free(&set->scratch);
     iso_buffer_free(&set->list);
     iso_brick_query_free(&set->query);

@@ -1,10 +1,11 @@
-/* brick_set: the part that points and meshes share: a consumer of a grid's change log that keeps what a
- * kernel makes of each brick. Internal to the library.
+/* brick_set: incremental extraction, shared by points, meshes and exact surfaces. A brick set follows a
+ * grid's change log and stores the primitives that a kernel extracts from each brick. Internal to the
+ * library.
  *
- * The kernel knows one brick and nothing of sets; the set knows which bricks to do, runs them over threads,
- * and gives their results places in arrays, in brick order whatever the thread count. A brick is extracted
- * again only when the log says that voxels which it reads have changed (grids/halo.h); a brick that grows
- * or shrinks moves no other (grids/spans.h). */
+ * The kernel extracts single bricks. The set decides which bricks to extract, runs the kernel over threads
+ * and stores the results in arrays, in the order of bricks for every number of threads. A brick is extracted
+ * again only if voxels that it reads have changed (grids/halo.h), and then moves no other brick's data
+ * (grids/spans.h). */
 #ifndef ISO_GRIDS_BRICK_SET_H
 #define ISO_GRIDS_BRICK_SET_H
 
@@ -18,57 +19,56 @@
 #include "grids/halo.h"
 #include "grids/spans.h"
 
-/* Results come in heaps (vertices, triangles); a heap has parallel arrays (positions, keys). */
+/* Results are stored in heaps (vertices, triangles); a heap has parallel arrays (positions, keys). */
 enum { ISO_SET_HEAPS = 2, ISO_SET_ARRAYS = ISO_SET_HEAPS * ISO_SPAN_ARRAYS };
 
-/* What a kernel made of one brick: items[heap * ISO_SPAN_ARRAYS + array] lie in the worker's scratch until
- * its next call. */
+/* The result of a kernel for one brick. items[heap * ISO_SPAN_ARRAYS + array] point into the worker's scratch
+ * memory and are valid until its next call. */
 typedef struct iso_brick_output {
     uint32_t count[ISO_SET_HEAPS];
-    uint32_t own; /* handed on to the span */
-    uint32_t rejected;
+    uint32_t own;      /* passed on to iso_brick_location */
+    uint32_t rejected; /* for statistics */
     const void *items[ISO_SET_ARRAYS];
 } iso_brick_output;
 
-/* Where a brick's results lie. */
-typedef struct iso_brick_place {
+/* Where the results of a brick are stored. */
+typedef struct iso_brick_location {
     int32_t brick[3];
     uint32_t own;
     uint32_t count[ISO_SET_HEAPS];
     size_t first[ISO_SET_HEAPS];
-} iso_brick_place;
+} iso_brick_location;
 
-/* Where a kernel that does several bricks at once puts what it makes, brick after brick. */
+/* The output of a kernel that extracts several bricks in one call, brick after brick. */
 typedef struct iso_brick_sink iso_brick_sink;
 
-/* Room for `count` items of an array; NULL when there is no memory. Valid until the next call for that array.
- */
+/* Memory for `count` items of an array, valid until the next call for this array; NULL: out of memory. */
 void *iso_brick_sink_room(iso_brick_sink *sink, int array, size_t count);
-/* The next made->count items of those rooms are the brick's (made->items is not read). */
+/* Assigns the next made->count items of that memory to a brick (made->items is not read). */
 void iso_brick_sink_add(iso_brick_sink *sink, uint32_t brick, const iso_brick_output *made);
-/* Whether memory ran out: what is still to do can be left. */
+/* Whether memory has run out: the kernel can stop. */
 bool iso_brick_sink_failed(const iso_brick_sink *sink);
-/* Does a brick with the kernel's `extract`. */
+/* Extracts a single brick by the kernel's `extract`. */
 void iso_brick_sink_extract(iso_brick_sink *sink, uint32_t brick);
 
-/* What a kernel is. `context` is the set's owner. */
+/* A kernel; `context` is that of the set. */
 typedef struct iso_brick_kernel {
     size_t item_bytes[ISO_SET_ARRAYS]; /* 0: no such array */
-    size_t scratch_bytes;              /* one worker's */
-    size_t span_bytes;
+    size_t scratch_bytes;              /* of each worker */
+    size_t span_bytes;                 /* of what write_span writes */
     iso_halo halo;
-    /* Whether the brick may have anything: never false wrongly. */
+    /* Whether a brick may have results; never false wrongly. */
     bool (*may_exist)(const void *context, const int brick[3]);
     void (*extract)(const void *context, const int brick[3], void *scratch, iso_brick_output *output);
-    /* Optional: several bricks of the list at once, none of which may_exist refuses. Each must come to the
-     * sink once, in the order of the list. */
-    void (*run)(const void *context, const uint32_t *bricks, size_t count, void *scratch,
-                iso_brick_sink *sink);
-    /* Optional: the stored isovalue, without whose crossing a brick has nothing. In an rgrid the bricks are
-     * then found through the grid's index, and may_exist is asked of edited ones only. */
+    /* Optional: extracts several bricks, for all of which may_exist is true. Each must be added to the sink
+     * once, in the order of the list. */
+    void (*extract_many)(const void *context, const uint32_t *bricks, size_t count, void *scratch,
+                         iso_brick_sink *sink);
+    /* Optional: the stored isovalue, if only bricks that it crosses have results. Those of an rgrid are then
+     * found by its index, and may_exist is called for edited bricks only. */
     float (*isovalue)(const void *context);
-    bool bricks_only; /* cells of an hgrid that have no brick have nothing: may_exist need not be asked */
-    void (*write_span)(void *span, const iso_brick_place *place);
+    bool bricks_only; /* empty cells of an hgrid have no results: may_exist is not called for them */
+    void (*write_span)(void *span, const iso_brick_location *location);
 } iso_brick_kernel;
 
 typedef struct iso_brick_set {
@@ -77,11 +77,11 @@ typedef struct iso_brick_set {
     iso_grid grid;
     iso_pool *pool;
     int bricks[3];
-    bool full;         /* the next update does all bricks */
-    uint64_t seen;     /* edits up to this one are in the set */
-    uint64_t placed;   /* results that got a place so far */
+    bool full;         /* the next update extracts all bricks */
+    uint64_t seen;     /* the last edit that the set includes */
+    uint64_t stored;   /* results that got a place so far */
     uint32_t *span_of; /* by brick: 1 + its span's number, 0: none */
-    iso_buffer spans, slots, stamps;
+    iso_buffer spans, slots, versions;
     size_t span_count;
     iso_span_heap heap[ISO_SET_HEAPS];
     iso_buffer scratch, list, chunks;
@@ -89,26 +89,26 @@ typedef struct iso_brick_set {
     size_t extracted, rejected;
 } iso_brick_set;
 
-/* Zero-initialised storage; `context` and grid are borrowed until free. */
+/* Initialises a set; `context`, the grid and the pool are borrowed until free. ISO_ERR_NOMEM. */
 iso_status iso_brick_set_init(iso_brick_set *set, const iso_brick_kernel *kernel, const void *context,
                               const iso_grid *grid, iso_pool *pool, iso_error *error);
 void iso_brick_set_free(iso_brick_set *set);
 
-/* Brings the set up to date. ISO_ERR_NOMEM: what is in the set is sound but older, or misses bricks; the next
- * update does everything that this one did not. */
+/* Extracts everything that has changed since the last update. ISO_ERR_NOMEM: the set is consistent, but some
+ * bricks are outdated or missing; the next update extracts them. */
 iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error);
 
-/* The next update starts from nothing. */
+/* Makes the next update extract all bricks. */
 void iso_brick_set_reset(iso_brick_set *set);
 
-/* Where a brick lies, by its number ((z * bricks_y + y) * bricks_x + x). */
+/* The position of a brick from its number ((z * bricks_y + y) * bricks_x + x). */
 void iso_brick_set_coordinates(const iso_brick_set *set, uint32_t number, int brick[3]);
 
-/* A number for each span, never 0, that changes whenever what is in the span does or another brick's comes
- * there. Not when it only moves. NULL when there is no span. */
-const uint64_t *iso_brick_set_stamps(const iso_brick_set *set);
+/* The version of each span: a number, never 0, that changes when the content of the span changes or the span
+ * becomes another brick's, but not when the content is only moved. NULL if there are no spans. */
+const uint64_t *iso_brick_set_versions(const iso_brick_set *set);
 
-/* An array of a heap; NULL when nothing is in it. */
+/* An array of a heap; NULL if it is empty. */
 const void *iso_brick_set_items(const iso_brick_set *set, int heap, int array);
 
 #endif

@@ -1,11 +1,10 @@
-/* change_log: stamps and a bounded log of changes, for incremental extraction, undo and journals
- * (docs/ARCHITECTURE.md, decision 4).
+/* The log of changes and the last edit of each cell (docs/ARCHITECTURE.md, decision 4).
  *
- * The log may hold BUDGET_PER_CELL entries for each cell that was ever touched (at least BUDGET_MIN). Over
- * that, its older half is sorted by cell and merged. Say T cells were touched: half of 4 T entries becomes at
- * most T, so every merge frees T entries or more, and sorting costs O(log T) an entry over the log's life. No
- * step looks at cells that were not touched. At 24 bytes an entry the log stays below 1 % of the bricks that
- * it watches. */
+ * The log may hold BUDGET_PER_CELL entries for each cell that ever changed (at least BUDGET_MIN). Beyond that
+ * its older half is sorted by cell and merged. If T cells have changed, half of 4 T entries becomes at most
+ * T, so every merge frees at least T entries, and sorting costs O(log T) an entry over the log's life. No
+ * step looks at cells that never changed. At 24 bytes an entry the log takes less than 1 % of the bricks'
+ * memory. */
 #include "grids/change_log.h"
 
 #include <stdbool.h>
@@ -19,8 +18,8 @@ enum { BUDGET_MIN = 4096, BUDGET_PER_CELL = 4, COALESCE_DEPTH = 8 };
 struct iso_change_log {
     int cells[3];
     uint64_t now;
-    uint64_t *stamp; /* per cell; zeroed pages that no edit touched are never paid for */
-    size_t touched;  /* cells with a stamp */
+    uint64_t *edit;       /* by cell: its last edit; pages of unchanged cells stay unallocated */
+    size_t changed_cells; /* cells with a stamp */
     iso_buffer entries;
     size_t count;
 };
@@ -39,21 +38,21 @@ iso_status iso_change_log_create(const int cells[3], iso_change_log **out, iso_e
                             cells[1], cells[2]);
     }
     iso_change_log *log = iso_alloc_zero(1, sizeof *log);
-    uint64_t *stamp = iso_alloc_zero(total, sizeof *stamp);
-    if (!log || !stamp) {
+    uint64_t *edit = iso_alloc_zero(total, sizeof *edit);
+    if (!log || !edit) {
         iso_free(log);
-        iso_free(stamp);
+        iso_free(edit);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a change log of %zu cells", total);
     }
     for (int axis = 0; axis < 3; axis++) log->cells[axis] = cells[axis];
-    log->stamp = stamp;
+    log->edit = edit;
     *out = log;
     return ISO_OK;
 }
 
 void iso_change_log_destroy(iso_change_log *log) {
     if (!log) return;
-    iso_free(log->stamp);
+    iso_free(log->edit);
     iso_buffer_free(&log->entries);
     iso_free(log);
 }
@@ -73,23 +72,23 @@ static void unite(iso_change *into, const iso_change *from) {
         if (from->lo[axis] < into->lo[axis]) into->lo[axis] = from->lo[axis];
         if (from->hi[axis] > into->hi[axis]) into->hi[axis] = from->hi[axis];
     }
-    if (from->stamp > into->stamp) into->stamp = from->stamp;
+    if (from->edit > into->edit) into->edit = from->edit;
 }
 
-/* Writers often touch one cell several times in a row under one edit: those share an entry. */
-static void append(iso_change_log *log, const iso_change *change) {
+/* Adds an entry, or widens a recent one of the same cell and edit: writers often add a cell several times. */
+static void append_entry(iso_change_log *log, const iso_change *change) {
     iso_change *entries = entries_of(log);
     for (size_t back = 1; back <= COALESCE_DEPTH && back <= log->count; back++) {
         iso_change *entry = &entries[log->count - back];
-        if (entry->stamp != change->stamp) break;
+        if (entry->edit != change->edit) break;
         if (entry->cell == change->cell && meet(entry, change)) {
             unite(entry, change);
             return;
         }
     }
     entries[log->count++] = *change;
-    if (!log->stamp[change->cell]) log->touched++;
-    log->stamp[change->cell] = change->stamp;
+    if (!log->edit[change->cell]) log->changed_cells++;
+    log->edit[change->cell] = change->edit;
 }
 
 static int by_cell(const void *left, const void *right) {
@@ -97,14 +96,14 @@ static int by_cell(const void *left, const void *right) {
     return (a->cell > b->cell) - (a->cell < b->cell);
 }
 
-static int by_stamp(const void *left, const void *right) {
+static int by_edit(const void *left, const void *right) {
     const iso_change *a = left, *b = right;
-    if (a->stamp != b->stamp) return a->stamp > b->stamp ? 1 : -1;
+    if (a->edit != b->edit) return a->edit > b->edit ? 1 : -1;
     return by_cell(left, right);
 }
 
-/* Merged entries take their cell's latest number in this half, so all numbers stay at or below those of the
- * newer half and the log stays sorted. */
+/* A merged entry gets the latest edit number of its cell in this half. This is not above those of the newer
+ * half, so the log stays sorted. */
 static void merge_older_half(iso_change_log *log) {
     iso_change *entries = entries_of(log);
     size_t half = log->count / 2, merged = 0;
@@ -115,13 +114,13 @@ static void merge_older_half(iso_change_log *log) {
         else
             entries[merged++] = entries[i];
     }
-    qsort(entries, merged, sizeof *entries, by_stamp);
+    qsort(entries, merged, sizeof *entries, by_edit);
     for (size_t i = half; i < log->count; i++) entries[merged++] = entries[i];
     log->count = merged;
 }
 
 static void append_cell(iso_change_log *log, const int cell[3], const int lo[3], const int hi[3]) {
-    iso_change change = {.stamp = log->now};
+    iso_change change = {.edit = log->now};
     size_t row = (size_t)cell[2] * (size_t)log->cells[1] + (size_t)cell[1];
     change.cell = (uint32_t)(row * (size_t)log->cells[0] + (size_t)cell[0]);
     for (int axis = 0; axis < 3; axis++) {
@@ -129,10 +128,10 @@ static void append_cell(iso_change_log *log, const int cell[3], const int lo[3],
         change.lo[axis] = (uint8_t)(lo[axis] > first ? lo[axis] - first : 0);
         change.hi[axis] = (uint8_t)(hi[axis] < first + ISO_BRICK - 1 ? hi[axis] - first : ISO_BRICK - 1);
     }
-    append(log, &change);
+    append_entry(log, &change);
 }
 
-iso_status iso_change_log_touch(iso_change_log *log, const int lo[3], const int hi[3], iso_error *error) {
+iso_status iso_change_log_add(iso_change_log *log, const int lo[3], const int hi[3], iso_error *error) {
     int first[3], last[3], from[3], to[3];
     size_t cells = 1;
     for (int axis = 0; axis < 3; axis++) {
@@ -151,7 +150,7 @@ iso_status iso_change_log_touch(iso_change_log *log, const int lo[3], const int 
     for (cell[2] = from[2]; cell[2] <= to[2]; cell[2]++)
         for (cell[1] = from[1]; cell[1] <= to[1]; cell[1]++)
             for (cell[0] = from[0]; cell[0] <= to[0]; cell[0]++) append_cell(log, cell, first, last);
-    size_t budget = log->touched * BUDGET_PER_CELL;
+    size_t budget = log->changed_cells * BUDGET_PER_CELL;
     if (log->count > (budget > BUDGET_MIN ? budget : BUDGET_MIN)) merge_older_half(log);
     return ISO_OK;
 }
@@ -160,8 +159,8 @@ uint64_t iso_change_log_now(const iso_change_log *log) {
     return log->now;
 }
 
-uint64_t iso_change_log_stamp(const iso_change_log *log, uint32_t cell) {
-    return log->stamp[cell];
+uint64_t iso_change_log_last_edit(const iso_change_log *log, uint32_t cell) {
+    return log->edit[cell];
 }
 
 size_t iso_change_log_since(const iso_change_log *log, uint64_t seen, const iso_change **changes) {
@@ -169,7 +168,7 @@ size_t iso_change_log_since(const iso_change_log *log, uint64_t seen, const iso_
     size_t low = 0, high = log->count;
     while (low < high) {
         size_t middle = low + (high - low) / 2;
-        if (entries[middle].stamp > seen)
+        if (entries[middle].edit > seen)
             high = middle;
         else
             low = middle + 1;
@@ -180,5 +179,5 @@ size_t iso_change_log_since(const iso_change_log *log, uint64_t seen, const iso_
 
 size_t iso_change_log_bytes(const iso_change_log *log) {
     size_t cells = (size_t)log->cells[0] * (size_t)log->cells[1] * (size_t)log->cells[2];
-    return sizeof *log + cells * sizeof *log->stamp + log->entries.bytes;
+    return sizeof *log + cells * sizeof *log->edit + log->entries.bytes;
 }

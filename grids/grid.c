@@ -1,4 +1,5 @@
-/* grid: one handle for both kinds of grid; sampling and gradients (2003, sections 3 and 4). */
+/* The handle for both kinds of grid; trilinear sampling and gradients (Baerentzen and Christensen 2003,
+ * sections 3 and 4). */
 #include "grids/grid.h"
 
 #include <stdatomic.h>
@@ -71,8 +72,8 @@ static iso_status copy_dense(const iso_rgrid *from, iso_pool *pool, iso_rgrid **
                                  .transform = &from->transform,
                                  .level_set = from->level_set};
     ISO_TRY(iso_rgrid_create(&desc, copy, error));
-    slice_copy work = {from, *copy};
-    iso_parallel_for(pool, (size_t)from->dims[2], copy_slice, &work);
+    slice_copy copy_task = {from, *copy};
+    iso_parallel_for(pool, (size_t)from->dims[2], copy_slice, &copy_task);
     return ISO_OK;
 }
 
@@ -96,17 +97,17 @@ float iso_grid_at(const iso_grid *grid, int x, int y, int z) {
                     iso_clamp_index(z, dims[2]));
 }
 
-/* The eight voxels around a position and its weights: corner bit 0 is +x, bit 1 +y, bit 2 +z. On an axis of
- * one voxel both ends are that voxel. */
-typedef struct cube {
+/* The eight voxels around a position and its weights: corner bit 0 is +x, bit 1 +y, bit 2 +z. Along an axis
+ * of one voxel both corners are this voxel. */
+typedef struct interpolation_cell {
     int lo[3], hi[3];
     double fraction[3];
-} cube;
+} interpolation_cell;
 
-static cube cube_at(const iso_grid *grid, iso_vec3 p) {
+static interpolation_cell cell_around(const iso_grid *grid, iso_vec3 p) {
     const int *dims = iso_grid_dims(grid);
     const double position[3] = {p.x, p.y, p.z};
-    cube c;
+    interpolation_cell c;
     for (int axis = 0; axis < 3; axis++) {
         int last = dims[axis] - 1;
         double x = position[axis] > 0 ? position[axis] : 0; /* NaN becomes 0 */
@@ -119,7 +120,7 @@ static cube cube_at(const iso_grid *grid, iso_vec3 p) {
     return c;
 }
 
-/* Exact at both ends, whatever the values. */
+/* Linear interpolation, exact at both ends for all finite values. */
 static inline double blend(double a, double b, double t) {
     return a * (1 - t) + b * t;
 }
@@ -130,8 +131,8 @@ static double blend_corners(const double v[8], const double t[3]) {
     return blend(low, high, t[2]);
 }
 
-/* With all corners in one brick, one look-up serves them all. */
-static const float *shared_brick(const iso_hgrid *grid, const cube *c) {
+/* The brick that contains all eight corners, or NULL. */
+static const float *shared_brick(const iso_hgrid *grid, const interpolation_cell *c) {
     for (int axis = 0; axis < 3; axis++)
         if (c->lo[axis] / ISO_BRICK != c->hi[axis] / ISO_BRICK) return NULL;
     int32_t brick = grid->cell[iso_hgrid_cell_index(grid, c->lo[0] / ISO_BRICK, c->lo[1] / ISO_BRICK,
@@ -140,7 +141,7 @@ static const float *shared_brick(const iso_hgrid *grid, const cube *c) {
 }
 
 double iso_grid_sample(const iso_grid *grid, iso_vec3 p) {
-    cube c = cube_at(grid, p);
+    interpolation_cell c = cell_around(grid, p);
     double v[8];
     const float *brick = grid->hgrid ? shared_brick(grid->hgrid, &c) : NULL;
     for (int corner = 0; corner < 8; corner++) {
@@ -155,7 +156,7 @@ double iso_grid_sample(const iso_grid *grid, iso_vec3 p) {
     return blend_corners(v, c.fraction);
 }
 
-/* Difference along one axis: has_low and has_high say whether the neighbour lies in the grid. */
+/* The difference along one axis; has_low and has_high: whether the neighbours lie in the grid. */
 static double difference(double low, double middle, double high, bool has_low, bool has_high) {
     has_low = has_low && isfinite(low);
     has_high = has_high && isfinite(high);
@@ -176,7 +177,7 @@ iso_vec3 iso_grid_voxel_gradient(const iso_grid *grid, int x, int y, int z) {
 }
 
 iso_vec3 iso_grid_gradient(const iso_grid *grid, iso_vec3 p) {
-    cube c = cube_at(grid, p);
+    interpolation_cell c = cell_around(grid, p);
     double gx[8], gy[8], gz[8];
     for (int corner = 0; corner < 8; corner++) {
         iso_vec3 g = iso_grid_voxel_gradient(grid, corner & 1 ? c.hi[0] : c.lo[0],
@@ -189,15 +190,15 @@ iso_vec3 iso_grid_gradient(const iso_grid *grid, iso_vec3 p) {
                          blend_corners(gz, c.fraction));
 }
 
-typedef struct nonfinite_job {
+typedef struct nonfinite_count {
     const iso_rgrid *grid;
     atomic_size_t count; /* a sum of integers: the order of slices does not matter */
-} nonfinite_job;
+} nonfinite_count;
 
 static void count_slice(void *context, size_t z, int worker) {
     (void)worker;
-    nonfinite_job *job = context;
-    const iso_rgrid *grid = job->grid;
+    nonfinite_count *total = context;
+    const iso_rgrid *grid = total->grid;
     size_t count = 0;
     for (int y = 0; y < grid->dims[1]; y++) {
         const float *row = (const float *)grid->data + y * grid->stride_y + (ptrdiff_t)z * grid->stride_z;
@@ -205,12 +206,12 @@ static void count_slice(void *context, size_t z, int worker) {
         for (int x = 0; x < grid->dims[0]; x++) found += !isfinite(row[x]);
         count += found;
     }
-    atomic_fetch_add_explicit(&job->count, count, memory_order_relaxed);
+    atomic_fetch_add_explicit(&total->count, count, memory_order_relaxed);
 }
 
 size_t iso_grid_count_nonfinite(const iso_grid *grid, iso_pool *pool) {
     if (grid->hgrid || grid->rgrid->type != ISO_FLOAT32) return 0;
-    nonfinite_job job = {.grid = grid->rgrid};
-    iso_parallel_for(pool, (size_t)grid->rgrid->dims[2], count_slice, &job);
-    return atomic_load(&job.count);
+    nonfinite_count total = {.grid = grid->rgrid};
+    iso_parallel_for(pool, (size_t)grid->rgrid->dims[2], count_slice, &total);
+    return atomic_load(&total.count);
 }

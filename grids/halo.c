@@ -1,10 +1,11 @@
+/* Widens the boxes of changes by a halo and lists the bricks that they meet. */
 #include "grids/halo.h"
 
 #include <stdlib.h>
 
 #include "base/primitives.h"
 
-/* Range of bricks, on one axis, of voxels 16 * cell + lo - down .. 16 * cell + hi + up. */
+/* A range of bricks along one axis. */
 typedef struct brick_range {
     int first, last;
 } brick_range;

@@ -1,4 +1,5 @@
-/* hgrid: the two-level grid of Baerentzen and Christensen 2003, section 3. */
+/* The two-level grid of Baerentzen and Christensen 2003, section 3: the pool of bricks, splitting, coalescing
+ * and cropping. */
 #include "grids/hgrid.h"
 
 #include <string.h>
@@ -23,7 +24,7 @@ static iso_status add_chunk(iso_brick_pool *pool, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status take_brick(iso_hgrid *grid, int32_t *number, iso_error *error) {
+static iso_status allocate_brick(iso_hgrid *grid, int32_t *number, iso_error *error) {
     iso_brick_pool *pool = &grid->pool;
     if (pool->first_free >= 0) {
         *number = pool->first_free;
@@ -36,13 +37,14 @@ static iso_status take_brick(iso_hgrid *grid, int32_t *number, iso_error *error)
     return ISO_OK;
 }
 
-static void give_brick(iso_hgrid *grid, int32_t number) {
+static void release_brick(iso_hgrid *grid, int32_t number) {
     memcpy(iso_hgrid_brick(grid, number), &grid->pool.first_free, sizeof grid->pool.first_free);
     grid->pool.first_free = number;
     grid->pool.used--;
 }
 
-static iso_status check(const int dims[3], float band, const iso_transform *transform, iso_error *error) {
+static iso_status check_arguments(const int dims[3], float band, const iso_transform *transform,
+                                  iso_error *error) {
     for (int axis = 0; axis < 3; axis++) {
         if (dims[axis] < 1)
             return iso_fail(error, ISO_ERR_FORMAT, "a level set of %d x %d x %d voxels has none", dims[0],
@@ -60,7 +62,7 @@ static iso_status check(const int dims[3], float band, const iso_transform *tran
 
 iso_status iso_hgrid_create(const int dims[3], float band, const iso_transform *transform, iso_hgrid **out,
                             iso_error *error) {
-    ISO_TRY(check(dims, band, transform, error));
+    ISO_TRY(check_arguments(dims, band, transform, error));
     iso_hgrid *grid = iso_alloc_zero(1, sizeof *grid);
     if (!grid) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a level set");
     for (int axis = 0; axis < 3; axis++) {
@@ -95,7 +97,7 @@ void iso_hgrid_destroy(iso_hgrid *grid) {
 
 iso_status iso_hgrid_split_unset(iso_hgrid *grid, int cx, int cy, int cz, iso_error *error) {
     int32_t *cell = &grid->cell[iso_hgrid_cell_index(grid, cx, cy, cz)];
-    return *cell >= 0 ? ISO_OK : take_brick(grid, cell, error);
+    return *cell >= 0 ? ISO_OK : allocate_brick(grid, cell, error);
 }
 
 iso_status iso_hgrid_split(iso_hgrid *grid, int cx, int cy, int cz, float **brick, iso_error *error) {
@@ -121,11 +123,11 @@ void iso_hgrid_reserve(iso_hgrid *grid, int bricks) {
 
 void iso_hgrid_coalesce(iso_hgrid *grid, int cx, int cy, int cz, int32_t state) {
     int32_t *cell = &grid->cell[iso_hgrid_cell_index(grid, cx, cy, cz)];
-    if (*cell >= 0) give_brick(grid, *cell);
+    if (*cell >= 0) release_brick(grid, *cell);
     *cell = state;
 }
 
-/* Coalesces the cell when its voxels inside the grid are all +band or all -band. */
+/* Coalesces a cell whose voxels inside the grid are all +band or all -band. */
 static void prune_cell(iso_hgrid *grid, int cx, int cy, int cz) {
     int32_t number = grid->cell[iso_hgrid_cell_index(grid, cx, cy, cz)];
     if (number < 0) return;
@@ -159,15 +161,14 @@ size_t iso_hgrid_bytes(const iso_hgrid *grid) {
            pool->chunk_room * sizeof *pool->chunk;
 }
 
-iso_status iso_hgrid_touch(iso_hgrid *grid, const int lo[3], const int hi[3], iso_error *error) {
+iso_status iso_hgrid_mark_changed(iso_hgrid *grid, const int lo[3], const int hi[3], iso_error *error) {
     int last[3];
     for (int axis = 0; axis < 3; axis++) last[axis] = iso_min_int(hi[axis], grid->dims[axis] - 1);
     iso_change_log_begin(grid->log);
-    return iso_change_log_touch(grid->log, lo, last, error);
+    return iso_change_log_add(grid->log, lo, last, error);
 }
 
-/* The state shared by all cells of `grid` that voxels first..last lie in, or 0 when one has a brick or they
- * differ. */
+/* The common entry of all cells of voxels first..last, or 0 if one has a brick or the entries differ. */
 static int32_t common_state(const iso_hgrid *grid, const int first[3], const int last[3]) {
     int32_t state = 0;
     for (int z = first[2] / ISO_BRICK; z <= last[2] / ISO_BRICK; z++)
@@ -180,7 +181,7 @@ static int32_t common_state(const iso_hgrid *grid, const int first[3], const int
     return state;
 }
 
-/* Cell c of `cropped` from voxels lo + 16 c of `grid`. */
+/* Fills cell c of `cropped` with the voxels of `grid` from lo + 16 c on. */
 static iso_status crop_cell(const iso_hgrid *grid, const int lo[3], const int c[3], iso_hgrid *cropped,
                             iso_error *error) {
     int first[3], last[3];
@@ -232,7 +233,7 @@ iso_status iso_hgrid_copy_cells(const iso_hgrid *from, iso_hgrid *to, iso_error 
     const int lo[3] = {0, 0, 0}, hi[3] = {to->dims[0] - 1, to->dims[1] - 1, to->dims[2] - 1};
     if (memcmp(from->dims, to->dims, sizeof to->dims) || from->band != to->band)
         return iso_fail(error, ISO_ERR_USAGE, "level sets of different shapes");
-    ISO_TRY(iso_hgrid_touch(to, lo, hi, error));
+    ISO_TRY(iso_hgrid_mark_changed(to, lo, hi, error));
     for (int z = 0; z < to->cells[2]; z++)
         for (int y = 0; y < to->cells[1]; y++)
             for (int x = 0; x < to->cells[0]; x++) {

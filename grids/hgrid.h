@@ -1,13 +1,12 @@
-/* hgrid: a two-level grid of signed distances (2003, section 3).
+/* hgrid: a two-level sparse grid of signed distances (Baerentzen and Christensen 2003, section 3).
  *
- * A dense top-level array of cells; each is empty (wholly outside or wholly inside) or holds a brick of 16^3
- * floats: the signed distance to the surface in voxels, negative inside, clamped at +-band (band >= 3). Brick
- * voxel (x, y, z) is at [(z * 16 + y) * 16 + x]: x fastest (OpenVDB's leaves have z fastest). Bricks lie
- * 64-byte aligned in a pool and never move while they exist. An empty cell reads as +band outside and -band
- * inside; voxel coordinates outside the grid are clamped to it. Access takes constant time; reading never
- * allocates.
+ * The top level is a dense array of cells. A cell is empty (entirely outside or entirely inside) or has a
+ * brick of 16^3 floats: the signed distances to the surface in voxels, negative inside, clamped to +-band (at
+ * least 3). Voxel (x, y, z) of a brick is at [(z * 16 + y) * 16 + x]: x is fastest, unlike in OpenVDB's
+ * leaves. Bricks are 64-byte aligned in a pool and are not moved while they exist. The voxels of an empty
+ * cell read as +band or -band. Access takes constant time, and reading never allocates.
  *
- * Reading is thread-safe while nobody writes. Writers call iso_hgrid_touch for what they changed. */
+ * Reading is thread-safe while nobody writes. Writers call iso_hgrid_mark_changed for what they changed. */
 #ifndef ISO_GRIDS_HGRID_H
 #define ISO_GRIDS_HGRID_H
 
@@ -23,24 +22,24 @@
 extern "C" {
 #endif
 
-/* Values of a top-level cell that has no brick. */
+/* Entries of cells without a brick. */
 enum { ISO_CELL_OUTSIDE = -1, ISO_CELL_INSIDE = -2 };
 /* Largest number of voxels along an axis. */
 enum { ISO_HGRID_MAX = 2048 };
 
-/* Bricks lie in chunks of 4 MiB; free ones are chained through their first four bytes. */
+/* The memory of bricks: chunks of 4 MiB. Free bricks form a list linked through their first four bytes. */
 enum { ISO_POOL_CHUNK = 256 };
 typedef struct iso_brick_pool {
-    float **chunk; /* each ISO_POOL_CHUNK bricks, 2 MiB aligned; only this table ever moves */
+    float **chunk; /* each has ISO_POOL_CHUNK bricks, 2 MiB aligned; only this table is reallocated */
     size_t chunk_count, chunk_room;
     int32_t first_free; /* -1: none */
-    int32_t next;       /* bricks from here on were never used */
-    int32_t ready;      /* bricks up to here have been written to */
-    size_t used;
+    int32_t next;       /* bricks from this one on were never allocated */
+    int32_t ready;      /* pages of bricks before this one have been touched */
+    size_t used;        /* bricks in use */
 } iso_brick_pool;
 
 typedef struct iso_hgrid {
-    int dims[3];   /* voxels; the last cell of an axis may stick out beyond them */
+    int dims[3];   /* voxels; the last cell along an axis may extend beyond them */
     int cells[3];  /* ceil(dims / 16) */
     int32_t *cell; /* cells, x fastest: a brick's number in the pool, or ISO_CELL_OUTSIDE / ISO_CELL_INSIDE */
     float band;    /* clamp, voxels, >= 3 */
@@ -49,9 +48,9 @@ typedef struct iso_hgrid {
     iso_change_log *log;
 } iso_hgrid;
 
-/* A grid of empty cells, all outside. dims 1 .. 2048 each (ISO_ERR_LIMIT above); band 0 means 3, below 3 is
- * ISO_ERR_USAGE; transform NULL means identity, singular is ISO_ERR_FORMAT. Destroy with iso_hgrid_destroy.
- */
+/* Creates a grid whose cells are all empty and outside. band 0 means 3; transform NULL means identity.
+ * ISO_ERR_LIMIT: more than ISO_HGRID_MAX voxels along an axis; ISO_ERR_USAGE: a band below 3; ISO_ERR_FORMAT:
+ * a size below 1 or a singular transform; ISO_ERR_NOMEM. */
 iso_status iso_hgrid_create(const int dims[3], float band, const iso_transform *transform, iso_hgrid **grid,
                             iso_error *error);
 void iso_hgrid_destroy(iso_hgrid *grid);
@@ -72,51 +71,51 @@ static inline void iso_hgrid_cell_position(const iso_hgrid *grid, size_t cell, i
     at[2] = (int)(cell / nx / ny);
 }
 
-/* The 4096 floats of a brick by its number in the pool. */
+/* The 4096 values of a brick, by its number in the pool. */
 static inline float *iso_hgrid_brick(const iso_hgrid *grid, int32_t brick) {
     return grid->pool.chunk[brick / ISO_POOL_CHUNK] + (size_t)(brick % ISO_POOL_CHUNK) * ISO_BRICK_VOXELS;
 }
 
-/* What every voxel of an empty cell reads as. */
+/* The value of all voxels of an empty cell. */
 static inline float iso_hgrid_empty_value(const iso_hgrid *grid, int32_t state) {
     return state == ISO_CELL_INSIDE ? -grid->band : grid->band;
 }
 
-/* The brick of a cell, made (filled with the empty cell's value) when there is none. Not a change by itself:
- * touch what you write. ISO_ERR_NOMEM leaves the grid as it was. */
+/* Returns the brick of a cell, and allocates one filled with the cell's value if it is empty. This is no
+ * change by itself: the caller records the voxels that it writes. ISO_ERR_NOMEM: the grid is as before. */
 iso_status iso_hgrid_split(iso_hgrid *grid, int cx, int cy, int cz, float **brick, iso_error *error);
 
-/* The same when all of the brick is to be written anyway: a brick that is made holds anything. */
+/* The same without initialising a new brick, for callers that write all of it. */
 iso_status iso_hgrid_split_unset(iso_hgrid *grid, int cx, int cy, int cz, iso_error *error);
 
-/* Touches the memory of the next `bricks` bricks, so that making them costs no page faults: for who has time
- * now and not then. What cannot be had is left for later. */
+/* Allocates memory for the next `bricks` bricks and touches its pages, so that page faults happen now and not
+ * during a stroke. Does less if memory is short. */
 void iso_hgrid_reserve(iso_hgrid *grid, int bricks);
 
-/* Makes a cell empty (state ISO_CELL_OUTSIDE or ISO_CELL_INSIDE); its brick goes back to the pool. */
+/* Makes a cell empty, with the entry ISO_CELL_OUTSIDE or ISO_CELL_INSIDE, and frees its brick. */
 void iso_hgrid_coalesce(iso_hgrid *grid, int cx, int cy, int cz, int32_t state);
 
-/* Coalesces every cell whose voxels are all +band or all -band. Here as everywhere, the part of a brick that
- * sticks out beyond dims counts for nothing: writers may leave anything there. */
+/* Coalesces every cell whose voxels are all +band or all -band. Voxels of a brick beyond dims are ignored,
+ * here and everywhere else: writers may leave anything there. */
 void iso_hgrid_prune(iso_hgrid *grid);
 
-/* Bricks in use, and bytes of the whole grid. */
+/* The number of bricks in use, and the bytes of the whole grid. */
 size_t iso_hgrid_brick_count(const iso_hgrid *grid);
 size_t iso_hgrid_bytes(const iso_hgrid *grid);
 
-/* Starts an edit and records voxels lo..hi (clipped to the grid) as changed. */
-iso_status iso_hgrid_touch(iso_hgrid *grid, const int lo[3], const int hi[3], iso_error *error);
+/* Starts an edit and records voxels lo..hi (inclusive, clipped to the grid) as changed. ISO_ERR_NOMEM. */
+iso_status iso_hgrid_mark_changed(iso_hgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
-/* A new grid holding voxels lo..hi (inclusive) of this one, with its origin moved accordingly and an empty
- * log. ISO_ERR_USAGE when the range is empty or outside. The original is untouched. */
+/* Creates a grid with voxels lo..hi (inclusive) of this one, its origin moved accordingly, and an empty log.
+ * ISO_ERR_USAGE: the range is empty or outside; ISO_ERR_NOMEM. */
 iso_status iso_hgrid_crop(const iso_hgrid *grid, const int lo[3], const int hi[3], iso_hgrid **cropped,
                           iso_error *error);
 
-/* Makes `to`, a grid of the same dims and band, hold the same cells; all of it counts as changed.
- * ISO_ERR_USAGE: not the same shape. ISO_ERR_NOMEM: some cells are copied. */
+/* Copies all cells to `to`, a grid of the same dims and band, and records all of it as changed.
+ * ISO_ERR_USAGE: other dims or band. ISO_ERR_NOMEM: only some cells are copied. */
 iso_status iso_hgrid_copy_cells(const iso_hgrid *from, iso_hgrid *to, iso_error *error);
 
-/* Distance at a voxel, which must be inside the grid. */
+/* The distance at a voxel inside the grid. */
 static inline float iso_hgrid_at(const iso_hgrid *grid, int x, int y, int z) {
     int32_t brick = grid->cell[iso_hgrid_cell_index(grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK)];
     if (brick < 0) return iso_hgrid_empty_value(grid, brick);

@@ -1,9 +1,9 @@
-/* interval_tree: Cignoni et al. 1997.
+/* The interval tree of Cignoni et al. 1997.
  *
- * Span-space lattices (Shen et al. 1996) are as fast where values spread evenly and degrade where they crowd,
- * as CT's do around air; buckets per value fit 8-bit data alone. The tree is optimal for any distribution and
- * the same for all types. It is built without comparisons: both ends are sorted by radix once, and handing
- * the sorted ends out to the nodes leaves every node's lists sorted. */
+ * Span-space lattices (Shen et al. 1996) are as fast for evenly distributed values, but degrade where values
+ * cluster, as those of CT around air; buckets for each value suit 8-bit data only. The tree is optimal for
+ * any distribution and the same for all types. It is built without comparisons: both ends are radix-sorted
+ * once, and distributing the sorted ends to the nodes leaves the lists of each node sorted. */
 #include "grids/interval_tree.h"
 
 #include <stdbool.h>
@@ -11,7 +11,7 @@
 
 #include "base/memory.h"
 
-/* Numbers in the order of the floats (-0 before 0). */
+/* Maps floats to integers with the same order (-0 before 0). */
 static inline uint32_t key_of(float value) {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
@@ -20,41 +20,41 @@ static inline uint32_t key_of(float value) {
 
 enum { DIGITS = 4, DIGIT_VALUES = 256 };
 
-/* Stable, ascending. *ends and *spare may trade places. A digit that all have in common is passed over: the
- * floats of small integers differ in two of four. */
+/* Radix sort, stable and ascending; *ends and *spare may be exchanged. Digits that are the same in all ends
+ * are skipped: floats of small integers differ in two of four bytes. */
 static void sort_ends(iso_interval_end **ends, iso_interval_end **spare, size_t count) {
-    uint32_t places[DIGITS][DIGIT_VALUES] = {{0}};
+    uint32_t offsets[DIGITS][DIGIT_VALUES] = {{0}};
     for (size_t i = 0; i < count; i++) {
         uint32_t key = key_of((*ends)[i].at);
-        for (int digit = 0; digit < DIGITS; digit++) places[digit][key >> 8 * digit & 255]++;
+        for (int digit = 0; digit < DIGITS; digit++) offsets[digit][key >> 8 * digit & 255]++;
     }
     for (int digit = 0; digit < DIGITS && count; digit++) {
-        uint32_t *place = places[digit], sum = 0;
-        if (place[key_of((*ends)[0].at) >> 8 * digit & 255] == count) continue;
+        uint32_t *offset = offsets[digit], sum = 0;
+        if (offset[key_of((*ends)[0].at) >> 8 * digit & 255] == count) continue;
         for (int value = 0; value < DIGIT_VALUES; value++) {
-            uint32_t here = place[value];
-            place[value] = sum;
+            uint32_t here = offset[value];
+            offset[value] = sum;
             sum += here;
         }
         iso_interval_end *from = *ends, *to = *spare;
-        for (size_t i = 0; i < count; i++) to[place[key_of(from[i].at) >> 8 * digit & 255]++] = from[i];
+        for (size_t i = 0; i < count; i++) to[offset[key_of(from[i].at) >> 8 * digit & 255]++] = from[i];
         *ends = to;
         *spare = from;
     }
 }
 
-static void gather(const float *lo, const float *hi, const float *at, uint32_t total,
-                   iso_interval_end *ends) {
+static void collect_ends(const float *lo, const float *hi, const float *at, uint32_t total,
+                         iso_interval_end *ends) {
     size_t count = 0;
     for (uint32_t i = 0; i < total; i++)
         if (lo[i] < hi[i]) ends[count++] = (iso_interval_end){at[i], i};
 }
 
-/* What a build works on. `lower` and `upper` begin as the sorted ends of all intervals. */
+/* The working memory of a build. */
 typedef struct build {
     iso_interval_tree tree;
     iso_interval_end *by_lower, *by_upper, *spare;
-    uint32_t *node; /* of every interval; its upper end's number at first */
+    uint32_t *node; /* by interval: its node; at first the number of its upper end */
 } build;
 
 static void number_splits(build *b) {
@@ -66,8 +66,9 @@ static void number_splits(build *b) {
     }
 }
 
-/* The interval holds splits first .. last. Among these numbers the topmost node is the one with the most
- * trailing zeros: cut `last` below the highest bit in which it differs from first - 1. */
+/* Finds the node of each interval. An interval contains splits first .. last, and the topmost of these nodes
+ * is the number with the most trailing zeros: `last` with all bits below the highest one in which it differs
+ * from first - 1 cleared. */
 static void find_nodes(build *b) {
     const iso_interval_tree *tree = &b->tree;
     uint32_t first = 1;
@@ -80,9 +81,9 @@ static void find_nodes(build *b) {
     }
 }
 
-/* The first hand-out moves every start to its node's end, the second one, from there down, moves it back and
- * turns ascending into descending. */
-static void hand_out(build *b) {
+/* Fills the lists of the nodes. Filling `lower` moves every start to the end of its node; filling `upper`
+ * backwards from there moves it back and makes the order descending. */
+static void distribute(build *b) {
     iso_interval_tree *tree = &b->tree;
     uint32_t *starts = tree->starts, sum = 0;
     memset(starts, 0, ((size_t)tree->nodes + 2) * sizeof *starts);
@@ -101,7 +102,7 @@ static void hand_out(build *b) {
     b->spare = b->by_lower = NULL;
 }
 
-static iso_status reserve(build *b, uint32_t total, iso_error *error) {
+static iso_status allocate_build(build *b, uint32_t total, iso_error *error) {
     size_t bytes = b->tree.count * sizeof(iso_interval_end);
     b->by_lower = iso_alloc(bytes);
     b->by_upper = iso_alloc(bytes);
@@ -122,25 +123,25 @@ static iso_status reserve_nodes(build *b, iso_error *error) {
                     (unsigned)distinct);
 }
 
-static iso_status make(build *b, const float *lo, const float *hi, uint32_t total, iso_error *error) {
+static iso_status build_tree(build *b, const float *lo, const float *hi, uint32_t total, iso_error *error) {
     for (uint32_t i = 0; i < total; i++) b->tree.count += lo[i] < hi[i];
     if (b->tree.count == 0) return ISO_OK;
-    ISO_TRY(reserve(b, total, error));
-    gather(lo, hi, hi, total, b->by_upper);
+    ISO_TRY(allocate_build(b, total, error));
+    collect_ends(lo, hi, hi, total, b->by_upper);
     sort_ends(&b->by_upper, &b->spare, b->tree.count);
-    gather(lo, hi, lo, total, b->by_lower);
+    collect_ends(lo, hi, lo, total, b->by_lower);
     sort_ends(&b->by_lower, &b->spare, b->tree.count);
     ISO_TRY(reserve_nodes(b, error));
     number_splits(b);
     find_nodes(b);
-    hand_out(b);
+    distribute(b);
     return ISO_OK;
 }
 
 iso_status iso_interval_tree_build(iso_interval_tree *tree, const float *lo, const float *hi, uint32_t total,
                                    iso_error *error) {
     build b = {0};
-    iso_status status = make(&b, lo, hi, total, error);
+    iso_status status = build_tree(&b, lo, hi, total, error);
     iso_interval_tree_free(status == ISO_OK ? tree : &b.tree);
     if (status == ISO_OK) *tree = b.tree;
     iso_free(b.by_lower);
@@ -158,7 +159,7 @@ void iso_interval_tree_free(iso_interval_tree *tree) {
     *tree = (iso_interval_tree){0};
 }
 
-/* How many of count ends, from the first on, lie below a value, or at or above it. */
+/* How many of the first ends lie below a value (or, count_from, at or above it). */
 static size_t count_below(const iso_interval_end *ends, size_t count, float value, size_t *looks) {
     size_t i = 0;
     while (i < count && (++*looks, ends[i].at < value)) i++;
@@ -177,7 +178,7 @@ int iso_interval_tree_query(const iso_interval_tree *tree, float value,
     int found = 0;
     uint32_t step = (uint32_t)1 << (31 - __builtin_clz(tree->nodes));
     for (uint32_t node = step; step; step >>= 1) {
-        /* The tree is perfect, the numbers end: beyond them splits are infinite and lists empty. */
+        /* Nodes beyond the last one do not exist: they count as an infinite split with empty lists. */
         const bool exists = node <= tree->nodes, left = !exists || value <= tree->splits[node];
         if (exists) {
             const size_t first = tree->starts[node], count = tree->starts[node + 1] - first;

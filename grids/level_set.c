@@ -1,3 +1,4 @@
+/* Writing level sets through OpenVDB's module, and resizing them. */
 #include "grids/level_set.h"
 
 #include <math.h>
@@ -24,7 +25,7 @@ iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, cons
     return status;
 }
 
-/* A cell's values; whether any differs from the first. */
+/* Reads the values of a cell of the result. Returns whether it needs a brick. */
 static bool read_cell(const iso_hgrid *from, const int first[3], float values[ISO_BRICK_VOXELS]) {
     bool mixed = false;
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
@@ -36,7 +37,7 @@ static bool read_cell(const iso_hgrid *from, const int first[3], float values[IS
     return mixed || fabsf(values[0]) < from->band;
 }
 
-static iso_status fill(const iso_hgrid *from, const int offset[3], iso_hgrid *grid, iso_error *error) {
+static iso_status copy_cells(const iso_hgrid *from, const int offset[3], iso_hgrid *grid, iso_error *error) {
     int at[3];
     for (at[2] = 0; at[2] < grid->cells[2]; at[2]++)
         for (at[1] = 0; at[1] < grid->cells[1]; at[1]++)
@@ -54,13 +55,13 @@ static iso_status fill(const iso_hgrid *from, const int offset[3], iso_hgrid *gr
     return ISO_OK;
 }
 
-iso_status iso_level_set_reframe(const iso_hgrid *from, const int offset[3], const int dims[3],
-                                 iso_hgrid **out, iso_error *error) {
+iso_status iso_level_set_resize(const iso_hgrid *from, const int offset[3], const int dims[3],
+                                iso_hgrid **out, iso_error *error) {
     const int first[3] = {-offset[0], -offset[1], -offset[2]};
     const iso_transform transform = iso_transform_shift(&from->transform, first);
     iso_hgrid *grid;
     ISO_TRY(iso_hgrid_create(dims, from->band, &transform, &grid, error));
-    iso_status status = fill(from, offset, grid, error);
+    iso_status status = copy_cells(from, offset, grid, error);
     if (status == ISO_OK)
         *out = grid;
     else

@@ -1,4 +1,5 @@
-/* Any grid as the beginning of a level set. */
+/* Sampling of any grid as the start of a level set: cells that may contain part of the band get a brick,
+ * bricks are sampled, and all values are scaled so that those beside the interface fit into the band. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,15 +7,15 @@
 #include "base/memory.h"
 #include "grids/level_set.h"
 
-/* Cells this many voxels from the interface have bricks: the band and what central differences see. */
-enum { REACH = 4 };
-/* Cells between two words about the progress. */
-enum { TELL = 1024 };
-/* Values at the interface are scaled so that nearly all stay below this: their neighbours', which say how
- * steep the field is there, are then inside the band as well. */
+/* Cells within this many voxels of the interface have bricks: the band's 3, and 1 for central differences. */
+enum { BAND_CELLS_REACH = 4 };
+/* Cells between two reports of progress. */
+enum { PROGRESS_CELLS = 1024 };
+/* Values at the interface are scaled so that nearly all are below this. Then their neighbours' values, which
+ * determine the gradient there, are inside the band too. */
 static const double INTERFACE_MOST = 1.2;
-/* Voxels away from the interface: inside the band, so that redistancing works on them. */
-static const double BEYOND = 2.99;
+/* The largest value: inside the band, so that redistancing changes these voxels. */
+static const double FAR_VALUE = 2.99;
 
 typedef struct resampling {
     const iso_grid *from;
@@ -27,7 +28,7 @@ typedef struct resampling {
     iso_progress progress; /* of sampling */
 } resampling;
 
-/* Negative inside. Beyond the grid, and where there is no number, outside. */
+/* The value at a voxel, negative inside; INFINITY beyond the grid and where a value is not finite. */
 static double value_at(const resampling *r, const int voxel[3]) {
     double p[3];
     const int *dims = iso_grid_dims(r->from);
@@ -41,7 +42,7 @@ static double value_at(const resampling *r, const int voxel[3]) {
     return r->sign < 0 && value == 0 ? -0x1p-120 : value; /* at the isovalue is inside */
 }
 
-/* ---- which cells may hold part of the band */
+/* ---- which cells may contain part of the band */
 
 static void find_crossing(void *context, size_t index, int worker) {
     (void)worker;
@@ -52,13 +53,14 @@ static void find_crossing(void *context, size_t index, int worker) {
     r->crosses[index] = (uint8_t)iso_grid_brick_may_cross(r->from, brick, (float)r->isovalue);
 }
 
-/* The bricks of `from` around a cell, and whether it reaches beyond the grid. */
+/* The bricks of `from` around a cell; returns whether the cell extends beyond the grid. */
 static bool brick_range(const resampling *r, const int at[3], int lo[3], int hi[3]) {
     const int *dims = iso_grid_dims(r->from);
     bool beyond = false;
     for (int axis = 0; axis < 3; axis++) {
-        const double first = r->scale[axis] * (ISO_BRICK * at[axis] - REACH) - r->offset[axis];
-        const double last = r->scale[axis] * (ISO_BRICK * (at[axis] + 1) + REACH) - r->offset[axis];
+        const double first = r->scale[axis] * (ISO_BRICK * at[axis] - BAND_CELLS_REACH) - r->offset[axis];
+        const double last =
+            r->scale[axis] * (ISO_BRICK * (at[axis] + 1) + BAND_CELLS_REACH) - r->offset[axis];
         beyond |= first < 0 || last > dims[axis] - 1;
         lo[axis] = (int)(fmin(fmax(first - 1, 0), dims[axis] - 1) / ISO_BRICK);
         hi[axis] = (int)(fmin(fmax(last + 1, 0), dims[axis] - 1) / ISO_BRICK);
@@ -68,7 +70,7 @@ static bool brick_range(const resampling *r, const int at[3], int lo[3], int hi[
 
 static bool may_hold_band(const resampling *r, const int at[3]) {
     int lo[3], hi[3];
-    if (brick_range(r, at, lo, hi)) return true; /* the grid's border may be one of the solid */
+    if (brick_range(r, at, lo, hi)) return true; /* the solid may end at the grid's border */
     for (int z = lo[2]; z <= hi[2]; z++)
         for (int y = lo[1]; y <= hi[1]; y++)
             for (int x = lo[0]; x <= hi[0]; x++)
@@ -82,7 +84,7 @@ static bool may_hold_band(const resampling *r, const int at[3]) {
 static iso_status make_cells(const resampling *r, const iso_progress *progress, iso_error *error) {
     const size_t count = iso_hgrid_cell_count(r->to);
     for (size_t cell = 0; cell < count; cell++) {
-        if (cell % TELL == 0)
+        if (cell % PROGRESS_CELLS == 0)
             ISO_TRY(iso_progress_tell(progress, "the volume", (double)cell / (double)count, error));
         int at[3];
         float *brick;
@@ -103,7 +105,7 @@ static void sample_cell(void *context, size_t index, int worker) {
     const resampling *r = context;
     if (r->to->cell[index] < 0) return;
     const double fraction = (double)index / (double)iso_hgrid_cell_count(r->to);
-    if (iso_progress_tell(&r->progress, "", fraction, NULL) != ISO_OK) return; /* (told afterwards) */
+    if (iso_progress_tell(&r->progress, "", fraction, NULL) != ISO_OK) return; /* reported by the caller */
     int at[3];
     iso_hgrid_cell_position(r->to, index, at);
     float *brick = iso_hgrid_brick(r->to, r->to->cell[index]);
@@ -138,7 +140,7 @@ static void for_interface(const resampling *r, void (*visit)(void *, float *, bo
     }
 }
 
-/* Magnitudes at the interface by powers of two. */
+/* A histogram of the magnitudes at the interface, by powers of two. */
 typedef struct magnitudes {
     size_t count[512], all;
     float factor;
@@ -153,18 +155,18 @@ static void count_magnitude(void *context, float *value, bool interface) {
     m->all++;
 }
 
-/* Signs never change, so it does not matter which voxel is first. Beyond the grid the surface is taken to
- * pass half-way. */
+/* Scales a value and keeps its sign, so the order of voxels does not matter. Towards voxels beyond the grid
+ * the surface is assumed to pass half-way. */
 static void scale_value(void *context, float *value, bool interface) {
     const magnitudes *m = context;
-    const float side = *value < 0 ? -1 : 1, scaled = fabsf(*value) * m->factor, most = (float)BEYOND;
+    const float side = *value < 0 ? -1 : 1, scaled = fabsf(*value) * m->factor, most = (float)FAR_VALUE;
     if (interface && !isfinite(*value))
         *value = 0.5f;
     else
         *value = side * (scaled < 1e-4f ? 1e-4f : scaled < most ? scaled : most);
 }
 
-/* By the power of two that all but a thousandth stay below. */
+/* Scales all values by the power of two that all but a thousandth of the magnitudes are below. */
 static iso_status scale_values(const resampling *r, const char *path, iso_error *error) {
     magnitudes *m = iso_alloc_zero(1, sizeof *m);
     if (!m) return iso_fail_memory(error, path);

@@ -1,8 +1,9 @@
-/* What a closed mesh encloses as a level set.
+/* Conversion of the solid that a closed mesh encloses to a level set.
  *
- * Distances are exact: to the nearest triangle or cap. Where those of two neighbouring voxels add up to more
- * than the way between them, no surface lies between, and both are on the same side: voxels are joined to
- * regions, and one winding number a region tells its side, at the voxel that is farthest from the surface. */
+ * Distances are exact: to the nearest triangle or cap. If the distances of two neighbouring voxels add up to
+ * more than the distance between the voxels, no surface lies between them and both are on the same side.
+ * Voxels are joined to regions in this way, and the side of a region is found by one winding number (Jacobson
+ * et al. 2013), at its voxel that is farthest from the surface. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,28 +13,29 @@
 #include "grids/level_set.h"
 
 static const double BAND = 3;
-/* Rounding of distances, in voxels. */
+/* The tolerance for rounding of distances, in voxels. */
 static const double ROUNDING = 1e-4;
-/* Half the diagonal of a brick's voxels, in voxels. */
-static const double BRICK_REACH = 12.991;
-/* Voxels a side of the blocks that are asked for their distance as one, and half such a block's diagonal. */
-enum { BLOCK = 4 };
-static const double BLOCK_REACH = 2.599;
+/* Half the diagonal between the outermost voxels of a brick, in voxels. */
+static const double BRICK_RADIUS = 12.991;
+/* Bricks are divided into cubes of 4^3 voxels, which are skipped if their centre is far from the mesh; half
+ * the diagonal between the outermost voxels of such a cube. */
+enum { SUBBRICK = 4 };
+static const double SUBBRICK_RADIUS = 2.599;
 enum { NO_REGION = 0xffff };
 
-/* A region: of a brick until regions are joined. */
+/* A region: within a brick at first, later joined with others (union-find). */
 typedef struct region {
-    uint32_t parent; /* itself: it stands for all that are joined to it */
-    float depth;     /* of its deepest voxel, in voxels, and where that is */
-    uint32_t cell;
-    uint16_t voxel;
-    int16_t winding; /* rounded; of those that stand for others */
+    uint32_t parent; /* its own number: the representative of all that are joined to it */
+    float depth;     /* distance of its deepest voxel from the surface, in voxels */
+    uint32_t cell;   /* of the deepest voxel */
+    uint16_t voxel;  /* of the deepest voxel, in the cell */
+    int16_t winding; /* number, rounded; of representatives */
 } region;
 
-/* Sums over voxels. */
+/* Volumes: sums over voxels. */
 typedef struct volumes {
-    double winding; /* each counts as often as the mesh winds around it */
-    double solid;
+    double winding; /* each voxel counts as often as the mesh winds around it */
+    double solid;   /* voxels inside */
 } volumes;
 
 typedef struct conversion {
@@ -41,9 +43,9 @@ typedef struct conversion {
     const iso_closed_mesh *mesh;
     iso_hgrid *grid;
     double voxel;
-    iso_progress progress; /* of the part that is under way */
+    iso_progress progress; /* of the current part */
     size_t cells, bricks;
-    uint8_t *near;                       /* by cell */
+    uint8_t *near;                       /* by cell: it may contain part of the band */
     uint32_t *brick_cell;                /* by brick, in the order of cells */
     uint16_t (*label)[ISO_BRICK_VOXELS]; /* by brick: a voxel's region, counted in the brick */
     uint32_t *first;                     /* by cell: its first region; one more at the end */
@@ -52,9 +54,9 @@ typedef struct conversion {
     volumes *sums; /* by brick */
 } conversion;
 
-/* ---- places */
+/* ---- positions */
 
-static iso_vec3 place(const conversion *c, double x, double y, double z) {
+static iso_vec3 world_position(const conversion *c, double x, double y, double z) {
     const double *origin = c->grid->transform.origin;
     return iso_vec3_make(origin[0] + c->voxel * x, origin[1] + c->voxel * y, origin[2] + c->voxel * z);
 }
@@ -68,21 +70,21 @@ static void voxel_at(const conversion *c, size_t cell, int voxel, int at[3]) {
 
 /* ---- the grid */
 
-static iso_status frame_of(const char *path, const iso_closed_mesh *mesh, const iso_mesh_frame *frame,
-                           iso_hgrid **grid, iso_error *error) {
+static iso_status create_grid(const char *path, const iso_closed_mesh *mesh,
+                              const iso_mesh_sampling *sampling, iso_hgrid **grid, iso_error *error) {
     const iso_box box = iso_closed_mesh_box(mesh);
     const double lo[3] = {box.lo.x, box.lo.y, box.lo.z}, hi[3] = {box.hi.x, box.hi.y, box.hi.z};
     iso_transform transform = iso_transform_identity();
     int dims[3];
     for (int axis = 0; axis < 3; axis++) {
-        const double voxels = ceil((hi[axis] - lo[axis]) / frame->voxel) + 1 + 2.0 * frame->margin;
+        const double voxels = ceil((hi[axis] - lo[axis]) / sampling->voxel) + 1 + 2.0 * sampling->margin;
         const double whole = ceil(voxels / ISO_BRICK) * ISO_BRICK;
         if (!(whole <= ISO_HGRID_MAX))
             return iso_fail(error, ISO_ERR_LIMIT, "%s: %g voxels of %g mm along %c, at most %d", path, whole,
-                            frame->voxel, "xyz"[axis], ISO_HGRID_MAX);
+                            sampling->voxel, "xyz"[axis], ISO_HGRID_MAX);
         dims[axis] = (int)whole;
-        transform.spacing[axis] = frame->voxel;
-        transform.origin[axis] = (lo[axis] + hi[axis] - (whole - 1) * frame->voxel) / 2;
+        transform.spacing[axis] = sampling->voxel;
+        transform.origin[axis] = (lo[axis] + hi[axis] - (whole - 1) * sampling->voxel) / 2;
     }
     return iso_hgrid_create(dims, 0, &transform, grid, error);
 }
@@ -97,16 +99,16 @@ static bool cancelled(const conversion *c) {
     return iso_progress_cancelled(&c->progress);
 }
 
-static void find_near(void *context, size_t cell, int worker) {
+static void find_near_cell(void *context, size_t cell, int worker) {
     (void)worker;
     conversion *c = context;
     int at[3];
     iso_nearest nearest = {0};
     if (cancelled(c)) return;
     iso_hgrid_cell_position(c->grid, cell, at);
-    const double middle = (ISO_BRICK - 1) / 2.0, most = BAND + BRICK_REACH;
+    const double middle = (ISO_BRICK - 1) / 2.0, most = BAND + BRICK_RADIUS;
     const iso_vec3 p =
-        place(c, ISO_BRICK * at[0] + middle, ISO_BRICK * at[1] + middle, ISO_BRICK * at[2] + middle);
+        world_position(c, ISO_BRICK * at[0] + middle, ISO_BRICK * at[1] + middle, ISO_BRICK * at[2] + middle);
     c->near[cell] = distance_at(c, p, most, &nearest) < most;
 }
 
@@ -127,43 +129,43 @@ static float *brick_of(const conversion *c, size_t brick) {
     return iso_hgrid_brick(c->grid, c->grid->cell[c->brick_cell[brick]]);
 }
 
-static void measure_block(const conversion *c, size_t cell, const int corner[3], float *brick) {
+static void measure_subbrick(const conversion *c, size_t cell, const int corner[3], float *brick) {
     int at[3];
     iso_nearest nearest = {0};
     iso_hgrid_cell_position(c->grid, cell, at);
     for (int axis = 0; axis < 3; axis++) at[axis] = ISO_BRICK * at[axis] + corner[axis];
-    const double middle = (BLOCK - 1) / 2.0, most = BAND + BLOCK_REACH;
-    const iso_vec3 centre = place(c, at[0] + middle, at[1] + middle, at[2] + middle);
+    const double middle = (SUBBRICK - 1) / 2.0, most = BAND + SUBBRICK_RADIUS;
+    const iso_vec3 centre = world_position(c, at[0] + middle, at[1] + middle, at[2] + middle);
     const bool far = distance_at(c, centre, most, &nearest) >= most;
-    for (int i = 0; i < BLOCK * BLOCK * BLOCK; i++) {
-        const int x = i % BLOCK, y = i / BLOCK % BLOCK, z = i / (BLOCK * BLOCK);
+    for (int i = 0; i < SUBBRICK * SUBBRICK * SUBBRICK; i++) {
+        const int x = i % SUBBRICK, y = i / SUBBRICK % SUBBRICK, z = i / (SUBBRICK * SUBBRICK);
         const double d =
-            far ? BAND : distance_at(c, place(c, at[0] + x, at[1] + y, at[2] + z), BAND, &nearest);
+            far ? BAND : distance_at(c, world_position(c, at[0] + x, at[1] + y, at[2] + z), BAND, &nearest);
         brick[((corner[2] + z) * ISO_BRICK + corner[1] + y) * ISO_BRICK + corner[0] + x] = (float)d;
     }
 }
 
-/* Unsigned, at first. */
+/* Computes the distances of a brick, without signs. */
 static void measure_brick(void *context, size_t index, int worker) {
     conversion *c = context;
     int corner[3];
     float *brick = brick_of(c, index);
     (void)worker;
     if (iso_progress_tell(&c->progress, "", (double)index / (double)c->bricks, NULL) != ISO_OK) return;
-    for (corner[2] = 0; corner[2] < ISO_BRICK; corner[2] += BLOCK)
-        for (corner[1] = 0; corner[1] < ISO_BRICK; corner[1] += BLOCK)
-            for (corner[0] = 0; corner[0] < ISO_BRICK; corner[0] += BLOCK)
-                measure_block(c, c->brick_cell[index], corner, brick);
+    for (corner[2] = 0; corner[2] < ISO_BRICK; corner[2] += SUBBRICK)
+        for (corner[1] = 0; corner[1] < ISO_BRICK; corner[1] += SUBBRICK)
+            for (corner[0] = 0; corner[0] < ISO_BRICK; corner[0] += SUBBRICK)
+                measure_subbrick(c, c->brick_cell[index], corner, brick);
 }
 
 /* ---- regions of a brick */
 
-/* Whether no surface can lie between two voxels this far apart. */
-static bool joined(float a, float b, double apart) {
+/* Whether no surface can lie between two voxels with distances a and b that are `apart` voxels apart. */
+static bool same_side(float a, float b, double apart) {
     return (double)a + (double)b > apart + ROUNDING;
 }
 
-/* Labels what is joined to a voxel. `stack` has room for all voxels. */
+/* Labels the region of a voxel by flood fill. `stack` has room for all voxels. */
 static void flood(const float *brick, uint16_t *label, uint16_t number, uint16_t *stack, int seed) {
     static const double apart[4] = {0, 1, 1.4142135623730951, 1.7320508075688772};
     int depth = 0;
@@ -179,7 +181,7 @@ static void flood(const float *brick, uint16_t *label, uint16_t number, uint16_t
             if ((nx | ny | nz) < 0 || nx >= ISO_BRICK || ny >= ISO_BRICK || nz >= ISO_BRICK) continue;
             const int next = (nz * ISO_BRICK + ny) * ISO_BRICK + nx;
             if (label[next] != NO_REGION ||
-                !joined(brick[voxel], brick[next], apart[abs(dx) + abs(dy) + abs(dz)]))
+                !same_side(brick[voxel], brick[next], apart[abs(dx) + abs(dy) + abs(dz)]))
                 continue;
             label[next] = number;
             stack[depth++] = (uint16_t)next;
@@ -200,7 +202,7 @@ static void label_brick(void *context, size_t index, int worker) {
 
 /* ---- regions of the grid */
 
-static uint32_t find(region *regions, uint32_t r) {
+static uint32_t find_root(region *regions, uint32_t r) {
     while (regions[r].parent != r) {
         regions[r].parent = regions[regions[r].parent].parent;
         r = regions[r].parent;
@@ -208,10 +210,10 @@ static uint32_t find(region *regions, uint32_t r) {
     return r;
 }
 
-/* The lower number stands for both, and keeps the deeper voxel. */
+/* Joins two regions: the lower number represents both, with the deeper voxel. */
 static void unite(region *regions, uint32_t a, uint32_t b) {
-    a = find(regions, a);
-    b = find(regions, b);
+    a = find_root(regions, a);
+    b = find_root(regions, b);
     if (a == b) return;
     if (b < a) {
         const uint32_t held = a;
@@ -225,17 +227,17 @@ static void unite(region *regions, uint32_t a, uint32_t b) {
     regions[a].voxel = regions[b].voxel;
 }
 
-/* What is needed of a cell to join it to its neighbours. */
-typedef struct cell_view {
-    const float *brick; /* NULL: none */
+/* The distances and labels of a cell. */
+typedef struct cell_labels {
+    const float *brick; /* NULL: the cell has none and is one region */
     const uint16_t *label;
     uint32_t first;
-} cell_view;
+} cell_labels;
 
-static cell_view view_of(const conversion *c, const uint32_t *brick_of_cell, size_t cell) {
-    if (!c->near[cell]) return (cell_view){NULL, NULL, c->first[cell]};
-    return (cell_view){iso_hgrid_brick(c->grid, c->grid->cell[cell]), c->label[brick_of_cell[cell]],
-                       c->first[cell]};
+static cell_labels labels_of(const conversion *c, const uint32_t *brick_of_cell, size_t cell) {
+    if (!c->near[cell]) return (cell_labels){NULL, NULL, c->first[cell]};
+    return (cell_labels){iso_hgrid_brick(c->grid, c->grid->cell[cell]), c->label[brick_of_cell[cell]],
+                         c->first[cell]};
 }
 
 /* Voxel (a, b) of a brick's first or last layer along an axis. */
@@ -244,7 +246,7 @@ static int layer_voxel(int axis, int a, int b, bool last) {
     return (last ? ISO_BRICK - 1 : 0) * step[axis] + a * step[(axis + 1) % 3] + b * step[(axis + 2) % 3];
 }
 
-static void join_cells(conversion *c, const cell_view *low, const cell_view *high, int axis) {
+static void join_cells(conversion *c, const cell_labels *low, const cell_labels *high, int axis) {
     if (!low->brick && !high->brick) {
         unite(c->regions, low->first, high->first);
         return;
@@ -254,7 +256,7 @@ static void join_cells(conversion *c, const cell_view *low, const cell_view *hig
                   b = layer_voxel(axis, i % ISO_BRICK, i / ISO_BRICK, false);
         const float da = low->brick ? low->brick[a] : (float)BAND,
                     db = high->brick ? high->brick[b] : (float)BAND;
-        if (!joined(da, db, 1)) continue;
+        if (!same_side(da, db, 1)) continue;
         unite(c->regions, low->first + (low->brick ? low->label[a] : 0u),
               high->first + (high->brick ? high->label[b] : 0u));
     }
@@ -264,18 +266,18 @@ static void join_all(conversion *c, const uint32_t *brick_of_cell) {
     for (size_t cell = 0; cell < c->cells; cell++) {
         const size_t step[3] = {1, (size_t)c->grid->cells[0],
                                 (size_t)c->grid->cells[0] * (size_t)c->grid->cells[1]};
-        const cell_view low = view_of(c, brick_of_cell, cell);
+        const cell_labels low = labels_of(c, brick_of_cell, cell);
         int at[3];
         iso_hgrid_cell_position(c->grid, cell, at);
         for (int axis = 0; axis < 3; axis++) {
             if (at[axis] + 1 >= c->grid->cells[axis]) continue;
-            const cell_view high = view_of(c, brick_of_cell, cell + step[axis]);
+            const cell_labels high = labels_of(c, brick_of_cell, cell + step[axis]);
             join_cells(c, &low, &high, axis);
         }
     }
 }
 
-/* Each region with its deepest voxel: of a cell without a brick its middle. */
+/* Initialises the regions and finds their deepest voxels: the middle, for a cell without a brick. */
 static void begin_regions(conversion *c) {
     size_t brick = 0;
     for (size_t cell = 0; cell < c->cells; cell++) {
@@ -326,7 +328,7 @@ static void find_side(void *context, size_t index, int worker) {
     (void)worker;
     if (r->parent != index || cancelled(c)) return;
     voxel_at(c, r->cell, r->voxel, at);
-    const double winding = iso_closed_mesh_winding(c->mesh, place(c, at[0], at[1], at[2]));
+    const double winding = iso_closed_mesh_winding(c->mesh, world_position(c, at[0], at[1], at[2]));
     r->winding = (int16_t)floor(fmin(fmax(winding, -1000), 1000) + 0.5);
 }
 
@@ -370,11 +372,11 @@ static volumes sign_all(conversion *c, iso_pool *pool) {
     return (volumes){sum.winding * cube, sum.solid * cube};
 }
 
-/* ---- whether it can be true */
+/* ---- plausibility */
 
-/* The sum of the voxels' winding numbers is the mesh's signed volume, whatever the mesh; counting voxels is
- * wrong by half a voxel at the surface, at most. */
-static iso_status check(const conversion *c, const volumes *field, iso_error *error) {
+/* Compares volumes. The sum of the voxels' winding numbers is the signed volume of any mesh; counting voxels
+ * is wrong by at most half a voxel at the surface. */
+static iso_status check_volume(const conversion *c, const volumes *field, iso_error *error) {
     const iso_mesh_report *mesh = iso_closed_mesh_report(c->mesh);
     const double allowed = 0.05 * fabs(mesh->volume) + 0.5 * c->voxel * mesh->area;
     if (field->solid == 0 || fabs(field->winding) < 0.5 * fabs(mesh->volume))
@@ -387,7 +389,7 @@ static iso_status check(const conversion *c, const volumes *field, iso_error *er
                     c->path, mesh->open_edges, field->winding, mesh->volume);
 }
 
-/* ---- all of it */
+/* ---- conversion */
 
 static iso_status allocate(conversion *c, iso_error *error) {
     c->label = iso_alloc(c->bricks * sizeof *c->label);
@@ -395,36 +397,36 @@ static iso_status allocate(conversion *c, iso_error *error) {
     return c->label && c->sums ? ISO_OK : iso_fail_memory(error, c->path);
 }
 
-static iso_status fill(conversion *c, const iso_mesh_frame *frame, iso_error *error) {
-    const iso_progress *whole = frame->progress;
+static iso_status compute_field(conversion *c, const iso_mesh_sampling *sampling, iso_error *error) {
+    const iso_progress *whole = sampling->progress;
     c->progress = iso_progress_part(whole, 0, 0.1);
-    iso_parallel_for(frame->pool, c->cells, find_near, c);
+    iso_parallel_for(sampling->pool, c->cells, find_near_cell, c);
     ISO_TRY(iso_progress_tell(&c->progress, c->path, 1, error));
     ISO_TRY(make_bricks(c, error));
     ISO_TRY(allocate(c, error));
     c->progress = iso_progress_part(whole, 0.1, 0.8);
-    iso_parallel_for(frame->pool, c->bricks, measure_brick, c);
+    iso_parallel_for(sampling->pool, c->bricks, measure_brick, c);
     ISO_TRY(iso_progress_tell(&c->progress, c->path, 1, error));
     c->progress = iso_progress_part(whole, 0.8, 1);
-    iso_parallel_for(frame->pool, c->bricks, label_brick, c);
+    iso_parallel_for(sampling->pool, c->bricks, label_brick, c);
     ISO_TRY(make_regions(c, error));
     ISO_TRY(iso_progress_tell(&c->progress, c->path, 0.5, error));
-    iso_parallel_for(frame->pool, c->region_count, find_side, c);
+    iso_parallel_for(sampling->pool, c->region_count, find_side, c);
     ISO_TRY(iso_progress_tell(&c->progress, c->path, 0.8, error));
-    const volumes field = sign_all(c, frame->pool);
-    ISO_TRY(check(c, &field, error));
-    ISO_TRY(iso_mesh_remove_buried(c->grid, c->mesh, frame->pool, error));
+    const volumes field = sign_all(c, sampling->pool);
+    ISO_TRY(check_volume(c, &field, error));
+    ISO_TRY(iso_mesh_remove_buried(c->grid, c->mesh, sampling->pool, error));
     iso_hgrid_prune(c->grid);
     return iso_progress_tell(&c->progress, c->path, 1, error);
 }
 
-static iso_status convert(conversion *c, const iso_mesh_frame *frame, iso_error *error) {
+static iso_status convert_mesh(conversion *c, const iso_mesh_sampling *sampling, iso_error *error) {
     c->cells = (size_t)c->grid->cells[0] * (size_t)c->grid->cells[1] * (size_t)c->grid->cells[2];
     c->near = iso_alloc_zero(c->cells, sizeof *c->near);
     c->first = iso_alloc_zero(c->cells + 1, sizeof *c->first);
     c->brick_cell = iso_alloc(c->cells * sizeof *c->brick_cell);
-    iso_status status =
-        c->near && c->first && c->brick_cell ? fill(c, frame, error) : iso_fail_memory(error, c->path);
+    iso_status status = c->near && c->first && c->brick_cell ? compute_field(c, sampling, error)
+                                                             : iso_fail_memory(error, c->path);
     iso_free(c->near);
     iso_free(c->first);
     iso_free(c->brick_cell);
@@ -434,13 +436,13 @@ static iso_status convert(conversion *c, const iso_mesh_frame *frame, iso_error 
     return status;
 }
 
-iso_status iso_level_set_from_mesh(const char *path, const iso_closed_mesh *mesh, const iso_mesh_frame *frame,
-                                   iso_hgrid **grid, iso_error *error) {
-    conversion c = {.path = path, .mesh = mesh, .voxel = frame->voxel};
-    if (!(frame->voxel > 0) || !isfinite(frame->voxel))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: voxels of %g mm", path, frame->voxel);
-    ISO_TRY(frame_of(path, mesh, frame, &c.grid, error));
-    iso_status status = convert(&c, frame, error);
+iso_status iso_level_set_from_mesh(const char *path, const iso_closed_mesh *mesh,
+                                   const iso_mesh_sampling *sampling, iso_hgrid **grid, iso_error *error) {
+    conversion c = {.path = path, .mesh = mesh, .voxel = sampling->voxel};
+    if (!(sampling->voxel > 0) || !isfinite(sampling->voxel))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: voxels of %g mm", path, sampling->voxel);
+    ISO_TRY(create_grid(path, mesh, sampling, &c.grid, error));
+    iso_status status = convert_mesh(&c, sampling, error);
     if (status == ISO_OK)
         *grid = c.grid;
     else

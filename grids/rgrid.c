@@ -1,8 +1,8 @@
+/* Creation, cropping and destruction of dense grids. */
 #include "grids/rgrid.h"
 
 #include "base/memory.h"
 #include "base/primitives.h"
-#include "grids/brick_index.h"
 
 const char *iso_type_name(iso_type type) {
     static const char *const names[] = {"uint8", "int16", "uint16", "float32"};
@@ -44,8 +44,8 @@ static iso_status create_log(const int dims[3], iso_change_log **log, iso_error 
     return iso_change_log_create(cells, log, error);
 }
 
-/* Everything but the data's ownership, so that one place can release lent data when it fails. */
-static iso_status make(const iso_rgrid_desc *desc, iso_rgrid **out, iso_error *error) {
+/* Creates the grid without taking ownership of lent data, so that the caller can release it in one place. */
+static iso_status create_without_owner(const iso_rgrid_desc *desc, iso_rgrid **out, iso_error *error) {
     size_t bytes = 0;
     ISO_TRY(check_desc(desc, &bytes, error));
     iso_rgrid *grid = iso_alloc_zero(1, sizeof *grid);
@@ -79,7 +79,7 @@ static iso_status make(const iso_rgrid_desc *desc, iso_rgrid **out, iso_error *e
 
 iso_status iso_rgrid_create(const iso_rgrid_desc *desc, iso_rgrid **out, iso_error *error) {
     iso_rgrid *grid = NULL;
-    iso_status status = make(desc, &grid, error);
+    iso_status status = create_without_owner(desc, &grid, error);
     if (status != ISO_OK) {
         if (desc->data && desc->release) desc->release(desc->owner);
         return status;
@@ -92,9 +92,14 @@ iso_status iso_rgrid_create(const iso_rgrid_desc *desc, iso_rgrid **out, iso_err
     return ISO_OK;
 }
 
+static void drop_index(iso_rgrid *grid) {
+    if (grid->index) grid->destroy_index(grid->index);
+    grid->index = NULL;
+}
+
 void iso_rgrid_destroy(iso_rgrid *grid) {
     if (!grid) return;
-    iso_brick_index_destroy(grid->index);
+    drop_index(grid);
     if (grid->release) grid->release(grid->owner);
     iso_change_log_destroy(grid->log);
     iso_free(grid);
@@ -105,8 +110,7 @@ iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso
     ISO_TRY(iso_crop_dims(grid->dims, lo, hi, dims, error));
     iso_change_log *log = NULL;
     ISO_TRY(create_log(dims, &log, error));
-    iso_brick_index_destroy(grid->index);
-    grid->index = NULL;
+    drop_index(grid);
     iso_change_log_destroy(grid->log);
     grid->log = log;
     grid->transform = iso_transform_shift(&grid->transform, lo);
@@ -116,19 +120,10 @@ iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso
     return ISO_OK;
 }
 
-iso_status iso_rgrid_touch(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error) {
+iso_status iso_rgrid_mark_changed(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error) {
     int last[3];
     for (int axis = 0; axis < 3; axis++)
         last[axis] = hi[axis] < grid->dims[axis] ? hi[axis] : grid->dims[axis] - 1;
     iso_change_log_begin(grid->log);
-    return iso_change_log_touch(grid->log, lo, last, error);
-}
-
-iso_status iso_rgrid_index(iso_rgrid *grid, iso_pool *pool, const struct iso_brick_index **index,
-                           iso_error *error) {
-    if (grid->index && !iso_brick_index_current(grid->index))
-        ISO_TRY(iso_brick_index_update(grid->index, pool, error));
-    if (!grid->index) ISO_TRY(iso_brick_index_create(grid, pool, &grid->index, error));
-    if (index) *index = grid->index;
-    return ISO_OK;
+    return iso_change_log_add(grid->log, lo, last, error);
 }

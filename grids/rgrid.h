@@ -1,12 +1,13 @@
-/* rgrid: a regular grid, the dense array of scanners and simulations (2003, section 3).
+/* rgrid: a dense regular grid of voxels, as scanners and simulations produce it (Baerentzen and Christensen
+ * 2003, section 3).
  *
- * Voxel (x, y, z) lies at data + (x + y * stride_y + z * stride_z) elements, x fastest. Stored values are of
- * one of four types; the physical value (Hounsfield units, say) is stored * scale + offset with scale > 0.
- * NaN and infinite voxels are allowed in float grids. Coordinates outside the grid are clamped to it.
+ * Voxel (x, y, z) is the element x + y * stride_y + z * stride_z of `data`. Stored values have one of four
+ * types; the physical value (in Hounsfield units, for example) is stored * scale + offset, with scale > 0.
+ * Float grids may contain NaN and infinities.
  *
- * The data may be lent: the grid keeps the pointer and calls `release` once when it is destroyed. A crop is a
- * view of the same data. Reading is thread-safe while nobody writes; writers call iso_rgrid_touch for what
- * they changed. */
+ * The data may be lent: the grid keeps the pointer and calls `release` once when it is destroyed. A cropped
+ * grid keeps using the whole array. Any number of threads may read while nobody writes; a writer calls
+ * iso_rgrid_mark_changed for the voxels that it changed. */
 #ifndef ISO_GRIDS_RGRID_H
 #define ISO_GRIDS_RGRID_H
 
@@ -39,51 +40,46 @@ typedef struct iso_rgrid {
     ptrdiff_t stride_y, stride_z; /* elements */
     double scale, offset;         /* physical = stored * scale + offset; scale > 0 */
     iso_transform transform;
-    int level_set; /* 1: a distance field, negative inside; 0: the inside is at or above the isovalue */
+    int level_set; /* 1: a distance field, inside below the isovalue; 0: inside at or above it */
     iso_change_log *log;
-    struct iso_brick_index *index; /* ranges of the bricks; NULL before iso_rgrid_index */
-    void (*release)(void *owner);  /* called with `owner` by iso_rgrid_destroy; may be NULL */
+    /* Owned; set by iso_brick_index_of (brick_index.h), which says how to destroy it; NULL before. */
+    struct iso_brick_index *index;
+    void (*destroy_index)(struct iso_brick_index *index);
+    void (*release)(void *owner); /* called with `owner` by iso_rgrid_destroy; may be NULL */
     void *owner;
 } iso_rgrid;
 
-/* What to create: a description whose zero fields mean the default. */
+/* The grid to create; zero fields mean the default. */
 typedef struct iso_rgrid_desc {
     int dims[3];
     iso_type type;
-    void *data;                   /* NULL: allocate, uninitialised; else lent, contiguous */
-    void (*release)(void *owner); /* with data: called on destroy, also when create fails; may be NULL */
+    void *data;                   /* lent, contiguous; NULL: the grid allocates it, uninitialised */
+    void (*release)(void *owner); /* of lent data: called by destroy, or when create fails; may be NULL */
     void *owner;
     double scale, offset;           /* scale 0 means 1 */
     const iso_transform *transform; /* NULL: identity */
     int level_set;
 } iso_rgrid_desc;
 
-/* ISO_ERR_FORMAT when a dimension is < 1 or the size overflows, scale is negative or the transform is
- * singular; ISO_ERR_LIMIT above 2^32 bricks of 16^3; ISO_ERR_NOMEM. */
+/* ISO_ERR_FORMAT: a dimension below 1, a size that overflows, a negative scale or a singular transform;
+ * ISO_ERR_LIMIT: more than 2^32 bricks; ISO_ERR_NOMEM. */
 iso_status iso_rgrid_create(const iso_rgrid_desc *desc, iso_rgrid **grid, iso_error *error);
 void iso_rgrid_destroy(iso_rgrid *grid);
 
-/* Narrows the grid in place to voxels lo..hi (inclusive); the origin moves with it, the data stays where it
- * is, the change log starts anew and the index is dropped. ISO_ERR_USAGE when the range is empty or outside.
- */
+/* Restricts the grid in place to voxels lo..hi (inclusive) and moves its origin accordingly. The data is not
+ * copied; the change log is replaced by an empty one and the index is destroyed. ISO_ERR_USAGE: the range is
+ * empty or outside; ISO_ERR_NOMEM. */
 iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
-/* Starts an edit and records voxels lo..hi (clipped to the grid) as changed. */
-iso_status iso_rgrid_touch(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
+/* Starts an edit and records voxels lo..hi (inclusive, clipped to the grid) as changed. ISO_ERR_NOMEM. */
+iso_status iso_rgrid_mark_changed(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
-/* The grid's index of bricks (brick_index.h), made at the first call and brought up to date by later ones;
- * *index (NULL is fine) belongs to the grid. `pool` may be NULL. Not while others read the grid, except that
- * one without edits since is only read. Until the
- * next edit everything that asks which bricks an isovalue crosses is faster. ISO_ERR_NOMEM. */
-iso_status iso_rgrid_index(iso_rgrid *grid, iso_pool *pool, const struct iso_brick_index **index,
-                           iso_error *error);
-
-/* The stored value that corresponds to a physical one. */
+/* The stored value of a physical one; not rounded. */
 static inline double iso_rgrid_stored(const iso_rgrid *grid, double physical) {
     return (physical - grid->offset) / grid->scale;
 }
 
-/* Stored value at a voxel, which must be inside. */
+/* The stored value of a voxel inside the grid. */
 static inline float iso_rgrid_at(const iso_rgrid *grid, int x, int y, int z) {
     ptrdiff_t i = x + y * grid->stride_y + z * grid->stride_z;
     switch (grid->type) {

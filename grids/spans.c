@@ -1,22 +1,24 @@
+/* The span allocator: blocks are records in a doubly linked list in the order of the array; free ones are
+ * also in the list of their size class. */
 #include "grids/spans.h"
 
 #include <string.h>
 
-/* A remainder below this stays with its block: a run of so few items would hardly be used again. */
+/* A remainder of fewer items stays with its block: so small a block would hardly be used again. */
 enum { SMALLEST_SPLIT = 16 };
 
 static iso_span_block *record_at(iso_span_heap *heap, uint32_t block) {
     return (iso_span_block *)heap->records.data + block;
 }
 
-/* Class of a size: exact below 8, then eight classes an octave. */
+/* The class of a size: one for each size below 8, then eight an octave. */
 static unsigned class_of(size_t size) {
     if (size < 8) return (unsigned)size;
     unsigned octave = 63 - (unsigned)__builtin_clzll(size);
     return (octave - 2) * 8 + (size >> (octave - 3) & 7);
 }
 
-/* The lowest class in which every block holds `size` items. */
+/* The lowest class whose blocks all have at least `size` items. */
 static unsigned class_above(size_t size) {
     if (size < 8) return (unsigned)size;
     unsigned octave = 63 - (unsigned)__builtin_clzll(size);
@@ -50,7 +52,7 @@ static uint32_t bin_find(const iso_span_heap *heap, size_t count) {
     uint64_t bits = heap->occupied[word] & ~(uint64_t)0 << bin % 64;
     while (!bits && ++word < ISO_SPAN_CLASSES / 64) bits = heap->occupied[word];
     if (bits) return heap->bins[word * 64 + (unsigned)__builtin_ctzll(bits)];
-    uint32_t block = heap->bins[class_of(count)]; /* its members may still be large enough */
+    uint32_t block = heap->bins[class_of(count)]; /* its first block may be large enough */
     if (block != ISO_SPAN_NONE && iso_span_heap_block(heap, block)->capacity >= count) return block;
     return ISO_SPAN_NONE;
 }
@@ -62,7 +64,7 @@ static iso_status reserve_record(iso_span_heap *heap, iso_error *error) {
                               error);
 }
 
-/* A record, linked into the array behind `before`; reserve_record must have made room for it. */
+/* A new record, linked in behind `before`; reserve_record has made room for it. */
 static uint32_t link_record(iso_span_heap *heap, uint32_t before) {
     uint32_t block = heap->unused;
     if (block != ISO_SPAN_NONE)
@@ -125,7 +127,7 @@ static void slide_together(iso_span_heap *heap) {
     heap->moved = true;
 }
 
-static iso_status append(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error) {
+static iso_status append_block(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error) {
     if (heap->end + count > 2 * (heap->live + count) + ISO_SPAN_HEAP_SLACK) slide_together(heap);
     for (int i = 0; i < ISO_SPAN_ARRAYS; i++) {
         size_t bytes = heap->item_bytes[i];
@@ -139,45 +141,46 @@ static iso_status append(iso_span_heap *heap, size_t count, uint32_t *block, iso
     return ISO_OK;
 }
 
-/* Makes the part of a used block beyond `count` items a free block; reserve_record must have been called. */
-static void split(iso_span_heap *heap, uint32_t block, size_t count) {
+/* Makes the items of a used block beyond `count` a free block; reserve_record has made room for its record.
+ */
+static void split_block(iso_span_heap *heap, uint32_t block, size_t count) {
     uint32_t rest = link_record(heap, block);
     iso_span_block *record = record_at(heap, block), *tail = record_at(heap, rest);
     tail->first = record->first + count;
     tail->capacity = record->capacity - count;
     record->capacity = count;
-    iso_span_heap_give(heap, rest);
+    iso_span_heap_release(heap, rest);
 }
 
-iso_status iso_span_heap_take(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error) {
+iso_status iso_span_heap_alloc(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error) {
     ISO_TRY(reserve_record(heap, error));
     uint32_t found = bin_find(heap, count);
-    if (found == ISO_SPAN_NONE) return append(heap, count, block, error);
+    if (found == ISO_SPAN_NONE) return append_block(heap, count, block, error);
     bin_remove(heap, found);
     iso_span_block *record = record_at(heap, found);
     record->used = true;
     heap->live += record->capacity;
-    if (record->capacity - count >= SMALLEST_SPLIT) split(heap, found, count);
+    if (record->capacity - count >= SMALLEST_SPLIT) split_block(heap, found, count);
     *block = found;
     return ISO_OK;
 }
 
-/* Merges free block `next` into its free neighbour `block` before it. */
-static void merge(iso_span_heap *heap, uint32_t block, uint32_t next) {
+/* Joins a block with the free block `next` that follows it. */
+static void merge_blocks(iso_span_heap *heap, uint32_t block, uint32_t next) {
     record_at(heap, block)->capacity += record_at(heap, next)->capacity;
     unlink_record(heap, next);
 }
 
-void iso_span_heap_give(iso_span_heap *heap, uint32_t block) {
+void iso_span_heap_release(iso_span_heap *heap, uint32_t block) {
     heap->live -= record_at(heap, block)->capacity;
     uint32_t after = record_at(heap, block)->after, before = record_at(heap, block)->before;
     if (after != ISO_SPAN_NONE && !record_at(heap, after)->used) {
         bin_remove(heap, after);
-        merge(heap, block, after);
+        merge_blocks(heap, block, after);
     }
     if (before != ISO_SPAN_NONE && !record_at(heap, before)->used) {
         bin_remove(heap, before);
-        merge(heap, before, block);
+        merge_blocks(heap, before, block);
         block = before;
     }
     if (heap->last == block) { /* the array never ends in free space */
@@ -191,5 +194,5 @@ void iso_span_heap_give(iso_span_heap *heap, uint32_t block) {
 void iso_span_heap_trim(iso_span_heap *heap, uint32_t block, size_t count) {
     size_t capacity = record_at(heap, block)->capacity, wanted = count + count / 8 + SMALLEST_SPLIT;
     if (capacity < 2 * wanted) return;
-    if (reserve_record(heap, NULL) == ISO_OK) split(heap, block, wanted);
+    if (reserve_record(heap, NULL) == ISO_OK) split_block(heap, block, wanted);
 }

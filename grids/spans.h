@@ -1,10 +1,10 @@
-/* spans: the growing array (or parallel arrays) in which the primitives of bricks lie, and its free space.
+/* spans: an allocator inside a growing array (or parallel arrays) that holds the primitives of all bricks.
  *
- * A block is a run of items; it keeps its place while it exists, so that an edit moves no other brick's data.
- * Freed runs merge with free neighbours and are reused, smallest sufficient size class first (segregated
- * fits with eight classes an octave, as in Masmano et al. 2004, "TLSF"). Where the array would grow beyond
- * twice what is in use plus ISO_SPAN_HEAP_SLACK items, all blocks slide together instead (`moved` is set).
- * Internal to the library. */
+ * A block is a range of items for one brick. It is not moved while it is allocated, so an edit moves no other
+ * brick's data. Freed blocks are joined with free neighbours and reused, smallest sufficient size class first
+ * (segregated fits with eight classes an octave, as in Masmano et al. 2004, "TLSF"). The only exception: if
+ * the array would grow beyond twice the items in use plus ISO_SPAN_HEAP_SLACK, all blocks are moved together
+ * and `moved` is set. Internal to the library. */
 #ifndef ISO_GRIDS_SPANS_H
 #define ISO_GRIDS_SPANS_H
 
@@ -25,7 +25,7 @@ enum {
 typedef struct iso_span_block {
     size_t first, capacity;  /* items */
     uint32_t before, after;  /* neighbours in the array */
-    uint32_t previous, next; /* free blocks of the same class; `next` also chains unused records */
+    uint32_t previous, next; /* in the list of free blocks of a class; `next` also links unused records */
     bool used;
 } iso_span_block;
 
@@ -40,18 +40,18 @@ typedef struct iso_span_heap {
     size_t live; /* items in used blocks */
     uint32_t bins[ISO_SPAN_CLASSES];
     uint64_t occupied[ISO_SPAN_CLASSES / 64]; /* bit per bin that is not empty */
-    bool moved;                               /* blocks slid together; cleared by the owner */
+    bool moved;                               /* blocks were moved together; cleared by the owner */
 } iso_span_heap;
 
-/* Forgets all blocks and keeps the memory. */
+/* Removes all blocks but keeps the memory. */
 void iso_span_heap_clear(iso_span_heap *heap);
 void iso_span_heap_free(iso_span_heap *heap);
 
-/* A block of `count` >= 1 items, contents unset. ISO_ERR_NOMEM leaves everything as it was. */
-iso_status iso_span_heap_take(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error);
-void iso_span_heap_give(iso_span_heap *heap, uint32_t block);
+/* Allocates a block of at least `count` >= 1 items, uninitialised. ISO_ERR_NOMEM: the heap is as before. */
+iso_status iso_span_heap_alloc(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error);
+void iso_span_heap_release(iso_span_heap *heap, uint32_t block);
 
-/* Gives back what the block has beyond `count` items when that is much; the block stays where it is. */
+/* Releases the items of a block beyond `count`, if they are many. The block does not move. */
 void iso_span_heap_trim(iso_span_heap *heap, uint32_t block, size_t count);
 
 static inline const iso_span_block *iso_span_heap_block(const iso_span_heap *heap, uint32_t block) {

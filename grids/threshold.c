@@ -1,3 +1,4 @@
+/* Conversion of a physical isovalue to stored values. */
 #include "grids/threshold.h"
 
 #include <float.h>
@@ -11,7 +12,7 @@ iso_threshold iso_threshold_of(const iso_grid *grid, double physical_isovalue) {
     double rounding = 4 * DBL_EPSILON * (fabs(physical_isovalue) + fabs(offset)) / scale;
     bool hit = fabs(at - stored) <= rounding;
     if (at < stored && !hit) at = nextafterf(at, INFINITY);
-    iso_threshold surface = {.at = at, .rest = hit ? 0 : (float)(stored - at)};
-    surface.outward = iso_grid_is_level_set(grid) ? 1.0f : -1.0f;
+    iso_threshold surface = {.isovalue_ceil = at, .residual = hit ? 0 : (float)(stored - at)};
+    surface.normal_sign = iso_grid_is_level_set(grid) ? 1.0f : -1.0f;
     return surface;
 }

@@ -11,17 +11,19 @@
 extern "C" {
 #endif
 
-/* An isovalue in stored values. `at` is the smallest float at or above the isovalue, so that v >= at holds
- * for exactly the floats v at or above it; the isovalue itself is at + rest. */
+/* An isovalue in stored values. isovalue_ceil is the smallest float at or above the isovalue, so that v >=
+ * isovalue_ceil holds for exactly the floats v at or above the isovalue; the isovalue itself is
+ * isovalue_ceil + residual. */
 typedef struct iso_threshold {
-    float at, rest;
-    float outward; /* -1: the outside is lower; +1: higher (level sets) */
+    float isovalue_ceil, residual;
+    float normal_sign; /* outward normal = normal_sign x gradient: -1; +1 for level sets, whose outside is
+                          higher */
 } iso_threshold;
 
 iso_threshold iso_threshold_of(const iso_grid *grid, double physical_isovalue);
 
 static inline bool iso_threshold_inside(const iso_threshold *threshold, float value) {
-    return value >= threshold->at;
+    return value >= threshold->isovalue_ceil;
 }
 
 /* For integer voxels v, v >= isovalue is v >= ceil(isovalue). Values beyond the integer types' range are kept

@@ -1,14 +1,17 @@
-/* voxel_kernels: kernel families (base/simd.h) with a variant per voxel type. Internal: kernel files only. */
+/* voxel_kernels: macros for kernel families (base/simd.h) that have a variant for each voxel type too.
+ * Internal: kernel files only. */
 #ifndef ISO_GRIDS_VOXEL_KERNELS_H
 #define ISO_GRIDS_VOXEL_KERNELS_H
 
 #include "base/simd.h"
 #include "grids/rgrid.h"
 
-/* Names a function or constant of a body that voxel_kernels.inc includes: name_uint8_avx2 and the like. */
+/* The name of a function or constant in a body that voxel_kernels.inc includes, for example name_uint8_avx2.
+ */
 #define ISO_TYPED(name) ISO_PASTE(ISO_PASTE(name, ISO_VOXEL), ISO_LEVEL)
 
-/* ISO_KERNEL of kernel_uint8, kernel_int16, kernel_uint16 or kernel_float, by iso_type. */
+/* The address of the variant of a kernel for a voxel type (iso_type) and an instruction set, as ISO_KERNEL.
+ */
 #define ISO_VOXEL_KERNEL(kernel, type, level)                                                                \
     ((type) == ISO_UINT8    ? ISO_KERNEL(kernel##_uint8, level)                                              \
      : (type) == ISO_INT16  ? ISO_KERNEL(kernel##_int16, level)                                              \

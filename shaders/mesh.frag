@@ -1,5 +1,5 @@
 /* Depth and normal interpolated with perspective correction. */
-layout(std140, binding = ISO_GL_FRAME) uniform frame_block { ISO_GL_FRAME_FIELDS };
+layout(std140, binding = ISO_GL_DRAW) uniform draw_block { ISO_GL_DRAW_FIELDS };
 
 smooth in vec4 normal_depth;
 layout(location = ISO_GL_NORMAL_DEPTH) out vec4 out_normal_depth;

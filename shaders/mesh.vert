@@ -1,6 +1,6 @@
 /* Triangles. Positions are computed in doubles: what neighbouring bricks share must get the same bits from
  * both, or the surface leaks. */
-layout(std140, binding = ISO_GL_FRAME) uniform frame_block { ISO_GL_FRAME_FIELDS };
+layout(std140, binding = ISO_GL_DRAW) uniform draw_block { ISO_GL_DRAW_FIELDS };
 
 layout(location = ISO_GL_POSITION) in vec3 position;
 layout(location = ISO_GL_NORMAL) in vec3 normal;

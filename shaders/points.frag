@@ -1,5 +1,5 @@
 /* Pixels whose centres lie in the disc, and the pixel that its centre lies in. */
-layout(std140, binding = ISO_GL_FRAME) uniform frame_block { ISO_GL_FRAME_FIELDS };
+layout(std140, binding = ISO_GL_DRAW) uniform draw_block { ISO_GL_DRAW_FIELDS };
 
 flat in vec4 normal_depth;
 flat in vec3 disc;

@@ -10,7 +10,7 @@
 #define QUADS 0
 #endif
 
-layout(std140, binding = ISO_GL_FRAME) uniform frame_block { ISO_GL_FRAME_FIELDS };
+layout(std140, binding = ISO_GL_DRAW) uniform draw_block { ISO_GL_DRAW_FIELDS };
 
 #if SURFELS
 layout(location = ISO_GL_POSITION) in vec3 position;

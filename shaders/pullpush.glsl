@@ -11,8 +11,8 @@ layout(std430, binding = ISO_GL_KEYS) buffer key_buffer { uvec2 keys[]; };
 layout(std430, binding = ISO_GL_DISCS) buffer disc_buffer { uint discs[]; };
 layout(std430, binding = ISO_GL_SHADES) buffer shade_buffer { vec4 shades[]; };
 layout(std430, binding = ISO_GL_RANGES) buffer range_buffer { vec4 ranges[]; };
-layout(std430, binding = ISO_GL_SHAPES) buffer shape_buffer { vec4 shapes[]; };
-layout(std430, binding = ISO_GL_ENDS) buffer end_buffer { uint ends[]; };
+layout(std430, binding = ISO_GL_ELLIPSES) buffer ellipse_buffer { vec4 ellipses[]; };
+layout(std430, binding = ISO_GL_REACHES) buffer reach_buffer { uint reaches[]; };
 #if COLORS
 layout(std430, binding = ISO_GL_TINTS) buffer tint_buffer { vec4 tints[]; };
 #endif
@@ -80,7 +80,7 @@ pixel decoded(ivec2 at) {
 pixel fetched(int level, ivec2 at) {
     if (!is_inside(level, at)) return no_pixel();
     int index = place(level, at);
-    pixel p = colorless(shades[index], ranges[index], shapes[index].w, (ends[index] & 1u) != 0u);
+    pixel p = colorless(shades[index], ranges[index], ellipses[index].w, (reaches[index] & 1u) != 0u);
 #if COLORS
     p.tint = tints[index];
 #endif
@@ -119,8 +119,8 @@ void store(int level, ivec2 at, pixel p) {
     vec4 shape = ellipse(level, at, p);
     shades[index] = p.shade;
     ranges[index] = p.range;
-    shapes[index] = vec4(shape.xyz, p.radius);
-    ends[index] = (floatBitsToUint(shape.w) & ~1u) | uint(p.hides);
+    ellipses[index] = vec4(shape.xyz, p.radius);
+    reaches[index] = (floatBitsToUint(shape.w) & ~1u) | uint(p.hides);
 #if COLORS
     tints[index] = p.tint;
 #endif

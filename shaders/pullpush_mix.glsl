@@ -22,10 +22,10 @@ mixture mixed(int level, ivec2 at, float own) {
         vec4 range = ranges[m.at[k]];
         low[k] = range.x;
         if (range.x >= ISO_GL_NOWHERE) continue;
-        vec3 shape = shapes[m.at[k]].xyz;
+        vec3 shape = ellipses[m.at[k]].xyz;
         vec2 d = 0.75 - 0.5 * vec2(fine) - vec2(side) - range.zw;
         float thin = dot(d, shape.yz), q = dot(d, d) * shape.x + thin * thin;
-        if (!(q < 1.0 && thin <= uintBitsToFloat(ends[m.at[k]]))) continue;
+        if (!(q < 1.0 && thin <= uintBitsToFloat(reaches[m.at[k]]))) continue;
         m.weights[k] = weight.x + q * (weight.y + q * (weight.z + q * weight.w));
         if (range.x < least) {
             least = range.x;

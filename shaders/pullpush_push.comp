@@ -25,8 +25,8 @@ void main() {
         /* from the finer pixel's centre, in its size */
         vec2 centre = 0.75 - 0.5 * vec2(fine) - vec2(k & 1, k >> 1);
         p.range.zw += m.weights[k] * 2.0 * (range.zw - centre);
-        p.radius += m.weights[k] * shapes[m.at[k]].w;
-        p.hides = p.hides || (ends[m.at[k]] & 1u) != 0u;
+        p.radius += m.weights[k] * ellipses[m.at[k]].w;
+        p.hides = p.hides || (reaches[m.at[k]] & 1u) != 0u;
     }
     store(level, at, p);
 }

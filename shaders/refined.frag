@@ -25,9 +25,9 @@ bool meet(mat3 s, out vec3 q) {
     vec3 e = vec3(off * pixel, 0.0), ray = ray_to(gl_FragCoord.xy);
     float a = along.w, b = along.x + dot(along.yz, e.xy);
     if (more.w != 0.0) {
-        vec3 bent = s * ray;
-        a = dot(ray, bent);
-        b = dot(facing.xyz, ray) + dot(e, bent);
+        vec3 shape_operator_of = s * ray;
+        a = dot(ray, shape_operator_of);
+        b = dot(facing.xyz, ray) + dot(e, shape_operator_of);
         if (any(greaterThan(abs(off), vec2(low.w, high.w)))) return false;
     }
     float c = dot(e, 2.0 * facing.xyz + s * e), square = b * b - a * c;
@@ -43,7 +43,7 @@ bool is_inside(vec3 at) {
 }
 
 void main() {
-    mat3 s = shape_operator(bends, more);
+    mat3 s = shape_operator(hessian, more);
     vec3 q;
     if (!meet(s, q)) discard;
     vec3 at = q.x * normal_x.xyz + q.y * normal_y.xyz + q.z * normal_z.xyz;
@@ -61,7 +61,7 @@ void main() {
     if (faces != faces_wanted || depth > (faces ? front.x : front.y) + thickness) discard;
     float weight = 1.0 + far * (ISO_REFINED_GAUSS_1 + far * (ISO_REFINED_GAUSS_2 + far * ISO_REFINED_GAUSS_3));
     sums_a = weight * vec4(1.0, lit);
-    sums_b = weight * bends;
+    sums_b = weight * hessian;
     sums_c = weight * vec4(more.xyz, depth);
     sums_d = weight * vec4(q, 0.0);
 #else

@@ -9,14 +9,14 @@ bool orthographic = flags.x != 0u, culled = flags.y != 0u;
     flat vec4 centre; /* pixels, and z and the ball's radius in mm */                                        \
     flat vec4 facing; /* normal, with its tilt; 1, or -1: it was turned to the eye */                        \
     flat vec3 lit;    /* the point's own normal: what is shown */                                            \
-    flat vec4 bends;  /* shape operator, 1 / mm: xx, xy, xz, yy */                                           \
+    flat vec4 hessian;  /* shape operator, 1 / mm: xx, xy, xz, yy */                                           \
     flat vec4 more;   /* yz, zz; the square of its norm; 1: its rays are not nearly parallel */              \
     flat vec4 along;  /* along a ray with direction d: n.d + q.Sd = x + q.yz, d.Sd = w */                    \
     flat vec4 low;    /* its box, voxels from its centre along the index axes; then how far it reaches on */ \
     flat vec4 high    /* either side of its centre, pixels: across, and down */
 
-mat3 shape_operator(vec4 bends, vec4 more) {
-    return mat3(bends.xyz, bends.yw, more.x, bends.z, more.xy);
+mat3 shape_operator(vec4 hessian, vec4 more) {
+    return mat3(hessian.xyz, hessian.yw, more.x, hessian.z, more.xy);
 }
 
 /* The square of its norm. */

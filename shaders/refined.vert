@@ -17,16 +17,16 @@ layout(location = ISO_GL_NORMAL) in vec3 normal;
 layout(location = ISO_GL_PACKED) in uvec2 bits;
 #endif
 layout(location = ISO_GL_RADIUS) in float own_radius;
-layout(location = ISO_GL_BEND) in ivec4 bend;
+layout(location = ISO_GL_CURVATURE) in ivec4 curvature;
 layout(location = ISO_GL_ORIGIN) in vec3 origin;
 layout(location = ISO_GL_PLACE) in vec4 place;
 
 out disc_block { DISC_FIELDS; };
 
 /* Whether a normal faces away, for sure. */
-bool is_averted(vec3 n, vec3 ray) {
+bool is_back_facing(vec3 n, vec3 ray) {
     float away = dot(n, ray);
-    return away > 0.0 && away * away > ISO_REFINED_AVERTED * dot(ray, ray);
+    return away > 0.0 && away * away > ISO_REFINED_BACK_FACING * dot(ray, ray);
 }
 
 /* How far the disc reaches on either side of its centre, in mm of pixels at its depth: the shadow of a flat disc, and
@@ -56,13 +56,13 @@ void main() {
     float mm = max(own_radius, 0.0);
     float wide = (mm * scale - ISO_REFINED_GROW_FROM) * (1.0 / ISO_REFINED_GROW_OVER);
     float radius = mm * (ISO_REFINED_BALL + clamp(wide, 0.0, 1.0) * ISO_REFINED_BALL_MORE);
-    if (place.w != 0.0) radius *= kept(bend);
+    if (place.w != 0.0) radius *= disc_scale(curvature);
     centre.zw = vec2(at.z, radius);
 
     vec3 view_normal = turned(n), ray = ray_to(centre.xy);
     float per_length = inversesqrt(dot(view_normal, view_normal));
     view_normal *= per_length;
-    bool hidden = culled && is_averted(view_normal, ray);
+    bool hidden = culled && is_back_facing(view_normal, ray);
     lit = view_normal;
     mat3 s = mat3(0.0);
     if (place.w != 0.0) {
@@ -70,13 +70,13 @@ void main() {
         make_frame(n, u, v);
         u = turned(u);
         v = turned(v);
-        s = per_length * bent(bend, u, v, view_normal);
-        view_normal += mat2x3(u, v) * (tilt(bend) * per_length);
+        s = per_length * shape_operator_of(curvature, u, v, view_normal);
+        view_normal += mat2x3(u, v) * (tilt(curvature) * per_length);
     }
     float facing_away = dot(view_normal, ray), curve = dot(ray, s * ray);
     /* a little beyond a silhouette, what curves away from it is still in sight */
-    bool averted = facing_away > 0.0 && (is_averted(view_normal, ray) || !(curve > 0.0));
-    float side = averted ? -1.0 : 1.0;
+    bool back_facing = facing_away > 0.0 && (is_back_facing(view_normal, ray) || !(curve > 0.0));
+    float side = back_facing ? -1.0 : 1.0;
     view_normal *= side;
     lit *= side;
     s *= side;
@@ -89,7 +89,7 @@ void main() {
     vec3 index = p * ISO_POINT_STEP + place.xyz;
 #endif
     float turning = ISO_REFINED_TURNING_BEND * sizes.y;
-    if (place.w != 0.0 && square > turning * turning) take_ends(bend, index, lowest, highest);
+    if (place.w != 0.0 && square > turning * turning) apply_extents(curvature, index, lowest, highest);
     if (border.w != 0.0) {
         lowest = max(lowest, -index);
         highest = min(highest, border.xyz - index);
@@ -97,7 +97,7 @@ void main() {
     vec2 reach = reach_of(view_normal, ray.xy, radius, square) * scale;
     bool near = !orthographic && radius > at.z * ISO_REFINED_EXACT;
     facing = vec4(view_normal, side);
-    bends = vec4(s[0], s[1].y);
+    hessian = vec4(s[0], s[1].y);
     more = vec4(s[1].z, s[2].z, square, float(near));
     along = vec4(facing_away * side, view_normal.xy * (orthographic ? 0.0 : 1.0 / at.z) + (s * ray).xy, curve * side);
     low = vec4(lowest, reach.x);
@@ -105,7 +105,7 @@ void main() {
 
     float width = 2.0 * max(reach.x, reach.y) + ISO_GL_POINT_MARGIN;
     /* written so that what is not a number is left out */
-    bool seen = at.z >= axis.z && length_of_n > 1e-20 && length_of_n < 1e20 && !(hidden || culled && averted) &&
+    bool seen = at.z >= axis.z && length_of_n > 1e-20 && length_of_n < 1e20 && !(hidden || culled && back_facing) &&
                 (width > screen.w) == bool(QUADS);
     if (!seen) {
         leave_out();

@@ -1,3 +1,4 @@
+/* Options for reading a volume: parsing, checking, cropping, and as text in a journal. */
 #include "apps/common/input.h"
 
 #include <limits.h>

@@ -1,5 +1,5 @@
-/* input: how a volume is read, as the options of apps/common/input_options.inc say it. isorender, isocompare
- * and isosculpt share the table, what it is stored in, and what is made of it. */
+/* input: the options that say how a volume is read (input_options.inc), and reading a volume with them.
+ * Shared by isorender, isocompare and isosculpt. */
 #ifndef ISO_APPS_COMMON_INPUT_H
 #define ISO_APPS_COMMON_INPUT_H
 
@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-/* All zero: nothing was asked for. Strings are borrowed. A program's settings begin with one. */
+/* All zero: default options. Strings are borrowed. A program's settings begin with an iso_input. */
 typedef struct iso_input {
     const char *grid, *series;
     int component, has_raw, cropped, cropped_mm;
@@ -26,7 +26,7 @@ typedef struct iso_input {
     double min_size;     /* mm3 of a part that is kept */
 } iso_input;
 
-/* Values of options. `settings` begins with an iso_input. */
+/* Functions for iso_option.apply. `settings` begins with an iso_input. ISO_ERR_USAGE. */
 iso_status iso_input_apply_raw(void *settings, const char *value, iso_error *error);
 iso_status iso_input_apply_spacing(void *settings, const char *value, iso_error *error);
 iso_status iso_input_apply_crop(void *settings, const char *value, iso_error *error);
@@ -35,32 +35,33 @@ iso_status iso_input_apply_crop_mm(void *settings, const char *value, iso_error 
 /* ISO_ERR_USAGE when options contradict each other. */
 iso_status iso_input_check(const iso_input *input, iso_error *error);
 
-/* The first given option that only a volume has a use for ("--crop"), or NULL. */
+/* The first given option that needs a volume ("--crop"), or NULL: for inputs that are no volumes. */
 const char *iso_input_volume_option(const iso_input *input);
 
-/* How iso_volume_read reads it; pool and progress are left to the caller. Borrows `input`. */
+/* The options for iso_volume_read, without files, pool and progress. Borrows `input`. */
 iso_volume_opts iso_input_volume_opts(const iso_input *input);
 
-/* The voxels that are wanted of a volume: all without a crop, --crop's, or, for --crop-mm, the smallest range
- * that holds every voxel whose position lies in the box. ISO_ERR_USAGE when --crop reaches outside, or
- * when the box holds no voxel. */
+/* The voxels of a volume that are kept, as x0 x1 y0 y1 z0 z1, first and last: all without a crop; those of
+ * --crop; for --crop-mm the smallest range that holds every voxel whose position lies in the box.
+ * ISO_ERR_USAGE when
+ * --crop reaches outside the volume, or when the box holds no voxel. */
 iso_status iso_input_box(const iso_input *input, const int dims[3], const iso_transform *transform,
                          int box[6], iso_error *error);
-/* Cuts a grid down to them, if there is a crop; its transform moves along. */
+/* Cuts a grid down to these voxels, if there is a crop; its transform keeps world positions. */
 iso_status iso_input_crop(const iso_input *input, const int box[6], iso_grid *grid, iso_error *error);
 
-/* Reads and crops: as iso_volume_read and iso_input_box, whose texts then begin with the path. `opts` gives
- * files, pool and progress. */
+/* Reads and crops a volume; `opts` gives files, pool and progress. Errors: those of iso_volume_read and
+ * iso_input_box; their texts begin with the path. */
 iso_status iso_input_read(const char *path, const iso_input *input, const iso_volume_opts *opts,
                           iso_volume *volume, iso_error *error);
 
-/* Whether parts of the solid are to be dropped. Reading does not do it: it takes an isovalue. */
+/* Whether --largest or --min-size is given. Reading does not drop parts: that needs an isovalue. */
 bool iso_input_drops_parts(const iso_input *input);
 
-/* What of it decides what is read, as lines "option=value", for a journal to keep; empty when nothing does.
- * ISO_ERR_USAGE when a name has line breaks, or it does not fit into `room` bytes. */
+/* Writes the options that decide which voxels are read as lines "option=value", for a journal; "" for default
+ * options. ISO_ERR_USAGE when a name has line breaks, or the text does not fit into `room` bytes. */
 iso_status iso_input_write(const iso_input *input, char *text, size_t room, iso_error *error);
-/* Back again; `text` is cut into the strings that `input` then borrows. ISO_ERR_FORMAT. */
+/* Parses such lines. `text` is changed: `input` borrows its strings from it. ISO_ERR_FORMAT. */
 iso_status iso_input_parse(char *text, iso_input *input, iso_error *error);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* option_rows: short names for the rows of an option table. Who includes this says first what a field is:
+/* option_rows: short macros for the rows of an option table. The including file first defines FIELD:
  *
  *     #define FIELD(name) .offset = offsetof(my_settings, name)
  */

@@ -1,5 +1,5 @@
-/* options: one table per program that feeds parsing, --help, the man page, the README's table and the shell
- * completion.
+/* options: parses a command line by the table of a program's options. The same table makes --help, the man
+ * page, the README's table and the shell completion.
  *
  * Values are given as `--name value` or `--name=value`; a value that begins with `--` needs the second form.
  * `--` ends options, `-` alone is an operand. An option given twice: the last wins, unless its row says that
@@ -18,7 +18,7 @@
 extern "C" {
 #endif
 
-/* What a value becomes, and the type at `offset` in the program's settings. */
+/* How a value is parsed, and the type of the member at `offset` in the program's settings. */
 typedef enum iso_option_kind {
     ISO_OPTION_FLAG,   /* int, set to 1; takes no value */
     ISO_OPTION_TEXT,   /* const char *, borrowed from argv */
@@ -28,7 +28,7 @@ typedef enum iso_option_kind {
     ISO_OPTION_INTS,   /* int[count], separated by commas, each in low .. high */
     ISO_OPTION_CHOICE, /* int, the index in `choices` */
     ISO_OPTION_SIZE,   /* uint64_t bytes: 4096, 512M, 2G, 1.5GiB (powers of 1024) */
-    ISO_OPTION_CALL    /* whatever `apply` does */
+    ISO_OPTION_CALL    /* `apply` parses and stores it */
 } iso_option_kind;
 
 enum {
@@ -99,12 +99,12 @@ iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error)
 /* RRGGBB or #RRGGBB in hexadecimal, or one of the 148 colour names of CSS in letters of either case. */
 bool iso_parse_color(const char *text, uint8_t rgb[3]);
 
-/* Where text goes: help for a screen, a table for the README, a man page, a bash completion script. */
+/* Help for a screen, a table for the README, a man page, a bash completion script. */
 typedef enum iso_help_form { ISO_HELP_SCREEN, ISO_HELP_MARKDOWN, ISO_HELP_MAN, ISO_HELP_BASH } iso_help_form;
 
 void iso_options_help(const iso_program *program, iso_help_form form, FILE *stream);
 
-/* The form that --help=TEXT asks for; NULL is the screen. ISO_ERR_USAGE lists the forms. */
+/* Parses the value of --help=TEXT; NULL means the screen. ISO_ERR_USAGE lists the forms. */
 iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error *error);
 
 /* One line on stderr that begins with the program's name. Arguments may hold any bytes (base/text.h). */
@@ -113,16 +113,16 @@ __attribute__((format(printf, 2, 3)))
 #endif
 void iso_program_log(const iso_program *program, const char *format, ...);
 
-/* Says what went wrong on stderr, and returns the exit status. */
+/* Prints the error on stderr and returns the exit status for `status`. */
 int iso_program_fail(const iso_program *program, const iso_error *error, iso_status status);
 
-/* What the main function of a program does around its own work: a reader of its output that goes away, and a
- * file that may not grow, are write errors and not signals, and there is enough stack for the library.
- * Returns what run(argc, argv) does. */
+/* For the main function of a program: calls run(argc, argv) with enough stack for the library and returns its
+ * result. Signals for a closed pipe and for a file that may not grow are ignored, so that they become write
+ * errors. */
 int iso_program_main(int argc, char **argv, int (*run)(int argc, char **argv));
 
-/* Help and lists are outputs like any other: a full disk is noticed. Returns the exit status: `status` unless
- * that is 0 and standard output could not be written. */
+/* Flushes standard output. Returns the exit status: `status`, or that of ISO_ERR_WRITE when `status` is 0 and
+ * standard output could not be written. */
 int iso_program_finish(const iso_program *program, int status);
 
 #ifdef __cplusplus

@@ -1,3 +1,4 @@
+/* Spools: the first bytes decide whether an input is copied, and how far. */
 #define _GNU_SOURCE
 #include "apps/common/spool.h"
 
@@ -14,8 +15,8 @@
 #include "base/text.h"
 
 enum {
-    HEAD = 1024,    /* bytes that tell the format */
-    BLOCK = 1 << 20 /* bytes in which every header of a format that is looked into has to end */
+    HEAD = 1024,    /* bytes by which the format is recognised */
+    BLOCK = 1 << 20 /* bytes; a header that is parsed has to end within the first block */
 };
 
 bool iso_spool_needed(const char *path) {
@@ -62,7 +63,7 @@ static iso_status fail_copy(const copier *c, int code, iso_error *error) {
                     strerror(code), code == ENOSPC ? " (TMPDIR chooses another folder)" : "");
 }
 
-static iso_status make_copy(copier *c, iso_error *error) {
+static iso_status create_copy(copier *c, iso_error *error) {
     iso_spool *spool = c->spool;
     const char *folder = folder_of_copies();
     char *name = NULL;
@@ -100,7 +101,7 @@ void iso_spool_close(iso_spool *spool) {
 /* ---- copying ---- */
 
 /* Reads on until `room` bytes are in the block or the input ends. */
-static iso_status fill_block(const copier *c, size_t room, size_t *count, iso_error *error) {
+static iso_status read_block(const copier *c, size_t room, size_t *count, iso_error *error) {
     while (*count < room) {
         ssize_t got = read(c->input, c->block + *count, room - *count);
         if (got < 0 && errno == EINTR) continue;
@@ -111,7 +112,7 @@ static iso_status fill_block(const copier *c, size_t room, size_t *count, iso_er
     return ISO_OK;
 }
 
-static iso_status put_block(copier *c, size_t count, iso_error *error) {
+static iso_status write_block(copier *c, size_t count, iso_error *error) {
     const char *from = c->block;
     for (c->copied += count; count > 0;) {
         ssize_t written = write(c->spool->descriptor, from, count);
@@ -129,7 +130,7 @@ static bool is_ply(const char *bytes, size_t count) {
 
 /* The first bytes, and what they are. */
 static iso_status read_format(copier *c, size_t *count, const char **format, iso_error *error) {
-    ISO_TRY(fill_block(c, HEAD, count, error));
+    ISO_TRY(read_block(c, HEAD, count, error));
     if (*count == 0) return iso_fail(error, ISO_ERR_IO, "%s: is empty", c->name);
     const iso_volume_opts *volume = c->opts->volume;
     if (volume->raw)
@@ -158,17 +159,17 @@ static uint64_t raw_file(const iso_volume_info *info, const iso_raw_layout *raw)
     return __builtin_add_overflow(bytes, raw->offset, &bytes) ? UINT64_MAX : bytes;
 }
 
-/* The path of the copy, which nobody knows, gives way to the input's name. */
-static iso_status rename_in(const copier *c, iso_status status, iso_error *error) {
+/* Replaces the path of the copy in a message by the input's name. */
+static iso_status name_input(const copier *c, iso_status status, iso_error *error) {
     if (status == ISO_OK || !error) return status;
     const char *text = error->text;
     size_t length = iso_text_begins(text, c->spool->path);
     return iso_fail(error, status, "%s: %s", c->name, text + length + strspn(text + length, ":/ "));
 }
 
-/* What the header says, for formats whose header stands whole before the voxels. The others are copied up to
- * the memory limit. */
-static iso_status look_at_header(copier *c, const char *format, iso_error *error) {
+/* Checks memory and finds the end of the voxels, for formats whose header lies before the voxels. Others are
+ * copied up to the memory limit. */
+static iso_status check_header(copier *c, const char *format, iso_error *error) {
     static const char *const formats[] = {"raw", "nrrd", "nifti", "metaimage"};
     const iso_volume_opts *volume = c->opts->volume;
     bool known = false;
@@ -177,7 +178,7 @@ static iso_status look_at_header(copier *c, const char *format, iso_error *error
     iso_volume_info info;
     iso_status status = iso_volume_read_info(c->spool->path, volume, &info, error);
     if (status == ISO_OK) status = iso_volume_check_memory(c->spool->path, volume, &info, error);
-    if (status != ISO_OK) return rename_in(c, status, error);
+    if (status != ISO_OK) return name_input(c, status, error);
     c->end = volume->raw ? raw_file(&info, volume->raw) : longest_file(&info, info.components);
     uint64_t one = volume->raw ? c->end : longest_file(&info, 1);
     if (c->limit < one) c->limit = one; /* a file may be larger than what is made of it */
@@ -193,17 +194,17 @@ static iso_status copy_all(copier *c, iso_error *error) {
     const char *format = NULL;
     size_t count = 0;
     ISO_TRY(read_format(c, &count, &format, error));
-    ISO_TRY(make_copy(c, error));
-    ISO_TRY(fill_block(c, BLOCK, &count, error));
+    ISO_TRY(create_copy(c, error));
+    ISO_TRY(read_block(c, BLOCK, &count, error));
     bool whole = count < BLOCK;
-    ISO_TRY(put_block(c, count, error));
-    if (!whole) ISO_TRY(look_at_header(c, format, error));
+    ISO_TRY(write_block(c, count, error));
+    if (!whole) ISO_TRY(check_header(c, format, error));
     while (!whole && c->copied < c->end) {
         uint64_t room = c->end - c->copied;
         count = 0;
-        ISO_TRY(fill_block(c, room < BLOCK ? (size_t)room : BLOCK, &count, error));
+        ISO_TRY(read_block(c, room < BLOCK ? (size_t)room : BLOCK, &count, error));
         if (count && c->copied + count > c->limit) return fail_limit(c, error);
-        ISO_TRY(put_block(c, count, error));
+        ISO_TRY(write_block(c, count, error));
         whole = count < BLOCK;
     }
     return ISO_OK;
@@ -211,8 +212,8 @@ static iso_status copy_all(copier *c, iso_error *error) {
 
 /* ---- the input ---- */
 
-/* Standard input from a regular file that nobody has read from yet: it can be read like any other. */
-static bool take_file(const copier *c) {
+/* Whether standard input is a regular file that was not read from yet: it needs no copy. */
+static bool reuse_file(const copier *c) {
     struct stat info;
     if (fstat(c->input, &info) != 0 || !S_ISREG(info.st_mode) || info.st_size == 0) return false;
     if (lseek(c->input, 0, SEEK_CUR) != 0) return false;
@@ -241,7 +242,7 @@ iso_status iso_spool_open(const char *path, const iso_spool_opts *opts, iso_spoo
                 .end = UINT64_MAX,
                 .limit = iso_memory_limit(opts->volume->max_memory)};
     if (c.input < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    iso_status status = standard && take_file(&c) ? ISO_OK : copy_input(&c, error);
+    iso_status status = standard && reuse_file(&c) ? ISO_OK : copy_input(&c, error);
     if (!standard) close(c.input);
     return status;
 }

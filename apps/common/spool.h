@@ -1,14 +1,11 @@
-/* spool: an input that can be read only once (standard input, a FIFO) as a file that readers can open as
- * often as they like.
+/* spool: copies an input that can be read only once (standard input, a FIFO) to a temporary file, which
+ * readers can open several times and seek in.
  *
- * The copy lies in TMPDIR (/tmp) and has no name: it is gone when the program ends, however it ends. Readers
- * open it by the path that the spool gives, which leads to the open descriptor (/proc/self/fd/N). What stands
- * first decides whether anything is copied: an input that is no volume is refused at once, and so is one
- * whose header asks for more memory than is allowed. Copying stops where the header says that the voxels end,
- * and for formats that do not say so at the memory limit. A standard input that is a regular file is not
- * copied.
- *
- * For an input path that may be a FIFO:
+ * The file is in TMPDIR (/tmp) and has no name, so that it vanishes with the program. Readers open it by the
+ * path in the spool, which leads to the open descriptor (/proc/self/fd/N). The first bytes are checked before
+ * anything is copied: an input that is no volume is refused at once, and so is one whose header needs more
+ * memory than is allowed. Copying ends where the voxels end according to the header; for formats whose header
+ * does not say so, at the memory limit. A standard input that is a regular file is not copied.
  *
  *     iso_spool spool = {0};
  *     if (iso_spool_needed(path)) {
@@ -31,29 +28,29 @@ extern "C" {
 
 /* Zero-initialise. */
 typedef struct iso_spool {
-    char *path;     /* what to read instead of the input; owned; NULL: nothing was spooled */
+    char *path;     /* of the copy; owned; NULL: nothing was copied */
     int descriptor; /* of the copy; open as long as path is not NULL */
-    bool named;     /* the copy has a name, which is `path`: without /proc it cannot do without */
+    bool named;     /* the copy has the name `path` and is removed by close: for systems without /proc */
 } iso_spool;
 
 typedef struct iso_spool_opts {
-    const iso_volume_opts *volume; /* how it will be read: the raw layout and the memory limit; borrowed */
-    bool points;                   /* a .ply will be read as well */
+    const iso_volume_opts *volume; /* borrowed: the raw layout and the memory limit count */
+    bool points;                   /* a .ply file is accepted, too */
 } iso_spool_opts;
 
-/* Whether the input has to be spooled: "-", which is standard input, or the name of a FIFO. */
+/* Whether the input can be read only once: "-" (standard input) or the name of a FIFO. */
 bool iso_spool_needed(const char *path);
 
-/* Reads `path`, for which iso_spool_needed is true, and waits for its writer. ISO_ERR_IO (it cannot be read,
- * or is empty), ISO_ERR_FORMAT (not a volume), ISO_ERR_LIMIT (the header or the input asks for more than the
- * memory limit), ISO_ERR_WRITE (no room in TMPDIR, which is named); the others name the input.
- * iso_spool_close, also after a failure. */
+/* Copies `path`, for which iso_spool_needed is true; waits for its writer. ISO_ERR_IO (it cannot be read, or
+ * is empty), ISO_ERR_FORMAT (no volume), ISO_ERR_LIMIT (header or input exceed the memory limit),
+ * ISO_ERR_WRITE (no room in TMPDIR, which the message names; other messages name the input). iso_spool_close,
+ * also after an error. */
 iso_status iso_spool_open(const char *path, const iso_spool_opts *opts, iso_spool *spool, iso_error *error);
 
 /* Removes the copy. Safe on a zeroed spool. */
 void iso_spool_close(iso_spool *spool);
 
-/* What messages call the input: "standard input" for "-". */
+/* The name of an input for messages: "standard input" for "-". */
 const char *iso_spool_name(const char *path);
 
 #ifdef __cplusplus

@@ -1,3 +1,4 @@
+/* Names of outputs: {model} and {n} replaced. */
 #define _GNU_SOURCE
 #include "apps/common/template.h"
 

@@ -1,4 +1,4 @@
-/* template: names of outputs made from names of inputs, as F3D does it.
+/* template: names of outputs made from names of inputs, with the variables that F3D has.
  *
  * {model} is the input's name without folder and extension; {n} and {n:3} a number, the second with at least
  * three digits. Texts are owned by the caller: free(). */

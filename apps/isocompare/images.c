@@ -60,7 +60,7 @@ static iso_status read_side(side *s, iso_pool *pool, iso_error *error) {
     return ISO_OK;
 }
 
-/* ---- what is said ---- */
+/* ---- output ---- */
 
 static const char *source_text(const comparison *c, int which, char *text, size_t size) {
     iso_silhouette_source source = c->metrics.sources[which];
@@ -168,7 +168,7 @@ static iso_status write_difference(const comparison *c, iso_error *error) {
     return status;
 }
 
-/* All bounds that are not kept, in one line. */
+/* The message lists all bounds that are exceeded. */
 static iso_status check_bounds(const comparison *c, iso_error *error) {
     char text[400] = "";
     size_t used = 0;

@@ -1,4 +1,4 @@
-/* isocompare: what its source files share. */
+/* isocompare: the settings of the program, and its two commands, images and report. */
 #ifndef ISO_APPS_ISOCOMPARE_ISOCOMPARE_H
 #define ISO_APPS_ISOCOMPARE_ISOCOMPARE_H
 
@@ -14,7 +14,7 @@ enum { ISOCOMPARE_BOUNDS = 32 };
 
 typedef enum isocompare_command { ISOCOMPARE_IMAGES, ISOCOMPARE_REPORT } isocompare_command;
 
-/* METRIC=VALUE */
+/* A limit of --fail-under: METRIC=VALUE. */
 typedef struct isocompare_bound {
     const iso_metric *metric;
     double value;
@@ -33,19 +33,21 @@ typedef struct isocompare_settings {
     double voxel, pixels_per_voxel, pixels_per_degree;
     isocompare_bound bounds[ISOCOMPARE_BOUNDS];
     int bound_count;
-    const char *of_images, *of_report; /* the last option seen that belongs to one command only */
+    const char *of_images, *of_report; /* last option given that only this command has; or NULL */
 } isocompare_settings;
 
 const iso_program *isocompare_program(void);
 
-/* Fills settings from the command line and checks that it makes sense. `operands` has room for argc. */
+/* Parses the command line into `settings` and checks that the options agree with each other. `operands` has
+ * room for argc pointers. ISO_ERR_USAGE. */
 iso_status isocompare_settings_parse(int argc, char *const *argv, isocompare_settings *settings,
                                      iso_operands *operands, iso_error *error);
 
-/* images.c: two pictures from files. ISO_ERR_MISMATCH when one is worse than a bound. */
+/* images.c: compares two pictures and prints or writes the metrics. ISO_ERR_MISMATCH when the candidate is
+ * worse than a bound. */
 iso_status isocompare_images(const isocompare_settings *settings, iso_pool *pool, iso_error *error);
 
-/* report.c: report.html and report.json about a volume. */
+/* report.c: draws a volume by every method and writes report.html and report.json, both or neither. */
 iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool, iso_error *error);
 
 #ifdef __cplusplus

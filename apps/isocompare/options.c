@@ -1,4 +1,4 @@
-/* The command line of isocompare: its table, and what must agree between options. */
+/* The command line of isocompare: the table of options and the checks between options. */
 #include <math.h>
 #include <string.h>
 
@@ -139,8 +139,8 @@ static const char *const example_text[] = {
 static const iso_section sections[] = {
     {"Metrics", metrics_text}, {"Exit status", exit_text}, {"Examples", example_text}};
 
-/* What belongs to the other command is a mistake, not a wish without effect. */
-static void see_option(void *target, const iso_option *option, const char *value) {
+/* Records options that belong to one command only: given with the other command they are an error. */
+static void record_command_option(void *target, const iso_option *option, const char *value) {
     isocompare_settings *settings = target;
     if (option->group == IMAGES && strcmp(option->name, "background") != 0 &&
         strcmp(option->name, "pixels-per-degree") != 0)
@@ -160,11 +160,11 @@ const iso_program *isocompare_program(void) {
                                         .option_count = sizeof options / sizeof *options,
                                         .sections = sections,
                                         .section_count = sizeof sections / sizeof *sections,
-                                        .seen = see_option};
+                                        .seen = record_command_option};
     return &program;
 }
 
-/* ---- what must agree ---- */
+/* ---- checks between options ---- */
 
 static iso_status take_images(isocompare_settings *settings, const iso_operands *operands, iso_error *error) {
     if (operands->count != 3)

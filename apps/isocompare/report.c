@@ -18,7 +18,7 @@
 static const int ZOOMS[REPORT_ZOOMS] = {1, 4, 16};
 static const int SAMPLES[REPORT_SAMPLINGS] = {1, 4}, TRUTH_SAMPLES[REPORT_SAMPLINGS] = {1, 16};
 
-static void tell(const report *r, const char *text) {
+static void log_step(const report *r, const char *text) {
     if (!r->settings->common.quiet) iso_program_log(isocompare_program(), "%s", text);
 }
 
@@ -68,7 +68,7 @@ static iso_status open_volume(report *r, iso_error *error) {
     ISO_TRY(iso_loader_open(&r->loader, error));
     if (r->loader.has_points)
         return iso_fail(error, ISO_ERR_USAGE, "holds points: a report needs the volume they come from");
-    tell(r, "reading");
+    log_step(r, "reading");
     ISO_TRY(iso_loader_read(&r->loader, error));
     const double *spacing = iso_grid_transform(&r->loader.volume.grid)->spacing;
     r->voxel = fmin(spacing[0], fmin(spacing[1], spacing[2]));
@@ -104,29 +104,29 @@ static iso_status extract(report *r, iso_error *error) {
 /* ---- pictures ---- */
 
 /* Pictures and buffers of one view. */
-typedef struct easel {
+typedef struct view_buffers {
     iso_study_frame truth[REPORT_SAMPLINGS], candidate[REPORT_SAMPLINGS];
     float *map; /* of FLIP */
     iso_image difference;
-} easel;
+} view_buffers;
 
-static void free_easel(easel *e) {
+static void free_buffers(view_buffers *b) {
     for (int s = 0; s < REPORT_SAMPLINGS; s++) {
-        iso_study_frame_free(&e->truth[s]);
-        iso_study_frame_free(&e->candidate[s]);
+        iso_study_frame_free(&b->truth[s]);
+        iso_study_frame_free(&b->candidate[s]);
     }
-    iso_free(e->map);
-    iso_image_free(&e->difference);
+    iso_free(b->map);
+    iso_image_free(&b->difference);
 }
 
-static iso_status make_easel(int side, easel *e, iso_error *error) {
-    e->map = iso_alloc((size_t)side * (size_t)side * sizeof *e->map);
-    if (!e->map) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+static iso_status create_buffers(int side, view_buffers *b, iso_error *error) {
+    b->map = iso_alloc((size_t)side * (size_t)side * sizeof *b->map);
+    if (!b->map) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     for (int s = 0; s < REPORT_SAMPLINGS; s++) {
-        ISO_TRY(iso_study_frame_create(side, s == REPORT_SINGLE, &e->truth[s], error));
-        ISO_TRY(iso_study_frame_create(side, s == REPORT_SINGLE, &e->candidate[s], error));
+        ISO_TRY(iso_study_frame_create(side, s == REPORT_SINGLE, &b->truth[s], error));
+        ISO_TRY(iso_study_frame_create(side, s == REPORT_SINGLE, &b->candidate[s], error));
     }
-    return iso_image_create(side, side, &e->difference, error);
+    return iso_image_create(side, side, &b->difference, error);
 }
 
 static iso_study_look look_of(const report *r, int samples) {
@@ -134,30 +134,31 @@ static iso_study_look look_of(const report *r, int samples) {
     return (iso_study_look){color, r->settings->background, samples, 1};
 }
 
-/* The process's peak is forgotten when it is reset. */
+/* Keeps the process's peak memory before it is reset. */
 static void note_peak(report *r) {
     uint64_t peak = iso_memory_peak();
     if (peak > r->peak) r->peak = peak;
 }
 
-static iso_status keep_picture(const report *r, const iso_image *image, report_picture *picture,
-                               iso_error *error) {
+static iso_status encode_picture(const report *r, const iso_image *image, report_picture *picture,
+                                 iso_error *error) {
     iso_png_opts opts = {.small = true, .pool = r->pool};
     return iso_png_encode(image, &opts, &picture->bytes, &picture->size, error);
 }
 
-/* The median of three frames, of fewer where one takes long; the first one with an eye on memory. */
+/* Draws three frames, fewer where one takes long; records the median time, and the memory of the first frame.
+ */
 static iso_status draw_timed(report *r, const report_view *v, int method, iso_study_frame *frame,
                              report_cell *cell, iso_error *error) {
     enum { FRAMES = 3 };
-    const double patience = 0.5; /* seconds */
+    const double time_limit = 0.5; /* seconds */
     iso_study_look look = look_of(r, SAMPLES[REPORT_SINGLE]);
     double seconds[FRAMES], spent = 0;
     int frames = 0;
     note_peak(r);
     bool known = isocompare_reset_peak();
     uint64_t before = isocompare_resident(false);
-    while (frames == 0 || (frames < FRAMES && spent < patience)) {
+    while (frames == 0 || (frames < FRAMES && spent < time_limit)) {
         double start = iso_clock_seconds();
         ISO_TRY(iso_study_draw(&r->subject, r->methods[method], &v->view, &look, frame, error));
         seconds[frames] = iso_clock_seconds() - start;
@@ -168,11 +169,11 @@ static iso_status draw_timed(report *r, const report_view *v, int method, iso_st
     cell->seconds = frames < FRAMES
                         ? fmin(seconds[0], seconds[frames - 1])
                         : fmax(fmin(seconds[0], seconds[1]), fmin(fmax(seconds[0], seconds[1]), seconds[2]));
-    return keep_picture(r, &frame->image, &cell->picture, error);
+    return encode_picture(r, &frame->image, &cell->picture, error);
 }
 
 /* Black over violet and orange to pale yellow: brightness grows all the way. */
-static void heat(float value, uint8_t rgba[4]) {
+static void heat_color(float value, uint8_t rgba[4]) {
     enum { STEPS = 5 };
     static const float ramp[STEPS + 1][3] = {{0, 0, 0},     {66, 16, 110},  {156, 40, 106},
                                              {226, 92, 50}, {250, 176, 26}, {254, 253, 190}};
@@ -185,39 +186,41 @@ static void heat(float value, uint8_t rgba[4]) {
     rgba[3] = 255;
 }
 
-static iso_status keep_difference(const report *r, easel *e, report_picture *picture, iso_error *error) {
-    size_t count = (size_t)e->difference.width * (size_t)e->difference.height;
-    for (size_t i = 0; i < count; i++) heat(e->map[i], e->difference.rgba + 4 * i);
-    return keep_picture(r, &e->difference, picture, error);
+static iso_status encode_difference(const report *r, view_buffers *b, report_picture *picture,
+                                    iso_error *error) {
+    size_t count = (size_t)b->difference.width * (size_t)b->difference.height;
+    for (size_t i = 0; i < count; i++) heat_color(b->map[i], b->difference.rgba + 4 * i);
+    return encode_picture(r, &b->difference, picture, error);
 }
 
-static iso_status compare_frames(const report *r, const report_view *v, easel *e, report_sampling sampling,
-                                 iso_metrics *metrics, iso_error *error) {
-    iso_compare_picture truth = iso_study_picture(&e->truth[sampling]);
-    iso_compare_picture candidate = iso_study_picture(&e->candidate[sampling]);
+static iso_status compare_frames(const report *r, const report_view *v, view_buffers *b,
+                                 report_sampling sampling, iso_metrics *metrics, iso_error *error) {
+    iso_compare_picture truth = iso_study_picture(&b->truth[sampling]);
+    iso_compare_picture candidate = iso_study_picture(&b->candidate[sampling]);
     iso_compare_opts opts = {.background = r->settings->background,
                              .voxel = r->voxel,
                              .pixels_per_voxel = v->pixels_per_voxel,
                              .pixels_per_degree = r->settings->pixels_per_degree,
-                             .flip_map = sampling == REPORT_SINGLE ? e->map : NULL,
+                             .flip_map = sampling == REPORT_SINGLE ? b->map : NULL,
                              .pool = r->pool};
     return iso_compare(&truth, &candidate, &opts, metrics, error);
 }
 
-static iso_status judge(report *r, report_view *v, int method, easel *e, iso_error *error) {
+static iso_status judge_method(report *r, report_view *v, int method, view_buffers *b, iso_error *error) {
     report_cell *cell = &v->cells[method];
-    iso_study_frame *frames = method ? e->candidate : e->truth;
+    iso_study_frame *frames = method ? b->candidate : b->truth;
     ISO_TRY(draw_timed(r, v, method, &frames[REPORT_SINGLE], cell, error));
     iso_study_look fine = look_of(r, method ? SAMPLES[REPORT_FINE] : TRUTH_SAMPLES[REPORT_FINE]);
     ISO_TRY(iso_study_draw(&r->subject, r->methods[method], &v->view, &fine, &frames[REPORT_FINE], error));
     if (method == 0) return ISO_OK;
     for (int s = 0; s < REPORT_SAMPLINGS; s++)
-        ISO_TRY(compare_frames(r, v, e, (report_sampling)s, &cell->metrics[s], error));
-    return keep_difference(r, e, &cell->difference, error);
+        ISO_TRY(compare_frames(r, v, b, (report_sampling)s, &cell->metrics[s], error));
+    return encode_difference(r, b, &cell->difference, error);
 }
 
-/* The fit view first; the others look where silhouettes are. */
-static iso_status aim(report *r, const iso_study_frame *fit, int target[2], double *depth, iso_error *error) {
+/* Finds the pixel of the fit view that the other zooms show: one near a silhouette, and its depth. */
+static iso_status find_target(report *r, const iso_study_frame *fit, int target[2], double *depth,
+                              iso_error *error) {
     size_t side = (size_t)r->settings->side, count = side * side;
     uint8_t *mask = iso_alloc(count);
     if (!mask) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
@@ -229,7 +232,7 @@ static iso_status aim(report *r, const iso_study_frame *fit, int target[2], doub
     return status;
 }
 
-static iso_status look_at_all(report *r, easel *e, iso_error *error) {
+static iso_status draw_each_view(report *r, view_buffers *b, iso_error *error) {
     iso_view fit = iso_study_fit(&r->ball, r->settings->side, 0);
     double depth = iso_view_point(&fit, r->ball.center).z;
     int target[2] = {0, 0};
@@ -241,25 +244,25 @@ static iso_status look_at_all(report *r, easel *e, iso_error *error) {
         for (int m = 0; m < r->method_count; m++) {
             char text[96];
             snprintf(text, sizeof text, "drawing %s, zoom %d", r->methods[m]->name, v->zoom);
-            tell(r, text);
-            ISO_TRY(judge(r, v, m, e, error));
+            log_step(r, text);
+            ISO_TRY(judge_method(r, v, m, b, error));
         }
-        if (z == 0) ISO_TRY(aim(r, &e->truth[REPORT_SINGLE], target, &depth, error));
+        if (z == 0) ISO_TRY(find_target(r, &b->truth[REPORT_SINGLE], target, &depth, error));
     }
     return ISO_OK;
 }
 
-static iso_status look(report *r, iso_error *error) {
-    easel e = {0};
-    iso_status status = make_easel(r->settings->side, &e, error);
-    if (status == ISO_OK) status = look_at_all(r, &e, error);
-    free_easel(&e);
+static iso_status draw_views(report *r, iso_error *error) {
+    view_buffers b = {0};
+    iso_status status = create_buffers(r->settings->side, &b, error);
+    if (status == ISO_OK) status = draw_each_view(r, &b, error);
+    free_buffers(&b);
     return status;
 }
 
 /* ---- files ---- */
 
-/* The folder, made when it is not there; *made says so. */
+/* Makes the folder when it is missing; *made: it was. */
 static iso_status open_folder(const char *path, bool *made, iso_error *error) {
     struct stat info;
     *made = mkdir(path, 0777) == 0;
@@ -280,7 +283,7 @@ static iso_status open_sinks(const char *folder, iso_sink sinks[2], iso_error *e
     return ISO_OK;
 }
 
-/* Both or none. */
+/* Writes both files or none. */
 static iso_status write_files(const report *r, iso_sink sinks[2], iso_error *error) {
     isocompare_write_html(r, sinks[0].stream);
     isocompare_write_json(r, sinks[1].stream);
@@ -294,14 +297,14 @@ static iso_status write_files(const report *r, iso_sink sinks[2], iso_error *err
 
 /* ---- all ---- */
 
-static iso_status work(report *r, iso_sink sinks[2], iso_error *error) {
+static iso_status make_report(report *r, iso_sink sinks[2], iso_error *error) {
     ISO_TRY(open_volume(r, error));
     ISO_TRY(open_sinks(r->settings->output, sinks, error));
     choose_methods(r);
-    tell(r, "extracting");
+    log_step(r, "extracting");
     ISO_TRY(extract(r, error));
     isocompare_processor(r->processor, sizeof r->processor);
-    ISO_TRY(look(r, error));
+    ISO_TRY(draw_views(r, error));
     note_peak(r);
     return write_files(r, sinks, error);
 }
@@ -319,7 +322,7 @@ static void free_report(report *r) {
     free(r);
 }
 
-/* Every message names a thing: the volume, unless the text names a file already. */
+/* Puts the volume's name before a message, unless the message names a file. */
 static void name_volume(const report *r, iso_error *error) {
     const char *name = iso_spool_name(r->loader.input);
     if (error->status == ISO_ERR_WRITE || iso_text_begins(error->text, name)) return;
@@ -336,7 +339,7 @@ iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool
     r->loader = (iso_loader){
         .input = settings->volume, .options = &settings->common.input, .files = &r->files, .pool = pool};
     iso_sink sinks[2] = {{0}};
-    iso_status status = work(r, sinks, error);
+    iso_status status = make_report(r, sinks, error);
     for (int i = 0; i < 2; i++) iso_sink_abort(&sinks[i]);
     if (status != ISO_OK) name_volume(r, error);
     if (status != ISO_OK && made) rmdir(settings->output);

@@ -1,4 +1,4 @@
-/* isocompare report: what is measured, and what its writers share. */
+/* report: the data of isocompare report, and the functions that write it. */
 #ifndef ISO_APPS_ISOCOMPARE_REPORT_H
 #define ISO_APPS_ISOCOMPARE_REPORT_H
 
@@ -13,7 +13,7 @@ extern "C" {
 
 enum { REPORT_ZOOMS = 3, REPORT_METHODS = 16 };
 
-/* One sample against one, and four against sixteen. */
+/* Samples a pixel of the candidate and the truth: 1 and 1; 4 and 16. */
 typedef enum report_sampling { REPORT_SINGLE, REPORT_FINE, REPORT_SAMPLINGS } report_sampling;
 
 /* A PNG in memory. */
@@ -22,7 +22,8 @@ typedef struct report_picture {
     size_t size;
 } report_picture;
 
-/* A method at one zoom. Index 0 of a view's cells is the truth, which has no metrics and no difference. */
+/* The results of a method at one zoom. cells[0] of a view is the truth, which has no metrics and no
+ * difference. */
 typedef struct report_cell {
     iso_metrics metrics[REPORT_SAMPLINGS];
     double seconds;  /* one frame of one sample a pixel, median of three */
@@ -66,7 +67,7 @@ void isocompare_write_html(const report *r, FILE *stream);
 /* report_json.c */
 void isocompare_write_json(const report *r, FILE *stream);
 
-/* plots.c: inline SVG. value(r, view, method) of every cell; NaN is left out. */
+/* plots.c: plots as inline SVG. A report_value gives the number of a cell; NaN is not plotted. */
 typedef double report_value(const report *r, int view, int method);
 typedef struct report_plot {
     const char *title, *unit;
@@ -81,10 +82,10 @@ const char *isocompare_method_color(int method); /* of a method's number in the 
 /* Text for HTML: & < > and quotes escaped. */
 void isocompare_put_text(FILE *stream, const char *text);
 
-/* machine.c: what the system says. */
+/* machine.c: the processor, and the memory of this process. */
 void isocompare_processor(char *text, size_t size);
 bool isocompare_reset_peak(void);        /* false: the system does not allow it */
-uint64_t isocompare_resident(bool peak); /* bytes now, or most since the reset; 0: not known */
+uint64_t isocompare_resident(bool peak); /* bytes now, or the most since the reset; 0: unknown */
 
 #ifdef __cplusplus
 }

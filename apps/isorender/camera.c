@@ -51,8 +51,7 @@ static void frame_surface(isorender_job *job, iso_camera *camera) {
         iso_camera_fit_box(camera, &job->bounds_world, &fit);
 }
 
-/* Where the eye is when nothing is said about it: the preset, turned, at the distance that shows everything.
- */
+/* The camera without --camera-position: the preset, turned, at the distance that shows everything. */
 static iso_camera fitted_camera(isorender_job *job) {
     const isorender_settings *settings = job->settings;
     iso_camera camera = {

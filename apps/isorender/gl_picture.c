@@ -15,7 +15,7 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
 }
 
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
-    iso_gl_engine_forget_seconds(job->backend->engine);
+    iso_gl_engine_reset_seconds(job->backend->engine);
     for (int i = 0; i < job->surface_count; i++) {
         iso_gl_surface **uploaded = &job->gl_surfaces[i];
         if (job->method == ISO_METHOD_MESH) {
@@ -50,8 +50,8 @@ iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso
         return iso_gl_draw_pullpush(job->backend->engine, &pullpush, gbuffer, error);
     }
     iso_gl_draw_opts opts = {.view = view,
-                             .shapes = surfaces,
-                             .shape_count = job->surface_count,
+                             .surfaces = surfaces,
+                             .surface_count = job->surface_count,
                              .scaling = (iso_point_scaling)settings->scaling};
     /* The view may be a strip; the bound on depth is the whole picture's. */
     opts.tan_y = iso_tan(job->camera.view_angle * (ISO_PI / 360));

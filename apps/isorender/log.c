@@ -1,4 +1,4 @@
-/* What isorender says on stderr while it works. */
+/* Messages and progress of isorender on standard error. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdarg.h>
@@ -45,7 +45,7 @@ static void draw_bar(const char *stage, int percent) {
 
 void isorender_progress(isorender_job *job, const char *stage, double fraction) {
     if (!job->settings->progress || job->settings->common.quiet) return;
-    /* Lines go to logs: a few are enough. */
+    /* In a log file, one line for every 20 % is enough. */
     bool terminal = isatty(STDERR_FILENO);
     int step = terminal ? 1 : 20;
     int percent = (int)floor(100 * fraction) / step * step;

@@ -1,4 +1,4 @@
-/* From surfaces to PNG files: the camera, one picture or a turntable of them. */
+/* Renders surfaces to PNG and EXR files: one picture or the frames of a turntable. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,8 +51,8 @@ static uint64_t hash_image(const iso_image *image) {
     return hash;
 }
 
-/* What the files say about themselves. Neither paths nor thread counts: the same picture is the same file
- * wherever it is made. */
+/* Metadata of the files. Without paths and thread counts, so that the same picture is the same file
+ * everywhere. */
 typedef struct labels {
     char software[64], isovalues[512], command[ISO_RECORD_SIZE + 256];
 } labels;
@@ -95,20 +95,21 @@ static iso_status write_aov(isorender_job *job, int frame, const iso_aov *aov, c
     return iso_exr_write(path, aov, &info, job->pool, error);
 }
 
-/* What a frame is drawn to; the planes of aov are NULL when nobody wants it. */
+/* The buffers of a frame; the planes of aov are NULL without --aov. */
 typedef struct canvas {
     iso_image image;
     iso_aov aov;
 } canvas;
 
-/* One exact surface of one sample a pixel needs no gbuffer, unless somebody wants its numbers. */
-static bool is_painted(const isorender_job *job, const iso_picture_opts *opts) {
+/* Whether the frame is shaded while it is drawn: one exact surface with one sample a pixel needs no gbuffer.
+ */
+static bool is_drawn_directly(const isorender_job *job, const iso_picture_opts *opts) {
     return job->method == ISO_METHOD_EXACT && !job->backend->engine && job->surface_count == 1 &&
            opts->samples <= 1 && !opts->aov;
 }
 
-static iso_status paint(const isorender_job *job, const iso_picture_opts *opts, iso_image *image,
-                        size_t *covered, iso_error *error) {
+static iso_status draw_directly(const isorender_job *job, const iso_picture_opts *opts, iso_image *image,
+                                size_t *covered, iso_error *error) {
     const iso_view view = iso_view_make(opts->camera, opts->width, opts->height);
     const iso_exact_canvas whole = {&view, &opts->shading, image, job->pool};
     return iso_paint_exact(&whole, job->surfaces[0].exact, covered, error);
@@ -148,8 +149,8 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
         .pool = job->pool,
         .aov = c->aov.depth ? &c->aov : NULL};
     double start = iso_clock_seconds();
-    ISO_TRY(is_painted(job, &opts)
-                ? paint(job, &opts, &c->image, &job->frames[frame].covered, error)
+    ISO_TRY(is_drawn_directly(job, &opts)
+                ? draw_directly(job, &opts, &c->image, &job->frames[frame].covered, error)
                 : iso_picture_render(&opts, &c->image, &job->frames[frame].covered, error));
     job->seconds.render += iso_clock_seconds() - start;
     if (job->frames[frame].covered == 0)
@@ -215,7 +216,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     return bytes + (pyramid < STRIP ? pyramid : STRIP);
 }
 
-/* The name of all frames as ffmpeg wants it: {n:3} becomes %03d. */
+/* Logs an ffmpeg command that makes a film of a turntable; {n:3} becomes %03d in its input. */
 static void suggest_film(const isorender_job *job) {
     const char *image = job->plan->image, *variable = image ? strstr(image, "{n") : NULL;
     if (!variable) return;

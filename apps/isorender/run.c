@@ -1,4 +1,4 @@
-/* The way of one input, and what happens to its outputs when it fails. */
+/* The steps of the work on one input, and the removal of its outputs when a step fails. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 #include "base/file.h"
 #include "base/text.h"
 
-static iso_status inform(isorender_job *job, iso_error *error) {
+static iso_status print_info(isorender_job *job, iso_error *error) {
     bool text = !job->settings->common.json;
     double start = iso_clock_seconds();
     if (text) isorender_info_header(job);
@@ -21,7 +21,7 @@ static iso_status inform(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
-static void tell_done(const isorender_job *job) {
+static void log_outputs(const isorender_job *job) {
     isorender_log_verbose(job, "load %.3f s, extract %.3f s, render %.3f s, write %.3f s", job->seconds.load,
                           job->seconds.extract, job->seconds.render, job->seconds.write);
     const char *frames = job->settings->turntable ? " (all frames)" : "";
@@ -30,7 +30,7 @@ static void tell_done(const isorender_job *job) {
     if (job->plan->aov) isorender_log(job, "wrote %s%s", job->plan->aov, frames);
 }
 
-static iso_status make(isorender_job *job, iso_error *error) {
+static iso_status make_outputs(isorender_job *job, iso_error *error) {
     double start = iso_clock_seconds();
     ISO_TRY(isorender_read(job, error));
     double read = iso_clock_seconds();
@@ -44,18 +44,18 @@ static iso_status make(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status work(isorender_job *job, iso_error *error) {
+static iso_status run_steps(isorender_job *job, iso_error *error) {
     double start = iso_clock_seconds();
     ISO_TRY(isorender_open(job, error));
     job->seconds.load = iso_clock_seconds() - start;
     ISO_TRY(isorender_plan_check_writable(job->plan, error));
     if (job->settings->info)
-        ISO_TRY(inform(job, error));
+        ISO_TRY(print_info(job, error));
     else
-        ISO_TRY(make(job, error));
+        ISO_TRY(make_outputs(job, error));
     job->seconds.total = iso_clock_seconds() - start;
     if (job->settings->common.json) ISO_TRY(isorender_report_json(job, error));
-    if (!job->settings->info) tell_done(job);
+    if (!job->settings->info) log_outputs(job);
     return ISO_OK;
 }
 
@@ -68,7 +68,7 @@ static void remove_frames(const char *name, int count) {
     }
 }
 
-/* What was written before a later output failed would pass for the whole. */
+/* After an error, outputs written before it are removed: they would pass for a complete result. */
 static void remove_outputs(const isorender_job *job) {
     if (job->points_written) iso_file_remove(job->plan->points);
     if (job->mesh_written) iso_file_remove(job->plan->mesh);
@@ -76,7 +76,7 @@ static void remove_outputs(const isorender_job *job) {
     remove_frames(job->plan->aov, job->aovs_written);
 }
 
-/* Every message names a thing: the input, unless the text already begins with it or with an output. */
+/* Puts the input's name before a message, unless the message begins with it or names an output. */
 static void name_input(const isorender_job *job, iso_error *error) {
     const char *name = isorender_input_name(job), *text = error->text;
     if (error->status == ISO_ERR_WRITE || iso_text_begins(text, name)) return;
@@ -107,7 +107,7 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
     job->plan = plan;
     job->pool = pool;
     job->backend = backend;
-    iso_status status = work(job, error);
+    iso_status status = run_steps(job, error);
     if (status != ISO_OK) {
         remove_outputs(job);
         name_input(job, error);

@@ -1,5 +1,5 @@
-/* What the solid is: without small parts (--largest, --min-size), ended at the volume's border (--closed);
- * and the measures of its mesh. */
+/* The solid: small parts dropped (--largest, --min-size), closed at the volume's border (--closed); and the
+ * measures of its mesh. */
 #include <inttypes.h>
 #include <math.h>
 
@@ -27,7 +27,7 @@ uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint
     return bytes < 0x1p63 ? (uint64_t)bytes : UINT64_MAX;
 }
 
-/* Foot points are made of all distances in the band, also of those that are none any more. */
+/* Foot points use all values of a dense level set; after dropping parts some of them are no distances. */
 static iso_status check_primitive(const isorender_job *job, iso_error *error) {
     const iso_grid *grid = &job->loader.volume.grid;
     if (job->settings->primitive == ISO_PRIMITIVE_FOOT && grid->rgrid && drops_parts(job->settings))
@@ -36,7 +36,7 @@ static iso_status check_primitive(const isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
-static void say_parts(const isorender_job *job, const isorender_surface *surface) {
+static void log_parts(const isorender_job *job, const isorender_surface *surface) {
     const iso_components_totals *parts = &surface->parts;
     isorender_log(job,
                   "isovalue %g: kept %zu of %zu parts of the solid, dropped %zu with %.3g %% of its volume "
@@ -52,13 +52,13 @@ static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso
                                       .largest = (size_t)settings->common.input.largest,
                                       .min_volume = settings->common.input.min_size,
                                       .pool = job->pool};
-    /* Another surface needs the parts that this one drops. */
+    /* Another surface may need the parts that this one drops: work on a copy. */
     if (makes_copies(job, job->surface_count)) {
         ISO_TRY(iso_grid_copy(&job->loader.volume.grid, job->pool, &surface->own_grid, error));
         surface->grid = surface->own_grid;
     }
     ISO_TRY(iso_components_filter(&surface->grid, &opts, &surface->parts, error));
-    if (surface->parts.kept) say_parts(job, surface);
+    if (surface->parts.kept) log_parts(job, surface);
     return ISO_OK;
 }
 
@@ -74,7 +74,7 @@ iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surfac
     return ISO_OK;
 }
 
-static void say_mesh(const isorender_job *job, const isorender_surface *surface) {
+static void log_mesh(const isorender_job *job, const isorender_surface *surface) {
     const iso_mesh_measures *m = &surface->measures;
     isorender_log_verbose(
         job, "isovalue %g: mesh of %zu parts, %.6g mm2, %.6g mm3, %zu open edges, Euler number %" PRId64,
@@ -90,11 +90,11 @@ iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surf
     if (!job->settings->common.json && !job->settings->verbose) return ISO_OK;
     iso_status status = iso_weld_measure(weld, &view.transform, job->pool, &surface->measures, error);
     if (status != ISO_OK) iso_weld_free(weld);
-    if (status == ISO_OK) say_mesh(job, surface);
+    if (status == ISO_OK) log_mesh(job, surface);
     return status;
 }
 
-/* ---- what --json says */
+/* ---- the report */
 
 static void put_surface(iso_json *json, const isorender_job *job, const isorender_surface *surface) {
     if (drops_parts(job->settings)) iso_put_components(json, "parts", &surface->parts);

@@ -8,7 +8,7 @@
 
 /* ---- which isovalues ---- */
 
-static iso_status suggest(isorender_job *job, double *isovalue, iso_error *error) {
+static iso_status suggest_isovalue(isorender_job *job, double *isovalue, iso_error *error) {
     ISO_TRY(iso_loader_histogram(&job->loader, error));
     double candidates[ISO_ISOVALUE_CANDIDATES];
     size_t count = iso_isovalue_suggest(&job->loader.volume.grid, &job->loader.histogram, candidates);
@@ -26,7 +26,7 @@ static iso_status suggest(isorender_job *job, double *isovalue, iso_error *error
     return ISO_OK;
 }
 
-/* Values one voxel from the end of a narrow band have neighbours that are clamped to it. */
+/* Within a voxel of the end of the narrow band, neighbouring values are clamped. */
 static void warn_of_band_end(const isorender_job *job, double isovalue) {
     const iso_grid *grid = &job->loader.volume.grid;
     if (!grid->hgrid || fabs(iso_grid_stored(grid, isovalue)) <= (double)grid->hgrid->band - 1) return;
@@ -37,7 +37,7 @@ static void warn_of_band_end(const isorender_job *job, double isovalue) {
         isovalue, iso_grid_physical(grid, (double)grid->hgrid->band));
 }
 
-static iso_status take_isovalues(isorender_job *job, iso_error *error) {
+static iso_status check_isovalues(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     for (int i = 0; i < settings->isovalue_count; i++) {
         job->surfaces[i].isovalue = settings->isovalues[i];
@@ -50,13 +50,13 @@ static iso_status take_isovalues(isorender_job *job, iso_error *error) {
 static iso_status choose_isovalues(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     job->surface_count = settings->isovalue_count ? settings->isovalue_count : 1;
-    if (settings->isovalue_count) return take_isovalues(job, error);
+    if (settings->isovalue_count) return check_isovalues(job, error);
     if (job->loader.has_points)
         job->surfaces[0].isovalue = NAN;
     else if (!isnan(job->loader.scene_isovalue))
         job->surfaces[0].isovalue = job->loader.scene_isovalue;
     else
-        return suggest(job, &job->surfaces[0].isovalue, error);
+        return suggest_isovalue(job, &job->surfaces[0].isovalue, error);
     return ISO_OK;
 }
 
@@ -68,7 +68,7 @@ static void choose_colors(isorender_job *job) {
 
 /* ---- extraction ---- */
 
-/* Without a picture, what is exported says where the surface is and how large. */
+/* Whether there is no picture: then the exports alone decide what is extracted. */
 static bool only_exports(const isorender_job *job) {
     return !isorender_plan_draws(job->plan) && (job->settings->points || job->settings->mesh);
 }
@@ -81,7 +81,7 @@ static bool is_drawn(const isorender_job *job, iso_part part) {
     return needs & 1u << part && !only_exports(job);
 }
 
-/* Says what the data holds, so that the user can choose better. */
+/* The message says which values the volume has, so that the user can choose another isovalue. */
 static iso_status fail_empty(isorender_job *job, double isovalue, iso_error *error) {
     const int *dims = iso_grid_dims(&job->loader.volume.grid);
     if (dims[0] < 2 || dims[1] < 2 || dims[2] < 2)
@@ -106,7 +106,7 @@ static bool is_refined(const isorender_job *job) {
 iso_primitive isorender_primitive(const isorender_job *job) {
     const iso_primitive chosen = (iso_primitive)job->settings->primitive;
     if (chosen != ISO_PRIMITIVE_AUTO) return chosen;
-    /* One kind for all surfaces; the outer layer of a closed level set holds no distances. */
+    /* One kind for all surfaces. No foot points with --closed: the caps' voxels hold no distances. */
     bool foot = !is_refined(job) && !job->settings->closed;
     for (int i = 0; i < job->surface_count && foot; i++)
         foot = iso_primitive_auto(&job->loader.volume.grid, job->surfaces[i].isovalue) == ISO_PRIMITIVE_FOOT;
@@ -118,7 +118,7 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
     iso_points_opts opts = {.isovalue = surface->isovalue,
                             .primitive = isorender_primitive(job),
                             .floats = job->settings->points != NULL,
-                            .shapes = is_refined(job),
+                            .curvature = is_refined(job),
                             .pool = job->pool};
     ISO_TRY(iso_point_set_create(&surface->grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));
@@ -225,7 +225,7 @@ static iso_box index_bounds(const isorender_job *job) {
     return all;
 }
 
-static void measure(isorender_job *job) {
+static void find_bounds(isorender_job *job) {
     iso_transform transform =
         job->loader.has_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
     iso_affine affine = iso_transform_affine(&transform);
@@ -248,16 +248,16 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
         ISO_TRY(extract_surface(job, &job->surfaces[i], error));
     }
     isorender_progress(job, "extracting", 1);
-    measure(job);
+    find_bounds(job);
     return ISO_OK;
 }
 
 /* ---- files ---- */
 
-/* What is not exported is measured all the same. */
+/* Meshes that are not exported are measured, too. */
 static iso_status measure_meshes(isorender_job *job, iso_error *error) {
-    const bool wanted = job->settings->common.json || job->settings->verbose;
-    for (int i = 0; i < job->surface_count && wanted && !job->plan->mesh; i++) {
+    const bool measured = job->settings->common.json || job->settings->verbose;
+    for (int i = 0; i < job->surface_count && measured && !job->plan->mesh; i++) {
         iso_weld weld;
         if (!job->surfaces[i].mesh) continue;
         ISO_TRY(isorender_mesh_weld(job, &job->surfaces[i], &weld, error));

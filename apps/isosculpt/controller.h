@@ -1,27 +1,32 @@
-/* hand: mouse and keys, made into strokes, camera moves and commands. Knows no window: coordinates are pixels
- * of the picture, keys are names. */
+/* controller: turns mouse and keyboard input into strokes, camera moves and commands for the window.
+ * Independent of the window system: positions are pixels of the picture, y down; keys are numbers of
+ * isosculpt_key. */
 #ifndef ISO_APPS_ISOSCULPT_CONTROLLER_H
 #define ISO_APPS_ISOSCULPT_CONTROLLER_H
 
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/strokes.h"
-#include "apps/isosculpt/view/view.h"
+#include "apps/isosculpt/viewport/viewport.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-typedef enum isosculpt_button { ISOSCULPT_LEFT, ISOSCULPT_RIGHT, ISOSCULPT_MIDDLE } isosculpt_button;
+typedef enum isosculpt_button {
+    ISOSCULPT_BUTTON_LEFT,
+    ISOSCULPT_BUTTON_RIGHT,
+    ISOSCULPT_BUTTON_MIDDLE
+} isosculpt_button;
 
-enum { ISOSCULPT_SHIFT = 1, ISOSCULPT_CTRL = 2, ISOSCULPT_ALT = 4 };
+enum { ISOSCULPT_MODIFIER_SHIFT = 1, ISOSCULPT_MODIFIER_CTRL = 2, ISOSCULPT_MODIFIER_ALT = 4 };
 
-/* Letters, digits, brackets, + and - are themselves, letters in lower case. */
+/* Letters (lower case), digits, brackets, comma, full stop, + and - are their own numbers. */
 typedef enum isosculpt_key {
-    ISOSCULPT_KEY_FRONT = 256, /* the number pad's 1, 3 and 7; with Ctrl the opposite side */
+    ISOSCULPT_KEY_FRONT = 256, /* 1, 3 and 7 of the number pad; with Ctrl the opposite side */
     ISOSCULPT_KEY_RIGHT,
     ISOSCULPT_KEY_TOP,
     ISOSCULPT_KEY_ESCAPE,
-    ISOSCULPT_KEY_ARROW_LEFT, /* the picture moves that way */
+    ISOSCULPT_KEY_ARROW_LEFT, /* the picture moves to the left */
     ISOSCULPT_KEY_ARROW_RIGHT,
     ISOSCULPT_KEY_ARROW_UP,
     ISOSCULPT_KEY_ARROW_DOWN
@@ -34,81 +39,84 @@ typedef enum isosculpt_drag {
     ISOSCULPT_DRAG_PAN
 } isosculpt_drag;
 
-/* What needs to be drawn, and what the window must do. */
+/* Commands for the window, as bits of isosculpt_controller.commands. */
 typedef enum isosculpt_command {
     ISOSCULPT_COMMAND_NONE = 0,
-    ISOSCULPT_COMMAND_PICTURE = 1, /* camera or field changed */
+    ISOSCULPT_COMMAND_REDRAW = 1, /* camera or field changed */
     ISOSCULPT_COMMAND_SAVE = 2,
     ISOSCULPT_COMMAND_CLOSE = 4,
-    ISOSCULPT_COMMAND_SCULPT = 8,   /* the volume that is only looked at */
-    ISOSCULPT_COMMAND_SAVE_AS = 16, /* as SAVE, and the name is asked for */
-    ISOSCULPT_COMMAND_OPEN = 32     /* a file that is to be chosen */
+    ISOSCULPT_COMMAND_SCULPT = 8,   /* convert the viewed volume into a field */
+    ISOSCULPT_COMMAND_SAVE_AS = 16, /* save to a name that the user chooses */
+    ISOSCULPT_COMMAND_OPEN = 32     /* open a file that the user chooses */
 } isosculpt_command;
 
 typedef struct isosculpt_controller {
     isosculpt_document *document; /* borrowed */
-    isosculpt_view *view;         /* borrowed */
-    iso_brush brush;              /* as chosen; modifiers change the tool of one stroke */
+    isosculpt_viewport *viewport; /* borrowed */
+    iso_brush brush;              /* as chosen; modifier keys change the tool for one stroke */
     isosculpt_drag drag;
-    isosculpt_button button;   /* of the drag */
-    char adjusting;            /* 'x' or 'c' while that key is down, 0 else */
-    double x, y;               /* of the cursor */
-    double pressure;           /* of the pen, 0 .. 1; 1 for a mouse */
-    double depth;              /* of the stroke's last pick */
-    iso_vec3 normal;           /* likewise */
-    iso_sample last;           /* of the stroke, that the session was given */
-    iso_tool tool;             /* of the stroke */
-    bool viewing_volume;       /* at a volume: there is no field yet that a brush could work on, */
-    bool awaiting;             /* but it is being made: strokes wait for it */
-    isosculpt_strokes waiting; /* owned */
-    iso_box box;            /* of the surface, world, since the last stroke; for showing the mirror's plane */
-    bool stroke_unfinished; /* the last stroke still is drawn: there was no memory to end it */
+    isosculpt_button button; /* that drags */
+    char adjusting;          /* 'x' (size) or 'c' (strength) while that key is down, else 0 */
+    double x, y;             /* of the pointer */
+    double pressure;         /* of the pen, 0 .. 1; 1 for a mouse */
+
+    double depth;           /* of the last pick of the stroke, view z in mm */
+    iso_vec3 normal;        /* of the same pick, world */
+    iso_sample last_sample; /* of the stroke, as the session got it */
+    iso_tool tool;          /* of the stroke */
+
+    bool viewing_volume; /* a volume is shown: there is no field that a brush could change */
+    bool field_pending;  /* the volume is being converted into a field: strokes are queued until then */
+    isosculpt_strokes queued_strokes; /* owned */
+
+    iso_box surface_box;    /* around the surface, world, as of the last stroke; shows the mirror planes */
+    bool stroke_unfinished; /* the last stroke could not be ended: there was no memory */
     bool clipped;           /* a brush reached beyond the grid */
-    unsigned commands;      /* isosculpt_command, until the window has seen to them */
-    isosculpt_latency edit;
-    iso_error error; /* of the last stroke, undo or redo; text[0] == 0: none */
+    unsigned commands;      /* isosculpt_command bits; the window clears those that it has carried out */
+    isosculpt_latency edit; /* times of touches */
+    iso_error error;        /* of the last stroke, undo or redo; text[0] == 0: none */
 } isosculpt_controller;
 
-/* The tool of key 1 .. 9. */
-enum { ISOSCULPT_TOOLS = 9 };
+/* The tool on key `number`, 1 .. ISOSCULPT_TOOL_KEYS. */
+enum { ISOSCULPT_TOOL_KEYS = 9 };
 iso_tool isosculpt_controller_tool(int number);
-/* The tool of a stroke with these modifiers: Shift smooths, Ctrl or Alt inverts. */
+/* The tool of a stroke with modifier keys: Shift smooths, Ctrl or Alt inverts. */
 iso_tool isosculpt_controller_modified_tool(iso_tool tool, unsigned modifiers);
 
-/* Desk and view are borrowed until the hand is given others. The brush is a new one; its mirror is in the
- * middle of the surface. */
+/* Starts with a new brush, whose mirror is in the middle of the surface. `document` and `viewport` are
+ * borrowed until isosculpt_controller_free. */
 void isosculpt_controller_init(isosculpt_controller *controller, isosculpt_document *document,
-                               isosculpt_view *view);
+                               isosculpt_viewport *viewport);
 void isosculpt_controller_free(isosculpt_controller *controller);
 
-/* Puts the brush's mirror into the middle of the surface's box: on a voxel or half-way between two, so that
- * mirrored strokes make exactly mirrored voxels. */
+/* Moves the brush's mirror planes to the middle of the surface's box, rounded to a voxel or half-way between
+ * two, so that mirrored strokes make exactly mirrored voxels. */
 void isosculpt_controller_center_mirror(isosculpt_controller *controller);
 
-/* Draws the strokes that waited for the field; frees them. */
-void isosculpt_controller_play(isosculpt_controller *controller, isosculpt_strokes *strokes);
+/* Applies strokes that were queued before there was a field; frees them. Errors are in controller->error. */
+void isosculpt_controller_apply_strokes(isosculpt_controller *controller, isosculpt_strokes *strokes);
 
 void isosculpt_controller_press(isosculpt_controller *controller, isosculpt_button button, unsigned modifiers,
                                 double x, double y);
 void isosculpt_controller_move(isosculpt_controller *controller, double x, double y);
 void isosculpt_controller_release(isosculpt_controller *controller, isosculpt_button button);
 void isosculpt_controller_scroll(isosculpt_controller *controller, double steps);
-/* `down` false: released. Whether the key means anything. */
+/* A key was pressed (`down`) or released. Returns whether the key has a meaning. */
 bool isosculpt_controller_key(isosculpt_controller *controller, int key, unsigned modifiers, bool down);
 
-/* The side that a view key (ISOSCULPT_KEY_FRONT ..) shows, or the opposite one. */
-void isosculpt_controller_look(isosculpt_controller *controller, iso_direction direction);
+/* Shows the surface from a side. Does nothing during a stroke. */
+void isosculpt_controller_set_direction(isosculpt_controller *controller, iso_direction direction);
 
-/* Adds with a stamp from now on; the session takes it over. Not while a stroke is drawn. */
+/* Makes a stamp the shape of the brush; the session takes it over. Not during a stroke. */
 void isosculpt_controller_set_stamp(isosculpt_controller *controller, iso_stamp *stamp);
 
-/* Whether the tool has a shape. */
+/* Whether the tool adds or removes a solid whose shape can be chosen. */
 bool isosculpt_tool_has_shape(iso_tool tool);
 
-/* Undoes or redoes until `position` steps are done. */
+/* Undoes or redoes until `position` steps of the history are done. */
 void isosculpt_controller_go_to_step(isosculpt_controller *controller, size_t position);
 
-/* Where the brush would touch; false: the cursor is beside the surface, or something is dragged. */
+/* The surface under the pointer; false: there is none, or the camera is being moved. */
 bool isosculpt_controller_pick(const isosculpt_controller *controller, isosculpt_pick *pick);
 
 #ifdef __cplusplus

@@ -1,3 +1,4 @@
+/* Documents: journals in the state folder, their lock files, opening and closing. */
 #define _DEFAULT_SOURCE /* flock */
 #include "apps/isosculpt/document.h"
 
@@ -18,11 +19,11 @@
 
 static const char STROKES[] = ".strokes", OPEN[] = ".open", UNDO[] = ".undo";
 
-/* The new ball: half the side of its grid. */
+/* A new ball: voxels along a side of its grid; voxel size and radius in mm. */
 enum { BALL_VOXELS = 384 };
 static const double BALL_VOXEL = 0.5, BALL_RADIUS = 40;
 
-static iso_status join(char out[ISOSCULPT_PATH], const char *a, const char *b, iso_error *error) {
+static iso_status join_path(char out[ISOSCULPT_PATH], const char *a, const char *b, iso_error *error) {
     size_t first = strlen(a), second = strlen(b);
     if (first + second >= ISOSCULPT_PATH)
         return iso_fail(error, ISO_ERR_WRITE, "%s: the name is too long", a);
@@ -31,7 +32,7 @@ static iso_status join(char out[ISOSCULPT_PATH], const char *a, const char *b, i
     return ISO_OK;
 }
 
-/* ---- the folder */
+/* ---- the state folder */
 
 static iso_status make_folders(char *path, iso_error *error) {
     for (char *slash = path + 1;; slash++) {
@@ -48,47 +49,48 @@ static iso_status make_folders(char *path, iso_error *error) {
 
 iso_status isosculpt_document_state_folder(char folder[ISOSCULPT_PATH], iso_error *error) {
     const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
-    if (state && state[0] == '/') /* the specification: others are to be ignored */
-        ISO_TRY(join(folder, state, "/isopoint", error));
+    if (state && state[0] == '/') /* the specification ignores relative paths */
+        ISO_TRY(join_path(folder, state, "/isopoint", error));
     else if (home && home[0] == '/')
-        ISO_TRY(join(folder, home, "/.local/state/isopoint", error));
+        ISO_TRY(join_path(folder, home, "/.local/state/isopoint", error));
     else
         return iso_fail(error, ISO_ERR_WRITE, "neither XDG_STATE_HOME nor HOME says where journals go");
     return make_folders(folder, error);
 }
 
-/* ---- markers */
+/* ---- lock files */
 
-/* Locks NAME.strokes.open, made when it is not there. ISO_ERR_WRITE. */
-static iso_status mark(const char *journal, int *marker, iso_error *error) {
+/* Makes and locks NAME.strokes.open. ISO_ERR_WRITE when another program holds the lock. */
+static iso_status lock_journal(const char *journal, int *lock_file, iso_error *error) {
     char path[ISOSCULPT_PATH];
-    ISO_TRY(join(path, journal, OPEN, error));
+    ISO_TRY(join_path(path, journal, OPEN, error));
     int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     if (file < 0) return iso_fail(error, ISO_ERR_WRITE, "%s: %s", path, strerror(errno));
     if (flock(file, LOCK_EX | LOCK_NB)) {
         close(file);
         return iso_fail(error, ISO_ERR_WRITE, "%s: another program has it open", journal);
     }
-    *marker = file + 1;
+    *lock_file = file + 1;
     return ISO_OK;
 }
 
 void isosculpt_document_dismiss_recovery(const char *journal) {
     char path[ISOSCULPT_PATH];
-    if (join(path, journal, OPEN, NULL) == ISO_OK) unlink(path);
+    if (join_path(path, journal, OPEN, NULL) == ISO_OK) unlink(path);
 }
 
-/* Whether it counts as open, by whomever. */
-static bool is_marked(const char *journal) {
+/* Whether a lock file exists: some program has the journal open, or was killed. */
+static bool has_lock_file(const char *journal) {
     char path[ISOSCULPT_PATH];
-    return join(path, journal, OPEN, NULL) == ISO_OK && access(path, F_OK) == 0;
+    return join_path(path, journal, OPEN, NULL) == ISO_OK && access(path, F_OK) == 0;
 }
 
-static bool is_held(const char *marker) {
-    int file = open(marker, O_RDWR | O_CLOEXEC);
-    bool pick_layer = file < 0 || flock(file, LOCK_EX | LOCK_NB) != 0;
+/* Whether a running program holds the lock. */
+static bool is_locked(const char *lock_file) {
+    int file = open(lock_file, O_RDWR | O_CLOEXEC);
+    const bool locked = file < 0 || flock(file, LOCK_EX | LOCK_NB) != 0;
     if (file >= 0) close(file);
-    return pick_layer;
+    return locked;
 }
 
 bool isosculpt_document_find_unclosed(const char *folder, char path[ISOSCULPT_PATH]) {
@@ -97,13 +99,13 @@ bool isosculpt_document_find_unclosed(const char *folder, char path[ISOSCULPT_PA
     struct timespec newest = {0};
     bool found = false;
     for (struct dirent *entry; (entry = readdir(directory));) {
-        char marker[2 * ISOSCULPT_PATH], journal[2 * ISOSCULPT_PATH];
+        char lock_file[2 * ISOSCULPT_PATH], journal[2 * ISOSCULPT_PATH];
         struct stat about;
         if (!iso_text_ends_with(entry->d_name, ".strokes.open")) continue;
-        int length = snprintf(marker, sizeof marker, "%s/%s", folder, entry->d_name);
+        int length = snprintf(lock_file, sizeof lock_file, "%s/%s", folder, entry->d_name);
         if (length >= ISOSCULPT_PATH) continue;
-        snprintf(journal, sizeof journal, "%.*s", length - (int)strlen(OPEN), marker);
-        if (stat(journal, &about) || is_held(marker)) continue;
+        snprintf(journal, sizeof journal, "%.*s", length - (int)strlen(OPEN), lock_file);
+        if (stat(journal, &about) || is_locked(lock_file)) continue;
         const struct timespec t = about.st_mtim;
         if (found && (t.tv_sec < newest.tv_sec || (t.tv_sec == newest.tv_sec && t.tv_nsec < newest.tv_nsec)))
             continue;
@@ -117,19 +119,19 @@ bool isosculpt_document_find_unclosed(const char *folder, char path[ISOSCULPT_PA
 
 /* ---- opening and closing */
 
-/* Takes over the grid. */
-static iso_status open_session(isosculpt_document *document, iso_hgrid *grid, const iso_session_opts *how,
-                               iso_error *error) {
+/* Creates the session, which takes over the grid, also after an error. */
+static iso_status create_session(isosculpt_document *document, iso_hgrid *grid, const iso_session_opts *how,
+                                 iso_error *error) {
     iso_session_opts opts = *how;
     opts.pool = document->pool;
     opts.undo_memory = document->undo_memory;
     ISO_TRY(iso_session_create(grid, &document->start, &opts, &document->session, error));
-    document->began = iso_clock_seconds();
-    document->changes = document->saved = 0;
+    document->start_seconds = iso_clock_seconds();
+    document->change_count = document->saved_change_count = 0;
     return ISO_OK;
 }
 
-/* NAME by the time; a number is added when two begin in one second. */
+/* A path named after the time, with a number when two sessions begin in one second. */
 static iso_status name_journal(const char *folder, char path[ISOSCULPT_PATH], iso_error *error) {
     time_t now = time(NULL);
     struct tm local;
@@ -141,35 +143,37 @@ static iso_status name_journal(const char *folder, char path[ISOSCULPT_PATH], is
             snprintf(name, sizeof name, "/%s%s", stamp, STROKES);
         else
             snprintf(name, sizeof name, "/%s-%d%s", stamp, number, STROKES);
-        ISO_TRY(join(path, folder, name, error));
+        ISO_TRY(join_path(path, folder, name, error));
         if (access(path, F_OK)) return ISO_OK;
     }
     return iso_fail(error, ISO_ERR_WRITE, "%s: too many journals of this second", folder);
 }
 
-/* Takes over the grid, unless it leaves it there because there can be no journal. */
-static iso_status new_journal(isosculpt_document *document, const char *folder, iso_hgrid **grid,
-                              iso_error *error) {
+/* Creates a session with a new journal. Sets *grid to NULL when the session has taken it over. */
+static iso_status create_journaled_session(isosculpt_document *document, const char *folder, iso_hgrid **grid,
+                                           iso_error *error) {
     if (!folder) return iso_fail(error, ISO_ERR_WRITE, "there is no folder for it");
     ISO_TRY(name_journal(folder, document->journal, error));
-    ISO_TRY(mark(document->journal, &document->marker, error));
+    ISO_TRY(lock_journal(document->journal, &document->lock_file, error));
     const iso_session_opts opts = {.journal = document->journal};
     iso_hgrid *taken = *grid;
     *grid = NULL;
-    iso_status status = open_session(document, taken, &opts, error);
-    document->surface_isovalue = status == ISO_OK;
+    iso_status status = create_session(document, taken, &opts, error);
+    document->journal_is_new = status == ISO_OK;
     return status;
 }
 
-static void unmark(isosculpt_document *document) {
-    if (!document->marker) return;
+/* Closes and removes the lock file. */
+static void unlock_journal(isosculpt_document *document) {
+    if (!document->lock_file) return;
     isosculpt_document_dismiss_recovery(document->journal);
-    close(document->marker - 1);
-    document->marker = 0;
+    close(document->lock_file - 1);
+    document->lock_file = 0;
 }
 
-static iso_status make_field(isosculpt_document *document, const isosculpt_source *source, iso_hgrid **grid,
-                             iso_error *error) {
+/* The field of a new session: of the source, or a ball. */
+static iso_status make_start_field(isosculpt_document *document, const isosculpt_source *source,
+                                   iso_hgrid **grid, iso_error *error) {
     if (source) return isosculpt_source_open(source, &document->start, grid, error);
     const double origin = -0.5 * (BALL_VOXELS - 1) * BALL_VOXEL;
     document->start = (iso_journal_start){.source = "ball",
@@ -184,15 +188,16 @@ iso_status isosculpt_document_new(isosculpt_document *document, const char *fold
                                   const isosculpt_source *source, iso_error *error) {
     iso_hgrid *grid;
     iso_error reason = {0};
-    ISO_TRY(make_field(document, source, &grid, error));
+    ISO_TRY(make_start_field(document, source, &grid, error));
     isosculpt_target_default(strcmp(document->start.source, "ball") == 0 ? NULL : document->start.source,
                              document->target);
-    if (new_journal(document, folder, &grid, &reason) == ISO_OK) return ISO_OK;
-    unmark(document);
+    if (create_journaled_session(document, folder, &grid, &reason) == ISO_OK) return ISO_OK;
+    unlock_journal(document);
     document->journal[0] = 0;
-    snprintf(document->trouble, sizeof document->trouble, "%s", reason.text);
-    if (!grid) ISO_TRY(make_field(document, source, &grid, error)); /* it went with the journal's session */
-    return open_session(document, grid, &(iso_session_opts){0}, error);
+    snprintf(document->journal_error, sizeof document->journal_error, "%s", reason.text);
+    if (!grid)
+        ISO_TRY(make_start_field(document, source, &grid, error)); /* the failed session has freed it */
+    return create_session(document, grid, &(iso_session_opts){0}, error);
 }
 
 iso_status isosculpt_document_init_empty(isosculpt_document *document, iso_error *error) {
@@ -201,18 +206,19 @@ iso_status isosculpt_document_init_empty(isosculpt_document *document, iso_error
     document->start =
         (iso_journal_start){.source = "nothing", .voxel_size = 1, .dims = {ISO_BRICK, ISO_BRICK, ISO_BRICK}};
     ISO_TRY(iso_hgrid_create(document->start.dims, 0, none, &grid, error));
-    return open_session(document, grid, &(iso_session_opts){0}, error);
+    return create_session(document, grid, &(iso_session_opts){0}, error);
 }
 
-static iso_status find_field(isosculpt_document *document, const char *journal, const iso_progress *progress,
-                             iso_hgrid **grid, iso_error *error) {
+/* The field that a stroke file began with. */
+static iso_status reopen_start_field(isosculpt_document *document, const char *journal,
+                                     const iso_progress *progress, iso_hgrid **grid, iso_error *error) {
     if (strcmp(document->start.source, "ball") == 0) return iso_session_ball(&document->start, grid, error);
     const isosculpt_source how = {.pool = document->pool, .progress = progress};
-    return isosculpt_source_find(journal, &how, &document->start, grid, error);
+    return isosculpt_source_reopen(journal, &how, &document->start, grid, error);
 }
 
-/* A stroke file that its user keeps is what the sculpture lies beside. One in the folder of journals was put
- * there by the program: then it is the file that the session began with. */
+/* The target of a stroke file that is continued lies beside it; for a journal in the state folder, where
+ * users do not look, beside the file that the session began with. */
 static void choose_target(isosculpt_document *document, const char *journal) {
     char folder[ISOSCULPT_PATH];
     const char *slash = strrchr(journal, '/');
@@ -230,49 +236,50 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
     iso_journal_reader *reader;
     ISO_TRY(iso_journal_open(journal, &document->start, &reader, error));
     iso_journal_reader_free(reader);
-    ISO_TRY(join(document->journal, journal, "", error));
-    const bool marked = is_marked(journal);
-    ISO_TRY(mark(journal, &document->marker, error));
+    ISO_TRY(join_path(document->journal, journal, "", error));
+    const bool was_unclosed = has_lock_file(journal);
+    ISO_TRY(lock_journal(journal, &document->lock_file, error));
     iso_hgrid *grid;
     const iso_progress reading = iso_progress_part(progress, 0, 0.3),
                        playing = iso_progress_part(progress, 0.3, 1);
     const iso_session_opts opts = {.journal = journal, .resume = true, .progress = &playing};
-    iso_status status = find_field(document, journal, &reading, &grid, error);
-    if (status == ISO_OK) status = open_session(document, grid, &opts, error);
-    document->unclosed = marked;
+    iso_status status = reopen_start_field(document, journal, &reading, &grid, error);
+    if (status == ISO_OK) status = create_session(document, grid, &opts, error);
+    document->was_unclosed = was_unclosed;
     if (status == ISO_OK) {
         choose_target(document, journal);
         return ISO_OK;
     }
-    if (!marked) unmark(document); /* else it stays: what could not be opened was not closed */
-    if (document->marker) close(document->marker - 1);
-    document->marker = 0;
+    if (!was_unclosed) unlock_journal(document); /* else its recovery is still offered */
+    if (document->lock_file) close(document->lock_file - 1);
+    document->lock_file = 0;
     document->journal[0] = 0;
     return status;
 }
 
-/* A new session in which nothing was done leaves nothing. */
-static void remove_empty(const isosculpt_document *document) {
+/* Removes a new journal in which nothing was done. */
+static void remove_empty_journal(const isosculpt_document *document) {
     char path[ISOSCULPT_PATH];
     unlink(document->journal);
-    if (join(path, document->journal, UNDO, NULL) == ISO_OK) unlink(path);
+    if (join_path(path, document->journal, UNDO, NULL) == ISO_OK) unlink(path);
 }
 
-static void shut(isosculpt_document *document, bool offered) {
-    isosculpt_document_saving(document, true, NULL, NULL);
-    bool drawn = document->session && iso_session_journal_status(document->session, NULL) == ISO_OK;
+/* `keep_unclosed`: recovery of the journal is offered again. */
+static void close_document(isosculpt_document *document, bool keep_unclosed) {
+    isosculpt_document_poll_save(document, true, NULL, NULL);
+    const bool complete = document->session && iso_session_journal_status(document->session, NULL) == ISO_OK;
     iso_session_destroy(document->session);
-    if (drawn && document->surface_isovalue && !document->kept && document->changes == 0)
-        remove_empty(document);
-    if (drawn && !offered) unmark(document);
-    if (document->marker) close(document->marker - 1); /* a journal that lags behind was not closed well */
+    if (complete && document->journal_is_new && !document->has_stamp && document->change_count == 0)
+        remove_empty_journal(document);
+    if (complete && !keep_unclosed) unlock_journal(document);
+    if (document->lock_file) close(document->lock_file - 1); /* an incomplete journal counts as unclosed */
     *document = (isosculpt_document){.pool = document->pool, .undo_memory = document->undo_memory};
 }
 
 void isosculpt_document_close(isosculpt_document *document) {
-    shut(document, false);
+    close_document(document, false);
 }
 
 void isosculpt_document_discard(isosculpt_document *document) {
-    shut(document, document->unclosed);
+    close_document(document, document->was_unclosed);
 }

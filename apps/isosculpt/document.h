@@ -1,8 +1,9 @@
-/* desk: the session that a window works on, with its journal and the journals' folder, and what an earlier
- * session left unclosed. Saving is save.h's.
+/* document: the session that a window works on, with its journal, the file it is saved to, and the recovery
+ * of journals that a crashed program left behind. Saving itself is in save.h.
  *
- * Beside a journal NAME.strokes that a program has open lies NAME.strokes.open, locked as long as that
- * program lives. A marker that nobody holds is left of a program that was killed: its journal is offered. */
+ * While a program has the journal NAME.strokes open, it holds a lock on NAME.strokes.open beside it. A lock
+ * file that no program has locked belongs to a program that was killed: recovery of its journal is offered.
+ */
 #ifndef ISO_APPS_ISOSCULPT_DOCUMENT_H
 #define ISO_APPS_ISOSCULPT_DOCUMENT_H
 
@@ -14,57 +15,62 @@
 extern "C" {
 #endif
 
-enum { ISOSCULPT_PATH = ISO_JOURNAL_TEXT };
+enum { ISOSCULPT_PATH = ISO_JOURNAL_TEXT }; /* bytes of a path, with its end */
 
 typedef struct isosculpt_saver isosculpt_saver;
 
-/* Zero-initialise. */
+/* Zero-initialise, then set `pool` (borrowed) and `undo_memory`; isosculpt_document_close. */
 typedef struct isosculpt_document {
     iso_session *session; /* owned */
     iso_journal_start start;
-    char journal[ISOSCULPT_PATH]; /* "" when there is none */
-    char trouble[512];            /* why there is no journal; "" when there is one */
-    int marker;                   /* 1 + file descriptor of NAME.strokes.open; 0: none */
-    bool surface_isovalue;        /* the journal is new: removed when nothing was done in it */
-    bool kept;                    /* it holds something beside strokes */
-    bool unclosed;                /* it was, when it was opened */
-    size_t changes, saved;        /* done to the field since the desk was opened; of these in the target */
-    double began;                 /* monotonic seconds */
-    iso_pool *pool;               /* borrowed */
-    size_t undo_memory;
-    char target[ISOSCULPT_PATH];   /* the file that saving writes; known from the beginning */
-    bool target_is_own;            /* this session wrote it: saving again does not ask */
-    char saved_as[ISOSCULPT_PATH]; /* what the last save or export wrote, or failed to */
-    isosculpt_saver *saver;        /* owned; NULL when nothing is being saved (save.h) */
+    char journal[ISOSCULPT_PATH]; /* path; "": none is written */
+    char journal_error[512];      /* why none is written; "" when one is */
+    int lock_file;                /* 1 + file descriptor of NAME.strokes.open; 0: none */
+    bool journal_is_new;          /* made by this session: removed when nothing was done */
+    bool has_stamp;               /* the journal holds a stamp: kept even without strokes */
+    bool was_unclosed;            /* the journal, when it was opened */
+    size_t change_count;          /* strokes, undos and redos since the document was opened */
+    size_t saved_change_count;    /* of these, how many the target file shows */
+    double start_seconds;         /* iso_clock_seconds when the session began */
+    iso_pool *pool;
+    size_t undo_memory;            /* bytes */
+    char target[ISOSCULPT_PATH];   /* the file that saving writes; has a default from the beginning */
+    bool target_is_own;            /* this session wrote the target: saving again need not ask */
+    char saved_as[ISOSCULPT_PATH]; /* the file of the last save or export, also of a failed one */
+    isosculpt_saver *saver;        /* owned; NULL: no save is running (save.h) */
 } isosculpt_document;
 
-/* $XDG_STATE_HOME/isopoint, or ~/.local/state/isopoint; made when it is not there. ISO_ERR_WRITE. */
+/* The folder of journals: $XDG_STATE_HOME/isopoint or ~/.local/state/isopoint. Makes it when it is missing.
+ * ISO_ERR_WRITE. */
 iso_status isosculpt_document_state_folder(char folder[ISOSCULPT_PATH], iso_error *error);
 
-/* The newest journal in the folder that was not closed and that nobody has open; false: none. */
+/* Finds the newest journal in the folder that was not closed and that no program has open; false: there is
+ * none. */
 bool isosculpt_document_find_unclosed(const char *folder, char path[ISOSCULPT_PATH]);
 
-/* The journal will not be offered again; the stroke file stays. */
+/* Removes the lock file, so that recovery of this journal is not offered again; the stroke file stays. */
 void isosculpt_document_dismiss_recovery(const char *journal);
 
-/* What the source names, or a new ball (NULL); its journal in the folder and named by the time. Where no
- * journal can be written (or `folder` is NULL) the desk works without, and says so in `trouble`. Errors: the
- * source's. */
+/* Opens a document on a source, or on a new ball (NULL), with a new journal in `folder` that is named after
+ * the time. Where no journal can be written, or with `folder` NULL, the document works without one;
+ * `journal_error` says why. Errors: those of isosculpt_source_open. */
 iso_status isosculpt_document_new(isosculpt_document *document, const char *folder,
                                   const isosculpt_source *source, iso_error *error);
 
-/* Continues a stroke file, from what it began with. ISO_ERR_IO, ISO_ERR_FORMAT; ISO_ERR_WRITE when another
- * program has it open or it cannot be written. Cancelled: ISO_ERR_IO, and the file is as it was. */
+/* Opens a stroke file: makes the field that it began with, replays it, and appends to it from now on.
+ * ISO_ERR_IO, ISO_ERR_FORMAT; ISO_ERR_WRITE when another program has it open or it cannot be written. When
+ * cancelled, ISO_ERR_IO, and the file is unchanged. */
 iso_status isosculpt_document_open(isosculpt_document *document, const char *journal,
                                    const iso_progress *progress, iso_error *error);
 
-/* A field of nothing, without a journal: before there is anything else. */
+/* Opens an empty field without a journal, for a window that has nothing to show yet. */
 iso_status isosculpt_document_init_empty(isosculpt_document *document, iso_error *error);
 
-/* Waits for a save, ends the session and closes its journal. The pool and undo_memory stay. */
+/* Waits for a running save, ends the session and closes its journal. pool and undo_memory stay set. */
 void isosculpt_document_close(isosculpt_document *document);
 
-/* The same of one that nobody came to see: a journal that was not closed before is not closed now. */
+/* Closes a document that was never shown to the user. A journal that an earlier program left unclosed stays
+ * unclosed, so that its recovery is offered again. */
 void isosculpt_document_discard(isosculpt_document *document);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* isosculpt: a signed distance field modelled by hand. */
+/* isosculpt: sculpts a signed distance field in a window, or replays stroke files without one. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,3 +1,4 @@
+/* Load jobs: opening in a background thread, up to a viewport with its surface extracted. */
 #include "apps/isosculpt/load_job.h"
 
 #include <math.h>
@@ -9,14 +10,14 @@
 
 struct isosculpt_load_job {
     isosculpt_task *task;
-    isosculpt_request request;
-    char path[ISOSCULPT_PATH], folder[ISOSCULPT_PATH]; /* the request's */
+    isosculpt_load_request request;
+    char path[ISOSCULPT_PATH], folder[ISOSCULPT_PATH]; /* copies of the request's */
     isosculpt_loaded loaded;
 };
 
 void isosculpt_loaded_free(isosculpt_loaded *loaded) {
     iso_stamp_free(loaded->stamp);
-    isosculpt_view_free(&loaded->view);
+    isosculpt_viewport_free(&loaded->viewport);
     isosculpt_volume_free(loaded->volume);
     if (loaded->document.session) isosculpt_document_discard(&loaded->document);
     iso_pool_destroy(loaded->pool);
@@ -27,9 +28,9 @@ bool isosculpt_is_strokes(const char *path) {
     return iso_text_ends_with(path, ".strokes");
 }
 
-static iso_status open_desk(isosculpt_load_job *load_job, const isosculpt_volume *volume,
-                            const iso_progress *progress, iso_error *error) {
-    const isosculpt_request *request = &load_job->request;
+static iso_status open_document(isosculpt_load_job *load_job, const isosculpt_volume *volume,
+                                const iso_progress *progress, iso_error *error) {
+    const isosculpt_load_request *request = &load_job->request;
     isosculpt_loaded *loaded = &load_job->loaded;
     const isosculpt_source source = {.path = load_job->path,
                                      .isovalue = request->isovalue,
@@ -45,25 +46,26 @@ static iso_status open_desk(isosculpt_load_job *load_job, const isosculpt_volume
     ISO_TRY(isosculpt_is_strokes(load_job->path)
                 ? isosculpt_document_open(&loaded->document, load_job->path, progress, error)
                 : isosculpt_document_new(&loaded->document, request->folder, &source, error));
-    return isosculpt_view_init(&loaded->view, iso_session_grid(loaded->document.session), loaded->pool,
-                               error);
+    return isosculpt_viewport_init(&loaded->viewport, iso_session_grid(loaded->document.session),
+                                   loaded->pool, error);
 }
 
-/* One that has isovalues to choose from is looked at, at first. */
+/* Opens a volume: one that has isovalues to choose from is viewed first, a level set becomes a document at
+ * once. */
 static iso_status open_volume(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
     isosculpt_loaded *loaded = &load_job->loaded;
     const iso_progress reading = iso_progress_part(progress, 0, 0.4),
                        rest = iso_progress_part(progress, 0.4, 1);
-    const double asked = load_job->request.isovalue;
+    const double given = load_job->request.isovalue;
     isosculpt_volume *volume;
     ISO_TRY(isosculpt_volume_read(load_job->path, &load_job->request.input, loaded->pool, &reading, &volume,
                                   error));
     iso_status status;
     if (volume->has_isovalues)
-        status = isosculpt_view_init_grid(&loaded->view, &volume->volume.grid,
-                                          isnan(asked) ? volume->suggested : asked, loaded->pool, error);
+        status = isosculpt_viewport_init_grid(&loaded->viewport, &volume->volume.grid,
+                                              isnan(given) ? volume->suggested : given, loaded->pool, error);
     else
-        status = open_desk(load_job, volume, &rest, error);
+        status = open_document(load_job, volume, &rest, error);
     if (status == ISO_OK && volume->has_isovalues)
         loaded->volume = volume;
     else
@@ -71,11 +73,11 @@ static iso_status open_volume(isosculpt_load_job *load_job, const iso_progress *
     return status;
 }
 
-static iso_status open_any(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
-    const isosculpt_request *request = &load_job->request;
+static iso_status open_path(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
+    const isosculpt_load_request *request = &load_job->request;
     const bool mesh = !request->input.has_raw && isosculpt_is_mesh(load_job->path);
-    if (request->sculpt || isosculpt_is_strokes(load_job->path) || mesh)
-        return open_desk(load_job, request->sculpt, progress, error);
+    if (request->volume || isosculpt_is_strokes(load_job->path) || mesh)
+        return open_document(load_job, request->volume, progress, error);
     return open_volume(load_job, progress, error);
 }
 
@@ -89,8 +91,8 @@ static iso_status open_stamp(isosculpt_load_job *load_job, const iso_progress *p
     return isosculpt_stamp_read(&source, &loaded->stamp, error);
 }
 
-/* What was asked for, and what a window will draw of it first, so that it need not wait then. */
-static iso_status open_all(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
+/* Opens the request, and extracts the surface that the window will draw first. */
+static iso_status load(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
     isosculpt_loaded *loaded = &load_job->loaded;
     const iso_progress most = iso_progress_part(progress, 0, 0.9);
     ISO_TRY(iso_pool_create(load_job->request.threads, &loaded->pool, error));
@@ -100,21 +102,22 @@ static iso_status open_all(isosculpt_load_job *load_job, const iso_progress *pro
         loaded->pool = NULL;
         return status;
     }
-    ISO_TRY(open_any(load_job, &most, error));
+    ISO_TRY(open_path(load_job, &most, error));
     ISO_TRY(iso_progress_tell(progress, load_job->path, 0.95, error));
-    enum { SMALL = 64 }; /* it is the surface that is made ready */
-    ISO_TRY(isosculpt_view_draw(&loaded->view, SMALL, SMALL, false, error));
+    enum { SMALL = 64 }; /* pixels; only the surface is wanted */
+    ISO_TRY(isosculpt_viewport_draw(&loaded->viewport, SMALL, SMALL, false, error));
     return iso_progress_tell(progress, load_job->path, 1, error);
 }
 
-static iso_status run(void *context, const iso_progress *progress, iso_error *error) {
+/* isosculpt_task_fn */
+static iso_status run_load(void *context, const iso_progress *progress, iso_error *error) {
     isosculpt_load_job *load_job = context;
-    iso_status status = open_all(load_job, progress, error);
+    iso_status status = load(load_job, progress, error);
     if (status != ISO_OK) isosculpt_loaded_free(&load_job->loaded);
     return status;
 }
 
-iso_status isosculpt_load_job_start(const isosculpt_request *request, isosculpt_load_job **out,
+iso_status isosculpt_load_job_start(const isosculpt_load_request *request, isosculpt_load_job **out,
                                     iso_error *error) {
     isosculpt_load_job *load_job = calloc(1, sizeof *load_job);
     if (!load_job) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for opening '%s'", request->path);
@@ -126,7 +129,8 @@ iso_status isosculpt_load_job_start(const isosculpt_request *request, isosculpt_
     iso_status status = ISO_OK;
     if (path >= ISOSCULPT_PATH || folder >= ISOSCULPT_PATH)
         status = iso_fail(error, ISO_ERR_IO, "%.400s: the name is too long", request->path);
-    if (status == ISO_OK) status = isosculpt_task_start(run, load_job, request->wake, &load_job->task, error);
+    if (status == ISO_OK)
+        status = isosculpt_task_start(run_load, load_job, request->wake, &load_job->task, error);
     if (status == ISO_OK)
         *out = load_job;
     else
@@ -150,7 +154,7 @@ iso_status isosculpt_load_job_finish(isosculpt_load_job *load_job, isosculpt_loa
                                      iso_error *error) {
     const bool cancelled = isosculpt_task_cancelled(load_job->task);
     iso_status status = isosculpt_task_finish(load_job->task, error);
-    if (status == ISO_OK && cancelled) { /* it was asked too late to notice */
+    if (status == ISO_OK && cancelled) { /* too late for the task to notice */
         isosculpt_loaded_free(&load_job->loaded);
         status = iso_fail(error, ISO_ERR_IO, "%s: cancelled", load_job->path);
     }

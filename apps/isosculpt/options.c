@@ -1,4 +1,4 @@
-/* The command line of isosculpt. */
+/* The command line of isosculpt: the table of options and the checks between options. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -129,7 +129,7 @@ static bool has_suffix(const char *name, const char *suffixes) {
     return found && length > 1 && (found[length] == ' ' || found[length] == 0);
 }
 
-/* A journal names the file that it began with, and that is read again when it is continued. */
+/* Standard input cannot be opened: a journal names the file it began with, which is read again later. */
 static iso_status check_files(const isosculpt_settings *settings, const iso_operands *operands,
                               iso_error *error) {
     const char *const files[] = {settings->open, settings->replay, settings->stamp,
@@ -141,7 +141,7 @@ static iso_status check_files(const isosculpt_settings *settings, const iso_oper
     return ISO_OK;
 }
 
-/* Options that say how a volume is read need one. */
+/* Options for reading a volume need a file to open. */
 static iso_status check_opened(const isosculpt_settings *settings, iso_error *error) {
     const char *option = iso_input_volume_option(&settings->common.input);
     ISO_TRY(iso_input_check(&settings->common.input, error));
@@ -153,8 +153,7 @@ static iso_status check_opened(const isosculpt_settings *settings, iso_error *er
     return ISO_OK;
 }
 
-/* What a window makes no use of is not taken in silence. The operand is a stroke file or what --open takes.
- */
+/* Refuses options that a window does not use. The operand is a stroke file or a file to open. */
 static iso_status check_window(isosculpt_settings *settings, const iso_operands *operands, iso_error *error) {
     if (settings->replay || settings->output || settings->mesh || settings->common.json ||
         settings->extract || settings->draw)

@@ -1,3 +1,4 @@
+/* The isorender command of a viewport, with file names quoted for a shell. */
 #include "apps/isosculpt/render_command.h"
 
 #include <stdarg.h>
@@ -20,7 +21,7 @@ static void put(writer *w, const char *format, ...) {
     if (!w->full) w->length += (size_t)length;
 }
 
-/* With as few digits as bring the same number back. */
+/* With as few digits as are needed to read the same number back. */
 static void put_number(writer *w, double value) {
     char text[40];
     for (int digits = 6; digits <= 17; digits++) {
@@ -39,7 +40,7 @@ static void put_vector(writer *w, const char *option, iso_vec3 v) {
     put_number(w, v.z);
 }
 
-/* As it is, or in single quotes where a shell would take a character for something else. */
+/* In single quotes when it holds characters that a shell interprets. */
 static void put_quoted(writer *w, const char *text) {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789/._-+,:@%=";
     if (text[0] && text[0] != '-' && text[strspn(text, plain)] == 0) {
@@ -51,7 +52,7 @@ static void put_quoted(writer *w, const char *text) {
     put(w, "'");
 }
 
-/* Lines "option=value" as options. */
+/* Writes lines "option=value" as options. */
 static void put_reading(writer *w, const char *reading) {
     char value[1024];
     for (const char *line = reading; *line; line += line[0] == '\n') {
@@ -65,7 +66,7 @@ static void put_reading(writer *w, const char *reading) {
     }
 }
 
-/* view.png beside nothing: in the folder where the command is run. */
+/* The output NAME-view.png, in the folder where the command is run. */
 static void put_output(writer *w, const char *path) {
     char name[256];
     const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path, *dot = strchr(base, '.');
@@ -80,19 +81,19 @@ static void put_color(writer *w, const char *option, iso_rgb color) {
 }
 
 bool isosculpt_render_command_text(const isosculpt_render_command *command, char *text, size_t room) {
-    const isosculpt_view *view = command->view;
-    const iso_camera *camera = &view->camera;
+    const isosculpt_viewport *viewport = command->viewport;
+    const iso_camera *camera = &viewport->camera;
     writer w = {.text = text, .room = room};
     put(&w, "isorender ");
     put_quoted(&w, command->path);
     put_reading(&w, command->reading);
     put_output(&w, command->path);
     put(&w, " --isovalue=");
-    put_number(&w, view->levels ? view->isovalue : 0);
+    put_number(&w, viewport->lod ? viewport->isovalue : 0);
     put(&w, " --method %s --backend cpu --samples 4 --resolution %dx%d",
-        isosculpt_method_name(view->mode.method), command->width, command->height);
-    put_color(&w, "--color", view->mode.paint.color);
-    put_color(&w, "--background", view->mode.paint.background);
+        iso_method_name(viewport->mode.method), command->width, command->height);
+    put_color(&w, "--color", viewport->mode.material.color);
+    put_color(&w, "--background", viewport->mode.material.background);
     put_vector(&w, "--camera-position", camera->position);
     put_vector(&w, "--camera-focal-point", camera->focal_point);
     put_vector(&w, "--camera-view-up", camera->view_up);

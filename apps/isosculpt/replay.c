@@ -1,4 +1,4 @@
-/* Plays a stroke file without a window. */
+/* Headless: makes a field, plays a stroke file on it, writes the outputs and the report. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/source.h"
-#include "apps/isosculpt/view/view.h"
+#include "apps/isosculpt/viewport/viewport.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/memory.h"
@@ -19,29 +19,50 @@
 #include "io/mesh_io.h"
 #include "io/points_io.h"
 
-static iso_status add_time(isosculpt_times *times, double seconds, iso_error *error) {
-    if (times->count == times->room) {
-        size_t room = times->room ? 2 * times->room : 1024;
-        double *more = realloc(times->seconds, room * sizeof *more);
-        if (!more) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu times", room);
-        times->seconds = more;
-        times->room = room;
+/* Times of every sample. */
+typedef struct times {
+    double *seconds; /* owned */
+    size_t count, room;
+} times;
+
+/* What --json reports. */
+typedef struct report {
+    iso_journal_start start;
+    iso_mesh_report opened_mesh; /* of the opened file, when it is a mesh */
+    size_t strokes, samples, undone;
+    iso_edit_stats edits;
+    times edit, extract, draw, step; /* step: everything that a sample takes */
+    double total;                    /* seconds */
+    size_t bricks, bytes, points;
+    iso_components_totals parts; /* of the opened file; zero unless parts could be dropped */
+    bool has_mesh;
+    iso_mesh_measures mesh; /* of the written mesh */
+    int resolution[2];      /* pixels, of --draw */
+} report;
+
+static iso_status add_time(times *list, double seconds, iso_error *error) {
+    if (list->count == list->room) {
+        size_t room = list->room ? 2 * list->room : 1024;
+        double *larger = realloc(list->seconds, room * sizeof *larger);
+        if (!larger) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu times", room);
+        list->seconds = larger;
+        list->room = room;
     }
-    times->seconds[times->count++] = seconds;
+    list->seconds[list->count++] = seconds;
     return ISO_OK;
 }
 
-void isosculpt_report_free(isosculpt_report *report) {
-    free(report->edit.seconds);
-    free(report->extract.seconds);
-    free(report->draw.seconds);
-    free(report->step.seconds);
+static void free_times(report *r) {
+    free(r->edit.seconds);
+    free(r->extract.seconds);
+    free(r->draw.seconds);
+    free(r->step.seconds);
 }
 
 /* ---- the field that the session began with */
 
-/* The same place in space, in voxels of another size: whole bricks, no fewer than before. */
-static iso_status rescale(iso_journal_start *start, double voxel_size, iso_error *error) {
+/* Changes the voxel size; the grid keeps its size in mm, rounded up to whole bricks. */
+static iso_status change_voxel_size(iso_journal_start *start, double voxel_size, iso_error *error) {
     for (int axis = 0; axis < 3; axis++) {
         double voxels = ceil(start->dims[axis] * start->voxel_size / voxel_size / ISO_BRICK) * ISO_BRICK;
         if (voxels > ISO_HGRID_MAX)
@@ -54,32 +75,32 @@ static iso_status rescale(iso_journal_start *start, double voxel_size, iso_error
 }
 
 static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_file_set *files,
-                             isosculpt_report *report, iso_hgrid **grid, iso_error *error) {
-    iso_journal_start *start = &report->start;
+                             report *r, iso_hgrid **grid, iso_error *error) {
+    iso_journal_start *start = &r->start;
     const isosculpt_source source = {.path = settings->open,
                                      .isovalue = settings->isovalue,
                                      .voxel = settings->voxel_size,
                                      .pool = pool,
                                      .close_holes = settings->close_holes,
-                                     .report = &report->opened_mesh,
+                                     .report = &r->opened_mesh,
                                      .input = &settings->common.input,
-                                     .parts = &report->parts,
+                                     .parts = &r->parts,
                                      .files = files,
-                                     .notes = !settings->common.quiet};
+                                     .log_notes = !settings->common.quiet};
     if (settings->open) return isosculpt_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
-        return isosculpt_source_find(settings->replay, &source, start, grid, error);
-    if (settings->voxel_size > 0) ISO_TRY(rescale(start, settings->voxel_size, error));
+        return isosculpt_source_reopen(settings->replay, &source, start, grid, error);
+    if (settings->voxel_size > 0) ISO_TRY(change_voxel_size(start, settings->voxel_size, error));
     return iso_session_ball(start, grid, error);
 }
 
-static void say_parts(const isosculpt_settings *settings, const isosculpt_report *report) {
-    const iso_components_totals *parts = &report->parts;
+static void log_parts(const isosculpt_settings *settings, const report *r) {
+    const iso_components_totals *parts = &r->parts;
     if (settings->common.quiet || !parts->kept) return;
     iso_program_log(isosculpt_program(),
                     "%s: kept %zu of %zu parts of the solid, dropped %zu with %.3g %% of its volume (%.6g of "
                     "%.6g mm3)",
-                    report->start.source, parts->kept, parts->kept + parts->dropped, parts->dropped,
+                    r->start.source, parts->kept, parts->kept + parts->dropped, parts->dropped,
                     100 * parts->dropped_share, parts->dropped_volume,
                     parts->kept_volume + parts->dropped_volume);
 }
@@ -88,46 +109,47 @@ static void say_parts(const isosculpt_settings *settings, const isosculpt_report
 
 typedef struct player {
     const isosculpt_settings *settings;
-    isosculpt_report *report;
+    report *report;
     iso_pool *pool;
     iso_session *session;
     iso_point_set *points;
-    isosculpt_view *view;   /* NULL: nothing is drawn */
-    const char *written[2]; /* outputs that stand */
+    isosculpt_viewport *viewport; /* NULL: nothing is drawn */
+    const char *written[2];       /* outputs written so far */
 } player;
 
-static iso_status extract(player *p, iso_error *error) {
+static iso_status extract_timed(player *p, iso_error *error) {
     double start = iso_clock_seconds();
     ISO_TRY(iso_point_set_update(p->points, error));
     return add_time(&p->report->extract, iso_clock_seconds() - start, error);
 }
 
-static iso_status draw(player *p, iso_error *error) {
+static iso_status draw_timed(player *p, iso_error *error) {
     double start = iso_clock_seconds();
-    ISO_TRY(isosculpt_view_draw(p->view, p->report->resolution[0], p->report->resolution[1], true, error));
+    ISO_TRY(isosculpt_viewport_draw(p->viewport, p->report->resolution[0], p->report->resolution[1], true,
+                                    error));
     return add_time(&p->report->draw, iso_clock_seconds() - start, error);
 }
 
-static void count(isosculpt_report *report, const iso_event *event, const iso_edit_stats *stats) {
-    report->strokes += event->kind == ISO_EVENT_BEGIN;
-    report->undone += event->kind == ISO_EVENT_UNDO;
-    report->samples += event->kind <= ISO_EVENT_SAMPLE;
-    report->edits.edited += stats->edited;
-    report->edits.redistanced += stats->redistanced;
-    report->edits.created += stats->created;
-    report->edits.pruned += stats->pruned;
-    report->edits.clipped |= stats->clipped;
+static void count_event(report *r, const iso_event *event, const iso_edit_stats *stats) {
+    r->strokes += event->kind == ISO_EVENT_BEGIN;
+    r->undone += event->kind == ISO_EVENT_UNDO;
+    r->samples += event->kind <= ISO_EVENT_SAMPLE;
+    r->edits.edited += stats->edited;
+    r->edits.redistanced += stats->redistanced;
+    r->edits.created += stats->created;
+    r->edits.pruned += stats->pruned;
+    r->edits.clipped |= stats->clipped;
 }
 
-static iso_status play(player *p, const iso_event *event, iso_error *error) {
+static iso_status play_event(player *p, const iso_event *event, iso_error *error) {
     iso_edit_stats stats = {0};
     double start = iso_clock_seconds();
     ISO_TRY(iso_session_play(p->session, event, &stats, error));
-    count(p->report, event, &stats);
+    count_event(p->report, event, &stats);
     if (event->kind > ISO_EVENT_SAMPLE) return ISO_OK;
     ISO_TRY(add_time(&p->report->edit, iso_clock_seconds() - start, error));
-    if (p->points) ISO_TRY(extract(p, error));
-    if (p->view) ISO_TRY(draw(p, error));
+    if (p->points) ISO_TRY(extract_timed(p, error));
+    if (p->viewport) ISO_TRY(draw_timed(p, error));
     return add_time(&p->report->step, iso_clock_seconds() - start, error);
 }
 
@@ -137,17 +159,87 @@ static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *err
     for (;;) {
         ISO_TRY(iso_journal_next(reader, &event, &more, error));
         if (!more) break;
-        ISO_TRY(iso_journal_add_location(reader, play(p, &event, error), error));
+        ISO_TRY(iso_journal_add_location(reader, play_event(p, &event, error), error));
         if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
     }
     if (!drawing) return ISO_OK;
     return iso_journal_add_location(reader, iso_session_end(p->session, error),
-                                    error); /* it broke off here */
+                                    error); /* the file ends within a stroke */
+}
+
+/* ---- the report */
+
+static void put_times(iso_json *json, const char *key, const times *list) {
+    if (!list->count) return;
+    qsort(list->seconds, list->count, sizeof *list->seconds, iso_compare_doubles);
+    iso_json_begin_object(json, key);
+    iso_json_integer(json, "count", list->count);
+    iso_json_real(json, "p50", list->seconds[list->count / 2]);
+    iso_json_real(json, "p99", list->seconds[list->count * 99 / 100]);
+    iso_json_real(json, "max", list->seconds[list->count - 1]);
+    iso_json_end_object(json);
+}
+
+/* What was done to close the opened mesh. */
+static void put_opened_mesh(iso_json *json, const iso_mesh_report *mesh) {
+    if (!mesh->triangles) return;
+    iso_json_begin_object(json, "opened_mesh");
+    iso_json_integer(json, "triangles", mesh->triangles);
+    iso_json_integer(json, "open_edges", mesh->open_edges);
+    iso_json_integer(json, "holes_closed", mesh->holes_closed);
+    iso_json_integer(json, "loops_capped", mesh->loops_capped);
+    iso_json_real(json, "largest_hole", mesh->largest_hole);
+    iso_json_integer(json, "turned", mesh->turned);
+    iso_json_bool(json, "inside_out", mesh->volume < 0);
+    iso_json_real(json, "volume", fabs(mesh->volume));
+    iso_json_end_object(json);
+}
+
+static void put_report(FILE *stream, const isosculpt_settings *settings, const report *r) {
+    iso_json json = {.stream = stream};
+    iso_json_begin_object(&json, NULL);
+    iso_json_string(&json, "schema", "isosculpt 1");
+    iso_json_string(&json, "version", isosculpt_program()->version);
+    if (settings->replay) iso_json_string(&json, "strokes_file", settings->replay);
+    iso_json_string(&json, "source", r->start.source);
+    iso_json_ints(&json, "dims", r->start.dims, 3);
+    iso_json_real(&json, "voxel_size", r->start.voxel_size);
+    put_opened_mesh(&json, &r->opened_mesh);
+    if (r->parts.kept) iso_put_components(&json, "parts", &r->parts);
+    if (r->has_mesh) iso_put_mesh_measures(&json, "mesh", &r->mesh);
+    iso_json_integer(&json, "strokes", r->strokes);
+    iso_json_integer(&json, "samples", r->samples);
+    iso_json_integer(&json, "undone", r->undone);
+    iso_json_integer(&json, "cells_edited", r->edits.edited);
+    iso_json_integer(&json, "cells_redistanced", r->edits.redistanced);
+    iso_json_integer(&json, "cells_created", r->edits.created);
+    iso_json_integer(&json, "cells_pruned", r->edits.pruned);
+    iso_json_bool(&json, "clipped", r->edits.clipped);
+    iso_json_integer(&json, "bricks", r->bricks);
+    iso_json_integer(&json, "bytes", r->bytes);
+    iso_json_integer(&json, "points", r->points);
+    iso_json_integer(&json, "peak_bytes", iso_memory_peak());
+    if (settings->draw) iso_json_ints(&json, "resolution", r->resolution, 2);
+    iso_json_begin_object(&json, "seconds");
+    iso_json_real(&json, "total", r->total);
+    put_times(&json, "edit", &r->edit);
+    put_times(&json, "extract", &r->extract);
+    put_times(&json, "draw", &r->draw);
+    put_times(&json, "step", &r->step);
+    iso_json_end_object(&json);
+    iso_json_end_object(&json);
+}
+
+static iso_status write_report(const isosculpt_settings *settings, const report *r, iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(settings->common.json_path ? settings->common.json_path : "-", &sink, error));
+    put_report(sink.stream, settings, r);
+    return iso_sink_commit(&sink, error);
 }
 
 /* ---- outputs */
 
-static const char *name_of(const isosculpt_settings *settings) {
+static const char *input_name(const isosculpt_settings *settings) {
     return settings->replay ? settings->replay : settings->open;
 }
 
@@ -160,14 +252,15 @@ static iso_status write_points(player *p, const char *path, iso_error *error) {
     iso_point_view view = iso_point_set_view(set);
     p->report->points = iso_point_view_count(&view);
     if (status == ISO_OK && p->report->points == 0)
-        status = iso_fail(error, ISO_ERR_EMPTY, "%s: nothing is left of the solid", name_of(p->settings));
+        status = iso_fail(error, ISO_ERR_EMPTY, "%s: nothing is left of the solid", input_name(p->settings));
     if (status == ISO_OK && path) status = iso_points_write_ply(path, &view, "isosculpt", error);
     iso_point_set_destroy(set);
     return status;
 }
 
-/* Measured as well when there is a report to say it in. */
-static iso_status write_welded(player *p, const char *path, const iso_mesh_view *view, iso_error *error) {
+/* Writes the welded mesh, and measures it for --json. */
+static iso_status write_welded_mesh(player *p, const char *path, const iso_mesh_view *view,
+                                    iso_error *error) {
     iso_weld weld;
     ISO_TRY(iso_mesh_weld(view, &weld, error));
     iso_status status = ISO_OK;
@@ -187,7 +280,7 @@ static iso_status write_mesh(player *p, const char *path, iso_error *error) {
     ISO_TRY(iso_mesh_set_create(&grid, &opts, &set, error));
     iso_status status = iso_mesh_set_update(set, error);
     iso_mesh_view view = iso_mesh_set_view(set);
-    if (status == ISO_OK) status = write_welded(p, path, &view, error);
+    if (status == ISO_OK) status = write_welded_mesh(p, path, &view, error);
     iso_mesh_set_destroy(set);
     return status;
 }
@@ -204,10 +297,10 @@ static iso_status write_outputs(player *p, iso_error *error) {
     p->written[0] = output;
     if (settings->mesh) ISO_TRY(write_mesh(p, settings->mesh, error));
     p->written[1] = settings->mesh;
-    return settings->common.json ? isosculpt_report_write(settings, p->report, error) : ISO_OK;
+    return settings->common.json ? write_report(settings, p->report, error) : ISO_OK;
 }
 
-/* What cannot be written is known before the work is done. */
+/* Checks before the work whether all outputs can be written. */
 static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set *files, iso_error *error) {
     const char *const outputs[] = {settings->output, settings->mesh, settings->common.json_path};
     for (int i = 0; i < 3; i++) iso_file_set_write(files, outputs[i]);
@@ -216,7 +309,7 @@ static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set
     return ISO_OK;
 }
 
-/* What a window would have made before the first stroke. */
+/* Extracts and draws what a window would have before the first stroke. */
 static iso_status prepare(player *p, iso_error *error) {
     const int *size = p->report->resolution;
     iso_grid grid = {.hgrid = iso_session_grid(p->session)};
@@ -225,12 +318,12 @@ static iso_status prepare(player *p, iso_error *error) {
         ISO_TRY(iso_point_set_create(&grid, &opts, &p->points, error));
         ISO_TRY(iso_point_set_update(p->points, error));
     }
-    if (!p->view) return ISO_OK;
-    ISO_TRY(isosculpt_view_init(p->view, grid.hgrid, p->pool, error));
-    return isosculpt_view_draw(p->view, size[0], size[1], false, error);
+    if (!p->viewport) return ISO_OK;
+    ISO_TRY(isosculpt_viewport_init(p->viewport, grid.hgrid, p->pool, error));
+    return isosculpt_viewport_draw(p->viewport, size[0], size[1], false, error);
 }
 
-static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
+static iso_status play_and_write(player *p, iso_journal_reader *reader, iso_error *error) {
     ISO_TRY(prepare(p, error));
     double start = iso_clock_seconds();
     if (reader) ISO_TRY(play_all(p, reader, error));
@@ -239,11 +332,11 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
     p->report->bricks = iso_hgrid_brick_count(grid);
     p->report->bytes = iso_hgrid_bytes(grid);
     iso_status status = write_outputs(p, error);
-    for (int i = 0; status != ISO_OK && i < 2; i++) iso_file_remove(p->written[i]); /* all or none */
+    for (int i = 0; status != ISO_OK && i < 2; i++) iso_file_remove(p->written[i]); /* all outputs or none */
     ISO_TRY(status);
     if (!p->settings->common.quiet && p->report->edits.clipped)
         iso_program_log(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
-                        name_of(p->settings));
+                        input_name(p->settings));
     char note[240];
     if (!p->settings->common.quiet && iso_mesh_report_note(&p->report->opened_mesh, note, sizeof note))
         iso_program_log(isosculpt_program(), "%s: %s", p->settings->open, note);
@@ -251,101 +344,31 @@ static iso_status run(player *p, iso_journal_reader *reader, iso_error *error) {
 }
 
 iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, iso_error *error) {
-    isosculpt_report report = {0};
+    report r = {0};
     iso_journal_reader *reader = NULL;
-    if (settings->replay) ISO_TRY(iso_journal_open(settings->replay, &report.start, &reader, error));
-    const double own = report.start.voxel_size;
-    isosculpt_view view = {0};
-    player p = {.settings = settings, .report = &report, .pool = pool, .view = settings->draw ? &view : NULL};
-    report.resolution[0] = settings->resolution[0] ? settings->resolution[0] : 1280;
-    report.resolution[1] = settings->resolution[1] ? settings->resolution[1] : 800;
+    if (settings->replay) ISO_TRY(iso_journal_open(settings->replay, &r.start, &reader, error));
+    const double own = r.start.voxel_size;
+    isosculpt_viewport viewport = {0};
+    player p = {
+        .settings = settings, .report = &r, .pool = pool, .viewport = settings->draw ? &viewport : NULL};
+    r.resolution[0] = settings->resolution[0] ? settings->resolution[0] : 1280;
+    r.resolution[1] = settings->resolution[1] ? settings->resolution[1] : 800;
     iso_hgrid *grid = NULL;
     iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory};
     iso_file_set files = {0};
     if (settings->replay) iso_file_set_read(&files, settings->replay);
-    iso_status status = make_field(settings, pool, &files, &report, &grid, error);
+    iso_status status = make_field(settings, pool, &files, &r, &grid, error);
     if (status == ISO_OK && (status = check_outputs(settings, &files, error)) != ISO_OK)
         iso_hgrid_destroy(grid);
     iso_file_set_free(&files);
-    if (status == ISO_OK) say_parts(settings, &report);
+    if (status == ISO_OK) log_parts(settings, &r);
     if (status == ISO_OK && reader) opts.cost_factor = fmax(1, pow(own / grid->transform.spacing[0], 3));
-    if (status == ISO_OK) status = iso_session_create(grid, &report.start, &opts, &p.session, error);
-    if (status == ISO_OK) status = run(&p, reader, error);
+    if (status == ISO_OK) status = iso_session_create(grid, &r.start, &opts, &p.session, error);
+    if (status == ISO_OK) status = play_and_write(&p, reader, error);
     iso_point_set_destroy(p.points);
-    isosculpt_view_free(&view);
+    isosculpt_viewport_free(&viewport);
     iso_session_destroy(p.session);
     iso_journal_reader_free(reader);
-    isosculpt_report_free(&report);
+    free_times(&r);
     return status;
-}
-
-/* ---- the report */
-
-static void put_times(iso_json *json, const char *key, const isosculpt_times *times) {
-    if (!times->count) return;
-    qsort(times->seconds, times->count, sizeof *times->seconds, iso_compare_doubles);
-    iso_json_begin_object(json, key);
-    iso_json_integer(json, "count", times->count);
-    iso_json_real(json, "p50", times->seconds[times->count / 2]);
-    iso_json_real(json, "p99", times->seconds[times->count * 99 / 100]);
-    iso_json_real(json, "max", times->seconds[times->count - 1]);
-    iso_json_end_object(json);
-}
-
-/* What a mesh that was opened needed to be closed. */
-static void put_opened_mesh(iso_json *json, const iso_mesh_report *mesh) {
-    if (!mesh->triangles) return;
-    iso_json_begin_object(json, "opened_mesh");
-    iso_json_integer(json, "triangles", mesh->triangles);
-    iso_json_integer(json, "open_edges", mesh->open_edges);
-    iso_json_integer(json, "holes_closed", mesh->holes_closed);
-    iso_json_integer(json, "loops_capped", mesh->loops_capped);
-    iso_json_real(json, "largest_hole", mesh->largest_hole);
-    iso_json_integer(json, "turned", mesh->turned);
-    iso_json_bool(json, "inside_out", mesh->volume < 0);
-    iso_json_real(json, "volume", fabs(mesh->volume));
-    iso_json_end_object(json);
-}
-
-static void put_report(FILE *stream, const isosculpt_settings *settings, const isosculpt_report *report) {
-    iso_json json = {.stream = stream};
-    iso_json_begin_object(&json, NULL);
-    iso_json_string(&json, "schema", "isosculpt 1");
-    iso_json_string(&json, "version", isosculpt_program()->version);
-    if (settings->replay) iso_json_string(&json, "strokes_file", settings->replay);
-    iso_json_string(&json, "source", report->start.source);
-    iso_json_ints(&json, "dims", report->start.dims, 3);
-    iso_json_real(&json, "voxel_size", report->start.voxel_size);
-    put_opened_mesh(&json, &report->opened_mesh);
-    if (report->parts.kept) iso_put_components(&json, "parts", &report->parts);
-    if (report->has_mesh) iso_put_mesh_measures(&json, "mesh", &report->mesh);
-    iso_json_integer(&json, "strokes", report->strokes);
-    iso_json_integer(&json, "samples", report->samples);
-    iso_json_integer(&json, "undone", report->undone);
-    iso_json_integer(&json, "cells_edited", report->edits.edited);
-    iso_json_integer(&json, "cells_redistanced", report->edits.redistanced);
-    iso_json_integer(&json, "cells_created", report->edits.created);
-    iso_json_integer(&json, "cells_pruned", report->edits.pruned);
-    iso_json_bool(&json, "clipped", report->edits.clipped);
-    iso_json_integer(&json, "bricks", report->bricks);
-    iso_json_integer(&json, "bytes", report->bytes);
-    iso_json_integer(&json, "points", report->points);
-    iso_json_integer(&json, "peak_bytes", iso_memory_peak());
-    if (settings->draw) iso_json_ints(&json, "resolution", report->resolution, 2);
-    iso_json_begin_object(&json, "seconds");
-    iso_json_real(&json, "total", report->total);
-    put_times(&json, "edit", &report->edit);
-    put_times(&json, "extract", &report->extract);
-    put_times(&json, "draw", &report->draw);
-    put_times(&json, "step", &report->step);
-    iso_json_end_object(&json);
-    iso_json_end_object(&json);
-}
-
-iso_status isosculpt_report_write(const isosculpt_settings *settings, const isosculpt_report *report,
-                                  iso_error *error) {
-    iso_sink sink;
-    ISO_TRY(iso_sink_open(settings->common.json_path ? settings->common.json_path : "-", &sink, error));
-    put_report(sink.stream, settings, report);
-    return iso_sink_commit(&sink, error);
 }

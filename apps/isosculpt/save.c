@@ -1,3 +1,4 @@
+/* Saving: names of files, and a background task that writes a snapshot of the field. */
 #define _XOPEN_SOURCE 700 /* realpath */
 #include "apps/isosculpt/save.h"
 
@@ -16,26 +17,26 @@
 
 /* ---- names */
 
-/* The extension of a path's last part, with its dot; "" when there is none. */
-static const char *extension(const char *path) {
+/* The extension of a file name, with its dot; "" when there is none. */
+static const char *extension_of(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
     return dot && dot > name ? dot : name + strlen(name);
 }
 
 static bool is_level_set(const char *path) {
-    return strcasecmp(extension(path), ".vdb") == 0;
+    return strcasecmp(extension_of(path), ".vdb") == 0;
 }
 
 bool isosculpt_can_save_as(const char *path) {
     return is_level_set(path) || isosculpt_is_mesh(path);
 }
 
-bool isosculpt_target_with(const char *target, const char *ending, char path[ISOSCULPT_PATH]) {
-    const int stem = (int)(extension(target) - target);
-    return snprintf(path, ISOSCULPT_PATH, "%.*s%s", stem, target, ending) < ISOSCULPT_PATH;
+bool isosculpt_path_with_ending(const char *path, const char *ending, char changed[ISOSCULPT_PATH]) {
+    const int stem = (int)(extension_of(path) - path);
+    return snprintf(changed, ISOSCULPT_PATH, "%.*s%s", stem, path, ending) < ISOSCULPT_PATH;
 }
 
-/* Where a file can be made: the folder of a file, the working directory, or $HOME. */
+/* The first folder that can be written: of the source, the working directory, $HOME. */
 static void choose_folder(const char *source, char folder[ISOSCULPT_PATH]) {
     const char *slash = source ? strrchr(source, '/') : NULL, *home = getenv("HOME");
     const int length = slash ? (int)(slash - source) : 0;
@@ -47,23 +48,23 @@ static void choose_folder(const char *source, char folder[ISOSCULPT_PATH]) {
     snprintf(folder, ISOSCULPT_PATH, "%s", home && home[0] == '/' ? home : "/tmp");
 }
 
-/* The last part of a path without extensions (two when the file is compressed); without a path a general
- * one. */
+/* The file name of the source without its extension (two when it is compressed); "sculpture" without a
+ * source. */
 static void choose_stem(const char *source, char stem[ISOSCULPT_PATH]) {
     const char *slash = source ? strrchr(source, '/') : NULL;
     snprintf(stem, ISOSCULPT_PATH, "%s", slash ? slash + 1 : source ? source : "sculpture");
-    char *dot = source ? stem + (extension(stem) - stem) : stem + strlen(stem);
+    char *dot = source ? stem + (extension_of(stem) - stem) : stem + strlen(stem);
     const bool packed = strcasecmp(dot, ".gz") == 0;
     *dot = 0;
-    if (packed) stem[extension(stem) - stem] = 0;
+    if (packed) stem[extension_of(stem) - stem] = 0;
 }
 
-void isosculpt_target_free(const char *target, const char *wanted, char path[ISOSCULPT_PATH]) {
+void isosculpt_path_unused(const char *path, const char *extension, char unused[ISOSCULPT_PATH]) {
     char ending[32];
-    snprintf(ending, sizeof ending, "%.16s", wanted);
+    snprintf(ending, sizeof ending, "%.16s", extension);
     for (int number = 2; number < 10000; number++) {
-        if (isosculpt_target_with(target, ending, path) && access(path, F_OK)) return;
-        snprintf(ending, sizeof ending, "-%d%.16s", number, wanted);
+        if (isosculpt_path_with_ending(path, ending, unused) && access(unused, F_OK)) return;
+        snprintf(ending, sizeof ending, "-%d%.16s", number, extension);
     }
 }
 
@@ -73,20 +74,21 @@ void isosculpt_target_default(const char *source, char target[ISOSCULPT_PATH]) {
     choose_folder(whole ? whole : source, folder);
     choose_stem(whole ? whole : source, stem);
     snprintf(first, sizeof first, "%.500s%s%.400s.vdb", folder, strcmp(folder, "/") == 0 ? "" : "/", stem);
-    isosculpt_target_free(first, ".vdb", target);
+    isosculpt_path_unused(first, ".vdb", target);
     free(whole);
 }
 
 void isosculpt_target_beside(const char *path, char target[ISOSCULPT_PATH]) {
     char *whole = realpath(path, NULL);
-    if (!isosculpt_target_with(whole ? whole : path, ".vdb", target)) isosculpt_target_default(NULL, target);
+    if (!isosculpt_path_with_ending(whole ? whole : path, ".vdb", target))
+        isosculpt_target_default(NULL, target);
     free(whole);
 }
 
-/* ---- what may be written */
+/* ---- checking the target */
 
-static iso_status check_there(const isosculpt_document *document, const char *path, const struct stat *about,
-                              iso_error *error) {
+static iso_status check_existing(const isosculpt_document *document, const char *path,
+                                 const struct stat *about, iso_error *error) {
     if (S_ISDIR(about->st_mode)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: is a folder", path);
     if (!S_ISREG(about->st_mode)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: is no regular file", path);
     if (access(path, W_OK)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: cannot be written", path);
@@ -105,7 +107,7 @@ iso_status isosculpt_document_check_target(const isosculpt_document *document, c
         return iso_fail(error, ISO_ERR_USAGE,
                         "%.700s: the name must end in .vdb (level set), .stl, .ply or .obj (meshes)", path);
     if (stat(path, &about)) return ISO_OK;
-    ISO_TRY(check_there(document, path, &about, error));
+    ISO_TRY(check_existing(document, path, &about, error));
     *replaces = !document->target_is_own || strcmp(path, document->target) != 0;
     return ISO_OK;
 }
@@ -114,33 +116,33 @@ iso_status isosculpt_document_check_target(const isosculpt_document *document, c
 
 struct isosculpt_saver {
     isosculpt_task *task;
-    iso_snapshot *snapshot;    /* on the field */
-    char path[ISOSCULPT_PATH]; /* of the file itself: no symbolic link */
-    size_t changes;
+    iso_snapshot *snapshot;    /* of the field */
+    char path[ISOSCULPT_PATH]; /* of the file, symbolic links resolved */
+    size_t change_count;       /* of the document when the save began */
     bool is_export;
 };
 
-/* A name beside the target that is free, with its extension. */
-static iso_status name_fresh(const char *path, char fresh[ISOSCULPT_PATH], iso_error *error) {
+/* An unused path beside `path`, with the same extension, for the file that is being written. */
+static iso_status name_temporary(const char *path, char temporary[ISOSCULPT_PATH], iso_error *error) {
     char ending[64];
     for (int number = 1; number < 100; number++) {
-        snprintf(ending, sizeof ending, ".new-%d%.16s", number, extension(path));
-        if (!isosculpt_target_with(path, ending, fresh))
+        snprintf(ending, sizeof ending, ".new-%d%.16s", number, extension_of(path));
+        if (!isosculpt_path_with_ending(path, ending, temporary))
             return iso_fail(error, ISO_ERR_WRITE, "%.700s: the name is too long", path);
-        if (access(fresh, F_OK)) return ISO_OK;
+        if (access(temporary, F_OK)) return ISO_OK;
     }
     return iso_fail(error, ISO_ERR_WRITE, "%.700s: too many unfinished files beside it", path);
 }
 
-/* The old file keeps its name until the new one is whole, and is then PATH.bak. */
-static iso_status replace(const char *fresh, const char *path, iso_error *error) {
+/* Renames the complete new file to `path`; the old file becomes PATH.bak. */
+static iso_status replace_file(const char *temporary, const char *path, iso_error *error) {
     char backup[ISOSCULPT_PATH];
     if (snprintf(backup, sizeof backup, "%s.bak", path) >= (int)sizeof backup)
         return iso_fail(error, ISO_ERR_WRITE, "%.700s: the name is too long", path);
     unlink(backup);
-    if (link(path, backup) && errno != ENOENT && rename(path, backup)) /* no links here */
+    if (link(path, backup) && errno != ENOENT && rename(path, backup)) /* this file system has no links */
         return iso_fail(error, ISO_ERR_WRITE, "%.700s: %s", backup, strerror(errno));
-    if (rename(fresh, path)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: %s", path, strerror(errno));
+    if (rename(temporary, path)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: %s", path, strerror(errno));
     return ISO_OK;
 }
 
@@ -160,38 +162,40 @@ static iso_status write_mesh(const char *path, iso_hgrid *field, const iso_progr
     return status == ISO_OK ? iso_progress_tell(progress, path, 1, error) : status;
 }
 
-static iso_status write_held(isosculpt_saver *saver, const char *fresh, const iso_progress *progress,
-                             iso_error *error) {
+static iso_status write_snapshot(isosculpt_saver *saver, const char *temporary, const iso_progress *progress,
+                                 iso_error *error) {
     const iso_progress taking = iso_progress_part(progress, 0, 0.2),
                        writing = iso_progress_part(progress, 0.2, 1);
     iso_hgrid *grid;
     ISO_TRY(iso_snapshot_copy(saver->snapshot, &taking, &grid, error));
-    iso_status status = is_level_set(fresh) ? iso_level_set_write_vdb(fresh, grid, "surface", &writing, error)
-                                            : write_mesh(fresh, grid, &writing, error);
+    iso_status status = is_level_set(temporary)
+                            ? iso_level_set_write_vdb(temporary, grid, "surface", &writing, error)
+                            : write_mesh(temporary, grid, &writing, error);
     iso_hgrid_destroy(grid);
     return status;
 }
 
-static iso_status save(void *context, const iso_progress *progress, iso_error *error) {
+/* isosculpt_task_fn */
+static iso_status run_save(void *context, const iso_progress *progress, iso_error *error) {
     isosculpt_saver *saver = context;
-    char fresh[ISOSCULPT_PATH];
-    ISO_TRY(name_fresh(saver->path, fresh, error));
-    iso_status status = write_held(saver, fresh, progress, error);
-    if (status == ISO_OK) status = replace(fresh, saver->path, error);
-    if (status != ISO_OK) unlink(fresh);
+    char temporary[ISOSCULPT_PATH];
+    ISO_TRY(name_temporary(saver->path, temporary, error));
+    iso_status status = write_snapshot(saver, temporary, progress, error);
+    if (status == ISO_OK) status = replace_file(temporary, saver->path, error);
+    if (status != ISO_OK) unlink(temporary);
     return status;
 }
 
-/* ---- a save and its end */
+/* ---- the task */
 
-static iso_status start(isosculpt_document *document, isosculpt_saver *saver, void (*wake)(void),
-                        iso_error *error) {
+static iso_status start_task(isosculpt_document *document, isosculpt_saver *saver, void (*wake)(void),
+                             iso_error *error) {
     char *whole = realpath(document->saved_as, NULL);
     snprintf(saver->path, sizeof saver->path, "%s", whole ? whole : document->saved_as);
     free(whole);
-    saver->changes = document->changes;
+    saver->change_count = document->change_count;
     ISO_TRY(iso_session_snapshot(document->session, &saver->snapshot, error));
-    iso_status status = isosculpt_task_start(save, saver, wake, &saver->task, error);
+    iso_status status = isosculpt_task_start(run_save, saver, wake, &saver->task, error);
     if (status != ISO_OK) iso_session_release_snapshot(document->session, saver->snapshot);
     return status;
 }
@@ -206,7 +210,7 @@ iso_status isosculpt_document_save(isosculpt_document *document, const isosculpt
     if (!saver) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for saving");
     if (path != document->saved_as) snprintf(document->saved_as, sizeof document->saved_as, "%s", path);
     saver->is_export = opts->is_export;
-    iso_status status = start(document, saver, opts->wake, error);
+    iso_status status = start_task(document, saver, opts->wake, error);
     if (status != ISO_OK) {
         free(saver);
         return status;
@@ -222,14 +226,14 @@ isosculpt_task *isosculpt_document_save_task(const isosculpt_document *document)
     return document->saver ? document->saver->task : NULL;
 }
 
-isosculpt_saving isosculpt_document_saving(isosculpt_document *document, bool wait, iso_status *status,
-                                           iso_error *error) {
+isosculpt_save_state isosculpt_document_poll_save(isosculpt_document *document, bool wait, iso_status *status,
+                                                  iso_error *error) {
     isosculpt_saver *saver = document->saver;
     if (!saver) return ISOSCULPT_SAVE_IDLE;
     if (!wait && !isosculpt_task_done(saver->task)) return ISOSCULPT_SAVE_RUNNING;
     const iso_status saved = isosculpt_task_finish(saver->task, error);
     if (saved == ISO_OK && !saver->is_export) {
-        document->saved = saver->changes;
+        document->saved_change_count = saver->change_count;
         document->target_is_own = true;
     }
     if (status) *status = saved;

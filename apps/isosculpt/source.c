@@ -1,3 +1,5 @@
+/* Sources of sessions: checksums, meshes and volumes converted into fields, and the same again from a
+ * journal. */
 #define _XOPEN_SOURCE 700
 #include "apps/isosculpt/source.h"
 
@@ -18,15 +20,16 @@
 #include "sculpt/field/field.h"
 #include "sculpt/session/crc32c.h"
 
-/* A mesh's longest side in voxels, unless their size is given. */
+/* The longest side of a mesh in voxels, unless the voxel size is given. */
 enum { MESH_VOXELS = 256 };
 
-static const iso_input by_default;
+static const iso_input default_input;
 
 /* ---- checksums */
 
-/* Of a file's bytes; a folder (of DICOM slices) has none. */
-static iso_status checksum(const char *path, const iso_progress *progress, uint32_t *crc, iso_error *error) {
+/* CRC-32C of a file's bytes; 0 for a folder (of DICOM slices). */
+static iso_status compute_checksum(const char *path, const iso_progress *progress, uint32_t *crc,
+                                   iso_error *error) {
     struct stat about;
     *crc = 0;
     if (stat(path, &about) == 0 && S_ISDIR(about.st_mode)) return ISO_OK;
@@ -65,7 +68,7 @@ static double longest_side(const iso_closed_mesh *mesh) {
     return fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
 }
 
-/* Reads and closes the mesh. `progress` is told of both. */
+/* Reads and closes the mesh. */
 static iso_status read_mesh(const isosculpt_source *source, const iso_progress *progress,
                             iso_closed_mesh **closed, iso_error *error) {
     const iso_progress reading = iso_progress_part(progress, 0, 0.6),
@@ -79,13 +82,13 @@ static iso_status read_mesh(const isosculpt_source *source, const iso_progress *
     return status;
 }
 
-static iso_status from_mesh(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+static iso_status convert_mesh(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
     const iso_progress reading = iso_progress_part(source->progress, 0.05, 0.3),
                        converting = iso_progress_part(source->progress, 0.3, 1);
     iso_closed_mesh *mesh;
     ISO_TRY(read_mesh(source, &reading, &mesh, error));
-    const iso_mesh_frame frame = {source->voxel > 0 ? source->voxel : longest_side(mesh) / MESH_VOXELS,
-                                  ISO_FIELD_MARGIN, source->pool, &converting};
+    const iso_mesh_sampling frame = {source->voxel > 0 ? source->voxel : longest_side(mesh) / MESH_VOXELS,
+                                     ISO_FIELD_MARGIN, source->pool, &converting};
     iso_status status = iso_level_set_from_mesh(source->path, mesh, &frame, grid, error);
     iso_closed_mesh_destroy(mesh);
     return status;
@@ -109,7 +112,7 @@ static bool drops_parts(const isosculpt_source *source) {
     return source->input && iso_input_drops_parts(source->input);
 }
 
-/* *dropped: whether any were. */
+/* Drops the parts that the source does not keep; *dropped: whether there were any. */
 static iso_status drop_parts(const isosculpt_source *source, double isovalue, iso_grid *grid, bool *dropped,
                              iso_error *error) {
     *dropped = false;
@@ -131,9 +134,9 @@ static iso_status drop_parts(const isosculpt_source *source, double isovalue, is
 
 /* ---- volumes */
 
-/* The isovalue as it is stored: of an hgrid, voxels. */
-static iso_status stored_isovalue(const isosculpt_source *source, const iso_grid *from, double *stored,
-                                  iso_error *error) {
+/* Checks the isovalue and converts it to stored units, voxels for an hgrid. */
+static iso_status convert_isovalue(const isosculpt_source *source, const iso_grid *from, double *stored,
+                                   iso_error *error) {
     *stored = 0;
     if (isnan(source->isovalue))
         return iso_grid_is_level_set(from)
@@ -146,7 +149,8 @@ static iso_status stored_isovalue(const isosculpt_source *source, const iso_grid
     return ISO_OK;
 }
 
-static int tell(void *context, double fraction) {
+/* iso_progress_fn that passes on to an iso_progress. */
+static int report_progress(void *context, double fraction) {
     return iso_progress_tell(context, "", fraction, NULL) != ISO_OK;
 }
 
@@ -158,7 +162,7 @@ static iso_status find_isovalues(isosculpt_volume *volume, iso_pool *pool, iso_e
     volume->candidate_count = iso_isovalue_suggest(grid, &volume->histogram, volume->candidates);
     volume->suggested = volume->candidate_count
                             ? volume->candidates[0]
-                            : volume->histogram.low; /* a constant volume: nothing is to be seen */
+                            : volume->histogram.low; /* a constant volume has no surface */
     return ISO_OK;
 }
 
@@ -166,11 +170,11 @@ static iso_status read_volume(isosculpt_volume *volume, const iso_input *input, 
                               const iso_progress *progress, iso_error *error) {
     const iso_progress summing = iso_progress_part(progress, 0, 0.2);
     iso_progress reading = iso_progress_part(progress, 0.2, 0.9);
-    const iso_volume_opts opts = {.pool = pool, .progress = tell, .progress_context = &reading};
+    const iso_volume_opts opts = {.pool = pool, .progress = report_progress, .progress_context = &reading};
     volume->largest = input->largest;
     volume->min_size = input->min_size;
     ISO_TRY(iso_input_write(input, volume->reading, sizeof volume->reading, error));
-    ISO_TRY(checksum(volume->path, &summing, &volume->crc, error));
+    ISO_TRY(compute_checksum(volume->path, &summing, &volume->crc, error));
     ISO_TRY(iso_input_read(volume->path, input, &opts, &volume->volume, error));
     return find_isovalues(volume, pool, error);
 }
@@ -182,7 +186,7 @@ iso_status isosculpt_volume_read(const char *path, const iso_input *input, iso_p
     iso_status status = ISO_OK;
     if (snprintf(volume->path, sizeof volume->path, "%s", path) >= (int)sizeof volume->path)
         status = iso_fail(error, ISO_ERR_IO, "%.400s: the name is too long", path);
-    if (status == ISO_OK) status = read_volume(volume, input ? input : &by_default, pool, progress, error);
+    if (status == ISO_OK) status = read_volume(volume, input ? input : &default_input, pool, progress, error);
     if (status == ISO_OK)
         *out = volume;
     else
@@ -196,55 +200,58 @@ void isosculpt_volume_free(isosculpt_volume *volume) {
     free(volume);
 }
 
-/* Of level sets 0 when none was given; sampling refuses other grids without one. */
-static double isovalue_of(const isosculpt_source *source, const iso_grid *grid) {
+/* The physical isovalue; 0 when none is given, which only level sets allow. */
+static double physical_isovalue(const isosculpt_source *source, const iso_grid *grid) {
     if (isnan(source->isovalue)) return 0;
     const bool voxels = source->voxel_isovalue && grid->hgrid;
     return voxels ? iso_grid_physical(grid, source->isovalue) : source->isovalue;
 }
 
-/* Parts are dropped from `from` itself. */
-static iso_status from_grid(const isosculpt_source *source, iso_grid *from, iso_hgrid **grid,
-                            iso_error *error) {
+/* Converts a grid into a field; parts are dropped from `from` itself. */
+static iso_status convert_grid(const isosculpt_source *source, iso_grid *from, iso_hgrid **grid,
+                               iso_error *error) {
     const iso_progress progress = iso_progress_part(source->progress, 0.4, 1);
     iso_field_opts how = {
         .resampling = {.voxel = source->voxel, .pool = source->pool, .progress = &progress}};
     if (!isnan(source->isovalue) || iso_grid_is_level_set(from))
-        ISO_TRY(drop_parts(source, isovalue_of(source, from), from, &how.damaged, error));
-    ISO_TRY(stored_isovalue(source, from, &how.resampling.isovalue, error));
+        ISO_TRY(drop_parts(source, physical_isovalue(source, from), from, &how.damaged, error));
+    ISO_TRY(convert_isovalue(source, from, &how.resampling.isovalue, error));
     return iso_field_from_grid(source->path, from, &how, grid, error);
 }
 
-/* Others look at the volume: parts are dropped from a copy. */
-static iso_status from_shared(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
-                              iso_error *error) {
+/* Converts a grid that is shared with other threads: parts are dropped from a copy. */
+static iso_status convert_shared_grid(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
+                                      iso_error *error) {
     iso_grid borrowed = *from, copy;
-    if (!drops_parts(source)) return from_grid(source, &borrowed, grid, error);
+    if (!drops_parts(source)) return convert_grid(source, &borrowed, grid, error);
     ISO_TRY(iso_grid_copy(from, source->pool, &copy, error));
-    iso_status status = from_grid(source, &copy, grid, error);
+    iso_status status = convert_grid(source, &copy, grid, error);
     iso_grid_destroy(&copy);
     return status;
 }
 
-static iso_status from_volume(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
-    if (source->volume) return from_shared(source, &source->volume->volume.grid, grid, error);
+static iso_status convert_volume(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    if (source->volume) return convert_shared_grid(source, &source->volume->volume.grid, grid, error);
     iso_progress reading = iso_progress_part(source->progress, 0.05, 0.4);
-    const iso_volume_opts opts = {
-        .files = source->files, .pool = source->pool, .progress = tell, .progress_context = &reading};
+    const iso_volume_opts opts = {.files = source->files,
+                                  .pool = source->pool,
+                                  .progress = report_progress,
+                                  .progress_context = &reading};
     iso_volume volume;
-    ISO_TRY(iso_input_read(source->path, source->input ? source->input : &by_default, &opts, &volume, error));
-    for (int i = 0; source->notes && i < volume.info.note_count; i++)
+    ISO_TRY(
+        iso_input_read(source->path, source->input ? source->input : &default_input, &opts, &volume, error));
+    for (int i = 0; source->log_notes && i < volume.info.note_count; i++)
         iso_program_log(isosculpt_program(), "%s: note: %s", source->path, volume.info.notes[i]);
-    iso_status status = from_grid(source, &volume.grid, grid, error);
+    iso_status status = convert_grid(source, &volume.grid, grid, error);
     iso_volume_free(&volume);
     return status;
 }
 
-/* A mesh's level set without small parts. */
-static iso_status from_mesh_parts(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+/* Converts a mesh into a field, then drops parts. */
+static iso_status convert_mesh_parts(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
     const iso_progress progress = iso_progress_part(source->progress, 0.7, 1);
     bool dropped;
-    ISO_TRY(from_mesh(source, grid, error));
+    ISO_TRY(convert_mesh(source, grid, error));
     iso_grid whole = {.hgrid = *grid};
     iso_status status = drop_parts(source, 0, &whole, &dropped, error);
     if (status == ISO_OK)
@@ -255,17 +262,18 @@ static iso_status from_mesh_parts(const isosculpt_source *source, iso_hgrid **gr
 
 /* ---- opening */
 
-/* A file that is to be read as raw is no mesh, whatever its name. */
-static iso_status open_file(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
-    const iso_input *input = source->input ? source->input : &by_default;
-    if (input->has_raw || !isosculpt_is_mesh(source->path)) return from_volume(source, grid, error);
+/* Converts the file at source->path. With --raw it is a volume, whatever its name. */
+static iso_status convert_file(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    const iso_input *input = source->input ? source->input : &default_input;
+    if (input->has_raw || !isosculpt_is_mesh(source->path)) return convert_volume(source, grid, error);
     const char *option = iso_input_volume_option(input);
     if (option)
         return iso_fail(error, ISO_ERR_USAGE, "%s: is a mesh: %s needs a volume", source->path, option);
-    return from_mesh_parts(source, grid, error);
+    return convert_mesh_parts(source, grid, error);
 }
 
-static void describe(const isosculpt_source *source, const iso_hgrid *grid, iso_journal_start *start) {
+/* Copies the grid's geometry into the journal's header. */
+static void describe_grid(const isosculpt_source *source, const iso_hgrid *grid, iso_journal_start *start) {
     const double *origin = grid->transform.origin;
     start->voxel_size = grid->transform.spacing[0];
     start->origin = iso_vec3_make(origin[0], origin[1], origin[2]);
@@ -288,16 +296,16 @@ iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_sta
         start->source_crc = source->volume->crc;
         memcpy(start->reading, source->volume->reading, sizeof start->reading);
     } else {
-        ISO_TRY(iso_input_write(source->input ? source->input : &by_default, start->reading,
+        ISO_TRY(iso_input_write(source->input ? source->input : &default_input, start->reading,
                                 sizeof start->reading, error));
-        ISO_TRY(checksum(source->path, &summing, &start->source_crc, error));
+        ISO_TRY(compute_checksum(source->path, &summing, &start->source_crc, error));
     }
-    ISO_TRY(open_file(source, grid, error));
-    describe(source, *grid, start);
+    ISO_TRY(convert_file(source, grid, error));
+    describe_grid(source, *grid, start);
     return ISO_OK;
 }
 
-/* The file where it was, or one of its name beside the stroke file. */
+/* The path in the journal, or a file of that name beside the stroke file, whichever exists. */
 static iso_status find_file(const char *path, const char *strokes, char found[2 * ISO_JOURNAL_TEXT],
                             iso_error *error) {
     const char *slash = strrchr(strokes, '/'), *name = strrchr(path, '/');
@@ -311,14 +319,14 @@ static iso_status find_file(const char *path, const char *strokes, char found[2 
                     strerror(missing));
 }
 
-static iso_status find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
-                       iso_hgrid **grid, iso_error *error) {
+static iso_status reopen(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
+                         iso_hgrid **grid, iso_error *error) {
     char found[2 * ISO_JOURNAL_TEXT];
     uint32_t crc;
     ISO_TRY(find_file(start->source, strokes, found, error));
     const iso_progress summing = iso_progress_part(how->progress, 0, 0.05);
     iso_file_set_read(how->files, found);
-    ISO_TRY(checksum(found, &summing, &crc, error));
+    ISO_TRY(compute_checksum(found, &summing, &crc, error));
     if (crc != start->source_crc)
         return iso_fail(error, ISO_ERR_FORMAT,
                         "'%s' is not what it was when the session began (checksum %08x, then %08x)", found,
@@ -340,20 +348,19 @@ static iso_status find(const char *strokes, const isosculpt_source *how, iso_jou
                                      .files = how->files,
                                      .progress = how->progress,
                                      .close_holes = INFINITY};
-    const iso_journal_start wanted = *start;
-    ISO_TRY(open_file(&source, grid, error));
-    describe(&source, *grid, start);
-    if (how->voxel > 0 || memcmp(wanted.dims, start->dims, sizeof wanted.dims) == 0) return ISO_OK;
+    const iso_journal_start recorded = *start;
+    ISO_TRY(convert_file(&source, grid, error));
+    describe_grid(&source, *grid, start);
+    if (how->voxel > 0 || memcmp(recorded.dims, start->dims, sizeof recorded.dims) == 0) return ISO_OK;
     iso_hgrid_destroy(*grid);
     return iso_fail(error, ISO_ERR_FORMAT, "'%s' makes a grid of another size than the session's", found);
 }
 
-/* A failure names the stroke file, too. It is at fault for what cannot be sculpted; the settings are its own.
- */
-iso_status isosculpt_source_find(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
-                                 iso_hgrid **grid, iso_error *error) {
-    iso_status status = find(strokes, how, start, grid, error);
+/* An error names the stroke file, too, and a usage error is the file's: its header holds the settings. */
+iso_status isosculpt_source_reopen(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
+                                   iso_hgrid **grid, iso_error *error) {
+    iso_status status = reopen(strokes, how, start, grid, error);
     if (status == ISO_OK || !error || iso_progress_cancelled(how->progress)) return status;
-    const iso_error why = *error;
-    return iso_fail(error, status == ISO_ERR_USAGE ? ISO_ERR_FORMAT : status, "%s: %s", strokes, why.text);
+    const iso_error reason = *error;
+    return iso_fail(error, status == ISO_ERR_USAGE ? ISO_ERR_FORMAT : status, "%s: %s", strokes, reason.text);
 }

@@ -1,19 +1,20 @@
+/* Recorded strokes: arrays that double when they are full. */
 #include "apps/isosculpt/strokes.h"
 
 #include <stdlib.h>
 
-/* Room for one more of `size` bytes; NULL: no memory, and the array is as it was. */
-static void *grow(void *array, size_t count, size_t *room, size_t size) {
+/* Makes room for one more element of `size` bytes; NULL: no memory, and the array is unchanged. */
+static void *grow_array(void *array, size_t count, size_t *room, size_t size) {
     if (count < *room) return array;
-    const size_t wanted = *room ? 2 * *room : 16;
-    void *more = realloc(array, wanted * size);
-    if (more) *room = wanted;
-    return more;
+    const size_t doubled = *room ? 2 * *room : 16;
+    void *larger = realloc(array, doubled * size);
+    if (larger) *room = doubled;
+    return larger;
 }
 
 iso_status isosculpt_strokes_add(isosculpt_strokes *strokes, const iso_sample *sample, iso_error *error) {
     isosculpt_stroke *stroke = &strokes->strokes[strokes->count - 1];
-    iso_sample *samples = grow(stroke->samples, stroke->count, &stroke->room, sizeof *samples);
+    iso_sample *samples = grow_array(stroke->samples, stroke->count, &stroke->room, sizeof *samples);
     if (!samples) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stroke that waits");
     stroke->samples = samples;
     samples[stroke->count++] = *sample;
@@ -22,21 +23,21 @@ iso_status isosculpt_strokes_add(isosculpt_strokes *strokes, const iso_sample *s
 
 iso_status isosculpt_strokes_begin(isosculpt_strokes *strokes, const iso_brush *brush,
                                    const iso_sample *sample, iso_error *error) {
-    isosculpt_stroke *more = grow(strokes->strokes, strokes->count, &strokes->room, sizeof *more);
-    if (!more) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stroke that waits");
-    strokes->strokes = more;
-    more[strokes->count++] = (isosculpt_stroke){.brush = *brush};
+    isosculpt_stroke *array = grow_array(strokes->strokes, strokes->count, &strokes->room, sizeof *array);
+    if (!array) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stroke that waits");
+    strokes->strokes = array;
+    array[strokes->count++] = (isosculpt_stroke){.brush = *brush};
     iso_status status = isosculpt_strokes_add(strokes, sample, error);
-    if (status != ISO_OK) isosculpt_strokes_drop_last(strokes);
+    if (status != ISO_OK) isosculpt_strokes_remove_last(strokes);
     return status;
 }
 
-void isosculpt_strokes_drop_last(isosculpt_strokes *strokes) {
+void isosculpt_strokes_remove_last(isosculpt_strokes *strokes) {
     if (strokes->count) free(strokes->strokes[--strokes->count].samples);
 }
 
 void isosculpt_strokes_free(isosculpt_strokes *strokes) {
-    while (strokes->count) isosculpt_strokes_drop_last(strokes);
+    while (strokes->count) isosculpt_strokes_remove_last(strokes);
     free(strokes->strokes);
     *strokes = (isosculpt_strokes){0};
 }

@@ -1,5 +1,5 @@
-/* strokes: strokes that are recorded while there is no field yet that they could change. World positions, as
- * the session takes them. */
+/* strokes: strokes that are recorded while a volume is still being converted into a field, to be applied when
+ * the field is there. World positions, as sessions take them. */
 #ifndef ISO_APPS_ISOSCULPT_STROKES_H
 #define ISO_APPS_ISOSCULPT_STROKES_H
 
@@ -13,22 +13,22 @@ extern "C" {
 
 typedef struct isosculpt_stroke {
     iso_brush brush;
-    iso_sample *samples;
+    iso_sample *samples; /* owned */
     size_t count, room;
 } isosculpt_stroke;
 
-/* Zero-initialise. */
+/* Zero-initialise; isosculpt_strokes_free. */
 typedef struct isosculpt_strokes {
     isosculpt_stroke *strokes;
     size_t count, room;
 } isosculpt_strokes;
 
-/* A new stroke with its first sample. ISO_ERR_NOMEM: then there is none. */
+/* Appends a stroke with its first sample. ISO_ERR_NOMEM: nothing is appended. */
 iso_status isosculpt_strokes_begin(isosculpt_strokes *strokes, const iso_brush *brush,
                                    const iso_sample *sample, iso_error *error);
-/* One more sample of the last stroke. ISO_ERR_NOMEM. */
+/* Appends a sample to the last stroke; there is one. ISO_ERR_NOMEM. */
 iso_status isosculpt_strokes_add(isosculpt_strokes *strokes, const iso_sample *sample, iso_error *error);
-void isosculpt_strokes_drop_last(isosculpt_strokes *strokes); /* none: nothing happens */
+void isosculpt_strokes_remove_last(isosculpt_strokes *strokes); /* does nothing when there is none */
 void isosculpt_strokes_free(isosculpt_strokes *strokes);
 
 #ifdef __cplusplus

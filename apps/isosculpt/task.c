@@ -1,3 +1,4 @@
+/* Background tasks: a thread, its progress in an atomic number, and a flag that cancels it. */
 #include "apps/isosculpt/task.h"
 
 #include <stdatomic.h>
@@ -5,8 +6,8 @@
 
 #include "base/thread.h"
 
-/* Progress is kept as a whole number: thousandths. */
-static const double SCALE = 1000;
+/* Progress is stored in thousandths. */
+static const double THOUSANDTHS = 1000;
 
 struct isosculpt_task {
     pthread_t thread;
@@ -19,19 +20,19 @@ struct isosculpt_task {
     iso_error error;
 };
 
-/* From any thread; what is reached never falls. */
-static int hear(void *context, double fraction) {
+/* iso_progress.tell, from any thread: the stored progress never decreases. */
+static int record_progress(void *context, double fraction) {
     isosculpt_task *task = context;
-    const int now = (int)(SCALE * fraction);
+    const int reached = (int)(THOUSANDTHS * fraction);
     int before = atomic_load(&task->reached);
-    while (now > before && !atomic_compare_exchange_weak(&task->reached, &before, now)) {
+    while (reached > before && !atomic_compare_exchange_weak(&task->reached, &before, reached)) {
     }
     return atomic_load(&task->cancelled);
 }
 
-static void *work(void *context) {
+static void *run_thread(void *context) {
     isosculpt_task *task = context;
-    const iso_progress progress = {.tell = hear, .context = task};
+    const iso_progress progress = {.tell = record_progress, .context = task};
     task->status = task->run(task->context, &progress, &task->error);
     atomic_store(&task->done, true);
     if (task->wake) task->wake();
@@ -45,7 +46,7 @@ iso_status isosculpt_task_start(isosculpt_task_fn *run, void *context, void (*wa
     task->run = run;
     task->context = context;
     task->wake = wake;
-    if (iso_thread_start(&task->thread, work, task)) {
+    if (iso_thread_start(&task->thread, run_thread, task)) {
         free(task);
         return iso_fail(error, ISO_ERR_NOMEM, "no thread can be started for it");
     }
@@ -54,7 +55,7 @@ iso_status isosculpt_task_start(isosculpt_task_fn *run, void *context, void (*wa
 }
 
 double isosculpt_task_fraction(const isosculpt_task *task) {
-    return atomic_load(&task->reached) / SCALE;
+    return atomic_load(&task->reached) / THOUSANDTHS;
 }
 
 bool isosculpt_task_done(const isosculpt_task *task) {

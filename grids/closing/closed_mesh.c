@@ -1,3 +1,5 @@
+/* Closing of meshes: open loops are classified, then capped in the faces of the bounding box (mesh_border.h)
+ * or filled with the triangulation of least area (Barequet and Sharir 1995). */
 #include "grids/closing/closed_mesh.h"
 
 #include <math.h>
@@ -9,13 +11,13 @@
 #include "grids/closing/mesh_border.h"
 #include "grids/closing/mesh_topology.h"
 
-/* Loops of up to so many edges are filled with the least area (cubic in their number), longer ones from their
- * middle. */
+/* Loops of up to this many edges are filled with the least area, which takes cubic time; longer ones by a fan
+ * around their middle. */
 enum { LEAST_AREA = 64 };
-/* A loop whose filling has less than this part of the square of its perimeter is a crack: 250 times as long
- * as wide. */
+/* A loop is a crack if the area of its filling is below this fraction of its squared perimeter: it is then
+ * 250 times as long as wide. */
 static const double CRACK = 1e-3;
-/* A closed mesh with less than this part of the volume that its area could enclose is a sheet. */
+/* A closed mesh is a sheet if its volume is below this fraction of what its area could enclose. */
 static const double SHEET = 1e-6;
 
 struct iso_closed_mesh {
@@ -32,24 +34,24 @@ static iso_vec3 vertex(const iso_triangles *mesh, uint32_t number) {
     return iso_vec3_make(v[0], v[1], v[2]);
 }
 
-/* ---- a mesh that grows */
+/* ---- adding vertices and triangles */
 
-static bool grow(void **block, size_t *room, size_t count, size_t size) {
+static bool grow(void **memory, size_t *room, size_t count, size_t size) {
     if (count < *room) return true;
     const size_t more = 2 * count + 64;
     void *grown = iso_alloc(more * size);
     if (!grown) return false;
-    if (count) memcpy(grown, *block, count * size);
-    iso_free(*block);
-    *block = grown;
+    if (count) memcpy(grown, *memory, count * size);
+    iso_free(*memory);
+    *memory = grown;
     *room = more;
     return true;
 }
 
 static bool add_vertex(iso_closed_mesh *c, iso_vec3 p) {
-    void *block = c->mesh.vertices;
-    const bool room = grow(&block, &c->vertex_room, c->mesh.vertex_count, sizeof *c->mesh.vertices);
-    c->mesh.vertices = block;
+    void *memory = c->mesh.vertices;
+    const bool room = grow(&memory, &c->vertex_room, c->mesh.vertex_count, sizeof *c->mesh.vertices);
+    c->mesh.vertices = memory;
     if (!room) return false;
     float *v = c->mesh.vertices[c->mesh.vertex_count++];
     v[0] = (float)p.x;
@@ -59,9 +61,9 @@ static bool add_vertex(iso_closed_mesh *c, iso_vec3 p) {
 }
 
 static bool add_triangle(iso_closed_mesh *c, uint32_t first, uint32_t second, uint32_t third) {
-    void *block = c->mesh.triangles;
-    const bool room = grow(&block, &c->triangle_room, c->mesh.triangle_count, sizeof *c->mesh.triangles);
-    c->mesh.triangles = block;
+    void *memory = c->mesh.triangles;
+    const bool room = grow(&memory, &c->triangle_room, c->mesh.triangle_count, sizeof *c->mesh.triangles);
+    c->mesh.triangles = memory;
     if (!room) return false;
     uint32_t *t = c->mesh.triangles[c->mesh.triangle_count++];
     t[0] = first;
@@ -70,7 +72,7 @@ static bool add_triangle(iso_closed_mesh *c, uint32_t first, uint32_t second, ui
     return true;
 }
 
-/* ---- filling a loop: its edges belong to triangles, so that the filling has them the other way */
+/* ---- filling a loop: the new triangles have its edges in the opposite direction */
 
 static double triangle_area(iso_vec3 a, iso_vec3 b, iso_vec3 c) {
     return 0.5 * iso_vec3_length(iso_vec3_cross(iso_vec3_sub(b, a), iso_vec3_sub(c, a)));
@@ -118,7 +120,7 @@ static bool fill_from_middle(iso_closed_mesh *c, const uint32_t *loop, size_t co
     return whole;
 }
 
-/* ---- which loops are closed how */
+/* ---- how each loop is closed */
 
 typedef enum loop_kind { LOOP_BORDER, LOOP_FILL, LOOP_TOO_LARGE } loop_kind;
 
@@ -167,7 +169,7 @@ static loop_kind kind_of(const closing *c, const uint32_t *loop, size_t count, b
     return LOOP_TOO_LARGE;
 }
 
-static bool fill(closing *c, const uint32_t *loop, size_t count) {
+static bool fill_hole(closing *c, const uint32_t *loop, size_t count) {
     iso_closed_mesh *closed = c->closed;
     closed->report.holes_closed++;
     closed->report.largest_hole = fmax(closed->report.largest_hole, loop_size(&closed->mesh, loop, count));
@@ -191,7 +193,7 @@ static iso_status refuse(const closing *c, iso_error *error) {
                     c->path, c->closed->report.open_edges, c->largest_refused, fmax(c->most, 0));
 }
 
-/* All loops; `capped`: those in the box's faces by caps. */
+/* Closes all loops; `capped`: those in the faces of the box by caps. */
 static iso_status close_loops(closing *c, bool capped, iso_error *error) {
     const iso_mesh_topology *t = &c->closed->topology;
     c->border_count = c->refused = 0;
@@ -200,7 +202,7 @@ static iso_status close_loops(closing *c, bool capped, iso_error *error) {
         const uint32_t *loop = loop_of(t, i, &count);
         const loop_kind kind = kind_of(c, loop, count, capped);
         if (kind == LOOP_BORDER) put_border(c, loop, count);
-        if (kind == LOOP_FILL && !fill(c, loop, count)) return iso_fail_memory(error, c->path);
+        if (kind == LOOP_FILL && !fill_hole(c, loop, count)) return iso_fail_memory(error, c->path);
         if (kind != LOOP_TOO_LARGE) continue;
         c->refused++;
         c->largest_refused = fmax(c->largest_refused, loop_size(&c->closed->mesh, loop, count));
@@ -211,7 +213,8 @@ static iso_status close_loops(closing *c, bool capped, iso_error *error) {
                             c->border_count, error);
 }
 
-/* Loops in the box's faces that bound no caps may still be small enough to be filled. */
+/* Closes with caps, or without them if that fails: loops in the box's faces may be small enough to be filled.
+ */
 static iso_status close_somehow(closing *c, iso_error *error) {
     iso_closed_mesh *closed = c->closed;
     const iso_mesh_report before = closed->report;
@@ -224,7 +227,7 @@ static iso_status close_somehow(closing *c, iso_error *error) {
     return close_loops(c, false, error);
 }
 
-/* ---- numbers */
+/* ---- volume and area */
 
 static iso_vec3 cross_of(const iso_triangles *mesh, size_t triangle, iso_vec3 *a) {
     const uint32_t *t = mesh->triangles[triangle];
@@ -272,7 +275,7 @@ static iso_status measure(const char *path, iso_closed_mesh *c, const iso_triang
     return iso_fail(error, ISO_ERR_EMPTY, "%s: the mesh encloses nothing", path);
 }
 
-/* ---- all of it */
+/* ---- the closed mesh */
 
 static iso_status build_trees(const char *path, iso_closed_mesh *c, iso_error *error) {
     iso_triangles fans;
@@ -300,8 +303,8 @@ static iso_status close_mesh(const char *path, iso_closed_mesh *c, double hole, 
     return status;
 }
 
-static iso_status make(const char *path, const iso_triangles *mesh, const iso_closing_opts *opts,
-                       iso_closed_mesh *c, iso_error *error) {
+static iso_status build_closed_mesh(const char *path, const iso_triangles *mesh, const iso_closing_opts *opts,
+                                    iso_closed_mesh *c, iso_error *error) {
     const iso_progress *progress = opts->progress;
     ISO_TRY(iso_progress_tell(progress, path, 0, error));
     ISO_TRY(iso_mesh_topology_make(path, mesh, &c->topology, error));
@@ -324,7 +327,7 @@ iso_status iso_closed_mesh_create(const char *path, const iso_triangles *mesh, c
                                   iso_closed_mesh **closed, iso_error *error) {
     if (mesh->triangle_count == 0) return iso_fail(error, ISO_ERR_EMPTY, "%s: holds no triangles", path);
     iso_closed_mesh *c = iso_alloc_zero(1, sizeof *c);
-    iso_status status = c ? make(path, mesh, opts, c, error) : iso_fail_memory(error, path);
+    iso_status status = c ? build_closed_mesh(path, mesh, opts, c, error) : iso_fail_memory(error, path);
     if (status == ISO_OK)
         *closed = c;
     else

@@ -1,3 +1,5 @@
+/* Caps in the faces of a box. A winding number in a face is found by counting the open edges between a side
+ * of the face and a point; a constant for each face follows from its neighbours across the box's edges. */
 #include "grids/closing/mesh_border.h"
 
 #include <math.h>
@@ -6,15 +8,17 @@
 
 #include "base/memory.h"
 
-/* A face is read in rows, for speed only; samples a side that find the smallest number. */
+/* The edges of a face are sorted into rows, for speed only; samples along a side that find the smallest
+ * number.
+ */
 enum { FACES = 6, MOST_ROWS = 1024, SAMPLES = 256, ROW_EDGES = 4 };
 
-/* An open edge in a face, in the face's coordinates, as its triangle has it. */
+/* An open edge in the coordinates of a face, directed as in its triangle. */
 typedef struct flat_edge {
     double a[2], b[2];
 } flat_edge;
 
-/* Where the number changes along a side of the face, going up: to be added beyond `at`. */
+/* A change of the number along a side of a face: `change` is added beyond `at`. */
 typedef struct jump {
     double at;
     int by;
@@ -73,7 +77,7 @@ void iso_border_free(iso_border *border) {
     *border = (iso_border){0};
 }
 
-/* ---- edges into faces */
+/* ---- assigning edges to faces */
 
 /* The face that holds an edge, the first of two; -1: none. Faces 0, 2, 4 are at lo, 1, 3, 5 at hi. */
 static int face_of(const iso_border *border, const float a[3], const float b[3]) {
@@ -105,7 +109,7 @@ static void place_faces(const iso_border *border, iso_border_face *faces) {
     }
 }
 
-/* A coordinate that is on the face's rim is exactly there. */
+/* Moves a coordinate near the rim of a face exactly onto it. */
 static double snap(double at, double lo, double hi, double near) {
     if (at - lo <= near) return lo;
     return hi - at <= near ? hi : at;
@@ -316,7 +320,7 @@ iso_status iso_border_close(iso_border *border, const iso_triangles *mesh, const
     return ISO_OK;
 }
 
-/* ---- what the caps are for */
+/* ---- nearest points and triangles of the caps */
 
 static void nearest_on_face(const iso_border_face *face, const double p[3], iso_nearest *nearest) {
     const double away = p[face->axis] - face->plane;

@@ -1,3 +1,5 @@
+/* Distances of inside voxels near buried triangles: the minimum over the outside voxels around of the way
+ * there minus their distance. */
 #include "grids/closing/mesh_buried.h"
 
 #include <math.h>
@@ -7,9 +9,10 @@
 #include "base/memory.h"
 #include "base/numbers.h"
 
-/* An inside voxel this near to a triangle has an outside neighbour, or the triangle is inside the solid. */
+/* If a triangle is this near to an inside voxel without outside neighbours, the triangle is inside the solid.
+ */
 static const float NEAR = 0.75f;
-/* Outside voxels that a distance is made from, this far away along an axis at most: the band, and one. */
+/* Outside voxels up to this far away along an axis are used: the band's 3, and 1. */
 enum { REACH = 4, BATCH = 256 };
 
 typedef struct work {
@@ -57,7 +60,7 @@ static void look_in_cell(void *context, size_t cell, int worker) {
     }
 }
 
-/* Cells with bricks around those where something was found. */
+/* Marks the cells with bricks around those where a buried triangle was found. */
 static size_t collect(const work *w, size_t count) {
     size_t collected = 0;
     for (size_t cell = 0; cell < count; cell++) {
@@ -94,8 +97,8 @@ static bool is_buried(const work *w, const int p[3], float distance) {
     return !has_outside(w->grid, lo, hi);
 }
 
-/* The way to an outside voxel less that voxel's distance is never less than the distance from p to the
- * surface, and is that distance when the voxel lies on the line through p's foot point. */
+/* The distance from p to an outside voxel minus the voxel's own distance is never smaller than the distance
+ * from p to the surface, and equal to it if the voxel lies on the line through the foot point of p. */
 static float distance_to_outside(const work *w, const int p[3]) {
     double least = (double)w->grid->band;
     for (int z = -REACH; z <= REACH; z++)
@@ -127,7 +130,7 @@ static void repair(void *context, size_t index, int worker) {
     }
 }
 
-/* Only inside voxels change, and only outside ones and signs are read: the batches do not see each other. */
+/* Only inside voxels are written, and only outside voxels and signs are read, so batches are independent. */
 static void repair_all(work *w, size_t count, iso_pool *pool) {
     for (w->first = 0; w->first < count; w->first += BATCH) {
         const size_t batch = count - w->first < BATCH ? count - w->first : BATCH;

@@ -1,4 +1,5 @@
-/* mesh_buried: distances in a solid whose mesh has surfaces inside of it, as where parts overlap. */
+/* mesh_buried: corrects the distances in a solid whose mesh has surfaces inside it, as overlapping parts
+ * have. */
 #ifndef ISO_GRIDS_CLOSING_MESH_BURIED_H
 #define ISO_GRIDS_CLOSING_MESH_BURIED_H
 
@@ -10,9 +11,9 @@
 extern "C" {
 #endif
 
-/* `grid` has the distances to the mesh's triangles, and the right signs. Those of inside voxels whose nearest
- * triangle is inside the solid become distances to the solid's surface, to about 0.05 voxel. Does nothing
- * where there is no such surface. ISO_ERR_NOMEM: some bricks are done. */
+/* `grid` has distances to the mesh's triangles, with the right signs. For inside voxels whose nearest
+ * triangle lies inside the solid, replaces them by distances to the solid's surface, to about 0.05 voxel.
+ * ISO_ERR_NOMEM: only some bricks are corrected. */
 iso_status iso_mesh_remove_buried(iso_hgrid *grid, const iso_closed_mesh *mesh, iso_pool *pool,
                                   iso_error *error);
 

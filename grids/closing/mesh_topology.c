@@ -1,3 +1,5 @@
+/* The connectivity of a triangle soup: hash tables join vertices and triangles, sorted half-edges join
+ * triangles to parts, and walks along open edges find the loops. */
 #include "grids/closing/mesh_topology.h"
 
 #include <math.h>
@@ -9,7 +11,7 @@
 enum { MOST_TRIANGLES = 1 << 30, KEY = 12 };
 static const uint32_t NONE = UINT32_MAX;
 
-/* ---- hash tables: numbers of things, by what they are */
+/* ---- hash tables from keys to numbers */
 
 static uint64_t mix(uint64_t h) { /* the finaliser of MurmurHash3 */
     h = (h ^ h >> 33) * 0xff51afd7ed558ccdu;
@@ -52,7 +54,7 @@ static uint32_t table_find(table *t, const void *keys, uint32_t number) {
 
 /* ---- vertices */
 
-/* *joined of each of the mesh's vertices; the positions that differ go to `to`. */
+/* Maps each vertex of the mesh to its joined vertex in *joined; distinct positions are written to `to`. */
 static bool join(const iso_triangles *from, iso_triangles *to, uint32_t *joined) {
     table t = {0};
     if (!table_make(&t, from->vertex_count)) return false;
@@ -68,7 +70,7 @@ static bool join(const iso_triangles *from, iso_triangles *to, uint32_t *joined)
 
 /* ---- triangles */
 
-/* Corners in ascending order; whether that takes an odd number of exchanges. */
+/* Sorts the corners; returns whether that takes an odd number of exchanges. */
 static bool sort_corners(const uint32_t t[3], uint32_t sorted[3]) {
     bool odd = false;
     memcpy(sorted, t, 3 * sizeof *t);
@@ -130,7 +132,7 @@ static bool join_triangles(const iso_triangles *from, iso_triangles *to) {
     return whole && remove_copies(to);
 }
 
-/* ---- edges: grouped by their lower vertex, then sorted by their upper one */
+/* ---- half-edges, grouped by their lower vertex, then sorted by their upper one */
 
 typedef struct half {
     uint32_t upper, number; /* number: 3 * triangle + corner that it begins at */
@@ -188,7 +190,7 @@ static size_t edge_end(const edges *e, size_t vertex, size_t at) {
     return end;
 }
 
-/* ---- facing the same way */
+/* ---- consistent orientation */
 
 /* The other half of each half's edge, where an edge has two; the number of those that face different ways. */
 static size_t find_partners(const iso_triangles *mesh, const edges *e, uint32_t *partner) {
@@ -336,7 +338,7 @@ static const uint32_t *next_edge(const iso_mesh_topology *t, walk *w, uint32_t v
     return t->open[i];
 }
 
-static void step(iso_mesh_topology *t, walk *w, uint32_t vertex) {
+static void advance(iso_mesh_topology *t, walk *w, uint32_t vertex) {
     if (w->place[vertex] == NONE) {
         w->place[vertex] = (uint32_t)w->length;
         w->path[w->length++] = vertex;
@@ -355,8 +357,8 @@ static void step(iso_mesh_topology *t, walk *w, uint32_t vertex) {
 static void find_loops(iso_mesh_topology *t, walk *w) {
     for (size_t i = 0; i < t->open_count; i++) {
         const uint32_t *edge;
-        step(t, w, t->open[i][0]);
-        while ((edge = next_edge(t, w, w->path[w->length - 1]))) step(t, w, edge[1]);
+        advance(t, w, t->open[i][0]);
+        while ((edge = next_edge(t, w, w->path[w->length - 1]))) advance(t, w, edge[1]);
         while (w->length > 0) w->place[w->path[--w->length]] = NONE;
     }
 }

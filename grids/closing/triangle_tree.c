@@ -1,3 +1,5 @@
+/* A complete binary tree over triangles in Morton order, with boxes for nearest points and dipoles for
+ * winding numbers; triangle_tree.h names the papers. */
 #include "grids/closing/triangle_tree.h"
 
 #include <math.h>
@@ -7,10 +9,10 @@
 
 #include "base/memory.h"
 
-/* Triangles of a leaf, at most; room for the nodes that wait while a tree is searched. */
+/* The largest number of triangles of a leaf; the size of the stack of a search. */
 enum { LEAF = 4, DEEPEST = 30, MORTON_BITS = 10 };
-/* A cluster is seen as a dipole from this many times its radius on; the error of a closed surface's winding
- * number is then below 0.1 (tests/unit/grids/test_closed_mesh.c). */
+/* A cluster is approximated by a dipole beyond this many times its radius; the error of the winding number of
+ * a closed surface is then below 0.1 (tests/unit/grids/test_closed_mesh.c). */
 static const double FAR = 2;
 
 typedef struct corners {
@@ -96,7 +98,7 @@ static iso_vec3 area_vector(const corners *t) {
     return iso_vec3_scale(iso_vec3_cross(iso_vec3_sub(corner(t, 1), a), iso_vec3_sub(corner(t, 2), a)), 0.5);
 }
 
-/* Sums that a node's numbers are made of. */
+/* The sums from which the data of a node is computed. */
 typedef struct sums {
     iso_vec3 moment, dipole;
     double area;
@@ -148,7 +150,7 @@ static void build_leaf(const iso_triangle_tree *tree, size_t leaf, node *n, sums
     set_node(n, s);
 }
 
-static void build(const iso_triangle_tree *tree, sums *s) {
+static void build_sums(const iso_triangle_tree *tree, sums *s) {
     for (size_t leaf = 0; leaf < tree->leaves; leaf++) {
         const size_t i = tree->leaves - 1 + leaf;
         build_leaf(tree, leaf, &tree->nodes[i], &s[i]);
@@ -167,7 +169,7 @@ static void build(const iso_triangle_tree *tree, sums *s) {
 }
 
 /* NULL: out of memory. */
-static iso_triangle_tree *make(const iso_triangles *mesh) {
+static iso_triangle_tree *create_tree(const iso_triangles *mesh) {
     iso_triangle_tree *tree = iso_alloc_zero(1, sizeof *tree);
     if (!tree) return NULL;
     tree->count = mesh->triangle_count;
@@ -185,7 +187,7 @@ static iso_triangle_tree *make(const iso_triangles *mesh) {
             for (int k = 0; k < 3; k++)
                 memcpy(tree->triangles[i].p[k], mesh->vertices[mesh->triangles[places[i].triangle][k]],
                        sizeof tree->triangles[i].p[k]);
-        build(tree, s);
+        build_sums(tree, s);
     }
     iso_free(places);
     iso_free(s);
@@ -195,7 +197,7 @@ static iso_triangle_tree *make(const iso_triangles *mesh) {
 }
 
 iso_status iso_triangle_tree_create(const iso_triangles *mesh, iso_triangle_tree **tree, iso_error *error) {
-    iso_triangle_tree *made = make(mesh);
+    iso_triangle_tree *made = create_tree(mesh);
     if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu triangles", mesh->triangle_count);
     *tree = made;
     return ISO_OK;

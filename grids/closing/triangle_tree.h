@@ -4,8 +4,8 @@
  * generalized winding numbers"; far clusters of triangles by their dipole, as in Barill et al. 2018, "Fast
  * winding numbers for soups and clouds"; solid angles after Van Oosterom and Strackee 1983.
  *
- * Building takes O(n log n), a query O(log n) where the triangles are spread evenly. No function of libm is
- * used whose result depends on the machine. Queries are thread-safe. */
+ * Building takes O(n log n), a query O(log n) for evenly distributed triangles. Functions of libm whose
+ * results depend on the machine are not used. Queries are thread-safe. */
 #ifndef ISO_GRIDS_CLOSING_TRIANGLE_TREE_H
 #define ISO_GRIDS_CLOSING_TRIANGLE_TREE_H
 
@@ -21,21 +21,21 @@ extern "C" {
 
 typedef struct iso_triangle_tree iso_triangle_tree;
 
-/* The triangles are copied; there must be one at least. ISO_ERR_NOMEM. */
+/* Copies the triangles, at least one. ISO_ERR_NOMEM. */
 iso_status iso_triangle_tree_create(const iso_triangles *mesh, iso_triangle_tree **tree, iso_error *error);
-void iso_triangle_tree_destroy(iso_triangle_tree *tree); /* NULL is fine */
+void iso_triangle_tree_destroy(iso_triangle_tree *tree); /* NULL is allowed */
 
-/* How often the triangles wind around p: 1 inside a closed mesh whose triangles are counter-clockwise seen
- * from outside, -1 when they are clockwise, 0 outside. 0 for NULL. */
+/* The winding number of the triangles around p: 0 outside a closed mesh; inside it 1 if the triangles are
+ * counter-clockwise seen from outside, -1 if they are clockwise. 0 for NULL. */
 double iso_triangle_tree_winding(const iso_triangle_tree *tree, iso_vec3 p);
 
-/* What a search for the nearest triangle begins with and finds. */
+/* The start and the result of a search for the nearest triangle. Set `squared` to the squared distance within
+ * which to search, and `triangle` to a guess (0, or the result for a nearby point). If a triangle is nearer,
+ * all three are set; otherwise nothing changes. */
 typedef struct iso_nearest {
-    double
-        squared; /* of the distance: only what is nearer is looked for; the distance found, else unchanged */
-    iso_vec3 point; /* the nearest point, unchanged when none was found */
-    size_t
-        triangle; /* the tree's number of a triangle that may be near, 0 at first; the one that was found */
+    double squared; /* distance, mm2 */
+    iso_vec3 point;
+    size_t triangle; /* the tree's number */
 } iso_nearest;
 
 void iso_triangle_tree_nearest(const iso_triangle_tree *tree, iso_vec3 p, iso_nearest *nearest);

@@ -1,3 +1,4 @@
+/* Closing of solids at the volume's border by one more layer of voxels outside. */
 #include "grids/parts/closed.h"
 
 #include <float.h>
@@ -9,9 +10,10 @@
 #include "grids/level_set.h"
 #include "grids/threshold.h"
 
-/* A cap lies at (value - isovalue) / (value - outside) of the way from a sample to the outer layer: `outside`
- * is this many times the largest value - isovalue away. Twice as many as needed, for rounding. */
-static const double TIMES = 2 / ISO_CLOSED_TOLERANCE;
+/* A cap lies at (value - isovalue) / (value - outside) of the way from a border's sample to the new layer.
+ * `outside` is therefore this factor times the largest value - isovalue away from the isovalue; it is twice
+ * as large as needed, for rounding. */
+static const double OUTSIDE_FACTOR = 2 / ISO_CLOSED_TOLERANCE;
 
 /* ---- dense grids */
 
@@ -40,8 +42,8 @@ static float choose_outside(const iso_rgrid *grid, const struct iso_brick_index 
     iso_brick_index_extremes(index, &low, &high);
     const double deepest =
         fmax(grid->level_set ? at - low : high - at, 0); /* 0 also when nothing is finite */
-    /* A solid whose values are all the isovalue has no depth: then any distance will do. */
-    const double far = fmax(TIMES * deepest, fmax(fabs((double)at), 1));
+    /* In a solid whose values all equal the isovalue, any distance will do. */
+    const double far = fmax(OUTSIDE_FACTOR * deepest, fmax(fabs((double)at), 1));
     return (float)fmin(fmax(grid->level_set ? at + far : at - far, -FLT_MAX), FLT_MAX);
 }
 
@@ -60,11 +62,12 @@ static iso_status close_dense(const iso_grid *from, double isovalue, iso_pool *p
         desc.dims[axis] = grid->dims[axis] + 2;
     }
     const struct iso_brick_index *index;
-    ISO_TRY(iso_rgrid_index(from->rgrid, pool, &index, error));
-    padding p = {.from = grid, .outside = choose_outside(grid, index, iso_threshold_of(from, isovalue).at)};
+    ISO_TRY(iso_brick_index_of(from->rgrid, pool, &index, error));
+    padding p = {.from = grid,
+                 .outside = choose_outside(grid, index, iso_threshold_of(from, isovalue).isovalue_ceil)};
     ISO_TRY(iso_rgrid_create(&desc, &p.to, error));
     iso_parallel_for(pool, (size_t)desc.dims[2], copy_slice, &p);
-    iso_status status = iso_rgrid_index(p.to, pool, NULL, error);
+    iso_status status = iso_brick_index_of(p.to, pool, NULL, error);
     if (status == ISO_OK)
         *closed = p.to;
     else
@@ -84,7 +87,7 @@ uint64_t iso_grid_close_estimate(const int dims[3]) {
 
 /* ---- level sets */
 
-/* Sets the voxels of the outermost layer in one cell; an empty cell outside the solid can stay so. */
+/* Sets the voxels of the outermost layer in one cell; an empty cell outside the solid stays empty. */
 static iso_status close_cell(iso_hgrid *grid, const int at[3], float outside, iso_error *error) {
     float *brick;
     const int32_t state = grid->cell[iso_hgrid_cell_index(grid, at[0], at[1], at[2])];
@@ -117,9 +120,9 @@ static iso_status close_sparse(const iso_hgrid *from, float at, iso_hgrid **clos
     const int offset[3] = {1, 1, 1};
     const int dims[3] = {from->dims[0] + 2, from->dims[1] + 2, from->dims[2] + 2};
     iso_hgrid *grid;
-    ISO_TRY(iso_level_set_reframe(from, offset, dims, &grid, error));
+    ISO_TRY(iso_level_set_resize(from, offset, dims, &grid, error));
     const double deepest = (double)at + (double)from->band;
-    const double outside = fmax((double)at, 0) + TIMES * fmax(deepest, 1);
+    const double outside = fmax((double)at, 0) + OUTSIDE_FACTOR * fmax(deepest, 1);
     iso_status status = close_cells(grid, (float)outside, error);
     if (status == ISO_OK)
         *closed = grid;
@@ -133,5 +136,5 @@ iso_status iso_grid_close(const iso_grid *from, double isovalue, iso_pool *pool,
     *closed = (iso_grid){0};
     if (!isfinite(isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not a number");
     if (from->rgrid) return close_dense(from, isovalue, pool, &closed->rgrid, error);
-    return close_sparse(from->hgrid, iso_threshold_of(from, isovalue).at, &closed->hgrid, error);
+    return close_sparse(from->hgrid, iso_threshold_of(from, isovalue).isovalue_ceil, &closed->hgrid, error);
 }

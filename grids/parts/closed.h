@@ -1,7 +1,7 @@
-/* closed: a solid that ends at the volume's border, so that its surface is closed.
+/* closed: caps a solid where the volume's border cuts it, so that its surface is closed.
  *
- * The grid is given one more layer of voxels on every side, so far outside the solid that the surface crosses
- * within 1e-3 voxel of the border's samples: the cap lies there, flat, and bounds stay. */
+ * The grid gets one more layer of voxels on each side, with values so far outside the solid that the surface
+ * lies within 1e-3 voxel of the border's samples: the caps are flat, and the bounds of the surface stay. */
 #ifndef ISO_GRIDS_PARTS_CLOSED_H
 #define ISO_GRIDS_PARTS_CLOSED_H
 
@@ -12,22 +12,21 @@
 extern "C" {
 #endif
 
-/* How far from the border's samples a cap may lie, in voxels. */
+/* The largest distance of a cap from the border's samples, in voxels. */
 #define ISO_CLOSED_TOLERANCE 1e-3
 
-/* A new grid that is `from` with a layer around for the isovalue (physical); its voxel i is voxel i - 1 of
- * `from`, and its origin is moved accordingly. A dense one holds floats, whatever `from` holds, and comes
- * with its index of bricks; voxels that are not finite are outside the solid there, so that the surface is
- * closed around them as well. A sparse one has bricks where the solid reaches the border, with distances
- * beyond the band in the outermost layer: it is for extraction of edge points, meshes and exact surfaces, not
- * for foot points or sculpting.
+/* Creates a copy of `from` with a layer around it for a physical isovalue; voxel i of the copy is voxel i - 1
+ * of `from`, and the origin is moved accordingly. A dense copy always holds floats and has its index; voxels
+ * that are not finite become outside, so the surface is closed around them too. A sparse copy has bricks
+ * where the solid reaches the border, and its outermost layer has values beyond the band: it is for edge
+ * points, meshes and exact surfaces, not for foot points or sculpting.
  *
- * ISO_ERR_LIMIT: an hgrid has no room for two more voxels. ISO_ERR_USAGE: isovalue not finite.
- * ISO_ERR_NOMEM. */
+ * ISO_ERR_LIMIT: the grid cannot have two more voxels along an axis; ISO_ERR_USAGE: the isovalue is not
+ * finite; ISO_ERR_NOMEM. */
 iso_status iso_grid_close(const iso_grid *from, double isovalue, iso_pool *pool, iso_grid *closed,
                           iso_error *error);
 
-/* Bytes that iso_grid_close takes for a dense grid of these voxels, its index included. */
+/* The bytes that iso_grid_close allocates for a dense grid of this size in voxels, with its index. */
 uint64_t iso_grid_close_estimate(const int dims[3]);
 
 #ifdef __cplusplus

@@ -1,3 +1,5 @@
+/* Masks of rows: for each voxel type and instruction set a function that compares 64 voxels with a range;
+ * component_mask_body.inc makes rows of them. */
 #include "grids/parts/component_mask.h"
 
 #include <float.h>
@@ -22,7 +24,7 @@ bool iso_mask_range_of(iso_type type, float at, bool below, iso_mask_range *rang
     return range->lo <= range->hi;
 }
 
-/* ---- one word: the ends of rows voxel by voxel, whole words by the instructions of each level */
+/* ---- words of 64 voxels by the instructions of each level; the rest of a row voxel by voxel */
 
 #define SCALAR_WORD(voxel, type, low, high)                                                                  \
     static inline uint64_t rest_##voxel(const type *row, int count, const iso_mask_range *range) {           \

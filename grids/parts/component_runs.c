@@ -1,3 +1,5 @@
+/* Run-based labelling of connected components (He, Chao and Suzuki 2008): rows become bit masks, masks become
+ * runs, and overlapping runs of neighbouring rows are joined. */
 #include "grids/parts/component_runs.h"
 #include "base/disjoint_sets.h"
 
@@ -6,7 +8,8 @@
 
 #include "grids/parts/component_mask.h"
 
-/* Slices of a slab at least, so that few rows lie between slabs; and slabs at most. */
+/* The smallest number of slices in a slab, so that few rows lie between slabs; the largest number of slabs.
+ */
 enum { SLICES = 4, SLABS = 64 };
 
 typedef struct finder {
@@ -15,17 +18,17 @@ typedef struct finder {
     iso_mask_kernel *kernel; /* of dense grids */
     iso_mask_range range;
     bool none;     /* no value of the type is inside */
-    bool diagonal; /* faces' diagonals join as well */
+    bool diagonal; /* voxels are connected along the diagonals of faces too */
     iso_component_runs *runs;
 } finder;
 
-/* The runs of one row, and what their numbers are counted from. */
+/* The runs of one row, and the number of the first one. */
 typedef struct run_row {
     const iso_run *runs;
     uint32_t count, number;
 } run_row;
 
-/* Joins runs of two rows that share a voxel's column, or whose columns are at most `reach` apart. */
+/* Joins the runs of two rows that overlap along x, or are at most `reach` voxels apart. */
 static void join_rows(uint32_t *parent, run_row a, run_row b, int reach) {
     uint32_t i = 0, j = 0;
     while (i < a.count && j < b.count) {
@@ -49,7 +52,7 @@ static uint64_t brick_bits(const float *row, float at) {
 
 static void sparse_row(const finder *f, int y, int z, uint64_t *words) {
     const iso_hgrid *grid = f->grid->hgrid;
-    const float at = f->surface.at;
+    const float at = f->surface.isovalue_ceil;
     const uint64_t full = (1u << ISO_BRICK) - 1;
     const size_t first = iso_hgrid_cell_index(grid, 0, y / ISO_BRICK, z / ISO_BRICK);
     const size_t offset = ((size_t)(z % ISO_BRICK) * ISO_BRICK + (size_t)(y % ISO_BRICK)) * ISO_BRICK;
@@ -77,14 +80,14 @@ static void find_bits(const finder *f, int y, int z, uint64_t *words) {
               words);
 }
 
-/* The runs of set bits: at most one for every two voxels, and one more. */
+/* Lists the runs of set bits: at most count / 2 + 1. */
 static uint32_t list_runs(const uint64_t *words, int count, iso_run *runs) {
     uint32_t found = 0;
     uint64_t before = 0; /* the last bit of the word before */
     const int word_count = (count + 63) / 64;
     for (int w = 0; w < word_count; w++) {
         const uint64_t bits = words[w];
-        /* A set bit wherever a voxel differs from the one before it: runs begin and end there in turn. */
+        /* Bits that differ from the one before: runs begin and end there in turn. */
         uint64_t changes = bits ^ (bits << 1 | before);
         before = bits >> 63;
         uint64_t inside = bits & changes;
@@ -109,7 +112,7 @@ static run_row row_of(const iso_run_slab *slab, int ny, int y, int z, size_t bas
     return (run_row){count ? runs + first : NULL, count, (uint32_t)(base + first)};
 }
 
-/* Joins a row of slice z with those of slice z - 1 beside it. */
+/* Joins a row of slice z with its neighbours in slice z - 1. */
 static void join_slices(const finder *f, uint32_t *parent, run_row row, const iso_run_slab *below,
                         const int at[3]) {
     const int ny = f->runs->dims[1], y = at[1], z = at[2] - 1;
@@ -223,7 +226,7 @@ static void join_slabs(const finder *f) {
     }
 }
 
-/* Parents become numbers of components: a parent is below its child and has its number already. */
+/* Replaces parents by numbers of components; a parent is below its children and so has its number already. */
 static iso_status number_components(iso_component_runs *runs, iso_error *error) {
     uint32_t count = 0;
     for (size_t i = 0; i < runs->run_count; i++) count += runs->component[i] == i;
@@ -253,7 +256,7 @@ iso_status iso_component_runs_find(const iso_grid *grid, const iso_threshold *su
     finder f = {.grid = grid, .surface = *surface, .diagonal = below, .runs = runs};
     if (grid->rgrid) {
         f.kernel = iso_mask_kernel_get(grid->rgrid->type, iso_cpu_best());
-        f.none = !iso_mask_range_of(grid->rgrid->type, surface->at, below, &f.range);
+        f.none = !iso_mask_range_of(grid->rgrid->type, surface->isovalue_ceil, below, &f.range);
     }
     ISO_TRY(make_slabs(runs, error));
     iso_parallel_for(pool, runs->slab_count, find_slab, &f);

@@ -1,10 +1,10 @@
-/* component_runs: connected components of the solid of a grid, as runs of voxels along x. Internal to the
+/* component_runs: the connected components of the solid in a grid, as runs of voxels along x. Internal to the
  * library.
  *
- * Runs are found and joined in slabs of slices, each by one task, and the slabs are joined afterwards. A
- * union always keeps the lower run, so that components are numbered by their first voxel in x-fastest order,
- * for every number of threads. (Run-based union-find: He, Chao and Suzuki 2008, "A run-based two-scan
- * labeling algorithm", in three dimensions.) */
+ * A run is a maximal range of inside voxels in a row. Runs are found and joined by union-find (He, Chao and
+ * Suzuki 2008, "A run-based two-scan labeling algorithm", in three dimensions) in slabs of slices, one task
+ * each; then the slabs are joined. A union keeps the lower run, so components are numbered by their first
+ * voxel in x-fastest order, for every number of threads. */
 #ifndef ISO_GRIDS_PARTS_COMPONENT_RUNS_H
 #define ISO_GRIDS_PARTS_COMPONENT_RUNS_H
 
@@ -22,13 +22,13 @@ typedef struct iso_run {
     int32_t first, last;
 } iso_run;
 
-/* Some slices and their runs, in order. */
+/* Consecutive slices and their runs, in order. */
 typedef struct iso_run_slab {
     int z[2];        /* slices z[0] .. z[1] - 1 */
     iso_buffer runs; /* iso_run */
-    uint32_t *rows;  /* number in `runs` of each row's first run, and one past the last row's last */
+    uint32_t *rows;  /* by row: the index in `runs` of its first run; one more entry for the end */
     uint32_t *parent;
-    size_t base; /* number in the volume of the slab's first run */
+    size_t base; /* index in the volume of the slab's first run */
     iso_status status;
 } iso_run_slab;
 
@@ -36,17 +36,17 @@ typedef struct iso_component_runs {
     int dims[3];
     iso_run_slab *slabs;
     size_t slab_count, run_count;
-    uint32_t *component; /* of each run */
-    uint64_t *voxels;    /* of each component */
+    uint32_t *component; /* by run: its component */
+    uint64_t *voxels;    /* by component: its number of voxels */
     size_t component_count;
-    uint64_t voxel_count;
+    uint64_t voxel_count; /* of all components */
 } iso_component_runs;
 
-/* Components of the voxels inside the surface. Those of a dense grid whose inside is at or above the isovalue
- * are joined by edges of the grid; those of a level set by diagonals of faces as well: Marching Cubes keeps
- * corners at or above the isovalue apart on ambiguous faces and so joins the ones below it. Voxels that are
- * not finite belong to none. ISO_ERR_LIMIT above 2^32 - 2 runs, ISO_ERR_NOMEM. Free with
- * iso_component_runs_free, also after a failure. */
+/* Finds the components of the voxels inside the surface. Where inside is at or above the isovalue, voxels are
+ * connected along the edges of the grid; in level sets also along the diagonals of faces, because Marching
+ * Cubes separates corners at or above the isovalue on ambiguous faces and so connects those below it. Voxels
+ * that are not finite belong to no component. ISO_ERR_LIMIT: more than 2^32 - 2 runs; ISO_ERR_NOMEM. Free
+ * with iso_component_runs_free, also after a failure. */
 iso_status iso_component_runs_find(const iso_grid *grid, const iso_threshold *surface, iso_pool *pool,
                                    iso_component_runs *runs, iso_error *error);
 void iso_component_runs_free(iso_component_runs *runs);

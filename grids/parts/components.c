@@ -1,3 +1,5 @@
+/* Removal of small parts: the choice of parts, and the replacement of their voxels in dense grids.
+ * components_sparse.c does the same for level sets. */
 #include "grids/parts/components.h"
 
 #include <math.h>
@@ -40,7 +42,8 @@ static uint64_t size_of_rank(const iso_component_runs *runs, size_t wanted) {
     return low;
 }
 
-/* Components are numbered by their first voxel, so that of equal ones the first come first. */
+/* Keeps the largest components; of equally large ones those with lower numbers, whose first voxels are first.
+ */
 static void keep_largest(filter *f, size_t wanted) {
     const iso_component_runs *runs = &f->runs;
     const uint64_t least = size_of_rank(runs, wanted);
@@ -51,7 +54,7 @@ static void keep_largest(filter *f, size_t wanted) {
     }
 }
 
-static iso_status choose(filter *f, const iso_components_opts *opts, double voxel, iso_error *error) {
+static iso_status choose_kept(filter *f, const iso_components_opts *opts, double voxel, iso_error *error) {
     const iso_component_runs *runs = &f->runs;
     uint64_t most = 0;
     for (size_t i = 0; i < runs->component_count; i++) {
@@ -67,7 +70,7 @@ static iso_status choose(filter *f, const iso_components_opts *opts, double voxe
     return ISO_OK;
 }
 
-static void sum(const filter *f, double voxel, iso_components_totals *totals) {
+static void sum_totals(const filter *f, double voxel, iso_components_totals *totals) {
     *totals = (iso_components_totals){0};
     for (size_t i = 0; i < f->runs.component_count; i++)
         if (f->kept[i]) {
@@ -84,11 +87,11 @@ static void sum(const filter *f, double voxel, iso_components_totals *totals) {
 
 /* ---- dense grids */
 
-/* There is such a value: between two parts lies a voxel on the other side of the isovalue, or one that is not
- * finite, which floats only have. */
+/* The value for voxels of dropped parts. One exists: two parts are separated by a voxel on the other side of
+ * the isovalue, or by one that is not finite, which only floats can be. */
 static float choose_replacement(const filter *f, const iso_brick_index *index) {
     const iso_rgrid *grid = f->grid->rgrid;
-    const float at = f->surface.at;
+    const float at = f->surface.isovalue_ceil;
     if (grid->type != ISO_FLOAT32) return ceilf(at) - (grid->level_set ? 0 : 1);
     double low, high;
     iso_brick_index_extremes(index, &low, &high);
@@ -97,30 +100,30 @@ static float choose_replacement(const filter *f, const iso_brick_index *index) {
     return value < at ? value : nextafterf(at, -INFINITY);
 }
 
-#define FILL(type)                                                                                           \
-    for (int32_t x = run.first; x <= run.last; x++) ((type *)row)[x] = (type)value
+#define FILL_RUN(type)                                                                                       \
+    for (int32_t x = filter_parts.first; x <= filter_parts.last; x++) ((type *)row)[x] = (type)value
 
-static void fill_run(void *row, iso_type type, iso_run run, float value) {
+static void fill_run(void *row, iso_type type, iso_run filter_parts, float value) {
     switch (type) {
     case ISO_UINT8:
-        FILL(uint8_t);
+        FILL_RUN(uint8_t);
         break;
     case ISO_INT16:
-        FILL(int16_t);
+        FILL_RUN(int16_t);
         break;
     case ISO_UINT16:
-        FILL(uint16_t);
+        FILL_RUN(uint16_t);
         break;
     case ISO_FLOAT32:
-        FILL(float);
+        FILL_RUN(float);
         break;
     }
 }
 
-static void mark_bricks(const filter *f, iso_run run, int y, int z) {
+static void mark_bricks(const filter *f, iso_run filter_parts, int y, int z) {
     const size_t row =
         ((size_t)(z / ISO_BRICK) * (size_t)f->bricks[1] + (size_t)(y / ISO_BRICK)) * (size_t)f->bricks[0];
-    for (int b = run.first / ISO_BRICK; b <= run.last / ISO_BRICK; b++)
+    for (int b = filter_parts.first / ISO_BRICK; b <= filter_parts.last / ISO_BRICK; b++)
         atomic_store_explicit(&f->changed[row + (size_t)b], 1, memory_order_relaxed);
 }
 
@@ -159,7 +162,7 @@ static iso_status log_changes(const filter *f, iso_error *error) {
                     lo[axis] = at[axis] * ISO_BRICK;
                     hi[axis] = lo[axis] + ISO_BRICK - 1 < last ? lo[axis] + ISO_BRICK - 1 : last;
                 }
-                ISO_TRY(iso_change_log_touch(log, lo, hi, error));
+                ISO_TRY(iso_change_log_add(log, lo, hi, error));
             }
     return ISO_OK;
 }
@@ -167,7 +170,7 @@ static iso_status log_changes(const filter *f, iso_error *error) {
 static iso_status filter_dense(filter *f, iso_pool *pool, iso_error *error) {
     iso_rgrid *grid = f->grid->rgrid;
     const iso_brick_index *index;
-    ISO_TRY(iso_rgrid_index(grid, pool, &index, error));
+    ISO_TRY(iso_brick_index_of(grid, pool, &index, error));
     f->replacement = choose_replacement(f, index);
     iso_grid_bricks(f->grid, f->bricks);
     const size_t bricks = (size_t)f->bricks[0] * (size_t)f->bricks[1] * (size_t)f->bricks[2];
@@ -175,22 +178,22 @@ static iso_status filter_dense(filter *f, iso_pool *pool, iso_error *error) {
     if (!f->changed) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the parts of the solid");
     iso_parallel_for(pool, f->runs.slab_count, replace_slab, f);
     ISO_TRY(log_changes(f, error));
-    return iso_rgrid_index(grid, pool, NULL, error);
+    return iso_brick_index_of(grid, pool, NULL, error);
 }
 
-/* ---- either */
+/* ---- both kinds of grid */
 
-static iso_status run(filter *f, const iso_components_opts *opts, iso_components_totals *totals,
-                      iso_error *error) {
+static iso_status filter_parts(filter *f, const iso_components_opts *opts, iso_components_totals *totals,
+                               iso_error *error) {
     const iso_affine affine = iso_transform_affine(iso_grid_transform(f->grid));
     const double voxel = fabs(affine.determinant);
     ISO_TRY(iso_component_runs_find(f->grid, &f->surface, opts->pool, &f->runs, error));
     f->kept = iso_alloc(f->runs.component_count * sizeof *f->kept);
     if (!f->kept) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the parts of the solid");
-    ISO_TRY(choose(f, opts, voxel, error));
-    sum(f, voxel, totals);
+    ISO_TRY(choose_kept(f, opts, voxel, error));
+    sum_totals(f, voxel, totals);
     if (!totals->dropped) return ISO_OK;
-    const iso_sparse_removal removal = {f->surface.at, &f->runs, f->kept, opts->pool};
+    const iso_sparse_removal removal = {f->surface.isovalue_ceil, &f->runs, f->kept, opts->pool};
     return f->grid->rgrid ? filter_dense(f, opts->pool, error)
                           : iso_components_remove_sparse(f->grid->hgrid, &removal, error);
 }
@@ -199,7 +202,7 @@ iso_status iso_components_filter(iso_grid *grid, const iso_components_opts *opts
                                  iso_components_totals *totals, iso_error *error) {
     if (!isfinite(opts->isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not a number");
     filter f = {.grid = grid, .surface = iso_threshold_of(grid, opts->isovalue)};
-    iso_status status = run(&f, opts, totals, error);
+    iso_status status = filter_parts(&f, opts, totals, error);
     iso_component_runs_free(&f.runs);
     iso_free(f.kept);
     iso_free(f.changed);

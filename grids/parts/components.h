@@ -1,11 +1,10 @@
-/* components: the connected parts of a solid, and the removal of small ones before extraction.
+/* components: removes small connected parts of a solid before extraction.
  *
- * A part is a connected component of the voxels inside an isosurface: at or above the isovalue, below it for
- * level sets; voxels that are not finite belong to none. Voxels of a dense grid that is no level set are
- * joined by the grid's edges, those of a level set by the diagonals of faces as well: this is how Marching
- * Cubes joins them (extract/mesh/mesh.h). The volume of a part is its number of voxels times a voxel's
- * volume; parts are ordered by volume, the largest first, and equal ones by their first voxel in x-fastest
- * order. */
+ * A part is a connected component of the voxels inside an isosurface: at or above the isovalue, or below it
+ * in a level set; voxels that are not finite belong to no part. Voxels are connected along the edges of the
+ * grid, in level sets also along the diagonals of faces, as Marching Cubes connects them
+ * (extract/mesh/mesh.h). The volume of a part is its number of voxels times the volume of a voxel. Parts are
+ * ordered by volume, the largest first; equal ones by their first voxel in x-fastest order. */
 #ifndef ISO_GRIDS_PARTS_COMPONENTS_H
 #define ISO_GRIDS_PARTS_COMPONENTS_H
 
@@ -16,11 +15,11 @@
 extern "C" {
 #endif
 
-/* Which parts are kept: those that meet both conditions. */
+/* The parts to keep: those that meet both conditions. */
 typedef struct iso_components_opts {
     double isovalue;   /* physical */
     size_t largest;    /* this many of the largest; 0: all */
-    double min_volume; /* mm3; a part must have at least this; 0: any */
+    double min_volume; /* smallest volume, mm3; 0: any */
     iso_pool *pool;    /* borrowed for the call; NULL: the calling thread */
 } iso_components_opts;
 
@@ -31,20 +30,19 @@ typedef struct iso_components_totals {
     double dropped_share;                 /* of the volume of all parts, 0 .. 1 */
 } iso_components_totals;
 
-/* Moves the dropped parts of the solid to the other side of the isovalue, in the grid itself (lent data is
- * written to) and its index of bricks; the change log records where.
+/* Moves the voxels of dropped parts to the other side of the isovalue, in the grid itself (lent data is
+ * written) and in its index; the changes are recorded in the change log.
  *
- * Dense grids: each voxel of a dropped part takes one value just beyond the isovalue: the next integer, or
- * for floats 1/256 of the range of all values, at most half-way to the extreme value there. No other voxel
- * changes: the Marching Cubes vertices of the kept parts keep their positions to the bit, and their normals
- * unless a dropped part lies within two voxels.
- * Level sets in an hgrid: distances in and around a dropped part become those to the kept parts (estimated,
- * no smaller than before and at most the band); voxels beside a kept part keep theirs, and with them its
- * Marching Cubes vertices.
+ * Dense grids: all voxels of dropped parts get the same value just beyond the isovalue: the next integer, or
+ * for floats 1/256 of the range of all values away, at most half-way to the extreme value. No other voxel
+ * changes, so the Marching Cubes vertices of the kept parts keep their positions to the bit, and their
+ * normals too unless a dropped part lies within two voxels. Level sets in an hgrid: distances in and around a
+ * dropped part become estimates of the distances to the kept parts (no smaller than before, at most the
+ * band). Voxels beside a kept part, and with them its Marching Cubes vertices, do not change.
  *
- * A grid without a solid has no parts; that is no error. ISO_ERR_EMPTY: no part is as large as min_volume
- * (the grid is as before). ISO_ERR_USAGE: isovalue not finite. ISO_ERR_LIMIT, ISO_ERR_NOMEM: of an hgrid,
- * parts may have been removed in part. Not while others read the grid. */
+ * A grid without a solid has no parts, which is no error. ISO_ERR_EMPTY: no part is as large as min_volume
+ * (the grid is as before); ISO_ERR_USAGE: the isovalue is not finite; ISO_ERR_LIMIT; ISO_ERR_NOMEM: some
+ * parts of an hgrid may have been removed. Must not be called while other threads read the grid. */
 iso_status iso_components_filter(iso_grid *grid, const iso_components_opts *opts,
                                  iso_components_totals *totals, iso_error *error);
 

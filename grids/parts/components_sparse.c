@@ -1,8 +1,9 @@
-/* Dropped parts of a level set become outside, and the distances around them those to the kept parts.
+/* Removal of parts from a level set: their voxels become outside, and the distances around them are replaced.
  *
- * Values outside the solid in the band of a dropped part are distances to a surface that is gone; left as
- * they are, foot points would still draw it. They are made again from the kept voxels q nearby: |p - q| +
- * distance of q, which is no smaller than p's distance to the kept parts, and near it when q lies below p. */
+ * Outside values in the band of a dropped part are distances to a surface that no longer exists; if they
+ * stayed, foot points would still be made of them. They are estimated anew from the kept voxels q nearby, as
+ * the minimum of |p - q| + distance of q. This is never smaller than the distance of p to the kept parts, and
+ * close to it. */
 #include "grids/parts/components_sparse.h"
 
 #include <math.h>
@@ -10,15 +11,15 @@
 
 #include "base/numbers.h"
 
-/* An estimate may be this much above a distance that is right (voxels). */
+/* An existing value is kept unless the estimate exceeds it by more than this (voxels). */
 static const float TOLERANCE = 0.75f;
-/* Kept voxels this deep below the isovalue or deeper lie too far inside to give good estimates (voxels). */
+/* Kept voxels deeper than this are too far inside to give good estimates (voxels). */
 static const float DEPTH = 1.8f;
 
 typedef struct remover {
     iso_hgrid *grid;
     const iso_sparse_removal *removal;
-    int reach;           /* voxels that a dropped part may lie from a value that it determines */
+    int reach;           /* the largest distance of a dropped voxel from a value that it determines, voxels */
     iso_buffer affected; /* uint32_t: numbers of cells */
     size_t count;
     float (*values)[ISO_BRICK_VOXELS]; /* new ones of the affected cells */
@@ -38,7 +39,8 @@ typedef struct surroundings {
 
 /* ---- marking */
 
-/* Dropped voxels are infinite until they have their value. An empty cell is one part altogether. */
+/* Sets the dropped voxels of a run to INFINITY, until they get their values. An empty cell belongs to one
+ * part entirely. */
 static void mark_run(remover *r, iso_run run, int y, int z, uint8_t *dropped) {
     iso_hgrid *grid = r->grid;
     const size_t offset = ((size_t)(z % ISO_BRICK) * ISO_BRICK + (size_t)(y % ISO_BRICK)) * ISO_BRICK;
@@ -66,7 +68,7 @@ static void mark_dropped(remover *r, uint8_t *dropped) {
     }
 }
 
-/* Whether a cell or one beside it holds dropped voxels. */
+/* Whether a cell or one of its 26 neighbours contains dropped voxels. */
 static bool is_affected(const iso_hgrid *grid, const int at[3], const uint8_t *dropped) {
     for (int z = at[2] - 1; z <= at[2] + 1; z++)
         for (int y = at[1] - 1; y <= at[1] + 1; y++)
@@ -77,7 +79,8 @@ static bool is_affected(const iso_hgrid *grid, const int at[3], const uint8_t *d
     return false;
 }
 
-/* Empty cells of dropped parts are outside from here on; bricks that may change are listed and logged. */
+/* Makes empty cells of dropped parts outside, lists the bricks that may change, and records both in the log.
+ */
 static iso_status list_affected(remover *r, const uint8_t *dropped, iso_error *error) {
     iso_hgrid *grid = r->grid;
     const size_t cells = iso_hgrid_cell_count(grid);
@@ -92,7 +95,7 @@ static iso_status list_affected(remover *r, const uint8_t *dropped, iso_error *e
             hi[axis] =
                 lo[axis] + ISO_BRICK <= grid->dims[axis] ? lo[axis] + ISO_BRICK - 1 : grid->dims[axis] - 1;
         }
-        ISO_TRY(iso_change_log_touch(grid->log, lo, hi, error));
+        ISO_TRY(iso_change_log_add(grid->log, lo, hi, error));
         if (empty) {
             iso_hgrid_coalesce(grid, at[0], at[1], at[2], ISO_CELL_OUTSIDE);
             continue;
@@ -130,9 +133,9 @@ static void read_surroundings(const remover *r, const int at[3], surroundings *s
 static void widen(const surroundings *s, const uint8_t *from, uint8_t *to, int stride, int reach) {
     const int count = s->side * s->side * s->side;
     for (int i = 0; i < count; i++) {
-        const int place = i / stride % s->side;
-        const int low = place < reach ? place : reach,
-                  high = s->side - 1 - place < reach ? s->side - 1 - place : reach;
+        const int position = i / stride % s->side;
+        const int low = position < reach ? position : reach,
+                  high = s->side - 1 - position < reach ? s->side - 1 - position : reach;
         uint8_t any = 0;
         for (int k = -low; k <= high; k++) any |= from[i + k * stride];
         to[i] = any;
@@ -170,7 +173,7 @@ static float new_value(const remover *r, const surroundings *s, const int p[3]) 
     return distance < inside ? inside : distance < most ? distance : most;
 }
 
-static void remake_brick(void *context, size_t index, int worker) {
+static void recompute_brick(void *context, size_t index, int worker) {
     remover *r = context;
     const uint32_t cell = ((const uint32_t *)r->affected.data)[index];
     const int side = ISO_BRICK + 2 * r->reach;
@@ -205,7 +208,7 @@ static iso_status remake_bricks(remover *r, iso_error *error) {
     r->scratch = iso_alloc(workers * r->scratch_bytes);
     if (!r->values || !r->scratch)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu bricks around dropped parts", r->count);
-    iso_parallel_for(r->removal->pool, r->count, remake_brick, r);
+    iso_parallel_for(r->removal->pool, r->count, recompute_brick, r);
     for (size_t i = 0; i < r->count; i++) {
         const uint32_t cell = ((const uint32_t *)r->affected.data)[i];
         memcpy(iso_hgrid_brick(r->grid, r->grid->cell[cell]), r->values[i], sizeof r->values[i]);

@@ -1,10 +1,10 @@
-/* components_sparse: removes parts of the solid from a level set. Internal to the library. */
+/* components_sparse: removes parts of the solid from a level set in an hgrid. Internal to the library. */
 #ifndef ISO_GRIDS_PARTS_COMPONENTS_SPARSE_H
 #define ISO_GRIDS_PARTS_COMPONENTS_SPARSE_H
 
 #include "grids/parts/component_runs.h"
 
-/* What a removal works with. All borrowed. */
+/* What to remove. All borrowed. */
 typedef struct iso_sparse_removal {
     float at;                       /* inside is below */
     const iso_component_runs *runs; /* of the grid */
@@ -12,7 +12,8 @@ typedef struct iso_sparse_removal {
     iso_pool *pool;
 } iso_sparse_removal;
 
-/* As iso_components_filter says of level sets. ISO_ERR_NOMEM: parts may have been removed in part. */
+/* Removes the components that are not kept, as iso_components_filter describes it for level sets.
+ * ISO_ERR_NOMEM: some may have been removed. */
 iso_status iso_components_remove_sparse(iso_hgrid *grid, const iso_sparse_removal *removal, iso_error *error);
 
 #endif

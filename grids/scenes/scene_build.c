@@ -1,17 +1,17 @@
-/* scene_build: a shape's bricks into a grid, in parallel, with the same result for any number of threads. */
+/* Fills a grid with the bricks of a solid, in parallel, with the same result for any number of threads. */
 #include <string.h>
 
 #include "base/memory.h"
 #include "grids/scenes/scene_parts.h"
 
-/* Bricks are computed this many at a time and then put into the grid in the order of their cells, so that
- * their numbers do not depend on threads and no memory goes to those that turn out to be empty. */
+/* Bricks are computed in batches of this size and then stored in the order of their cells, so that their
+ * numbers do not depend on threads, and bricks that turn out to be empty take no memory. */
 enum { BATCH = 256 };
-/* Not yet decided; no brick number and no state. */
-#define NEAR INT32_MIN
+/* Marks a cell that may contain part of the band; differs from all brick numbers and states. */
+#define UNDECIDED INT32_MIN
 
 typedef struct build {
-    const iso_scene_shape *shape;
+    const iso_scene_solid *solid;
     int cells; /* a side */
     int32_t *state;
     const uint32_t *near;
@@ -21,8 +21,8 @@ typedef struct build {
     float *voxels; /* dense */
 } build;
 
-static void cell_of(const build *job, size_t index, int cell[3]) {
-    size_t side = (size_t)job->cells;
+static void cell_of(const build *b, size_t index, int cell[3]) {
+    size_t side = (size_t)b->cells;
     cell[0] = (int)(index % side);
     cell[1] = (int)(index / side % side);
     cell[2] = (int)(index / side / side);
@@ -30,21 +30,21 @@ static void cell_of(const build *job, size_t index, int cell[3]) {
 
 static void classify_row(void *context, size_t row, int worker) {
     (void)worker;
-    build *job = context;
-    for (size_t i = row * (size_t)job->cells; i < (row + 1) * (size_t)job->cells; i++) {
+    build *b = context;
+    for (size_t i = row * (size_t)b->cells; i < (row + 1) * (size_t)b->cells; i++) {
         int cell[3];
-        cell_of(job, i, cell);
-        int32_t state = job->shape->classify(job->shape->self, cell);
-        job->state[i] = state ? state : NEAR;
+        cell_of(b, i, cell);
+        int32_t state = b->solid->classify(b->solid->self, cell);
+        b->state[i] = state ? state : UNDECIDED;
     }
 }
 
 static void fill_brick(void *context, size_t index, int worker) {
-    build *job = context;
+    build *b = context;
     int cell[3];
-    cell_of(job, job->near[index], cell);
-    job->shape->fill(job->shape->self, cell, job->scratch + (size_t)worker * job->stride,
-                     job->bricks + index * ISO_BRICK_VOXELS);
+    cell_of(b, b->near[index], cell);
+    b->solid->fill(b->solid->self, cell, b->scratch + (size_t)worker * b->stride,
+                   b->bricks + index * ISO_BRICK_VOXELS);
 }
 
 static int is_constant(const float *brick) {
@@ -65,53 +65,53 @@ static iso_status store(iso_hgrid *grid, const int cell[3], const float *brick, 
     return ISO_OK;
 }
 
-static iso_status fill_near(build *job, iso_hgrid *grid, size_t count, iso_pool *pool, iso_error *error) {
-    const uint32_t *all = job->near;
+static iso_status fill_near(build *b, iso_hgrid *grid, size_t count, iso_pool *pool, iso_error *error) {
+    const uint32_t *all = b->near;
     for (size_t first = 0; first < count; first += BATCH) {
         size_t now = count - first < BATCH ? count - first : BATCH;
-        job->near = all + first;
-        iso_parallel_for(pool, now, fill_brick, job);
+        b->near = all + first;
+        iso_parallel_for(pool, now, fill_brick, b);
         for (size_t i = 0; i < now; i++) {
             int cell[3];
-            cell_of(job, job->near[i], cell);
-            ISO_TRY(store(grid, cell, job->bricks + i * ISO_BRICK_VOXELS, error));
+            cell_of(b, b->near[i], cell);
+            ISO_TRY(store(grid, cell, b->bricks + i * ISO_BRICK_VOXELS, error));
         }
     }
     return ISO_OK;
 }
 
 /* Classifies all cells of `grid`, lists those near the surface, and fills them. */
-static iso_status build_sparse(build *job, iso_hgrid *grid, iso_pool *pool, iso_error *error) {
-    size_t rows = (size_t)job->cells * (size_t)job->cells, total = rows * (size_t)job->cells, count = 0;
-    job->state = grid->cell;
-    iso_parallel_for(pool, rows, classify_row, job);
+static iso_status build_sparse(build *b, iso_hgrid *grid, iso_pool *pool, iso_error *error) {
+    size_t rows = (size_t)b->cells * (size_t)b->cells, total = rows * (size_t)b->cells, count = 0;
+    b->state = grid->cell;
+    iso_parallel_for(pool, rows, classify_row, b);
     uint32_t *near = iso_alloc(total * sizeof *near);
     for (size_t i = 0; i < total; i++) {
-        if (grid->cell[i] != NEAR) continue;
+        if (grid->cell[i] != UNDECIDED) continue;
         grid->cell[i] = ISO_CELL_OUTSIDE;
         if (near) near[count++] = (uint32_t)i;
     }
-    job->near = near;
-    iso_status status = near && job->bricks && job->scratch
-                            ? fill_near(job, grid, count, pool, error)
+    b->near = near;
+    iso_status status = near && b->bricks && b->scratch
+                            ? fill_near(b, grid, count, pool, error)
                             : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the bricks of a scene");
     iso_free(near);
     return status;
 }
 
 static void fill_dense(void *context, size_t index, int worker) {
-    build *job = context;
+    build *b = context;
     int cell[3];
-    cell_of(job, index, cell);
-    float *brick = job->bricks + (size_t)worker * ISO_BRICK_VOXELS;
-    int32_t state = job->shape->classify(job->shape->self, cell);
+    cell_of(b, index, cell);
+    float *brick = b->bricks + (size_t)worker * ISO_BRICK_VOXELS;
+    int32_t state = b->solid->classify(b->solid->self, cell);
     if (state) {
         float value = (float)(state == ISO_CELL_INSIDE ? -ISO_SCENE_BAND : ISO_SCENE_BAND);
         for (int i = 0; i < ISO_BRICK_VOXELS; i++) brick[i] = value;
     } else {
-        job->shape->fill(job->shape->self, cell, job->scratch + (size_t)worker * job->stride, brick);
+        b->solid->fill(b->solid->self, cell, b->scratch + (size_t)worker * b->stride, brick);
     }
-    int size = job->shape->size, first[3], n[3];
+    int size = b->solid->size, first[3], n[3];
     for (int axis = 0; axis < 3; axis++) {
         first[axis] = cell[axis] * ISO_BRICK;
         n[axis] = size - first[axis] < ISO_BRICK ? size - first[axis] : ISO_BRICK;
@@ -119,39 +119,39 @@ static void fill_dense(void *context, size_t index, int worker) {
     for (int z = 0; z < n[2]; z++)
         for (int y = 0; y < n[1]; y++) {
             size_t row = (size_t)(first[2] + z) * (size_t)size + (size_t)(first[1] + y);
-            memcpy(job->voxels + row * (size_t)size + first[0], brick + (z * ISO_BRICK + y) * ISO_BRICK,
+            memcpy(b->voxels + row * (size_t)size + first[0], brick + (z * ISO_BRICK + y) * ISO_BRICK,
                    (size_t)n[0] * sizeof *brick);
         }
 }
 
-static iso_status make_grid(build *job, const iso_scene_opts *opts, iso_grid *grid, iso_error *error) {
-    const int dims[3] = {job->shape->size, job->shape->size, job->shape->size};
+static iso_status make_grid(build *b, const iso_scene_opts *opts, iso_grid *grid, iso_error *error) {
+    const int dims[3] = {b->solid->size, b->solid->size, b->solid->size};
     if (!opts->dense) {
         ISO_TRY(iso_hgrid_create(dims, (float)ISO_SCENE_BAND, NULL, &grid->hgrid, error));
-        return build_sparse(job, grid->hgrid, opts->pool, error);
+        return build_sparse(b, grid->hgrid, opts->pool, error);
     }
-    if (!job->bricks || !job->scratch)
+    if (!b->bricks || !b->scratch)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the bricks of a scene");
     iso_rgrid_desc desc = {.dims = {dims[0], dims[1], dims[2]}, .type = ISO_FLOAT32, .level_set = 1};
     ISO_TRY(iso_rgrid_create(&desc, &grid->rgrid, error));
-    job->voxels = grid->rgrid->data;
-    size_t cells = (size_t)job->cells;
-    iso_parallel_for(opts->pool, cells * cells * cells, fill_dense, job);
+    b->voxels = grid->rgrid->data;
+    size_t cells = (size_t)b->cells;
+    iso_parallel_for(opts->pool, cells * cells * cells, fill_dense, b);
     return ISO_OK;
 }
 
-iso_status iso_scene_build(const iso_scene_shape *shape, const iso_scene_opts *opts, iso_grid *out,
+iso_status iso_scene_build(const iso_scene_solid *solid, const iso_scene_opts *opts, iso_grid *out,
                            iso_error *error) {
     size_t workers = (size_t)iso_pool_threads(opts->pool);
     size_t bricks = opts->dense ? workers : BATCH;
-    build job = {.shape = shape, .cells = (shape->size - 1) / ISO_BRICK + 1};
-    job.stride = (shape->scratch_bytes / ISO_ALIGNMENT + 1) * ISO_ALIGNMENT;
-    job.bricks = iso_alloc(bricks * ISO_BRICK_VOXELS * sizeof *job.bricks);
-    job.scratch = iso_alloc(workers * job.stride);
+    build b = {.solid = solid, .cells = (solid->size - 1) / ISO_BRICK + 1};
+    b.stride = (solid->scratch_bytes / ISO_ALIGNMENT + 1) * ISO_ALIGNMENT;
+    b.bricks = iso_alloc(bricks * ISO_BRICK_VOXELS * sizeof *b.bricks);
+    b.scratch = iso_alloc(workers * b.stride);
     iso_grid grid = {0};
-    iso_status status = make_grid(&job, opts, &grid, error);
-    iso_free(job.bricks);
-    iso_free(job.scratch);
+    iso_status status = make_grid(&b, opts, &grid, error);
+    iso_free(b.bricks);
+    iso_free(b.scratch);
     if (status != ISO_OK)
         iso_grid_destroy(&grid);
     else

@@ -299,7 +299,7 @@ static double walk(const head *h, const choice *c, iso_vec3 x, iso_vec3 y) {
     return best;
 }
 
-static void fill(const void *self, const int cell[3], void *memory, float *brick) {
+static void fill_brick(const void *self, const int cell[3], void *memory, float *brick) {
     const head *h = self;
     scratch *s = memory;
     int corner[3];
@@ -336,9 +336,12 @@ iso_status iso_scene_head(const iso_scene_opts *opts, iso_grid *grid, iso_error 
     iso_scene_sines(&axis, h.sines);
     axis.phase = -frequency * (1 + lift);
     iso_scene_sines(&axis, h.lifted);
-    iso_scene_shape shape = {
-        .size = opts->size, .self = &h, .classify = classify, .fill = fill, .scratch_bytes = sizeof(scratch)};
-    iso_status status = iso_scene_build(&shape, opts, grid, error);
+    iso_scene_solid solid = {.size = opts->size,
+                             .self = &h,
+                             .classify = classify,
+                             .fill = fill_brick,
+                             .scratch_bytes = sizeof(scratch)};
+    iso_status status = iso_scene_build(&solid, opts, grid, error);
     iso_free(h.sines);
     return status;
 }

@@ -1,3 +1,4 @@
+/* The table of scenes, those with closed-form distances, and the gyroid. */
 #include "grids/scenes/scenes.h"
 
 #include <string.h>
@@ -70,8 +71,9 @@ static void solid_fill(const void *self, const int cell[3], void *scratch, float
 static iso_status make_solid(double (*distance)(double, iso_vec3), const iso_scene_opts *opts, iso_grid *grid,
                              iso_error *error) {
     solid s = {.distance = distance, .side = opts->size, .centre = opts->size / 2 - 0.5};
-    iso_scene_shape shape = {.size = opts->size, .self = &s, .classify = solid_classify, .fill = solid_fill};
-    return iso_scene_build(&shape, opts, grid, error);
+    iso_scene_solid scene_solid = {
+        .size = opts->size, .self = &s, .classify = solid_classify, .fill = solid_fill};
+    return iso_scene_build(&scene_solid, opts, grid, error);
 }
 
 static iso_status make_sphere(const iso_scene_opts *opts, iso_grid *grid, iso_error *error) {
@@ -98,13 +100,13 @@ typedef struct gyroid {
 
 static void gyroid_slice(void *context, size_t z, int worker) {
     (void)worker;
-    const gyroid *job = context;
-    const double *s = job->sines;
-    float *out = job->voxels + z * (size_t)job->size * (size_t)job->size;
+    const gyroid *field = context;
+    const double *s = field->sines;
+    float *out = field->voxels + z * (size_t)field->size * (size_t)field->size;
     double sz = s[2 * z], cz = s[2 * z + 1];
-    for (int y = 0; y < job->size; y++) {
+    for (int y = 0; y < field->size; y++) {
         double sy = s[2 * y], cy = s[2 * y + 1];
-        for (int x = 0; x < job->size; x++) *out++ = (float)(s[2 * x] * cy + sy * cz + sz * s[2 * x + 1]);
+        for (int x = 0; x < field->size; x++) *out++ = (float)(s[2 * x] * cy + sy * cz + sz * s[2 * x + 1]);
     }
 }
 
@@ -116,8 +118,8 @@ static iso_status make_gyroid(const iso_scene_opts *opts, iso_grid *grid, iso_er
     iso_scene_sines(&axis, sines);
     iso_status status = iso_rgrid_create(&desc, &grid->rgrid, error);
     if (status == ISO_OK) {
-        gyroid job = {opts->size, sines, grid->rgrid->data};
-        iso_parallel_for(opts->pool, (size_t)opts->size, gyroid_slice, &job);
+        gyroid field = {opts->size, sines, grid->rgrid->data};
+        iso_parallel_for(opts->pool, (size_t)opts->size, gyroid_slice, &field);
     }
     iso_free(sines);
     return status;

@@ -1,4 +1,4 @@
-/* format: what all readers share, those in modules too. */
+/* Functions that all readers share, also those in modules: memory limits, opening files, creating grids. */
 #define _POSIX_C_SOURCE 200809L
 #include "grids/volume/format.h"
 

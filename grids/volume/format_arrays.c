@@ -1,9 +1,11 @@
+/* The choice of an array in files that have several, over the points or the cells of an image: .vti and
+ * legacy .vtk. */
 #include <stdio.h>
 #include <string.h>
 
 #include "grids/volume/format.h"
 
-/* The number of points, or cells, that an array must have a tuple for. */
+/* The number of tuples that an array must have: that of the points or of the cells. */
 static uint64_t wanted_tuples(const iso_format_image *image, bool cells) {
     uint64_t count = 1;
     for (int i = 0; i < 3; i++) {

@@ -1,5 +1,5 @@
-/* format_bzip2: unpacks bzip2 streams as iso_inflater unpacks gzip. One library call at a time on one thread;
- * several streams may follow each other, as parallel packers write them. */
+/* Unpacking of bzip2 streams through libbz2. Several streams may follow each other, as parallel packers write
+ * them. */
 #include <string.h>
 
 #include "base/memory.h"

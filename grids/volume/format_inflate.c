@@ -1,9 +1,10 @@
+/* Unpacking of zlib and gzip streams through zlib, for files of any size. */
 #include <zlib.h>
 
 #include "base/memory.h"
 #include "grids/volume/format.h"
 
-/* zlib counts in 32 bits. */
+/* zlib's counters have 32 bits. */
 enum { MAX_PART = 1 << 30 };
 
 struct iso_inflater {
@@ -36,7 +37,7 @@ static void refill(iso_inflater *f) {
 
 /* One call of inflate, with more of the file when it needs some. A gzip file may be several, one after the
  * other. */
-static int step(iso_inflater *f) {
+static int inflate_some(iso_inflater *f) {
     refill(f);
     int result = inflate(&f->z, Z_NO_FLUSH);
     if (result != Z_STREAM_END || f->z.avail_out == 0) return result;
@@ -54,7 +55,7 @@ iso_status iso_inflater_read(iso_inflater *f, void *target, size_t bytes, size_t
         uInt part = left < MAX_PART ? (uInt)left : MAX_PART;
         f->z.next_out = (unsigned char *)target + *got;
         f->z.avail_out = part;
-        int result = step(f);
+        int result = inflate_some(f);
         f->done += part - f->z.avail_out;
         *got += part - f->z.avail_out;
         if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR) return damaged(f, error);
@@ -76,7 +77,7 @@ iso_status iso_inflater_finish(iso_inflater *f, iso_error *error) {
     f->z.next_out = &byte;
     f->z.avail_out = 1;
     int result = Z_OK;
-    while (result == Z_OK && f->z.avail_out) result = step(f);
+    while (result == Z_OK && f->z.avail_out) result = inflate_some(f);
     return result == Z_OK || result == Z_STREAM_END || result == Z_BUF_ERROR ? ISO_OK : damaged(f, error);
 }
 

@@ -350,7 +350,7 @@ static iso_status open_pattern(chain *c, iso_error *error) {
 }
 
 /* Splits the voxels over files: `dims_in_file` axes lie in each. */
-static void split(chain *c, int dims_in_file) {
+static void split_over_files(chain *c, int dims_in_file) {
     for (int i = dims_in_file; i < c->header->ndims; i++) {
         c->each /= c->header->dims[i];
         c->files *= c->header->dims[i];
@@ -363,7 +363,7 @@ static iso_status open_list(chain *c, iso_error *error) {
     parse_numbers(c->header->data + 4, 1, &dims_in_file);
     if (!(dims_in_file >= 1 && dims_in_file <= c->header->ndims))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: not a list: '%.80s'", c->path, c->header->data);
-    split(c, (int)dims_in_file);
+    split_over_files(c, (int)dims_in_file);
     ISO_TRY(iso_format_open(c->path, &c->list, NULL, error));
     if (fseeko(c->list, (off_t)c->header->after, SEEK_SET) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", c->path, strerror(errno));
@@ -383,7 +383,7 @@ static iso_status open_chain(chain *c, iso_error *error) {
     c->files = 1;
     if (is_list(data)) return open_list(c, error);
     if (is_local(data) || !strchr(data, '%')) return ISO_OK;
-    split(c, c->header->ndims - 1);
+    split_over_files(c, c->header->ndims - 1);
     return open_pattern(c, error);
 }
 
@@ -452,7 +452,7 @@ static iso_status fill_raw(chain *c, void *target, size_t bytes, iso_error *erro
                     ferror(c->file) ? strerror(errno) : "the file ends too early");
 }
 
-static iso_status fill(void *context, void *target, size_t bytes, iso_error *error) {
+static iso_status read_bytes(void *context, void *target, size_t bytes, iso_error *error) {
     chain *c = context;
     for (char *at = target; bytes;) {
         if (c->left == 0) ISO_TRY(open_next(c, error));
@@ -489,7 +489,7 @@ static iso_status skip(chain *c, uint64_t bytes, iso_error *error) {
             continue;
         }
         if (part > c->left) part = (size_t)c->left;
-        ISO_TRY(fill(c, scratch, part, error));
+        ISO_TRY(read_bytes(c, scratch, part, error));
         bytes -= part;
     }
     return ISO_OK;
@@ -499,7 +499,7 @@ static iso_status read_chain(const char *path, const iso_volume_opts *opts, cons
                              chain *c, iso_grid *grid, iso_error *error) {
     const meta_header *header = c->header;
     iso_format_stream stream = stream_of(header, info->component);
-    stream.fill = fill;
+    stream.fill = read_bytes;
     stream.context = c;
     uint64_t volume = iso_format_size(info->dims, iso_scalar_size(header->scalar) * header->channels);
     uint64_t volumes = (uint64_t)info->components / header->channels;

@@ -374,7 +374,7 @@ typedef struct data_file {
     uint64_t at, end; /* position, and where the last volume ends */
 } data_file;
 
-static iso_status fill(void *context, void *target, size_t bytes, iso_error *error) {
+static iso_status read_voxels(void *context, void *target, size_t bytes, iso_error *error) {
     data_file *data = context;
     size_t got = znzread(target, 1, bytes, data->file);
     if (got > bytes) return iso_fail(error, ISO_ERR_IO, "%s: damaged compressed data", data->path);
@@ -417,7 +417,7 @@ static iso_status read_data(const char *path, const iso_volume_opts *opts, const
     if (znzseek(data.file, (znz_off_t)data.at, SEEK_SET) < 0)
         status = iso_fail(error, ISO_ERR_IO, "%s: truncated: fewer than %llu bytes", file->data,
                           (unsigned long long)data.at);
-    stream.fill = fill;
+    stream.fill = read_voxels;
     stream.context = &data;
     if (status == ISO_OK) status = iso_format_read_stream(path, opts, info, &stream, grid, error);
     if (status == ISO_OK && (status = check_end(&data, error)) != ISO_OK) iso_grid_destroy(grid);

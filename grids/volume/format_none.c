@@ -1,5 +1,5 @@
-/* format_none: stands in for the formats whose library is not built in. An entry without functions makes
- * volume.c answer "built without ...". */
+/* Entries without functions for the formats whose library is not built in: volume.c answers "built without
+ * ...". */
 #include <stddef.h>
 
 #include "grids/volume/format.h"

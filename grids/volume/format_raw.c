@@ -1,4 +1,5 @@
-/* format_raw: voxels in a file without a header, laid out as iso_raw_layout says. */
+/* The reader of files without a header, whose layout (iso_raw_layout) is given by the caller or by the file's
+ * name. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
@@ -167,7 +168,7 @@ typedef struct raw_file {
     FILE *stream;
 } raw_file;
 
-static iso_status fill(void *context, void *target, size_t bytes, iso_error *error) {
+static iso_status read_bytes(void *context, void *target, size_t bytes, iso_error *error) {
     raw_file *file = context;
     if (fread(target, 1, bytes, file->stream) == bytes) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path,
@@ -176,7 +177,8 @@ static iso_status fill(void *context, void *target, size_t bytes, iso_error *err
 
 static iso_format_stream stream_of(const iso_volume_opts *opts, const iso_volume_info *info, raw_file *file) {
     bool swap = opts->raw->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
-    return (iso_format_stream){fill, file, scalar_of(info->type), info->components, info->component, swap};
+    return (iso_format_stream){read_bytes,      file, scalar_of(info->type), info->components,
+                               info->component, swap};
 }
 
 static iso_status raw_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,

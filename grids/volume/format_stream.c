@@ -1,5 +1,5 @@
-/* format_stream: what readers share that take voxels from a file in order: chunks of bytes into a grid,
- * numbers in text, names beside a header. */
+/* Functions for readers that take voxels from a file in order: filling a grid in chunks of bytes, parsing
+ * numbers in text, and paths of files that a header names. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <stdlib.h>

@@ -331,7 +331,7 @@ void copy_dense(const Tree &tree, int component, iso_pool *pool, const box_targe
     });
 }
 
-struct read_job {
+struct read_request {
     const char *path;
     const iso_volume_opts *opts;
     iso_volume_info *info;
@@ -342,7 +342,7 @@ struct read_job {
 /* ---- level sets ---- */
 
 /* The estimate of the header supposes a surface: leaves that are spread out need more bricks. */
-iso_status check_bricks(const read_job &read, size_t cells, size_t bricks) {
+iso_status check_bricks(const read_request &read, size_t cells, size_t bricks) {
     const iso_volume_info &info = *read.info;
     const uint64_t tree = info.read_bytes > info.bytes ? info.read_bytes - info.bytes : 0;
     const uint64_t bytes = tree + cells * 17 + bricks * (ISO_BRICK_VOXELS * sizeof(float) + 8);
@@ -411,7 +411,8 @@ template <class Tree> void level_set<Tree>::fill(const int cell[3], float *brick
 
 /* Bricks come from the grid's pool one after another (so that a brick's number does not depend on threads);
  * looking which are needed and filling them goes side by side. */
-template <class Tree> iso_status fill_cells(level_set<Tree> &job, const read_job &read, iso_error *error) {
+template <class Tree>
+iso_status fill_cells(level_set<Tree> &job, const read_request &read, iso_error *error) {
     iso_pool *pool = read.opts->pool;
     iso_hgrid *grid = job.grid;
     const size_t count = static_cast<size_t>(grid->cells[0]) * static_cast<size_t>(grid->cells[1]) *
@@ -484,7 +485,7 @@ iso_status announced_box(const char *path, const GridBase &grid, const iso_volum
     return ISO_OK;
 }
 
-iso_status read_dense(const read_job &job, const GridBase &source, iso_grid *grid) {
+iso_status read_dense(const read_request &job, const GridBase &source, iso_grid *grid) {
     ISO_TRY(iso_format_create(job.path, job.info, nullptr, grid, job.error));
     const iso_rgrid *rgrid = grid->rgrid;
     const box_target target = {job.lo,
@@ -500,7 +501,7 @@ iso_status read_dense(const read_job &job, const GridBase &source, iso_grid *gri
 }
 
 template <class Tree>
-iso_status read_tree(const read_job &job, const Tree &tree, double voxel, iso_grid *grid) {
+iso_status read_tree(const read_request &job, const Tree &tree, double voxel, iso_grid *grid) {
     iso_volume_info *info = job.info;
     const double background = static_cast<double>(tree.background()), half_width = background / voxel;
     if (!(half_width > 0 && std::isfinite(half_width)))
@@ -526,7 +527,7 @@ iso_status read_tree(const read_job &job, const Tree &tree, double voxel, iso_gr
 }
 
 /* Distances are divided by the file's own voxel size, whatever spacing the caller asked for. */
-iso_status read_sparse(const read_job &job, const GridBase &source, iso_grid *grid) {
+iso_status read_sparse(const read_request &job, const GridBase &source, iso_grid *grid) {
     iso_status status = ISO_ERR_FORMAT;
     const double voxel = source.transform().voxelSize()[0];
     source.apply<real_grids>(
@@ -542,7 +543,7 @@ iso_status vdb_read(const char *path, const iso_volume_opts *opts, iso_volume_in
         GridBase::ConstPtr source;
         ISO_TRY(load_chosen(path, opts, *info, &source, error));
         ISO_TRY(iso_format_progress(path, opts, 0.6, error));
-        read_job job = {path, opts, info, Coord(), error};
+        read_request job = {path, opts, info, Coord(), error};
         ISO_TRY(announced_box(path, *source, *info, &job.lo, error));
         return info->sparse ? read_sparse(job, *source, &result) : read_dense(job, *source, &result);
     });

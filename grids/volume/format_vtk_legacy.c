@@ -286,7 +286,7 @@ static iso_status take_keyword(vtk_file *f, const char *word) {
     return bad(f, "an unknown kind of array");
 }
 
-static iso_status scan(vtk_file *f) {
+static iso_status scan_arrays(vtk_file *f) {
     char word[MAX_NAME];
     const char magic[] = "# vtk DataFile";
     if (fread(word, 1, sizeof magic - 1, f->stream) != sizeof magic - 1 ||
@@ -306,7 +306,7 @@ static iso_status scan(vtk_file *f) {
 static iso_status open_vtk(const char *path, vtk_file *f, iso_error *error) {
     *f = (vtk_file){.path = path, .spacing = {1, 1, 1}};
     ISO_TRY(iso_format_open(path, &f->stream, &f->bytes, error));
-    f->complete = scan(f);
+    f->complete = scan_arrays(f);
     if (f->complete == ISO_OK || f->array_count) return ISO_OK;
     fclose(f->stream);
     return iso_fail(error, f->complete, "%s", f->problem.text);
@@ -352,7 +352,7 @@ typedef struct source {
     iso_scalar scalar;
 } source;
 
-static iso_status fill(void *context, void *target, size_t bytes, iso_error *error) {
+static iso_status read_bytes(void *context, void *target, size_t bytes, iso_error *error) {
     const source *s = context;
     FILE *stream = s->file->stream;
     bool complete = s->file->binary ? fread(target, 1, bytes, stream) == bytes
@@ -375,7 +375,7 @@ static iso_status read_array(vtk_file *f, const iso_volume_opts *opts, const iso
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", f->path, strerror(errno));
     iso_format_stream stream = stream_of(f, chosen, info->component);
     source from = {f, stream.scalar};
-    stream.fill = fill;
+    stream.fill = read_bytes;
     stream.context = &from;
     return iso_format_read_stream(f->path, opts, info, &stream, grid, error);
 }

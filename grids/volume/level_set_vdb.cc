@@ -1,4 +1,4 @@
-/* level_set_vdb: an hgrid as OpenVDB's level set. */
+/* Conversion of an hgrid to an OpenVDB level set, and writing it to a stream. */
 #include "grids/volume/level_set_vdb.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-/* level_set_vdb: what OpenVDB's module does beside reading. */
+/* level_set_vdb: writes an hgrid as OpenVDB's level set (iso_level_set_writer of grids/volume/module.h). */
 #ifndef ISO_GRIDS_VOLUME_LEVEL_SET_VDB_HPP
 #define ISO_GRIDS_VOLUME_LEVEL_SET_VDB_HPP
 

@@ -1,3 +1,4 @@
+/* Finding and loading modules with the dynamic linker. */
 #define _GNU_SOURCE
 #include "grids/volume/module.h"
 

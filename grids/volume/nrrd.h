@@ -1,4 +1,5 @@
-/* nrrd: the header of an NRRD file, and the bytes of its array. For grids/volume/format_nrrd.c and its tests.
+/* nrrd: parses the header of an NRRD file and decodes its array. For grids/volume/format_nrrd.c and its
+ * tests.
  *
  * The format: https://teem.sourceforge.net/nrrd/format.html. A header is a magic line and then lines "field:
  * value", "key:=value" and "# comment", up to an empty line, after which the array follows unless `data file`
@@ -72,31 +73,32 @@ typedef struct iso_nrrd_header {
     uint64_t after;            /* position in the file behind the header: the array, or the names of a list */
 } iso_nrrd_header;
 
-/* Parses the first `count` bytes of the file `path`, which is `whole` with them. Writes into `text`, which
- * needs room for one byte more. ISO_ERR_FORMAT says which line is wrong. */
+/* Parses a header from the first `count` bytes of a file; `whole`: these are all its bytes. Modifies `text`,
+ * which needs room for one byte more. `path` is for messages. ISO_ERR_FORMAT says which line is wrong. */
 iso_status iso_nrrd_header_parse(const char *path, char *text, size_t count, bool whole,
                                  iso_nrrd_header *header, iso_error *error);
 
+/* Reads and parses the header of a file. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_NOMEM. */
 iso_status iso_nrrd_header_read(const char *path, iso_nrrd_header *header, iso_error *error);
 
-/* Bytes of the whole array; UINT64_MAX when that is more than 63 bits can say. */
+/* The size of the whole array in bytes; UINT64_MAX: it does not fit into 63 bits. */
 uint64_t iso_nrrd_bytes(const iso_nrrd_header *header);
 
 /* ---- data ---- */
 
-/* Decoded bytes of the array in order, from all its files, in the header's byte order (in this machine's for
- * ISO_NRRD_TEXT). One thread at a time. */
+/* Reads the decoded bytes of the array in order, from all its files, in the header's byte order (in the
+ * machine's for ISO_NRRD_TEXT). One thread at a time. */
 typedef struct iso_nrrd_data iso_nrrd_data;
 
-/* Opens the first file; raw data must be there in full. path and header are borrowed until
- * iso_nrrd_data_close. */
+/* Opens the first data file; a file of raw data that is too short is ISO_ERR_IO. `path` and `header` are
+ * borrowed until iso_nrrd_data_close. */
 iso_status iso_nrrd_data_open(const char *path, const iso_nrrd_header *header, iso_nrrd_data **data,
                               iso_error *error);
-/* Adds the data files that the header names to the set, up to the first one that is not there. */
+/* Adds the data files that the header names to the set, up to the first one that is missing. */
 void iso_nrrd_data_list(const char *path, const iso_nrrd_header *header, iso_file_set *files);
 
-/* Fills or passes over `bytes` bytes, whole numbers of values; ISO_ERR_IO names the file that failed. A
- * compressed file's checksums are looked at when its last byte is read. */
+/* Reads or skips `bytes` bytes, a whole number of values. ISO_ERR_IO names the file that failed. The
+ * checksums of a compressed file are checked when its last byte is read. */
 iso_status iso_nrrd_data_fill(void *data, void *target, size_t bytes, iso_error *error);
 iso_status iso_nrrd_data_skip(iso_nrrd_data *data, uint64_t bytes, iso_error *error);
 void iso_nrrd_data_close(iso_nrrd_data *data);

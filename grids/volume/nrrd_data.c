@@ -95,7 +95,7 @@ static iso_status count_names(iso_nrrd_data *d, uint64_t most, uint64_t *count, 
 
 /* Pieces of the array, as its sizes and the number of axes in a file say; as many as there are files when
  * each has a part of the last axis. */
-static iso_status split(iso_nrrd_data *d, uint64_t all, uint64_t given, iso_error *error) {
+static iso_status split_over_files(iso_nrrd_data *d, uint64_t all, uint64_t given, iso_error *error) {
     const iso_nrrd_header *header = d->header;
     uint64_t last = header->axis[header->dim - 1].size;
     bool parts = header->file_dim == header->dim;
@@ -124,7 +124,7 @@ static iso_status count_files(iso_nrrd_data *d, uint64_t all, iso_error *error) 
         given = (uint64_t)((header->last - header->first) / header->step) + 1;
     else
         ISO_TRY(count_names(d, most, &given, error));
-    return split(d, all, given, error);
+    return split_over_files(d, all, given, error);
 }
 
 /* Puts the number of the next file in place of %d, %5d or %05d; %% stands for %. */

@@ -1,3 +1,4 @@
+/* The types of numbers in files: sizes, names, and conversion to the types of grids. */
 #include <assert.h>
 #include <string.h>
 

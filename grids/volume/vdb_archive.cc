@@ -1,3 +1,5 @@
+/* Listing and reading the grids of a .vdb file through OpenVDB's stream functions, with the checks that
+ * OpenVDB lacks. */
 #include "grids/volume/vdb_archive.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-/* vdb_check: a walk over the nodes of a tree as OpenVDB's readTopology and readBuffers take them, without
- * decompressing anything. */
+/* Walks over the nodes of a tree in the order in which OpenVDB's readTopology and readBuffers read them,
+ * without decompressing anything. */
 #define _GNU_SOURCE
 #include "grids/volume/vdb_check.h"
 
@@ -54,7 +54,7 @@ static bool skip(walk *w, uint64_t count) {
     return count <= w->size - position(w) ? seek(w, position(w) + count) : cut_off(w);
 }
 
-static bool take(walk *w, void *bytes, size_t count) {
+static bool take_bytes(walk *w, void *bytes, size_t count) {
     for (size_t done = 0; done < count;) {
         if (w->at == w->filled) {
             w->begin += w->filled;
@@ -72,7 +72,7 @@ static bool take(walk *w, void *bytes, size_t count) {
 
 /* OpenVDB writes in the machine's byte order, and only little-endian machines have any. */
 static bool take_count(walk *w, uint32_t *count) {
-    return take(w, count, sizeof *count);
+    return take_bytes(w, count, sizeof *count);
 }
 
 /* ---- values ---- */
@@ -85,7 +85,7 @@ static bool check_blosc(walk *w, uint64_t length, uint64_t bytes) {
     uint32_t head[4];
     uint64_t start = position(w);
     if (length < sizeof head) return is_corrupt(w);
-    if (!take(w, head, sizeof head)) return false;
+    if (!take_bytes(w, head, sizeof head)) return false;
     if (head[1] != bytes || head[3] != length) return is_corrupt(w);
     return seek(w, start) && skip(w, length);
 }
@@ -97,7 +97,7 @@ static bool check_values(walk *w, uint64_t count) {
     if (!w->layout->compressed) return skip(w, bytes);
     if (count == 0 && w->layout->stored_bytes < w->layout->value_bytes) return true;
     int64_t length;
-    if (!take(w, &length, sizeof length)) return false;
+    if (!take_bytes(w, &length, sizeof length)) return false;
     if (length <= 0) return (uint64_t)0 - (uint64_t)length == bytes ? skip(w, bytes) : is_corrupt(w);
     return w->layout->blosc ? check_blosc(w, (uint64_t)length, bytes) : skip(w, (uint64_t)length);
 }
@@ -114,7 +114,7 @@ static uint64_t count_bits(const uint8_t *mask, size_t bytes) {
 /* The values of a node with `room` of them, of which those in `mask` are active. */
 static bool check_block(walk *w, const uint8_t *mask, uint64_t room) {
     uint8_t kind;
-    if (!take(w, &kind, 1)) return false;
+    if (!take_bytes(w, &kind, 1)) return false;
     if (kind > ALL_VALUES) return is_corrupt(w);
     uint64_t values = kind == MASK_TWO_VALUES ? 2 : kind == ONE_VALUE || kind == MASK_ONE_VALUE;
     bool has_mask = kind == MASK || kind == MASK_ONE_VALUE || kind == MASK_TWO_VALUES;
@@ -128,7 +128,7 @@ static bool check_block(walk *w, const uint8_t *mask, uint64_t room) {
 /* A node's masks of children and of active values, then its values; how many children it has. */
 static bool check_inner(walk *w, uint64_t room, uint64_t *children) {
     uint8_t child_mask[MASK_ROOM], value_mask[MASK_ROOM];
-    if (!take(w, child_mask, room / 8) || !take(w, value_mask, room / 8)) return false;
+    if (!take_bytes(w, child_mask, room / 8) || !take_bytes(w, value_mask, room / 8)) return false;
     *children = count_bits(child_mask, room / 8);
     return check_block(w, value_mask, room);
 }
@@ -148,7 +148,7 @@ static bool check_upper(walk *w) {
 /* Nodes lie at multiples of their side, 4096 voxels. */
 static bool check_origin(walk *w) {
     int32_t origin[3];
-    if (!take(w, origin, sizeof origin)) return false;
+    if (!take_bytes(w, origin, sizeof origin)) return false;
     return (origin[0] | origin[1] | origin[2]) & 4095 ? is_corrupt(w) : true;
 }
 
@@ -161,7 +161,7 @@ static bool check_topology(walk *w) {
     w->nodes.tiles = tiles;
     for (uint32_t i = 0; i < tiles; i++) {
         uint8_t active;
-        if (!check_origin(w) || !skip(w, value) || !take(w, &active, 1)) return false;
+        if (!check_origin(w) || !skip(w, value) || !take_bytes(w, &active, 1)) return false;
         if (active > 1) return is_corrupt(w);
     }
     for (uint32_t i = 0; i < children; i++)
@@ -171,7 +171,7 @@ static bool check_topology(walk *w) {
 
 static bool check_leaf(walk *w) {
     uint8_t mask[LEAF_VALUES / 8];
-    if (!take(w, mask, sizeof mask)) return false;
+    if (!take_bytes(w, mask, sizeof mask)) return false;
     switch (w->layout->leaf) {
     case ISO_VDB_BOOLS:
         return skip(w, 12 + sizeof mask); /* the origin, and a bit a voxel */
@@ -190,8 +190,8 @@ static bool check_tree(walk *w) {
     return !layout->end || position(w) == layout->end || is_corrupt(w);
 }
 
-static iso_status run(const char *path, const iso_vdb_layout *layout, bool (*check)(walk *w),
-                      iso_vdb_nodes *nodes, iso_error *error) {
+static iso_status run_check(const char *path, const iso_vdb_layout *layout, bool (*check)(walk *w),
+                            iso_vdb_nodes *nodes, iso_error *error) {
     walk w = {.layout = layout, .stream = fopen(path, "rb"), .buffer = iso_alloc(BUFFER)};
     iso_status status = ISO_OK;
     if (!w.buffer) {
@@ -214,13 +214,13 @@ static iso_status run(const char *path, const iso_vdb_layout *layout, bool (*che
 
 iso_status iso_vdb_check(const char *path, const iso_vdb_layout *layout, iso_error *error) {
     iso_vdb_nodes nodes;
-    return run(path, layout, check_tree, &nodes, error);
+    return run_check(path, layout, check_tree, &nodes, error);
 }
 
 iso_status iso_vdb_count(const char *path, const iso_vdb_layout *layout, iso_vdb_nodes *nodes,
                          iso_error *error) {
     iso_vdb_nodes found;
-    ISO_TRY(run(path, layout, check_topology, &found, error));
+    ISO_TRY(run_check(path, layout, check_topology, &found, error));
     *nodes = found;
     return ISO_OK;
 }

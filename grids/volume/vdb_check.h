@@ -1,7 +1,7 @@
-/* vdb_check: whether the bytes of a grid in a .vdb file are laid out as OpenVDB's reader takes for granted.
+/* vdb_check: checks that the bytes of a grid in a .vdb file are laid out as OpenVDB's reader expects.
  *
- * That reader believes the length of a block of values that is not compressed and reads as much into memory
- * that it sized by counting bits elsewhere: one flipped bit overwrites the heap. */
+ * OpenVDB reads a block of uncompressed values by the length stored before it, into memory whose size follows
+ * from bits stored elsewhere. In a damaged file the two differ, and OpenVDB would write beyond its memory. */
 #ifndef ISO_GRIDS_VOLUME_VDB_CHECK_H
 #define ISO_GRIDS_VOLUME_VDB_CHECK_H
 
@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-/* How the leaves of a tree keep their voxels. */
+/* How the leaves of a tree store their voxels. */
 typedef enum iso_vdb_leaf { ISO_VDB_VALUES, ISO_VDB_BOOLS, ISO_VDB_MASK } iso_vdb_leaf;
 
 /* A tree of 32^3, 16^3 and 8^3 nodes, in a file of version 222 or later. */
@@ -27,17 +27,17 @@ typedef struct iso_vdb_layout {
     uint64_t blocks, end; /* where its voxels begin and where it ends; 0: not stated, it may end anywhere */
 } iso_vdb_layout;
 
-/* What a tree is made of: what it takes in memory follows from that. */
+/* The numbers of a tree's nodes, from which its memory follows. */
 typedef struct iso_vdb_nodes {
     uint64_t tiles;        /* of the root */
     uint64_t upper, lower; /* nodes of 32^3 and of 16^3 children */
     uint64_t leaves;
 } iso_vdb_nodes;
 
-/* ISO_OK, or ISO_ERR_IO: truncated or corrupt, or ISO_ERR_NOMEM. Nothing is kept. */
+/* Checks a whole tree. ISO_ERR_IO: truncated or corrupt; ISO_ERR_NOMEM. */
 iso_status iso_vdb_check(const char *path, const iso_vdb_layout *layout, iso_error *error);
 
-/* Counts the nodes of a tree, and checks what comes before its voxels; errors as above. */
+/* Counts the nodes of a tree, and checks everything before its voxels. Errors: those of iso_vdb_check. */
 iso_status iso_vdb_count(const char *path, const iso_vdb_layout *layout, iso_vdb_nodes *nodes,
                          iso_error *error);
 

@@ -1,5 +1,5 @@
-/* vdb_lengths: strings, MetaMap, GridDescriptor, Transform and DelayedLoadMetadata as OpenVDB's read
- * functions take them. */
+/* Walks over strings, MetaMap, GridDescriptor, Transform and DelayedLoadMetadata in the order in which
+ * OpenVDB's read functions read them. */
 #include "grids/volume/vdb_lengths.hpp"
 
 #include <algorithm>

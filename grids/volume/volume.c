@@ -1,3 +1,5 @@
+/* Reading volumes: finding the format from the content and the name, calling its reader, and the checks that
+ * all formats share. */
 #define _GNU_SOURCE
 #include "grids/volume/volume.h"
 
@@ -373,7 +375,7 @@ static bool agrees(const iso_volume_info *info, const iso_grid *grid) {
 static iso_status make_index(const char *path, const iso_volume_opts *opts, iso_rgrid *grid,
                              iso_error *error) {
     iso_error detail = {0};
-    iso_status status = iso_rgrid_index(grid, opts->pool, NULL, &detail);
+    iso_status status = iso_brick_index_of(grid, opts->pool, NULL, &detail);
     return status == ISO_OK ? ISO_OK : iso_fail(error, status, "%s: %s", path, detail.text);
 }
 

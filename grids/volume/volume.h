@@ -1,18 +1,18 @@
-/* volume: any volume file into a grid. The header is read first, so that its size is known before memory is
- * taken.
+/* volume: reads volume files of all formats into grids. The header is read first, so that the size is known
+ * before memory is allocated.
  *
  *   .vti                        VTK                       .nrrd .nhdr            our own
  *   DICOM (a folder or a file)  GDCM                      .nii .nii.gz .hdr/.img libnifti2
  *   .vdb                        OpenVDB                   legacy .vtk            our own
  *   raw                         our own, iso_raw_layout   .mha .mhd              our own
  *
- * What a file is follows from its content, and from its name where the content does not tell.
+ * The format is found from the content, and from the name if the content does not tell.
  *
- * Spacing, origin, direction and handedness are honoured; RAS files (NIfTI, some NRRD) are turned to LPS.
- * NIfTI slope and DICOM rescale become the grid's scale and offset. .vdb level sets with a uniform transform
- * become hgrids; every other grid an rgrid over its active bounding box. A format library that is not built
- * in gives ISO_ERR_UNSUPPORTED. Everything here is thread-safe on different files; callbacks come from the
- * calling thread. */
+ * Spacing, origin, direction and handedness are preserved; RAS files (NIfTI, some NRRD) are converted to LPS.
+ * The slope of NIfTI and the rescale of DICOM become the grid's scale and offset. Level sets in .vdb files
+ * with a uniform transform become hgrids, all other .vdb grids rgrids over their active bounding box. A
+ * format whose library is not built in is ISO_ERR_UNSUPPORTED. Thread-safe for different files; callbacks are
+ * called from the calling thread. */
 #ifndef ISO_GRIDS_VOLUME_VOLUME_H
 #define ISO_GRIDS_VOLUME_VOLUME_H
 
@@ -29,16 +29,16 @@
 extern "C" {
 #endif
 
-/* Parses WxHxD:TYPE[:ENDIAN[:OFFSET]]: TYPE uint8 int16 uint16 float (float32), ENDIAN little or big, both of
- * the last may be empty. ISO_ERR_USAGE says what is wrong. */
+/* Parses WxHxD:TYPE[:ENDIAN[:OFFSET]]. TYPE is uint8, int16, uint16 or float (float32), ENDIAN little or big;
+ * the last two may be empty. ISO_ERR_USAGE says what is wrong. */
 iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_error *error);
 
-/* The layout that the name of a file tells, as tooth_103x94x161_uint8.raw does: WxHxD, and behind or before
- * it uint8 uchar u8, int16 short i16, uint16 ushort u16, float32 float or f32; then be or big, unless it is
- * little-endian. The words are parted by _ - . or spaces. False: it tells none. */
+/* Finds the layout in the name of a file, such as tooth_103x94x161_uint8.raw: WxHxD, and before or after it
+ * uint8 uchar u8, int16 short i16, uint16 ushort u16, float32 float or f32, and for big-endian data be or
+ * big. Words are separated by _ - . or spaces. False: the name has no layout. */
 bool iso_raw_layout_of_name(const char *path, iso_raw_layout *layout);
 
-/* Bytes that a file of that layout has at least; UINT64_MAX when that is more than 64 bits can say. */
+/* The smallest size in bytes of a file with this layout; UINT64_MAX: it does not fit into 64 bits. */
 uint64_t iso_raw_layout_bytes(const iso_raw_layout *layout);
 
 /* All zero means the default. Strings are borrowed for the call. */
@@ -73,24 +73,23 @@ typedef struct iso_volume {
 iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                                 iso_error *error);
 
-/* The format, as in iso_volume_info, of a file that begins with these bytes; NULL when no format says so.
- * 1024 are enough. Raw files have no such bytes, and some files only their name. */
+/* The format, as in iso_volume_info, of a file that begins with these bytes, of which 1024 are enough. NULL:
+ * not recognised, as raw files and formats that only the name tells. */
 const char *iso_volume_format(const void *bytes, size_t count);
 
-/* ISO_ERR_LIMIT when reading what `info` describes takes more than opts->max_memory. */
+/* ISO_ERR_LIMIT: reading the volume that `info` describes takes more than opts->max_memory. */
 iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
                                    iso_error *error);
 
-/* Reads the volume; a dense one comes with its index of bricks (iso_rgrid_index). Errors as above, and
- * ISO_ERR_LIMIT (over max_memory, checked from the header before anything is allocated) and ISO_ERR_NOMEM. A
- * file shorter than its header promises is ISO_ERR_IO in every format. */
+/* Reads the volume; a dense grid has its index (iso_brick_index_of). Errors: those of iso_volume_read_info;
+ * ISO_ERR_LIMIT: over max_memory, checked before anything is allocated; ISO_ERR_NOMEM. A file that is shorter
+ * than its header says is ISO_ERR_IO in every format. */
 iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_volume *volume,
                            iso_error *error);
 void iso_volume_free(iso_volume *volume);
 
-/* Adds a line to info->notes; beyond ISO_VOLUME_NOTES it is dropped. Arguments may hold any bytes. For
- * readers.
- */
+/* Adds a line to info->notes, or drops it if ISO_VOLUME_NOTES is exceeded. Arguments may contain any bytes.
+ * For readers. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif

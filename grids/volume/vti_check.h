@@ -1,8 +1,8 @@
-/* vti_check: whether the numbers in a .vti file can be believed, before VTK takes memory for them.
+/* vti_check: checks the numbers in a .vti file before VTK allocates memory by them.
  *
- * VTK's reader takes as many block sizes, and as much memory for a block, as the header of a compressed array
- * names, and looks at the data afterwards. It also keeps an object for every element of the XML, frees them
- * recursively, and looks for attributes one by one. */
+ * VTK's reader allocates as many block sizes, and as much memory for a block, as the header of a compressed
+ * array says, before it reads the data. It also keeps an object for every element of the XML, frees these
+ * recursively, and searches attributes linearly. */
 #ifndef ISO_GRIDS_VOLUME_VTI_CHECK_H
 #define ISO_GRIDS_VOLUME_VTI_CHECK_H
 
@@ -17,7 +17,7 @@ extern "C" {
 
 typedef enum iso_vti_encoding { ISO_VTI_TEXT, ISO_VTI_BASE64, ISO_VTI_RAW } iso_vti_encoding;
 
-/* Where and how a file keeps the values of one array in one piece. */
+/* Where and how a file stores the values of one array. */
 typedef struct iso_vti_layout {
     iso_vti_encoding encoding;
     bool compressed, lzma; /* lzma: which keeps a dictionary as large as a block */
@@ -29,12 +29,12 @@ typedef struct iso_vti_layout {
     uint64_t bytes; /* of all values, unpacked */
 } iso_vti_layout;
 
-/* ISO_OK when the file has what the layout says; then *room is the memory that VTK takes beside the array.
- * ISO_ERR_IO: truncated or corrupt. */
+/* Checks that the file has the data that the layout describes; *room becomes the memory that VTK takes beside
+ * the array. ISO_ERR_IO: truncated or corrupt. */
 iso_status iso_vti_check_array(const char *path, const iso_vti_layout *layout, uint64_t *room,
                                iso_error *error);
 
-/* ISO_OK when parsing the XML up to the appended data takes less than 50 MB and little time. ISO_ERR_FORMAT,
+/* Checks that parsing the XML up to the appended data takes less than 50 MB and little time. ISO_ERR_FORMAT,
  * ISO_ERR_IO. */
 iso_status iso_vti_check_markup(const char *path, iso_error *error);
 

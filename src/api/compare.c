@@ -1,4 +1,4 @@
-/* Comparing of isopoint.h. */
+/* The functions of isopoint.h that compare pictures. */
 #include "compare/metrics.h"
 
 #include "isopoint.h"

@@ -1,5 +1,5 @@
-/* internal: what stands behind the handles of isopoint.h. This folder is a thin face: it checks arguments,
- * puts defaults in and calls the modules below. Nothing below includes it. */
+/* internal: the structs behind the handles of isopoint.h. This folder is a thin layer: it checks arguments,
+ * fills in defaults and calls the other modules, which never include it. */
 #ifndef ISO_API_INTERNAL_H
 #define ISO_API_INTERNAL_H
 
@@ -13,12 +13,12 @@
 extern "C" {
 #endif
 
-/* The handle of a volume points to the first member. */
+/* A volume. Its handle points to the first member. */
 typedef struct iso_api_volume {
     iso_volume volume;
     iso_pool *pool;
-    int surfaces;  /* that borrow the volume */
-    bool borrowed; /* the grid and the pool are a sculpt's */
+    int surfaces;  /* number of surfaces that borrow the volume */
+    bool borrowed; /* the grid and the pool belong to an iso_sculpt */
 } iso_api_volume;
 
 static inline iso_api_volume *iso_api_volume_of(iso_volume *volume) {
@@ -27,23 +27,23 @@ static inline iso_api_volume *iso_api_volume_of(iso_volume *volume) {
 
 struct iso_surface {
     iso_api_volume *volume;
-    iso_subject subject;   /* what is drawn */
-    iso_point_set *points; /* what is handed out: floats; NULL: not asked for yet */
+    iso_subject subject;   /* the parts that renderers draw */
+    iso_point_set *points; /* points as floats for the caller; NULL: not asked for yet */
     iso_primitive primitive;
     bool has_color;
     iso_rgb color;
 };
 
-/* Brings what reading the grid needs up to date with its edits; before any use of a surface. */
+/* Updates the index of the grid after edits. Called before any use of a surface. */
 iso_status iso_api_surface_ready(iso_surface *surface, iso_error *error);
 
-/* Makes a part of the surface, or brings it up to date; ISO_ERR_EMPTY when it holds nothing. */
+/* Extracts or updates a part of the surface. ISO_ERR_EMPTY: it is empty. */
 iso_status iso_api_surface_part(iso_surface *surface, iso_part part, iso_error *error);
 
-/* The world box of a part that is there. */
+/* The world box of an extracted part. */
 iso_box iso_api_surface_bounds(const iso_surface *surface, iso_part part);
 
-/* ISO_ERR_USAGE unless it is 0 .. 1024. */
+/* ISO_ERR_USAGE unless the number of threads is 0 .. 1024. */
 iso_status iso_api_pool(int threads, iso_pool **pool, iso_error *error);
 
 #ifdef __cplusplus

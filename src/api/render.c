@@ -1,4 +1,5 @@
-/* Pictures of isopoint.h: the camera, one or several surfaces by any method, and files of pictures. */
+/* The functions of isopoint.h for pictures: cameras, rendering of one or several surfaces by any method, and
+ * writing picture files. */
 #include <math.h>
 #include <string.h>
 
@@ -65,7 +66,7 @@ typedef struct rendering {
     iso_rgb colors[ISO_SURFACE_MAX];
 } rendering;
 
-/* Which part the picture is framed by: the ray caster's pictures show what exact's do. */
+/* The part whose box frames the picture: for the ray caster that of the exact surface, which it shows too. */
 static iso_part framing_part(const iso_renderer *renderer) {
     if (renderer->needs & 1u << ISO_PART_POINTS) return ISO_PART_POINTS;
     return renderer->needs & 1u << ISO_PART_MESH ? ISO_PART_MESH : ISO_PART_CELLS;
@@ -94,7 +95,7 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
     return ISO_OK;
 }
 
-/* The same bytes sooner, where there is one exact surface and nothing else. */
+/* A faster way with the same bytes, for a single exact surface. */
 static bool is_painted(const rendering *r) {
     return r->renderer->method == ISO_METHOD_EXACT && r->count == 1 && r->picture.samples <= 1 &&
            !r->picture.aov;
@@ -106,7 +107,7 @@ static iso_status paint(const rendering *r, iso_image *image, size_t *covered, i
     return iso_paint_exact(&canvas, r->surfaces[0]->subject.exact, covered, error);
 }
 
-/* A picture of another size makes way. */
+/* Replaces a picture of another size. */
 static iso_status make_room(int width, int height, iso_image *image, iso_aov *aov, iso_error *error) {
     if (image->width != width || image->height != height || !image->rgba) {
         iso_image_free(image);

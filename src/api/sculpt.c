@@ -1,4 +1,4 @@
-/* Sculpting of isopoint.h: a session, its volume and the threads of both. */
+/* The functions of isopoint.h for sculpting: a session, its volume and their thread pool. */
 #include <math.h>
 #include <string.h>
 
@@ -19,7 +19,7 @@ struct iso_sculpt {
 
 static const iso_sculpt_opts defaults;
 
-/* ---- life ---- */
+/* ---- creation ---- */
 
 void iso_sculpt_destroy(iso_sculpt *sculpt) {
     if (!sculpt) return;
@@ -55,7 +55,7 @@ static void describe(iso_sculpt *sculpt) {
     info->bytes = iso_hgrid_bytes(volume->grid.hgrid);
 }
 
-/* Starts the session of a field, which is taken over. */
+/* Starts a session; takes ownership of the field. */
 static iso_status begin_session(iso_sculpt *sculpt, iso_hgrid *grid, const iso_journal_start *start,
                                 const iso_session_opts *opts, iso_error *error) {
     iso_session_opts with_pool = *opts;
@@ -154,7 +154,7 @@ static iso_status check_start(const char *path, const iso_journal_start *start, 
                     start->source);
 }
 
-/* A stroke that broke off at the file's end is ended there. */
+/* Ends a stroke that the file does not end. */
 static iso_status play(iso_sculpt *sculpt, iso_journal_reader *reader, iso_error *error) {
     iso_event event;
     bool more = true, drawing = false;

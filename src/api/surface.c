@@ -1,4 +1,4 @@
-/* Surfaces of isopoint.h: a volume at an isovalue, as points, as a mesh, and in files. */
+/* The functions of isopoint.h for surfaces: a volume at an isovalue as points, as a mesh, and in files. */
 #include <math.h>
 #include <string.h>
 
@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "extract/isovalue/isovalue.h"
 #include "extract/mesh/mesh_measure.h"
+#include "grids/brick_index.h"
 #include "io/mesh_io.h"
 #include "io/points_io.h"
 #include "methods/bounds.h"
@@ -13,7 +14,7 @@
 /* The comment in the files that are written. */
 static const char COMMENT[] = "isopoint";
 
-/* ---- life ---- */
+/* ---- creation ---- */
 
 static iso_status check_isovalue(const iso_grid *grid, double isovalue, iso_error *error) {
     if (!isfinite(isovalue)) return iso_fail(error, ISO_ERR_USAGE, "the isovalue is not finite");
@@ -58,7 +59,7 @@ void iso_surface_destroy(iso_surface *surface) {
 iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_error *error) {
     ISO_TRY(check_isovalue(surface->subject.grid, isovalue, error));
     iso_subject_set_isovalue(&surface->subject, isovalue);
-    /* Which points AUTO stands for depends on the isovalue. */
+    /* The points that AUTO selects depend on the isovalue. */
     iso_point_set_destroy(surface->points);
     surface->points = NULL;
     return ISO_OK;
@@ -68,7 +69,7 @@ iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_e
 
 iso_status iso_api_surface_ready(iso_surface *surface, iso_error *error) {
     iso_rgrid *grid = surface->subject.grid->rgrid;
-    return grid ? iso_rgrid_index(grid, surface->volume->pool, NULL, error) : ISO_OK;
+    return grid ? iso_brick_index_of(grid, surface->volume->pool, NULL, error) : ISO_OK;
 }
 
 static iso_status fail_empty(const iso_surface *surface, iso_error *error) {
@@ -106,7 +107,7 @@ iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *err
 
 /* ---- points ---- */
 
-/* All bits of positions: packed points are for pictures. */
+/* Unpacked points: packed ones have rounded positions and are for pictures only. */
 static iso_status update_points(iso_surface *surface, iso_point_view *view, iso_error *error) {
     const iso_points_opts opts = {.isovalue = surface->subject.isovalue,
                                   .primitive = surface->primitive,
@@ -180,7 +181,7 @@ static iso_status weld(iso_surface *surface, iso_mesh_view *view, iso_weld *weld
     return iso_mesh_weld(view, welded, error);
 }
 
-/* The triangles of a left-handed volume are turned, so that they stay counter-clockwise. */
+/* Turns the triangles of a left-handed volume, so that they are counter-clockwise in world coordinates. */
 static void copy_mesh(const iso_weld *welded, const iso_affine *affine, iso_mesh *mesh) {
     const bool turned = affine->determinant < 0;
     for (size_t i = 0; i < welded->vertex_count; i++) {

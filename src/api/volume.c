@@ -1,9 +1,10 @@
-/* Volumes of isopoint.h: files and lent arrays, with the threads that work for them. */
+/* The functions of isopoint.h for volumes: files and lent arrays, each with its thread pool. */
 #include <string.h>
 
 #include "api/internal.h"
 #include "base/memory.h"
 #include "extract/isovalue/isovalue.h"
+#include "grids/brick_index.h"
 #include "grids/level_set.h"
 
 #define ISO_TEXT_OF(number) #number
@@ -87,13 +88,12 @@ static void describe_lent(const iso_rgrid *grid, iso_volume_info *info) {
                   (uint64_t)grid->dims[2];
 }
 
-/* The index of bricks makes everything that asks where the surface is faster. The array is released by the
- * grid from here on. */
+/* Creates the grid, which from here on releases the array, and its brick index. */
 static iso_status lend(const iso_rgrid_desc *desc, iso_api_volume *volume, iso_error *error) {
     iso_rgrid **grid = &volume->volume.grid.rgrid;
     ISO_TRY(iso_rgrid_create(desc, grid, error));
     describe_lent(*grid, &volume->volume.info);
-    return iso_rgrid_index(*grid, volume->pool, NULL, error);
+    return iso_brick_index_of(*grid, volume->pool, NULL, error);
 }
 
 iso_status iso_volume_lend(const iso_lend_opts *opts, iso_volume **volume, iso_error *error) {
@@ -132,7 +132,7 @@ void iso_volume_destroy(iso_volume *volume) {
     iso_free(own);
 }
 
-/* ---- what it is ---- */
+/* ---- properties ---- */
 
 const iso_volume_info *iso_volume_describe(const iso_volume *volume) {
     return &volume->info;
@@ -173,13 +173,13 @@ iso_status iso_volume_crop(iso_volume *volume, const int lo[3], const int hi[3],
     }
     memcpy(volume->info.dims, iso_grid_dims(grid), sizeof volume->info.dims);
     volume->info.transform = *iso_grid_transform(grid);
-    return grid->rgrid ? iso_rgrid_index(grid->rgrid, own->pool, NULL, error) : ISO_OK;
+    return grid->rgrid ? iso_brick_index_of(grid->rgrid, own->pool, NULL, error) : ISO_OK;
 }
 
 iso_status iso_volume_changed(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error) {
     if (volume->grid.hgrid)
         return iso_fail(error, ISO_ERR_USAGE, "a sparse level set is changed by sculpting only");
-    return iso_rgrid_touch(volume->grid.rgrid, lo, hi, error);
+    return iso_rgrid_mark_changed(volume->grid.rgrid, lo, hi, error);
 }
 
 /* ---- files ---- */

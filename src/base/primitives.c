@@ -61,8 +61,8 @@ iso_curvature iso_curvature_pack(float uu, float uv, float vv) {
     return (iso_curvature){shape_steps(uu * scale), shape_steps(uv * scale), shape_steps(vv * scale), 0};
 }
 
-void iso_curvature_unpack(iso_curvature shape, float s[3], float tilt[2]) {
-    const int entry[3] = {shape.uu, shape.uv, shape.vv}, low = (1 << ISO_CURVATURE_LOW_BITS) - 1,
+void iso_curvature_unpack(iso_curvature curvature, float s[3], float tilt[2]) {
+    const int entry[3] = {curvature.uu, curvature.uv, curvature.vv}, low = (1 << ISO_CURVATURE_LOW_BITS) - 1,
               most = ISO_CURVATURE_TILT_STEPS;
     int bits = 0;
     for (int k = 0; k < 3; k++) {
@@ -107,7 +107,7 @@ iso_box iso_point_view_bounds(const iso_point_view *view) {
 
 size_t iso_mesh_view_vertex_count(const iso_mesh_view *view) {
     size_t count = 0;
-    for (size_t i = 0; i < view->span_count; i++) count += view->spans[i].own_count;
+    for (size_t i = 0; i < view->span_count; i++) count += view->spans[i].owned_count;
     return count;
 }
 
@@ -121,7 +121,7 @@ iso_box iso_mesh_view_bounds(const iso_mesh_view *view) {
     iso_box box = iso_box_empty();
     for (size_t s = 0; s < view->span_count; s++) {
         const iso_mesh_span *span = &view->spans[s];
-        for (uint32_t i = 0; i < span->own_count; i++)
+        for (uint32_t i = 0; i < span->owned_count; i++)
             iso_box_add(&box,
                         iso_brick_position(span->brick, view->vertices[span->first_vertex + i].position));
     }

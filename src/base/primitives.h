@@ -39,25 +39,25 @@ iso_point iso_point_pack(const iso_surfel *surfel);
 iso_point iso_point_pack_scaled(const iso_surfel *surfel);
 iso_surfel iso_point_unpack(iso_point point);
 
-/* How a surface bends at a point, in 8 bytes: its shape operator S (second fundamental form) in index space,
- * symmetric, in the frame (u, v) that iso_curvature_frame makes of the point's normal as iso_point_view_get
- * gives it. A step q along the surface turns the outward normal by S q: entries are in 1 / voxel, positive
- * where the surface is convex (1 / r on a sphere). Steps of ISO_CURVATURE_STEP; norms are clamped to
- * ISO_CURVATURE_MOST. Entries are multiples of 32 steps: their low five bits are the tilt's. */
+/* The curvature of a surface at a point, in 8 bytes: its shape operator S (second fundamental form) in index
+ * space, symmetric, in the frame (u, v) that iso_curvature_frame makes of the point's normal as
+ * iso_point_view_get gives it. A step q along the surface turns the outward normal by S q: entries are in 1 /
+ * voxel, positive where the surface is convex (1 / r on a sphere). Steps of ISO_CURVATURE_STEP; norms are
+ * clamped to ISO_CURVATURE_MOST. Entries are multiples of 32 steps: their low five bits are the tilt's. */
 typedef struct iso_curvature {
     int16_t uu, uv, vv;
-    uint16_t ends; /* 0: not known, or not an edge point. See below. */
+    uint16_t extents; /* see below; 0: not known, or not an edge point */
 } iso_curvature;
 
 /* How the surface around an edge point lies against the point's normal, which comes from gradients over two
  * voxels: its own is along normal + tilt[0] u + tilt[1] v. From the low bits of uu on, then uv's and vv's,
  * two numbers k of 7 bits in two's complement, -63 .. 63: tilt = k |k| ISO_CURVATURE_TILT_MOST / 63^2. */
 
-/* How far the surface goes on from an edge point, in the faces of the cells around its edge, until it comes
- * to another edge of the face: from bit 0 on, voxels 0..1 down and up along the first of the axes at right
- * angles to the edge, and along the second, in steps of 1 / 7, rounded up; from bit 12 on, 1 + the edge's
- * axis; from bit 14 on, how many quarters of its size a disc with this shape must do without if it is not to
- * be too far outside the surface. */
+/* extents: how far the surface continues from an edge point within the four faces beside its edge, before
+ * it reaches another edge of the face. Bits 0-11: four distances of 3 bits, down and up along the first
+ * axis at right angles to the edge, then along the second, in steps of 1/7 voxel (0 to 1), rounded up.
+ * Bits 12-13: 1 + the edge's axis. Bits 14-15: by how much the point's disc is drawn smaller, in quarters
+ * of its radius (0 to 3), so that its rim does not leave the surface. */
 #define ISO_CURVATURE_MOST 4.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */
 
 /* Two unit vectors at right angles to a unit normal and to each other, u x v = normal (Duff et al. 2017,
@@ -66,7 +66,7 @@ void iso_curvature_frame(const float normal[3], float u[3], float v[3]);
 /* Nearest, with the norm clamped; all 0 when an entry is not finite. */
 iso_curvature iso_curvature_pack(float uu, float uv, float vv);
 /* uu, uv, vv in 1 / voxel, and the tilt. */
-void iso_curvature_unpack(iso_curvature shape, float s[3], float tilt[2]);
+void iso_curvature_unpack(iso_curvature curvature, float s[3], float tilt[2]);
 
 /* The primitives of one brick. */
 typedef struct iso_point_span {
@@ -87,8 +87,8 @@ typedef struct iso_point_bounds {
 typedef struct iso_point_view {
     const iso_point *packed;
     const iso_surfel *surfels;
-    const iso_curvature *shapes; /* per point, indexed like the points; NULL: points are flat */
-    const float *radii;          /* per point, mm, indexed like the points; NULL: `radius` holds for all */
+    const iso_curvature *curvatures; /* per point, indexed like the points; NULL: points are flat */
+    const float *radii; /* per point, mm, indexed like the points; NULL: `radius` holds for all */
     const iso_point_span *spans;
     size_t span_count;
     iso_transform transform;
@@ -98,7 +98,7 @@ typedef struct iso_point_view {
     const uint8_t (*colors)[3]; /* per point, red green blue, display values; NULL: the surface's for all */
     /* One per span, never 0: changes when what the span holds does or another brick's comes there, not when
      * it only moves. NULL: not known. */
-    const uint64_t *stamps;
+    const uint64_t *versions;
     const iso_point_bounds *bounds; /* one per span; NULL: not known */
     bool closed; /* the points lie on closed surfaces with their normals outwards: seen from outside, those
                     that face away are hidden */
@@ -114,12 +114,12 @@ iso_vec3 iso_brick_position(const int32_t brick[3], const float position[3]);
 /* Box of all points in index coordinates. */
 iso_box iso_point_view_bounds(const iso_point_view *view);
 
-/* The part of a mesh that lies in the cells of one brick. Vertices first .. first + own_count - 1 are on
+/* The part of a mesh that lies in the cells of one brick. Vertices first .. first + owned_count - 1 are on
  * edges that the brick owns (an edge belongs to its lower voxel's brick); the rest are bit-identical copies
  * of vertices that a neighbour owns. Triangles are counter-clockwise seen from outside. */
 typedef struct iso_mesh_span {
     int32_t brick[3];
-    uint32_t vertex_count, own_count;
+    uint32_t vertex_count, owned_count;
     uint32_t triangle_count;
     size_t first_vertex;
     size_t first_triangle;
@@ -153,7 +153,7 @@ typedef struct iso_mesh_view {
     const iso_mesh_span *spans;
     size_t span_count;
     iso_transform transform;
-    const uint64_t *stamps;         /* as an iso_point_view's */
+    const uint64_t *versions;       /* as an iso_point_view's */
     const iso_point_bounds *bounds; /* one per span; NULL: not known */
     bool closed; /* the triangles are whole surfaces: seen from outside, those that face away are hidden */
 } iso_mesh_view;

@@ -25,13 +25,13 @@ iso_status iso_study_bound(const iso_mesh_view *mesh, iso_study_ball *ball, iso_
     iso_affine affine = iso_transform_affine(&mesh->transform);
     iso_box box = iso_box_empty();
     for (size_t s = 0; s < mesh->span_count; s++)
-        for (uint32_t i = 0; i < mesh->spans[s].own_count; i++)
+        for (uint32_t i = 0; i < mesh->spans[s].owned_count; i++)
             iso_box_add(&box, vertex_of(mesh, &mesh->spans[s], i, &affine));
     if (iso_box_is_empty(&box)) return iso_fail(error, ISO_ERR_EMPTY, "the surface is empty");
     ball->center = iso_vec3_scale(iso_vec3_add(box.lo, box.hi), 0.5);
     ball->radius = 0;
     for (size_t s = 0; s < mesh->span_count; s++)
-        for (uint32_t i = 0; i < mesh->spans[s].own_count; i++) {
+        for (uint32_t i = 0; i < mesh->spans[s].owned_count; i++) {
             iso_vec3 vertex = vertex_of(mesh, &mesh->spans[s], i, &affine);
             double distance = iso_vec3_length(iso_vec3_sub(vertex, ball->center));
             if (distance > ball->radius) ball->radius = distance;

@@ -26,7 +26,7 @@ static void add_cell(const iso_threshold *surface, const float value[8], iso_vec
             if (corner >> axis & 1 ||
                 iso_threshold_inside(surface, low) == iso_threshold_inside(surface, high))
                 continue;
-            float t = (surface->at - low + surface->rest) / (high - low);
+            float t = (surface->isovalue_ceil - low + surface->residual) / (high - low);
             t = t > 0 ? t : 0;
             t = t < 1 ? t : 1;
             double p[3] = {first.x + (corner & 1), first.y + (corner >> 1 & 1), first.z + (corner >> 2)};

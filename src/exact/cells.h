@@ -1,4 +1,4 @@
-/* exact_cells: what `exact` keeps of a brick, and the kernels that find it. Internal to truth.
+/* exact_cells: what `exact` keeps of a brick, and the kernels that find it. Internal to exact.
  *
  * A brick's cells lie in up to eight blocks of 8^3 cells: a block is what drawing culls and sets up at a
  * time. The corner values of a block's crossed cells are kept as the grid stores them, in planes: all first
@@ -51,7 +51,7 @@ typedef struct iso_exact_source {
     const void *voxels;
     ptrdiff_t stride_y, stride_z; /* elements */
     int cells[3];                 /* 1 .. 16 */
-    float isovalue;               /* at or above it is inside */
+    float isovalue_ceil;          /* at or above it is inside */
 } iso_exact_source;
 
 /* What a brick has: blocks that are not empty, and their corners one after another. One worker's. */

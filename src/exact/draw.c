@@ -14,7 +14,7 @@ enum {
 };
 
 typedef struct exact_draw {
-    iso_exact_frame frame;
+    iso_exact_projection projection;
     const iso_exact_kernel *kernel;
     uint32_t *order; /* spans front to back */
     size_t span_count;
@@ -38,16 +38,16 @@ static int brick_split(int cells) {
 }
 
 static void order_spans(exact_draw *draw) {
-    const iso_exact *exact = draw->frame.exact;
+    const iso_exact *exact = draw->projection.exact;
     const uint32_t *rows = exact->rows.data, *order = exact->order.data;
     const int *bricks = exact->set.bricks;
     int split[3];
-    for (int axis = 0; axis < 3; axis++) split[axis] = brick_split(draw->frame.split[axis]);
+    for (int axis = 0; axis < 3; axis++) split[axis] = brick_split(draw->projection.split[axis]);
     size_t count = 0;
     for (int k = 0; k < bricks[2]; k++)
         for (int j = 0; j < bricks[1]; j++) {
-            const size_t row = (size_t)iso_exact_nth(k, bricks[2], split[2]) * (size_t)bricks[1] +
-                               (size_t)iso_exact_nth(j, bricks[1], split[1]);
+            const size_t row = (size_t)iso_exact_front_to_back(k, bricks[2], split[2]) * (size_t)bricks[1] +
+                               (size_t)iso_exact_front_to_back(j, bricks[1], split[1]);
             uint32_t middle = rows[row];
             while (middle < rows[row + 1] && iso_exact_spans(exact)[order[middle]].brick[0] < split[0])
                 middle++;
@@ -65,16 +65,16 @@ static void see_task(void *context, size_t index, int worker) {
     if (end > draw->span_count) end = draw->span_count;
     int count = 0;
     for (size_t i = index * SPANS_PER_TASK; i < end; i++)
-        count += iso_exact_see_span(&draw->frame, draw->order[i], visible + count);
+        count += iso_exact_list_visible_blocks(&draw->projection, draw->order[i], visible + count);
     draw->visible_count[index] = count;
 }
 
 static void open_band(exact_draw *draw, iso_exact_scratch *scratch, size_t band) {
-    const int width = draw->frame.target->gbuffer->width;
-    scratch->rows = iso_band_rows(draw->frame.target->gbuffer->height, draw->band_count, band);
+    const int width = draw->projection.target->gbuffer->width;
+    scratch->rows = iso_band_rows(draw->projection.target->gbuffer->height, draw->band_count, band);
     scratch->words = draw->words;
     scratch->hits.count = scratch->hits.slots = 0;
-    scratch->pairs = scratch->careful = scratch->windows = 0;
+    scratch->pairs = scratch->general = scratch->windows = 0;
     scratch->patch.count = scratch->patch.runs = 0;
     for (int y = 0; y <= scratch->rows.last - scratch->rows.first; y++) {
         uint64_t *row = scratch->open + (size_t)y * (size_t)draw->words;
@@ -85,8 +85,8 @@ static void open_band(exact_draw *draw, iso_exact_scratch *scratch, size_t band)
 
 /* Fills what is still free; returns how many pixels are not. */
 static size_t fill_band(const exact_draw *draw, const iso_exact_scratch *scratch) {
-    const int width = draw->frame.target->gbuffer->width;
-    const iso_exact_paint *paint = draw->frame.paint;
+    const int width = draw->projection.target->gbuffer->width;
+    const iso_exact_paint *paint = draw->projection.paint;
     size_t taken = 0;
     for (int y = scratch->rows.first; y <= scratch->rows.last; y++) {
         const uint64_t *row = scratch->open + (ptrdiff_t)(y - scratch->rows.first) * scratch->words;
@@ -112,10 +112,10 @@ static void draw_band(void *context, size_t index, int worker) {
     open_band(draw, scratch, index);
     for (size_t task = 0; task < draw->task_count; task++) {
         const iso_exact_visible *visible = draw->visible + task * SPANS_PER_TASK * ISO_EXACT_BLOCKS;
-        draw->kernel->draw(&draw->frame, visible, draw->visible_count[task], scratch);
+        draw->kernel->draw(&draw->projection, visible, draw->visible_count[task], scratch);
     }
-    draw->kernel->finish(&draw->frame, scratch);
-    if (draw->frame.paint)
+    draw->kernel->flush(&draw->projection, scratch);
+    if (draw->projection.paint)
         atomic_fetch_add_explicit(&draw->covered, fill_band(draw, scratch), memory_order_relaxed);
 }
 
@@ -130,12 +130,12 @@ static int bands_for(const iso_pool *pool, int height, int words) {
 }
 
 static iso_status reserve(exact_draw *draw, iso_error *error) {
-    const iso_gbuffer *gbuffer = draw->frame.target->gbuffer;
-    const size_t workers = (size_t)iso_pool_threads(draw->frame.target->pool);
-    const iso_exact *exact = draw->frame.exact;
+    const iso_gbuffer *gbuffer = draw->projection.target->gbuffer;
+    const size_t workers = (size_t)iso_pool_threads(draw->projection.target->pool);
+    const iso_exact *exact = draw->projection.exact;
     draw->task_count = task_count(exact);
     draw->words = gbuffer->width / 64 + 2;
-    draw->band_count = bands_for(draw->frame.target->pool, gbuffer->height, draw->words);
+    draw->band_count = bands_for(draw->projection.target->pool, gbuffer->height, draw->words);
     const size_t rows = (size_t)((gbuffer->height + draw->band_count - 1) / draw->band_count);
     draw->open_words = rows * (size_t)draw->words;
     draw->order = iso_alloc(exact->set.span_count * sizeof *draw->order);
@@ -160,9 +160,9 @@ static void release(exact_draw *draw) {
 }
 
 static iso_status run(exact_draw *draw, iso_error *error) {
-    iso_pool *pool = draw->frame.target->pool;
+    iso_pool *pool = draw->projection.target->pool;
     draw->kernel = iso_exact_kernel_get(iso_cpu_best());
-    draw->frame.gradients = iso_exact_gradients_get(&draw->frame.exact->grid, iso_cpu_best());
+    draw->projection.gradients = iso_exact_gradients_get(&draw->projection.exact->grid, iso_cpu_best());
     iso_status status = reserve(draw, error);
     if (status == ISO_OK) {
         if (draw->task_count) order_spans(draw);
@@ -175,7 +175,7 @@ static iso_status run(exact_draw *draw, iso_error *error) {
 
 iso_status iso_draw_exact(const iso_target *target, const iso_exact *exact, iso_error *error) {
     if (!exact->sorted || exact->set.span_count == 0) return ISO_OK;
-    exact_draw draw = {.frame = iso_exact_frame_make(target, exact)};
+    exact_draw draw = {.projection = iso_exact_projection_make(target, exact)};
     return run(&draw, error);
 }
 
@@ -208,8 +208,8 @@ iso_status iso_paint_exact(const iso_exact_canvas *canvas, const iso_exact *exac
         .base = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255},
         .empty = shading->transparent ? word_of(none, 0) : word_of(shading->background, 255),
     };
-    exact_draw draw = {.frame = iso_exact_frame_make(&target, exact)};
-    draw.frame.paint = &paint;
+    exact_draw draw = {.projection = iso_exact_projection_make(&target, exact)};
+    draw.projection.paint = &paint;
     const iso_status status = run(&draw, error);
     iso_free(slopes);
     if (covered && status == ISO_OK) *covered = atomic_load(&draw.covered);

@@ -50,7 +50,7 @@ static void source_of_rgrid(const iso_rgrid *grid, const int brick[3], iso_exact
                                  LATTICE,
                                  LATTICE * LATTICE,
                                  {source->cells[0], source->cells[1], source->cells[2]},
-                                 source->isovalue};
+                                 source->isovalue_ceil};
 }
 
 /* A cell of an hgrid: its brick's values, or the value of all of them. */
@@ -93,18 +93,18 @@ static void source_of_hgrid(const iso_hgrid *grid, const int brick[3], iso_exact
 
 static bool may_exist(const void *context, const int brick[3]) {
     const iso_exact *exact = context;
-    return iso_grid_brick_may_cross(&exact->grid, brick, exact->surface.at);
+    return iso_grid_brick_may_cross(&exact->grid, brick, exact->surface.isovalue_ceil);
 }
 
 static float isovalue_of(const void *context) {
-    return ((const iso_exact *)context)->surface.at;
+    return ((const iso_exact *)context)->surface.isovalue_ceil;
 }
 
 static void extract(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
     const iso_exact *exact = context;
     exact_scratch *scratch = memory;
     iso_exact_output *made = &scratch->output;
-    iso_exact_source source = {.isovalue = exact->surface.at};
+    iso_exact_source source = {.isovalue_ceil = exact->surface.isovalue_ceil};
     cells_of(iso_grid_dims(&exact->grid), brick, source.cells);
     if (source.cells[0] < 1 || source.cells[1] < 1 || source.cells[2] < 1) return;
     if (exact->grid.rgrid)
@@ -125,7 +125,7 @@ static void extract_list(const void *context, const uint32_t *bricks, size_t cou
         iso_brick_sink_extract(sink, bricks[i]);
 }
 
-static void write_span(void *span, const iso_brick_place *place) {
+static void write_span(void *span, const iso_brick_location *place) {
     *(iso_exact_span *)span = (iso_exact_span){
         .brick = {place->brick[0], place->brick[1], place->brick[2]},
         .blocks = place->count[0],
@@ -158,7 +158,7 @@ iso_status iso_exact_create(const iso_grid *grid, const iso_exact_opts *opts, is
         .halo = HALO,
         .may_exist = may_exist,
         .extract = extract,
-        .run = extract_list,
+        .extract_many = extract_list,
         .isovalue = isovalue_of,
         .write_span = write_span,
     };

@@ -1,4 +1,5 @@
-/* exact_gradient: gradients at the corners of a cell, as raycast interpolates them. Internal to truth. */
+/* gradient: gradients at the corners of a cell, the ones that truth/raycast.c interpolates. Internal to
+ * exact. */
 #ifndef ISO_EXACT_GRADIENT_H
 #define ISO_EXACT_GRADIENT_H
 

@@ -1,3 +1,4 @@
+/* kernel: constants and scalar helpers of the drawing kernel; includes its body once per instruction set. */
 #include "exact/kernel.h"
 
 #include <math.h>
@@ -10,37 +11,38 @@
 #define ISO_EXACT_WIDER 1e-5f
 #define ISO_EXACT_WIDER_NEAR 4e-5f
 
-/* Pixels of a cell's box from which on it does not pay to fill its last vector from other cells. */
-#define ISO_EXACT_ALONE 32
+/* Cells whose box has more pixels than this are tested alone: filling their last vector with pixels of
+ * other cells no longer pays. */
+#define ISO_EXACT_LARGE_CELL 32
 
-/* ..and from which on the rows of a cell are worth an outline. */
-#define ISO_EXACT_WIDE 250
+/* Cells whose box has at least this many pixels get an outline. */
+#define ISO_EXACT_OUTLINED_CELL 250
 
 /* Pairs of several cells that are tested together: vectors of them overlap in time, but a pixel that is taken
  * by one of them is listed, for nothing, for later ones. */
 #define ISO_EXACT_BATCH 64
 
-enum { RECORD_FLOATS = sizeof(iso_exact_record) / sizeof(float) };
+enum { RECORD_FLOATS = sizeof(iso_exact_cell) / sizeof(float) };
 
-void iso_exact_place_near(const iso_exact_frame *frame, iso_exact_scratch *scratch) {
+void iso_exact_project_near_cells(const iso_exact_projection *projection, iso_exact_scratch *scratch) {
     const double half[3] = {0.5, 0.5, 0.5};
     for (int i = 0; i < scratch->block->cells; i++) {
         const int local[3] = {scratch->position[i] & 7, scratch->position[i] >> 3 & 7,
                               scratch->position[i] >> 6};
-        iso_exact_record *record = &scratch->record[i];
+        iso_exact_cell *record = &scratch->record[i];
         double centre[3];
         for (int axis = 0; axis < 3; axis++) {
             centre[axis] = (double)ISO_BRICK * scratch->span->brick[axis] + scratch->block->origin[axis] +
                            local[axis] + 0.5;
-            record->eye[axis] = (float)(2 * (frame->eye[axis] - centre[axis]));
+            record->eye[axis] = (float)(2 * (projection->eye[axis] - centre[axis]));
             record->half[axis] = 1 + ISO_EXACT_WIDER_NEAR;
             record->shift[axis] = 0;
         }
         record->place[0] = record->place[1] = record->scale = 0;
-        record->depth = (float)-frame->middle;
-        record->behind = (float)-frame->target->view->near;
+        record->depth = (float)-projection->middle;
+        record->behind = (float)-projection->target->view->near;
         int pixels[4] = {0, -1, 0, -1};
-        iso_exact_pixels(frame, centre, half, scratch->clip, pixels);
+        iso_exact_pixel_box(projection, centre, half, scratch->clip, pixels);
         for (int k = 0; k < 4; k++) scratch->box[k][i] = pixels[k];
     }
 }
@@ -53,9 +55,9 @@ static void set_cell(const iso_exact_scratch *scratch, int cell, int voxel[3]) {
 }
 
 /* Whether a block's cells are large, and rays hardly differ from one end of a cell to the other. */
-static bool has_outlines(const iso_exact_frame *frame, const iso_exact_view *view) {
-    if (view->near || view->clip || view->cell_pixels < ISO_EXACT_WIDE) return false;
-    return !frame->perspective || view->depth > 48 * frame->half_depth;
+static bool has_outlines(const iso_exact_projection *projection, const iso_exact_block_projection *view) {
+    if (view->near || view->clip || view->cell_pixels < ISO_EXACT_OUTLINED_CELL) return false;
+    return !projection->perspective || view->depth > 48 * projection->half_depth;
 }
 
 /* The lowest bits of a number, moved to where a mask has bits. */

@@ -1,4 +1,5 @@
-/* exact_set: the crossed cells of a grid, by brick, and the order to go through them. Internal to truth. */
+/* set: the definition of iso_exact: the crossed cells of a grid by brick, and their order. Internal to exact.
+ */
 #ifndef ISO_EXACT_SET_H
 #define ISO_EXACT_SET_H
 

@@ -4,7 +4,7 @@ enum { TASK_SPANS = 256 };
 
 /* Which state of a span its bounds are of, and whether the surface may end in it. */
 typedef struct bounded_span {
-    uint64_t stamp;
+    uint64_t version;
     bool open;
 } bounded_span;
 
@@ -56,15 +56,15 @@ typedef struct search {
 static void bound_spans(void *context, size_t index, int worker) {
     (void)worker;
     const search *s = context;
-    const uint64_t *stamps = iso_brick_set_stamps(s->set);
+    const uint64_t *versions = iso_brick_set_versions(s->set);
     size_t end = (index + 1) * TASK_SPANS;
     for (size_t i = index * TASK_SPANS; i < end && i < s->set->span_count; i++) {
-        if (s->bounded[i].stamp == stamps[i]) continue;
+        if (s->bounded[i].version == versions[i]) continue;
         s->find(s->context, i, &s->bounds[i]);
         /* spans of both kinds begin with it */
         const int32_t *brick =
             (const int32_t *)((const char *)s->set->spans.data + i * s->set->kernel.span_bytes);
-        s->bounded[i] = (bounded_span){stamps[i], may_be_open(&s->set->grid, brick, &s->bounds[i])};
+        s->bounded[i] = (bounded_span){versions[i], may_be_open(&s->set->grid, brick, &s->bounds[i])};
     }
 }
 
@@ -72,13 +72,13 @@ iso_status iso_span_bounds_update(iso_span_bounds *bounds, const iso_brick_set *
                                   iso_span_bounds_find *find, const void *context, iso_error *error) {
     const iso_brick_index *index; /* which float bricks are finite */
     if (set->grid.rgrid && set->grid.rgrid->type == ISO_FLOAT32)
-        ISO_TRY(iso_rgrid_index(set->grid.rgrid, set->pool, &index, error));
+        ISO_TRY(iso_brick_index_of(set->grid.rgrid, set->pool, &index, error));
     size_t count = set->span_count, had = bounds->bounded.bytes / sizeof(bounded_span);
     ISO_TRY(
         iso_buffer_reserve(&bounds->bounds, count * sizeof(iso_point_bounds), bounds->bounds.bytes, error));
     ISO_TRY(iso_buffer_reserve(&bounds->bounded, count * sizeof(bounded_span), bounds->bounded.bytes, error));
     bounded_span *bounded = bounds->bounded.data;
-    for (size_t i = had; i < bounds->bounded.bytes / sizeof(bounded_span); i++) bounded[i].stamp = 0;
+    for (size_t i = had; i < bounds->bounded.bytes / sizeof(bounded_span); i++) bounded[i].version = 0;
     search s = {set, find, context, bounds->bounds.data, bounded};
     iso_parallel_for(set->pool, (count + TASK_SPANS - 1) / TASK_SPANS, bound_spans, &s);
     bounds->known = true;

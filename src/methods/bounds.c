@@ -21,7 +21,7 @@ iso_box iso_bounds_of_each_point(const iso_point_view *view, const iso_affine *a
 iso_box iso_bounds_of_each_vertex(const iso_mesh_view *view, const iso_affine *affine) {
     iso_box box = iso_box_empty();
     for (size_t s = 0; s < view->span_count; s++)
-        for (uint32_t i = 0; i < view->spans[s].own_count; i++) {
+        for (uint32_t i = 0; i < view->spans[s].owned_count; i++) {
             const iso_surfel *vertex = &view->vertices[view->spans[s].first_vertex + i];
             iso_box_add(&box,
                         iso_affine_point(affine, iso_brick_position(view->spans[s].brick, vertex->position)));

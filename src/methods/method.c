@@ -12,7 +12,7 @@ static iso_status make_points(iso_subject *subject, iso_error *error) {
     if (!subject->workspace) ISO_TRY(iso_pullpush_create(&subject->workspace, error));
     iso_points_opts opts = {.isovalue = subject->isovalue,
                             .primitive = ISO_PRIMITIVE_EDGE, /* what refined is best with */
-                            .shapes = true,
+                            .curvature = true,
                             .pool = subject->pool};
     return iso_point_set_create(subject->grid, &opts, &subject->points, error);
 }

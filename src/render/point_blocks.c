@@ -32,7 +32,7 @@ typedef struct block_measure {
 /* What dealing needs to know of a block, apart from the rest, which is six times as much. */
 typedef struct block_rows {
     int32_t row[2]; /* the block's; none when it is not seen */
-    bool averted;
+    bool back_facing;
 } block_rows;
 
 /* The picture's first and last side along an axis, in pixels from the optical axis, and how many times
@@ -187,7 +187,7 @@ static block_measure measure_block(const iso_point_view *points, const iso_point
 static void survey_block(const survey *s, iso_point_block *block, const iso_point_bounds *bounds,
                          const double radius[2], chunk *found) {
     extent e = {.radius = {radius[0], radius[1]}};
-    block->seen = block->averted = block->facing = false;
+    block->seen = block->back_facing = block->front_facing = false;
     if (!block_extent(s, block, bounds, &e)) return;
     for (int axis = 0; axis < 3; axis++) {
         found->lo[axis] = iso_least(found->lo[axis], e.lo[axis]);
@@ -197,8 +197,8 @@ static void survey_block(const survey *s, iso_point_block *block, const iso_poin
     if (!block->seen) return;
     if (s->closed) {
         iso_facing facing = iso_projector_facing(s->projector, s->eye, block->brick, bounds);
-        block->averted = facing == ISO_FACING_AWAY;
-        block->facing = facing == ISO_FACING_EYE;
+        block->back_facing = facing == ISO_FACING_AWAY;
+        block->front_facing = facing == ISO_FACING_EYE;
     }
     found->seen++;
     if (block->radius[0] < found->radius[0]) found->radius[0] = block->radius[0];
@@ -254,7 +254,7 @@ static void survey_chunk(void *context, size_t index, int worker) {
             const block_measure measure = measure_block(s->points, block);
             survey_block(s, block, &measure.bounds, measure.radius, &found);
         }
-        s->rows[i] = (block_rows){{block->row[0], block->row[1]}, block->averted};
+        s->rows[i] = (block_rows){{block->row[0], block->row[1]}, block->back_facing};
         if (!block->seen) s->rows[i] = (block_rows){.row = {0, -1}};
     }
     s->chunks[index] = found;
@@ -351,8 +351,8 @@ iso_status iso_point_blocks_measure(iso_point_blocks *blocks, const iso_point_vi
     return ISO_OK;
 }
 
-iso_status iso_point_blocks_look(iso_point_blocks *blocks, bool closed, const iso_transform *transform,
-                                 const iso_projector *projector, iso_error *error) {
+iso_status iso_point_blocks_set_view(iso_point_blocks *blocks, bool closed, const iso_transform *transform,
+                                     const iso_projector *projector, iso_error *error) {
     survey s = {.measures = blocks->extents.data, .closed = closed, .projector = projector};
     size_t chunks;
     ISO_TRY(make_chunks(blocks, &s, blocks->count, &chunks, error));
@@ -374,18 +374,19 @@ typedef struct bands {
 /* Bands first .. last that the block's rows are in; none when first > last. */
 static iso_rows bands_of(const bands *b, const block_rows *block) {
     const int64_t first = block->row[0] - b->first_row, last = block->row[1] - b->first_row;
-    if (first > last || (b->cull && block->averted) || last < 0 || first >> b->shift >= b->count)
+    if (first > last || (b->cull && block->back_facing) || last < 0 || first >> b->shift >= b->count)
         return (iso_rows){0, -1};
     const int64_t most = last >> b->shift;
     return (iso_rows){first < 0 ? 0 : (int)(first >> b->shift), most < b->count ? (int)most : b->count - 1};
 }
 
-iso_status iso_point_blocks_deal(iso_point_blocks *blocks, const iso_view *view, const iso_pyramid *pyramid,
-                                 int band_rows, bool cull, iso_error *error) {
-    const int base = pyramid->shape.base, rows = pyramid->level[base].height;
+iso_status iso_point_blocks_assign_bands(iso_point_blocks *blocks, const iso_view *view,
+                                         const iso_pyramid *pyramid, int band_rows, bool cull,
+                                         iso_error *error) {
+    const int base = pyramid->layout.base, rows = pyramid->level[base].height;
     const int count = (rows + band_rows - 1) / band_rows;
     /* (blocks' rows have room for the rounding) */
-    const bands all = {.first_row = (int64_t)ceil(pyramid->shape.row - view->cy),
+    const bands all = {.first_row = (int64_t)ceil(pyramid->layout.row - view->cy),
                        .count = count,
                        .shift = base + __builtin_ctz((unsigned)band_rows),
                        .cull = cull};

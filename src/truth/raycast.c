@@ -41,7 +41,7 @@ static void mark_row(void *context, size_t index, int worker) {
     int brick[3] = {0, (int)(index % (size_t)caster->bricks[1]), (int)(index / (size_t)caster->bricks[1])};
     for (; brick[0] < caster->bricks[0]; brick[0]++)
         caster->crossed[index * row + (size_t)brick[0]] =
-            iso_grid_brick_may_cross(&caster->grid, brick, caster->surface.at) != 0;
+            iso_grid_brick_may_cross(&caster->grid, brick, caster->surface.isovalue_ceil) != 0;
 }
 
 iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool *pool, iso_raycaster **out,
@@ -50,7 +50,7 @@ iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool 
     if (!caster) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the ray caster");
     caster->grid = *grid;
     caster->surface = iso_threshold_of(grid, isovalue);
-    caster->isovalue = (double)caster->surface.at + (double)caster->surface.rest;
+    caster->isovalue = (double)caster->surface.isovalue_ceil + (double)caster->surface.residual;
     iso_grid_bricks(grid, caster->bricks);
     size_t rows = (size_t)caster->bricks[1] * (size_t)caster->bricks[2];
     caster->crossed = iso_alloc_zero(rows, (size_t)caster->bricks[0]);
@@ -307,7 +307,7 @@ static bool load_cell(const iso_raycaster *caster, const int cell[3], cell_segme
     float corner[8];
     fetch_corners(&caster->grid, cell, corner);
     int inside = 0;
-    for (int i = 0; i < 8; i++) inside += corner[i] >= caster->surface.at;
+    for (int i = 0; i < 8; i++) inside += corner[i] >= caster->surface.isovalue_ceil;
     if (inside == 0 || inside == 8) return false;
     for (int i = 0; i < 8; i++) {
         if (!isfinite(corner[i])) return false;

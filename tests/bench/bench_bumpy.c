@@ -134,15 +134,15 @@ typedef struct gathering {
     iso_pool *pool;
     bench_bumpy *bumpy;
     bool with_mesh;
-    iso_buffer points, shapes, spans;
+    iso_buffer points, curvatures, spans;
     size_t point_count, span_count;
 } gathering;
 
 static iso_status make_room(gathering *all, const iso_point_view *view, iso_error *error) {
     size_t had = all->point_count, has = had + iso_point_view_count(view);
     ISO_TRY(iso_buffer_reserve(&all->points, has * sizeof(iso_point), had * sizeof(iso_point), error));
-    ISO_TRY(
-        iso_buffer_reserve(&all->shapes, has * sizeof(iso_curvature), had * sizeof(iso_curvature), error));
+    ISO_TRY(iso_buffer_reserve(&all->curvatures, has * sizeof(iso_curvature), had * sizeof(iso_curvature),
+                               error));
     return iso_buffer_reserve(&all->spans, (all->span_count + view->span_count) * sizeof(iso_point_span),
                               all->span_count * sizeof(iso_point_span), error);
 }
@@ -151,7 +151,7 @@ static iso_status make_room(gathering *all, const iso_point_view *view, iso_erro
 static iso_status keep_spans(gathering *all, const piece *p, const iso_point_view *view, iso_error *error) {
     ISO_TRY(make_room(all, view, error));
     iso_point *points = all->points.data;
-    iso_curvature *shapes = all->shapes.data;
+    iso_curvature *curvatures = all->curvatures.data;
     iso_point_span *spans = all->spans.data;
     for (size_t s = 0; s < view->span_count; s++) {
         iso_point_span span = view->spans[s];
@@ -160,7 +160,7 @@ static iso_status keep_spans(gathering *all, const piece *p, const iso_point_vie
             own = own && span.brick[axis] > 0 && span.brick[axis] < p->cells[axis] - 1;
         if (!own) continue;
         memcpy(points + all->point_count, view->packed + span.first, span.count * sizeof *points);
-        memcpy(shapes + all->point_count, view->shapes + span.first, span.count * sizeof *shapes);
+        memcpy(curvatures + all->point_count, view->curvatures + span.first, span.count * sizeof *curvatures);
         for (int axis = 0; axis < 3; axis++) span.brick[axis] += p->base[axis];
         span.first = all->point_count;
         all->point_count += span.count;
@@ -171,7 +171,7 @@ static iso_status keep_spans(gathering *all, const piece *p, const iso_point_vie
 
 static iso_status gather_points(gathering *all, const piece *p, const iso_grid *grid, iso_error *error) {
     iso_point_set *set = NULL;
-    iso_points_opts opts = {.primitive = ISO_PRIMITIVE_EDGE, .shapes = true, .pool = all->pool};
+    iso_points_opts opts = {.primitive = ISO_PRIMITIVE_EDGE, .curvature = true, .pool = all->pool};
     ISO_TRY(iso_point_set_create(grid, &opts, &set, error));
     iso_status status = iso_point_set_update(set, error);
     iso_point_view view = iso_point_set_view(set);
@@ -234,7 +234,7 @@ iso_status bench_bumpy_create(int side, int piece_bricks, bool with_mesh, iso_po
     iso_status status = gather(&all, count, size, error);
     iso_point_view *view = &bumpy->points;
     view->packed = all.points.data;
-    view->shapes = all.shapes.data;
+    view->curvatures = all.curvatures.data;
     view->spans = all.spans.data;
     view->span_count = all.span_count;
     view->closed = true;
@@ -251,7 +251,7 @@ void bench_bumpy_free(bench_bumpy *bumpy) {
     iso_mesh_set_destroy(bumpy->mesh);
     iso_grid_destroy(&bumpy->grid);
     iso_free((void *)bumpy->points.packed);
-    iso_free((void *)bumpy->points.shapes);
+    iso_free((void *)bumpy->points.curvatures);
     iso_free((void *)bumpy->points.bounds);
     iso_free((void *)bumpy->points.spans);
     *bumpy = (bench_bumpy){0};

@@ -93,7 +93,7 @@ static iso_status paint(iso_hgrid *grid, brush_dab *dab, iso_error *error) {
                 ISO_TRY(iso_hgrid_split(grid, cell[0], cell[1], cell[2], &brick, error));
                 dab_cell(grid, dab, cell, brick);
             }
-    return iso_hgrid_touch(grid, dab->changed.lo, dab->changed.hi, error);
+    return iso_hgrid_mark_changed(grid, dab->changed.lo, dab->changed.hi, error);
 }
 
 /* Bricks with points; with `near` only those within a voxel of its changes. */

@@ -47,7 +47,7 @@ void bench_gl_close(bench_gl *gl) {
 
 /* What a row's frames have, beside what all have. */
 struct bench_gl_frame {
-    iso_gl_surface *shape;
+    iso_gl_surface *surface;
     double seconds[ISO_GL_PASSES]; /* of the fastest so far: the first ones are compiled */
 };
 
@@ -60,18 +60,18 @@ static iso_status open_points(bench_frame *frame, iso_error *error) {
     ISO_TRY(make_gl_frame(frame, error));
     ISO_TRY(bench_subject_points(frame->subject, &frame->points, error));
     frame->primitives = iso_point_view_count(&frame->points);
-    return iso_gl_upload_points(frame->gl->engine, &frame->points, &frame->gl_frame->shape, error);
+    return iso_gl_upload_points(frame->gl->engine, &frame->points, &frame->gl_frame->surface, error);
 }
 
 static iso_status open_mesh(bench_frame *frame, iso_error *error) {
     ISO_TRY(make_gl_frame(frame, error));
     ISO_TRY(bench_subject_mesh(frame->subject, &frame->mesh, error));
     frame->primitives = iso_mesh_view_triangle_count(&frame->mesh);
-    return iso_gl_upload_mesh(frame->gl->engine, &frame->mesh, &frame->gl_frame->shape, error);
+    return iso_gl_upload_mesh(frame->gl->engine, &frame->mesh, &frame->gl_frame->surface, error);
 }
 
 static void close_gl(bench_frame *frame) {
-    if (frame->gl_frame) iso_gl_surface_destroy(frame->gl_frame->shape);
+    if (frame->gl_frame) iso_gl_surface_destroy(frame->gl_frame->surface);
     free(frame->gl_frame);
 }
 
@@ -79,7 +79,7 @@ static void close_gl(bench_frame *frame) {
 static iso_status take_seconds(bench_frame *frame, iso_status status) {
     double seconds[ISO_GL_PASSES];
     iso_gl_engine_seconds(frame->gl->engine, seconds);
-    iso_gl_engine_forget_seconds(frame->gl->engine);
+    iso_gl_engine_reset_seconds(frame->gl->engine);
     for (int pass = 0; pass < ISO_GL_PASSES; pass++) {
         double *least = &frame->gl_frame->seconds[pass];
         if (!(*least > 0 && *least < seconds[pass])) *least = seconds[pass];
@@ -88,15 +88,15 @@ static iso_status take_seconds(bench_frame *frame, iso_status status) {
 }
 
 static iso_status draw_shape(bench_frame *frame, const iso_target *target, iso_error *error) {
-    const iso_gl_surface *shape = frame->gl_frame->shape;
-    const iso_gl_draw_opts opts = {.view = target->view, .shapes = &shape, .shape_count = 1};
+    const iso_gl_surface *surface = frame->gl_frame->surface;
+    const iso_gl_draw_opts opts = {.view = target->view, .surfaces = &surface, .surface_count = 1};
     return take_seconds(frame, iso_gl_draw(frame->gl->engine, &opts, target->gbuffer, error));
 }
 
 static iso_status fill(bench_frame *frame, const iso_target *target, iso_reconstruction reconstruction,
                        iso_error *error) {
-    const iso_gl_surface *shape = frame->gl_frame->shape;
-    const iso_gl_pullpush_opts opts = {target->view, &shape, 1, reconstruction};
+    const iso_gl_surface *surface = frame->gl_frame->surface;
+    const iso_gl_pullpush_opts opts = {target->view, &surface, 1, reconstruction};
     return take_seconds(frame, iso_gl_draw_pullpush(frame->gl->engine, &opts, target->gbuffer, error));
 }
 
@@ -110,7 +110,7 @@ static iso_status draw_refined(bench_frame *frame, const iso_target *target, iso
 
 static void finish_gl(bench_row *row) {
     static const char *const names[ISO_GL_PASSES] = {"draw_ms",   "project_ms", "pull_ms", "push_ms",
-                                                     "finish_ms", "front_ms",   "add_ms",  "settle_ms"};
+                                                     "finish_ms", "front_ms",   "add_ms",  "resolve_ms"};
     const bench_frame *frame = row->context;
     for (int pass = 0; pass < ISO_GL_PASSES; pass++) {
         double seconds = frame->gl_frame->seconds[pass];

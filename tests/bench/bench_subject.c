@@ -53,7 +53,7 @@ iso_status bench_subject_points(bench_subject *s, iso_point_view *points, iso_er
     *points = s->bumpy.points;
     if (s->bumpy_side) return ISO_OK;
     if (!s->points) {
-        iso_points_opts opts = {.isovalue = s->isovalue, .shapes = true, .pool = s->pool};
+        iso_points_opts opts = {.isovalue = s->isovalue, .curvature = true, .pool = s->pool};
         ISO_TRY(iso_point_set_create(s->grid, &opts, &s->points, error));
         ISO_TRY(iso_point_set_update(s->points, error));
         ISO_TRY(iso_point_set_bound(s->points, error));

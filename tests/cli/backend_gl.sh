@@ -35,7 +35,7 @@ expect(list(gl["gl"]["seconds"]) == ["draw"] and gl["gl"]["seconds"]["draw"] > 0
 expect(gl["gl"]["vendor"] and gl["gl"]["version"], gl["gl"])
 expect(list(pull["gl"]["seconds"]) == ["project", "pull", "push", "finish"], pull["gl"])
 refined = report("refined.json")
-expect(list(refined["gl"]["seconds"]) == ["front", "add", "settle"], refined["gl"])
+expect(list(refined["gl"]["seconds"]) == ["front", "add", "resolve"], refined["gl"])
 expect(refined["gl"]["messages"] == 0, refined["gl"])
 a_pull, b_pull = cpu_pull["image"]["covered"], pull["image"]["covered"]
 expect(abs(a_pull - b_pull) <= 30, (a_pull, b_pull))

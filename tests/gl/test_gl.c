@@ -136,13 +136,13 @@ static void attenuated_points_have_the_width_of_equation_7(void **state) {
             iso_point point = iso_point_pack(&(iso_surfel){{x, y, (float)z}, {0, 0, -1}});
             iso_point_view points = one_point(&point, &span, NULL);
             iso_gl_engine *engine = make_engine(contexts.context[c]);
-            iso_gl_surface *shape;
-            assert_int_equal(iso_gl_upload_points(engine, &points, &shape, NULL), ISO_OK);
+            iso_gl_surface *surface;
+            assert_int_equal(iso_gl_upload_points(engine, &points, &surface, NULL), ISO_OK);
             for (int scaling = 0; scaling < 2; scaling++) {
                 iso_gbuffer g = gl_gbuffer(&view);
                 iso_gl_draw_opts opts = {.view = &view,
-                                         .shapes = (const iso_gl_surface *const *)&shape,
-                                         .shape_count = 1,
+                                         .surfaces = (const iso_gl_surface *const *)&surface,
+                                         .surface_count = 1,
                                          .scaling = (iso_point_scaling)scaling};
                 assert_int_equal(iso_gl_draw(engine, &opts, &g, NULL), ISO_OK);
                 double d = sqrt((double)x * x + (double)y * y + z * z);
@@ -153,7 +153,7 @@ static void attenuated_points_have_the_width_of_equation_7(void **state) {
                     fail_msg("scaling %d, corner %d: %g pixels instead of %g", scaling, corner, area, wanted);
                 iso_gbuffer_free(&g);
             }
-            iso_gl_surface_destroy(shape);
+            iso_gl_surface_destroy(surface);
             iso_gl_engine_destroy(engine);
         }
     gl_contexts_close(&contexts);
@@ -267,13 +267,14 @@ static void surfaces_hide_one_another(void **state) {
             iso_gl_engine *engine = make_engine(contexts.context[c]);
             iso_point_view points[2] = {one_point(&far_point, &span, &far_radius),
                                         one_point(&near_point, &span, &near_radius)};
-            iso_gl_surface *shapes[2];
+            iso_gl_surface *surfaces[2];
             for (int i = 0; i < 2; i++)
-                assert_int_equal(iso_gl_upload_points(engine, &points[i], &shapes[i], NULL), ISO_OK);
+                assert_int_equal(iso_gl_upload_points(engine, &points[i], &surfaces[i], NULL), ISO_OK);
             for (int count = 0; count < 3; count++) {
                 iso_gbuffer gl = gl_gbuffer(&view), cpu = gl_gbuffer(&view);
-                const iso_gl_draw_opts opts = {
-                    .view = &view, .shapes = (const iso_gl_surface *const *)shapes, .shape_count = count};
+                const iso_gl_draw_opts opts = {.view = &view,
+                                               .surfaces = (const iso_gl_surface *const *)surfaces,
+                                               .surface_count = count};
                 assert_int_equal(iso_gl_draw(engine, &opts, &gl, NULL), ISO_OK);
                 for (int i = 0; i < count; i++)
                     iso_draw_points(&(iso_target){&view, &cpu, NULL, (uint8_t)i}, &points[i], NULL);
@@ -282,7 +283,7 @@ static void surfaces_hide_one_another(void **state) {
                 iso_gbuffer_free(&gl);
                 iso_gbuffer_free(&cpu);
             }
-            for (int i = 0; i < 2; i++) iso_gl_surface_destroy(shapes[i]);
+            for (int i = 0; i < 2; i++) iso_gl_surface_destroy(surfaces[i]);
             iso_gl_engine_destroy(engine);
         }
     gl_contexts_close(&contexts);
@@ -445,15 +446,15 @@ static void wrong_use_of_gl_is_noticed(void **state) {
         const iso_box box = {{0, 0, 0}, {16, 16, 16}};
         iso_view view = gl_side_view(&box, 0, false, 20, 20);
         iso_gbuffer g = gl_gbuffer(&view);
-        iso_gl_surface *shape;
-        assert_int_equal(iso_gl_upload_points(engine, &points, &shape, NULL), ISO_OK);
+        iso_gl_surface *surface;
+        assert_int_equal(iso_gl_upload_points(engine, &points, &surface, NULL), ISO_OK);
         const iso_gl_draw_opts opts = {
-            .view = &view, .shapes = (const iso_gl_surface *const *)&shape, .shape_count = 1};
+            .view = &view, .surfaces = (const iso_gl_surface *const *)&surface, .surface_count = 1};
         assert_int_equal(iso_gl_draw(engine, &opts, &g, &error), ISO_ERR_BACKEND);
         assert_true(iso_gl_context_messages(contexts.context[c]).count > 0);
         engine->programs[ISO_GL_POINTS_PACKED] = 0;
         assert_int_equal(iso_gl_draw(engine, &opts, &g, &error), ISO_OK);
-        iso_gl_surface_destroy(shape);
+        iso_gl_surface_destroy(surface);
         iso_gl_engine_destroy(engine);
         iso_gl_context_destroy(contexts.context[c]);
         iso_gbuffer_free(&g);

@@ -118,9 +118,9 @@ static iso_view samples_of(const subject *s, int factor) {
 static iso_status paint_canvas(const easel *e, const subject *s, draw_method method,
                                const iso_gl_paint *paint, iso_error *error) {
     const iso_view view = samples_of(s, paint->factor);
-    const iso_gl_surface *shape = method == MESH ? e->mesh : e->points;
-    const iso_gl_draw_opts draw = {.view = &view, .shapes = &shape, .shape_count = 1};
-    const iso_gl_pullpush_opts pullpush = {&view, &shape, 1, reconstruction_of(method)};
+    const iso_gl_surface *surface = method == MESH ? e->mesh : e->points;
+    const iso_gl_draw_opts draw = {.view = &view, .surfaces = &surface, .surface_count = 1};
+    const iso_gl_pullpush_opts pullpush = {&view, &surface, 1, reconstruction_of(method)};
     return method >= GAUSSIAN ? iso_gl_canvas_draw_pullpush(e->canvas, &pullpush, paint, error)
                               : iso_gl_canvas_draw(e->canvas, &draw, paint, error);
 }
@@ -207,8 +207,8 @@ static void picks_are_the_samples(iso_gl_context *context) {
     subject s = make_subject();
     easel e = make_easel(context, &s);
     const iso_view view = samples_of(&s, 1);
-    const iso_gl_surface *shape = e.mesh;
-    const iso_gl_draw_opts opts = {.view = &view, .shapes = &shape, .shape_count = 1};
+    const iso_gl_surface *surface = e.mesh;
+    const iso_gl_draw_opts opts = {.view = &view, .surfaces = &surface, .surface_count = 1};
     const iso_gl_paint once = lamps(1), finer = lamps(2);
     iso_gbuffer g = gl_gbuffer(&view);
     iso_gl_canvas *copy;

@@ -128,7 +128,7 @@ enum { SPANS = 6, EACH = 9000, POINTS = SPANS * EACH };
 typedef struct many_points {
     iso_surfel *surfels;
     float *radii;
-    iso_curvature *shapes; /* the view names these and colours where they are wanted */
+    iso_curvature *curvatures; /* the view names these and colours where they are wanted */
     uint8_t (*colors)[3];
     iso_point_span spans[SPANS];
     iso_point_view view;
@@ -138,7 +138,7 @@ static void make_many(many_points *m) {
     uint32_t seed = 5;
     m->surfels = calloc(POINTS, sizeof *m->surfels);
     m->radii = calloc(POINTS, sizeof *m->radii);
-    m->shapes = calloc(POINTS, sizeof *m->shapes);
+    m->curvatures = calloc(POINTS, sizeof *m->curvatures);
     m->colors = calloc(POINTS, sizeof *m->colors);
     for (int i = 0; i < POINTS; i++) {
         double z = 2 * uniform(&seed) - 1, turn = 2 * ISO_PI * uniform(&seed), r = sqrt(1 - z * z);
@@ -148,7 +148,7 @@ static void make_many(many_points *m) {
             m->surfels[i].normal[axis] = (float)((i % 2 ? -3 : 3) * n[axis]);
         }
         m->radii[i] = (float)(0.15 + 0.3 * uniform(&seed));
-        m->shapes[i] = iso_curvature_pack(i % 2 ? -0.14f : 0.14f, 0, i % 2 ? -0.14f : 0.14f);
+        m->curvatures[i] = iso_curvature_pack(i % 2 ? -0.14f : 0.14f, 0, i % 2 ? -0.14f : 0.14f);
         for (int k = 0; k < 3; k++) m->colors[i][k] = (uint8_t)(i % 2 ? 40 * k : 128 + 120 * n[k]);
     }
     m->surfels[17].position[1] = NAN;
@@ -169,7 +169,7 @@ static void make_many(many_points *m) {
 static void free_many(many_points *m) {
     free(m->surfels);
     free(m->radii);
-    free(m->shapes);
+    free(m->curvatures);
     free(m->colors);
 }
 
@@ -210,10 +210,10 @@ static void points_have_colours_of_their_own(iso_gl_engine *engine) {
 }
 
 static iso_gl_surface *upload(iso_gl_engine *engine, const iso_point_view *points) {
-    iso_gl_surface *shape;
+    iso_gl_surface *surface;
     iso_error error = {ISO_OK, ""};
-    if (iso_gl_upload_points(engine, points, &shape, &error) != ISO_OK) fail_msg("%s", error.text);
-    return shape;
+    if (iso_gl_upload_points(engine, points, &surface, &error) != ISO_OK) fail_msg("%s", error.text);
+    return surface;
 }
 
 static void expect_same(const iso_gbuffer *a, const iso_gbuffer *b) {
@@ -227,12 +227,12 @@ static void expect_same(const iso_gbuffer *a, const iso_gbuffer *b) {
 
 /* A picture of what is uploaded, refined where that has no colours, against one of the same points uploaded
  * anew. */
-static void expect_as_anew(iso_gl_engine *engine, const iso_gl_surface *shape, const iso_point_view *points,
+static void expect_as_anew(iso_gl_engine *engine, const iso_gl_surface *surface, const iso_point_view *points,
                            const iso_view *view) {
     iso_gl_surface *anew = upload(engine, points);
     iso_gbuffer pictures[2];
     for (int i = 0; i < 2; i++) {
-        const iso_gl_surface *drawn = i ? anew : shape;
+        const iso_gl_surface *drawn = i ? anew : surface;
         const iso_gl_pullpush_opts opts = {view, &drawn, 1, ISO_RECONSTRUCTION_REFINED};
         pictures[i] = gl_gbuffer(view);
         assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &pictures[i], NULL), ISO_OK);
@@ -247,29 +247,29 @@ static void check_updates(iso_gl_engine *engine, bool colored) {
     many_points m;
     make_many(&m);
     uint64_t stamps[SPANS] = {1, 2, 3, 4, 5, 6};
-    m.view.stamps = stamps;
+    m.view.versions = stamps;
     m.view.colors = colored ? (const uint8_t(*)[3])m.colors : NULL;
-    m.view.shapes = colored ? NULL : m.shapes;
+    m.view.curvatures = colored ? NULL : m.curvatures;
     const iso_box box = {{0, -16, 0}, {32, 32, 48}};
     const iso_view view = gl_side_view(&box, 1, false, 250, 210);
     m.view.span_count = SPANS - 1;
-    iso_gl_surface *shape = upload(engine, &m.view);
+    iso_gl_surface *surface = upload(engine, &m.view);
     for (int round = 0; round < 4; round++) {
         iso_point_span *span = &m.spans[round];
         for (size_t i = span->first; i < span->first + span->count; i++) {
             m.surfels[i].position[round % 3] -= 2;
             m.radii[i] *= 1.5f;
             m.colors[i][round % 3] ^= 0x55;
-            m.shapes[i].uu = (int16_t)(m.shapes[i].uu + 900);
+            m.curvatures[i].uu = (int16_t)(m.curvatures[i].uu + 900);
         }
         stamps[round] += 100;
         if (round == 2) span->count = EACH / 3;
         if (round == 3) memcpy(span->brick, (const int32_t[3]){0, 1, 2}, sizeof span->brick);
         m.view.span_count = round % 2 ? SPANS - 2 : SPANS;
-        assert_int_equal(iso_gl_update_points(shape, &m.view, NULL), ISO_OK);
-        expect_as_anew(engine, shape, &m.view, &view);
+        assert_int_equal(iso_gl_update_points(surface, &m.view, NULL), ISO_OK);
+        expect_as_anew(engine, surface, &m.view, &view);
     }
-    iso_gl_surface_destroy(shape);
+    iso_gl_surface_destroy(surface);
     free_many(&m);
 }
 
@@ -290,12 +290,12 @@ static void check_repeated(iso_gl_engine *engine, iso_reconstruction reconstruct
         }
     const iso_box box = {{0, -16, 0}, {32, 32, 48}};
     const iso_view view = gl_side_view(&box, 1, false, 250, 210);
-    m.view.shapes = m.shapes;
+    m.view.curvatures = m.curvatures;
     if (reconstruction != ISO_RECONSTRUCTION_REFINED) m.view.colors = (const uint8_t(*)[3])m.colors;
-    iso_gl_surface *shape = upload(engine, &m.view);
+    iso_gl_surface *surface = upload(engine, &m.view);
     m.view.colors = NULL; /* the engines choose from those that are alike as they like */
     iso_gbuffer first = gl_gbuffer(&view);
-    const iso_gl_pullpush_opts opts = {&view, (const iso_gl_surface *const *)&shape, 1, reconstruction};
+    const iso_gl_pullpush_opts opts = {&view, (const iso_gl_surface *const *)&surface, 1, reconstruction};
     /* (refined by the cpu engine depends on the order of points that are one another's backs) */
     if (reconstruction != ISO_RECONSTRUCTION_REFINED)
         gl_check_pullpush(engine, &m.view, reconstruction, &view, 1, "points that are alike");
@@ -307,7 +307,7 @@ static void check_repeated(iso_gl_engine *engine, iso_reconstruction reconstruct
         iso_gbuffer_free(&again);
     }
     iso_gbuffer_free(&first);
-    iso_gl_surface_destroy(shape);
+    iso_gl_surface_destroy(surface);
     free_many(&m);
 }
 
@@ -335,17 +335,17 @@ static void check_surfaces(iso_gl_engine *engine, iso_reconstruction reconstruct
                                gl_side_view(&s[0].surface.box, 3, true, 170, 200)};
     for (int colored = 0; colored < 3; colored++) {
         iso_point_view points[2];
-        iso_gl_surface *shapes[2];
+        iso_gl_surface *surfaces[2];
         uint8_t(*colors)[3] = NULL;
         for (int i = 0; i < 2; i++) {
             points[i] = iso_point_set_view(s[i].discs[0]);
             if (i == colored) points[i].colors = (const uint8_t(*)[3])(colors = some_colors(&points[i]));
-            shapes[i] = upload(engine, &points[i]);
+            surfaces[i] = upload(engine, &points[i]);
         }
         for (int v = 0; v < 2; v++)
             for (int count = 0; count <= 2; count++) {
                 iso_gbuffer gl = gl_gbuffer(&views[v]), cpu = gl_gbuffer(&views[v]);
-                const iso_gl_pullpush_opts opts = {&views[v], (const iso_gl_surface *const *)shapes, count,
+                const iso_gl_pullpush_opts opts = {&views[v], (const iso_gl_surface *const *)surfaces, count,
                                                    reconstruction};
                 assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &gl, NULL), ISO_OK);
                 const iso_pullpush_opts same = {.reconstruction = reconstruction};
@@ -359,7 +359,7 @@ static void check_surfaces(iso_gl_engine *engine, iso_reconstruction reconstruct
                 iso_gbuffer_free(&gl);
                 iso_gbuffer_free(&cpu);
             }
-        for (int i = 0; i < 2; i++) iso_gl_surface_destroy(shapes[i]);
+        for (int i = 0; i < 2; i++) iso_gl_surface_destroy(surfaces[i]);
         free(colors);
     }
     for (int i = 0; i < 2; i++) free_scene(&s[i]);
@@ -378,9 +378,9 @@ static void check_memory(iso_gl_engine *engine, iso_reconstruction reconstructio
     if (!refined) m.view.colors = (const uint8_t(*)[3])m.colors;
     const iso_box box = {{0, -16, 0}, {32, 32, 48}};
     for (int side = 500; side <= 1000; side += 500) {
-        iso_gl_surface *shape = upload(engine, &m.view);
+        iso_gl_surface *surface = upload(engine, &m.view);
         const iso_view view = gl_side_view(&box, 1, false, side, side);
-        const iso_gl_pullpush_opts opts = {&view, (const iso_gl_surface *const *)&shape, 1, reconstruction};
+        const iso_gl_pullpush_opts opts = {&view, (const iso_gl_surface *const *)&surface, 1, reconstruction};
         iso_gbuffer g = gl_gbuffer(&view);
         assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &g, NULL), ISO_OK);
         double taken = 20.0 * sizeof(float) * engine->discs.width * engine->discs.height,
@@ -391,7 +391,7 @@ static void check_memory(iso_gl_engine *engine, iso_reconstruction reconstructio
         assert_true(iso_gl_pullpush_bytes(engine, reconstruction, 1 << 16, 1 << 16) ==
                     iso_gl_pullpush_bytes(engine, reconstruction, 1 << 17, 1 << 17));
         iso_gbuffer_free(&g);
-        iso_gl_surface_destroy(shape);
+        iso_gl_surface_destroy(surface);
     }
     free_many(&m);
 }
@@ -408,28 +408,28 @@ static void what_cannot_be_drawn_is_said(iso_gl_engine *engine) {
     scene s = make_scene("sphere", 24);
     iso_point_view points = iso_point_set_view(s.surface.packed);
     const iso_view view = gl_side_view(&s.surface.box, 0, false, 100, 100);
-    iso_gl_surface *shape = upload(engine, &points);
+    iso_gl_surface *surface = upload(engine, &points);
     iso_gbuffer g = gl_gbuffer(&view);
     iso_error error = {ISO_OK, ""};
     engine->max_storage = 1000;
     for (int i = 0; i <= ISO_RECONSTRUCTION_GAUSSIAN; i++) {
-        const iso_gl_pullpush_opts opts = {&view, (const iso_gl_surface *const *)&shape, 1,
+        const iso_gl_pullpush_opts opts = {&view, (const iso_gl_surface *const *)&surface, 1,
                                            (iso_reconstruction)i};
         assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &g, &error), ISO_ERR_LIMIT);
         assert_non_null(strstr(error.text, "100 pixels wide"));
     }
     iso_gbuffer_free(&g);
-    iso_gl_surface_destroy(shape);
+    iso_gl_surface_destroy(surface);
     free_scene(&s);
 }
 
 /* Points, Gaussian or refined. */
-static iso_status draw_by(iso_gl_engine *engine, int method, const iso_view *view, iso_gl_surface *shape,
+static iso_status draw_by(iso_gl_engine *engine, int method, const iso_view *view, iso_gl_surface *surface,
                           iso_gbuffer *g) {
-    const iso_gl_surface *const shapes[] = {shape};
-    const iso_gl_draw_opts points = {.view = view, .shapes = shapes, .shape_count = 1};
+    const iso_gl_surface *const surfaces[] = {surface};
+    const iso_gl_draw_opts points = {.view = view, .surfaces = surfaces, .surface_count = 1};
     const iso_gl_pullpush_opts filled = {
-        view, shapes, 1, method == 1 ? ISO_RECONSTRUCTION_GAUSSIAN : ISO_RECONSTRUCTION_REFINED};
+        view, surfaces, 1, method == 1 ? ISO_RECONSTRUCTION_GAUSSIAN : ISO_RECONSTRUCTION_REFINED};
     return method ? iso_gl_draw_pullpush(engine, &filled, g, NULL) : iso_gl_draw(engine, &points, g, NULL);
 }
 
@@ -439,12 +439,12 @@ static void passes_are_timed(iso_gl_engine *engine) {
     scene s = make_scene("gyroid", 48);
     iso_point_view points = iso_point_set_view(s.discs[0]);
     const iso_view view = gl_side_view(&s.surface.box, 0, false, 400, 400);
-    iso_gl_surface *shape = upload(engine, &points);
+    iso_gl_surface *surface = upload(engine, &points);
     iso_gbuffer g = gl_gbuffer(&view);
     double seconds[ISO_GL_PASSES];
     for (int method = 0; method < 3; method++) {
-        iso_gl_engine_forget_seconds(engine);
-        for (int i = 0; i < TIMES; i++) assert_int_equal(draw_by(engine, method, &view, shape, &g), ISO_OK);
+        iso_gl_engine_reset_seconds(engine);
+        for (int i = 0; i < TIMES; i++) assert_int_equal(draw_by(engine, method, &view, surface, &g), ISO_OK);
         iso_gl_engine_seconds(engine, seconds);
         printf("%s:", engine->context->name);
         for (int p = 0; p < ISO_GL_PASSES; p++) {
@@ -458,12 +458,12 @@ static void passes_are_timed(iso_gl_engine *engine) {
     }
     engine->timer.by_clock = false; /* queries are made, whatever this driver's are worth */
     for (int method = 1; method < 3; method++) {
-        assert_int_equal(draw_by(engine, method, &view, shape, &g), ISO_OK);
+        assert_int_equal(draw_by(engine, method, &view, surface, &g), ISO_OK);
         assert_int_equal(engine->timer.pending, 0);
         assert_true(engine->timer.queries[method == 1 ? 3 : 2] != 0);
     }
     iso_gbuffer_free(&g);
-    iso_gl_surface_destroy(shape);
+    iso_gl_surface_destroy(surface);
     free_scene(&s);
 }
 

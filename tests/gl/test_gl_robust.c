@@ -13,6 +13,7 @@
 #include <glad/gl.h>
 
 #include "apps/isorender/isorender.h"
+#include "check_support.h"
 #include "gl_support.h"
 #include "render/gl/internal.h"
 #include "render/gl/surface.h"
@@ -57,15 +58,15 @@ static void make_subject(subject *s) {
 /* Everything that can be done with a context, until something fails. */
 static iso_status do_everything(iso_gl_context *context, const subject *s, iso_error *error) {
     iso_gl_engine *engine;
-    iso_gl_surface *shape = NULL;
+    iso_gl_surface *surface = NULL;
     ISO_TRY(iso_gl_engine_create(context, &engine, error));
     engine->max_side = 100; /* six parts */
-    iso_status status = iso_gl_upload_points(engine, &s->points, &shape, error);
+    iso_status status = iso_gl_upload_points(engine, &s->points, &surface, error);
     iso_gbuffer g = gl_gbuffer(&s->view);
     const iso_gl_draw_opts opts = {
-        .view = &s->view, .shapes = (const iso_gl_surface *const *)&shape, .shape_count = 1};
+        .view = &s->view, .surfaces = (const iso_gl_surface *const *)&surface, .surface_count = 1};
     for (int i = 0; i < 2 && status == ISO_OK; i++) status = iso_gl_draw(engine, &opts, &g, error);
-    iso_gl_surface_destroy(shape);
+    iso_gl_surface_destroy(surface);
     iso_gl_engine_destroy(engine);
     iso_gbuffer_free(&g);
     return status;
@@ -177,7 +178,7 @@ enum { SLOTS = 8, CONTEXTS = 100 };
 typedef struct inhabitant {
     iso_gl_context *context;
     iso_gl_engine *engine;
-    iso_gl_surface *shape;
+    iso_gl_surface *surface;
     bool lost;
 } inhabitant;
 
@@ -186,12 +187,12 @@ static bool move_in(inhabitant *who, const subject *s, iso_gl_kind kind, bool de
     *who = (inhabitant){.context = NULL};
     if (iso_gl_context_create(&opts, &who->context, NULL) != ISO_OK) return false;
     assert_int_equal(iso_gl_engine_create(who->context, &who->engine, NULL), ISO_OK);
-    assert_int_equal(iso_gl_upload_points(who->engine, &s->points, &who->shape, NULL), ISO_OK);
+    assert_int_equal(iso_gl_upload_points(who->engine, &s->points, &who->surface, NULL), ISO_OK);
     return true;
 }
 
 static void move_out(inhabitant *who) {
-    iso_gl_surface_destroy(who->shape);
+    iso_gl_surface_destroy(who->surface);
     iso_gl_engine_destroy(who->engine);
     iso_gl_context_destroy(who->context);
     *who = (inhabitant){.context = NULL};
@@ -201,7 +202,7 @@ static void move_out(inhabitant *who) {
 static void live(inhabitant *who, const subject *s, iso_gbuffer *first, bool *has_first) {
     iso_gbuffer g = gl_gbuffer(&s->view);
     const iso_gl_draw_opts opts = {
-        .view = &s->view, .shapes = (const iso_gl_surface *const *)&who->shape, .shape_count = 1};
+        .view = &s->view, .surfaces = (const iso_gl_surface *const *)&who->surface, .surface_count = 1};
     iso_status status = iso_gl_draw(who->engine, &opts, &g, NULL);
     assert_int_equal(status, who->lost ? ISO_ERR_BACKEND : ISO_OK);
     size_t count = (size_t)g.width * (size_t)g.height;
@@ -226,7 +227,7 @@ static void contexts_come_and_go_in_any_order(void **state) {
     bool has_first = false;
     int made = 0, tried = 0, lost = 0;
     while (tried < CONTEXTS) {
-        seed = seed * 1664525u + 1013904223u;
+        random_word(&seed);
         inhabitant *who = &slots[seed >> 8 & (SLOTS - 1)];
         uint32_t dice = seed >> 16 & 255;
         if (!who->context) {

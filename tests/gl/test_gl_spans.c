@@ -22,10 +22,10 @@ static iso_gl_engine *make_engine(iso_gl_context *context) {
     return engine;
 }
 
-static iso_gbuffer draw(iso_gl_engine *engine, const iso_gl_surface *shape, const iso_view *view) {
+static iso_gbuffer draw(iso_gl_engine *engine, const iso_gl_surface *surface, const iso_view *view) {
     iso_gbuffer g = gl_gbuffer(view);
     iso_error error = {ISO_OK, ""};
-    const iso_gl_draw_opts opts = {.view = view, .shapes = &shape, .shape_count = 1};
+    const iso_gl_draw_opts opts = {.view = view, .surfaces = &surface, .surface_count = 1};
     if (iso_gl_draw(engine, &opts, &g, &error) != ISO_OK) fail_msg("%s", error.text);
     return g;
 }
@@ -211,40 +211,40 @@ static void check_bounds(const iso_mesh_view *mesh) {
 }
 
 /* Spans left out. */
-static size_t check_hidden(iso_gl_engine *engine, const iso_gl_surface *shape, const iso_view *view,
+static size_t check_hidden(iso_gl_engine *engine, const iso_gl_surface *surface, const iso_view *view,
                            const char *name) {
-    iso_gbuffer culled = draw(engine, shape, view);
-    size_t averted = engine->averted;
-    engine->keep_averted = true;
-    iso_gbuffer all = draw(engine, shape, view);
-    engine->keep_averted = false;
-    assert_int_equal(engine->averted, 0);
+    iso_gbuffer culled = draw(engine, surface, view);
+    size_t back_facing = engine->back_facing;
+    engine->keep_back_facing = true;
+    iso_gbuffer all = draw(engine, surface, view);
+    engine->keep_back_facing = false;
+    assert_int_equal(engine->back_facing, 0);
     size_t differ = pixels_that_differ(&culled, &all);
     if (differ) fail_msg("%s: %zu of %zu pixels differ", name, differ, covered(&all));
     iso_gbuffer_free(&culled);
     iso_gbuffer_free(&all);
-    return averted;
+    return back_facing;
 }
 
 /* Twelve views from outside and one from the middle; spans left out. */
 static size_t check_views(iso_gl_engine *engine, const iso_mesh_view *mesh, const char *name) {
-    iso_gl_surface *shape;
-    assert_int_equal(iso_gl_upload_mesh(engine, mesh, &shape, NULL), ISO_OK);
-    size_t averted = 0;
+    iso_gl_surface *surface;
+    assert_int_equal(iso_gl_upload_mesh(engine, mesh, &surface, NULL), ISO_OK);
+    size_t back_facing = 0;
     for (int side = 0; side < GL_SIDES; side++)
         for (int orthographic = 0; orthographic < 2; orthographic++) {
             iso_view view = view_of(mesh, side, orthographic);
-            averted += check_hidden(engine, shape, &view, name);
+            back_facing += check_hidden(engine, surface, &view, name);
         }
     /* where the eye is inside, what faces away is what is seen */
     iso_view inside = view_of(mesh, 0, false);
     iso_box index = iso_mesh_view_bounds(mesh);
     iso_affine affine = iso_transform_affine(&mesh->transform);
     inside.eye = iso_affine_point(&affine, iso_vec3_scale(iso_vec3_add(index.lo, index.hi), 0.5));
-    assert_int_equal(check_hidden(engine, shape, &inside, name), 0);
-    print_message("%s: %zu spans left out in 12 views of %zu\n", name, averted, mesh->span_count);
-    iso_gl_surface_destroy(shape);
-    return averted;
+    assert_int_equal(check_hidden(engine, surface, &inside, name), 0);
+    print_message("%s: %zu spans left out in 12 views of %zu\n", name, back_facing, mesh->span_count);
+    iso_gl_surface_destroy(surface);
+    return back_facing;
 }
 
 /* Returns whether it is closed. */
@@ -254,8 +254,8 @@ static bool check_left_out(iso_gl_engine *engine, iso_mesh_set *set, const char 
     assert_int_equal(iso_mesh_set_bound(set, NULL), ISO_OK);
     iso_mesh_view mesh = iso_mesh_set_view(set);
     check_bounds(&mesh);
-    size_t averted = check_views(engine, &mesh, name);
-    assert_true((averted > 0) == mesh.closed);
+    size_t back_facing = check_views(engine, &mesh, name);
+    assert_true((back_facing > 0) == mesh.closed);
     return mesh.closed;
 }
 
@@ -319,7 +319,7 @@ static uint64_t changed_bytes_of_mesh(follower *f, const iso_mesh_view *mesh) {
     assert_non_null(f->seen);
     for (size_t s = 0; s < mesh->span_count; s++) {
         const iso_mesh_span *span = &mesh->spans[s];
-        seen_span now = {mesh->stamps[s], {span->first_vertex, span->first_triangle}};
+        seen_span now = {mesh->versions[s], {span->first_vertex, span->first_triangle}};
         if (!was_seen(f, s, now))
             bytes += (uint64_t)span->vertex_count * sizeof(iso_surfel) + (uint64_t)span->triangle_count * 6;
     }
@@ -332,7 +332,7 @@ static uint64_t changed_bytes_of_points(follower *f, const iso_point_view *point
     f->seen = realloc(f->seen, (points->span_count + 1) * sizeof *f->seen);
     assert_non_null(f->seen);
     for (size_t s = 0; s < points->span_count; s++) {
-        seen_span now = {points->stamps[s], {points->spans[s].first, 0}};
+        seen_span now = {points->versions[s], {points->spans[s].first, 0}};
         if (!was_seen(f, s, now)) bytes += (uint64_t)points->spans[s].count * item;
     }
     f->count = points->span_count;
@@ -515,19 +515,19 @@ static void what_moved_is_uploaded(void **state) {
         else
             memcpy(room, mesh.vertices, low * sizeof *room);
         moved.spans = spans;
-        iso_gl_surface *shape;
-        assert_int_equal(iso_gl_upload_mesh(engine, &mesh, &shape, NULL), ISO_OK);
-        uint64_t whole = iso_gl_surface_measure(shape).uploaded;
-        iso_gbuffer before = draw(engine, shape, &view);
-        assert_int_equal(iso_gl_update_mesh(shape, &moved, NULL), ISO_OK);
-        uint64_t sent = iso_gl_surface_measure(shape).uploaded;
+        iso_gl_surface *surface;
+        assert_int_equal(iso_gl_upload_mesh(engine, &mesh, &surface, NULL), ISO_OK);
+        uint64_t whole = iso_gl_surface_measure(surface).uploaded;
+        iso_gbuffer before = draw(engine, surface, &view);
+        assert_int_equal(iso_gl_update_mesh(surface, &moved, NULL), ISO_OK);
+        uint64_t sent = iso_gl_surface_measure(surface).uploaded;
         assert_true(sent > 0 && sent < whole);
-        iso_gbuffer after = draw(engine, shape, &view);
+        iso_gbuffer after = draw(engine, surface, &view);
         assert_true(covered(&before) > 0);
         assert_int_equal(pixels_that_differ(&before, &after), 0);
         iso_gbuffer_free(&before);
         iso_gbuffer_free(&after);
-        iso_gl_surface_destroy(shape);
+        iso_gl_surface_destroy(surface);
     }
     free(room);
     free(corners);

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "apps/isosculpt/view/view.h"
+#include "apps/isosculpt/viewport/viewport.h"
 #include "gl_support.h"
 #include "render/gl/internal.h"
 #include "sculpt/session/session.h"
@@ -30,7 +30,7 @@ static const iso_journal_start START = {.source = "ball",
 typedef struct studio {
     iso_session *session;
     isosculpt_gl *gl;
-    isosculpt_view by_cpu, by_gl;
+    isosculpt_viewport by_cpu, by_gl;
 } studio;
 
 static void open_studio(studio *s, iso_gl_context *context) {
@@ -40,29 +40,29 @@ static void open_studio(studio *s, iso_gl_context *context) {
                      ISO_OK);
     assert_int_equal(isosculpt_gl_create(context, &s->gl, NULL), ISO_OK);
     grid = iso_session_grid(s->session);
-    assert_int_equal(isosculpt_view_init(&s->by_cpu, grid, NULL, NULL), ISO_OK);
-    assert_int_equal(isosculpt_view_init(&s->by_gl, grid, NULL, NULL), ISO_OK);
+    assert_int_equal(isosculpt_viewport_init(&s->by_cpu, grid, NULL, NULL), ISO_OK);
+    assert_int_equal(isosculpt_viewport_init(&s->by_gl, grid, NULL, NULL), ISO_OK);
     s->by_gl.gl = s->gl;
-    s->by_gl.mode.engine = ISOSCULPT_GL;
+    s->by_gl.mode.engine = ISOSCULPT_ENGINE_GL;
 }
 
 static void close_studio(studio *s) {
-    isosculpt_view_free(&s->by_cpu);
-    isosculpt_view_free(&s->by_gl);
+    isosculpt_viewport_free(&s->by_cpu);
+    isosculpt_viewport_free(&s->by_gl);
     isosculpt_gl_destroy(s->gl);
     iso_session_destroy(s->session);
 }
 
-static void draw(isosculpt_view *view, bool moving) {
+static void draw(isosculpt_viewport *view, bool moving) {
     iso_error error = {ISO_OK, ""};
-    if (isosculpt_view_draw(view, WIDTH, HEIGHT, moving, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (isosculpt_viewport_draw(view, WIDTH, HEIGHT, moving, &error) != ISO_OK) fail_msg("%s", error.text);
 }
 
-static void draw_best(isosculpt_view *view) {
+static void draw_best(isosculpt_viewport *view) {
     iso_error error = {ISO_OK, ""};
     draw(view, false);
-    while (view->quality != ISOSCULPT_FINE)
-        if (isosculpt_view_refine(view, &error) != ISO_OK) fail_msg("%s", error.text);
+    while (view->quality != ISOSCULPT_QUALITY_FINE)
+        if (isosculpt_viewport_refine(view, &error) != ISO_OK) fail_msg("%s", error.text);
 }
 
 static void stroke(studio *s, double x) {
@@ -72,9 +72,9 @@ static void stroke(studio *s, double x) {
     assert_int_equal(iso_session_end(s->session, NULL), ISO_OK);
 }
 
-static double psnr_of(isosculpt_view *a, isosculpt_view *b) {
-    assert_int_equal(isosculpt_view_fetch(a, NULL), ISO_OK);
-    assert_int_equal(isosculpt_view_fetch(b, NULL), ISO_OK);
+static double psnr_of(isosculpt_viewport *a, isosculpt_viewport *b) {
+    assert_int_equal(isosculpt_viewport_read_back(a, NULL), ISO_OK);
+    assert_int_equal(isosculpt_viewport_read_back(b, NULL), ISO_OK);
     assert_int_equal(a->image.width, b->image.width);
     assert_int_equal(a->image.height, b->image.height);
     return gl_psnr(&a->image, &b->image);
@@ -93,34 +93,34 @@ static void assert_same_picks(const studio *s, const char *when) {
                      iso_vec3_length(iso_vec3_sub(a.position, b.position)) < 2 * NEAR;
         }
     if (!(all > 100 && found > 0.98 * all))
-        fail_msg("%s, %s: %d of %d picks", isosculpt_method_name(s->by_gl.mode.method), when, found, all);
+        fail_msg("%s, %s: %d of %d picks", iso_method_name(s->by_gl.mode.method), when, found, all);
 }
 
 static void assert_alike(studio *s, bool best, const char *when) {
     const isosculpt_display_mode *mode = &s->by_gl.mode;
-    isosculpt_view *views[] = {&s->by_cpu, &s->by_gl};
+    isosculpt_viewport *views[] = {&s->by_cpu, &s->by_gl};
     for (int i = 0; i < 2; i++) best ? draw_best(views[i]) : draw(views[i], false);
     double psnr = psnr_of(views[0], views[1]);
-    if (!(psnr >= 40)) fail_msg("%s, %s: %.1f dB", isosculpt_method_name(mode->method), when, psnr);
+    if (!(psnr >= 40)) fail_msg("%s, %s: %.1f dB", iso_method_name(mode->method), when, psnr);
     assert_null(s->by_cpu.drawn.canvas);
-    assert_int_equal(s->by_gl.drawn.canvas != NULL, mode->method != ISOSCULPT_EXACT);
-    if (mode->method == ISOSCULPT_EXACT) assert_true(isinf(psnr));
+    assert_int_equal(s->by_gl.drawn.canvas != NULL, mode->method != ISO_METHOD_EXACT);
+    if (mode->method == ISO_METHOD_EXACT) assert_true(isinf(psnr));
     assert_same_picks(s, when);
 }
 
-static void check_method(studio *s, isosculpt_method method) {
-    s->by_cpu.mode.method = s->by_gl.mode.method = method;
+static void check_method(studio *s, int index) {
+    s->by_cpu.mode.method = s->by_gl.mode.method = isosculpt_methods[index];
     assert_alike(s, false, "at rest");
     assert_alike(s, true, "at its best");
-    stroke(s, -4 + 2.5 * (int)method);
+    stroke(s, -4 + 2.5 * index);
     assert_alike(s, false, "after a stroke");
-    isosculpt_view_orbit(&s->by_cpu, 25, 10);
-    isosculpt_view_orbit(&s->by_gl, 25, 10);
+    isosculpt_viewport_orbit(&s->by_cpu, 25, 10);
+    isosculpt_viewport_orbit(&s->by_gl, 25, 10);
     assert_alike(s, true, "from elsewhere");
     assert_int_equal(iso_session_undo(s->session, NULL), ISO_OK);
     assert_alike(s, true, "undone");
     for (int light = ISOSCULPT_SHADING_COUNT - 1; light >= 0; light--) {
-        s->by_cpu.mode.paint.light = s->by_gl.mode.paint.light = (isosculpt_shading)light;
+        s->by_cpu.mode.material.shading = s->by_gl.mode.material.shading = (isosculpt_shading)light;
         assert_alike(s, false, isosculpt_shading_name((isosculpt_shading)light));
     }
 }
@@ -128,8 +128,7 @@ static void check_method(studio *s, isosculpt_method method) {
 static void pictures_are_the_cpu_engines(iso_gl_context *context) {
     studio s;
     open_studio(&s, context);
-    for (int method = 0; method < ISOSCULPT_METHOD_COUNT; method++)
-        check_method(&s, (isosculpt_method)method);
+    for (int method = 0; method < ISOSCULPT_METHODS; method++) check_method(&s, method);
     close_studio(&s);
 }
 
@@ -139,18 +138,18 @@ static void mesh_stands_in_for_exact(iso_gl_context *context) {
     open_studio(&s, context);
     draw(&s.by_gl, true);
     assert_non_null(s.by_gl.drawn.canvas);
-    assert_int_equal(s.by_gl.quality, ISOSCULPT_MOVING);
-    s.by_cpu.mode.method = ISOSCULPT_MESH;
+    assert_int_equal(s.by_gl.quality, ISOSCULPT_QUALITY_MOVING);
+    s.by_cpu.mode.method = ISO_METHOD_MESH;
     draw(&s.by_cpu, false);
     assert_true(psnr_of(&s.by_cpu, &s.by_gl) >= 40);
     draw(&s.by_gl, false);
     assert_null(s.by_gl.drawn.canvas);
-    assert_int_equal(s.by_gl.quality, ISOSCULPT_REST);
+    assert_int_equal(s.by_gl.quality, ISOSCULPT_QUALITY_REST);
     stroke(&s, 0); /* and what changed of it is drawn as without OpenGL */
     draw(&s.by_gl, true);
     assert_null(s.by_gl.drawn.canvas);
-    assert_true(isosculpt_damage_area(&s.by_gl.fresh) < (size_t)WIDTH * HEIGHT);
-    s.by_cpu.mode.method = ISOSCULPT_EXACT;
+    assert_true(isosculpt_damage_area(&s.by_gl.redrawn) < (size_t)WIDTH * HEIGHT);
+    s.by_cpu.mode.method = ISO_METHOD_EXACT;
     draw(&s.by_cpu, false);
     assert_true(isinf(psnr_of(&s.by_cpu, &s.by_gl)));
     close_studio(&s);
@@ -159,26 +158,26 @@ static void mesh_stands_in_for_exact(iso_gl_context *context) {
 /* Strokes pick from the picture that they began on. */
 static void held_picture_stays(iso_gl_context *context) {
     studio s;
-    isosculpt_pick before, pick_layer, now;
+    isosculpt_pick before, picked, now;
     open_studio(&s, context);
     const double x = WIDTH / 2.0, y = HEIGHT / 2.0;
-    s.by_gl.mode.method = ISOSCULPT_MESH;
+    s.by_gl.mode.method = ISO_METHOD_MESH;
     draw(&s.by_gl, false);
     assert_true(isosculpt_layer_pick(&s.by_gl.drawn, x, y, &before));
-    assert_int_equal(isosculpt_view_keep_pick_layer(&s.by_gl, NULL), ISO_OK);
+    assert_int_equal(isosculpt_viewport_keep_pick_layer(&s.by_gl, NULL), ISO_OK);
     stroke(&s, 0);
     draw(&s.by_gl, true);
-    assert_true(isosculpt_layer_pick(&s.by_gl.pick_layer, x, y, &pick_layer));
+    assert_true(isosculpt_layer_pick(&s.by_gl.pick_layer, x, y, &picked));
     assert_true(isosculpt_layer_pick(&s.by_gl.drawn, x, y, &now));
-    assert_memory_equal(&pick_layer, &before, sizeof pick_layer);
+    assert_memory_equal(&picked, &before, sizeof picked);
     assert_true(now.depth < before.depth - 1);
-    s.by_gl.mode.engine = ISOSCULPT_CPU; /* what is held does not depend on what draws now */
+    s.by_gl.mode.engine = ISOSCULPT_ENGINE_CPU; /* what is held does not depend on what draws now */
     draw(&s.by_gl, false);
-    assert_true(isosculpt_layer_pick(&s.by_gl.pick_layer, x, y, &pick_layer));
-    assert_memory_equal(&pick_layer, &before, sizeof pick_layer);
-    assert_int_equal(isosculpt_view_keep_pick_layer(&s.by_gl, NULL), ISO_OK);
-    assert_true(isosculpt_layer_pick(&s.by_gl.pick_layer, x, y, &pick_layer));
-    assert_true(fabs(pick_layer.depth - now.depth) < 0.01);
+    assert_true(isosculpt_layer_pick(&s.by_gl.pick_layer, x, y, &picked));
+    assert_memory_equal(&picked, &before, sizeof picked);
+    assert_int_equal(isosculpt_viewport_keep_pick_layer(&s.by_gl, NULL), ISO_OK);
+    assert_true(isosculpt_layer_pick(&s.by_gl.pick_layer, x, y, &picked));
+    assert_true(fabs(picked.depth - now.depth) < 0.01);
     close_studio(&s);
 }
 
@@ -187,15 +186,15 @@ static void driver_that_fails_is_done_without(iso_gl_context *context) {
     for (int when = 0; when < 3; when++) {
         studio s;
         open_studio(&s, context);
-        s.by_gl.mode.method = s.by_cpu.mode.method = ISOSCULPT_POINTS;
+        s.by_gl.mode.method = s.by_cpu.mode.method = ISO_METHOD_POINTS;
         if (when) draw(&s.by_gl, false);
         context->lost = true;
-        if (when == 1) isosculpt_view_orbit(&s.by_gl, 10, 0);
+        if (when == 1) isosculpt_viewport_orbit(&s.by_gl, 10, 0);
         s.by_cpu.camera = s.by_gl.camera;
         draw_best(&s.by_gl);
         draw_best(&s.by_cpu);
         assert_true(strstr(s.by_gl.gl_error.text, "lost"));
-        assert_int_equal(s.by_gl.mode.engine, ISOSCULPT_CPU);
+        assert_int_equal(s.by_gl.mode.engine, ISOSCULPT_ENGINE_CPU);
         assert_true(isinf(psnr_of(&s.by_cpu, &s.by_gl)));
         context->lost = false; /* so that it can be cleared away */
         close_studio(&s);
@@ -211,10 +210,10 @@ static bool everywhere(const void *context, int x, int y, int z) {
 static void frozen_parts_are_the_cpu_engines(iso_gl_context *context) {
     studio s;
     open_studio(&s, context);
-    s.by_gl.mode.method = s.by_cpu.mode.method = ISOSCULPT_MESH;
+    s.by_gl.mode.method = s.by_cpu.mode.method = ISO_METHOD_MESH;
     draw(&s.by_gl, true);
     s.by_gl.mask.at = s.by_cpu.mask.at = everywhere;
-    s.by_gl.repaint = s.by_cpu.repaint = true;
+    s.by_gl.mask_changed = s.by_cpu.mask_changed = true;
     draw_best(&s.by_gl);
     draw_best(&s.by_cpu);
     assert_true(isinf(psnr_of(&s.by_cpu, &s.by_gl)));
@@ -233,11 +232,11 @@ static iso_rgrid *make_volume(void) {
     return volume;
 }
 
-static void open_volume(isosculpt_view *view, iso_rgrid *volume, isosculpt_gl *gl) {
+static void open_volume(isosculpt_viewport *view, iso_rgrid *volume, isosculpt_gl *gl) {
     const iso_grid grid = {.rgrid = volume};
-    assert_int_equal(isosculpt_view_init_grid(view, &grid, 225, NULL, NULL), ISO_OK);
+    assert_int_equal(isosculpt_viewport_init_grid(view, &grid, 225, NULL, NULL), ISO_OK);
     view->gl = gl;
-    view->mode.engine = ISOSCULPT_GL;
+    view->mode.engine = ISOSCULPT_ENGINE_GL;
     view->sliding = true;
 }
 
@@ -251,24 +250,24 @@ static void levels_do_not_mix(iso_gl_context *context) {
     static const int levels[] = {0, 1, 0, 2, 1};
     iso_rgrid *volume = make_volume();
     isosculpt_gl *gl, *other_gl;
-    isosculpt_view view, other;
+    isosculpt_viewport view, other;
     assert_int_equal(isosculpt_gl_create(context, &gl, NULL), ISO_OK);
     assert_int_equal(isosculpt_gl_create(context, &other_gl, NULL), ISO_OK);
     open_volume(&view, volume, gl);
     for (size_t i = 0; i < sizeof levels / sizeof *levels; i++) {
-        go_to_level(view.levels, levels[i]);
-        view.factor = 1; /* however long the picture before took */
+        go_to_level(view.lod, levels[i]);
+        view.moving_factor = 1; /* however long the picture before took */
         draw(&view, true);
         open_volume(&other, volume, other_gl);
         other.camera = view.camera;
-        go_to_level(other.levels, levels[i]);
+        go_to_level(other.lod, levels[i]);
         draw(&other, true);
         assert_non_null(view.drawn.canvas);
         if (!isinf(psnr_of(&view, &other))) fail_msg("step %zu, level %d", i, levels[i]);
-        isosculpt_view_free(&other);
-        isosculpt_view_orbit(&view, 5, 0); /* the isovalue stays, and with it the numbers of spans */
+        isosculpt_viewport_free(&other);
+        isosculpt_viewport_orbit(&view, 5, 0); /* the isovalue stays, and with it the numbers of spans */
     }
-    isosculpt_view_free(&view);
+    isosculpt_viewport_free(&view);
     isosculpt_gl_destroy(other_gl);
     isosculpt_gl_destroy(gl);
     iso_rgrid_destroy(volume);

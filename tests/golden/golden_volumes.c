@@ -31,8 +31,8 @@ static uint64_t hash_points(const iso_point_view *view) {
             hash = golden_hash(hash, view->packed + span->first, span->count * sizeof *view->packed);
         if (view->surfels)
             hash = golden_hash(hash, view->surfels + span->first, span->count * sizeof *view->surfels);
-        if (view->shapes)
-            hash = golden_hash(hash, view->shapes + span->first, span->count * sizeof *view->shapes);
+        if (view->curvatures)
+            hash = golden_hash(hash, view->curvatures + span->first, span->count * sizeof *view->curvatures);
     }
     return golden_hash(hash, &view->radius, sizeof view->radius);
 }
@@ -54,11 +54,13 @@ static void points_row(golden_table *table, const subject *s, iso_points_opts op
 static void all_points(golden_table *table, const subject *s) {
     points_row(table, s, (iso_points_opts){.primitive = ISO_PRIMITIVE_EDGE}, "edge");
     points_row(table, s, (iso_points_opts){.primitive = ISO_PRIMITIVE_EDGE, .floats = true}, "edge floats");
-    points_row(table, s, (iso_points_opts){.primitive = ISO_PRIMITIVE_EDGE, .shapes = true}, "edge shapes");
+    points_row(table, s, (iso_points_opts){.primitive = ISO_PRIMITIVE_EDGE, .curvature = true},
+               "edge shapes");
     points_row(table, s, (iso_points_opts){.primitive = ISO_PRIMITIVE_FOOT_ITERATED}, "foot-iterated");
     if (!iso_grid_is_level_set(&s->grid)) return;
     points_row(table, s, (iso_points_opts){.primitive = ISO_PRIMITIVE_FOOT}, "foot");
-    points_row(table, s, (iso_points_opts){.primitive = ISO_PRIMITIVE_FOOT, .shapes = true}, "foot shapes");
+    points_row(table, s, (iso_points_opts){.primitive = ISO_PRIMITIVE_FOOT, .curvature = true},
+               "foot shapes");
 }
 
 static void mesh_row(golden_table *table, const subject *s) {

@@ -73,11 +73,11 @@ void check_points(const iso_grid *grid, double isovalue, const iso_mesh_view &me
     size_t next = 0;
     for (size_t s = 0; s < mesh.span_count; s++) {
         const iso_mesh_span &span = mesh.spans[s];
-        assert_true(next + span.own_count <= iso_point_view_count(&points));
-        if (span.own_count)
+        assert_true(next + span.owned_count <= iso_point_view_count(&points));
+        if (span.owned_count)
             assert_memory_equal(mesh.vertices + span.first_vertex, points.surfels + next,
-                                span.own_count * sizeof(iso_surfel));
-        next += span.own_count;
+                                span.owned_count * sizeof(iso_surfel));
+        next += span.owned_count;
     }
     assert_int_equal(next, iso_point_view_count(&points));
     iso_point_set_destroy(set);

@@ -24,10 +24,15 @@ static inline void near(double got, double wanted, double tolerance) {
         fail_msg("got %.17g, wanted %.17g within %g", got, wanted, tolerance);
 }
 
-/* The next 24 bits of a generator whose state is the caller's; any start will do. */
+/* The next 32 bits of a generator whose state is the caller's; any start will do. The low ones repeat soon.
+ */
+static inline uint32_t random_word(uint32_t *state) {
+    return *state = *state * 1664525u + 1013904223u;
+}
+
+/* The upper 24 of them. */
 static inline uint32_t random_bits(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return *state >> 8;
+    return random_word(state) >> 8;
 }
 
 /* From 0 up to 1, without 1. */
@@ -35,10 +40,15 @@ static inline double uniform(uint32_t *state) {
     return (double)random_bits(state) / (1 << 24);
 }
 
-/* 0 .. limit - 1, of a generator with a longer period. */
-static inline uint32_t random_below(uint64_t *state, uint32_t limit) {
+/* The next 32 bits of a generator with a longer period. */
+static inline uint32_t random_long(uint64_t *state) {
     *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)((*state >> 33) % limit);
+    return (uint32_t)(*state >> 32);
+}
+
+/* 0 .. limit - 1, of the same generator. */
+static inline uint32_t random_below(uint64_t *state, uint32_t limit) {
+    return (random_long(state) >> 1) % limit;
 }
 
 #endif

@@ -11,8 +11,7 @@
 #include <cmocka.h>
 
 uint32_t test_random_next(test_random *random) {
-    random->state = random->state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)(random->state >> 32);
+    return random_long(&random->state);
 }
 
 int test_random_int(test_random *random, int low, int high) {
@@ -113,9 +112,9 @@ void test_stamp_ball(const iso_grid *grid, const test_ball *ball) {
             }
     if (grid->hgrid) {
         iso_hgrid_prune(grid->hgrid);
-        assert_int_equal(iso_hgrid_touch(grid->hgrid, lo, hi, NULL), ISO_OK);
+        assert_int_equal(iso_hgrid_mark_changed(grid->hgrid, lo, hi, NULL), ISO_OK);
     } else {
-        assert_int_equal(iso_rgrid_touch(grid->rgrid, lo, hi, NULL), ISO_OK);
+        assert_int_equal(iso_rgrid_mark_changed(grid->rgrid, lo, hi, NULL), ISO_OK);
     }
 }
 
@@ -151,7 +150,7 @@ void test_random_edit(const iso_grid *grid, test_random *random) {
         for (int y = lo[1]; y <= hi[1]; y++)
             for (int x = lo[0]; x <= hi[0]; x++)
                 test_set(grid, x, y, z, flat ? 50 * flat : test_random_real(random, 50, 150));
-    assert_int_equal(iso_rgrid_touch(grid->rgrid, lo, hi, NULL), ISO_OK);
+    assert_int_equal(iso_rgrid_mark_changed(grid->rgrid, lo, hi, NULL), ISO_OK);
 }
 
 static int compare_bricks(const int32_t *a, const int32_t *b) {
@@ -194,8 +193,8 @@ void test_same_points(const iso_point_view *a, const iso_point_view *b) {
             same_bytes(a->packed + p->first, b->packed + q->first, p->count * sizeof(iso_point));
         else
             same_bytes(a->surfels + p->first, b->surfels + q->first, p->count * sizeof(iso_surfel));
-        if (a->shapes)
-            same_bytes(a->shapes + p->first, b->shapes + q->first, p->count * sizeof(iso_curvature));
+        if (a->curvatures)
+            same_bytes(a->curvatures + p->first, b->curvatures + q->first, p->count * sizeof(iso_curvature));
     }
     free(spans_a);
     free(spans_b);
@@ -218,7 +217,7 @@ void test_same_mesh(const iso_mesh_view *a, const iso_mesh_view *b) {
         const iso_mesh_span *p = &spans_a[i], *q = &spans_b[i];
         assert_int_equal(compare_mesh_spans(p, q), 0);
         assert_int_equal(p->vertex_count, q->vertex_count);
-        assert_int_equal(p->own_count, q->own_count);
+        assert_int_equal(p->owned_count, q->owned_count);
         assert_int_equal(p->triangle_count, q->triangle_count);
         same_bytes(a->vertices + p->first_vertex, b->vertices + q->first_vertex,
                    p->vertex_count * sizeof(iso_surfel));

@@ -138,7 +138,7 @@ static iso_point_set *make_points(const iso_grid *grid, const iso_points_opts *o
 
 iso_point_set *gl_discs_make(const iso_grid *grid, double isovalue, bool floats) {
     const iso_points_opts opts = {
-        .isovalue = isovalue, .primitive = ISO_PRIMITIVE_EDGE, .floats = floats, .shapes = true};
+        .isovalue = isovalue, .primitive = ISO_PRIMITIVE_EDGE, .floats = floats, .curvature = true};
     return make_points(grid, &opts);
 }
 
@@ -174,10 +174,10 @@ static double check_picture(const iso_view *view, const iso_gbuffer *cpu, iso_gb
 }
 
 static double check(iso_gl_engine *engine, const iso_view *view, const iso_gbuffer *cpu,
-                    const iso_gl_surface *shape, const char *name) {
+                    const iso_gl_surface *surface, const char *name) {
     iso_gbuffer gl = gl_gbuffer(view);
     iso_error error = {ISO_OK, ""};
-    const iso_gl_draw_opts opts = {.view = view, .shapes = &shape, .shape_count = 1};
+    const iso_gl_draw_opts opts = {.view = view, .surfaces = &surface, .surface_count = 1};
     iso_status status = iso_gl_draw(engine, &opts, &gl, &error);
     if (status != ISO_OK) fail_msg("%s: %s", name, error.text);
     return check_picture(view, cpu, &gl, name);
@@ -186,23 +186,23 @@ static double check(iso_gl_engine *engine, const iso_view *view, const iso_gbuff
 double gl_check_pullpush(iso_gl_engine *engine, const iso_point_view *points,
                          iso_reconstruction reconstruction, const iso_view *views, int count,
                          const char *name) {
-    iso_gl_surface *shape;
+    iso_gl_surface *surface;
     iso_error error = {ISO_OK, ""};
     double worst = INFINITY;
-    if (iso_gl_upload_points(engine, points, &shape, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (iso_gl_upload_points(engine, points, &surface, &error) != ISO_OK) fail_msg("%s", error.text);
     for (int i = 0; i < count; i++) {
         iso_gbuffer cpu = gl_gbuffer(&views[i]), gl = gl_gbuffer(&views[i]);
         const iso_target target = {.view = &views[i], .gbuffer = &cpu};
         assert_int_equal(
             iso_draw_pullpush(&target, points, &(iso_pullpush_opts){.reconstruction = reconstruction}, NULL),
             ISO_OK);
-        const iso_gl_pullpush_opts opts = {&views[i], (const iso_gl_surface *const *)&shape, 1,
+        const iso_gl_pullpush_opts opts = {&views[i], (const iso_gl_surface *const *)&surface, 1,
                                            reconstruction};
         if (iso_gl_draw_pullpush(engine, &opts, &gl, &error) != ISO_OK) fail_msg("%s: %s", name, error.text);
         worst = fmin(worst, check_picture(&views[i], &cpu, &gl, name));
         iso_gbuffer_free(&cpu);
     }
-    iso_gl_surface_destroy(shape);
+    iso_gl_surface_destroy(surface);
     return worst;
 }
 
@@ -217,31 +217,31 @@ static iso_status draw_mesh(const iso_target *target, const void *view) {
 }
 
 /* Takes over the shape. */
-static double check_views(iso_gl_engine *engine, iso_gl_surface *shape, draw_fn *draw, const void *primitives,
-                          const iso_view *views, int count, const char *name) {
+static double check_views(iso_gl_engine *engine, iso_gl_surface *surface, draw_fn *draw,
+                          const void *primitives, const iso_view *views, int count, const char *name) {
     double worst = INFINITY;
     for (int i = 0; i < count; i++) {
         iso_gbuffer cpu = gl_gbuffer(&views[i]);
         assert_int_equal(draw(&(iso_target){.view = &views[i], .gbuffer = &cpu}, primitives), ISO_OK);
-        worst = fmin(worst, check(engine, &views[i], &cpu, shape, name));
+        worst = fmin(worst, check(engine, &views[i], &cpu, surface, name));
         iso_gbuffer_free(&cpu);
     }
-    iso_gl_surface_destroy(shape);
+    iso_gl_surface_destroy(surface);
     return worst;
 }
 
 double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views, int count,
                        const char *name) {
-    iso_gl_surface *shape;
+    iso_gl_surface *surface;
     iso_error error = {ISO_OK, ""};
-    if (iso_gl_upload_points(engine, points, &shape, &error) != ISO_OK) fail_msg("%s", error.text);
-    return check_views(engine, shape, draw_points, points, views, count, name);
+    if (iso_gl_upload_points(engine, points, &surface, &error) != ISO_OK) fail_msg("%s", error.text);
+    return check_views(engine, surface, draw_points, points, views, count, name);
 }
 
 double gl_check_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, const iso_view *views, int count,
                      const char *name) {
-    iso_gl_surface *shape;
+    iso_gl_surface *surface;
     iso_error error = {ISO_OK, ""};
-    if (iso_gl_upload_mesh(engine, mesh, &shape, &error) != ISO_OK) fail_msg("%s", error.text);
-    return check_views(engine, shape, draw_mesh, mesh, views, count, name);
+    if (iso_gl_upload_mesh(engine, mesh, &surface, &error) != ISO_OK) fail_msg("%s", error.text);
+    return check_views(engine, surface, draw_mesh, mesh, views, count, name);
 }

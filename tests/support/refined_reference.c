@@ -40,7 +40,7 @@ static void shape_of(const iso_projector *projector, const iso_point_view *point
     const iso_surfel surfel = iso_point_view_get(points, i);
     float entry[3], tilt[2], u[3], v[3];
     double a[3], b[3], trace = 0, square = 0;
-    iso_curvature_unpack(points->shapes[i], entry, tilt);
+    iso_curvature_unpack(points->curvatures[i], entry, tilt);
     iso_curvature_frame(surfel.normal, u, v);
     turn(projector, u, a);
     turn(projector, v, b);
@@ -71,7 +71,7 @@ static double per_mm(const iso_projector *projector) {
 /* Where an edge point's surface turns away, and the grid's border. */
 static void enclose(const iso_projector *projector, const iso_point_view *points, size_t i,
                     const double index[3], disc *d) {
-    const int ends = points->shapes ? points->shapes[i].ends : 0, axis = (ends >> 12 & 3) - 1;
+    const int ends = points->curvatures ? points->curvatures[i].extents : 0, axis = (ends >> 12 & 3) - 1;
     double norm = 0;
     for (int k = 0; k < 9; k++) norm += d->s[k / 3][k % 3] * d->s[k / 3][k % 3];
     int slot = 0;
@@ -111,10 +111,10 @@ static bool make_disc(const iso_view *view, const iso_projector *projector, cons
     for (int k = 0; k < 3; k++) d->lit[k] = d->n[k] /= length;
     memset(d->s, 0, sizeof d->s);
     const double pixels = points->radius * view->focal / (view->orthographic ? 1 : d->at[2]);
-    if (points->shapes) shape_of(projector, points, i, length, d);
+    if (points->curvatures) shape_of(projector, points, i, length, d);
     enclose(projector, points, i, index, d);
     d->radius = points->radius * (1.2 + 0.215 * fmin(fmax((pixels - 4.5) / 6, 0), 1));
-    if (points->shapes) d->radius *= 1 - (points->shapes[i].ends >> 14) / 4.0;
+    if (points->curvatures) d->radius *= 1 - (points->curvatures[i].extents >> 14) / 4.0;
     for (int k = 0; k < 2 && !view->orthographic; k++) ray[k] = d->at[k] / d->at[2];
     const double along = dot3(d->n, ray), lit = dot3(d->lit, ray);
     if (cull && lit > 0 && lit * lit > 0.04 * dot3(ray, ray)) return false;

@@ -95,7 +95,7 @@ sculpt_quality sculpt_measure(const iso_hgrid *grid, uint64_t seen) {
         for (int y = 3; y < n[1] - 3; y++)
             for (int x = 3; x < n[0] - 3; x++) {
                 uint32_t cell = (uint32_t)iso_hgrid_cell_index(grid, x / 16, y / 16, z / 16);
-                if (grid->cell[cell] < 0 || iso_change_log_stamp(grid->log, cell) <= seen) continue;
+                if (grid->cell[cell] < 0 || iso_change_log_last_edit(grid->log, cell) <= seen) continue;
                 measure_voxel(grid, (int[3]){x, y, z}, &s);
             }
     assert_true(s.count > 0);

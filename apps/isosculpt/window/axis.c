@@ -1,3 +1,4 @@
+/* Axis ticks: multiples of a step of 1, 2 or 5 times a power of ten. */
 #include "apps/isosculpt/window/axis.h"
 
 #include <math.h>
@@ -12,12 +13,12 @@ static double round_step(double least) {
     return 10 * power;
 }
 
-int isosculpt_axis_ticks(double low, double high, int most, double ticks[ISOSCULPT_TICKS]) {
+int isosculpt_axis_ticks(double low, double high, int most, double ticks[ISOSCULPT_AXIS_TICKS]) {
     int count = 0;
     if (!(high > low) || !isfinite(high - low) || most < 1) return 0;
     const double step = round_step((high - low) / most), first = ceil(low / step);
     if (!(step > 0)) return 0;
-    for (int i = 0; i <= most && count < most && count < ISOSCULPT_TICKS; i++)
+    for (int i = 0; i <= most && count < most && count < ISOSCULPT_AXIS_TICKS; i++)
         if ((first + i) * step <= high) ticks[count++] = (first + i) * step;
     return count;
 }

@@ -1,4 +1,4 @@
-/* axis: round numbers along a range, for the scale under a histogram. */
+/* axis: round numbers for the scale below a histogram. */
 #ifndef ISO_APPS_ISOSCULPT_WINDOW_AXIS_H
 #define ISO_APPS_ISOSCULPT_WINDOW_AXIS_H
 
@@ -6,11 +6,11 @@
 extern "C" {
 #endif
 
-enum { ISOSCULPT_TICKS = 12 };
+enum { ISOSCULPT_AXIS_TICKS = 12 };
 
-/* Multiples of 1, 2 or 5 times a power of ten in low .. high, at most `most` (<= ISOSCULPT_TICKS) of them;
- * how many. 0 for a range that is none. */
-int isosculpt_axis_ticks(double low, double high, int most, double ticks[ISOSCULPT_TICKS]);
+/* Writes multiples of 1, 2 or 5 times a power of ten between low and high, at most `most` (<=
+ * ISOSCULPT_AXIS_TICKS) of them, and returns their number; 0 for an empty or infinite range. */
+int isosculpt_axis_ticks(double low, double high, int most, double ticks[ISOSCULPT_AXIS_TICKS]);
 
 #ifdef __cplusplus
 }

@@ -1,3 +1,4 @@
+/* The state of the file browser: entries of a folder, file types, the chosen path. */
 #define _XOPEN_SOURCE 700
 #include "apps/isosculpt/window/browser.h"
 
@@ -10,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- kinds of files */
+/* ---- file types */
 
 #define VOLUMES ".nrrd .nhdr .nii .nii.gz .hdr .img .dcm .vti .vtk .mha .mhd"
 #define MESHES ".stl .obj .ply"
@@ -47,7 +48,7 @@ bool isosculpt_browser_saves(isosculpt_purpose purpose) {
 }
 
 /* Whether a name ends in one of the extensions. */
-static bool is_of(const char *name, const char *extensions) {
+static bool has_extension(const char *name, const char *extensions) {
     const size_t length = strlen(name);
     if (!*extensions) return true;
     for (const char *at = extensions; *at; at += strspn(at, " ")) {
@@ -58,13 +59,13 @@ static bool is_of(const char *name, const char *extensions) {
     return false;
 }
 
-static const char *extensions(const isosculpt_browser *browser) {
+static const char *shown_extensions(const isosculpt_browser *browser) {
     return isosculpt_browser_types(browser->purpose)[browser->type].extensions;
 }
 
 /* ---- a folder's entries */
 
-static void forget(isosculpt_browser *browser) {
+static void free_entries(isosculpt_browser *browser) {
     for (size_t i = 0; i < browser->count; i++) free(browser->entries[i].name);
     free(browser->entries);
     browser->entries = NULL;
@@ -72,12 +73,12 @@ static void forget(isosculpt_browser *browser) {
     browser->selected = -1;
 }
 
-static bool add(isosculpt_browser *browser, const char *name, bool is_folder) {
+static bool add_entry(isosculpt_browser *browser, const char *name, bool is_folder) {
     if (browser->count == browser->room) {
         const size_t room = browser->room ? 2 * browser->room : 64;
-        isosculpt_entry *more = realloc(browser->entries, room * sizeof *more);
-        if (!more) return false;
-        browser->entries = more;
+        isosculpt_entry *larger = realloc(browser->entries, room * sizeof *larger);
+        if (!larger) return false;
+        browser->entries = larger;
         browser->room = room;
     }
     char *copy = strdup(name);
@@ -92,48 +93,49 @@ static int compare(const void *a, const void *b) {
     return order ? order : strcmp(first->name, second->name);
 }
 
-/* Neither devices nor names that no path has room for. */
+/* Whether an entry is shown: folders, and files of the type; no devices, and no paths that are too long. */
 static bool is_shown(const isosculpt_browser *browser, const char *name, bool *is_folder) {
     char path[2 * ISOSCULPT_PATH];
     struct stat about;
     if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0) return false;
-    if (name[0] == '.' && !browser->hidden) return false;
+    if (name[0] == '.' && !browser->show_hidden) return false;
     const int length = snprintf(path, sizeof path, "%s/%s", browser->folder, name);
     if (length >= ISOSCULPT_PATH || stat(path, &about)) return false;
     *is_folder = S_ISDIR(about.st_mode);
-    return *is_folder || (S_ISREG(about.st_mode) && is_of(name, extensions(browser)));
+    return *is_folder || (S_ISREG(about.st_mode) && has_extension(name, shown_extensions(browser)));
 }
 
 void isosculpt_browser_reread(isosculpt_browser *browser) {
-    forget(browser);
-    browser->trouble[0] = 0;
+    free_entries(browser);
+    browser->error_text[0] = 0;
     DIR *directory = opendir(browser->folder);
     if (!directory) {
-        snprintf(browser->trouble, sizeof browser->trouble, "%s", strerror(errno));
+        snprintf(browser->error_text, sizeof browser->error_text, "%s", strerror(errno));
         return;
     }
     bool is_folder, room = true;
     for (struct dirent *entry; room && (entry = readdir(directory));)
-        if (is_shown(browser, entry->d_name, &is_folder)) room = add(browser, entry->d_name, is_folder);
+        if (is_shown(browser, entry->d_name, &is_folder)) room = add_entry(browser, entry->d_name, is_folder);
     closedir(directory);
     if (browser->count) qsort(browser->entries, browser->count, sizeof *browser->entries, compare);
-    if (!room) snprintf(browser->trouble, sizeof browser->trouble, "out of memory: not all files are shown");
+    if (!room)
+        snprintf(browser->error_text, sizeof browser->error_text, "out of memory: not all files are shown");
 }
 
-/* ---- going about */
+/* ---- changing folders */
 
 void isosculpt_browser_enter(isosculpt_browser *browser, const char *folder) {
-    char *whole = realpath(folder, NULL);
-    DIR *readable = whole ? opendir(whole) : NULL;
-    if (!readable || strlen(whole) >= ISOSCULPT_PATH) {
-        snprintf(browser->trouble, sizeof browser->trouble, "%.150s: %s", folder,
+    char *absolute = realpath(folder, NULL);
+    DIR *readable = absolute ? opendir(absolute) : NULL;
+    if (!readable || strlen(absolute) >= ISOSCULPT_PATH) {
+        snprintf(browser->error_text, sizeof browser->error_text, "%.150s: %s", folder,
                  readable ? "the name is too long" : strerror(errno));
     } else {
-        memcpy(browser->folder, whole, strlen(whole) + 1);
+        memcpy(browser->folder, absolute, strlen(absolute) + 1);
         isosculpt_browser_reread(browser);
     }
     if (readable) closedir(readable);
-    free(whole);
+    free(absolute);
 }
 
 void isosculpt_browser_up(isosculpt_browser *browser) {
@@ -149,21 +151,22 @@ static void set_name(isosculpt_browser *browser, const char *name) {
 
 void isosculpt_browser_set_type(isosculpt_browser *browser, int type) {
     char *dot = strrchr(browser->name, '.');
-    const char *wanted = isosculpt_browser_types(browser->purpose)[type].extensions;
+    const char *extension = isosculpt_browser_types(browser->purpose)[type].extensions;
     const size_t stem = dot && dot > browser->name ? (size_t)(dot - browser->name) : 0;
-    if (isosculpt_browser_saves(browser->purpose) && stem && stem + strlen(wanted) < sizeof browser->name) {
-        memcpy(dot, wanted, strlen(wanted) + 1);
+    if (isosculpt_browser_saves(browser->purpose) && stem &&
+        stem + strlen(extension) < sizeof browser->name) {
+        memcpy(dot, extension, strlen(extension) + 1);
         browser->generation++;
     }
     browser->type = type;
     isosculpt_browser_reread(browser);
 }
 
-/* The type that an extension belongs to, or the first. */
-static int type_of(isosculpt_purpose purpose, const char *name) {
+/* The file type of a name, or the first one. */
+static int find_type(isosculpt_purpose purpose, const char *name) {
     const isosculpt_file_type *types = isosculpt_browser_types(purpose);
     for (int i = 0; isosculpt_browser_saves(purpose) && types[i].label; i++)
-        if (is_of(name, types[i].extensions)) return i;
+        if (has_extension(name, types[i].extensions)) return i;
     return 0;
 }
 
@@ -172,22 +175,22 @@ void isosculpt_browser_open(isosculpt_browser *browser, isosculpt_purpose purpos
     const char *slash = strrchr(path, '/');
     const char *name = slash ? slash + 1 : path;
     browser->purpose = purpose;
-    browser->type = type_of(purpose, name);
+    browser->type = find_type(purpose, name);
     set_name(browser, isosculpt_browser_saves(purpose) ? name : "");
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
     isosculpt_browser_enter(browser, folder);
-    if (!browser->folder[0] || browser->trouble[0]) isosculpt_browser_enter(browser, "/");
+    if (!browser->folder[0] || browser->error_text[0]) isosculpt_browser_enter(browser, "/");
 }
 
 void isosculpt_browser_close(isosculpt_browser *browser) {
-    forget(browser);
+    free_entries(browser);
     browser->purpose = ISOSCULPT_BROWSE_NOTHING;
-    browser->folder[0] = browser->trouble[0] = 0;
+    browser->folder[0] = browser->error_text[0] = 0;
 }
 
 void isosculpt_browser_select(isosculpt_browser *browser, int entry) {
     browser->selected = entry;
-    browser->trouble[0] = 0;
+    browser->error_text[0] = 0;
     set_name(browser, browser->entries[entry].name);
 }
 
@@ -201,7 +204,8 @@ void isosculpt_browser_step(isosculpt_browser *browser, int steps) {
 /* ---- choosing */
 
 static void add_extension(const isosculpt_browser *browser, char path[ISOSCULPT_PATH]) {
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *first = extensions(browser);
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path,
+               *first = shown_extensions(browser);
     const size_t length = strlen(path), tail = strcspn(first, " ");
     if (!name[0] || strchr(name + 1, '.') || length + tail >= ISOSCULPT_PATH) return;
     memcpy(path + length, first, tail);
@@ -210,7 +214,7 @@ static void add_extension(const isosculpt_browser *browser, char path[ISOSCULPT_
 
 bool isosculpt_browser_path(const isosculpt_browser *browser, char path[ISOSCULPT_PATH]) {
     const char *name = browser->name, *home = getenv("HOME"),
-               *parted = strcmp(browser->folder, "/") == 0 ? "" : "/";
+               *separator = strcmp(browser->folder, "/") == 0 ? "" : "/";
     struct stat about;
     int length;
     if (!name[0]) return false;
@@ -219,7 +223,7 @@ bool isosculpt_browser_path(const isosculpt_browser *browser, char path[ISOSCULP
     else if (name[0] == '~' && (name[1] == '/' || !name[1]) && home)
         length = snprintf(path, ISOSCULPT_PATH, "%s%s", home, name + 1);
     else
-        length = snprintf(path, ISOSCULPT_PATH, "%s%s%s", browser->folder, parted, name);
+        length = snprintf(path, ISOSCULPT_PATH, "%s%s%s", browser->folder, separator, name);
     if (length >= ISOSCULPT_PATH) return false;
     const bool is_folder = stat(path, &about) == 0 && S_ISDIR(about.st_mode);
     if (isosculpt_browser_saves(browser->purpose) && !is_folder) add_extension(browser, path);
@@ -228,15 +232,15 @@ bool isosculpt_browser_path(const isosculpt_browser *browser, char path[ISOSCULP
 
 bool isosculpt_browser_choose(isosculpt_browser *browser, char path[ISOSCULPT_PATH]) {
     struct stat about;
-    browser->trouble[0] = 0;
+    browser->error_text[0] = 0;
     if (!isosculpt_browser_path(browser, path)) return false;
     const bool is_there = stat(path, &about) == 0;
     if (is_there && S_ISDIR(about.st_mode)) {
         isosculpt_browser_enter(browser, path);
-        if (!browser->trouble[0]) set_name(browser, "");
+        if (!browser->error_text[0]) set_name(browser, "");
         return false;
     }
     if (is_there || isosculpt_browser_saves(browser->purpose)) return true;
-    snprintf(browser->trouble, sizeof browser->trouble, "There is no such file.");
+    snprintf(browser->error_text, sizeof browser->error_text, "There is no such file.");
     return false;
 }

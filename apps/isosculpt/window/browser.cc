@@ -1,4 +1,4 @@
-/* The browser as Dear ImGui draws it. */
+/* The file browser as a modal dialog of Dear ImGui. */
 #include "apps/isosculpt/window/browser.h"
 
 #include <cfloat>
@@ -19,9 +19,9 @@ static const char *verb(isosculpt_purpose purpose) {
     return verbs[purpose];
 }
 
-/* True: an entry was pressed twice. */
+/* Returns whether an entry was double-clicked. `follow`: scrolls to the selected entry. */
 static bool draw_entries(isosculpt_browser *browser, bool follow) {
-    bool twice = false;
+    bool double_clicked = false;
     int selected = -1;
     ImGuiListClipper clipper;
     clipper.Begin((int)browser->count);
@@ -31,7 +31,7 @@ static bool draw_entries(isosculpt_browser *browser, bool follow) {
             ImGui::PushID(i);
             if (ImGui::Selectable("##entry", i == browser->selected, ImGuiSelectableFlags_AllowDoubleClick)) {
                 selected = i;
-                twice = ImGui::IsMouseDoubleClicked(0);
+                double_clicked = ImGui::IsMouseDoubleClicked(0);
             }
             ImGui::SameLine(0, 0);
             ImGui::Text("%s%s", entry->name, entry->is_folder ? "/" : "");
@@ -43,10 +43,10 @@ static bool draw_entries(isosculpt_browser *browser, bool follow) {
     }
     if (selected >= 0) isosculpt_browser_select(browser, selected);
     if (!browser->count) ImGui::TextDisabled("nothing here of this type");
-    return twice;
+    return double_clicked;
 }
 
-static void draw_place(isosculpt_browser *browser) {
+static void draw_folder(isosculpt_browser *browser) {
     if (ImGui::Button("Up")) isosculpt_browser_up(browser);
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
@@ -64,14 +64,16 @@ static void draw_type(isosculpt_browser *browser, float scale) {
         ImGui::EndCombo();
     }
     ImGui::SameLine();
-    if (ImGui::Checkbox("hidden files", &browser->hidden)) isosculpt_browser_reread(browser);
+    if (ImGui::Checkbox("hidden files", &browser->show_hidden)) isosculpt_browser_reread(browser);
 }
 
-/* The box for the name, which has the keys whenever nothing else has. True: Enter. */
+/* The input box for the name, which has the keyboard focus unless another widget is active. Returns whether
+ * Enter was pressed. */
 static bool draw_name(isosculpt_browser *browser) {
     const bool empty = !browser->name[0];
     ImGui::SetNextItemWidth(-FLT_MIN);
-    ImGui::PushID(browser->generation); /* a box that is typed in shows nothing but its own text */
+    ImGui::PushID(browser->generation); /* Dear ImGui ignores changes of the text of an active box; a new id
+                                           makes a new box */
     if (ImGui::IsWindowAppearing() || !ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
     ImGui::InputTextWithHint("##name", "a name, or a path", browser->name, sizeof browser->name);
     ImGui::PopID();
@@ -79,7 +81,7 @@ static bool draw_name(isosculpt_browser *browser) {
     return browser->typed.enter;
 }
 
-static bool step(isosculpt_browser *browser) {
+static bool move_selection(isosculpt_browser *browser) {
     const int steps = browser->typed.steps;
     if (steps) isosculpt_browser_step(browser, steps);
     return steps != 0;
@@ -89,38 +91,38 @@ static void draw_result(const isosculpt_browser *browser) {
     char whole[ISOSCULPT_PATH];
     const bool named = isosculpt_browser_path(browser, whole);
     ImGui::PushTextWrapPos(0);
-    if (browser->trouble[0])
-        ImGui::TextColored(ImVec4(1.0f, 0.42f, 0.36f, 1), "%s", browser->trouble);
+    if (browser->error_text[0])
+        ImGui::TextColored(ImVec4(1.0f, 0.42f, 0.36f, 1), "%s", browser->error_text);
     else
         ImGui::TextDisabled("%s", named ? whole : " ");
     ImGui::PopTextWrapPos();
 }
 
-/* What a frame asks for. */
+/* What the user does in a frame. */
 enum command { NOTHING, CHOOSE, FOLDER, CLOSE };
 
 static command draw_buttons(const isosculpt_browser *browser) {
-    command wanted = ImGui::Button(verb(browser->purpose)) ? CHOOSE : NOTHING;
+    command chosen = ImGui::Button(verb(browser->purpose)) ? CHOOSE : NOTHING;
     ImGui::SameLine();
-    if (ImGui::Button("Cancel (Escape)") || browser->typed.escape) wanted = CLOSE;
-    if (browser->purpose != ISOSCULPT_BROWSE_OPEN) return wanted;
+    if (ImGui::Button("Cancel (Escape)") || browser->typed.escape) chosen = CLOSE;
+    if (browser->purpose != ISOSCULPT_BROWSE_OPEN) return chosen;
     ImGui::SameLine();
-    if (ImGui::Button("Open this folder (DICOM)")) wanted = FOLDER;
-    return wanted;
+    if (ImGui::Button("Open this folder (DICOM)")) chosen = FOLDER;
+    return chosen;
 }
 
 static command draw_inside(isosculpt_browser *browser, float scale) {
-    const bool follow = step(browser);
-    draw_place(browser);
+    const bool follow = move_selection(browser);
+    draw_folder(browser);
     const float below = 4 * ImGui::GetFrameHeightWithSpacing() + 2 * ImGui::GetTextLineHeight();
     ImGui::BeginChild("entries", ImVec2(0, -below), true);
-    bool wanted = draw_entries(browser, follow);
+    bool confirmed = draw_entries(browser, follow);
     ImGui::EndChild();
-    wanted |= draw_name(browser);
+    confirmed |= draw_name(browser);
     draw_type(browser, scale);
     draw_result(browser);
     const command button = draw_buttons(browser);
-    return button ? button : wanted ? CHOOSE : NOTHING;
+    return button ? button : confirmed ? CHOOSE : NOTHING;
 }
 
 static bool is_chosen(isosculpt_browser *browser, command wanted, char path[ISOSCULPT_PATH]) {

@@ -1,5 +1,5 @@
-/* browser: a folder's files, for a person to choose one to open or a name to save to. The state is plain C;
- * Dear ImGui draws it (isosculpt_browser_draw). */
+/* browser: a dialog that shows the files of a folder, to choose a file to open or a name to save to. The
+ * state is plain C (browser.c); browser.cc draws it with Dear ImGui. */
 #ifndef ISO_APPS_ISOSCULPT_WINDOW_BROWSER_H
 #define ISO_APPS_ISOSCULPT_WINDOW_BROWSER_H
 
@@ -13,7 +13,7 @@ extern "C" {
 #endif
 
 typedef enum isosculpt_purpose {
-    ISOSCULPT_BROWSE_NOTHING, /* it is not shown */
+    ISOSCULPT_BROWSE_NOTHING, /* the dialog is closed */
     ISOSCULPT_BROWSE_OPEN,
     ISOSCULPT_BROWSE_STAMP,
     ISOSCULPT_BROWSE_SAVE,
@@ -26,60 +26,61 @@ typedef struct isosculpt_entry {
     bool is_folder;
 } isosculpt_entry;
 
-/* Keys that were pressed since the last frame. The window notes them: Dear ImGui 1.86 does not see a key that
- * was released again before a frame begins. */
+/* Keys that were pressed since the last frame. The window records them: Dear ImGui 1.86 misses a key that is
+ * released before a frame begins. */
 typedef struct isosculpt_typed {
     bool enter, escape, back;
-    int steps; /* through a list, downwards */
+    int steps; /* through the list, downwards */
 } isosculpt_typed;
 
-/* Zero-initialise. */
+/* Zero-initialise; isosculpt_browser_close. */
 typedef struct isosculpt_browser {
     isosculpt_purpose purpose;
     char folder[ISOSCULPT_PATH];
-    isosculpt_entry *entries; /* of the folder that the type shows: folders first, by name. Owned */
+    isosculpt_entry *entries; /* of the folder, filtered by type; folders first, by name. Owned */
     size_t count, room;
-    char name[ISOSCULPT_PATH]; /* in the box: of a file in the folder, or a path */
-    int type;                  /* of the purpose's types */
-    int selected;              /* an entry; -1: none */
-    bool hidden;               /* files whose name begins with a dot are shown */
-    int generation;            /* grows when `name` was changed other than by typing */
+    char name[ISOSCULPT_PATH]; /* in the input box: a file in the folder, or a path */
+    int type;                  /* index in isosculpt_browser_types */
+    int selected;              /* index of an entry; -1: none */
+    bool show_hidden;          /* files whose name begins with a dot */
+    int generation;            /* grows when `name` is changed other than by typing */
     isosculpt_typed typed;
-    char trouble[256]; /* why something did not work; "" */
+    char error_text[256]; /* why the last action failed; "": it did not */
 } isosculpt_browser;
 
-/* Kinds of files that a purpose knows: a label and extensions separated by blanks ("": all). NULL label:
- * there are no more. */
+/* The file types of a purpose: a label, and extensions separated by blanks ("": all files). The list ends
+ * with a NULL label. */
 typedef struct isosculpt_file_type {
     const char *label, *extensions;
 } isosculpt_file_type;
 const isosculpt_file_type *isosculpt_browser_types(isosculpt_purpose purpose);
-bool isosculpt_browser_saves(isosculpt_purpose purpose); /* a name that need not be there */
+bool isosculpt_browser_saves(isosculpt_purpose purpose); /* whether the chosen file need not exist */
 
-/* Shows the folder of `path`, with its last part as the name when a name is to be chosen. */
+/* Shows the folder of `path`; when a name to save to is chosen, the last part of the path is the name
+ * offered. */
 void isosculpt_browser_open(isosculpt_browser *browser, isosculpt_purpose purpose, const char *path);
-void isosculpt_browser_close(isosculpt_browser *browser); /* frees the entries; what was `hidden` stays */
+void isosculpt_browser_close(isosculpt_browser *browser); /* frees the entries; keeps `show_hidden` */
 
-/* Another folder; the one before stays when it cannot be read, and `trouble` says why. */
+/* Changes to another folder; when it cannot be read the folder stays, and `error_text` says why. */
 void isosculpt_browser_enter(isosculpt_browser *browser, const char *folder);
-void isosculpt_browser_up(isosculpt_browser *browser);
-/* Another of the purpose's types. A name to save gets its extension. */
+void isosculpt_browser_up(isosculpt_browser *browser); /* to the parent folder */
+/* Chooses another file type. A name to save to gets its extension. */
 void isosculpt_browser_set_type(isosculpt_browser *browser, int type);
-/* The same folder as it is now, with what `hidden` says. */
+/* Reads the folder again. */
 void isosculpt_browser_reread(isosculpt_browser *browser);
-/* Another entry, by `steps` from the selected one; its name goes into the box. */
+/* Selects the entry `steps` below the selected one; its name goes into the input box. */
 void isosculpt_browser_step(isosculpt_browser *browser, int steps);
 void isosculpt_browser_select(isosculpt_browser *browser, int entry);
 
-/* The whole path that the box names; a name to save without extension gets the type's first. false: the box
- * is empty, or the path is too long. */
+/* The full path that the input box names; a name to save to without extension gets the type's first one.
+ * false: the box is empty, or the path is too long. */
 bool isosculpt_browser_path(const isosculpt_browser *browser, char path[ISOSCULPT_PATH]);
-/* Takes what the box names: a folder is entered (false), a file is the choice. false with `trouble`: it is
- * not there. */
+/* Confirms the input box: true: `path` is chosen. false: it is a folder, which is entered; or it does not
+ * exist, and `error_text` says so. */
 bool isosculpt_browser_choose(isosculpt_browser *browser, char path[ISOSCULPT_PATH]);
 
-/* One frame, which uses up `typed`; `scale`: of text and widgets. True: `path` was chosen, and the browser is
- * closed. */
+/* Draws one frame and handles `typed`. `scale`: of text and widgets. true: `path` was chosen, and the browser
+ * is closed. */
 bool isosculpt_browser_draw(isosculpt_browser *browser, float scale, char path[ISOSCULPT_PATH]);
 
 #ifdef __cplusplus

@@ -1,32 +1,37 @@
-/* Mouse, keys and drops of isosculpt's window. */
+/* GLFW's callbacks for isosculpt's window: mouse, keys, dropped files, size. */
+#include "apps/isosculpt/window/events.h"
+
 #include <ctype.h>
 #include <stdio.h>
 
 #include <GLFW/glfw3.h>
 
-#include "apps/isosculpt/window/window.h"
+#include "apps/isosculpt/window/commands.h"
+#include "apps/isosculpt/window/opening.h"
 
-static window *of(GLFWwindow *glfw) {
+static window *window_of(GLFWwindow *glfw) {
     return glfwGetWindowUserPointer(glfw);
 }
 
-static unsigned modifiers(int mods) {
-    return (mods & GLFW_MOD_SHIFT ? ISOSCULPT_SHIFT : 0u) | (mods & GLFW_MOD_CONTROL ? ISOSCULPT_CTRL : 0u) |
-           (mods & GLFW_MOD_ALT ? ISOSCULPT_ALT : 0u);
+static unsigned modifiers_of(int mods) {
+    return (mods & GLFW_MOD_SHIFT ? ISOSCULPT_MODIFIER_SHIFT : 0u) |
+           (mods & GLFW_MOD_CONTROL ? ISOSCULPT_MODIFIER_CTRL : 0u) |
+           (mods & GLFW_MOD_ALT ? ISOSCULPT_MODIFIER_ALT : 0u);
 }
 
 static void on_move(GLFWwindow *glfw, double x, double y) {
-    window *w = of(glfw);
-    w->frames = ISOSCULPT_FRAMES;
+    window *w = window_of(glfw);
+    w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
     if (w->controller.drag == ISOSCULPT_DRAG_BRUSH && isosculpt_pen_present(w->pen))
         w->controller.pressure = isosculpt_pen_pressure(w->pen);
     isosculpt_controller_move(&w->controller, x * w->screen.pixels, y * w->screen.pixels);
 }
 
 static void on_button(GLFWwindow *glfw, int button, int action, int mods) {
-    static const isosculpt_button buttons[] = {ISOSCULPT_LEFT, ISOSCULPT_RIGHT, ISOSCULPT_MIDDLE};
-    window *w = of(glfw);
-    w->frames = ISOSCULPT_FRAMES;
+    static const isosculpt_button buttons[] = {ISOSCULPT_BUTTON_LEFT, ISOSCULPT_BUTTON_RIGHT,
+                                               ISOSCULPT_BUTTON_MIDDLE};
+    window *w = window_of(glfw);
+    w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
     if (button < 0 || button > GLFW_MOUSE_BUTTON_MIDDLE) return;
     const double x = w->controller.x,
                  y = w->controller.y; /* of the last event: GLFW sends the position first */
@@ -36,22 +41,22 @@ static void on_button(GLFWwindow *glfw, int button, int action, int mods) {
              !isosculpt_panel_has_pointer(w->panel, x / w->screen.pixels, y / w->screen.pixels)) {
         w->controller.pressure = isosculpt_pen_pressure(w->pen);
         w->screen.pen = isosculpt_pen_present(w->pen);
-        isosculpt_controller_press(&w->controller, buttons[button], modifiers(mods), x, y);
+        isosculpt_controller_press(&w->controller, buttons[button], modifiers_of(mods), x, y);
     }
 }
 
 static void on_scroll(GLFWwindow *glfw, double dx, double dy) {
     (void)dx;
-    window *w = of(glfw);
-    w->frames = ISOSCULPT_FRAMES;
+    window *w = window_of(glfw);
+    w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
     double pixels = w->screen.pixels;
     if (!w->screen.blank &&
         !isosculpt_panel_has_pointer(w->panel, w->controller.x / pixels, w->controller.y / pixels))
         isosculpt_controller_scroll(&w->controller, dy);
 }
 
-/* What a key stands for on this keyboard; the number pad's digits are views. */
-static int key_of(int key, int scancode) {
+/* The isosculpt_key of a key on this keyboard layout; digits of the number pad choose a side. */
+static int translate_key(int key, int scancode) {
     static const struct {
         int key, meaning;
     } special[] = {{GLFW_KEY_KP_1, ISOSCULPT_KEY_FRONT},
@@ -70,46 +75,51 @@ static int key_of(int key, int scancode) {
     const char *name = glfwGetKeyName(key, scancode);
     const char c = name && name[0] && !name[1] ? name[0] : 0;
     if (isalpha((unsigned char)c) || c == '+' || c == '-') return tolower((unsigned char)c);
-    return tolower(key); /* digits and brackets by their place */
+    return tolower(key); /* digits and brackets by their position on the keyboard */
 }
 
-/* A window closed over unsaved changes asks first, and closes when it is closed again. */
-static void want_close(window *w) {
-    const bool ask =
-        isosculpt_window_has_unsaved_changes(w) && !w->leaving && w->screen.dialog != ISOSCULPT_DIALOG_CLOSE;
+/* Closing with unsaved changes asks first; closing once more closes the window. */
+static void request_close(window *w) {
+    const bool ask = isosculpt_window_has_unsaved_changes(w) && !w->after_save &&
+                     w->screen.dialog != ISOSCULPT_DIALOG_CLOSE;
     glfwSetWindowShouldClose(w->glfw, !ask);
     if (ask) w->screen.dialog = ISOSCULPT_DIALOG_CLOSE;
-    w->frames = ISOSCULPT_FRAMES;
+    w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
 }
 
 static void on_close(GLFWwindow *glfw) {
-    want_close(of(glfw));
+    request_close(window_of(glfw));
 }
 
-/* The gl engine, where there is one, and the cpu engine. */
-static void change_engine(window *w) {
-    isosculpt_display_mode *mode = &w->view.mode;
+/* Changes between the cpu engine and the gl engine, if there is one. */
+static void toggle_engine(window *w) {
+    isosculpt_display_mode *mode = &w->viewport.mode;
     if (!w->gl) return;
-    mode->engine = mode->engine == ISOSCULPT_GL ? ISOSCULPT_CPU : ISOSCULPT_GL;
-    w->view.gl_error.text[0] = 0;
+    mode->engine = mode->engine == ISOSCULPT_ENGINE_GL ? ISOSCULPT_ENGINE_CPU : ISOSCULPT_ENGINE_GL;
+    w->viewport.gl_error.text[0] = 0;
 }
 
-/* Keys that change how it looks. */
-static bool change_look(window *w, int meant) {
-    isosculpt_display_mode *mode = &w->view.mode;
-    if (meant == 'm')
-        mode->method = (isosculpt_method)((mode->method + 1) % ISOSCULPT_METHOD_COUNT);
-    else if (meant == 'g')
-        change_engine(w);
+static void choose_next_method(isosculpt_display_mode *mode) {
+    int i = 0;
+    while (isosculpt_methods[i] != mode->method) i++;
+    mode->method = isosculpt_methods[(i + 1) % ISOSCULPT_METHODS];
+}
+
+/* Keys that change the display mode; returns whether the key is one of them. */
+static bool change_display_mode(window *w, int key) {
+    if (key == 'm')
+        choose_next_method(&w->viewport.mode);
+    else if (key == 'g')
+        toggle_engine(w);
     else
         return false;
-    w->controller.commands |= ISOSCULPT_COMMAND_PICTURE;
+    w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
     return true;
 }
 
-/* What was dropped on the window, of several the first. */
+/* Opens a dropped file, of several the first. */
 static void on_drop(GLFWwindow *glfw, int count, const char **paths) {
-    window *w = of(glfw);
+    window *w = window_of(glfw);
     if (count < 1) return;
     if (w->screen.dialog || w->screen.browser.purpose) {
         isosculpt_window_set_status(w, true,
@@ -118,14 +128,15 @@ static void on_drop(GLFWwindow *glfw, int count, const char **paths) {
     }
     if (count > 1) isosculpt_window_set_status(w, false, "One file at a time: the first of them is taken.");
     isosculpt_window_drop(w, paths[0]);
-    w->frames = ISOSCULPT_FRAMES;
+    w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
 }
 
-/* While a question is asked keys answer it and do nothing else. */
-static bool answer(window *w, int key, int meant) {
+/* While a dialog is shown, keys answer it and do nothing else; returns whether one is shown. */
+static bool answer_dialog(window *w, int key, int meaning) {
     static const unsigned yes[] = {[ISOSCULPT_DIALOG_RECOVER] = ISOSCULPT_RESULT_RECOVER,
-                                   [ISOSCULPT_DIALOG_CLOSE] = ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_LEAVE,
-                                   [ISOSCULPT_DIALOG_OPEN] = ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_LEAVE,
+                                   [ISOSCULPT_DIALOG_CLOSE] =
+                                       ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_PROCEED,
+                                   [ISOSCULPT_DIALOG_OPEN] = ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_PROCEED,
                                    [ISOSCULPT_DIALOG_MESH] = ISOSCULPT_RESULT_OPEN,
                                    [ISOSCULPT_DIALOG_REPLACE] = ISOSCULPT_RESULT_REPLACE};
     const isosculpt_dialog dialog = w->screen.dialog;
@@ -133,14 +144,14 @@ static bool answer(window *w, int key, int meant) {
     if (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER)
         isosculpt_window_handle_dialog_result(w, yes[dialog]);
     else if (key == GLFW_KEY_ESCAPE && dialog != ISOSCULPT_DIALOG_RECOVER)
-        isosculpt_window_handle_dialog_result(w, ISOSCULPT_RESULT_STAY);
-    else if (meant == 's' && dialog == ISOSCULPT_DIALOG_MESH)
+        isosculpt_window_handle_dialog_result(w, ISOSCULPT_RESULT_KEEP);
+    else if (meaning == 's' && dialog == ISOSCULPT_DIALOG_MESH)
         isosculpt_window_handle_dialog_result(w, ISOSCULPT_RESULT_STAMP);
     return true;
 }
 
-/* What is not a stroke: the sheet of help, then heavy work, then what was said. */
-static void escape(window *w) {
+/* Escape outside a stroke: closes the help, else cancels a background task, else dismisses the message. */
+static void handle_escape(window *w) {
     if (w->screen.help)
         w->screen.help = false;
     else if (w->screen.progress_item_count)
@@ -149,8 +160,8 @@ static void escape(window *w) {
         w->screen.message[0] = 0;
 }
 
-/* For the boxes that names are typed into. */
-static void note_typed(isosculpt_typed *typed, int key) {
+/* Records keys for input boxes (isosculpt_typed). */
+static void record_typed(isosculpt_typed *typed, int key) {
     typed->enter |= key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
     typed->escape |= key == GLFW_KEY_ESCAPE;
     typed->back |= key == GLFW_KEY_BACKSPACE;
@@ -159,43 +170,43 @@ static void note_typed(isosculpt_typed *typed, int key) {
 }
 
 static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods) {
-    window *w = of(glfw);
-    w->frames = ISOSCULPT_FRAMES;
-    int meant = key_of(key, scancode);
+    window *w = window_of(glfw);
+    w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
+    const int meaning = translate_key(key, scancode);
     if (action == GLFW_RELEASE) {
-        isosculpt_controller_key(&w->controller, meant, modifiers(mods), false);
+        isosculpt_controller_key(&w->controller, meaning, modifiers_of(mods), false);
         return;
     }
     if (action == GLFW_PRESS && key == GLFW_KEY_F12)
-        *(mods & GLFW_MOD_SHIFT ? &w->screenshot_all : &w->screenshot) = true;
-    if (answer(w, key, meant)) return;
+        *(mods & GLFW_MOD_SHIFT ? &w->screenshot_window : &w->screenshot) = true;
+    if (answer_dialog(w, key, meaning)) return;
     if (w->screen.browser.purpose || isosculpt_panel_has_keys()) {
-        note_typed(&w->screen.browser.typed, key);
+        record_typed(&w->screen.browser.typed, key);
         return;
     }
-    if (key == GLFW_KEY_ESCAPE && w->controller.drag != ISOSCULPT_DRAG_BRUSH) escape(w);
+    if (key == GLFW_KEY_ESCAPE && w->controller.drag != ISOSCULPT_DRAG_BRUSH) handle_escape(w);
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
-    if (action == GLFW_PRESS && meant == 'h') w->screen.help = !w->screen.help;
-    if (action == GLFW_PRESS && !(mods & GLFW_MOD_CONTROL) && change_look(w, meant)) return;
-    if (!w->screen.blank || meant == 'q')
-        isosculpt_controller_key(&w->controller, meant, modifiers(mods), true);
-    if (w->controller.commands & ISOSCULPT_COMMAND_CLOSE) want_close(w);
+    if (action == GLFW_PRESS && meaning == 'h') w->screen.help = !w->screen.help;
+    if (action == GLFW_PRESS && !(mods & GLFW_MOD_CONTROL) && change_display_mode(w, meaning)) return;
+    if (!w->screen.blank || meaning == 'q')
+        isosculpt_controller_key(&w->controller, meaning, modifiers_of(mods), true);
+    if (w->controller.commands & ISOSCULPT_COMMAND_CLOSE) request_close(w);
     w->controller.commands &= ~(unsigned)ISOSCULPT_COMMAND_CLOSE;
 }
 
 static void on_refresh(GLFWwindow *glfw) {
-    of(glfw)->frames = ISOSCULPT_FRAMES;
+    window_of(glfw)->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
 }
 
 static void on_size(GLFWwindow *glfw, int width, int height) {
-    window *w = of(glfw);
+    window *w = window_of(glfw);
     (void)width;
     (void)height;
-    w->frames = ISOSCULPT_FRAMES;
-    w->controller.commands |= ISOSCULPT_COMMAND_PICTURE;
+    w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
+    w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
 }
 
-/* Another screen, or the same one with other settings: text and panel follow when they are drawn. */
+/* The content scale has changed: drawing adapts text and panel. */
 static void on_scale(GLFWwindow *glfw, float x, float y) {
     (void)x, (void)y;
     on_refresh(glfw);

@@ -1,4 +1,4 @@
-/* What mouse and keys do: for the help sheet and the man page. */
+/* keys: what mouse and keys do, as X(input, effect), for the help in the window and the man page. */
 #ifndef ISO_APPS_ISOSCULPT_WINDOW_KEYS_H
 #define ISO_APPS_ISOSCULPT_WINDOW_KEYS_H
 

@@ -1,3 +1,4 @@
+/* The panel, its sections, the help, dialogs and messages, drawn with Dear ImGui. */
 #include "apps/isosculpt/window/panel.h"
 
 #include <cfloat>
@@ -17,27 +18,26 @@
 #include "apps/isosculpt/window/panel_parts.hpp"
 #include "grids/volume/bridge_guard.hpp"
 
-struct rectangle {
+struct rectangle { /* window coordinates */
     ImVec2 position, size;
-    bool snapshots(double x, double y) const {
+    bool contains(double x, double y) const {
         return x >= position.x && y >= position.y && x < position.x + size.x && y < position.y + size.y;
     }
 };
 
 struct isosculpt_panel {
     float scale;
-    bool place_anew; /* the scale is another one */
-    bool modal;
-    rectangle place, progress_items,
-        message; /* of the panel, of what tells progress and what was said, as last drawn */
-    bool over(double x, double y) const {
-        return place.snapshots(x, y) || progress_items.snapshots(x, y) || message.snapshots(x, y);
+    bool reposition;                          /* the scale has changed */
+    bool modal;                               /* a dialog is shown */
+    rectangle place, progress_items, message; /* where panel, progress and message were last drawn */
+    bool is_over(double x, double y) const {
+        return place.contains(x, y) || progress_items.contains(x, y) || message.contains(x, y);
     }
 };
 
-/* ---- parts of the panel */
+/* ---- sections of the panel */
 
-/* The solid that is added or carved; a stamp is there when one was loaded. */
+/* The shape of the brush; the stamp can be chosen when one was loaded. */
 static void choose_shape(isosculpt_controller *controller) {
     static const iso_solid shapes[] = {ISO_SOLID_SPHERE, ISO_SOLID_BOX, ISO_SOLID_CYLINDER, ISO_SOLID_TORUS,
                                        ISO_SOLID_STAMP};
@@ -63,7 +63,7 @@ static void choose_shape(isosculpt_controller *controller) {
     ImGui::EndDisabled();
 }
 
-/* The planes, and where they are. */
+/* The mirror planes and their positions. */
 static void choose_mirror(isosculpt_controller *controller) {
     iso_brush *brush = &controller->brush;
     ImGui::AlignTextToFramePadding();
@@ -94,12 +94,12 @@ static void choose_mirror(isosculpt_controller *controller) {
     ImGui::TextUnformatted("at, mm");
 }
 
-static void section_brush(const isosculpt_screen *screen) {
+static void draw_brush_section(const isosculpt_screen *screen) {
     isosculpt_controller *controller = screen->controller;
     static const char *const names[] = {"1 add",     "2 carve", "3 blend", "4 smooth", "5 inflate",
                                         "6 flatten", "7 pinch", "8 move",  "9 mask"};
     const float width = ImGui::GetContentRegionAvail().x / 3 - ImGui::GetStyle().ItemSpacing.x * 0.67f;
-    for (int i = 0; i < ISOSCULPT_TOOLS; i++) {
+    for (int i = 0; i < ISOSCULPT_TOOL_KEYS; i++) {
         bool chosen = controller->brush.tool == isosculpt_controller_tool(i + 1);
         if (i % 3) ImGui::SameLine();
         if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
@@ -123,7 +123,7 @@ static void section_brush(const isosculpt_screen *screen) {
     ImGui::Checkbox("strength##pen", &controller->brush.pressure_strength);
 }
 
-static bool color_edit(const char *label, iso_rgb *color) {
+static bool edit_color(const char *label, iso_rgb *color) {
     float rgb[3] = {(float)color->r / 255, (float)color->g / 255, (float)color->b / 255};
     if (!ImGui::ColorEdit3(label, rgb, ImGuiColorEditFlags_NoInputs)) return false;
     *color = iso_rgb{(uint8_t)std::lround(255 * rgb[0]), (uint8_t)std::lround(255 * rgb[1]),
@@ -131,37 +131,37 @@ static bool color_edit(const char *label, iso_rgb *color) {
     return true;
 }
 
-/* The rest of a line: which engine is chosen; and under the pointer, what drew the picture. */
-static bool engine_combo(isosculpt_view *view) {
+/* The engine; its tooltip says what drew the picture. Returns whether the choice has changed. */
+static bool choose_engine(isosculpt_viewport *viewport) {
     static const char *const names[] = {"engine: cpu", "engine: gl"};
-    isosculpt_engine *engine = &view->mode.engine;
+    isosculpt_engine *engine = &viewport->mode.engine;
     bool changed = false;
-    if (!view->gl) {
-        ImGui::TextColored(GREY, "%s", names[ISOSCULPT_CPU]);
+    if (!viewport->gl) {
+        ImGui::TextColored(GREY, "%s", names[ISOSCULPT_ENGINE_CPU]);
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("there is no OpenGL 4.5");
         return false;
     }
     ImGui::SetNextItemWidth(-FLT_MIN);
     if (ImGui::BeginCombo("##engine", names[*engine], ImGuiComboFlags_NoArrowButton)) {
-        for (isosculpt_engine i : {ISOSCULPT_CPU, ISOSCULPT_GL})
+        for (isosculpt_engine i : {ISOSCULPT_ENGINE_CPU, ISOSCULPT_ENGINE_GL})
             if (ImGui::Selectable(names[i], i == *engine)) {
                 *engine = i;
-                view->gl_error.text[0] = 0;
+                viewport->gl_error.text[0] = 0;
                 changed = true;
             }
         ImGui::EndCombo();
-    } else if (ImGui::IsItemHovered() && view->drawn.canvas)
-        ImGui::SetTooltip("drawn by %s", isosculpt_gl_renderer(view->gl));
+    } else if (ImGui::IsItemHovered() && viewport->drawn.canvas)
+        ImGui::SetTooltip("drawn by %s", isosculpt_gl_renderer(viewport->gl));
     else if (ImGui::IsItemHovered())
         ImGui::SetTooltip("drawn by the cpu engine");
-    if (!view->gl_error.text[0]) return changed;
+    if (!viewport->gl_error.text[0]) return changed;
     ImGui::PushTextWrapPos(0);
-    ImGui::TextColored(RED, "%s", view->gl_error.text);
+    ImGui::TextColored(RED, "%s", viewport->gl_error.text);
     ImGui::PopTextWrapPos();
     return changed;
 }
 
-/* A button for each side. */
+/* Buttons that show the surface from a side. */
 static void choose_side(isosculpt_controller *controller) {
     static const struct {
         const char *name, *tip;
@@ -175,48 +175,48 @@ static void choose_side(isosculpt_controller *controller) {
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(padding, style.FramePadding.y));
     for (int i = 0; i < 6; i++) {
         if (i) ImGui::SameLine(0, gap);
-        if (ImGui::Button(sides[i].name)) isosculpt_controller_look(controller, sides[i].direction);
+        if (ImGui::Button(sides[i].name)) isosculpt_controller_set_direction(controller, sides[i].direction);
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", sides[i].tip);
     }
     ImGui::PopStyleVar();
 }
 
-static void section_picture(isosculpt_screen *screen) {
+static void draw_picture_section(isosculpt_screen *screen) {
     isosculpt_controller *controller = screen->controller;
-    isosculpt_display_mode *mode = &controller->view->mode;
+    isosculpt_display_mode *mode = &controller->viewport->mode;
     bool changed = false;
-    if (ImGui::BeginCombo("method", isosculpt_method_name(mode->method))) {
-        for (int i = 0; i < ISOSCULPT_METHOD_COUNT; i++)
-            if (ImGui::Selectable(isosculpt_method_name((isosculpt_method)i), i == (int)mode->method)) {
-                mode->method = (isosculpt_method)i;
+    if (ImGui::BeginCombo("method", iso_method_name(mode->method))) {
+        for (const iso_method method : isosculpt_methods)
+            if (ImGui::Selectable(iso_method_name(method), method == mode->method)) {
+                mode->method = method;
                 changed = true;
             }
         ImGui::EndCombo();
     }
-    if (ImGui::BeginCombo("light", isosculpt_shading_name(mode->paint.light))) {
+    if (ImGui::BeginCombo("light", isosculpt_shading_name(mode->material.shading))) {
         for (int i = 0; i < ISOSCULPT_SHADING_COUNT; i++)
             if (ImGui::Selectable(isosculpt_shading_name((isosculpt_shading)i),
-                                  i == (int)mode->paint.light)) {
-                mode->paint.light = (isosculpt_shading)i;
+                                  i == (int)mode->material.shading)) {
+                mode->material.shading = (isosculpt_shading)i;
                 changed = true;
             }
         ImGui::EndCombo();
     }
-    changed |= color_edit("surface", &mode->paint.color);
+    changed |= edit_color("surface", &mode->material.color);
     ImGui::SameLine();
-    changed |= color_edit("background", &mode->paint.background);
+    changed |= edit_color("background", &mode->material.background);
     ImGui::SameLine();
-    changed |= engine_combo(controller->view);
-    if (changed) controller->commands |= ISOSCULPT_COMMAND_PICTURE;
+    changed |= choose_engine(controller->viewport);
+    if (changed) controller->commands |= ISOSCULPT_COMMAND_REDRAW;
     choose_side(controller);
     if (ImGui::Button("Copy isorender command")) screen->results |= ISOSCULPT_RESULT_COMMAND;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("a command that draws this picture, to the clipboard");
     ImGui::SameLine();
-    if (ImGui::Button("Picture...")) screen->browse = ISOSCULPT_BROWSE_PICTURE;
+    if (ImGui::Button("Picture...")) screen->browse_request = ISOSCULPT_BROWSE_PICTURE;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("save it under a name; F12: beside the file, at once");
 }
 
-static void section_history(isosculpt_controller *controller, float scale) {
+static void draw_history_section(isosculpt_controller *controller, float scale) {
     const iso_history *history = iso_session_history(controller->document->session);
     const size_t position = iso_history_position(history), count = iso_history_count(history);
     size_t wanted = position;
@@ -239,7 +239,7 @@ static void section_history(isosculpt_controller *controller, float scale) {
     if (wanted != position) isosculpt_controller_go_to_step(controller, wanted);
 }
 
-static void latency_row(const char *name, const isosculpt_latency *latency) {
+static void draw_latency_row(const char *name, const isosculpt_latency *latency) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::TextUnformatted(name);
@@ -252,8 +252,8 @@ static void latency_row(const char *name, const isosculpt_latency *latency) {
     }
 }
 
-static void section_numbers(isosculpt_controller *controller) {
-    const iso_grid *grid = &controller->view->grid;
+static void draw_numbers_section(isosculpt_controller *controller) {
+    const iso_grid *grid = &controller->viewport->grid;
     const int *dims = iso_grid_dims(grid);
     ImGui::Text("%d x %d x %d voxels of %.4g mm", dims[0], dims[1], dims[2],
                 iso_grid_transform(grid)->spacing[0]);
@@ -261,44 +261,44 @@ static void section_numbers(isosculpt_controller *controller) {
         ImGui::Text("%.2f M of them stored, in %.0f MB",
                     1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid->hgrid),
                     1e-6 * (double)iso_hgrid_bytes(grid->hgrid));
-    ImGui::Text("%.2f M points", 1e-6 * (double)isosculpt_view_points(controller->view));
+    ImGui::Text("%.2f M points", 1e-6 * (double)isosculpt_viewport_point_count(controller->viewport));
     if (!ImGui::BeginTable("latency", 3, ImGuiTableFlags_RowBg)) return;
     ImGui::TableSetupColumn("milliseconds", ImGuiTableColumnFlags_WidthStretch, 2);
     ImGui::TableSetupColumn("p50", ImGuiTableColumnFlags_WidthStretch, 1);
     ImGui::TableSetupColumn("p99", ImGuiTableColumnFlags_WidthStretch, 1);
     ImGui::TableHeadersRow();
-    latency_row("edit", &controller->edit);
-    latency_row("extract", &controller->view->extract);
-    latency_row("draw", &controller->view->draw);
+    draw_latency_row("edit", &controller->edit);
+    draw_latency_row("extract", &controller->viewport->extract);
+    draw_latency_row("draw", &controller->viewport->draw);
     ImGui::EndTable();
 }
 
 static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float width = 296 * panel->scale, gap = 8 * panel->scale;
-    ImGui::SetNextWindowPos(ImVec2(gap, gap), panel->place_anew ? ImGuiCond_Always : ImGuiCond_FirstUseEver);
-    panel->place_anew = false;
+    ImGui::SetNextWindowPos(ImVec2(gap, gap), panel->reposition ? ImGuiCond_Always : ImGuiCond_FirstUseEver);
+    panel->reposition = false;
     ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, display.y - 2 * gap));
     ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::PushItemWidth(-76 * panel->scale);
     const bool viewing_volume = screen->volume != nullptr, brush = !viewing_volume || screen->sculpting;
     const ImGuiTreeNodeFlags open = ImGuiTreeNodeFlags_DefaultOpen;
-    if (!brush && ImGui::CollapsingHeader("Isovalue", open)) panel_isovalue(screen, panel->scale);
-    if (brush && ImGui::CollapsingHeader("Brush", open)) section_brush(screen);
-    if (ImGui::CollapsingHeader("Picture", open)) section_picture(screen);
-    if (ImGui::CollapsingHeader("Files", open)) panel_files(screen);
+    if (!brush && ImGui::CollapsingHeader("Isovalue", open)) panel_draw_isovalue(screen, panel->scale);
+    if (brush && ImGui::CollapsingHeader("Brush", open)) draw_brush_section(screen);
+    if (ImGui::CollapsingHeader("Picture", open)) draw_picture_section(screen);
+    if (ImGui::CollapsingHeader("Files", open)) panel_draw_files(screen);
     if (!viewing_volume && ImGui::CollapsingHeader("History", open))
-        section_history(screen->controller, panel->scale);
-    if (ImGui::CollapsingHeader("Numbers", open)) section_numbers(screen->controller);
+        draw_history_section(screen->controller, panel->scale);
+    if (ImGui::CollapsingHeader("Numbers", open)) draw_numbers_section(screen->controller);
     ImGui::PopItemWidth();
     panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
     ImGui::End();
 }
 
-/* ---- heavy work */
+/* ---- progress of background tasks */
 
-/* At the lower edge, where it hides nothing; there even when the panel is not. */
-static void draw_busy(isosculpt_panel *panel, isosculpt_screen *screen) {
+/* At the lower edge; also while the panel is hidden. */
+static void draw_progress(isosculpt_panel *panel, isosculpt_screen *screen) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y - 16 * panel->scale), ImGuiCond_Always,
                             ImVec2(0.5f, 1));
@@ -307,10 +307,10 @@ static void draw_busy(isosculpt_panel *panel, isosculpt_screen *screen) {
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoFocusOnAppearing);
     for (int i = 0; i < screen->progress_item_count; i++) {
-        const isosculpt_progress_item *progress_items = &screen->progress_items[i];
+        const isosculpt_progress_item *item = &screen->progress_items[i];
         ImGui::PushID(i);
-        ImGui::TextUnformatted(progress_items->text);
-        ImGui::ProgressBar((float)progress_items->fraction, ImVec2(280 * panel->scale, 0));
+        ImGui::TextUnformatted(item->text);
+        ImGui::ProgressBar((float)item->fraction, ImVec2(280 * panel->scale, 0));
         ImGui::SameLine();
         if (ImGui::Button(i ? "Cancel" : "Cancel (Escape)"))
             screen->results |= (unsigned)ISOSCULPT_RESULT_CANCEL << i;
@@ -320,9 +320,9 @@ static void draw_busy(isosculpt_panel *panel, isosculpt_screen *screen) {
     ImGui::End();
 }
 
-/* ---- what was said last */
+/* ---- the message */
 
-/* Seen without the panel too, above what tells progress. What went wrong stays until it is put away. */
+/* Above the progress; also while the panel is hidden. An error stays until it is dismissed. */
 static void draw_message(isosculpt_panel *panel, isosculpt_screen *screen) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float below = screen->progress_item_count ? display.y - panel->progress_items.position.y : 0,
@@ -334,14 +334,14 @@ static void draw_message(isosculpt_panel *panel, isosculpt_screen *screen) {
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing);
     ImGui::PushTextWrapPos(std::fmin(560 * panel->scale, display.x - 4 * gap));
-    ImGui::TextColored(screen->message_is_bad ? RED : GREY, "%s", screen->message);
+    ImGui::TextColored(screen->message_is_error ? RED : GREY, "%s", screen->message);
     ImGui::PopTextWrapPos();
-    if (screen->message_is_bad && ImGui::SmallButton("put this away")) screen->message[0] = 0;
+    if (screen->message_is_error && ImGui::SmallButton("put this away")) screen->message[0] = 0;
     panel->message = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
     ImGui::End();
 }
 
-/* ---- help and questions */
+/* ---- help and dialogs */
 
 static void draw_help(isosculpt_screen *screen, float scale) {
 #define KEY_ROW(key, meaning) {key, meaning},
@@ -367,32 +367,32 @@ static void draw_help(isosculpt_screen *screen, float scale) {
     ImGui::End();
 }
 
-/* A question in the middle; while it is there the sculpture is out of reach. Answers come from here or from
- * keys. */
-static bool begin_question(const char *title, bool asked) {
+/* Begins a modal dialog in the middle of the window, if it is shown; ImGui::EndPopup when it returns true.
+ * Results come from its buttons or from keys (events.c). */
+static bool begin_dialog(const char *title, bool shown) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
-    if (asked && !ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
+    if (shown && !ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
     ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
     bool open = ImGui::BeginPopupModal(title, nullptr,
                                        ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
-    if (open && !asked) ImGui::CloseCurrentPopup();
+    if (open && !shown) ImGui::CloseCurrentPopup();
     return open;
 }
 
-static void answer_button(isosculpt_screen *screen, const char *label, unsigned results) {
+static void draw_result_button(isosculpt_screen *screen, const char *label, unsigned results) {
     if (ImGui::Button(label)) screen->results |= results;
 }
 
-static void ask_recover(isosculpt_screen *screen) {
-    if (!begin_question("Recover?", screen->dialog == ISOSCULPT_DIALOG_RECOVER)) return;
-    ImGui::Text("A session was not closed:\n%s\n\nIts strokes are all there.", screen->asked);
-    answer_button(screen, "Recover it (Enter)", ISOSCULPT_RESULT_RECOVER);
+static void draw_recover_dialog(isosculpt_screen *screen) {
+    if (!begin_dialog("Recover?", screen->dialog == ISOSCULPT_DIALOG_RECOVER)) return;
+    ImGui::Text("A session was not closed:\n%s\n\nIts strokes are all there.", screen->dialog_path);
+    draw_result_button(screen, "Recover it (Enter)", ISOSCULPT_RESULT_RECOVER);
     ImGui::SameLine();
-    answer_button(screen, "Start new (the file stays)", ISOSCULPT_RESULT_DISMISS);
+    draw_result_button(screen, "Start new (the file stays)", ISOSCULPT_RESULT_DISMISS);
     ImGui::EndPopup();
 }
 
-static void say_unsaved(const isosculpt_screen *screen) {
+static void draw_unsaved_text(const isosculpt_screen *screen) {
     const char *journal = screen->controller->document->journal;
     if (journal[0])
         ImGui::Text("What you did is not saved. The stroke file has all of it:\n%s", journal);
@@ -401,78 +401,78 @@ static void say_unsaved(const isosculpt_screen *screen) {
     ImGui::Text("\nSaving writes\n%s\n\n", screen->controller->document->target);
 }
 
-static void ask_close(isosculpt_screen *screen) {
-    if (!begin_question("Close?", screen->dialog == ISOSCULPT_DIALOG_CLOSE)) return;
-    say_unsaved(screen);
-    answer_button(screen, "Save and close (Enter)", ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_LEAVE);
+static void draw_close_dialog(isosculpt_screen *screen) {
+    if (!begin_dialog("Close?", screen->dialog == ISOSCULPT_DIALOG_CLOSE)) return;
+    draw_unsaved_text(screen);
+    draw_result_button(screen, "Save and close (Enter)", ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_PROCEED);
     ImGui::SameLine();
-    answer_button(screen, "Close", ISOSCULPT_RESULT_LEAVE);
+    draw_result_button(screen, "Close", ISOSCULPT_RESULT_PROCEED);
     ImGui::SameLine();
-    answer_button(screen, "Stay (Escape)", ISOSCULPT_RESULT_STAY);
+    draw_result_button(screen, "Stay (Escape)", ISOSCULPT_RESULT_KEEP);
     ImGui::EndPopup();
 }
 
-static void ask_open(isosculpt_screen *screen) {
-    if (!begin_question("Open?", screen->dialog == ISOSCULPT_DIALOG_OPEN)) return;
-    ImGui::Text("%s\nis to be opened in place of what is here.\n\n", screen->asked);
-    say_unsaved(screen);
-    answer_button(screen, "Save and open (Enter)", ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_LEAVE);
+static void draw_open_dialog(isosculpt_screen *screen) {
+    if (!begin_dialog("Open?", screen->dialog == ISOSCULPT_DIALOG_OPEN)) return;
+    ImGui::Text("%s\nis to be opened in place of what is here.\n\n", screen->dialog_path);
+    draw_unsaved_text(screen);
+    draw_result_button(screen, "Save and open (Enter)", ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_PROCEED);
     ImGui::SameLine();
-    answer_button(screen, "Open", ISOSCULPT_RESULT_LEAVE);
+    draw_result_button(screen, "Open", ISOSCULPT_RESULT_PROCEED);
     ImGui::SameLine();
-    answer_button(screen, "Stay (Escape)", ISOSCULPT_RESULT_STAY);
+    draw_result_button(screen, "Stay (Escape)", ISOSCULPT_RESULT_KEEP);
     ImGui::EndPopup();
 }
 
-static void ask_mesh(isosculpt_screen *screen) {
-    if (!begin_question("A mesh", screen->dialog == ISOSCULPT_DIALOG_MESH)) return;
-    ImGui::Text("%s", screen->asked);
-    answer_button(screen, "Sculpt it (Enter)", ISOSCULPT_RESULT_OPEN);
+static void draw_mesh_dialog(isosculpt_screen *screen) {
+    if (!begin_dialog("A mesh", screen->dialog == ISOSCULPT_DIALOG_MESH)) return;
+    ImGui::Text("%s", screen->dialog_path);
+    draw_result_button(screen, "Sculpt it (Enter)", ISOSCULPT_RESULT_OPEN);
     ImGui::SameLine();
-    answer_button(screen, "Add and carve with it (S)", ISOSCULPT_RESULT_STAMP);
+    draw_result_button(screen, "Add and carve with it (S)", ISOSCULPT_RESULT_STAMP);
     ImGui::SameLine();
-    answer_button(screen, "Neither (Escape)", ISOSCULPT_RESULT_STAY);
+    draw_result_button(screen, "Neither (Escape)", ISOSCULPT_RESULT_KEEP);
     ImGui::EndPopup();
 }
 
-static void ask_replace(isosculpt_screen *screen) {
-    if (!begin_question("Replace?", screen->dialog == ISOSCULPT_DIALOG_REPLACE)) return;
-    const bool picture = screen->chosen_for == ISOSCULPT_BROWSE_PICTURE;
-    ImGui::Text("%s\nis there already.%s\n\n", screen->asked,
+static void draw_replace_dialog(isosculpt_screen *screen) {
+    if (!begin_dialog("Replace?", screen->dialog == ISOSCULPT_DIALOG_REPLACE)) return;
+    const bool picture = screen->chosen_purpose == ISOSCULPT_BROWSE_PICTURE;
+    ImGui::Text("%s\nis there already.%s\n\n", screen->dialog_path,
                 picture ? "" : " It will be kept with .bak added to its name.");
-    answer_button(screen, "Replace it (Enter)", ISOSCULPT_RESULT_REPLACE);
+    draw_result_button(screen, "Replace it (Enter)", ISOSCULPT_RESULT_REPLACE);
     ImGui::SameLine();
-    answer_button(screen, "Keep it (Escape)", ISOSCULPT_RESULT_STAY);
+    draw_result_button(screen, "Keep it (Escape)", ISOSCULPT_RESULT_KEEP);
     ImGui::EndPopup();
 }
 
 /* ---- the browser */
 
-/* The path to begin with: what was typed in, or where the sculpture is saved. */
+/* Opens the browser with the path in the input box, or the target. */
 static void open_browser(isosculpt_screen *screen) {
     char path[ISOSCULPT_PATH];
-    const isosculpt_purpose purpose = screen->browse;
-    const char *target = screen->controller->document->target, *typed = screen->path;
-    screen->browse = ISOSCULPT_BROWSE_NOTHING;
+    const isosculpt_purpose purpose = screen->browse_request;
+    const char *target = screen->controller->document->target, *typed = screen->typed_path;
+    screen->browse_request = ISOSCULPT_BROWSE_NOTHING;
     if (purpose == ISOSCULPT_BROWSE_EXPORT)
-        isosculpt_target_free(target, ".stl", path);
+        isosculpt_path_unused(target, ".stl", path);
     else if (purpose == ISOSCULPT_BROWSE_PICTURE)
-        isosculpt_target_free(target, ".png", path);
+        isosculpt_path_unused(target, ".png", path);
     else
         snprintf(path, sizeof path, "%s", target);
     isosculpt_browser_open(&screen->browser, purpose, path);
     if (!typed[0] || purpose == ISOSCULPT_BROWSE_PICTURE) return;
     snprintf(screen->browser.name, sizeof screen->browser.name, "%s", typed);
-    screen->path[0] = 0;
+    screen->typed_path[0] = 0;
 }
 
 static void draw_browser(isosculpt_panel *panel, isosculpt_screen *screen) {
-    if (screen->browse && !screen->dialog && !screen->browser.purpose) open_browser(screen);
+    if (screen->browse_request && !screen->dialog && !screen->browser.purpose) open_browser(screen);
     const isosculpt_purpose purpose = screen->browser.purpose;
-    const bool chosen = isosculpt_browser_draw(&screen->browser, panel->scale, screen->chosen);
-    screen->browser.typed = isosculpt_typed{}; /* (the box for a file's name has seen them, too) */
+    const bool chosen = isosculpt_browser_draw(&screen->browser, panel->scale, screen->chosen_path);
+    screen->browser.typed = isosculpt_typed{}; /* the panel's input box has handled them, too */
     if (!chosen) return;
-    screen->chosen_for = purpose;
+    screen->chosen_purpose = purpose;
     screen->results |= ISOSCULPT_RESULT_CHOSEN;
 }
 
@@ -481,23 +481,23 @@ static void draw_browser(isosculpt_panel *panel, isosculpt_screen *screen) {
 static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     panel->modal = screen->dialog != ISOSCULPT_DIALOG_NOTHING || screen->browser.purpose;
     panel->place = panel->progress_items = panel->message = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
-    screen->sliding = false;
+    screen->isovalue_dragged = false;
     if (screen->panel && !screen->blank) draw_panel(panel, screen);
-    if (screen->progress_item_count) draw_busy(panel, screen);
+    if (screen->progress_item_count) draw_progress(panel, screen);
     if (screen->help) draw_help(screen, panel->scale);
     if (screen->message[0]) draw_message(panel, screen);
-    ask_recover(screen);
-    ask_close(screen);
-    ask_open(screen);
-    ask_mesh(screen);
-    ask_replace(screen);
+    draw_recover_dialog(screen);
+    draw_close_dialog(screen);
+    draw_open_dialog(screen);
+    draw_mesh_dialog(screen);
+    draw_replace_dialog(screen);
     draw_browser(panel, screen);
     const isosculpt_controller *controller = screen->controller;
-    bool over = panel->over(controller->x / screen->pixels, controller->y / screen->pixels);
+    const bool over = panel->is_over(controller->x / screen->pixels, controller->y / screen->pixels);
     const bool brush = !screen->volume || screen->sculpting;
-    panel_picture(screen, panel->scale);
+    panel_draw_picture(screen, panel->scale);
     if (brush && !screen->blank && !panel->modal && (!over || controller->drag == ISOSCULPT_DRAG_BRUSH))
-        panel_brush(screen, panel->scale);
+        panel_draw_brush(screen, panel->scale);
 }
 
 iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error) {
@@ -513,14 +513,14 @@ iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen
 }
 
 bool isosculpt_panel_has_pointer(const isosculpt_panel *panel, double x, double y) {
-    return panel->modal || panel->over(x, y) || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+    return panel->modal || panel->is_over(x, y) || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
 }
 
 bool isosculpt_panel_has_keys(void) {
     return ImGui::GetIO().WantTextInput;
 }
 
-/* ---- life */
+/* ---- creating and destroying */
 
 static void set_style(float scale) {
     ImGuiIO &io = ImGui::GetIO();
@@ -561,7 +561,7 @@ iso_status isosculpt_panel_rescale(isosculpt_panel *panel, double scale, iso_err
     if ((float)scale == panel->scale) return ISO_OK;
     return iso::guard("Dear ImGui", error, [&] {
         panel->scale = (float)scale;
-        panel->place_anew = true;
+        panel->reposition = true;
         set_style(panel->scale);
         ImGui_ImplOpenGL3_DestroyFontsTexture();
         if (ImGui_ImplOpenGL3_CreateFontsTexture()) return ISO_OK;

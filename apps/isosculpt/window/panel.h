@@ -1,5 +1,6 @@
-/* panel: all that is drawn over the picture: the panel, the help sheet, questions and the brush's ring. Dear
- * ImGui is behind it and nowhere else. One a program: Dear ImGui keeps its context in a global. */
+/* panel: everything that is drawn over the picture: the panel with its sections, the help, dialogs, messages
+ * and the brush's ring. Dear ImGui is used here, in the files panel*.cc and browser.cc, and nowhere else. One
+ * panel in a program: Dear ImGui keeps its context in a global variable. */
 #ifndef ISO_APPS_ISOSCULPT_WINDOW_PANEL_H
 #define ISO_APPS_ISOSCULPT_WINDOW_PANEL_H
 
@@ -10,79 +11,79 @@
 extern "C" {
 #endif
 
-/* What is asked, one thing at a time; meanwhile the sculpture is out of reach. */
+/* Modal dialogs, one at a time; meanwhile mouse and keys do not reach the sculpture. */
 typedef enum isosculpt_dialog {
     ISOSCULPT_DIALOG_NOTHING,
-    ISOSCULPT_DIALOG_RECOVER, /* whether to recover the journal `path` */
-    ISOSCULPT_DIALOG_CLOSE,   /* what to do about changes that are not saved */
-    ISOSCULPT_DIALOG_OPEN,    /* the same, before `path` is opened */
-    ISOSCULPT_DIALOG_MESH,    /* whether to open the mesh `path`, or to make it a stamp */
-    ISOSCULPT_DIALOG_REPLACE  /* whether to write over the file `path` */
+    ISOSCULPT_DIALOG_RECOVER, /* recover the journal `dialog_path`? */
+    ISOSCULPT_DIALOG_CLOSE,   /* close with unsaved changes? */
+    ISOSCULPT_DIALOG_OPEN,    /* open `dialog_path`, with unsaved changes? */
+    ISOSCULPT_DIALOG_MESH,    /* open the mesh `dialog_path`, or use it as a stamp? */
+    ISOSCULPT_DIALOG_REPLACE  /* overwrite the file `dialog_path`? */
 } isosculpt_dialog;
 
-/* Answers of the person to what the panel shows, for the window. */
+/* What the user chose in a dialog or in the panel, as bits of isosculpt_screen.results. */
 enum {
     ISOSCULPT_RESULT_RECOVER = 1,
-    ISOSCULPT_RESULT_DISMISS = 2, /* do not offer it again */
-    ISOSCULPT_RESULT_LEAVE = 4,   /* close, or open, as was asked */
-    ISOSCULPT_RESULT_STAY = 8,
+    ISOSCULPT_RESULT_DISMISS = 2, /* do not offer recovery again */
+    ISOSCULPT_RESULT_PROCEED = 4, /* close, or open the other file */
+    ISOSCULPT_RESULT_KEEP = 8,    /* do nothing */
     ISOSCULPT_RESULT_SAVE = 16,
-    ISOSCULPT_RESULT_OPEN = 32,    /* what `path` names */
-    ISOSCULPT_RESULT_STAMP = 64,   /* the same, as a stamp */
-    ISOSCULPT_RESULT_CANCEL = 128, /* busy[0], and its double busy[1] */
-    ISOSCULPT_RESULT_REPLACE = 512,
-    ISOSCULPT_RESULT_CHOSEN = 1024, /* `chosen`, for `chosen_for` */
-    ISOSCULPT_RESULT_COMMAND = 2048 /* the command that draws this goes to the clipboard */
+    ISOSCULPT_RESULT_OPEN = 32,     /* `dialog_path` in a dialog, else `typed_path` */
+    ISOSCULPT_RESULT_STAMP = 64,    /* use `dialog_path` as a stamp */
+    ISOSCULPT_RESULT_CANCEL = 128,  /* progress_items[0]; its double (256): progress_items[1] */
+    ISOSCULPT_RESULT_REPLACE = 512, /* overwrite the file */
+    ISOSCULPT_RESULT_CHOSEN = 1024, /* `chosen_path` was chosen in the browser, for `chosen_purpose` */
+    ISOSCULPT_RESULT_COMMAND = 2048 /* copy the isorender command to the clipboard */
 };
 
-/* Heavy work that is under way. */
+/* A background task that is running. */
 typedef struct isosculpt_progress_item {
     char text[160];
-    double fraction;
+    double fraction; /* 0 .. 1 */
 } isosculpt_progress_item;
 enum { ISOSCULPT_PROGRESS_ITEMS = 2 };
 
-/* What the panel shows and changes; the window's. */
+/* The state that window and panel share: the panel shows it and changes it. Owned by the window. */
 typedef struct isosculpt_screen {
-    isosculpt_controller *controller;
-    unsigned texture;  /* of the picture; 0: none yet */
-    int width, height; /* framebuffer */
-    double pixels;     /* framebuffer pixels a window coordinate */
-    bool panel, help;  /* shown */
-    bool pen;          /* one with pressure is there */
-    bool blank;        /* there is nothing to work on yet */
+    isosculpt_controller *controller; /* borrowed */
+    unsigned texture;                 /* OpenGL's name of the picture; 0: none yet */
+    int width, height;                /* of the framebuffer */
+    double pixels;                    /* framebuffer pixels to a window coordinate */
+    bool panel, help;                 /* shown */
+    bool pen;                         /* a pen with pressure is connected */
+    bool blank;                       /* nothing is open yet */
     isosculpt_dialog dialog;
-    char asked[ISOSCULPT_PATH]; /* the path that the question is about */
+    char dialog_path[ISOSCULPT_PATH];
     isosculpt_progress_item progress_items[ISOSCULPT_PROGRESS_ITEMS];
     int progress_item_count;
-    char path[ISOSCULPT_PATH]; /* that is typed in */
+    char typed_path[ISOSCULPT_PATH]; /* in the panel's input box */
     isosculpt_browser browser;
-    isosculpt_purpose browse; /* to be shown with the next frame */
-    isosculpt_purpose chosen_for;
-    char chosen[ISOSCULPT_PATH];
-    const isosculpt_volume *volume; /* that is looked at; NULL: there is a field */
-    bool sculpting;                 /* it is being made a field */
-    double isovalue;                /* chosen for it */
-    bool sliding;                   /* just now, by hand */
-    char message[600];              /* of the last command; "" none. Good ones go by themselves, */
-    double said;                    /* after so long since then (iso_clock_seconds) */
-    bool message_is_bad;
-    unsigned results;
+    isosculpt_purpose browse_request; /* to be opened with the next frame */
+    isosculpt_purpose chosen_purpose;
+    char chosen_path[ISOSCULPT_PATH];
+    const isosculpt_volume *volume; /* the viewed volume; NULL: there is a field */
+    bool sculpting;                 /* the volume is being converted into a field */
+    double isovalue;                /* of the volume, physical, as chosen in the panel */
+    bool isovalue_dragged;          /* in this frame */
+    char message[600];              /* the status message; "": none */
+    double message_seconds;         /* iso_clock_seconds when it was set */
+    bool message_is_error;          /* it stays until the user dismisses it; others vanish after a while */
+    unsigned results;               /* bits, cleared by the window */
 } isosculpt_screen;
 
 typedef struct isosculpt_panel isosculpt_panel;
 
-/* For a GLFWwindow whose context is current; its callbacks are set already and are called by ours. `scale`:
- * of text and widgets. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+/* `window`: a GLFWwindow whose context is current and whose callbacks are set; Dear ImGui calls them from its
+ * own. `scale`: of text and widgets. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
 iso_status isosculpt_panel_create(void *window, double scale, isosculpt_panel **panel, iso_error *error);
-/* Between frames. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+/* Changes the scale; call it between frames. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
 iso_status isosculpt_panel_rescale(isosculpt_panel *panel, double scale, iso_error *error);
 void isosculpt_panel_destroy(isosculpt_panel *panel);
 
-/* One frame into the current framebuffer. */
+/* Draws one frame into the current framebuffer. */
 iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error);
 
-/* Whether the pointer at a window position, or the keys, belong to the panel. */
+/* Whether the pointer at a window position, or the keyboard, is used by the panel or a dialog. */
 bool isosculpt_panel_has_pointer(const isosculpt_panel *panel, double x, double y);
 bool isosculpt_panel_has_keys(void);
 

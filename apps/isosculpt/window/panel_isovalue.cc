@@ -1,22 +1,23 @@
-/* The panel's section of a volume that is looked at: its histogram and the isovalue. */
+/* The panel's section of a viewed volume: its histogram and the isovalue. */
 #include <cmath>
 #include <cstdio>
 
 #include "apps/isosculpt/window/axis.h"
 #include "apps/isosculpt/window/panel_parts.hpp"
 
-/* By the logarithms of counts. Where values are few, a column reaches to the next value. */
+/* The columns of the histogram, as high as the logarithms of the counts. When less than half of the bins are
+ * used, a column is widened to the next used bin. */
 static void draw_columns(const iso_histogram &histogram, ImDrawList *list, ImVec2 at, ImVec2 size) {
     uint64_t most = 1, filled = 0;
     for (uint64_t count : histogram.bins) {
         most = count > most ? count : most;
         filled += count > 0;
     }
-    const bool few = 2 * filled < ISO_HISTOGRAM_BINS;
+    const bool widen = 2 * filled < ISO_HISTOGRAM_BINS;
     const float column = size.x / ISO_HISTOGRAM_BINS;
     uint64_t count = 0;
     for (int i = 0; i < ISO_HISTOGRAM_BINS; i++) {
-        if (histogram.bins[i] || !few) count = histogram.bins[i];
+        if (histogram.bins[i] || !widen) count = histogram.bins[i];
         const double part = std::log1p((double)count) / std::log1p((double)most);
         list->AddRectFilled(ImVec2(at.x + column * (float)i, at.y + size.y * (float)(1 - part)),
                             ImVec2(at.x + column * (float)(i + 1), at.y + size.y),
@@ -24,7 +25,7 @@ static void draw_columns(const iso_histogram &histogram, ImDrawList *list, ImVec
     }
 }
 
-/* Where the histogram is, and which values it spans. */
+/* The histogram's rectangle, and the values that it spans. */
 struct plot {
     ImVec2 at, size;
     double low, range;
@@ -38,7 +39,7 @@ static float text_width(const char *text) {
     return ImGui::CalcTextSize(text).x;
 }
 
-/* One number under the axis, within it and clear of what was written left of `free`; false: no room. */
+/* Writes a number below the axis, if it fits between *free and `right`; then *free moves behind it. */
 static bool draw_label(const plot &p, ImDrawList *list, double value, float *free, float right) {
     char text[32];
     snprintf(text, sizeof text, "%.5g", value);
@@ -50,9 +51,9 @@ static bool draw_label(const plot &p, ImDrawList *list, double value, float *fre
     return true;
 }
 
-/* The values at both ends, and round ones between them where there is room. */
+/* The values at both ends, and round values between them where there is room. */
 static void draw_axis(const plot &p, ImDrawList *list, float scale) {
-    double ticks[ISOSCULPT_TICKS];
+    double ticks[ISOSCULPT_AXIS_TICKS];
     const double high = p.low + p.range;
     const int count = isosculpt_axis_ticks(p.low, high, 6, ticks);
     const float bottom = p.at.y + p.size.y;
@@ -68,7 +69,7 @@ static void draw_axis(const plot &p, ImDrawList *list, float scale) {
     if (p.range > 0) draw_label(p, list, high, &free, p.at.x + p.size.x);
 }
 
-/* A triangle and a line at each suggested isovalue; Otsu's is the brighter one. */
+/* A triangle and a line at each suggested isovalue; Otsu's is brighter. */
 static void draw_marks(const plot &p, const isosculpt_volume *volume, ImDrawList *list, float scale) {
     for (size_t i = 0; i < volume->candidate_count; i++) {
         const float x = p.x(volume->candidates[i]), side = 5 * scale;
@@ -79,7 +80,7 @@ static void draw_marks(const plot &p, const isosculpt_volume *volume, ImDrawList
     }
 }
 
-/* The histogram, and the isovalue as a line, which follows the pointer. */
+/* The histogram, with the isovalue as a line that can be dragged. */
 static void draw_histogram(isosculpt_screen *screen, float scale) {
     const isosculpt_volume *volume = screen->volume;
     const iso_histogram *histogram = &volume->histogram;
@@ -87,9 +88,9 @@ static void draw_histogram(isosculpt_screen *screen, float scale) {
                     histogram->low, histogram->high - histogram->low};
     ImDrawList *list = ImGui::GetWindowDrawList();
     ImGui::InvisibleButton("histogram", p.size);
-    screen->sliding = ImGui::IsItemActive();
-    if (screen->sliding && p.range > 0) screen->isovalue = p.value(ImGui::GetIO().MousePos.x);
-    if (ImGui::IsItemHovered() && !screen->sliding)
+    screen->isovalue_dragged = ImGui::IsItemActive();
+    if (screen->isovalue_dragged && p.range > 0) screen->isovalue = p.value(ImGui::GetIO().MousePos.x);
+    if (ImGui::IsItemHovered() && !screen->isovalue_dragged)
         ImGui::SetTooltip("isovalue %.6g; marked: Otsu's threshold and those of three classes",
                           p.value(ImGui::GetIO().MousePos.x));
     list->AddRectFilled(p.at, ImVec2(p.at.x + p.size.x, p.at.y + p.size.y), IM_COL32(20, 24, 30, 255));
@@ -101,8 +102,8 @@ static void draw_histogram(isosculpt_screen *screen, float scale) {
     ImGui::Dummy(ImVec2(0, ImGui::GetTextLineHeight()));
 }
 
-/* The suggested isovalues as buttons: the same as isorender --info prints. */
-static void choose_suggested(isosculpt_screen *screen) {
+/* Buttons for the suggested isovalues, which isorender --info prints, too. */
+static void draw_suggestions(isosculpt_screen *screen) {
     const isosculpt_volume *volume = screen->volume;
     if (volume->candidate_count) ImGui::TextColored(GREY, "suggested");
     for (size_t i = 0; i < volume->candidate_count; i++) {
@@ -113,13 +114,13 @@ static void choose_suggested(isosculpt_screen *screen) {
     }
 }
 
-void panel_isovalue(isosculpt_screen *screen, float scale) {
+void panel_draw_isovalue(isosculpt_screen *screen, float scale) {
     const iso_histogram *histogram = &screen->volume->histogram;
     draw_histogram(screen, scale);
     ImGui::SliderScalar("isovalue", ImGuiDataType_Double, &screen->isovalue, &histogram->low,
                         &histogram->high, "%.6g", ImGuiSliderFlags_AlwaysClamp);
-    screen->sliding |= ImGui::IsItemActive();
-    choose_suggested(screen);
+    screen->isovalue_dragged |= ImGui::IsItemActive();
+    draw_suggestions(screen);
     if (ImGui::Button("Sculpt this")) screen->controller->commands |= ISOSCULPT_COMMAND_SCULPT;
     ImGui::SameLine();
     ImGui::TextColored(GREY, "or pick a brush: 1 .. 9");

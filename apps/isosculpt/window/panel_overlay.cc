@@ -1,15 +1,16 @@
-/* The picture, and what is drawn over it: the brush's ring, the mirror's planes, strokes that wait. */
+/* The picture, and over it the brush's ring, the mirror planes and queued strokes. */
 #include <cmath>
 
-#include "apps/isosculpt/view/mirror.h"
+#include "apps/isosculpt/viewport/mirror.h"
 #include "apps/isosculpt/window/panel_parts.hpp"
 
-static ImVec2 at_window(const isosculpt_screen *screen, double x, double y) {
+/* Window coordinates of a pixel. */
+static ImVec2 to_window(const isosculpt_screen *screen, double x, double y) {
     return ImVec2((float)(x / screen->pixels), (float)(y / screen->pixels));
 }
 
-/* Two unit vectors across the normal. */
-static void across(iso_vec3 normal, iso_vec3 *u, iso_vec3 *v) {
+/* Two unit vectors that span the plane normal to `normal`. */
+static void find_tangents(iso_vec3 normal, iso_vec3 *u, iso_vec3 *v) {
     iso_vec3 other = std::fabs(normal.x) < 0.6 ? iso_vec3_make(1, 0, 0) : iso_vec3_make(0, 1, 0);
     *u = iso_vec3_unit(iso_vec3_cross(normal, other));
     *v = iso_vec3_cross(normal, *u);
@@ -18,23 +19,23 @@ static void across(iso_vec3 normal, iso_vec3 *u, iso_vec3 *v) {
 static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, const isosculpt_pick &pick,
                       float scale) {
     constexpr int CORNERS = 64;
-    const isosculpt_layer *layer = &screen->controller->view->drawn;
+    const isosculpt_layer *layer = &screen->controller->viewport->drawn;
     const double radius = screen->controller->brush.radius;
     ImVec2 corners[CORNERS];
     iso_vec3 u, v;
     double x, y, sine, cosine;
-    across(pick.normal, &u, &v);
+    find_tangents(pick.normal, &u, &v);
     for (int i = 0; i < CORNERS; i++) {
         iso_sincos(2 * ISO_PI * i / CORNERS, &sine, &cosine);
         iso_vec3 offset = iso_vec3_add(iso_vec3_scale(u, radius * cosine), iso_vec3_scale(v, radius * sine));
         if (!isosculpt_layer_pixel(layer, iso_vec3_add(pick.position, offset), &x, &y)) return;
-        corners[i] = at_window(screen, x, y);
+        corners[i] = to_window(screen, x, y);
     }
     list->AddPolyline(corners, CORNERS, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed, 3.5f * scale);
     list->AddPolyline(corners, CORNERS, IM_COL32(255, 255, 255, 230), ImDrawFlags_Closed, 1.5f * scale);
 }
 
-void panel_brush(const isosculpt_screen *screen, float scale) {
+void panel_draw_brush(const isosculpt_screen *screen, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
     const isosculpt_controller *controller = screen->controller;
     isosculpt_pick pick;
@@ -42,27 +43,28 @@ void panel_brush(const isosculpt_screen *screen, float scale) {
     if (!isosculpt_controller_pick(controller, &pick)) return;
     draw_ring(screen, list, pick, scale);
     iso_vec3 tip = iso_vec3_add(pick.position, iso_vec3_scale(pick.normal, 0.4 * controller->brush.radius));
-    if (isosculpt_layer_pixel(&controller->view->drawn, tip, &x, &y))
-        list->AddLine(at_window(screen, controller->x, controller->y), at_window(screen, x, y),
+    if (isosculpt_layer_pixel(&controller->viewport->drawn, tip, &x, &y))
+        list->AddLine(to_window(screen, controller->x, controller->y), to_window(screen, x, y),
                       IM_COL32(255, 255, 255, 160), 1.5f * scale);
 }
 
 static const ImU32 AXIS_COLORS[] = {IM_COL32(255, 120, 110, 235), IM_COL32(130, 225, 120, 235),
                                     IM_COL32(120, 170, 255, 235)};
 
-/* Where a mirror's plane cuts the surface, and the box around it, as lines. */
+/* Lines where a mirror plane cuts the surface and the box around it. */
 static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axis, float scale) {
     enum { SEGMENTS = 4096 };
     static isosculpt_segment segments[SEGMENTS];
     const isosculpt_controller *controller = screen->controller;
-    const isosculpt_layer *layer = &controller->view->drawn;
-    const iso_vec3 mirror = controller->brush.mirror, lo = controller->box.lo, hi = controller->box.hi;
+    const isosculpt_layer *layer = &controller->viewport->drawn;
+    const iso_vec3 mirror = controller->brush.mirror, lo = controller->surface_box.lo,
+                   hi = controller->surface_box.hi;
     const double at[] = {mirror.x, mirror.y, mirror.z}, low[] = {lo.x, lo.y, lo.z},
                  high[] = {hi.x, hi.y, hi.z};
     const size_t count = isosculpt_mirror_lines(layer, axis, at[axis], segments, SEGMENTS);
     for (size_t i = 0; i < count; i++)
-        list->AddLine(at_window(screen, segments[i].x[0], segments[i].y[0]),
-                      at_window(screen, segments[i].x[1], segments[i].y[1]), AXIS_COLORS[axis], 2 * scale);
+        list->AddLine(to_window(screen, segments[i].x[0], segments[i].y[0]),
+                      to_window(screen, segments[i].x[1], segments[i].y[1]), AXIS_COLORS[axis], 2 * scale);
     ImVec2 corners[4];
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     for (int i = 0; i < 4; i++) {
@@ -72,35 +74,35 @@ static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axi
         p[u] = i == 1 || i == 2 ? high[u] + more_u : low[u] - more_u;
         p[v] = i >= 2 ? high[v] + more_v : low[v] - more_v;
         if (!isosculpt_layer_pixel(layer, iso_vec3_make(p[0], p[1], p[2]), &x, &y)) return;
-        corners[i] = at_window(screen, x, y);
+        corners[i] = to_window(screen, x, y);
     }
     list->AddPolyline(corners, 4, AXIS_COLORS[axis], ImDrawFlags_Closed, scale);
 }
 
-/* The way of a stroke that is made when there is a field. */
-static void draw_waiting(const isosculpt_screen *screen, ImDrawList *list, const isosculpt_stroke &stroke,
-                         float scale) {
-    const isosculpt_layer *layer = &screen->controller->view->drawn;
+/* The path of a stroke that is applied when there is a field. */
+static void draw_queued_stroke(const isosculpt_screen *screen, ImDrawList *list,
+                               const isosculpt_stroke &stroke, float scale) {
+    const isosculpt_layer *layer = &screen->controller->viewport->drawn;
     ImVec2 before(0, 0);
     double x, y;
     for (size_t i = 0; i < stroke.count; i++) {
         if (!isosculpt_layer_pixel(layer, stroke.samples[i].position, &x, &y)) continue;
-        const ImVec2 now = at_window(screen, x, y);
+        const ImVec2 now = to_window(screen, x, y);
         list->AddCircleFilled(now, 3 * scale, IM_COL32(255, 255, 255, 220));
         if (i) list->AddLine(before, now, IM_COL32(255, 255, 255, 160), 2 * scale);
         before = now;
     }
 }
 
-void panel_picture(const isosculpt_screen *screen, float scale) {
+void panel_draw_picture(const isosculpt_screen *screen, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
     const isosculpt_controller *controller = screen->controller;
     if (screen->texture)
         list->AddImage((ImTextureID)(intptr_t)screen->texture, ImVec2(0, 0),
-                       at_window(screen, screen->width, screen->height));
+                       to_window(screen, screen->width, screen->height));
     if (screen->blank || (screen->volume && !screen->sculpting)) return;
     for (int axis = 0; axis < 3; axis++)
         if (controller->brush.symmetry >> axis & 1) draw_plane(screen, list, axis, scale);
-    for (size_t i = 0; i < controller->waiting.count; i++)
-        draw_waiting(screen, list, controller->waiting.strokes[i], scale);
+    for (size_t i = 0; i < controller->queued_strokes.count; i++)
+        draw_queued_stroke(screen, list, controller->queued_strokes.strokes[i], scale);
 }

@@ -1,4 +1,4 @@
-/* pen: how hard a pen is pressed, which GLFW does not say: on X11 through XInput2. */
+/* pen: the pressure of a pen, which GLFW does not report. On X11 by XInput2; elsewhere there is none. */
 #ifndef ISO_APPS_ISOSCULPT_WINDOW_PEN_H
 #define ISO_APPS_ISOSCULPT_WINDOW_PEN_H
 
@@ -6,14 +6,14 @@
 
 typedef struct isosculpt_pen isosculpt_pen;
 
-/* For the window system that GLFW has opened; NULL where there is none that tells. */
+/* For the window system that GLFW has opened; NULL: it reports no pressure. The functions below take NULL. */
 isosculpt_pen *isosculpt_pen_open(void);
-void isosculpt_pen_close(isosculpt_pen *pen); /* NULL is fine */
+void isosculpt_pen_close(isosculpt_pen *pen);
 
-/* Whether there was a device with pressure when it was last asked; pens come and go. */
+/* Whether a device with pressure was connected at the last call of isosculpt_pen_pressure. */
 bool isosculpt_pen_present(const isosculpt_pen *pen);
 
-/* 0 .. 1 now; 1 when no pen is pressed: then it is a mouse that draws. */
+/* The pressure now, 0 .. 1; 1 when no pen is pressed, since then a mouse draws. */
 double isosculpt_pen_pressure(isosculpt_pen *pen);
 
 #endif

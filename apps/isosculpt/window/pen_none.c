@@ -1,4 +1,4 @@
-/* Where nothing tells how hard a pen is pressed. */
+/* For window systems that report no pen pressure. */
 #include <stddef.h>
 
 #include "apps/isosculpt/window/pen.h"

@@ -1,5 +1,5 @@
-/* The state of pens is asked for when a sample is taken, instead of listening to their events, which are
- * GLFW's to read. */
+/* Pen pressure on X11: the state of all devices is queried when a sample is taken. Their events are not read,
+ * since GLFW reads the event queue. */
 #define _GNU_SOURCE /* RTLD_DEFAULT */
 #include <dlfcn.h>
 #include <stdlib.h>
@@ -16,8 +16,8 @@ struct isosculpt_pen {
     bool present;
 };
 
-/* A GLFW that was built for Wayland has no such function. */
-static Display *display_of_glfw(void) {
+/* NULL for a GLFW that was built for Wayland: it lacks the function. */
+static Display *find_display(void) {
     Display *(*get)(void);
     void *symbol = dlsym(RTLD_DEFAULT, "glfwGetX11Display");
     if (!symbol) return NULL;
@@ -27,7 +27,7 @@ static Display *display_of_glfw(void) {
 
 isosculpt_pen *isosculpt_pen_open(void) {
     int opcode, event, error, major = 2, minor = 0;
-    Display *display = display_of_glfw();
+    Display *display = find_display();
     if (!display || !XQueryExtension(display, "XInputExtension", &opcode, &event, &error)) return NULL;
     if (XIQueryVersion(display, &major, &minor) != Success) return NULL;
     isosculpt_pen *pen = calloc(1, sizeof *pen);
@@ -47,7 +47,7 @@ bool isosculpt_pen_present(const isosculpt_pen *pen) {
 }
 
 /* The pressure axis of a device; NULL: it has none. */
-static const XIValuatorClassInfo *axis_of(const isosculpt_pen *pen, const XIDeviceInfo *device) {
+static const XIValuatorClassInfo *find_pressure_axis(const isosculpt_pen *pen, const XIDeviceInfo *device) {
     for (int i = 0; device->use == XISlavePointer && i < device->num_classes; i++) {
         const XIValuatorClassInfo *axis = (const XIValuatorClassInfo *)device->classes[i];
         if (axis->type == XIValuatorClass && axis->label == pen->pressure && axis->max > axis->min)
@@ -56,7 +56,7 @@ static const XIValuatorClassInfo *axis_of(const isosculpt_pen *pen, const XIDevi
     return NULL;
 }
 
-/* All devices are asked: asking for one by the number of one that is gone is an error that ends a program. */
+/* Queries all devices: to query a single device that was unplugged is an X error, which ends the program. */
 double isosculpt_pen_pressure(isosculpt_pen *pen) {
     double most = 0;
     int count = 0;
@@ -64,7 +64,7 @@ double isosculpt_pen_pressure(isosculpt_pen *pen) {
     XIDeviceInfo *devices = XIQueryDevice(pen->display, XIAllDevices, &count);
     pen->present = false;
     for (int i = 0; devices && i < count; i++) {
-        const XIValuatorClassInfo *axis = axis_of(pen, &devices[i]);
+        const XIValuatorClassInfo *axis = find_pressure_axis(pen, &devices[i]);
         if (!axis) continue;
         double pressure = (axis->value - axis->min) / (axis->max - axis->min);
         most = pressure > most ? pressure : most;

@@ -1,4 +1,4 @@
-/* The window of isosculpt: GLFW, its loop and its life. */
+/* The window of isosculpt: created with GLFW, run in a loop, and closed. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -6,95 +6,66 @@
 
 #include <GLFW/glfw3.h>
 
-#include "apps/isosculpt/window/window.h"
-
+#include "apps/isosculpt/window/commands.h"
+#include "apps/isosculpt/window/events.h"
+#include "apps/isosculpt/window/opening.h"
+#include "apps/isosculpt/window/picture.h"
 #include "base/clock.h"
 
 enum { WIDTH = 1280, HEIGHT = 800 };
 
-/* To those who watch the terminal, too, but once: a stroke can go wrong at every sample. */
-void isosculpt_window_set_status(window *w, bool bad, const char *text) {
-    if (bad && strcmp(w->screen.message, text)) iso_program_log(isosculpt_program(), "%s", text);
-    snprintf(w->screen.message, sizeof w->screen.message, "%s", text);
-    w->screen.message_is_bad = bad;
-    w->screen.said = iso_clock_seconds();
-    w->frames = ISOSCULPT_FRAMES;
-}
-
-void isosculpt_window_update_framebuffer_size(window *w) {
-    int width, height;
-    glfwGetWindowSize(w->glfw, &width, &height);
-    glfwGetFramebufferSize(w->glfw, &w->screen.width, &w->screen.height);
-    w->screen.pixels = width > 0 ? (double)w->screen.width / width : 1;
-}
-
-/* The content scale in window coordinates: where those are no pixels, the system scales already. */
-double isosculpt_window_text_scale(const window *w) {
-    float x = 1, y = 1;
-    glfwGetWindowContentScale(w->glfw, &x, &y);
-    const double scale = (double)x / w->screen.pixels;
-    return scale > 0.5 && scale < 8 ? scale : 1;
-}
-
-void isosculpt_window_sync_pointer(window *w) {
-    double x, y;
-    glfwGetCursorPos(w->glfw, &x, &y);
-    w->controller.x = x * w->screen.pixels;
-    w->controller.y = y * w->screen.pixels;
-}
-
 /* ---- the loop */
 
 static void wait_events(window *w) {
-    double wait = fmin(isosculpt_window_seconds_until_refine(w), ISOSCULPT_IDLE);
+    double wait = fmin(isosculpt_window_seconds_until_refine(w), ISOSCULPT_IDLE_SECONDS);
     if (w->screen.progress_item_count) wait = fmin(wait, 0.05);
-    if (w->frames > 0 || w->controller.commands || w->screen.results || w->screen.browse || wait <= 0) {
+    if (w->frames_left > 0 || w->controller.commands || w->screen.results || w->screen.browse_request ||
+        wait <= 0) {
         glfwPollEvents();
         return;
     }
     double start = iso_clock_seconds();
     glfwWaitEventsTimeout(wait);
-    if (iso_clock_seconds() - start > 0.9 * ISOSCULPT_IDLE)
-        w->frames = 1; /* the journal's state may have changed */
+    if (iso_clock_seconds() - start > 0.9 * ISOSCULPT_IDLE_SECONDS)
+        w->frames_left = 1; /* the journal's state may have changed */
 }
 
-static iso_status loop(window *w, iso_error *error) {
+static iso_status run_loop(window *w, iso_error *error) {
     while (!glfwWindowShouldClose(w->glfw)) {
         isosculpt_window_show_progress(w);
         ISO_TRY(isosculpt_window_draw(w, error));
         wait_events(w);
-        isosculpt_window_poll_save(w);
         ISO_TRY(isosculpt_window_process_commands(w, error));
     }
     return ISO_OK;
 }
 
-/* ---- life */
+/* ---- creating and closing */
 
-static iso_status no_window(iso_error *error, const char *what) {
+static iso_status fail_window(iso_error *error, const char *what) {
     const char *reason = NULL;
     glfwGetError(&reason);
     return iso_fail(error, ISO_ERR_BACKEND, "%s: %s; without a window: --replay FILE --headless", what,
                     reason ? reason : "no reason is given");
 }
 
-/* The panel does with less than the gl engine. */
+/* The gl engine needs OpenGL 4.5, the panel 3.2. */
 static GLFWwindow *create_window(int width, int height) {
     static const int versions[][2] = {{4, 5}, {3, 2}};
-    GLFWwindow *surface_isovalue = NULL;
-    for (int i = 0; i < 2 && !surface_isovalue; i++) {
+    GLFWwindow *created = NULL;
+    for (int i = 0; i < 2 && !created; i++) {
         glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, versions[i][0]);
         glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, versions[i][1]);
-        surface_isovalue = glfwCreateWindow(width, height, "isosculpt", NULL, NULL);
+        created = glfwCreateWindow(width, height, "isosculpt", NULL, NULL);
     }
-    return surface_isovalue;
+    return created;
 }
 
 static void make_current(void *glfw) {
     if (glfwGetCurrentContext() != glfw) glfwMakeContextCurrent(glfw);
 }
 
-/* Without OpenGL 4.5 the cpu engine draws; unless the other was asked for. */
+/* Without OpenGL 4.5 the cpu engine draws; an error with --backend gl. */
 static iso_status open_engine(window *w, iso_error *error) {
     const isosculpt_backend backend = (isosculpt_backend)w->settings->backend;
     const iso_gl_context_opts opts = {.kind = ISO_GL_WINDOW,
@@ -102,13 +73,13 @@ static iso_status open_engine(window *w, iso_error *error) {
     iso_status status = iso_gl_context_create(&opts, &w->context, error);
     if (status == ISO_OK) status = isosculpt_gl_create(w->context, &w->gl, error);
     if (status != ISO_OK && backend == ISOSCULPT_BACKEND_GL) return status;
-    bool wanted = backend == ISOSCULPT_BACKEND_GL ||
-                  (backend == ISOSCULPT_BACKEND_AUTO && w->gl && iso_gl_context_info(w->context).hardware);
-    w->engine = wanted ? ISOSCULPT_GL : ISOSCULPT_CPU;
+    const bool use_gl = backend == ISOSCULPT_BACKEND_GL || (backend == ISOSCULPT_BACKEND_AUTO && w->gl &&
+                                                            iso_gl_context_info(w->context).hardware);
+    w->engine = use_gl ? ISOSCULPT_ENGINE_GL : ISOSCULPT_ENGINE_CPU;
     return ISO_OK;
 }
 
-/* ISO_GL_DEBUG asks the driver to watch, and here is what it said. */
+/* With ISO_GL_DEBUG the driver checks all calls; prints its messages. */
 static void close_engine(window *w) {
     isosculpt_gl_destroy(w->gl);
     if (w->context && getenv("ISO_GL_DEBUG")) {
@@ -118,8 +89,8 @@ static void close_engine(window *w) {
     iso_gl_context_destroy(w->context);
 }
 
-/* No larger than the screen, which the content scale may have made it. */
-static void fit_screen(GLFWwindow *glfw) {
+/* Makes the window no larger than the screen: the content scale may have enlarged it. */
+static void fit_to_screen(GLFWwindow *glfw) {
     int width, height, x, y, room_x = 0, room_y = 0;
     GLFWmonitor *monitor = glfwGetPrimaryMonitor();
     if (monitor) glfwGetMonitorWorkarea(monitor, &x, &y, &room_x, &room_y);
@@ -129,13 +100,13 @@ static void fit_screen(GLFWwindow *glfw) {
     if (fit_x < width || fit_y < height) glfwSetWindowSize(glfw, fit_x, fit_y);
 }
 
-static iso_status make_window(window *w, iso_error *error) {
+static iso_status open_window(window *w, iso_error *error) {
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     if (getenv("ISO_GL_DEBUG")) glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, GLFW_TRUE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
     w->glfw = create_window(WIDTH, HEIGHT);
-    if (!w->glfw) return no_window(error, "no window with OpenGL 3.2 can be opened");
-    fit_screen(w->glfw);
+    if (!w->glfw) return fail_window(error, "no window with OpenGL 3.2 can be opened");
+    fit_to_screen(w->glfw);
     glfwMakeContextCurrent(w->glfw);
     glfwSwapInterval(1);
     isosculpt_window_install_callbacks(w);
@@ -146,10 +117,10 @@ static iso_status make_window(window *w, iso_error *error) {
     return isosculpt_panel_create(w->glfw, isosculpt_window_text_scale(w), &w->panel, error);
 }
 
-static iso_status run(window *w, iso_error *error) {
-    ISO_TRY(make_window(w, error));
-    ISO_TRY(isosculpt_window_open(w, error));
-    return loop(w, error);
+static iso_status run_window(window *w, iso_error *error) {
+    ISO_TRY(open_window(w, error));
+    ISO_TRY(isosculpt_window_open_first(w, error));
+    return run_loop(w, error);
 }
 
 iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, iso_error *error) {
@@ -158,12 +129,12 @@ iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, 
                 .screen = {.controller = &w.controller, .panel = true, .pixels = 1}};
     w.document.pool = pool;
     w.document.undo_memory = (size_t)settings->undo_memory;
-    if (!glfwInit()) return no_window(error, "no window system");
-    iso_status status = run(&w, error);
+    if (!glfwInit()) return fail_window(error, "no window system");
+    iso_status status = run_window(&w, error);
     if (w.load_job) isosculpt_window_cancel_load(&w);
     isosculpt_controller_free(&w.controller);
     isosculpt_browser_close(&w.screen.browser);
-    isosculpt_view_free(&w.view);
+    isosculpt_viewport_free(&w.viewport);
     isosculpt_document_close(&w.document);
     close_engine(&w);
     isosculpt_volume_free(w.volume);

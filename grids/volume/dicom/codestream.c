@@ -1,8 +1,8 @@
-/* dicom_codestream: whether a compressed frame is of the size that the DICOM header says (ISO/IEC 10918-1,
- * 14495-1, 15444-1).
+/* Compares the size of a compressed frame with the DICOM header (JPEG, JPEG-LS and JPEG 2000: ISO/IEC
+ * 10918-1, 14495-1, 15444-1).
  *
- * GDCM believes the header when it takes memory and the codestream when it fills it, and asserts or writes
- * past the end when they differ: both are compared before it sees them. */
+ * GDCM allocates memory by the header and fills it by the codestream; where the two differ it asserts or
+ * writes beyond the end. */
 #include "grids/volume/dicom/dicom.h"
 
 static uint32_t big16(const uint8_t *b) {

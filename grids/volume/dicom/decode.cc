@@ -1,6 +1,7 @@
-/* dicom_decode: compressed pixels of one DICOM frame, through GDCM's codecs (JPEG, JPEG-LS, JPEG 2000, RLE).
+/* Decodes the compressed pixels of a DICOM frame with GDCM's codecs (JPEG, JPEG-LS, JPEG 2000, RLE).
  *
- * GDCM is given an image in memory, not the file: its parser asserts on what header.c refuses. */
+ * GDCM is given an image in memory instead of the file, because its parser asserts on files that header.c
+ * rejects. */
 #include "grids/volume/dicom/dicom.h"
 
 #include <cstring>

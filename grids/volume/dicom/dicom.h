@@ -1,8 +1,8 @@
-/* dicom: what the parts of the DICOM reader share.
+/* dicom: the types and functions of the DICOM reader.
  *
- * header.c reads a file's header, stack.c orders image planes into a volume, decode.cc
- * hands compressed pixels to GDCM (it is a module), format_dicom.c puts them together. The header is not left
- * to GDCM because that library asserts where a file is cut off or corrupt, which would end the program. */
+ * header.c reads the header of a file, stack.c orders image planes into a volume, codestream.c checks
+ * compressed pixels, decode.cc (a module) decodes them with GDCM, and format_dicom.c is the reader. Headers
+ * are not parsed by GDCM because it asserts on truncated or corrupt files, which would end the program. */
 #ifndef ISO_GRIDS_VOLUME_DICOM_DICOM_H
 #define ISO_GRIDS_VOLUME_DICOM_DICOM_H
 
@@ -16,10 +16,10 @@
 extern "C" {
 #endif
 
-/* One image plane: a file, or a frame of a multi-frame file. Millimetres, LPS. */
+/* One image plane: a file, or one frame of a multi-frame file ("frame" is DICOM's word). Millimetres, LPS. */
 typedef struct iso_dicom_frame {
-    size_t file; /* which of the files it is in */
-    int index;   /* which frame of the file */
+    size_t file; /* index of its file */
+    int index;   /* of the frame in the file */
     bool has_position, has_orientation, has_number;
     double position[3];        /* centre of the first pixel */
     double orientation[6];     /* direction of increasing column, then of increasing row; unit */
@@ -43,27 +43,26 @@ typedef struct iso_dicom_file {
     iso_dicom_frame *frames;
 } iso_dicom_file;
 
-/* What a file turned out to be. */
+/* Whether a file is no DICOM file, one without an image, or an image. */
 typedef enum iso_dicom_kind { ISO_DICOM_NOT, ISO_DICOM_NO_IMAGE, ISO_DICOM_IMAGE } iso_dicom_kind;
 
-/* Reads the header of `path`. For images *file is filled (iso_dicom_file_free), otherwise untouched. A DICOM
- * file that is cut off or corrupt is ISO_ERR_IO, one with a transfer syntax that is not known
- * ISO_ERR_FORMAT; `path` is copied. */
+/* Reads the header of a file. For an image, *file is filled (free with iso_dicom_file_free; the path is
+ * copied); otherwise it is unchanged. ISO_ERR_IO: a truncated or corrupt DICOM file; ISO_ERR_FORMAT: an
+ * unknown transfer syntax; ISO_ERR_NOMEM. */
 iso_status iso_dicom_file_read(const char *path, iso_dicom_file *file, iso_dicom_kind *kind,
                                iso_error *error);
 void iso_dicom_file_free(iso_dicom_file *file);
 
-/* Bytes of one frame, uncompressed. */
+/* The size of one frame in bytes, uncompressed. */
 uint64_t iso_dicom_frame_bytes(const iso_dicom_file *file);
 
-/* Sorts the planes by their position along the slice normal, drops those of later acquisitions at the same
- * places (then *count shrinks), and fills info's transform, dims[2], anatomical and notes. All have one size
- * and orientation. `files` names them. ISO_ERR_FORMAT when a slice is missing, doubled or out of line: no
- * volume is made up. */
+/* Sorts the planes, which have the same size and orientation, by their positions along the slice normal.
+ * Drops those of later acquisitions at the same positions and reduces *count. Sets info's transform, dims[2],
+ * anatomical and notes. ISO_ERR_FORMAT: a slice is missing, duplicate or out of line. */
 iso_status iso_dicom_stack(const char *path, const iso_dicom_file *files, iso_dicom_frame *frames,
                            size_t *count, iso_volume_info *info, iso_error *error);
 
-/* The encapsulated pixels of a file, in memory: item i is bytes[offset[i]] .. + length[i]; item 0 is the
+/* The encapsulated pixels of a file in memory: item i is length[i] bytes from bytes[offset[i]]; item 0 is the
  * offset table. */
 typedef struct iso_dicom_items {
     const uint8_t *bytes;
@@ -71,11 +70,11 @@ typedef struct iso_dicom_items {
     size_t count;
 } iso_dicom_items;
 
-/* Whether a frame's compressed bytes announce an image of the file's size and depth. */
+/* Whether the header of a frame's compressed data states the size and depth of the file. */
 bool iso_dicom_codestream_fits(const iso_dicom_file *file, const uint8_t *bytes, size_t length);
 
-/* Decodes one frame from `items` (those of this frame only) into `pixels`, iso_dicom_frame_bytes of it in
- * native byte order. ISO_ERR_IO when GDCM cannot. The decoder is a module's (grids/volume/module.h). */
+/* Decodes one frame from its items into `pixels`, which has iso_dicom_frame_bytes, in native byte order. The
+ * decoder is in a module (grids/volume/module.h). ISO_ERR_IO: GDCM cannot decode it. */
 typedef iso_status iso_dicom_decoder(const iso_dicom_file *file, const iso_dicom_items *items, void *pixels,
                                      iso_error *error);
 

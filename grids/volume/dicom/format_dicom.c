@@ -1,6 +1,6 @@
-/* format_dicom: a folder of DICOM files, or one file of a series, as a volume.
+/* The reader of DICOM: a folder of files, or one file of a series, as a volume.
  *
- * Every header in the folder is read; pixels only of the chosen series, one file at a time. */
+ * All headers in the folder are read; pixels are read of the chosen series only, one file at a time. */
 #define _GNU_SOURCE
 #include "grids/volume/format.h"
 

@@ -1,7 +1,7 @@
-/* dicom_header: the data set of a DICOM file up to its pixels (PS3.5, sections 7 and 10 and annex A).
+/* Parses the data set of a DICOM file up to its pixels (PS3.5, sections 7 and 10 and annex A).
  *
- * Every length is checked against what is left of the file before it is used. Only a few dozen elements are
- * looked at; all others are stepped over. */
+ * Every length is checked against the rest of the file before it is used. Only a few dozen elements are read;
+ * all others are skipped. */
 #define _GNU_SOURCE
 #include "grids/volume/dicom/dicom.h"
 
@@ -69,7 +69,7 @@ static bool is_corrupt(parser *p) {
     return false;
 }
 
-static bool take(parser *p, void *bytes, size_t count) {
+static bool take_bytes(parser *p, void *bytes, size_t count) {
     if ((int64_t)count > p->size - p->at || fread(bytes, 1, count, p->stream) != count) return cut_off(p);
     p->at += (int64_t)count;
     return true;
@@ -100,7 +100,7 @@ static bool has_long_length(const char *vr) {
 
 static bool read_element_head(parser *p, element *e) {
     uint8_t b[8];
-    if (!take(p, b, 8)) return false;
+    if (!take_bytes(p, b, 8)) return false;
     e->tag = TAG(number16(p, b), number16(p, b + 2));
     uint32_t length = number32(p, b + 4);
     strcpy(e->vr, "");
@@ -110,7 +110,7 @@ static bool read_element_head(parser *p, element *e) {
         e->vr[2] = 0;
         if (b[4] < 'A' || b[4] > 'Z' || b[5] < 'A' || b[5] > 'Z') return is_corrupt(p);
         if (has_long_length(e->vr)) {
-            if (!take(p, b, 4)) return false;
+            if (!take_bytes(p, b, 4)) return false;
             length = number32(p, b);
         } else {
             length = number16(p, b + 6);
@@ -130,7 +130,7 @@ static char *take_text(parser *p, int64_t length) {
     }
     char *text = malloc((size_t)length + 1);
     if (!text) p->no_memory = true;
-    if (!text || !take(p, text, (size_t)length)) {
+    if (!text || !take_bytes(p, text, (size_t)length)) {
         free(text);
         return NULL;
     }
@@ -377,7 +377,7 @@ static iso_dicom_frame *frame_of(parser *p, int index) {
 /* Temporal position index of a frame: the one binary number in the functional groups that is needed. */
 static bool use_frame_number(parser *p, const element *e, int frame) {
     uint8_t b[4];
-    if (!take(p, b, 4)) return false;
+    if (!take_bytes(p, b, 4)) return false;
     iso_dicom_frame *target = frame_of(p, frame);
     if (target && e->tag == TAG(0x0020, 0x9128)) target->phase[0] = 1 + (long)number32(p, b);
     return true;
@@ -408,7 +408,7 @@ static bool use_value(parser *p, const element *e, place here) {
     if (text && !use_text(p, e, here)) return false;
     if (file_scope && is_number(e->tag) && e->length >= 2) {
         uint8_t b[2];
-        if (!take(p, b, 2)) return false;
+        if (!take_bytes(p, b, 2)) return false;
         use_number(p, e->tag, number16(p, b));
     }
     if (here.scope == FRAME_SCOPE && e->tag == TAG(0x0020, 0x9128) && e->length == 4 &&
@@ -511,7 +511,7 @@ static bool parse_meta(parser *p) {
     while (p->at < p->size) {
         uint8_t b[2];
         int64_t start = p->at;
-        if (!take(p, b, 2)) return false;
+        if (!take_bytes(p, b, 2)) return false;
         if (fseeko(p->stream, start, SEEK_SET) != 0) return cut_off(p);
         p->at = start;
         if (number16(p, b) != 2) return true;
@@ -610,7 +610,7 @@ static iso_status check_image(const iso_dicom_file *file, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status finish(parser *p, iso_dicom_kind *kind, iso_error *error) {
+static iso_status finish_file(parser *p, iso_dicom_kind *kind, iso_error *error) {
     iso_dicom_file *file = p->file;
     if (p->no_memory) return iso_fail_memory(error, file->path);
     if (p->cut) return iso_fail(error, ISO_ERR_IO, "%s: truncated: the file ends too early", file->path);
@@ -651,7 +651,7 @@ static iso_status parse_file(parser *p, iso_dicom_kind *kind, iso_error *error) 
     /* The data set of a file ends with the file. */
     if (ok) parse_set(p, (place){FILE_SCOPE, 0, 0, p->size});
     if (!standard && (p->cut || p->corrupt)) return ISO_OK;
-    return finish(p, kind, error);
+    return finish_file(p, kind, error);
 }
 
 static iso_status open_parser(parser *p, iso_error *error) {

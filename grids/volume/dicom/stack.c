@@ -1,8 +1,8 @@
-/* dicom_stack: image planes in any order into the slices of a volume (PS3.3, C.7.6.2).
+/* Orders image planes into the slices of a volume (PS3.3, C.7.6.2).
  *
- * Where a slice lies is what its position says along the normal of the image plane; thickness, file names and
- * instance numbers say nothing reliable. A missing slice is an error: a picture of a body from which a part
- * is missing, or in which it is made up, looks like a picture of a body. */
+ * The location of a slice is its position along the normal of the image plane; thickness, file names and
+ * instance numbers are not reliable. A missing slice is an error, because a viewer could not see that a part
+ * of the body is missing or interpolated. */
 #include "base/numbers.h"
 #include "grids/volume/dicom/dicom.h"
 

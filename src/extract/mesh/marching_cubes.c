@@ -42,7 +42,7 @@ static void add_cells(const iso_brick_window *window, const iso_threshold *surfa
         for (int y = 0; y < cells[1]; y++)
             for (int x = 0; x < cells[0]; x++) {
                 const float *corner = window->values + iso_window_index(x, y, z);
-                const mc_case *row = &mc_cases[surface->outward > 0][cell_case(corner, surface)];
+                const mc_case *row = &mc_cases[surface->normal_sign > 0][cell_case(corner, surface)];
                 if (!row->triangles || !all_finite(corner)) continue;
                 add_triangles(row, iso_edge_key_make(x, y, z, 0), mesh);
             }
@@ -51,7 +51,7 @@ static void add_cells(const iso_brick_window *window, const iso_threshold *surfa
 void iso_marching_cubes(const iso_brick_window *window, const iso_threshold *surface, iso_brick_mesh *mesh) {
     iso_edge_points edges = {.points = mesh->vertices, .keys = mesh->keys};
     iso_edge_points_own(window, surface, &edges);
-    mesh->own_count = edges.count;
+    mesh->owned_count = edges.count;
     iso_edge_points_far(window, surface, &edges);
     mesh->vertex_count = edges.count;
     mesh->triangle_count = 0;

@@ -13,7 +13,7 @@ typedef struct iso_brick_mesh {
     iso_edge_key keys[ISO_EDGES_ALL];
     uint16_t triangles[ISO_BRICK_TRIANGLES][3];
     uint16_t vertex_of[ISO_LATTICE * ISO_LATTICE * ISO_LATTICE * 3]; /* by key, where there is a vertex */
-    uint32_t vertex_count, own_count, triangle_count;
+    uint32_t vertex_count, owned_count, triangle_count;
 } iso_brick_mesh;
 
 void iso_marching_cubes(const iso_brick_window *window, const iso_threshold *surface, iso_brick_mesh *mesh);

@@ -6,7 +6,7 @@
 
 enum { VERTICES, TRIANGLES }; /* heaps */
 
-/* One worker's; the runner's scratch follows. */
+/* One worker's; the context's scratch follows. */
 typedef struct mesh_scratch {
     iso_brick_window window;
     iso_brick_mesh mesh;
@@ -16,23 +16,23 @@ struct iso_mesh_set {
     iso_brick_set set;
     iso_grid grid;
     double isovalue;
-    iso_mesh_runner runner;
+    iso_mesh_context context;
     iso_span_bounds bounds;
 };
 
 static bool may_exist(const void *context, const int brick[3]) {
     const iso_mesh_set *mesh = context;
-    return iso_grid_brick_may_cross(&mesh->grid, brick, mesh->runner.surface.at);
+    return iso_grid_brick_may_cross(&mesh->grid, brick, mesh->context.surface.isovalue_ceil);
 }
 
 static void extract(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
     const iso_mesh_set *set = context;
     mesh_scratch *scratch = memory;
     iso_brick_window_fill(&set->grid, brick, &scratch->window);
-    iso_mesh_run_window(&set->runner, &scratch->window, scratch + 1, &scratch->mesh);
+    iso_mesh_run_window(&set->context, &scratch->window, scratch + 1, &scratch->mesh);
     output->count[VERTICES] = scratch->mesh.vertex_count;
     output->count[TRIANGLES] = scratch->mesh.triangle_count;
-    output->own = scratch->mesh.own_count;
+    output->own = scratch->mesh.owned_count;
     output->items[VERTICES * ISO_SPAN_ARRAYS] = scratch->mesh.vertices;
     output->items[VERTICES * ISO_SPAN_ARRAYS + 1] = scratch->mesh.keys;
     output->items[TRIANGLES * ISO_SPAN_ARRAYS] = scratch->mesh.triangles;
@@ -40,26 +40,26 @@ static void extract(const void *context, const int brick[3], void *memory, iso_b
 
 static float stored_isovalue(const void *context) {
     const iso_mesh_set *set = context;
-    return set->runner.surface.at;
+    return set->context.surface.isovalue_ceil;
 }
 
 static void run(const void *context, const uint32_t *bricks, size_t count, void *memory,
                 iso_brick_sink *sink) {
     const iso_mesh_set *set = context;
-    iso_mesh_run(&set->runner, &set->set, bricks, count, (mesh_scratch *)memory + 1, sink);
+    iso_mesh_run(&set->context, &set->set, bricks, count, (mesh_scratch *)memory + 1, sink);
 }
 
 static void set_surface(iso_mesh_set *mesh, double isovalue) {
     const iso_threshold surface = iso_threshold_of(&mesh->grid, isovalue);
     mesh->isovalue = isovalue;
-    iso_mesh_runner_init(&mesh->runner, &mesh->grid, &surface);
+    iso_mesh_context_init(&mesh->context, &mesh->grid, &surface);
 }
 
-static void write_span(void *span, const iso_brick_place *place) {
+static void write_span(void *span, const iso_brick_location *place) {
     *(iso_mesh_span *)span = (iso_mesh_span){
         .brick = {place->brick[0], place->brick[1], place->brick[2]},
         .vertex_count = place->count[VERTICES],
-        .own_count = place->own,
+        .owned_count = place->own,
         .triangle_count = place->count[TRIANGLES],
         .first_vertex = place->first[VERTICES],
         .first_triangle = place->first[TRIANGLES],
@@ -80,7 +80,7 @@ iso_status iso_mesh_set_create(const iso_grid *grid, const iso_mesh_opts *opts, 
         .halo = ISO_HALO_MESH,
         .may_exist = may_exist,
         .extract = extract,
-        .run = grid->rgrid ? run : NULL,
+        .extract_many = grid->rgrid ? run : NULL,
         .isovalue = stored_isovalue,
         .write_span = write_span,
     };
@@ -122,7 +122,7 @@ iso_mesh_view iso_mesh_set_view(const iso_mesh_set *set) {
         .spans = set->set.spans.data,
         .span_count = set->set.span_count,
         .transform = *iso_grid_transform(&set->grid),
-        .stamps = iso_brick_set_stamps(&set->set),
+        .versions = iso_brick_set_versions(&set->set),
         .bounds = iso_span_bounds_of(&set->bounds),
         .closed = set->bounds.closed,
     };

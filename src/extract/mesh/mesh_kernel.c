@@ -22,7 +22,7 @@ typedef struct block_limits {
     uint64_t own, far; /* edges of a brick's own, and on its y and z faces */
     uint64_t faces;    /* x faces, at the voxel before */
     uint64_t cells;
-    iso_edge_wanted wanted;
+    iso_edge_active active;
     int rows[3], last[3]; /* rows of own edges; the last voxel, 0 .. 16, which is also the number of cells */
 } block_limits;
 
@@ -35,9 +35,9 @@ static uint64_t bits_below(int count) {
     return count <= 0 ? 0 : count < 64 ? ((uint64_t)1 << count) - 1 : ~(uint64_t)0;
 }
 
-static block_limits limits_of(const iso_edge_source *source, iso_edge_wanted wanted,
+static block_limits limits_of(const iso_edge_source *source, iso_edge_active active,
                               const iso_mesh_block *block) {
-    block_limits limits = {.wanted = wanted};
+    block_limits limits = {.active = active};
     int left[3];
     for (int axis = 0; axis < 3; axis++) {
         left[axis] = source->dims[axis] - block->origin[axis];
@@ -68,7 +68,7 @@ static void list_far_row(const block_rows *rows, const block_limits *limits, int
                          iso_mesh_block *block) {
     const int y = row & 31, z = row >> 5, i = z * ISO_EDGE_SIDE + y;
     const int group = (z < ISO_BRICK ? z : ISO_BRICK - 1) / 4 * 4 + (y < ISO_BRICK ? y : ISO_BRICK - 1) / 4;
-    if (!(limits->wanted.groups >> group & 1)) return;
+    if (!(limits->active.groups >> group & 1)) return;
     for (int axis = 0; axis < 3; axis++) {
         if ((axis == 1 && y == ISO_BRICK) || (axis == 2 && z == ISO_BRICK)) continue;
         const int step = axis == 1 ? 1 : ISO_EDGE_SIDE;
@@ -110,8 +110,8 @@ static iso_edge_output edge_output(const iso_mesh_block *block, const iso_mesh_o
 void iso_mesh_kernel_fill(const iso_mesh_kernel *kernel, const iso_edge_kernel *edges,
                           const iso_edge_source *source, iso_mesh_block *block,
                           const iso_mesh_output *output) {
-    iso_edge_job jobs[2] = {{.output = edge_output(block, output, false)},
-                            {.output = edge_output(block, output, true)}};
+    iso_edge_task jobs[2] = {{.output = edge_output(block, output, false)},
+                             {.output = edge_output(block, output, true)}};
     for (int axis = 0; axis < 3; axis++) {
         const iso_edge_list *own = &block->own_list[axis];
         const iso_far_list *far = &block->far_list[axis];

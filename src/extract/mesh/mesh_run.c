@@ -13,26 +13,27 @@ size_t iso_mesh_run_scratch_bytes(void) {
 }
 
 static iso_edge_source source_of(const iso_threshold *surface) {
-    return (iso_edge_source){
-        .isovalue = surface->at, .rest = surface->rest, .level_set = surface->outward > 0};
+    return (iso_edge_source){.isovalue_ceil = surface->isovalue_ceil,
+                             .residual = surface->residual,
+                             .level_set = surface->normal_sign > 0};
 }
 
-void iso_mesh_runner_init(iso_mesh_runner *runner, const iso_grid *grid, const iso_threshold *surface) {
-    *runner = (iso_mesh_runner){.grid = grid->rgrid, .surface = *surface};
-    runner->kernel = iso_mesh_kernel_get(iso_cpu_best());
-    runner->window_edges = iso_edge_kernel_get(ISO_FLOAT32, iso_cpu_best());
-    runner->window_source = source_of(surface);
-    runner->window_source.stride_y = ISO_STEP_Y;
-    runner->window_source.stride_z = ISO_STEP_Z;
-    iso_edge_source_prepare(&runner->window_source);
-    if (!runner->grid) return;
-    runner->edges = iso_edge_kernel_get(runner->grid->type, iso_cpu_best());
-    runner->source = source_of(surface);
-    runner->source.data = runner->grid->data;
-    runner->source.stride_y = runner->grid->stride_y;
-    runner->source.stride_z = runner->grid->stride_z;
-    for (int axis = 0; axis < 3; axis++) runner->source.dims[axis] = runner->grid->dims[axis];
-    iso_edge_source_prepare(&runner->source);
+void iso_mesh_context_init(iso_mesh_context *context, const iso_grid *grid, const iso_threshold *surface) {
+    *context = (iso_mesh_context){.grid = grid->rgrid, .surface = *surface};
+    context->kernel = iso_mesh_kernel_get(iso_cpu_best());
+    context->window_edges = iso_edge_kernel_get(ISO_FLOAT32, iso_cpu_best());
+    context->window_source = source_of(surface);
+    context->window_source.stride_y = ISO_STEP_Y;
+    context->window_source.stride_z = ISO_STEP_Z;
+    iso_edge_source_prepare(&context->window_source);
+    if (!context->grid) return;
+    context->edges = iso_edge_kernel_get(context->grid->type, iso_cpu_best());
+    context->source = source_of(surface);
+    context->source.data = context->grid->data;
+    context->source.stride_y = context->grid->stride_y;
+    context->source.stride_z = context->grid->stride_z;
+    for (int axis = 0; axis < 3; axis++) context->source.dims[axis] = context->grid->dims[axis];
+    iso_edge_source_prepare(&context->source);
 }
 
 /* ---- runs of an rgrid */
@@ -59,19 +60,19 @@ static bool block_room(const iso_mesh_block *block, iso_brick_sink *sink, iso_me
     return true;
 }
 
-static bool run_stretch(const iso_mesh_runner *runner, const iso_edge_stretch *stretch,
+static bool extract_run(const iso_mesh_context *context, const iso_edge_brick_run *run,
                         const uint32_t *bricks, run_scratch *scratch, iso_brick_sink *sink) {
     iso_mesh_block *block = &scratch->block;
-    for (int axis = 0; axis < 3; axis++) block->origin[axis] = stretch->origin[axis];
-    scratch->words.blocks = stretch->blocks;
-    for (int b = 0; b < stretch->blocks; b++) scratch->words.wanted[b] = stretch->wanted[b];
-    runner->edges->classify(&runner->source, block->origin, &scratch->words);
-    for (int b = 0; b < stretch->blocks; b++, block->origin[0] += ISO_EDGE_BLOCK_X) {
+    for (int axis = 0; axis < 3; axis++) block->origin[axis] = run->origin[axis];
+    scratch->words.blocks = run->blocks;
+    for (int b = 0; b < run->blocks; b++) scratch->words.active[b] = run->active[b];
+    context->edges->classify(&context->source, block->origin, &scratch->words);
+    for (int b = 0; b < run->blocks; b++, block->origin[0] += ISO_EDGE_BLOCK_X) {
         iso_mesh_output output;
-        block->bricks = stretch->wanted[b].bricks;
-        runner->kernel->list(&runner->source, &scratch->words, b, block);
+        block->bricks = run->active[b].bricks;
+        context->kernel->list(&context->source, &scratch->words, b, block);
         if (!block_room(block, sink, &output)) return false;
-        iso_mesh_kernel_fill(runner->kernel, runner->edges, &runner->source, block, &output);
+        iso_mesh_kernel_fill(context->kernel, context->edges, &context->source, block, &output);
         for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
             if (!(block->bricks >> k & 1)) continue;
             const iso_brick_output made = {.count = {block->own[k] + block->far[k], block->triangles[k]},
@@ -82,18 +83,18 @@ static bool run_stretch(const iso_mesh_runner *runner, const iso_edge_stretch *s
     return true;
 }
 
-void iso_mesh_run(const iso_mesh_runner *runner, const iso_brick_set *set, const uint32_t *bricks,
+void iso_mesh_run(const iso_mesh_context *context, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink) {
     iso_edge_walk walk = {
-        .grid = runner->grid, .source = &runner->source, .set = set, .bricks = bricks, .count = count};
-    for (const iso_edge_stretch *stretch; (stretch = iso_edge_walk_next(&walk));) {
+        .grid = context->grid, .source = &context->source, .set = set, .bricks = bricks, .count = count};
+    for (const iso_edge_brick_run *run; (run = iso_edge_walk_next(&walk));) {
         if (iso_brick_sink_failed(sink)) return;
-        if (!stretch->bricks) {
+        if (!run->bricks) {
             iso_brick_sink_extract(sink, *bricks++);
             continue;
         }
-        if (!run_stretch(runner, stretch, bricks, scratch, sink)) return;
-        bricks += stretch->bricks;
+        if (!extract_run(context, run, bricks, scratch, sink)) return;
+        bricks += run->bricks;
     }
 }
 
@@ -108,7 +109,7 @@ static bool window_fits(const iso_brick_window *window) {
 /* The words of a block whose first brick is the window's; what follows repeats its last voxel. */
 static void classify_window(const iso_brick_window *window, float isovalue, iso_edge_words *words) {
     words->blocks = 1;
-    words->wanted[0] = ISO_EDGE_WHOLE;
+    words->active[0] = ISO_EDGE_WHOLE;
     for (int z = 0; z < ISO_EDGE_SIDE; z++)
         for (int y = 0; y < ISO_EDGE_SIDE; y++) {
             const float *row = window->values + iso_window_index(0, y, z);
@@ -120,14 +121,14 @@ static void classify_window(const iso_brick_window *window, float isovalue, iso_
         }
 }
 
-void iso_mesh_run_window(const iso_mesh_runner *runner, const iso_brick_window *window, void *scratch,
+void iso_mesh_run_window(const iso_mesh_context *context, const iso_brick_window *window, void *scratch,
                          iso_brick_mesh *mesh) {
     if (!window_fits(window)) {
-        iso_marching_cubes(window, &runner->surface, mesh);
+        iso_marching_cubes(window, &context->surface, mesh);
         return;
     }
     run_scratch *run = scratch;
-    iso_edge_source source = runner->window_source;
+    iso_edge_source source = context->window_source;
     source.data = window->values + iso_window_index(0, 0, 0);
     for (int axis = 0; axis < 3; axis++) {
         source.first[axis] = window->first[axis];
@@ -135,11 +136,11 @@ void iso_mesh_run_window(const iso_mesh_runner *runner, const iso_brick_window *
         run->block.origin[axis] = 0;
     }
     run->block.bricks = 1;
-    classify_window(window, source.isovalue, &run->words);
-    runner->kernel->list(&source, &run->words, 0, &run->block);
+    classify_window(window, source.isovalue_ceil, &run->words);
+    context->kernel->list(&source, &run->words, 0, &run->block);
     const iso_mesh_output output = {{mesh->vertices}, {mesh->keys}, {mesh->triangles}};
-    iso_mesh_kernel_fill(runner->kernel, runner->window_edges, &source, &run->block, &output);
-    mesh->own_count = run->block.own[0];
+    iso_mesh_kernel_fill(context->kernel, context->window_edges, &source, &run->block, &output);
+    mesh->owned_count = run->block.own[0];
     mesh->vertex_count = run->block.own[0] + run->block.far[0];
     mesh->triangle_count = run->block.triangles[0];
 }

@@ -8,25 +8,25 @@
 #include "grids/brick_set.h"
 
 /* What runs need to know; made once per surface. */
-typedef struct iso_mesh_runner {
+typedef struct iso_mesh_context {
     const iso_rgrid *grid; /* NULL: windows only */
     iso_threshold surface;
     const iso_mesh_kernel *kernel;
     const iso_edge_kernel *edges, *window_edges; /* for the grid's voxels and for windows */
     iso_edge_source source, window_source;
-} iso_mesh_runner;
+} iso_mesh_context;
 
-void iso_mesh_runner_init(iso_mesh_runner *runner, const iso_grid *grid, const iso_threshold *surface);
+void iso_mesh_context_init(iso_mesh_context *context, const iso_grid *grid, const iso_threshold *surface);
 
 size_t iso_mesh_run_scratch_bytes(void);
 
-/* Does `count` ascending bricks of the runner's grid; those whose stencils see a NaN or infinite voxel go to
+/* Does `count` ascending bricks of the context's grid; those whose stencils see a NaN or infinite voxel go to
  * iso_brick_sink_extract. `scratch` holds iso_mesh_run_scratch_bytes() bytes, 8-byte aligned. */
-void iso_mesh_run(const iso_mesh_runner *runner, const iso_brick_set *set, const uint32_t *bricks,
+void iso_mesh_run(const iso_mesh_context *context, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink);
 
 /* The mesh of a brick from its window, by the kernel where its voxels allow it. */
-void iso_mesh_run_window(const iso_mesh_runner *runner, const iso_brick_window *window, void *scratch,
+void iso_mesh_run_window(const iso_mesh_context *context, const iso_brick_window *window, void *scratch,
                          iso_brick_mesh *mesh);
 
 #endif

@@ -51,7 +51,7 @@ static iso_status find_owner(const welder *weld, const iso_mesh_span *span, iso_
     if (found) {
         const iso_mesh_span *theirs = &view->spans[found->span];
         const iso_edge_key *keys = view->keys + theirs->first_vertex;
-        const iso_edge_key *match = bsearch(&own_key, keys, theirs->own_count, sizeof *keys, compare_keys);
+        const iso_edge_key *match = bsearch(&own_key, keys, theirs->owned_count, sizeof *keys, compare_keys);
         if (match) {
             *number = found->first + (uint32_t)(match - keys);
             return ISO_OK;
@@ -67,14 +67,14 @@ static iso_status weld_span(welder *weld, size_t index, const uint32_t *first, i
     const iso_mesh_span *span = &view->spans[index];
     ISO_TRY(iso_buffer_reserve(&weld->numbers, span->vertex_count * sizeof(uint32_t), 0, error));
     uint32_t *numbers = weld->numbers.data;
-    for (uint32_t i = 0; i < span->own_count; i++) {
+    for (uint32_t i = 0; i < span->owned_count; i++) {
         numbers[i] = first[index] + i;
         iso_surfel *vertex = &out->vertices[numbers[i]];
         *vertex = view->vertices[span->first_vertex + i];
         for (int axis = 0; axis < 3; axis++)
             vertex->position[axis] += (float)ISO_BRICK * (float)span->brick[axis];
     }
-    for (uint32_t i = span->own_count; i < span->vertex_count; i++)
+    for (uint32_t i = span->owned_count; i < span->vertex_count; i++)
         ISO_TRY(find_owner(weld, span, view->keys[span->first_vertex + i], &numbers[i], error));
     for (uint32_t i = 0; i < span->triangle_count; i++) {
         const uint16_t *triangle = view->triangles[span->first_triangle + i];
@@ -91,7 +91,7 @@ static iso_status weld_all(welder *weld, uint32_t *first, iso_weld *out, iso_err
         const iso_mesh_span *span = &view->spans[i];
         first[i] = number;
         weld->owners[i] = (owner){{span->brick[0], span->brick[1], span->brick[2]}, (uint32_t)i, number};
-        number += span->own_count;
+        number += span->owned_count;
     }
     qsort(weld->owners, view->span_count, sizeof *weld->owners, compare_owners);
     for (size_t i = 0; i < view->span_count; i++) ISO_TRY(weld_span(weld, i, first, out, error));
@@ -128,7 +128,7 @@ void iso_weld_separate(const iso_mesh_view *view, double distance, iso_weld *wel
     size_t vertex = 0;
     for (size_t s = 0; s < view->span_count; s++) {
         const iso_mesh_span *span = &view->spans[s];
-        for (uint32_t i = 0; i < span->own_count; i++, vertex++) {
+        for (uint32_t i = 0; i < span->owned_count; i++, vertex++) {
             int voxel[3];
             const int axis = iso_edge_key_split(view->keys[span->first_vertex + i], voxel);
             const double lower = (double)ISO_BRICK * span->brick[axis] + voxel[axis];

@@ -1,3 +1,5 @@
+/* curvature: gathers points into batches, fetches the values around their edges or voxels (linearly
+ * extrapolated beyond the grid's border) and runs the kernel, which has the method. */
 #include "extract/points/curvature.h"
 
 #include <assert.h>
@@ -12,8 +14,8 @@ iso_curvature_source iso_curvature_source_grid(const iso_rgrid *grid, const int 
     iso_curvature_source source = {.type = grid->type,
                                    .stride_y = grid->stride_y,
                                    .stride_z = grid->stride_z,
-                                   .outward = surface->outward,
-                                   .at = surface->at};
+                                   .normal_sign = surface->normal_sign,
+                                   .isovalue_ceil = surface->isovalue_ceil};
     ptrdiff_t offset = ISO_BRICK * (brick[0] + brick[1] * grid->stride_y + brick[2] * grid->stride_z);
     source.data = (const char *)grid->data + offset * (ptrdiff_t)iso_type_size(grid->type);
     for (int axis = 0; axis < 3; axis++) {
@@ -29,20 +31,20 @@ iso_curvature_source iso_curvature_source_window(const iso_brick_window *window,
                                    .data = window->values + iso_window_index(0, 0, 0),
                                    .stride_y = ISO_STEP_Y,
                                    .stride_z = ISO_STEP_Z,
-                                   .outward = surface->outward,
-                                   .at = surface->at};
+                                   .normal_sign = surface->normal_sign,
+                                   .isovalue_ceil = surface->isovalue_ceil};
     memcpy(source.first, window->first, sizeof source.first);
     memcpy(source.last, window->last, sizeof source.last);
     return source;
 }
 
-/* ---- which voxels */
+/* ---- the voxels of points */
 
 /* A batch's voxels, and the axis that its edges are along (0 for voxels). */
-typedef struct batch_places {
+typedef struct batch_voxels {
     int axis;
     int8_t voxel[ISO_CURVATURE_BATCH][3];
-} batch_places;
+} batch_voxels;
 
 enum { UNIT = ISO_POINT_COORDINATE_STEPS }; /* of fixed-point positions: a voxel */
 
@@ -64,7 +66,8 @@ static bool is_whole(int32_t at) {
     return ((at + ROUNDED) & (UNIT - 1)) <= 2 * ROUNDED;
 }
 
-/* Whether a point can be on an edge along `axis`; then its lower voxel and where on the edge. */
+/* Whether a point can lie on an edge along `axis`; sets the edge's lower voxel and the position along the
+ * edge, 0 to 1. */
 static bool on_edge(const int32_t at[3], int axis, int8_t voxel[3], float *along) {
     for (int k = 0; k < 3; k++) {
         if (k != axis && !is_whole(at[k])) return false;
@@ -76,7 +79,7 @@ static bool on_edge(const int32_t at[3], int axis, int8_t voxel[3], float *along
     return true;
 }
 
-static void take_normal(const iso_curvature_points *points, uint32_t i, iso_curvature_batch *batch,
+static void copy_normal(const iso_curvature_points *points, uint32_t i, iso_curvature_batch *batch,
                         uint32_t to) {
     if (points->packed)
         batch->octahedral[to] = (int32_t)iso_point_normal_bits(points->packed[i]);
@@ -85,20 +88,20 @@ static void take_normal(const iso_curvature_points *points, uint32_t i, iso_curv
 }
 
 /* Fills the batch with points from `first` on that can be on edges along one axis. */
-static void take_edges(const iso_curvature_points *points, uint32_t first, iso_curvature_batch *batch,
-                       batch_places *at) {
+static void gather_edges(const iso_curvature_points *points, uint32_t first, iso_curvature_batch *batch,
+                         batch_voxels *at) {
     batch->count = 0;
     for (uint32_t i = first; i < points->count && batch->count < ISO_CURVATURE_BATCH; i++) {
         int32_t position[3];
         fixed_position(points, i, position);
         if (!on_edge(position, at->axis, at->voxel[batch->count], &batch->along[batch->count])) return;
-        take_normal(points, i, batch, batch->count++);
+        copy_normal(points, i, batch, batch->count++);
     }
 }
 
 /* ---- fetching values */
 
-static float plain_value(const iso_curvature_source *source, const int at[3]) {
+static float stored_value(const iso_curvature_source *source, const int at[3]) {
     ptrdiff_t i = at[0] + at[1] * source->stride_y + at[2] * source->stride_z;
     switch (source->type) {
     case ISO_UINT8:
@@ -113,7 +116,7 @@ static float plain_value(const iso_curvature_source *source, const int at[3]) {
 }
 
 static float source_value(const void *context, const int at[3]) {
-    return plain_value(context, at);
+    return stored_value(context, at);
 }
 
 /* A grid's voxels, one at a time. */
@@ -127,8 +130,8 @@ static reader source_reader(const iso_curvature_source *source) {
     return (reader){source, source_value, source->first, source->last};
 }
 
-/* What lies beyond the border is on the line through the two voxels before it. */
-static float value_at(const reader *from, const int at[3], int axis) {
+/* The value of a voxel; beyond the border extrapolated linearly from the last two voxels, axis by axis. */
+static float extrapolated_value(const reader *from, const int at[3], int axis) {
     while (axis < 3 && at[axis] >= from->first[axis] && at[axis] <= from->last[axis]) axis++;
     if (axis == 3) return from->value(from->context, at);
     const bool below = at[axis] < from->first[axis];
@@ -137,12 +140,12 @@ static float value_at(const reader *from, const int at[3], int axis) {
     memcpy(inner, edge, sizeof inner);
     if (from->last[axis] > from->first[axis]) inner[axis] += below ? 1 : -1;
     const int steps = below ? from->first[axis] - at[axis] : at[axis] - from->last[axis];
-    const float here = value_at(from, edge, axis + 1);
-    return here + (float)steps * (here - value_at(from, inner, axis + 1));
+    const float here = extrapolated_value(from, edge, axis + 1);
+    return here + (float)steps * (here - extrapolated_value(from, inner, axis + 1));
 }
 
 /* Steps along a, b, c to the values of a batch. */
-static const int8_t STEPS[ISO_CURVATURE_EDGE][3] = {
+static const int8_t OFFSETS[ISO_CURVATURE_EDGE][3] = {
     [ISO_CURVATURE_HERE] = {0, 0, 0},     [ISO_CURVATURE_A0] = {-1, 0, 0},
     [ISO_CURVATURE_A1] = {1, 0, 0},       [ISO_CURVATURE_B0] = {0, -1, 0},
     [ISO_CURVATURE_B1] = {0, 1, 0},       [ISO_CURVATURE_C0] = {0, 0, -1},
@@ -173,18 +176,18 @@ static int32_t bits_of(float value) {
     return bits;
 }
 
-/* One point's values near the border, or in it. */
+/* Fetches the values of one point whose stencil crosses the border. */
 static __attribute__((noinline)) void fetch_border(const iso_curvature_source *source,
-                                                   const batch_places *places, int values,
+                                                   const batch_voxels *places, int values,
                                                    iso_curvature_batch *batch, uint32_t i) {
     const int a = places->axis, b = second_axis(a), c = third_axis(a);
     const reader from = source_reader(source);
     for (int which = 0; which < values; which++) {
         int at[3] = {places->voxel[i][0], places->voxel[i][1], places->voxel[i][2]};
-        at[a] += STEPS[which][0];
-        at[b] += STEPS[which][1];
-        at[c] += STEPS[which][2];
-        const float value = value_at(&from, at, 0);
+        at[a] += OFFSETS[which][0];
+        at[b] += OFFSETS[which][1];
+        at[c] += OFFSETS[which][2];
+        const float value = extrapolated_value(&from, at, 0);
         batch->value[which][i] = source->type == ISO_FLOAT32 ? bits_of(value) : (int32_t)value;
     }
 }
@@ -199,7 +202,7 @@ static bool is_inner(const iso_curvature_source *source, const int8_t voxel[3], 
 
 /* The steps to the values are known when this is compiled, so that each is one load. */
 #define FETCH(name, type)                                                                                    \
-    static inline void name(const iso_curvature_source *source, const batch_places *places,                  \
+    static inline void name(const iso_curvature_source *source, const batch_voxels *places,                  \
                             const int values, iso_curvature_batch *batch) {                                  \
         const ptrdiff_t stride[3] = {1, source->stride_y, source->stride_z};                                 \
         const int axis = places->axis, reach = values == ISO_CURVATURE_EDGE ? 2 : 1;                         \
@@ -212,7 +215,7 @@ static bool is_inner(const iso_curvature_source *source, const int8_t voxel[3], 
             }                                                                                                \
             const type *p = (const type *)source->data + v[0] + v[1] * stride[1] + v[2] * stride[2];         \
             _Pragma("GCC unroll 28") for (int which = 0; which < values; which++) batch->value[which][i] =   \
-                p[STEPS[which][0] * a + STEPS[which][1] * b + STEPS[which][2] * c];                          \
+                p[OFFSETS[which][0] * a + OFFSETS[which][1] * b + OFFSETS[which][2] * c];                    \
         }                                                                                                    \
     }
 FETCH(fetch_uint8, uint8_t)
@@ -220,7 +223,7 @@ FETCH(fetch_int16, int16_t)
 FETCH(fetch_uint16, uint16_t)
 FETCH(fetch_bits, int32_t) /* of floats */
 
-static void fetch_edges(const iso_curvature_source *source, const batch_places *places,
+static void fetch_edges(const iso_curvature_source *source, const batch_voxels *places,
                         iso_curvature_batch *batch) {
     switch (source->type) {
     case ISO_UINT8:
@@ -238,41 +241,41 @@ static void fetch_edges(const iso_curvature_source *source, const batch_places *
     }
 }
 
-/* ---- shapes */
+/* ---- curvatures */
 
-static void put_shapes(const iso_curvature_batch *batch, iso_curvature *shapes) {
+static void store_curvatures(const iso_curvature_batch *batch, iso_curvature *curvatures) {
     for (uint32_t i = 0; i < batch->count; i++)
-        shapes[i] = (iso_curvature){(int16_t)batch->uu[i], (int16_t)batch->uv[i], (int16_t)batch->vv[i],
-                                    (uint16_t)batch->ends[i]};
+        curvatures[i] = (iso_curvature){(int16_t)batch->uu[i], (int16_t)batch->uv[i], (int16_t)batch->vv[i],
+                                        (uint16_t)batch->extents[i]};
 }
 
-static iso_curvature_job job_of(const iso_curvature_source *source, const iso_curvature_points *points,
-                                int axis) {
-    return (iso_curvature_job){.floats = source->type == ISO_FLOAT32,
-                               .packed = points->packed != NULL,
-                               .axis = axis,
-                               .outward = source->outward,
-                               .at = source->at};
+static iso_curvature_params params_for(const iso_curvature_source *source, const iso_curvature_points *points,
+                                       int axis) {
+    return (iso_curvature_params){.floats = source->type == ISO_FLOAT32,
+                                  .packed = points->packed != NULL,
+                                  .axis = axis,
+                                  .normal_sign = source->normal_sign,
+                                  .isovalue_ceil = source->isovalue_ceil};
 }
 
 void iso_curvatures_of_edges(const iso_curvature_source *source, const iso_curvature_points *points,
-                             iso_curvature *shapes) {
+                             iso_curvature *curvatures) {
     const iso_curvature_kernel *kernel = iso_curvature_kernel_get(iso_cpu_best());
     iso_curvature_batch batch;
-    batch_places places = {.axis = 0};
+    batch_voxels places = {.axis = 0};
     int misses = 0;
     for (uint32_t done = 0; done < points->count;) {
-        take_edges(points, done, &batch, &places);
+        gather_edges(points, done, &batch, &places);
         if (!batch.count) {
             assert(misses < 3); /* a point that is on no edge */
             places.axis = (places.axis + 1) % 3;
             misses++;
             continue;
         }
-        const iso_curvature_job job = job_of(source, points, places.axis);
+        const iso_curvature_params params = params_for(source, points, places.axis);
         fetch_edges(source, &places, &batch);
-        kernel->edges(&job, &batch);
-        put_shapes(&batch, shapes + done);
+        kernel->edges(&params, &batch);
+        store_curvatures(&batch, curvatures + done);
         done += batch.count;
         misses = 0;
     }
@@ -283,29 +286,29 @@ static uint32_t batch_of(uint32_t left) {
 }
 
 void iso_curvatures_of_feet(const iso_curvature_source *source, const iso_curvature_points *points,
-                            const iso_curvature_feet *feet, iso_curvature *shapes) {
+                            const iso_curvature_feet *feet, iso_curvature *curvatures) {
     assert(source->type == ISO_FLOAT32);
     const iso_curvature_kernel *kernel = iso_curvature_kernel_get(iso_cpu_best());
-    iso_curvature_job job = job_of(source, points, 0);
-    job.band = feet->band;
+    iso_curvature_params params = params_for(source, points, 0);
+    params.band = feet->band;
     iso_curvature_batch batch;
-    batch_places places = {.axis = 0};
+    batch_voxels places = {.axis = 0};
     for (uint32_t done = 0; done < points->count; done += batch.count) {
         batch.count = batch_of(points->count - done);
         for (uint32_t i = 0; i < batch.count; i++) {
             const int32_t voxel = feet->voxels[done + i];
             for (int axis = 0; axis < 3; axis++)
                 places.voxel[i][axis] = (int8_t)(voxel >> (4 * axis) & (ISO_BRICK - 1));
-            take_normal(points, done + i, &batch, i);
+            copy_normal(points, done + i, &batch, i);
         }
         fetch_bits(source, &places, ISO_CURVATURE_VOXEL, &batch);
         for (uint32_t i = 0; i < batch.count; i++) {
             float value;
             memcpy(&value, &batch.value[ISO_CURVATURE_HERE][i], sizeof value);
-            batch.along[i] = (value - feet->at) * source->outward;
+            batch.along[i] = (value - feet->isovalue_ceil) * source->normal_sign;
         }
-        kernel->voxels(&job, &batch);
-        put_shapes(&batch, shapes + done);
+        kernel->voxels(&params, &batch);
+        store_curvatures(&batch, curvatures + done);
     }
 }
 
@@ -313,14 +316,14 @@ static float grid_value(const void *context, const int at[3]) {
     return iso_grid_at(context, at[0], at[1], at[2]);
 }
 
-void iso_curvature_of_places(const iso_grid *grid, const int brick[3], float outward,
-                             const iso_curvature_points *points, iso_curvature *shapes) {
+void iso_curvatures_of_nearest_voxels(const iso_grid *grid, const int brick[3], float normal_sign,
+                                      const iso_curvature_points *points, iso_curvature *curvatures) {
     const int *dims = iso_grid_dims(grid), first[3] = {0, 0, 0};
     const int last[3] = {dims[0] - 1, dims[1] - 1, dims[2] - 1};
     const reader from = {grid, grid_value, first, last};
     const iso_curvature_kernel *kernel = iso_curvature_kernel_get(iso_cpu_best());
-    const iso_curvature_job job = {
-        .floats = true, .packed = points->packed != NULL, .outward = outward, .band = INFINITY};
+    const iso_curvature_params params = {
+        .floats = true, .packed = points->packed != NULL, .normal_sign = normal_sign, .band = INFINITY};
     iso_curvature_batch batch;
     for (uint32_t done = 0; done < points->count; done += batch.count) {
         batch.count = batch_of(points->count - done);
@@ -330,14 +333,14 @@ void iso_curvature_of_places(const iso_grid *grid, const int brick[3], float out
             for (int k = 0; k < 3; k++)
                 voxel[k] = iso_clamp_index(ISO_BRICK * brick[k] + ((position[k] + UNIT / 2) >> 14), dims[k]);
             for (int which = 0; which < ISO_CURVATURE_VOXEL; which++) {
-                const int at[3] = {voxel[0] + STEPS[which][0], voxel[1] + STEPS[which][1],
-                                   voxel[2] + STEPS[which][2]};
-                batch.value[which][i] = bits_of(value_at(&from, at, 0));
+                const int at[3] = {voxel[0] + OFFSETS[which][0], voxel[1] + OFFSETS[which][1],
+                                   voxel[2] + OFFSETS[which][2]};
+                batch.value[which][i] = bits_of(extrapolated_value(&from, at, 0));
             }
             batch.along[i] = 0;
-            take_normal(points, done + i, &batch, i);
+            copy_normal(points, done + i, &batch, i);
         }
-        kernel->voxels(&job, &batch);
-        put_shapes(&batch, shapes + done);
+        kernel->voxels(&params, &batch);
+        store_curvatures(&batch, curvatures + done);
     }
 }

@@ -1,5 +1,5 @@
-/* shape_kernel: from the voxels around points to shapes, a vector of points at a time, for each instruction
- * set with the same bytes. Internal to extract. */
+/* curvature_kernel: from the voxels around points to curvatures, a vector of points at a time, for each
+ * instruction set with the same bytes. Internal to extract. */
 #ifndef ISO_EXTRACT_POINTS_CURVATURE_KERNEL_H
 #define ISO_EXTRACT_POINTS_CURVATURE_KERNEL_H
 
@@ -36,7 +36,7 @@ enum {
     ISO_CURVATURE_B1C0,
     ISO_CURVATURE_B0C1,
     ISO_CURVATURE_B1C1,
-    ISO_CURVATURE_VOXEL, /* as many as a voxel needs; the other end of an edge needs besides: */
+    ISO_CURVATURE_VOXEL, /* count of the values that a voxel needs. The second end of an edge also needs: */
     ISO_CURVATURE_A2 = ISO_CURVATURE_VOXEL, /* ++ 0 0 */
     ISO_CURVATURE_A2B0,
     ISO_CURVATURE_A2B1,
@@ -49,6 +49,7 @@ enum {
     ISO_CURVATURE_EDGE
 };
 
+/* Points on their way through the kernel, as structure of arrays. */
 typedef struct iso_curvature_batch {
     uint32_t count;
     alignas(64) int32_t value[ISO_CURVATURE_EDGE][ISO_CURVATURE_BATCH]; /* integers, or the bits of floats */
@@ -56,22 +57,22 @@ typedef struct iso_curvature_batch {
     float normal[3][ISO_CURVATURE_BATCH];    /* surfels: unit, x y z */
     int32_t octahedral[ISO_CURVATURE_BATCH]; /* packed points: bits 42..63 */
     int32_t uu[ISO_CURVATURE_BATCH], uv[ISO_CURVATURE_BATCH], vv[ISO_CURVATURE_BATCH]; /* out: steps */
-    int32_t ends[ISO_CURVATURE_BATCH]; /* out: as in iso_curvature */
+    int32_t extents[ISO_CURVATURE_BATCH]; /* out: as in iso_curvature */
 } iso_curvature_batch;
 
-typedef struct iso_curvature_job {
+typedef struct iso_curvature_params {
     bool floats; /* the values' type */
     bool packed; /* normals come from `octahedral` */
     int axis;    /* a; b and c are the others, ascending */
-    float outward, at;
+    float normal_sign, isovalue_ceil;
     float band; /* voxels: magnitude at and above which values are clamped; INFINITY when they are not */
-} iso_curvature_job;
+} iso_curvature_params;
 
-/* Whole vectors are computed: what lies beyond `count` may be anything. */
+/* Both compute whole vectors: items from `count` on may hold anything. */
 typedef struct iso_curvature_kernel {
-    void (*edges)(const iso_curvature_job *job, iso_curvature_batch *batch);
-    /* Of floats. */
-    void (*voxels)(const iso_curvature_job *job, iso_curvature_batch *batch);
+    void (*edges)(const iso_curvature_params *params, iso_curvature_batch *batch);
+    /* Curvatures at voxels of a float grid; sets extents to 0. */
+    void (*voxels)(const iso_curvature_params *params, iso_curvature_batch *batch);
 } iso_curvature_kernel;
 
 /* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */

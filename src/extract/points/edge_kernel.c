@@ -85,7 +85,7 @@ static void iso_edge_border_stencil(const iso_edge_source *source, const int low
 
 /* Part of a batch: what a job put into it. */
 typedef struct iso_edge_part {
-    iso_edge_job *job;
+    iso_edge_task *job;
     int from, end;
 } iso_edge_part;
 
@@ -123,10 +123,10 @@ __attribute__((always_inline)) static inline void iso_edge_scatter(const iso_edg
 }
 
 /* The bits of a block's word that are wanted and in the grid, of which `voxels` are left along x. */
-static uint64_t iso_edge_columns(iso_edge_wanted wanted, int voxels) {
+static uint64_t iso_edge_columns(iso_edge_active active, int voxels) {
     uint64_t lanes = 0;
     for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++)
-        lanes |= (uint64_t)(wanted.bricks >> brick & 1) * 0xffff << (16 * brick);
+        lanes |= (uint64_t)(active.bricks >> brick & 1) * 0xffff << (16 * brick);
     return voxels < ISO_EDGE_BLOCK_X ? lanes & (((uint64_t)1 << voxels) - 1) : lanes;
 }
 

@@ -36,9 +36,9 @@ typedef struct iso_edge_source {
     const void *data;             /* of voxel 0, 0, 0 */
     ptrdiff_t stride_y, stride_z; /* elements */
     int dims[3];                  /* one past the grid's last voxel */
-    float isovalue;
+    float isovalue_ceil;
     bool level_set; /* normals point to higher values */
-    float rest;     /* the surface is at isovalue + rest; at or above isovalue is inside */
+    float residual; /* as in iso_threshold: the isovalue is isovalue_ceil + residual */
     int first[3];   /* the grid's first voxel: below 0 where `data` is a window into it */
     ptrdiff_t row_offset[ISO_EDGE_ROW_NAMES]; /* set by iso_edge_source_prepare */
 } iso_edge_source;
@@ -61,42 +61,43 @@ typedef struct iso_edge_entries {
     int count;
 } iso_edge_entries;
 
-/* What of a block is looked at: bit k is brick k, and row group (grids/brick_range.h) k of any of them. */
-typedef struct iso_edge_wanted {
+/* The active part of a block: bit k of `bricks` is brick k, bit k of `groups` row group k
+ * (grids/brick_range.h) of any of them. */
+typedef struct iso_edge_active {
     uint16_t groups;
     uint8_t bricks;
-} iso_edge_wanted;
-#define ISO_EDGE_WHOLE ((iso_edge_wanted){.groups = 0xffff, .bricks = 15})
+} iso_edge_active;
+#define ISO_EDGE_WHOLE ((iso_edge_active){.groups = 0xffff, .bricks = 15})
 
-/* Of slice z, 0 .. 16, the rows that wanted groups look at (a bit each, 0 .. 16), and those whose edges are
- * theirs (0 .. 15). */
+/* For slice z (0 .. 16), a bit per row: the rows that the active groups read (0 .. 16), and the rows whose
+ * edges they own (0 .. 15). */
 static inline uint32_t iso_edge_group_rows(uint32_t groups) { /* bits 0, 4, 8 and 12, each group's first */
     return (groups & 1) | (groups & 2) << 3 | (groups & 4) << 6 | (groups & 8) << 9;
 }
-static inline uint32_t iso_edge_rows_read(iso_edge_wanted wanted, int z) {
-    const uint32_t here = (uint32_t)wanted.groups >> z / 4 * 4 & 15,
-                   before = z % 4 ? 0 : (uint32_t)wanted.groups << 4 >> z & 15;
+static inline uint32_t iso_edge_rows_read(iso_edge_active active, int z) {
+    const uint32_t here = (uint32_t)active.groups >> z / 4 * 4 & 15,
+                   before = z % 4 ? 0 : (uint32_t)active.groups << 4 >> z & 15;
     const uint32_t first = iso_edge_group_rows(here | before);
     return first * 15 | first << 4;
 }
-static inline uint32_t iso_edge_rows_own(iso_edge_wanted wanted, int z) {
-    return iso_edge_group_rows((uint32_t)wanted.groups >> z / 4 * 4 & 15) * 15;
+static inline uint32_t iso_edge_rows_own(iso_edge_active active, int z) {
+    return iso_edge_group_rows((uint32_t)active.groups >> z / 4 * 4 & 15) * 15;
 }
 
 /* Mask words of a run of blocks along x: what `count` classifies into, kept by the caller for reuse.
  * bits[b][z * 17 + y] is row (y, z) of block b; the lowest bit of the next block's word is the voxel after
- * it, also for the last block. What is not wanted means nothing. */
-enum { ISO_EDGE_SIDE = ISO_BRICK + 1, ISO_EDGE_RUN = 32 };
+ * it, also for the last block. Bits outside the active parts are undefined. */
+enum { ISO_EDGE_SIDE = ISO_BRICK + 1, ISO_EDGE_WORD_BLOCKS = 32 };
 typedef struct iso_edge_words {
-    int blocks;                           /* 1 .. ISO_EDGE_RUN */
-    iso_edge_wanted wanted[ISO_EDGE_RUN]; /* set by the caller */
-    uint64_t bits[ISO_EDGE_RUN + 1][ISO_EDGE_SIDE * ISO_EDGE_SIDE];
+    int blocks;                                   /* 1 .. ISO_EDGE_WORD_BLOCKS */
+    iso_edge_active active[ISO_EDGE_WORD_BLOCKS]; /* set by the caller */
+    uint64_t bits[ISO_EDGE_WORD_BLOCKS + 1][ISO_EDGE_SIDE * ISO_EDGE_SIDE];
 } iso_edge_words;
 
 /* What `count` leaves for `fill`. */
 typedef struct iso_edge_block {
     int origin[3];   /* voxels; multiples of 64, 16, 16 */
-    unsigned bricks; /* those that are wanted */
+    unsigned bricks; /* bit k: brick k is active */
     uint32_t points[ISO_EDGE_BRICKS];
     iso_edge_list axes[3];
 } iso_edge_block;
@@ -108,13 +109,13 @@ typedef struct iso_edge_output {
     iso_edge_key *keys[ISO_EDGE_BRICKS]; /* all or none; not with packed */
 } iso_edge_output;
 
-/* Points to be made: those of lists, one for each axis, in the block at `origin`. */
-typedef struct iso_edge_job {
+/* Input and output of `fill` for one block: the lists of its three axes and where the points go. */
+typedef struct iso_edge_task {
     int origin[3];
     iso_edge_entries axes[3];
     iso_edge_output output; /* only own rows with packed */
     uint64_t lanes;         /* 0; then how many points each brick has so far, in 16 bits */
-} iso_edge_job;
+} iso_edge_task;
 
 /* Bits set in each 16-bit lane of a mask, lane by lane. */
 static inline uint64_t iso_edge_lane_counts(uint64_t mask) {
@@ -125,12 +126,12 @@ static inline uint64_t iso_edge_lane_counts(uint64_t mask) {
 }
 
 typedef struct iso_edge_kernel {
-    /* Counts and lists the points of the wanted bricks of words->blocks consecutive blocks along x;
-     * blocks[0].origin names the first. Row groups that are not wanted must have none. */
+    /* Counts and lists the points of the active bricks of words->blocks consecutive blocks along x;
+     * blocks[0].origin names the first. Inactive row groups must have no points. */
     void (*count)(const iso_edge_source *source, iso_edge_words *words, iso_edge_block *blocks);
     /* Makes the points of several blocks, packed for all of them or for none: the more there are, the less
      * each costs. Uses up `lanes`. */
-    void (*fill)(const iso_edge_source *source, iso_edge_job *jobs, int count);
+    void (*fill)(const iso_edge_source *source, iso_edge_task *jobs, int count);
     /* The part of `count` that meshes put together anew: the mask words of a run that begins at `origin`. */
     void (*classify)(const iso_edge_source *source, const int origin[3], iso_edge_words *words);
 } iso_edge_kernel;

@@ -15,7 +15,7 @@ typedef struct edge {
 /* (isovalue - a) / (b - a), a on the lower voxel. The difference to `at` is exact when it is small; `rest`
  * carries what the float isovalue rounded away. */
 static float fraction(const iso_threshold *surface, float a, float b) {
-    float t = (surface->at - a + surface->rest) / (b - a);
+    float t = (surface->isovalue_ceil - a + surface->residual) / (b - a);
     t = t > 0 ? t : 0; /* also for NaN, when the differences overflow */
     return t < 1 ? t : 1;
 }
@@ -38,14 +38,14 @@ static void edge_normal(const iso_brick_window *window, const edge *e, const iso
     iso_window_gradient(window, e->voxel, low);
     iso_window_gradient(window, end, high);
     for (int axis = 0; axis < 3; axis++)
-        gradient[axis] = (low[axis] + t * (high[axis] - low[axis])) * surface->outward;
+        gradient[axis] = (low[axis] + t * (high[axis] - low[axis])) * surface->normal_sign;
     const int second = e->axis == 0 ? 1 : 0, third = e->axis == 2 ? 1 : 2;
     float sum = fabsf(gradient[e->axis]) + fabsf(gradient[second]) + fabsf(gradient[third]);
     if (!(sum > 0 && sum <= FLT_MAX)) {
         if (wide_normal(gradient, normal)) return; /* out of the kernel's range; see edge_run.c */
         bool rises = !iso_threshold_inside(surface, window->values[e->index]);
         for (int axis = 0; axis < 3; axis++) normal[axis] = 0;
-        normal[e->axis] = rises ? surface->outward : -surface->outward;
+        normal[e->axis] = rises ? surface->normal_sign : -surface->normal_sign;
         return;
     }
     float lift = sum < 0x1p-64f ? 0x1p64f : 1, scale = 1 / (sum * lift);

@@ -10,8 +10,8 @@ static const int MOST_STEPS = 10;
 static const double CONVERGED = 1e-4; /* voxels */
 
 static bool in_band(const iso_threshold *surface, float value) {
-    float distance = value - surface->at - surface->rest;
-    return value >= surface->at && distance < BAND;
+    float distance = value - surface->isovalue_ceil - surface->residual;
+    return value >= surface->isovalue_ceil && distance < BAND;
 }
 
 static int last_voxel(const iso_brick_window *window, int axis) {
@@ -38,8 +38,8 @@ static int32_t order_of(float value) {
 /* The lowest float from `at` on that is not in the band; distances grow with values, so that halving finds
  * it. */
 static float band_top(const iso_threshold *surface) {
-    if (!in_band(surface, surface->at)) return surface->at;
-    int64_t in = order_of(surface->at), out = order_of(INFINITY);
+    if (!in_band(surface, surface->isovalue_ceil)) return surface->isovalue_ceil;
+    int64_t in = order_of(surface->isovalue_ceil), out = order_of(INFINITY);
     while (out - in > 1) {
         int64_t middle = in + (out - in) / 2;
         *(in_band(surface, float_of((int32_t)middle)) ? &in : &out) = middle;
@@ -48,9 +48,9 @@ static float band_top(const iso_threshold *surface) {
 }
 
 iso_foot_surface iso_foot_surface_of(const iso_threshold *surface, float band) {
-    return (iso_foot_surface){.at = surface->at,
-                              .rest = surface->rest,
-                              .outward = surface->outward,
+    return (iso_foot_surface){.isovalue_ceil = surface->isovalue_ceil,
+                              .residual = surface->residual,
+                              .normal_sign = surface->normal_sign,
                               .top = band_top(surface),
                               .band = band};
 }
@@ -67,12 +67,12 @@ bool iso_foot_point(const iso_foot_surface *surface, const iso_foot_stencil *ste
     float squared = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
     if (!(squared >= 0.25f)) return false;
     if (iso_foot_is_regular(squared)) {
-        float scale = surface->outward / sqrtf(squared);
+        float scale = surface->normal_sign / sqrtf(squared);
         for (int axis = 0; axis < 3; axis++) point->normal[axis] = g[axis] * scale;
-    } else if (!iso_unit_normal(g, surface->outward, point->normal)) {
+    } else if (!iso_unit_normal(g, surface->normal_sign, point->normal)) {
         return false;
     }
-    float distance = stencil->centre - surface->at - surface->rest;
+    float distance = stencil->centre - surface->isovalue_ceil - surface->residual;
     for (int axis = 0; axis < 3; axis++)
         point->position[axis] = (float)stencil->voxel[axis] - distance * point->normal[axis];
     return true;
@@ -96,7 +96,7 @@ void iso_foot_points_direct(const iso_brick_window *window, const iso_foot_surfa
         for (int y = 0; y <= last_voxel(window, 1); y++)
             for (int x = 0; x <= last_voxel(window, 0); x++) {
                 float value = window->values[iso_window_index(x, y, z)];
-                if (!(value >= surface->at && value < surface->top)) continue;
+                if (!(value >= surface->isovalue_ceil && value < surface->top)) continue;
                 iso_foot_stencil stencil = stencil_at(window, (int[3]){x, y, z});
                 if (out->voxels) out->voxels[out->count] = z << 8 | y << 4 | x;
                 if (iso_foot_point(surface, &stencil, &out->points[out->count]))
@@ -109,12 +109,13 @@ void iso_foot_points_direct(const iso_brick_window *window, const iso_foot_surfa
 bool iso_foot_points_may_exist(const iso_grid *grid, const iso_threshold *surface, const int brick[3]) {
     if (grid->hgrid) /* whether its brick has voxels in the band is for the kernel to find out */
         return grid->hgrid->cell[iso_hgrid_cell_index(grid->hgrid, brick[0], brick[1], brick[2])] >= 0;
-    float top = surface->at + 1.75f; /* a little above sqrt 3: rounding must not lose a voxel */
-    if (iso_grid_brick_may_cross(grid, brick, surface->at) || iso_grid_brick_may_cross(grid, brick, top))
+    float top = surface->isovalue_ceil + 1.75f; /* a little above sqrt 3: rounding must not lose a voxel */
+    if (iso_grid_brick_may_cross(grid, brick, surface->isovalue_ceil) ||
+        iso_grid_brick_may_cross(grid, brick, top))
         return true;
     /* all finite voxels are below `at`, between the two or above `top` together */
     float value = iso_grid_at(grid, ISO_BRICK * brick[0], ISO_BRICK * brick[1], ISO_BRICK * brick[2]);
-    return !isfinite(value) || (value >= surface->at && value < top);
+    return !isfinite(value) || (value >= surface->isovalue_ceil && value < top);
 }
 
 /* Whether cell (x, y, z) of the window has finite corners on both sides. */
@@ -134,7 +135,7 @@ static bool cell_is_crossed(const iso_brick_window *window, const iso_threshold 
 static bool is_seed(const iso_brick_window *window, const iso_threshold *surface, const int voxel[3]) {
     float value = window->values[iso_window_index(voxel[0], voxel[1], voxel[2])];
     if (!isfinite(value)) return false;
-    bool outside = iso_threshold_inside(surface, value) == (surface->outward > 0);
+    bool outside = iso_threshold_inside(surface, value) == (surface->normal_sign > 0);
     if (!outside) return false;
     for (int i = 0; i < 8; i++) {
         const int cell[3] = {voxel[0] - (i & 1), voxel[1] - (i >> 1 & 1), voxel[2] - (i >> 2)};
@@ -169,11 +170,11 @@ static bool iterated_foot_of(const iso_grid *grid, const iso_brick_window *windo
     iso_vec3 origin = {ISO_BRICK * window->brick[0], ISO_BRICK * window->brick[1],
                        ISO_BRICK * window->brick[2]};
     iso_vec3 p = iso_vec3_add(origin, iso_vec3_make(voxel[0], voxel[1], voxel[2])), gradient;
-    if (!iterate(grid, (double)surface->at + surface->rest, &p, &gradient)) return false;
+    if (!iterate(grid, (double)surface->isovalue_ceil + surface->residual, &p, &gradient)) return false;
     iso_vec3 local = iso_vec3_sub(p, origin), normal = iso_vec3_unit(gradient);
     *point = (iso_surfel){{(float)local.x, (float)local.y, (float)local.z},
-                          {(float)(surface->outward * normal.x), (float)(surface->outward * normal.y),
-                           (float)(surface->outward * normal.z)}};
+                          {(float)(surface->normal_sign * normal.x), (float)(surface->normal_sign * normal.y),
+                           (float)(surface->normal_sign * normal.z)}};
     return true;
 }
 
@@ -195,7 +196,7 @@ bool iso_foot_seeds_may_exist(const iso_grid *grid, const iso_threshold *surface
     for (int i = 0; i < 8; i++) { /* a seed's cell may lie in a lower brick */
         const int near[3] = {brick[0] - (i & 1), brick[1] - (i >> 1 & 1), brick[2] - (i >> 2)};
         if (near[0] < 0 || near[1] < 0 || near[2] < 0) continue;
-        if (iso_grid_brick_may_cross(grid, near, surface->at)) return true;
+        if (iso_grid_brick_may_cross(grid, near, surface->isovalue_ceil)) return true;
     }
     return false;
 }

@@ -7,8 +7,8 @@
 /* The surface of a distance field, and which voxels have foot points. `band`: magnitude at and above which
  * stored distances are clamped; INFINITY when they are not. */
 typedef struct iso_foot_surface {
-    float at, rest, outward; /* as in iso_threshold */
-    float top;               /* v is in the band [0, sqrt 3) of distances exactly when at <= v < top */
+    float isovalue_ceil, residual, normal_sign; /* as in iso_threshold */
+    float top; /* v is in the band [0, sqrt 3) of distances exactly when at <= v < top */
     float band;
 } iso_foot_surface;
 

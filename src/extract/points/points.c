@@ -15,7 +15,7 @@ typedef struct point_scratch {
     iso_brick_window window;
     iso_surfel surfels[ISO_EDGES_OWN];
     iso_point packed[ISO_EDGES_OWN];
-    iso_curvature shapes[ISO_EDGES_OWN];
+    iso_curvature curvatures[ISO_EDGES_OWN];
     int32_t voxels[ISO_BRICK_VOXELS];
 } point_scratch;
 
@@ -24,7 +24,7 @@ struct iso_point_set {
     iso_grid grid;
     iso_points_opts opts; /* primitive is never auto */
     iso_threshold surface;
-    iso_edge_runner runner; /* edge points of an rgrid */
+    iso_edge_context context; /* edge points of an rgrid */
     iso_foot_surface foot_surface;
     const iso_foot_kernel *foot_kernel; /* foot points of an hgrid */
     iso_span_bounds bounds;
@@ -39,17 +39,17 @@ static void output_points(const iso_point_set *points, point_scratch *scratch, u
                           iso_brick_output *output) {
     output->count[0] = count;
     output->items[0] = points->opts.floats ? (const void *)scratch->surfels : scratch->packed;
-    output->items[1] = scratch->shapes;
+    output->items[1] = scratch->curvatures;
 }
 
-static iso_curvature_points shape_points(const iso_point_set *points, const point_scratch *scratch,
-                                         uint32_t count) {
+static iso_curvature_points add_point_curvatures(const iso_point_set *points, const point_scratch *scratch,
+                                                 uint32_t count) {
     if (points->opts.floats) return (iso_curvature_points){.surfels = scratch->surfels, .count = count};
     return (iso_curvature_points){.packed = scratch->packed, .count = count};
 }
 
-static iso_curvature_feet shape_feet_of(const iso_point_set *points, const int32_t *voxels) {
-    return (iso_curvature_feet){voxels, points->foot_surface.at, points->foot_surface.band};
+static iso_curvature_feet add_foot_curvatures_of(const iso_point_set *points, const int32_t *voxels) {
+    return (iso_curvature_feet){voxels, points->foot_surface.isovalue_ceil, points->foot_surface.band};
 }
 
 static void pack_points(const iso_point_set *points, point_scratch *scratch, uint32_t count) {
@@ -59,7 +59,7 @@ static void pack_points(const iso_point_set *points, point_scratch *scratch, uin
 
 static bool edges_may_exist(const void *context, const int brick[3]) {
     const iso_point_set *points = context;
-    return iso_grid_brick_may_cross(&points->grid, brick, points->surface.at);
+    return iso_grid_brick_may_cross(&points->grid, brick, points->surface.isovalue_ceil);
 }
 
 static void extract_edges(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
@@ -70,23 +70,24 @@ static void extract_edges(const void *context, const int brick[3], void *memory,
     iso_edge_points_own(&scratch->window, &points->surface, &edges);
     for (uint32_t i = 0; i < edges.count && edges.scaled; i++)
         scratch->packed[i] = iso_point_pack_scaled(&scratch->surfels[i]);
-    if (points->opts.shapes) {
+    if (points->opts.curvature) {
         const iso_curvature_source source = iso_curvature_source_window(&scratch->window, &points->surface);
-        const iso_curvature_points made = shape_points(points, scratch, edges.count);
-        iso_curvatures_of_edges(&source, &made, scratch->shapes);
+        const iso_curvature_points made = add_point_curvatures(points, scratch, edges.count);
+        iso_curvatures_of_edges(&source, &made, scratch->curvatures);
     }
     output_points(points, scratch, edges.count, output);
 }
 
 static float edges_isovalue(const void *context) {
-    return ((const iso_point_set *)context)->surface.at;
+    return ((const iso_point_set *)context)->surface.isovalue_ceil;
 }
 
 /* One worker's memory serves the kernel and, for bricks it cannot do, the plain code. */
 static void run_edges(const void *context, const uint32_t *bricks, size_t count, void *scratch,
                       iso_brick_sink *sink) {
     const iso_point_set *points = context;
-    iso_edge_run(&points->runner, &points->set, bricks, count, (char *)scratch + sizeof(point_scratch), sink);
+    iso_edge_run(&points->context, &points->set, bricks, count, (char *)scratch + sizeof(point_scratch),
+                 sink);
 }
 
 static bool feet_may_exist(const void *context, const int brick[3]) {
@@ -102,11 +103,11 @@ static void extract_feet(const void *context, const int brick[3], void *memory, 
     iso_foot_points_direct(&scratch->window, &points->foot_surface, &feet);
     output->rejected = feet.rejected;
     pack_points(points, scratch, feet.count);
-    if (points->opts.shapes) {
+    if (points->opts.curvature) {
         const iso_curvature_source source = iso_curvature_source_window(&scratch->window, &points->surface);
-        const iso_curvature_points made = shape_points(points, scratch, feet.count);
-        const iso_curvature_feet from = shape_feet_of(points, scratch->voxels);
-        iso_curvatures_of_feet(&source, &made, &from, scratch->shapes);
+        const iso_curvature_points made = add_point_curvatures(points, scratch, feet.count);
+        const iso_curvature_feet from = add_foot_curvatures_of(points, scratch->voxels);
+        iso_curvatures_of_feet(&source, &made, &from, scratch->curvatures);
     }
     output_points(points, scratch, feet.count, output);
 }
@@ -122,14 +123,14 @@ typedef struct feet_scratch {
     iso_brick_window window;
 } feet_scratch;
 
-static void shape_feet(const iso_point_set *points, const int brick[3], const iso_foot_output *feet,
-                       feet_scratch *scratch, iso_curvature *shapes) {
+static void add_foot_curvatures(const iso_point_set *points, const int brick[3], const iso_foot_output *feet,
+                                feet_scratch *scratch, iso_curvature *curvatures) {
     if (!feet->count) return;
     iso_brick_window_fill(&points->grid, brick, &scratch->window);
     const iso_curvature_source source = iso_curvature_source_window(&scratch->window, &points->surface);
     const iso_curvature_points made = {feet->packed, feet->surfels, feet->count};
-    const iso_curvature_feet from = shape_feet_of(points, scratch->kernel.voxel);
-    iso_curvatures_of_feet(&source, &made, &from, shapes);
+    const iso_curvature_feet from = add_foot_curvatures_of(points, scratch->kernel.voxel);
+    iso_curvatures_of_feet(&source, &made, &from, curvatures);
 }
 
 /* The next brick of the list is fetched into the cache meanwhile. */
@@ -140,17 +141,18 @@ static void run_feet(const void *context, const uint32_t *bricks, size_t count, 
     for (size_t i = 0; i < count && !iso_brick_sink_failed(sink); i++) {
         int brick[3];
         iso_brick_set_coordinates(&points->set, bricks[i], brick);
-        const bool shaped = points->opts.shapes;
+        const bool with_curvature = points->opts.curvature;
         void *room = iso_brick_sink_room(sink, 0, ISO_FOOT_ROOM);
-        iso_curvature *shapes = room && shaped ? iso_brick_sink_room(sink, 1, ISO_FOOT_ROOM) : NULL;
-        if (!room || (shaped && !shapes)) return;
+        iso_curvature *curvatures =
+            room && with_curvature ? iso_brick_sink_room(sink, 1, ISO_FOOT_ROOM) : NULL;
+        if (!room || (with_curvature && !curvatures)) return;
         iso_foot_brick around;
         iso_foot_brick_of(points->grid.hgrid, brick, &scratch->kernel, &around);
         around.next = values_of(points, bricks[i + 1 < count ? i + 1 : i]);
         iso_foot_output feet = {.packed = points->opts.floats ? NULL : room,
                                 .surfels = points->opts.floats ? room : NULL};
         points->foot_kernel->extract(&points->foot_surface, &around, &scratch->kernel, &feet);
-        if (shaped) shape_feet(points, brick, &feet, scratch, shapes);
+        if (with_curvature) add_foot_curvatures(points, brick, &feet, scratch, curvatures);
         iso_brick_sink_add(sink, bricks[i],
                            &(iso_brick_output){.count = {feet.count}, .rejected = feet.rejected});
     }
@@ -170,14 +172,15 @@ static void extract_iterated(const void *context, const int brick[3], void *memo
     iso_foot_points_iterated(&points->grid, &scratch->window, &points->surface, &feet);
     output->rejected = feet.rejected;
     pack_points(points, scratch, feet.count);
-    if (points->opts.shapes) {
-        const iso_curvature_points made = shape_points(points, scratch, feet.count);
-        iso_curvature_of_places(&points->grid, brick, points->surface.outward, &made, scratch->shapes);
+    if (points->opts.curvature) {
+        const iso_curvature_points made = add_point_curvatures(points, scratch, feet.count);
+        iso_curvatures_of_nearest_voxels(&points->grid, brick, points->surface.normal_sign, &made,
+                                         scratch->curvatures);
     }
     output_points(points, scratch, feet.count, output);
 }
 
-static void write_span(void *span, const iso_brick_place *place) {
+static void write_span(void *span, const iso_brick_location *place) {
     *(iso_point_span *)span = (iso_point_span){
         .brick = {place->brick[0], place->brick[1], place->brick[2]},
         .count = place->count[0],
@@ -188,7 +191,7 @@ static void write_span(void *span, const iso_brick_place *place) {
 static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
     iso_brick_kernel kernel = {
         .item_bytes = {opts->floats ? sizeof(iso_surfel) : sizeof(iso_point),
-                       opts->shapes ? sizeof(iso_curvature) : 0},
+                       opts->curvature ? sizeof(iso_curvature) : 0},
         .scratch_bytes = sizeof(point_scratch),
         .span_bytes = sizeof(iso_point_span),
         .write_span = write_span,
@@ -199,7 +202,7 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
         kernel.may_exist = feet_may_exist;
         kernel.extract = extract_feet;
         if (!dense) {
-            kernel.run = run_feet;
+            kernel.extract_many = run_feet;
             kernel.scratch_bytes = sizeof(feet_scratch);
             kernel.bricks_only = true;
         }
@@ -214,7 +217,7 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
         kernel.may_exist = edges_may_exist;
         kernel.extract = extract_edges;
         if (dense) {
-            kernel.run = run_edges;
+            kernel.extract_many = run_edges;
             kernel.isovalue = edges_isovalue;
             kernel.scratch_bytes += iso_edge_run_scratch_bytes();
         }
@@ -228,9 +231,9 @@ static void set_surface(iso_point_set *points) {
     float band = points->grid.hgrid ? points->grid.hgrid->band : INFINITY;
     points->foot_surface = iso_foot_surface_of(&points->surface, band);
     if (points->grid.rgrid) {
-        iso_edge_runner_init(&points->runner, points->grid.rgrid, &points->surface);
-        points->runner.floats = points->opts.floats;
-        points->runner.shapes = points->opts.shapes;
+        iso_edge_context_init(&points->context, points->grid.rgrid, &points->surface);
+        points->context.floats = points->opts.floats;
+        points->context.curvature = points->opts.curvature;
     }
 }
 
@@ -294,11 +297,11 @@ iso_point_view iso_point_set_view(const iso_point_set *set) {
     iso_point_view view = {
         .packed = set->opts.floats ? NULL : items,
         .surfels = set->opts.floats ? items : NULL,
-        .shapes = set->opts.shapes ? iso_brick_set_items(&set->set, 0, 1) : NULL,
+        .curvatures = set->opts.curvature ? iso_brick_set_items(&set->set, 0, 1) : NULL,
         .spans = set->set.spans.data,
         .span_count = set->set.span_count,
         .transform = *iso_grid_transform(&set->grid),
-        .stamps = iso_brick_set_stamps(&set->set),
+        .versions = iso_brick_set_versions(&set->set),
     };
     for (int k = 0; k < 3; k++) view.dims[k] = iso_grid_dims(&set->grid)[k];
     const double *spacing = view.transform.spacing;

@@ -41,9 +41,10 @@ iso_primitive iso_primitive_auto(const iso_grid *grid, double isovalue);
 typedef struct iso_points_opts {
     double isovalue; /* physical (grids/grid.h): of a level set, mm */
     iso_primitive primitive;
-    bool floats; /* keep iso_surfel (24 bytes, exact) instead of iso_point (8 bytes) */
-    bool shapes; /* keep an iso_curvature (8 bytes) with each: how the surface bends there (base/primitives.h)
-                  */
+    bool floats;    /* keep iso_surfel (24 bytes, exact) instead of iso_point (8 bytes) */
+    bool curvature; /* keep an iso_curvature (8 bytes) with each: how the surface bends there
+                     * (base/primitives.h)
+                     */
     iso_pool *pool; /* borrowed until destroy; NULL: the calling thread */
 } iso_points_opts;
 

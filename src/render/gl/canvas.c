@@ -1,3 +1,5 @@
+/* canvas: two textures (colours, samples) that a compute shader (shaders/shade.comp) fills from the engine's
+ * framebuffer or from the picture buffer of pull-push. */
 #include "render/gl/canvas.h"
 
 #include <assert.h>
@@ -8,7 +10,7 @@
 #include "render/gl/shared.h"
 #include "render/gl/surface.h"
 
-_Static_assert(sizeof(iso_gl_shade) == 80, "std140 has it like this");
+_Static_assert(sizeof(iso_gl_shade_uniforms) == 80, "layout of std140");
 
 struct iso_gl_canvas {
     iso_gl_engine *engine;
@@ -31,7 +33,7 @@ iso_status iso_gl_canvas_create(iso_gl_engine *engine, iso_gl_canvas **canvas, i
     return ISO_OK;
 }
 
-static void empty(iso_gl_canvas *canvas) {
+static void delete_textures(iso_gl_canvas *canvas) {
     const GLuint textures[] = {canvas->colors, canvas->samples};
     gl_of(canvas)->DeleteTextures(2, textures); /* 0 is ignored */
     canvas->colors = canvas->samples = 0;
@@ -42,7 +44,7 @@ void iso_gl_canvas_destroy(iso_gl_canvas *canvas) {
     if (!canvas) return;
     iso_gl_context *context = canvas->engine->context;
     if (iso_gl_enter(context, NULL) == ISO_OK) {
-        empty(canvas);
+        delete_textures(canvas);
         gl_of(canvas)->DeleteTextures(1, &canvas->sphere);
         gl_of(canvas)->DeleteBuffers(1, &canvas->uniforms);
         iso_gl_leave(context, ISO_OK, NULL);
@@ -63,17 +65,17 @@ static GLuint make_texture(const GladGLContext *gl, GLenum format, GLint filter,
     return texture;
 }
 
-static void fit(iso_gl_canvas *canvas, int width, int height) {
+static void ensure_size(iso_gl_canvas *canvas, int width, int height) {
     const GladGLContext *gl = gl_of(canvas);
     if (canvas->width == width && canvas->height == height) return;
-    empty(canvas);
+    delete_textures(canvas);
     canvas->colors = make_texture(gl, GL_RGBA8, GL_LINEAR, width, height);
     canvas->samples = make_texture(gl, GL_RGBA32F, GL_NEAREST, width, height);
     canvas->width = width;
     canvas->height = height;
 }
 
-static void fit_sphere(iso_gl_canvas *canvas, const iso_gl_paint *paint) {
+static void upload_sphere(iso_gl_canvas *canvas, const iso_gl_paint *paint) {
     const GladGLContext *gl = gl_of(canvas);
     const int side = paint->sphere ? paint->sphere_side : 1;
     if (canvas->sphere_side != side) {
@@ -99,7 +101,7 @@ static void bind_uniforms(const iso_gl_output *to, const iso_view *part, int x, 
     iso_gl_canvas *canvas = to->canvas;
     const GladGLContext *gl = gl_of(canvas);
     const int factor = paint->factor;
-    iso_gl_shade s = {
+    iso_gl_shade_uniforms s = {
         .ray = {(float)part->cx, (float)part->cy, part->orthographic ? 0 : (float)(1 / part->focal)},
         .part = {part->width / factor, part->height / factor, x / factor, y / factor},
         .how = {factor, factor == 1, paint->sphere != NULL}};
@@ -133,7 +135,7 @@ iso_status iso_gl_canvas_shade(const iso_gl_output *to, bool pullpush, const iso
     gl->UseProgram(program);
     gl->DispatchCompute((GLuint)(part->width / factor + ISO_GL_TILE - 1) / ISO_GL_TILE,
                         (GLuint)(part->height / factor + ISO_GL_TILE - 1) / ISO_GL_TILE, 1);
-    /* for whoever samples it, copies it or reads it; and the next part is drawn where this one was */
+    /* The textures are sampled, copied or read next, and the next part reuses the framebuffer and buffers. */
     gl->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT |
                       GL_FRAMEBUFFER_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT |
                       GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -142,42 +144,42 @@ iso_status iso_gl_canvas_shade(const iso_gl_output *to, bool pullpush, const iso
 
 /* ---- drawing */
 
-static iso_status begin(iso_gl_canvas *canvas, const iso_view *view, const iso_gl_paint *paint,
-                        iso_error *error) {
+static iso_status prepare(iso_gl_canvas *canvas, const iso_view *view, const iso_gl_paint *paint,
+                          iso_error *error) {
     assert(paint->factor >= 1 && view->width % paint->factor == 0 && view->height % paint->factor == 0);
     iso_gl_context *context = canvas->engine->context;
     ISO_TRY(iso_gl_enter(context, error));
-    fit(canvas, view->width / paint->factor, view->height / paint->factor);
-    fit_sphere(canvas, paint);
+    ensure_size(canvas, view->width / paint->factor, view->height / paint->factor);
+    upload_sphere(canvas, paint);
     return iso_gl_leave(context, ISO_OK, error);
 }
 
-static iso_status finish(iso_gl_canvas *canvas, iso_status status, iso_error *error) {
+static iso_status finish_draw(iso_gl_canvas *canvas, iso_status status, iso_error *error) {
     iso_gl_context *context = canvas->engine->context;
     if (iso_gl_enter(context, status == ISO_OK ? error : NULL) != ISO_OK)
         return status == ISO_OK ? ISO_ERR_BACKEND : status;
     if (status == ISO_OK) gl_of(canvas)->Finish();
-    if (status != ISO_OK) empty(canvas);
+    if (status != ISO_OK) delete_textures(canvas);
     return iso_gl_leave(context, status, error);
 }
 
 iso_status iso_gl_canvas_draw(iso_gl_canvas *canvas, const iso_gl_draw_opts *opts, const iso_gl_paint *paint,
                               iso_error *error) {
     const iso_gl_output to = {.canvas = canvas, .paint = paint};
-    iso_status status = begin(canvas, opts->view, paint, error);
+    iso_status status = prepare(canvas, opts->view, paint, error);
     if (status == ISO_OK) status = iso_gl_draw_to(canvas->engine, opts, &to, error);
-    return finish(canvas, status, error);
+    return finish_draw(canvas, status, error);
 }
 
 iso_status iso_gl_canvas_draw_pullpush(iso_gl_canvas *canvas, const iso_gl_pullpush_opts *opts,
                                        const iso_gl_paint *paint, iso_error *error) {
     const iso_gl_output to = {.canvas = canvas, .paint = paint};
-    iso_status status = begin(canvas, opts->view, paint, error);
+    iso_status status = prepare(canvas, opts->view, paint, error);
     if (status == ISO_OK) status = iso_gl_draw_pullpush_to(canvas->engine, opts, &to, error);
-    return finish(canvas, status, error);
+    return finish_draw(canvas, status, error);
 }
 
-/* ---- what is in it */
+/* ---- reading */
 
 unsigned iso_gl_canvas_texture(const iso_gl_canvas *canvas) {
     return canvas->colors;
@@ -196,7 +198,7 @@ bool iso_gl_canvas_pick(const iso_gl_canvas *canvas, int x, int y, float normal_
 iso_status iso_gl_canvas_copy(iso_gl_canvas *to, const iso_gl_canvas *from, iso_error *error) {
     iso_gl_context *context = to->engine->context;
     ISO_TRY(iso_gl_enter(context, error));
-    fit(to, from->width, from->height);
+    ensure_size(to, from->width, from->height);
     gl_of(to)->CopyImageSubData(from->samples, GL_TEXTURE_2D, 0, 0, 0, 0, to->samples, GL_TEXTURE_2D, 0, 0, 0,
                                 0, from->width, from->height, 1);
     return iso_gl_leave(context, ISO_OK, error);

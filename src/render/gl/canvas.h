@@ -1,5 +1,5 @@
-/* canvas: a picture that stays on the GPU: its colours, for a window that shares the context, and its
- * samples, for a cursor. */
+/* canvas: a picture that stays on the GPU. Its colours are a texture for a window that shares the context;
+ * its samples (normal and depth of each pixel) answer what lies under a cursor. */
 #ifndef ISO_RENDER_GL_CANVAS_H
 #define ISO_RENDER_GL_CANVAS_H
 
@@ -13,40 +13,42 @@ extern "C" {
 
 typedef struct iso_gl_canvas iso_gl_canvas;
 
-/* Keeps the engine. ISO_ERR_NOMEM. */
+/* An empty canvas. The engine is borrowed and must outlive the canvas. ISO_ERR_NOMEM. */
 iso_status iso_gl_canvas_create(iso_gl_engine *engine, iso_gl_canvas **canvas, iso_error *error);
 void iso_gl_canvas_destroy(iso_gl_canvas *canvas); /* NULL is fine */
 
+/* How a canvas is shaded. */
 typedef struct iso_gl_paint {
     int factor; /* a pixel is factor x factor samples, 1 .. ISO_FACTOR_MAX */
     iso_rgb color, background;
-    /* NULL: shaded as by render/shading/shading.h. Else by a picture of a lit sphere, sphere_side x
-     * sphere_side: red, green, blue of the normals with x and y from -1 to 1. */
+    /* NULL: the Phong model of render/shading/shading.h. Otherwise a matcap: a picture of a lit sphere,
+     * sphere_side x sphere_side pixels of red, green, blue, indexed by a normal's x and y from -1 to 1. */
     const uint8_t *sphere;
     int sphere_side;
 } iso_gl_paint;
 
-/* As iso_gl_draw and iso_gl_draw_pullpush, but that the picture is shaded and stays in the canvas, which
- * takes its size: the view's, in samples, is a multiple of the factor. Of one sample a pixel the samples are
- * kept; of more, those that were kept of a picture of this size stay. Waits for the GPU. Errors: theirs; the
- * canvas is then empty. */
+/* Draw like iso_gl_draw and iso_gl_draw_pullpush, shade the picture and leave it in the canvas, which is
+ * resized to view size / factor; the view's size must be a multiple of the factor. With factor 1 the
+ * picture's samples are stored too; with a larger one the samples of the last picture of the same size
+ * stay. Both wait for the GPU. Errors: those of the two functions; the canvas is then empty. */
 iso_status iso_gl_canvas_draw(iso_gl_canvas *canvas, const iso_gl_draw_opts *opts, const iso_gl_paint *paint,
                               iso_error *error);
 iso_status iso_gl_canvas_draw_pullpush(iso_gl_canvas *canvas, const iso_gl_pullpush_opts *opts,
                                        const iso_gl_paint *paint, iso_error *error);
 
-/* The number of its texture of colours, GL_RGBA8, the picture's upper row first; until the next draw. 0:
- * empty.
- */
+/* OpenGL name of the colour texture (GL_RGBA8, upper row first), valid until the next draw. 0: the canvas is
+ * empty. */
 unsigned iso_gl_canvas_texture(const iso_gl_canvas *canvas);
 
-/* View space normal and depth at a pixel, as they are kept; false: nothing is there. */
+/* View space normal and depth (mm) of the sample stored for a pixel. False: the pixel shows no surface, or
+ * lies outside the canvas. */
 bool iso_gl_canvas_pick(const iso_gl_canvas *canvas, int x, int y, float normal_depth[4]);
 
-/* `to` gets the kept samples of `from`, and nothing else to rely on. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+/* Resizes `to` like `from` and copies the samples. The colours of `to` are undefined afterwards.
+ * ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
 iso_status iso_gl_canvas_copy(iso_gl_canvas *to, const iso_gl_canvas *from, iso_error *error);
 
-/* Its colours, read back into an image of its size. */
+/* Reads the colours back into an image of the canvas's size. */
 iso_status iso_gl_canvas_read(const iso_gl_canvas *canvas, iso_image *image, iso_error *error);
 
 #ifdef __cplusplus

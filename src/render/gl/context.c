@@ -1,3 +1,5 @@
+/* context: creates contexts by platform, loads the OpenGL functions (glad), and turns OpenGL errors, debug
+ * output and lost contexts into iso_status. */
 #include "render/gl/context.h"
 
 #include <glad/gl.h>
@@ -19,11 +21,11 @@ bool iso_gl_renderer_is_software(const char *renderer) {
 
 /* ---- debug output */
 
-static void GLAD_API_PTR take_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
-                                      const GLchar *text, const void *user) {
+static void GLAD_API_PTR record_message(GLenum source, GLenum type, GLuint id, GLenum severity,
+                                        GLsizei length, const GLchar *text, const void *user) {
     (void)source, (void)id, (void)length;
     if (severity == GL_DEBUG_SEVERITY_NOTIFICATION) return;
-    iso_gl_context *context = (iso_gl_context *)user; /* given to GL as such */
+    iso_gl_context *context = (iso_gl_context *)user; /* as passed to DebugMessageCallback */
     if (context->message_count++ == 0) snprintf(context->message, sizeof context->message, "%s", text);
     bool wrong = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR;
     if (wrong && !*context->failure) snprintf(context->failure, sizeof context->failure, "%s", text);
@@ -35,14 +37,14 @@ iso_gl_messages iso_gl_context_messages(const iso_gl_context *context) {
 
 /* ---- use */
 
-static iso_status tell_lost(const iso_gl_context *context, iso_error *error) {
+static iso_status fail_lost(const iso_gl_context *context, iso_error *error) {
     return iso_fail(error, ISO_ERR_BACKEND, "%s: the context was lost (%s)", context->name,
                     context->renderer);
 }
 
 iso_status iso_gl_enter(iso_gl_context *context, iso_error *error) {
     context->failure[0] = 0;
-    if (context->lost) return tell_lost(context, error);
+    if (context->lost) return fail_lost(context, error);
     if (!context->platform.enter(&context->platform))
         return iso_fail(error, ISO_ERR_BACKEND, "%s: the context cannot be made current", context->name);
     if (context->platform.shared) iso_gl_state_save(&context->found, context->gl);
@@ -64,8 +66,9 @@ static const char *error_name(GLenum code) {
     }
 }
 
-/* The first error of all; a lost context answers with errors without end. */
-static GLenum take_errors(const GladGLContext *gl) {
+/* The first of all pending errors, or the most serious one. Reads a limited number: a lost context returns
+ * errors endlessly. */
+static GLenum read_errors(const GladGLContext *gl) {
     GLenum first = GL_NO_ERROR;
     for (int i = 0; i < 64; i++) {
         GLenum code = gl->GetError();
@@ -77,9 +80,9 @@ static GLenum take_errors(const GladGLContext *gl) {
 
 iso_status iso_gl_check(iso_gl_context *context, iso_error *error) {
     const GladGLContext *gl = context->gl;
-    GLenum code = take_errors(gl);
+    GLenum code = read_errors(gl);
     context->lost = context->lost || code == GL_CONTEXT_LOST || gl->GetGraphicsResetStatus() != GL_NO_ERROR;
-    if (context->lost) return tell_lost(context, error);
+    if (context->lost) return fail_lost(context, error);
     if (code == GL_OUT_OF_MEMORY)
         return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory of %s", context->name, context->renderer);
     if (*context->failure) return iso_fail(error, ISO_ERR_BACKEND, "%s: %s", context->name, context->failure);
@@ -117,8 +120,8 @@ static void copy_text(char to[ISO_GL_TEXT], const GLubyte *text) {
     snprintf(to, ISO_GL_TEXT, "%s", text ? (const char *)text : "?");
 }
 
-/* With the context current. */
-static iso_status take_functions(iso_gl_context *context, iso_error *error) {
+/* Loads the functions and checks the version. The context must be current. */
+static iso_status load_functions(iso_gl_context *context, iso_error *error) {
     int version = gladLoadGLContextUserPtr(context->gl, find_function, &context->platform);
     const GladGLContext *gl = context->gl;
     if (!version || !gl->GetString)
@@ -130,28 +133,28 @@ static iso_status take_functions(iso_gl_context *context, iso_error *error) {
         return iso_fail(error, ISO_ERR_BACKEND, "%s: %s offers OpenGL %s, and %d.%d is needed", context->name,
                         context->renderer, context->version, LEAST_MAJOR, LEAST_MINOR);
     gl->Enable(GL_DEBUG_OUTPUT);
-    gl->Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS); /* in our thread, before the call returns */
-    gl->DebugMessageCallback(take_message, context);
+    gl->Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS); /* messages arrive on this thread, before the call returns */
+    gl->DebugMessageCallback(record_message, context);
     return ISO_OK;
 }
 
-/* (entering a context that is shared needs functions already) */
-static iso_status start(iso_gl_context *context, iso_error *error) {
+/* (Not by iso_gl_enter, which needs the functions to save the state of a shared context.) */
+static iso_status initialise(iso_gl_context *context, iso_error *error) {
     if (!context->platform.enter(&context->platform))
         return iso_fail(error, ISO_ERR_BACKEND, "%s: the context cannot be made current", context->name);
-    iso_status status = take_functions(context, error);
+    iso_status status = load_functions(context, error);
     if (status == ISO_OK) status = iso_gl_check(context, error);
     context->platform.leave(&context->platform);
     return status;
 }
 
-/* Why the driver refused: what it does offer is worth more than its error's number. */
-static iso_status refuse(const iso_gl_context_opts *opts, iso_gl_context *context, const iso_error *refusal,
-                         iso_error *error) {
+/* Explains why the driver refused a context: the version that it does offer says more than its error code. */
+static iso_status explain_refusal(const iso_gl_context_opts *opts, iso_gl_context *context,
+                                  const iso_error *refusal, iso_error *error) {
     iso_error ignored;
     iso_status status = ISO_OK;
     if (open_platform(opts, 0, 0, &context->platform, &ignored) == ISO_OK) {
-        status = start(context, error);
+        status = initialise(context, error);
         context->platform.destroy(&context->platform);
     }
     if (status != ISO_OK) return status;
@@ -169,12 +172,12 @@ static void name_context(iso_gl_context *context, const iso_gl_context_opts *opt
         snprintf(context->name, sizeof context->name, "%s", names[opts->kind]);
 }
 
-static iso_status fill(const iso_gl_context_opts *opts, iso_gl_context *context, iso_error *error) {
+static iso_status open_context(const iso_gl_context_opts *opts, iso_gl_context *context, iso_error *error) {
     name_context(context, opts);
     iso_error refusal = {ISO_OK, ""};
     if (open_platform(opts, LEAST_MAJOR, LEAST_MINOR, &context->platform, &refusal) != ISO_OK)
-        return refuse(opts, context, &refusal, error);
-    iso_status status = start(context, error);
+        return explain_refusal(opts, context, &refusal, error);
+    iso_status status = initialise(context, error);
     if (status != ISO_OK) context->platform.destroy(&context->platform);
     return status;
 }
@@ -186,7 +189,7 @@ iso_status iso_gl_context_create(const iso_gl_context_opts *opts, iso_gl_context
     iso_status status = ISO_ERR_NOMEM;
     if (made && gl) {
         made->gl = gl;
-        status = fill(opts, made, error);
+        status = open_context(opts, made, error);
     } else {
         iso_fail(error, status, "out of memory for a context");
     }
@@ -202,7 +205,7 @@ iso_status iso_gl_context_create(const iso_gl_context_opts *opts, iso_gl_context
 void iso_gl_context_destroy(iso_gl_context *context) {
     if (!context) return;
     if (context->platform.shared && context->platform.enter(&context->platform))
-        context->gl->DebugMessageCallback(NULL, NULL); /* it lives on, and would tell what is gone */
+        context->gl->DebugMessageCallback(NULL, NULL); /* the window's context outlives the callback's data */
     context->platform.destroy(&context->platform);
     iso_free(context->gl);
     iso_free(context);

@@ -1,14 +1,14 @@
-/* context: OpenGL contexts without a window, found at run time, and the contexts of windows.
+/* context: OpenGL contexts without a window, found at run time, and contexts of windows.
  *
- * Nothing of GL, EGL or OSMesa is linked: libEGL.so.1 and libOSMesa.so.8 are loaded when a context is asked
- * for, from the folder that ISO_GL_LIBRARY_PATH names if it is set. Several contexts of all kinds can live in
- * one process. They stay loaded until the process ends: EGL does not count the users of a display, and
- * drivers do not stand being unloaded.
+ * Nothing of GL, EGL or OSMesa is linked: libEGL.so.1 and libOSMesa.so.8 are loaded when a context is
+ * created, from the folder ISO_GL_LIBRARY_PATH if that is set. Several contexts of all kinds can exist in
+ * one process. The libraries stay loaded until the process ends: EGL does not count the users of a
+ * display, and drivers do not survive being unloaded.
  *
- * A context is used by one thread at a time. Functions that use one make it current while they run and leave
- * none current: a caller with a context of its own makes that current again. Only a window's stays current,
- * and its state is as it was, but that what shaders read by numbered slots (uniform and storage buffers,
- * textures and images) is unbound: others draw there too. */
+ * A context is used by one thread at a time. Functions that use a context make it current while they run
+ * and leave no context current; a caller with its own context makes that current again. A window's context
+ * stays current and its state is restored, except that the numbered slots used by shaders (uniform and
+ * storage buffers, textures, images) are unbound. */
 #ifndef ISO_RENDER_GL_CONTEXT_H
 #define ISO_RENDER_GL_CONTEXT_H
 
@@ -23,17 +23,18 @@ extern "C" {
 
 typedef enum iso_gl_kind {
     ISO_GL_EGL_DEVICE,      /* EGL_EXT_platform_device: a GPU by its number, with or without a display */
-    ISO_GL_EGL_SURFACELESS, /* EGL_MESA_platform_surfaceless: what Mesa thinks best */
+    ISO_GL_EGL_SURFACELESS, /* EGL_MESA_platform_surfaceless: the device that Mesa chooses */
     ISO_GL_OSMESA,          /* Mesa's software renderer without EGL (until Mesa 25.1) */
-    ISO_GL_WINDOW           /* a window's, which is there already */
+    ISO_GL_WINDOW           /* the existing context of a window */
 } iso_gl_kind;
 enum { ISO_GL_KINDS = 3 }; /* that need no window */
 
-/* A window with an OpenGL context, opened by other means (GLFW): it is kept, and must outlive our context. */
+/* A window with an OpenGL context that the caller opened (with GLFW). Borrowed: it must outlive our
+ * context. */
 typedef struct iso_gl_window {
     void *window;
     void (*make_current)(void *window);
-    void (*(*address)(const char *name))(void); /* NULL: there is no such function */
+    void (*(*address)(const char *name))(void); /* address of an OpenGL function; NULL: none of this name */
 } iso_gl_window;
 
 typedef struct iso_gl_context iso_gl_context;
@@ -41,36 +42,38 @@ typedef struct iso_gl_context iso_gl_context;
 typedef struct iso_gl_context_opts {
     iso_gl_kind kind;
     int device;           /* ISO_GL_EGL_DEVICE: 0 .. the number of devices - 1 */
-    bool debug;           /* asks the driver to say more; slower. A window's has been asked or not */
+    bool debug;           /* asks the driver for debug output; slower. Ignored for windows */
     iso_gl_window window; /* ISO_GL_WINDOW */
 } iso_gl_context_opts;
 
-/* Core profile 4.5 or later, or ISO_ERR_BACKEND with the driver's words. iso_gl_context_destroy when done. */
+/* A core profile 4.5 or later; destroy with iso_gl_context_destroy. ISO_ERR_BACKEND with the driver's
+ * message. */
 iso_status iso_gl_context_create(const iso_gl_context_opts *opts, iso_gl_context **context, iso_error *error);
-/* Engines on it must be gone. NULL is fine. */
+/* Engines that use the context must have been destroyed. NULL is fine. */
 void iso_gl_context_destroy(iso_gl_context *context);
 
-/* The best that EGL has: the first device that is a GPU; without one, unless `hardware_only`, Mesa's software
- * renderer. ISO_ERR_BACKEND says why there is none. */
+/* The best context that EGL offers: on the first device that is a GPU, else (unless `hardware_only`) on
+ * Mesa's software renderer. ISO_ERR_BACKEND says why there is none. */
 iso_status iso_gl_context_open_egl(bool hardware_only, iso_gl_context **context, iso_error *error);
 
-/* An EGL device as EGL tells of it before it is used. */
+/* What EGL says of a device before it is used. */
 typedef struct iso_gl_device {
     bool software;
 } iso_gl_device;
 
-/* At most `capacity` devices; *count is how many there are. ISO_ERR_BACKEND without EGL or its devices. */
+/* Lists EGL's devices, at most `capacity`; *count is how many there are. ISO_ERR_BACKEND without EGL or its
+ * device extensions. */
 iso_status iso_gl_devices(iso_gl_device *devices, int capacity, int *count, iso_error *error);
 
-/* Texts are the context's. */
+/* The texts belong to the context. */
 typedef struct iso_gl_info {
     const char *name; /* "egl device 0", "egl surfaceless", "osmesa", "window" */
     const char *vendor, *renderer, *version;
-    bool hardware; /* the renderer is none of the software renderers that are known */
+    bool hardware; /* not one of the software renderers that iso_gl_renderer_is_software knows */
 } iso_gl_info;
 iso_gl_info iso_gl_context_info(const iso_gl_context *context);
 
-/* What the driver's debug output said so far, above notifications; `first` is "" when there was nothing. */
+/* Messages of the driver's debug output so far, without notifications; `first` is "" when there are none. */
 typedef struct iso_gl_messages {
     size_t count;
     const char *first;

@@ -1,5 +1,6 @@
-/* Contexts by EGL, without its headers: what is used of it is declared here, as in EGL 1.5 and the extensions
- * EXT_platform_base, EXT_device_enumeration, EXT_platform_device and MESA_platform_surfaceless. */
+/* egl: contexts by EGL. The few declarations needed are repeated here instead of including its headers:
+ * EGL 1.5 and the extensions EXT_platform_base, EXT_device_enumeration, EXT_platform_device,
+ * MESA_platform_surfaceless. */
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -86,7 +87,7 @@ static bool has_word(const char *words, const char *word) {
     return false;
 }
 
-/* Devices are listed by the loader, before any driver is started. */
+/* The EGL loader lists devices without starting any driver. */
 static iso_status list_devices(const egl *e, egl_handle devices[DEVICES], int32_t *count, iso_error *error) {
     if (!has_word(e->QueryString(NULL, EGL_EXTENSIONS), "EGL_EXT_platform_device"))
         return iso_fail(error, ISO_ERR_BACKEND, "EGL offers no devices (EGL_EXT_platform_device)");
@@ -156,7 +157,7 @@ static egl_handle create(const egl *e, const iso_gl_context_opts *opts, int majo
         attributes[used++] = EGL_CONTEXT_OPENGL_DEBUG;
         attributes[used++] = 1;
     }
-    /* a driver that loses the context then says so, instead of drawing nothing */
+    /* ask the driver to report a lost context instead of silently drawing nothing */
     if (major && has_word(e->QueryString(display, EGL_EXTENSIONS), "EGL_EXT_create_context_robustness")) {
         attributes[used++] = EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY;
         attributes[used++] = EGL_LOSE_CONTEXT_ON_RESET;
@@ -165,7 +166,7 @@ static egl_handle create(const egl *e, const iso_gl_context_opts *opts, int majo
     return e->CreateContext(display, count ? config : NULL, NULL, attributes);
 }
 
-/* ---- the platform; its library is an egl's, whose functions are found again when they are needed */
+/* ---- the platform: keeps only the library, and looks functions up again when they are needed */
 
 static iso_gl_function address(const iso_gl_platform *platform, const char *name) {
     egl e;

@@ -1,3 +1,5 @@
+/* engine: the framebuffer (normal and depth, surface number, depth test), drawn part by part and read
+ * back; draw commands of the spans that a part shows, as one multi-draw per surface. */
 #include "render/gl/engine.h"
 
 #include <assert.h>
@@ -11,18 +13,18 @@
 #include "render/gl/surface.h"
 #include "render/project.h"
 
-/* Parts of a picture are at most this wide and high. Drivers of OpenGL 4.5 can do
- * 16384, less what the widest points need around it. */
+/* Limits of the side of a part of a picture, samples. Drivers of OpenGL 4.5 can draw 16384, less the
+ * margin that the widest points need. */
 enum { MOST_SIDE = 4096, LEAST_SIDE = 256 };
 static const size_t READ_BYTES = (size_t)8 << 20;
 
-_Static_assert(offsetof(iso_gl_frame, turn_x) == 128 && offsetof(iso_gl_frame, screen) == 224 &&
-                   sizeof(iso_gl_frame) == 288,
-               "std140 has it like this");
+_Static_assert(offsetof(iso_gl_draw_uniforms, turn_x) == 128 &&
+                   offsetof(iso_gl_draw_uniforms, screen) == 224 && sizeof(iso_gl_draw_uniforms) == 288,
+               "layout of std140");
 
 /* ---- creation */
 
-/* What the driver can draw at once, as a square; the rest is drawn in parts. */
+/* Side of the largest square that is drawn at once. */
 static int widest_part(const GladGLContext *gl, int margin) {
     GLint texture = 0, view[2] = {0, 0}, side = MOST_SIDE;
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
@@ -41,8 +43,8 @@ static void make_buffers(iso_gl_engine *engine, const GladGLContext *gl) {
     engine->max_storage = storage > 0 ? (size_t)storage : 0;
     engine->wide_atomics = iso_gl_has_wide_atomics(engine->context);
     engine->max_side = widest_part(gl, iso_gl_engine_margin(engine));
-    gl->CreateBuffers(1, &engine->frame);
-    gl->NamedBufferStorage(engine->frame, sizeof(iso_gl_frame), NULL, GL_DYNAMIC_STORAGE_BIT);
+    gl->CreateBuffers(1, &engine->draw_uniforms);
+    gl->NamedBufferStorage(engine->draw_uniforms, sizeof(iso_gl_draw_uniforms), NULL, GL_DYNAMIC_STORAGE_BIT);
     gl->CreateBuffers(1, &engine->commands);
     gl->CreateBuffers(1, &engine->instances);
 }
@@ -83,7 +85,7 @@ void iso_gl_engine_destroy(iso_gl_engine *engine) {
     iso_gl_context *context = engine->context;
     if (iso_gl_enter(context, NULL) == ISO_OK) {
         const GladGLContext *gl = context->gl;
-        const GLuint buffers[] = {engine->frame, engine->commands, engine->instances};
+        const GLuint buffers[] = {engine->draw_uniforms, engine->commands, engine->instances};
         delete_target(engine, gl);
         iso_gl_discs_free(&engine->discs, gl);
         gl->DeleteBuffers(3, buffers);
@@ -103,7 +105,7 @@ iso_status iso_gl_engine_program(iso_gl_engine *engine, iso_gl_program program, 
     return ISO_OK;
 }
 
-void iso_gl_engine_need(iso_gl_engine *engine, iso_gl_storage which, size_t bytes) {
+void iso_gl_engine_ensure_storage(iso_gl_engine *engine, iso_gl_storage which, size_t bytes) {
     const GladGLContext *gl = engine->context->gl;
     if (engine->storage[which] && engine->storage_bytes[which] >= bytes) return;
     gl->DeleteBuffers(1, &engine->storage[which]);
@@ -128,7 +130,7 @@ uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height) {
     return (w < side ? w : side) * (h < side ? h : side) * TARGET_BYTES + READ_BYTES;
 }
 
-static iso_status need_target(iso_gl_engine *engine, int width, int height, iso_error *error) {
+static iso_status ensure_target(iso_gl_engine *engine, int width, int height, iso_error *error) {
     const GladGLContext *gl = engine->context->gl;
     if (engine->framebuffer && engine->width >= width && engine->height >= height) return ISO_OK;
     if (width < engine->width) width = engine->width;
@@ -174,20 +176,20 @@ static void begin_part(const iso_gl_engine *engine, const iso_view *view) {
     gl->ClearBufferfv(GL_DEPTH, 0, &far);
 }
 
-static void take_row(const iso_gbuffer *to, size_t start, const float *pixels, int count) {
+static void copy_row(const iso_gbuffer *to, size_t start, const float *pixels, int count) {
     for (int i = 0; i < count; i++) {
         for (int axis = 0; axis < 3; axis++) to->normal[axis][start + (size_t)i] = pixels[4 * i + axis];
         to->depth[start + (size_t)i] = pixels[4 * i + 3];
     }
 }
 
-/* Where a part of the picture lies in it. */
-typedef struct corner {
+/* First sample of a part in the picture. */
+typedef struct part_origin {
     int x, y;
-} corner;
+} part_origin;
 
-static iso_status read_part(const iso_gl_engine *engine, const iso_view *view, corner at, iso_gbuffer *to,
-                            iso_error *error) {
+static iso_status read_part(const iso_gl_engine *engine, const iso_view *view, part_origin at,
+                            iso_gbuffer *to, iso_error *error) {
     const GladGLContext *gl = engine->context->gl;
     size_t row = (size_t)view->width * 4 * sizeof(float);
     int step = row < READ_BYTES ? (int)(READ_BYTES / row) : 1;
@@ -199,7 +201,7 @@ static iso_status read_part(const iso_gl_engine *engine, const iso_view *view, c
         int rows = view->height - y < step ? view->height - y : step;
         gl->ReadPixels(0, y, view->width, rows, GL_RGBA, GL_FLOAT, pixels);
         for (int i = 0; i < rows; i++)
-            take_row(to, (size_t)(at.y + y + i) * (size_t)to->width + (size_t)at.x,
+            copy_row(to, (size_t)(at.y + y + i) * (size_t)to->width + (size_t)at.x,
                      pixels + (size_t)i * (size_t)view->width * 4, view->width);
     }
     iso_free(pixels);
@@ -212,22 +214,22 @@ static iso_status read_part(const iso_gl_engine *engine, const iso_view *view, c
     return ISO_OK;
 }
 
-/* ---- one shape */
+/* ---- one surface */
 
-typedef struct shape_draw {
+typedef struct surface_draw {
     iso_gl_engine *engine;
     const iso_gl_draw_opts *opts;
-    const iso_gl_surface *shape;
+    const iso_gl_surface *surface;
     iso_projector projector; /* of the part's view */
     double widening;         /* of attenuated points: 1 / sqrt(k) */
     double range[2];         /* of depth, orthographic */
-} shape_draw;
+} surface_draw;
 
 static double squared(double x) {
     return x * x;
 }
 
-/* 1 / sqrt(k) of eq. 6, where k = 1 / (1 + 2 tan^2) is that of a square picture. */
+/* 1 / sqrt(k) of eq. 6 (2003), there for a square picture: k = 1 / (1 + 2 tan^2). */
 static double widening_of(const iso_gl_draw_opts *opts) {
     const iso_view *view = opts->view;
     if (opts->scaling != ISO_SCALING_ATTENUATED || view->orthographic) return 1;
@@ -242,17 +244,17 @@ static void set_row(float to[4], const double *m, double last) {
     to[3] = (float)last;
 }
 
-static void put_frame(const shape_draw *draw, int surface) {
+static void upload_uniforms(const surface_draw *draw, int surface) {
     const GladGLContext *gl = draw->engine->context->gl;
     const iso_projector *p = &draw->projector;
     const iso_view *view = p->view;
     double cx = view->cx, cy = view->cy;
-    if (draw->shape->mesh) {
+    if (draw->surface->mesh) {
         cx = floor(cx * ISO_GL_SUBPIXEL + 0.5) / ISO_GL_SUBPIXEL;
         cy = floor(cy * ISO_GL_SUBPIXEL + 0.5) / ISO_GL_SUBPIXEL;
     }
     int margin = iso_gl_engine_margin(draw->engine);
-    iso_gl_frame f = {
+    iso_gl_draw_uniforms f = {
         .pixels = {view->focal, cx, cy, fmax(view->near, -1e30)},
         .screen = {(float)(view->width + 2 * margin), (float)(view->height + 2 * margin), (float)margin},
         .depths = {(float)draw->range[1], (float)(1 / (draw->range[1] - draw->range[0]))},
@@ -266,12 +268,12 @@ static void put_frame(const shape_draw *draw, int surface) {
         set_row(turns[k], p->matrix + 3 * k, 0);
         memcpy(normals[k], p->normal + 3 * k, 3 * sizeof *normals[k]);
     }
-    gl->NamedBufferSubData(draw->engine->frame, 0, sizeof f, &f);
-    gl->BindBufferBase(GL_UNIFORM_BUFFER, ISO_GL_FRAME, draw->engine->frame);
+    gl->NamedBufferSubData(draw->engine->draw_uniforms, 0, sizeof f, &f);
+    gl->BindBufferBase(GL_UNIFORM_BUFFER, ISO_GL_DRAW, draw->engine->draw_uniforms);
 }
 
 /* View space z of the box's nearest corner. */
-static double nearest_depth(const shape_draw *draw, const iso_box *box) {
+static double nearest_depth(const surface_draw *draw, const iso_box *box) {
     const double *m = draw->projector.matrix + 6;
     double nearest = INFINITY;
     for (int k = 0; k < 8; k++) {
@@ -281,58 +283,58 @@ static double nearest_depth(const shape_draw *draw, const iso_box *box) {
     return nearest;
 }
 
-static bool is_seen(const shape_draw *draw, const iso_gl_span *span) {
+static bool is_visible(const surface_draw *draw, const iso_gl_span *span) {
     if (!span->count) return false;
     iso_rows rows = iso_projector_rows(&draw->projector, &span->box, span->radius * draw->widening);
     return rows.first <= rows.last;
 }
 
-/* Whether triangles that face away are hidden: of a closed surface, all of it in front of the eye and of the
- * near plane. (Points are discs that face the picture: past the outline they show from whichever side.) */
-static bool hides_averted(const shape_draw *draw) {
-    const iso_gl_surface *shape = draw->shape;
-    if (!shape->mesh || !shape->closed || draw->engine->keep_averted) return false;
-    const iso_gl_span *spans = shape->spans.data;
-    for (size_t s = 0; s < shape->span_count; s++)
+/* Whether back-facing triangles can be left out: those of a closed surface that lies wholly beyond the
+ * near plane. (Never for points: discs face the picture, so back-facing ones show beyond the outline.) */
+static bool hides_back_facing(const surface_draw *draw) {
+    const iso_gl_surface *surface = draw->surface;
+    if (!surface->mesh || !surface->closed || draw->engine->keep_back_facing) return false;
+    const iso_gl_span *spans = surface->spans.data;
+    for (size_t s = 0; s < surface->span_count; s++)
         if (!iso_box_is_empty(&spans[s].box) &&
             !(nearest_depth(draw, &spans[s].box) > draw->projector.view->near))
             return false;
     return true;
 }
 
-static bool is_averted(const shape_draw *draw, const double eye[3], size_t s) {
-    const iso_gl_span *spans = draw->shape->spans.data;
-    const iso_point_bounds *bounds = draw->shape->bounds.data;
+static bool is_back_facing(const surface_draw *draw, const double eye[3], size_t s) {
+    const iso_gl_span *spans = draw->surface->spans.data;
+    const iso_point_bounds *bounds = draw->surface->bounds.data;
     return iso_projector_facing(&draw->projector, eye, spans[s].brick, &bounds[s]) == ISO_FACING_AWAY;
 }
 
-static iso_gl_instance instance_of(const shape_draw *draw, const iso_gl_span *span) {
+static iso_gl_instance instance_of(const surface_draw *draw, const iso_gl_span *span) {
     const float corner_position[3] = {0, 0, 0};
     const iso_vec3 origin = iso_projector_point(&draw->projector, span->brick, corner_position);
     return (iso_gl_instance){.origin = {(float)origin.x, (float)origin.y, (float)origin.z}};
 }
 
-static void draw_all(const shape_draw *draw, size_t count, const void *commands, const void *instances) {
+static void draw_all(const surface_draw *draw, size_t count, const void *commands, const void *instances) {
     draw->engine->drawn += count;
-    iso_gl_surface_command(draw->shape, count, commands, instances);
-    iso_gl_surface_draw(draw->shape, count);
+    iso_gl_surface_command(draw->surface, count, commands, instances);
+    iso_gl_surface_draw(draw->surface, count);
 }
 
-static iso_status draw_mesh(const shape_draw *draw, iso_buffer *room, iso_error *error) {
-    const iso_gl_surface *shape = draw->shape;
-    size_t commands_size = shape->span_count * sizeof(iso_gl_mesh_command), seen = 0;
-    ISO_TRY(iso_buffer_reserve(room, commands_size + shape->span_count * 3 * sizeof(int32_t), 0, error));
+static iso_status draw_mesh(const surface_draw *draw, iso_buffer *room, iso_error *error) {
+    const iso_gl_surface *surface = draw->surface;
+    size_t commands_size = surface->span_count * sizeof(iso_gl_mesh_command), seen = 0;
+    ISO_TRY(iso_buffer_reserve(room, commands_size + surface->span_count * 3 * sizeof(int32_t), 0, error));
     iso_gl_mesh_command *commands = room->data;
     int32_t(*bricks)[3] = (int32_t(*)[3])((char *)room->data + commands_size);
-    const iso_gl_span *spans = shape->spans.data;
-    bool hides = hides_averted(draw);
+    const iso_gl_span *spans = surface->spans.data;
+    bool hides = hides_back_facing(draw);
     double eye[3];
-    iso_projector_eye(&draw->projector, &shape->transform, eye);
-    for (size_t s = 0; s < shape->span_count; s++) {
+    iso_projector_eye(&draw->projector, &surface->transform, eye);
+    for (size_t s = 0; s < surface->span_count; s++) {
         const iso_gl_span *span = &spans[s];
-        if (!is_seen(draw, span)) continue;
-        if (hides && is_averted(draw, eye, s)) {
-            draw->engine->averted++;
+        if (!is_visible(draw, span)) continue;
+        if (hides && is_back_facing(draw, eye, s)) {
+            draw->engine->back_facing++;
             continue;
         }
         commands[seen] = (iso_gl_mesh_command){span->count, 1, span->first, span->base, (uint32_t)seen};
@@ -345,8 +347,8 @@ static iso_status draw_mesh(const shape_draw *draw, iso_buffer *room, iso_error 
     return ISO_OK;
 }
 
-/* Whether one of the span's points may be wider than the driver draws. */
-static bool may_be_wide(const shape_draw *draw, const iso_gl_span *span) {
+/* Whether a point of the span may be wider than the driver's largest point. */
+static bool may_be_wide(const surface_draw *draw, const iso_gl_span *span) {
     const iso_view *view = draw->projector.view;
     double scale = view->focal;
     if (!view->orthographic) {
@@ -355,58 +357,60 @@ static bool may_be_wide(const shape_draw *draw, const iso_gl_span *span) {
     return 2.001 * span->radius * scale + 1 > draw->engine->max_point;
 }
 
-static iso_status draw_wide_points(const shape_draw *draw, iso_error *error) {
-    const iso_gl_surface *shape = draw->shape;
+static iso_status draw_wide_points(const surface_draw *draw, iso_error *error) {
+    const iso_gl_surface *surface = draw->surface;
     unsigned program = 0;
-    const iso_gl_span *spans = shape->spans.data;
-    for (size_t s = 0; s < shape->span_count; s++) {
+    const iso_gl_span *spans = surface->spans.data;
+    for (size_t s = 0; s < surface->span_count; s++) {
         const iso_gl_span *span = &spans[s];
-        if (!is_seen(draw, span) || !may_be_wide(draw, span)) continue;
+        if (!is_visible(draw, span) || !may_be_wide(draw, span)) continue;
         if (!program) {
-            ISO_TRY(iso_gl_engine_program(
-                draw->engine, shape->surfels ? ISO_GL_QUADS_SURFELS : ISO_GL_QUADS_PACKED, &program, error));
+            ISO_TRY(iso_gl_engine_program(draw->engine,
+                                          surface->surfels ? ISO_GL_QUADS_SURFELS : ISO_GL_QUADS_PACKED,
+                                          &program, error));
             draw->engine->context->gl->UseProgram(program);
         }
         const iso_gl_instance instance = instance_of(draw, span);
-        iso_gl_surface_draw_quads(shape, span->first, span->count, &instance);
+        iso_gl_surface_draw_quads(surface, span->first, span->count, &instance);
     }
     return ISO_OK;
 }
 
-static iso_status draw_points(const shape_draw *draw, iso_buffer *room, iso_error *error) {
-    const iso_gl_surface *shape = draw->shape;
+static iso_status draw_points(const surface_draw *draw, iso_buffer *room, iso_error *error) {
+    const iso_gl_surface *surface = draw->surface;
     const GladGLContext *gl = draw->engine->context->gl;
-    size_t commands_size = shape->span_count * sizeof(iso_gl_points_command), seen = 0;
-    ISO_TRY(iso_buffer_reserve(room, commands_size + shape->span_count * sizeof(iso_gl_instance), 0, error));
+    size_t commands_size = surface->span_count * sizeof(iso_gl_points_command), seen = 0;
+    ISO_TRY(
+        iso_buffer_reserve(room, commands_size + surface->span_count * sizeof(iso_gl_instance), 0, error));
     iso_gl_points_command *commands = room->data;
     iso_gl_instance *instances = (iso_gl_instance *)((char *)room->data + commands_size);
-    const iso_gl_span *spans = shape->spans.data;
-    for (size_t s = 0; s < shape->span_count; s++) {
+    const iso_gl_span *spans = surface->spans.data;
+    for (size_t s = 0; s < surface->span_count; s++) {
         const iso_gl_span *span = &spans[s];
-        if (!is_seen(draw, span)) continue;
+        if (!is_visible(draw, span)) continue;
         commands[seen] = (iso_gl_points_command){span->count, 1, span->first, (uint32_t)seen};
         instances[seen++] = instance_of(draw, span);
     }
     unsigned program;
-    ISO_TRY(iso_gl_engine_program(draw->engine, shape->surfels ? ISO_GL_POINTS_SURFELS : ISO_GL_POINTS_PACKED,
-                                  &program, error));
+    ISO_TRY(iso_gl_engine_program(
+        draw->engine, surface->surfels ? ISO_GL_POINTS_SURFELS : ISO_GL_POINTS_PACKED, &program, error));
     gl->UseProgram(program);
-    if (!shape->has_radii) gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)shape->radius);
+    if (!surface->has_radii) gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)surface->radius);
     if (seen) draw_all(draw, seen, commands, instances);
     return draw_wide_points(draw, error);
 }
 
 /* ---- the picture */
 
-/* Depths of everything, for orthographic views: a little more than they are. */
+/* Range of depths of all surfaces, a little widened; for the depth buffer of orthographic views. */
 static void depth_range(const iso_gl_draw_opts *opts, double range[2]) {
     range[0] = INFINITY;
     range[1] = -INFINITY;
-    for (int i = 0; i < opts->shape_count; i++) {
-        const iso_gl_surface *shape = opts->shapes[i];
-        iso_projector p = iso_projector_make(opts->view, &shape->transform);
-        const iso_gl_span *spans = shape->spans.data;
-        for (size_t s = 0; s < shape->span_count; s++)
+    for (int i = 0; i < opts->surface_count; i++) {
+        const iso_gl_surface *surface = opts->surfaces[i];
+        iso_projector p = iso_projector_make(opts->view, &surface->transform);
+        const iso_gl_span *spans = surface->spans.data;
+        for (size_t s = 0; s < surface->span_count; s++)
             for (int k = 0; k < 8 && !iso_box_is_empty(&spans[s].box); k++) {
                 iso_vec3 c = iso_box_corner(&spans[s].box, k);
                 double z = p.matrix[6] * c.x + p.matrix[7] * c.y + p.matrix[8] * c.z + p.origin[2];
@@ -427,27 +431,27 @@ typedef struct picture {
     iso_buffer room;
 } picture;
 
-static iso_status draw_shapes(picture *p, const iso_view *view, iso_error *error) {
-    for (int i = 0; i < p->opts->shape_count; i++) {
-        const iso_gl_surface *shape = p->opts->shapes[i];
-        shape_draw draw = {.engine = p->engine,
-                           .opts = p->opts,
-                           .shape = shape,
-                           .projector = iso_projector_make(view, &shape->transform),
-                           .widening = p->widening,
-                           .range = {p->range[0], p->range[1]}};
-        put_frame(&draw, i);
-        ISO_TRY(shape->mesh ? draw_mesh(&draw, &p->room, error) : draw_points(&draw, &p->room, error));
+static iso_status draw_surfaces(picture *p, const iso_view *view, iso_error *error) {
+    for (int i = 0; i < p->opts->surface_count; i++) {
+        const iso_gl_surface *surface = p->opts->surfaces[i];
+        surface_draw draw = {.engine = p->engine,
+                             .opts = p->opts,
+                             .surface = surface,
+                             .projector = iso_projector_make(view, &surface->transform),
+                             .widening = p->widening,
+                             .range = {p->range[0], p->range[1]}};
+        upload_uniforms(&draw, i);
+        ISO_TRY(surface->mesh ? draw_mesh(&draw, &p->room, error) : draw_points(&draw, &p->room, error));
     }
     return ISO_OK;
 }
 
-static iso_status draw_part(picture *p, const iso_view *view, corner at, const iso_gl_output *to,
+static iso_status draw_part(picture *p, const iso_view *view, part_origin at, const iso_gl_output *to,
                             iso_error *error) {
-    ISO_TRY(need_target(p->engine, view->width, view->height, error));
+    ISO_TRY(ensure_target(p->engine, view->width, view->height, error));
     begin_part(p->engine, view);
     iso_gl_timer_begin(&p->engine->timer, p->engine->context->gl, ISO_GL_PASS_DRAW);
-    iso_status status = draw_shapes(p, view, error);
+    iso_status status = draw_surfaces(p, view, error);
     iso_gl_timer_end(&p->engine->timer, p->engine->context->gl);
     ISO_TRY(status);
     if (to->gbuffer)
@@ -466,18 +470,18 @@ static iso_status draw_parts(picture *p, const iso_gl_output *to, iso_error *err
             iso_view view = iso_view_rows(whole, y, whole->height - y < side ? whole->height - y : side);
             view.cx -= x;
             view.width = whole->width - x < side ? whole->width - x : side;
-            ISO_TRY(draw_part(p, &view, (corner){x, y}, to, error));
-            ISO_TRY(iso_gl_check(p->engine->context, error)); /* nothing comes after a loss */
+            ISO_TRY(draw_part(p, &view, (part_origin){x, y}, to, error));
+            ISO_TRY(iso_gl_check(p->engine->context, error)); /* stop when the context is lost */
         }
     return ISO_OK;
 }
 
 iso_status iso_gl_draw_to(iso_gl_engine *engine, const iso_gl_draw_opts *opts, const iso_gl_output *to,
                           iso_error *error) {
-    assert(opts->shape_count >= 0 && opts->shape_count <= ISO_SURFACE_MAX);
+    assert(opts->surface_count >= 0 && opts->surface_count <= ISO_SURFACE_MAX);
     picture p = {.engine = engine, .opts = opts, .widening = widening_of(opts)};
     depth_range(opts, p.range);
-    engine->drawn = engine->averted = 0;
+    engine->drawn = engine->back_facing = 0;
     ISO_TRY(iso_gl_enter(engine->context, error));
     iso_status status = draw_parts(&p, to, error);
     iso_buffer_free(&p.room);

@@ -25,6 +25,6 @@ iso_status iso_gl_library_open(const char *name, void **library, iso_error *erro
 iso_gl_function iso_gl_library_symbol(void *library, const char *name) {
     void *symbol = dlsym(library, name);
     iso_gl_function function;
-    memcpy(&function, &symbol, sizeof function); /* C has no cast for what POSIX promises */
+    memcpy(&function, &symbol, sizeof function); /* ISO C has no cast from a data to a function pointer */
     return function;
 }

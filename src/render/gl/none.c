@@ -1,4 +1,5 @@
-/* Built without glad: there are no contexts, and nothing can be made of one. */
+/* none: replaces render/gl in a build without glad. Creating a context fails with ISO_ERR_BACKEND; the other
+ * functions exist for the linker. */
 #include <stddef.h>
 
 #include "render/gl/canvas.h"
@@ -62,41 +63,41 @@ uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, iso_reconstruction r
     return 0;
 }
 
-iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_surface **shape,
+iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_surface **surface,
                                 iso_error *error) {
-    (void)engine, (void)points, (void)shape;
+    (void)engine, (void)points, (void)surface;
     return refuse(error);
 }
 
-iso_status iso_gl_upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_surface **shape,
+iso_status iso_gl_upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_surface **surface,
                               iso_error *error) {
-    (void)engine, (void)mesh, (void)shape;
+    (void)engine, (void)mesh, (void)surface;
     return refuse(error);
 }
 
-iso_status iso_gl_upload_strips(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_surface **shape,
+iso_status iso_gl_upload_strips(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_surface **surface,
                                 iso_error *error) {
-    (void)engine, (void)mesh, (void)shape;
+    (void)engine, (void)mesh, (void)surface;
     return refuse(error);
 }
 
-iso_status iso_gl_update_points(iso_gl_surface *shape, const iso_point_view *points, iso_error *error) {
-    (void)shape, (void)points;
+iso_status iso_gl_update_points(iso_gl_surface *surface, const iso_point_view *points, iso_error *error) {
+    (void)surface, (void)points;
     return refuse(error);
 }
 
-iso_status iso_gl_update_mesh(iso_gl_surface *shape, const iso_mesh_view *mesh, iso_error *error) {
-    (void)shape, (void)mesh;
+iso_status iso_gl_update_mesh(iso_gl_surface *surface, const iso_mesh_view *mesh, iso_error *error) {
+    (void)surface, (void)mesh;
     return refuse(error);
 }
 
-iso_gl_surface_stats iso_gl_surface_measure(const iso_gl_surface *shape) {
-    (void)shape;
+iso_gl_surface_stats iso_gl_surface_measure(const iso_gl_surface *surface) {
+    (void)surface;
     return (iso_gl_surface_stats){0};
 }
 
-void iso_gl_surface_destroy(iso_gl_surface *shape) {
-    (void)shape;
+void iso_gl_surface_destroy(iso_gl_surface *surface) {
+    (void)surface;
 }
 
 iso_status iso_gl_draw(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_gbuffer *gbuffer,
@@ -121,7 +122,7 @@ void iso_gl_engine_seconds(const iso_gl_engine *engine, double seconds[ISO_GL_PA
     for (int i = 0; i < ISO_GL_PASSES; i++) seconds[i] = 0;
 }
 
-void iso_gl_engine_forget_seconds(iso_gl_engine *engine) {
+void iso_gl_engine_reset_seconds(iso_gl_engine *engine) {
     (void)engine;
 }
 

@@ -1,4 +1,5 @@
-/* Contexts by OSMesa, Mesa's software renderer without a window system, without its header. */
+/* osmesa: contexts by OSMesa, Mesa's software renderer without a window system. Its declarations are
+ * repeated here instead of including its header. */
 #include <stdint.h>
 
 #include "base/memory.h"
@@ -12,7 +13,7 @@ enum {
     OSMESA_CONTEXT_MAJOR_VERSION = 0x36,
     OSMESA_CONTEXT_MINOR_VERSION = 0x37,
     UNSIGNED_BYTE = 0x1401,
-    SIDE = 16 /* of the picture that OSMesa wants to have; nothing is drawn into it */
+    SIDE = 16 /* of the image that OSMesa requires; nothing is drawn into it */
 };
 
 typedef void *create_context(const int *attributes, void *share);

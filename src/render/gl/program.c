@@ -9,10 +9,11 @@
 
 #include "render/gl/internal.h"
 
-/* HEAD: texts before the pieces. */
+/* HEAD: sources that every shader begins with, before its pieces. */
 enum { STAGES = 2, PIECES = 4, HEAD = 5 };
 
-/* Stages are of the program's own files; pieces come before each of them. */
+/* How a program is put together: one file per stage, and the pieces (shared GLSL) included before each of
+ * them. */
 typedef struct recipe {
     const char *name, *files[STAGES], *pieces[PIECES], *defines;
 } recipe;
@@ -32,7 +33,7 @@ typedef struct recipe {
     [first + 4] = {                                                                                          \
         "finish" what, {"pullpush_finish.comp"}, {PYRAMID, "pullpush_mix.glsl", "picture.glsl"}, defines}
 
-#define REFINED "refined_numbers.h", "refined.glsl", "refined_shape.glsl"
+#define REFINED "refined_numbers.h", "refined.glsl", "refined_curvature.glsl"
 #define DISCS(first, what, defines)                                                                          \
     [first] = {"fronts" what, {"refined.vert", "refined.frag"}, {"unpack.glsl", REFINED}, defines},          \
     [first + 1] = {"fronts of quads" what,                                                                   \
@@ -86,7 +87,7 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
     [ISO_GL_SHADE_PICTURE] = {"shading of pull-push", {"shade.comp"}, {"phong.h"}, "#define BUFFER 1\n"},
     DISCS(ISO_GL_FRONT_POINTS, "", ""),
     DISCS(ISO_GL_DISCS_OF_SURFELS, " of surfels", "#define SURFELS 1\n"),
-    [ISO_GL_SETTLE] = {"settled sums", {"refined_settle.comp"}, {REFINED, "picture.glsl"}, ""},
+    [ISO_GL_RESOLVE] = {"resolved sums", {"refined_resolve.comp"}, {REFINED, "picture.glsl"}, ""},
 };
 
 const char *iso_gl_program_name(iso_gl_program program) {
@@ -99,7 +100,7 @@ static const char *embedded(const char *name) {
     return "#error the shader is not embedded\n";
 }
 
-/* The whole file, free(); NULL when it is not there. */
+/* The whole file, to be released with free(); NULL: no such file. */
 static char *read_file(const char *folder, const char *name) {
     char path[PATH_MAX];
     if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path) return NULL;
@@ -142,14 +143,14 @@ static GLenum type_of(const char *file) {
     return strcmp(ending, ".vert") == 0 ? GL_VERTEX_SHADER : GL_FRAGMENT_SHADER;
 }
 
-/* What a shader is put together from, in order; texts that are read from disk are its own. */
+/* The sources of one shader in order; those read from disk are owned. */
 typedef struct source {
     const char *part[HEAD + 2 * (PIECES + 1)];
     char *own[PIECES + 1];
     int parts, owned;
 } source;
 
-/* Its lines are numbered from its first. */
+/* Adds a file, preceded by a #line directive so that error messages count its own lines. */
 static void add_file(source *s, const char *file) {
     const char *folder = secure_getenv("ISO_SHADER_DIR");
     char *own = folder && *folder ? read_file(folder, file) : NULL;

@@ -1,6 +1,6 @@
-/* gl/pullpush: render/pullpush/pullpush.h by OpenGL: box and gaussian reconstruction by compute shaders,
- * refined by splats (Botsch, Hornung, Zwicker and Kobbelt 2005): the nearest depths first, then sums over the
- * discs that are no further behind these than their thickness. */
+/* pullpush: render/pullpush/pullpush.h by OpenGL. Box and gaussian reconstruction by compute shaders;
+ * refined by splatting (Botsch, Hornung, Zwicker and Kobbelt 2005): first the nearest depths, then sums
+ * over the discs that lie behind these by less than a thickness. */
 #ifndef ISO_RENDER_GL_PULLPUSH_H
 #define ISO_RENDER_GL_PULLPUSH_H
 
@@ -12,25 +12,28 @@ extern "C" {
 #endif
 
 typedef struct iso_gl_pullpush_opts {
-    const iso_view *view;                /* borrowed */
-    const iso_gl_surface *const *shapes; /* of points; shape i is surface i of the gbuffer */
-    int shape_count;
+    const iso_view *view;                  /* borrowed */
+    const iso_gl_surface *const *surfaces; /* of points; surfaces[i] gets surface number i in the gbuffer */
+    int surface_count;
     iso_reconstruction reconstruction;
 } iso_gl_pullpush_opts;
 
-/* Draws all shapes and fills the whole gbuffer, which has the view's size, with what iso_draw_pullpush draws
- * but for rounding, colours too; the same bytes every time. Box and gaussian: where points of one pixel are
- * alike in depth, normal and place, the smallest radius and the smallest colour (as a number, blue first)
- * count. Refined: in front is what is nearest at a pixel, while the cpu engine takes discs in their blocks'
- * order: where those behind come first, its means may have a little more in them. Errors: ISO_ERR_NOMEM,
- * ISO_ERR_LIMIT (a picture that the driver's storage buffers cannot hold rows of), ISO_ERR_BACKEND; the
- * gbuffer is then undefined. */
+/* Draws all surfaces and fills the whole gbuffer, which must have the view's size: what iso_draw_pullpush
+ * draws, except for rounding, colours included; the same bytes every time.
+ *
+ * Box and gaussian: of points of one pixel with equal depth, normal and position in the pixel, the
+ * smallest radius and the smallest colour (as a number with blue in the highest byte) count. Refined: the
+ * front at a pixel is the nearest disc of all; the cpu engine takes discs in the order of their blocks, so
+ * its averages may include a little more.
+ *
+ * Errors: ISO_ERR_NOMEM, ISO_ERR_LIMIT (the driver's storage buffers cannot hold a strip of the picture),
+ * ISO_ERR_BACKEND; the gbuffer is then undefined. */
 iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, iso_gbuffer *gbuffer,
                                 iso_error *error);
 
-/* Bytes that drawing takes from the GPU, or where the driver has none from main memory, for pictures of this
- * many samples, with all that points may have (refined: but colours): about, since how wide the guard band
- * around the picture is depends on the points. */
+/* About how many bytes of GPU memory (of main memory with a software renderer) drawing takes for a picture
+ * of this size, for points with radii and (except refined) colours. The exact number depends on the guard
+ * band around the picture, and so on the points. */
 uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, iso_reconstruction reconstruction, int width,
                                int height);
 

@@ -1,3 +1,7 @@
+/* refined: three passes for each tile of the picture. Two draw discs as points or quads with blending: the
+ * nearest depths (minimum), then weighted sums over the discs that are not much further behind (addition).
+ * A compute shader then resolves the sums into samples. Splatting in two passes: Botsch, Hornung, Zwicker
+ * and Kobbelt 2005. */
 #include "render/gl/refined.h"
 
 #include <glad/gl.h>
@@ -10,35 +14,35 @@
 
 enum {
     SUMS = 4,
-    /* Of a tile: larger pictures are drawn tile by tile. */
+    /* Most samples of a tile; larger pictures are drawn tile by tile. */
     SAMPLES_MOST = 1 << 22,
     SAMPLE_BYTES = (1 + SUMS) * 4 * sizeof(float)
 };
 
-_Static_assert(offsetof(iso_gl_refined, border) == 96 && offsetof(iso_gl_refined, tile) == 160 &&
-                   sizeof(iso_gl_refined) == 208,
-               "std140 has it like this");
-_Static_assert(SUMS == (int)ISO_GL_BLENDS, "what we blend is put back");
+_Static_assert(offsetof(iso_gl_refined_uniforms, border) == 96 &&
+                   offsetof(iso_gl_refined_uniforms, tile) == 160 && sizeof(iso_gl_refined_uniforms) == 208,
+               "layout of std140");
+_Static_assert(SUMS == (int)ISO_GL_BLENDS, "state.c saves blending of as many outputs as are blended here");
 
-/* One surface. */
-typedef struct drawing {
+/* The drawing of one surface. */
+typedef struct refined_draw {
     iso_gl_engine *engine;
     const GladGLContext *gl;
-    const iso_gl_surface *shape;
+    const iso_gl_surface *surface;
     const iso_view *view;
     iso_projector projector;
     float slant;
     bool cull;
-    int surface;
-} drawing;
+    int number;
+} refined_draw;
 
-/* A part of the view, its corner at x, y. */
+/* A part of the view; its first pixel is (x, y). */
 typedef struct tile {
     int x, y, width, height;
-    size_t draws; /* one for each block in sight: */
+    size_t draws; /* length of the arrays below: one item per visible block */
     const iso_gl_points_command *commands;
     const iso_gl_instance *instances;
-    const bool *wide; /* discs may be wider than the driver's points */
+    const bool *wide; /* discs may be wider than the driver's points: they are drawn as quads too */
 } tile;
 
 /* ---- textures */
@@ -54,14 +58,14 @@ void iso_gl_discs_free(iso_gl_discs *discs, const GladGLContext *gl) {
     *discs = (iso_gl_discs){.width = 0};
 }
 
-static iso_status check_framebuffer(const drawing *d, GLuint framebuffer, iso_error *error) {
+static iso_status check_framebuffer(const refined_draw *d, GLuint framebuffer, iso_error *error) {
     if (d->gl->CheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
         return ISO_OK;
     return iso_fail(error, ISO_ERR_BACKEND, "%s: no framebuffer for the sums of %d x %d pixels",
                     d->engine->context->name, d->engine->discs.width, d->engine->discs.height);
 }
 
-static iso_status need_discs(const drawing *d, int width, int height, iso_error *error) {
+static iso_status ensure_discs(const refined_draw *d, int width, int height, iso_error *error) {
     static const GLenum outputs[SUMS] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
                                          GL_COLOR_ATTACHMENT3};
     const GladGLContext *gl = d->gl;
@@ -85,18 +89,18 @@ static iso_status need_discs(const drawing *d, int width, int height, iso_error 
     return status;
 }
 
-/* ---- what is drawn */
+/* ---- uniforms and visible blocks */
 
-static void put_uniforms(const drawing *d, const tile *t) {
+static void upload_uniforms(const refined_draw *d, const tile *t) {
     const iso_projector *p = &d->projector;
     const iso_view *view = d->view;
-    const iso_gl_surface *shape = d->shape;
-    const double *spacing = shape->transform.spacing;
+    const iso_gl_surface *surface = d->surface;
+    const double *spacing = surface->transform.spacing;
     const bool uneven = spacing[0] != spacing[1] || spacing[1] != spacing[2];
-    const double voxels = shape->surfels ? 1 : ISO_POINT_STEP;
+    const double voxels = surface->surfels ? 1 : ISO_POINT_STEP;
     const int margin = iso_gl_engine_margin(d->engine);
-    const bool bordered = shape->dims[0] > 0 && shape->dims[1] > 0 && shape->dims[2] > 0;
-    iso_gl_refined u = {
+    const bool bordered = surface->dims[0] > 0 && surface->dims[1] > 0 && surface->dims[2] > 0;
+    iso_gl_refined_uniforms u = {
         .axis = {(float)(view->cx - t->x), (float)(view->cy - t->y),
                  view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near, (float)view->focal},
         .sizes = {view->orthographic ? 0 : (float)(1 / view->focal), iso_refined_per_mm(p->normal),
@@ -104,33 +108,33 @@ static void put_uniforms(const drawing *d, const tile *t) {
         .screen = {(float)(t->width + 2 * margin), (float)(t->height + 2 * margin), (float)margin,
                    (float)d->engine->max_point},
         .tile = {t->width, t->height, t->x, t->y},
-        .picture = {view->width, view->height, d->surface},
+        .picture = {view->width, view->height, d->number},
         .flags = {view->orthographic, d->cull}};
     float *steps[] = {u.step_x, u.step_y, u.step_z}, *normals[] = {u.normal_x, u.normal_y, u.normal_z};
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 3; i++) steps[k][i] = (float)(p->matrix[3 * k + i] * voxels);
         memcpy(normals[k], p->normal + 3 * k, 3 * sizeof *normals[k]);
-        u.border[k] = (float)(shape->dims[k] - 1);
+        u.border[k] = (float)(surface->dims[k] - 1);
     }
     u.border[3] = bordered;
-    iso_gl_engine_need(d->engine, ISO_GL_STORE_REFINED, sizeof u);
+    iso_gl_engine_ensure_storage(d->engine, ISO_GL_STORE_REFINED, sizeof u);
     const GLuint name = d->engine->storage[ISO_GL_STORE_REFINED];
     d->gl->NamedBufferSubData(name, 0, sizeof u, &u);
     d->gl->BindBufferBase(GL_UNIFORM_BUFFER, ISO_GL_REFINED, name);
 }
 
-/* Whether a block's discs may be in the tile's rows. */
-static bool is_wanted(const drawing *d, const iso_point_block *block, const tile *t) {
+/* Whether discs of a block may reach the tile's rows. */
+static bool is_visible(const refined_draw *d, const iso_point_block *block, const tile *t) {
     const double reach = iso_refined_reach(block) * d->slant + 2, cy = d->view->cy - t->y;
-    return block->seen && !(d->cull && block->averted) && block->row[1] + cy + reach >= 0 &&
+    return block->seen && !(d->cull && block->back_facing) && block->row[1] + cy + reach >= 0 &&
            block->row[0] + cy - reach <= t->height;
 }
 
-static iso_gl_instance instance_of(const drawing *d, const iso_point_block *block) {
+static iso_gl_instance instance_of(const refined_draw *d, const iso_point_block *block) {
     const iso_projector *p = &d->projector;
-    const double low = d->shape->surfels ? 0 : ISO_POINT_LOW;
+    const double low = d->surface->surfels ? 0 : ISO_POINT_LOW;
     iso_gl_instance to = {
-        .place = {[3] = d->shape->has_shapes && block->radius[1] >= ISO_REFINED_FLAT_RADIUS}};
+        .place = {[3] = d->surface->has_curvatures && block->radius[1] >= ISO_REFINED_FLAT_RADIUS}};
     double at[3];
     for (int k = 0; k < 3; k++) at[k] = block->brick[k] * (double)ISO_BRICK + low;
     for (int k = 0; k < 3; k++) {
@@ -141,16 +145,17 @@ static iso_gl_instance instance_of(const drawing *d, const iso_point_block *bloc
     return to;
 }
 
-/* Discs are drawn as squares of twice their reach. */
-static bool is_wide(const drawing *d, const iso_point_block *block) {
+/* Whether the largest disc of a block, drawn as a square of twice its reach, exceeds the driver's point
+ * size. */
+static bool is_wide(const refined_draw *d, const iso_point_block *block) {
     return 2.1 * iso_refined_reach(block) * d->slant + 1 > d->engine->max_point;
 }
 
-/* The blocks in sight of a tile. */
-static iso_status gather(const drawing *d, tile *t, iso_buffer *room, iso_error *error) {
-    const iso_point_blocks *blocks = d->shape->blocks;
+/* Lists the draw commands of the blocks that a tile shows, in memory of `room`. */
+static iso_status gather_blocks(const refined_draw *d, tile *t, iso_buffer *room, iso_error *error) {
+    const iso_point_blocks *blocks = d->surface->blocks;
     const iso_point_block *block = blocks->blocks.data;
-    const iso_gl_span *spans = d->shape->spans.data;
+    const iso_gl_span *spans = d->surface->spans.data;
     const size_t each = sizeof(iso_gl_points_command) + sizeof(iso_gl_instance) + sizeof(bool);
     ISO_TRY(iso_buffer_reserve(room, blocks->count * each, 0, error));
     iso_gl_points_command *commands = room->data;
@@ -158,7 +163,7 @@ static iso_status gather(const drawing *d, tile *t, iso_buffer *room, iso_error 
     bool *wide = (bool *)(instances + blocks->count);
     t->draws = 0;
     for (size_t i = 0; i < blocks->count; i++) {
-        if (!is_wanted(d, &block[i], t)) continue;
+        if (!is_visible(d, &block[i], t)) continue;
         const uint32_t first = (uint32_t)(spans[block[i].span].first + block[i].first);
         commands[t->draws] = (iso_gl_points_command){block[i].count, 1, first, (uint32_t)t->draws};
         wide[t->draws] = is_wide(d, &block[i]);
@@ -172,31 +177,32 @@ static iso_status gather(const drawing *d, tile *t, iso_buffer *room, iso_error 
 
 /* ---- passes */
 
-static iso_status use(const drawing *d, iso_gl_program program, iso_error *error) {
+static iso_status use_program(const refined_draw *d, iso_gl_program program, iso_error *error) {
     unsigned name;
-    if (d->shape->surfels && program < ISO_GL_DISCS_OF_SURFELS)
+    if (d->surface->surfels && program < ISO_GL_DISCS_OF_SURFELS)
         program = (iso_gl_program)(program + ISO_GL_DISCS_OF_SURFELS - ISO_GL_FRONT_POINTS);
     ISO_TRY(iso_gl_engine_program(d->engine, program, &name, error));
     d->gl->UseProgram(name);
     return ISO_OK;
 }
 
-/* Discs by the two programs from `program` on, into a framebuffer that is bound. */
-static iso_status draw_discs(const drawing *d, const tile *t, iso_gl_program program, iso_error *error) {
-    ISO_TRY(use(d, program, error));
-    if (!d->shape->has_radii) d->gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)d->shape->radius);
-    iso_gl_surface_draw(d->shape, t->draws);
+/* Draws discs into the bound framebuffer: by `program` those that fit into points, by the next program
+ * (quads) the others. */
+static iso_status draw_discs(const refined_draw *d, const tile *t, iso_gl_program program, iso_error *error) {
+    ISO_TRY(use_program(d, program, error));
+    if (!d->surface->has_radii) d->gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)d->surface->radius);
+    iso_gl_surface_draw(d->surface, t->draws);
     bool quads = false;
     for (size_t i = 0; i < t->draws; i++) {
         if (!t->wide[i]) continue;
-        if (!quads) ISO_TRY(use(d, (iso_gl_program)(program + 1), error));
+        if (!quads) ISO_TRY(use_program(d, (iso_gl_program)(program + 1), error));
         quads = true;
-        iso_gl_surface_draw_quads(d->shape, t->commands[i].first, t->commands[i].count, &t->instances[i]);
+        iso_gl_surface_draw_quads(d->surface, t->commands[i].first, t->commands[i].count, &t->instances[i]);
     }
     return ISO_OK;
 }
 
-static void begin_pass(const drawing *d, const tile *t, int framebuffer) {
+static void begin_pass(const refined_draw *d, const tile *t, int framebuffer) {
     const GladGLContext *gl = d->gl;
     const int margin = iso_gl_engine_margin(d->engine);
     gl->BindFramebuffer(GL_FRAMEBUFFER, d->engine->discs.framebuffers[framebuffer]);
@@ -209,7 +215,7 @@ static void begin_pass(const drawing *d, const tile *t, int framebuffer) {
     gl->Enable(GL_BLEND);
 }
 
-static iso_status find_fronts(const drawing *d, const tile *t, iso_error *error) {
+static iso_status find_fronts(const refined_draw *d, const tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     const GLfloat nowhere[4] = {ISO_NOWHERE, ISO_NOWHERE, ISO_NOWHERE, ISO_NOWHERE};
     begin_pass(d, t, 0);
@@ -218,7 +224,7 @@ static iso_status find_fronts(const drawing *d, const tile *t, iso_error *error)
     return draw_discs(d, t, ISO_GL_FRONT_POINTS, error);
 }
 
-static iso_status add_up(const drawing *d, const tile *t, iso_error *error) {
+static iso_status add_up(const refined_draw *d, const tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     const GLfloat nothing[4] = {0};
     begin_pass(d, t, 1);
@@ -231,26 +237,26 @@ static iso_status add_up(const drawing *d, const tile *t, iso_error *error) {
     return draw_discs(d, t, ISO_GL_ADD_POINTS, error);
 }
 
-static iso_status settle(const drawing *d, const tile *t, iso_error *error) {
+static iso_status resolve(const refined_draw *d, const tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     for (int i = 0; i < SUMS; i++) gl->BindTextureUnit(ISO_GL_SUMS + (GLuint)i, d->engine->discs.sums[i]);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_PICTURE, d->engine->storage[ISO_GL_STORE_PICTURE]);
-    ISO_TRY(use(d, ISO_GL_SETTLE, error));
+    ISO_TRY(use_program(d, ISO_GL_RESOLVE, error));
     gl->DispatchCompute((GLuint)(t->width + ISO_GL_TILE - 1) / ISO_GL_TILE,
                         (GLuint)(t->height + ISO_GL_TILE - 1) / ISO_GL_TILE, 1);
     gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     return ISO_OK;
 }
 
-typedef iso_status run_pass(const drawing *d, const tile *t, iso_error *error);
+typedef iso_status pass_function(const refined_draw *d, const tile *t, iso_error *error);
 
-static iso_status draw_tile(const drawing *d, tile *t, iso_buffer *room, iso_error *error) {
-    static run_pass *const passes[] = {find_fronts, add_up, settle};
+static iso_status draw_tile(const refined_draw *d, tile *t, iso_buffer *room, iso_error *error) {
+    static pass_function *const passes[] = {find_fronts, add_up, resolve};
     iso_gl_timer *timer = &d->engine->timer;
-    ISO_TRY(gather(d, t, room, error));
+    ISO_TRY(gather_blocks(d, t, room, error));
     if (!t->draws) return ISO_OK;
-    iso_gl_surface_command(d->shape, t->draws, t->commands, t->instances);
-    put_uniforms(d, t);
+    iso_gl_surface_command(d->surface, t->draws, t->commands, t->instances);
+    upload_uniforms(d, t);
     for (int i = 0; i < 3; i++) {
         iso_gl_timer_begin(timer, d->gl, (iso_gl_pass)(ISO_GL_PASS_FRONT + i));
         iso_status status = passes[i](d, t, error);
@@ -261,29 +267,29 @@ static iso_status draw_tile(const drawing *d, tile *t, iso_buffer *room, iso_err
     return ISO_OK;
 }
 
-iso_status iso_gl_draw_refined(const iso_gl_surface *shape, const iso_view *view, int surface,
+iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *view, int number,
                                iso_buffer *room, iso_error *error) {
-    iso_gl_engine *engine = shape->engine;
-    const drawing d = {.engine = engine,
-                       .gl = engine->context->gl,
-                       .shape = shape,
-                       .view = view,
-                       .projector = iso_projector_make(view, &shape->transform),
-                       .slant = iso_refined_slant(view, engine->max_point / 2),
-                       .cull = shape->closed && !shape->blocks->around_eye,
-                       .surface = surface};
+    iso_gl_engine *engine = surface->engine;
+    const refined_draw d = {.engine = engine,
+                            .gl = engine->context->gl,
+                            .surface = surface,
+                            .view = view,
+                            .projector = iso_projector_make(view, &surface->transform),
+                            .slant = iso_refined_slant(view, engine->max_point / 2),
+                            .cull = surface->closed && !surface->blocks->around_eye,
+                            .number = number};
     const int side = engine->max_side, width = view->width < side ? view->width : side;
     int height = SAMPLES_MOST / width;
     if (height > side) height = side;
     if (height > view->height) height = view->height;
-    ISO_TRY(need_discs(&d, width, height, error));
+    ISO_TRY(ensure_discs(&d, width, height, error));
     for (int y = 0; y < view->height; y += height)
         for (int x = 0; x < view->width; x += width) {
             tile t = {.x = x, .y = y, .width = width, .height = height};
             if (t.width > view->width - x) t.width = view->width - x;
             if (t.height > view->height - y) t.height = view->height - y;
             ISO_TRY(draw_tile(&d, &t, room, error));
-            ISO_TRY(iso_gl_check(engine->context, error)); /* nothing comes after a loss */
+            ISO_TRY(iso_gl_check(engine->context, error)); /* stop when the context is lost */
         }
     return ISO_OK;
 }

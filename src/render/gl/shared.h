@@ -11,10 +11,10 @@
 #define ISO_GL_ORIGIN 4   /* vec3, per span of points: view space position of its brick's corner */
 #define ISO_GL_BRICK 5    /* ivec3, per span of triangles */
 #define ISO_GL_PLACE 5 /* vec4, per span of points: index coordinates of its first step; 1: shapes matter */
-#define ISO_GL_BEND 6  /* ivec4: an iso_curvature */
+#define ISO_GL_CURVATURE 6 /* ivec4: an iso_curvature */
 
 /* Uniform blocks. */
-#define ISO_GL_FRAME 0
+#define ISO_GL_DRAW 0
 #define ISO_GL_PULLPUSH 1
 #define ISO_GL_SHADE 2
 #define ISO_GL_REFINED 3
@@ -27,17 +27,17 @@
 /* Storage buffers. Drivers need have no more than eight slots: what no pass uses together shares them. */
 #define ISO_GL_POINTS 0 /* uint: points as they are in C */
 #define ISO_GL_RADII 1  /* float: one a point, mm */
-#define ISO_GL_BLOCKS 2 /* iso_gl_block */
+#define ISO_GL_BLOCKS 2 /* iso_gl_point_block */
 #define ISO_GL_KEYS 3   /* uvec2, of the base level's pixels: payload, depth */
 #define ISO_GL_DISCS                                                                                         \
     4 /* uint, likewise: bits of the radius of the pixel's disc, mm; behind them all, colours */
-#define ISO_GL_PAINTS 5  /* uint: three bytes a point: its colour */
-#define ISO_GL_TINTS 2   /* vec4, of the pixels of all levels above 0: colour, 0 .. 255 */
-#define ISO_GL_SHADES 5  /* vec4, of the pixels of all levels above 0: normal, mean depth */
-#define ISO_GL_RANGES 6  /* vec4: least and greatest depth, from the pixel's centre to the ellipse's */
-#define ISO_GL_SHAPES 7  /* vec4: the ellipse (wide, thin x, thin y), the disc's radius */
-#define ISO_GL_ENDS 1    /* uint: bits of its reach to where the surface ends; the last: it hides another */
-#define ISO_GL_PICTURE 0 /* uint: planes of the gbuffer's: depth, normal x, y, z, surface, and of colours */
+#define ISO_GL_PAINTS 5   /* uint: three bytes a point: its colour */
+#define ISO_GL_TINTS 2    /* vec4, of the pixels of all levels above 0: colour, 0 .. 255 */
+#define ISO_GL_SHADES 5   /* vec4, of the pixels of all levels above 0: normal, mean depth */
+#define ISO_GL_RANGES 6   /* vec4: least and greatest depth, from the pixel's centre to the ellipse's */
+#define ISO_GL_ELLIPSES 7 /* vec4: the ellipse (wide, thin x, thin y), the disc's radius */
+#define ISO_GL_REACHES 1  /* uint: bits of its reach to where the surface ends; the last: it hides another */
+#define ISO_GL_PICTURE 0  /* uint: planes of the gbuffer's: depth, normal x, y, z, surface, and of colours */
 #define ISO_GL_PICTURE_PLANES 5
 #define ISO_GL_STORAGE_SLOTS 8
 
@@ -88,7 +88,7 @@
 #endif
 
 /* std140. One draw of one surface. */
-#define ISO_GL_FRAME_FIELDS                                                                                  \
+#define ISO_GL_DRAW_FIELDS                                                                                   \
     ISO_GL_DOUBLES(row_x); /* index to view space: x, y, z, 1 */                                             \
     ISO_GL_DOUBLES(row_y);                                                                                   \
     ISO_GL_DOUBLES(row_z);                                                                                   \
@@ -104,7 +104,7 @@
     ISO_GL_FLOATS(points); /* widest point that the driver draws, px; attenuated: 1 / sqrt(k) of eq. 6 */    \
     ISO_GL_UINTS(flags);   /* surface, orthographic, attenuated */
 
-/* std140. One surface by pull-push: an iso_point_projection and an iso_reconstruction_job. */
+/* std140. One surface by pull-push: an iso_point_projection and an iso_pullpush_params. */
 #define ISO_GL_PULLPUSH_FIELDS                                                                               \
     ISO_GL_FLOATS(step_x); /* steps of points to pixels of the base level at depth 1, and to mm */           \
     ISO_GL_FLOATS(step_y);                                                                                   \
@@ -155,21 +155,21 @@
     ISO_GL_INTS(how);          /* samples along a pixel, whether they are kept, by a sphere's picture */
 
 #ifndef ISO_GLSL
-typedef struct iso_gl_frame {
-    ISO_GL_FRAME_FIELDS
-} iso_gl_frame;
-typedef struct iso_gl_pullpush {
+typedef struct iso_gl_draw_uniforms {
+    ISO_GL_DRAW_FIELDS
+} iso_gl_draw_uniforms;
+typedef struct iso_gl_pullpush_uniforms {
     ISO_GL_PULLPUSH_FIELDS
-} iso_gl_pullpush;
-typedef struct iso_gl_refined {
+} iso_gl_pullpush_uniforms;
+typedef struct iso_gl_refined_uniforms {
     ISO_GL_REFINED_FIELDS
-} iso_gl_refined;
-typedef struct iso_gl_block {
+} iso_gl_refined_uniforms;
+typedef struct iso_gl_point_block {
     ISO_GL_BLOCK_FIELDS
-} iso_gl_block;
-typedef struct iso_gl_shade {
+} iso_gl_point_block;
+typedef struct iso_gl_shade_uniforms {
     ISO_GL_SHADE_FIELDS
-} iso_gl_shade;
+} iso_gl_shade_uniforms;
 #endif
 
 #endif

@@ -1,3 +1,4 @@
+/* state: which OpenGL state is saved and restored, as tables of names and the queries for the rest. */
 #include "render/gl/state.h"
 
 #include <glad/gl.h>
@@ -23,7 +24,7 @@ static const struct {
                                {GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING},
                                {GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING}};
 
-/* Those that draws set when they have no array. */
+/* Vertex attributes that draws set to a constant when they read no array. */
 static const GLuint attributes[ISO_GL_ATTRIBUTES] = {ISO_GL_RADIUS, ISO_GL_ORIGIN, ISO_GL_PLACE};
 
 static const GLenum blend_values[ISO_GL_BLEND_VALUES] = {GL_BLEND_SRC_RGB,      GL_BLEND_DST_RGB,

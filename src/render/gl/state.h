@@ -1,5 +1,5 @@
-/* state: what a context that others draw with too is set to, taken down and put back. Inside render/gl only.
- */
+/* state: saves and restores the OpenGL state of a context that is shared with other code (Dear ImGui, a host
+ * application). Inside render/gl only. */
 #ifndef ISO_RENDER_GL_STATE_H
 #define ISO_RENDER_GL_STATE_H
 
@@ -16,7 +16,7 @@ enum {
     ISO_GL_PIXEL_STORES = 8,
     ISO_GL_BINDINGS = 5,
     ISO_GL_ATTRIBUTES = 3,
-    ISO_GL_BLENDS = 4, /* outputs that draws blend */
+    ISO_GL_BLENDS = 4, /* colour outputs with blending */
     ISO_GL_BLEND_VALUES = 6
 };
 
@@ -30,10 +30,11 @@ typedef struct iso_gl_state {
     int blend[ISO_GL_BLENDS][ISO_GL_BLEND_VALUES];
 } iso_gl_state;
 
-/* Takes down what there is and sets what we do not set ourselves to what we count on, which is what OpenGL
- * begins with. With the context current, like all here. */
+/* Saves the state that drawing changes or depends on, then resets to OpenGL's defaults what drawing
+ * depends on but does not set itself. The context must be current, here and below. */
 void iso_gl_state_save(iso_gl_state *state, const GladGLContext *gl);
-/* Puts it back. What shaders read by numbered slots is unbound. */
+/* Restores the saved state. Uniform buffers, storage buffers, textures and images bound to numbered slots are
+ * not saved: the slots that this renderer uses are unbound. */
 void iso_gl_state_restore(const iso_gl_state *state, const GladGLContext *gl);
 
 #ifdef __cplusplus

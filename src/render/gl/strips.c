@@ -1,19 +1,19 @@
-/* Greedy: a strip begins where the fewest neighbours are left, so that no triangle is left alone (tomesh:
- * Akeley, Haeberli and Burns 1990). The order of its first triangle's corners fixes the rest: of the three
- * orders the one with the longest strip is taken, continued in both directions. */
+/* strips: greedy triangle strips. A strip begins at the triangle with the fewest neighbours left, so that few
+ * triangles end up alone (tomesh: Akeley, Haeberli and Burns 1990). The corner order of its first triangle
+ * determines the rest; the order with the longest strip is taken, continued in both directions. */
 #include "render/gl/strips.h"
 
 #include <assert.h>
 #include <string.h>
 
-/* 16 bits are enough for numbers of triangles and of their corners: a brick has at most 5 in each of 16^3
+/* 16 bits hold the number of any triangle and any corner: a brick has at most 5 triangles in each of 16^3
  * cells. */
 enum { NONE = UINT16_MAX, DEGREES = 4, MOST_TRIANGLES = 5 * ISO_BRICK_VOXELS };
 _Static_assert(3 * MOST_TRIANGLES < NONE, "corners have numbers of 16 bits");
 
 #define IN_A_STRIP UINT32_MAX
 
-/* From a triangle over one of its edges and on. */
+/* A walk from a triangle over one of its edges. */
 typedef struct path {
     uint16_t *vertex, *triangle;
     uint32_t count;
@@ -24,11 +24,11 @@ typedef struct stripper {
     uint32_t count, vertex_count;
     uint32_t *start;
     uint16_t *fan;
-    uint16_t (*neighbour)[3]; /* across corners k and k + 1 */
-    uint32_t *met;            /* which walk came by last, or IN_A_STRIP */
+    uint16_t (*neighbour)[3]; /* over the edge between corners k and k + 1 */
+    uint32_t *met;            /* number of the last walk that visited a triangle, or IN_A_STRIP */
     uint32_t walks;
     path path[2]; /* forwards, backwards */
-    /* Triangles by the number of neighbours that were left when they came here; most numbers are old. */
+    /* Triangles by the number of free neighbours when they were pushed; the number may have dropped since. */
     uint16_t *stack[DEGREES];
     uint32_t stacked[DEGREES];
     uint16_t *out;
@@ -46,7 +46,7 @@ static void sort_corners(const stripper *s) {
     for (uint32_t c = 3 * s->count; c-- > 0;) s->fan[--start[s->corner[c / 3][c % 3]]] = (uint16_t)c;
 }
 
-/* The triangle that has the edge the other way round: surfaces are wound alike everywhere. */
+/* The triangle that has the edge in the opposite direction: winding is consistent over the surface. */
 static uint16_t find_neighbour(const stripper *s, uint16_t from, uint16_t to) {
     for (uint32_t i = s->start[to]; i < s->start[to + 1u]; i++) {
         uint32_t triangle = s->fan[i] / 3u, k = s->fan[i] % 3u;
@@ -74,7 +74,7 @@ static int edge_between(const stripper *s, uint16_t triangle, uint16_t a, uint16
     return -1;
 }
 
-/* From `triangle` over the edge a b as far as triangles go that nobody has met. */
+/* Walks from `triangle` over the edge a b until the next triangle is in a strip or already visited. */
 static void walk(stripper *s, uint16_t triangle, uint16_t a, uint16_t b, path *p) {
     for (p->count = 0;; p->count++) {
         int edge = edge_between(s, triangle, a, b);
@@ -89,8 +89,8 @@ static void walk(stripper *s, uint16_t triangle, uint16_t a, uint16_t b, path *p
     }
 }
 
-/* Both ways from a triangle whose corners come in the order that begins with `turn`. An odd number of
- * triangles before it would turn it round. */
+/* Walks both ways from a triangle whose corner order begins with corner `turn`; returns the length. The
+ * backward path is made even: an odd number of triangles before the first one would reverse its winding. */
 static uint32_t walk_both_ways(stripper *s, uint16_t triangle, int turn) {
     const uint16_t *c = s->corner[triangle];
     uint16_t x = c[turn], y = c[(turn + 1) % 3], z = c[(turn + 2) % 3];
@@ -162,7 +162,7 @@ static void put_strip(stripper *s, uint16_t triangle) {
 
 /* ---- one brick */
 
-/* The next part of a block; NULL while they are only counted. */
+/* The next array in a block of memory; NULL while sizes are only summed. */
 static void *carve(const iso_buffer *block, size_t *used, size_t bytes) {
     void *part = block ? (char *)block->data + *used : NULL;
     *used += (bytes + 7) / 8 * 8;
@@ -170,7 +170,7 @@ static void *carve(const iso_buffer *block, size_t *used, size_t bytes) {
 }
 
 static size_t lay_out(stripper *s, const iso_buffer *block) {
-    const size_t n = s->count, pushes = (1 + 3) * n; /* once, and once by each neighbour */
+    const size_t n = s->count, pushes = (1 + 3) * n; /* each triangle once at first, then by each neighbour */
     size_t used = 0;
     s->start = carve(block, &used, (s->vertex_count + 1) * sizeof *s->start);
     s->met = carve(block, &used, n * sizeof *s->met);

@@ -1,3 +1,4 @@
+/* surface: copies points and meshes into GPU buffers, only the spans that changed, and draws them. */
 #include "render/gl/surface.h"
 
 #include <assert.h>
@@ -9,10 +10,10 @@
 #include "render/project.h"
 
 _Static_assert(sizeof(iso_surfel) == 24 && sizeof(iso_point) == 8 && sizeof(iso_curvature) == 8,
-               "as vertex arrays have it");
+               "layouts of the vertex arrays");
 
-/* An array of the shape's owner, of which spans name parts, and the buffer that holds it: each part lies in
- * the buffer where it lies in the array, so that what does not change does not move. */
+/* An array of the view and the buffer that holds its copy. A span's part lies at the same index in both,
+ * so that unchanged parts need not move. */
 typedef struct source {
     const void *data;
     size_t item; /* bytes */
@@ -49,8 +50,8 @@ static size_t end_of(const void *view, size_t spans, part_of *get) {
     return end;
 }
 
-/* Room for `end` items; what is in the buffer stays. */
-static void fit(const GladGLContext *gl, const source *from, size_t end) {
+/* Makes room for `end` items, keeping the buffer's contents. */
+static void ensure_capacity(const GladGLContext *gl, const source *from, size_t end) {
     iso_gl_buffer *to = from->to;
     if (to->name && end <= to->room) return;
     size_t room = to->name ? end + end / 2 : end;
@@ -58,51 +59,52 @@ static void fit(const GladGLContext *gl, const source *from, size_t end) {
     GLuint made;
     gl->CreateBuffers(1, &made);
     gl->NamedBufferStorage(made, (GLsizeiptr)((room * from->item + 3) / 4 * 4), NULL,
-                           GL_DYNAMIC_STORAGE_BIT); /* shaders read words */
+                           GL_DYNAMIC_STORAGE_BIT); /* a multiple of 4 bytes: shaders read words */
     if (to->name) gl->CopyNamedBufferSubData(to->name, made, 0, 0, (GLsizeiptr)(to->room * from->item));
     gl->DeleteBuffers(1, &to->name); /* 0 is ignored */
     *to = (iso_gl_buffer){made, room};
 }
 
-static void send(iso_gl_surface *shape, const source *from, part p) {
+static void upload_part(iso_gl_surface *surface, const source *from, part p) {
     if (!p.count) return;
-    shape->engine->context->gl->NamedBufferSubData(from->to->name, (GLintptr)(p.first * from->item),
-                                                   (GLsizeiptr)(p.count * from->item),
-                                                   (const char *)from->data + p.first * from->item);
-    shape->uploaded += p.count * from->item;
+    surface->engine->context->gl->NamedBufferSubData(from->to->name, (GLintptr)(p.first * from->item),
+                                                     (GLsizeiptr)(p.count * from->item),
+                                                     (const char *)from->data + p.first * from->item);
+    surface->uploaded += p.count * from->item;
 }
 
-/* The spans that changed; those that follow one another go up together. */
-static void send_changed(iso_gl_surface *shape, const source *from, const void *view, part_of *get) {
-    const iso_gl_span *spans = shape->spans.data;
-    for (size_t s = 0; s < shape->span_count;) {
+/* Uploads the parts of changed spans; adjacent parts in one call. */
+static void upload_changed(iso_gl_surface *surface, const source *from, const void *view, part_of *get) {
+    const iso_gl_span *spans = surface->spans.data;
+    for (size_t s = 0; s < surface->span_count;) {
         if (!spans[s].changed) {
             s++;
             continue;
         }
         part run = get(view, s++);
-        while (s < shape->span_count && spans[s].changed && get(view, s).first == run.first + run.count)
+        while (s < surface->span_count && spans[s].changed && get(view, s).first == run.first + run.count)
             run.count += get(view, s++).count;
-        send(shape, from, run);
+        upload_part(surface, from, run);
     }
 }
 
-/* Strips of a span lie at ISO_GL_STRIP_ROOM indices for each triangle before it. */
-static iso_status send_strips(iso_gl_surface *shape, const iso_mesh_view *mesh, iso_error *error) {
+/* Uploads the strips of changed spans. A span's strips begin at ISO_GL_STRIP_ROOM times its first
+ * triangle. */
+static iso_status upload_strips(iso_gl_surface *surface, const iso_mesh_view *mesh, iso_error *error) {
     enum { INDEX = sizeof(uint16_t) };
-    iso_gl_span *spans = shape->spans.data;
-    const source from = {NULL, ISO_GL_STRIP_ROOM * INDEX, &shape->indices};
-    fit(shape->engine->context->gl, &from, end_of(mesh, shape->span_count, triangles_of));
-    for (size_t s = 0; s < shape->span_count; s++) {
+    iso_gl_span *spans = surface->spans.data;
+    const source from = {NULL, ISO_GL_STRIP_ROOM * INDEX, &surface->indices};
+    ensure_capacity(surface->engine->context->gl, &from, end_of(mesh, surface->span_count, triangles_of));
+    for (size_t s = 0; s < surface->span_count; s++) {
         const iso_mesh_span *span = &mesh->spans[s];
         if (!spans[s].changed || !span->triangle_count) continue;
         size_t count;
-        ISO_TRY(iso_gl_strips_make(&shape->strips, mesh, span, &count, error));
+        ISO_TRY(iso_gl_strips_make(&surface->strips, mesh, span, &count, error));
         spans[s].count = (uint32_t)count;
-        shape->engine->context->gl->NamedBufferSubData(
-            shape->indices.name, (GLintptr)(span->first_triangle * from.item), (GLsizeiptr)(count * INDEX),
-            iso_gl_strips_indices(&shape->strips));
-        shape->uploaded += count * INDEX;
+        surface->engine->context->gl->NamedBufferSubData(
+            surface->indices.name, (GLintptr)(span->first_triangle * from.item), (GLsizeiptr)(count * INDEX),
+            iso_gl_strips_indices(&surface->strips));
+        surface->uploaded += count * INDEX;
     }
     return ISO_OK;
 }
@@ -114,13 +116,14 @@ static void describe_floats(const GladGLContext *gl, unsigned array, unsigned sl
     gl->VertexArrayAttribBinding(array, slot, binding);
 }
 
-enum { BIND_VERTICES, BIND_RADII, BIND_SHAPES, BIND_SPANS };
+enum { BIND_VERTICES, BIND_RADII, BIND_CURVATURES, BIND_SPANS };
 
-/* divisor 0: points are vertices; 1: instances. */
-static unsigned make_array(const GladGLContext *gl, const iso_gl_surface *shape, unsigned divisor) {
+/* A vertex array for the surface's kind. divisor 0: a point is a vertex; 1: a point is an instance
+ * (quads). */
+static unsigned make_vertex_array(const GladGLContext *gl, const iso_gl_surface *surface, unsigned divisor) {
     GLuint array;
     gl->CreateVertexArrays(1, &array);
-    bool floats = shape->mesh || shape->surfels;
+    bool floats = surface->mesh || surface->surfels;
     gl->VertexArrayBindingDivisor(array, BIND_VERTICES, divisor);
     if (floats) {
         describe_floats(gl, array, ISO_GL_POSITION, BIND_VERTICES, 3, offsetof(iso_surfel, position));
@@ -130,30 +133,30 @@ static unsigned make_array(const GladGLContext *gl, const iso_gl_surface *shape,
         gl->VertexArrayAttribIFormat(array, ISO_GL_PACKED, 2, GL_UNSIGNED_INT, 0);
         gl->VertexArrayAttribBinding(array, ISO_GL_PACKED, BIND_VERTICES);
     }
-    if (shape->has_radii) {
+    if (surface->has_radii) {
         gl->VertexArrayBindingDivisor(array, BIND_RADII, divisor);
         describe_floats(gl, array, ISO_GL_RADIUS, BIND_RADII, 1, 0);
     }
-    if (shape->has_shapes) {
-        gl->VertexArrayBindingDivisor(array, BIND_SHAPES, divisor);
-        gl->EnableVertexArrayAttrib(array, ISO_GL_BEND);
-        gl->VertexArrayAttribIFormat(array, ISO_GL_BEND, 4, GL_SHORT, 0);
-        gl->VertexArrayAttribBinding(array, ISO_GL_BEND, BIND_SHAPES);
+    if (surface->has_curvatures) {
+        gl->VertexArrayBindingDivisor(array, BIND_CURVATURES, divisor);
+        gl->EnableVertexArrayAttrib(array, ISO_GL_CURVATURE);
+        gl->VertexArrayAttribIFormat(array, ISO_GL_CURVATURE, 4, GL_SHORT, 0);
+        gl->VertexArrayAttribBinding(array, ISO_GL_CURVATURE, BIND_CURVATURES);
     }
     return array;
 }
 
-static size_t instance_bytes(const iso_gl_surface *shape) {
-    return shape->mesh ? 3 * sizeof(int32_t) : sizeof(iso_gl_instance);
+static size_t instance_bytes(const iso_gl_surface *surface) {
+    return surface->mesh ? 3 * sizeof(int32_t) : sizeof(iso_gl_instance);
 }
 
-/* What each draw tells its primitives: an instance's, named by the draw's first instance. */
-static void add_spans(iso_gl_surface *shape, const GladGLContext *gl) {
-    const GLuint array = shape->array;
-    gl->VertexArrayVertexBuffer(array, BIND_SPANS, shape->engine->instances, 0,
-                                (GLsizei)instance_bytes(shape));
+/* Adds the per-instance data, one item per draw command, selected by the command's first instance. */
+static void add_spans(iso_gl_surface *surface, const GladGLContext *gl) {
+    const GLuint array = surface->array;
+    gl->VertexArrayVertexBuffer(array, BIND_SPANS, surface->engine->instances, 0,
+                                (GLsizei)instance_bytes(surface));
     gl->VertexArrayBindingDivisor(array, BIND_SPANS, 1);
-    if (shape->mesh) {
+    if (surface->mesh) {
         gl->EnableVertexArrayAttrib(array, ISO_GL_BRICK);
         gl->VertexArrayAttribIFormat(array, ISO_GL_BRICK, 3, GL_INT, 0);
         gl->VertexArrayAttribBinding(array, ISO_GL_BRICK, BIND_SPANS);
@@ -163,62 +166,64 @@ static void add_spans(iso_gl_surface *shape, const GladGLContext *gl) {
     }
 }
 
-/* Buffers may have been made anew. */
-static void bind_buffers(const iso_gl_surface *shape, unsigned array) {
-    const GladGLContext *gl = shape->engine->context->gl;
-    bool floats = shape->mesh || shape->surfels;
-    gl->VertexArrayVertexBuffer(array, BIND_VERTICES, shape->vertices.name, 0,
+/* Attaches the buffers, which an update may have replaced. */
+static void bind_buffers(const iso_gl_surface *surface, unsigned array) {
+    const GladGLContext *gl = surface->engine->context->gl;
+    bool floats = surface->mesh || surface->surfels;
+    gl->VertexArrayVertexBuffer(array, BIND_VERTICES, surface->vertices.name, 0,
                                 floats ? sizeof(iso_surfel) : sizeof(iso_point));
-    if (shape->has_radii) gl->VertexArrayVertexBuffer(array, BIND_RADII, shape->radii.name, 0, sizeof(float));
-    if (shape->has_shapes)
-        gl->VertexArrayVertexBuffer(array, BIND_SHAPES, shape->shapes.name, 0, sizeof(iso_curvature));
-    if (shape->mesh) gl->VertexArrayElementBuffer(array, shape->indices.name);
+    if (surface->has_radii)
+        gl->VertexArrayVertexBuffer(array, BIND_RADII, surface->radii.name, 0, sizeof(float));
+    if (surface->has_curvatures)
+        gl->VertexArrayVertexBuffer(array, BIND_CURVATURES, surface->curvatures.name, 0,
+                                    sizeof(iso_curvature));
+    if (surface->mesh) gl->VertexArrayElementBuffer(array, surface->indices.name);
 }
 
-static void make_arrays(iso_gl_surface *shape) {
-    const GladGLContext *gl = shape->engine->context->gl;
-    if (!shape->array) {
-        shape->array = make_array(gl, shape, 0);
-        add_spans(shape, gl);
-        if (!shape->mesh) shape->quad_array = make_array(gl, shape, 1);
+static void make_vertex_arrays(iso_gl_surface *surface) {
+    const GladGLContext *gl = surface->engine->context->gl;
+    if (!surface->array) {
+        surface->array = make_vertex_array(gl, surface, 0);
+        add_spans(surface, gl);
+        if (!surface->mesh) surface->quad_array = make_vertex_array(gl, surface, 1);
     }
-    bind_buffers(shape, shape->array);
-    if (shape->quad_array) bind_buffers(shape, shape->quad_array);
+    bind_buffers(surface, surface->array);
+    if (surface->quad_array) bind_buffers(surface, surface->quad_array);
 }
 
 /* ---- drawing */
 
-void iso_gl_surface_command(const iso_gl_surface *shape, size_t count, const void *commands,
+void iso_gl_surface_command(const iso_gl_surface *surface, size_t count, const void *commands,
                             const void *instances) {
-    const iso_gl_engine *engine = shape->engine;
+    const iso_gl_engine *engine = surface->engine;
     const GladGLContext *gl = engine->context->gl;
-    const size_t size = shape->mesh ? sizeof(iso_gl_mesh_command) : sizeof(iso_gl_points_command);
+    const size_t size = surface->mesh ? sizeof(iso_gl_mesh_command) : sizeof(iso_gl_points_command);
     gl->NamedBufferData(engine->commands, (GLsizeiptr)(count * size), commands, GL_STREAM_DRAW);
-    gl->NamedBufferData(engine->instances, (GLsizeiptr)(count * instance_bytes(shape)), instances,
+    gl->NamedBufferData(engine->instances, (GLsizeiptr)(count * instance_bytes(surface)), instances,
                         GL_STREAM_DRAW);
 }
 
-void iso_gl_surface_draw(const iso_gl_surface *shape, size_t count) {
-    const GladGLContext *gl = shape->engine->context->gl;
-    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, shape->engine->commands);
-    gl->BindVertexArray(shape->array);
-    if (shape->mesh)
-        gl->MultiDrawElementsIndirect(shape->stripped ? GL_TRIANGLE_STRIP : GL_TRIANGLES, GL_UNSIGNED_SHORT,
+void iso_gl_surface_draw(const iso_gl_surface *surface, size_t count) {
+    const GladGLContext *gl = surface->engine->context->gl;
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, surface->engine->commands);
+    gl->BindVertexArray(surface->array);
+    if (surface->mesh)
+        gl->MultiDrawElementsIndirect(surface->stripped ? GL_TRIANGLE_STRIP : GL_TRIANGLES, GL_UNSIGNED_SHORT,
                                       NULL, (GLsizei)count, 0);
     else
         gl->MultiDrawArraysIndirect(GL_POINTS, NULL, (GLsizei)count, 0);
 }
 
-void iso_gl_surface_draw_quads(const iso_gl_surface *shape, size_t first, size_t count,
+void iso_gl_surface_draw_quads(const iso_gl_surface *surface, size_t first, size_t count,
                                const iso_gl_instance *instance) {
-    const GladGLContext *gl = shape->engine->context->gl;
-    gl->BindVertexArray(shape->quad_array);
+    const GladGLContext *gl = surface->engine->context->gl;
+    gl->BindVertexArray(surface->quad_array);
     gl->VertexAttrib3fv(ISO_GL_ORIGIN, instance->origin);
     gl->VertexAttrib4fv(ISO_GL_PLACE, instance->place);
     gl->DrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)count, (GLuint)first);
 }
 
-/* ---- what a draw knows of spans */
+/* ---- spans */
 
 static double largest_radius(const iso_point_view *points, const iso_point_span *span) {
     if (!points->radii) return points->radius > 0 ? points->radius : 0;
@@ -232,21 +237,21 @@ static iso_box packed_box(const int32_t brick[3]) {
     return iso_surfel_bounds(corners, 2, brick);
 }
 
-/* Without stamps everything counts as changed. */
-static bool has_changed(const iso_gl_span *had, const uint64_t *stamps, size_t s, const size_t first[2]) {
-    return !stamps || had->stamp != stamps[s] || had->place[0] != first[0] || had->place[1] != first[1];
+/* Without versions every span counts as changed. */
+static bool has_changed(const iso_gl_span *had, const uint64_t *versions, size_t s, const size_t first[2]) {
+    return !versions || had->version != versions[s] || had->place[0] != first[0] || had->place[1] != first[1];
 }
 
-static void describe_points(iso_gl_surface *shape, const iso_point_view *points) {
-    iso_gl_span *spans = shape->spans.data;
-    for (size_t s = 0; s < shape->span_count; s++) {
+static void describe_points(iso_gl_surface *surface, const iso_point_view *points) {
+    iso_gl_span *spans = surface->spans.data;
+    for (size_t s = 0; s < surface->span_count; s++) {
         const iso_point_span *from = &points->spans[s];
         const size_t first[2] = {from->first, 0};
         iso_gl_span *to = &spans[s];
-        to->changed = has_changed(to, points->stamps, s, first);
+        to->changed = has_changed(to, points->versions, s, first);
         if (!to->changed) continue;
         *to = (iso_gl_span){.changed = true,
-                            .stamp = points->stamps ? points->stamps[s] : 0,
+                            .version = points->versions ? points->versions[s] : 0,
                             .place = {from->first, 0},
                             .count = from->count,
                             .first = (uint32_t)from->first,
@@ -257,17 +262,17 @@ static void describe_points(iso_gl_surface *shape, const iso_point_view *points)
     }
 }
 
-static void describe_mesh(iso_gl_surface *shape, const iso_mesh_view *mesh) {
-    uint32_t each = shape->stripped ? ISO_GL_STRIP_ROOM : 3;
-    iso_gl_span *spans = shape->spans.data;
-    for (size_t s = 0; s < shape->span_count; s++) {
+static void describe_mesh(iso_gl_surface *surface, const iso_mesh_view *mesh) {
+    uint32_t each = surface->stripped ? ISO_GL_STRIP_ROOM : 3;
+    iso_gl_span *spans = surface->spans.data;
+    for (size_t s = 0; s < surface->span_count; s++) {
         const iso_mesh_span *from = &mesh->spans[s];
         const size_t first[2] = {from->first_vertex, from->first_triangle};
         iso_gl_span *to = &spans[s];
-        to->changed = has_changed(to, mesh->stamps, s, first);
+        to->changed = has_changed(to, mesh->versions, s, first);
         if (!to->changed) continue;
         *to = (iso_gl_span){.changed = true,
-                            .stamp = mesh->stamps ? mesh->stamps[s] : 0,
+                            .version = mesh->versions ? mesh->versions[s] : 0,
                             .place = {first[0], first[1]},
                             .count = 3 * from->triangle_count,
                             .triangles = from->triangle_count,
@@ -278,45 +283,46 @@ static void describe_mesh(iso_gl_surface *shape, const iso_mesh_view *mesh) {
     }
 }
 
-/* Room for the spans; new ones have no stamp. */
-static iso_status fit_spans(iso_gl_surface *shape, size_t count, iso_error *error) {
-    size_t had = shape->spans.bytes / sizeof(iso_gl_span), kept = shape->span_count;
-    ISO_TRY(iso_buffer_reserve(&shape->spans, (count ? count : 1) * sizeof(iso_gl_span),
+/* Makes room for `count` spans; new ones have version 0. */
+static iso_status ensure_spans(iso_gl_surface *surface, size_t count, iso_error *error) {
+    size_t had = surface->spans.bytes / sizeof(iso_gl_span), kept = surface->span_count;
+    ISO_TRY(iso_buffer_reserve(&surface->spans, (count ? count : 1) * sizeof(iso_gl_span),
                                had * sizeof(iso_gl_span), error));
-    iso_gl_span *spans = shape->spans.data;
-    for (size_t s = kept; s < count; s++) spans[s].stamp = 0;
-    shape->span_count = count;
+    iso_gl_span *spans = surface->spans.data;
+    for (size_t s = kept; s < count; s++) spans[s].version = 0;
+    surface->span_count = count;
     return ISO_OK;
 }
 
-/* Bounds of all spans; a mesh without them does not count as closed. */
-static iso_status keep_bounds(iso_gl_surface *shape, const iso_mesh_view *mesh, iso_error *error) {
-    shape->closed = false;
+/* Copies the bounds of all spans; a mesh without them counts as open. */
+static iso_status copy_bounds(iso_gl_surface *surface, const iso_mesh_view *mesh, iso_error *error) {
+    surface->closed = false;
     if (!mesh->bounds || !mesh->closed) return ISO_OK;
-    size_t bytes = shape->span_count * sizeof *mesh->bounds;
-    ISO_TRY(iso_buffer_reserve(&shape->bounds, bytes ? bytes : 1, 0, error));
-    memcpy(shape->bounds.data, mesh->bounds, bytes);
-    shape->closed = true;
+    size_t bytes = surface->span_count * sizeof *mesh->bounds;
+    ISO_TRY(iso_buffer_reserve(&surface->bounds, bytes ? bytes : 1, 0, error));
+    memcpy(surface->bounds.data, mesh->bounds, bytes);
+    surface->closed = true;
     return ISO_OK;
 }
 
-static bool is_same(const void *context, size_t span) {
+static bool is_unchanged(const void *context, size_t span) {
     return !((const iso_gl_span *)context)[span].changed;
 }
 
-/* Blocks say where they begin in their span, as its points may come to lie elsewhere. */
-static iso_status measure_blocks(iso_gl_surface *shape, const iso_point_view *points, iso_error *error) {
-    ISO_TRY(iso_point_blocks_measure(shape->blocks, points, is_same, shape->spans.data, error));
-    iso_point_block *block = shape->blocks->blocks.data;
-    for (size_t i = 0; i < shape->blocks->count; i++) block[i].first -= points->spans[block[i].span].first;
+/* Cuts changed spans into blocks. A block's `first` is made relative to its span, whose points may move
+ * later. */
+static iso_status measure_blocks(iso_gl_surface *surface, const iso_point_view *points, iso_error *error) {
+    ISO_TRY(iso_point_blocks_measure(surface->blocks, points, is_unchanged, surface->spans.data, error));
+    iso_point_block *block = surface->blocks->blocks.data;
+    for (size_t i = 0; i < surface->blocks->count; i++) block[i].first -= points->spans[block[i].span].first;
     return ISO_OK;
 }
 
 /* ---- from views to the GPU */
 
-/* Software drivers keep buffers in main memory, and are stopped when it ends. */
-static iso_status check_memory(const iso_gl_surface *shape, uint64_t bytes, iso_error *error) {
-    const iso_gl_context *context = shape->engine->context;
+/* Software renderers keep buffers in main memory and are killed when it runs out. */
+static iso_status check_memory(const iso_gl_surface *surface, uint64_t bytes, iso_error *error) {
+    const iso_gl_context *context = surface->engine->context;
     uint64_t available = iso_memory_available();
     if (!iso_gl_renderer_is_software(context->renderer) || bytes <= available) return ISO_OK;
     return iso_fail(error, ISO_ERR_LIMIT, "%s: a copy of the surface needs %.0f MB, %.0f MB are free",
@@ -327,96 +333,97 @@ static uint64_t growth(const iso_gl_buffer *buffer, size_t end, size_t item) {
     return end <= buffer->room ? 0 : (uint64_t)end * item;
 }
 
-static iso_status send_points(iso_gl_surface *shape, const iso_point_view *points, iso_error *error) {
-    const GladGLContext *gl = shape->engine->context->gl;
-    source vertices = {points->surfels, sizeof *points->surfels, &shape->vertices};
-    if (!points->surfels) vertices = (source){points->packed, sizeof *points->packed, &shape->vertices};
-    const source radii = {points->radii, sizeof *points->radii, &shape->radii};
-    const source colors = {points->colors, sizeof *points->colors, &shape->colors};
-    const source shapes = {points->shapes, sizeof *points->shapes, &shape->shapes};
+static iso_status send_points(iso_gl_surface *surface, const iso_point_view *points, iso_error *error) {
+    const GladGLContext *gl = surface->engine->context->gl;
+    source vertices = {points->surfels, sizeof *points->surfels, &surface->vertices};
+    if (!points->surfels) vertices = (source){points->packed, sizeof *points->packed, &surface->vertices};
+    const source radii = {points->radii, sizeof *points->radii, &surface->radii};
+    const source colors = {points->colors, sizeof *points->colors, &surface->colors};
+    const source surfaces = {points->curvatures, sizeof *points->curvatures, &surface->curvatures};
     size_t end = end_of(points, points->span_count, points_of);
     if (end > UINT32_MAX) return iso_fail(error, ISO_ERR_LIMIT, "more than 2^32 - 1 points");
-    ISO_TRY(check_memory(shape,
-                         growth(&shape->vertices, end, vertices.item) +
-                             (points->radii ? growth(&shape->radii, end, radii.item) : 0) +
-                             (points->colors ? growth(&shape->colors, end, colors.item) : 0) +
-                             (points->shapes ? growth(&shape->shapes, end, shapes.item) : 0),
+    ISO_TRY(check_memory(surface,
+                         growth(&surface->vertices, end, vertices.item) +
+                             (points->radii ? growth(&surface->radii, end, radii.item) : 0) +
+                             (points->colors ? growth(&surface->colors, end, colors.item) : 0) +
+                             (points->curvatures ? growth(&surface->curvatures, end, surfaces.item) : 0),
                          error));
-    ISO_TRY(fit_spans(shape, points->span_count, error));
-    shape->closed = points->closed;
-    describe_points(shape, points);
-    ISO_TRY(measure_blocks(shape, points, error));
-    fit(gl, &vertices, end);
-    send_changed(shape, &vertices, points, points_of);
+    ISO_TRY(ensure_spans(surface, points->span_count, error));
+    surface->closed = points->closed;
+    describe_points(surface, points);
+    ISO_TRY(measure_blocks(surface, points, error));
+    ensure_capacity(gl, &vertices, end);
+    upload_changed(surface, &vertices, points, points_of);
     if (points->radii) {
-        fit(gl, &radii, end);
-        send_changed(shape, &radii, points, points_of);
+        ensure_capacity(gl, &radii, end);
+        upload_changed(surface, &radii, points, points_of);
     }
     if (points->colors) {
-        fit(gl, &colors, end);
-        send_changed(shape, &colors, points, points_of);
+        ensure_capacity(gl, &colors, end);
+        upload_changed(surface, &colors, points, points_of);
     }
-    if (points->shapes) {
-        fit(gl, &shapes, end);
-        send_changed(shape, &shapes, points, points_of);
+    if (points->curvatures) {
+        ensure_capacity(gl, &surfaces, end);
+        upload_changed(surface, &surfaces, points, points_of);
     }
     return ISO_OK;
 }
 
-static iso_status send_mesh(iso_gl_surface *shape, const iso_mesh_view *mesh, iso_error *error) {
-    const GladGLContext *gl = shape->engine->context->gl;
-    const source vertices = {mesh->vertices, sizeof *mesh->vertices, &shape->vertices};
-    const source triangles = {mesh->triangles, sizeof *mesh->triangles, &shape->indices};
+static iso_status send_mesh(iso_gl_surface *surface, const iso_mesh_view *mesh, iso_error *error) {
+    const GladGLContext *gl = surface->engine->context->gl;
+    const source vertices = {mesh->vertices, sizeof *mesh->vertices, &surface->vertices};
+    const source triangles = {mesh->triangles, sizeof *mesh->triangles, &surface->indices};
     size_t vertex_end = end_of(mesh, mesh->span_count, vertices_of);
     size_t triangle_end = end_of(mesh, mesh->span_count, triangles_of);
     if (vertex_end > INT32_MAX || triangle_end > UINT32_MAX / ISO_GL_STRIP_ROOM)
         return iso_fail(error, ISO_ERR_LIMIT, "more than 2^31 - 1 vertices or 2^30 - 1 triangles");
-    size_t item = shape->stripped ? ISO_GL_STRIP_ROOM * sizeof(uint16_t) : triangles.item;
-    ISO_TRY(check_memory(shape,
-                         growth(&shape->vertices, vertex_end, vertices.item) +
-                             growth(&shape->indices, triangle_end, item),
+    size_t item = surface->stripped ? ISO_GL_STRIP_ROOM * sizeof(uint16_t) : triangles.item;
+    ISO_TRY(check_memory(surface,
+                         growth(&surface->vertices, vertex_end, vertices.item) +
+                             growth(&surface->indices, triangle_end, item),
                          error));
-    ISO_TRY(fit_spans(shape, mesh->span_count, error));
-    ISO_TRY(keep_bounds(shape, mesh, error));
-    describe_mesh(shape, mesh);
-    fit(gl, &vertices, vertex_end);
-    send_changed(shape, &vertices, mesh, vertices_of);
-    if (shape->stripped) return send_strips(shape, mesh, error);
-    fit(gl, &triangles, triangle_end);
-    send_changed(shape, &triangles, mesh, triangles_of);
+    ISO_TRY(ensure_spans(surface, mesh->span_count, error));
+    ISO_TRY(copy_bounds(surface, mesh, error));
+    describe_mesh(surface, mesh);
+    ensure_capacity(gl, &vertices, vertex_end);
+    upload_changed(surface, &vertices, mesh, vertices_of);
+    if (surface->stripped) return upload_strips(surface, mesh, error);
+    ensure_capacity(gl, &triangles, triangle_end);
+    upload_changed(surface, &triangles, mesh, triangles_of);
     return ISO_OK;
 }
 
-/* After a failure the next update sends everything. */
-static void forget_spans(iso_gl_surface *shape) {
-    shape->span_count = 0;
-    if (shape->blocks) shape->blocks->count = 0;
+/* After a failure: the next update uploads everything. */
+static void invalidate_spans(iso_gl_surface *surface) {
+    surface->span_count = 0;
+    if (surface->blocks) surface->blocks->count = 0;
 }
 
-iso_status iso_gl_update_points(iso_gl_surface *shape, const iso_point_view *points, iso_error *error) {
-    assert(!shape->mesh && shape->has_radii == (points->radii != NULL) &&
-           shape->has_colors == (points->colors != NULL) && shape->has_shapes == (points->shapes != NULL));
-    ISO_TRY(iso_gl_enter(shape->engine->context, error));
-    shape->transform = points->transform;
-    shape->radius = points->radius;
-    memcpy(shape->dims, points->dims, sizeof shape->dims);
-    shape->uploaded = 0;
-    iso_status status = send_points(shape, points, error);
-    if (status == ISO_OK) make_arrays(shape);
-    status = iso_gl_leave(shape->engine->context, status, error);
-    if (status != ISO_OK) forget_spans(shape);
+iso_status iso_gl_update_points(iso_gl_surface *surface, const iso_point_view *points, iso_error *error) {
+    assert(!surface->mesh && surface->has_radii == (points->radii != NULL) &&
+           surface->has_colors == (points->colors != NULL) &&
+           surface->has_curvatures == (points->curvatures != NULL));
+    ISO_TRY(iso_gl_enter(surface->engine->context, error));
+    surface->transform = points->transform;
+    surface->radius = points->radius;
+    memcpy(surface->dims, points->dims, sizeof surface->dims);
+    surface->uploaded = 0;
+    iso_status status = send_points(surface, points, error);
+    if (status == ISO_OK) make_vertex_arrays(surface);
+    status = iso_gl_leave(surface->engine->context, status, error);
+    if (status != ISO_OK) invalidate_spans(surface);
     return status;
 }
 
-iso_status iso_gl_update_mesh(iso_gl_surface *shape, const iso_mesh_view *mesh, iso_error *error) {
-    assert(shape->mesh);
-    ISO_TRY(iso_gl_enter(shape->engine->context, error));
-    shape->transform = mesh->transform;
-    shape->uploaded = 0;
-    iso_status status = send_mesh(shape, mesh, error);
-    if (status == ISO_OK) make_arrays(shape);
-    status = iso_gl_leave(shape->engine->context, status, error);
-    if (status != ISO_OK) forget_spans(shape);
+iso_status iso_gl_update_mesh(iso_gl_surface *surface, const iso_mesh_view *mesh, iso_error *error) {
+    assert(surface->mesh);
+    ISO_TRY(iso_gl_enter(surface->engine->context, error));
+    surface->transform = mesh->transform;
+    surface->uploaded = 0;
+    iso_status status = send_mesh(surface, mesh, error);
+    if (status == ISO_OK) make_vertex_arrays(surface);
+    status = iso_gl_leave(surface->engine->context, status, error);
+    if (status != ISO_OK) invalidate_spans(surface);
     return status;
 }
 
@@ -427,78 +434,78 @@ static iso_status make_shape(iso_gl_engine *engine, iso_gl_surface **made, iso_e
     return ISO_OK;
 }
 
-iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_surface **shape,
+iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_surface **surface,
                                 iso_error *error) {
     iso_gl_surface *made;
     ISO_TRY(make_shape(engine, &made, error));
     made->surfels = points->surfels != NULL;
     made->has_radii = points->radii != NULL;
     made->has_colors = points->colors != NULL;
-    made->has_shapes = points->shapes != NULL;
+    made->has_curvatures = points->curvatures != NULL;
     made->blocks = iso_alloc_zero(1, sizeof *made->blocks);
     iso_status status = made->blocks ? iso_gl_update_points(made, points, error)
                                      : iso_fail(error, ISO_ERR_NOMEM, "out of memory for blocks of points");
     if (status == ISO_OK)
-        *shape = made;
+        *surface = made;
     else
         iso_gl_surface_destroy(made);
     return status;
 }
 
 static iso_status upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, bool stripped,
-                              iso_gl_surface **shape, iso_error *error) {
+                              iso_gl_surface **surface, iso_error *error) {
     iso_gl_surface *made;
     ISO_TRY(make_shape(engine, &made, error));
     made->mesh = true;
     made->stripped = stripped;
     iso_status status = iso_gl_update_mesh(made, mesh, error);
     if (status == ISO_OK)
-        *shape = made;
+        *surface = made;
     else
         iso_gl_surface_destroy(made);
     return status;
 }
 
-iso_status iso_gl_upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_surface **shape,
+iso_status iso_gl_upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_surface **surface,
                               iso_error *error) {
-    return upload_mesh(engine, mesh, false, shape, error);
+    return upload_mesh(engine, mesh, false, surface, error);
 }
 
-iso_status iso_gl_upload_strips(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_surface **shape,
+iso_status iso_gl_upload_strips(iso_gl_engine *engine, const iso_mesh_view *mesh, iso_gl_surface **surface,
                                 iso_error *error) {
-    return upload_mesh(engine, mesh, true, shape, error);
+    return upload_mesh(engine, mesh, true, surface, error);
 }
 
-iso_gl_surface_stats iso_gl_surface_measure(const iso_gl_surface *shape) {
-    iso_gl_surface_stats stats = {.uploaded = shape->uploaded};
-    const iso_gl_span *spans = shape->spans.data;
-    for (size_t s = 0; shape->mesh && s < shape->span_count; s++) {
+iso_gl_surface_stats iso_gl_surface_measure(const iso_gl_surface *surface) {
+    iso_gl_surface_stats stats = {.uploaded = surface->uploaded};
+    const iso_gl_span *spans = surface->spans.data;
+    for (size_t s = 0; surface->mesh && s < surface->span_count; s++) {
         stats.indices += spans[s].triangles ? spans[s].count : 0;
         stats.triangles += spans[s].triangles;
     }
     return stats;
 }
 
-/* What a shape has outside the GPU. */
-static void free_shape(iso_gl_surface *shape) {
-    if (shape->blocks) iso_point_blocks_free(shape->blocks);
-    iso_free(shape->blocks);
-    iso_gl_strips_free(&shape->strips);
-    iso_buffer_free(&shape->bounds);
-    iso_buffer_free(&shape->spans);
-    iso_free(shape);
+/* Frees what a surface has in main memory. */
+static void free_surface(iso_gl_surface *surface) {
+    if (surface->blocks) iso_point_blocks_free(surface->blocks);
+    iso_free(surface->blocks);
+    iso_gl_strips_free(&surface->strips);
+    iso_buffer_free(&surface->bounds);
+    iso_buffer_free(&surface->spans);
+    iso_free(surface);
 }
 
-void iso_gl_surface_destroy(iso_gl_surface *shape) {
-    if (!shape) return;
-    iso_gl_context *context = shape->engine->context;
+void iso_gl_surface_destroy(iso_gl_surface *surface) {
+    if (!surface) return;
+    iso_gl_context *context = surface->engine->context;
     if (iso_gl_enter(context, NULL) == ISO_OK) {
-        const GLuint buffers[] = {shape->vertices.name, shape->radii.name, shape->colors.name,
-                                  shape->shapes.name, shape->indices.name};
-        const GLuint arrays[] = {shape->array, shape->quad_array};
+        const GLuint buffers[] = {surface->vertices.name, surface->radii.name, surface->colors.name,
+                                  surface->curvatures.name, surface->indices.name};
+        const GLuint arrays[] = {surface->array, surface->quad_array};
         context->gl->DeleteVertexArrays(2, arrays); /* 0 is ignored */
         context->gl->DeleteBuffers(5, buffers);
         iso_gl_leave(context, ISO_OK, NULL);
     }
-    free_shape(shape);
+    free_surface(surface);
 }

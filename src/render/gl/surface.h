@@ -1,4 +1,5 @@
-/* shape: surfaces in the GPU's memory. Inside render/gl only. */
+/* surface: points and meshes in GPU memory, how they are drawn, and the engine's own data. Inside
+ * render/gl only. */
 #ifndef ISO_RENDER_GL_SURFACE_H
 #define ISO_RENDER_GL_SURFACE_H
 
@@ -16,32 +17,32 @@
 extern "C" {
 #endif
 
-/* What a draw has to know of a span without asking the GPU. */
+/* A span of the surface: what drawing needs to know on the CPU. */
 typedef struct iso_gl_span {
     int32_t brick[3];
     uint32_t count;     /* points, or indices */
-    uint32_t first;     /* point, or index */
+    uint32_t first;     /* first point, or first index */
     uint32_t triangles; /* of a mesh */
     int32_t base;       /* vertex that indices count from */
     bool changed;       /* by the last update */
-    uint64_t stamp;     /* of what was uploaded; 0: none */
-    size_t place[2];    /* where that lay: points, or vertices and triangles */
+    uint64_t version;   /* of the uploaded data; 0: none */
+    size_t place[2];    /* first point, or first vertex and triangle, of the uploaded data */
     iso_box box;        /* index coordinates */
-    double radius;      /* mm, the largest; 0 of triangles */
+    double radius;      /* largest radius of its points, mm; 0 for triangles */
 } iso_gl_span;
 
 typedef struct iso_gl_buffer {
     unsigned name;
-    size_t room; /* items */
+    size_t room; /* capacity, items */
 } iso_gl_buffer;
 
-/* What a draw tells points of the span or block that they are in. */
+/* Per-instance data of points: the span or block that they belong to. */
 typedef struct iso_gl_instance {
-    float origin[3]; /* view space */
-    float place[4];  /* index coordinates of the first step of positions; whether shapes matter */
+    float origin[3]; /* view space position that the points' steps count from */
+    float place[4];  /* index coordinates of that position; 1: the points' curvatures are used */
 } iso_gl_instance;
 
-/* Draws as OpenGL wants them in buffers. */
+/* Draw commands in OpenGL's layout (DrawArraysIndirectCommand, DrawElementsIndirectCommand). */
 typedef struct iso_gl_points_command {
     uint32_t count, instances, first, first_instance;
 } iso_gl_points_command;
@@ -57,35 +58,35 @@ struct iso_gl_surface {
     iso_transform transform;
     iso_buffer spans; /* of iso_gl_span */
     size_t span_count;
-    bool mesh, stripped, surfels, has_radii, has_colors, has_shapes, closed;
-    iso_buffer bounds;        /* of a closed mesh: one iso_point_bounds a span */
-    iso_point_blocks *blocks; /* of points: where each begins in its span, and what they are; owned */
-    double radius;            /* of all points without radii */
-    int32_t dims[3];          /* of their grid; 0: not known */
+    bool mesh, stripped, surfels, has_radii, has_colors, has_curvatures, closed;
+    iso_buffer bounds;        /* of a closed mesh: an iso_point_bounds per span */
+    iso_point_blocks *blocks; /* of points; a block's `first` counts from its span's first point. Owned */
+    double radius;            /* mm, of all points when there are no radii */
+    int32_t dims[3];          /* voxels of the grid that the points come from; 0: not known */
     uint64_t uploaded;        /* bytes, by the last update */
     iso_gl_strips strips;
-    /* One vertex array draws points or triangles, the other quads. */
-    iso_gl_buffer vertices, radii, colors, shapes, indices;
+    /* `array` draws points or triangles, `quad_array` points as quads. */
+    iso_gl_buffer vertices, radii, colors, curvatures, indices;
     unsigned array, quad_array;
 };
 
-/* Buffers of pull-push. */
+/* Buffers of pull-push and the refined reconstruction; see the slots of the same names in shared.h. */
 typedef enum iso_gl_storage {
     ISO_GL_STORE_UNIFORMS,
-    ISO_GL_STORE_REFINED, /* uniforms too */
+    ISO_GL_STORE_REFINED, /* uniforms of refined */
     ISO_GL_STORE_BLOCKS,
     ISO_GL_STORE_KEYS,
     ISO_GL_STORE_DISCS,
     ISO_GL_STORE_SHADES,
     ISO_GL_STORE_RANGES,
-    ISO_GL_STORE_SHAPES,
-    ISO_GL_STORE_ENDS,
+    ISO_GL_STORE_ELLIPSES,
+    ISO_GL_STORE_REACHES,
     ISO_GL_STORE_TINTS,
     ISO_GL_STORE_PICTURE
 } iso_gl_storage;
 enum { ISO_GL_STORES = 11 };
 
-/* What discs are drawn into, at least as large as what is drawn: the nearest depths, and sums. */
+/* Render targets of the refined reconstruction: nearest depths and sums. At least as large as a tile. */
 typedef struct iso_gl_discs {
     int width, height;
     unsigned framebuffers[2], fronts, sums[4];
@@ -93,48 +94,49 @@ typedef struct iso_gl_discs {
 
 struct iso_gl_engine {
     iso_gl_context *context;
-    unsigned programs[ISO_GL_PROGRAMS]; /* 0: not needed so far */
-    int max_side;                       /* of what is drawn at once */
-    double max_point;                   /* pixels */
-    /* A framebuffer of at least the size that is drawn; all of it is made again when it must grow. */
+    unsigned programs[ISO_GL_PROGRAMS]; /* 0: not compiled yet */
+    int max_side;                       /* samples, of the largest part that is drawn at once */
+    double max_point;                   /* the driver's largest point, pixels */
+    /* The framebuffer, at least as large as the part that is drawn; replaced when it must grow. */
     int width, height;
     unsigned framebuffer, color, surface, depth;
     iso_gl_discs discs;
-    unsigned frame, commands, instances; /* buffers */
-    bool keep_averted;                   /* for tests: nothing is left out for facing away */
-    size_t drawn, averted;               /* spans, by the last draw; what its parts share counts for each */
-    /* Buffers that grow as they must, 0 where not needed so far. */
+    unsigned draw_uniforms, commands, instances; /* buffers */
+    bool keep_back_facing;                       /* for tests: draw back-facing spans too */
+    size_t drawn,
+        back_facing; /* spans drawn and left out by the last draw, counted in every part of the picture */
+    /* Buffers that grow as needed; 0: not needed yet. */
     unsigned storage[ISO_GL_STORES];
     size_t storage_bytes[ISO_GL_STORES];
-    size_t max_storage; /* bytes of one that shaders can see */
-    bool wide_atomics;  /* on 64 bits of it */
+    size_t max_storage; /* bytes of the largest storage buffer that shaders can access */
+    bool wide_atomics;  /* 64-bit atomic operations in storage buffers */
     iso_gl_timer timer;
 };
 
-/* The program, compiled when it is asked for the first time. */
+/* The OpenGL name of a program, which is compiled on first use. ISO_ERR_BACKEND. */
 iso_status iso_gl_engine_program(iso_gl_engine *engine, iso_gl_program program, unsigned *name,
                                  iso_error *error);
 
-/* Uninitialised, of one level. */
+/* A texture of one level, uninitialised. */
 unsigned iso_gl_make_texture(const GladGLContext *gl, unsigned format, int width, int height);
 
-/* A buffer of pull-push of at least so many bytes, whose contents are lost when it must grow. */
-void iso_gl_engine_need(iso_gl_engine *engine, iso_gl_storage which, size_t bytes);
+/* Makes a storage buffer at least this large; its contents are lost when it has to grow. */
+void iso_gl_engine_ensure_storage(iso_gl_engine *engine, iso_gl_storage which, size_t bytes);
 
-/* Points are drawn while their centres are in the viewport, so that it is wider than the picture by half the
- * widest point. */
+/* Pixels by which the viewport is wider than the picture on each side: half the widest point, as OpenGL
+ * drops points whose centres are outside the viewport. */
 static inline int iso_gl_engine_margin(const iso_gl_engine *engine) {
     return (int)(engine->max_point / 2) + 1;
 }
 
-/* Draws that follow one another: their commands (points' or a mesh's) and what each tells its primitives
- * (iso_gl_instance, or a mesh's brick), which stay until others come. */
-void iso_gl_surface_command(const iso_gl_surface *shape, size_t count, const void *commands,
+/* Uploads the commands (iso_gl_points_command or iso_gl_mesh_command) and per-instance data
+ * (iso_gl_instance, or three int32_t with a mesh's brick) of a multi-draw; they stay until the next call. */
+void iso_gl_surface_command(const iso_gl_surface *surface, size_t count, const void *commands,
                             const void *instances);
-/* By the program in use. */
-void iso_gl_surface_draw(const iso_gl_surface *shape, size_t count);
-/* So many points from `first` on as quads. */
-void iso_gl_surface_draw_quads(const iso_gl_surface *shape, size_t first, size_t count,
+/* Executes the uploaded commands with the program in use. */
+void iso_gl_surface_draw(const iso_gl_surface *surface, size_t count);
+/* Draws `count` points from `first` on as quads with the program in use. */
+void iso_gl_surface_draw_quads(const iso_gl_surface *surface, size_t first, size_t count,
                                const iso_gl_instance *instance);
 
 #ifdef __cplusplus

@@ -1,3 +1,4 @@
+/* timer: GL_TIME_ELAPSED queries, or the computer's clock for software renderers. */
 #define _GNU_SOURCE
 #include "render/gl/timer.h"
 
@@ -48,7 +49,7 @@ void iso_gl_timer_free(iso_gl_timer *timer, const GladGLContext *gl) {
 
 const char *iso_gl_pass_name(iso_gl_pass pass) {
     static const char *const names[ISO_GL_PASSES] = {"draw",   "project", "pull", "push",
-                                                     "finish", "front",   "add",  "settle"};
+                                                     "finish", "front",   "add",  "resolve"};
     return names[pass];
 }
 
@@ -56,6 +57,6 @@ void iso_gl_engine_seconds(const iso_gl_engine *engine, double seconds[ISO_GL_PA
     memcpy(seconds, engine->timer.seconds, sizeof engine->timer.seconds);
 }
 
-void iso_gl_engine_forget_seconds(iso_gl_engine *engine) {
+void iso_gl_engine_reset_seconds(iso_gl_engine *engine) {
     memset(engine->timer.seconds, 0, sizeof engine->timer.seconds);
 }

@@ -1,4 +1,5 @@
-/* Contexts of windows: somebody else's, found in use and left in use. */
+/* window: the platform of a context that belongs to a window. The window created it and goes on using it,
+ * so it stays current when we leave it and is not destroyed here. */
 #include "render/gl/platform.h"
 
 static iso_gl_function address(const iso_gl_platform *platform, const char *name) {
@@ -10,7 +11,6 @@ static bool enter(const iso_gl_platform *platform) {
     return true;
 }
 
-/* It stays current, and stays there. */
 static void leave(const iso_gl_platform *platform) {
     (void)platform;
 }

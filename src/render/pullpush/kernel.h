@@ -28,7 +28,7 @@ typedef struct iso_point_projection {
 } iso_point_projection;
 
 /* What the other steps need to know. */
-typedef struct iso_reconstruction_job {
+typedef struct iso_pullpush_params {
     const iso_pyramid *pyramid;
     const iso_target *target;
     float normal[9]; /* index covector to view space */
@@ -41,7 +41,7 @@ typedef struct iso_reconstruction_job {
     float low_pass;      /* added to the squared axes of ellipses, pixels^2 */
     float facing, edge;  /* the same on the side where the surface ends, seen face-on and edge-on */
     float weight[4];     /* of q, 0 .. 1: a polynomial */
-} iso_reconstruction_job;
+} iso_pullpush_params;
 
 /* Blocks order[0] .. order[count - 1] of an array. */
 typedef struct iso_block_list {
@@ -54,17 +54,17 @@ typedef struct iso_pullpush_kernel {
     /* The blocks' points into rows first .. last of the keys, and of the index when there is one. */
     void (*project)(const iso_point_projection *projection, const iso_block_list *list, iso_rows rows);
     /* Keys of the base level, 1 or higher, into its planes. */
-    void (*unpack)(const iso_reconstruction_job *job, iso_rows rows);
+    void (*unpack)(const iso_pullpush_params *params, iso_rows rows);
     /* Rows of `level` from those of the level below; of level 1 from keys when that is the base. */
-    void (*pull)(const iso_reconstruction_job *job, int level, iso_rows rows);
+    void (*pull)(const iso_pullpush_params *params, int level, iso_rows rows);
     /* The ellipses of a level whose other planes are ready. */
-    void (*ellipses)(const iso_reconstruction_job *job, int level, iso_rows rows);
+    void (*ellipses)(const iso_pullpush_params *params, int level, iso_rows rows);
     /* Fills what lies between the pixels of `level`, by rows of cells: row y, of 0 .. half the height of the
      * level below, lies between rows y - 1 and y of the level, and is rows 2y - 1 and 2y of the level below,
      * 1 or higher; and makes their ellipses. */
-    void (*push)(const iso_reconstruction_job *job, int level, iso_rows rows);
+    void (*push)(const iso_pullpush_params *params, int level, iso_rows rows);
     /* The same for rows of level 1's cells and the gbuffer. */
-    void (*finish)(const iso_reconstruction_job *job, iso_rows rows);
+    void (*finish)(const iso_pullpush_params *params, iso_rows rows);
 } iso_pullpush_kernel;
 
 /* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */

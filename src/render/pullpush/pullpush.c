@@ -35,7 +35,7 @@ typedef struct frame {
     iso_point_blocks *blocks;
     iso_pyramid *pyramid;
     iso_point_projection projection;
-    iso_reconstruction_job job;
+    iso_pullpush_params params;
     int band_rows, band_levels;       /* levels that a band of the base level pulls by itself */
     int level, task_rows, level_rows; /* the step at hand */
 } frame;
@@ -46,9 +46,9 @@ typedef struct frame {
 static void choose_bands(frame *f) {
     const int threads = iso_pool_threads(f->target->pool),
               bands = threads == 1 ? 1 : threads * BANDS_PER_THREAD;
-    const int height = f->pyramid->level[f->pyramid->shape.base].height;
+    const int height = f->pyramid->level[f->pyramid->layout.base].height;
     size_t row = f->pyramid->key_stride * sizeof(int64_t);
-    int most = f->pyramid->shape.top - f->pyramid->shape.base;
+    int most = f->pyramid->layout.top - f->pyramid->layout.base;
     f->band_rows = BAND_ROWS_LEAST;
     f->band_levels = 4;
     while (f->band_rows < BAND_ROWS_MOST && (size_t)f->band_rows * 2 * row <= BAND_BYTES &&
@@ -59,35 +59,35 @@ static void choose_bands(frame *f) {
     if (f->band_levels > most) f->band_levels = most;
 }
 
-static iso_pyramid_shape choose_shape(const frame *f, const iso_view *view) {
-    iso_pyramid_shape shape = iso_pullpush_shape(view, f->blocks->radius);
-    if (f->points->radii) shape.planes |= 1u << ISO_PLANE_RADIUS;
-    if (f->points->colors) shape.planes |= 7u << ISO_PLANE_RED;
-    shape.indexed = shape.planes != 0;
-    return shape;
+static iso_pyramid_layout choose_layout(const frame *f, const iso_view *view) {
+    iso_pyramid_layout layout = iso_pullpush_layout(view, f->blocks->radius);
+    if (f->points->radii) layout.planes |= 1u << ISO_PLANE_RADIUS;
+    if (f->points->colors) layout.planes |= 7u << ISO_PLANE_RED;
+    layout.indexed = layout.planes != 0;
+    return layout;
 }
 
 static iso_status prepare(frame *f, iso_error *error) {
     const iso_view *view = f->target->view;
     bool cull = f->points->closed && !f->blocks->around_eye;
-    iso_pyramid_shape shape = choose_shape(f, view);
-    ISO_TRY(iso_pyramid_reshape(f->pyramid, &shape, error));
+    iso_pyramid_layout layout = choose_layout(f, view);
+    ISO_TRY(iso_pyramid_resize(f->pyramid, &layout, error));
     choose_bands(f);
     f->projection =
-        iso_pullpush_projection(&shape, &f->projector, &f->points->transform, f->points->packed, cull);
+        iso_pullpush_projection(&layout, &f->projector, &f->points->transform, f->points->packed, cull);
     f->projection.points = f->points;
     f->projection.pyramid = f->pyramid;
-    f->job = iso_pullpush_job(&shape, &f->projector, f->points->radius, f->reconstruction, !cull);
-    f->job.pyramid = f->pyramid;
-    f->job.target = f->target;
-    return iso_point_blocks_deal(f->blocks, view, f->pyramid, f->band_rows, cull, error);
+    f->params = iso_pullpush_params_make(&layout, &f->projector, f->points->radius, f->reconstruction, !cull);
+    f->params.pyramid = f->pyramid;
+    f->params.target = f->target;
+    return iso_point_blocks_assign_bands(f->blocks, view, f->pyramid, f->band_rows, cull, error);
 }
 
 /* ---- the steps, by rows */
 
 /* Rows of a level's cells (kernel.h). */
 static int cell_rows(const iso_pyramid *p, int level) {
-    return iso_pyramid_level_of(&p->shape, level - 1).height / 2 + 1;
+    return iso_pyramid_level_of(&p->layout, level - 1).height / 2 + 1;
 }
 
 static iso_rows rows_within(int first, int count, int height) {
@@ -125,7 +125,7 @@ static void project_band(const frame *f, size_t band, iso_rows rows) {
 /* What the band's points have besides their keys, from their numbers. */
 static void fetch_attributes(const frame *f, iso_rows rows) {
     const iso_pyramid *p = f->pyramid;
-    const iso_pyramid_level *level = &p->level[p->shape.base];
+    const iso_pyramid_level *level = &p->level[p->layout.base];
     for (int y = rows.first; y <= rows.last; y++) {
         const int64_t *keys = p->keys + (size_t)y * p->key_stride;
         const int32_t *index = p->index + (size_t)y * p->key_stride;
@@ -145,14 +145,14 @@ static void do_band(void *context, size_t band, int worker) {
     (void)worker;
     const frame *f = context;
     const iso_pyramid *p = f->pyramid;
-    int base = p->shape.base;
+    int base = p->layout.base;
     iso_rows rows = rows_within((int)band * f->band_rows, f->band_rows, p->level[base].height);
     project_band(f, band, rows);
     if (p->index) fetch_attributes(f, rows);
-    if (base > 0) f->kernel->unpack(&f->job, rows);
+    if (base > 0) f->kernel->unpack(&f->params, rows);
     for (int i = 1; i <= f->band_levels; i++) {
         const iso_pyramid_level *level = &p->level[base + i];
-        f->kernel->pull(&f->job, base + i,
+        f->kernel->pull(&f->params, base + i,
                         rows_within((int)band * (f->band_rows >> i), f->band_rows >> i, level->height));
     }
 }
@@ -160,20 +160,22 @@ static void do_band(void *context, size_t band, int worker) {
 static void pull_rows(void *context, size_t index, int worker) {
     (void)worker;
     const frame *f = context;
-    f->kernel->pull(&f->job, f->level, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
+    f->kernel->pull(&f->params, f->level,
+                    rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
 }
 
-static void shape_rows(void *context, size_t index, int worker) {
+static void fit_rows(void *context, size_t index, int worker) {
     (void)worker;
     const frame *f = context;
-    f->kernel->ellipses(&f->job, f->level,
+    f->kernel->ellipses(&f->params, f->level,
                         rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
 }
 
 static void push_rows(void *context, size_t index, int worker) {
     (void)worker;
     const frame *f = context;
-    f->kernel->push(&f->job, f->level, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
+    f->kernel->push(&f->params, f->level,
+                    rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
 }
 
 /* A row of level 1's cells is drawn as soon as the two rows of pixels it lies between are there, so that they
@@ -184,10 +186,10 @@ static void push_and_finish(void *context, size_t index, int worker) {
     iso_rows rows = rows_within((int)index * f->task_rows, f->task_rows, f->level_rows);
     int end = cell_rows(f->pyramid, 1);
     for (int y = rows.first; y <= rows.last; y++) {
-        f->kernel->push(&f->job, 2, (iso_rows){y, y});
+        f->kernel->push(&f->params, 2, (iso_rows){y, y});
         /* rows 2y - 1 and 2y of pixels are new */
         int first = y > rows.first ? 2 * y - 1 : 2 * y, last = 2 * y < end ? 2 * y : end - 1;
-        f->kernel->finish(&f->job, (iso_rows){first, last});
+        f->kernel->finish(&f->params, (iso_rows){first, last});
     }
 }
 
@@ -196,15 +198,15 @@ static void finish_between(void *context, size_t index, int worker) {
     const frame *f = context;
     iso_rows rows = rows_within((int)index * f->task_rows, f->task_rows, f->level_rows);
     int after = 2 * rows.last + 1;
-    if (rows.first > 0) f->kernel->finish(&f->job, (iso_rows){2 * rows.first - 1, 2 * rows.first - 1});
+    if (rows.first > 0) f->kernel->finish(&f->params, (iso_rows){2 * rows.first - 1, 2 * rows.first - 1});
     if (rows.last == f->level_rows - 1 && after < cell_rows(f->pyramid, 1))
-        f->kernel->finish(&f->job, (iso_rows){after, after});
+        f->kernel->finish(&f->params, (iso_rows){after, after});
 }
 
 static void finish_rows(void *context, size_t index, int worker) {
     (void)worker;
     const frame *f = context;
-    f->kernel->finish(&f->job, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
+    f->kernel->finish(&f->params, rows_within((int)index * f->task_rows, f->task_rows, f->level_rows));
 }
 
 /* Runs a step over rows of a level. */
@@ -229,14 +231,14 @@ static void for_cells(frame *f, int number, iso_task *task) {
 }
 
 static void reconstruct(frame *f) {
-    const iso_pyramid_shape *shape = &f->pyramid->shape;
-    int bands = (f->pyramid->level[shape->base].height + f->band_rows - 1) / f->band_rows;
+    const iso_pyramid_layout *layout = &f->pyramid->layout;
+    int bands = (f->pyramid->level[layout->base].height + f->band_rows - 1) / f->band_rows;
     iso_parallel_for(f->target->pool, (size_t)bands, do_band, f);
-    for (int level = shape->base + f->band_levels + 1; level <= shape->top; level++)
+    for (int level = layout->base + f->band_levels + 1; level <= layout->top; level++)
         for_level(f, level, pull_rows);
-    for_level(f, shape->top, shape_rows);
-    for (int level = shape->top; level > 2; level--) for_cells(f, level, push_rows);
-    if (shape->top == 1) {
+    for_level(f, layout->top, fit_rows);
+    for (int level = layout->top; level > 2; level--) for_cells(f, level, push_rows);
+    if (layout->top == 1) {
         for_cells(f, 1, finish_rows);
     } else {
         for_cells(f, 2, push_and_finish);
@@ -285,8 +287,8 @@ static int rows_at_once(const frame *f, const iso_view *view) {
     int rows = view->height;
     for (; rows > STRIP_ROWS_LEAST; rows = (rows + 1) / 2) {
         iso_view strip = iso_view_rows(view, 0, rows);
-        iso_pyramid_shape shape = choose_shape(f, &strip);
-        if (iso_pyramid_bytes(&shape) <= PYRAMID_BYTES) break;
+        iso_pyramid_layout layout = choose_layout(f, &strip);
+        if (iso_pyramid_bytes(&layout) <= PYRAMID_BYTES) break;
     }
     return rows;
 }

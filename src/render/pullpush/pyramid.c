@@ -35,25 +35,25 @@ static void widen_rows(int top, int *lo, int *hi) {
     *hi = ((*hi + 1) << top) - 1;
 }
 
-iso_pyramid_shape iso_pyramid_shape_of(const iso_view *view, int base, int top) {
+iso_pyramid_layout iso_pyramid_layout_of(const iso_view *view, int base, int top) {
     int guard = 1 << (top > 1 ? top - 1 : 1);
     if (guard > ISO_PYRAMID_GUARD) guard = ISO_PYRAMID_GUARD;
     int last = view->above + view->height + view->below + 2 * guard - 1;
     int lo = view->above + guard, hi = lo + view->height - 1;
     widen_rows(top, &lo, &hi);
     if (hi > last) hi = last;
-    return (iso_pyramid_shape){.base = base,
-                               .top = top,
-                               .guard = guard,
-                               .column = -guard,
-                               .row = lo - view->above - guard,
-                               .rows_before = lo,
-                               .width = view->width + 2 * guard,
-                               .height = hi - lo + 1};
+    return (iso_pyramid_layout){.base = base,
+                                .top = top,
+                                .guard = guard,
+                                .column = -guard,
+                                .row = lo - view->above - guard,
+                                .rows_before = lo,
+                                .width = view->width + 2 * guard,
+                                .height = hi - lo + 1};
 }
 
-static bool has_plane(const iso_pyramid_shape *shape, int level, int plane) {
-    if (plane >= ISO_PLANE_OPTIONAL) return (level > 0 || shape->base == 0) && (shape->planes >> plane & 1);
+static bool has_plane(const iso_pyramid_layout *layout, int level, int plane) {
+    if (plane >= ISO_PLANE_OPTIONAL) return (level > 0 || layout->base == 0) && (layout->planes >> plane & 1);
     return level > 0;
 }
 
@@ -61,9 +61,9 @@ static size_t plane_floats(const iso_pyramid_level *level) {
     return level->stride * (size_t)(level->height + 2);
 }
 
-iso_pyramid_level iso_pyramid_level_of(const iso_pyramid_shape *shape, int number) {
+iso_pyramid_level iso_pyramid_level_of(const iso_pyramid_layout *layout, int number) {
     int less = (1 << number) - 1;
-    int width = (shape->width + less) >> number, height = (shape->height + less) >> number;
+    int width = (layout->width + less) >> number, height = (layout->height + less) >> number;
     return (iso_pyramid_level){
         .width = width, .height = height, .stride = (size_t)(LEFT + round_up(width, LANES) + RIGHT)};
 }
@@ -81,15 +81,15 @@ static size_t piece_count(const iso_pyramid_level *base) {
     return key_stride_of(base) / ISO_KEY_PIECE * (size_t)(base->height / 2 + 1);
 }
 
-size_t iso_pyramid_bytes(const iso_pyramid_shape *shape) {
-    const iso_pyramid_level base = iso_pyramid_level_of(shape, shape->base);
+size_t iso_pyramid_bytes(const iso_pyramid_layout *layout) {
+    const iso_pyramid_level base = iso_pyramid_level_of(layout, layout->base);
     if (key_count(&base) > INT32_MAX) return SIZE_MAX; /* places of keys are 32-bit numbers */
     size_t bytes =
-        key_count(&base) * (sizeof(int64_t) + (shape->indexed ? sizeof(int32_t) : 0)) + piece_count(&base);
-    for (int l = 0; l <= shape->top; l++) {
-        iso_pyramid_level level = iso_pyramid_level_of(shape, l);
+        key_count(&base) * (sizeof(int64_t) + (layout->indexed ? sizeof(int32_t) : 0)) + piece_count(&base);
+    for (int l = 0; l <= layout->top; l++) {
+        iso_pyramid_level level = iso_pyramid_level_of(layout, l);
         for (int p = 0; p < ISO_PLANES; p++)
-            if (has_plane(shape, l, p)) bytes += plane_floats(&level) * sizeof(float);
+            if (has_plane(layout, l, p)) bytes += plane_floats(&level) * sizeof(float);
     }
     return bytes;
 }
@@ -117,10 +117,10 @@ static void make_border(const iso_pyramid_level *level, int plane) {
 /* Returns where they end. */
 static char *lay_planes(iso_pyramid *pyramid, char *memory) {
     float *next = (float *)memory;
-    for (int l = 0; l <= pyramid->shape.top; l++) {
+    for (int l = 0; l <= pyramid->layout.top; l++) {
         iso_pyramid_level *level = &pyramid->level[l];
         for (int p = 0; p < ISO_PLANES; p++) {
-            if (!has_plane(&pyramid->shape, l, p)) continue;
+            if (!has_plane(&pyramid->layout, l, p)) continue;
             level->plane[p] = next + level->stride + LEFT;
             make_border(level, p);
             next += plane_floats(level);
@@ -129,22 +129,22 @@ static char *lay_planes(iso_pyramid *pyramid, char *memory) {
     return (char *)next;
 }
 
-iso_status iso_pyramid_reshape(iso_pyramid *pyramid, const iso_pyramid_shape *shape, iso_error *error) {
-    if (pyramid->memory.data && memcmp(shape, &pyramid->shape, sizeof *shape) == 0) return ISO_OK;
-    size_t bytes = iso_pyramid_bytes(shape);
+iso_status iso_pyramid_resize(iso_pyramid *pyramid, const iso_pyramid_layout *layout, iso_error *error) {
+    if (pyramid->memory.data && memcmp(layout, &pyramid->layout, sizeof *layout) == 0) return ISO_OK;
+    size_t bytes = iso_pyramid_bytes(layout);
     if (bytes == SIZE_MAX) return iso_fail(error, ISO_ERR_NOMEM, "a picture of that size is impossible");
-    pyramid->shape = (iso_pyramid_shape){0}; /* until the memory is there */
+    pyramid->layout = (iso_pyramid_layout){0}; /* until the memory is there */
     ISO_TRY(iso_buffer_reserve(&pyramid->memory, bytes, 0, error));
     memset(pyramid->memory.data, 0, bytes);
-    pyramid->shape = *shape;
-    for (int l = 0; l <= shape->top; l++) pyramid->level[l] = iso_pyramid_level_of(shape, l);
-    const iso_pyramid_level *base = &pyramid->level[shape->base];
+    pyramid->layout = *layout;
+    for (int l = 0; l <= layout->top; l++) pyramid->level[l] = iso_pyramid_level_of(layout, l);
+    const iso_pyramid_level *base = &pyramid->level[layout->base];
     pyramid->key_stride = key_stride_of(base);
-    size_t index = shape->indexed ? key_count(base) * sizeof(int32_t) : 0;
+    size_t index = layout->indexed ? key_count(base) * sizeof(int32_t) : 0;
     char *memory = pyramid->memory.data;
     pyramid->keys = (int64_t *)memory;
     memory += key_count(base) * sizeof(int64_t);
-    pyramid->index = shape->indexed ? (int32_t *)memory : NULL;
+    pyramid->index = layout->indexed ? (int32_t *)memory : NULL;
     pyramid->used = (uint8_t *)lay_planes(pyramid, memory + index);
     memset(pyramid->used, 1, piece_count(base));
     return ISO_OK;

@@ -68,17 +68,17 @@ typedef struct iso_pyramid_level {
 } iso_pyramid_level;
 
 /* What decides a pyramid's layout. Zero-initialise. */
-typedef struct iso_pyramid_shape {
+typedef struct iso_pyramid_layout {
     int base, top, guard;
     int column, row;   /* the view's pixel that is the pyramid's (0, 0) of level 0 */
     int rows_before;   /* rows of the whole picture and its guard band before that, a multiple of 2^top */
     int width, height; /* level 0 */
     uint32_t planes;   /* optional ones that are there, a bit for each */
     int indexed;       /* 1: there is an index */
-} iso_pyramid_shape;
+} iso_pyramid_layout;
 
 typedef struct iso_pyramid {
-    iso_pyramid_shape shape;
+    iso_pyramid_layout layout;
     iso_pyramid_level level[ISO_PYRAMID_TOP + 1];
     int64_t *keys; /* of level `base`: its height + 1 rows of key_stride, the last empty */
     size_t key_stride;
@@ -94,17 +94,17 @@ typedef struct iso_pyramid {
 void iso_pyramid_levels(const float radius[2], float low_pass, int *base, int *top);
 
 /* The shape of a view's pyramid: its levels and what there is in it */
-iso_pyramid_shape iso_pyramid_shape_of(const iso_view *view, int base, int top);
+iso_pyramid_layout iso_pyramid_layout_of(const iso_view *view, int base, int top);
 
 /* A level's size, without planes. */
-iso_pyramid_level iso_pyramid_level_of(const iso_pyramid_shape *shape, int number);
+iso_pyramid_level iso_pyramid_level_of(const iso_pyramid_layout *layout, int number);
 
 /* Bytes that a pyramid of this shape takes; SIZE_MAX when it is impossible. */
-size_t iso_pyramid_bytes(const iso_pyramid_shape *shape);
+size_t iso_pyramid_bytes(const iso_pyramid_layout *layout);
 
 /* Gives the pyramid this shape; what lay in it is lost, its memory is kept and reused. Borders are made,
  * pixels are not. ISO_ERR_NOMEM. */
-iso_status iso_pyramid_reshape(iso_pyramid *pyramid, const iso_pyramid_shape *shape, iso_error *error);
+iso_status iso_pyramid_resize(iso_pyramid *pyramid, const iso_pyramid_layout *layout, iso_error *error);
 void iso_pyramid_free(iso_pyramid *pyramid);
 
 #endif

@@ -10,22 +10,22 @@ static const float FACING = 1, EDGE = 0.04f;
 static const float GAUSSIAN[4] = {1, -1.9457733f, 1.6291067f, -0.5504321f};
 static const float BOX[4] = {1, 0, 0, 0};
 
-iso_pyramid_shape iso_pullpush_shape(const iso_view *view, const float radius[2]) {
+iso_pyramid_layout iso_pullpush_layout(const iso_view *view, const float radius[2]) {
     int base, top;
     iso_pyramid_levels(radius, LOW_PASS, &base, &top);
-    return iso_pyramid_shape_of(view, base, top);
+    return iso_pyramid_layout_of(view, base, top);
 }
 
-iso_point_projection iso_pullpush_projection(const iso_pyramid_shape *shape, const iso_projector *projector,
+iso_point_projection iso_pullpush_projection(const iso_pyramid_layout *layout, const iso_projector *projector,
                                              const iso_transform *transform, bool packed, bool cull) {
     const iso_view *view = projector->view;
-    const double pixel = 1.0 / (1 << shape->base), step = packed ? ISO_POINT_STEP : 1;
+    const double pixel = 1.0 / (1 << layout->base), step = packed ? ISO_POINT_STEP : 1;
     iso_point_projection p = {.cull = cull,
                               .orthographic = view->orthographic,
                               .near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near,
                               .low = packed ? ISO_POINT_LOW : 0,
                               .per_voxel = 1 / step,
-                              .rows_before = shape->rows_before >> shape->base};
+                              .rows_before = layout->rows_before >> layout->base};
     for (int row = 0; row < 3; row++) {
         double scale = row < 2 ? view->focal * pixel : 1;
         p.origin[row] = projector->origin[row] * scale;
@@ -36,25 +36,26 @@ iso_point_projection iso_pullpush_projection(const iso_pyramid_shape *shape, con
     }
     iso_projector_eye(projector, transform, p.eye);
     /* counted from the whole frame, so that strips round alike */
-    p.column = (float)((view->cx - shape->column) * pixel);
-    p.row = (float)((view->cy - shape->row + shape->rows_before) * pixel);
+    p.column = (float)((view->cx - layout->column) * pixel);
+    p.row = (float)((view->cy - layout->row + layout->rows_before) * pixel);
     return p;
 }
 
-iso_reconstruction_job iso_pullpush_job(const iso_pyramid_shape *shape, const iso_projector *projector,
-                                        double radius, iso_reconstruction reconstruction, bool two_sided) {
+iso_pullpush_params iso_pullpush_params_make(const iso_pyramid_layout *layout, const iso_projector *projector,
+                                             double radius, iso_reconstruction reconstruction,
+                                             bool two_sided) {
     const iso_view *view = projector->view;
-    iso_reconstruction_job job = {
+    iso_pullpush_params params = {
         .radius = radius > 0 ? ISO_DISC_RADII * (float)radius : 0,
         .scale = (float)view->focal,
         .orthographic = view->orthographic,
         .two_sided = two_sided,
-        .ray = {(float)(view->cx - shape->column), (float)(view->cy - shape->row + shape->rows_before)},
+        .ray = {(float)(view->cx - layout->column), (float)(view->cy - layout->row + layout->rows_before)},
         .slope = view->orthographic ? 0 : (float)(1 / view->focal),
         .low_pass = LOW_PASS,
         .facing = FACING,
         .edge = EDGE};
-    memcpy(job.normal, projector->normal, sizeof job.normal);
-    memcpy(job.weight, reconstruction == ISO_RECONSTRUCTION_BOX ? BOX : GAUSSIAN, sizeof job.weight);
-    return job;
+    memcpy(params.normal, projector->normal, sizeof params.normal);
+    memcpy(params.weight, reconstruction == ISO_RECONSTRUCTION_BOX ? BOX : GAUSSIAN, sizeof params.weight);
+    return params;
 }

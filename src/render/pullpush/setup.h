@@ -11,16 +11,17 @@ extern "C" {
 
 /* The shape of a view's pyramid for discs of projected radii radius[0] .. radius[1], without optional planes.
  */
-iso_pyramid_shape iso_pullpush_shape(const iso_view *view, const float radius[2]);
+iso_pyramid_layout iso_pullpush_layout(const iso_view *view, const float radius[2]);
 
 /* All but `points` and `pyramid`; `packed` is what the points are. */
-iso_point_projection iso_pullpush_projection(const iso_pyramid_shape *shape, const iso_projector *projector,
+iso_point_projection iso_pullpush_projection(const iso_pyramid_layout *layout, const iso_projector *projector,
                                              const iso_transform *transform, bool packed, bool cull);
 
 /* All but `pyramid` and `target`; `radius` is the points' own, mm, of those that share one; `two_sided` when
  * nothing is culled. */
-iso_reconstruction_job iso_pullpush_job(const iso_pyramid_shape *shape, const iso_projector *projector,
-                                        double radius, iso_reconstruction reconstruction, bool two_sided);
+iso_pullpush_params iso_pullpush_params_make(const iso_pyramid_layout *layout, const iso_projector *projector,
+                                             double radius, iso_reconstruction reconstruction,
+                                             bool two_sided);
 
 #ifdef __cplusplus
 }

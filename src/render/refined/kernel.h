@@ -92,7 +92,7 @@ enum {
 };
 
 /* What a call does. */
-typedef struct iso_refined_job {
+typedef struct iso_refined_params {
     const iso_target *target;
     const iso_point_view *points;
     const iso_point_block *blocks;
@@ -115,7 +115,7 @@ typedef struct iso_refined_job {
     float per_mm;    /* voxels in a mm, at most */
     bool bordered;   /* discs end at the grid's border: */
     float border[3]; /* the high one's index coordinates; the low one's are 0 */
-} iso_refined_job;
+} iso_refined_params;
 
 enum {
     ISO_REFINED_TILE = 4, /* columns */
@@ -140,20 +140,20 @@ typedef struct iso_refined_patch {
 
 typedef struct iso_refined_kernel {
     /* Adds the discs of a block (its number) to pixels, of which `front` tells which have sums. */
-    void (*scatter)(const iso_refined_job *job, const iso_refined_patch *patch, uint32_t block);
+    void (*scatter)(const iso_refined_params *params, const iso_refined_patch *patch, uint32_t block);
     /* The same to tiles. */
-    void (*splat)(const iso_refined_job *job, const iso_refined_patch *patch, uint32_t block);
+    void (*splat)(const iso_refined_params *params, const iso_refined_patch *patch, uint32_t block);
     /* From sums to the gbuffer. */
-    void (*finish_pixels)(const iso_refined_job *job, const iso_refined_patch *patch);
-    void (*finish_tiles)(const iso_refined_job *job, const iso_refined_patch *patch);
+    void (*finish_pixels)(const iso_refined_params *params, const iso_refined_patch *patch);
+    void (*finish_tiles)(const iso_refined_params *params, const iso_refined_patch *patch);
     /* The deepest front of each cell of the patch. */
     void (*survey_pixels)(const iso_refined_patch *patch, float *deepest);
     void (*survey_tiles)(const iso_refined_patch *patch, float *deepest);
 } iso_refined_kernel;
 
 /* Whether a block's points have shapes that matter. */
-static inline bool iso_refined_shapes(const iso_refined_job *job, const iso_point_block *block) {
-    return job->points->shapes && block->radius[1] >= ISO_REFINED_FLAT_RADIUS;
+static inline bool iso_refined_use_curvature(const iso_refined_params *params, const iso_point_block *block) {
+    return params->points->curvatures && block->radius[1] >= ISO_REFINED_FLAT_RADIUS;
 }
 
 /* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */

@@ -19,7 +19,7 @@ enum {
 
 /* One call. */
 typedef struct frame {
-    iso_refined_job job;
+    iso_refined_params params;
     const iso_refined_kernel *kernel;
     const iso_point_blocks *blocks;
     iso_refined *workspace;
@@ -38,7 +38,7 @@ typedef struct patches {
 
 static iso_status set_up_corners(frame *f, const iso_projector *projector, iso_error *error) {
     const iso_point_block *block = f->blocks->blocks.data;
-    const double low = (double)f->job.low;
+    const double low = (double)f->params.low;
     ISO_TRY(iso_buffer_reserve(&f->workspace->corners, f->blocks->count * sizeof(float[3]), 0, error));
     float(*corner)[3] = f->workspace->corners.data;
     for (size_t i = 0; i < f->blocks->count; i++) {
@@ -49,60 +49,60 @@ static iso_status set_up_corners(frame *f, const iso_projector *projector, iso_e
             corner[i][k] = (float)(m[0] * at[0] + m[1] * at[1] + m[2] * at[2] + projector->origin[k]);
         }
     }
-    f->job.corner = (const float(*)[3])corner;
+    f->params.corner = (const float(*)[3])corner;
     return ISO_OK;
 }
 
 /* Surfaces end where their grid does, in the midst of discs. */
-static void set_up_border(iso_refined_job *job) {
-    const int32_t *dims = job->points->dims;
-    job->bordered = dims[0] > 0 && dims[1] > 0 && dims[2] > 0;
-    job->per_mm = iso_refined_per_mm(job->normal);
-    for (int k = 0; k < 3; k++) job->border[k] = (float)(dims[k] - 1);
+static void set_up_border(iso_refined_params *params) {
+    const int32_t *dims = params->points->dims;
+    params->bordered = dims[0] > 0 && dims[1] > 0 && dims[2] > 0;
+    params->per_mm = iso_refined_per_mm(params->normal);
+    for (int k = 0; k < 3; k++) params->border[k] = (float)(dims[k] - 1);
 }
 
 /* Balls are measured in voxels, of which the largest side is `side` mm. */
-static void set_up_metric(iso_refined_job *job, const double spacing[3]) {
+static void set_up_metric(iso_refined_params *params, const double spacing[3]) {
     const double side = fmax(spacing[0], fmax(spacing[1], spacing[2]));
     int i = 0;
-    job->uneven = spacing[0] != spacing[1] || spacing[1] != spacing[2];
+    params->uneven = spacing[0] != spacing[1] || spacing[1] != spacing[2];
     for (int r = 0; r < 3; r++)
         for (int c = r; c < 3; c++, i++) {
             double sum = 0;
             for (int k = 0; k < 3; k++)
-                sum += (double)job->normal[3 * r + k] * (double)job->normal[3 * c + k];
-            job->metric[i] = (float)(sum * side * side * (r == c ? 1 : 2));
+                sum += (double)params->normal[3 * r + k] * (double)params->normal[3 * c + k];
+            params->metric[i] = (float)(sum * side * side * (r == c ? 1 : 2));
         }
 }
 
 static void set_up_job(frame *f, const iso_projector *projector) {
-    iso_refined_job *job = &f->job;
-    const iso_view *view = job->target->view;
-    job->low = job->points->packed ? ISO_POINT_LOW : 0;
-    job->voxels = job->points->packed ? ISO_POINT_STEP : 1;
-    for (int k = 0; k < 9; k++) job->step[k] = (float)(projector->matrix[k] * (double)job->voxels);
-    memcpy(job->normal, projector->normal, sizeof job->normal);
-    job->reach[0] = ISO_REFINED_BALL;
-    job->reach[1] = ISO_REFINED_BALL_MORE;
-    job->grow_from = ISO_REFINED_GROW_FROM;
-    job->grow = 1 / ISO_REFINED_GROW_OVER;
-    job->radius = job->points->radius > 0 ? (float)job->points->radius : 0;
-    job->focal = (float)view->focal;
-    job->slope = view->orthographic ? 0 : (float)(1 / view->focal);
-    job->axis[0] = (float)view->cx;
-    job->axis[1] = (float)(view->cy + view->above);
-    job->slant = iso_refined_slant(view, 0);
-    const double *spacing = job->points->transform.spacing;
-    set_up_metric(job, spacing);
-    if (!job->uneven) job->per_length = (float)spacing[0];
-    job->near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near;
-    job->orthographic = view->orthographic;
-    job->cull = job->points->closed && !f->blocks->around_eye;
-    set_up_border(job);
+    iso_refined_params *params = &f->params;
+    const iso_view *view = params->target->view;
+    params->low = params->points->packed ? ISO_POINT_LOW : 0;
+    params->voxels = params->points->packed ? ISO_POINT_STEP : 1;
+    for (int k = 0; k < 9; k++) params->step[k] = (float)(projector->matrix[k] * (double)params->voxels);
+    memcpy(params->normal, projector->normal, sizeof params->normal);
+    params->reach[0] = ISO_REFINED_BALL;
+    params->reach[1] = ISO_REFINED_BALL_MORE;
+    params->grow_from = ISO_REFINED_GROW_FROM;
+    params->grow = 1 / ISO_REFINED_GROW_OVER;
+    params->radius = params->points->radius > 0 ? (float)params->points->radius : 0;
+    params->focal = (float)view->focal;
+    params->slope = view->orthographic ? 0 : (float)(1 / view->focal);
+    params->axis[0] = (float)view->cx;
+    params->axis[1] = (float)(view->cy + view->above);
+    params->slant = iso_refined_slant(view, 0);
+    const double *spacing = params->points->transform.spacing;
+    set_up_metric(params, spacing);
+    if (!params->uneven) params->per_length = (float)spacing[0];
+    params->near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near;
+    params->orthographic = view->orthographic;
+    params->cull = params->points->closed && !f->blocks->around_eye;
+    set_up_border(params);
 }
 
 static void choose_patches(frame *f) {
-    const iso_view *view = f->job.target->view;
+    const iso_view *view = f->params.target->view;
     f->across = (view->width + PATCH_WIDTH - 1) / PATCH_WIDTH;
     f->down = (view->height + PATCH_HEIGHT - 1) / PATCH_HEIGHT;
     const int width = view->width < PATCH_WIDTH ? view->width : PATCH_WIDTH,
@@ -114,7 +114,7 @@ static void choose_patches(frame *f) {
 /* Cells are as large as discs, which so lie in their own and the eight around it. */
 static void set_up_hiding(frame *f) {
     const float most =
-        f->blocks->radius[1] / ISO_DISC_RADII * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE) * f->job.slant;
+        f->blocks->radius[1] / ISO_DISC_RADII * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE) * f->params.slant;
     f->shift = CELL_SHIFT_LEAST;
     while (f->shift < 16 && most > (float)(1 << f->shift)) f->shift++;
     const size_t side = (size_t)1 << f->shift;
@@ -122,17 +122,17 @@ static void set_up_hiding(frame *f) {
     f->high = (int)((f->pixels / f->stride + side - 1) >> f->shift);
     /* A disc may reach towards the eye by its radius, and joins what is 1.5 radii before it; where that was
      * turned, what faces the eye takes its place from as far behind. */
-    const float radius = f->job.radius * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE);
-    f->behind = f->job.points->radii ? ISO_NOWHERE : (f->job.cull ? 2.6f : 4.1f) * radius;
+    const float radius = f->params.radius * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE);
+    f->behind = f->params.points->radii ? ISO_NOWHERE : (f->params.cull ? 2.6f : 4.1f) * radius;
 }
 
 /* The patches that a block's discs can reach. */
 static patches patches_of(const frame *f, const iso_point_block *block) {
-    const iso_view *view = f->job.target->view;
-    const double reach = (double)(iso_refined_reach(block) * f->job.slant + 2);
+    const iso_view *view = f->params.target->view;
+    const double reach = (double)(iso_refined_reach(block) * f->params.slant + 2);
     const int most[2] = {f->across, f->down}, size[2] = {PATCH_WIDTH, PATCH_HEIGHT};
     patches in = {{0, 0}, {-1, -1}};
-    if (!block->seen || (f->job.cull && block->averted)) return in;
+    if (!block->seen || (f->params.cull && block->back_facing)) return in;
     for (int k = 0; k < 2; k++) {
         const int32_t *range = k ? block->row : block->column;
         const double axis = k ? view->cy : view->cx;
@@ -147,7 +147,7 @@ static patches patches_of(const frame *f, const iso_point_block *block) {
 /* Sorts the blocks by depth, as their corners have it: what is in front comes first and hides the rest. All
  * of them take part, so that a strip of a picture has them in the same order. */
 static iso_status sort(frame *f, uint32_t **sorted, iso_error *error) {
-    const float(*corner)[3] = f->job.corner;
+    const float(*corner)[3] = f->params.corner;
     const size_t count = f->blocks->count;
     ISO_TRY(iso_buffer_reserve(&f->workspace->sorted, count * sizeof **sorted, 0, error));
     *sorted = f->workspace->sorted.data;
@@ -211,7 +211,7 @@ static size_t worker_bytes(const frame *f) {
 
 static drawing start_patch(const frame *f, size_t number, int worker) {
     const size_t *start = f->workspace->start.data;
-    const iso_view *view = f->job.target->view;
+    const iso_view *view = f->params.target->view;
     const int x = (int)number % f->across * PATCH_WIDTH, y = (int)number / f->across * PATCH_HEIGHT;
     float *sums = (float *)((char *)f->workspace->memory.data + (size_t)worker * worker_bytes(f)),
           *front = sums + f->pixels * ISO_SUMS, *hidden = front + f->pixels;
@@ -241,10 +241,10 @@ static void choose_way(const frame *f, drawing *d) {
     for (size_t i = 0; i < d->count; i++) {
         const iso_point_block *b = &block[d->order[i]];
         most = b->radius[1] > most ? b->radius[1] : most;
-        d->patch.flat &= !iso_refined_shapes(&f->job, b);
+        d->patch.flat &= !iso_refined_use_curvature(&f->params, b);
     }
     const iso_point_block largest = {.radius = {0, most}};
-    d->tiles = 2 * iso_refined_reach(&largest) * f->job.slant + 1 > ISO_REFINED_BOX;
+    d->tiles = 2 * iso_refined_reach(&largest) * f->params.slant + 1 > ISO_REFINED_BOX;
 }
 
 static float larger(float a, float b) {
@@ -277,7 +277,7 @@ static void look(const frame *f, drawing *d) {
 
 /* The cells along an axis that a block's centres are in, or nearest to. */
 static void cells_of(const frame *f, const drawing *d, const iso_point_block *block, int axis, int range[2]) {
-    const iso_view *view = f->job.target->view;
+    const iso_view *view = f->params.target->view;
     const int32_t *pixels = axis ? block->row : block->column;
     const double from = (axis ? view->cy : view->cx) - d->patch.first[axis];
     const int last = (d->patch.last[axis] - d->patch.first[axis]) >> f->shift;
@@ -311,12 +311,12 @@ static void fetch(const void *items, size_t bytes) {
 
 /* The next block into the cache: blocks are too short for what processors foresee. */
 static void fetch_block(const frame *f, const iso_point_block *block) {
-    const iso_point_view *points = f->job.points;
+    const iso_point_view *points = f->params.points;
     const size_t count = block->count < FETCHED ? block->count : FETCHED;
     if (!points->packed) return;
     fetch(points->packed + block->first, count * sizeof *points->packed);
-    if (iso_refined_shapes(&f->job, block))
-        fetch(points->shapes + block->first, count * sizeof *points->shapes);
+    if (iso_refined_use_curvature(&f->params, block))
+        fetch(points->curvatures + block->first, count * sizeof *points->curvatures);
 }
 
 static void do_patch(void *context, size_t number, int worker) {
@@ -333,14 +333,14 @@ static void do_patch(void *context, size_t number, int worker) {
         if (i && i % rounds == 0) look(f, &d);
         if (is_hidden(f, &d, &block[d.order[i]], &some)) continue;
         d.patch.hidden = some ? d.hidden : NULL;
-        (d.tiles ? f->kernel->splat : f->kernel->scatter)(&f->job, &d.patch, d.order[i]);
+        (d.tiles ? f->kernel->splat : f->kernel->scatter)(&f->params, &d.patch, d.order[i]);
     }
-    (d.tiles ? f->kernel->finish_tiles : f->kernel->finish_pixels)(&f->job, &d.patch);
+    (d.tiles ? f->kernel->finish_tiles : f->kernel->finish_pixels)(&f->params, &d.patch);
 }
 
 iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, const iso_point_view *points,
                             const iso_point_blocks *blocks, iso_error *error) {
-    frame f = {.job = {.target = target, .points = points, .blocks = blocks->blocks.data},
+    frame f = {.params = {.target = target, .points = points, .blocks = blocks->blocks.data},
                .kernel = iso_refined_kernel_get(iso_cpu_best()),
                .blocks = blocks,
                .workspace = workspace};

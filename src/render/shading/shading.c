@@ -7,10 +7,6 @@
 #include "render/project.h"
 #include "render/shading/shading_kernel.h"
 
-static bool is_same(iso_rgb a, iso_rgb b) {
-    return a.r == b.r && a.g == b.g && a.b == b.b;
-}
-
 static iso_shade_job make_job(const iso_shading *shading, const iso_strip *strip, const iso_image *image) {
     const iso_rgb back = shading->background;
     iso_shade_job job = {.strip = strip,
@@ -21,7 +17,7 @@ static iso_shade_job make_job(const iso_shading *shading, const iso_strip *strip
     int last = shading->color_count - 1;
     for (int surface = 0; surface <= ISO_SURFACE_NONE; surface++) {
         iso_rgb color = shading->colors[surface < last ? surface : last];
-        job.one_color &= is_same(color, shading->colors[0]);
+        job.one_color &= iso_rgb_equal(color, shading->colors[0]);
         job.base[0][surface] = (float)color.r / 255;
         job.base[1][surface] = (float)color.g / 255;
         job.base[2][surface] = (float)color.b / 255;

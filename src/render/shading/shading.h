@@ -3,6 +3,7 @@
 #ifndef ISO_RENDER_SHADING_SHADING_H
 #define ISO_RENDER_SHADING_SHADING_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/parallel.h"
@@ -25,6 +26,10 @@ typedef struct iso_shading {
 
 /* The colour of the surface with this number when none was chosen. */
 iso_rgb iso_shading_palette(int surface);
+
+static inline bool iso_rgb_equal(iso_rgb a, iso_rgb b) {
+    return a.r == b.r && a.g == b.g && a.b == b.b;
+}
 
 /* Colour of one sample: view-space unit normal, direction from the surface to the eye (of any length).
  * Components 0 .. 1. iso_shade's samples are this, with (-u, -v, -1) for the ray through (u, v, 1). */

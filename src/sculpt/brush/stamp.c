@@ -49,17 +49,17 @@ const iso_hgrid *iso_stamp_level(const iso_stamp *stamp, double radius_voxels) {
 /* ---- from a mesh */
 
 /* Makes all levels, in the mesh's millimetres. A level that is too coarse for thin parts may be empty. */
-static iso_status make_levels(const char *path, const iso_closed_mesh *mesh, iso_mesh_frame frame,
+static iso_status make_levels(const char *path, const iso_closed_mesh *mesh, iso_mesh_sampling sampling,
                               iso_stamp *stamp, iso_error *error) {
-    const iso_progress *progress = frame.progress;
-    const double longest = frame.voxel;
+    const iso_progress *progress = sampling.progress;
+    const double longest = sampling.voxel;
     iso_status status = ISO_OK;
     for (int i = 0; i < ISO_STAMP_LEVELS; i++) {
         const iso_progress part =
             iso_progress_part(progress, (double)i / ISO_STAMP_LEVELS, (i + 1.0) / ISO_STAMP_LEVELS);
-        frame.progress = &part;
-        frame.voxel = longest / (ISO_STAMP_FIRST << i);
-        status = iso_level_set_from_mesh(path, mesh, &frame, &stamp->level[stamp->count], error);
+        sampling.progress = &part;
+        sampling.voxel = longest / (ISO_STAMP_FIRST << i);
+        status = iso_level_set_from_mesh(path, mesh, &sampling, &stamp->level[stamp->count], error);
         stamp->count += status == ISO_OK;
         if (status != ISO_OK && status != ISO_ERR_EMPTY) return status;
     }
@@ -83,10 +83,10 @@ iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, is
     const double middle[3] = {0.5 * (box.lo.x + box.hi.x), 0.5 * (box.lo.y + box.hi.y),
                               0.5 * (box.lo.z + box.hi.z)};
     const double longest = fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
-    const iso_mesh_frame frame = {longest, MARGIN, pool, progress};
+    const iso_mesh_sampling sampling = {longest, MARGIN, pool, progress};
     iso_stamp *stamp = allocate_stamp(path);
     if (!stamp) return iso_fail_memory(error, path);
-    iso_status status = make_levels(path, mesh, frame, stamp, error);
+    iso_status status = make_levels(path, mesh, sampling, stamp, error);
     normalise(stamp, middle, longest);
     if (status == ISO_OK)
         *out = stamp;

@@ -20,7 +20,7 @@ static iso_status copy_level_set(const iso_hgrid *from, iso_hgrid **grid, iso_er
     int dims[3];
     for (int axis = 0; axis < 3; axis++)
         dims[axis] = (from->dims[axis] + 2 * ISO_FIELD_MARGIN + ISO_BRICK - 1) / ISO_BRICK * ISO_BRICK;
-    return iso_level_set_reframe(from, offset, dims, grid, error);
+    return iso_level_set_resize(from, offset, dims, grid, error);
 }
 
 iso_status iso_field_redistance(iso_hgrid *grid, iso_pool *pool, const iso_progress *progress,

@@ -637,7 +637,7 @@ static iso_status prepare_commit(iso_transaction *transaction, iso_edit_stats *s
             lo[axis] = ISO_BRICK * edit_cell->at[axis] + edit_cell->lo[axis];
             hi[axis] = ISO_BRICK * edit_cell->at[axis] + edit_cell->hi[axis];
         }
-        ISO_TRY(iso_change_log_touch(transaction->grid->log, lo, hi, error));
+        ISO_TRY(iso_change_log_add(transaction->grid->log, lo, hi, error));
         if (edit_cell->state >= 0 || edit_cell->empty) continue;
         ISO_TRY(iso_hgrid_split_unset(transaction->grid, edit_cell->at[0], edit_cell->at[1], edit_cell->at[2],
                                       error));

@@ -242,7 +242,7 @@ static iso_status fill_mask(file_reader *r, iso_mask *mask, iso_error *error) {
 
 static iso_status fill_grid(file_reader r, iso_hgrid *grid, iso_mask *mask, iso_error *error) {
     const int lo[3] = {0, 0, 0}, hi[3] = {grid->dims[0] - 1, grid->dims[1] - 1, grid->dims[2] - 1};
-    ISO_TRY(iso_hgrid_touch(grid, lo, hi, error));
+    ISO_TRY(iso_hgrid_mark_changed(grid, lo, hi, error));
     for (size_t i = 0; i < iso_hgrid_cell_count(grid); i++) {
         const int at[3] = {(int)(i % (size_t)grid->cells[0]),
                            (int)(i / (size_t)grid->cells[0] % (size_t)grid->cells[1]),

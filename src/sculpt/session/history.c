@@ -231,7 +231,7 @@ static iso_status prepare_restore(iso_history *history, const saved_cell *cells,
             lo[axis] = ISO_BRICK * at[axis];
             hi[axis] = lo[axis] + ISO_BRICK - 1;
         }
-        ISO_TRY(iso_change_log_touch(history->grid->log, lo, hi, error));
+        ISO_TRY(iso_change_log_add(history->grid->log, lo, hi, error));
         if (cells[i].state == BRICK)
             ISO_TRY(iso_hgrid_split(history->grid, at[0], at[1], at[2], &brick, error));
     }

@@ -1,4 +1,4 @@
-/* isosculpt's hand: what becomes of a stroke that runs out of memory. */
+/* isosculpt's input controller: strokes that run out of memory. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@ static const iso_journal_start START = {.source = "ball",
                                         .radius = 15};
 
 static void press(isosculpt_controller *controller) {
-    isosculpt_controller_press(controller, ISOSCULPT_LEFT, 0, WIDTH / 2, HEIGHT / 2);
+    isosculpt_controller_press(controller, ISOSCULPT_BUTTON_LEFT, 0, WIDTH / 2, HEIGHT / 2);
     assert_int_equal(controller->drag, ISOSCULPT_DRAG_BRUSH);
 }
 
@@ -28,14 +28,14 @@ static void press(isosculpt_controller *controller) {
 static void strokes_that_cannot_end_are_taken_back(void **state) {
     (void)state;
     isosculpt_document document = {.start = START};
-    isosculpt_view view;
+    isosculpt_viewport view;
     isosculpt_controller controller;
     iso_hgrid *grid;
     const iso_session_opts opts = {0};
     assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
     assert_int_equal(iso_session_create(grid, &START, &opts, &document.session, NULL), ISO_OK);
-    assert_int_equal(isosculpt_view_init(&view, grid, NULL, NULL), ISO_OK);
-    assert_int_equal(isosculpt_view_draw(&view, WIDTH, HEIGHT, false, NULL), ISO_OK);
+    assert_int_equal(isosculpt_viewport_init(&view, grid, NULL, NULL), ISO_OK);
+    assert_int_equal(isosculpt_viewport_draw(&view, WIDTH, HEIGHT, false, NULL), ISO_OK);
     isosculpt_controller_init(&controller, &document, &view);
     iso_hgrid *before = sculpt_copy(grid);
     const iso_history *history = iso_session_history(document.session);
@@ -44,7 +44,7 @@ static void strokes_that_cannot_end_are_taken_back(void **state) {
         press(&controller);
         assert_false(sculpt_same(grid, before));
         test_refuse_memory_after(calls);
-        isosculpt_controller_release(&controller, ISOSCULPT_LEFT);
+        isosculpt_controller_release(&controller, ISOSCULPT_BUTTON_LEFT);
         test_grant_memory();
         if (iso_history_count(history)) break;
         assert_int_equal(controller.error.status, ISO_ERR_NOMEM);
@@ -55,14 +55,14 @@ static void strokes_that_cannot_end_are_taken_back(void **state) {
     assert_int_equal(iso_session_undo(document.session, NULL), ISO_OK);
     assert_true(sculpt_same(grid, before));
     iso_hgrid_destroy(before);
-    isosculpt_view_free(&view);
+    isosculpt_viewport_free(&view);
     iso_session_destroy(document.session);
 }
 
-/* A session with its view, and a hand on both; the view is drawn. */
+/* A session with a viewport, drawn once, and a controller for both. */
 typedef struct scene {
     isosculpt_document document;
-    isosculpt_view view;
+    isosculpt_viewport view;
     isosculpt_controller controller;
 } scene;
 
@@ -72,14 +72,14 @@ static void open_scene(scene *s) {
     *s = (scene){.document = {.start = START}};
     assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
     assert_int_equal(iso_session_create(grid, &START, &opts, &s->document.session, NULL), ISO_OK);
-    assert_int_equal(isosculpt_view_init(&s->view, grid, NULL, NULL), ISO_OK);
-    assert_int_equal(isosculpt_view_draw(&s->view, WIDTH, HEIGHT, false, NULL), ISO_OK);
+    assert_int_equal(isosculpt_viewport_init(&s->view, grid, NULL, NULL), ISO_OK);
+    assert_int_equal(isosculpt_viewport_draw(&s->view, WIDTH, HEIGHT, false, NULL), ISO_OK);
     isosculpt_controller_init(&s->controller, &s->document, &s->view);
 }
 
 static void close_scene(scene *s) {
     isosculpt_controller_free(&s->controller);
-    isosculpt_view_free(&s->view);
+    isosculpt_viewport_free(&s->view);
     iso_session_destroy(s->document.session);
 }
 
@@ -87,7 +87,7 @@ static void draw_stroke(isosculpt_controller *controller, int to_x) {
     isosculpt_controller_move(controller, WIDTH / 2, HEIGHT / 2);
     press(controller);
     isosculpt_controller_move(controller, to_x, HEIGHT / 2);
-    isosculpt_controller_release(controller, ISOSCULPT_LEFT);
+    isosculpt_controller_release(controller, ISOSCULPT_BUTTON_LEFT);
 }
 
 /* What is drawn while there is no field yet becomes, played, what it would have been. */
@@ -97,25 +97,25 @@ static void strokes_wait_for_a_field(void **state) {
     open_scene(&direct);
     open_scene(&late);
     late.controller.viewing_volume = true;
-    isosculpt_controller_press(&late.controller, ISOSCULPT_LEFT, 0, WIDTH / 2, HEIGHT / 2);
+    isosculpt_controller_press(&late.controller, ISOSCULPT_BUTTON_LEFT, 0, WIDTH / 2, HEIGHT / 2);
     assert_int_equal(late.controller.drag, ISOSCULPT_DRAG_ORBIT); /* no brush was picked */
-    isosculpt_controller_release(&late.controller, ISOSCULPT_LEFT);
+    isosculpt_controller_release(&late.controller, ISOSCULPT_BUTTON_LEFT);
     assert_true(isosculpt_controller_key(&late.controller, '1', 0, true));
     assert_true(late.controller.commands & ISOSCULPT_COMMAND_SCULPT);
-    late.controller.awaiting = true;
+    late.controller.field_pending = true;
     iso_hgrid *before = sculpt_copy(iso_session_grid(late.document.session));
     draw_stroke(&late.controller, WIDTH / 2 + 20);
     draw_stroke(&late.controller, WIDTH / 2 - 10);
     draw_stroke(&late.controller, WIDTH / 2 - 20);
-    isosculpt_controller_key(&late.controller, 'z', ISOSCULPT_CTRL, true); /* not the last one */
-    assert_int_equal(late.controller.waiting.count, 2);
+    isosculpt_controller_key(&late.controller, 'z', ISOSCULPT_MODIFIER_CTRL, true); /* not the last one */
+    assert_int_equal(late.controller.queued_strokes.count, 2);
     assert_true(sculpt_same(iso_session_grid(late.document.session), before));
-    isosculpt_strokes waiting = late.controller.waiting;
-    late.controller.waiting = (isosculpt_strokes){0};
-    late.controller.viewing_volume = late.controller.awaiting = false;
-    isosculpt_controller_play(&late.controller, &waiting);
+    isosculpt_strokes waiting = late.controller.queued_strokes;
+    late.controller.queued_strokes = (isosculpt_strokes){0};
+    late.controller.viewing_volume = late.controller.field_pending = false;
+    isosculpt_controller_apply_strokes(&late.controller, &waiting);
     assert_int_equal(late.controller.error.status, ISO_OK);
-    assert_int_equal(late.document.changes, 2);
+    assert_int_equal(late.document.change_count, 2);
     draw_stroke(&direct.controller, WIDTH / 2 + 20);
     draw_stroke(&direct.controller, WIDTH / 2 - 10); /* (the picture picked from is the same) */
     assert_true(

@@ -87,7 +87,7 @@ static void cancelled_writing_leaves_no_file(void **state) {
     unlink(path);
 }
 
-/* The desk's save: at once, and now and then later. */
+/* Saves that are cancelled, some at once and some later, leave the old file. */
 static void cancelled_saves_keep_the_file_before(void **state) {
     (void)state;
     const char *path = session_path("probe.vdb");
@@ -102,7 +102,7 @@ static void cancelled_saves_keep_the_file_before(void **state) {
     assert_int_equal(isosculpt_document_new(&document, folder, NULL, NULL), ISO_OK);
     snprintf(document.target, sizeof document.target, "%s/saved.vdb", folder);
     snprintf(target, sizeof target, "%s", document.target);
-    assert_true(isosculpt_target_with(target, ".new-1.vdb", fresh));
+    assert_true(isosculpt_path_with_ending(target, ".new-1.vdb", fresh));
     int cancelled = 0;
     for (int round = 0; round < 4; round++) {
         FILE *old = fopen(target, "wb");
@@ -111,12 +111,12 @@ static void cancelled_saves_keep_the_file_before(void **state) {
         fclose(old);
         iso_status status = ISO_OK;
         iso_error error = {0};
-        document.changes++;
+        document.change_count++;
         assert_int_equal(isosculpt_document_save(&document, &how, &error), ISO_OK);
         assert_int_equal(isosculpt_document_save(&document, &how, &error), ISO_ERR_USAGE);
         usleep((useconds_t)(round * 20000));
         isosculpt_task_cancel(isosculpt_document_save_task(&document));
-        assert_int_equal(isosculpt_document_saving(&document, true, &status, &error), ISOSCULPT_SAVE_DONE);
+        assert_int_equal(isosculpt_document_poll_save(&document, true, &status, &error), ISOSCULPT_SAVE_DONE);
         char text[32] = "";
         old = fopen(target, "rb");
         assert_non_null(old);
@@ -124,7 +124,8 @@ static void cancelled_saves_keep_the_file_before(void **state) {
         fclose(old);
         assert_int_equal(strcmp(text, "what was there") == 0, status != ISO_OK);
         assert_false(is_there(fresh));
-        assert_int_equal(document.saved == document.changes, status == ISO_OK); /* closing still asks */
+        assert_int_equal(document.saved_change_count == document.change_count,
+                         status == ISO_OK); /* closing still asks */
         cancelled += status != ISO_OK;
     }
     assert_true(cancelled > 0);
@@ -174,29 +175,29 @@ static void openings(void **state) {
     (void)state;
     const char *volume = session_path("opened.nrrd");
     write_volume(volume);
-    const isosculpt_request request = {.path = volume, .isovalue = 200, .threads = 2},
-                            none = {.path = "/no/such.vdb", .isovalue = NAN, .threads = 1};
+    const isosculpt_load_request request = {.path = volume, .isovalue = 200, .threads = 2},
+                                 none = {.path = "/no/such.vdb", .isovalue = NAN, .threads = 1};
     isosculpt_load_job *load_job;
     isosculpt_loaded loaded;
     iso_error error = {0};
     assert_int_equal(isosculpt_load_job_start(&request, &load_job, NULL), ISO_OK);
     assert_int_equal(isosculpt_load_job_finish(load_job, &loaded, NULL), ISO_OK);
-    assert_true(isosculpt_view_points(&loaded.view) > 1000);
-    assert_null(loaded.document.session); /* it is looked at first */
+    assert_true(isosculpt_viewport_point_count(&loaded.viewport) > 1000);
+    assert_null(loaded.document.session); /* the volume is viewed first */
     assert_non_null(loaded.volume);
-    const size_t points = isosculpt_view_points(&loaded.view);
-    isosculpt_view_set_isovalue(&loaded.view, 220); /* a smaller ball */
-    loaded.view.sliding = true;
-    assert_int_equal(isosculpt_view_draw(&loaded.view, 64, 40, true, NULL), ISO_OK);
-    assert_int_equal(loaded.view.quality, ISOSCULPT_MOVING);
-    assert_int_equal(isosculpt_view_draw(&loaded.view, 64, 40, false, NULL), ISO_OK);
-    while (loaded.view.quality != ISOSCULPT_FINE)
-        assert_int_equal(isosculpt_view_refine(&loaded.view, NULL), ISO_OK);
-    assert_true(isosculpt_view_points(&loaded.view) < points);
-    const isosculpt_request surface_isovalue = {
-        .path = loaded.volume->path, .sculpt = loaded.volume, .isovalue = 220, .threads = 2};
+    const size_t points = isosculpt_viewport_point_count(&loaded.viewport);
+    isosculpt_viewport_set_isovalue(&loaded.viewport, 220); /* a smaller ball */
+    loaded.viewport.sliding = true;
+    assert_int_equal(isosculpt_viewport_draw(&loaded.viewport, 64, 40, true, NULL), ISO_OK);
+    assert_int_equal(loaded.viewport.quality, ISOSCULPT_QUALITY_MOVING);
+    assert_int_equal(isosculpt_viewport_draw(&loaded.viewport, 64, 40, false, NULL), ISO_OK);
+    while (loaded.viewport.quality != ISOSCULPT_QUALITY_FINE)
+        assert_int_equal(isosculpt_viewport_refine(&loaded.viewport, NULL), ISO_OK);
+    assert_true(isosculpt_viewport_point_count(&loaded.viewport) < points);
+    const isosculpt_load_request conversion = {
+        .path = loaded.volume->path, .volume = loaded.volume, .isovalue = 220, .threads = 2};
     isosculpt_loaded field;
-    assert_int_equal(isosculpt_load_job_start(&surface_isovalue, &load_job, NULL), ISO_OK);
+    assert_int_equal(isosculpt_load_job_start(&conversion, &load_job, NULL), ISO_OK);
     assert_int_equal(isosculpt_load_job_finish(load_job, &field, NULL), ISO_OK);
     iso_journal_start start;
     iso_hgrid *wanted;
@@ -236,7 +237,7 @@ static void cancelled_recoveries_are_offered_again(void **state) {
     FILE *left = fopen(marker, "wb");
     assert_non_null(left);
     fclose(left);
-    const isosculpt_request request = {.path = strokes, .isovalue = NAN, .threads = 1};
+    const isosculpt_load_request request = {.path = strokes, .isovalue = NAN, .threads = 1};
     for (int round = 0; round < 2; round++) {
         isosculpt_load_job *load_job;
         isosculpt_loaded loaded;

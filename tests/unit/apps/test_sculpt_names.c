@@ -37,8 +37,8 @@ static void make_file(const char *name) {
 
 static int open_folder(void **state) {
     (void)state;
-    static const char *const files[] = {"teapot.stl", "Head.nii.gz", "a.vdb",
-                                        "notes.txt",  ".hidden.stl", "B.obj"};
+    static const char *const files[] = {"teapot.stl", "Head.nii.gz",      "a.vdb",
+                                        "notes.txt",  ".show_hidden.stl", "B.obj"};
     if (!mkdtemp(folder)) return -1;
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) make_file(files[i]);
     return mkdir(in_folder("shelf"), 0700);
@@ -70,9 +70,9 @@ static void saving_goes_beside_the_source(void **state) {
     assert_target(NULL, "sculpture-2.vdb");
     isosculpt_target_beside("bear.strokes", path);
     assert_string_equal(path, "bear.vdb"); /* it is not there: the name as it is */
-    assert_true(isosculpt_target_with("/x/bear.vdb", "-1.png", path));
+    assert_true(isosculpt_path_with_ending("/x/bear.vdb", "-1.png", path));
     assert_string_equal(path, "/x/bear-1.png");
-    isosculpt_target_free(in_folder("teapot.vdb"), ".stl", path);
+    isosculpt_path_unused(in_folder("teapot.vdb"), ".stl", path);
     assert_string_equal(path, in_folder("teapot-2.stl"));
 }
 
@@ -114,10 +114,10 @@ static void the_browser_shows_what_can_be_chosen(void **state) {
     static const char *const wanted[] = {"shelf", "B.obj", "teapot.stl"}; /* folders first, any case */
     assert_int_equal(browser.count, 3);
     for (size_t i = 0; i < browser.count; i++) assert_string_equal(browser.entries[i].name, wanted[i]);
-    browser.hidden = true;
+    browser.show_hidden = true;
     isosculpt_browser_reread(&browser);
     assert_int_equal(browser.count, 4);
-    browser.hidden = false;
+    browser.show_hidden = false;
     isosculpt_browser_reread(&browser);
     isosculpt_browser_step(&browser, 1);
     assert_false(isosculpt_browser_choose(&browser, path)); /* enters */
@@ -128,7 +128,7 @@ static void the_browser_shows_what_can_be_chosen(void **state) {
     assert_string_equal(path, in_folder("B.obj"));
     snprintf(browser.name, sizeof browser.name, "nothing.stl");
     assert_false(isosculpt_browser_choose(&browser, path));
-    assert_true(browser.trouble[0]);
+    assert_true(browser.error_text[0]);
     isosculpt_browser_close(&browser);
     isosculpt_browser_open(&browser, ISOSCULPT_BROWSE_SAVE, in_folder("x.ply"));
     assert_string_equal(browser.name, "x.ply");
@@ -142,11 +142,11 @@ static void the_browser_shows_what_can_be_chosen(void **state) {
 
 static void commands_are_quoted(void **state) {
     (void)state;
-    isosculpt_view view = {.camera = {.position = {0.1, -2, 3}, .view_up = {0, 0, 1}, .view_angle = 30}};
-    view.mode.paint.color = (iso_rgb){0xCE, 0x8E, 0x70};
+    isosculpt_viewport view = {.camera = {.position = {0.1, -2, 3}, .view_up = {0, 0, 1}, .view_angle = 30}};
+    view.mode.material.color = (iso_rgb){0xCE, 0x8E, 0x70};
     isosculpt_render_command command = {.path = "/a b/it's.vdb",
                                         .reading = "grid=x y\ncrop=1,2,3,4,5,6\n",
-                                        .view = &view,
+                                        .viewport = &view,
                                         .width = 64,
                                         .height = 48};
     char text[2048];
@@ -161,7 +161,7 @@ static void commands_are_quoted(void **state) {
 
 static void ticks_are_round(void **state) {
     (void)state;
-    double ticks[ISOSCULPT_TICKS];
+    double ticks[ISOSCULPT_AXIS_TICKS];
     assert_int_equal(isosculpt_axis_ticks(62, 2000, 6, ticks), 4);
     for (int i = 0; i < 4; i++) assert_true(fabs(ticks[i] - 500 * (i + 1)) < 1e-9);
     assert_int_equal(isosculpt_axis_ticks(-1, 1, 5, ticks), 5); /* -1 -0.5 0 0.5 1 */

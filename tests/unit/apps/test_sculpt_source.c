@@ -249,12 +249,12 @@ static void files_are_found_again(void **state) {
     iso_journal_start start, again;
     iso_hgrid *first = open_source(path, NAN, 0, &start);
     again = start;
-    assert_int_equal(isosculpt_source_find(strokes, &how, &again, &grid, NULL), ISO_OK);
+    assert_int_equal(isosculpt_source_reopen(strokes, &how, &again, &grid, NULL), ISO_OK);
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
     assert_int_equal(rename(path, moved), 0);
     again = start;
-    assert_int_equal(isosculpt_source_find(strokes, &how, &again, &grid, NULL), ISO_OK);
+    assert_int_equal(isosculpt_source_reopen(strokes, &how, &again, &grid, NULL), ISO_OK);
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
     FILE *file = fopen(moved, "ab");
@@ -262,10 +262,10 @@ static void files_are_found_again(void **state) {
     fputc('x', file);
     fclose(file);
     again = start;
-    assert_int_equal(isosculpt_source_find(strokes, &how, &again, &grid, &error), ISO_ERR_FORMAT);
+    assert_int_equal(isosculpt_source_reopen(strokes, &how, &again, &grid, &error), ISO_ERR_FORMAT);
     assert_non_null(strstr(error.text, "is not what it was"));
     unlink(moved);
-    assert_int_equal(isosculpt_source_find(strokes, &how, &again, &grid, &error), ISO_ERR_IO);
+    assert_int_equal(isosculpt_source_reopen(strokes, &how, &again, &grid, &error), ISO_ERR_IO);
     assert_non_null(strstr(error.text, "found.vdb"));
     char open_mesh[600];
     snprintf(open_mesh, sizeof open_mesh, "%s/open.obj", folder);
@@ -310,10 +310,11 @@ static void readings_are_kept(void **state) {
     assert_true(iso_hgrid_at(first, rod[0], rod[1], rod[2]) == first->band);
     assert_true(first->dims[0] == 48 + 64 && first->dims[2] == 96); /* 23 voxels, 32 around, in bricks */
     again = start;
-    if (isosculpt_source_find("a.strokes", &how, &again, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (isosculpt_source_reopen("a.strokes", &how, &again, &grid, &error) != ISO_OK)
+        fail_msg("%s", error.text);
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
-    /* looked at before it is sculpted, as in a window */
+    /* viewed before it is sculpted, as in a window */
     isosculpt_volume *volume;
     assert_int_equal(isosculpt_volume_read(path, &input, NULL, NULL, &volume, NULL), ISO_OK);
     const isosculpt_source seen = {.path = path, .isovalue = 125, .volume = volume};
@@ -328,7 +329,7 @@ static void readings_are_kept(void **state) {
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         again = start;
         strcpy(again.reading, bad[i]);
-        assert_int_equal(isosculpt_source_find("a.strokes", &how, &again, &grid, &error), ISO_ERR_FORMAT);
+        assert_int_equal(isosculpt_source_reopen("a.strokes", &how, &again, &grid, &error), ISO_ERR_FORMAT);
         assert_non_null(strstr(error.text, "a.strokes: how its source is read: "));
     }
     const iso_input broken = {.grid = "a\nraw=1x1x1:uint8"};
@@ -355,7 +356,7 @@ static void old_journals_keep_their_isovalues(void **state) {
     again = start;
     again.isovalue = 1;
     again.voxel_isovalue = true;
-    assert_int_equal(isosculpt_source_find("a.strokes", &how, &again, &grid, NULL), ISO_OK);
+    assert_int_equal(isosculpt_source_reopen("a.strokes", &how, &again, &grid, NULL), ISO_OK);
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
     check_ball("level set, 0.5 mm outside", first, 15.5);

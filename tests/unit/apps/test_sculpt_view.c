@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "apps/isosculpt/view/view.h"
+#include "apps/isosculpt/viewport/viewport.h"
 #include "render/picture.h"
 #include "sculpt/session/session.h"
 #include "sculpt_support.h"
@@ -32,25 +32,25 @@ static iso_session *open_session(iso_pool *pool) {
     return session;
 }
 
-static void open_view(isosculpt_view *view, iso_session *session, iso_pool *pool) {
+static void open_view(isosculpt_viewport *view, iso_session *session, iso_pool *pool) {
     iso_error error = {0};
-    if (isosculpt_view_init(view, iso_session_grid(session), pool, &error) != ISO_OK)
+    if (isosculpt_viewport_init(view, iso_session_grid(session), pool, &error) != ISO_OK)
         fail_msg("%s", error.text);
 }
 
-static void draw(isosculpt_view *view, bool moving) {
+static void draw(isosculpt_viewport *view, bool moving) {
     iso_error error = {0};
-    if (isosculpt_view_draw(view, WIDTH, HEIGHT, moving, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (isosculpt_viewport_draw(view, WIDTH, HEIGHT, moving, &error) != ISO_OK) fail_msg("%s", error.text);
 }
 
-static void refine(isosculpt_view *view) {
+static void refine(isosculpt_viewport *view) {
     iso_error error = {0};
-    while (view->quality != ISOSCULPT_FINE)
-        if (isosculpt_view_refine(view, &error) != ISO_OK) fail_msg("%s", error.text);
+    while (view->quality != ISOSCULPT_QUALITY_FINE)
+        if (isosculpt_viewport_refine(view, &error) != ISO_OK) fail_msg("%s", error.text);
 }
 
 /* Two views of one field from one place hold the same picture and the same samples to pick from. */
-static void assert_same(const isosculpt_view *a, const isosculpt_view *b) {
+static void assert_same(const isosculpt_viewport *a, const isosculpt_viewport *b) {
     const size_t pixels = (size_t)WIDTH * HEIGHT;
     assert_int_equal(a->image.width, b->image.width);
     assert_memory_equal(a->image.rgba, b->image.rgba, 4 * pixels);
@@ -62,13 +62,13 @@ static void assert_same(const isosculpt_view *a, const isosculpt_view *b) {
                 fail_msg("normal of pixel %zu", i);
 }
 
-static void assert_as_new(const isosculpt_view *view, iso_session *session, iso_pool *pool) {
-    isosculpt_view fresh;
+static void assert_as_new(const isosculpt_viewport *view, iso_session *session, iso_pool *pool) {
+    isosculpt_viewport fresh;
     open_view(&fresh, session, pool);
     fresh.camera = view->camera;
     draw(&fresh, false);
     assert_same(view, &fresh);
-    isosculpt_view_free(&fresh);
+    isosculpt_viewport_free(&fresh);
 }
 
 static iso_sample on_ball(uint32_t *seed) {
@@ -77,7 +77,7 @@ static iso_sample on_ball(uint32_t *seed) {
     return (iso_sample){.position = iso_vec3_scale(out, START.radius), .normal = out, .pressure = 1};
 }
 
-static size_t stroke(iso_session *session, isosculpt_view *view, uint32_t *seed) {
+static size_t stroke(iso_session *session, isosculpt_viewport *view, uint32_t *seed) {
     iso_brush brush = {.tool = (iso_tool)(uniform(seed) * (ISO_TOOL_MOVE + 1)),
                        .radius = 1 + 3 * uniform(seed),
                        .strength = 0.5,
@@ -87,7 +87,7 @@ static size_t stroke(iso_session *session, isosculpt_view *view, uint32_t *seed)
     assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
     for (int i = 0; i < 3; i++) {
         draw(view, true);
-        drawn += isosculpt_damage_area(&view->fresh);
+        drawn += isosculpt_damage_area(&view->redrawn);
         sample.position.x += 0.7;
         assert_int_equal(iso_session_sample(session, &sample, NULL, NULL), ISO_OK);
     }
@@ -101,7 +101,7 @@ static void test_patched_picture_is_the_whole_one(void **state) {
     iso_pool *pool;
     assert_int_equal(iso_pool_create(2, &pool, NULL), ISO_OK);
     iso_session *session = open_session(pool);
-    isosculpt_view view;
+    isosculpt_viewport view;
     uint32_t seed = 7;
     size_t drawn = 0;
     open_view(&view, session, pool);
@@ -115,8 +115,8 @@ static void test_patched_picture_is_the_whole_one(void **state) {
             assert_as_new(&view, session, pool);
         }
         if (i % 10 != 9) continue;
-        isosculpt_view_orbit(&view, 20, 5);
-        isosculpt_view_zoom(&view, 1.2); /* at last parts of the surface are out of sight */
+        isosculpt_viewport_orbit(&view, 20, 5);
+        isosculpt_viewport_zoom(&view, 1.2); /* at last parts of the surface are out of sight */
         draw(&view, true);
         draw(&view, false);
         assert_as_new(&view, session, pool);
@@ -124,7 +124,7 @@ static void test_patched_picture_is_the_whole_one(void **state) {
     print_message("of the pictures %.1f %% was drawn again\n",
                   100.0 * (double)drawn / (120.0 * WIDTH * HEIGHT));
     assert_true(drawn < 120.0 * WIDTH * HEIGHT / 4);
-    isosculpt_view_free(&view);
+    isosculpt_viewport_free(&view);
     iso_session_destroy(session);
     iso_pool_destroy(pool);
 }
@@ -133,21 +133,21 @@ static void test_patched_picture_is_the_whole_one(void **state) {
 static void test_stroke_right_after_camera(void **state) {
     (void)state;
     iso_session *session = open_session(NULL);
-    isosculpt_view view;
+    isosculpt_viewport view;
     uint32_t seed = 11;
     open_view(&view, session, NULL);
-    view.factor = 3;
+    view.moving_factor = 3;
     draw(&view, true);
     assert_int_equal(view.image.width, WIDTH / 3);
-    assert_int_equal(view.quality, ISOSCULPT_MOVING);
+    assert_int_equal(view.quality, ISOSCULPT_QUALITY_MOVING);
     stroke(session, &view, &seed);
     assert_as_new(&view, session, NULL);
-    isosculpt_view_orbit(&view, 10, 0);
-    view.factor = 1;
+    isosculpt_viewport_orbit(&view, 10, 0);
+    view.moving_factor = 1;
     draw(&view, true); /* fast enough: it is the picture at rest */
-    assert_int_equal(view.quality, ISOSCULPT_REST);
+    assert_int_equal(view.quality, ISOSCULPT_QUALITY_REST);
     assert_as_new(&view, session, NULL);
-    isosculpt_view_free(&view);
+    isosculpt_viewport_free(&view);
     iso_session_destroy(session);
 }
 
@@ -160,52 +160,52 @@ static iso_status draw_exact(void *context, const iso_view *view, iso_gbuffer *g
 static void test_fine_picture(void **state) {
     (void)state;
     iso_session *session = open_session(NULL);
-    isosculpt_view view;
+    isosculpt_viewport view;
     iso_image image;
     uint32_t seed = 3;
     open_view(&view, session, NULL);
     draw(&view, false);
     refine(&view);
     size_t drawn = stroke(session, &view, &seed);
-    assert_int_equal(view.quality, ISOSCULPT_REST);
-    assert_true(isosculpt_damage_area(&view.rough) <= drawn && drawn < (size_t)WIDTH * HEIGHT);
+    assert_int_equal(view.quality, ISOSCULPT_QUALITY_REST);
+    assert_true(isosculpt_damage_area(&view.unrefined) <= drawn && drawn < (size_t)WIDTH * HEIGHT);
     refine(&view);
     assert_int_equal(iso_image_create(WIDTH, HEIGHT, &image, NULL), ISO_OK);
     iso_picture_opts opts = {.camera = &view.camera,
                              .width = WIDTH,
                              .height = HEIGHT,
                              .samples = 4,
-                             .shading = {.colors = &view.mode.paint.color,
+                             .shading = {.colors = &view.mode.material.color,
                                          .color_count = 1,
-                                         .background = view.mode.paint.background},
+                                         .background = view.mode.material.background},
                              .draw = draw_exact,
                              .draw_context = view.exact};
     assert_int_equal(iso_picture_render(&opts, &image, NULL, NULL), ISO_OK);
     assert_memory_equal(view.image.rgba, image.rgba, (size_t)WIDTH * HEIGHT * 4);
     iso_image_free(&image);
-    isosculpt_view_free(&view);
+    isosculpt_viewport_free(&view);
     iso_session_destroy(session);
 }
 
 static void test_held_picture_stays(void **state) {
     (void)state;
     iso_session *session = open_session(NULL);
-    isosculpt_view view;
-    isosculpt_pick before, pick_layer, now;
+    isosculpt_viewport view;
+    isosculpt_pick before, picked, now;
     open_view(&view, session, NULL);
     draw(&view, false);
     const double x = WIDTH / 2.0, y = HEIGHT / 2.0;
     assert_true(isosculpt_layer_pick(&view.drawn, x, y, &before));
-    assert_int_equal(isosculpt_view_keep_pick_layer(&view, NULL), ISO_OK);
+    assert_int_equal(isosculpt_viewport_keep_pick_layer(&view, NULL), ISO_OK);
     iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 4, .strength = 1};
     iso_sample sample = {.position = before.position, .normal = before.normal, .pressure = 1};
     assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
     draw(&view, true);
-    assert_true(isosculpt_layer_pick(&view.pick_layer, x, y, &pick_layer));
+    assert_true(isosculpt_layer_pick(&view.pick_layer, x, y, &picked));
     assert_true(isosculpt_layer_pick(&view.drawn, x, y, &now));
-    assert_memory_equal(&pick_layer, &before, sizeof pick_layer);
+    assert_memory_equal(&picked, &before, sizeof picked);
     assert_true(now.depth < before.depth - 3.9);
-    isosculpt_view_free(&view);
+    isosculpt_viewport_free(&view);
     iso_session_destroy(session);
 }
 
@@ -213,13 +213,13 @@ static void test_held_picture_stays(void **state) {
 static void test_focus(void **state) {
     (void)state;
     iso_session *session = open_session(NULL);
-    isosculpt_view view;
+    isosculpt_viewport view;
     isosculpt_pick before, after;
     double x, y;
     open_view(&view, session, NULL);
     draw(&view, false);
     assert_true(isosculpt_layer_pick(&view.drawn, 0.6 * WIDTH, 0.4 * HEIGHT, &before));
-    isosculpt_view_focus(&view, &before.position);
+    isosculpt_viewport_focus(&view, &before.position);
     for (int i = 0; i < 3; i++) {
         draw(&view, false);
         assert_true(isosculpt_layer_pixel(&view.drawn, before.position, &x, &y));
@@ -229,9 +229,9 @@ static void test_focus(void **state) {
             assert_true(isosculpt_layer_pick(&view.drawn, x, y, &after));
             assert_float_equal(after.depth, before.depth, 0.05);
         }
-        isosculpt_view_orbit(&view, 20, 10);
+        isosculpt_viewport_orbit(&view, 20, 10);
     }
-    isosculpt_view_free(&view);
+    isosculpt_viewport_free(&view);
     iso_session_destroy(session);
 }
 

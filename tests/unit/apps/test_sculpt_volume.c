@@ -1,4 +1,4 @@
-/* isosculpt's volumes under a hand that slides their isovalue: the levels it slides through, and the surface
+/* isosculpt's volumes while the user drags their isovalue: the levels it slides through, and the surface
  * that a thread makes meanwhile. */
 #define _DEFAULT_SOURCE /* usleep */
 #include <math.h>
@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "apps/isosculpt/view/view.h"
+#include "apps/isosculpt/viewport/viewport.h"
 #include "grids/rgrid.h"
 #include "refused_memory.h"
 #include "sculpt_support.h"
@@ -117,7 +117,7 @@ static void levels_are_every_second_voxel(void **state) {
         isosculpt_lod *levels;
         assert_int_equal(isosculpt_lod_create(volume, isovalues[type][0], pool, &levels, NULL), ISO_OK);
         assert_int_equal(isosculpt_lod_level(levels), 0); /* it is small */
-        for (int level = 0; level < ISOSCULPT_LEVELS; level++) {
+        for (int level = 0; level < ISOSCULPT_LOD_LEVELS; level++) {
             assert_int_equal(isosculpt_lod_level(levels), level);
             assert_int_equal(isosculpt_lod_update(levels, isovalues[type][level % 2], NULL), ISO_OK);
             check_level(levels, volume, isovalues[type][level % 2]);
@@ -139,12 +139,12 @@ static void levels_go_by_time(void **state) {
     isosculpt_lod_record_times(levels, FAST, FAST);
     assert_int_equal(isosculpt_lod_level(levels), 0);
     for (int i = 0; i < 5; i++) isosculpt_lod_record_times(levels, FAST, SLOW);
-    assert_int_equal(isosculpt_lod_level(levels), ISOSCULPT_LEVELS - 1);
+    assert_int_equal(isosculpt_lod_level(levels), ISOSCULPT_LOD_LEVELS - 1);
     isosculpt_lod_record_times(levels, 0.004, 0.004); /* fast enough, and the finer one would not be */
-    assert_int_equal(isosculpt_lod_level(levels), ISOSCULPT_LEVELS - 1);
+    assert_int_equal(isosculpt_lod_level(levels), ISOSCULPT_LOD_LEVELS - 1);
     isosculpt_lod_record_times(levels, 0.001, 0.004);
-    assert_int_equal(isosculpt_lod_level(levels), ISOSCULPT_LEVELS - 2);
-    for (int i = 0; i < ISOSCULPT_LEVELS; i++) isosculpt_lod_record_times(levels, FAST, 0.004);
+    assert_int_equal(isosculpt_lod_level(levels), ISOSCULPT_LOD_LEVELS - 2);
+    for (int i = 0; i < ISOSCULPT_LOD_LEVELS; i++) isosculpt_lod_record_times(levels, FAST, 0.004);
     assert_int_equal(isosculpt_lod_level(levels), 0);
     isosculpt_lod_destroy(levels);
     assert_int_equal(isosculpt_lod_create(slab, 120, NULL, &levels, NULL), ISO_OK);
@@ -161,99 +161,100 @@ static void levels_go_by_time(void **state) {
 
 /* ---- the surface that is made meanwhile */
 
-static void draw(isosculpt_view *view, bool moving) {
+static void draw(isosculpt_viewport *view, bool moving) {
     iso_error error = {0};
-    if (isosculpt_view_draw(view, WIDTH, HEIGHT, moving, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (isosculpt_viewport_draw(view, WIDTH, HEIGHT, moving, &error) != ISO_OK) fail_msg("%s", error.text);
 }
 
-static void refine(isosculpt_view *view) {
-    while (view->quality != ISOSCULPT_FINE) assert_int_equal(isosculpt_view_refine(view, NULL), ISO_OK);
+static void refine(isosculpt_viewport *view) {
+    while (view->quality != ISOSCULPT_QUALITY_FINE)
+        assert_int_equal(isosculpt_viewport_refine(view, NULL), ISO_OK);
 }
 
-static void open_view(isosculpt_view *view, iso_rgrid *volume, double isovalue, iso_pool *pool) {
+static void open_view(isosculpt_viewport *view, iso_rgrid *volume, double isovalue, iso_pool *pool) {
     const iso_grid grid = {.rgrid = volume};
-    assert_int_equal(isosculpt_view_init_grid(view, &grid, isovalue, pool, NULL), ISO_OK);
+    assert_int_equal(isosculpt_viewport_init_grid(view, &grid, isovalue, pool, NULL), ISO_OK);
 }
 
-static void wait_for(isosculpt_view *view) {
-    while (isosculpt_view_is_preparing(view)) usleep(1000);
+static void wait_for(isosculpt_viewport *view) {
+    while (isosculpt_viewport_is_preparing(view)) usleep(1000);
 }
 
 /* What is drawn of a surface that a thread has made is what is drawn of one that is made at once. */
-static void check_rest(isosculpt_view *view, iso_rgrid *volume, iso_pool *pool) {
-    isosculpt_view other;
+static void check_rest(isosculpt_viewport *view, iso_rgrid *volume, iso_pool *pool) {
+    isosculpt_viewport other;
     open_view(&other, volume, 100, pool);
-    isosculpt_view_set_isovalue(&other, view->isovalue);
+    isosculpt_viewport_set_isovalue(&other, view->isovalue);
     other.camera = view->camera;
     other.mode = view->mode;
     draw(&other, false);
     draw(view, false);
-    assert_int_equal(view->quality, ISOSCULPT_REST);
+    assert_int_equal(view->quality, ISOSCULPT_QUALITY_REST);
     assert_memory_equal(view->image.rgba, other.image.rgba, 4 * WIDTH * HEIGHT);
     refine(view);
     refine(&other);
     assert_memory_equal(view->image.rgba, other.image.rgba, 4 * WIDTH * HEIGHT);
-    assert_int_equal(isosculpt_view_points(view), isosculpt_view_points(&other));
-    isosculpt_view_free(&other);
+    assert_int_equal(isosculpt_viewport_point_count(view), isosculpt_viewport_point_count(&other));
+    isosculpt_viewport_free(&other);
 }
 
-static void surfaces_are_made_while_the_hand_moves(void **state) {
+static void surfaces_are_made_while_the_isovalue_is_dragged(void **state) {
     (void)state;
     static const int dims[3] = {70, 65, 60};
     iso_pool *pool;
-    isosculpt_view view;
+    isosculpt_viewport view;
     assert_int_equal(iso_pool_create(2, &pool, NULL), ISO_OK);
     iso_rgrid *volume = make_volume(ISO_INT16, dims);
     open_view(&view, volume, 20, pool);
-    for (int method = 0; method < ISOSCULPT_METHOD_COUNT; method++)
+    for (int method = 0; method < ISOSCULPT_METHODS; method++)
         for (int step = 0; step < 4; step++) {
-            view.mode.method = (isosculpt_method)method;
+            view.mode.method = isosculpt_methods[method];
             view.sliding = true;
-            isosculpt_view_set_isovalue(&view, 10 + 7 * step + method);
+            isosculpt_viewport_set_isovalue(&view, 10 + 7 * step + method);
             draw(&view, true);
-            assert_int_equal(view.quality, ISOSCULPT_MOVING);
-            assert_false(isosculpt_view_is_ready(&view));
-            assert_int_equal(isosculpt_view_prepare(&view, NULL, NULL), ISO_OK);
-            for (int i = 0; i < step; i++) { /* the hand goes on, and comes back */
-                isosculpt_view_set_isovalue(&view, 30 + i);
+            assert_int_equal(view.quality, ISOSCULPT_QUALITY_MOVING);
+            assert_false(isosculpt_viewport_is_ready(&view));
+            assert_int_equal(isosculpt_viewport_prepare(&view, NULL, NULL), ISO_OK);
+            for (int i = 0; i < step; i++) { /* the isovalue is dragged on and back */
+                isosculpt_viewport_set_isovalue(&view, 30 + i);
                 draw(&view, true);
-                isosculpt_view_orbit(&view, 3, 1);
+                isosculpt_viewport_orbit(&view, 3, 1);
             }
-            isosculpt_view_set_isovalue(&view, 10 + 7 * step + method);
+            isosculpt_viewport_set_isovalue(&view, 10 + 7 * step + method);
             draw(&view, true);
             view.sliding = false;
             wait_for(&view);
-            assert_true(isosculpt_view_is_ready(&view));
+            assert_true(isosculpt_viewport_is_ready(&view));
             check_rest(&view, volume, pool);
         }
-    isosculpt_view_set_isovalue(&view, 33);
-    assert_int_equal(isosculpt_view_prepare(&view, NULL, NULL), ISO_OK);
-    isosculpt_view_free(&view); /* waits */
+    isosculpt_viewport_set_isovalue(&view, 33);
+    assert_int_equal(isosculpt_viewport_prepare(&view, NULL, NULL), ISO_OK);
+    isosculpt_viewport_free(&view); /* waits */
     iso_rgrid_destroy(volume);
     iso_pool_destroy(pool);
 }
 
-/* Made for an isovalue that the hand has left: the next one is made then. */
+/* When a surface is ready for an isovalue that is not the current one any more, the next one is made. */
 static void what_was_made_for_nothing_is_made_anew(void **state) {
     (void)state;
     static const int dims[3] = {50, 50, 50};
-    isosculpt_view view;
+    isosculpt_viewport view;
     iso_rgrid *volume = make_volume(ISO_UINT8, dims);
     open_view(&view, volume, 100, NULL);
-    isosculpt_view_set_isovalue(&view, 110);
-    assert_int_equal(isosculpt_view_prepare(&view, NULL, NULL), ISO_OK);
-    isosculpt_view_set_isovalue(&view, 150);
+    isosculpt_viewport_set_isovalue(&view, 110);
+    assert_int_equal(isosculpt_viewport_prepare(&view, NULL, NULL), ISO_OK);
+    isosculpt_viewport_set_isovalue(&view, 150);
     wait_for(&view);
-    assert_false(isosculpt_view_is_ready(&view));
+    assert_false(isosculpt_viewport_is_ready(&view));
     draw(&view, true);
-    assert_int_equal(view.quality, ISOSCULPT_MOVING);
-    assert_int_equal(isosculpt_view_prepare(&view, NULL, NULL), ISO_OK);
+    assert_int_equal(view.quality, ISOSCULPT_QUALITY_MOVING);
+    assert_int_equal(isosculpt_viewport_prepare(&view, NULL, NULL), ISO_OK);
     wait_for(&view);
-    assert_true(isosculpt_view_is_ready(&view));
+    assert_true(isosculpt_viewport_is_ready(&view));
     check_rest(&view, volume, NULL);
-    isosculpt_view_set_isovalue(&view, 90); /* and with nobody having made anything */
+    isosculpt_viewport_set_isovalue(&view, 90); /* no surface is made in the background */
     check_rest(&view, volume, NULL);
-    isosculpt_view_free(&view);
+    isosculpt_viewport_free(&view);
     iso_rgrid_destroy(volume);
 }
 
@@ -261,46 +262,47 @@ static void what_was_made_for_nothing_is_made_anew(void **state) {
 static void pictures_that_move_do_not_wait(void **state) {
     (void)state;
     static const int dims[3] = {50, 50, 50};
-    isosculpt_view view;
+    isosculpt_viewport view;
     iso_rgrid *volume = make_volume(ISO_UINT8, dims);
     open_view(&view, volume, 100, NULL);
-    isosculpt_view_set_isovalue(&view, 110);
+    isosculpt_viewport_set_isovalue(&view, 110);
     for (int i = 0; i < 2; i++) {
         draw(&view, true);
-        assert_int_equal(view.quality, ISOSCULPT_MOVING);
-        assert_false(isosculpt_view_is_ready(&view));
+        assert_int_equal(view.quality, ISOSCULPT_QUALITY_MOVING);
+        assert_false(isosculpt_viewport_is_ready(&view));
     }
     check_rest(&view, volume, NULL);
-    isosculpt_view_free(&view);
+    isosculpt_viewport_free(&view);
     iso_rgrid_destroy(volume);
 }
 
-/* A thread that runs out of memory leaves the surface to whoever draws, and is not started again and again.
+/* A thread that runs out of memory leaves the surface to the next drawing, and is not started again and
+ * again.
  */
 static void a_surface_that_could_not_be_made_is_made_when_it_is_drawn(void **state) {
     (void)state;
     static const int dims[3] = {50, 50, 50};
-    isosculpt_view view;
+    isosculpt_viewport view;
     iso_rgrid *volume = make_volume(ISO_UINT8, dims);
     int failed = 0, refused = 0;
     open_view(&view, volume, 100, NULL);
     draw(&view, false);
     for (long calls = 0;; calls++) {
         iso_error error = {0};
-        isosculpt_view_set_isovalue(&view, 101 + 0.25 * (double)calls);
+        isosculpt_viewport_set_isovalue(&view, 101 + 0.25 * (double)calls);
         test_refuse_memory_after(calls);
-        const iso_status status = isosculpt_view_prepare(&view, NULL, &error);
+        const iso_status status = isosculpt_viewport_prepare(&view, NULL, &error);
         wait_for(&view);
         const long refusals = test_refusals();
         test_grant_memory();
         refused += status != ISO_OK;
-        if (status == ISO_OK) assert_true(isosculpt_view_is_ready(&view));
+        if (status == ISO_OK) assert_true(isosculpt_viewport_is_ready(&view));
         failed += status == ISO_OK && refusals > 0;
         check_rest(&view, volume, NULL);
         if (!refusals) break;
     }
     assert_true(refused > 0 && failed > 5);
-    isosculpt_view_free(&view);
+    isosculpt_viewport_free(&view);
     iso_rgrid_destroy(volume);
 }
 
@@ -308,7 +310,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_are_every_second_voxel),
         cmocka_unit_test(levels_go_by_time),
-        cmocka_unit_test(surfaces_are_made_while_the_hand_moves),
+        cmocka_unit_test(surfaces_are_made_while_the_isovalue_is_dragged),
         cmocka_unit_test(what_was_made_for_nothing_is_made_anew),
         cmocka_unit_test(pictures_that_move_do_not_wait),
         cmocka_unit_test(a_surface_that_could_not_be_made_is_made_when_it_is_drawn),

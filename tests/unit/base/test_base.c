@@ -19,6 +19,7 @@
 #include "base/file_set.h"
 #include "base/geometry.h"
 #include "base/memory.h"
+#include "base/numbers.h"
 #include "base/parallel.h"
 #include "base/primitives.h"
 #include "base/text.h"
@@ -110,6 +111,18 @@ static void text_becomes_one_printable_line(void **state) {
     cleaned("back\\slash \\x1b", "back\\slash \\x1b"); /* clean text stays as it is */
     assert_int_equal(iso_text_begins("b: reason", "a"), 0);
     assert_int_equal(iso_text_begins("a\\x1b: reason", "a\x1b"), 5);
+}
+
+static void names_end_in_extensions(void **state) {
+    (void)state;
+    assert_true(iso_text_ends_with("a.ply", ".ply"));
+    assert_true(iso_text_ends_with(".ply", ".ply"));
+    assert_false(iso_text_ends_with("a.PLY", ".ply"));
+    assert_false(iso_text_ends_with("ply", ".ply"));
+    assert_true(iso_text_has_extension("a.NII.gz", ".nii.GZ"));
+    assert_false(iso_text_has_extension(".gz", ".gz"));
+    assert_false(iso_text_has_extension("a.gz.x", ".gz"));
+    for (int i = -3; i < 9; i++) assert_int_equal(iso_clamp_index(i, 5), i < 0 ? 0 : i > 4 ? 4 : i);
 }
 
 static void text_that_is_too_long_keeps_both_ends(void **state) {
@@ -435,6 +448,7 @@ int main(void) {
         cmocka_unit_test(affine_inverts_itself),
         cmocka_unit_test(packed_points_keep_their_precision),
         cmocka_unit_test(text_becomes_one_printable_line),
+        cmocka_unit_test(names_end_in_extensions),
         cmocka_unit_test(text_that_is_too_long_keeps_both_ends),
         cmocka_unit_test(errors_are_one_clean_line),
         cmocka_unit_test(files_are_known_under_every_name),

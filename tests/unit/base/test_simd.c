@@ -40,25 +40,22 @@ static int same_bits(float a, float b) {
 
 #define ISO_KERNEL_BODY "tests/unit/base/test_simd_body.inc"
 #include "base/kernel_levels.inc"
-
-static uint32_t next(uint32_t *seed) {
-    return *seed = *seed * 1664525u + 1013904223u;
-}
+#include "check_support.h"
 
 static void fill(simd_inputs *in) {
     uint32_t seed = 7;
     static const float special[] = {0.0f, -0.0f, NAN, INFINITY, -INFINITY, 1.0f, -1.0f, 1e-40f};
     for (int i = 0; i < SIMD_ITEMS; i++) {
-        in->a[i] = (float)(int32_t)next(&seed) * 1e-3f;
-        in->b[i] = next(&seed) % 3 ? (float)(int32_t)next(&seed) * 1e-3f : in->a[i];
-        if (next(&seed) % 4 == 0) in->a[i] = special[next(&seed) >> 16 & 7];
-        if (next(&seed) % 4 == 0) in->b[i] = special[next(&seed) >> 16 & 7];
-        in->small[i] = (float)((int32_t)next(&seed) >> 8) / 64;
-        in->k[i] = (int32_t)next(&seed);
-        in->l[i] = next(&seed) % 3 ? (int32_t)next(&seed) : in->k[i];
-        in->u8[i] = (uint8_t)(next(&seed) >> 24);
-        in->u16[i] = (uint16_t)(next(&seed) >> 16);
-        in->i16[i] = (int16_t)(next(&seed) >> 16);
+        in->a[i] = (float)(int32_t)random_word(&seed) * 1e-3f;
+        in->b[i] = random_word(&seed) % 3 ? (float)(int32_t)random_word(&seed) * 1e-3f : in->a[i];
+        if (random_word(&seed) % 4 == 0) in->a[i] = special[random_word(&seed) >> 16 & 7];
+        if (random_word(&seed) % 4 == 0) in->b[i] = special[random_word(&seed) >> 16 & 7];
+        in->small[i] = (float)((int32_t)random_word(&seed) >> 8) / 64;
+        in->k[i] = (int32_t)random_word(&seed);
+        in->l[i] = random_word(&seed) % 3 ? (int32_t)random_word(&seed) : in->k[i];
+        in->u8[i] = (uint8_t)(random_word(&seed) >> 24);
+        in->u16[i] = (uint16_t)(random_word(&seed) >> 16);
+        in->i16[i] = (int16_t)(random_word(&seed) >> 16);
     }
 }
 

@@ -25,7 +25,7 @@ static bent_point get_point(const iso_point_view *view, const iso_point_span *sp
     const iso_surfel surfel = iso_point_view_get(view, span->first + i);
     bent_point point;
     float u[3], v[3], entry[3], tilt[2];
-    iso_curvature_unpack(view->shapes[span->first + i], entry, tilt);
+    iso_curvature_unpack(view->curvatures[span->first + i], entry, tilt);
     const double uu = (double)entry[0], uv = (double)entry[1], vv = (double)entry[2];
     iso_curvature_frame(surfel.normal, u, v);
     for (int k = 0; k < 3; k++) {
@@ -143,7 +143,7 @@ static void check_analytic(const char *name, int size, analytic *shape, double t
                 const iso_scene_opts scene = {.size = size, .dense = dense};
                 assert_int_equal(iso_scene_create(name, &scene, &grid, NULL, NULL), ISO_OK);
                 const iso_points_opts opts = {
-                    .primitive = (iso_primitive)primitive, .floats = floats, .shapes = true};
+                    .primitive = (iso_primitive)primitive, .floats = floats, .curvature = true};
                 iso_point_set *set = test_point_set(&grid, &opts);
                 iso_point_view view = iso_point_set_view(set);
                 size_t checked = 0;
@@ -266,10 +266,10 @@ static size_t check_ends(const iso_grid *grid, const bent_point *point, double i
     for (int k = 0; k < 3; k++)
         for (int step = -1; step <= 1 && k != axis; step += 2) {
             const double wanted = reference_end(grid, edge, k, step, isovalue),
-                         got = (ends >> (ISO_CURVATURE_END_BITS * slot++) & ISO_CURVATURE_END_STEPS) /
-                               (double)ISO_CURVATURE_END_STEPS;
+                         got = (ends >> (ISO_CURVATURE_EXTENT_BITS * slot++) & ISO_CURVATURE_EXTENT_STEPS) /
+                               (double)ISO_CURVATURE_EXTENT_STEPS;
             turns += wanted >= 0 && got < 1;
-            if (wanted >= 0 && (got < wanted - 1e-3 || got > wanted + 1.001 / ISO_CURVATURE_END_STEPS))
+            if (wanted >= 0 && (got < wanted - 1e-3 || got > wanted + 1.001 / ISO_CURVATURE_EXTENT_STEPS))
                 fail_msg("ends at %g along %d, not %g", got, step * (k + 1), wanted);
         }
     return turns;
@@ -406,7 +406,7 @@ static size_t check_against_reference(const iso_grid *grid, const iso_point_view
         for (uint32_t i = 0; i < view->spans[k].count; i++) {
             bent_point point = get_point(view, &view->spans[k], i);
             double wanted[3][3], tilt[2] = {0, 0};
-            turns += check_ends(grid, &point, isovalue, view->shapes[view->spans[k].first + i].ends);
+            turns += check_ends(grid, &point, isovalue, view->curvatures[view->spans[k].first + i].extents);
             if (is_at_voxel(&point)) continue;
             reference_shape(grid, &point, wanted, tilt);
             fit_reference(grid, &point, isovalue, wanted, tilt);
@@ -437,7 +437,7 @@ static void edge_shapes_match_the_reference(void **state) {
         test_fill(&grid, TEST_SMOOTH, &random);
         grid.rgrid->level_set = round % 5 == 0;
         const iso_points_opts opts = {
-            .isovalue = 100.3, .primitive = ISO_PRIMITIVE_EDGE, .floats = true, .shapes = true};
+            .isovalue = 100.3, .primitive = ISO_PRIMITIVE_EDGE, .floats = true, .curvature = true};
         iso_point_set *set = test_point_set(&grid, &opts);
         iso_point_view view = iso_point_set_view(set);
         checked += check_against_reference(&grid, &view, opts.isovalue);
@@ -457,7 +457,7 @@ static void points_at_voxels_have_the_ends_of_crossed_edges(void **state) {
         iso_grid grid = test_rgrid((int[3]){40, 37, 35}, ISO_UINT8);
         test_fill(&grid, TEST_SMOOTH, &random);
         const iso_points_opts opts = {
-            .isovalue = 100, .primitive = ISO_PRIMITIVE_EDGE, .floats = true, .shapes = true};
+            .isovalue = 100, .primitive = ISO_PRIMITIVE_EDGE, .floats = true, .curvature = true};
         iso_point_set *set = test_point_set(&grid, &opts);
         const iso_point_view view = iso_point_set_view(set);
         for (size_t n = 0; n < view.span_count; n++)
@@ -466,7 +466,7 @@ static void points_at_voxels_have_the_ends_of_crossed_edges(void **state) {
                 const bent_point point = get_point(&view, span, i);
                 const iso_vec3 p = point.position;
                 if (p.x != rint(p.x) || p.y != rint(p.y) || p.z != rint(p.z)) continue;
-                const int ends = view.shapes[span->first + i].ends,
+                const int ends = view.curvatures[span->first + i].extents,
                           axis = (ends >> ISO_CURVATURE_AXIS_BIT & ISO_CURVATURE_AXIS_MASK) - 1;
                 int low[3] = {(int)p.x, (int)p.y, (int)p.z}, high[3];
                 if (axis < 0) {
@@ -491,11 +491,11 @@ static void points_at_voxels_have_the_ends_of_crossed_edges(void **state) {
 
 /* How many points' discs do without 0 .. 3 quarters of their size. */
 static void count_lost(const iso_grid *grid, size_t lost[4]) {
-    const iso_points_opts opts = {.isovalue = 100, .primitive = ISO_PRIMITIVE_EDGE, .shapes = true};
+    const iso_points_opts opts = {.isovalue = 100, .primitive = ISO_PRIMITIVE_EDGE, .curvature = true};
     iso_point_set *set = test_point_set(grid, &opts);
     const iso_point_view view = iso_point_set_view(set);
     const size_t count = iso_point_view_count(&view);
-    for (size_t i = 0; i < count; i++) lost[view.shapes[i].ends >> ISO_CURVATURE_LOST_BIT]++;
+    for (size_t i = 0; i < count; i++) lost[view.curvatures[i].extents >> ISO_CURVATURE_SHRINK_BIT]++;
     iso_point_set_destroy(set);
 }
 
@@ -533,13 +533,13 @@ static void odd_values_are_flat(void **state) {
                 test_set(&grid, x, y, z, 150 - 8 * sqrt((x - 9.) * (x - 9) + (y - 9.) * (y - 9)));
     test_set(&grid, 15, 9, 9, NAN);
     test_set(&grid, 3, 9, 9, INFINITY);
-    const iso_points_opts opts = {.isovalue = 100, .floats = true, .shapes = true};
+    const iso_points_opts opts = {.isovalue = 100, .floats = true, .curvature = true};
     iso_point_set *set = test_point_set(&grid, &opts);
     iso_point_view view = iso_point_set_view(set);
     size_t flat = 0, bent = 0;
     for (size_t k = 0; k < view.span_count; k++)
         for (uint32_t i = 0; i < view.spans[k].count; i++) {
-            const iso_curvature shape = view.shapes[view.spans[k].first + i];
+            const iso_curvature shape = view.curvatures[view.spans[k].first + i];
             const bent_point point = get_point(&view, &view.spans[k], i);
             bool near = false;
             for (int end = 0; end < 2; end++)
@@ -561,7 +561,7 @@ static void check_levels(const iso_grid *grid, const iso_points_opts *opts) {
     assert_int_equal(iso_cpu_limit(ISO_CPU_GENERIC), ISO_CPU_GENERIC);
     iso_point_set *plain = test_point_set(grid, opts);
     iso_point_view a = iso_point_set_view(plain);
-    assert_non_null(a.shapes);
+    assert_non_null(a.curvatures);
     for (int level = ISO_CPU_AVX2; level <= ISO_CPU_AVX512; level++) {
         if (iso_cpu_limit((iso_cpu_level)level) != (iso_cpu_level)level) continue;
         iso_point_set *other = test_point_set(grid, opts);
@@ -580,13 +580,13 @@ static void same_bytes_for_every_instruction_set(void **state) {
     for (int round = 0; round < 16; round++) {
         iso_grid grid = test_rgrid((int[3]){70, 37, 35}, types[round % 4]);
         test_fill(&grid, round / 8 ? TEST_NOISE : TEST_SMOOTH, &random);
-        check_levels(&grid, &(iso_points_opts){.isovalue = 100, .floats = round / 4 % 2, .shapes = true});
+        check_levels(&grid, &(iso_points_opts){.isovalue = 100, .floats = round / 4 % 2, .curvature = true});
         iso_grid_destroy(&grid);
     }
     for (int primitive = ISO_PRIMITIVE_EDGE; primitive <= ISO_PRIMITIVE_FOOT_ITERATED; primitive++) {
         iso_grid grid = test_ball_grid(50, iso_vec3_make(24, 25, 23.3), 15, 0);
         test_stamp_ball(&grid, &(test_ball){iso_vec3_make(30, 36, 30), 4, 1});
-        check_levels(&grid, &(iso_points_opts){.primitive = (iso_primitive)primitive, .shapes = true});
+        check_levels(&grid, &(iso_points_opts){.primitive = (iso_primitive)primitive, .curvature = true});
         iso_grid_destroy(&grid);
     }
 }
@@ -597,7 +597,7 @@ static void packed_points_have_the_same_shapes(void **state) {
     test_random random = {13};
     iso_grid grid = test_rgrid((int[3]){60, 40, 50}, ISO_UINT16);
     test_fill(&grid, TEST_SMOOTH, &random);
-    iso_points_opts opts = {.isovalue = 100, .shapes = true};
+    iso_points_opts opts = {.isovalue = 100, .curvature = true};
     iso_point_set *packed = test_point_set(&grid, &opts);
     opts.floats = true;
     iso_point_set *floats = test_point_set(&grid, &opts);

@@ -49,7 +49,7 @@ static void check_mesh_is_sound(const iso_mesh_view *view) {
     for (size_t s = 0; s < view->span_count; s++) {
         const iso_mesh_span *span = &view->spans[s];
         vertices[s] = (extent){span->first_vertex, span->vertex_count};
-        assert_true(span->vertex_count > 0 && span->own_count <= span->vertex_count);
+        assert_true(span->vertex_count > 0 && span->owned_count <= span->vertex_count);
         for (uint32_t i = 0; i < span->vertex_count; i++) {
             int voxel[3];
             iso_edge_key_split(view->keys[span->first_vertex + i], voxel);

@@ -285,18 +285,21 @@ static void the_band_ends_where_rounding_says(void **state) {
     test_random random = {17};
     for (int round = 0; round < 20000; round++) {
         float magnitude = round % 3 ? 3 : round % 2 ? 1e-3f : 1e9f;
-        iso_threshold stored = {.at = (float)test_random_real(&random, -magnitude, magnitude), .outward = 1};
-        if (round % 5 == 0) stored.rest = -nextafterf(fabsf(stored.at), INFINITY) + fabsf(stored.at);
-        if (round == 1) stored.at = -1.7320508f;
-        if (round == 2) stored = (iso_threshold){.at = INFINITY};
-        if (round == 3) stored = (iso_threshold){.at = -3.4028235e38f, .rest = -INFINITY};
+        iso_threshold stored = {.isovalue_ceil = (float)test_random_real(&random, -magnitude, magnitude),
+                                .normal_sign = 1};
+        if (round % 5 == 0)
+            stored.residual =
+                -nextafterf(fabsf(stored.isovalue_ceil), INFINITY) + fabsf(stored.isovalue_ceil);
+        if (round == 1) stored.isovalue_ceil = -1.7320508f;
+        if (round == 2) stored = (iso_threshold){.isovalue_ceil = INFINITY};
+        if (round == 3) stored = (iso_threshold){.isovalue_ceil = -3.4028235e38f, .residual = -INFINITY};
         iso_foot_surface surface = iso_foot_surface_of(&stored, 3);
         float v = surface.top;
         for (int i = 0; i < 8; i++) v = nextafterf(v, -INFINITY);
         for (int i = 0; i < 16; i++, v = nextafterf(v, INFINITY)) {
-            float distance = v - stored.at - stored.rest;
-            bool in_band = v >= stored.at && distance < 1.7320508f;
-            assert_int_equal(in_band, v >= surface.at && v < surface.top);
+            float distance = v - stored.isovalue_ceil - stored.residual;
+            bool in_band = v >= stored.isovalue_ceil && distance < 1.7320508f;
+            assert_int_equal(in_band, v >= surface.isovalue_ceil && v < surface.top);
         }
     }
 }

@@ -66,7 +66,7 @@ static void check_mesh(const iso_grid *grid, double isovalue, double radius) {
     const iso_mesh_view view = iso_mesh_set_view(set);
     assert_true(iso_mesh_view_triangle_count(&view) > 1000);
     for (size_t s = 0; s < view.span_count; s++)
-        for (uint32_t i = 0; i < view.spans[s].own_count; i++) {
+        for (uint32_t i = 0; i < view.spans[s].owned_count; i++) {
             const iso_surfel *vertex = &view.vertices[view.spans[s].first_vertex + i];
             near(world_radius(grid, view.spans[s].brick, vertex->position), radius,
                  0.03 * iso_grid_transform(grid)->spacing[0]);

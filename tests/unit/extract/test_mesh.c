@@ -236,7 +236,7 @@ static void check_copy(const iso_mesh_view *view, const iso_mesh_span *span, uin
     for (size_t s = 0; s < view->span_count; s++) {
         const iso_mesh_span *owner = &view->spans[s];
         if (memcmp(owner->brick, brick, sizeof brick) != 0) continue;
-        for (uint32_t i = 0; i < owner->own_count; i++) {
+        for (uint32_t i = 0; i < owner->owned_count; i++) {
             if (view->keys[owner->first_vertex + i] != own_key) continue;
             const iso_surfel *own = &view->vertices[owner->first_vertex + i];
             assert_memory_equal(own->normal, copy->normal, sizeof own->normal);
@@ -257,8 +257,8 @@ static void check_span(const iso_mesh_view *view, const iso_mesh_span *span) {
         iso_edge_key_split(keys[i], voxel);
         const int x = voxel[0], y = voxel[1], z = voxel[2];
         bool own = x < 16 && y < 16 && z < 16;
-        assert_int_equal(own, i < span->own_count);
-        if (i && i != span->own_count) assert_true(keys[i] > keys[i - 1]);
+        assert_int_equal(own, i < span->owned_count);
+        if (i && i != span->owned_count) assert_true(keys[i] > keys[i - 1]);
         if (!own) check_copy(view, span, i);
         const float *p = view->vertices[span->first_vertex + i].position;
         assert_true(p[0] >= (float)x && p[1] >= (float)y && p[2] >= (float)z);
@@ -275,11 +275,11 @@ static void check_against_points(const iso_mesh_view *mesh, const iso_point_view
     for (size_t s = 0; s < mesh->span_count; s++) {
         const iso_mesh_span *span = &mesh->spans[s];
         check_span(mesh, span);
-        if (!span->own_count) continue;
+        if (!span->owned_count) continue;
         assert_true(p < points->span_count);
         const iso_point_span *theirs = &points->spans[p++];
         assert_memory_equal(span->brick, theirs->brick, sizeof theirs->brick);
-        assert_int_equal(span->own_count, theirs->count);
+        assert_int_equal(span->owned_count, theirs->count);
         assert_memory_equal(mesh->vertices + span->first_vertex, points->surfels + theirs->first,
                             theirs->count * sizeof(iso_surfel));
     }
@@ -387,7 +387,7 @@ static void nonfinite_voxels_take_their_cells(void **state) {
         for (int axis = 0; axis < 3; axis++) v[axis] = test_random_int(&random, 0, dims[axis] - 1);
         iso_weld before = weld_of(&grid, 100);
         test_set(&grid, v[0], v[1], v[2], odd[round % 3]);
-        assert_int_equal(iso_rgrid_touch(grid.rgrid, v, v, NULL), ISO_OK);
+        assert_int_equal(iso_rgrid_mark_changed(grid.rgrid, v, v, NULL), ISO_OK);
         iso_weld after = weld_of(&grid, 100);
         size_t expected = 0;
         for (size_t i = 0; i < before.triangle_count; i++) {
@@ -499,7 +499,7 @@ static void following_edits_equals_extracting_everything(void **state) {
                 for (int y = lo[1]; y <= hi[1]; y++)
                     for (int x = lo[0]; x <= hi[0]; x++)
                         test_set(&grid, x, y, z, flat ? 50 * flat : test_random_real(&random, 50, 150));
-            assert_int_equal(iso_rgrid_touch(grid.rgrid, lo, hi, NULL), ISO_OK);
+            assert_int_equal(iso_rgrid_mark_changed(grid.rgrid, lo, hi, NULL), ISO_OK);
             follow(&grid, followed, 100);
         }
         iso_mesh_set_isovalue(followed, 120);

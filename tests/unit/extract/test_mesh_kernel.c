@@ -61,7 +61,7 @@ static void same_bytes(const void *a, const void *b, size_t bytes) {
 }
 
 static void same_meshes(const iso_brick_mesh *a, const iso_brick_mesh *b) {
-    assert_int_equal(a->own_count, b->own_count);
+    assert_int_equal(a->owned_count, b->owned_count);
     assert_int_equal(a->vertex_count, b->vertex_count);
     assert_int_equal(a->triangle_count, b->triangle_count);
     same_bytes(a->keys, b->keys, a->vertex_count * sizeof *a->keys);
@@ -70,7 +70,7 @@ static void same_meshes(const iso_brick_mesh *a, const iso_brick_mesh *b) {
 }
 
 /* The wanted bricks of a block, by the kernel into bench->made. */
-static void make_block(const iso_mesh_runner *runner, int number, bench_of_tests *bench) {
+static void make_block(const iso_mesh_context *context, int number, bench_of_tests *bench) {
     iso_mesh_block *block = &bench->block;
     iso_mesh_output output = {0};
     for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
@@ -78,20 +78,20 @@ static void make_block(const iso_mesh_runner *runner, int number, bench_of_tests
         output.keys[k] = bench->made[k].keys;
         output.triangles[k] = bench->made[k].triangles;
     }
-    runner->kernel->list(&runner->source, &bench->words, number, block);
-    iso_mesh_kernel_fill(runner->kernel, runner->edges, &runner->source, block, &output);
+    context->kernel->list(&context->source, &bench->words, number, block);
+    iso_mesh_kernel_fill(context->kernel, context->edges, &context->source, block, &output);
     for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
-        bench->made[k].own_count = block->own[k];
+        bench->made[k].owned_count = block->own[k];
         bench->made[k].vertex_count = block->own[k] + block->far[k];
         bench->made[k].triangle_count = block->triangles[k];
     }
 }
 
-static void check_block(const iso_grid *grid, const iso_mesh_runner *runner, int number,
+static void check_block(const iso_grid *grid, const iso_mesh_context *context, int number,
                         bench_of_tests *bench, size_t *triangles) {
     int bricks[3];
     iso_grid_bricks(grid, bricks);
-    make_block(runner, number, bench);
+    make_block(context, number, bench);
     for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
         const int *origin = bench->block.origin;
         const int brick[3] = {origin[0] / ISO_BRICK + k, origin[1] / ISO_BRICK, origin[2] / ISO_BRICK};
@@ -101,10 +101,10 @@ static void check_block(const iso_grid *grid, const iso_mesh_runner *runner, int
         }
         if (brick[0] >= bricks[0]) continue;
         iso_brick_window_fill(grid, brick, &bench->window);
-        iso_marching_cubes(&bench->window, &runner->surface, &bench->plain);
+        iso_marching_cubes(&bench->window, &context->surface, &bench->plain);
         same_meshes(&bench->made[k], &bench->plain);
         *triangles += bench->plain.triangle_count;
-        iso_mesh_run_window(runner, &bench->window, bench->window_scratch, &bench->made[k]);
+        iso_mesh_run_window(context, &bench->window, bench->window_scratch, &bench->made[k]);
         same_meshes(&bench->made[k], &bench->plain);
     }
 }
@@ -113,11 +113,11 @@ static void check_block(const iso_grid *grid, const iso_mesh_runner *runner, int
 static size_t check_grid(const iso_grid *grid, double isovalue, iso_cpu_level level, unsigned wanted,
                          bench_of_tests *bench) {
     const iso_threshold surface = iso_threshold_of(grid, isovalue);
-    iso_mesh_runner runner;
-    iso_mesh_runner_init(&runner, grid, &surface);
-    runner.kernel = iso_mesh_kernel_get(level);
-    runner.edges = iso_edge_kernel_get(grid->rgrid->type, level);
-    runner.window_edges = iso_edge_kernel_get(ISO_FLOAT32, level);
+    iso_mesh_context context;
+    iso_mesh_context_init(&context, grid, &surface);
+    context.kernel = iso_mesh_kernel_get(level);
+    context.edges = iso_edge_kernel_get(grid->rgrid->type, level);
+    context.window_edges = iso_edge_kernel_get(ISO_FLOAT32, level);
     assert_true(iso_mesh_run_scratch_bytes() <= sizeof bench->window_scratch);
     size_t triangles = 0;
     const int *dims = grid->rgrid->dims;
@@ -125,12 +125,12 @@ static size_t check_grid(const iso_grid *grid, double isovalue, iso_cpu_level le
         for (int y = 0; y < dims[1]; y += ISO_BRICK) {
             const int origin[3] = {0, y, z};
             bench->words.blocks = (dims[0] + ISO_EDGE_BLOCK_X - 1) / ISO_EDGE_BLOCK_X;
-            for (int b = 0; b < bench->words.blocks; b++) bench->words.wanted[b] = ISO_EDGE_WHOLE;
-            runner.edges->classify(&runner.source, origin, &bench->words);
+            for (int b = 0; b < bench->words.blocks; b++) bench->words.active[b] = ISO_EDGE_WHOLE;
+            context.edges->classify(&context.source, origin, &bench->words);
             for (int b = 0; b < bench->words.blocks; b++) {
                 memcpy(bench->block.origin, (int[3]){b * ISO_EDGE_BLOCK_X, y, z}, sizeof(int[3]));
                 bench->block.bricks = wanted;
-                check_block(grid, &runner, b, bench, &triangles);
+                check_block(grid, &context, b, bench, &triangles);
             }
         }
     return triangles;
@@ -206,7 +206,7 @@ static void plain_bricks_fit_the_others(void **state) {
             iso_brick_window_fill(&grid, span->brick, &bench->window);
             iso_marching_cubes(&bench->window, &surface, &bench->plain);
             assert_int_equal(span->vertex_count, bench->plain.vertex_count);
-            assert_int_equal(span->own_count, bench->plain.own_count);
+            assert_int_equal(span->owned_count, bench->plain.owned_count);
             assert_int_equal(span->triangle_count, bench->plain.triangle_count);
             same_bytes(view.vertices + span->first_vertex, bench->plain.vertices,
                        span->vertex_count * sizeof(iso_surfel));

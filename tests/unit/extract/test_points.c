@@ -167,7 +167,8 @@ static void normals_survive_any_magnitude(void **state) {
     const int exponents[] = {-125, -80, 80, 125};
     for (int i = 0; i < 4; i++) {
         for (int v = 0; v < 216; v++) voxels[v] = ldexpf(voxels[v], exponents[i]);
-        assert_int_equal(iso_rgrid_touch(grid.rgrid, (int[3]){0, 0, 0}, (int[3]){5, 5, 5}, NULL), ISO_OK);
+        assert_int_equal(iso_rgrid_mark_changed(grid.rgrid, (int[3]){0, 0, 0}, (int[3]){5, 5, 5}, NULL),
+                         ISO_OK);
         iso_point_set *set = test_point_set(&grid, &opts);
         iso_point_view view = iso_point_set_view(set);
         assert_int_equal(iso_point_view_count(&view), count);
@@ -426,7 +427,7 @@ static void same_bytes_for_any_thread_count(void **state) {
     const int threads[] = {2, 7};
     for (int primitive = ISO_PRIMITIVE_EDGE; primitive <= ISO_PRIMITIVE_FOOT_ITERATED; primitive++) {
         if (primitive == ISO_PRIMITIVE_FOOT) continue;
-        iso_points_opts opts = {.isovalue = 100, .primitive = (iso_primitive)primitive, .shapes = true};
+        iso_points_opts opts = {.isovalue = 100, .primitive = (iso_primitive)primitive, .curvature = true};
         iso_point_set *one = test_point_set(&grid, &opts);
         iso_point_view a = iso_point_set_view(one);
         for (int t = 0; t < 2; t++) {
@@ -436,7 +437,7 @@ static void same_bytes_for_any_thread_count(void **state) {
             assert_int_equal(a.span_count, b.span_count);
             assert_memory_equal(a.spans, b.spans, a.span_count * sizeof *a.spans);
             assert_memory_equal(a.packed, b.packed, iso_point_view_count(&a) * sizeof *a.packed);
-            assert_memory_equal(a.shapes, b.shapes, iso_point_view_count(&a) * sizeof *a.shapes);
+            assert_memory_equal(a.curvatures, b.curvatures, iso_point_view_count(&a) * sizeof *a.curvatures);
             assert_int_equal(iso_point_set_stats(one).rejected, iso_point_set_stats(many).rejected);
             iso_point_set_destroy(many);
             iso_pool_destroy(opts.pool);
@@ -459,7 +460,7 @@ static void check_followed_edits(const iso_grid *grid, iso_primitive primitive, 
     const iso_points_opts opts = {.isovalue = iso_grid_is_level_set(grid) ? 0 : 100,
                                   .primitive = primitive,
                                   .floats = seed % 2,
-                                  .shapes = true};
+                                  .curvature = true};
     iso_point_set *followed = test_point_set(grid, &opts);
     for (int edit = 0; edit < edits; edit++) {
         int together = test_random_int(&random, 1, 3);
@@ -499,7 +500,7 @@ static void single_voxels_are_followed(void **state) {
         test_fill(&grid, TEST_SMOOTH, &random);
         grid.rgrid->level_set = primitive == ISO_PRIMITIVE_FOOT;
         const iso_points_opts opts = {
-            .isovalue = 100, .primitive = (iso_primitive)primitive, .floats = true, .shapes = true};
+            .isovalue = 100, .primitive = (iso_primitive)primitive, .floats = true, .curvature = true};
         iso_point_set *followed = test_point_set(&grid, &opts);
         for (int edit = 0; edit < (primitive == ISO_PRIMITIVE_FOOT_ITERATED ? 40 : 200); edit++) {
             int v[3];
@@ -509,7 +510,7 @@ static void single_voxels_are_followed(void **state) {
             }
             /* within the band of distances too, or few foot points would see the change */
             test_set(&grid, v[0], v[1], v[2], test_random_real(&random, 50, edit % 2 ? 150 : 101));
-            assert_int_equal(iso_rgrid_touch(grid.rgrid, v, v, NULL), ISO_OK);
+            assert_int_equal(iso_rgrid_mark_changed(grid.rgrid, v, v, NULL), ISO_OK);
             follow(&grid, &opts, followed);
             assert_true(iso_point_set_stats(followed).bricks <= 8);
         }
@@ -536,7 +537,7 @@ static void sliding_keeps_the_points(void **state) {
         for (int i = 0; i < ISO_BRICK_VOXELS; i++)
             test_set(&grid, lo[0] + i % 16, lo[1] + i / 16 % 16, lo[2] + i / 256,
                      brick < 200 ? 0 : test_random_int(&random, 0, 255));
-        assert_int_equal(iso_rgrid_touch(grid.rgrid, lo, hi, NULL), ISO_OK);
+        assert_int_equal(iso_rgrid_mark_changed(grid.rgrid, lo, hi, NULL), ISO_OK);
         follow(&grid, &opts, followed);
     }
     iso_point_view after = iso_point_set_view(followed);
@@ -566,7 +567,7 @@ static void few_bricks_are_extracted(void **state) {
                  {{46, 40, 40}, 1}, {{32, 32, 32}, 8}, {{0, 0, 0}, 1},    {{95, 95, 95}, 1}};
     for (int c = 0; c < 8; c++) {
         const int *v = cases[c].voxel;
-        assert_int_equal(iso_rgrid_touch(grid.rgrid, v, v, NULL), ISO_OK);
+        assert_int_equal(iso_rgrid_mark_changed(grid.rgrid, v, v, NULL), ISO_OK);
         assert_int_equal(iso_point_set_update(set, NULL), ISO_OK);
         assert_int_equal(iso_point_set_stats(set).bricks, cases[c].bricks);
     }
@@ -602,7 +603,7 @@ static void thousands_of_edits_take_bounded_memory(void **state) {
             for (int y = lo[1]; y <= hi[1]; y++)
                 for (int x = lo[0]; x <= hi[0]; x++)
                     test_set(&grid, x, y, z, noise ? test_random_real(&random, 0, 200) : 0);
-        assert_int_equal(iso_rgrid_touch(grid.rgrid, lo, hi, NULL), ISO_OK);
+        assert_int_equal(iso_rgrid_mark_changed(grid.rgrid, lo, hi, NULL), ISO_OK);
         assert_int_equal(iso_point_set_update(set, NULL), ISO_OK);
         iso_point_view view = iso_point_set_view(set);
         size_t extent = extent_of(&view), count = iso_point_view_count(&view);

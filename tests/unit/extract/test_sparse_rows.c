@@ -93,7 +93,7 @@ static void check_mesh(follower *f, iso_mesh_set *set) {
         const iso_mesh_span *span = &view.spans[s];
         iso_brick_window_fill(&f->grid, span->brick, &f->window);
         iso_marching_cubes(&f->window, &surface, &f->mesh);
-        assert_int_equal(span->own_count, f->mesh.own_count);
+        assert_int_equal(span->owned_count, f->mesh.owned_count);
         assert_int_equal(span->vertex_count, f->mesh.vertex_count);
         assert_int_equal(span->triangle_count, f->mesh.triangle_count);
         assert_memory_equal(view.vertices + span->first_vertex, f->mesh.vertices,
@@ -102,7 +102,7 @@ static void check_mesh(follower *f, iso_mesh_set *set) {
                             span->vertex_count * sizeof *f->mesh.keys);
         assert_memory_equal(view.triangles + span->first_triangle, f->mesh.triangles,
                             span->triangle_count * sizeof *f->mesh.triangles);
-        total += span->own_count;
+        total += span->owned_count;
     }
     assert_int_equal(total, count_edges(&f->grid, f->isovalue));
 }
@@ -126,7 +126,7 @@ static void check(follower *f, double other, bool with_meshes) {
 
 static void set_voxel(const iso_grid *grid, const int v[3], double value) {
     test_set(grid, v[0], v[1], v[2], value);
-    assert_int_equal(iso_rgrid_touch(grid->rgrid, v, v, NULL), ISO_OK);
+    assert_int_equal(iso_rgrid_mark_changed(grid->rgrid, v, v, NULL), ISO_OK);
 }
 
 static void fill_with(const iso_grid *grid, double value) {
@@ -134,7 +134,7 @@ static void fill_with(const iso_grid *grid, double value) {
     for (int z = 0; z < n[2]; z++)
         for (int y = 0; y < n[1]; y++)
             for (int x = 0; x < n[0]; x++) test_set(grid, x, y, z, value);
-    assert_int_equal(iso_rgrid_touch(grid->rgrid, (int[3]){0, 0, 0}, n, NULL), ISO_OK);
+    assert_int_equal(iso_rgrid_mark_changed(grid->rgrid, (int[3]){0, 0, 0}, n, NULL), ISO_OK);
 }
 
 /* One voxel alone in every row and slice, inside or outside, moved from place to place. */
@@ -188,7 +188,7 @@ static void random_edit(const iso_grid *grid, double background, double isovalue
     if (type == ISO_FLOAT32 && kind == 3)
         test_set(grid, lo[0] % 20, lo[1], lo[2], test_random_int(random, 0, 1) ? NAN : INFINITY);
     lo[0] = type == ISO_FLOAT32 && kind == 3 ? 0 : lo[0];
-    assert_int_equal(iso_rgrid_touch(grid->rgrid, lo, hi, NULL), ISO_OK);
+    assert_int_equal(iso_rgrid_mark_changed(grid->rgrid, lo, hi, NULL), ISO_OK);
 }
 
 static void few_voxels_and_edits(void **state) {

@@ -1,4 +1,4 @@
-/* The index of bricks against plain loops over voxels. */
+/* The brick index compared with plain loops over voxels. */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>
@@ -229,7 +229,7 @@ static void ranges_and_queries_match_the_voxels(void **state) {
     for (int round = 0; round < 160; round++) {
         iso_rgrid *grid = random_grid(round, &random);
         const iso_brick_index *index = NULL;
-        assert_int_equal(iso_rgrid_index(grid, NULL, &index, NULL), ISO_OK);
+        assert_int_equal(iso_brick_index_of(grid, NULL, &index, NULL), ISO_OK);
         check_queries(grid, index, 40, &random);
         iso_rgrid_destroy(grid);
     }
@@ -250,20 +250,20 @@ static void levels_agree(void **state) {
                              (int)random_below(&random, (uint32_t)last[1] + 1),
                              (int)random_below(&random, (uint32_t)last[2] + 1)};
         int most[2];
-        iso_brick_band_most(grid, most);
+        iso_brick_batch_max(grid, most);
         iso_brick_reading *generic = NULL;
         for (int level = 0; level <= (int)iso_cpu_supported(); level++) {
-            iso_brick_reading *readings = calloc(ISO_BAND_BRICKS, sizeof *readings);
-            iso_brick_band band = {{from[0], from[1], from[2]},
-                                   {least(most[0], n - from[0]), least(most[1], last[1] + 1 - from[1])}};
-            iso_brick_ranges(grid, (iso_cpu_level)level, &band, readings);
-            for (int i = 0; i < band.count[0] * band.count[1]; i++) {
-                const int at[3] = {from[0] + i % band.count[0], from[1] + i / band.count[0], from[2]};
+            iso_brick_reading *readings = calloc(ISO_BATCH_BRICKS, sizeof *readings);
+            iso_brick_batch batch = {{from[0], from[1], from[2]},
+                                     {least(most[0], n - from[0]), least(most[1], last[1] + 1 - from[1])}};
+            iso_brick_ranges(grid, (iso_cpu_level)level, &batch, readings);
+            for (int i = 0; i < batch.count[0] * batch.count[1]; i++) {
+                const int at[3] = {from[0] + i % batch.count[0], from[1] + i / batch.count[0], from[2]};
                 iso_brick_range model = model_range(grid, at);
                 assert_true(same_range(&readings[i].range, &model));
             }
             if (!generic) generic = readings;
-            for (int i = 0; i < ISO_BAND_BRICKS; i++)
+            for (int i = 0; i < ISO_BATCH_BRICKS; i++)
                 assert_memory_equal(&readings[i].groups, &generic[i].groups, sizeof generic[i].groups);
             if (readings != generic) free(readings);
         }
@@ -317,7 +317,7 @@ static void edit(iso_rgrid *grid, uint64_t *random) {
                 float noise = random_value(grid->type, WRONG, at, random);
                 set_voxel(grid, at[0], at[1], at[2], flat ? value : noise);
             }
-    assert_int_equal(iso_rgrid_touch(grid, lo, hi, NULL), ISO_OK);
+    assert_int_equal(iso_rgrid_mark_changed(grid, lo, hi, NULL), ISO_OK);
 }
 
 static void updates_follow_edits(void **state) {
@@ -328,13 +328,13 @@ static void updates_follow_edits(void **state) {
     for (int round = 0; round < 32; round++) {
         iso_rgrid *grid = random_grid(round, &random);
         const iso_brick_index *index = NULL;
-        assert_int_equal(iso_rgrid_index(grid, pool, &index, NULL), ISO_OK);
+        assert_int_equal(iso_brick_index_of(grid, pool, &index, NULL), ISO_OK);
         for (int step = 0; step < 20; step++) {
             assert_true(iso_brick_index_current(index));
             for (int edits = 1 + (int)random_below(&random, 5); edits; edits--) edit(grid, &random);
             assert_false(iso_brick_index_current(index));
             const iso_brick_index *same = NULL;
-            assert_int_equal(iso_rgrid_index(grid, step % 2 ? pool : NULL, &same, NULL), ISO_OK);
+            assert_int_equal(iso_brick_index_of(grid, step % 2 ? pool : NULL, &same, NULL), ISO_OK);
             assert_ptr_equal(same, index);
             check_queries(grid, index, 4, &random);
         }
@@ -349,11 +349,11 @@ static void the_list_of_edited_bricks_is_bounded(void **state) {
     uint64_t random = 5;
     iso_rgrid *grid = make_grid(ISO_UINT8, FEW, (const int[3]){161, 160, 163}, &random);
     const iso_brick_index *index = NULL;
-    assert_int_equal(iso_rgrid_index(grid, NULL, &index, NULL), ISO_OK);
+    assert_int_equal(iso_brick_index_of(grid, NULL, &index, NULL), ISO_OK);
     size_t before = 0, most = 0, rebuilds = 0, bricks = iso_brick_index_bricks(index);
     for (int step = 0; step < 300; step++) {
         edit(grid, &random);
-        assert_int_equal(iso_rgrid_index(grid, NULL, NULL, NULL), ISO_OK);
+        assert_int_equal(iso_brick_index_of(grid, NULL, NULL, NULL), ISO_OK);
         size_t pending = iso_brick_index_pending(index);
         assert_true(pending <= bricks / 32 + 64);
         rebuilds += pending < before;
@@ -372,16 +372,16 @@ static void untouched_bricks_are_not_read(void **state) {
     const int dims[3] = {80, 80, 80};
     iso_rgrid *grid = make_grid(ISO_INT16, SMOOTH, dims, &random);
     const iso_brick_index *index = NULL;
-    assert_int_equal(iso_rgrid_index(grid, NULL, &index, NULL), ISO_OK);
+    assert_int_equal(iso_brick_index_of(grid, NULL, &index, NULL), ISO_OK);
     size_t total;
     iso_brick_range *before = model_ranges(grid, &total);
     for (int i = 0; i < 80; i++) /* the least value of all, in every brick */
         for (int j = 0; j < 80; j++)
             for (int k = 0; k < 80; k++) set_voxel(grid, i, j, k, -32768);
     const int inner[3] = {33, 35, 40}, corner[3] = {64, 66, 48};
-    assert_int_equal(iso_rgrid_touch(grid, inner, inner, NULL), ISO_OK);
-    assert_int_equal(iso_rgrid_touch(grid, corner, corner, NULL), ISO_OK);
-    assert_int_equal(iso_rgrid_index(grid, NULL, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_rgrid_mark_changed(grid, inner, inner, NULL), ISO_OK);
+    assert_int_equal(iso_rgrid_mark_changed(grid, corner, corner, NULL), ISO_OK);
+    assert_int_equal(iso_brick_index_of(grid, NULL, NULL, NULL), ISO_OK);
     for (uint32_t i = 0; i < total; i++) {
         const int b[3] = {(int)(i % 5), (int)(i / 5 % 5), (int)(i / 25)};
         bool read = b[0] == 2 && b[1] == 2 && b[2] == 2;
@@ -440,12 +440,12 @@ static void a_crop_drops_the_index(void **state) {
     (void)state;
     uint64_t random = 7;
     iso_rgrid *grid = make_grid(ISO_FLOAT32, NOISE, (const int[3]){40, 40, 40}, &random);
-    assert_int_equal(iso_rgrid_index(grid, NULL, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_brick_index_of(grid, NULL, NULL, NULL), ISO_OK);
     assert_non_null(grid->index);
     assert_int_equal(iso_rgrid_crop(grid, (const int[3]){3, 5, 7}, (const int[3]){30, 39, 20}, NULL), ISO_OK);
     assert_null(grid->index);
     const iso_brick_index *index = NULL;
-    assert_int_equal(iso_rgrid_index(grid, NULL, &index, NULL), ISO_OK);
+    assert_int_equal(iso_brick_index_of(grid, NULL, &index, NULL), ISO_OK);
     check_queries(grid, index, 20, &random);
     iso_rgrid_destroy(grid);
 }
@@ -456,7 +456,7 @@ static void quick_tests_agree(void **state) {
     uint64_t random = 8;
     for (int round = 0; round < 32; round++) {
         iso_grid grid = {.rgrid = random_grid(round, &random)};
-        if (round & 1) assert_int_equal(iso_rgrid_index(grid.rgrid, NULL, NULL, NULL), ISO_OK);
+        if (round & 1) assert_int_equal(iso_brick_index_of(grid.rgrid, NULL, NULL, NULL), ISO_OK);
         if (round & 2) edit(grid.rgrid, &random);
         int n[3], b[3];
         iso_grid_bricks(&grid, n);

@@ -1,4 +1,4 @@
-/* The change log against a model that remembers every voxel of every edit. */
+/* The change log compared with a model that stores every voxel of every edit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,13 +20,13 @@ typedef struct model {
     uint64_t cell[CELLS];
 } model;
 
-static void model_touch(model *m, uint64_t stamp, const int lo[3], const int hi[3]) {
+static void model_touch(model *m, uint64_t edit, const int lo[3], const int hi[3]) {
     for (int z = lo[2] < 0 ? 0 : lo[2]; z <= hi[2] && z < CZ * 16; z++)
         for (int y = lo[1] < 0 ? 0 : lo[1]; y <= hi[1] && y < CY * 16; y++)
             for (int x = lo[0] < 0 ? 0 : lo[0]; x <= hi[0] && x < CX * 16; x++) {
                 int cell = (z / 16 * CY + y / 16) * CX + x / 16;
-                m->last[cell][(z % 16 * 16 + y % 16) * 16 + x % 16] = stamp;
-                m->cell[cell] = stamp;
+                m->last[cell][(z % 16 * 16 + y % 16) * 16 + x % 16] = edit;
+                m->cell[cell] = edit;
             }
 }
 
@@ -47,10 +47,10 @@ static void check_consumer(const iso_change_log *log, const model *m, uint64_t s
     uint64_t before = seen;
     for (size_t i = 0; i < count; i++) {
         const iso_change *c = &changes[i];
-        assert_true(c->stamp > seen && c->stamp >= before && c->stamp <= iso_change_log_now(log));
+        assert_true(c->edit > seen && c->edit >= before && c->edit <= iso_change_log_now(log));
         assert_true(c->cell < CELLS);
         assert_true(m->cell[c->cell] > seen);
-        before = c->stamp;
+        before = c->edit;
         for (int axis = 0; axis < 3; axis++) assert_true(c->lo[axis] <= c->hi[axis] && c->hi[axis] < 16);
         for (int v = 0; v < VOXELS; v++) told[c->cell][v] |= in_box(c, v);
     }
@@ -85,7 +85,7 @@ static void tells_every_consumer_enough(void **state) {
             assert_int_equal(iso_change_log_begin(log), now + 1);
         }
         random_box(&random, lo, hi);
-        assert_int_equal(iso_change_log_touch(log, lo, hi, NULL), ISO_OK);
+        assert_int_equal(iso_change_log_add(log, lo, hi, NULL), ISO_OK);
         model_touch(&m, iso_change_log_now(log), lo, hi);
         const iso_change *changes;
         size_t count = iso_change_log_since(log, 0, &changes);
@@ -103,7 +103,7 @@ static void tells_every_consumer_enough(void **state) {
     check_consumer(log, &m, seen[CONSUMERS - 1]);
     assert_true(merges >= 3);
     for (uint32_t cell = 0; cell < CELLS; cell++)
-        assert_int_equal(iso_change_log_stamp(log, cell), m.cell[cell]);
+        assert_int_equal(iso_change_log_last_edit(log, cell), m.cell[cell]);
     iso_change_log_destroy(log);
 }
 
@@ -119,7 +119,7 @@ static void tells_no_more_than_the_box(void **state) {
         random_box(&random, lo, hi);
         uint64_t seen = iso_change_log_now(log);
         iso_change_log_begin(log);
-        assert_int_equal(iso_change_log_touch(log, lo, hi, NULL), ISO_OK);
+        assert_int_equal(iso_change_log_add(log, lo, hi, NULL), ISO_OK);
         const iso_change *changes;
         size_t count = iso_change_log_since(log, seen, &changes), told = 0, wanted = 1;
         for (size_t i = 0; i < count; i++) {
@@ -148,7 +148,7 @@ static void repeated_touches_share_an_entry(void **state) {
     iso_change_log_begin(log);
     for (int x = 0; x < 16; x++) {
         const int at[3] = {x, 3, 4};
-        assert_int_equal(iso_change_log_touch(log, at, at, NULL), ISO_OK);
+        assert_int_equal(iso_change_log_add(log, at, at, NULL), ISO_OK);
     }
     assert_int_equal(iso_change_log_since(log, 0, &changes), 1);
     assert_int_equal(changes->lo[0], 0);
@@ -156,10 +156,10 @@ static void repeated_touches_share_an_entry(void **state) {
     assert_int_equal(changes->hi[1], 3);
     iso_change_log_begin(log);
     const int at[3] = {5, 3, 4};
-    assert_int_equal(iso_change_log_touch(log, at, at, NULL), ISO_OK);
+    assert_int_equal(iso_change_log_add(log, at, at, NULL), ISO_OK);
     assert_int_equal(iso_change_log_since(log, 0, &changes), 2);
     assert_int_equal(iso_change_log_since(log, 1, &changes), 1);
-    assert_int_equal(changes->stamp, 2);
+    assert_int_equal(changes->edit, 2);
     iso_change_log_destroy(log);
 }
 
@@ -175,7 +175,7 @@ static void stays_within_its_budget(void **state) {
     assert_int_equal(iso_change_log_create(cells, &log, NULL), ISO_OK);
     for (int edit = 1; edit <= 20; edit++) {
         iso_change_log_begin(log);
-        assert_int_equal(iso_change_log_touch(log, lo, hi, NULL), ISO_OK);
+        assert_int_equal(iso_change_log_add(log, lo, hi, NULL), ISO_OK);
         assert_true(iso_change_log_since(log, 0, &changes) <= 4 * (size_t)TOTAL);
         assert_int_equal(iso_change_log_since(log, (uint64_t)edit - 1, &changes), TOTAL);
     }
@@ -191,12 +191,12 @@ static void first_touch_starts_edit_one(void **state) {
     assert_int_equal(iso_change_log_create(cells, &log, NULL), ISO_OK);
     assert_int_equal(iso_change_log_now(log), 0);
     assert_int_equal(iso_change_log_since(log, 0, &changes), 0);
-    assert_int_equal(iso_change_log_touch(log, out, hi, NULL), ISO_OK);
+    assert_int_equal(iso_change_log_add(log, out, hi, NULL), ISO_OK);
     assert_int_equal(iso_change_log_since(log, 0, &changes), 0);
-    assert_int_equal(iso_change_log_touch(log, lo, hi, NULL), ISO_OK);
+    assert_int_equal(iso_change_log_add(log, lo, hi, NULL), ISO_OK);
     assert_int_equal(iso_change_log_now(log), 1);
     assert_int_equal(iso_change_log_since(log, 0, &changes), 2);
-    assert_int_equal(iso_change_log_stamp(log, 1), 1);
+    assert_int_equal(iso_change_log_last_edit(log, 1), 1);
     iso_change_log_destroy(log);
     iso_change_log_destroy(NULL);
 }

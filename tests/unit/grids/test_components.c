@@ -1,5 +1,5 @@
-/* components: the parts of solids against a plain breadth-first search, and what is left of a surface when
- * small parts are dropped. */
+/* The parts of solids compared with a plain breadth-first search, and the surface that remains when small
+ * parts are dropped. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -195,7 +195,7 @@ static void check_filter(const iso_grid *grid, iso_components_opts opts) {
         }
         float *after = values_of(&copy);
         if (status == ISO_OK)
-            check_values(&r, grid, iso_threshold_of(grid, opts.isovalue).at, before, after);
+            check_values(&r, grid, iso_threshold_of(grid, opts.isovalue).isovalue_ceil, before, after);
         else
             assert_memory_equal(before, after, r.count * sizeof *after);
         if (first) assert_memory_equal(first, after, r.count * sizeof *after);
@@ -364,14 +364,14 @@ static void index_follows(void **state) {
                  test_random_int(&random, 0, i < 5 ? 0 : 34), 150 + i);
     }
     iso_components_totals totals;
-    test_ok(iso_rgrid_index(grid.rgrid, NULL, NULL, &error), &error);
+    test_ok(iso_brick_index_of(grid.rgrid, NULL, NULL, &error), &error);
     test_ok(iso_components_filter(&grid, &(iso_components_opts){.isovalue = 100, .min_volume = 5}, &totals,
                                   &error),
             &error);
     iso_grid copy = copy_of(&grid);
     const struct iso_brick_index *a, *b;
-    test_ok(iso_rgrid_index(grid.rgrid, NULL, &a, &error), &error);
-    test_ok(iso_rgrid_index(copy.rgrid, NULL, &b, &error), &error);
+    test_ok(iso_brick_index_of(grid.rgrid, NULL, &a, &error), &error);
+    test_ok(iso_brick_index_of(copy.rgrid, NULL, &b, &error), &error);
     for (uint32_t i = 0; i < iso_brick_index_bricks(a); i++) {
         const iso_brick_range p = iso_brick_index_range(a, i), q = iso_brick_index_range(b, i);
         assert_true(p.lo == q.lo && p.hi == q.hi && p.finite == q.finite);

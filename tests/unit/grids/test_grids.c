@@ -554,19 +554,19 @@ static void touches_are_clipped_to_the_grid(void **state) {
     iso_rgrid_desc desc = {.dims = {20, 33, 16}, .type = ISO_UINT8};
     assert_int_equal(iso_hgrid_create(dims, 3, NULL, &hgrid, NULL), ISO_OK);
     assert_int_equal(iso_rgrid_create(&desc, &rgrid, NULL), ISO_OK);
-    assert_int_equal(iso_hgrid_touch(hgrid, lo, hi, NULL), ISO_OK);
-    assert_int_equal(iso_rgrid_touch(rgrid, lo, hi, NULL), ISO_OK);
+    assert_int_equal(iso_hgrid_mark_changed(hgrid, lo, hi, NULL), ISO_OK);
+    assert_int_equal(iso_rgrid_mark_changed(rgrid, lo, hi, NULL), ISO_OK);
     const iso_change *changes[2];
     assert_int_equal(iso_change_log_since(hgrid->log, 0, &changes[0]), 4);
     assert_int_equal(iso_change_log_since(rgrid->log, 0, &changes[1]), 4);
-    const iso_change last = {.stamp = 1, .cell = 5, .lo = {0, 0, 2}, .hi = {3, 0, 15}};
+    const iso_change last = {.edit = 1, .cell = 5, .lo = {0, 0, 2}, .hi = {3, 0, 15}};
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(changes[i][3].stamp, last.stamp);
+        assert_int_equal(changes[i][3].edit, last.edit);
         assert_int_equal(changes[i][3].cell, last.cell);
         assert_memory_equal(changes[i][3].lo, last.lo, 3);
         assert_memory_equal(changes[i][3].hi, last.hi, 3);
     }
-    assert_int_equal(iso_hgrid_touch(hgrid, lo, hi, NULL), ISO_OK);
+    assert_int_equal(iso_hgrid_mark_changed(hgrid, lo, hi, NULL), ISO_OK);
     assert_int_equal(iso_change_log_now(hgrid->log), 2);
     iso_hgrid_destroy(hgrid);
     iso_rgrid_destroy(rgrid);

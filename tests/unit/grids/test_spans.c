@@ -1,4 +1,4 @@
-/* spans: blocks keep apart, free space is found again, and a heap full of holes slides together. */
+/* The span allocator: blocks do not overlap, free space is reused, and a fragmented heap is compacted. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -72,12 +72,12 @@ static void blocks_keep_apart(void **state) {
             count[b] = (size_t)test_random_int(&random, 1, (int)count[b]);
             iso_span_heap_trim(&heap, block[b], count[b]);
         } else if (block[b] != ISO_SPAN_NONE) {
-            iso_span_heap_give(&heap, block[b]);
+            iso_span_heap_release(&heap, block[b]);
             block[b] = ISO_SPAN_NONE;
         } else {
             int most = phase ? 100 : 3000;
             count[b] = (size_t)test_random_int(&random, 1, most);
-            assert_int_equal(iso_span_heap_take(&heap, count[b], &block[b], NULL), ISO_OK);
+            assert_int_equal(iso_span_heap_alloc(&heap, count[b], &block[b], NULL), ISO_OK);
             const iso_span_block *record = iso_span_heap_block(&heap, block[b]);
             assert_true(record->capacity < count[b] + 16); /* what is left over is free again */
             size_t first = record->first;
@@ -92,7 +92,7 @@ static void blocks_keep_apart(void **state) {
     }
     check_heap_contents(&heap, block, count);
     for (int b = 0; b < HEAP_BLOCKS; b++)
-        if (block[b] != ISO_SPAN_NONE) iso_span_heap_give(&heap, block[b]);
+        if (block[b] != ISO_SPAN_NONE) iso_span_heap_release(&heap, block[b]);
     check_heap_links(&heap);
     assert_int_equal(heap.end, 0);
     iso_span_heap_free(&heap);
@@ -106,15 +106,15 @@ static void holes_are_closed(void **state) {
     iso_span_heap_clear(&heap);
     uint32_t block[BLOCKS], large;
     for (uint32_t b = 0; b < BLOCKS; b++) {
-        assert_int_equal(iso_span_heap_take(&heap, ITEMS, &block[b], NULL), ISO_OK);
+        assert_int_equal(iso_span_heap_alloc(&heap, ITEMS, &block[b], NULL), ISO_OK);
         size_t first = iso_span_heap_block(&heap, block[b])->first;
         assert_int_equal(first, b * ITEMS);
         for (size_t i = 0; i < ITEMS; i++) ((uint32_t *)heap.array[0].data)[first + i] = b;
     }
     for (uint32_t b = 0; b < BLOCKS; b++)
-        if (b % 4) iso_span_heap_give(&heap, block[b]);
+        if (b % 4) iso_span_heap_release(&heap, block[b]);
     assert_false(heap.moved);
-    assert_int_equal(iso_span_heap_take(&heap, 30 * ITEMS, &large, NULL), ISO_OK);
+    assert_int_equal(iso_span_heap_alloc(&heap, 30 * ITEMS, &large, NULL), ISO_OK);
     assert_true(heap.moved);
     check_heap_links(&heap);
     assert_int_equal(heap.end, (BLOCKS / 4 + 30) * ITEMS);

@@ -681,7 +681,7 @@ static iso_mesh_view flat_mesh(void) {
         {{0, 0, 0}, {0, 0, 1}}, {{0.1f, 0, 0}, {0, 0, 1}}, {{0, 1.0f / 3, 0}, {0, 0, 1}}};
     static const iso_edge_key keys[3] = {0, 1, 2};
     static const uint16_t triangles[2][3] = {{0, 1, 2}, {1, 1, 2}};
-    static const iso_mesh_span span = {.vertex_count = 3, .own_count = 3, .triangle_count = 2};
+    static const iso_mesh_span span = {.vertex_count = 3, .owned_count = 3, .triangle_count = 2};
     return (iso_mesh_view){.vertices = vertices,
                            .keys = keys,
                            .triangles = triangles,

@@ -43,7 +43,7 @@ static void make_scene(scene *s) {
         s->triangles[i / 3][i % 3] = (uint16_t)i;
     }
     s->points.count = POINTS;
-    s->mesh.vertex_count = s->mesh.own_count = POINTS;
+    s->mesh.vertex_count = s->mesh.owned_count = POINTS;
     s->mesh.triangle_count = POINTS / 30;
     s->fail_at = -1;
 }

@@ -73,7 +73,7 @@ static reference_opts layout_of(const iso_view *view, const iso_point_view *poin
     iso_projector projector = iso_projector_make(view, &points->transform);
     test_ok(iso_point_blocks_make(&blocks, points, &projector, NULL, &error), &error);
     iso_pyramid_levels(blocks.radius, 2, &opts.base, &opts.top);
-    opts.guard = iso_pyramid_shape_of(view, opts.base, opts.top).guard;
+    opts.guard = iso_pyramid_layout_of(view, opts.base, opts.top).guard;
     opts.cull = points->closed && !blocks.around_eye;
     iso_point_blocks_free(&blocks);
     return opts;

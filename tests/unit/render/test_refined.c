@@ -20,7 +20,7 @@
 /* Points of one's own, as floats, in one span. */
 typedef struct cloud {
     iso_surfel *surfels;
-    iso_curvature *shapes;
+    iso_curvature *curvatures;
     iso_point_span span;
     iso_point_view points;
 } cloud;
@@ -29,10 +29,10 @@ static cloud *make_cloud(size_t count) {
     cloud *c = calloc(1, sizeof *c);
     assert_non_null(c);
     c->surfels = calloc(count, sizeof *c->surfels);
-    c->shapes = calloc(count, sizeof *c->shapes);
-    assert_true(c->surfels && c->shapes);
+    c->curvatures = calloc(count, sizeof *c->curvatures);
+    assert_true(c->surfels && c->curvatures);
     c->points = (iso_point_view){.surfels = c->surfels,
-                                 .shapes = c->shapes,
+                                 .curvatures = c->curvatures,
                                  .spans = &c->span,
                                  .span_count = 1,
                                  .transform = iso_transform_identity(),
@@ -42,7 +42,7 @@ static cloud *make_cloud(size_t count) {
 
 static void free_cloud(cloud *c) {
     free(c->surfels);
-    free(c->shapes);
+    free(c->curvatures);
     free(c);
 }
 
@@ -65,8 +65,8 @@ static void bend_point(cloud *c, const double along[3], double bend, double acro
         y += (double)v[k] * along[k];
     }
     const double more = bend - across;
-    c->shapes[i] = iso_curvature_pack((float)(across + more * x * x), (float)(more * x * y),
-                                      (float)(across + more * y * y));
+    c->curvatures[i] = iso_curvature_pack((float)(across + more * x * x), (float)(more * x * y),
+                                          (float)(across + more * y * y));
 }
 
 enum { RADIUS = 12, DISTANCE = 60 };
@@ -156,11 +156,11 @@ static void like_reference(const iso_view *view, const iso_point_view *points, d
 /* The points' shapes, the discs of three in four of them without a quarter of their size or more. */
 static iso_curvature *smaller_discs(const iso_point_view *points) {
     const size_t count = iso_point_view_count(points);
-    iso_curvature *shapes = malloc(count * sizeof *shapes);
-    assert_non_null(shapes);
-    memcpy(shapes, points->shapes, count * sizeof *shapes);
-    for (size_t i = 0; i < count; i++) shapes[i].ends |= (uint16_t)(i % 4 << ISO_CURVATURE_LOST_BIT);
-    return shapes;
+    iso_curvature *curvatures = malloc(count * sizeof *curvatures);
+    assert_non_null(curvatures);
+    memcpy(curvatures, points->curvatures, count * sizeof *curvatures);
+    for (size_t i = 0; i < count; i++) curvatures[i].extents |= (uint16_t)(i % 4 << ISO_CURVATURE_SHRINK_BIT);
+    return curvatures;
 }
 
 static void like_the_reference(void **state) {
@@ -168,7 +168,7 @@ static void like_the_reference(void **state) {
     static const char *const names[] = {"sphere", "gyroid", "cylinder"};
     static const double zooms[] = {0.5, 1, 4, 14};
     for (int n = 0; n < 3; n++) {
-        const iso_points_opts opts = {.shapes = true,
+        const iso_points_opts opts = {.curvature = true,
                                       .primitive = n ? ISO_PRIMITIVE_EDGE : ISO_PRIMITIVE_AUTO};
         test_scene s = test_scene_make(names[n], 32, &opts, true);
         for (int z = 0; z < 4; z++) {
@@ -179,10 +179,10 @@ static void like_the_reference(void **state) {
         s.points.transform.spacing[2] *= 1.5;
         const iso_view view = test_look_at(&s, n, 2, false, 90, 67);
         like_reference(&view, &s.points, n == 1 ? 0.03 : 0.01);
-        iso_curvature *shapes = smaller_discs(&s.points);
-        s.points.shapes = shapes;
+        iso_curvature *curvatures = smaller_discs(&s.points);
+        s.points.curvatures = curvatures;
         like_reference(&view, &s.points, n == 1 ? 0.03 : 0.01);
-        free(shapes);
+        free(curvatures);
         test_scene_free(&s);
     }
 }
@@ -233,7 +233,7 @@ static void seams_do_not_show(void **state) {
     (void)state;
     cloud *c = make_sphere(RADIUS);
     iso_point_span *spans = scatter_blocks(c);
-    c->points.shapes = NULL;
+    c->points.curvatures = NULL;
     for (uint32_t i = 0; i < c->span.count; i++)
         for (int k = 0; k < 3; k++) c->surfels[i].normal[k] += (float)(0.3 * sin(1.7 * (k + 1) * i));
     for (int n = 0; n < 4; n++) {
@@ -270,7 +270,7 @@ static void same_bytes_everywhere(void **state) {
     static const char *const names[] = {"gyroid", "sphere", "head"};
     static const double zooms[] = {0.7, 3, 11, 60};
     for (int n = 0; n < 3; n++) {
-        test_scene s = test_scene_make(names[n], 40, &(iso_points_opts){.shapes = true}, true);
+        test_scene s = test_scene_make(names[n], 40, &(iso_points_opts){.curvature = true}, true);
         for (int z = 0; z < 4; z++) {
             if (z == 2) s.points.closed = false;
             const iso_view view = test_look_at(&s, n + 2 * z, zooms[z], z == 1, 131 - 9 * n, 143);
@@ -409,7 +409,7 @@ static void insides_are_seen(void **state) {
     for (uint32_t i = 0; i < c->span.count; i++)
         if (c->surfels[i].position[2] > DISTANCE) {
             c->surfels[kept] = c->surfels[i];
-            c->shapes[kept++] = c->shapes[i];
+            c->curvatures[kept++] = c->curvatures[i];
         }
     c->span.count = kept;
     const iso_view view = test_plain_view(160, 160, true, 6);
@@ -452,7 +452,7 @@ static test_scene make_cut_ball(bool floats) {
                 value[x + y * s.grid.rgrid->stride_y + z * s.grid.rgrid->stride_z] =
                     (float)(BALL_RADIUS - sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]));
             }
-    const iso_points_opts opts = {.floats = floats, .shapes = true};
+    const iso_points_opts opts = {.floats = floats, .curvature = true};
     test_ok(iso_point_set_create(&s.grid, &opts, &s.set, &error), &error);
     test_ok(iso_point_set_update(s.set, &error), &error);
     s.points = iso_point_set_view(s.set);
@@ -523,7 +523,7 @@ static void near_plane(void **state) {
     }
     iso_gbuffer_free(&g);
     free_cloud(c);
-    test_scene s = test_scene_make("gyroid", 32, &(iso_points_opts){.shapes = true}, true);
+    test_scene s = test_scene_make("gyroid", 32, &(iso_points_opts){.curvature = true}, true);
     iso_view inside = test_look_at(&s, 0, 1, false, 120, 110);
     const iso_affine affine = iso_transform_affine(&s.points.transform);
     inside.eye = iso_affine_point(&affine, iso_vec3_make(15.3, 16.1, 15.8));
@@ -564,16 +564,16 @@ static void hidden_points_change_nothing(void **state) {
         cloud *front = make_plane(SLOPE), *all = make_plane(SLOPE);
         const uint32_t count = all->span.count;
         all->surfels = realloc(all->surfels, 3 * count * sizeof *all->surfels);
-        all->shapes = realloc(all->shapes, 3 * count * sizeof *all->shapes);
-        assert_true(all->surfels && all->shapes);
+        all->curvatures = realloc(all->curvatures, 3 * count * sizeof *all->curvatures);
+        assert_true(all->surfels && all->curvatures);
         iso_point_span spans[3];
         for (uint32_t layer = 0; layer < 3; layer++) {
             spans[layer] = (iso_point_span){{0, 0, (int32_t)layer}, count, layer * (size_t)count};
             memcpy(all->surfels + layer * count, front->surfels, count * sizeof *all->surfels);
-            memcpy(all->shapes + layer * count, front->shapes, count * sizeof *all->shapes);
+            memcpy(all->curvatures + layer * count, front->curvatures, count * sizeof *all->curvatures);
         }
         all->points.surfels = all->surfels;
-        all->points.shapes = all->shapes;
+        all->points.curvatures = all->curvatures;
         all->points.spans = spans;
         all->points.span_count = 3;
         const iso_view view = test_plain_view(150, 130, f % 2, FOCALS[f] * (f % 2 ? 1 : DISTANCE));
@@ -600,7 +600,7 @@ static void hiding_changes_nothing(void **state) {
     static const char *const names[] = {"gyroid", "head"};
     static const double zooms[] = {0.7, 2, 6, 20};
     for (int n = 0; n < 8; n++) {
-        test_scene s = test_scene_make(names[n % 2], 40, &(iso_points_opts){.shapes = true}, true);
+        test_scene s = test_scene_make(names[n % 2], 40, &(iso_points_opts){.curvature = true}, true);
         const size_t count = iso_point_view_count(&s.points);
         float *radii = calloc(count, sizeof *radii);
         iso_point_span *spans = calloc(count, sizeof *spans);

@@ -1,4 +1,5 @@
-/* sculpt: brushes keep the field a distance field, on the right side, by cells, the same on every machine. */
+/* Brushes: after each touch the field is a distance field with the right signs, only affected cells changed,
+ * and the bits are the same on every machine. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -152,7 +153,7 @@ static void ends_move_nothing(void **state) {
             !(fabsf(is - was) <= 0.5f))
             fail_msg("voxel (%d, %d, %d) was %g and is %g", x, y, z, (double)was, (double)is);
         const uint32_t cell = (uint32_t)iso_hgrid_cell_index(grid, x / 16, y / 16, z / 16);
-        assert_true(iso_change_log_stamp(grid->log, cell) > seen);
+        assert_true(iso_change_log_last_edit(grid->log, cell) > seen);
     }
     print_message("%zu distances grew\n", longer);
     assert_true(longer > 300 && masked > 500);
@@ -161,7 +162,7 @@ static void ends_move_nothing(void **state) {
     iso_hgrid_destroy(grid);
 }
 
-/* Of a wider band, what is farther away than crossings are looked for stays as it is. */
+/* In a wider band, values beyond the distance in which crossings are searched do not change. */
 static void ends_leave_what_is_far(void **state) {
     (void)state;
     const int dims[3] = {64, 64, 64};
@@ -393,7 +394,7 @@ static void symmetry_is_symmetric(void **state) {
     iso_hgrid_destroy(grid);
 }
 
-/* ---- what is told, and failing half-way */
+/* ---- the write observer, and failing half-way */
 
 typedef struct notified {
     const iso_hgrid *grid;
@@ -415,7 +416,8 @@ static iso_status remember(void *context, uint32_t cell, int32_t state, const fl
     return ISO_OK;
 }
 
-/* Every cell that a step changes is told once, as it was; a keeper that refuses stops the touch. */
+/* The observer is called once for each cell that a step changes, with its old content; if the observer fails,
+ * the touch fails. */
 static void keepers_are_told_before(void **state) {
     (void)state;
     iso_hgrid *grid = sculpt_ball(64, iso_vec3_make(31, 31, 31), 20);
@@ -445,7 +447,7 @@ static void keepers_are_told_before(void **state) {
                                                iso_hgrid_brick(t.before, t.before->cell[cell]), 16384)
                                      : grid->cell[cell] == t.before->cell[cell]);
             differ += !same;
-            if (!same) assert_true(iso_change_log_stamp(grid->log, cell) > seen);
+            if (!same) assert_true(iso_change_log_last_edit(grid->log, cell) > seen);
         }
         assert_true((size_t)t.count >= differ);
         iso_hgrid_destroy(t.before);

@@ -1,4 +1,4 @@
-/* sculpt mask: what is frozen stays, and beside it the field stays a distance field. */
+/* The mask: frozen voxels keep their values, and the field beside them remains a distance field. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

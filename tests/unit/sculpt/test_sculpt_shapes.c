@@ -1,5 +1,5 @@
-/* sculpt shapes: strokes of known volume and area, and a field that says how far the surface is, by brute
- * force against the mesh that is extracted from it. */
+/* Strokes with known volume and area, and distances compared by brute force with the mesh that is extracted
+ * from the field. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>

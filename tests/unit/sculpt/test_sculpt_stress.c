@@ -1,6 +1,6 @@
-/* sculpt stress: many random strokes of every tool with undo and redo between them. After each, the field
- * must be what a sculpted field always is, and what the tool may have done to it; at the end, the journal
- * must make the same bits again. ISO_TEST_STROKES strokes, 120 without. */
+/* Many random strokes with every tool, and undo and redo between them. After each stroke the invariants of a
+ * field and the effects of the tool are checked; at the end the journal must replay to the same bits.
+ * ISO_TEST_STROKES sets the number of strokes; the default is 120. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>

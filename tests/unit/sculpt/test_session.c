@@ -1,5 +1,5 @@
-/* session: nothing is lost. Undo and redo restore every bit, the journal replays to the same field, and what
- * was written survives kill -9, torn lines and full memory. */
+/* Sessions lose nothing: undo and redo restore every bit, the journal replays to the same field, and what was
+ * written survives kill -9, incomplete lines and lack of memory. */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <signal.h>
@@ -210,7 +210,7 @@ static void torn_and_damaged_lines(void **state) {
         found++;
     }
     assert_true(found > 20);
-    /* appending after a torn line */
+    /* appending after an incomplete line */
     spill(part, bytes, size - 5);
     iso_journal *more;
     assert_int_equal(iso_journal_append(part, &more, &error), ISO_OK);
@@ -355,7 +355,7 @@ static void touches_are_bounded(void **state) {
     iso_session_destroy(session);
 }
 
-/* A session with a journal takes only what can be read back: work is never recorded that cannot be played. */
+/* A session with a journal accepts only events that can be read back and replayed. */
 static void what_cannot_be_played_is_not_recorded(void **state) {
     (void)state;
     const char *journal = session_path("bounds.strokes");
@@ -413,8 +413,8 @@ static iso_status wait_for_journal(iso_session *session, bool well, iso_error *e
     return status;
 }
 
-/* A disk that fills up in the middle of a line: it is said, the work goes on, and when there is room again
- * all of it is written. A second time there is never room: what had been written can be opened. */
+/* A disk that fills up in the middle of a line: the error is reported, editing goes on, and when there is
+ * room again all of it is written. A second time there is never room: what had been written can be opened. */
 static void disks_that_fill_up_lose_nothing(void **state) {
     (void)state;
     struct rlimit before, full;

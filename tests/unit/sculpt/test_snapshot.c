@@ -1,4 +1,4 @@
-/* hold: a field for another thread while it changes; snapshots and resuming that can be cancelled. */
+/* Snapshots for another thread while the field changes; checkpoints, and resuming that can be cancelled. */
 #define _DEFAULT_SOURCE /* usleep */
 #include <pthread.h>
 #include <setjmp.h>
@@ -48,7 +48,7 @@ static void end_stroke(iso_session *session, bool *drawing) {
 }
 
 /* Strokes, undo, redo and cancelled strokes go on while two threads take what was there before. */
-static void held_fields_stay_as_they_were(void **state) {
+static void snapshots_keep_the_old_field(void **state) {
     (void)state;
     iso_session_opts opts = {0};
     iso_session *session = session_open(&opts);
@@ -88,7 +88,7 @@ static int refuse(void *context, double fraction) {
     return --*left < 0;
 }
 
-static void holding_is_refused_and_cancelled(void **state) {
+static void snapshots_are_refused_and_cancelled(void **state) {
     (void)state;
     iso_session_opts opts = {0};
     iso_session *session = session_open(&opts);
@@ -160,8 +160,8 @@ static void resuming_can_be_cancelled(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(held_fields_stay_as_they_were),
-                                       cmocka_unit_test(holding_is_refused_and_cancelled),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(snapshots_keep_the_old_field),
+                                       cmocka_unit_test(snapshots_are_refused_and_cancelled),
                                        cmocka_unit_test(resuming_can_be_cancelled)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* stamp: a mesh as a shape of a brush, in the journal and played again. */
+/* Stamps: a mesh as the solid of a brush, stored in the journal and replayed. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,5 @@
-/* The DICOM reader against series that the test writes: every voxel must come back, at its place, or none. */
+/* The DICOM reader with series that the test writes: every voxel is read at its position, or reading fails.
+ */
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <math.h>

@@ -1,5 +1,5 @@
-/* nrrd: every way to store an array that the other tests of formats do not write, the grammar of headers, and
- * headers that lie. */
+/* NRRD: the ways to store an array that the other tests of formats do not cover, the grammar of headers, and
+ * headers with wrong numbers. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* The .vdb reader against files that OpenVDB wrote: what goes in must come out, voxel by voxel. */
+/* The .vdb reader with files that OpenVDB wrote, compared voxel by voxel. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* volume formats: what was written comes back, in every format, encoding, type and byte order; a file cut
- * anywhere is refused; worlds are turned into LPS millimetres. */
+/* Every format, encoding, type and byte order is read as it was written; files that are truncated anywhere
+ * are errors; world coordinates are converted to LPS millimetres. */
 #define _POSIX_C_SOURCE 200809L
 #include <fcntl.h>
 #include <setjmp.h>

@@ -1,5 +1,4 @@
-/* volume numbers: headers whose numbers lie, or cannot be used, are refused by the line that says which,
- * before memory is taken for them. */
+/* Headers with wrong or unusable numbers are errors that name the number, before memory is allocated. */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <setjmp.h>

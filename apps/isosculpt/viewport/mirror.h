@@ -1,0 +1,25 @@
+/* mirror: the lines along which a mirror plane cuts the visible surface. */
+#ifndef ISO_APPS_ISOSCULPT_VIEWPORT_MIRROR_H
+#define ISO_APPS_ISOSCULPT_VIEWPORT_MIRROR_H
+
+#include "apps/isosculpt/viewport/viewport.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A line from (x[0], y[0]) to (x[1], y[1]), pixels of the full picture. */
+typedef struct isosculpt_segment {
+    double x[2], y[2];
+} isosculpt_segment;
+
+/* Finds where the surface in `layer` crosses the plane on which the world coordinate `axis` (0: x) is `at`
+ * mm, looking at every fourth sample. Writes at most `room` segments and returns their number; 0 for a layer
+ * on the GPU, whose samples would have to be read back. */
+size_t isosculpt_mirror_lines(const isosculpt_layer *layer, int axis, double at, isosculpt_segment *segments,
+                              size_t room);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

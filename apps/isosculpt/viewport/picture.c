@@ -1,0 +1,400 @@
+/* The picture of a viewport: drawn as a whole, or only where an edit changed it; then refined with four
+ * samples a pixel. */
+#include <math.h>
+#include <string.h>
+
+#include "apps/isosculpt/viewport/async_surface.h"
+#include "apps/isosculpt/viewport/viewport.h"
+#include "base/clock.h"
+
+/* Seconds of a picture while the camera moves: the next one gets fewer samples above the first limit, and
+ * more below the second one. */
+static const double TOO_SLOW = 0.020, FAST = 0.006;
+/* A picture at rest is refined in tiles of so many pixels, so that events are handled between two tiles;
+ * samples along a refined pixel. */
+enum { TILE_PIXELS = 1 << 17, TILE_FACTOR = 2 };
+
+/* ---- memory */
+
+static iso_status reserve_samples(iso_gbuffer *gbuffer, int width, int height, iso_error *error) {
+    iso_gbuffer larger;
+    if (gbuffer->samples < (size_t)width * (size_t)height) {
+        ISO_TRY(iso_gbuffer_create(width, height, &larger, error));
+        iso_gbuffer_free(gbuffer);
+        *gbuffer = larger;
+    }
+    gbuffer->width = width;
+    gbuffer->height = height;
+    return ISO_OK;
+}
+
+static iso_status reserve_pixels(iso_image *image, size_t *room, int width, int height, iso_error *error) {
+    iso_image larger;
+    size_t pixels = (size_t)width * (size_t)height;
+    if (*room < pixels) {
+        ISO_TRY(iso_image_create(width, height, &larger, error));
+        iso_image_free(image);
+        *image = larger;
+        *room = pixels;
+    }
+    image->width = width;
+    image->height = height;
+    return ISO_OK;
+}
+
+/* ---- extracting */
+
+/* Brings a part of the surface up to date. `quick`: of a volume the points of a level of detail instead. */
+static iso_status extract_part(isosculpt_viewport *viewport, iso_part part, bool quick, iso_error *error) {
+    double start = iso_clock_seconds();
+    if (quick && viewport->lod)
+        ISO_TRY(isosculpt_lod_update(viewport->lod, viewport->isovalue, error));
+    else
+        ISO_TRY(isosculpt_async_surface_update(viewport, part, error));
+    if (iso_change_log_now(iso_grid_log(&viewport->grid)) != viewport->drawn_edit ||
+        viewport->isovalue != viewport->drawn_isovalue)
+        isosculpt_latency_add(&viewport->extract, iso_clock_seconds() - start);
+    return ISO_OK;
+}
+
+/* ---- drawing */
+
+static iso_status draw_surface(isosculpt_viewport *viewport, iso_method method, const iso_target *target,
+                               iso_error *error) {
+    iso_gbuffer_clear_bands(target->gbuffer, viewport->pool);
+    if (method == ISO_METHOD_EXACT) return iso_draw_exact(target, viewport->exact, error);
+    if (method == ISO_METHOD_MESH) {
+        ISO_TRY(iso_mesh_set_bound(viewport->mesh, error)); /* spans that face away are not drawn */
+        iso_mesh_view mesh = iso_mesh_set_view(viewport->mesh);
+        return iso_draw_mesh(target, &mesh, error);
+    }
+    iso_point_view points = iso_point_set_view(viewport->drawn_points);
+    iso_pullpush_opts opts = {.workspace = viewport->workspace};
+    return method == ISO_METHOD_POINTS ? iso_draw_points(target, &points, error)
+                                       : iso_draw_pullpush(target, &points, &opts, error);
+}
+
+/* What the threads that darken masked voxels read. */
+typedef struct mask_pass {
+    const isosculpt_viewport *viewport;
+    const iso_strip *strip;
+    const iso_image *image;
+    iso_affine affine;
+} mask_pass;
+
+static bool is_masked(const mask_pass *m, size_t sample, double x, double y) {
+    const int *dims = iso_grid_dims(&m->viewport->grid);
+    iso_vec3 origin, direction;
+    if (m->strip->gbuffer->surface[sample] == ISO_SURFACE_NONE) return false;
+    iso_view_ray(m->strip->view, x, y, &origin, &direction);
+    iso_vec3 world =
+        iso_vec3_add(origin, iso_vec3_scale(direction, (double)m->strip->gbuffer->depth[sample]));
+    iso_vec3 p = iso_affine_point_to_index(&m->affine, world);
+    const double at[3] = {p.x, p.y, p.z};
+    int voxel[3];
+    for (int axis = 0; axis < 3; axis++)
+        voxel[axis] = (int)fmin(fmax(floor(at[axis] + 0.5), 0), dims[axis] - 1);
+    return m->viewport->mask.at(m->viewport->mask.context, voxel[0], voxel[1], voxel[2]);
+}
+
+static void darken_masked_row(void *context, size_t row, int worker) {
+    (void)worker;
+    const mask_pass *m = context;
+    const size_t factor = (size_t)m->strip->factor, width = (size_t)m->image->width;
+    for (size_t column = 0; column < width; column++) {
+        size_t x = column * factor + factor / 2, y = row * factor + factor / 2;
+        uint8_t *rgba = m->image->rgba + (row * width + column) * 4;
+        if (!is_masked(m, y * width * factor + x, (double)x + 0.5, (double)y + 0.5)) continue;
+        for (int k = 0; k < 3; k++) rgba[k] = (uint8_t)(rgba[k] * 3 / 5);
+    }
+}
+
+static void shade_strip(isosculpt_viewport *viewport, const iso_strip *strip, iso_image *image) {
+    isosculpt_material_strip(&viewport->mode.material, &viewport->matcap, strip, image, viewport->pool);
+    if (!viewport->mask.at) return;
+    mask_pass m = {viewport, strip, image, iso_transform_affine(iso_grid_transform(&viewport->grid))};
+    iso_parallel_for(viewport->pool, (size_t)image->height, darken_masked_row, &m);
+}
+
+static isosculpt_rectangle whole_image(const isosculpt_viewport *viewport) {
+    return (isosculpt_rectangle){0, 0, viewport->image.width, viewport->image.height};
+}
+
+/* The layer is empty until finish_whole. */
+static void begin_whole(isosculpt_viewport *viewport, int factor) {
+    isosculpt_layer *drawn = &viewport->drawn;
+    drawn->samples = 0;
+    drawn->canvas = NULL;
+    drawn->view = iso_view_make(&viewport->camera, (viewport->width + factor - 1) / factor,
+                                (viewport->height + factor - 1) / factor);
+    viewport->drawn_exactly = false;
+}
+
+static void finish_whole(isosculpt_viewport *viewport) {
+    viewport->drawn.samples = (double)viewport->drawn.view.width / viewport->width;
+    viewport->drawn_camera = viewport->camera;
+    viewport->drawn_mode = viewport->mode;
+    viewport->drawn_isovalue = viewport->isovalue;
+}
+
+/* Draws the whole picture by the cpu engine, one sample for factor x factor pixels. */
+static iso_status draw_whole(isosculpt_viewport *viewport, iso_method method, int factor, iso_error *error) {
+    isosculpt_layer *drawn = &viewport->drawn;
+    begin_whole(viewport, factor);
+    const int width = drawn->view.width, height = drawn->view.height;
+    ISO_TRY(reserve_samples(&drawn->gbuffer, width, height, error));
+    ISO_TRY(reserve_pixels(&viewport->image, &viewport->image_room, width, height, error));
+    iso_target target = {.view = &drawn->view, .gbuffer = &drawn->gbuffer, .pool = viewport->pool};
+    ISO_TRY(draw_surface(viewport, method, &target, error));
+    iso_strip strip = {.view = &drawn->view, .gbuffer = &drawn->gbuffer, .factor = 1};
+    shade_strip(viewport, &strip, &viewport->image);
+    finish_whole(viewport);
+    viewport->drawn_exactly = method == ISO_METHOD_EXACT && factor == 1;
+    viewport->redrawn = viewport->unrefined =
+        (isosculpt_damage){.rectangle = {whole_image(viewport)}, .count = 1};
+    return ISO_OK;
+}
+
+/* ---- drawing by OpenGL */
+
+static bool is_by_gl(const isosculpt_viewport *viewport, bool moving) {
+    const isosculpt_display_mode *mode = &viewport->mode;
+    return viewport->gl && mode->engine == ISOSCULPT_ENGINE_GL && !viewport->mask.at &&
+           (mode->method != ISO_METHOD_EXACT || moving);
+}
+
+/* Draws the picture of drawn.view with factor x factor samples a pixel. */
+static iso_status draw_canvas(isosculpt_viewport *viewport, iso_method method, int factor, iso_error *error) {
+    const isosculpt_material *material = &viewport->mode.material;
+    const isosculpt_matcap *matcap = isosculpt_material_matcap(material, &viewport->matcap);
+    const iso_gl_paint paint = {.factor = factor,
+                                .color = material->color,
+                                .background = material->background,
+                                .sphere = matcap ? matcap->rgb[0][0] : NULL,
+                                .sphere_side = ISOSCULPT_MATCAP_SIDE};
+    const iso_view samples = iso_view_scaled(&viewport->drawn.view, factor);
+    iso_gl_canvas *canvas;
+    if (method == ISO_METHOD_MESH) {
+        iso_mesh_view mesh = iso_mesh_set_view(viewport->mesh);
+        ISO_TRY(isosculpt_gl_draw_mesh(viewport->gl, &mesh, &samples, &paint, &canvas, error));
+    } else {
+        iso_point_view points = iso_point_set_view(viewport->drawn_points);
+        ISO_TRY(isosculpt_gl_draw_points(viewport->gl, &points, method == ISO_METHOD_PULLPUSH, &samples,
+                                         &paint, &canvas, error));
+    }
+    viewport->drawn.canvas = canvas;
+    return ISO_OK;
+}
+
+/* After an error of the driver the cpu engine draws: work must not be lost because of a driver. */
+static void fall_back_to_cpu(isosculpt_viewport *viewport, const iso_error *reason) {
+    viewport->gl_error = *reason;
+    viewport->mode.engine = ISOSCULPT_ENGINE_CPU;
+    viewport->quality = ISOSCULPT_QUALITY_MOVING;
+    viewport->drawn.samples = 0;
+}
+
+/* Draws the whole picture by OpenGL; false: it failed, and the cpu engine is chosen now. */
+static bool draw_whole_by_gl(isosculpt_viewport *viewport, iso_method method, int factor) {
+    iso_error reason = {ISO_OK, ""};
+    begin_whole(viewport, factor);
+    if (draw_canvas(viewport, method, 1, &reason) != ISO_OK) {
+        fall_back_to_cpu(viewport, &reason);
+        return false;
+    }
+    finish_whole(viewport);
+    viewport->redrawn = viewport->unrefined =
+        (isosculpt_damage){.count = 0}; /* the image holds nothing of this picture */
+    return true;
+}
+
+iso_status isosculpt_viewport_read_back(isosculpt_viewport *viewport, iso_error *error) {
+    const iso_view *v = &viewport->drawn.view;
+    if (!viewport->drawn.canvas) return ISO_OK;
+    ISO_TRY(reserve_pixels(&viewport->image, &viewport->image_room, v->width, v->height, error));
+    return iso_gl_canvas_read(viewport->drawn.canvas, &viewport->image, error);
+}
+
+/* ---- tiles: parts of the picture */
+
+/* The view of a part of a picture. */
+static iso_view tile_view(const iso_view *picture, isosculpt_rectangle r) {
+    iso_view tile = *picture;
+    tile.cx -= r.x0;
+    tile.cy -= r.y0;
+    tile.width = r.x1 - r.x0;
+    tile.height = r.y1 - r.y0;
+    return tile;
+}
+
+static void copy_tile_pixels(isosculpt_viewport *viewport, isosculpt_rectangle r) {
+    const size_t bytes = (size_t)(r.x1 - r.x0) * 4;
+    for (int y = r.y0; y < r.y1; y++)
+        memcpy(viewport->image.rgba + ((size_t)y * (size_t)viewport->image.width + (size_t)r.x0) * 4,
+               viewport->tile_image.rgba + (size_t)(y - r.y0) * bytes, bytes);
+}
+
+static void copy_tile_samples(isosculpt_viewport *viewport, isosculpt_rectangle r) {
+    const iso_gbuffer *from = &viewport->tile;
+    iso_gbuffer *to = &viewport->drawn.gbuffer;
+    const size_t count = (size_t)(r.x1 - r.x0);
+    for (int y = r.y0; y < r.y1; y++) {
+        size_t at = (size_t)(y - r.y0) * count, out = (size_t)y * (size_t)to->width + (size_t)r.x0;
+        memcpy(to->depth + out, from->depth + at, count * sizeof *to->depth);
+        memcpy(to->surface + out, from->surface + at, count * sizeof *to->surface);
+        for (int axis = 0; axis < 3; axis++)
+            memcpy(to->normal[axis] + out, from->normal[axis] + at, count * sizeof *to->normal[axis]);
+    }
+}
+
+/* Draws a part of the picture with factor x factor samples a pixel. */
+static iso_status draw_tile(isosculpt_viewport *viewport, iso_method method, isosculpt_rectangle r,
+                            int factor, iso_error *error) {
+    iso_view pixels = tile_view(&viewport->drawn.view, r), samples = iso_view_scaled(&pixels, factor);
+    ISO_TRY(reserve_samples(&viewport->tile, samples.width, samples.height, error));
+    ISO_TRY(reserve_pixels(&viewport->tile_image, &viewport->tile_room, pixels.width, pixels.height, error));
+    iso_target target = {.view = &samples, .gbuffer = &viewport->tile, .pool = viewport->pool};
+    ISO_TRY(draw_surface(viewport, method, &target, error));
+    iso_strip strip = {.view = &samples, .gbuffer = &viewport->tile, .factor = factor};
+    shade_strip(viewport, &strip, &viewport->tile_image);
+    copy_tile_pixels(viewport, r);
+    if (factor == 1) copy_tile_samples(viewport, r);
+    return ISO_OK;
+}
+
+/* ---- what has to be drawn */
+
+static bool same_vec(iso_vec3 a, iso_vec3 b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool same_camera(const iso_camera *a, const iso_camera *b) {
+    return same_vec(a->position, b->position) && same_vec(a->focal_point, b->focal_point) &&
+           same_vec(a->view_up, b->view_up) && a->view_angle == b->view_angle &&
+           a->orthographic == b->orthographic && a->parallel_scale == b->parallel_scale;
+}
+
+static bool same_mode(const isosculpt_display_mode *a, const isosculpt_display_mode *b) {
+    return a->method == b->method && a->engine == b->engine && a->material.shading == b->material.shading &&
+           iso_rgb_equal(a->material.color, b->material.color) &&
+           iso_rgb_equal(a->material.background, b->material.background);
+}
+
+/* Whether nothing but edits has changed since the last picture. */
+static bool is_still(const isosculpt_viewport *viewport, int width, int height) {
+    return viewport->drawn.samples > 0 && viewport->width == width && viewport->height == height &&
+           same_camera(&viewport->camera, &viewport->drawn_camera) &&
+           same_mode(&viewport->mode, &viewport->drawn_mode) &&
+           viewport->isovalue == viewport->drawn_isovalue;
+}
+
+static void adapt_moving_factor(isosculpt_viewport *viewport, double seconds) {
+    if (seconds > TOO_SLOW && viewport->moving_factor < ISOSCULPT_MOVING_FACTOR_MAX)
+        viewport->moving_factor++;
+    if (seconds < FAST && viewport->moving_factor > 1) viewport->moving_factor--;
+}
+
+/* OpenGL's buffers hold the points of one set only. */
+static void choose_points(isosculpt_viewport *viewport, bool quick) {
+    const iso_point_set *points = quick ? isosculpt_lod_points(viewport->lod) : viewport->points;
+    if (points != viewport->drawn_points) isosculpt_gl_release_buffers(viewport->gl);
+    viewport->drawn_points = points;
+}
+
+static iso_status draw_again(isosculpt_viewport *viewport, bool moving, iso_error *error) {
+    const bool gl = is_by_gl(viewport, moving);
+    const iso_method chosen = viewport->mode.method, stand_in = gl ? ISO_METHOD_MESH : ISO_METHOD_EXACT,
+                     best = chosen == ISO_METHOD_EXACT ? stand_in : chosen;
+    const bool quick =
+        moving && viewport->lod &&
+        (viewport->sliding || !isosculpt_async_surface_has(viewport, isosculpt_method_part(best)));
+    const iso_method method = quick ? ISO_METHOD_PULLPUSH : best;
+    const double extract_start = iso_clock_seconds();
+    ISO_TRY(extract_part(viewport, isosculpt_method_part(method), quick, error));
+    choose_points(viewport, quick);
+    double start = iso_clock_seconds();
+    const int factor = moving ? viewport->moving_factor : 1;
+    if (!gl)
+        ISO_TRY(draw_whole(viewport, method, factor, error));
+    else if (!draw_whole_by_gl(viewport, method, factor))
+        return draw_again(viewport, moving, error);
+    viewport->quality =
+        factor > 1 || quick || method != chosen ? ISOSCULPT_QUALITY_MOVING : ISOSCULPT_QUALITY_REST;
+    if (moving) adapt_moving_factor(viewport, iso_clock_seconds() - start);
+    if (moving) isosculpt_latency_add(&viewport->draw, iso_clock_seconds() - start);
+    if (quick) isosculpt_lod_record_times(viewport->lod, start - extract_start, iso_clock_seconds() - start);
+    return ISO_OK;
+}
+
+/* Redraws the parts of an exact picture that edits have changed; all of it when they are more than half. */
+static iso_status draw_edits(isosculpt_viewport *viewport, iso_error *error) {
+    ISO_TRY(extract_part(viewport, ISO_PART_CELLS, false, error));
+    double start = iso_clock_seconds();
+    viewport->redrawn = (isosculpt_damage){.count = 0};
+    if (viewport->grid.hgrid) /* other grids are not edited */
+        isosculpt_damage_add_edits(&viewport->redrawn, &viewport->drawn.view, viewport->grid.hgrid,
+                                   viewport->drawn_edit);
+    if (viewport->mask_changed) isosculpt_damage_add(&viewport->redrawn, whole_image(viewport));
+    if (!viewport->redrawn.count) return ISO_OK;
+    viewport->quality = ISOSCULPT_QUALITY_REST;
+    if (2 * isosculpt_damage_area(&viewport->redrawn) > isosculpt_rectangle_area(whole_image(viewport)))
+        ISO_TRY(draw_whole(viewport, ISO_METHOD_EXACT, 1, error));
+    else
+        for (int i = 0; i < viewport->redrawn.count; i++) {
+            ISO_TRY(draw_tile(viewport, ISO_METHOD_EXACT, viewport->redrawn.rectangle[i], 1, error));
+            isosculpt_damage_add(&viewport->unrefined, viewport->redrawn.rectangle[i]);
+        }
+    isosculpt_latency_add(&viewport->draw, iso_clock_seconds() - start);
+    return ISO_OK;
+}
+
+iso_status isosculpt_viewport_draw(isosculpt_viewport *viewport, int width, int height, bool moving,
+                                   iso_error *error) {
+    const uint64_t now = iso_change_log_now(iso_grid_log(&viewport->grid));
+    const bool still = is_still(viewport, width, height);
+    const bool exact = viewport->mode.method == ISO_METHOD_EXACT,
+               at_once = !viewport->lod || isosculpt_async_surface_has(viewport, ISO_PART_CELLS);
+    viewport->width = width;
+    viewport->height = height;
+    if (still && exact && viewport->drawn_exactly)
+        ISO_TRY(draw_edits(viewport, error));
+    else
+        ISO_TRY(draw_again(viewport, moving && !(still && exact && at_once), error));
+    viewport->drawn_edit = now;
+    viewport->mask_changed = false;
+    return ISO_OK;
+}
+
+/* ---- refining */
+
+/* Removes the next tile from `unrefined`, or with `all` a whole rectangle: for methods that fill pixels from
+ * their neighbours, which would leave seams between tiles. */
+static isosculpt_rectangle take_tile(isosculpt_damage *unrefined, bool all) {
+    isosculpt_rectangle *last = &unrefined->rectangle[unrefined->count - 1], tile = *last;
+    int rows = TILE_PIXELS / (tile.x1 - tile.x0) + 1;
+    if (all || tile.y1 - tile.y0 <= rows)
+        unrefined->count--;
+    else
+        tile.y1 = last->y0 = tile.y0 + rows;
+    return tile;
+}
+
+iso_status isosculpt_viewport_refine(isosculpt_viewport *viewport, iso_error *error) {
+    const iso_method method = viewport->mode.method;
+    iso_error reason = {ISO_OK, ""};
+    if (viewport->quality != ISOSCULPT_QUALITY_REST) return ISO_OK;
+    viewport->redrawn = (isosculpt_damage){.count = 0};
+    if (viewport->drawn.canvas) {
+        if (draw_canvas(viewport, method, TILE_FACTOR, &reason) != ISO_OK) {
+            fall_back_to_cpu(viewport, &reason);
+            return isosculpt_viewport_draw(viewport, viewport->width, viewport->height, false, error);
+        }
+    } else if (viewport->unrefined.count) {
+        isosculpt_rectangle tile = take_tile(&viewport->unrefined, method != ISO_METHOD_EXACT);
+        ISO_TRY(draw_tile(viewport, method, tile, TILE_FACTOR, error));
+        isosculpt_damage_add(&viewport->redrawn, tile);
+    }
+    if (viewport->unrefined.count) return ISO_OK;
+    viewport->quality = ISOSCULPT_QUALITY_FINE;
+    return extract_part(viewport, ISO_PART_POINTS, false, error); /* for isosculpt_viewport_point_count */
+}

@@ -1,0 +1,254 @@
+/* A viewport: its camera, picking, and measured times. Drawing is in picture.c. */
+#include "apps/isosculpt/viewport/viewport.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/isosculpt/viewport/async_surface.h"
+#include "base/memory.h"
+#include "base/numbers.h"
+
+static const double DEGREES_A_PIXEL = 0.4;
+
+const iso_method isosculpt_methods[ISOSCULPT_METHODS] = {ISO_METHOD_EXACT, ISO_METHOD_PULLPUSH,
+                                                         ISO_METHOD_POINTS, ISO_METHOD_MESH};
+
+/* ---- latencies */
+
+void isosculpt_latency_add(isosculpt_latency *latency, double seconds) {
+    latency->seconds[latency->count++ % ISOSCULPT_LATENCIES] = seconds;
+}
+
+double isosculpt_latency_quantile(const isosculpt_latency *latency, double quantile) {
+    double sorted[ISOSCULPT_LATENCIES];
+    size_t count = latency->count < ISOSCULPT_LATENCIES ? latency->count : ISOSCULPT_LATENCIES;
+    if (!count) return 0;
+    memcpy(sorted, latency->seconds, count * sizeof *sorted);
+    qsort(sorted, count, sizeof *sorted, iso_compare_doubles);
+    size_t at = (size_t)(quantile * (double)count);
+    return sorted[at < count ? at : count - 1];
+}
+
+/* ---- creating and freeing */
+
+iso_status isosculpt_viewport_init(isosculpt_viewport *viewport, iso_hgrid *grid, iso_pool *pool,
+                                   iso_error *error) {
+    const iso_grid any = {.hgrid = grid};
+    return isosculpt_viewport_init_grid(viewport, &any, 0, pool, error);
+}
+
+static iso_status create_lod(isosculpt_viewport *viewport, iso_error *error) {
+    for (int part = 0; part < ISO_PART_COUNT; part++) viewport->surface_isovalues[part] = NAN;
+    viewport->failed_isovalue = NAN;
+    ISO_TRY(iso_pool_create(iso_pool_threads(viewport->pool), &viewport->async_surface_pool, error));
+    return isosculpt_lod_create(viewport->grid.rgrid, viewport->isovalue, viewport->pool, &viewport->lod,
+                                error);
+}
+
+iso_status isosculpt_viewport_init_grid(isosculpt_viewport *viewport, const iso_grid *grid, double isovalue,
+                                        iso_pool *pool, iso_error *error) {
+    const iso_rgb clay = {206, 142, 112}, dusk = {46, 50, 56};
+    *viewport = (isosculpt_viewport){
+        .mode = {.material = {.color = clay, .background = dusk}}, .moving_factor = 1, .pool = pool};
+    viewport->grid = *grid;
+    viewport->isovalue = viewport->drawn_isovalue = isovalue;
+    viewport->camera.view_angle = 30;
+    iso_status status = grid->rgrid ? create_lod(viewport, error) : ISO_OK;
+    if (status == ISO_OK) status = isosculpt_async_surface_update(viewport, ISO_PART_POINTS, error);
+    if (status == ISO_OK) status = iso_pullpush_create(&viewport->workspace, error);
+    if (status == ISO_OK)
+        isosculpt_viewport_set_direction(viewport, ISO_FRONT);
+    else
+        isosculpt_viewport_free(viewport);
+    return status;
+}
+
+void isosculpt_viewport_free(isosculpt_viewport *viewport) {
+    isosculpt_async_surface_wait(viewport);
+    isosculpt_gl_release_buffers(viewport->gl);
+    isosculpt_lod_destroy(viewport->lod);
+    iso_point_set_destroy(viewport->points);
+    iso_mesh_set_destroy(viewport->mesh);
+    iso_exact_destroy(viewport->exact);
+    iso_pullpush_destroy(viewport->workspace);
+    iso_gbuffer_free(&viewport->drawn.gbuffer);
+    iso_gbuffer_free(&viewport->pick_layer.gbuffer);
+    iso_gbuffer_free(&viewport->tile);
+    iso_image_free(&viewport->image);
+    iso_image_free(&viewport->tile_image);
+    iso_pool_destroy(viewport->async_surface_pool);
+    *viewport = (isosculpt_viewport){0};
+}
+
+void isosculpt_viewport_set_isovalue(isosculpt_viewport *viewport, double isovalue) {
+    viewport->isovalue = isovalue;
+}
+
+size_t isosculpt_viewport_point_count(const isosculpt_viewport *viewport) {
+    return viewport->lod ? viewport->point_count : iso_point_set_stats(viewport->points).points;
+}
+
+/* ---- picking */
+
+/* View space normal and depth of the sample in a column and row of the layer; false: no surface is there. */
+static bool read_sample(const isosculpt_layer *layer, int column, int row, float normal_depth[4]) {
+    const iso_gbuffer *g = &layer->gbuffer;
+    size_t at = (size_t)row * (size_t)layer->view.width + (size_t)column;
+    if (layer->canvas) return iso_gl_canvas_pick(layer->canvas, column, row, normal_depth);
+    for (int axis = 0; axis < 3; axis++) normal_depth[axis] = g->normal[axis][at];
+    normal_depth[3] = g->depth[at];
+    return g->surface[at] != ISO_SURFACE_NONE;
+}
+
+bool isosculpt_layer_pick(const isosculpt_layer *layer, double x, double y, isosculpt_pick *pick) {
+    const iso_view *v = &layer->view;
+    float n[4];
+    if (!(layer->samples > 0) || !(x >= 0) || !(y >= 0)) return false;
+    double column = floor(x * layer->samples), row = floor(y * layer->samples);
+    if (column >= v->width || row >= v->height) return false;
+    if (!read_sample(layer, (int)column, (int)row, n)) return false;
+    const double *r = v->rotation;
+    pick->depth = (double)n[3];
+    pick->position = isosculpt_layer_point(layer, x, y, pick->depth);
+    double world[3];
+    for (int k = 0; k < 3; k++)
+        world[k] = r[k] * (double)n[0] + r[3 + k] * (double)n[1] + r[6 + k] * (double)n[2];
+    pick->normal = iso_vec3_unit(iso_vec3_make(world[0], world[1], world[2]));
+    return true;
+}
+
+iso_vec3 isosculpt_layer_point(const isosculpt_layer *layer, double x, double y, double depth) {
+    iso_vec3 origin, direction;
+    iso_view_ray(&layer->view, x * layer->samples, y * layer->samples, &origin, &direction);
+    return iso_vec3_add(origin, iso_vec3_scale(direction, depth));
+}
+
+bool isosculpt_layer_pixel(const isosculpt_layer *layer, iso_vec3 world, double *x, double *y) {
+    const iso_view *v = &layer->view;
+    iso_vec3 p = iso_view_point(v, world);
+    if (!(layer->samples > 0) || !(p.z > v->near)) return false;
+    double scale = v->orthographic ? v->focal : v->focal / p.z;
+    *x = (v->cx + scale * p.x) / layer->samples;
+    *y = (v->cy + scale * p.y) / layer->samples;
+    return true;
+}
+
+/* Two layers, for the threads that copy planes of samples. */
+typedef struct layer_copy {
+    const isosculpt_layer *from;
+    isosculpt_layer *to;
+} layer_copy;
+
+static void copy_plane(void *context, size_t index, int worker) {
+    (void)worker;
+    const layer_copy *p = context;
+    const iso_gbuffer *from = &p->from->gbuffer;
+    iso_gbuffer *to = &p->to->gbuffer;
+    size_t samples = (size_t)p->from->view.width * (size_t)p->from->view.height;
+    if (index < 3)
+        memcpy(to->normal[index], from->normal[index], samples * sizeof *from->normal[index]);
+    else if (index == 3)
+        memcpy(to->depth, from->depth, samples * sizeof *from->depth);
+    else
+        memcpy(to->surface, from->surface, samples * sizeof *from->surface);
+}
+
+iso_status isosculpt_viewport_keep_pick_layer(isosculpt_viewport *viewport, iso_error *error) {
+    const isosculpt_layer *drawn = &viewport->drawn;
+    isosculpt_layer *pick_layer = &viewport->pick_layer;
+    iso_gbuffer larger;
+    pick_layer->view = drawn->view;
+    pick_layer->samples = 0;
+    pick_layer->canvas = NULL;
+    if (drawn->canvas) {
+        iso_gl_canvas *canvas;
+        ISO_TRY(isosculpt_gl_keep_pick_layer(viewport->gl, &canvas, error));
+        pick_layer->canvas = canvas;
+        pick_layer->samples = drawn->samples;
+        return ISO_OK;
+    }
+    if (pick_layer->gbuffer.samples < drawn->gbuffer.samples) {
+        ISO_TRY(iso_gbuffer_create(drawn->gbuffer.width, drawn->gbuffer.height, &larger, error));
+        iso_gbuffer_free(&pick_layer->gbuffer);
+        pick_layer->gbuffer = larger;
+    }
+    pick_layer->samples = drawn->samples;
+    layer_copy p = {drawn, pick_layer};
+    iso_parallel_for(viewport->pool, 5, copy_plane, &p);
+    return ISO_OK;
+}
+
+/* ---- the camera */
+
+void isosculpt_viewport_orbit(isosculpt_viewport *viewport, double dx, double dy) {
+    iso_camera_orbit(&viewport->camera, -DEGREES_A_PIXEL * dx, DEGREES_A_PIXEL * dy);
+}
+
+static double focal_distance(const iso_camera *camera) {
+    return iso_vec3_length(iso_vec3_sub(camera->focal_point, camera->position));
+}
+
+void isosculpt_viewport_pan(isosculpt_viewport *viewport, double dx, double dy) {
+    iso_camera *camera = &viewport->camera;
+    iso_view v = iso_view_make(camera, viewport->width > 0 ? viewport->width : 1,
+                               viewport->height > 0 ? viewport->height : 1);
+    double mm = (v.orthographic ? 1 : focal_distance(camera)) / v.focal;
+    iso_vec3 right = {v.rotation[0], v.rotation[1], v.rotation[2]};
+    iso_vec3 down = {v.rotation[3], v.rotation[4], v.rotation[5]};
+    iso_vec3 move = iso_vec3_add(iso_vec3_scale(right, -mm * dx), iso_vec3_scale(down, -mm * dy));
+    camera->position = iso_vec3_add(camera->position, move);
+    camera->focal_point = iso_vec3_add(camera->focal_point, move);
+}
+
+void isosculpt_viewport_zoom(isosculpt_viewport *viewport, double factor) {
+    iso_camera *camera = &viewport->camera;
+    iso_vec3 back = iso_vec3_sub(camera->position, camera->focal_point);
+    double length = iso_vec3_length(back) / factor, voxel = iso_grid_transform(&viewport->grid)->spacing[0];
+    if (!(length > voxel) || !(length < 1e5 * voxel)) return;
+    camera->position = iso_vec3_add(camera->focal_point, iso_vec3_scale(back, 1 / factor));
+    camera->parallel_scale /= factor;
+}
+
+iso_box isosculpt_viewport_bounds(isosculpt_viewport *viewport) {
+    /* Other methods do not update a field's points. Without memory for new points the old ones are used. */
+    if (!viewport->lod) isosculpt_async_surface_update(viewport, ISO_PART_POINTS, NULL);
+    iso_point_view points =
+        iso_point_set_view(viewport->lod ? isosculpt_lod_points(viewport->lod) : viewport->points);
+    const iso_affine affine = iso_transform_affine(&points.transform);
+    iso_box box = iso_point_view_bounds(&points);
+    if (iso_box_is_empty(&box)) {
+        const int *dims = points.dims;
+        iso_box_add(&box, iso_vec3_make(0, 0, 0));
+        iso_box_add(&box, iso_vec3_make(dims[0] - 1, dims[1] - 1, dims[2] - 1));
+    }
+    return iso_box_transform(&box, &affine);
+}
+
+static void show_whole(isosculpt_viewport *viewport) {
+    iso_box box = isosculpt_viewport_bounds(viewport);
+    double aspect = viewport->height > 0 ? (double)viewport->width / viewport->height : 1.6;
+    iso_camera_fit(&viewport->camera, &box, aspect, 1);
+    isosculpt_viewport_zoom(viewport, 0.8); /* leaves room beside the surface, where a drag orbits */
+}
+
+void isosculpt_viewport_set_direction(isosculpt_viewport *viewport, iso_direction direction) {
+    iso_vec3 forward, up;
+    iso_direction_vectors(direction, iso_vec3_make(0, 0, 1), &forward, &up);
+    viewport->camera.position = iso_vec3_sub(viewport->camera.focal_point, forward);
+    viewport->camera.view_up = up;
+    show_whole(viewport);
+}
+
+void isosculpt_viewport_focus(isosculpt_viewport *viewport, const iso_vec3 *at) {
+    iso_camera *camera = &viewport->camera;
+    if (!at) {
+        show_whole(viewport);
+        return;
+    }
+    const iso_vec3 move = iso_vec3_sub(*at, camera->focal_point),
+                   forward = iso_vec3_unit(iso_vec3_sub(camera->focal_point, camera->position)),
+                   inward = iso_vec3_scale(forward, iso_vec3_dot(move, forward));
+    camera->position = iso_vec3_add(camera->position, iso_vec3_sub(move, inward));
+    camera->focal_point = *at;
+}

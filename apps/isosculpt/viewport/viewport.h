@@ -1,0 +1,204 @@
+/* viewport: the picture that a window shows of a field or a volume, and picking in it. Knows nothing of
+ * windows.
+ *
+ * While the camera moves the picture has a lower resolution if the machine is too slow for the full one; at
+ * rest it gets one sample a pixel, then four. A stroke redraws only those parts of an exact picture that it
+ * changed. Surfaces are extracted again only where the change log says so. All picture coordinates are pixels
+ * of the full picture, y down. One thread at a time. */
+#ifndef ISO_APPS_ISOSCULPT_VIEWPORT_VIEWPORT_H
+#define ISO_APPS_ISOSCULPT_VIEWPORT_VIEWPORT_H
+
+#include "apps/isosculpt/task.h"
+#include "apps/isosculpt/viewport/damage.h"
+#include "apps/isosculpt/viewport/gl.h"
+#include "apps/isosculpt/viewport/lod.h"
+#include "apps/isosculpt/viewport/shading.h"
+#include "exact/exact.h"
+#include "extract/mesh/mesh.h"
+#include "extract/points/points.h"
+#include "image/camera.h"
+#include "image/image.h"
+#include "methods/method.h"
+#include "render/gbuffer.h"
+#include "render/pullpush/pullpush.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The methods that a user can choose, in the order of the panel: a selection from the table of renderers
+ * (methods/method.h). */
+enum { ISOSCULPT_METHODS = 4 };
+extern const iso_method isosculpt_methods[ISOSCULPT_METHODS];
+
+/* OpenGL has all methods but exact; while the camera moves it draws the mesh instead. A field with a mask is
+ * drawn by the cpu engine. */
+typedef enum isosculpt_engine { ISOSCULPT_ENGINE_CPU, ISOSCULPT_ENGINE_GL } isosculpt_engine;
+
+/* The last ISOSCULPT_LATENCIES times, in seconds. Zero-initialise. */
+enum { ISOSCULPT_LATENCIES = 256 };
+typedef struct isosculpt_latency {
+    double seconds[ISOSCULPT_LATENCIES];
+    size_t count; /* ever added */
+} isosculpt_latency;
+void isosculpt_latency_add(isosculpt_latency *latency, double seconds);
+/* The time that a part `quantile` (0 .. 1) of the times lie below; 0 when there are none. */
+double isosculpt_latency_quantile(const isosculpt_latency *latency, double quantile);
+
+/* Quality of a picture: as drawn while the camera moves; at rest; with four samples a pixel. */
+typedef enum isosculpt_quality {
+    ISOSCULPT_QUALITY_MOVING,
+    ISOSCULPT_QUALITY_REST,
+    ISOSCULPT_QUALITY_FINE
+} isosculpt_quality;
+
+typedef struct isosculpt_display_mode {
+    iso_method method; /* one of isosculpt_methods */
+    isosculpt_engine engine;
+    isosculpt_material material;
+} isosculpt_display_mode;
+
+/* Masked voxels look darker. `at` tells whether a voxel is masked, and is called from several threads. Zero:
+ * no voxel is masked. */
+typedef struct isosculpt_mask {
+    bool (*at)(const void *context, int x, int y, int z);
+    const void *context; /* borrowed */
+} isosculpt_mask;
+
+typedef struct isosculpt_async_surface isosculpt_async_surface;
+
+/* The samples of a picture, for picking. */
+typedef struct isosculpt_layer {
+    iso_gbuffer gbuffer; /* allocated size; view.width x view.height samples are used */
+    const iso_gl_canvas
+        *canvas; /* borrowed: holds the samples instead of gbuffer; NULL: gbuffer holds them */
+    iso_view view;
+    double samples; /* along a pixel of the full picture; 0: nothing was drawn yet */
+} isosculpt_layer;
+
+/* Zero-initialise. camera, mode, mask, sliding and gl may be changed between calls; the rest is read only. */
+typedef struct isosculpt_viewport {
+    iso_camera camera;
+    isosculpt_display_mode mode;
+    isosculpt_mask mask;
+    double isovalue;   /* physical; of volumes: isosculpt_viewport_set_isovalue */
+    bool sliding;      /* the user is dragging the isovalue */
+    int moving_factor; /* pixels to a sample and axis while the camera moves, 1 ..
+                          ISOSCULPT_MOVING_FACTOR_MAX; adapted to how long pictures take */
+
+    iso_grid grid;      /* borrowed */
+    iso_pool *pool;     /* borrowed */
+    isosculpt_gl *gl;   /* borrowed; NULL: the cpu engine draws everything */
+    iso_error gl_error; /* why drawing fell back from OpenGL to the cpu engine; text[0] == 0: it did not */
+    iso_point_set *points;
+    iso_mesh_set *mesh;
+    iso_exact *exact;
+    iso_pullpush *workspace;
+    isosculpt_matcap matcap;
+
+    /* Volumes only. While the surface of the current isovalue is not there, the points of `lod` are drawn; a
+     * background thread may be making the surface. */
+    isosculpt_lod *lod;                       /* NULL: the grid is a field */
+    isosculpt_async_surface *async_surface;   /* being made; NULL: none */
+    iso_pool *async_surface_pool;             /* the background thread's, owned */
+    double surface_isovalues[ISO_PART_COUNT]; /* of each part as last extracted; NAN: none */
+    double failed_isovalue; /* at which the background thread failed: drawing tries again and
+                               returns the error; NAN: none */
+    size_t point_count;     /* of the points as last extracted */
+
+    const iso_point_set
+        *drawn_points; /* borrowed: `points`, or those of `lod`; the only set in OpenGL's buffers */
+
+    isosculpt_layer drawn;      /* samples of the last picture */
+    isosculpt_layer pick_layer; /* of the picture that the current stroke began on */
+    iso_image image;   /* the last picture, unless drawn.canvas holds it; with room for a larger one */
+    size_t image_room; /* pixels allocated */
+    iso_gbuffer tile;  /* room for a part of the picture */
+    iso_image tile_image;
+    size_t tile_room; /* pixels allocated */
+
+    /* The state that the last picture shows: */
+    int width, height; /* of the full picture */
+    iso_camera drawn_camera;
+    isosculpt_display_mode drawn_mode;
+    double drawn_isovalue;
+    isosculpt_quality quality;
+    bool drawn_exactly;         /* the exact surface, with one sample a pixel or more */
+    uint64_t drawn_edit;        /* number of the last edit that the picture shows */
+    bool mask_changed;          /* since then */
+    isosculpt_damage redrawn;   /* pixels of the image that the last call drew */
+    isosculpt_damage unrefined; /* pixels with one sample */
+
+    isosculpt_latency extract, draw; /* draw: while the camera moves, and of strokes */
+} isosculpt_viewport;
+
+enum { ISOSCULPT_MOVING_FACTOR_MAX = 3 };
+
+/* A viewport of a field, with the camera in front of the whole surface. `grid` and `pool` are borrowed until
+ * free. ISO_ERR_NOMEM. */
+iso_status isosculpt_viewport_init(isosculpt_viewport *viewport, iso_hgrid *grid, iso_pool *pool,
+                                   iso_error *error);
+/* The same for any grid at an isovalue (physical). */
+iso_status isosculpt_viewport_init_grid(isosculpt_viewport *viewport, const iso_grid *grid, double isovalue,
+                                        iso_pool *pool, iso_error *error);
+/* Chooses another isovalue; the next drawing shows it. */
+void isosculpt_viewport_set_isovalue(isosculpt_viewport *viewport, double isovalue);
+void isosculpt_viewport_free(isosculpt_viewport *viewport);
+
+/* Draws the picture, as far as it has changed: into viewport->image, which may be a factor smaller than width
+ * x height while the camera moves, or into viewport->drawn.canvas. `moving`: speed matters more than quality.
+ * ISO_ERR_NOMEM. */
+iso_status isosculpt_viewport_draw(isosculpt_viewport *viewport, int width, int height, bool moving,
+                                   iso_error *error);
+
+/* Draws a part of a picture at rest again with four samples a pixel. Call it until viewport->quality is
+ * ISOSCULPT_QUALITY_FINE. ISO_ERR_NOMEM. */
+iso_status isosculpt_viewport_refine(isosculpt_viewport *viewport, iso_error *error);
+
+/* Copies a picture that drawn.canvas holds into viewport->image. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+iso_status isosculpt_viewport_read_back(isosculpt_viewport *viewport, iso_error *error);
+
+/* Whether the picture at rest can be drawn without first extracting a whole surface, which may take long.
+ * Always true for a field. */
+bool isosculpt_viewport_is_ready(isosculpt_viewport *viewport);
+/* Extracts that surface in a background thread, unless one runs already; `wake`: as in isosculpt_task_start.
+ * Viewport and pool may be used meanwhile. If the isovalue changes meanwhile, the result is discarded.
+ * ISO_ERR_NOMEM. */
+iso_status isosculpt_viewport_prepare(isosculpt_viewport *viewport, void (*wake)(void), iso_error *error);
+bool isosculpt_viewport_is_preparing(const isosculpt_viewport *viewport);
+
+/* Points of the surface, as last extracted. */
+size_t isosculpt_viewport_point_count(const isosculpt_viewport *viewport);
+
+/* A point of the visible surface; world coordinates. */
+typedef struct isosculpt_pick {
+    iso_vec3 position, normal;
+    double depth; /* view z, mm */
+} isosculpt_pick;
+/* The surface at pixel (x, y) of a layer; false: there is none. */
+bool isosculpt_layer_pick(const isosculpt_layer *layer, double x, double y, isosculpt_pick *pick);
+/* The world position at a depth behind pixel (x, y). */
+iso_vec3 isosculpt_layer_point(const isosculpt_layer *layer, double x, double y, double depth);
+/* The pixel of a world position; false: it lies behind the eye. */
+bool isosculpt_layer_pixel(const isosculpt_layer *layer, iso_vec3 world, double *x, double *y);
+
+/* Copies the samples of the last picture to viewport->pick_layer: a stroke picks from the surface as it was
+ * when the stroke began. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+iso_status isosculpt_viewport_keep_pick_layer(isosculpt_viewport *viewport, iso_error *error);
+
+/* Camera moves; dx, dy: pixels of the full picture. */
+void isosculpt_viewport_orbit(isosculpt_viewport *viewport, double dx, double dy);
+void isosculpt_viewport_pan(isosculpt_viewport *viewport, double dx, double dy);
+void isosculpt_viewport_zoom(isosculpt_viewport *viewport, double factor); /* > 1: things appear larger */
+/* Shows the whole surface from a side. */
+void isosculpt_viewport_set_direction(isosculpt_viewport *viewport, iso_direction direction);
+/* The world box around the current surface; around the grid when there is no surface. */
+iso_box isosculpt_viewport_bounds(isosculpt_viewport *viewport);
+/* Moves a world position into the middle of the picture, without changing the scale; the camera orbits around
+ * it from now on. NULL: shows the whole surface. */
+void isosculpt_viewport_focus(isosculpt_viewport *viewport, const iso_vec3 *at);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

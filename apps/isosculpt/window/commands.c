@@ -1,0 +1,152 @@
+/* Commands of isosculpt's window: of the input controller, the panel and the dialogs. */
+#include "apps/isosculpt/window/commands.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include <GLFW/glfw3.h>
+
+#include "apps/isosculpt/window/opening.h"
+#include "apps/isosculpt/window/saving.h"
+#include "base/clock.h"
+
+/* ---- background tasks */
+
+static void add_progress_item(window *w, const char *verb, const char *path, const isosculpt_task *task) {
+    isosculpt_progress_item *item = &w->screen.progress_items[w->screen.progress_item_count++];
+    const char *slash = strrchr(path, '/');
+    snprintf(item->text, sizeof item->text, "%s %.120s", verb, slash ? slash + 1 : path);
+    item->fraction = isosculpt_task_fraction(task);
+}
+
+/* The running tasks, in the order of their progress items; returns their number. */
+static int list_tasks(const window *w, isosculpt_task *tasks[ISOSCULPT_PROGRESS_ITEMS]) {
+    int count = 0;
+    if (w->load_job) tasks[count++] = isosculpt_load_job_task(w->load_job);
+    if (w->document.saver) tasks[count++] = isosculpt_document_save_task(&w->document);
+    return count;
+}
+
+void isosculpt_window_show_progress(window *w) {
+    isosculpt_task *tasks[ISOSCULPT_PROGRESS_ITEMS];
+    const int before = w->screen.progress_item_count, count = list_tasks(w, tasks);
+    w->screen.progress_item_count = 0;
+    if (w->load_job)
+        add_progress_item(w,
+                          w->sculpting                               ? "Making a field of"
+                          : isosculpt_load_job_is_stamp(w->load_job) ? "Stamp:"
+                                                                     : "Opening",
+                          isosculpt_load_job_path(w->load_job), tasks[0]);
+    if (w->document.saver) add_progress_item(w, "Saving", w->document.saved_as, tasks[count - 1]);
+    if (count || before) w->frames_left = w->frames_left > 0 ? w->frames_left : 1;
+}
+
+static void cancel_tasks(window *w, unsigned results) {
+    isosculpt_task *tasks[ISOSCULPT_PROGRESS_ITEMS];
+    const int count = list_tasks(w, tasks);
+    for (int i = 0; i < count; i++)
+        if (results & (unsigned)ISOSCULPT_RESULT_CANCEL << i) isosculpt_task_cancel(tasks[i]);
+}
+
+/* ---- dialogs */
+
+/* Does what the user agreed to although there are unsaved changes, or what was to follow a save. */
+static void proceed(window *w, isosculpt_dialog dialog) {
+    if (dialog == ISOSCULPT_DIALOG_CLOSE) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
+    if (dialog == ISOSCULPT_DIALOG_OPEN) isosculpt_window_confirm_open(w);
+}
+
+void isosculpt_window_handle_dialog_result(window *w, unsigned results) {
+    const isosculpt_dialog dialog = w->screen.dialog;
+    char path[ISOSCULPT_PATH];
+    if (results & ISOSCULPT_RESULT_RECOVER && isosculpt_window_is_opening(w)) return; /* the dialog stays */
+    memcpy(path, w->screen.dialog_path, sizeof path);
+    w->screen.dialog = ISOSCULPT_DIALOG_NOTHING;
+    if (results & ISOSCULPT_RESULT_RECOVER) isosculpt_window_recover(w, path);
+    if (results & ISOSCULPT_RESULT_DISMISS) isosculpt_document_dismiss_recovery(path);
+    if (results & ISOSCULPT_RESULT_OPEN) isosculpt_window_open_file(w, path, false);
+    if (results & ISOSCULPT_RESULT_STAMP) isosculpt_window_open_file(w, path, true);
+    if (dialog == ISOSCULPT_DIALOG_REPLACE) {
+        isosculpt_window_answer_replace(w, results & ISOSCULPT_RESULT_REPLACE);
+    } else if (results & ISOSCULPT_RESULT_SAVE) {
+        w->after_save = dialog;
+        isosculpt_window_request_save(w, ISOSCULPT_BROWSE_SAVE, NULL);
+    } else if (results & ISOSCULPT_RESULT_PROCEED)
+        proceed(w, dialog);
+    else if (results & ISOSCULPT_RESULT_KEEP && dialog == ISOSCULPT_DIALOG_OPEN)
+        isosculpt_window_reject_open(w);
+}
+
+/* ---- the panel */
+
+/* Opens the path in the input box. */
+static void open_typed_path(window *w) {
+    char path[ISOSCULPT_PATH];
+    memcpy(path, w->screen.typed_path, sizeof path);
+    w->screen.typed_path[0] = 0;
+    isosculpt_window_open_file(w, path, false);
+}
+
+/* Passes the isovalue of the panel on to the viewport. */
+static void apply_isovalue(window *w) {
+    if (!w->volume) return;
+    const bool released = w->viewport.sliding && !w->screen.isovalue_dragged;
+    w->viewport.sliding = w->screen.isovalue_dragged;
+    if (w->screen.isovalue != w->viewport.isovalue) {
+        isosculpt_viewport_set_isovalue(&w->viewport, w->screen.isovalue);
+        w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
+    } else if (released)
+        w->last_change = iso_clock_seconds(); /* the exact picture is drawn after a pause */
+}
+
+/* Does what the file was chosen for in the browser. */
+static void use_chosen_path(window *w) {
+    const isosculpt_purpose purpose = w->screen.chosen_purpose;
+    const char *path = w->screen.chosen_path;
+    if (purpose == ISOSCULPT_BROWSE_PICTURE)
+        isosculpt_window_request_screenshot(w, path);
+    else if (isosculpt_browser_saves(purpose))
+        isosculpt_window_request_save(w, purpose, path);
+    else
+        isosculpt_window_open_file(w, path, purpose == ISOSCULPT_BROWSE_STAMP);
+}
+
+/* ---- the input controller */
+
+static void process_controller_commands(window *w) {
+    const unsigned commands = w->controller.commands;
+    if (commands & ISOSCULPT_COMMAND_SAVE) isosculpt_window_request_save(w, ISOSCULPT_BROWSE_SAVE, NULL);
+    if (commands & ISOSCULPT_COMMAND_SAVE_AS) w->screen.browse_request = ISOSCULPT_BROWSE_SAVE;
+    if (commands & ISOSCULPT_COMMAND_OPEN) w->screen.browse_request = ISOSCULPT_BROWSE_OPEN;
+    if (commands & ISOSCULPT_COMMAND_SCULPT) isosculpt_window_start_sculpting(w);
+    w->controller.commands &= ISOSCULPT_COMMAND_REDRAW | ISOSCULPT_COMMAND_CLOSE;
+}
+
+static void show_controller_errors(window *w) {
+    isosculpt_controller *controller = &w->controller;
+    if (controller->error.text[0])
+        isosculpt_window_set_status(w, true, controller->error.text);
+    else if (controller->clipped)
+        isosculpt_window_set_status(w, true, "The brush reached beyond the grid: what lies outside is lost.");
+    controller->error.text[0] = 0;
+    controller->clipped = false;
+}
+
+iso_status isosculpt_window_process_commands(window *w, iso_error *error) {
+    proceed(w, isosculpt_window_poll_save(w));
+    const unsigned results = w->screen.results;
+    w->screen.results = 0;
+    cancel_tasks(w, results);
+    if (w->screen.dialog && results & ~(3u * ISOSCULPT_RESULT_CANCEL))
+        isosculpt_window_handle_dialog_result(w, results);
+    else if (results & ISOSCULPT_RESULT_OPEN)
+        open_typed_path(w);
+    if (results & ISOSCULPT_RESULT_CHOSEN) use_chosen_path(w);
+    if (results & ISOSCULPT_RESULT_COMMAND) isosculpt_window_copy_command(w);
+    process_controller_commands(w);
+    isosculpt_window_start_save(w);
+    apply_isovalue(w);
+    show_controller_errors(w);
+    isosculpt_window_load_first_stamp(w);
+    return isosculpt_window_finish_opening(w, error);
+}

@@ -1,0 +1,304 @@
+/* Opening files in isosculpt's window: documents, volumes, meshes and stamps. */
+#include "apps/isosculpt/window/opening.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <GLFW/glfw3.h>
+
+/* ---- the document and its viewport */
+
+static void show_title(window *w) {
+    char title[ISOSCULPT_PATH + 32];
+    const char *path = w->volume ? w->volume->path : w->document.journal, *slash = strrchr(path, '/'),
+               *name = slash ? slash + 1 : path;
+    snprintf(title, sizeof title, "isosculpt%s%s", name[0] ? ": " : "", name);
+    glfwSetWindowTitle(w->glfw, title);
+}
+
+/* Sets up controller and engine after document and viewport have been replaced. The brush keeps its size in
+ * voxels. */
+static void adopt_document(window *w) {
+    iso_brush brush = w->controller.brush;
+    const double before = w->voxel, voxel = w->document.start.voxel_size;
+    w->viewport.gl = w->gl;
+    w->viewport.mode.engine = w->engine;
+    isosculpt_controller_free(&w->controller);
+    isosculpt_controller_init(&w->controller, &w->document, &w->viewport);
+    isosculpt_window_sync_pointer(w);
+    if (before > 0) {
+        const iso_vec3 middle = w->controller.brush.mirror; /* symmetry is off for another object */
+        w->controller.brush = brush;
+        w->controller.brush.mirror = middle;
+        w->controller.brush.symmetry = 0;
+        w->controller.brush.radius = brush.radius / before * voxel;
+    }
+    w->voxel = voxel;
+    w->controller.viewing_volume = w->screen.volume != NULL;
+    show_title(w);
+    w->controller.commands = ISOSCULPT_COMMAND_REDRAW;
+    w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
+}
+
+static iso_status show_document(window *w, iso_error *error) {
+    ISO_TRY(isosculpt_viewport_init(&w->viewport, iso_session_grid(w->document.session), w->pool, error));
+    adopt_document(w);
+    return ISO_OK;
+}
+
+/* Shows a new ball, with a journal if one can be written. */
+static iso_status show_ball(window *w, iso_error *error) {
+    ISO_TRY(isosculpt_document_new(&w->document, w->has_folder ? w->folder : NULL, NULL, error));
+    return show_document(w, error);
+}
+
+/* Starts the load job that converts the viewed volume into a field at the chosen isovalue. */
+static iso_status start_converting(window *w, iso_error *error) {
+    const isosculpt_load_request request = {.path = w->volume->path,
+                                            .volume = w->volume,
+                                            .folder = w->has_folder ? w->folder : NULL,
+                                            .isovalue = w->viewport.isovalue,
+                                            .voxel = w->settings->voxel_size,
+                                            .threads = w->settings->common.threads,
+                                            .undo_memory = (size_t)w->settings->undo_memory,
+                                            .wake = isosculpt_window_wake};
+    return isosculpt_load_job_start(&request, &w->load_job, error);
+}
+
+/* Makes a path absolute: it is shown on the screen and used in commands. */
+static void make_absolute(const char *path, char absolute[2 * ISOSCULPT_PATH]) {
+    char folder[ISOSCULPT_PATH];
+    if (path[0] == '/' || !getcwd(folder, sizeof folder))
+        snprintf(absolute, 2 * ISOSCULPT_PATH, "%s", path);
+    else
+        snprintf(absolute, 2 * ISOSCULPT_PATH, "%s/%s", folder, path);
+}
+
+/* Starts the load job for a file. The options for reading belong to the file of the command line. */
+static iso_status start_opening(window *w, const char *path, bool stamp, iso_error *error) {
+    const isosculpt_settings *settings = w->settings;
+    const bool from_command_line = path == settings->open;
+    char absolute[2 * ISOSCULPT_PATH];
+    make_absolute(path, absolute);
+    const isosculpt_load_request request = {.path = absolute,
+                                            .stamp = stamp,
+                                            .folder = w->has_folder ? w->folder : NULL,
+                                            .isovalue = from_command_line ? settings->isovalue : NAN,
+                                            .voxel = from_command_line ? settings->voxel_size : 0,
+                                            .close_holes = settings->close_holes,
+                                            .input =
+                                                from_command_line ? settings->common.input : (iso_input){0},
+                                            .threads = settings->common.threads,
+                                            .undo_memory = (size_t)settings->undo_memory,
+                                            .wake = isosculpt_window_wake};
+    w->agreed_changes = w->document.change_count;
+    return isosculpt_load_job_start(&request, &w->load_job, error);
+}
+
+/* Opens the first file; until it is there the window shows nothing. */
+static iso_status open_blank(window *w, const char *path, iso_error *error) {
+    ISO_TRY(isosculpt_document_init_empty(&w->document, error));
+    ISO_TRY(show_document(w, error));
+    w->screen.blank = true;
+    return start_opening(w, path, false, error);
+}
+
+iso_status isosculpt_window_open_first(window *w, iso_error *error) {
+    const isosculpt_settings *settings = w->settings;
+    iso_error reason = {0};
+    w->has_folder = isosculpt_document_state_folder(w->folder, &reason) == ISO_OK;
+    if (settings->strokes) return open_blank(w, settings->strokes, error);
+    const bool unclosed = w->has_folder && isosculpt_document_find_unclosed(w->folder, w->screen.dialog_path);
+    if (settings->recover && unclosed) return open_blank(w, w->screen.dialog_path, error);
+    if (unclosed) w->screen.dialog = ISOSCULPT_DIALOG_RECOVER;
+    if (settings->recover)
+        isosculpt_window_set_status(w, false, "There is nothing to recover: no session was left unclosed.");
+    if (settings->open) return open_blank(w, settings->open, error);
+    ISO_TRY(show_ball(w, error));
+    if (reason.text[0])
+        snprintf(w->document.journal_error, sizeof w->document.journal_error, "%s", reason.text);
+    return ISO_OK;
+}
+
+/* After a volume has become a field: restores the mirror and applies the strokes that were queued meanwhile.
+ */
+static void apply_queued_strokes(window *w, const iso_brush *brush, isosculpt_strokes *queued) {
+    w->controller.brush.symmetry = brush->symmetry;
+    w->controller.brush.mirror = brush->mirror;
+    isosculpt_controller_apply_strokes(&w->controller, queued);
+}
+
+/* Closes the current document, whose journal holds all of its strokes, and shows what was loaded. A field
+ * made of the viewed volume keeps the volume's camera. */
+static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *error) {
+    const isosculpt_display_mode mode = w->viewport.mode;
+    const iso_camera camera = w->viewport.camera;
+    const bool same_camera = w->volume && !loaded->volume && w->sculpting;
+    const iso_brush brush = w->controller.brush;
+    isosculpt_strokes queued = w->controller.queued_strokes;
+    w->controller.queued_strokes = (isosculpt_strokes){0};
+    isosculpt_viewport_free(&w->viewport);
+    isosculpt_document_close(&w->document);
+    isosculpt_volume_free(w->volume);
+    iso_pool_destroy(w->own_pool);
+    w->pool = w->own_pool = loaded->pool;
+    w->document = loaded->document;
+    w->viewport = loaded->viewport;
+    w->screen.volume = w->volume = loaded->volume;
+    w->screen.isovalue = w->viewport.isovalue;
+    w->screen.blank = false;
+    w->viewport.mode = mode;
+    if (same_camera) w->viewport.camera = camera;
+    if (w->volume) {
+        w->document.pool = w->pool;
+        ISO_TRY(isosculpt_document_init_empty(&w->document, error));
+        w->document.start.voxel_size = iso_grid_transform(&w->viewport.grid)->spacing[0];
+        isosculpt_target_default(w->volume->path, w->document.target); /* shown in the panel */
+    }
+    adopt_document(w);
+    if (same_camera)
+        apply_queued_strokes(w, &brush, &queued);
+    else
+        isosculpt_strokes_free(&queued);
+    return ISO_OK;
+}
+
+/* Opening failed or was cancelled: the current document stays. If there is none yet, an error ends the
+ * program, and after cancelling a new ball is shown. */
+static iso_status keep_document(window *w, bool cancelled, iso_status status, iso_error *error) {
+    const bool first = w->screen.blank;
+    if (first && !cancelled) return status;
+    isosculpt_window_set_status(w, !cancelled, cancelled ? "Cancelled." : error->text);
+    if (!first) return ISO_OK;
+    w->screen.blank = false;
+    isosculpt_viewport_free(&w->viewport);
+    isosculpt_document_close(&w->document);
+    return show_ball(w, error);
+}
+
+/* Whether changes were made since the user agreed to lose the unsaved ones. */
+static bool must_ask_again(const window *w) {
+    const isosculpt_task *task = isosculpt_load_job_task(w->load_job);
+    return isosculpt_window_has_unsaved_changes(w) && w->document.change_count != w->agreed_changes &&
+           !isosculpt_task_cancelled(task) && !isosculpt_task_failed(task) &&
+           !isosculpt_load_job_is_stamp(w->load_job);
+}
+
+/* Ends the conversion of a volume into a field, whether it succeeded or not. */
+static void end_sculpting(window *w) {
+    w->sculpting = w->screen.sculpting = w->controller.field_pending = false;
+    isosculpt_strokes_free(&w->controller.queued_strokes);
+}
+
+iso_status isosculpt_window_finish_opening(window *w, iso_error *error) {
+    isosculpt_loaded loaded;
+    if (!w->load_job || !isosculpt_task_done(isosculpt_load_job_task(w->load_job))) return ISO_OK;
+    const isosculpt_dialog dialog = w->screen.dialog;
+    if (w->controller.drag || w->document.saver || (dialog && dialog != ISOSCULPT_DIALOG_RECOVER))
+        return ISO_OK; /* a later call goes on */
+    if (must_ask_again(w)) {
+        snprintf(w->next_path, sizeof w->next_path, "%s", isosculpt_load_job_path(w->load_job));
+        isosculpt_window_show_dialog(w, ISOSCULPT_DIALOG_OPEN, w->next_path);
+        return ISO_OK;
+    }
+    const bool cancelled = isosculpt_task_cancelled(isosculpt_load_job_task(w->load_job));
+    iso_status status = isosculpt_load_job_finish(w->load_job, &loaded, error);
+    w->load_job = NULL;
+    if (status != ISO_OK) {
+        end_sculpting(w);
+        return keep_document(w, cancelled, status, error);
+    }
+    char note[240];
+    const bool noted = iso_mesh_report_note(&loaded.report, note, sizeof note);
+    if (loaded.stamp)
+        isosculpt_controller_set_stamp(&w->controller, loaded.stamp);
+    else
+        status = show_loaded(w, &loaded, error);
+    if (status == ISO_OK && noted) isosculpt_window_set_status(w, false, note);
+    end_sculpting(w);
+    w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
+    return status;
+}
+
+bool isosculpt_window_is_opening(window *w) {
+    if (w->load_job)
+        isosculpt_window_set_status(w, true, "Another file is being opened: wait for it, or cancel it.");
+    return w->load_job;
+}
+
+static void open_path(window *w, const char *path, bool stamp) {
+    iso_error reason = {0};
+    if (isosculpt_window_is_opening(w)) return;
+    if (stamp && w->volume)
+        isosculpt_window_set_status(w, true, "A stamp needs something to work on: sculpt this first.");
+    else if (start_opening(w, path, stamp, &reason) != ISO_OK)
+        isosculpt_window_set_status(w, true, reason.text);
+    else
+        w->screen.message[0] = 0; /* about an earlier attempt */
+}
+
+/* Opens a file in place of the current document; asks first about unsaved changes. */
+static void replace_document(window *w, const char *path) {
+    if (isosculpt_window_is_opening(w)) return;
+    snprintf(w->next_path, sizeof w->next_path, "%s", path);
+    if (isosculpt_window_has_unsaved_changes(w))
+        isosculpt_window_show_dialog(w, ISOSCULPT_DIALOG_OPEN, w->next_path);
+    else
+        open_path(w, w->next_path, false);
+}
+
+void isosculpt_window_open_file(window *w, const char *path, bool stamp) {
+    if (stamp)
+        open_path(w, path, true);
+    else
+        replace_document(w, path);
+}
+
+void isosculpt_window_recover(window *w, const char *journal) {
+    open_path(w, journal, false);
+}
+
+void isosculpt_window_confirm_open(window *w) {
+    if (w->load_job)
+        w->agreed_changes = w->document.change_count; /* the file is loaded already */
+    else
+        open_path(w, w->next_path, false);
+}
+
+void isosculpt_window_reject_open(window *w) {
+    if (w->load_job) isosculpt_task_cancel(isosculpt_load_job_task(w->load_job));
+}
+
+/* A mesh can be opened or become a stamp; a stamp needs a field. */
+void isosculpt_window_drop(window *w, const char *path) {
+    if (isosculpt_window_is_opening(w)) return;
+    if (isosculpt_is_mesh(path) && !w->volume && !w->screen.blank)
+        isosculpt_window_show_dialog(w, ISOSCULPT_DIALOG_MESH, path);
+    else
+        replace_document(w, path);
+}
+
+void isosculpt_window_start_sculpting(window *w) {
+    iso_error reason = {0};
+    if (!w->volume || w->sculpting || isosculpt_window_is_opening(w)) return;
+    w->sculpting = start_converting(w, &reason) == ISO_OK;
+    w->screen.sculpting = w->controller.field_pending = w->sculpting;
+    if (!w->sculpting)
+        isosculpt_window_set_status(w, true, reason.text);
+    else
+        isosculpt_controller_center_mirror(&w->controller);
+}
+
+void isosculpt_window_load_first_stamp(window *w) {
+    if (w->stamp_loaded || w->screen.blank || w->volume || w->load_job || !w->settings->stamp) return;
+    w->stamp_loaded = true;
+    open_path(w, w->settings->stamp, true);
+}
+
+void isosculpt_window_cancel_load(window *w) {
+    isosculpt_loaded loaded = {0};
+    isosculpt_task_cancel(isosculpt_load_job_task(w->load_job));
+    if (isosculpt_load_job_finish(w->load_job, &loaded, NULL) == ISO_OK) isosculpt_loaded_free(&loaded);
+}

@@ -1,0 +1,43 @@
+/* opening: opens files in place of the current document, or as a stamp, in the background. */
+#ifndef ISO_APPS_ISOSCULPT_WINDOW_OPENING_H
+#define ISO_APPS_ISOSCULPT_WINDOW_OPENING_H
+
+#include "apps/isosculpt/window/state.h"
+
+/* Opens what the command line asks for: a stroke file, a file, the journal to recover, or a new ball. */
+iso_status isosculpt_window_open_first(window *w, iso_error *error);
+
+/* Starts to open a file, as a stamp or in place of the current document; then asks first about unsaved
+ * changes. */
+void isosculpt_window_open_file(window *w, const char *path, bool stamp);
+
+/* Starts to open a journal to be recovered: a new ball may be lost without asking. */
+void isosculpt_window_recover(window *w, const char *journal);
+
+/* Opens a dropped file; for a mesh asks whether it is to be a stamp. */
+void isosculpt_window_drop(window *w, const char *path);
+
+/* Goes on with opening `next_path` although there are unsaved changes: the user has agreed, or they are
+ * saved. */
+void isosculpt_window_confirm_open(window *w);
+
+/* Cancels opening `next_path`: the user wants to keep the current document. */
+void isosculpt_window_reject_open(window *w);
+
+/* Whether a file is being opened; then also tells the user to wait. */
+bool isosculpt_window_is_opening(window *w);
+
+/* Starts to convert the viewed volume into a field. */
+void isosculpt_window_start_sculpting(window *w);
+
+/* Opens the mesh of --stamp, once there is a field. */
+void isosculpt_window_load_first_stamp(window *w);
+
+/* Takes over the result when opening is done, unless a stroke, a save or a dialog is in the way: then a later
+ * call does. Errors end the program. */
+iso_status isosculpt_window_finish_opening(window *w, iso_error *error);
+
+/* Cancels opening and waits for its end, before the window closes. */
+void isosculpt_window_cancel_load(window *w);
+
+#endif

@@ -1,0 +1,150 @@
+/* Saving in isosculpt's window: which file, whether it may be overwritten, and what follows a save. */
+#include "apps/isosculpt/window/saving.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <GLFW/glfw3.h>
+
+#include "apps/isosculpt/render_command.h"
+#include "base/text.h"
+
+/* ---- a save */
+
+/* Drops the requested save, and what was to follow it. */
+static void drop_save(window *w) {
+    w->pending_save = ISOSCULPT_BROWSE_NOTHING;
+    w->after_save = ISOSCULPT_DIALOG_NOTHING;
+}
+
+static void refuse_save(window *w, const char *reason) {
+    char text[sizeof w->screen.message];
+    snprintf(text, sizeof text, "Not saved: %.550s", reason);
+    drop_save(w);
+    isosculpt_window_set_status(w, true, text);
+}
+
+void isosculpt_window_request_save(window *w, isosculpt_purpose purpose, const char *path) {
+    if (w->volume) {
+        refuse_save(w, "there is nothing to save before it is sculpted.");
+        return;
+    }
+    w->pending_save = purpose;
+    w->replace_agreed = false;
+    snprintf(w->save_path, sizeof w->save_path, "%s", path ? path : w->document.target);
+}
+
+static void start_now(window *w) {
+    iso_error reason = {0};
+    const isosculpt_save_opts opts = {.path = w->save_path,
+                                      .is_export = w->pending_save == ISOSCULPT_BROWSE_EXPORT,
+                                      .wake = isosculpt_window_wake};
+    if (isosculpt_document_save(&w->document, &opts, &reason) == ISO_OK)
+        w->pending_save = ISOSCULPT_BROWSE_NOTHING;
+    else
+        refuse_save(w, reason.text);
+}
+
+void isosculpt_window_start_save(window *w) {
+    iso_error reason = {0};
+    bool replaces;
+    if (!w->pending_save || w->controller.drag == ISOSCULPT_DRAG_BRUSH || w->document.saver ||
+        w->screen.dialog)
+        return;
+    if (isosculpt_document_check_target(&w->document, w->save_path, &replaces, &reason) != ISO_OK)
+        refuse_save(w, reason.text);
+    else if (replaces && !w->replace_agreed)
+        isosculpt_window_show_dialog(w, ISOSCULPT_DIALOG_REPLACE, w->save_path);
+    else
+        start_now(w);
+}
+
+/* Without a requested save the dialog is about a screenshot. */
+void isosculpt_window_answer_replace(window *w, bool agreed) {
+    if (w->pending_save) {
+        w->replace_agreed = agreed;
+        if (!agreed) drop_save(w);
+    } else if (agreed)
+        w->screenshot = true;
+    else
+        w->screenshot_path[0] = 0;
+}
+
+static void show_save_result(window *w, iso_status status, bool cancelled, const char *reason) {
+    char text[sizeof w->screen.message];
+    snprintf(text, sizeof text, "%s%.550s", status == ISO_OK ? "Saved " : "Not saved: ",
+             status == ISO_OK ? w->document.saved_as
+             : cancelled      ? "cancelled"
+                              : reason);
+    isosculpt_window_set_status(w, status != ISO_OK && !cancelled, text);
+}
+
+isosculpt_dialog isosculpt_window_poll_save(window *w) {
+    iso_error reason = {0};
+    iso_status status = ISO_OK;
+    isosculpt_task *task = isosculpt_document_save_task(&w->document);
+    const bool cancelled = task && isosculpt_task_cancelled(task);
+    if (isosculpt_document_poll_save(&w->document, false, &status, &reason) != ISOSCULPT_SAVE_DONE)
+        return ISOSCULPT_DIALOG_NOTHING;
+    show_save_result(w, status, cancelled, reason.text);
+    const isosculpt_dialog next = w->after_save;
+    w->after_save = ISOSCULPT_DIALOG_NOTHING;
+    if (status != ISO_OK || !next) return ISOSCULPT_DIALOG_NOTHING;
+    if (!isosculpt_window_has_unsaved_changes(w)) return next;
+    isosculpt_window_show_dialog(w, next, w->next_path); /* about changes that were made meanwhile */
+    return ISOSCULPT_DIALOG_NOTHING;
+}
+
+/* ---- screenshots */
+
+void isosculpt_window_request_screenshot(window *w, const char *path) {
+    struct stat about;
+    if (!iso_text_has_extension(path, ".png")) {
+        isosculpt_window_set_status(w, true, "No picture: the name must end in .png");
+        return;
+    }
+    snprintf(w->screenshot_path, sizeof w->screenshot_path, "%s", path);
+    if (stat(path, &about) == 0)
+        isosculpt_window_show_dialog(w, ISOSCULPT_DIALOG_REPLACE, path);
+    else
+        w->screenshot = true;
+}
+
+/* ---- the isorender command */
+
+/* Finds a file that holds what the picture shows, and the options to read it with; false: there is none. */
+static bool find_shown_file(const window *w, isosculpt_render_command *command) {
+    const isosculpt_document *document = &w->document;
+    const bool saved = document->target_is_own && !isosculpt_window_has_unsaved_changes(w);
+    command->reading = "";
+    if (w->volume) {
+        command->path = w->volume->path;
+        command->reading = w->volume->reading;
+    } else if (saved && iso_text_has_extension(document->target, ".vdb")) {
+        command->path = document->target;
+    } else if (document->change_count == 0 && !(w->settings->voxel_size > 0) &&
+               iso_text_has_extension(document->start.source, ".vdb")) {
+        command->path = document->start.source; /* as it was opened */
+        command->reading = document->start.reading;
+    }
+    return command->path;
+}
+
+void isosculpt_window_copy_command(window *w) {
+    char text[8 * ISOSCULPT_PATH];
+    isosculpt_render_command command = {
+        .viewport = &w->viewport, .width = w->screen.width, .height = w->screen.height};
+    if (!find_shown_file(w, &command))
+        isosculpt_window_set_status(
+            w, true, "No command: isorender reads files. Save the sculpture as .vdb, then copy.");
+    else if (!isosculpt_render_command_text(&command, text, sizeof text))
+        isosculpt_window_set_status(w, true, "No command: the file's name is too long.");
+    else {
+        glfwSetClipboardString(w->glfw, text);
+        isosculpt_window_set_status(w, false,
+                                    w->viewport.mode.material.shading == ISOSCULPT_SHADING_LAMPS
+                                        ? "The isorender command is on the clipboard."
+                                        : "The isorender command is on the clipboard; it draws with lamps.");
+    }
+}

@@ -1,0 +1,27 @@
+/* saving: saves the sculpture in the background, and asks before a file is overwritten. */
+#ifndef ISO_APPS_ISOSCULPT_WINDOW_SAVING_H
+#define ISO_APPS_ISOSCULPT_WINDOW_SAVING_H
+
+#include "apps/isosculpt/window/state.h"
+
+/* Requests a save or an export (ISOSCULPT_BROWSE_SAVE, _EXPORT); path NULL: the document's target. */
+void isosculpt_window_request_save(window *w, isosculpt_purpose purpose, const char *path);
+
+/* Starts the requested save as soon as no stroke is drawn and no save is running; asks first whether a file
+ * may be overwritten. */
+void isosculpt_window_start_save(window *w);
+
+/* The user's answer: whether the file (of the save, or of a screenshot) may be overwritten. */
+void isosculpt_window_answer_replace(window *w, bool agreed);
+
+/* Shows the result when a save is done. Returns what is to follow a successful save (ISOSCULPT_DIALOG_CLOSE
+ * or _OPEN), else ISOSCULPT_DIALOG_NOTHING. */
+isosculpt_dialog isosculpt_window_poll_save(window *w);
+
+/* Saves the next picture to a .png file; asks first whether a file may be overwritten. */
+void isosculpt_window_request_screenshot(window *w, const char *path);
+
+/* Copies the isorender command that draws the current picture to the clipboard. */
+void isosculpt_window_copy_command(window *w);
+
+#endif

@@ -1,0 +1,58 @@
+/* A piece of the refined reconstruction's shaders: what an iso_curvature says (base/primitives.h). */
+
+vec3 turned(vec3 covector) {
+    return vec3(dot(normal_x.xyz, covector), dot(normal_y.xyz, covector), dot(normal_z.xyz, covector));
+}
+
+/* As iso_curvature_frame. */
+void make_frame(vec3 n, out vec3 u, out vec3 v) {
+    float side = floatBitsToInt(n.z) < 0 ? -1.0 : 1.0;
+    float a = -1.0 / (side + n.z), b = n.x * n.y * a;
+    u = vec3(1.0 + side * (n.x * n.x * a), side * b, -(side * n.x));
+    v = vec3(b, side + n.y * n.y * a, -n.y);
+}
+
+/* The shape operator in the frame u, v, which has its scale, with a curvature along the normal too: the largest
+ * principal one where that is convex. */
+mat3 shape_operator_of(ivec4 curvature, vec3 u, vec3 v, vec3 view_normal) {
+    const float each = ISO_CURVATURE_STEP * float(1 << ISO_CURVATURE_LOW_BITS);
+    vec3 entry = vec3(curvature.xyz >> ISO_CURVATURE_LOW_BITS) * each;
+    mat3 s = outerProduct(u, entry.x * u + entry.y * v) + outerProduct(v, entry.y * u + entry.z * v);
+    float trace = s[0].x + s[1].y + s[2].z, apart = sqrt(max(2.0 * norm_of(s) - trace * trace, 0.0));
+    return s + outerProduct(view_normal, max(trace + apart, 0.0) * 0.5 * view_normal);
+}
+
+/* How the surface lies against the normal, along u and v. */
+vec2 tilt(ivec4 curvature) {
+    ivec3 low = curvature.xyz & (1 << ISO_CURVATURE_LOW_BITS) - 1;
+    int bits = low.x | low.y << ISO_CURVATURE_LOW_BITS | low.z << 2 * ISO_CURVATURE_LOW_BITS;
+    vec2 steps = vec2(bitfieldExtract(bits, 0, ISO_CURVATURE_TILT_BITS),
+                      bitfieldExtract(bits, ISO_CURVATURE_TILT_BITS, ISO_CURVATURE_TILT_BITS));
+    return steps * abs(steps) * (ISO_CURVATURE_TILT_MOST / (ISO_CURVATURE_TILT_STEPS * ISO_CURVATURE_TILT_STEPS));
+}
+
+/* How much of its ball a disc keeps. */
+float disc_scale(ivec4 curvature) {
+    return 1.0 - 0.25 * float((curvature.w & 0xFFFF) >> ISO_CURVATURE_SHRINK_BIT);
+}
+
+/* The box as far as it is known where the surface turns away from an edge point; `at` is in index coordinates. Packed
+ * points at a voxel may be on the edge to either side. */
+void apply_extents(ivec4 curvature, vec3 at, inout vec3 lowest, inout vec3 highest) {
+    int extents = curvature.w & 0xFFFF, edge = (extents >> ISO_CURVATURE_AXIS_BIT & ISO_CURVATURE_AXIS_MASK) - 1;
+    if (extents == 0) return;
+    const float each = 1.0 / ISO_CURVATURE_EXTENT_STEPS;
+    int next = 0;
+    for (int k = 0; k < 3; k++) {
+        float below = at[k] - floor(at[k]), above = 1.0 - below;
+        if (below < ISO_REFINED_AT_VOXEL) below = 1.0;
+        if (above < ISO_REFINED_AT_VOXEL) above = 1.0;
+        if (k != edge) {
+            below = float(extents >> next & ISO_CURVATURE_EXTENT_STEPS) * each;
+            above = float(extents >> next + ISO_CURVATURE_EXTENT_BITS & ISO_CURVATURE_EXTENT_STEPS) * each;
+            next += 2 * ISO_CURVATURE_EXTENT_BITS;
+        }
+        lowest[k] = -(below + ISO_REFINED_BEYOND_END);
+        highest[k] = above + ISO_REFINED_BEYOND_END;
+    }
+}

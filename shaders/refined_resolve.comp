@@ -1,0 +1,26 @@
+/* From sums to the picture's samples, where they are nearer than what is there. */
+layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
+layout(binding = ISO_GL_FRONTS) uniform sampler2D fronts;
+layout(binding = ISO_GL_SUMS) uniform sampler2D sums[4];
+
+/* Of the frontmost discs: their mean normal, turned as their mean shape has it from their centres to here. The more
+ * shape operators differ, and the larger they are, the more of them is noise: shapes count in full where all are the
+ * same and small. */
+vec3 resolved_normal(vec4 a, vec4 b, vec4 c, vec3 q) {
+    float noisy = ISO_REFINED_NOISY_BEND * sizes.y;
+    mat3 s = shape_operator(b, c) * (1.0 / a.x);
+    float norm = norm_of(s);
+    float alike = norm / max(c.z / a.x, 1e-30), small = 1.0 / (1.0 + norm / (noisy * noisy));
+    return a.yzw + alike * small * (s * q);
+}
+
+void main() {
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(at, tile.xy))) return;
+    vec4 front = texelFetch(fronts, at, 0);
+    if (min(front.x, front.y) >= ISO_GL_NOWHERE) return;
+    vec4 a = texelFetch(sums[0], at, 0), b = texelFetch(sums[1], at, 0), c = texelFetch(sums[2], at, 0);
+    bool faces = front.z <= front.y;
+    vec3 normal = resolved_normal(a, b, c, texelFetch(sums[3], at, 0).xyz);
+    put_sample(at + tile.zw, c.w / a.x, culled || faces ? normal : -normal);
+}
