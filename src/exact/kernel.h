@@ -130,7 +130,7 @@ typedef struct iso_exact_scratch {
     uint16_t cell_of[ISO_EXACT_CELLS]; /* and which cell that is */
 
     /* Pairs of a pixel (y << 16 | x) and the cell (its record, counted in floats) that it is to be tested
-     * against, front to back. Before `careful` there may be some that need more than the plain test. */
+     * against, front to back. Those before index `general` may need the general test. */
     int32_t pixel[ISO_EXACT_LIST_ROOM], owner[ISO_EXACT_LIST_ROOM];
     int pairs, general;
     bool large; /* cells are so large that each is tested by itself; then.. */
