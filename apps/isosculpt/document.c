@@ -93,6 +93,18 @@ static bool is_locked(const char *lock_file) {
     return locked;
 }
 
+/* Whether anything was done in a journal. One that cannot be read counts, so that the user hears of it. */
+static bool has_events(const char *journal) {
+    iso_journal_start start;
+    iso_journal_reader *reader;
+    iso_event event;
+    bool more = true;
+    if (iso_journal_open(journal, &start, &reader, NULL) != ISO_OK) return true;
+    const iso_status status = iso_journal_next(reader, &event, &more, NULL);
+    iso_journal_reader_free(reader);
+    return status != ISO_OK || more;
+}
+
 bool isosculpt_document_find_unclosed(const char *folder, char path[ISOSCULPT_PATH]) {
     DIR *directory = opendir(folder);
     if (!directory) return false;
@@ -109,6 +121,7 @@ bool isosculpt_document_find_unclosed(const char *folder, char path[ISOSCULPT_PA
         const struct timespec t = about.st_mtim;
         if (found && (t.tv_sec < newest.tv_sec || (t.tv_sec == newest.tv_sec && t.tv_nsec < newest.tv_nsec)))
             continue;
+        if (!has_events(journal)) continue;
         found = true;
         newest = t;
         memcpy(path, journal, strlen(journal) + 1);
@@ -248,6 +261,7 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
     document->was_unclosed = was_unclosed;
     if (status == ISO_OK) {
         choose_target(document, journal);
+        document->change_count = was_unclosed && has_events(journal); /* no file shows what was recovered */
         return ISO_OK;
     }
     if (!was_unclosed) unlock_journal(document); /* else its recovery is still offered */

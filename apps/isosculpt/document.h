@@ -29,9 +29,9 @@ typedef struct isosculpt_document {
     bool journal_is_new;          /* made by this session: removed when nothing was done */
     bool has_stamp;               /* the journal holds a stamp: kept even without strokes */
     bool was_unclosed;            /* the journal, when it was opened */
-    size_t change_count;          /* strokes, undos and redos since the document was opened */
-    size_t saved_change_count;    /* of these, how many the target file shows */
-    double start_seconds;         /* iso_clock_seconds when the session began */
+    size_t change_count;       /* strokes, undos and redos since the document was opened; recovery is one */
+    size_t saved_change_count; /* of these, how many the target file shows */
+    double start_seconds;      /* iso_clock_seconds when the session began */
     iso_pool *pool;
     size_t undo_memory;            /* bytes */
     char target[ISOSCULPT_PATH];   /* the file that saving writes; has a default from the beginning */
@@ -44,8 +44,8 @@ typedef struct isosculpt_document {
  * ISO_ERR_WRITE. */
 iso_status isosculpt_document_state_folder(char folder[ISOSCULPT_PATH], iso_error *error);
 
-/* Finds the newest journal in the folder that was not closed and that no program has open; false: there is
- * none. */
+/* Finds the newest journal in the folder in which something was done, that was not closed and that no program
+ * has open; false: there is none. */
 bool isosculpt_document_find_unclosed(const char *folder, char path[ISOSCULPT_PATH]);
 
 /* Removes the lock file, so that recovery of this journal is not offered again; the stroke file stays. */

@@ -223,20 +223,62 @@ static void openings(void **state) {
     unlink(volume);
 }
 
+/* Leaves a journal, with one stroke or with none, as a program leaves it that is killed. */
+static void leave_journal(const char *path, bool stroke) {
+    char lock_file[ISOSCULPT_PATH];
+    iso_journal *journal;
+    iso_event event;
+    memset(&event, 0, sizeof event);
+    event.kind = ISO_EVENT_BEGIN;
+    event.brush = (iso_brush){.tool = ISO_TOOL_ADD, .radius = 2, .strength = 1};
+    event.sample = (iso_sample){.position = {0, 0, 10}, .normal = {0, 0, 1}, .pressure = 1};
+    unlink(path);
+    assert_int_equal(iso_journal_create(path, &SESSION_START, &journal, NULL), ISO_OK);
+    if (stroke) assert_int_equal(iso_journal_put(journal, &event, NULL), ISO_OK);
+    event.kind = ISO_EVENT_END;
+    if (stroke) assert_int_equal(iso_journal_put(journal, &event, NULL), ISO_OK);
+    assert_int_equal(iso_journal_close(journal, NULL), ISO_OK);
+    snprintf(lock_file, sizeof lock_file, "%s.open", path);
+    FILE *left = fopen(lock_file, "wb");
+    assert_non_null(left);
+    fclose(left);
+}
+
+/* A session in which nothing was done, though newer, does not hide the one that is worth recovering; what was
+ * recovered counts as not saved. */
+static void recovered_work_is_unsaved(void **state) {
+    (void)state;
+    const char *folder = session_path("killed"), *worked = session_path("killed/worked.strokes"),
+               *empty = session_path("killed/empty.strokes"),
+               *empty_lock_file = session_path("killed/empty.strokes.open");
+    char found[ISOSCULPT_PATH];
+    mkdir(folder, 0700);
+    leave_journal(empty, false);
+    assert_false(isosculpt_document_find_unclosed(folder, found));
+    leave_journal(worked, true);
+    leave_journal(empty, false); /* the newest */
+    assert_true(isosculpt_document_find_unclosed(folder, found));
+    assert_string_equal(found, worked);
+    isosculpt_document document = {0};
+    assert_int_equal(isosculpt_document_open(&document, worked, NULL, NULL), ISO_OK);
+    assert_int_not_equal(document.change_count, document.saved_change_count);
+    isosculpt_document_close(&document);
+    assert_int_equal(isosculpt_document_open(&document, worked, NULL, NULL), ISO_OK);
+    assert_int_equal(document.change_count, document.saved_change_count); /* it was closed */
+    isosculpt_document_close(&document);
+    unlink(worked);
+    unlink(empty);
+    unlink(empty_lock_file);
+    rmdir(folder);
+}
+
 /* A session that was not closed is offered again when its recovery is cancelled, however late. */
 static void cancelled_recoveries_are_offered_again(void **state) {
     (void)state;
-    const char *folder = session_path("recovered"), *strokes = session_path("recovered/left.strokes"),
-               *marker = session_path("recovered/left.strokes.open");
+    const char *folder = session_path("recovered"), *strokes = session_path("recovered/left.strokes");
     char found[ISOSCULPT_PATH];
-    iso_journal *journal;
     mkdir(folder, 0700);
-    unlink(strokes);
-    assert_int_equal(iso_journal_create(strokes, &SESSION_START, &journal, NULL), ISO_OK);
-    assert_int_equal(iso_journal_close(journal, NULL), ISO_OK);
-    FILE *left = fopen(marker, "wb");
-    assert_non_null(left);
-    fclose(left);
+    leave_journal(strokes, true);
     const isosculpt_load_request request = {.path = strokes, .isovalue = NAN, .threads = 1};
     for (int round = 0; round < 2; round++) {
         isosculpt_load_job *load_job;
@@ -260,7 +302,9 @@ static void cancelled_recoveries_are_offered_again(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(cancelled_writing_leaves_no_file),
                                        cmocka_unit_test(cancelled_saves_keep_the_file_before),
-                                       cmocka_unit_test(sources_can_be_cancelled), cmocka_unit_test(openings),
+                                       cmocka_unit_test(sources_can_be_cancelled),
+                                       cmocka_unit_test(openings),
+                                       cmocka_unit_test(recovered_work_is_unsaved),
                                        cmocka_unit_test(cancelled_recoveries_are_offered_again)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
