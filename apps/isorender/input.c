@@ -92,7 +92,8 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
                            .progress_context = job};
     ISO_TRY(iso_loader_open(loader, error));
     choose_method(job);
-    /* A file that is too large itself is refused by iso_loader_read, whose message comes first. */
+    /* When the volume alone is over the limit, iso_loader_read refuses it with a better message than
+     * check_picture would. */
     const bool is_file = isnan(loader->scene_isovalue) && !loader->has_points;
     if (!is_file || loader->volume.info.read_bytes <= memory_limit(job->settings))
         ISO_TRY(check_picture(job, error));

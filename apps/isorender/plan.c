@@ -83,8 +83,8 @@ static iso_status add_files(const isorender_settings *settings, const isorender_
     return ISO_OK;
 }
 
-/* Checks the names that are known before any header is read; iso_loader_open and iso_loader_list_files add
- * the other files of an input. */
+/* Checks that no output is an input or another output, among the files named on the command line. The files
+ * that an input's header names are added later, by iso_loader_open and iso_loader_list_files. */
 static iso_status check_all(const isorender_settings *settings, const isorender_plan *plans,
                             iso_error *error) {
     for (int i = 0; i < settings->input_count; i++) ISO_TRY(add_files(settings, &plans[i], error));

@@ -112,7 +112,8 @@ static iso_status read_bytes(const char *path, void *bytes, size_t *count, iso_e
     return ISO_OK;
 }
 
-/* The dimensions go into file->dim; the library sees only ones. */
+/* Moves the dimensions to file->dim, where this file checks them, and sets the library's copy to 1, so that
+ * the library allocates and reads nothing by itself. */
 #define TAKE_DIMENSIONS(header)                                                                              \
     for (int i = 0; i < 8; i++) {                                                                            \
         file->dim[i] = (header).dim[i];                                                                      \

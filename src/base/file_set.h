@@ -25,7 +25,7 @@ typedef struct iso_file_set {
 /* Adds a file that is read. NULL for the set: nothing happens. */
 void iso_file_set_read(iso_file_set *set, const char *path);
 
-/* The same of a path that messages call `name`. */
+/* As iso_file_set_read; messages call the file `name` instead of `path`. */
 void iso_file_set_read_as(iso_file_set *set, const char *path, const char *name);
 
 /* Adds an output; "-" is standard output. NULL for the path: nothing happens. */

@@ -29,7 +29,7 @@ struct iso_pool {
     atomic_int busy;    /* workers that take part in the current round */
     bool open;          /* the current round still takes any: who comes later is not waited for */
     bool stop;
-    int spins; /* looks at what is waited for before sleeping */
+    int spins; /* how often a waiting thread polls before it sleeps */
     iso_task *task;
     void *context;
     size_t count;

@@ -12,8 +12,9 @@
 extern "C" {
 #endif
 
-/* `tell` must be callable from any thread where it says so. The work is the part from .. to of a larger one;
- * both 0: all of it. */
+/* A function that is told how far the work is, and what share of the whole work this is: from `from` to `to`,
+ * both between 0 and 1 (both 0: all of it). A function that reports from several threads says so; `tell` must
+ * then be thread-safe. */
 typedef struct iso_progress {
     iso_progress_fn *tell;
     void *context; /* borrowed */

@@ -134,7 +134,8 @@ static void set_features(flip *f, double pixels_per_degree) {
 
 /* ---- one band ---- */
 
-/* A worker's planes. Tall ones have the halo's rows above and below the band's. */
+/* One worker's image planes for a band of rows. Planes marked "tall" also have the rows above and below the
+ * band that the filters read. */
 typedef struct planes {
     float *opponent[3], *along, *padded;      /* tall */
     float *seen[2][3], *feature[2][2], *part; /* of the band's rows */

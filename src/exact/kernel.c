@@ -18,8 +18,9 @@
 /* Cells whose box has at least this many pixels get an outline. */
 #define ISO_EXACT_OUTLINED_CELL 250
 
-/* Pairs of several cells that are tested together: vectors of them overlap in time, but a pixel that is taken
- * by one of them is listed, for nothing, for later ones. */
+/* How many pairs of a pixel and a cell are collected before they are tested. More pairs fill the vectors
+ * better; but a pixel in which one cell of the batch is hit is still tested against the batch's other cells.
+ */
 #define ISO_EXACT_BATCH 64
 
 enum { RECORD_FLOATS = sizeof(iso_exact_cell) / sizeof(float) };

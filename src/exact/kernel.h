@@ -54,9 +54,10 @@ typedef struct iso_exact_hits {
         depth[ISO_EXACT_HIT_ROOM], length[ISO_EXACT_HIT_ROOM];
     int32_t pixel[ISO_EXACT_HIT_ROOM], slot[ISO_EXACT_HIT_ROOM];
     float root[ISO_EXACT_HIT_ROOM];
-    int32_t word[ISO_EXACT_HIT_ROOM];         /* for a picture: the pixel's */
-    int voxel[ISO_EXACT_HIT_ROOM][3];         /* by slot: the cell, */
-    float gradient[ISO_EXACT_HIT_ROOM][8][4]; /* and the gradients at its corners; x, y, z and any */
+    int32_t word[ISO_EXACT_HIT_ROOM]; /* for a picture: the pixel's */
+    int voxel[ISO_EXACT_HIT_ROOM][3]; /* by slot: the cell, */
+    float gradient[ISO_EXACT_HIT_ROOM][8]
+                  [4]; /* and the gradients at its corners: x, y, z; the fourth float is unused */
 } iso_exact_hits;
 
 /* Up to 64 pixels of a row, some of which are paired with a large cell. */

@@ -19,7 +19,7 @@ struct iso_exact {
      * 1]
      * - 1], r = z * bricks_y + y. */
     iso_buffer order, rows;
-    bool sorted; /* they are those of the set; false: there was no memory, and nothing can be drawn */
+    bool sorted; /* order and rows are up to date; false: no memory for them, and nothing can be drawn */
     size_t cells;
 };
 

@@ -131,9 +131,9 @@ static extent extent_of(const iso_fit *fit, iso_vec3 center, const frame *f, iso
     return (extent){slope > 0 ? half / slope : half, (r.high - r.low) / 2, r.near};
 }
 
-/* Where the middle is, seen from `distance`: with the slope at which that distance is what is needed. What is
- * needed is convex in the slope's inverse and grows with it: false position (the Illinois rule) finds it in a
- * few rounds. */
+/* Finds the slope of the frame's sides at which the camera must stand at `distance` to see all of the object,
+ * and returns where the object's middle then is. The necessary distance is a convex, growing function of the
+ * slope's inverse, so the method of false position (the Illinois rule) converges in a few rounds. */
 static double middle_from(const iso_fit *fit, iso_vec3 center, const frame *f, iso_vec3 axis, double slope,
                           double distance) {
     enum { DOUBLINGS = 12, ROUNDS = 40 };

@@ -311,8 +311,8 @@ iso_status iso_exr_write(const char *path, const iso_aov *aov, const iso_exr_inf
     return status == ISO_OK ? iso_sink_commit(&sink, error) : status;
 }
 
-/* ---- reading: nothing in the file is believed; the header is checked before memory is taken, every chunk
- * against the window, every value at last */
+/* ---- reading: the file may be damaged or hostile. The header is checked before memory is allocated, each
+ * chunk is checked against the data window, and the values are checked last. */
 
 typedef struct reader {
     const char *path;

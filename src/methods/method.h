@@ -44,7 +44,7 @@ typedef struct iso_subject {
 
 /* Makes a part, unless it is there. ISO_ERR_NOMEM, and what extraction returns. */
 iso_status iso_subject_prepare(iso_subject *subject, iso_part part, iso_error *error);
-/* The same, and brings a part that is there up to date with the grid's edits. */
+/* As iso_subject_prepare; a part that exists is brought up to date with the grid's edits. */
 iso_status iso_subject_update(iso_subject *subject, iso_part part, iso_error *error);
 /* Another isovalue, for all parts; the next update makes them anew. */
 void iso_subject_set_isovalue(iso_subject *subject, double isovalue);

@@ -167,7 +167,8 @@ static iso_status fail_gap(const stack *s, size_t i, double usual) {
                     name_of(s, i + 1), to, usual);
 }
 
-/* Numbers may skip in an even manner only; positions as the constants above say. */
+/* Refuses a stack with missing slices: one in which a step between slices differs from the usual step by more
+ * than NOTED_STEP of it (and more than rounding). Smaller differences, from QUIET_STEP on, become a note. */
 static iso_status check_gaps(const stack *s) {
     double usual = 0, worst = 0;
     if (s->count < 2) return ISO_OK;

@@ -33,7 +33,7 @@ typedef struct iso_cell_list {
     uint8_t inside[ISO_BRICK_VOXELS + ISO_CELL_SLACK];
 } iso_cell_list;
 
-/* What `list` leaves for `fill`. One a worker. */
+/* The output of the kernel's `list` step, which its `fill` step reads. One for each worker. */
 typedef struct iso_mesh_block {
     int origin[3];   /* voxels; set by the caller */
     unsigned bricks; /* bit k: brick k is wanted; set by the caller */

@@ -61,6 +61,12 @@ iso_status iso_falloff_find(const char *name, iso_falloff *falloff, iso_error *e
 /* ISO_ERR_USAGE: a number that is not finite or outside its range; the message names it. */
 iso_status iso_brush_check(const iso_brush *brush, iso_error *error);
 
+/* The sample of a touch, the sample before it and the stroke's first sample. At the start of a stroke all
+ * three are the same. */
+typedef struct iso_touch {
+    iso_sample sample, previous, first;
+} iso_touch;
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,7 +1,7 @@
 /* dab: a touch in voxel coordinates, and the kernels that compute the new values of a brick from it.
  *
  * A dab is one mirror image of a touch. All lengths are in voxels of the grid and all positions are index
- * coordinates; sculpt/field/edit.c converts an iso_brush (millimetres) to them. A kernel reads the brick and
+ * coordinates; iso_dabs_make converts an iso_brush (millimetres) to them. A kernel reads the brick and
  * its face neighbours, or a window of the field, and writes the new values to other memory. Mirror images act
  * together (union of their solids, sum of their displacements), so a symmetric field stays symmetric.
  * Internal to sculpt. */
@@ -12,6 +12,7 @@
 
 #include "grids/hgrid.h"
 #include "sculpt/brush/brush.h"
+#include "sculpt/brush/stamp.h"
 #include "sculpt/field/redistance.h"
 
 /* ADD, CARVE, BLEND_ADD, BLEND_CARVE. */
@@ -40,6 +41,19 @@ typedef struct iso_dabs {
     iso_dab dab[ISO_DAB_MAX];
     const iso_hgrid *stamp; /* the level of the stamp that fits the radius; NULL: none is set */
 } iso_dabs;
+
+/* The grid that dabs are made for; all borrowed. */
+typedef struct iso_dab_space {
+    const iso_affine *affine; /* from index to world coordinates */
+    double spacing;           /* mm from voxel to voxel */
+    float band;               /* voxels */
+    const iso_stamp *stamp;   /* NULL: none is set */
+} iso_dab_space;
+
+/* Converts a brush and its touch from millimetres to voxels and makes the mirror images
+ * (brush_to_voxels.c). */
+void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso_touch *touch,
+                   iso_dabs *dabs);
 
 /* The distance in voxels from a dab's centre (or the segment from `from` to it) beyond which no voxel
  * changes. */

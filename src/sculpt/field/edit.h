@@ -56,12 +56,6 @@ typedef struct iso_step_opts {
 } iso_step_opts;
 void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts);
 
-/* The sample of a touch, the sample before it and the stroke's first sample. At the start of a stroke all
- * three are the same. */
-typedef struct iso_touch {
-    iso_sample sample, previous, first;
-} iso_touch;
-
 /* Applies one touch, and its mirror images according to the brush's symmetry, as one edit of the change log.
  * `stats` may be NULL. When it fails the grid is unchanged (a mask may be changed in part). ISO_ERR_NOMEM,
  * the errors of the observer; ISO_ERR_USAGE: a bad brush or sample; ISO_ERR_LIMIT: more than

@@ -1,0 +1,96 @@
+/* From a brush and a touch in world millimetres to dabs in voxels of the grid. */
+#include <math.h>
+#include <string.h>
+
+#include "sculpt/brush/dab.h"
+
+/* The index coordinates of a world position, rounded to 1/4096 voxel: differences to voxels are then exact in
+ * floats, and mirrored touches give mirrored results, to the bit. */
+static void set_position(const iso_affine *affine, iso_vec3 world, double out[3]) {
+    iso_vec3 p = iso_affine_point_to_index(affine, world);
+    out[0] = rint(p.x * 4096) / 4096;
+    out[1] = rint(p.y * 4096) / 4096;
+    out[2] = rint(p.z * 4096) / 4096;
+}
+
+/* The world position of the rounded index coordinates. */
+static iso_vec3 snapped(const iso_affine *affine, iso_vec3 world) {
+    double p[3];
+    set_position(affine, world, p);
+    return iso_affine_point(affine, iso_vec3_make(p[0], p[1], p[2]));
+}
+
+/* `v` mirrored at the planes of the axes in `bits` through a point; `through` is NULL for directions. */
+static iso_vec3 reflect(iso_vec3 v, unsigned bits, const iso_vec3 *through) {
+    const iso_vec3 at = through ? *through : iso_vec3_make(0, 0, 0);
+    return iso_vec3_make(bits & 1 ? 2 * at.x - v.x : v.x, bits & 2 ? 2 * at.y - v.y : v.y,
+                         bits & 4 ? 2 * at.z - v.z : v.z);
+}
+
+/* Two tangents and the normal: unit vectors in world coordinates. */
+static void make_tangent_frame(iso_vec3 normal, iso_vec3 frame[3]) {
+    iso_vec3 n = iso_vec3_unit(normal);
+    if (iso_vec3_length(n) == 0) n = iso_vec3_make(0, 0, 1);
+    /* the coordinate axis farthest from the normal */
+    iso_vec3 a = fabs(n.x) <= fabs(n.y) && fabs(n.x) <= fabs(n.z) ? iso_vec3_make(1, 0, 0)
+                 : fabs(n.y) <= fabs(n.z)                         ? iso_vec3_make(0, 1, 0)
+                                                                  : iso_vec3_make(0, 0, 1);
+    frame[0] = iso_vec3_unit(iso_vec3_cross(a, n));
+    frame[1] = iso_vec3_cross(n, frame[0]);
+    frame[2] = n;
+}
+
+/* One mirror image of a touch. Its axes are mirrored too, and with them boxes and stamps. */
+static void make_dab(const iso_dab_space *space, const iso_brush *brush, const iso_touch *touch,
+                     unsigned bits, iso_dab *dab) {
+    const iso_affine *affine = space->affine;
+    iso_vec3 from = brush->tool == ISO_TOOL_MOVE ? touch->first.position : touch->previous.position, frame[3];
+    set_position(affine, reflect(snapped(affine, touch->sample.position), bits, &brush->mirror), dab->centre);
+    set_position(affine, reflect(snapped(affine, from), bits, &brush->mirror), dab->from);
+    make_tangent_frame(touch->sample.normal, frame);
+    for (int i = 0; i < 3; i++) {
+        iso_vec3 axis = iso_affine_vector_to_index(affine, reflect(frame[i], bits, NULL));
+        axis = iso_vec3_scale(axis, space->spacing); /* a unit vector again */
+        dab->axis[i][0] = axis.x;
+        dab->axis[i][1] = axis.y;
+        dab->axis[i][2] = axis.z;
+    }
+}
+
+/* The effect of one touch of strength 1 at its centre. INFLATE and DEFLATE: an offset in voxels, bounded so
+ * that the surface stays inside the band; others: a factor. */
+static double full_strength(iso_tool tool, double radius_voxels) {
+    switch (tool) {
+    case ISO_TOOL_INFLATE:
+    case ISO_TOOL_DEFLATE:
+        return 0.05 * radius_voxels < 0.5 ? 0.05 * radius_voxels : 0.5;
+    case ISO_TOOL_FLATTEN:
+        return 0.3;
+    case ISO_TOOL_PINCH:
+        return 0.15;
+    default:
+        return 1;
+    }
+}
+
+void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso_touch *touch,
+                   iso_dabs *dabs) {
+    double pressure = touch->sample.pressure;
+    double radius_voxels = brush->radius * (brush->pressure_radius ? pressure : 1) / space->spacing;
+    double strength = (brush->strength > 0 ? brush->strength : 1) * (brush->pressure_strength ? pressure : 1);
+    bool blends = brush->tool == ISO_TOOL_BLEND_ADD || brush->tool == ISO_TOOL_BLEND_CARVE;
+    double blend_voxels = brush->blend > 0 ? brush->blend / space->spacing : 0.25 * radius_voxels;
+    double band = (double)space->band; /* beyond it there are no distances to blend */
+    memset(dabs, 0, sizeof *dabs);
+    dabs->tool = brush->tool;
+    dabs->solid = brush->shape;
+    dabs->falloff = brush->falloff;
+    dabs->radius_voxels = (float)radius_voxels;
+    dabs->strength = (float)(strength * full_strength(brush->tool, radius_voxels));
+    dabs->aspect = (float)(brush->aspect > 0 ? brush->aspect : 0.5);
+    dabs->blend_voxels = blends ? (float)(blend_voxels < band ? blend_voxels : band) : 0;
+    dabs->band = space->band;
+    dabs->stamp = space->stamp ? iso_stamp_level(space->stamp, radius_voxels) : NULL;
+    for (unsigned bits = 0; bits < 8; bits++)
+        if (!(bits & ~brush->symmetry)) make_dab(space, brush, touch, bits, &dabs->dab[dabs->count++]);
+}
