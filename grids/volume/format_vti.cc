@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -365,6 +366,22 @@ iso_status check_numbers(const char *path, vtkXMLDataElement *element, iso_error
     return ISO_OK;
 }
 
+/* VTK finds arrays by name, and crashes where an array's values are not in the array that it finds. */
+iso_status check_names(const char *path, vtkXMLDataElement *element, iso_error *error) {
+    const bool holds_arrays =
+        std::strcmp(element->GetName(), "PointData") == 0 || std::strcmp(element->GetName(), "CellData") == 0;
+    std::set<std::string> names;
+    for (int i = 0; i < element->GetNumberOfNestedElements(); i++) {
+        vtkXMLDataElement *nested = element->GetNestedElement(i);
+        const char *name = holds_arrays ? nested->GetAttribute("Name") : nullptr;
+        if (name && !names.insert(name).second)
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: two arrays of %s are named \"%.80s\"", path,
+                            element->GetName(), iso::one_line(name).c_str());
+        ISO_TRY(check_names(path, nested, error));
+    }
+    return ISO_OK;
+}
+
 /* What the header says, and which array was chosen. */
 struct header {
     const quiet_vtk *vtk; /* borrowed: what goes wrong meanwhile */
@@ -396,6 +413,7 @@ iso_status read_header(const char *path, const iso_volume_opts *opts, image_read
     reader->UpdateInformation();
     vtkXMLDataElement *root = reader->GetXMLParser() ? reader->GetXMLParser()->GetRootElement() : nullptr;
     if (root) ISO_TRY(check_numbers(path, root, error));
+    if (root) ISO_TRY(check_names(path, root, error));
     if (!found->vtk->error().empty()) return fail_vtk(path, *found->vtk, error);
     vtkInformation *out = reader->GetOutputInformation(0);
     extent &whole = found->whole;
