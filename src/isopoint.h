@@ -608,7 +608,7 @@ ISO_API void iso_sculpt_destroy(iso_sculpt *sculpt);
 ISO_API iso_volume *iso_sculpt_volume(iso_sculpt *sculpt);
 
 /* A stroke: begin with its first sample, then samples, then end or cancel. A sample makes as many touches as
- * the brush's spacing asks for, none when the hand has hardly moved. `stats` (NULL is fine) are added to.
+ * the brush's spacing asks for, none when the pointer has hardly moved. `stats` (NULL is fine) are added to.
  * ISO_ERR_USAGE: a bad brush or sample, or not the time for it; the field is as before then. */
 ISO_API iso_status iso_sculpt_begin(iso_sculpt *sculpt, const iso_brush *brush, const iso_sample *sample,
                                     iso_edit_stats *stats, iso_error *error);

@@ -219,56 +219,26 @@ iso_status iso_input_write(const iso_input *input, char *text, size_t room, iso_
     return ISO_OK;
 }
 
-static iso_status apply_component(void *settings, const char *value, iso_error *error) {
-    iso_input *input = settings;
-    if (iso_parse_int(value, &input->component) && input->component >= 0) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "'%s' is no component", value);
-}
-
-static iso_status apply_grid(void *settings, const char *value, iso_error *error) {
-    (void)error;
-    ((iso_input *)settings)->grid = value;
-    return ISO_OK;
-}
-
-static iso_status apply_series(void *settings, const char *value, iso_error *error) {
-    (void)error;
-    ((iso_input *)settings)->series = value;
-    return ISO_OK;
-}
-
-static iso_status apply_largest(void *settings, const char *value, iso_error *error) {
-    iso_input *input = settings;
-    if (iso_parse_int(value, &input->largest) && input->largest >= 1) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "'%s' is no number of parts", value);
-}
-
-static iso_status apply_min_size(void *settings, const char *value, iso_error *error) {
-    iso_input *input = settings;
-    if (iso_parse_real(value, &input->min_size) && input->min_size >= 0) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "'%s' is no volume", value);
+/* The rows of the programs' option tables that decide what is read: not how much memory that may take. */
+static const iso_option *find_option(const char *name) {
+    enum { INPUT, SOLID };
+    static const iso_option options[] = {
+#include "apps/common/input_options.inc"
+#include "apps/common/solid_options.inc"
+    };
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        if (strcmp(name, options[i].name) == 0 && !(options[i].flags & ISO_OPTION_UNRECORDED))
+            return &options[i];
+    return NULL;
 }
 
 static iso_status apply_line(iso_input *input, const char *name, const char *value, iso_error *error) {
-    static const struct {
-        const char *name;
-        iso_status (*apply)(void *settings, const char *value, iso_error *error);
-    } table[] = {{"raw", iso_input_apply_raw},
-                 {"spacing", iso_input_apply_spacing},
-                 {"grid", apply_grid},
-                 {"series", apply_series},
-                 {"component", apply_component},
-                 {"crop", iso_input_apply_crop},
-                 {"crop-mm", iso_input_apply_crop_mm},
-                 {"largest", apply_largest},
-                 {"min-size", apply_min_size}};
     iso_error reason = {0};
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
-        if (strcmp(name, table[i].name) != 0) continue;
-        if (table[i].apply(input, value, &reason) == ISO_OK) return ISO_OK;
-        return iso_fail(error, ISO_ERR_FORMAT, "how its source is read: %s: %s", name, reason.text);
-    }
-    return iso_fail(error, ISO_ERR_FORMAT, "how its source is read: there is no option '%s'", name);
+    const iso_option *option = find_option(name);
+    if (!option)
+        return iso_fail(error, ISO_ERR_FORMAT, "how its source is read: there is no option '%s'", name);
+    if (iso_option_store(option, value, input, &reason) == ISO_OK) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "how its source is read: %s: %s", name, reason.text);
 }
 
 iso_status iso_input_parse(char *text, iso_input *input, iso_error *error) {

@@ -261,7 +261,7 @@ static iso_status store_choice(const iso_option *option, const char *value, int 
     return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of %s", value, known);
 }
 
-static iso_status store(const iso_option *option, const char *value, void *settings, iso_error *error) {
+iso_status iso_option_store(const iso_option *option, const char *value, void *settings, iso_error *error) {
     void *field = (char *)settings + option->offset;
     switch (option->kind) {
     case ISO_OPTION_FLAG:
@@ -322,7 +322,7 @@ static iso_status parse_option(const iso_program *program, int argc, char *const
     const char *value = NULL;
     ISO_TRY(find_value(option, argc, argv, index, &value, error));
     iso_error detail = {0};
-    iso_status status = store(option, value, settings, &detail);
+    iso_status status = iso_option_store(option, value, settings, &detail);
     if (status != ISO_OK) return iso_fail(error, status, "option --%s: %s", option->name, detail.text);
     if (program->seen) program->seen(settings, option, value);
     return ISO_OK;

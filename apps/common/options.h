@@ -86,6 +86,10 @@ typedef struct iso_operands {
 iso_status iso_options_parse(const iso_program *program, int argc, char *const *argv, void *settings,
                              iso_operands *operands, iso_error *error);
 
+/* Parses the value of one option into settings; NULL: the option was given without one. ISO_ERR_USAGE: the
+ * reason, without the option's name. */
+iso_status iso_option_store(const iso_option *option, const char *value, void *settings, iso_error *error);
+
 /* The name in the table nearest to `name` (no dashes), or NULL when none is near. */
 const char *iso_options_nearest(const iso_program *program, const char *name);
 

@@ -1,5 +1,5 @@
-/* progress: how far long work is, told to whoever waits for it and may cancel it. NULL is allowed everywhere:
- * nobody waits. */
+/* progress: reports how far a long operation is, and lets the caller cancel it. NULL is allowed everywhere:
+ * nothing is reported. */
 #ifndef ISO_BASE_PROGRESS_H
 #define ISO_BASE_PROGRESS_H
 
@@ -21,14 +21,14 @@ typedef struct iso_progress {
     double from, to;
 } iso_progress;
 
-/* A part of the work, 0 <= from < to <= 1. Tells nobody when `whole` is NULL. */
+/* A part of the work, 0 <= from < to <= 1. Reports nothing when `whole` is NULL. */
 iso_progress iso_progress_part(const iso_progress *whole, double from, double to);
 
-/* Tells; ISO_ERR_IO "NAME: cancelled" when it is. */
+/* Reports that `fraction` of this part is done. ISO_ERR_IO "NAME: cancelled" when the caller cancels. */
 iso_status iso_progress_tell(const iso_progress *progress, const char *name, double fraction,
                              iso_error *error);
 
-/* Whether it is cancelled. */
+/* Whether the caller cancels the operation: asks with a fraction of -1. */
 bool iso_progress_cancelled(const iso_progress *progress);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
 /* pullpush: points projected to single pixels, and a surface reconstructed between them in image space
- * (Marroquim, Kraus and Cavalcanti 2008, section 3): on the cpu, fast enough for a hand that moves.
+ * (Marroquim, Kraus and Cavalcanti 2008, section 3): on the cpu, fast enough for interaction.
  *
  * Each point goes into the one pixel that its centre lies in, with its normal, its radius and the depth
  * interval [z, z + radius]. Pull averages pixels whose intervals meet the frontmost one's into coarser

@@ -1,5 +1,5 @@
-/* The editor: turns a touch (world millimetres) into dabs (voxels of the grid), lists the cells they reach,
- * runs the brush's kernel on each (dab.h), then redistances and commits them (transaction.h). The tools MASK
+/* The editor: turns a touch into dabs in voxels (brush_to_voxels.c), lists the cells they reach, runs the
+ * brush's kernel on each (dab.h), then redistances and commits them (transaction.h). The tools MASK
  * and UNMASK change only the mask. */
 #include "sculpt/field/edit.h"
 

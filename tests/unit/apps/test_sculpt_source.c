@@ -324,8 +324,8 @@ static void readings_are_kept(void **state) {
     iso_hgrid_destroy(grid);
     isosculpt_volume_free(volume);
     static const char *const bad[] = {
-        "raw=48x40x44:uint9::7\n", "output=x\n",  "raw",          "crop=0,1,0,1,0,1\ncrop-mm=0,1,0,1,0,1\n",
-        "component=-1\n",          "largest=0\n", "min-size=-1\n"};
+        "raw=48x40x44:uint9::7\n", "output=x\n",  "raw",           "crop=0,1,0,1,0,1\ncrop-mm=0,1,0,1,0,1\n",
+        "component=-1\n",          "largest=0\n", "min-size=-1\n", "max-memory=1\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         again = start;
         strcpy(again.reading, bad[i]);
