@@ -1,5 +1,5 @@
-/* Writing and reading stroke files. Lines wait in a queue that a background thread writes; after a failure
- * the unwritten rest stays in the queue. The text of a line is made and parsed by event.c. */
+/* Writes and reads stroke files. Lines wait in a queue that a background thread writes; after a failure the
+ * unwritten rest stays in the queue. event.c makes and parses the text of a line. */
 #define _POSIX_C_SOURCE 200809L
 #include "sculpt/session/journal.h"
 
@@ -41,7 +41,8 @@ struct iso_journal {
 
 /* ---- the writing thread */
 
-/* Writes the whole queue, and counts the bytes written in *done. Returns 0 or an errno. */
+/* Writes the whole queue to the file and adds the number of written bytes to *done. Returns 0, or the errno
+ * of a failure. */
 static int write_all(int file, const queue *q, size_t *done) {
     while (*done < q->size) {
         ssize_t n = write(file, q->text + *done, q->size - *done);
@@ -70,7 +71,7 @@ static void pause_writing(iso_journal *j) {
     pthread_cond_timedwait(&j->wake, &j->mutex, &until);
 }
 
-/* Takes the queue, writes it with the mutex unlocked, and puts back what could not be written. */
+/* Takes the queue, writes it with the mutex unlocked, and puts back the part that could not be written. */
 static void write_queue(iso_journal *j) {
     queue taken = j->waiting;
     bool sync = j->sync_wanted;
@@ -166,7 +167,8 @@ static iso_status open_at(iso_journal *j, int flags, iso_error *error) {
     return start_thread(j, error);
 }
 
-/* Adds a line and frees it; `line` NULL, or no memory: false. The mutex is locked, or no thread runs yet. */
+/* Appends a line to the queue and frees the line. Returns false if `line` is NULL or there is no memory. The
+ * mutex must be locked, unless the thread does not run yet. */
 static bool enqueue(queue *q, char *line) {
     size_t size = line ? strlen(line) : 0;
     if (line && q->size + size > q->room) {
@@ -247,7 +249,7 @@ iso_status iso_journal_put(iso_journal *j, const iso_event *event, iso_error *er
 }
 
 unsigned long long iso_journal_count(const iso_journal *j) {
-    return j->next; /* the writing thread does not use it */
+    return j->next; /* without the mutex, because the writing thread does not use it */
 }
 
 static iso_status report_failure(const iso_journal *j, iso_error *error) {
@@ -298,7 +300,7 @@ struct iso_journal_reader {
     iso_journal_start start;
     unsigned long long lines; /* read so far, the header included */
     uint64_t sound;           /* bytes up to the end of the last valid line */
-    iso_stamp *stamp;         /* of the last event */
+    iso_stamp *stamp;         /* the last event's; NULL: it has none */
 };
 
 void iso_journal_reader_free(iso_journal_reader *reader) {
@@ -310,7 +312,8 @@ void iso_journal_reader_free(iso_journal_reader *reader) {
     iso_free(reader);
 }
 
-/* Reads the next line, without its newline; *whole = false: the file ends before a newline. */
+/* Reads the next line; *size does not count its newline. *whole is false if the file ends before a newline.
+ */
 static iso_status next_line(iso_journal_reader *reader, size_t *size, bool *whole, iso_error *error) {
     enum { PIECE = 4096 };
     *size = 0;
@@ -372,9 +375,10 @@ iso_status iso_journal_open(const char *path, iso_journal_start *start, iso_jour
     return status;
 }
 
-/* The status of an incomplete line: as the last line it is the end of the file (a crash may write a line's
- * end but not its beginning), elsewhere it is damage. */
-static iso_status end_at(iso_journal_reader *reader, const char *why, iso_error *error) {
+/* Returns the status of an incomplete line. ISO_OK: the line is the last one, as a crash leaves it (which may
+ * write the end of a line but not its beginning). ISO_ERR_FORMAT: another line follows, so the file is
+ * damaged. */
+static iso_status check_incomplete_line(iso_journal_reader *reader, const char *why, iso_error *error) {
     if (getc_unlocked(reader->file) == EOF) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged at line %llu: %s", reader->path,
                     reader->lines + 1, why);
@@ -394,7 +398,7 @@ iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *
     case ISO_LINE_SOUND:
         break;
     case ISO_LINE_TORN:
-        return end_at(reader, why.text, error);
+        return check_incomplete_line(reader, why.text, error);
     default:
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' line %llu: %s", reader->path, reader->lines + 1,
                         why.text);
