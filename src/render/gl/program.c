@@ -1,3 +1,5 @@
+/* program: the table of shader programs, how their sources are put together from files, and their
+ * compilation. */
 #define _GNU_SOURCE
 #include "render/gl/program.h"
 
@@ -116,7 +118,7 @@ static char *read_file(const char *folder, const char *name) {
     return text;
 }
 
-/* ---- 64 bits */
+/* ---- 64-bit atomic operations */
 
 static bool has_extension(const GladGLContext *gl, const char *name) {
     GLint count = 0;
