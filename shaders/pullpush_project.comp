@@ -33,7 +33,7 @@ layout(std430, binding = ISO_GL_PAINTS) readonly buffer paint_buffer { uint pain
 layout(location = ISO_GL_FIRST) uniform uvec2 range;
 
 /* A row of the transform of positions. `precise`: all passes must compute the same bits. */
-float turned(vec4 row, vec3 at, float origin) {
+float transformed(vec4 row, vec3 at, float origin) {
     precise float sum = row.x * at.x + row.y * at.y + row.z * at.z + origin;
     return sum;
 }
@@ -105,11 +105,11 @@ void project(block b, uint number) {
     bool orthographic = flags.x != 0u;
     vec3 from_eye = orthographic ? b.eye.xyz : at - b.eye.xyz;
     if (b.part.z != 0u && !(dot(normal, from_eye) < 0.0)) return;
-    float z = turned(step_z, at, b.origin.z);
+    float z = transformed(step_z, at, b.origin.z);
     if (!(z >= axis.z)) return;
     precise float shrink = orthographic ? 1.0 : 1.0 / z;
-    vec2 pixel = vec2(projected(turned(step_x, at, b.origin.x), shrink, axis.x),
-                      projected(turned(step_y, at, b.origin.y), shrink, axis.y));
+    vec2 pixel = vec2(projected(transformed(step_x, at, b.origin.x), shrink, axis.x),
+                      projected(transformed(step_y, at, b.origin.y), shrink, axis.y));
     vec2 corner = floor(pixel);
     ivec2 whole = ivec2(corner) - ivec2(0, lattice.y >> lattice.x), size_of_level = levels[lattice.x].xy;
     if (!(corner.x >= 0.0 && whole.x < size_of_level.x && whole.y >= 0 && whole.y < size_of_level.y)) return;

@@ -63,7 +63,7 @@ void main() {
     if (place.w != 0.0) radius *= disc_scale(curvature);
     centre.zw = vec2(at.z, radius);
 
-    vec3 view_normal = turned(n), ray = ray_to(centre.xy);
+    vec3 view_normal = to_view(n), ray = ray_to(centre.xy);
     float per_length = inversesqrt(dot(view_normal, view_normal));
     view_normal *= per_length;
     bool hidden = culled && is_back_facing(view_normal, ray);
@@ -72,8 +72,8 @@ void main() {
     if (place.w != 0.0) {
         vec3 u, v;
         make_frame(n, u, v);
-        u = turned(u);
-        v = turned(v);
+        u = to_view(u);
+        v = to_view(v);
         s = per_length * unpack_shape_operator(curvature, u, v, view_normal);
         view_normal += mat2x3(u, v) * (tilt(curvature) * per_length);
     }

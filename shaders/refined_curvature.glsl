@@ -2,8 +2,8 @@
  * the reduction of the radius. Included by refined.vert after refined.glsl. */
 
 /* Normals and tangents from index to view space. */
-vec3 turned(vec3 covector) {
-    return vec3(dot(normal_x.xyz, covector), dot(normal_y.xyz, covector), dot(normal_z.xyz, covector));
+vec3 to_view(vec3 v) {
+    return vec3(dot(normal_x.xyz, v), dot(normal_y.xyz, v), dot(normal_z.xyz, v));
 }
 
 /* Two tangents of a unit normal, the same as iso_curvature_frame. */

@@ -1,5 +1,5 @@
-/* window: the platform of a context that belongs to a window. The window created it and goes on using it,
- * so it stays current when we leave it and is not destroyed here. */
+/* window: the platform of a context that belongs to a window. The window created the context and continues to
+ * use it: iso_gl_leave leaves it current, and it is not destroyed here. */
 #include "render/gl/platform.h"
 
 static iso_gl_function find_window_function(const iso_gl_platform *platform, const char *name) {

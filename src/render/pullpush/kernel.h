@@ -37,9 +37,9 @@ typedef struct iso_pullpush_params {
     float scale;     /* pixels per mm at depth 1 (orthographic: at any depth) */
     bool orthographic;
     bool two_sided; /* back-facing points are drawn too: opposite normals must not be averaged */
-    float ray[2],
-        slope;          /* the ray through pixel (c, r) of level 0 has x / z = (c + 0.5 - ray[0]) * slope and
-                           y / z = (r + 0.5 - ray[1]) * slope; r counts from the whole picture's guard band */
+    /* The ray through pixel (c, r) of level 0 has x / z = (c + 0.5 - ray[0]) * slope and y / z = (r + 0.5 -
+     * ray[1]) * slope, where r counts from the whole picture's guard band. */
+    float ray[2], slope;
     float low_pass;     /* added to the squared axes of ellipses, pixels^2 */
     float facing, edge; /* the same towards the silhouette, for discs seen face-on and edge-on */
     float weight[4];    /* weight of a pixel at q (pyramid.h), 0 <= q < 1: a cubic, constant term first */

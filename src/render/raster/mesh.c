@@ -11,12 +11,10 @@
 
 enum {
     SUBPIXEL = 256,
-    GUARD = 1 << 21, /* pixels from the optical axis at which triangles are clipped; edge functions stay below
-                        2^62 */
+    GUARD = 1 << 21, /* pixels from the optical axis, clipped beyond: edge functions stay below 2^62 */
     CLIP_PLANES = 5, /* near, and the guard band's four sides */
     POLYGON = 3 + CLIP_PLANES,
-    NARROW =
-        16 /* pixels: in rows up to this wide all pixels are tested, in wider ones the ends are computed */
+    NARROW = 16 /* pixels: rows up to this wide are tested pixel by pixel, of wider ones the ends are found */
 };
 
 typedef struct vertex {
