@@ -12,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "base/thread.h"
 #include "sculpt/session/event.h"
@@ -332,9 +333,7 @@ static iso_status read_header(iso_journal_reader *reader, iso_error *error) {
     size_t size;
     bool whole;
     iso_error why = {0};
-    reader->file = fopen(reader->path, "rb");
-    if (!reader->file)
-        return iso_fail(error, ISO_ERR_IO, "cannot read '%s': %s", reader->path, strerror(errno));
+    ISO_TRY(iso_file_open(reader->path, &reader->file, NULL, error));
     ISO_TRY(next_line(reader, &size, &whole, error));
     if (!whole)
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a stroke file: it has no whole line",
