@@ -21,7 +21,7 @@ extern "C" {
 
 /* Opens a file for reading; *stream is the caller's (fclose), `bytes` (may be NULL) gets its size.
  * ISO_ERR_IO: it cannot be opened, or is no regular file: a FIFO would be waited for, a device may never end.
- * An input that may be a FIFO is copied to a file first (apps/common/spool.h). */
+ * An input that may be a FIFO is copied to a file first (apps/common/input_spool.h). */
 iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error);
 
 typedef struct iso_sink {
