@@ -1,4 +1,4 @@
-/* file: outputs that appear whole or not at all.
+/* file: inputs that are regular files, and outputs that appear whole or not at all.
  *
  * A sink writes to a new file in its target's folder, without a name where the system can do that, and gives
  * it the target's name on commit, after checking every write and fsync-free flush; aborting removes it. "-"
@@ -10,6 +10,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 #include "base/status.h"
@@ -17,6 +18,11 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* Opens a file for reading; *stream is the caller's (fclose), `bytes` (may be NULL) gets its size.
+ * ISO_ERR_IO: it cannot be opened, or is no regular file: a FIFO would be waited for, a device may never end.
+ * An input that may be a FIFO is copied to a file first (apps/common/input_spool.h). */
+iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error);
 
 typedef struct iso_sink {
     FILE *stream; /* write to it freely; errors are found by iso_sink_commit */

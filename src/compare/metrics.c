@@ -40,10 +40,22 @@ bool iso_metric_is_worse(const iso_metric *metric, double value, double bound) {
     return metric->larger_is_better ? value < bound : value > bound;
 }
 
+static const double EQUAL_SQUARES = 1e-9; /* added to squared errors: keeps equal pictures finite */
+
+static double psnr(double squares, size_t pixels) {
+    if (pixels == 0) return NAN;
+    return 10 * log10(255.0 * 255.0 / (squares / (3.0 * (double)pixels) + EQUAL_SQUARES));
+}
+
+bool iso_metric_is_infinite(const iso_metric *metric, double value) {
+    const bool is_psnr =
+        metric->offset == offsetof(iso_metrics, psnr) || metric->offset == offsetof(iso_metrics, psnr_in);
+    return is_psnr && value == psnr(0, 1);
+}
+
 /* ---- colours ---- */
 
-static const double IDENTICAL = 1e-9; /* added to squared errors: keeps equal pictures finite */
-static const double OFF = 1e-3;       /* voxels in depth that count as another place */
+static const double OFF = 1e-3; /* voxels in depth that count as another place */
 
 /* Over the background, rounded. */
 static void flatten(const uint8_t *rgba, size_t count, iso_rgb background, uint8_t *rgb) {
@@ -100,11 +112,6 @@ static void add_unrounded(const work *w, const float *a, const float *b, color_s
         sums->squares += squares;
         sums->squares_in += w->inside[i] ? squares : 0;
     }
-}
-
-static double psnr(double squares, size_t pixels) {
-    if (pixels == 0) return NAN;
-    return 10 * log10(255.0 * 255.0 / (squares / (3.0 * (double)pixels) + IDENTICAL));
 }
 
 /* ---- one comparison ---- */

@@ -54,7 +54,7 @@ typedef struct iso_ply {
     int element_count, property_count;
     iso_ply_element elements[ISO_PLY_ELEMENTS];
     iso_ply_property properties[ISO_PLY_PROPERTIES];
-    uint64_t remaining; /* bytes after the current place; UINT64_MAX when the file's size is not known */
+    uint64_t remaining; /* bytes after the current place */
     size_t place, end;  /* in the buffer */
     unsigned char buffer[ISO_PLY_BUFFER];
 } iso_ply;

@@ -217,15 +217,28 @@ static iso_status pack_cells(const iso_history *history, step *s, const saved_ce
     return ISO_OK;
 }
 
-/* Does the part of restoring cells that can fail: adds them to the change log and allocates bricks and masks.
- */
+/* Allocates the mask bits of the cells that will have some, so that restore_mask cannot fail. */
+static iso_status reserve_masks(iso_history *history, const saved_cell *cells, size_t count,
+                                iso_error *error) {
+    for (size_t i = 0; i < count; i++)
+        if (cells[i].state == MASK_BITS) ISO_TRY(iso_mask_reserve(history->mask, cells[i].cell, error));
+    return ISO_OK;
+}
+
+/* Frees the mask bits that reserve_masks allocated, if they were not written. */
+static void release_masks(iso_history *history, const saved_cell *cells, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (is_mask(&cells[i]))
+            iso_mask_set(history->mask, cells[i].cell, iso_mask_bits(history->mask, cells[i].cell), NULL);
+}
+
+/* Does the part of restoring cells that can fail: adds them to the change log and allocates bricks. */
 static iso_status prepare_restore(iso_history *history, const saved_cell *cells, size_t count,
                                   iso_error *error) {
     iso_change_log_begin(history->grid->log);
     for (size_t i = 0; i < count; i++) {
         int at[3], lo[3], hi[3];
         float *brick;
-        if (cells[i].state == MASK_BITS) ISO_TRY(iso_mask_reserve(history->mask, cells[i].cell, error));
         if (is_mask(&cells[i])) continue;
         iso_hgrid_cell_position(history->grid, cells[i].cell, at);
         for (int axis = 0; axis < 3; axis++) {
@@ -243,7 +256,7 @@ static void restore_mask(iso_history *history, const saved_cell *cell, const voi
     iso_voxel_bits bits;
     if (cell->state == MASK_BITS) memcpy(&bits, content, sizeof bits);
     iso_mask_set(history->mask, cell->cell, cell->state == MASK_BITS ? &bits : NULL,
-                 NULL); /* cannot fail: prepare_restore has allocated the bits */
+                 NULL); /* cannot fail: reserve_masks has allocated the bits */
 }
 
 static void restore_empty_cell(iso_history *history, const saved_cell *cell) {
@@ -257,7 +270,12 @@ static iso_status restore_cells(iso_history *history, const saved_cell *cells, s
                                 const uint8_t *bytes, iso_error *error) {
     for (size_t i = 0; history->before_write && i < count; i++)
         if (!is_mask(&cells[i])) history->before_write(history->context, cells[i].cell);
-    ISO_TRY(prepare_restore(history, cells, count, error));
+    iso_status status = reserve_masks(history, cells, count, error);
+    if (status == ISO_OK) status = prepare_restore(history, cells, count, error);
+    if (status != ISO_OK) {
+        release_masks(history, cells, count);
+        return status;
+    }
     for (size_t i = 0; i < count; i++) {
         const saved_cell *c = &cells[i];
         if (is_mask(c)) {
