@@ -1,5 +1,5 @@
-/* The index of brick ranges: created by reading the grid in batches of bricks, updated from its change log.
- */
+/* The index of brick ranges: it is created by reading the grid in batches of bricks, and updated from the
+ * change log. */
 #include "grids/brick_index.h"
 
 #include <math.h>
@@ -9,10 +9,10 @@
 #include "base/primitives.h"
 #include "grids/interval_tree.h"
 
-/* When to rebuild the tree. Rebuilding takes about 15 ns for each brick of the grid, reading an edited brick
- * 1 to 2 us. With up to 1/32 of the bricks outside the tree, rebuilding adds at most a few tenths to the cost
- * of reading the edited bricks, and a query scans at most 1/32 of all bricks, which takes a microsecond at
- * 512^3. */
+/* The tree is rebuilt when more bricks than this are outside of it: 1/PENDING_SHARE of all, and PENDING_MIN.
+ * Rebuilding takes about 15 ns for each brick of the grid, reading an edited brick 1 to 2 us. With up to 1/32
+ * of the bricks outside the tree, rebuilding adds at most a few tenths to the cost of reading the edited
+ * bricks, and a query scans at most 1/32 of all bricks, which takes a microsecond at 512^3. */
 enum { PENDING_SHARE = 32, PENDING_MIN = 64 };
 
 enum { FINITE = 1, PENDING = 2, DIRTY = 4 };
@@ -24,11 +24,13 @@ struct iso_brick_index {
     uint64_t seen;            /* the last edit that the index includes */
     float *lo, *hi;           /* by brick: its current range */
     iso_group_ranges *groups; /* by brick: the ranges of its row groups */
-    uint8_t *flags; /* FINITE; PENDING: the range differs from the tree's; DIRTY: to be read in this update */
-    iso_interval_tree tree; /* over the ranges at the time it was built */
-    iso_buffer pending;     /* the bricks with the flag PENDING */
+    uint8_t *flags; /* by brick: FINITE: all voxels are; PENDING: the range differs from the tree's; DIRTY: to
+                       be read in this update */
+    iso_interval_tree tree; /* over the ranges of the bricks when the tree was built */
+    iso_buffer pending;     /* uint32_t: the bricks with the flag PENDING */
     size_t pending_count;
-    iso_buffer dirty, fresh; /* of an update: its bricks (uint32_t) and their iso_brick_reading */
+    iso_buffer dirty,
+        fresh; /* for one update: the bricks to read (uint32_t) and the results (iso_brick_reading) */
     size_t dirty_count;
     iso_cpu_level level; /* of the current update or creation */
 };
@@ -42,10 +44,11 @@ static void set_brick(iso_brick_index *index, size_t brick, const iso_brick_read
 
 /* ---- creation */
 
-/* All bricks, in bands: numbered along y, then z. */
+/* Reading of all bricks. The bricks of a layer (one z) are divided along y into bands of most[1] rows; bands
+ * are numbered along y, then z. */
 typedef struct full_read {
     iso_brick_index *index;
-    int most[2], batches; /* of a band; bands of a layer */
+    int most[2], batches; /* the largest batch along x and y; number of bands in a layer */
 } full_read;
 
 static void read_batch(void *context, size_t number, int worker) {
@@ -91,7 +94,7 @@ iso_status iso_brick_index_create(const iso_rgrid *grid, iso_pool *pool, iso_bri
     index->total = 1;
     for (int axis = 0; axis < 3; axis++) {
         index->bricks[axis] = (grid->dims[axis] - 1) / ISO_BRICK + 1;
-        index->total *= (size_t)index->bricks[axis]; /* an rgrid has fewer than 2^32 */
+        index->total *= (size_t)index->bricks[axis]; /* no overflow: an rgrid has fewer than 2^32 bricks */
     }
     index->seen = iso_change_log_now(grid->log);
     index->level = iso_cpu_best();
@@ -129,7 +132,8 @@ static void mark_dirty(iso_brick_index *index, size_t brick) {
     ((uint32_t *)index->dirty.data)[index->dirty_count++] = (uint32_t)brick;
 }
 
-/* Marks the cell of a change, and the lower neighbours whose ranges include its first voxels. */
+/* Marks the brick of a change as dirty, and the lower neighbours whose ranges include the first voxels of
+ * this brick, if they have changed. */
 static void mark_change(iso_brick_index *index, const iso_change *change) {
     const size_t nx = (size_t)index->bricks[0], ny = (size_t)index->bricks[1];
     const size_t cell[3] = {change->cell % nx, change->cell / nx % ny, change->cell / nx / ny};
@@ -168,8 +172,8 @@ static void apply_reading(iso_brick_index *index, uint32_t brick, const iso_bric
     ((uint32_t *)index->pending.data)[index->pending_count++] = brick;
 }
 
-/* Rebuilds the tree if too many bricks are pending. Without memory for it they stay pending: queries are
- * slower but right. */
+/* Rebuilds the tree if too many bricks are pending. If there is no memory for a new tree, the bricks stay
+ * pending; queries are then slower, but right. */
 static void rebuild_when_due(iso_brick_index *index) {
     if (index->pending_count <= index->total / PENDING_SHARE + PENDING_MIN) return;
     if (iso_interval_tree_build(&index->tree, index->lo, index->hi, (uint32_t)index->total, NULL) != ISO_OK)
@@ -234,8 +238,8 @@ bool iso_brick_index_crosses(const iso_brick_index *index, uint32_t brick, float
 uint32_t iso_brick_index_groups(const iso_brick_index *index, uint32_t brick, float isovalue) {
     const float lo = index->lo[brick], scale = iso_range_scale(lo, index->hi[brick]);
     const bool floats = index->grid->type == ISO_FLOAT32;
-    /* The largest value below the isovalue and the smallest at or above it. For floats both are taken to be
-     * the isovalue, which may include a group too many. */
+    /* `below`: the largest value below the isovalue; `at`: the smallest at or above it. For floats both are
+     * taken to be the isovalue, so that a group too many may be included. */
     const float at = floats ? isovalue : ceilf(isovalue), below = floats ? isovalue : at - 1;
     const uint8_t most = iso_range_step(below, lo, scale), least = iso_range_step(at, lo, scale);
     const iso_group_ranges *groups = &index->groups[brick];
@@ -269,8 +273,8 @@ size_t iso_brick_index_bytes(const iso_brick_index *index) {
            index->fresh.bytes;
 }
 
-/* For each brick: 41 bytes of ranges, groups and flags, 16 of the tree's lists, 8 of its nodes, and 12 more
- * while it is built. */
+/* The bytes of each brick: 41 for its ranges, groups and flags, 16 in the tree's lists, 8 for nodes, and 12
+ * more while the tree is built. */
 uint64_t iso_brick_index_estimate(const int dims[3]) {
     uint64_t bytes = 2 * sizeof(float) + 1 + sizeof(iso_group_ranges) + 3 * sizeof(iso_interval_end) +
                      sizeof(float) + 2 * sizeof(uint32_t);
@@ -283,7 +287,7 @@ uint64_t iso_brick_index_estimate(const int dims[3]) {
 
 /* ---- queries */
 
-/* Sorts the bricks ascending: radix sort by as many bytes as the largest number has. */
+/* Sorts the bricks of a query in ascending order: a radix sort by as many bytes as the largest number has. */
 static void sort_bricks(iso_brick_query *query, size_t largest) {
     for (int shift = 0; largest >> shift; shift += 8) {
         const uint32_t *from = query->bricks.data;
@@ -335,7 +339,7 @@ void iso_brick_index_extremes(const iso_brick_index *index, double *lo, double *
     *hi = -INFINITY;
     for (size_t i = 0; i < iso_brick_index_bricks(index); i++) {
         const iso_brick_range range = iso_brick_index_range(index, (uint32_t)i);
-        if (!(range.lo <= range.hi)) continue; /* nothing finite */
+        if (!(range.lo <= range.hi)) continue; /* the brick has no finite voxel */
         if ((double)range.lo < *lo) *lo = (double)range.lo;
         if ((double)range.hi > *hi) *hi = (double)range.hi;
     }

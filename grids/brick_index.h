@@ -41,10 +41,11 @@ iso_status iso_brick_index_update(iso_brick_index *index, iso_pool *pool, iso_er
 /* Whether no edit was recorded since the index was created or updated. */
 bool iso_brick_index_current(const iso_brick_index *index);
 
-/* The index that a grid owns: created by the first call, updated by later ones if the grid was edited.
- * *index (may be NULL) is valid until the grid is destroyed or cropped. Until the next edit, everything that
- * asks which bricks an isovalue crosses uses it. Must not be called while other threads read the grid, except
- * when the index is current: then it is only read. `pool` may be NULL. ISO_ERR_NOMEM. */
+/* Returns the index that the grid owns. The first call creates it, later ones update it if the grid was
+ * edited. *index (may be NULL) is valid until the grid is destroyed or cropped. While the index is current,
+ * other functions that ask which bricks an isovalue crosses use it, too. Must not be called while other
+ * threads read the grid, except when the index is current and thus only read. `pool` may be NULL.
+ * ISO_ERR_NOMEM. */
 iso_status iso_brick_index_of(iso_rgrid *grid, iso_pool *pool, const iso_brick_index **index,
                               iso_error *error);
 
@@ -54,9 +55,9 @@ uint32_t iso_brick_index_number(const iso_brick_index *index, const int brick[3]
 iso_brick_range iso_brick_index_range(const iso_brick_index *index, uint32_t brick);
 bool iso_brick_index_crosses(const iso_brick_index *index, uint32_t brick, float isovalue);
 
-/* The row groups (brick_range.h) of a crossed brick that the isovalue may cross, a bit each. All others have
- * no edge with one end below the isovalue and the other at or above it. Exact for integers with at most 255
- * values in the brick; otherwise groups within 1/255 of the brick's range are included too. */
+/* Returns the row groups (brick_range.h) of a crossed brick that the isovalue may cross, one bit each. In all
+ * other groups no edge has one end below the isovalue and the other at or above it. Exact for integers with
+ * at most 255 values in the brick; otherwise groups within 1/255 of the brick's range are included, too. */
 uint32_t iso_brick_index_groups(const iso_brick_index *index, uint32_t brick, float isovalue);
 
 /* Prefetches the data of a brick into the processor's cache. */
@@ -68,11 +69,12 @@ void iso_brick_index_extremes(const iso_brick_index *index, double *lo, double *
 /* Whether all voxels in the brick's range are finite. */
 bool iso_brick_index_finite(const iso_brick_index *index, uint32_t brick);
 
-/* The result of a query, reusable for the next. Zero-initialise; iso_brick_query_free when done. */
+/* The result of a query; its memory is reused by the next query. Zero-initialise; iso_brick_query_free when
+ * done. */
 typedef struct iso_brick_query {
     iso_buffer bricks; /* `count` numbers (uint32_t), ascending */
     size_t count;
-    size_t visited; /* entries of the index that were read, for tests and benches */
+    size_t visited; /* entries of the index that the query read, for tests and benchmarks */
     iso_buffer scratch;
 } iso_brick_query;
 
@@ -82,11 +84,11 @@ iso_status iso_brick_index_query(const iso_brick_index *index, float isovalue, i
 void iso_brick_query_free(iso_brick_query *query);
 
 size_t iso_brick_index_bricks(const iso_brick_index *index);  /* number of bricks of the grid */
-size_t iso_brick_index_pending(const iso_brick_index *index); /* edited bricks, outside the tree */
+size_t iso_brick_index_pending(const iso_brick_index *index); /* number of edited bricks outside the tree */
 size_t iso_brick_index_bytes(const iso_brick_index *index);   /* memory of the index */
 
-/* The largest memory in bytes that creating an index takes, itself included, for a grid of this size in
- * voxels. */
+/* Returns the largest memory, in bytes, that creating the index of a grid of this size (in voxels) takes,
+ * including the index itself. */
 uint64_t iso_brick_index_estimate(const int dims[3]);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* Ranges of bricks: kernels (brick_range_body.inc) find the range of each row group in a batch of bricks,
- * from which those of bricks are derived. */
+/* Computes the ranges of bricks: kernels (brick_range_body.inc) find the range of each row group in a batch
+ * of bricks, and the range of a brick is the union of those of its groups. */
 #include "grids/brick_range.h"
 
 #include <assert.h>
@@ -10,9 +10,10 @@
 #include "base/primitives.h"
 #include "grids/voxel_kernels.h"
 
-/* A batch of bricks is read slice by slice: the rows of a slice are contiguous in memory, and long ranges are
- * read fastest (twice as fast as the 17 rows of one brick at a time). The intermediate results of a batch,
- * lines of columns, fit into the second-level cache. */
+/* A batch of bricks is read slice by slice. The rows of a slice follow each other in memory, and long ranges
+ * of memory are read fastest (twice as fast as 17 rows of one brick at a time). The intermediate results of a
+ * batch fit into the second-level cache: lines of columns, where a line has one value for each voxel along x
+ * and stands for the rows of one group. */
 enum {
     BATCH_BYTES = ISO_BATCH_BRICKS * ISO_BRICK,
     COLUMN_SLACK = 64,
@@ -20,11 +21,11 @@ enum {
 };
 #define LINE_ITEMS(type) (ISO_GROUPS_SIDE * BATCH_BYTES / (int)sizeof(type) + LINES * COLUMN_SLACK)
 
-/* The voxels to read, from a first one on. */
+/* The box of voxels that a kernel reads; its first voxel is passed as a pointer. */
 typedef struct range_box {
     ptrdiff_t stride_y, stride_z; /* elements */
     int n[3];
-    int bricks, lines, pitch; /* bricks along x; lines of columns, and items from one to the next */
+    int bricks, lines, pitch; /* bricks along x; number of lines; items from one line to the next */
 } range_box;
 
 /* The result of a kernel: the range of each row group of the bricks of a batch. */
@@ -33,8 +34,8 @@ typedef struct range_values {
         hi[ISO_ROW_GROUPS][ISO_BATCH_BRICKS]; /* lo > hi: no voxels */
 } range_values;
 
-/* Floats are compared as integers with the same order: infinities lie beyond all finite values, and NaNs
- * beyond the infinities, on either side. */
+/* Floats are compared as integers (keys) with the same order: infinities lie beyond all finite values, and
+ * NaNs beyond the infinities, on either side. */
 typedef int32_t __attribute__((may_alias)) float_bits;
 
 static inline int32_t key_of_bits(int32_t bits) {
@@ -54,10 +55,13 @@ static inline int32_t key_of_value(float value) {
     return key_of_bits(bits);
 }
 
-enum { LARGEST_KEY = 0x7f7fffff, LEAST_KEY = ~LARGEST_KEY }; /* of finite floats */
+enum {
+    LARGEST_KEY = 0x7f7fffff,
+    LEAST_KEY = ~LARGEST_KEY
+}; /* keys of the largest and smallest finite float */
 
-/* Reads a slice once, row by row, so that the hardware prefetcher recognises the order: the kernels read many
- * rows at once. */
+/* Reads a slice once, row by row, without using the values. The hardware prefetcher recognises this order; it
+ * would not recognise that of the kernels, which read many rows at once. */
 static inline void touch_slice(const void *slice, const range_box *box, size_t size) {
     for (int y = 0; y < box->n[1]; y++)
         for (size_t byte = 0; byte < (size_t)box->n[0] * size; byte += 64)
@@ -68,8 +72,8 @@ static inline bool is_finite_key(int32_t key) {
     return (key >= LEAST_KEY) & (key <= LARGEST_KEY);
 }
 
-/* The key of a float for the minimum (finite_low) and the maximum (finite_high), if only finite values count.
- */
+/* Return the key of a finite float. Other floats get the key that has no effect on a minimum (finite_low) or
+ * a maximum (finite_high). */
 static inline int32_t finite_low(int32_t bits) {
     const int32_t key = key_of_bits(bits);
     return is_finite_key(key) ? key : INT32_MAX;
@@ -94,8 +98,8 @@ static inline bool is_empty(float lo, float hi) {
     return !(lo <= hi);
 }
 
-/* The ranges of bricks from those of their groups. */
-static void fold_groups(const range_values *values, int bricks, iso_brick_reading *readings) {
+/* Computes the ranges of bricks from those of their row groups. */
+static void unite_groups(const range_values *values, int bricks, iso_brick_reading *readings) {
     float lo[ISO_BATCH_BRICKS], hi[ISO_BATCH_BRICKS];
     uint8_t odd[ISO_BATCH_BRICKS] = {0};
     for (int b = 0; b < bricks; b++) lo[b] = INFINITY, hi[b] = -INFINITY;
@@ -111,7 +115,8 @@ static void fold_groups(const range_values *values, int bricks, iso_brick_readin
     for (int b = 0; b < bricks; b++) readings[b].range = (iso_brick_range){lo[b], hi[b], !odd[b]};
 }
 
-static void finish_groups(const range_values *values, int bricks, iso_brick_reading *readings) {
+/* Quantises the ranges of row groups relative to their bricks' ranges, which must be known. */
+static void quantise_groups(const range_values *values, int bricks, iso_brick_reading *readings) {
     float lo[ISO_BATCH_BRICKS], scale[ISO_BATCH_BRICKS];
     uint8_t low[ISO_BATCH_BRICKS], high[ISO_BATCH_BRICKS];
     for (int b = 0; b < bricks; b++) {
@@ -169,14 +174,14 @@ void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_bric
     range_values values;
     clear_values(&values, bricks);
     ISO_VOXEL_KERNEL(ranges, grid->type, level)(data, &box, &values);
-    fold_groups(&values, bricks, readings);
+    unite_groups(&values, bricks, readings);
     if (!all_finite(readings, bricks)) {
         bool finite[ISO_BATCH_BRICKS];
         for (int b = 0; b < bricks; b++) finite[b] = readings[b].range.finite;
         clear_values(&values, bricks);
         ISO_KERNEL(ranges_finite, level)(data, &box, &values);
-        fold_groups(&values, bricks, readings);
+        unite_groups(&values, bricks, readings);
         for (int b = 0; b < bricks; b++) readings[b].range.finite = finite[b];
     }
-    finish_groups(&values, bricks, readings);
+    quantise_groups(&values, bricks, readings);
 }

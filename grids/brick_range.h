@@ -1,5 +1,5 @@
 /* brick_range: computes the range of values (minimum and maximum) of each brick of an rgrid and, quantised,
- * of parts of it, at memory speed.
+ * the ranges of its row groups, as fast as the voxels can be read from memory.
  *
  * The range of brick b includes voxels 16 * b .. 16 * b + 16 along each axis (clipped to the grid): its own
  * and the first ones of its upper neighbours, which are all voxels that its edges and cells read. A row group
@@ -14,7 +14,7 @@
 #include "base/cpu.h"
 #include "grids/rgrid.h"
 
-/* Stored values; exact for every type. */
+/* A range of stored values; exact for every type. */
 typedef struct iso_brick_range {
     float lo, hi; /* of the finite voxels; +infinity and -infinity when there are none */
     bool finite;  /* no voxel is NaN or infinite */
@@ -22,8 +22,9 @@ typedef struct iso_brick_range {
 
 enum { ISO_GROUP_ROWS = 4, ISO_GROUPS_SIDE = 4, ISO_ROW_GROUPS = ISO_GROUPS_SIDE * ISO_GROUPS_SIDE };
 
-/* The ranges of a brick's row groups 4 * (z / 4) + y / 4, of their finite voxels, quantised by iso_range_step
- * to 255ths of the brick's range. lo 255 and hi 0: the group has no finite voxel. */
+/* The ranges of the finite voxels of a brick's row groups; group 4 * (z / 4) + y / 4 has row (y, z). They are
+ * quantised by iso_range_step to 255ths of the brick's range. lo 255 and hi 0: the group has no finite voxel.
+ */
 typedef struct iso_group_ranges {
     uint8_t lo[ISO_ROW_GROUPS], hi[ISO_ROW_GROUPS];
 } iso_group_ranges;
@@ -32,8 +33,8 @@ static inline float iso_range_scale(float lo, float hi) {
     return 255 / (hi - lo);
 }
 
-/* Quantises a value; monotonic. `scale` is iso_range_scale(lo, hi) of the brick. NaN, which overflow can
- * yield, becomes 0. Integers in a range of at most 255 have different steps. */
+/* Quantises a value of a brick with the range lo, hi; monotonic. `scale` is iso_range_scale(lo, hi). NaN,
+ * which overflow can yield, becomes 0. Integers in a range of at most 255 get different steps. */
 static inline uint8_t iso_range_step(float value, float lo, float scale) {
     float step = (value - lo) * scale;
     step = step > 0 ? step : 0;
@@ -53,11 +54,12 @@ typedef struct iso_brick_batch {
     int first[3], count[2];
 } iso_brick_batch;
 
-/* The largest batch along x and y, which is also the fastest for reading a whole grid. */
+/* Sets `most` to the size of the largest batch along x and y, which is also the fastest for reading a whole
+ * grid. */
 void iso_brick_batch_max(const iso_rgrid *grid, int most[2]);
 
-/* Reads the bricks of a batch; brick (x, y) of it goes to readings[y * count[0] + x]. The same for every
- * level. */
+/* Reads the bricks of a batch and writes the result for brick (x, y) of the batch to readings[y * count[0] +
+ * x]. The results are the same for every level. */
 void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_brick_batch *batch,
                       iso_brick_reading *readings);
 

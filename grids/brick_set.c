@@ -1,5 +1,5 @@
-/* Incremental extraction. Tasks extract chunks of bricks into memory of their own; the chunks' results are
- * then stored in the set's arrays in the order of bricks. */
+/* Incremental extraction. Tasks extract chunks of bricks (CHUNK_BRICKS of the list) into memory of their own;
+ * the results of a chunk are then copied to the set's arrays in the order of bricks. */
 #include "grids/brick_set.h"
 
 #include <string.h>
@@ -7,8 +7,8 @@
 #include "base/primitives.h"
 
 enum {
-    CHUNK_BRICKS = 32,      /* that one task extracts */
-    SURVEY_BRICKS = 1 << 12 /* that one task tests by may_exist */
+    CHUNK_BRICKS = 32,      /* bricks that one task extracts */
+    SURVEY_BRICKS = 1 << 12 /* bricks that one task tests by may_exist */
 };
 
 /* A brick that has a span. */
@@ -18,14 +18,14 @@ typedef struct slot {
     uint32_t block[ISO_SET_HEAPS];
 } slot;
 
-/* One extracted brick of a chunk; its items lie one after another in the chunk's arrays. */
+/* One extracted brick of a chunk. The items of a chunk's bricks follow each other in the chunk's arrays. */
 typedef struct result {
     uint32_t brick, own;
     uint32_t count[ISO_SET_HEAPS];
-    size_t first[ISO_SET_HEAPS]; /* place in the set's arrays, once it has one */
+    size_t first[ISO_SET_HEAPS]; /* index of its first item in the set's arrays, when it has been stored */
 } result;
 
-/* The results of one task; reused. */
+/* The results of one task; the memory is reused by later tasks. */
 typedef struct chunk {
     iso_buffer array[ISO_SET_ARRAYS];
     size_t used[ISO_SET_HEAPS];
@@ -40,7 +40,7 @@ typedef struct extraction {
     iso_brick_set *set;
     const uint32_t *bricks;
     size_t count;
-    iso_status status; /* of storing; after a failure nothing more is stored */
+    iso_status status; /* status of storing results; after a failure nothing more is stored */
     iso_error *error;
 } extraction;
 
@@ -86,7 +86,7 @@ static void write_span(iso_brick_set *set, size_t number) {
     set->kernel.write_span((char *)set->spans.data + number * set->kernel.span_bytes, &entry->location);
 }
 
-/* Removes a span; the last span takes its place. */
+/* Removes the span of a brick; the last span takes its place. */
 static void remove_slot(iso_brick_set *set, uint32_t brick) {
     size_t number = set->span_of[brick] - 1, last = --set->span_count;
     release_blocks(set, slot_at(set, number));
@@ -127,7 +127,7 @@ static iso_status fit_block(iso_brick_set *set, iso_span_heap *heap, uint32_t *b
         *block = ISO_SPAN_NONE;
     }
     if (!count) return ISO_OK;
-    /* edited bricks tend to grow again; a full extraction leaves no gaps */
+    /* edited bricks get more room because they tend to grow again; in a full extraction no room is wasted */
     size_t room = set->full ? count : count + count / 8 + 8;
     return iso_span_heap_alloc(heap, room, block, error);
 }
@@ -158,8 +158,8 @@ static iso_status store_result(iso_brick_set *set, const result *made, iso_error
 
 /* ---- the output of kernels that extract several bricks at once */
 
-/* Items go to a task's chunk or, with part NULL, directly to the set's arrays: a full extraction by one
- * thread needs no copy. */
+/* Items go to the chunk `part` of a task. If `part` is NULL they go directly to the set's arrays: a full
+ * extraction by one thread needs no copy. */
 struct iso_brick_sink {
     iso_brick_set *set;
     chunk *part;
@@ -173,7 +173,7 @@ void *iso_brick_sink_room(iso_brick_sink *sink, int array, size_t count) {
     iso_buffer *buffer = sink->part ? &sink->part->array[array] : &heap->array[array % ISO_SPAN_ARRAYS];
     size_t used = sink->part ? sink->part->used[array / ISO_SPAN_ARRAYS] : heap->end,
            bytes = sink->set->kernel.item_bytes[array];
-    /* one item more, so that the result is not NULL for a count of 0 */
+    /* one item more than needed, so that the result is not NULL for a count of 0 */
     iso_status status = iso_buffer_reserve(buffer, (used + count + 1) * bytes, used * bytes, sink->error);
     if (status == ISO_OK) return (char *)buffer->data + used * bytes;
     sink->status = status;
@@ -251,8 +251,8 @@ static void extract_chunk(void *context, size_t index, size_t number, int worker
     part->failed = iso_brick_sink_failed(&sink);
 }
 
-/* Whether storing the chunk neither moves nor reallocates the arrays: true in a full extraction while they
- * have room. */
+/* Whether storing a chunk neither moves blocks nor reallocates the arrays: true in a full extraction while
+ * the arrays have room. */
 static bool fits_in_place(const iso_brick_set *set, const chunk *part) {
     for (int i = 0; i < ISO_SET_ARRAYS; i++) {
         const iso_span_heap *heap = &set->heap[i / ISO_SPAN_ARRAYS];
@@ -262,8 +262,9 @@ static bool fits_in_place(const iso_brick_set *set, const chunk *part) {
     return set->full;
 }
 
-/* Notes where the chunk's results are to be copied, after blocks may have been moved together. */
-static void note_locations(iso_brick_set *set, chunk *part) {
+/* Sets `first` of the chunk's results, to which they are to be copied. If blocks were moved together, all
+ * spans are written again before. */
+static void set_locations(iso_brick_set *set, chunk *part) {
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
         if (!set->heap[heap].moved) continue;
         for (size_t i = 0; i < set->span_count; i++) write_span(set, i);
@@ -271,7 +272,7 @@ static void note_locations(iso_brick_set *set, chunk *part) {
     }
     for (size_t r = 0; r < part->stored; r++) {
         result *made = &part->results[r];
-        if (!set->span_of[made->brick]) continue; /* no results */
+        if (!set->span_of[made->brick]) continue; /* the brick has no results */
         const iso_brick_location *location = &slot_at(set, set->span_of[made->brick] - 1)->location;
         memcpy(made->first, location->first, sizeof made->first);
     }
@@ -290,19 +291,19 @@ static bool store_chunk(void *context, size_t number, bool alone) {
         work->status = iso_fail(work->error, ISO_ERR_NOMEM, "out of memory while extracting bricks");
     set->extracted += part->extracted;
     if (set->full) set->rejected += part->rejected;
-    note_locations(set, part);
+    set_locations(set, part);
     return true;
 }
 
-/* Copies one of a chunk's arrays to the locations of its bricks, contiguous ones in one copy: a single copy
- * in a full extraction. */
+/* Copies an array of a chunk to the locations of its bricks. Neighbouring locations are joined to one copy;
+ * in a full extraction all are. */
 static void copy_array(const iso_brick_set *set, const chunk *part, int array) {
     const int heap = array / ISO_SPAN_ARRAYS;
     const size_t bytes = set->kernel.item_bytes[array];
     const char *source = part->array[array].data;
     char *target = set->heap[heap].array[array % ISO_SPAN_ARRAYS].data;
-    size_t from = 0, to = 0, count = 0,
-           next = 0; /* items: the pending copy, and the start of the next brick in the source */
+    size_t from = 0, to = 0, count = 0, next = 0; /* in items: the range that is to be copied next, and the
+                                                     start of the next brick in the source */
     for (size_t r = 0; r < part->stored; r++) {
         const result *made = &part->results[r];
         if (!made->count[heap]) continue;
@@ -328,7 +329,7 @@ static void copy_chunk(void *context, size_t number) {
     iso_copy_stream_end();
 }
 
-/* ---- which bricks */
+/* ---- the bricks to extract */
 
 static iso_status reserve_chunks(iso_brick_set *set, size_t wanted, iso_error *error) {
     size_t have = set->chunks.bytes / sizeof(chunk);
@@ -360,7 +361,7 @@ static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, siz
     return work.status;
 }
 
-/* may_exist for all bricks of the grid, by all threads. */
+/* Calls may_exist for all bricks of the grid, on all threads. */
 typedef struct survey {
     const iso_brick_set *set;
     uint8_t *may_exist;
@@ -377,6 +378,7 @@ static void survey_task(void *context, size_t index, int worker) {
     }
 }
 
+/* Lists the bricks that the kernel's isovalue crosses, found by the index of an rgrid. */
 static iso_status list_crossed(iso_brick_set *set, size_t *count, iso_error *error) {
     const iso_brick_index *index;
     ISO_TRY(iso_brick_index_of(set->grid.rgrid, set->pool, &index, error));
@@ -385,7 +387,7 @@ static iso_status list_crossed(iso_brick_set *set, size_t *count, iso_error *err
     return ISO_OK;
 }
 
-/* Lists the cells that have a brick; cells are numbered like the set's bricks. */
+/* Lists the cells of an hgrid that have a brick; cells have the same numbers as the set's bricks. */
 static iso_status list_bricks(iso_brick_set *set, size_t *count, iso_error *error) {
     const iso_hgrid *grid = set->grid.hgrid;
     size_t total = brick_total(set), found = 0;
@@ -397,6 +399,7 @@ static iso_status list_bricks(iso_brick_set *set, size_t *count, iso_error *erro
     return ISO_OK;
 }
 
+/* Lists the bricks for which may_exist is true. */
 static iso_status list_surveyed(iso_brick_set *set, size_t *count, iso_error *error) {
     size_t total = brick_total(set), found = 0;
     uint8_t *may_exist = iso_alloc(total);
@@ -415,7 +418,7 @@ static iso_status list_surveyed(iso_brick_set *set, size_t *count, iso_error *er
     return status;
 }
 
-/* Lists all bricks that may have results, ascending. */
+/* Lists all bricks of the grid that may have results, in ascending order. */
 static iso_status list_all(iso_brick_set *set, const uint32_t **list, size_t *count, iso_error *error) {
     if (set->grid.rgrid && set->kernel.isovalue) {
         ISO_TRY(list_crossed(set, count, error));

@@ -1,5 +1,5 @@
-/* The window of a brick (its voxels and their surroundings as floats), and the test whether an isovalue may
- * cross a brick, by which most bricks are skipped. */
+/* Fills the window of a brick (its voxels and their surroundings as floats), and tests whether an isovalue
+ * may cross a brick, so that most bricks can be skipped. */
 #include <float.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 #include "grids/brick_index.h"
 #include "grids/grid.h"
 
-/* Converts `count` voxels to floats. */
+/* Converts `count` voxels of a row to floats. */
 static void convert_row(const iso_rgrid *grid, ptrdiff_t first, int count, float *out) {
     switch (grid->type) {
     case ISO_UINT8:
@@ -24,7 +24,7 @@ static void convert_row(const iso_rgrid *grid, ptrdiff_t first, int count, float
     }
 }
 
-/* Fills the entries of a row before `low` and from `end` on with the nearest one between. */
+/* Fills the entries of a row before `low` with entry `low`, and those from `end` on with entry end - 1. */
 static void replicate_ends(float row[ISO_WINDOW], int low, int end) {
     for (int i = 0; i < low; i++) row[i] = row[low];
     for (int i = end; i < ISO_WINDOW; i++) row[i] = row[end - 1];
@@ -48,7 +48,7 @@ static void rgrid_window(const iso_rgrid *grid, const int brick[3], float *windo
 typedef struct cell_row {
     const iso_hgrid *grid;
     const int32_t *cells; /* the entries of the cells along the row */
-    int offset;           /* in a brick: of the row's first voxel */
+    int offset;           /* index in a brick of the row's first voxel */
 } cell_row;
 
 static void copy_part(const cell_row *source, int cx, int local_x, int count, float *out) {
@@ -92,7 +92,7 @@ void iso_grid_window(const iso_grid *grid, const int brick[3], float window[ISO_
         rgrid_window(grid->rgrid, brick, window);
 }
 
-/* Bits: on which sides of the isovalue voxels were found. */
+/* Bits that say on which sides of the isovalue voxels were found. */
 enum { AT_OR_ABOVE = 1, BELOW = 2, BOTH = 3 };
 
 #define INTEGER_SIDES(name, type)                                                                            \
@@ -108,7 +108,7 @@ INTEGER_SIDES(uint8_sides, uint8_t)
 INTEGER_SIDES(int16_sides, int16_t)
 INTEGER_SIDES(uint16_sides, uint16_t)
 
-/* NaN and infinities are on neither side. */
+/* Like the above; NaN and infinities are on neither side. */
 static int float_sides(const float *row, int count, float isovalue) {
     int above = 0, below = 0;
     for (int i = 0; i < count; i++) {
@@ -142,7 +142,7 @@ static int rgrid_may_cross(const iso_rgrid *grid, const int first[3], const int 
     return 0;
 }
 
-/* The sides of the first n[0] x n[1] x n[2] voxels of a cell. */
+/* Returns the sides on which the first n[0] x n[1] x n[2] voxels of a cell lie. */
 static int cell_sides(const iso_hgrid *grid, int32_t cell, const int n[3], float isovalue) {
     if (cell < 0) {
         float value = iso_hgrid_empty_value(grid, cell);
@@ -158,7 +158,7 @@ static int cell_sides(const iso_hgrid *grid, int32_t cell, const int n[3], float
     return seen;
 }
 
-/* Tests the cell of the brick and the first voxels of its seven upper neighbours. */
+/* Looks at the cell of the brick and at the first voxels of its seven upper neighbours. */
 static int hgrid_may_cross(const iso_hgrid *grid, const int brick[3], const int end[3], float isovalue) {
     int seen = 0;
     for (int corner = 0; corner < 8; corner++) {

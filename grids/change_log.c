@@ -1,4 +1,4 @@
-/* The log of changes and the last edit of each cell (docs/ARCHITECTURE.md, decision 4).
+/* Stores the changes of a grid and the last edit of each cell (docs/ARCHITECTURE.md, decision 4).
  *
  * The log may hold BUDGET_PER_CELL entries for each cell that ever changed (at least BUDGET_MIN). Beyond that
  * its older half is sorted by cell and merged. If T cells have changed, half of 4 T entries becomes at most
@@ -19,7 +19,7 @@ struct iso_change_log {
     int cells[3];
     uint64_t now;
     uint64_t *edit;       /* by cell: its last edit; pages of unchanged cells stay unallocated */
-    size_t changed_cells; /* cells with a stamp */
+    size_t changed_cells; /* number of cells that have an edit */
     iso_buffer entries;
     size_t count;
 };
@@ -61,6 +61,7 @@ uint64_t iso_change_log_begin(iso_change_log *log) {
     return ++log->now;
 }
 
+/* Whether two boxes in a cell overlap or are neighbours. */
 static bool meet(const iso_change *a, const iso_change *b) {
     for (int axis = 0; axis < 3; axis++)
         if (a->lo[axis] > b->hi[axis] + 1 || b->lo[axis] > a->hi[axis] + 1) return false;
@@ -75,7 +76,8 @@ static void unite(iso_change *into, const iso_change *from) {
     if (from->edit > into->edit) into->edit = from->edit;
 }
 
-/* Adds an entry, or widens a recent one of the same cell and edit: writers often add a cell several times. */
+/* Adds an entry, or enlarges a recent entry of the same cell and edit if the two boxes meet: writers often
+ * add a cell several times. */
 static void append_entry(iso_change_log *log, const iso_change *change) {
     iso_change *entries = entries_of(log);
     for (size_t back = 1; back <= COALESCE_DEPTH && back <= log->count; back++) {
@@ -102,8 +104,8 @@ static int by_edit(const void *left, const void *right) {
     return by_cell(left, right);
 }
 
-/* A merged entry gets the latest edit number of its cell in this half. This is not above those of the newer
- * half, so the log stays sorted. */
+/* Merges the entries of the older half of the log to one for each cell. It gets the cell's latest edit number
+ * in this half, which is not above the numbers of the newer half, so the log stays sorted by edit. */
 static void merge_older_half(iso_change_log *log) {
     iso_change *entries = entries_of(log);
     size_t half = log->count / 2, merged = 0;

@@ -30,12 +30,12 @@ typedef struct iso_change {
 
 typedef struct iso_change_log iso_change_log;
 
-/* An empty log of a grid of cells[0] x cells[1] x cells[2] cells. ISO_ERR_LIMIT: 2^32 cells or more;
+/* Creates an empty log for a grid of cells[0] x cells[1] x cells[2] cells. ISO_ERR_LIMIT: 2^32 cells or more;
  * ISO_ERR_NOMEM. */
 iso_status iso_change_log_create(const int cells[3], iso_change_log **log, iso_error *error);
 void iso_change_log_destroy(iso_change_log *log);
 
-/* Starts an edit and returns its number: 1 for the first, then counting up. */
+/* Starts an edit and returns its number: 1 for the first edit, one more for each later one. */
 uint64_t iso_change_log_begin(iso_change_log *log);
 
 /* Records that the current edit may have changed voxels lo..hi (inclusive, clipped to the grid), with one
@@ -43,17 +43,17 @@ uint64_t iso_change_log_begin(iso_change_log *log);
  * edit has begun yet. ISO_ERR_NOMEM: the log is as before. */
 iso_status iso_change_log_add(iso_change_log *log, const int lo[3], const int hi[3], iso_error *error);
 
-/* The number of the current edit, 0 before the first. */
+/* Returns the number of the current edit, 0 before the first. */
 uint64_t iso_change_log_now(const iso_change_log *log);
 
-/* The number of the last edit that changed `cell`, 0: none. */
+/* Returns the number of the last edit that changed `cell`, 0: none. */
 uint64_t iso_change_log_last_edit(const iso_change_log *log, uint32_t cell);
 
-/* The entries of edits after `seen`, oldest first; a cell may appear more than once. Returns their number;
+/* Finds the entries of edits after `seen`, oldest first; a cell may have several. Returns their number;
  * *changes points into the log and is valid until the next iso_change_log_add. */
 size_t iso_change_log_since(const iso_change_log *log, uint64_t seen, const iso_change **changes);
 
-/* Bytes of the log, including address space for cells that never changed. */
+/* Returns the size of the log in bytes, including address space for cells that never changed. */
 size_t iso_change_log_bytes(const iso_change_log *log);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* The handle for both kinds of grid; trilinear sampling and gradients (Baerentzen and Christensen 2003,
- * sections 3 and 4). */
+/* Implements the handle for both kinds of grid, trilinear sampling and gradients (Baerentzen and Christensen
+ * 2003, sections 3 and 4). */
 #include "grids/grid.h"
 
 #include <stdatomic.h>
@@ -97,8 +97,8 @@ float iso_grid_at(const iso_grid *grid, int x, int y, int z) {
                     iso_clamp_index(z, dims[2]));
 }
 
-/* The eight voxels around a position and its weights: corner bit 0 is +x, bit 1 +y, bit 2 +z. Along an axis
- * of one voxel both corners are this voxel. */
+/* The eight voxels around a position, and the position between them. Bit 0, 1 or 2 of a corner's number: hi
+ * instead of lo along x, y or z. Along an axis with one voxel both are this voxel. */
 typedef struct interpolation_cell {
     int lo[3], hi[3];
     double fraction[3];
@@ -120,7 +120,7 @@ static interpolation_cell cell_around(const iso_grid *grid, iso_vec3 p) {
     return c;
 }
 
-/* Linear interpolation, exact at both ends for all finite values. */
+/* Interpolates linearly; exact at both ends for all finite values. */
 static inline double blend(double a, double b, double t) {
     return a * (1 - t) + b * t;
 }
@@ -131,7 +131,7 @@ static double blend_corners(const double v[8], const double t[3]) {
     return blend(low, high, t[2]);
 }
 
-/* The brick that contains all eight corners, or NULL. */
+/* Returns the brick that contains all eight corners, or NULL. */
 static const float *shared_brick(const iso_hgrid *grid, const interpolation_cell *c) {
     for (int axis = 0; axis < 3; axis++)
         if (c->lo[axis] / ISO_BRICK != c->hi[axis] / ISO_BRICK) return NULL;
@@ -156,7 +156,8 @@ double iso_grid_sample(const iso_grid *grid, iso_vec3 p) {
     return blend_corners(v, c.fraction);
 }
 
-/* The difference along one axis; has_low and has_high: whether the neighbours lie in the grid. */
+/* Returns the derivative along one axis from the values of a voxel and its neighbours; has_low and has_high:
+ * whether the neighbours lie in the grid. */
 static double difference(double low, double middle, double high, bool has_low, bool has_high) {
     has_low = has_low && isfinite(low);
     has_high = has_high && isfinite(high);
@@ -192,7 +193,7 @@ iso_vec3 iso_grid_gradient(const iso_grid *grid, iso_vec3 p) {
 
 typedef struct nonfinite_count {
     const iso_rgrid *grid;
-    atomic_size_t count; /* a sum of integers: the order of slices does not matter */
+    atomic_size_t count; /* a sum of integers, which does not depend on the order of slices */
 } nonfinite_count;
 
 static void count_slice(void *context, size_t z, int worker) {

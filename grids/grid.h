@@ -28,14 +28,14 @@ double iso_grid_physical(const iso_grid *grid, double stored);
 double iso_grid_scale(const iso_grid *grid);
 int iso_grid_is_level_set(const iso_grid *grid); /* inside is below the isovalue; always for an hgrid */
 void iso_grid_bricks(const iso_grid *grid, int bricks[3]); /* ceil(dims / 16) */
-void iso_grid_destroy(iso_grid *grid);                     /* destroys the grid that is set; clears both */
+void iso_grid_destroy(iso_grid *grid); /* destroys the grid that is set and clears both pointers */
 
-/* Copies a grid: a dense one to contiguous memory and without its index. `pool` may be NULL. ISO_ERR_NOMEM.
- */
+/* Copies a grid. The copy of a dense grid has contiguous memory and no index. `pool` may be NULL.
+ * ISO_ERR_NOMEM. */
 struct iso_pool;
 iso_status iso_grid_copy(const iso_grid *from, struct iso_pool *pool, iso_grid *copy, iso_error *error);
 
-/* The stored value of a voxel; coordinates outside the grid are clamped. */
+/* Returns the stored value of a voxel; coordinates outside the grid are clamped to it. */
 float iso_grid_at(const iso_grid *grid, int x, int y, int z);
 
 /* A window: a brick and its surroundings as floats, 19^3 voxels from 16 * brick - 1 to 16 * brick + 17, at
@@ -50,23 +50,24 @@ enum {
 void iso_grid_window(const iso_grid *grid, const int brick[3], float window[ISO_WINDOW_VOXELS]);
 
 /* Whether finite voxels among 16*brick .. 16*brick+16 (clipped to the grid) may lie on both sides of the
- * stored isovalue: below, and at or above. Never 0 wrongly. Much faster than filling a window; a current
- * index of the grid is used if there is one. */
+ * stored isovalue: below it, and at or above it. Never 0 if they do. Much faster than filling a window; a
+ * current index of the grid is used if there is one. */
 int iso_grid_brick_may_cross(const iso_grid *grid, const int brick[3], float isovalue);
 
-/* The trilinear value at a position in index coordinates (clamped to the grid). NaN: a corner is not finite.
- */
+/* Returns the trilinear interpolation at a position in index coordinates (clamped to the grid), a stored
+ * value. NaN: a corner is not finite. */
 double iso_grid_sample(const iso_grid *grid, iso_vec3 p);
 
-/* The gradient at a voxel inside the grid, in stored values per voxel: central differences, one-sided at the
- * border, 0 along an axis of one voxel. Neighbours that are not finite count as missing. */
+/* Returns the gradient at a voxel inside the grid, in stored values per voxel: central differences, one-sided
+ * at the border, 0 along an axis of one voxel. Neighbours that are not finite count as missing. */
 iso_vec3 iso_grid_voxel_gradient(const iso_grid *grid, int x, int y, int z);
 
-/* The trilinear interpolation of the gradients at the eight voxels around a position in index coordinates
- * (clamped to the grid). */
+/* Returns the trilinear interpolation of the gradients at the eight voxels around a position in index
+ * coordinates (clamped to the grid). */
 iso_vec3 iso_grid_gradient(const iso_grid *grid, iso_vec3 p);
 
-/* The number of voxels that are NaN or infinite (0 for hgrids and integer types). `pool` may be NULL. */
+/* Returns the number of voxels that are NaN or infinite (0 for hgrids and integer types). `pool` may be NULL.
+ */
 size_t iso_grid_count_nonfinite(const iso_grid *grid, struct iso_pool *pool);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Widens the boxes of changes by a halo and lists the bricks that they meet. */
+/* Enlarges the boxes of changes by a halo and lists the bricks that they meet. */
 #include "grids/halo.h"
 
 #include <stdlib.h>
@@ -48,7 +48,7 @@ iso_status iso_halo_bricks(const iso_changes *changes, iso_halo halo, iso_buffer
     for (size_t i = 0; i < changes->count; i++) {
         brick_range range[3];
         ranges_of(&changes->changes[i], bricks, halo, range);
-        /* a box in one cell, widened by less than a brick, meets at most 27 bricks */
+        /* a box in one cell, enlarged by less than a brick, meets at most 27 bricks */
         ISO_TRY(iso_buffer_reserve(list, (found + 27) * sizeof(uint32_t), found * sizeof(uint32_t), error));
         uint32_t *numbers = list->data;
         for (int z = range[2].first; z <= range[2].last; z++)

@@ -16,11 +16,11 @@ typedef struct iso_halo {
     int down, up; /* voxels */
 } iso_halo;
 
-/* Changes, and the size of their grid. */
+/* A list of changes, and the size of the grid that they are of. */
 typedef struct iso_changes {
     const iso_change *changes;
     size_t count;
-    const int *bricks; /* of the grid along x, y, z */
+    const int *bricks; /* bricks of the grid along x, y, z */
 } iso_changes;
 
 /* Fills `list` with the numbers (uint32_t, (z * bricks_y + y) * bricks_x + x) of the bricks whose primitives

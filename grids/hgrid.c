@@ -1,5 +1,5 @@
-/* The two-level grid of Baerentzen and Christensen 2003, section 3: the pool of bricks, splitting, coalescing
- * and cropping. */
+/* Implements the two-level grid of Baerentzen and Christensen 2003, section 3: the pool of bricks, splitting,
+ * coalescing and cropping. */
 #include "grids/hgrid.h"
 
 #include <string.h>
@@ -127,7 +127,7 @@ void iso_hgrid_coalesce(iso_hgrid *grid, int cx, int cy, int cz, int32_t state) 
     *cell = state;
 }
 
-/* Coalesces a cell whose voxels inside the grid are all +band or all -band. */
+/* Coalesces a cell if its voxels inside the grid are all +band or all -band. */
 static void prune_cell(iso_hgrid *grid, int cx, int cy, int cz) {
     int32_t number = grid->cell[iso_hgrid_cell_index(grid, cx, cy, cz)];
     if (number < 0) return;
@@ -168,7 +168,8 @@ iso_status iso_hgrid_mark_changed(iso_hgrid *grid, const int lo[3], const int hi
     return iso_change_log_add(grid->log, lo, last, error);
 }
 
-/* The common entry of all cells of voxels first..last, or 0 if one has a brick or the entries differ. */
+/* Returns the common entry of all cells that contain voxels of first .. last, or 0 if one has a brick or the
+ * entries differ. */
 static int32_t common_state(const iso_hgrid *grid, const int first[3], const int last[3]) {
     int32_t state = 0;
     for (int z = first[2] / ISO_BRICK; z <= last[2] / ISO_BRICK; z++)
@@ -181,7 +182,7 @@ static int32_t common_state(const iso_hgrid *grid, const int first[3], const int
     return state;
 }
 
-/* Fills cell c of `cropped` with the voxels of `grid` from lo + 16 c on. */
+/* Fills cell c of `cropped` with voxels of `grid`, beginning with voxel lo + 16 c. */
 static iso_status crop_cell(const iso_hgrid *grid, const int lo[3], const int c[3], iso_hgrid *cropped,
                             iso_error *error) {
     int first[3], last[3];

@@ -1,4 +1,4 @@
-/* The interval tree of Cignoni et al. 1997.
+/* Builds and queries the interval tree of Cignoni et al. 1997.
  *
  * Span-space lattices (Shen et al. 1996) are as fast for evenly distributed values, but degrade where values
  * cluster, as those of CT around air; buckets for each value suit 8-bit data only. The tree is optimal for
@@ -20,8 +20,8 @@ static inline uint32_t key_of(float value) {
 
 enum { DIGITS = 4, DIGIT_VALUES = 256 };
 
-/* Radix sort, stable and ascending; *ends and *spare may be exchanged. Digits that are the same in all ends
- * are skipped: floats of small integers differ in two of four bytes. */
+/* Sorts ends by value: a stable radix sort. *ends and *spare may be exchanged. Digits (bytes of the key) that
+ * are the same in all ends are skipped: floats of small integers differ in two of four bytes. */
 static void sort_ends(iso_interval_end **ends, iso_interval_end **spare, size_t count) {
     uint32_t offsets[DIGITS][DIGIT_VALUES] = {{0}};
     for (size_t i = 0; i < count; i++) {
@@ -43,6 +43,7 @@ static void sort_ends(iso_interval_end **ends, iso_interval_end **spare, size_t 
     }
 }
 
+/* Lists at[i] for each interval i that is not empty. */
 static void collect_ends(const float *lo, const float *hi, const float *at, uint32_t total,
                          iso_interval_end *ends) {
     size_t count = 0;
@@ -54,10 +55,11 @@ static void collect_ends(const float *lo, const float *hi, const float *at, uint
 typedef struct build {
     iso_interval_tree tree;
     iso_interval_end *by_lower, *by_upper, *spare;
-    uint32_t *node; /* by interval: its node; at first the number of its upper end */
+    uint32_t *node; /* by interval: at first the number of the node of its upper end, then its node */
 } build;
 
-static void number_splits(build *b) {
+/* Makes the nodes: the distinct upper ends, ascending. */
+static void make_nodes(build *b) {
     iso_interval_tree *tree = &b->tree;
     for (uint32_t i = 0; i < tree->count; i++) {
         const iso_interval_end *end = &b->by_upper[i];
@@ -81,9 +83,9 @@ static void find_nodes(build *b) {
     }
 }
 
-/* Fills the lists of the nodes. Filling `lower` moves every start to the end of its node; filling `upper`
- * backwards from there moves it back and makes the order descending. */
-static void distribute(build *b) {
+/* Fills the two lists. Filling `lower` moves each entry of `starts` to the end of its node; filling `upper`
+ * backwards from there moves it back, and puts the upper ends in descending order. */
+static void fill_lists(build *b) {
     iso_interval_tree *tree = &b->tree;
     uint32_t *starts = tree->starts, sum = 0;
     memset(starts, 0, ((size_t)tree->nodes + 2) * sizeof *starts);
@@ -132,9 +134,9 @@ static iso_status build_tree(build *b, const float *lo, const float *hi, uint32_
     collect_ends(lo, hi, lo, total, b->by_lower);
     sort_ends(&b->by_lower, &b->spare, b->tree.count);
     ISO_TRY(reserve_nodes(b, error));
-    number_splits(b);
+    make_nodes(b);
     find_nodes(b);
-    distribute(b);
+    fill_lists(b);
     return ISO_OK;
 }
 
@@ -159,7 +161,8 @@ void iso_interval_tree_free(iso_interval_tree *tree) {
     *tree = (iso_interval_tree){0};
 }
 
-/* How many of the first ends lie below a value (or, count_from, at or above it). */
+/* Return how many of the first ends lie below a value (count_below), or at or above it (count_from). Adds the
+ * number of ends that were read to *looks. */
 static size_t count_below(const iso_interval_end *ends, size_t count, float value, size_t *looks) {
     size_t i = 0;
     while (i < count && (++*looks, ends[i].at < value)) i++;

@@ -18,16 +18,17 @@ typedef struct iso_interval_end {
     uint32_t interval;
 } iso_interval_end;
 
-/* The nodes are the distinct upper ends in ascending order, numbered from 1 as a perfect binary tree in
- * symmetric order: the root is the largest power of two, and the level of a node is its number of trailing
- * zeros. An interval is stored at the topmost node whose split it contains, in both lists. */
+/* The nodes of the tree are the distinct upper ends of the intervals in ascending order (splits). They are
+ * numbered from 1 as a perfect binary tree in symmetric order: the root is the largest power of two, and the
+ * level of a node is the number of trailing zeros of its number. An interval is stored at the topmost node
+ * whose split it contains, in both lists. */
 typedef struct iso_interval_tree {
     uint32_t count;          /* intervals that are not empty */
-    uint32_t nodes;          /* distinct upper ends */
-    float *splits;           /* [1 .. nodes] */
-    uint32_t *starts;        /* [1 .. nodes + 1], where the node's intervals begin in the two lists */
+    uint32_t nodes;          /* number of nodes: of distinct upper ends of intervals */
+    float *splits;           /* [1 .. nodes]: the upper end that each node stands for */
+    uint32_t *starts;        /* [1 .. nodes + 1]: where the intervals of each node begin in both lists */
     iso_interval_end *lower; /* the intervals of each node by ascending lower end */
-    iso_interval_end *upper; /* the same by descending upper end */
+    iso_interval_end *upper; /* the intervals of each node by descending upper end */
 } iso_interval_tree;
 
 /* Replaces *tree (zero-initialised at first) by a tree over those of `total` intervals with lo < hi; the ends

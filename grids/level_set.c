@@ -1,4 +1,4 @@
-/* Writing level sets through OpenVDB's module, and resizing them. */
+/* Writes level sets to .vdb files through OpenVDB's module, and resizes level sets. */
 #include "grids/level_set.h"
 
 #include <math.h>
@@ -25,7 +25,8 @@ iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, cons
     return status;
 }
 
-/* Reads the values of a cell of the result. Returns whether it needs a brick. */
+/* Reads the values of a cell of the result, which begins at voxel `first` of `from`. Returns whether the cell
+ * needs a brick. */
 static bool read_cell(const iso_hgrid *from, const int first[3], float values[ISO_BRICK_VOXELS]) {
     bool mixed = false;
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {

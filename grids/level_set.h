@@ -20,10 +20,10 @@ extern "C" {
 iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, const char *name,
                                    const iso_progress *progress, iso_error *error);
 
-/* The grid for a mesh: whole bricks of cubic voxels along the world's axes, with the mesh's box in the middle
- * and at least `margin` voxels around it. */
+/* The grid that a mesh is sampled in: whole bricks of cubic voxels along the world's axes, with the mesh's
+ * box in the middle and at least `margin` voxels around it. */
 typedef struct iso_mesh_sampling {
-    double voxel;                 /* size, mm */
+    double voxel;                 /* voxel size, mm */
     int margin;                   /* voxels */
     iso_pool *pool;               /* borrowed; NULL: the calling thread */
     const iso_progress *progress; /* called from any thread; cancelled: ISO_ERR_IO */
@@ -37,13 +37,13 @@ typedef struct iso_mesh_sampling {
  * because the voxels are too large for thin parts; ISO_ERR_FORMAT: the two differ by more than the voxel size
  * explains; ISO_ERR_LIMIT: the grid would be too large; ISO_ERR_NOMEM. */
 iso_status iso_level_set_from_mesh(const char *path, const iso_closed_mesh *mesh,
-                                   const iso_mesh_sampling *frame, iso_hgrid **grid, iso_error *error);
+                                   const iso_mesh_sampling *sampling, iso_hgrid **grid, iso_error *error);
 
 /* How a grid is converted to a level set. */
 typedef struct iso_resampling {
     double isovalue;              /* stored: of an hgrid, voxels */
-    double voxel;                 /* size, mm; 0: the grid's smallest spacing */
-    int margin;                   /* voxels around it */
+    double voxel;                 /* voxel size, mm; 0: the grid's smallest spacing */
+    int margin;                   /* voxels to add on each side of the grid */
     iso_pool *pool;               /* borrowed; NULL: the calling thread */
     const iso_progress *progress; /* called from any thread; cancelled: ISO_ERR_IO */
 } iso_resampling;

@@ -1,5 +1,5 @@
-/* Sampling of any grid as the start of a level set: cells that may contain part of the band get a brick,
- * bricks are sampled, and all values are scaled so that those beside the interface fit into the band. */
+/* Samples any grid as the start of a level set: cells that may contain part of the band get a brick, bricks
+ * are sampled, and all values are scaled so that those beside the interface fit into the band. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,28 +7,30 @@
 #include "base/memory.h"
 #include "grids/level_set.h"
 
-/* Cells within this many voxels of the interface have bricks: the band's 3, and 1 for central differences. */
+/* Cells within this many voxels of the interface get bricks: 3 for the band, and 1 for central differences.
+ */
 enum { BAND_CELLS_REACH = 4 };
 /* Cells between two reports of progress. */
 enum { PROGRESS_CELLS = 1024 };
-/* Values at the interface are scaled so that nearly all are below this. Then their neighbours' values, which
- * determine the gradient there, are inside the band too. */
+/* Values are scaled so that nearly all at the interface are below this (voxels). Then their neighbours'
+ * values, which determine the gradient there, are inside the band, too. */
 static const double INTERFACE_MOST = 1.2;
-/* The largest value: inside the band, so that redistancing changes these voxels. */
+/* The largest value, in voxels. It is inside the band, so that redistancing changes these voxels. */
 static const double FAR_VALUE = 2.99;
 
 typedef struct resampling {
     const iso_grid *from;
     iso_hgrid *to;
-    double isovalue, sign; /* sign: 1 where inside is below */
+    double isovalue, sign; /* sign: 1 if inside is below the isovalue, -1 if it is at or above */
     double scale[3];       /* index of `from` = scale * index of `to` - offset */
     double offset[3];
     int from_bricks[3];
-    uint8_t *crosses;      /* by brick of `from` */
+    uint8_t *crosses;      /* by brick of `from`: whether the surface may cross it */
     iso_progress progress; /* of sampling */
 } resampling;
 
-/* The value at a voxel, negative inside; INFINITY beyond the grid and where a value is not finite. */
+/* Returns the value at a voxel of `to`, relative to the isovalue and negative inside; INFINITY beyond the
+ * grid and where a value is not finite. */
 static double value_at(const resampling *r, const int voxel[3]) {
     double p[3];
     const int *dims = iso_grid_dims(r->from);
@@ -39,10 +41,10 @@ static double value_at(const resampling *r, const int voxel[3]) {
     double value = iso_grid_sample(r->from, iso_vec3_make(p[0], p[1], p[2]));
     if (!isfinite(value)) return INFINITY;
     value = r->sign * (value - r->isovalue);
-    return r->sign < 0 && value == 0 ? -0x1p-120 : value; /* at the isovalue is inside */
+    return r->sign < 0 && value == 0 ? -0x1p-120 : value; /* a voxel at the isovalue is inside */
 }
 
-/* ---- which cells may contain part of the band */
+/* ---- cells that may contain part of the band */
 
 static void find_crossing(void *context, size_t index, int worker) {
     (void)worker;
@@ -53,7 +55,8 @@ static void find_crossing(void *context, size_t index, int worker) {
     r->crosses[index] = (uint8_t)iso_grid_brick_may_cross(r->from, brick, (float)r->isovalue);
 }
 
-/* The bricks of `from` around a cell; returns whether the cell extends beyond the grid. */
+/* Computes the range of bricks of `from` that lie around a cell of `to`. Returns whether the cell or its
+ * surroundings extend beyond the grid `from`. */
 static bool brick_range(const resampling *r, const int at[3], int lo[3], int hi[3]) {
     const int *dims = iso_grid_dims(r->from);
     bool beyond = false;
@@ -105,7 +108,8 @@ static void sample_cell(void *context, size_t index, int worker) {
     const resampling *r = context;
     if (r->to->cell[index] < 0) return;
     const double fraction = (double)index / (double)iso_hgrid_cell_count(r->to);
-    if (iso_progress_tell(&r->progress, "", fraction, NULL) != ISO_OK) return; /* reported by the caller */
+    if (iso_progress_tell(&r->progress, "", fraction, NULL) != ISO_OK)
+        return; /* the caller reports that it was cancelled */
     int at[3];
     iso_hgrid_cell_position(r->to, index, at);
     float *brick = iso_hgrid_brick(r->to, r->to->cell[index]);
@@ -130,7 +134,8 @@ static bool is_interface(const iso_hgrid *grid, const int at[3], int i) {
     return false;
 }
 
-static void for_interface(const resampling *r, void (*visit)(void *, float *, bool), void *context) {
+/* Calls `visit` for each voxel of a brick, with its value and whether it belongs to the interface. */
+static void visit_voxels(const resampling *r, void (*visit)(void *, float *, bool), void *context) {
     for (size_t cell = 0; cell < iso_hgrid_cell_count(r->to); cell++) {
         if (r->to->cell[cell] < 0) continue;
         int at[3];
@@ -140,7 +145,7 @@ static void for_interface(const resampling *r, void (*visit)(void *, float *, bo
     }
 }
 
-/* A histogram of the magnitudes at the interface, by powers of two. */
+/* A histogram of the absolute values at the interface, by powers of two. */
 typedef struct magnitudes {
     size_t count[512], all;
     float factor;
@@ -155,8 +160,8 @@ static void count_magnitude(void *context, float *value, bool interface) {
     m->all++;
 }
 
-/* Scales a value and keeps its sign, so the order of voxels does not matter. Towards voxels beyond the grid
- * the surface is assumed to pass half-way. */
+/* Scales a value and keeps its sign, so that the result does not depend on the order of voxels. An interface
+ * voxel beyond the grid gets 0.5: the surface is assumed to pass half-way. */
 static void scale_value(void *context, float *value, bool interface) {
     const magnitudes *m = context;
     const float side = *value < 0 ? -1 : 1, scaled = fabsf(*value) * m->factor, most = (float)FAR_VALUE;
@@ -166,17 +171,18 @@ static void scale_value(void *context, float *value, bool interface) {
         *value = side * (scaled < 1e-4f ? 1e-4f : scaled < most ? scaled : most);
 }
 
-/* Scales all values by the power of two that all but a thousandth of the magnitudes are below. */
+/* Scales all values by a power of two, chosen so that all but a thousandth of the interface values are below
+ * INTERFACE_MOST. */
 static iso_status scale_values(const resampling *r, const char *path, iso_error *error) {
     magnitudes *m = iso_alloc_zero(1, sizeof *m);
     if (!m) return iso_fail_memory(error, path);
-    for_interface(r, count_magnitude, m);
+    visit_voxels(r, count_magnitude, m);
     size_t above = 0;
     int bin = 511;
     while (bin > 0 && above + m->count[bin] <= m->all / 1000) above += m->count[bin--];
     m->factor = (float)ldexp(INTERFACE_MOST, 256 - bin);
     const bool any = m->all > 0;
-    if (any) for_interface(r, scale_value, m);
+    if (any) visit_voxels(r, scale_value, m);
     iso_free(m);
     if (!any)
         return iso_fail(error, ISO_ERR_EMPTY, "%s: nothing is inside at isovalue %g", path, r->isovalue);

@@ -1,4 +1,4 @@
-/* Conversion of the solid that a closed mesh encloses to a level set.
+/* Converts the solid that a closed mesh encloses to a level set.
  *
  * Distances are exact: to the nearest triangle or cap. If the distances of two neighbouring voxels add up to
  * more than the distance between the voxels, no surface lies between them and both are on the same side.
@@ -15,27 +15,29 @@
 static const double BAND = 3;
 /* The tolerance for rounding of distances, in voxels. */
 static const double ROUNDING = 1e-4;
-/* Half the diagonal between the outermost voxels of a brick, in voxels. */
+/* The distance from the centre of a brick to its outermost voxels, in voxels. */
 static const double BRICK_RADIUS = 12.991;
-/* Bricks are divided into cubes of 4^3 voxels, which are skipped if their centre is far from the mesh; half
- * the diagonal between the outermost voxels of such a cube. */
+/* Bricks are divided into cubes of 4^3 voxels, which are skipped if their centre is far from the mesh.
+ * SUBBRICK_RADIUS: the distance from the centre of such a cube to its outermost voxels. */
 enum { SUBBRICK = 4 };
 static const double SUBBRICK_RADIUS = 2.599;
 enum { NO_REGION = 0xffff };
 
-/* A region: within a brick at first, later joined with others (union-find). */
+/* A region: connected voxels without the surface between them, at first of one brick, later joined with
+ * others (union-find). */
 typedef struct region {
-    uint32_t parent; /* its own number: the representative of all that are joined to it */
-    float depth;     /* distance of its deepest voxel from the surface, in voxels */
-    uint32_t cell;   /* of the deepest voxel */
-    uint16_t voxel;  /* of the deepest voxel, in the cell */
-    int16_t winding; /* number, rounded; of representatives */
+    uint32_t
+        parent;  /* a region that it was joined to; its own number: it represents all that are joined to it */
+    float depth; /* distance of its deepest voxel, the one farthest from the surface, in voxels */
+    uint32_t cell;   /* that the deepest voxel lies in */
+    uint16_t voxel;  /* index of the deepest voxel in this cell */
+    int16_t winding; /* winding number, rounded; only of representatives */
 } region;
 
-/* Volumes: sums over voxels. */
+/* The volume of the solid, in two ways. Unit: voxels while it is added up, then mm3. */
 typedef struct volumes {
-    double winding; /* each voxel counts as often as the mesh winds around it */
-    double solid;   /* voxels inside */
+    double winding; /* each voxel counts as many times as the mesh winds around it */
+    double solid;   /* each voxel inside counts once */
 } volumes;
 
 typedef struct conversion {
@@ -43,12 +45,13 @@ typedef struct conversion {
     const iso_closed_mesh *mesh;
     iso_hgrid *grid;
     double voxel;
-    iso_progress progress; /* of the current part */
+    iso_progress progress; /* progress of the current step */
     size_t cells, bricks;
     uint8_t *near;                       /* by cell: it may contain part of the band */
     uint32_t *brick_cell;                /* by brick, in the order of cells */
-    uint16_t (*label)[ISO_BRICK_VOXELS]; /* by brick: a voxel's region, counted in the brick */
-    uint32_t *first;                     /* by cell: its first region; one more at the end */
+    uint16_t (*label)[ISO_BRICK_VOXELS]; /* by brick: the region of each voxel, counted from the first one of
+                                            the brick */
+    uint32_t *first;                     /* by cell: number of its first region; one more entry for the end */
     region *regions;
     size_t region_count;
     volumes *sums; /* by brick */
@@ -89,6 +92,7 @@ static iso_status create_grid(const char *path, const iso_closed_mesh *mesh,
     return iso_hgrid_create(dims, 0, &transform, grid, error);
 }
 
+/* Returns the distance from p to the mesh in voxels, at most `most`. `nearest` has a guess. */
 static double distance_at(const conversion *c, iso_vec3 p, double most, iso_nearest *nearest) {
     nearest->squared = most * most * c->voxel * c->voxel;
     iso_closed_mesh_nearest(c->mesh, p, nearest);
@@ -165,8 +169,9 @@ static bool same_side(float a, float b, double apart) {
     return (double)a + (double)b > apart + ROUNDING;
 }
 
-/* Labels the region of a voxel by flood fill. `stack` has room for all voxels. */
-static void flood(const float *brick, uint16_t *label, uint16_t number, uint16_t *stack, int seed) {
+/* Gives the label `number` to all voxels of a brick that are connected with the voxel `seed` without the
+ * surface between them, by flood fill. `stack` has room for all voxels of a brick. */
+static void label_region(const float *brick, uint16_t *label, uint16_t number, uint16_t *stack, int seed) {
     static const double apart[4] = {0, 1, 1.4142135623730951, 1.7320508075688772};
     int depth = 0;
     label[seed] = number;
@@ -196,7 +201,7 @@ static void label_brick(void *context, size_t index, int worker) {
     (void)worker;
     memset(label, 0xff, sizeof *c->label);
     for (int i = 0; i < ISO_BRICK_VOXELS; i++)
-        if (label[i] == NO_REGION) flood(brick, label, count++, stack, i);
+        if (label[i] == NO_REGION) label_region(brick, label, count++, stack, i);
     c->first[c->brick_cell[index]] = count;
 }
 
@@ -210,7 +215,8 @@ static uint32_t find_root(region *regions, uint32_t r) {
     return r;
 }
 
-/* Joins two regions: the lower number represents both, with the deeper voxel. */
+/* Joins two regions: the one with the lower number represents both and gets the deeper of their two deepest
+ * voxels. */
 static void unite(region *regions, uint32_t a, uint32_t b) {
     a = find_root(regions, a);
     b = find_root(regions, b);
@@ -227,7 +233,7 @@ static void unite(region *regions, uint32_t a, uint32_t b) {
     regions[a].voxel = regions[b].voxel;
 }
 
-/* The distances and labels of a cell. */
+/* The distances and region labels of a cell. */
 typedef struct cell_labels {
     const float *brick; /* NULL: the cell has none and is one region */
     const uint16_t *label;
@@ -240,12 +246,13 @@ static cell_labels labels_of(const conversion *c, const uint32_t *brick_of_cell,
                          c->first[cell]};
 }
 
-/* Voxel (a, b) of a brick's first or last layer along an axis. */
+/* Returns the index of voxel (a, b) of a brick's first or last layer along an axis. */
 static int layer_voxel(int axis, int a, int b, bool last) {
     static const int step[3] = {1, ISO_BRICK, ISO_BRICK * ISO_BRICK};
     return (last ? ISO_BRICK - 1 : 0) * step[axis] + a * step[(axis + 1) % 3] + b * step[(axis + 2) % 3];
 }
 
+/* Joins the regions of two cells that are neighbours along an axis, where no surface lies between them. */
 static void join_cells(conversion *c, const cell_labels *low, const cell_labels *high, int axis) {
     if (!low->brick && !high->brick) {
         unite(c->regions, low->first, high->first);
@@ -277,7 +284,8 @@ static void join_all(conversion *c, const uint32_t *brick_of_cell) {
     }
 }
 
-/* Initialises the regions and finds their deepest voxels: the middle, for a cell without a brick. */
+/* Initialises the regions and finds the deepest voxel of each, where its side will be decided. A cell without
+ * a brick is one region; its voxel (8, 8, 8) is taken. */
 static void begin_regions(conversion *c) {
     size_t brick = 0;
     for (size_t cell = 0; cell < c->cells; cell++) {
@@ -321,6 +329,7 @@ static iso_status make_regions(conversion *c, iso_error *error) {
     return whole ? ISO_OK : iso_fail_memory(error, c->path);
 }
 
+/* Computes the winding number of a representative. */
 static void find_side(void *context, size_t index, int worker) {
     conversion *c = context;
     region *r = &c->regions[index];
@@ -374,8 +383,8 @@ static volumes sign_all(conversion *c, iso_pool *pool) {
 
 /* ---- plausibility */
 
-/* Compares volumes. The sum of the voxels' winding numbers is the signed volume of any mesh; counting voxels
- * is wrong by at most half a voxel at the surface. */
+/* Compares the volume of the field with that of the mesh. The sum of the voxels' winding numbers is the
+ * signed volume of any mesh; counting voxels is wrong by at most half a voxel at the surface. */
 static iso_status check_volume(const conversion *c, const volumes *field, iso_error *error) {
     const iso_mesh_report *mesh = iso_closed_mesh_report(c->mesh);
     const double allowed = 0.05 * fabs(mesh->volume) + 0.5 * c->voxel * mesh->area;

@@ -1,4 +1,4 @@
-/* Creation, cropping and destruction of dense grids. */
+/* Creates, crops and destroys dense grids. */
 #include "grids/rgrid.h"
 
 #include "base/memory.h"
@@ -18,7 +18,7 @@ static iso_status check_dims(const int dims[3], iso_type type, size_t *bytes, is
         if (!iso_size_multiply(total, (size_t)dims[axis], &total) || total > PTRDIFF_MAX)
             return iso_fail(error, ISO_ERR_FORMAT, "a volume of %d x %d x %d voxels is too large", dims[0],
                             dims[1], dims[2]);
-        /* Cannot overflow: there are fewer cells than bytes. */
+        /* The product cannot overflow, because there are fewer cells than bytes. */
         cells *= (size_t)(dims[axis] - 1) / ISO_BRICK + 1;
     }
     if (cells > UINT32_MAX)
@@ -44,7 +44,8 @@ static iso_status create_log(const int dims[3], iso_change_log **log, iso_error 
     return iso_change_log_create(cells, log, error);
 }
 
-/* Creates the grid without taking ownership of lent data, so that the caller can release it in one place. */
+/* Creates a grid that does not own lent data yet, so that iso_rgrid_create can release the data in one place
+ * if this fails. */
 static iso_status create_without_owner(const iso_rgrid_desc *desc, iso_rgrid **out, iso_error *error) {
     size_t bytes = 0;
     ISO_TRY(check_desc(desc, &bytes, error));

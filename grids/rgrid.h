@@ -42,14 +42,15 @@ typedef struct iso_rgrid {
     iso_transform transform;
     int level_set; /* 1: a distance field, inside below the isovalue; 0: inside at or above it */
     iso_change_log *log;
-    /* Owned; set by iso_brick_index_of (brick_index.h), which says how to destroy it; NULL before. */
+    /* Owned. iso_brick_index_of (brick_index.h) creates it and sets the function that destroys it; NULL
+     * before. */
     struct iso_brick_index *index;
     void (*destroy_index)(struct iso_brick_index *index);
     void (*release)(void *owner); /* called with `owner` by iso_rgrid_destroy; may be NULL */
     void *owner;
 } iso_rgrid;
 
-/* The grid to create; zero fields mean the default. */
+/* The grid to create; a field that is 0 means the default. */
 typedef struct iso_rgrid_desc {
     int dims[3];
     iso_type type;
@@ -74,12 +75,12 @@ iso_status iso_rgrid_crop(iso_rgrid *grid, const int lo[3], const int hi[3], iso
 /* Starts an edit and records voxels lo..hi (inclusive, clipped to the grid) as changed. ISO_ERR_NOMEM. */
 iso_status iso_rgrid_mark_changed(iso_rgrid *grid, const int lo[3], const int hi[3], iso_error *error);
 
-/* The stored value of a physical one; not rounded. */
+/* Returns the stored value of a physical one, not rounded. */
 static inline double iso_rgrid_stored(const iso_rgrid *grid, double physical) {
     return (physical - grid->offset) / grid->scale;
 }
 
-/* The stored value of a voxel inside the grid. */
+/* Returns the stored value of a voxel inside the grid. */
 static inline float iso_rgrid_at(const iso_rgrid *grid, int x, int y, int z) {
     ptrdiff_t i = x + y * grid->stride_y + z * grid->stride_z;
     switch (grid->type) {

@@ -1,24 +1,25 @@
-/* The span allocator: blocks are records in a doubly linked list in the order of the array; free ones are
- * also in the list of their size class. */
+/* The span allocator. Each block has a record; the records form a doubly linked list in the order of the
+ * array, and those of free blocks also the list of their size class. */
 #include "grids/spans.h"
 
 #include <string.h>
 
-/* A remainder of fewer items stays with its block: so small a block would hardly be used again. */
+/* If fewer items than this remain when a block is divided, they stay with the block, because so small a block
+ * would hardly be used again. */
 enum { SMALLEST_SPLIT = 16 };
 
 static iso_span_block *record_at(iso_span_heap *heap, uint32_t block) {
     return (iso_span_block *)heap->records.data + block;
 }
 
-/* The class of a size: one for each size below 8, then eight an octave. */
+/* Returns the class of a size: one class for each size below 8, then eight for each power of two. */
 static unsigned class_of(size_t size) {
     if (size < 8) return (unsigned)size;
     unsigned octave = 63 - (unsigned)__builtin_clzll(size);
     return (octave - 2) * 8 + (size >> (octave - 3) & 7);
 }
 
-/* The lowest class whose blocks all have at least `size` items. */
+/* Returns the lowest class whose blocks all have at least `size` items. */
 static unsigned class_above(size_t size) {
     if (size < 8) return (unsigned)size;
     unsigned octave = 63 - (unsigned)__builtin_clzll(size);
@@ -52,7 +53,7 @@ static uint32_t bin_find(const iso_span_heap *heap, size_t count) {
     uint64_t bits = heap->occupied[word] & ~(uint64_t)0 << bin % 64;
     while (!bits && ++word < ISO_SPAN_CLASSES / 64) bits = heap->occupied[word];
     if (bits) return heap->bins[word * 64 + (unsigned)__builtin_ctzll(bits)];
-    uint32_t block = heap->bins[class_of(count)]; /* its first block may be large enough */
+    uint32_t block = heap->bins[class_of(count)]; /* the first block of a lower class may be large enough */
     if (block != ISO_SPAN_NONE && iso_span_heap_block(heap, block)->capacity >= count) return block;
     return ISO_SPAN_NONE;
 }
@@ -64,7 +65,7 @@ static iso_status reserve_record(iso_span_heap *heap, iso_error *error) {
                               error);
 }
 
-/* A new record, linked in behind `before`; reserve_record has made room for it. */
+/* Takes a record and links it into the list after `before`. reserve_record has made room for it. */
 static uint32_t link_record(iso_span_heap *heap, uint32_t before) {
     uint32_t block = heap->unused;
     if (block != ISO_SPAN_NONE)
@@ -109,7 +110,8 @@ static void move_items(iso_span_heap *heap, size_t from, size_t to, size_t count
     }
 }
 
-static void slide_together(iso_span_heap *heap) {
+/* Moves all used blocks to the beginning of the array, without gaps. */
+static void compact_blocks(iso_span_heap *heap) {
     size_t end = 0;
     for (uint32_t block = heap->first, after; block != ISO_SPAN_NONE; block = after) {
         iso_span_block *record = record_at(heap, block);
@@ -128,7 +130,7 @@ static void slide_together(iso_span_heap *heap) {
 }
 
 static iso_status append_block(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error) {
-    if (heap->end + count > 2 * (heap->live + count) + ISO_SPAN_HEAP_SLACK) slide_together(heap);
+    if (heap->end + count > 2 * (heap->live + count) + ISO_SPAN_HEAP_SLACK) compact_blocks(heap);
     for (int i = 0; i < ISO_SPAN_ARRAYS; i++) {
         size_t bytes = heap->item_bytes[i];
         ISO_TRY(iso_buffer_reserve(&heap->array[i], (heap->end + count) * bytes, heap->end * bytes, error));
@@ -141,8 +143,8 @@ static iso_status append_block(iso_span_heap *heap, size_t count, uint32_t *bloc
     return ISO_OK;
 }
 
-/* Makes the items of a used block beyond `count` a free block; reserve_record has made room for its record.
- */
+/* Makes the items of a used block from item `count` on a free block. reserve_record has made room for its
+ * record. */
 static void split_block(iso_span_heap *heap, uint32_t block, size_t count) {
     uint32_t rest = link_record(heap, block);
     iso_span_block *record = record_at(heap, block), *tail = record_at(heap, rest);

@@ -15,7 +15,7 @@
 #include "base/memory.h"
 
 enum {
-    ISO_SPAN_ARRAYS = 2, /* parallel arrays at most */
+    ISO_SPAN_ARRAYS = 2, /* largest number of parallel arrays */
     ISO_SPAN_CLASSES = 512,
     ISO_SPAN_HEAP_SLACK = 1 << 15
 };
@@ -24,7 +24,7 @@ enum {
 
 typedef struct iso_span_block {
     size_t first, capacity;  /* items */
-    uint32_t before, after;  /* neighbours in the array */
+    uint32_t before, after;  /* blocks before and after it in the array */
     uint32_t previous, next; /* in the list of free blocks of a class; `next` also links unused records */
     bool used;
 } iso_span_block;
@@ -35,12 +35,13 @@ typedef struct iso_span_heap {
     iso_buffer array[ISO_SPAN_ARRAYS];
     iso_buffer records; /* of iso_span_block */
     size_t record_count;
-    uint32_t unused, first, last;
-    size_t end;  /* items up to the end of the last block */
-    size_t live; /* items in used blocks */
-    uint32_t bins[ISO_SPAN_CLASSES];
-    uint64_t occupied[ISO_SPAN_CLASSES / 64]; /* bit per bin that is not empty */
-    bool moved;                               /* blocks were moved together; cleared by the owner */
+    uint32_t unused, first, last;    /* first unused record; first and last block of the array */
+    size_t end;                      /* items up to the end of the last block */
+    size_t live;                     /* items in used blocks */
+    uint32_t bins[ISO_SPAN_CLASSES]; /* the first free block of each size class */
+    uint64_t
+        occupied[ISO_SPAN_CLASSES / 64]; /* one bit for each class: whether bins[class] has a free block */
+    bool moved;                          /* blocks were moved together; cleared by the owner */
 } iso_span_heap;
 
 /* Removes all blocks but keeps the memory. */
@@ -51,7 +52,7 @@ void iso_span_heap_free(iso_span_heap *heap);
 iso_status iso_span_heap_alloc(iso_span_heap *heap, size_t count, uint32_t *block, iso_error *error);
 void iso_span_heap_release(iso_span_heap *heap, uint32_t block);
 
-/* Releases the items of a block beyond `count`, if they are many. The block does not move. */
+/* Makes the items of a block beyond `count` a free block, if they are many. The block does not move. */
 void iso_span_heap_trim(iso_span_heap *heap, uint32_t block, size_t count);
 
 static inline const iso_span_block *iso_span_heap_block(const iso_span_heap *heap, uint32_t block) {

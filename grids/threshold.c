@@ -1,4 +1,4 @@
-/* Conversion of a physical isovalue to stored values. */
+/* Converts a physical isovalue to stored values. */
 #include "grids/threshold.h"
 
 #include <float.h>
@@ -7,7 +7,7 @@
 iso_threshold iso_threshold_of(const iso_grid *grid, double physical_isovalue) {
     double stored = iso_grid_stored(grid, physical_isovalue);
     float at = (float)stored;
-    /* Taking a physical isovalue to a stored one may miss a voxel's value by rounding: that is still it. */
+    /* The conversion may miss a voxel's value by rounding; the isovalue is then taken to be this value. */
     double scale = iso_grid_scale(grid), offset = grid->rgrid ? grid->rgrid->offset : 0;
     double rounding = 4 * DBL_EPSILON * (fabs(physical_isovalue) + fabs(offset)) / scale;
     bool hit = fabs(at - stored) <= rounding;

@@ -1,5 +1,5 @@
-/* threshold: an isovalue in stored values, and which voxels it holds to be inside: one rule for extraction
- * and for everything that draws the field itself. */
+/* threshold: an isovalue in stored values, and the test whether a voxel is at or above it. Extraction and the
+ * renderers that draw the field itself use the same one. */
 #ifndef ISO_GRIDS_THRESHOLD_H
 #define ISO_GRIDS_THRESHOLD_H
 
@@ -26,8 +26,8 @@ static inline bool iso_threshold_inside(const iso_threshold *threshold, float va
     return value >= threshold->isovalue_ceil;
 }
 
-/* For integer voxels v, v >= isovalue is v >= ceil(isovalue). Values beyond the integer types' range are kept
- * just outside of it. */
+/* Returns the smallest integer at or above the isovalue: for integer voxels v, v >= isovalue is v >= this
+ * number. Isovalues beyond the range of the integer types give a number just outside this range. */
 static inline int32_t iso_integer_threshold(float isovalue) {
     return isovalue < -40000 ? -40000 : isovalue > 70000 ? 70000 : (int32_t)ceilf(isovalue);
 }

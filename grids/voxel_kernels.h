@@ -6,12 +6,12 @@
 #include "base/simd.h"
 #include "grids/rgrid.h"
 
-/* The name of a function or constant in a body that voxel_kernels.inc includes, for example name_uint8_avx2.
- */
+/* The name of a function or constant in a body that voxel_kernels.inc includes, with voxel type and level:
+ * for example name_uint8_avx2. */
 #define ISO_TYPED(name) ISO_PASTE(ISO_PASTE(name, ISO_VOXEL), ISO_LEVEL)
 
-/* The address of the variant of a kernel for a voxel type (iso_type) and an instruction set, as ISO_KERNEL.
- */
+/* The address of the variant of a kernel for a voxel type (iso_type) and an instruction set; chosen at run
+ * time, like ISO_KERNEL. */
 #define ISO_VOXEL_KERNEL(kernel, type, level)                                                                \
     ((type) == ISO_UINT8    ? ISO_KERNEL(kernel##_uint8, level)                                              \
      : (type) == ISO_INT16  ? ISO_KERNEL(kernel##_int16, level)                                              \

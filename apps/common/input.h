@@ -41,17 +41,16 @@ const char *iso_input_volume_option(const iso_input *input);
 /* The options for iso_volume_read, without files, pool and progress. Borrows `input`. */
 iso_volume_opts iso_input_volume_opts(const iso_input *input);
 
-/* The voxels of a volume that are kept, as x0 x1 y0 y1 z0 z1, first and last: all without a crop; those of
- * --crop; for --crop-mm the smallest range that holds every voxel whose position lies in the box.
- * ISO_ERR_USAGE when
- * --crop reaches outside the volume, or when the box holds no voxel. */
+/* Computes the range of voxels that are kept, as x0 x1 y0 y1 z0 z1, first and last: all without a crop; those
+ * of --crop; for --crop-mm the smallest range that contains every voxel whose position lies in the box.
+ * ISO_ERR_USAGE: --crop extends beyond the volume, or no voxel lies in the box. */
 iso_status iso_input_box(const iso_input *input, const int dims[3], const iso_transform *transform,
                          int box[6], iso_error *error);
 /* Cuts a grid down to these voxels, if there is a crop; its transform keeps world positions. */
 iso_status iso_input_crop(const iso_input *input, const int box[6], iso_grid *grid, iso_error *error);
 
-/* Reads and crops a volume; `opts` gives files, pool and progress. Errors: those of iso_volume_read and
- * iso_input_box; their texts begin with the path. */
+/* Reads and crops a volume. `opts` has the file set that all files read are added to, the thread pool and the
+ * progress. Errors: those of iso_volume_read and iso_input_box; their messages begin with the path. */
 iso_status iso_input_read(const char *path, const iso_input *input, const iso_volume_opts *opts,
                           iso_volume *volume, iso_error *error);
 
@@ -61,7 +60,8 @@ bool iso_input_drops_parts(const iso_input *input);
 /* Writes the options that decide which voxels are read as lines "option=value", for a journal; "" for default
  * options. ISO_ERR_USAGE when a name has line breaks, or the text does not fit into `room` bytes. */
 iso_status iso_input_write(const iso_input *input, char *text, size_t room, iso_error *error);
-/* Parses such lines. `text` is changed: `input` borrows its strings from it. ISO_ERR_FORMAT. */
+/* Parses lines that iso_input_write has written. `text` is changed, and `input` borrows its strings from it.
+ * ISO_ERR_FORMAT. */
 iso_status iso_input_parse(char *text, iso_input *input, iso_error *error);
 
 #ifdef __cplusplus

@@ -2,7 +2,7 @@
  *
  * `key` is the member's name inside an object and NULL inside an array (and for the outermost value). Strings
  * are UTF-8; bytes that are not become U+FFFD. Numbers are the shortest that read back the same; NaN and
- * infinities become null. Write errors are the stream's to report. One thread at a time.
+ * infinities become null. Write errors are not returned: check the stream with ferror. One thread at a time.
  *
  * Not written with jansson, which stroke files are read and written with (sculpt/session/event.c): its
  * numbers have a fixed count of digits, so that 0.1 becomes 0.10000000000000001 where all must read back the

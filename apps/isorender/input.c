@@ -43,7 +43,8 @@ static iso_status check_points_options(const isorender_settings *settings, iso_e
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
 }
 
-/* Memory for the copies of the grid that surfaces will have, estimated from the header. */
+/* Checks that the limit of memory allows the grids of their own that surfaces will get (closed, or with parts
+ * removed), estimated from the header before the volume is read. */
 static iso_status check_copies(const isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const iso_volume_info *info = &job->loader.volume.info;

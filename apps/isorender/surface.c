@@ -273,7 +273,7 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
 
 /* ---- files ---- */
 
-/* Meshes that are not exported are measured, too. */
+/* Measures the meshes for --json and --verbose if they are not exported; exporting measures them as well. */
 static iso_status measure_meshes(isorender_job *job, iso_error *error) {
     const bool measured = job->settings->common.json || job->settings->verbose;
     for (int i = 0; i < job->surface_count && measured && !job->plan->mesh; i++) {

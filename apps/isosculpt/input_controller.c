@@ -272,7 +272,8 @@ static void set_radius(isosculpt_controller *controller, double radius) {
     controller->brush.radius = fmin(fmax(radius, RADIUS_MIN_VOXELS * voxel), RADIUS_MAX_VOXELS * voxel);
 }
 
-/* Dragging with X or C. */
+/* Changes the brush when the pointer has moved by dx pixels: its radius while X is held, its strength while C
+ * is held. */
 static void adjust_brush(isosculpt_controller *controller, double dx) {
     if (controller->adjusting == 'x')
         set_radius(controller, controller->brush.radius * pow(RADIUS_A_PIXEL, dx));

@@ -69,7 +69,8 @@ typedef struct isosculpt_controller {
     bool field_pending;  /* the volume is being converted into a field: strokes are queued until then */
     isosculpt_strokes queued_strokes; /* owned */
 
-    iso_box surface_box;    /* around the surface, world, as of the last stroke; shows the mirror planes */
+    iso_box surface_box;    /* world box of the surface after the last stroke; the mirror planes are drawn as
+                               large as it */
     bool stroke_unfinished; /* the last stroke could not be ended: there was no memory */
     bool clipped;           /* a brush reached beyond the grid */
     unsigned commands;      /* isosculpt_command bits; the window clears those that it has carried out */

@@ -1,5 +1,5 @@
-/* Closing of meshes: open loops are classified, then capped in the faces of the bounding box (mesh_border.h)
- * or filled with the triangulation of least area (Barequet and Sharir 1995). */
+/* Closes meshes: open loops are classified, then capped in the faces of the bounding box (mesh_border.h) or
+ * filled with the triangulation of least area (Barequet and Sharir 1995). */
 #include "grids/closing/closed_mesh.h"
 
 #include <math.h>
@@ -11,20 +11,22 @@
 #include "grids/closing/mesh_border.h"
 #include "grids/closing/mesh_topology.h"
 
-/* Loops of up to this many edges are filled with the least area, which takes cubic time; longer ones by a fan
- * around their middle. */
+/* Loops of up to this many edges are filled with the triangulation of least area, which takes cubic time;
+ * longer loops with a fan of triangles around their centroid. */
 enum { LEAST_AREA = 64 };
 /* A loop is a crack if the area of its filling is below this fraction of its squared perimeter: it is then
  * 250 times as long as wide. */
 static const double CRACK = 1e-3;
-/* A closed mesh is a sheet if its volume is below this fraction of what its area could enclose. */
+/* A closed mesh counts as a sheet, which encloses nothing, if its volume is below this fraction of its area
+ * times the longest side of its box. */
 static const double SHEET = 1e-6;
 
 struct iso_closed_mesh {
     iso_mesh_topology topology;
-    iso_triangles mesh; /* the topology's with the fillings, owned */
+    iso_triangles mesh; /* owned: the topology's mesh with the triangles of fillings */
     size_t vertex_room, triangle_room;
-    iso_triangle_tree *surface, *caps; /* caps: their fans; NULL: none */
+    iso_triangle_tree *surface,
+        *caps; /* over the triangles of `mesh`, and over the fans of the caps; caps NULL: there are none */
     iso_border border;
     iso_mesh_report report;
 };
@@ -72,20 +74,21 @@ static bool add_triangle(iso_closed_mesh *c, uint32_t first, uint32_t second, ui
     return true;
 }
 
-/* ---- filling a loop: the new triangles have its edges in the opposite direction */
+/* ---- filling loops: the new triangles have the edges of the loop in the opposite direction */
 
 static double triangle_area(iso_vec3 a, iso_vec3 b, iso_vec3 c) {
     return 0.5 * iso_vec3_length(iso_vec3_cross(iso_vec3_sub(b, a), iso_vec3_sub(c, a)));
 }
 
-/* The triangulation with the least area (Barequet and Sharir 1995): area[i][k] of the polygon i .. k and the
- * corner split[i][k] of the triangle on its closing edge. */
+/* The triangulation of a loop with the least area (Barequet and Sharir 1995). area[i][k]: the area of the
+ * polygon of vertices i .. k. split[i][k]: the third corner of the triangle on the edge between k and i. */
 typedef struct filling {
     double area[LEAST_AREA][LEAST_AREA];
     uint8_t split[LEAST_AREA][LEAST_AREA];
 } filling;
 
-static double least_area(const iso_triangles *mesh, const uint32_t *loop, int count, filling *f) {
+/* Finds the triangulation of a loop with the least area and returns this area. */
+static double find_filling(const iso_triangles *mesh, const uint32_t *loop, int count, filling *f) {
     for (int i = 0; i + 1 < count; i++) f->area[i][i + 1] = 0;
     for (int width = 2; width < count; width++)
         for (int i = 0; i + width < count; i++) {
@@ -110,7 +113,7 @@ static bool add_filling(iso_closed_mesh *c, const uint32_t *loop, const filling 
            add_filling(c, loop, f, m, k);
 }
 
-static bool fill_from_middle(iso_closed_mesh *c, const uint32_t *loop, size_t count) {
+static bool fill_with_fan(iso_closed_mesh *c, const uint32_t *loop, size_t count) {
     iso_vec3 sum = {0, 0, 0};
     for (size_t i = 0; i < count; i++) sum = iso_vec3_add(sum, vertex(&c->mesh, loop[i]));
     const uint32_t middle = (uint32_t)c->mesh.vertex_count;
@@ -128,9 +131,9 @@ typedef struct closing {
     const char *path;
     iso_closed_mesh *closed;
     filling *scratch;
-    double most;           /* of a hole to fill */
-    uint32_t (*border)[2]; /* edges of loops in the box's faces */
-    size_t border_count, refused;
+    double most;                  /* largest hole to fill, mm */
+    uint32_t (*border)[2];        /* edges of loops in the faces of the box, which are to be capped */
+    size_t border_count, refused; /* numbers of such edges, and of loops that are too large */
     double largest_refused;
 } closing;
 
@@ -151,7 +154,7 @@ static bool is_crack(const closing *c, const uint32_t *loop, size_t count) {
     for (size_t i = 0; i < count; i++)
         perimeter += iso_vec3_length(
             iso_vec3_sub(vertex(&c->closed->mesh, loop[(i + 1) % count]), vertex(&c->closed->mesh, loop[i])));
-    return least_area(&c->closed->mesh, loop, (int)count, c->scratch) <= CRACK * perimeter * perimeter;
+    return find_filling(&c->closed->mesh, loop, (int)count, c->scratch) <= CRACK * perimeter * perimeter;
 }
 
 static bool in_border(const closing *c, const uint32_t *loop, size_t count) {
@@ -162,7 +165,8 @@ static bool in_border(const closing *c, const uint32_t *loop, size_t count) {
     return true;
 }
 
-static loop_kind kind_of(const closing *c, const uint32_t *loop, size_t count, bool capped) {
+/* Decides how a loop is closed; `capped`: loops in the faces of the box are to be capped. */
+static loop_kind choose_kind(const closing *c, const uint32_t *loop, size_t count, bool capped) {
     if (count == 3) return LOOP_FILL; /* a single triangle is missing */
     if (capped && in_border(c, loop, count)) return LOOP_BORDER;
     if (loop_size(&c->closed->mesh, loop, count) <= c->most || is_crack(c, loop, count)) return LOOP_FILL;
@@ -173,12 +177,12 @@ static bool fill_hole(closing *c, const uint32_t *loop, size_t count) {
     iso_closed_mesh *closed = c->closed;
     closed->report.holes_closed++;
     closed->report.largest_hole = fmax(closed->report.largest_hole, loop_size(&closed->mesh, loop, count));
-    if (count > LEAST_AREA) return fill_from_middle(closed, loop, count);
-    least_area(&closed->mesh, loop, (int)count, c->scratch);
+    if (count > LEAST_AREA) return fill_with_fan(closed, loop, count);
+    find_filling(&closed->mesh, loop, (int)count, c->scratch);
     return add_filling(closed, loop, c->scratch, 0, (int)count - 1);
 }
 
-static void put_border(closing *c, const uint32_t *loop, size_t count) {
+static void add_border_edges(closing *c, const uint32_t *loop, size_t count) {
     for (size_t i = 0; i < count; i++) {
         c->border[c->border_count][0] = loop[i];
         c->border[c->border_count++][1] = loop[(i + 1) % count];
@@ -186,36 +190,36 @@ static void put_border(closing *c, const uint32_t *loop, size_t count) {
     c->closed->report.loops_capped++;
 }
 
-static iso_status refuse(const closing *c, iso_error *error) {
+static iso_status fail_open(const closing *c, iso_error *error) {
     return iso_fail(error, ISO_ERR_FORMAT,
                     "%s: the mesh is open: %zu open edges; the largest hole measures %.3g mm, and only holes "
                     "up to %.3g mm can be closed",
                     c->path, c->closed->report.open_edges, c->largest_refused, fmax(c->most, 0));
 }
 
-/* Closes all loops; `capped`: those in the faces of the box by caps. */
+/* Closes all loops. `capped`: those in the faces of the box are capped. */
 static iso_status close_loops(closing *c, bool capped, iso_error *error) {
     const iso_mesh_topology *t = &c->closed->topology;
     c->border_count = c->refused = 0;
     for (size_t i = 0; i < t->loops; i++) {
         size_t count;
         const uint32_t *loop = loop_of(t, i, &count);
-        const loop_kind kind = kind_of(c, loop, count, capped);
-        if (kind == LOOP_BORDER) put_border(c, loop, count);
+        const loop_kind kind = choose_kind(c, loop, count, capped);
+        if (kind == LOOP_BORDER) add_border_edges(c, loop, count);
         if (kind == LOOP_FILL && !fill_hole(c, loop, count)) return iso_fail_memory(error, c->path);
         if (kind != LOOP_TOO_LARGE) continue;
         c->refused++;
         c->largest_refused = fmax(c->largest_refused, loop_size(&c->closed->mesh, loop, count));
     }
-    if (c->refused) return refuse(c, error);
+    if (c->refused) return fail_open(c, error);
     if (c->border_count == 0) return ISO_OK;
     return iso_border_close(&c->closed->border, &c->closed->mesh, (const uint32_t(*)[2])c->border,
                             c->border_count, error);
 }
 
-/* Closes with caps, or without them if that fails: loops in the box's faces may be small enough to be filled.
- */
-static iso_status close_somehow(closing *c, iso_error *error) {
+/* Closes the mesh, with caps in the faces of the box. If caps are not possible there, closes it without: the
+ * loops in the faces of the box may be small enough to be filled like other holes. */
+static iso_status close_open_mesh(closing *c, iso_error *error) {
     iso_closed_mesh *closed = c->closed;
     const iso_mesh_report before = closed->report;
     const size_t vertices = closed->mesh.vertex_count, triangles = closed->mesh.triangle_count;
@@ -229,13 +233,15 @@ static iso_status close_somehow(closing *c, iso_error *error) {
 
 /* ---- volume and area */
 
+/* Returns twice the area vector of a triangle; *a is its first corner. */
 static iso_vec3 cross_of(const iso_triangles *mesh, size_t triangle, iso_vec3 *a) {
     const uint32_t *t = mesh->triangles[triangle];
     *a = vertex(mesh, t[0]);
     return iso_vec3_cross(iso_vec3_sub(vertex(mesh, t[1]), *a), iso_vec3_sub(vertex(mesh, t[2]), *a));
 }
 
-/* By the divergence theorem, seen from `from`. */
+/* Returns the signed volume of a mesh by the divergence theorem: the sum over the tetrahedra between its
+ * triangles and the point `from`. */
 static double volume_of(const iso_triangles *mesh, iso_vec3 from) {
     double volume = 0;
     for (size_t i = 0; i < mesh->triangle_count; i++) {
@@ -297,7 +303,7 @@ static iso_status close_mesh(const char *path, iso_closed_mesh *c, double hole, 
                     .most = hole == 0 ? ISO_MESH_HOLE * longest_side(&c->border) : hole,
                     .border = iso_alloc((t->open_count + 1) * sizeof *work.border)};
     iso_status status =
-        work.scratch && work.border ? close_somehow(&work, error) : iso_fail_memory(error, path);
+        work.scratch && work.border ? close_open_mesh(&work, error) : iso_fail_memory(error, path);
     iso_free(work.scratch);
     iso_free(work.border);
     return status;

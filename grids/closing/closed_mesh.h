@@ -29,7 +29,7 @@ typedef struct iso_closing_opts {
     const iso_progress *progress; /* cancelled: ISO_ERR_IO */
 } iso_closing_opts;
 
-/* What was found and done. */
+/* What was found in a mesh, and what was done to close it. */
 typedef struct iso_mesh_report {
     size_t triangles;    /* without degenerate ones and duplicates */
     size_t open_edges;   /* edges with a triangle on one side only */
@@ -43,8 +43,8 @@ typedef struct iso_mesh_report {
 
 typedef struct iso_closed_mesh iso_closed_mesh;
 
-/* Copies and closes a mesh. `path` is used in messages. ISO_ERR_FORMAT: it cannot be closed, or encloses
- * hardly any volume; the message has the number of open edges and the size of the largest hole.
+/* Copies and closes a mesh. `path` is used in messages. ISO_ERR_FORMAT: the mesh cannot be closed, or
+ * encloses hardly any volume; the message has the number of open edges and the size of the largest hole.
  * ISO_ERR_EMPTY: no triangle has an area; ISO_ERR_IO: cancelled; ISO_ERR_NOMEM, ISO_ERR_LIMIT. */
 iso_status iso_closed_mesh_create(const char *path, const iso_triangles *mesh, const iso_closing_opts *opts,
                                   iso_closed_mesh **closed, iso_error *error);
@@ -53,11 +53,11 @@ void iso_closed_mesh_destroy(iso_closed_mesh *closed); /* NULL is allowed */
 const iso_mesh_report *iso_closed_mesh_report(const iso_closed_mesh *closed);
 iso_box iso_closed_mesh_box(const iso_closed_mesh *closed);
 
-/* The winding number at a point, and the nearest point of the triangles and caps. Thread-safe. */
+/* Return the winding number at a point, and find the nearest point of the triangles and caps. Thread-safe. */
 double iso_closed_mesh_winding(const iso_closed_mesh *closed, iso_vec3 p);
 void iso_closed_mesh_nearest(const iso_closed_mesh *closed, iso_vec3 p, iso_nearest *nearest);
 
-/* Writes one line for users about what was closed or turned. False: nothing was. */
+/* Writes a line for users that says what was closed or turned. Returns false if nothing was. */
 bool iso_mesh_report_note(const iso_mesh_report *report, char *text, size_t size);
 
 #ifdef __cplusplus

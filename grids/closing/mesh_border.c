@@ -1,5 +1,6 @@
-/* Caps in the faces of a box. A winding number in a face is found by counting the open edges between a side
- * of the face and a point; a constant for each face follows from its neighbours across the box's edges. */
+/* Finds the winding numbers in the faces of the box, as mesh_border.h describes. The number at a point of a
+ * face is found by counting the open edges between a side of the face and the point. A constant for each face
+ * follows from its neighbours, because numbers do not change across the edges of the box. */
 #include "grids/closing/mesh_border.h"
 
 #include <math.h>
@@ -8,9 +9,8 @@
 
 #include "base/memory.h"
 
-/* The edges of a face are sorted into rows, for speed only; samples along a side that find the smallest
- * number.
- */
+/* MOST_ROWS: the largest number of rows into which the edges of a face are sorted (for speed only);
+ * ROW_EDGES: see rows_for; SAMPLES: samples along each side of a face for finding its smallest number. */
 enum { FACES = 6, MOST_ROWS = 1024, SAMPLES = 256, ROW_EDGES = 4 };
 
 /* An open edge in the coordinates of a face, directed as in its triangle. */
@@ -18,7 +18,8 @@ typedef struct flat_edge {
     double a[2], b[2];
 } flat_edge;
 
-/* A change of the number along a side of a face: `change` is added beyond `at`. */
+/* A change of the winding number along a side of a face: beyond coordinate `at` the number is larger by `by`.
+ * In a complete list, `by` is the sum of this change and all before it. */
 typedef struct jump {
     double at;
     int by;
@@ -29,18 +30,18 @@ typedef struct jumps {
     size_t count;
 } jumps;
 
-/* Coordinates u, v with u x v out of the box. The number right of an edge is one more than left of it, seen
- * from outside. */
+/* A face of the box. `u` and `v` are the axes of its coordinates, and u x v points out of the box. Seen from
+ * outside, the winding number on the right of an open edge is one more than on its left. */
 struct iso_border_face {
     int axis, u, v;
     double plane, lo[2], hi[2];
     flat_edge *edges;
     size_t count, room;
-    int first;           /* the number beside the corner (lo, lo) */
-    jumps left, right;   /* along v, just inside u = lo and u = hi */
-    jumps bottom, top;   /* along u, just inside v = lo and v = hi */
-    uint32_t *row_edges; /* of each row of v the edges that reach into it */
-    size_t *row_first;   /* rows + 1 */
+    int first;           /* the winding number beside the corner (lo, lo) */
+    jumps left, right;   /* changes along v, just inside u = lo and u = hi */
+    jumps bottom, top;   /* changes along u, just inside v = lo and v = hi */
+    uint32_t *row_edges; /* for each row (a range of v), the edges that reach into it */
+    size_t *row_first;   /* rows + 1 indices into row_edges */
     size_t rows;
 };
 
@@ -56,7 +57,8 @@ void iso_border_init(iso_border *border, const iso_triangles *mesh) {
         longest = fmax(longest, border->hi[axis] - border->lo[axis]);
         largest = fmax(largest, fmax(fabs(border->lo[axis]), fabs(border->hi[axis])));
     }
-    border->near = 1e-6 * longest + 0x1p-21 * largest; /* (positions are floats) */
+    border->near = 1e-6 * longest +
+                   0x1p-21 * largest; /* the second term is the rounding of positions, which are floats */
 }
 
 static void free_faces(iso_border_face *faces) {
@@ -79,7 +81,8 @@ void iso_border_free(iso_border *border) {
 
 /* ---- assigning edges to faces */
 
-/* The face that holds an edge, the first of two; -1: none. Faces 0, 2, 4 are at lo, 1, 3, 5 at hi. */
+/* Returns the face in which an edge lies, the first one if there are two; -1: none. Faces 0, 2, 4 are at lo,
+ * 1, 3, 5 at hi. */
 static int face_of(const iso_border *border, const float a[3], const float b[3]) {
     for (int f = 0; f < FACES; f++) {
         const int axis = f / 2;
@@ -109,7 +112,7 @@ static void place_faces(const iso_border *border, iso_border_face *faces) {
     }
 }
 
-/* Moves a coordinate near the rim of a face exactly onto it. */
+/* Returns the coordinate `at`, or that of the rim (lo or hi) if this is within `near`. */
 static double snap(double at, double lo, double hi, double near) {
     if (at - lo <= near) return lo;
     return hi - at <= near ? hi : at;
@@ -141,10 +144,11 @@ static int compare_jumps(const void *a, const void *b) {
     return (x->at > y->at) - (x->at < y->at);
 }
 
-/* Jumps along a line just inside a side, where coordinate `across` is at its lowest or highest: of the edges
- * that begin or end there. Edges in the side itself are taken as if they were a little farther inside, with
- * their ends bent outwards: the line crosses both. `forward` is what an edge towards larger values of
- * `across` adds. */
+/* Finds the changes of the winding number along a line just inside a side of the face: the side where
+ * coordinate `across` is lowest or, with `high`, highest. The number changes at open edges that begin or end
+ * at the side. Edges that lie in the side are taken as if they were a little farther inside, with both ends
+ * bent outwards; the line crosses both ends. `forward` is the change at an edge that runs towards larger
+ * values of `across`. */
 static bool find_jumps(const iso_border_face *face, int across, bool high, int forward, jumps *out) {
     const double side = high ? face->hi[across] : face->lo[across];
     const int inward = high ? -forward : forward;
@@ -156,11 +160,12 @@ static bool find_jumps(const iso_border_face *face, int across, bool high, int f
         if (e->b[across] == side) out->list[out->count++] = (jump){e->b[1 - across], -inward};
     }
     qsort(out->list, out->count, sizeof *out->list, compare_jumps);
-    for (size_t i = 1; i < out->count; i++) out->list[i].by += out->list[i - 1].by; /* sums, from here on */
+    for (size_t i = 1; i < out->count; i++)
+        out->list[i].by += out->list[i - 1].by; /* from here on `by` is a sum */
     return true;
 }
 
-/* The sum of the jumps up to `at`. */
+/* Returns the sum of the changes up to coordinate `at`. */
 static int jumps_until(const jumps *j, double at) {
     size_t lo = 0, hi = j->count;
     while (lo < hi) {
@@ -173,6 +178,7 @@ static int jumps_until(const jumps *j, double at) {
     return lo ? j->list[lo - 1].by : 0;
 }
 
+/* Returns the sum of all changes along a side. */
 static int jumps_all(const jumps *j) {
     return j->count ? j->list[j->count - 1].by : 0;
 }
@@ -190,12 +196,13 @@ static size_t row_of(const iso_border_face *face, double v) {
     return (size_t)fmin(fmax(row, 0), (double)(face->rows - 1));
 }
 
-/* So many rows that an edge is in a few of them. */
+/* Returns a number of rows with which an edge is in about ROW_EDGES rows on average. */
 static size_t rows_for(const iso_border_face *face) {
     double rise = 0;
     const double height = face->hi[1] - face->lo[1];
     for (size_t i = 0; i < face->count; i++) rise += fabs(face->edges[i].b[1] - face->edges[i].a[1]);
-    const double crossings = height > 0 ? rise / height : 0; /* of a line of constant v */
+    const double crossings =
+        height > 0 ? rise / height : 0; /* how many edges a line of constant v crosses on average */
     const double rows = ROW_EDGES * (double)face->count / (crossings + 1);
     return (size_t)fmin(fmax(rows, 1), MOST_ROWS);
 }
@@ -221,7 +228,8 @@ static bool make_rows(iso_border_face *face) {
     return true;
 }
 
-/* Counts the edges between the left side and (u, v). */
+/* Returns the winding number at (u, v): that at the left side, changed by each edge between the left side and
+ * the point. */
 static int number_at(const iso_border_face *face, double u, double v) {
     int number = face->first + jumps_until(&face->left, v);
     const size_t row = row_of(face, v);
@@ -236,19 +244,22 @@ static int number_at(const iso_border_face *face, double u, double v) {
 
 /* ---- the constant */
 
-/* The box's corner (bit 0, 1, 2: high x, y, z) at a corner of a face (bit 0: u, bit 1: v). */
+/* Returns the number of the box's corner (bit 0, 1, 2: high x, y, z) that is corner k of a face (bit 0: high
+ * u, bit 1: high v). */
 static int box_corner(const iso_border_face *face, int f, int k) {
     return (f % 2) << face->axis | (k & 1) << face->u | (k >> 1) << face->v;
 }
 
-/* The number at a corner of a face less that at its first. */
+/* Returns the winding number at corner k of a face minus that at its first corner. */
 static int corner_number(const iso_border_face *face, int k) {
     if (k == 0) return 0;
     if (k == 1) return jumps_all(&face->bottom);
     return jumps_all(&face->left) + (k == 3 ? jumps_all(&face->top) : 0);
 }
 
-/* Numbers do not change across the box's edges: from face to face. false: they contradict each other. */
+/* Sets `first` of all faces, up to a constant for the whole box. Winding numbers do not change across the
+ * edges of the box, so they are passed on from face to face at the corners. Returns false if they contradict
+ * each other. */
 static bool join_faces(iso_border_face *faces) {
     int number[8] = {0};
     bool known[8] = {true}, done[FACES] = {false};
@@ -274,6 +285,7 @@ static bool join_faces(iso_border_face *faces) {
     return true;
 }
 
+/* Returns the smallest winding number of samples in all faces. */
 static int smallest_number(const iso_border_face *faces) {
     int smallest = 0;
     for (int f = 0; f < FACES; f++)
@@ -286,11 +298,15 @@ static int smallest_number(const iso_border_face *faces) {
     return smallest;
 }
 
+/* Subtracts the constant from all winding numbers: the number of the faces without open edges or, if all
+ * faces have some, the smallest number. Returns false if two faces without open edges have different numbers.
+ */
 static bool find_constant(iso_border_face *faces) {
     int whole = -1;
     for (int f = 0; f < FACES; f++) {
         if (faces[f].count) continue;
-        if (whole >= 0 && faces[f].first != faces[whole].first) return false; /* one is of the solid */
+        if (whole >= 0 && faces[f].first != faces[whole].first)
+            return false; /* one of the two faces is covered by the solid */
         whole = f;
     }
     const int zero = whole >= 0 ? faces[whole].first : smallest_number(faces);
@@ -342,7 +358,7 @@ void iso_border_nearest(const iso_border *border, iso_vec3 p, iso_nearest *neare
 }
 
 typedef struct fan {
-    iso_triangles *out; /* vertices NULL: only counted */
+    iso_triangles *out; /* vertices NULL: vertices and triangles are only counted */
     const iso_border_face *face;
 } fan;
 
@@ -356,7 +372,8 @@ static void add_corner(fan *f, const double at[2]) {
     f->out->vertex_count++;
 }
 
-/* From the face's first corner, `number` times; negative: the other way. */
+/* Adds the triangle between the face's first corner, a and b `number` times; if `number` is negative, -number
+ * times with the opposite orientation. */
 static void add_triangles(fan *f, const double a[2], const double b[2], int number) {
     for (int i = 0; i < abs(number); i++) {
         uint32_t *t = f->out->triangles ? f->out->triangles[f->out->triangle_count] : NULL;
@@ -368,7 +385,8 @@ static void add_triangles(fan *f, const double a[2], const double b[2], int numb
     }
 }
 
-/* The side where coordinate `across` is at its highest, piece by piece; `number` at its lower end. */
+/* Adds the triangles of the side where coordinate `across` is highest, one for each piece between two
+ * changes. `number` is the winding number at the lower end of the side. */
 static void add_side(fan *f, int across, const jumps *j, int number) {
     double from[2], to[2];
     from[across] = to[across] = f->face->hi[across];

@@ -37,12 +37,12 @@ bool iso_border_holds(const iso_border *border, const float a[3], const float b[
 iso_status iso_border_close(iso_border *border, const iso_triangles *mesh, const uint32_t (*edges)[2],
                             size_t count, iso_error *error);
 
-/* Sets *nearest to the nearest point of the caps if that is nearer. */
+/* Sets *nearest to the nearest point of the caps, if this point is nearer than *nearest. */
 void iso_border_nearest(const iso_border *border, iso_vec3 p, iso_nearest *nearest);
 
-/* Triangles with the same boundaries as the caps, and so with the same winding number at all points outside
- * their planes; within the planes they overlap. None without caps. Free the arrays with iso_free.
- * ISO_ERR_NOMEM. */
+/* Makes triangles with the same boundaries as the caps, and so with the same winding number at all points
+ * outside their planes; within the planes they overlap. Makes none if there are no caps. Free the arrays with
+ * iso_free. ISO_ERR_NOMEM. */
 iso_status iso_border_fans(const iso_border *border, iso_triangles *fans, iso_error *error);
 
 #ifdef __cplusplus

@@ -1,5 +1,6 @@
-/* Distances of inside voxels near buried triangles: the minimum over the outside voxels around of the way
- * there minus their distance. */
+/* Corrects the distances of inside voxels near buried triangles, which lie inside the solid. The new distance
+ * is the minimum, over the outside voxels nearby, of the distance to the outside voxel minus this voxel's own
+ * distance. */
 #include "grids/closing/mesh_buried.h"
 
 #include <math.h>
@@ -9,19 +10,20 @@
 #include "base/memory.h"
 #include "base/numbers.h"
 
-/* If a triangle is this near to an inside voxel without outside neighbours, the triangle is inside the solid.
- */
+/* If an inside voxel without outside neighbours is nearer than this to a triangle (voxels), the triangle is
+ * taken to be inside the solid. */
 static const float NEAR = 0.75f;
-/* Outside voxels up to this far away along an axis are used: the band's 3, and 1. */
+/* REACH: outside voxels up to this far away along each axis are used: 3 for the band, and 1 more. BATCH: the
+ * number of cells whose new values are computed before they are written. */
 enum { REACH = 4, BATCH = 256 };
 
 typedef struct work {
     iso_hgrid *grid;
     const iso_closed_mesh *mesh;
-    uint8_t *found;  /* by cell: a surface inside the solid was seen here; then also in neighbours */
-    uint32_t *cells; /* those to be done */
-    size_t first;    /* of the batch */
-    float *values;   /* of the batch's bricks */
+    uint8_t *found;  /* by cell: whether a buried triangle was found in it */
+    uint32_t *cells; /* the cells to correct */
+    size_t first;    /* index in `cells` of the batch's first cell */
+    float *values;   /* new values of the batch's bricks */
 } work;
 
 static float value_at(const iso_hgrid *grid, int x, int y, int z) {
@@ -44,7 +46,8 @@ static void voxel_at(const int cell[3], int voxel, int at[3]) {
     at[2] = cell[2] * ISO_BRICK + voxel / (ISO_BRICK * ISO_BRICK);
 }
 
-static void look_in_cell(void *context, size_t cell, int worker) {
+/* Looks in a cell for an inside voxel that is near a triangle although no voxel around it is outside. */
+static void find_buried_in_cell(void *context, size_t cell, int worker) {
     const work *w = context;
     const int32_t number = w->grid->cell[cell];
     int at[3], p[3];
@@ -60,8 +63,9 @@ static void look_in_cell(void *context, size_t cell, int worker) {
     }
 }
 
-/* Marks the cells with bricks around those where a buried triangle was found. */
-static size_t collect(const work *w, size_t count) {
+/* Lists the cells with a brick that have a buried triangle in them or in a neighbouring cell. Returns their
+ * number. */
+static size_t list_cells(const work *w, size_t count) {
     size_t collected = 0;
     for (size_t cell = 0; cell < count; cell++) {
         int at[3];
@@ -79,8 +83,8 @@ static size_t collect(const work *w, size_t count) {
     return collected;
 }
 
-/* Whether the triangle that is nearest to a voxel is inside the solid: no voxel around the nearest point is
- * outside. */
+/* Whether the triangle nearest to voxel p is inside the solid: none of the eight voxels around the nearest
+ * point is outside. */
 static bool is_buried(const work *w, const int p[3], float distance) {
     const iso_transform *t = &w->grid->transform;
     const double voxel = t->spacing[0], most = (fabs((double)distance) + 0.1) * voxel;
@@ -97,8 +101,9 @@ static bool is_buried(const work *w, const int p[3], float distance) {
     return !has_outside(w->grid, lo, hi);
 }
 
-/* The distance from p to an outside voxel minus the voxel's own distance is never smaller than the distance
- * from p to the surface, and equal to it if the voxel lies on the line through the foot point of p. */
+/* Returns the distance of the inside voxel p to the surface of the solid: the minimum over outside voxels q
+ * of |p - q| - distance(q). Each term is at least the distance of p, because the line from p to q crosses the
+ * surface. It is equal if p and q have the same foot point and this lies on the line. */
 static float distance_to_outside(const work *w, const int p[3]) {
     double least = (double)w->grid->band;
     for (int z = -REACH; z <= REACH; z++)
@@ -112,7 +117,7 @@ static float distance_to_outside(const work *w, const int p[3]) {
     return (float)(least > 0 ? least : 0);
 }
 
-static void repair(void *context, size_t index, int worker) {
+static void correct_cell(void *context, size_t index, int worker) {
     const work *w = context;
     const size_t cell = w->cells[w->first + index];
     float *to = w->values + index * ISO_BRICK_VOXELS;
@@ -130,11 +135,12 @@ static void repair(void *context, size_t index, int worker) {
     }
 }
 
-/* Only inside voxels are written, and only outside voxels and signs are read, so batches are independent. */
-static void repair_all(work *w, size_t count, iso_pool *pool) {
+/* Corrects all listed cells in batches. Batches are independent, because only inside voxels are written, and
+ * only the values of outside voxels and signs are read. */
+static void correct_cells(work *w, size_t count, iso_pool *pool) {
     for (w->first = 0; w->first < count; w->first += BATCH) {
         const size_t batch = count - w->first < BATCH ? count - w->first : BATCH;
-        iso_parallel_for(pool, batch, repair, w);
+        iso_parallel_for(pool, batch, correct_cell, w);
         for (size_t i = 0; i < batch; i++)
             memcpy(iso_hgrid_brick(w->grid, w->grid->cell[w->cells[w->first + i]]),
                    w->values + i * ISO_BRICK_VOXELS, ISO_BRICK_VOXELS * sizeof(float));
@@ -151,8 +157,8 @@ iso_status iso_mesh_remove_buried(iso_hgrid *grid, const iso_closed_mesh *mesh, 
               .values = iso_alloc((size_t)BATCH * ISO_BRICK_VOXELS * sizeof *w.values)};
     const bool whole = w.found && w.cells && w.values;
     if (whole) {
-        iso_parallel_for(pool, count, look_in_cell, &w);
-        repair_all(&w, collect(&w, count), pool);
+        iso_parallel_for(pool, count, find_buried_in_cell, &w);
+        correct_cells(&w, list_cells(&w, count), pool);
     }
     iso_free(w.found);
     iso_free(w.cells);

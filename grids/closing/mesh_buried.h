@@ -11,9 +11,9 @@
 extern "C" {
 #endif
 
-/* `grid` has distances to the mesh's triangles, with the right signs. For inside voxels whose nearest
- * triangle lies inside the solid, replaces them by distances to the solid's surface, to about 0.05 voxel.
- * ISO_ERR_NOMEM: only some bricks are corrected. */
+/* `grid` has distances to the mesh's triangles, with the right signs. The distances of inside voxels whose
+ * nearest triangle lies inside the solid are replaced by distances to the solid's surface, with an error of
+ * about 0.05 voxel. ISO_ERR_NOMEM: only some bricks are corrected. */
 iso_status iso_mesh_remove_buried(iso_hgrid *grid, const iso_closed_mesh *mesh, iso_pool *pool,
                                   iso_error *error);
 

@@ -1,4 +1,4 @@
-/* The connectivity of a triangle soup: hash tables join vertices and triangles, sorted half-edges join
+/* Finds the connectivity of a triangle soup: hash tables join vertices and triangles, sorted half-edges join
  * triangles to parts, and walks along open edges find the loops. */
 #include "grids/closing/mesh_topology.h"
 
@@ -25,7 +25,7 @@ static uint64_t hash_three(const unsigned char *bytes) {
     return mix(mix((uint64_t)key[0] << 32 | key[1]) + key[2]);
 }
 
-/* Keys of three words; the table holds their numbers. */
+/* A hash table of the numbers of keys. A key is KEY bytes (three words). */
 typedef struct table {
     uint32_t *slots;
     size_t mask;
@@ -41,9 +41,9 @@ static bool table_make(table *t, size_t count) {
     return true;
 }
 
-/* The number of the key that is equal to key `number`, which is `number` when there was none. Keys are of
- * KEY bytes, one after the other. */
-static uint32_t table_find(table *t, const void *keys, uint32_t number) {
+/* Returns the number of the first key that is equal to key `number`. If there is none in the table, adds
+ * `number` and returns it. `keys` has all keys, one after the other. */
+static uint32_t table_find_or_add(table *t, const void *keys, uint32_t number) {
     const unsigned char *bytes = keys, *key = bytes + (size_t)KEY * number;
     size_t at = (size_t)hash_three(key) & t->mask;
     while (t->slots[at] != NONE && memcmp(bytes + (size_t)KEY * t->slots[at], key, KEY) != 0)
@@ -54,14 +54,15 @@ static uint32_t table_find(table *t, const void *keys, uint32_t number) {
 
 /* ---- vertices */
 
-/* Maps each vertex of the mesh to its joined vertex in *joined; distinct positions are written to `to`. */
-static bool join(const iso_triangles *from, iso_triangles *to, uint32_t *joined) {
+/* Writes each distinct position of `from` once to `to`, and sets joined[i] to the new number of vertex i.
+ * Returns false if there is no memory. */
+static bool join_vertices(const iso_triangles *from, iso_triangles *to, uint32_t *joined) {
     table t = {0};
     if (!table_make(&t, from->vertex_count)) return false;
     for (size_t i = 0; i < from->vertex_count; i++) {
         float *v = to->vertices[to->vertex_count];
-        for (int axis = 0; axis < 3; axis++) v[axis] = from->vertices[i][axis] + 0.0f; /* (-0 is 0) */
-        joined[i] = table_find(&t, to->vertices, (uint32_t)to->vertex_count);
+        for (int axis = 0; axis < 3; axis++) v[axis] = from->vertices[i][axis] + 0.0f; /* -0 becomes 0 */
+        joined[i] = table_find_or_add(&t, to->vertices, (uint32_t)to->vertex_count);
         to->vertex_count += joined[i] == to->vertex_count;
     }
     iso_free(t.slots);
@@ -89,17 +90,20 @@ static bool is_degenerate(const uint32_t t[3]) {
     return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
 }
 
-/* One of each set of equal triangles, facing as most of them do. */
+/* Keeps one of each set of equal triangles, which faces as most of the set do; none if as many face one way
+ * as the other. */
 static bool remove_copies(iso_triangles *mesh) {
     const size_t count = mesh->triangle_count;
     uint32_t(*keys)[3] = iso_alloc(count * sizeof *keys);
-    int32_t *balance = iso_alloc_zero(count ? count : 1, sizeof *balance); /* of the first of its kind */
+    int32_t *balance =
+        iso_alloc_zero(count ? count : 1, sizeof *balance); /* at the first triangle of a set: how many more
+                                                               of the set face one way than the other */
     table t = {0};
     const bool whole = keys && balance && table_make(&t, count);
     size_t kept = 0;
     for (size_t i = 0; whole && i < count; i++) {
         const bool odd = sort_corners(mesh->triangles[i], keys[i]);
-        const uint32_t first = table_find(&t, keys, (uint32_t)i);
+        const uint32_t first = table_find_or_add(&t, keys, (uint32_t)i);
         balance[first] += odd ? -1 : 1;
     }
     for (size_t i = 0; whole && i < count; i++) {
@@ -122,7 +126,7 @@ static bool remove_copies(iso_triangles *mesh) {
 
 static bool join_triangles(const iso_triangles *from, iso_triangles *to) {
     uint32_t *joined = iso_alloc(from->vertex_count * sizeof *joined);
-    bool whole = joined && join(from, to, joined);
+    bool whole = joined && join_vertices(from, to, joined);
     for (size_t i = 0; whole && i < from->triangle_count; i++) {
         uint32_t *t = to->triangles[to->triangle_count];
         for (int k = 0; k < 3; k++) t[k] = joined[from->triangles[i][k]];
@@ -134,6 +138,7 @@ static bool join_triangles(const iso_triangles *from, iso_triangles *to) {
 
 /* ---- half-edges, grouped by their lower vertex, then sorted by their upper one */
 
+/* A half-edge: an edge with the direction that it has in one of its triangles. */
 typedef struct half {
     uint32_t upper, number; /* number: 3 * triangle + corner that it begins at */
 } half;
@@ -183,7 +188,8 @@ static bool edges_make(const iso_triangles *mesh, edges *e) {
     return true;
 }
 
-/* The halves of one edge: from *at on, below the result. */
+/* Returns the end of the range of half-edges that belong to the same edge as half-edge `at`, the first one of
+ * the range. */
 static size_t edge_end(const edges *e, size_t vertex, size_t at) {
     size_t end = at + 1;
     while (end < e->first[vertex + 1] && e->halves[end].upper == e->halves[at].upper) end++;
@@ -192,7 +198,8 @@ static size_t edge_end(const edges *e, size_t vertex, size_t at) {
 
 /* ---- consistent orientation */
 
-/* The other half of each half's edge, where an edge has two; the number of those that face different ways. */
+/* Sets partner[h] to the other half-edge of the same edge if the edge has two, else to NONE. Returns the
+ * number of edges whose two triangles face different ways. */
 static size_t find_partners(const iso_triangles *mesh, const edges *e, uint32_t *partner) {
     size_t wrong = 0;
     memset(partner, 0xff, 3 * mesh->triangle_count * sizeof *partner);
@@ -219,8 +226,8 @@ static double area_of(const iso_triangles *mesh, size_t triangle) {
     return 0.5 * iso_vec3_length(iso_vec3_cross(iso_vec3_sub(p[1], p[0]), iso_vec3_sub(p[2], p[0])));
 }
 
-/* Whether two neighbours face the same way. */
-static bool agree(const iso_triangles *mesh, uint32_t a, uint32_t b) {
+/* Whether the triangles of two half-edges of the same edge face the same way. */
+static bool face_same_way(const iso_triangles *mesh, uint32_t a, uint32_t b) {
     uint32_t from_a, from_b, to;
     half_ends(mesh, a, &from_a, &to);
     half_ends(mesh, b, &from_b, &to);
@@ -229,8 +236,9 @@ static bool agree(const iso_triangles *mesh, uint32_t a, uint32_t b) {
 
 enum { UNSEEN, AS_FIRST, TURNED };
 
-/* The part that triangle `seed` belongs to: side[] of its triangles, as against the seed. The queue holds
- * them all in the end; whether most of the area is turned. */
+/* Visits all triangles of the part that triangle queue[0] belongs to, and sets side[] to whether they face as
+ * this triangle does. Afterwards the queue has all *count triangles. Returns whether those that face the
+ * other way have more than half of the area. */
 static bool visit_part(const iso_triangles *mesh, const uint32_t *partner, uint8_t *side, uint32_t *queue,
                        size_t *count) {
     double area[2] = {0};
@@ -242,7 +250,7 @@ static bool visit_part(const iso_triangles *mesh, const uint32_t *partner, uint8
         for (uint32_t k = 0; k < 3; k++) {
             const uint32_t other = partner[3 * t + k];
             if (other == NONE || side[other / 3] != UNSEEN) continue;
-            const bool same = agree(mesh, 3 * t + k, other);
+            const bool same = face_same_way(mesh, 3 * t + k, other);
             side[other / 3] = same == (side[t] == AS_FIRST) ? AS_FIRST : TURNED;
             queue[(*count)++] = other / 3;
         }
@@ -250,6 +258,8 @@ static bool visit_part(const iso_triangles *mesh, const uint32_t *partner, uint8
     return area[1] > area[0];
 }
 
+/* Turns triangles so that each part faces as most of its area does. Returns the number of turned triangles.
+ */
 static size_t turn_parts(iso_triangles *mesh, const uint32_t *partner, uint8_t *side, uint32_t *queue) {
     size_t turned = 0, count;
     for (uint32_t seed = 0; seed < mesh->triangle_count; seed++) {
@@ -283,7 +293,8 @@ static bool face_one_way(iso_triangles *mesh, const edges *e, size_t *turned) {
 
 /* ---- open edges and loops */
 
-/* As many directed copies of each edge as it has halves one way without a partner; NULL: only counted. */
+/* Lists the open edges: each edge as many times as it has more half-edges in one direction than in the other,
+ * in this direction. Returns their number; `open` NULL: they are only counted. */
 static size_t find_open(const iso_triangles *mesh, const edges *e, uint32_t (*open)[2]) {
     size_t count = 0;
     for (size_t v = 0; v < e->vertex_count; v++)
@@ -311,6 +322,7 @@ static int compare_open(const void *a, const void *b) {
     return (x[1] > y[1]) - (x[1] < y[1]);
 }
 
+/* Returns the index of the first open edge that begins at a vertex; the edges are sorted. */
 static size_t first_open(const iso_mesh_topology *t, uint32_t vertex) {
     size_t lo = 0, hi = t->open_count;
     while (lo < hi) {
@@ -324,21 +336,23 @@ static size_t first_open(const iso_mesh_topology *t, uint32_t vertex) {
 }
 
 typedef struct walk {
-    uint32_t *path;     /* vertices from the start to here */
-    uint32_t *place;    /* of a vertex on the path; NONE */
-    uint32_t *used;     /* of a vertex: how many of the open edges that begin there are on a loop */
-    size_t length, put; /* of the path; of loop_vertices */
+    uint32_t *path;         /* the vertices of the current path */
+    uint32_t *place;        /* by vertex: its index on the path; NONE: it is not on it */
+    uint32_t *used;         /* by vertex: how many of the open edges that begin there have been used */
+    size_t length, written; /* vertices of the path; vertices written to loop_vertices */
 } walk;
 
-/* An unused edge that begins at the vertex, now used; NULL: none. */
-static const uint32_t *next_edge(const iso_mesh_topology *t, walk *w, uint32_t vertex) {
+/* Returns an unused open edge that begins at the vertex, and marks it as used; NULL: there is none. */
+static const uint32_t *take_edge(const iso_mesh_topology *t, walk *w, uint32_t vertex) {
     const size_t i = first_open(t, vertex) + w->used[vertex];
     if (i >= t->open_count || t->open[i][0] != vertex) return NULL;
     w->used[vertex]++;
     return t->open[i];
 }
 
-static void advance(iso_mesh_topology *t, walk *w, uint32_t vertex) {
+/* Extends the path to a vertex. If the vertex is on the path already, the path from there on is a loop and is
+ * moved to loop_vertices. */
+static void extend_path(iso_mesh_topology *t, walk *w, uint32_t vertex) {
     if (w->place[vertex] == NONE) {
         w->place[vertex] = (uint32_t)w->length;
         w->path[w->length++] = vertex;
@@ -346,19 +360,20 @@ static void advance(iso_mesh_topology *t, walk *w, uint32_t vertex) {
     }
     const size_t first = w->place[vertex]; /* a loop is closed here */
     for (size_t i = first; i < w->length; i++) {
-        t->loop_vertices[w->put++] = w->path[i];
+        t->loop_vertices[w->written++] = w->path[i];
         if (i > first) w->place[w->path[i]] = NONE;
     }
-    t->loop_first[++t->loops] = w->put;
+    t->loop_first[++t->loops] = w->written;
     w->length = first + 1;
 }
 
-/* At each vertex as many open edges end as begin: every walk comes back to where it began. */
+/* Walks along unused open edges until all are on loops. At each vertex as many open edges end as begin, so
+ * every walk comes back to where it began. */
 static void find_loops(iso_mesh_topology *t, walk *w) {
     for (size_t i = 0; i < t->open_count; i++) {
         const uint32_t *edge;
-        advance(t, w, t->open[i][0]);
-        while ((edge = next_edge(t, w, w->path[w->length - 1]))) advance(t, w, edge[1]);
+        extend_path(t, w, t->open[i][0]);
+        while ((edge = take_edge(t, w, w->path[w->length - 1]))) extend_path(t, w, edge[1]);
         while (w->length > 0) w->place[w->path[--w->length]] = NONE;
     }
 }

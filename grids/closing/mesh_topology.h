@@ -12,8 +12,9 @@ extern "C" {
 
 /* Zero-initialise; iso_mesh_topology_free when done. */
 typedef struct iso_mesh_topology {
-    iso_triangles mesh;       /* owned: equal positions are one vertex; no triangle twice */
-    uint32_t (*open)[2];      /* owned: edges with a triangle on one side only, directed as in it */
+    iso_triangles mesh; /* owned: equal positions are one vertex; no triangle twice */
+    uint32_t (
+        *open)[2]; /* owned: edges with a triangle on one side only, in the direction that they have there */
     size_t open_count, loops; /* numbers of open edges, and of the loops that they form */
     uint32_t *loop_vertices;  /* owned: the vertices of all loops, one loop after the other */
     size_t *loop_first;       /* owned: loops + 1 indices into loop_vertices */

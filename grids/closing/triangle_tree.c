@@ -1,5 +1,5 @@
-/* A complete binary tree over triangles in Morton order, with boxes for nearest points and dipoles for
- * winding numbers; triangle_tree.h names the papers. */
+/* Implements a complete binary tree over triangles in Morton order, with boxes for nearest points and dipoles
+ * for winding numbers; triangle_tree.h names the papers. */
 #include "grids/closing/triangle_tree.h"
 
 #include <math.h>
@@ -9,10 +9,11 @@
 
 #include "base/memory.h"
 
-/* The largest number of triangles of a leaf; the size of the stack of a search. */
+/* LEAF: the largest number of triangles of a leaf. DEEPEST: the largest depth of a tree; the stack of a
+ * search has room for twice as many nodes. MORTON_BITS: bits of a Morton key for each axis. */
 enum { LEAF = 4, DEEPEST = 30, MORTON_BITS = 10 };
-/* A cluster is approximated by a dipole beyond this many times its radius; the error of the winding number of
- * a closed surface is then below 0.1 (tests/unit/grids/test_closed_mesh.c). */
+/* The triangles of a node are approximated by a dipole beyond this many times the node's radius. The error of
+ * the winding number of a closed surface is then below 0.1 (tests/unit/grids/test_closed_mesh.c). */
 static const double FAR = 2;
 
 typedef struct corners {
@@ -22,7 +23,7 @@ typedef struct corners {
 typedef struct node {
     float lo[3], hi[3];
     double centre[3], dipole[3]; /* area-weighted centre; sum of the triangles' area vectors */
-    double radius;               /* around the centre */
+    double radius;               /* of a ball around the centre that contains the triangles */
 } node;
 
 /* A complete binary tree: the children of node i are 2 i + 1 and 2 i + 2, and the triangles, in the order of
@@ -36,10 +37,12 @@ struct iso_triangle_tree {
 
 /* ---- building */
 
+/* A triangle and its Morton key. */
 typedef struct place {
     uint32_t key, triangle;
 } place;
 
+/* Inserts two zero bits before each of the low ten bits of x. */
 static uint32_t spread(uint32_t x) {
     x = (x | x << 16) & 0x030000ffu;
     x = (x | x << 8) & 0x0300f00fu;
@@ -72,7 +75,7 @@ static void find_places(const iso_triangles *mesh, place *places) {
     }
 }
 
-/* By key, in a stable order: three passes of a radix sort. */
+/* Sorts by key: a stable radix sort of three passes. */
 static void sort_places(place *places, place *scratch, size_t count) {
     enum { BITS = 10, BUCKETS = 1 << BITS };
     for (int pass = 0; pass < 3; pass++) {
@@ -85,8 +88,9 @@ static void sort_places(place *places, place *scratch, size_t count) {
     }
 }
 
+/* Returns the index of the first triangle of a leaf. */
 static size_t leaf_first(const iso_triangle_tree *tree, size_t leaf) {
-    return tree->count * leaf >> tree->depth; /* (below 2^62) */
+    return tree->count * leaf >> tree->depth; /* the product is below 2^62 */
 }
 
 static iso_vec3 corner(const corners *t, int k) {
@@ -98,7 +102,8 @@ static iso_vec3 area_vector(const corners *t) {
     return iso_vec3_scale(iso_vec3_cross(iso_vec3_sub(corner(t, 1), a), iso_vec3_sub(corner(t, 2), a)), 0.5);
 }
 
-/* The sums from which the data of a node is computed. */
+/* Sums over the triangles of a node: area, area-weighted centroids (moment) and area vectors (dipole). The
+ * data of the node is computed from them. */
 typedef struct sums {
     iso_vec3 moment, dipole;
     double area;
@@ -168,7 +173,7 @@ static void build_sums(const iso_triangle_tree *tree, sums *s) {
     }
 }
 
-/* NULL: out of memory. */
+/* Creates a tree; NULL: out of memory. */
 static iso_triangle_tree *create_tree(const iso_triangles *mesh) {
     iso_triangle_tree *tree = iso_alloc_zero(1, sizeof *tree);
     if (!tree) return NULL;
@@ -212,7 +217,7 @@ void iso_triangle_tree_destroy(iso_triangle_tree *tree) {
 
 /* ---- winding numbers */
 
-/* For 0 <= x <= 1, error below 1e-11. */
+/* Returns the arc tangent of x, 0 <= x <= 1, with an error below 1e-11. */
 static double arc_tangent(double x) {
     static const double EIGHTH = 0.41421356237309503; /* tan(pi / 8) */
     const bool large = x > EIGHTH;
@@ -223,7 +228,8 @@ static double arc_tangent(double x) {
     return (large ? ISO_PI / 4 : 0) + x * sum;
 }
 
-/* Not libm's, whose bits depend on the machine. 0 at (0, 0) and for y = 0. */
+/* Returns the angle of the vector (x, y) as atan2 does, but with the same bits on every machine; 0 if y is 0.
+ */
 static double angle_of(double y, double x) {
     const double ay = fabs(y), ax = fabs(x);
     if (ay == 0) return 0;
@@ -232,7 +238,7 @@ static double angle_of(double y, double x) {
     return y < 0 ? -angle : angle;
 }
 
-/* Of a triangle seen from p, over 4 pi. */
+/* Returns the winding number of a triangle around p: its solid angle divided by 4 pi. */
 static double triangle_winding(const corners *t, iso_vec3 p) {
     const iso_vec3 a = iso_vec3_sub(corner(t, 0), p), b = iso_vec3_sub(corner(t, 1), p),
                    c = iso_vec3_sub(corner(t, 2), p);
@@ -243,6 +249,8 @@ static double triangle_winding(const corners *t, iso_vec3 p) {
     return angle_of(determinant, rest) / (2 * ISO_PI);
 }
 
+/* Returns the winding number of a node's dipole around p if the node is far enough away; *far says whether.
+ */
 static double dipole_winding(const node *n, iso_vec3 p, bool *far) {
     const iso_vec3 way = iso_vec3_sub(iso_vec3_make(n->centre[0], n->centre[1], n->centre[2]), p);
     const double squared = iso_vec3_dot(way, way);
@@ -282,8 +290,8 @@ double iso_triangle_tree_winding(const iso_triangle_tree *tree, iso_vec3 p) {
 
 /* ---- nearest points */
 
-/* The nearest point of a triangle, by the region of its plane that p is above (Ericson 2005, "Real-time
- * collision detection", 5.1.5). */
+/* Returns the point of a triangle that is nearest to p, depending on the region of the triangle's plane that
+ * p is above (Ericson 2005, "Real-time collision detection", 5.1.5). */
 static iso_vec3 nearest_on_triangle(const corners *t, iso_vec3 p) {
     const iso_vec3 a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
     const iso_vec3 ab = iso_vec3_sub(b, a), ac = iso_vec3_sub(c, a), ap = iso_vec3_sub(p, a);
@@ -303,17 +311,20 @@ static iso_vec3 nearest_on_triangle(const corners *t, iso_vec3 p) {
     if (va <= 0 && along >= 0 && back >= 0)
         return iso_vec3_add(b, iso_vec3_scale(iso_vec3_sub(c, b), along / (along + back)));
     const double sum = va + vb + vc;
-    if (!(sum > 0)) return a; /* a triangle without an area: its edges belong to others as well */
+    if (!(sum > 0))
+        return a; /* a triangle without an area; its points lie on edges, which other triangles have, too */
     return iso_vec3_add(a, iso_vec3_add(iso_vec3_scale(ab, vb / sum), iso_vec3_scale(ac, vc / sum)));
 }
 
-static void look_at(const iso_triangle_tree *tree, size_t triangle, iso_vec3 p, iso_nearest *nearest) {
+/* Sets *nearest to the nearest point of a triangle, if this point is nearer. */
+static void test_triangle(const iso_triangle_tree *tree, size_t triangle, iso_vec3 p, iso_nearest *nearest) {
     const iso_vec3 point = nearest_on_triangle(&tree->triangles[triangle], p), way = iso_vec3_sub(p, point);
     const double squared = iso_vec3_dot(way, way);
     if (squared < nearest->squared) *nearest = (iso_nearest){squared, point, triangle};
 }
 
-static double box_distance(const node *n, const double p[3]) {
+/* Returns the squared distance from p to a node's box. */
+static double box_squared_distance(const node *n, const double p[3]) {
     double squared = 0;
     for (int axis = 0; axis < 3; axis++) {
         const double below = (double)n->lo[axis] - p[axis], above = p[axis] - (double)n->hi[axis];
@@ -330,23 +341,23 @@ void iso_triangle_tree_nearest(const iso_triangle_tree *tree, iso_vec3 p, iso_ne
         double squared;
     } stack[2 * DEEPEST];
     int depth = 0;
-    if (nearest->triangle < tree->count) look_at(tree, nearest->triangle, p, nearest);
+    if (nearest->triangle < tree->count) test_triangle(tree, nearest->triangle, p, nearest);
     stack[depth].node = 0;
-    stack[depth++].squared = box_distance(&tree->nodes[0], at);
+    stack[depth++].squared = box_squared_distance(&tree->nodes[0], at);
     while (depth > 0) {
         const size_t i = stack[--depth].node;
         if (stack[depth].squared >= nearest->squared) continue;
         if (i >= tree->leaves - 1) {
             const size_t leaf = i - (tree->leaves - 1);
             for (size_t k = leaf_first(tree, leaf); k < leaf_first(tree, leaf + 1); k++)
-                look_at(tree, k, p, nearest);
+                test_triangle(tree, k, p, nearest);
             continue;
         }
         const size_t child = 2 * i + 1;
-        const double d[2] = {box_distance(&tree->nodes[child], at),
-                             box_distance(&tree->nodes[child + 1], at)};
+        const double d[2] = {box_squared_distance(&tree->nodes[child], at),
+                             box_squared_distance(&tree->nodes[child + 1], at)};
         const int nearer = d[1] < d[0];
-        for (int k = 0; k < 2; k++) { /* the nearer one comes off the stack first */
+        for (int k = 0; k < 2; k++) { /* the nearer child is pushed last and visited first */
             const int which = k ? nearer : 1 - nearer;
             stack[depth].node = child + (size_t)which;
             stack[depth++].squared = d[which];

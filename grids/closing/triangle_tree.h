@@ -1,8 +1,8 @@
 /* triangle_tree: a bounding volume hierarchy over triangles, for winding numbers and nearest points.
  *
  * Winding numbers: Jacobson, Kavan and Sorkine-Hornung 2013, "Robust inside-outside segmentation using
- * generalized winding numbers"; far clusters of triangles by their dipole, as in Barill et al. 2018, "Fast
- * winding numbers for soups and clouds"; solid angles after Van Oosterom and Strackee 1983.
+ * generalized winding numbers"; far clusters of triangles are approximated by their dipole, as in Barill et
+ * al. 2018, "Fast winding numbers for soups and clouds"; solid angles after Van Oosterom and Strackee 1983.
  *
  * Building takes O(n log n), a query O(log n) for evenly distributed triangles. Functions of libm whose
  * results depend on the machine are not used. Queries are thread-safe. */
@@ -25,8 +25,8 @@ typedef struct iso_triangle_tree iso_triangle_tree;
 iso_status iso_triangle_tree_create(const iso_triangles *mesh, iso_triangle_tree **tree, iso_error *error);
 void iso_triangle_tree_destroy(iso_triangle_tree *tree); /* NULL is allowed */
 
-/* The winding number of the triangles around p: 0 outside a closed mesh; inside it 1 if the triangles are
- * counter-clockwise seen from outside, -1 if they are clockwise. 0 for NULL. */
+/* Returns the winding number of the triangles around p: 0 outside a closed mesh; inside it 1 if the triangles
+ * are counter-clockwise seen from outside, -1 if they are clockwise. 0 for NULL. */
 double iso_triangle_tree_winding(const iso_triangle_tree *tree, iso_vec3 p);
 
 /* The start and the result of a search for the nearest triangle. Set `squared` to the squared distance within
@@ -35,9 +35,10 @@ double iso_triangle_tree_winding(const iso_triangle_tree *tree, iso_vec3 p);
 typedef struct iso_nearest {
     double squared; /* distance, mm2 */
     iso_vec3 point;
-    size_t triangle; /* the tree's number */
+    size_t triangle; /* number of the triangle in the tree */
 } iso_nearest;
 
+/* Searches for the triangle that is nearest to p. */
 void iso_triangle_tree_nearest(const iso_triangle_tree *tree, iso_vec3 p, iso_nearest *nearest);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Closing of solids at the volume's border by one more layer of voxels outside. */
+/* Closes solids at the volume's border with one more layer of voxels, which are outside. */
 #include "grids/parts/closed.h"
 
 #include <float.h>
@@ -10,9 +10,9 @@
 #include "grids/level_set.h"
 #include "grids/threshold.h"
 
-/* A cap lies at (value - isovalue) / (value - outside) of the way from a border's sample to the new layer.
- * `outside` is therefore this factor times the largest value - isovalue away from the isovalue; it is twice
- * as large as needed, for rounding. */
+/* A cap lies at (value - isovalue) / (value - outside) of the way from a sample at the border to the new
+ * layer. The value `outside` is therefore this factor times the largest value - isovalue away from the
+ * isovalue. The factor is twice as large as needed, to allow for rounding. */
 static const double OUTSIDE_FACTOR = 2 / ISO_CLOSED_TOLERANCE;
 
 /* ---- dense grids */
@@ -42,7 +42,7 @@ static float choose_outside(const iso_rgrid *grid, const struct iso_brick_index 
     iso_brick_index_extremes(index, &low, &high);
     const double deepest =
         fmax(grid->level_set ? at - low : high - at, 0); /* 0 also when nothing is finite */
-    /* In a solid whose values all equal the isovalue, any distance will do. */
+    /* If all values of the solid equal the isovalue, any distance will do. */
     const double far = fmax(OUTSIDE_FACTOR * deepest, fmax(fabs((double)at), 1));
     return (float)fmin(fmax(grid->level_set ? at + far : at - far, -FLT_MAX), FLT_MAX);
 }

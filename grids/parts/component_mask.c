@@ -1,5 +1,6 @@
-/* Masks of rows: for each voxel type and instruction set a function that compares 64 voxels with a range;
- * component_mask_body.inc makes rows of them. */
+/* Makes the bit masks of rows of voxels. For each voxel type and instruction set there is a function that
+ * compares 64 voxels with a range and returns 64 bits; component_mask_body.inc makes of it a kernel for whole
+ * rows. */
 #include "grids/parts/component_mask.h"
 
 #include <float.h>
@@ -16,7 +17,7 @@ bool iso_mask_range_of(iso_type type, float at, bool below, iso_mask_range *rang
     const int32_t least = type == ISO_INT16 ? INT16_MIN : 0, most = type == ISO_UINT8   ? UINT8_MAX
                                                                     : type == ISO_INT16 ? INT16_MAX
                                                                                         : UINT16_MAX;
-    /* The smallest integer at or above `at`; one beyond the type's range when there is none. */
+    /* The smallest integer at or above `at`, or the one after the type's largest if all are below. */
     const double up = ceil((double)at);
     const int32_t first = up < least ? least : up > most ? most + 1 : (int32_t)up;
     range->lo = below ? least : first;
@@ -24,7 +25,7 @@ bool iso_mask_range_of(iso_type type, float at, bool below, iso_mask_range *rang
     return range->lo <= range->hi;
 }
 
-/* ---- words of 64 voxels by the instructions of each level; the rest of a row voxel by voxel */
+/* ---- masks of 64 voxels, with the instructions of each level; fewer voxels are compared one by one */
 
 #define SCALAR_WORD(voxel, type, low, high)                                                                  \
     static inline uint64_t rest_##voxel(const type *row, int count, const iso_mask_range *range) {           \

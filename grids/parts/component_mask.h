@@ -15,8 +15,8 @@ typedef struct iso_mask_range {
     float float_lo, float_hi; /* of ISO_FLOAT32 */
 } iso_mask_range;
 
-/* The range of the finite values at or above `at` or, with `below`, below it. False: no value of the type is
- * in the range. */
+/* Computes the range of the finite values at or above `at` or, with `below`, of those below it. Returns false
+ * if no value of the type is in the range. */
 bool iso_mask_range_of(iso_type type, float at, bool below, iso_mask_range *range);
 
 /* Writes ceil(count / 64) words: bit i is set if voxel i lies in the range; bits from `count` on are 0. */

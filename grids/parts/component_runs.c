@@ -8,14 +8,14 @@
 
 #include "grids/parts/component_mask.h"
 
-/* The smallest number of slices in a slab, so that few rows lie between slabs; the largest number of slabs.
- */
+/* SLICES: the smallest number of slices in a slab, so that few rows lie between slabs. SLABS: the largest
+ * number of slabs. */
 enum { SLICES = 4, SLABS = 64 };
 
 typedef struct finder {
     const iso_grid *grid;
     iso_threshold surface;
-    iso_mask_kernel *kernel; /* of dense grids */
+    iso_mask_kernel *kernel; /* marks the inside voxels of a row of a dense grid */
     iso_mask_range range;
     bool none;     /* no value of the type is inside */
     bool diagonal; /* voxels are connected along the diagonals of faces too */
@@ -28,7 +28,8 @@ typedef struct run_row {
     uint32_t count, number;
 } run_row;
 
-/* Joins the runs of two rows that overlap along x, or are at most `reach` voxels apart. */
+/* Joins the runs of two neighbouring rows that overlap along x. With `reach` 1, runs whose ends are diagonal
+ * neighbours are joined, too. */
 static void join_rows(uint32_t *parent, run_row a, run_row b, int reach) {
     uint32_t i = 0, j = 0;
     while (i < a.count && j < b.count) {
@@ -80,7 +81,7 @@ static void find_bits(const finder *f, int y, int z, uint64_t *words) {
               words);
 }
 
-/* Lists the runs of set bits: at most count / 2 + 1. */
+/* Lists the runs of set bits, at most count / 2 + 1, and returns their number. */
 static uint32_t list_runs(const uint64_t *words, int count, iso_run *runs) {
     uint32_t found = 0;
     uint64_t before = 0; /* the last bit of the word before */
@@ -105,6 +106,7 @@ static uint32_t list_runs(const uint64_t *words, int count, iso_run *runs) {
 
 /* ---- slabs */
 
+/* Returns the runs of row (y, z) of a slab; `base` is the number of the slab's first run. */
 static run_row row_of(const iso_run_slab *slab, int ny, int y, int z, size_t base) {
     const size_t row = (size_t)(z - slab->z[0]) * (size_t)ny + (size_t)y;
     const uint32_t first = slab->rows[row], count = slab->rows[row + 1] - first;
@@ -226,7 +228,8 @@ static void join_slabs(const finder *f) {
     }
 }
 
-/* Replaces parents by numbers of components; a parent is below its children and so has its number already. */
+/* Replaces the parent of each run by the number of its component. A parent precedes its children, so its
+ * number is known by then. */
 static iso_status number_components(iso_component_runs *runs, iso_error *error) {
     uint32_t count = 0;
     for (size_t i = 0; i < runs->run_count; i++) count += runs->component[i] == i;

@@ -24,11 +24,11 @@ typedef struct iso_run {
 
 /* Consecutive slices and their runs, in order. */
 typedef struct iso_run_slab {
-    int z[2];        /* slices z[0] .. z[1] - 1 */
-    iso_buffer runs; /* iso_run */
-    uint32_t *rows;  /* by row: the index in `runs` of its first run; one more entry for the end */
-    uint32_t *parent;
-    size_t base; /* index in the volume of the slab's first run */
+    int z[2];         /* slices z[0] .. z[1] - 1 */
+    iso_buffer runs;  /* iso_run */
+    uint32_t *rows;   /* by row: the index in `runs` of its first run; one more entry for the end */
+    uint32_t *parent; /* by run of the slab, until slabs are joined: see base/disjoint_sets.h */
+    size_t base;      /* index in the volume of the slab's first run */
     iso_status status;
 } iso_run_slab;
 

@@ -1,5 +1,5 @@
-/* Removal of small parts: the choice of parts, and the replacement of their voxels in dense grids.
- * components_sparse.c does the same for level sets. */
+/* Removes small parts: chooses the parts, and replaces their voxels in dense grids. components_sparse.c
+ * replaces those in level sets. */
 #include "grids/parts/components.h"
 
 #include <math.h>
@@ -18,23 +18,24 @@ typedef struct filter {
     bool *kept;            /* by component */
     atomic_uchar *changed; /* by brick of a dense grid */
     int bricks[3];
-    float replacement; /* value of the voxels of dropped parts in a dense grid */
+    float replacement; /* the value that voxels of dropped parts get in a dense grid */
 } filter;
 
 /* ---- which parts are kept */
 
-static size_t count_from(const iso_component_runs *runs, uint64_t voxels) {
+/* Returns the number of parts with at least this many voxels. */
+static size_t count_parts_from(const iso_component_runs *runs, uint64_t voxels) {
     size_t count = 0;
     for (size_t i = 0; i < runs->component_count; i++) count += runs->voxels[i] >= voxels;
     return count;
 }
 
-/* The largest number of voxels that at least `wanted` parts have; 0 when there are fewer parts. */
+/* Returns the largest number of voxels that at least `wanted` parts have; 0 if there are fewer parts. */
 static uint64_t size_of_rank(const iso_component_runs *runs, size_t wanted) {
     uint64_t low = 0, high = runs->voxel_count;
     while (low < high) {
         const uint64_t middle = low + (high - low + 1) / 2;
-        if (count_from(runs, middle) >= wanted)
+        if (count_parts_from(runs, middle) >= wanted)
             low = middle;
         else
             high = middle - 1;
@@ -47,7 +48,7 @@ static uint64_t size_of_rank(const iso_component_runs *runs, size_t wanted) {
 static void keep_largest(filter *f, size_t wanted) {
     const iso_component_runs *runs = &f->runs;
     const uint64_t least = size_of_rank(runs, wanted);
-    size_t equal = wanted - count_from(runs, least + 1);
+    size_t equal = wanted - count_parts_from(runs, least + 1);
     for (size_t i = 0; i < runs->component_count; i++) {
         f->kept[i] = runs->voxels[i] > least || (runs->voxels[i] == least && equal > 0);
         equal -= runs->voxels[i] == least && equal > 0;
@@ -87,8 +88,9 @@ static void sum_totals(const filter *f, double voxel, iso_components_totals *tot
 
 /* ---- dense grids */
 
-/* The value for voxels of dropped parts. One exists: two parts are separated by a voxel on the other side of
- * the isovalue, or by one that is not finite, which only floats can be. */
+/* Returns the value for voxels of dropped parts, which must be on the other side of the isovalue. There is
+ * always one: two parts are separated by a voxel on the other side, or by one that is not finite, which only
+ * float grids have. */
 static float choose_replacement(const filter *f, const iso_brick_index *index) {
     const iso_rgrid *grid = f->grid->rgrid;
     const float at = f->surface.isovalue_ceil;
@@ -101,9 +103,9 @@ static float choose_replacement(const filter *f, const iso_brick_index *index) {
 }
 
 #define FILL_RUN(type)                                                                                       \
-    for (int32_t x = filter_parts.first; x <= filter_parts.last; x++) ((type *)row)[x] = (type)value
+    for (int32_t x = run.first; x <= run.last; x++) ((type *)row)[x] = (type)value
 
-static void fill_run(void *row, iso_type type, iso_run filter_parts, float value) {
+static void fill_run(void *row, iso_type type, iso_run run, float value) {
     switch (type) {
     case ISO_UINT8:
         FILL_RUN(uint8_t);
@@ -120,10 +122,10 @@ static void fill_run(void *row, iso_type type, iso_run filter_parts, float value
     }
 }
 
-static void mark_bricks(const filter *f, iso_run filter_parts, int y, int z) {
+static void mark_bricks(const filter *f, iso_run run, int y, int z) {
     const size_t row =
         ((size_t)(z / ISO_BRICK) * (size_t)f->bricks[1] + (size_t)(y / ISO_BRICK)) * (size_t)f->bricks[0];
-    for (int b = filter_parts.first / ISO_BRICK; b <= filter_parts.last / ISO_BRICK; b++)
+    for (int b = run.first / ISO_BRICK; b <= run.last / ISO_BRICK; b++)
         atomic_store_explicit(&f->changed[row + (size_t)b], 1, memory_order_relaxed);
 }
 

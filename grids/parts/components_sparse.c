@@ -1,9 +1,9 @@
-/* Removal of parts from a level set: their voxels become outside, and the distances around them are replaced.
+/* Removes parts from a level set: their voxels become outside, and the distances around them are replaced.
  *
  * Outside values in the band of a dropped part are distances to a surface that no longer exists; if they
  * stayed, foot points would still be made of them. They are estimated anew from the kept voxels q nearby, as
- * the minimum of |p - q| + distance of q. This is never smaller than the distance of p to the kept parts, and
- * close to it. */
+ * the minimum of |p - q| + distance of q (negative inside). This is never smaller than the distance of p to
+ * the kept parts, and close to it. */
 #include "grids/parts/components_sparse.h"
 
 #include <math.h>
@@ -22,25 +22,25 @@ typedef struct remover {
     int reach;           /* the largest distance of a dropped voxel from a value that it determines, voxels */
     iso_buffer affected; /* uint32_t: numbers of cells */
     size_t count;
-    float (*values)[ISO_BRICK_VOXELS]; /* new ones of the affected cells */
+    float (*values)[ISO_BRICK_VOXELS]; /* new values of the affected cells */
     char *scratch;                     /* scratch_bytes for each worker */
     size_t scratch_bytes;
 } remover;
 
-/* The voxels around a brick. */
+/* A brick and the voxels within reach around it. */
 typedef struct surroundings {
-    int side, low; /* voxels a side; the brick's first voxel in them */
+    int side, low; /* voxels along each axis; index of the brick's first voxel along each axis */
     float *value;
-    uint8_t *near; /* 1: within reach of a dropped voxel */
-    uint8_t *other;
-    int32_t (*kept)[3]; /* kept voxels near the surface */
+    uint8_t *near;      /* 1: the voxel is within reach of a dropped voxel */
+    uint8_t *other;     /* working memory for `near` */
+    int32_t (*kept)[3]; /* positions of the kept voxels near the surface */
     size_t kept_count;
 } surroundings;
 
 /* ---- marking */
 
-/* Sets the dropped voxels of a run to INFINITY, until they get their values. An empty cell belongs to one
- * part entirely. */
+/* Marks the cells of a run of a dropped part, and sets the run's voxels to INFINITY until they get their new
+ * values. Empty cells have no voxels; such a cell belongs to one part entirely. */
 static void mark_run(remover *r, iso_run run, int y, int z, uint8_t *dropped) {
     iso_hgrid *grid = r->grid;
     const size_t offset = ((size_t)(z % ISO_BRICK) * ISO_BRICK + (size_t)(y % ISO_BRICK)) * ISO_BRICK;
@@ -129,7 +129,8 @@ static void read_surroundings(const remover *r, const int at[3], surroundings *s
             }
 }
 
-/* Widens the marks by `reach` voxels along one axis of `stride`. */
+/* Marks in `to` the voxels within `reach` voxels, along one axis, of a voxel marked in `from`. `stride` leads
+ * from one voxel to the next along this axis. */
 static void widen(const surroundings *s, const uint8_t *from, uint8_t *to, int stride, int reach) {
     const int count = s->side * s->side * s->side;
     for (int i = 0; i < count; i++) {
@@ -142,6 +143,7 @@ static void widen(const surroundings *s, const uint8_t *from, uint8_t *to, int s
     }
 }
 
+/* Whether a face neighbour of voxel i is inside, and thus belongs to a kept part. */
 static bool is_beside_kept(const surroundings *s, int i, float inside) {
     const int strides[3] = {1, s->side, s->side * s->side};
     for (int axis = 0; axis < 3; axis++)
@@ -149,7 +151,8 @@ static bool is_beside_kept(const surroundings *s, int i, float inside) {
     return false;
 }
 
-static float estimate(const surroundings *s, const int p[3]) {
+/* Returns the estimate of the distance from p to the kept parts. */
+static float estimate_distance(const surroundings *s, const int p[3]) {
     float least = INFINITY;
     for (size_t k = 0; k < s->kept_count; k++) {
         const int32_t *q = s->kept[k];
@@ -166,9 +169,10 @@ static float new_value(const remover *r, const surroundings *s, const int p[3]) 
     const float value = s->value[i], inside = r->removal->at, band = r->grid->band;
     if (value < inside || value == band || !s->near[i]) return value;
     if (value != INFINITY && is_beside_kept(s, i, inside)) return value;
-    const float distance = estimate(s, p);
+    const float distance = estimate_distance(s, p);
     if (value != INFINITY && distance <= value + TOLERANCE) return value;
-    /* Never inside, also where the isovalue lies beyond the band. */
+    /* The new value must not be inside (below the isovalue), even if the isovalue is larger than the band and
+     * the clamp would make it so. */
     const float most = band > inside ? band : inside;
     return distance < inside ? inside : distance < most ? distance : most;
 }
@@ -198,7 +202,8 @@ static void recompute_brick(void *context, size_t index, int worker) {
                 *value++ = new_value(r, &s, (const int[3]){x + s.low, y + s.low, z + s.low});
 }
 
-/* All bricks are made before any is written: those beside them must still see which voxels are dropped. */
+/* Computes all new bricks before it writes any, because the computation of neighbouring bricks must still see
+ * which voxels are dropped. */
 static iso_status remake_bricks(remover *r, iso_error *error) {
     const int side = ISO_BRICK + 2 * r->reach;
     const size_t count = (size_t)side * (size_t)side * (size_t)side;

@@ -4,9 +4,9 @@
 
 #include "grids/parts/component_runs.h"
 
-/* What to remove. All borrowed. */
+/* The parts to remove; all pointers are borrowed. */
 typedef struct iso_sparse_removal {
-    float at;                       /* inside is below */
+    float at;                       /* stored isovalue: inside is below it */
     const iso_component_runs *runs; /* of the grid */
     const bool *kept;               /* by component */
     iso_pool *pool;

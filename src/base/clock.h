@@ -1,4 +1,4 @@
-/* clock: how long something takes. */
+/* clock: measures how long something takes. */
 #ifndef ISO_BASE_CLOCK_H
 #define ISO_BASE_CLOCK_H
 
@@ -6,7 +6,8 @@
 extern "C" {
 #endif
 
-/* Seconds of a clock that is never set: only differences mean anything. Thread-safe. */
+/* Returns the seconds of a clock that nobody sets, so that differences between two calls are right; the value
+ * itself has no meaning. Thread-safe. */
 double iso_clock_seconds(void);
 
 #ifdef __cplusplus

@@ -1,3 +1,4 @@
+/* Finds the instruction sets of the processor with the compiler's builtins, and keeps the chosen level. */
 #include "base/cpu.h"
 
 #include <stdatomic.h>
@@ -25,7 +26,7 @@ iso_cpu_level iso_cpu_supported(void) {
 #endif
 }
 
-/* What ISO_CPU and the machine allow. */
+/* Returns the highest level of the machine, or the lower one that ISO_CPU names. */
 static iso_cpu_level allowed(void) {
     int level = (int)iso_cpu_supported();
     const char *wanted = getenv("ISO_CPU");

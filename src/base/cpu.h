@@ -1,8 +1,7 @@
 /* cpu: which instruction sets the kernels may use.
  *
- * Every kernel family is one body, included once per instruction set in one file; each variant gives the same
- * bytes. The level is found once, at the first question, and kept in an atomic: the only state that Isopoint
- * keeps for itself. */
+ * A kernel family is one body that a file includes once for each instruction set; all variants give the same
+ * bytes. The level is found by the first call of iso_cpu_best and kept in an atomic variable. */
 #ifndef ISO_BASE_CPU_H
 #define ISO_BASE_CPU_H
 
@@ -18,22 +17,23 @@ typedef enum iso_cpu_level {
     ISO_CPU_LEVELS
 } iso_cpu_level;
 
-/* The highest level that this machine has, or the one that the environment variable ISO_CPU names (generic,
- * avx2 or avx512) when that is lower. Thread-safe. */
+/* Returns the highest level that this machine has, or the one that the environment variable ISO_CPU names
+ * (generic, avx2 or avx512) if this is lower. Thread-safe. */
 iso_cpu_level iso_cpu_best(void);
 
-/* From now on iso_cpu_best answers no more than `highest`; ISO_CPU_AVX512 lifts the limit. Returns what it
- * will answer. For tests and benches that compare variants in one process: sets take their kernels when they
- * are made or updated, so call it before either, while no other thread extracts. */
+/* Sets the highest level that iso_cpu_best may return from now on; ISO_CPU_AVX512 removes the limit. Returns
+ * what iso_cpu_best will return. For tests and benchmarks that compare variants in one process. Points and
+ * meshes choose their kernels when they are created or updated, so call this before, while no other thread
+ * extracts. */
 iso_cpu_level iso_cpu_limit(iso_cpu_level highest);
 
-/* The highest level that this machine has, whatever ISO_CPU says. */
+/* Returns the highest level that this machine has, regardless of ISO_CPU. */
 iso_cpu_level iso_cpu_supported(void);
 
 const char *iso_cpu_level_name(iso_cpu_level level);
 
-/* Marks the functions of a variant. Helpers that they inline are either plain or marked with the same macro.
- */
+/* Attributes of functions that use an instruction set. Functions that are inlined into them have no attribute
+ * or the same one. */
 #if defined(__x86_64__) && defined(__GNUC__)
 #define ISO_HAVE_X86 1
 #define ISO_TARGET_AVX2 __attribute__((target("avx2,bmi,bmi2,popcnt")))

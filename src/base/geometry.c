@@ -1,3 +1,4 @@
+/* Boxes, transforms between index and world coordinates, and trigonometric functions. */
 #include "base/geometry.h"
 
 #include <float.h>
@@ -123,7 +124,7 @@ iso_box iso_box_transform(const iso_box *box, const iso_affine *affine) {
     return out;
 }
 
-/* Taylor series on |x| <= pi/4 after a two-part reduction by multiples of pi/2 (Cody and Waite 1980). */
+/* Uses Taylor series on |x| <= pi/4 after a two-part reduction by multiples of pi/2 (Cody and Waite 1980). */
 void iso_sincos(double angle, double *sine, double *cosine) {
     const double half_pi_high = 1.57079632673412561417e+00, half_pi_low = 6.07710050650619224932e-11;
     double quadrant = floor(angle * (2 / ISO_PI) + 0.5);

@@ -1,3 +1,4 @@
+/* Aligned allocation with huge pages, buffers, and the memory that Linux says is available. */
 #define _GNU_SOURCE
 #include "base/memory.h"
 
@@ -14,7 +15,7 @@
 
 #define HUGE_PAGE ((size_t)2 << 20)
 
-/* Only pages that lie wholly in the block. */
+/* Asks for huge pages, for those 2 MiB pages only that lie wholly in the block. */
 void iso_advise_huge(void *block, size_t bytes) {
 #ifdef MADV_HUGEPAGE
     const size_t before = (0 - (uintptr_t)block) % HUGE_PAGE;

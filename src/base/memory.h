@@ -1,7 +1,8 @@
-/* Memory: aligned allocation, growable buffers, and what the machine has left.
+/* memory: aligned allocation, growable buffers, and how much memory is available.
  *
- * First touch of fresh 4 KiB pages costs more than the arithmetic of extraction, so large blocks are advised
- * to use huge pages and buffers are kept and reused. All functions are thread-safe; buffers are not shared.
+ * The first write to a new 4 KiB page takes longer than the arithmetic of extraction for its contents. Huge
+ * pages are therefore asked for in large blocks, and buffers are kept and reused. All functions are
+ * thread-safe, but a buffer is for one thread at a time.
  */
 #ifndef ISO_BASE_MEMORY_H
 #define ISO_BASE_MEMORY_H
@@ -18,19 +19,20 @@ extern "C" {
 
 #define ISO_ALIGNMENT 64
 
-/* `bytes` bytes, 64-byte aligned, uninitialised; blocks of 2 MiB and more are 2 MiB aligned and advised to
- * huge pages. NULL when there is no memory. Free with iso_free. bytes == 0 gives a block that can be freed.
- */
+/* Allocates `bytes` bytes, 64-byte aligned and uninitialised; blocks of 2 MiB and more are 2 MiB aligned and
+ * get huge pages if the system has them. NULL: out of memory. Free with iso_free. bytes == 0 gives a block
+ * that can be freed. */
 void *iso_alloc(size_t bytes);
 
-/* Asks for huge pages for memory of someone else's making, as iso_alloc does for its own: before it is first
- * written to. */
+/* Asks for huge pages in a block that was not allocated by iso_alloc. Call it before the block is first
+ * written. */
 void iso_advise_huge(void *block, size_t bytes);
 
-/* count x size zeroed bytes, 16-byte aligned, pages untouched until used. NULL on overflow or no memory. */
+/* Allocates count x size zeroed bytes, 16-byte aligned; pages take memory only when they are written. NULL:
+ * the product overflows, or out of memory. */
 void *iso_alloc_zero(size_t count, size_t size);
 
-/* Frees what iso_alloc or iso_alloc_zero gave; NULL is fine. */
+/* Frees a block from iso_alloc or iso_alloc_zero; NULL is allowed. */
 void iso_free(void *block);
 
 /* A block that grows and is reused. Zero-initialise; iso_buffer_free when done. */
@@ -39,27 +41,27 @@ typedef struct iso_buffer {
     size_t bytes;
 } iso_buffer;
 
-/* Makes room for at least `bytes` bytes (grows by half or more), keeping the first `keep` bytes.
- * ISO_ERR_NOMEM leaves the buffer as it was. */
+/* Makes room for at least `bytes` bytes (grows by half or more) and keeps the first `keep` bytes.
+ * ISO_ERR_NOMEM: the buffer is as before. */
 iso_status iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error);
 void iso_buffer_free(iso_buffer *buffer);
 
-/* Copies what will not be read soon, past the caches where that is faster (many kilobytes; twice as fast as
- * memcpy then). Other threads see it after iso_copy_stream_end in the thread that copied. */
+/* Copies data that will not be read soon. Large copies (4 KiB or more) bypass the caches, which is twice as
+ * fast as memcpy. Other threads may read the data after the copying thread has called iso_copy_stream_end. */
 void iso_copy_stream(void *to, const void *from, size_t bytes);
 void iso_copy_stream_end(void);
 
-/* *out = a * b; false on overflow. */
+/* Computes *out = a * b; returns false on overflow. */
 bool iso_size_multiply(size_t a, size_t b, size_t *out);
 
-/* Bytes that can be allocated now without swapping: MemAvailable, bounded by the cgroup's limit.
- * UINT64_MAX when the system does not say. */
+/* Returns the bytes that can be allocated now without swapping: MemAvailable, bounded by the limit of the
+ * cgroup. UINT64_MAX: the system does not say. */
 uint64_t iso_memory_available(void);
 
-/* `asked` bytes, or 80 % of what is available when that is 0: the limit that --max-memory sets. */
+/* Returns the limit that --max-memory sets: `asked` bytes or, if this is 0, 80 % of the available memory. */
 uint64_t iso_memory_limit(uint64_t asked);
 
-/* Largest resident size of this process so far, in bytes. */
+/* Returns the largest resident size of this process so far, in bytes. */
 uint64_t iso_memory_peak(void);
 
 #ifdef __cplusplus

@@ -1,3 +1,4 @@
+/* A pool of pthreads that take indices from a shared counter, and work with results in order on top of it. */
 #define _GNU_SOURCE
 #include "base/parallel.h"
 
@@ -27,17 +28,17 @@ struct iso_pool {
     pthread_cond_t work_ready, work_done;
     atomic_ulong round; /* counts calls of iso_parallel_for */
     atomic_int busy;    /* workers that take part in the current round */
-    bool open;          /* the current round still takes any: who comes later is not waited for */
+    bool open;          /* workers may still join the current round; one that comes later is not waited for */
     bool stop;
-    int spins; /* how often a waiting thread polls before it sleeps */
+    int spins; /* polls of a waiting thread before it sleeps */
     iso_task *task;
     void *context;
     size_t count;
     atomic_size_t next;
 };
 
-/* Steps of a frame follow one another within microseconds, waking a thread takes tens: it is worth waiting
- * that long awake, where every thread has a processor. */
+/* How often a waiting thread polls before it sleeps, if every thread has a processor of its own. The parallel
+ * loops of a frame follow one another within microseconds, and waking a thread takes tens of microseconds. */
 enum { SPINS = 4096 };
 
 static void pause_briefly(void) {
@@ -46,8 +47,8 @@ static void pause_briefly(void) {
 #endif
 }
 
-/* Whether this worker takes part in a round after `*seen`; not when it came too late. False in the end, too.
- */
+/* Waits for a round after `*seen`, and sets *seen to its number. Returns whether the worker takes part: false
+ * if it came too late, or if the pool is being destroyed. */
 static bool join_round(iso_pool *pool, unsigned long *seen) {
     for (int i = 0; i < pool->spins; i++) {
         if (atomic_load_explicit(&pool->round, memory_order_relaxed) != *seen) break;
@@ -72,7 +73,8 @@ static bool is_stopped(iso_pool *pool) {
 
 static void leave_round(iso_pool *pool) {
     if (atomic_fetch_sub(&pool->busy, 1) > 1) return;
-    pthread_mutex_lock(&pool->mutex); /* not between the caller's last look and its sleep */
+    pthread_mutex_lock(&pool->mutex); /* so that the signal does not come between the caller's last look at
+                                         `busy` and its sleep */
     pthread_cond_signal(&pool->work_done);
     pthread_mutex_unlock(&pool->mutex);
 }
@@ -183,11 +185,11 @@ void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *contex
     await_workers(pool);
 }
 
-/* ---- in order */
+/* ---- results in order */
 
 enum { SLOTS_PER_THREAD = 4 };
 
-/* A slot's, in turn. */
+/* The states of a slot, which it goes through in this order. */
 typedef enum slot_state { SLOT_FREE, SLOT_WORKING, SLOT_READY, SLOT_FINISHING } slot_state;
 
 typedef struct ordered_run {
@@ -199,8 +201,9 @@ typedef struct ordered_run {
     uint8_t state[MAX_THREADS * SLOTS_PER_THREAD]; /* slot_state */
 } ordered_run;
 
-/* Everything whose turn it is, by whoever gets there. With the mutex held. */
-static void place_ready(ordered_run *run) {
+/* Places and finishes all results whose turn it is, whichever thread computed them. The caller holds the
+ * mutex. */
+static void place_results(ordered_run *run) {
     const iso_ordered *steps = run->steps;
     for (;;) {
         const size_t slot = run->placed % steps->slots;
@@ -221,8 +224,9 @@ static void place_ready(ordered_run *run) {
     }
 }
 
-/* An index waits until the one that has its slot is over; a later one that wants it as well waits longer. The
- * least index that is not placed waits for a `finish` at most, so there is always somebody at work. */
+/* Computes one index, then places the results whose turn it is. The index first waits until its slot is free
+ * and no earlier index needs it. Threads cannot all wait: the lowest index that is not placed waits for a
+ * `finish` at most. */
 static void ordered_task(void *context, size_t index, int number) {
     ordered_run *run = context;
     const size_t slot = index % run->steps->slots;
@@ -234,7 +238,7 @@ static void ordered_task(void *context, size_t index, int number) {
     run->steps->work(run->context, index, slot, number);
     pthread_mutex_lock(&run->mutex);
     run->state[slot] = SLOT_READY;
-    place_ready(run);
+    place_results(run);
     pthread_mutex_unlock(&run->mutex);
 }
 

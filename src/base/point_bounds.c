@@ -1,3 +1,4 @@
+/* Compiles the kernels of point_bounds_body.inc for each instruction set. */
 #include "base/point_bounds.h"
 
 #include <float.h>

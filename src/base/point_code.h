@@ -1,5 +1,5 @@
-/* point_code: points to 8 bytes and back, one at a time. Kernels that work on arrays use these functions in
- * their loops, or base/point_code.inc for vectors; the GLSL of it is shaders/unpack.glsl. Internal. */
+/* point_code: converts a point to 8 bytes and back. Kernels that work on arrays use these functions in their
+ * loops, or base/point_code.inc for vectors; shaders/unpack.glsl does the same in GLSL. Internal. */
 #ifndef ISO_BASE_POINT_CODE_H
 #define ISO_BASE_POINT_CODE_H
 
@@ -11,30 +11,30 @@
 extern "C" {
 #endif
 
-/* Inlined always: loops that use these become vectors. */
+/* Functions that are always inlined, so that compilers can vectorise loops that call them. */
 #define ISO_POINT_INLINE static inline __attribute__((always_inline))
 
-/* The first bit of a normal in the high half of a point. */
+/* The first bit of the normal in the high 32 bits of a point. */
 enum { ISO_POINT_NORMAL_BIT = 3 * ISO_POINT_COORDINATE_BITS - 32 };
 
-/* ---- to numbers */
+/* ---- unpacking */
 
-/* Coordinate 0, 1 or 2 in steps from ISO_POINT_LOW. */
+/* Returns coordinate 0, 1 or 2 in steps from ISO_POINT_LOW. */
 ISO_POINT_INLINE uint32_t iso_point_steps(iso_point point, int axis) {
     return (uint32_t)(point.bits >> axis * ISO_POINT_COORDINATE_BITS & (ISO_POINT_COORDINATE_STEPS - 1));
 }
 
-/* Steps in voxels. */
+/* Converts a coordinate from steps to voxels. */
 ISO_POINT_INLINE float iso_point_coordinate(float steps) {
     return ISO_POINT_LOW + ISO_POINT_STEP * steps;
 }
 
-/* Both numbers of the normal, the first one lowest. */
+/* Returns the bits of both numbers of the normal; the first one has the lower bits. */
 ISO_POINT_INLINE uint32_t iso_point_normal_bits(iso_point point) {
     return (uint32_t)(point.bits >> 3 * ISO_POINT_COORDINATE_BITS);
 }
 
-/* The normal with |x| + |y| + |z| = 1. */
+/* Computes the normal, scaled to |x| + |y| + |z| = 1, from its bits. */
 ISO_POINT_INLINE void iso_point_unfold_normal(uint32_t bits, float normal[3]) {
     const float step = 2.0f / ISO_POINT_NORMAL_STEPS;
     const float u = (float)(bits & ISO_POINT_NORMAL_STEPS) * step - 1,
@@ -45,30 +45,31 @@ ISO_POINT_INLINE void iso_point_unfold_normal(uint32_t bits, float normal[3]) {
     normal[2] = w;
 }
 
-/* ---- and back: the nearest steps. The sums below are positive where a point may be, so that cutting off
- * rounds down. */
+/* ---- packing, to the nearest step. Sums like the following are positive for all points, so that cutting off
+ * the fraction rounds down. */
 
-/* What a coordinate (voxels) is in steps, and a half; to be cut off. */
+/* Converts a coordinate from voxels to steps and adds 1/2; cutting off the fraction of the result then rounds
+ * to the nearest step. */
 ISO_POINT_INLINE float iso_point_scale_coordinate(float position) {
     const float per_voxel = ISO_POINT_COORDINATE_STEPS / ISO_POINT_RANGE,
                 first = 0.5f - ISO_POINT_LOW * ISO_POINT_COORDINATE_STEPS / ISO_POINT_RANGE;
     return position * per_voxel + first;
 }
 
-/* The same of one of the numbers of a normal, -1 .. 1. */
+/* Converts a number of a normal, -1 .. 1, to steps in the same way. */
 ISO_POINT_INLINE float iso_point_scale_normal(float part) {
     return part * (ISO_POINT_NORMAL_STEPS / 2.0f) + (ISO_POINT_NORMAL_STEPS / 2.0f + 0.5f);
 }
 
-/* Folds the lower half of the octahedron |x| + |y| + |z| = 1 over the upper one: the two numbers of a normal.
- */
+/* Computes the two numbers of a normal with |x| + |y| + |z| = 1, by folding the lower half of this octahedron
+ * over the upper half. */
 ISO_POINT_INLINE void iso_point_fold_normal(float x, float y, float z, float part[2]) {
     const float u = copysignf(1 - fabsf(y), x), v = copysignf(1 - fabsf(x), y);
     part[0] = z < 0 ? u : x;
     part[1] = z < 0 ? v : y;
 }
 
-/* Puts steps together. */
+/* Packs steps into a point. */
 ISO_POINT_INLINE iso_point iso_point_join(uint32_t x, uint32_t y, uint32_t z, uint32_t u, uint32_t v) {
     const uint32_t low = x | y << ISO_POINT_COORDINATE_BITS | z << 2 * ISO_POINT_COORDINATE_BITS,
                    high = z >> (32 - 2 * ISO_POINT_COORDINATE_BITS) | u << ISO_POINT_NORMAL_BIT |
@@ -76,7 +77,7 @@ ISO_POINT_INLINE iso_point iso_point_join(uint32_t x, uint32_t y, uint32_t z, ui
     return (iso_point){low | (uint64_t)high << 32};
 }
 
-/* A point whose position is in [-2, 18) and whose normal is folded. */
+/* Packs a point with a position in [-2, 18) and the two numbers of its normal. */
 ISO_POINT_INLINE iso_point iso_point_encode(float x, float y, float z, float u, float v) {
     return iso_point_join(
         (uint32_t)(int32_t)iso_point_scale_coordinate(x), (uint32_t)(int32_t)iso_point_scale_coordinate(y),

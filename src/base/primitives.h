@@ -1,9 +1,10 @@
-/* Points and meshes as extraction makes them and renderers borrow them: one span per brick.
+/* primitives: points and meshes as extraction makes them and renderers borrow them, in one span for each
+ * brick.
  *
  * A brick is 16^3 voxels; brick (bx, by, bz) covers voxels 16*b .. 16*b + 15. Positions in a span are in
  * voxels relative to voxel 16*b of its brick, so index = 16 * brick + position, and world = transform(index).
- * Normals are unit covectors in index space, pointing out of the solid; iso_affine_normal takes them to
- * world. */
+ * Normals are unit covectors in index space, pointing out of the solid; iso_affine_normal transforms them to
+ * world coordinates. */
 #ifndef ISO_BASE_PRIMITIVES_H
 #define ISO_BASE_PRIMITIVES_H
 
@@ -20,38 +21,41 @@ extern "C" {
 
 enum { ISO_BRICK_VOXELS = ISO_BRICK * ISO_BRICK * ISO_BRICK };
 
-/* A point in floats: a point of a set that asked for floats, or a vertex of a mesh. 24 bytes. */
+/* A point in floats (where such points were asked for), or a vertex of a mesh. 24 bytes. */
 typedef struct iso_surfel {
     float position[3];
     float normal[3];
 } iso_surfel;
 
-/* A point in 8 bytes: bits 0..41 hold x, y, z as 14-bit steps of 20/16384 voxel from -2 (positions in [-2,
- * 18)), bits 42..63 an octahedral normal, 11 bits each. Position error <= 0.00062 voxel an axis, normal <=
- * 0.13 degrees. The numbers are base/point_numbers.h's; base/point_code.h packs and unpacks. */
+/* A packed point, in 8 bytes. Bits 0..41 have x, y, z as 14-bit steps of 20/16384 voxel from -2, relative to
+ * the brick's first voxel (positions in [-2, 18)). Bits 42..63 have an octahedral normal, 11 bits for each of
+ * its two numbers. The error of a position is at most 0.00062 voxel along each axis, that of a normal 0.13
+ * degrees. base/point_numbers.h has the constants, base/point_code.h the conversions. */
 typedef struct iso_point {
     uint64_t bits;
 } iso_point;
 
-/* Nearest packed point; positions outside [-2, 18) are clamped. The normal must not be zero. */
+/* Returns the nearest packed point; positions outside [-2, 18) are clamped. The normal must not be zero. */
 iso_point iso_point_pack(const iso_surfel *surfel);
-/* The same when the normal is already scaled to |x| + |y| + |z| = 1. */
+/* Like iso_point_pack, for a normal that is scaled to |x| + |y| + |z| = 1 already. */
 iso_point iso_point_pack_scaled(const iso_surfel *surfel);
 iso_surfel iso_point_unpack(iso_point point);
 
 /* The curvature of a surface at a point, in 8 bytes: its shape operator S (second fundamental form) in index
  * space, symmetric, in the frame (u, v) that iso_curvature_frame makes of the point's normal as
- * iso_point_view_get gives it. A step q along the surface turns the outward normal by S q: entries are in 1 /
- * voxel, positive where the surface is convex (1 / r on a sphere). Steps of ISO_CURVATURE_STEP; norms are
- * clamped to ISO_CURVATURE_MOST. Entries are multiples of 32 steps: their low five bits are the tilt's. */
+ * iso_point_view_get gives it. A step q along the surface turns the outward normal by S q. Entries are in 1 /
+ * voxel, positive where the surface is convex (1 / r on a sphere), and stored in steps of ISO_CURVATURE_STEP.
+ * The norm is clamped to ISO_CURVATURE_MOST. Entries are multiples of 32 steps; their low five bits have the
+ * tilt. */
 typedef struct iso_curvature {
     int16_t uu, uv, vv;
     uint16_t extents; /* see below; 0: not known, or not an edge point */
 } iso_curvature;
 
-/* How the surface around an edge point lies against the point's normal, which comes from gradients over two
- * voxels: its own is along normal + tilt[0] u + tilt[1] v. From the low bits of uu on, then uv's and vv's,
- * two numbers k of 7 bits in two's complement, -63 .. 63: tilt = k |k| ISO_CURVATURE_TILT_MOST / 63^2. */
+/* tilt: the direction of the surface around an edge point relative to the point's normal, which is computed
+ * from gradients over two voxels: the normal of the surface itself is along normal + tilt[0] u + tilt[1] v.
+ * Both are numbers k of 7 bits in two's complement, -63 .. 63, with tilt = k |k| ISO_CURVATURE_TILT_MOST /
+ * 63^2. Their 14 bits are the low five bits of uu, then those of uv, then those of vv. */
 
 /* extents: how far the surface continues from an edge point within the four faces beside its edge, before
  * it reaches another edge of the face. Bits 0-11: four distances of 3 bits, down and up along the first
@@ -60,30 +64,31 @@ typedef struct iso_curvature {
  * of its radius (0 to 3), so that its rim does not leave the surface. */
 #define ISO_CURVATURE_MOST 4.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */
 
-/* Two unit vectors at right angles to a unit normal and to each other, u x v = normal (Duff et al. 2017,
- * "Building an orthonormal basis, revisited"). */
+/* Computes two unit vectors u and v, perpendicular to a unit normal and to each other, with u x v = normal
+ * (Duff et al. 2017, "Building an orthonormal basis, revisited"). */
 void iso_curvature_frame(const float normal[3], float u[3], float v[3]);
-/* Nearest, with the norm clamped; all 0 when an entry is not finite. */
+/* Returns the nearest curvature, with the norm clamped; all 0 if an entry is not finite. Entries in 1 /
+ * voxel. */
 iso_curvature iso_curvature_pack(float uu, float uv, float vv);
-/* uu, uv, vv in 1 / voxel, and the tilt. */
+/* Computes s = uu, uv, vv in 1 / voxel, and the tilt. */
 void iso_curvature_unpack(iso_curvature curvature, float s[3], float tilt[2]);
 
-/* The primitives of one brick. */
+/* The points of one brick. */
 typedef struct iso_point_span {
     int32_t brick[3];
     uint32_t count;
     size_t first; /* index of the span's first point */
 } iso_point_span;
 
-/* Boxes around a span's positions (relative to the brick, like them) and around its normals (a mesh's: those
- * of its triangles) scaled to |x| + |y| + |z| = 1; lo > hi when there is nothing. */
+/* A box around the positions of a span, relative to its brick, and a box around its normals, scaled to |x| +
+ * |y| + |z| = 1 (of a mesh: around the normals of its triangles). lo > hi: the span has none. */
 typedef struct iso_point_bounds {
     float lo[3], hi[3];
     float normal_lo[3], normal_hi[3];
 } iso_point_bounds;
 
-/* Points, borrowed from whoever owns them. Exactly one of `packed` and `surfels` is set (both NULL when
- * empty). */
+/* A view of points that another object owns. Exactly one of `packed` and `surfels` is set (both are NULL if
+ * there are no points). */
 typedef struct iso_point_view {
     const iso_point *packed;
     const iso_surfel *surfels;
@@ -92,26 +97,28 @@ typedef struct iso_point_view {
     const iso_point_span *spans;
     size_t span_count;
     iso_transform transform;
-    int32_t dims[3]; /* voxels of the grid that the points come from: the surface ends at its border, which is
+    int32_t dims[3]; /* size in voxels of the grid that the points come from: the surface ends at its border,
                         voxels 0 and dims - 1; 0: not known */
-    double radius;   /* mm; half of sqrt(2) x the largest spacing for extracted points (2003, section 4.1) */
-    const uint8_t (*colors)[3]; /* per point, red green blue, display values; NULL: the surface's for all */
-    /* One per span, never 0: changes when what the span holds does or another brick's comes there, not when
-     * it only moves. NULL: not known. */
+    double radius;   /* mm; for extracted points half of sqrt(2) x the largest spacing (Baerentzen and
+                        Christensen 2003, section 4.1) */
+    const uint8_t (*colors)[3]; /* for each point: red, green, blue, display values; NULL: all have the colour
+                                   of the surface */
+    /* For each span a number, never 0, that changes when the content of the span changes or the span becomes
+     * another brick's, but not when the content is only moved. NULL: not known. */
     const uint64_t *versions;
     const iso_point_bounds *bounds; /* one per span; NULL: not known */
-    bool closed; /* the points lie on closed surfaces with their normals outwards: seen from outside, those
-                    that face away are hidden */
+    bool closed; /* the points lie on closed surfaces, with normals pointing out: from outside, points that
+                    face away are hidden */
 } iso_point_view;
 
-/* Number of points in all spans. */
+/* Returns the number of points in all spans. */
 size_t iso_point_view_count(const iso_point_view *view);
-/* Point `index` (counted from 0 in the arrays, not in a span) as floats. */
+/* Returns point `index` (in the array of all points, not in a span) as floats. */
 iso_surfel iso_point_view_get(const iso_point_view *view, size_t index);
-/* Index coordinates of a position that is relative to a brick's first voxel, both in voxels. */
+/* Returns the index coordinates of a position that is relative to a brick's first voxel; both in voxels. */
 iso_vec3 iso_brick_position(const int32_t brick[3], const float position[3]);
 
-/* Box of all points in index coordinates. */
+/* Returns the box of all points in index coordinates. */
 iso_box iso_point_view_bounds(const iso_point_view *view);
 
 /* The part of a mesh that lies in the cells of one brick. Vertices first .. first + owned_count - 1 are on
@@ -125,9 +132,9 @@ typedef struct iso_mesh_span {
     size_t first_triangle;
 } iso_mesh_span;
 
-/* An edge, named by its axis and its lower voxel (0..16 on each axis, in the brick), axis first: all x edges
- * of a brick, then all y, then all z edges. Own vertices of a span, and the edge points of a brick, are
- * sorted by it. */
+/* The key of an edge between two neighbouring voxels: its axis, and its lower voxel in the brick (0..16 along
+ * each axis). Keys order all x edges of a brick before all y edges, and these before all z edges. The edge
+ * points of a brick, and the vertices that a span owns, are sorted by key. */
 typedef uint16_t iso_edge_key;
 
 enum { ISO_LATTICE = ISO_BRICK + 1, ISO_LATTICE_VOXELS = ISO_LATTICE * ISO_LATTICE * ISO_LATTICE };
@@ -136,7 +143,7 @@ static inline iso_edge_key iso_edge_key_make(int x, int y, int z, int axis) {
     return (iso_edge_key)(axis * ISO_LATTICE_VOXELS + (z * ISO_LATTICE + y) * ISO_LATTICE + x);
 }
 
-/* The lower voxel of an edge; returns its axis. */
+/* Computes the lower voxel of an edge; returns its axis. */
 static inline int iso_edge_key_split(iso_edge_key key, int voxel[3]) {
     int lower = key % ISO_LATTICE_VOXELS;
     voxel[0] = lower % ISO_LATTICE;
@@ -145,30 +152,30 @@ static inline int iso_edge_key_split(iso_edge_key key, int voxel[3]) {
     return key / ISO_LATTICE_VOXELS;
 }
 
-/* A mesh, borrowed from whoever owns it. */
+/* A view of a mesh that another object owns. */
 typedef struct iso_mesh_view {
     const iso_surfel *vertices;
-    const iso_edge_key *keys;       /* one per vertex */
+    const iso_edge_key *keys;       /* the edge that each vertex lies on */
     const uint16_t (*triangles)[3]; /* vertex numbers counted from the span's first_vertex */
     const iso_mesh_span *spans;
     size_t span_count;
     iso_transform transform;
-    const uint64_t *versions;       /* as an iso_point_view's */
+    const uint64_t *versions;       /* see iso_point_view */
     const iso_point_bounds *bounds; /* one per span; NULL: not known */
-    bool closed; /* the triangles are whole surfaces: seen from outside, those that face away are hidden */
+    bool closed; /* the triangles form closed surfaces: from outside, triangles that face away are hidden */
 } iso_mesh_view;
 
-/* Triangles as files have them, in world millimetres; corners need not be shared. */
+/* Triangles as files have them, in world millimetres. Triangles need not share vertices. */
 typedef struct iso_triangles {
     float (*vertices)[3];
     uint32_t (*triangles)[3];
     size_t vertex_count, triangle_count;
 } iso_triangles;
 
-/* Welded counts: vertices that are owned, and all triangles. */
+/* Return the number of vertices, each counted in the span that owns it, and of triangles. */
 size_t iso_mesh_view_vertex_count(const iso_mesh_view *view);
 size_t iso_mesh_view_triangle_count(const iso_mesh_view *view);
-/* Box of all vertices in index coordinates. */
+/* Returns the box of all vertices in index coordinates. */
 iso_box iso_mesh_view_bounds(const iso_mesh_view *view);
 
 #ifdef __cplusplus

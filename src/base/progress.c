@@ -1,3 +1,4 @@
+/* Converts the progress of a part to that of the whole operation, and asks the caller whether to go on. */
 #include "base/progress.h"
 
 #include <stddef.h>

@@ -1,16 +1,16 @@
-/* simd: vectors of floats and 32-bit integers as wide as each instruction set has them, so that a kernel body
- * is written once and included once per level.
+/* simd: vectors of floats and 32-bit integers with the width of each instruction set, so that a kernel body
+ * is written once and included once for each level.
  *
  * A kernel file names its body and includes base/kernel_levels.inc, which includes the body with ISO_LEVEL
  * set to generic, avx2 and avx512 in turn. In the body vf, vi and vm are vectors of ISO_LANES floats,
  * integers and truth values, ISO_TARGET marks its functions and ISO_V(name) names them. Arithmetic on vf and
- * vi is written with operators, all else with the v_ functions below. Every operation is exact or correctly
- * rounded, so each lane holds the same bits at every level; what a body does across lanes must not depend on
- * how many there are. What a level does by instructions of its own is a function NAME_level before the body,
- * which calls it as ISO_V(NAME).
+ * vi is written with operators, everything else with the v_ functions below. Every operation is exact or
+ * correctly rounded, so each lane has the same bits at every level; operations across lanes must be written
+ * so that their result does not depend on the number of lanes. A function that each level implements with its
+ * own instructions is defined as NAME_level before the body is included, and called as ISO_V(NAME).
  *
- * The choice between the levels is ISO_KERNEL, in one function of the family, iso_X_kernel_get(level): never
- * NULL. Internal: kernel files only. */
+ * Each kernel family has one function iso_X_kernel_get(level), which selects a variant with ISO_KERNEL and
+ * never returns NULL. Internal: for kernel files only. */
 #ifndef ISO_BASE_SIMD_H
 #define ISO_BASE_SIMD_H
 
@@ -29,11 +29,11 @@
 #define ISO_V(name) ISO_PASTE(name, ISO_LEVEL)
 #define ISO_TARGET ISO_V(ISO_TARGET)
 #define ISO_LANES ISO_V(ISO_LANES)
-/* A function of a body that callers inline. */
+/* Marks a function of a body that is always inlined. */
 #define ISO_INLINE ISO_TARGET static inline __attribute__((always_inline))
-/* A function that stays an opaque call. gcc 12 deletes or reorders stores of large steps when it analyses
- * them together with their callers (values fetched from memory were then stale); a call for some hundred
- * items costs nothing. */
+/* Marks a function that is never inlined or analysed together with its callers: gcc 12 then deletes or
+ * reorders stores of large steps, so that stale values are read. A call for some hundred items costs nothing.
+ */
 #ifdef __clang__
 #define ISO_STEP __attribute__((noinline))
 #else
@@ -45,8 +45,8 @@
 #define ISO_TARGET_avx512 ISO_TARGET_AVX512
 enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LANES_MAX = 16 };
 
-/* The address of the one of kernel_generic, kernel_avx2 and kernel_avx512 (functions or constants) that a
- * level asks for, or of the best below it that this build has. */
+/* The address of kernel_generic, kernel_avx2 or kernel_avx512 (functions or constants): the variant for a
+ * level, or for the best level below it that this build has. */
 #if ISO_HAVE_X86
 #define ISO_KERNEL(kernel, level)                                                                            \
     ((level) >= ISO_CPU_AVX512 ? &kernel##_avx512                                                            \
@@ -90,30 +90,33 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 #define v_or ISO_V(v_or)
 #define v_andnot ISO_V(v_andnot)       /* a and not b */
 #define v_mask ISO_V(v_mask)           /* truth values as bits of a uint32_t, lane 0 lowest */
-#define v_from_mask ISO_V(v_from_mask) /* and back; higher bits are ignored */
+#define v_from_mask ISO_V(v_from_mask) /* truth values from such bits; higher bits are ignored */
 #define v_gather ISO_V(v_gather)       /* (const float *, vi): from[index], lane by lane */
-/* (before, after): the lanes of both in a row, from the 1st or 2nd on; and the last lane or two of `before`
- * followed by the first ones of `after`. */
+/* v_next1, v_next2 (before, after): ISO_LANES lanes of the row of both vectors, from lane 1 or 2 of `before`
+ * on. v_last1, v_last2 (before, after): the last one or two lanes of `before`, followed by the first ones of
+ * `after`. */
 #define v_next1 ISO_V(v_next1)
 #define v_next2 ISO_V(v_next2)
 #define v_last1 ISO_V(v_last1)
 #define v_last2 ISO_V(v_last2)
-/* The lanes where the mask is true, packed, to memory: up to ISO_LANES items are overwritten. */
+/* Store the lanes where the mask is true to memory, without gaps; up to ISO_LANES items are overwritten. */
 #define v_compress ISO_V(v_compress)   /* (float *, vm, vf) */
 #define v_compressi ISO_V(v_compressi) /* (int32_t *, vm, vi) */
-/* Floats of each lane's own, in fours. (base, index, quads, out): out[k] of a lane is base[index of the lane
- * + k], k below 4 * quads (1 to 4, constant); indices from 0. (base, step, in): base[step * lane + k] becomes
- * in[k] of the lane, k below 4. */
+/* v_load4 (base, index, quads, out) loads 4 * quads floats (quads 1 to 4, constant) for each lane: out[k] of
+ * a lane is base[index of the lane + k]; indices are at least 0. v_store4 (base, step, in) stores four floats
+ * for each lane: base[step * lane + k] becomes in[k] of the lane. */
 #define v_load4 ISO_V(v_load4)
 #define v_store4 ISO_V(v_store4)
-/* Two vectors as one row of twice as many items: its items of even or odd number, and back. */
+/* v_even, v_odd: the items of even or odd number of the row of two vectors. v_zip_low, v_zip_high: the
+ * reverse. */
 #define v_even ISO_V(v_even)         /* (vf a, vf b) */
 #define v_odd ISO_V(v_odd)           /* (vf a, vf b) */
-#define v_zip_low ISO_V(v_zip_low)   /* the first half of a0 b0 a1 b1 .. */
-#define v_zip_high ISO_V(v_zip_high) /* and the second */
+#define v_zip_low ISO_V(v_zip_low)   /* the first half of the row a0 b0 a1 b1 .. */
+#define v_zip_high ISO_V(v_zip_high) /* the second half of this row */
 #define v_store_u8 ISO_V(v_store_u8) /* (uint8_t *, vi): the low 8 bits of each */
 
-/* ---- what vector operators say, once for every width: N lanes of float F, int32_t I, bytes of both */
+/* ---- functions written with vector operators, once for all widths: N lanes of float F and int32_t I, with
+ * `bytes` bytes each */
 
 #define ISO_SIMD_COMMON(level, target, bytes)                                                                \
     enum { ISO_SIMD_BYTES_##level = bytes };                                                                 \
@@ -155,7 +158,7 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
         return (vf_##level)((vi_##level)value & INT32_MAX);                                                  \
     }
 
-/* Truth values as vectors of 0 and -1, where there are no mask registers. */
+/* Truth values as vectors of 0 and -1, for levels without mask registers. */
 #define ISO_SIMD_TRUTH(level, target)                                                                        \
     typedef vi_##level vm_##level;                                                                           \
     target static inline vm_##level v_lt_##level(vf_##level a, vf_##level b) {                               \
@@ -193,13 +196,14 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
         return whole + (vi_##level)(value < __builtin_convertvector(whole, vf_##level));                     \
     }
 
-/* One of the slides and shuffles of a level; `lanes` are the numbers of the lanes taken. */
+/* Defines one of the slides and shuffles of a level; the variable arguments are the numbers of the lanes that
+ * are taken. */
 #define ISO_SIMD_SLIDE(name, level, target, ...)                                                             \
     target static inline vf_##level name##_##level(vf_##level before, vf_##level after) {                    \
         return __builtin_shufflevector(before, after, __VA_ARGS__);                                          \
     }
 
-/* ---- generic: 16 bytes, which every machine has or gcc makes do without */
+/* ---- generic: vectors of 16 bytes, which gcc emulates on machines without them */
 
 typedef float vf_generic __attribute__((vector_size(16)));
 typedef int32_t vi_generic __attribute__((vector_size(16)));

@@ -1,3 +1,4 @@
+/* The texts and exit statuses of status codes, and the formatting of error messages. */
 #include "base/status.h"
 
 #include <stdio.h>

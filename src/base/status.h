@@ -1,8 +1,9 @@
-/* Status codes and error text: how every fallible function of Isopoint reports. The types are in isopoint.h.
+/* status: status codes and error messages. The types are in isopoint.h.
  *
- * A fallible function returns iso_status; results go to out-parameters, which are untouched unless ISO_OK
- * is returned; the detail is one line of text in a caller-owned iso_error (NULL is allowed everywhere).
- * Bad data never asserts; programming mistakes do. All functions here are thread-safe. */
+ * A function that can fail returns an iso_status and sets its results (out-parameters) only if it returns
+ * ISO_OK. If it fails it writes a message of one line to an iso_error of the caller (NULL is allowed
+ * everywhere). Bad data is reported in this way; programming mistakes are asserted. All functions here are
+ * thread-safe. */
 #ifndef ISO_BASE_STATUS_H
 #define ISO_BASE_STATUS_H
 
@@ -28,19 +29,20 @@ extern "C" {
     X(ERR_EMPTY, 6, "empty surface")                                                                         \
     X(ERR_WRITE, 7, "cannot write")
 
-/* Fills *error (when not NULL) and returns status, so that `return iso_fail(error, ISO_ERR_IO, ...)` works.
- * Arguments may hold any bytes: names of files and texts from headers are given as they are. They may lie in
- * error->text. */
+/* Writes a message to *error (if not NULL) and returns `status`, as in `return iso_fail(error, ISO_ERR_IO,
+ * ...)`. String arguments may have any bytes, for example names of files and texts from headers; they are
+ * cleaned (base/text.h). They may lie in error->text. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
 iso_status
 iso_fail(iso_error *error, iso_status status, const char *format, ...);
 
-/* iso_fail with ISO_ERR_NOMEM and "NAME: out of memory". */
+/* Calls iso_fail with ISO_ERR_NOMEM and the message "NAME: out of memory". */
 iso_status iso_fail_memory(iso_error *error, const char *name);
 
-/* Forwards a failure to the caller. */
+/* Evaluates a call that returns an iso_status, and returns this from the calling function if it is not
+ * ISO_OK. */
 #define ISO_TRY(call)                                                                                        \
     do {                                                                                                     \
         iso_status iso_try_status_ = (call);                                                                 \

@@ -1,3 +1,5 @@
+/* Cleans text from outside: control characters, bytes that are not UTF-8 and characters that change the
+ * direction of writing are replaced by escapes. */
 #include "base/text.h"
 
 #include <stdlib.h>
@@ -18,8 +20,9 @@ int iso_text_utf8(const char *bytes) {
     return overlong || outside ? 0 : length;
 }
 
-/* Whether a valid sequence is a character that shows and neither breaks a line nor reorders it: not U+0080 to
- * U+009F, U+061C, U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069, nor a byte order mark. */
+/* Whether a valid UTF-8 sequence is a character that is visible and neither breaks a line nor changes its
+ * order: not U+0080 to U+009F, U+061C, U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069, nor a byte order
+ * mark. */
 static bool is_printable(const unsigned char *c, int length) {
     if (length == 1) return c[0] >= 0x20 && c[0] != 0x7f;
     if (length == 2) return !(c[0] == 0xc2 && c[1] < 0xa0) && !(c[0] == 0xd8 && c[1] == 0x9c);
@@ -30,13 +33,13 @@ static bool is_printable(const unsigned char *c, int length) {
     return !(c[1] == 0x81 && c[2] >= 0xa6 && c[2] <= 0xa9);
 }
 
-/* One character, or what stands for one byte of what is none that can be shown. */
+/* A printable character, or the escape that replaces one byte of anything else. */
 typedef struct unit {
     char text[5];
-    int length; /* of it; 0 at the end */
+    int length; /* length of `text`; 0 at the end of the string */
 } unit;
 
-/* The unit at *text, which moves behind it. */
+/* Returns the unit at *text and moves *text behind it. */
 static unit next_unit(const char **text) {
     const char *at = *text;
     unit u = {{0}, 0};
@@ -57,14 +60,15 @@ static unit next_unit(const char **text) {
     return u;
 }
 
+/* Returns the length of the clean form of a string. */
 static size_t clean_length(const char *text) {
     size_t length = 0;
     for (unit u = next_unit(&text); u.length; u = next_unit(&text)) length += (size_t)u.length;
     return length;
 }
 
-/* Whole units of `text` from its clean byte `from` on, as many as fit into `room` bytes, which need no zero.
- * Returns their length. */
+/* Writes the clean form of `text` from its byte `from` on to `target`: as many whole units as fit into `room`
+ * bytes, without a terminating zero. Returns their length. */
 static size_t put_part(const char *text, size_t from, char *target, size_t room) {
     size_t at = 0, used = 0;
     for (unit u = next_unit(&text); u.length; u = next_unit(&text)) {
@@ -94,12 +98,12 @@ size_t iso_text_clean(const char *text, char *clean, size_t room) {
     return whole;
 }
 
-/* Cuts off a sequence at the end that lacks bytes. */
+/* Removes an incomplete UTF-8 sequence at the end of the text. */
 static void cut_incomplete(char *text, size_t length) {
     for (size_t back = 1; back <= 3 && back <= length; back++) {
         unsigned char c = (unsigned char)text[length - back];
         if (c < 0x80) return;
-        if (c < 0xc0) continue; /* a byte that continues one */
+        if (c < 0xc0) continue; /* a continuation byte of a sequence */
         size_t wanted = c >= 0xf0 ? 4 : c >= 0xe0 ? 3 : 2;
         if (wanted > back) text[length - back] = 0;
         return;
@@ -112,7 +116,7 @@ void iso_text_clean_in_place(char *text, size_t room) {
     char *copy = iso_text_clean_copy(text);
     if (copy)
         iso_text_clean(copy, text, room);
-    else /* without memory: nothing that is not plain */
+    else /* without memory, every character that is not printable ASCII is replaced */
         for (char *c = text; *c; c++)
             if (*c < 0x20 || *c > 0x7e) *c = '?';
     free(copy);
@@ -140,7 +144,8 @@ void iso_text_put(FILE *stream, const char *text) {
 }
 
 void iso_text_format(char *clean, size_t room, const char *format, va_list arguments) {
-    /* Two whole paths and a sentence. What is longer is cut twice, here at its end. */
+    /* Room for two paths of 4096 bytes and a sentence. A longer text is cut here at its end, before
+     * iso_text_clean cuts its middle. */
     char raw[2 * 4096 + 1024];
     vsnprintf(raw, sizeof raw, format, arguments);
     if (strlen(raw) + 1 == sizeof raw) cut_incomplete(raw, sizeof raw - 1);

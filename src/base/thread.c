@@ -1,3 +1,4 @@
+/* Starts threads with an explicit stack size. */
 #include "base/thread.h"
 
 #include <sys/resource.h>

@@ -1,5 +1,5 @@
-/* thread: threads whose stacks have a known size. Without one they get what the process is limited to (ulimit
- * -s), which may be less than the arrays of kernels need. */
+/* thread: starts threads with a stack of known size. By default the size is the process's limit (ulimit -s),
+ * which may be less than the arrays of kernels need. */
 #ifndef ISO_BASE_THREAD_H
 #define ISO_BASE_THREAD_H
 
@@ -9,15 +9,15 @@
 extern "C" {
 #endif
 
-/* What every function of the library may use of its caller's stack, several times over. Reserved, and taken
- * page by page as it is used. */
+/* The size of the stacks. It is several times what any function of the library needs. The memory is reserved,
+ * and pages are taken when they are used. */
 enum { ISO_STACK_BYTES = 2 << 20 };
 
-/* As pthread_create, with a stack of ISO_STACK_BYTES: 0, or an error number. */
+/* Starts a thread like pthread_create, with a stack of ISO_STACK_BYTES. Returns 0 or an error number. */
 int iso_thread_start(pthread_t *thread, void *(*main)(void *argument), void *argument);
 
-/* Calls function(argument) and returns what it returns: directly when the stack of the process's main thread,
- * which is to call this, may grow to ISO_STACK_BYTES, else on a thread of its own. For programs. */
+/* Calls function(argument) and returns its result. If the stack of the main thread, which must be the caller,
+ * cannot grow to ISO_STACK_BYTES, the function is called on a new thread. For programs. */
 void *iso_call_with_stack(void *(*function)(void *argument), void *argument);
 
 #ifdef __cplusplus

@@ -17,8 +17,8 @@ void isosculpt_window_recover(window *w, const char *journal);
 /* Opens a dropped file; for a mesh asks whether it is to be a stamp. */
 void isosculpt_window_drop(window *w, const char *path);
 
-/* Goes on with opening `next_path` although there are unsaved changes: the user has agreed, or they are
- * saved. */
+/* Goes on with opening `next_path` after the question about unsaved changes: the user has agreed to lose
+ * them, or they have been saved by now. */
 void isosculpt_window_confirm_open(window *w);
 
 /* Cancels opening `next_path`: the user wants to keep the current document. */
