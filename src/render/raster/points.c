@@ -112,7 +112,7 @@ static bool project_disc(const point_draw *draw, const block *b, size_t index, d
     if (!(p.z >= view->near)) return false;
     double scale = iso_projector_scale(&draw->projector, p.z);
     double x = snapped(p.x * scale) + view->cx, y = snapped(p.y * scale) + view->cy;
-    if (!(fabs(x) < 1e15 && fabs(y) < 1e15)) return false; /* so is NaN */
+    if (!(fabs(x) < 1e15 && fabs(y) < 1e15)) return false; /* also when NaN */
     double column = floor(x), row = floor(y), radius = point_radius(draw->points, index) * scale;
     *out = (disc){column, row, x - column, y - row, radius, (float)p.z, source_of(draw, index)};
     return true;
