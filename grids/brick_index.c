@@ -32,7 +32,7 @@ struct iso_brick_index {
     iso_buffer dirty,
         fresh; /* for one update: the bricks to read (uint32_t) and the results (iso_brick_reading) */
     size_t dirty_count;
-    iso_cpu_level level; /* of the current update or creation */
+    iso_cpu_level level; /* the level of the kernels in the current update or creation */
 };
 
 static void set_brick(iso_brick_index *index, size_t brick, const iso_brick_reading *reading) {

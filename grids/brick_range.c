@@ -31,7 +31,7 @@ typedef struct range_box {
 /* The result of a kernel: the range of each row group of the bricks of a batch. */
 typedef struct range_values {
     _Alignas(64) float lo[ISO_ROW_GROUPS][ISO_BATCH_BRICKS],
-        hi[ISO_ROW_GROUPS][ISO_BATCH_BRICKS]; /* lo > hi: no voxels */
+        hi[ISO_ROW_GROUPS][ISO_BATCH_BRICKS]; /* lo > hi: the group has no voxels */
 } range_values;
 
 /* Floats are compared as integers (keys) with the same order: infinities lie beyond all finite values, and

@@ -11,7 +11,7 @@ enum {
     SURVEY_BRICKS = 1 << 12 /* bricks that one task tests by may_exist */
 };
 
-/* A brick that has a span. */
+/* A brick that has a span, and the blocks that the span occupies. */
 typedef struct slot {
     uint32_t brick;
     iso_brick_location location;
@@ -35,7 +35,7 @@ typedef struct chunk {
     bool failed;
 } chunk;
 
-/* An extraction of a list of bricks. */
+/* The extraction of a list of bricks. */
 typedef struct extraction {
     iso_brick_set *set;
     const uint32_t *bricks;
@@ -115,7 +115,7 @@ static iso_status add_slot(iso_brick_set *set, uint32_t brick, iso_error *error)
     return ISO_OK;
 }
 
-/* Makes *block a block of at least `count` items: the old one if it suffices, else a new one. */
+/* Sets *block to a block with room for `count` items: the old block if it is large enough, else a new one. */
 static iso_status fit_block(iso_brick_set *set, iso_span_heap *heap, uint32_t *block, size_t count,
                             iso_error *error) {
     if (*block != ISO_SPAN_NONE) {

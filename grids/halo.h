@@ -1,4 +1,4 @@
-/* halo: the bricks to be extracted again after changes to voxels. Internal to the library.
+/* halo: finds the bricks that must be extracted again after changes to voxels. Internal to the library.
  *
  * A primitive (a point, a cell) belongs to the brick of its voxel p; an edge belongs to its lower voxel. If
  * the primitive of voxel p is computed from voxels p - up .. p + down, a change of voxel v affects the

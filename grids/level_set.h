@@ -1,5 +1,4 @@
-/* level_set: conversion of meshes and grids to level sets, resizing of level sets, and writing them to .vdb
- * files. */
+/* level_set: converts meshes and grids to level sets, resizes level sets, and writes them to .vdb files. */
 #ifndef ISO_GRIDS_LEVEL_SET_H
 #define ISO_GRIDS_LEVEL_SET_H
 
@@ -41,7 +40,7 @@ iso_status iso_level_set_from_mesh(const char *path, const iso_closed_mesh *mesh
 
 /* How a grid is converted to a level set. */
 typedef struct iso_resampling {
-    double isovalue;              /* stored: of an hgrid, voxels */
+    double isovalue;              /* stored value; of an hgrid a distance in voxels */
     double voxel;                 /* voxel size, mm; 0: the grid's smallest spacing */
     int margin;                   /* voxels to add on each side of the grid */
     iso_pool *pool;               /* borrowed; NULL: the calling thread */

@@ -26,7 +26,7 @@ typedef struct resampling {
     double offset[3];
     int from_bricks[3];
     uint8_t *crosses;      /* by brick of `from`: whether the surface may cross it */
-    iso_progress progress; /* of sampling */
+    iso_progress progress; /* progress of sampling the bricks */
 } resampling;
 
 /* Returns the value at a voxel of `to`, relative to the isovalue and negative inside; INFINITY beyond the

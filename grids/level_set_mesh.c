@@ -48,7 +48,7 @@ typedef struct conversion {
     iso_progress progress; /* progress of the current step */
     size_t cells, bricks;
     uint8_t *near;                       /* by cell: it may contain part of the band */
-    uint32_t *brick_cell;                /* by brick, in the order of cells */
+    uint32_t *brick_cell;                /* by brick: its cell; bricks are numbered in the order of cells */
     uint16_t (*label)[ISO_BRICK_VOXELS]; /* by brick: the region of each voxel, counted from the first one of
                                             the brick */
     uint32_t *first;                     /* by cell: number of its first region; one more entry for the end */

@@ -1,4 +1,5 @@
-/* spans: an allocator inside a growing array (or parallel arrays) that holds the primitives of all bricks.
+/* spans: a heap, which allocates ranges of a growing array (or of parallel arrays) for the primitives of
+ * bricks.
  *
  * A block is a range of items for one brick. It is not moved while it is allocated, so an edit moves no other
  * brick's data. Freed blocks are joined with free neighbours and reused, smallest sufficient size class first
@@ -22,6 +23,7 @@ enum {
 
 #define ISO_SPAN_NONE UINT32_MAX
 
+/* The record of a block, used or free. */
 typedef struct iso_span_block {
     size_t first, capacity;  /* items */
     uint32_t before, after;  /* blocks before and after it in the array */
@@ -41,7 +43,7 @@ typedef struct iso_span_heap {
     uint32_t bins[ISO_SPAN_CLASSES]; /* the first free block of each size class */
     uint64_t
         occupied[ISO_SPAN_CLASSES / 64]; /* one bit for each class: whether bins[class] has a free block */
-    bool moved;                          /* blocks were moved together; cleared by the owner */
+    bool moved; /* the heap sets it when it has moved all blocks together; its owner clears it */
 } iso_span_heap;
 
 /* Removes all blocks but keeps the memory. */

@@ -36,7 +36,7 @@ typedef struct iso_mesh_report {
     size_t holes_closed; /* loops that were filled */
     size_t loops_capped; /* loops in the faces of the bounding box that were capped */
     size_t turned;       /* triangles that were turned to face as their neighbours do */
-    double largest_hole; /* mm, of the filled loops */
+    double largest_hole; /* mm; the largest of the filled loops */
     double volume;       /* mm3, of the closed mesh; parts that are inside out count as negative */
     double area;         /* mm2, of its triangles without the caps */
 } iso_mesh_report;

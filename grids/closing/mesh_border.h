@@ -18,7 +18,7 @@ extern "C" {
 
 typedef struct iso_border_face iso_border_face;
 
-/* Zero-initialise. */
+/* The box of a mesh and its caps. Zero-initialise; iso_border_free when done. */
 typedef struct iso_border {
     double lo[3], hi[3], near; /* the box; points within this distance of a face lie in it */
     iso_border_face *faces;    /* owned, six; NULL: no caps */

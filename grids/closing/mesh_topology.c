@@ -145,7 +145,7 @@ typedef struct half {
 
 typedef struct edges {
     half *halves;
-    size_t *first; /* by lower vertex */
+    size_t *first; /* by lower vertex: index of its first half-edge */
     size_t vertex_count;
 } edges;
 

@@ -26,7 +26,7 @@ extern "C" {
 iso_status iso_grid_close(const iso_grid *from, double isovalue, iso_pool *pool, iso_grid *closed,
                           iso_error *error);
 
-/* The bytes that iso_grid_close allocates for a dense grid of this size in voxels, with its index. */
+/* Returns the bytes that iso_grid_close allocates for a dense grid of this size in voxels, with its index. */
 uint64_t iso_grid_close_estimate(const int dims[3]);
 
 #ifdef __cplusplus

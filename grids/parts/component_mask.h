@@ -1,5 +1,5 @@
-/* component_mask: kernels that mark the voxels of a row within a range of values, one bit a voxel. The
- * results are the same for every instruction set. Thread-safe. Internal to the library. */
+/* component_mask: kernels that mark the voxels of a row within a range of values, with one bit for each
+ * voxel. The results are the same for every instruction set. Thread-safe. Internal to the library. */
 #ifndef ISO_GRIDS_PARTS_COMPONENT_MASK_H
 #define ISO_GRIDS_PARTS_COMPONENT_MASK_H
 
@@ -19,10 +19,12 @@ typedef struct iso_mask_range {
  * if no value of the type is in the range. */
 bool iso_mask_range_of(iso_type type, float at, bool below, iso_mask_range *range);
 
-/* Writes ceil(count / 64) words: bit i is set if voxel i lies in the range; bits from `count` on are 0. */
+/* Writes the mask of a row of `count` voxels, ceil(count / 64) words: bit i is set if voxel i lies in the
+ * range; bits from `count` on are 0. */
 typedef void iso_mask_kernel(const void *row, int count, const iso_mask_range *range, uint64_t *words);
 
-/* The kernel for a voxel type and an instruction set, or the best one below it that this build has. */
+/* Returns the kernel for a voxel type and an instruction set, or for the best one below it that this build
+ * has. */
 iso_mask_kernel *iso_mask_kernel_get(iso_type type, iso_cpu_level level);
 
 #endif

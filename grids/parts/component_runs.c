@@ -1,5 +1,5 @@
-/* Run-based labelling of connected components (He, Chao and Suzuki 2008): rows become bit masks, masks become
- * runs, and overlapping runs of neighbouring rows are joined. */
+/* Finds connected components by run-based labelling (He, Chao and Suzuki 2008): rows become bit masks, masks
+ * become runs, and overlapping runs of neighbouring rows are joined. */
 #include "grids/parts/component_runs.h"
 #include "base/disjoint_sets.h"
 

@@ -1,5 +1,5 @@
-/* component_runs: the connected components of the solid in a grid, as runs of voxels along x. Internal to the
- * library.
+/* component_runs: finds the connected components of the solid in a grid, as runs of voxels along x. Internal
+ * to the library.
  *
  * A run is a maximal range of inside voxels in a row. Runs are found and joined by union-find (He, Chao and
  * Suzuki 2008, "A run-based two-scan labeling algorithm", in three dimensions) in slabs of slices, one task
@@ -22,7 +22,7 @@ typedef struct iso_run {
     int32_t first, last;
 } iso_run;
 
-/* Consecutive slices and their runs, in order. */
+/* A slab of consecutive slices, and the runs in it, in order. */
 typedef struct iso_run_slab {
     int z[2];         /* slices z[0] .. z[1] - 1 */
     iso_buffer runs;  /* iso_run */
@@ -39,7 +39,7 @@ typedef struct iso_component_runs {
     uint32_t *component; /* by run: its component */
     uint64_t *voxels;    /* by component: its number of voxels */
     size_t component_count;
-    uint64_t voxel_count; /* of all components */
+    uint64_t voxel_count; /* number of voxels of all components */
 } iso_component_runs;
 
 /* Finds the components of the voxels inside the surface. Where inside is at or above the isovalue, voxels are

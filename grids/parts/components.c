@@ -15,8 +15,8 @@ typedef struct filter {
     iso_grid *grid;
     iso_threshold surface;
     iso_component_runs runs;
-    bool *kept;            /* by component */
-    atomic_uchar *changed; /* by brick of a dense grid */
+    bool *kept;            /* by component: whether it stays in the grid */
+    atomic_uchar *changed; /* by brick of a dense grid: whether a voxel was replaced */
     int bricks[3];
     float replacement; /* the value that voxels of dropped parts get in a dense grid */
 } filter;

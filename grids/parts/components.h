@@ -18,7 +18,7 @@ extern "C" {
 /* The parts to keep: those that meet both conditions. */
 typedef struct iso_components_opts {
     double isovalue;   /* physical */
-    size_t largest;    /* this many of the largest; 0: all */
+    size_t largest;    /* keep only this many of the largest; 0: all */
     double min_volume; /* smallest volume, mm3; 0: any */
     iso_pool *pool;    /* borrowed for the call; NULL: the calling thread */
 } iso_components_opts;
@@ -27,7 +27,7 @@ typedef struct iso_components_totals {
     size_t kept, dropped;                 /* parts */
     uint64_t kept_voxels, dropped_voxels; /* in them */
     double kept_volume, dropped_volume;   /* mm3 */
-    double dropped_share;                 /* of the volume of all parts, 0 .. 1 */
+    double dropped_share; /* dropped volume as a fraction of the volume of all parts, 0 .. 1 */
 } iso_components_totals;
 
 /* Moves the voxels of dropped parts to the other side of the isovalue, in the grid itself (lent data is

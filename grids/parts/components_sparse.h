@@ -7,8 +7,8 @@
 /* The parts to remove; all pointers are borrowed. */
 typedef struct iso_sparse_removal {
     float at;                       /* stored isovalue: inside is below it */
-    const iso_component_runs *runs; /* of the grid */
-    const bool *kept;               /* by component */
+    const iso_component_runs *runs; /* the components of the grid */
+    const bool *kept;               /* by component: whether it stays in the grid */
     iso_pool *pool;
 } iso_sparse_removal;
 

@@ -1,8 +1,8 @@
-/* brush: the names of tools, solids and falloffs, and the check of a brush's numbers.
+/* brush: looks up the names of tools, solids and falloffs, and checks the numbers of a brush.
  *
- * The types iso_brush and iso_sample are in isopoint.h. Their lengths (radius, blend) are millimetres and
- * their positions world positions, never screen coordinates, so a stroke can be replayed on another grid with
- * another voxel size. sculpt/field/edit.c converts them to voxels (iso_dabs of dab.h). */
+ * The types iso_brush and iso_sample are in isopoint.h. Their lengths (radius, blend) are in millimetres
+ * and their positions in world coordinates, never screen coordinates, so a stroke can be replayed on another
+ * grid with another voxel size. sculpt/field/edit.c converts them to voxels (iso_dabs of dab.h). */
 #ifndef ISO_SCULPT_BRUSH_BRUSH_H
 #define ISO_SCULPT_BRUSH_BRUSH_H
 

@@ -1,6 +1,6 @@
-/* cell_pack: lossless compression of a brick, for undo steps and checkpoints. Two bits a voxel say whether it
- * is +band, -band or a distance; the distances follow as floats. Near a surface this takes a third to a
- * quarter of the brick's 16 KiB. Internal to sculpt. */
+/* cell_pack: lossless compression of a brick, for undo steps and checkpoints. Two bits for each voxel say
+ * whether it is +band, -band or a distance; the distances follow as floats. Near a surface this takes a third
+ * to a quarter of the brick's 16 KiB. Internal to sculpt. */
 #ifndef ISO_SCULPT_FIELD_CELL_PACK_H
 #define ISO_SCULPT_FIELD_CELL_PACK_H
 

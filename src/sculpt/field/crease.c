@@ -1,4 +1,4 @@
-/* Correction of distances beside creases. The crossings of the zero set with the edges between voxels are
+/* Corrects distances beside creases. The crossings of the zero set with the edges between voxels are
  * collected, sorted into bins of 4^3 voxels and split into those at a crease and the others. A voxel lies in
  * the fan of a crease when the crossing nearest to it is at a crease; its distance is then bounded by
  * the distance to that crossing. */

@@ -78,7 +78,7 @@ typedef struct iso_redistancer {
                   iso_row_bits *moved);
 } iso_redistancer;
 
-/* The kernels for an instruction set, or for the best one below it that this build has. */
+/* Returns the kernels for an instruction set, or for the best one below it that this build has. */
 const iso_redistancer *iso_redistancer_get(iso_cpu_level level);
 
 #endif

@@ -1,5 +1,5 @@
-/* The passes of a touch after the brush: finding where redistancing starts and which neighbouring cells it
- * may change, the redistancing steps themselves, and writing the result to the grid. Passes run in parallel
+/* The part of a touch after the brush: finds where redistancing starts and which neighbouring cells it may
+ * change, makes the redistancing steps, and writes the result to the grid. Passes run in parallel
  * over cells; each reads one field of values and writes another, so threads do not change the result. */
 #include "sculpt/field/transaction.h"
 

@@ -13,7 +13,7 @@
 iso_status iso_checkpoint_write(const char *path, const iso_hgrid *grid, const iso_mask *mask,
                                 iso_error *error);
 
-/* Writes a checkpoint to a stream, whose error flag the caller checks, and reads one from memory; `name` is
+/* Write a checkpoint to a stream, whose error flag the caller checks, and read one from memory; `name` is
  * used in messages. Errors: those of iso_checkpoint_read. */
 void iso_checkpoint_put(FILE *stream, const iso_hgrid *grid, const iso_mask *mask);
 iso_status iso_checkpoint_get(const char *name, const uint8_t *bytes, size_t size, iso_hgrid *grid,

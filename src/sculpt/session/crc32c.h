@@ -1,4 +1,4 @@
-/* crc32c: the Castagnoli checksum (RFC 3720, appendix B.4). Internal to sculpt. */
+/* crc32c: computes the Castagnoli checksum (RFC 3720, appendix B.4). Internal to sculpt. */
 #ifndef ISO_SCULPT_SESSION_CRC32C_H
 #define ISO_SCULPT_SESSION_CRC32C_H
 

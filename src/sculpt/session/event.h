@@ -1,4 +1,4 @@
-/* event: conversion of events to lines of a stroke file and back. Internal to sculpt. */
+/* event: converts events to lines of a stroke file and back. Internal to sculpt. */
 #ifndef ISO_SCULPT_SESSION_EVENT_H
 #define ISO_SCULPT_SESSION_EVENT_H
 

@@ -51,7 +51,7 @@ struct iso_history {
     long long file_size;
     step *steps;
     size_t count, room, position;
-    /* the open step */
+    /* of the open step: */
     bool open;
     char *name;
     uint32_t *copy_of; /* by cell: 1 + the index of its values in `copies`, 0: not saved */
@@ -130,7 +130,8 @@ static bool open_file(iso_history *history) {
     return history->file != NULL;
 }
 
-/* Moves a step's bytes to the file. False: the file cannot be written, the bytes stay in memory. */
+/* Moves the bytes of a step to the file. Returns false if the file cannot be written; the bytes then stay in
+ * memory. */
 static bool spill(iso_history *history, step *s) {
     if (!open_file(history) || fseeko(history->file, (off_t)history->file_size, SEEK_SET)) return false;
     if (fwrite(s->bytes, 1, s->size, history->file) != s->size || fflush(history->file)) return false;
@@ -142,7 +143,8 @@ static bool spill(iso_history *history, step *s) {
     return true;
 }
 
-/* Spills steps, oldest first, until the rest fits into memory; never the step that the next undo needs. */
+/* Spills steps, oldest first, until the others fit into memory. The step that the next undo needs is never
+ * spilled. */
 static void spill_excess(iso_history *history) {
     for (size_t i = 0; i < history->count && history->used > history->memory; i++) {
         step *s = &history->steps[i];

@@ -15,7 +15,7 @@ extern "C" {
 typedef struct iso_history iso_history;
 
 typedef struct iso_history_opts {
-    iso_mask *mask; /* of the field; borrowed; NULL: no step changes a mask */
+    iso_mask *mask; /* the mask of the field; borrowed; NULL: no step changes a mask */
     size_t memory;  /* limit in bytes; 0 means 1 GiB */
     /* Called before a step, undo, redo or cancel writes a cell; NULL: not called. */
     void (*before_write)(void *context, uint32_t cell);
@@ -37,8 +37,8 @@ iso_step_opts iso_history_step_opts(iso_history *history); /* for iso_editor_beg
 iso_status iso_history_end(iso_history *history, iso_error *error);
 iso_status iso_history_cancel(iso_history *history, iso_error *error);
 
-/* ISO_ERR_USAGE: there is nothing to undo or redo, or a step is open; ISO_ERR_IO: the spill file cannot be
- * read; ISO_ERR_NOMEM. The grid is as before then. */
+/* Undo the last step, or redo the last step that was undone. ISO_ERR_USAGE: there is no such step, or a step
+ * is open; ISO_ERR_IO: the spill file cannot be read; ISO_ERR_NOMEM. The grid is as before then. */
 iso_status iso_history_undo(iso_history *history, iso_error *error);
 iso_status iso_history_redo(iso_history *history, iso_error *error);
 

@@ -1,6 +1,6 @@
-/* journal: an append-only file of everything that changed a session's field (a stroke file). The format is
- * JSON Lines: a header, then one line for each event, with its number and the CRC-32C of the line before the
- * checksum. Doubles are written with all digits and read back exactly.
+/* journal: an append-only file of all events that changed the field of a session (a stroke file). The format
+ * is JSON Lines: a header, then one line for each event, with its number and the CRC-32C of the line before
+ * the checksum. Doubles are written with all digits and read back exactly.
  *
  * The same file serves as autosave, crash recovery, undo history, recorded demo, regression test and
  * benchmark. An incomplete last line, as a crash leaves it, is ignored. A damaged line before the end is an
@@ -31,7 +31,8 @@ typedef struct iso_journal_start {
     iso_vec3 origin;                /* world position of voxel (0, 0, 0) */
     double radius;                  /* of the ball, mm */
     double isovalue;                /* of a source file: physical */
-    char reading[ISO_JOURNAL_TEXT]; /* the reading program's options for the source; "" for the defaults */
+    char reading[ISO_JOURNAL_TEXT]; /* the options with which the program read the source; "" for the defaults
+                                     */
     bool voxel_isovalue; /* the file is of version 1, in which the isovalue of a level set is in voxels */
 } iso_journal_start;
 
@@ -70,9 +71,9 @@ iso_status iso_journal_append(const char *path, iso_journal **journal, iso_error
 /* Adds an event; never waits for the disk. If writing fails (full disk), events stay in memory and are tried
  * again; iso_journal_status reports it. ISO_ERR_NOMEM. */
 iso_status iso_journal_put(iso_journal *journal, const iso_event *event, iso_error *error);
-/* The number of events in the journal, including those it had before append. */
+/* Returns the number of events in the journal, including those it had before iso_journal_append. */
 unsigned long long iso_journal_count(const iso_journal *journal);
-/* ISO_ERR_WRITE: the last attempt to write failed, and why. Thread-safe. */
+/* Returns ISO_ERR_WRITE if the last attempt to write failed; the message says why. Thread-safe. */
 iso_status iso_journal_status(iso_journal *journal, iso_error *error);
 /* Waits until all events are on the disk. ISO_ERR_WRITE. */
 iso_status iso_journal_sync(iso_journal *journal, iso_error *error);
@@ -96,7 +97,7 @@ iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *
  * ISO_ERR_USAGE becomes ISO_ERR_FORMAT, because the file is at fault. ISO_OK, and errors that the event did
  * not cause (cancelled, disk error), stay as they are. */
 iso_status iso_journal_add_location(const iso_journal_reader *reader, iso_status status, iso_error *error);
-/* Bytes up to the end of the last valid line. */
+/* Returns the number of bytes up to the end of the last valid line. */
 uint64_t iso_journal_sound_bytes(const iso_journal_reader *reader);
 
 #ifdef __cplusplus

@@ -64,8 +64,8 @@ static inline double iso_limit_cost(double samples) {
     return (double)(1 << 22) + (double)(1 << 20) * samples;
 }
 
-/* ISO_ERR_FORMAT: the value is NaN or outside its bounds; the message names both. `voxel` is the voxel size
- * in millimetres, used for lengths. */
+/* Checks a value. ISO_ERR_FORMAT: it is NaN or outside its bounds; the message has the value and the bounds.
+ * `voxel` is the voxel size in millimetres, used for lengths. */
 iso_status iso_limit_check(iso_limit limit, double value, double voxel, iso_error *error);
 
 /* Check all numbers of a header, and of an event in the file with this header. Also called before writing, so

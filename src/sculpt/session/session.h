@@ -67,7 +67,7 @@ void iso_session_release_snapshot(iso_session *session, iso_snapshot *snapshot);
 iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_error *error);
 const iso_stamp *iso_session_stamp(const iso_session *session); /* NULL: none yet */
 
-/* As iso_journal_status; ISO_OK without a journal. */
+/* Returns the status of the journal (iso_journal_status); ISO_OK if there is no journal. */
 iso_status iso_session_journal_status(iso_session *session, iso_error *error);
 
 /* Replays one event of a stroke file. ISO_ERR_USAGE: the event is not possible after those before it;

@@ -16,7 +16,8 @@ extern "C" {
 
 typedef struct iso_snapshot iso_snapshot;
 
-/* Called by the thread that writes the grid; the grid must outlive the snapshot. ISO_ERR_NOMEM. */
+/* Creates a snapshot; called by the thread that writes the grid. The grid must outlive the snapshot.
+ * ISO_ERR_NOMEM. */
 iso_status iso_snapshot_create(const iso_hgrid *grid, iso_snapshot **snapshot, iso_error *error);
 /* Must not be called during iso_snapshot_copy. NULL is allowed. */
 void iso_snapshot_destroy(iso_snapshot *snapshot);
