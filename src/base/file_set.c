@@ -106,7 +106,7 @@ static iso_status fail_pair(const iso_file_entry *output, const iso_file_entry *
                         other->name);
     if (strcmp(output->name, other->name) == 0)
         return iso_fail(error, ISO_ERR_USAGE, "%s: two outputs have this name", output->name);
-    return iso_fail(error, ISO_ERR_USAGE, "%s: is the is_same_file file as another output, %s", output->name,
+    return iso_fail(error, ISO_ERR_USAGE, "%s: is the same file as another output, %s", output->name,
                     other->name);
 }
 
