@@ -66,7 +66,7 @@ void iso_subject_set_isovalue(iso_subject *subject, double isovalue) {
     subject->isovalue = isovalue;
     if (subject->points) iso_point_set_isovalue(subject->points, isovalue);
     if (subject->mesh) iso_mesh_set_isovalue(subject->mesh, isovalue);
-    if (subject->exact) iso_exact_isovalue(subject->exact, isovalue);
+    if (subject->exact) iso_exact_set_isovalue(subject->exact, isovalue);
     iso_raycaster_destroy(subject->caster);
     subject->caster = NULL;
 }
