@@ -141,7 +141,8 @@ static iso_status convert_isovalue(const isosculpt_source *source, const iso_gri
     if (isnan(source->isovalue))
         return iso_grid_is_level_set(from)
                    ? ISO_OK
-                   : iso_fail(error, ISO_ERR_USAGE, "%s: needs --isovalue", source->path);
+                   : iso_fail(error, ISO_ERR_USAGE, "%s: holds no level set, and needs --isovalue",
+                              source->path);
     const bool voxels = source->voxel_isovalue && from->hgrid;
     const double isovalue = voxels ? iso_grid_physical(from, source->isovalue) : source->isovalue;
     ISO_TRY(iso_isovalue_check(from, isovalue, error));

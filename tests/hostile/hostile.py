@@ -196,7 +196,9 @@ def check_case(command, folder, tmp, before, baseline):
     if os.WIFSIGNALED(status):
         raise Wrong("killed by %s" % signal.Signals(os.WTERMSIG(status)).name)
     code = os.WEXITSTATUS(status)
-    if code not in (0, 3, 5, 6):
+    # A level set whose class was damaged is a volume like any other, which isosculpt asks an isovalue for.
+    is_volume_now = code == 2 and "--open" in command and b" needs --isovalue" in err
+    if code not in (0, 3, 5, 6) and not is_volume_now:
         raise Wrong("status %d: %s" % (code, err[:300]))
     check_text(err, code != 0)
     if code != 0 and out:
