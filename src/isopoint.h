@@ -500,10 +500,10 @@ ISO_API iso_status iso_compare_images(const iso_image *truth, const iso_image *c
 /* What a touch of a brush does. The first four are set operations with the brush's solid, the others deform
  * what is there. */
 typedef enum iso_tool {
-    ISO_TOOL_ADD,       /* union */
-    ISO_TOOL_CARVE,     /* difference */
-    ISO_TOOL_BLEND_ADD, /* smooth union, over `blend` */
-    ISO_TOOL_BLEND_CARVE,
+    ISO_TOOL_ADD,         /* union */
+    ISO_TOOL_CARVE,       /* difference */
+    ISO_TOOL_BLEND_ADD,   /* smooth union, over `blend` */
+    ISO_TOOL_BLEND_CARVE, /* smooth difference */
     ISO_TOOL_SMOOTH,
     ISO_TOOL_INFLATE,
     ISO_TOOL_DEFLATE,
@@ -541,9 +541,10 @@ typedef struct iso_brush {
     iso_tool tool;
     iso_solid shape;
     iso_falloff falloff;
-    double radius;   /* mm, > 0 */
-    double strength; /* 0 .. 1 */
-    double aspect, blend;
+    double radius;          /* mm, > 0 */
+    double strength;        /* 0 .. 1 */
+    double aspect;          /* of a box, cylinder or torus, in radii: see iso_solid */
+    double blend;           /* width of the smooth transition of BLEND tools, mm */
     double spacing;         /* between touches along the stroke, in radii */
     unsigned symmetry;      /* bit a: mirrored at the plane of axis a through `mirror` */
     iso_vec3 mirror;        /* world */
@@ -590,8 +591,8 @@ ISO_API iso_status iso_sculpt_from_volume(iso_volume *volume, double isovalue, c
                                           iso_sculpt **sculpt, iso_error *error);
 
 /* Plays a stroke file that began with a ball; the file is only read. Of `opts`, undo_memory and threads
- * count. A last line that is torn is left out. ISO_ERR_IO, ISO_ERR_FORMAT (naming the line that is damaged or
- * asks for more than a stroke file may), ISO_ERR_UNSUPPORTED: it began with a file. */
+ * count. A last line that was cut short by a crash is left out. ISO_ERR_IO, ISO_ERR_FORMAT (naming the line
+ * that is damaged or asks for more than a stroke file may), ISO_ERR_UNSUPPORTED: it began with a file. */
 ISO_API iso_status iso_sculpt_replay(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
                                      iso_error *error);
 
@@ -617,18 +618,18 @@ ISO_API iso_status iso_sculpt_sample(iso_sculpt *sculpt, const iso_sample *sampl
                                      iso_error *error);
 /* Ends a stroke: it is one step of the undo history. ISO_ERR_USAGE: none was begun. */
 ISO_API iso_status iso_sculpt_end(iso_sculpt *sculpt, iso_error *error);
-/* Takes the stroke back that is being drawn. ISO_ERR_USAGE: none was begun. */
+/* Undoes the stroke that is being drawn, and ends it. ISO_ERR_USAGE: none was begun. */
 ISO_API iso_status iso_sculpt_cancel(iso_sculpt *sculpt, iso_error *error);
 
-/* Takes back the last stroke, or does it again, to the bit. ISO_ERR_USAGE: there is nothing to undo or redo,
- * or a stroke is being drawn. */
+/* Undoes the last stroke: the field is as before it, to the bit. ISO_ERR_USAGE: there is nothing to undo, or
+ * a stroke is being drawn. */
 ISO_API iso_status iso_sculpt_undo(iso_sculpt *sculpt, iso_error *error);
-/* Does again what was undone. As iso_sculpt_undo. */
+/* Redoes the stroke that was undone last, to the bit. As iso_sculpt_undo. */
 ISO_API iso_status iso_sculpt_redo(iso_sculpt *sculpt, iso_error *error);
 
-/* How many strokes can be undone, and how many redone. */
+/* How many strokes can be undone. */
 ISO_API size_t iso_sculpt_undo_count(iso_sculpt *sculpt);
-/* How many strokes can be done again. */
+/* How many strokes can be redone. */
 ISO_API size_t iso_sculpt_redo_count(iso_sculpt *sculpt);
 
 /* What ISO_SOLID_STAMP is from now on: the solid that a mesh encloses, .stl, .obj or .ply; small holes are

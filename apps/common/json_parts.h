@@ -13,7 +13,8 @@ extern "C" {
 /* Which parts of the solid were kept and dropped. */
 void iso_put_components(iso_json *json, const char *key, const iso_components_totals *parts);
 
-/* Area (mm2), volume (mm3; null when the mesh is open), parts, edges and Euler number of a mesh. */
+/* Connected pieces, area (mm2), volume (mm3; null when the mesh is open), open and crowded edges and Euler
+ * number of a mesh. */
 void iso_put_mesh_measures(iso_json *json, const char *key, const iso_mesh_measures *measures);
 
 #ifdef __cplusplus

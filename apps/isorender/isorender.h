@@ -30,7 +30,7 @@ typedef struct isorender_surface {
     iso_grid grid;     /* what the surface is extracted from; borrowed: the volume's grid or own_grid */
     iso_grid own_grid; /* a copy without small parts, or with caps; neither pointer is set: there is none */
     iso_components_totals parts;
-    iso_mesh_measures measures; /* of the mesh, with --json or --verbose */
+    iso_mesh_measures measures; /* of the mesh: isorender_mesh_weld */
     iso_point_set *points;      /* NULL: not needed; likewise the others */
     iso_mesh_set *mesh;
     iso_exact *exact;
@@ -120,8 +120,8 @@ iso_camera isorender_camera_of_frame(const isorender_job *job, int frame);
 iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error);
 /* Bytes that own_grid of all surfaces will take, for a volume of `dims` voxels in `grid_bytes` bytes. */
 uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint64_t grid_bytes);
-/* The surface's welded mesh as it is exported; iso_weld_free when done. Measured into surface->measures with
- * --json or --verbose. */
+/* The surface's welded mesh as it is exported; iso_weld_free when done. Measured into surface->measures for
+ * --json, --verbose, and the line that says that the mesh was written. */
 iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
                                iso_error *error);
 /* Members of the report: parts and mesh, of the first surface and, when there are several, of each. */

@@ -196,8 +196,7 @@ static const iso_option options[] = {
 #undef SOLID
     {"closed", NULL, NULL,
      "the solid ends at the volume's border and is capped there, so that meshes are closed; voxels that are "
-     "no "
-     "numbers are outside it",
+     "no numbers are outside it",
      .group = SURFACE, FLAG(closed)},
 
     {"method", NULL, "NAME",
@@ -255,8 +254,7 @@ static const iso_option options[] = {
      .group = CAMERA, REAL(mm_per_pixel, 1e-9, 1e9)},
     {"fit", NULL, "NAME",
      "what fills the picture: box (the box around the surface along the world's axes) or tight (the surface "
-     "as it is "
-     "seen)",
+     "as it is seen); with --mm-per-pixel, which sets the scale, what is in the middle of the picture",
      .group = CAMERA, .standard = "box", CHOICE(fit, fits)},
     {"margin", NULL, "PART", "part of the picture left free on each side, as 0.1 or 10%", .group = CAMERA,
      .standard = "4%", CALL(apply_margin)},

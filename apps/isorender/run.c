@@ -1,4 +1,5 @@
 /* The steps of the work on one input, and the removal of its outputs when a step fails. */
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,9 +22,25 @@ static iso_status print_info(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
+/* One line for each export. Open edges of a mesh are said: it cannot be printed. */
+static void log_exports(const isorender_job *job) {
+    const iso_mesh_measures *mesh = &job->surfaces[0].measures;
+    if (job->plan->points)
+        isorender_log(job, "wrote %s: %" PRIu64 " points", job->plan->points, job->point_count);
+    if (job->plan->mesh && !mesh->open_edges)
+        isorender_log(job, "wrote %s: %zu triangles, closed", job->plan->mesh, mesh->triangles);
+    else if (job->plan->mesh)
+        isorender_log(
+            job,
+            "wrote %s: %zu triangles, %zu open edges where the volume's border or voxels that are no "
+            "numbers cut the solid: --closed caps it there",
+            job->plan->mesh, mesh->triangles, mesh->open_edges);
+}
+
 static void log_outputs(const isorender_job *job) {
     isorender_log_verbose(job, "load %.3f s, extract %.3f s, render %.3f s, write %.3f s", job->seconds.load,
                           job->seconds.extract, job->seconds.render, job->seconds.write);
+    log_exports(job);
     const char *frames = job->settings->turntable ? " (all frames)" : "";
     if (job->plan->image && strcmp(job->plan->image, "-") != 0)
         isorender_log(job, "wrote %s%s", job->plan->image, frames);

@@ -76,9 +76,10 @@ iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surfac
 
 static void log_mesh(const isorender_job *job, const isorender_surface *surface) {
     const iso_mesh_measures *m = &surface->measures;
-    isorender_log_verbose(
-        job, "isovalue %g: mesh of %zu parts, %.6g mm2, %.6g mm3, %zu open edges, Euler number %" PRId64,
-        surface->isovalue, m->parts, m->area, m->volume, m->open_edges, m->euler);
+    isorender_log_verbose(job,
+                          "isovalue %g: mesh of %zu connected pieces, %.6g mm2, %.6g mm3, %zu open edges, "
+                          "Euler number %" PRId64,
+                          surface->isovalue, m->parts, m->area, m->volume, m->open_edges, m->euler);
 }
 
 iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
@@ -87,7 +88,9 @@ iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surf
     ISO_TRY(iso_mesh_weld(&view, weld, error));
     /* Caps lie this far out, so that they stay flat. */
     if (job->settings->closed) iso_weld_separate(&view, ISO_CLOSED_TOLERANCE, weld);
-    if (!job->settings->common.json && !job->settings->verbose) return ISO_OK;
+    const isorender_settings *settings = job->settings;
+    const bool said = job->plan->mesh && !settings->common.quiet;
+    if (!settings->common.json && !settings->verbose && !said) return ISO_OK;
     iso_status status = iso_weld_measure(weld, &view.transform, job->pool, &surface->measures, error);
     if (status != ISO_OK) iso_weld_free(weld);
     if (status == ISO_OK) log_mesh(job, surface);
@@ -97,7 +100,7 @@ iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surf
 /* ---- the report */
 
 static void put_surface(iso_json *json, const isorender_job *job, const isorender_surface *surface) {
-    if (drops_parts(job->settings)) iso_put_components(json, "parts", &surface->parts);
+    if (drops_parts(job->settings)) iso_put_components(json, "solid_parts", &surface->parts);
     if (surface->mesh) iso_put_mesh_measures(json, "mesh", &surface->measures);
 }
 

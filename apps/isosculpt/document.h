@@ -37,6 +37,7 @@ typedef struct isosculpt_document {
     char target[ISOSCULPT_PATH];   /* the file that saving writes; has a default from the beginning */
     bool target_is_own;            /* this session wrote the target: saving again need not ask */
     char saved_as[ISOSCULPT_PATH]; /* the file of the last save or export, also of a failed one */
+    size_t saved_open_edges;       /* of the mesh that was written last; 0 for a level set */
     isosculpt_saver *saver;        /* owned; NULL: no save is running (save.h) */
 } isosculpt_document;
 

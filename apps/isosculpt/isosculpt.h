@@ -26,6 +26,7 @@ typedef struct isosculpt_settings {
     const char *strokes;        /* the operand: a stroke file to continue in a window */
     const char *replay, *open, *stamp, *output, *mesh;
     int headless, recover, extract, draw;
+    int closed;           /* meshes that are written are capped at the border of the grid */
     int backend;          /* isosculpt_backend */
     int resolution[2];    /* pixels, of the pictures of --draw; 0: 1280 x 800 */
     double voxel_size;    /* mm; 0: not given */

@@ -65,6 +65,10 @@ static const iso_option options[] = {
      .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(output)},
     {"mesh", NULL, "FILE", "write a mesh: .ply, .stl or .obj", .group = OUTPUT, .kind = ISO_OPTION_TEXT,
      AT(mesh)},
+    {"closed", NULL, NULL,
+     "the solid ends at the border of the grid and is capped there, so that the meshes that are written are "
+     "closed",
+     .group = OUTPUT, .kind = ISO_OPTION_FLAG, AT(closed)},
     {"json", NULL, "FILE", "say what was done as JSON, to standard output without a file", .group = OUTPUT,
      .kind = ISO_OPTION_CALL, .apply = iso_settings_apply_json, .flags = ISO_OPTION_VALUE_OPTIONAL},
 
@@ -196,5 +200,10 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
                         settings->output);
     if (settings->mesh && !has_suffix(settings->mesh, ".ply .stl .obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", settings->mesh);
+    const bool writes_mesh =
+        settings->mesh || (settings->output && has_suffix(settings->output, ".stl .obj"));
+    if (settings->closed && !writes_mesh)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--closed is for meshes: it needs --mesh, or --output with .stl or .obj");
     return ISO_OK;
 }

@@ -8,6 +8,7 @@
 #include "apps/common/json_parts.h"
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
+#include "apps/isosculpt/mesh_file.h"
 #include "apps/isosculpt/source.h"
 #include "apps/isosculpt/viewport/viewport.h"
 #include "base/clock.h"
@@ -16,7 +17,6 @@
 #include "base/numbers.h"
 #include "base/text.h"
 #include "grids/level_set.h"
-#include "io/mesh_io.h"
 #include "io/points_io.h"
 
 /* Times of every sample. */
@@ -35,9 +35,9 @@ typedef struct report {
     double total;                    /* seconds */
     size_t bricks, bytes, points;
     iso_components_totals parts; /* of the opened file; zero unless parts could be dropped */
-    bool has_mesh;
-    iso_mesh_measures mesh; /* of the written mesh */
-    int resolution[2];      /* pixels, of --draw */
+    const char *mesh_path;       /* of the mesh that was written; NULL: none */
+    iso_mesh_measures mesh;      /* of that mesh */
+    int resolution[2];           /* pixels, of --draw */
 } report;
 
 static iso_status add_time(times *list, double seconds, iso_error *error) {
@@ -205,8 +205,8 @@ static void put_report(FILE *stream, const isosculpt_settings *settings, const r
     iso_json_ints(&json, "dims", r->start.dims, 3);
     iso_json_real(&json, "voxel_size", r->start.voxel_size);
     put_opened_mesh(&json, &r->opened_mesh);
-    if (r->parts.kept) iso_put_components(&json, "parts", &r->parts);
-    if (r->has_mesh) iso_put_mesh_measures(&json, "mesh", &r->mesh);
+    if (r->parts.kept) iso_put_components(&json, "solid_parts", &r->parts);
+    if (r->mesh_path) iso_put_mesh_measures(&json, "mesh", &r->mesh);
     iso_json_integer(&json, "strokes", r->strokes);
     iso_json_integer(&json, "samples", r->samples);
     iso_json_integer(&json, "undone", r->undone);
@@ -258,31 +258,10 @@ static iso_status write_points(player *p, const char *path, iso_error *error) {
     return status;
 }
 
-/* Writes the welded mesh, and measures it for --json. */
-static iso_status write_welded_mesh(player *p, const char *path, const iso_mesh_view *view,
-                                    iso_error *error) {
-    iso_weld weld;
-    ISO_TRY(iso_mesh_weld(view, &weld, error));
-    iso_status status = ISO_OK;
-    if (p->settings->common.json) {
-        p->report->has_mesh = true;
-        status = iso_weld_measure(&weld, &view->transform, p->pool, &p->report->mesh, error);
-    }
-    if (status == ISO_OK) status = iso_mesh_write_weld(path, &weld, &view->transform, "isosculpt", error);
-    iso_weld_free(&weld);
-    return status;
-}
-
 static iso_status write_mesh(player *p, const char *path, iso_error *error) {
-    iso_grid grid = {.hgrid = iso_session_grid(p->session)};
-    iso_mesh_opts opts = {.pool = p->pool};
-    iso_mesh_set *set;
-    ISO_TRY(iso_mesh_set_create(&grid, &opts, &set, error));
-    iso_status status = iso_mesh_set_update(set, error);
-    iso_mesh_view view = iso_mesh_set_view(set);
-    if (status == ISO_OK) status = write_welded_mesh(p, path, &view, error);
-    iso_mesh_set_destroy(set);
-    return status;
+    const isosculpt_mesh_opts opts = {.closed = p->settings->closed != 0, .pool = p->pool};
+    p->report->mesh_path = path;
+    return isosculpt_mesh_write(path, iso_session_grid(p->session), &opts, &p->report->mesh, error);
 }
 
 static iso_status write_outputs(player *p, iso_error *error) {
@@ -323,6 +302,17 @@ static iso_status prepare(player *p, iso_error *error) {
     return isosculpt_viewport_draw(p->viewport, size[0], size[1], false, error);
 }
 
+/* What was done to close the opened mesh, and whether the written one is open. */
+static void log_mesh_notes(const player *p) {
+    char note[240];
+    if (p->settings->common.quiet) return;
+    if (iso_mesh_report_note(&p->report->opened_mesh, note, sizeof note))
+        iso_program_log(isosculpt_program(), "%s: %s", p->settings->open, note);
+    if (!p->report->mesh_path || !p->report->mesh.open_edges) return;
+    isosculpt_mesh_open_note(p->report->mesh.open_edges, note, sizeof note);
+    iso_program_log(isosculpt_program(), "%s: %s", p->report->mesh_path, note);
+}
+
 static iso_status play_and_write(player *p, iso_journal_reader *reader, iso_error *error) {
     ISO_TRY(prepare(p, error));
     double start = iso_clock_seconds();
@@ -337,9 +327,7 @@ static iso_status play_and_write(player *p, iso_journal_reader *reader, iso_erro
     if (!p->settings->common.quiet && p->report->edits.clipped)
         iso_program_log(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
                         input_name(p->settings));
-    char note[240];
-    if (!p->settings->common.quiet && iso_mesh_report_note(&p->report->opened_mesh, note, sizeof note))
-        iso_program_log(isosculpt_program(), "%s: %s", p->settings->open, note);
+    log_mesh_notes(p);
     return ISO_OK;
 }
 

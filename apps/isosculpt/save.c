@@ -10,10 +10,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "apps/isosculpt/mesh_file.h"
 #include "base/file.h"
-#include "extract/mesh/mesh.h"
 #include "grids/level_set.h"
-#include "io/mesh_io.h"
 
 /* ---- names */
 
@@ -120,6 +119,8 @@ struct isosculpt_saver {
     char path[ISOSCULPT_PATH]; /* of the file, symbolic links resolved */
     size_t change_count;       /* of the document when the save began */
     bool is_export;
+    bool closed;                /* cap the mesh at the border of the grid */
+    iso_mesh_measures measures; /* of the mesh; zero for a level set */
 };
 
 /* An unused path beside `path`, with the same extension, for the file that is being written. */
@@ -146,31 +147,16 @@ static iso_status replace_file(const char *temporary, const char *path, iso_erro
     return ISO_OK;
 }
 
-static iso_status write_mesh(const char *path, iso_hgrid *field, const iso_progress *progress,
-                             iso_error *error) {
-    const iso_grid grid = {.hgrid = field};
-    const iso_mesh_opts opts = {0};
-    iso_mesh_set *set;
-    ISO_TRY(iso_mesh_set_create(&grid, &opts, &set, error));
-    iso_status status = iso_mesh_set_update(set, error);
-    if (status == ISO_OK) status = iso_progress_tell(progress, path, 0.5, error);
-    const iso_mesh_view mesh = iso_mesh_set_view(set);
-    if (status == ISO_OK && iso_mesh_view_triangle_count(&mesh) == 0)
-        status = iso_fail(error, ISO_ERR_EMPTY, "%.700s: nothing is left of the solid", path);
-    if (status == ISO_OK) status = iso_mesh_write(path, &mesh, "isosculpt", error);
-    iso_mesh_set_destroy(set);
-    return status == ISO_OK ? iso_progress_tell(progress, path, 1, error) : status;
-}
-
 static iso_status write_snapshot(isosculpt_saver *saver, const char *temporary, const iso_progress *progress,
                                  iso_error *error) {
     const iso_progress taking = iso_progress_part(progress, 0, 0.2),
                        writing = iso_progress_part(progress, 0.2, 1);
     iso_hgrid *grid;
     ISO_TRY(iso_snapshot_copy(saver->snapshot, &taking, &grid, error));
+    const isosculpt_mesh_opts mesh = {.closed = saver->closed, .progress = &writing};
     iso_status status = is_level_set(temporary)
                             ? iso_level_set_write_vdb(temporary, grid, "surface", &writing, error)
-                            : write_mesh(temporary, grid, &writing, error);
+                            : isosculpt_mesh_write(temporary, grid, &mesh, &saver->measures, error);
     iso_hgrid_destroy(grid);
     return status;
 }
@@ -210,6 +196,7 @@ iso_status isosculpt_document_save(isosculpt_document *document, const isosculpt
     if (!saver) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for saving");
     if (path != document->saved_as) snprintf(document->saved_as, sizeof document->saved_as, "%s", path);
     saver->is_export = opts->is_export;
+    saver->closed = opts->closed;
     iso_status status = start_task(document, saver, opts->wake, error);
     if (status != ISO_OK) {
         free(saver);
@@ -237,6 +224,7 @@ isosculpt_save_state isosculpt_document_poll_save(isosculpt_document *document, 
         document->target_is_own = true;
     }
     if (status) *status = saved;
+    document->saved_open_edges = saver->measures.open_edges;
     iso_session_release_snapshot(document->session, saver->snapshot);
     free(saver);
     document->saver = NULL;

@@ -32,6 +32,7 @@ iso_status isosculpt_document_check_target(const isosculpt_document *document, c
 typedef struct isosculpt_save_opts {
     const char *path;   /* copied; NULL: the document's target */
     bool is_export;     /* a copy: the target, and what counts as saved, stay unchanged */
+    bool closed;        /* a mesh is capped where the border of the grid cuts the solid */
     void (*wake)(void); /* isosculpt_task_start */
 } isosculpt_save_opts;
 
@@ -50,8 +51,8 @@ typedef enum isosculpt_save_state {
     ISOSCULPT_SAVE_DONE
 } isosculpt_save_state;
 /* The state of the save. Returns ISOSCULPT_SAVE_DONE once for each save, with its result in *status and
- * *error (either may be NULL); document->saved_as names the file. `wait`: first waits until the save is done.
- */
+ * *error (either may be NULL); document->saved_as names the file, document->saved_open_edges says whether its
+ * mesh is open. `wait`: first waits until the save is done. */
 isosculpt_save_state isosculpt_document_poll_save(isosculpt_document *document, bool wait, iso_status *status,
                                                   iso_error *error);
 

@@ -1,4 +1,4 @@
-# Three solids: 216, 27 and one voxel of 2 mm3.
+# Three solids: 216, 27 and one voxel of 2 mm3. --json counts parts of the solid, and pieces of its mesh.
 python3 - <<'P'
 from check import *
 def value(x, y, z):
@@ -21,17 +21,17 @@ grep -q 'kept 1 of 3 parts of the solid, dropped 2 with 11.5 % of its volume' on
 grep -q 'kept 2 of 3 parts of the solid, dropped 1 ' two.err
 python3 - <<'P'
 from check import *
-def parts(name): return report(name)["parts"]
-expect("parts" not in report("all.json"), "not asked for")
-expect(report("all.json")["mesh"]["parts"] == 3, report("all.json")["mesh"])
+def parts(name): return report(name)["solid_parts"]
+expect("solid_parts" not in report("all.json"), "not asked for")
+expect(report("all.json")["mesh"]["pieces"] == 3, report("all.json")["mesh"])
 one = parts("one.json")
 expect((one["kept"], one["dropped"], one["kept_volume"], one["dropped_volume"]) == (1, 2, 432, 56), one)
 expect(abs(one["dropped_share"] - 28 / 244) < 1e-12, one)
-expect(report("one.json")["mesh"]["parts"] == 1 and report("two.json")["mesh"]["parts"] == 2, "parts of meshes")
+expect(report("one.json")["mesh"]["pieces"] == 1 and report("two.json")["mesh"]["pieces"] == 2, "pieces of meshes")
 expect(open("min.ply", "rb").read() == open("two.ply", "rb").read(), "54 mm3 are two voxels' worth")
 expect(parts("points.json")["kept"] == 1, parts("points.json"))
 several = report("exact.json")["surfaces"]
-expect([s["isovalue"] for s in several] == [100, 150] and all(s["parts"]["kept"] == 1 for s in several), several)
+expect([s["isovalue"] for s in several] == [100, 150] and all(s["solid_parts"]["kept"] == 1 for s in several), several)
 for method in ("exact", "points", "pullpush", "mesh", "raycast"):
     a = Png("one-%s.png" % method)
     expect(a.width == 60, method)

@@ -7,6 +7,11 @@ isorender in/ball.mha plain.png --isovalue 500 --resolution 64x64 --quiet --json
 isorender in/ball.mha marked.png --isovalue 500 --orthographic --scale-bar --orientation-marker --resolution 300x300 --json=m.json --quiet
 isorender in/ball.mha marked1.png --isovalue 500 --orthographic --scale-bar --orientation-marker --resolution 300x300 --threads 1 --quiet
 isorender in/ball.mha bare.png --isovalue 500 --orthographic --resolution 300x300 --quiet
+# With --mm-per-pixel, tight decides only what is in the middle: of a solid that is no box, what is seen.
+python3 -c 'from check import *; volume("in/half.mha", (24, 24, 24), lambda x, y, z: 11.0 - x - y - z + 12 if min(x, y, z) > 1 else 0.0)'
+isorender in/half.mha half.png --isovalue 5.5 --mm-per-pixel 0.5 --fit tight --camera iso --resolution 160x160 --background none --json=h.json --quiet
+isorender in/half.mha box.png --isovalue 5.5 --mm-per-pixel 0.5 --camera iso --resolution 160x160 --background none --quiet
+isorender --help | tr -s ' \n' ' ' | grep -q 'with --mm-per-pixel, which sets the scale, what is in the middle of the picture'
 isorender in/ball.mha turn.png --isovalue 500 --fit tight --turntable 3 --resolution 100x100 --background none --quiet
 cmp marked.png marked1.png
 python3 - <<'P'
@@ -34,6 +39,10 @@ left, right, top, bottom = covered("edge.png")
 expect(left <= 1 and right <= 1 and abs(top - bottom) <= 1, left, right, top, bottom)
 mm = report("e.json")["camera"]["mm_per_pixel"]
 expect(abs(mm - 40 / 160) < 0.002 and abs(density("edge.png")[0] - 1000 / mm) <= 0.5, mm)
+left, right, top, bottom = covered("half.png")
+expect(abs(left - right) <= 1 and abs(top - bottom) <= 1 and report("h.json")["camera"]["mm_per_pixel"] == 0.5, left, right, top, bottom)
+left, right, top, bottom = covered("box.png")
+expect(abs(left - right) > 4 or abs(top - bottom) > 4, left, right, top, bottom)
 mark = report("m.json")
 expect(mark["scale_bar_mm"] in (1, 2, 5, 10, 20, 50), mark)
 a, b = Png("marked.png").pixels(), Png("bare.png").pixels()

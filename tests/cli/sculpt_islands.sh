@@ -15,11 +15,11 @@ say in/all.stl --voxel-size 0.5 --largest --output mesh.stl --json=mesh.json 2>/
 grep -q 'kept 1 of 3 parts of the solid, dropped 2 with 11.3 % of its volume' one.err
 python3 - <<'P'
 from check import *
-expect("parts" not in report("all.json") and report("all.json")["mesh"]["parts"] == 3, report("all.json"))
+expect("solid_parts" not in report("all.json") and report("all.json")["mesh"]["pieces"] == 3, report("all.json"))
 one, two, mesh = report("one.json"), report("two.json"), report("mesh.json")
-expect((one["parts"]["kept"], one["parts"]["dropped"], one["mesh"]["parts"]) == (1, 2, 1), one)
-expect((two["parts"]["kept"], two["parts"]["dropped"], two["mesh"]["parts"]) == (2, 1, 2), two)
-expect((mesh["parts"]["kept"], mesh["mesh"]["parts"]) == (1, 1), mesh)
+expect((one["solid_parts"]["kept"], one["solid_parts"]["dropped"], one["mesh"]["pieces"]) == (1, 2, 1), one)
+expect((two["solid_parts"]["kept"], two["solid_parts"]["dropped"], two["mesh"]["pieces"]) == (2, 1, 2), two)
+expect((mesh["solid_parts"]["kept"], mesh["mesh"]["pieces"]) == (1, 1), mesh)
 for r in (one, two, mesh):
     expect(r["mesh"]["open_edges"] == 0 and r["mesh"]["area"] > 0, r["mesh"])
 expect(one["mesh"]["euler"] == 2 and 380 < one["mesh"]["volume"] < 520, one["mesh"])

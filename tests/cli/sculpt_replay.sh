@@ -19,7 +19,7 @@ expect(c["dims"] == [128, 128, 128] and c["voxel_size"] == 1, c)
 P
 isorender a.ply --no-image --json=points.json --quiet
 python3 -c 'from check import *; expect(report("points.json")["primitives"]["points"] == report("a.json")["points"])'
-# a stroke file that breaks off ends there; its torn line is dropped
-head -c 30000 $bear > torn.strokes
-isosculpt --replay torn.strokes --headless --json=torn.json
-python3 -c 'from check import *; expect(0 < report("torn.json")["strokes"] < 31)'
+# a stroke file that breaks off ends there; its incomplete last line is dropped
+head -c 30000 $bear > short.strokes
+isosculpt --replay short.strokes --headless --json=short.json
+python3 -c 'from check import *; expect(0 < report("short.json")["strokes"] < 31)'

@@ -27,7 +27,7 @@ with open(sys.argv[1], "wb") as file:
     file.write(bytes(250 - ((x - 20) ** 2 + (y - 20) ** 2 + (z - 20) ** 2) // 5
                      for z in range(side) for y in range(side) for x in range(side)))
 END
-echo "no field" >"$files/torn.vdb"
+echo "no field" >"$files/damaged.vdb"
 printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n' >"$files/points.ply"
 
 drop() { "$tools/window_drop" "$(window_number)" 640 400 "$@" || fail "dropping $*: exit status $?"; }
@@ -64,8 +64,8 @@ until_ "what is not there" said "nothing.vdb: cannot read"
 shows_trouble || fail "what is not there: nothing on the screen"
 key Escape
 shows_trouble && fail "what was said does not go"
-drop "$files/torn.vdb"
-until_ "what is damaged" said "torn.vdb:"
+drop "$files/damaged.vdb"
+until_ "what is damaged" said "damaged.vdb:"
 key Tab
 shows_trouble || fail "what is damaged: nothing on the screen without the panel"
 key Tab

@@ -162,12 +162,19 @@ void isosculpt_browser_set_type(isosculpt_browser *browser, int type) {
     isosculpt_browser_reread(browser);
 }
 
-/* The file type of a name, or the first one. */
-static int find_type(isosculpt_purpose purpose, const char *name) {
+/* The file type that the extension of a name to save to says; `otherwise` when it says none. */
+static int find_type(isosculpt_purpose purpose, const char *name, int otherwise) {
     const isosculpt_file_type *types = isosculpt_browser_types(purpose);
     for (int i = 0; isosculpt_browser_saves(purpose) && types[i].label; i++)
         if (has_extension(name, types[i].extensions)) return i;
-    return 0;
+    return otherwise;
+}
+
+void isosculpt_browser_follow_name(isosculpt_browser *browser) {
+    const int type = find_type(browser->purpose, browser->name, browser->type);
+    if (type == browser->type) return;
+    browser->type = type;
+    isosculpt_browser_reread(browser);
 }
 
 void isosculpt_browser_open(isosculpt_browser *browser, isosculpt_purpose purpose, const char *path) {
@@ -175,7 +182,7 @@ void isosculpt_browser_open(isosculpt_browser *browser, isosculpt_purpose purpos
     const char *slash = strrchr(path, '/');
     const char *name = slash ? slash + 1 : path;
     browser->purpose = purpose;
-    browser->type = find_type(purpose, name);
+    browser->type = find_type(purpose, name, 0);
     set_name(browser, isosculpt_browser_saves(purpose) ? name : "");
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
     isosculpt_browser_enter(browser, folder);

@@ -75,7 +75,8 @@ static bool draw_name(isosculpt_browser *browser) {
     ImGui::PushID(browser->generation); /* Dear ImGui ignores changes of the text of an active box; a new id
                                            makes a new box */
     if (ImGui::IsWindowAppearing() || !ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
-    ImGui::InputTextWithHint("##name", "a name, or a path", browser->name, sizeof browser->name);
+    if (ImGui::InputTextWithHint("##name", "a name, or a path", browser->name, sizeof browser->name))
+        isosculpt_browser_follow_name(browser);
     ImGui::PopID();
     if (empty && browser->typed.back) isosculpt_browser_up(browser);
     return browser->typed.enter;

@@ -66,6 +66,8 @@ void isosculpt_browser_enter(isosculpt_browser *browser, const char *folder);
 void isosculpt_browser_up(isosculpt_browser *browser); /* to the parent folder */
 /* Chooses another file type. A name to save to gets its extension. */
 void isosculpt_browser_set_type(isosculpt_browser *browser, int type);
+/* After `name` was typed: an extension in a name to save to chooses the file type. */
+void isosculpt_browser_follow_name(isosculpt_browser *browser);
 /* Reads the folder again. */
 void isosculpt_browser_reread(isosculpt_browser *browser);
 /* Selects the entry `steps` below the selected one; its name goes into the input box. */

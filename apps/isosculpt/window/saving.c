@@ -7,6 +7,7 @@
 
 #include <GLFW/glfw3.h>
 
+#include "apps/isosculpt/mesh_file.h"
 #include "apps/isosculpt/render_command.h"
 #include "base/text.h"
 
@@ -39,6 +40,7 @@ static void start_now(window *w) {
     iso_error reason = {0};
     const isosculpt_save_opts opts = {.path = w->save_path,
                                       .is_export = w->pending_save == ISOSCULPT_BROWSE_EXPORT,
+                                      .closed = w->settings->closed != 0,
                                       .wake = isosculpt_window_wake};
     if (isosculpt_document_save(&w->document, &opts, &reason) == ISO_OK)
         w->pending_save = ISOSCULPT_BROWSE_NOTHING;
@@ -72,11 +74,16 @@ void isosculpt_window_answer_replace(window *w, bool agreed) {
 }
 
 static void show_save_result(window *w, iso_status status, bool cancelled, const char *reason) {
-    char text[sizeof w->screen.message];
-    snprintf(text, sizeof text, "%s%.550s", status == ISO_OK ? "Saved " : "Not saved: ",
+    char text[sizeof w->screen.message], open[160] = "";
+    if (status == ISO_OK && w->document.saved_open_edges) {
+        memcpy(open, ": ", 3);
+        isosculpt_mesh_open_note(w->document.saved_open_edges, open + 2, sizeof open - 2);
+    }
+    snprintf(text, sizeof text, "%s%.400s%s", status == ISO_OK ? "Saved " : "Not saved: ",
              status == ISO_OK ? w->document.saved_as
              : cancelled      ? "cancelled"
-                              : reason);
+                              : reason,
+             open);
     isosculpt_window_set_status(w, status != ISO_OK && !cancelled, text);
 }
 

@@ -372,8 +372,8 @@ iso_status iso_journal_open(const char *path, iso_journal_start *start, iso_jour
     return status;
 }
 
-/* The status of a torn line: as the last line it is the end of the file (a crash may write a line's end but
- * not its beginning), elsewhere it is damage. */
+/* The status of an incomplete line: as the last line it is the end of the file (a crash may write a line's
+ * end but not its beginning), elsewhere it is damage. */
 static iso_status end_at(iso_journal_reader *reader, const char *why, iso_error *error) {
     if (getc_unlocked(reader->file) == EOF) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged at line %llu: %s", reader->path,

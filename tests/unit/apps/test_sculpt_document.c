@@ -137,6 +137,33 @@ static void cancelled_saves_keep_the_file_before(void **state) {
 }
 
 /* A source, cancelled all along its way. */
+/* A ball that reaches out of its grid is saved as an open mesh, which the document says, or closed. */
+static void saves_say_whether_meshes_are_open(void **state) {
+    (void)state;
+    isosculpt_document document = {0};
+    iso_status status = ISO_ERR_IO;
+    char path[ISOSCULPT_PATH];
+    assert_int_equal(isosculpt_document_new(&document, NULL, NULL, NULL), ISO_OK);
+    const double border = -document.start.origin.x;
+    const iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 5, .strength = 1};
+    const iso_sample sample = {.position = {border, 0, 0}, .normal = {1, 0, 0}, .pressure = 1};
+    assert_int_equal(iso_session_begin(document.session, &brush, &sample, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_session_end(document.session, NULL), ISO_OK);
+    snprintf(path, sizeof path, "%s", session_path("open.stl"));
+    for (int closed = 0; closed < 2; closed++) {
+        const isosculpt_save_opts how = {.path = path, .closed = closed};
+        assert_int_equal(isosculpt_document_save(&document, &how, NULL), ISO_OK);
+        assert_int_equal(isosculpt_document_poll_save(&document, true, &status, NULL), ISOSCULPT_SAVE_DONE);
+        assert_int_equal(status, ISO_OK);
+        assert_int_equal(document.saved_open_edges == 0, closed);
+        assert_int_equal(unlink(path), 0);
+    }
+    isosculpt_document_close(&document);
+    char backup[ISOSCULPT_PATH + 4];
+    snprintf(backup, sizeof backup, "%s.bak", path);
+    unlink(backup);
+}
+
 static void check_cancelling(const char *path, double isovalue) {
     int refusals = 0;
     for (int calls = 0;; calls += 1 + calls / 4, refusals++) {
@@ -302,6 +329,7 @@ static void cancelled_recoveries_are_offered_again(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(cancelled_writing_leaves_no_file),
                                        cmocka_unit_test(cancelled_saves_keep_the_file_before),
+                                       cmocka_unit_test(saves_say_whether_meshes_are_open),
                                        cmocka_unit_test(sources_can_be_cancelled),
                                        cmocka_unit_test(openings),
                                        cmocka_unit_test(recovered_work_is_unsaved),

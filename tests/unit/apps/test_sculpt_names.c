@@ -137,6 +137,16 @@ static void the_browser_shows_what_can_be_chosen(void **state) {
     snprintf(browser.name, sizeof browser.name, "plain");
     assert_true(isosculpt_browser_choose(&browser, path));
     assert_string_equal(path, in_folder("plain.stl"));
+    /* An extension that is typed counts, and the type follows it; a name without one keeps the type. */
+    const isosculpt_file_type *types = isosculpt_browser_types(ISOSCULPT_BROWSE_SAVE);
+    static const char *const typed[][2] = {
+        {"y.VDB", ".vdb"}, {"y", ".vdb"}, {"y.obj", ".obj"}, {"y.step", ".obj"}, {"y.stl", ".stl"}};
+    for (size_t i = 0; i < sizeof typed / sizeof *typed; i++) {
+        snprintf(browser.name, sizeof browser.name, "%s", typed[i][0]);
+        isosculpt_browser_follow_name(&browser);
+        assert_string_equal(browser.name, typed[i][0]);
+        assert_string_equal(types[browser.type].extensions, typed[i][1]);
+    }
     isosculpt_browser_close(&browser);
 }
 

@@ -165,7 +165,7 @@ static int count_events(const char *path, iso_status *status, iso_error *error) 
 
 static void torn_and_damaged_lines(void **state) {
     (void)state;
-    const char *journal = session_path("torn.strokes"), *part = session_path("part.strokes");
+    const char *journal = session_path("short.strokes"), *part = session_path("part.strokes");
     session_remove_files(journal);
     iso_session_opts opts = {.journal = journal, .checkpoint_strokes = -1};
     iso_session *session = session_open(&opts);
