@@ -1,4 +1,4 @@
-/* The clock is POSIX's CLOCK_MONOTONIC. */
+/* clock: POSIX's CLOCK_MONOTONIC. */
 #define _GNU_SOURCE
 #include "base/clock.h"
 

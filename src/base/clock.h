@@ -1,4 +1,4 @@
-/* clock: how long something takes. */
+/* clock: measures durations. */
 #ifndef ISO_BASE_CLOCK_H
 #define ISO_BASE_CLOCK_H
 
@@ -6,7 +6,7 @@
 extern "C" {
 #endif
 
-/* Seconds of a clock that is never set: only differences mean anything. Thread-safe. */
+/* Seconds since an arbitrary time, by a clock that is never adjusted: use differences. Thread-safe. */
 double iso_clock_seconds(void);
 
 #ifdef __cplusplus

@@ -1,8 +1,8 @@
 /* cpu: which instruction sets the kernels may use.
  *
- * Every kernel family is one body, included once per instruction set in one file; each variant gives the same
- * bytes. The level is found once, at the first question, and kept in an atomic: the only state that Isopoint
- * keeps for itself. */
+ * Every kernel family is one body, which one file includes once per instruction set; each variant gives the
+ * same bytes. The level of the machine is determined by the first call and kept in an atomic, the only global
+ * state of the library. */
 #ifndef ISO_BASE_CPU_H
 #define ISO_BASE_CPU_H
 
@@ -22,18 +22,18 @@ typedef enum iso_cpu_level {
  * avx2 or avx512) when that is lower. Thread-safe. */
 iso_cpu_level iso_cpu_best(void);
 
-/* From now on iso_cpu_best answers no more than `highest`; ISO_CPU_AVX512 lifts the limit. Returns what it
- * will answer. For tests and benches that compare variants in one process: sets take their kernels when they
- * are made or updated, so call it before either, while no other thread extracts. */
+/* Limits iso_cpu_best to `highest` from now on; ISO_CPU_AVX512 removes the limit. Returns the new result of
+ * iso_cpu_best. For tests and benches that compare variants in one process. Point sets and meshes choose
+ * their kernels when they are created or updated: call it before that, and while no other thread extracts. */
 iso_cpu_level iso_cpu_limit(iso_cpu_level highest);
 
-/* The highest level that this machine has, whatever ISO_CPU says. */
+/* The highest level that this machine has, without regard to ISO_CPU and iso_cpu_limit. */
 iso_cpu_level iso_cpu_supported(void);
 
 const char *iso_cpu_level_name(iso_cpu_level level);
 
-/* Marks the functions of a variant. Helpers that they inline are either plain or marked with the same macro.
- */
+/* ISO_TARGET_...: attributes for the functions of a variant. Functions that they inline have the same
+ * attribute or none. */
 #if defined(__x86_64__) && defined(__GNUC__)
 #define ISO_HAVE_X86 1
 #define ISO_TARGET_AVX2 __attribute__((target("avx2,bmi,bmi2,popcnt")))

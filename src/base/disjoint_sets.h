@@ -1,6 +1,6 @@
-/* disjoint_sets: which of numbered things belong together (union-find with path halving; Tarjan and van
- * Leeuwen 1984). parent[i] is i itself or a lower number of the same set; begin with parent[i] = i. The root
- * of a set is its lowest number, in whatever order sets are united. Internal; one thread at a time. */
+/* disjoint_sets: union-find over the numbers 0 .. n - 1, with path halving (Tarjan and van Leeuwen 1984).
+ * parent[i] is i itself or a lower number of the same set; initialise parent[i] = i. The root of a set is its
+ * lowest number, so that results do not depend on the order of unions. Internal; one thread at a time. */
 #ifndef ISO_BASE_DISJOINT_SETS_H
 #define ISO_BASE_DISJOINT_SETS_H
 

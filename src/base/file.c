@@ -1,3 +1,4 @@
+/* file: sinks on nameless or temporary files, which get their target's name when they are committed. */
 #define _GNU_SOURCE
 #include "base/file.h"
 
@@ -9,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* A new file gets the permissions that fopen would give it; an existing target's are kept. */
+/* The permissions of the new file: those of an existing target, else those that fopen would give it. */
 static mode_t wanted_mode(const char *target) {
     struct stat info;
     if (stat(target, &info) == 0) return info.st_mode & 0777;
@@ -22,7 +23,7 @@ static iso_status fail_path(iso_error *error, const char *path, int code) {
     return iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", path, strerror(code));
 }
 
-/* /dev/null, a terminal or a pipe is written to; a rename would replace it by a file. */
+/* Opens /dev/null, a terminal or a pipe directly: a rename would replace it by a file. */
 static iso_status open_device(const char *path, iso_sink *sink, iso_error *error) {
     char *target = strdup(path);
     if (!target) return iso_fail_memory(error, path);
@@ -36,8 +37,9 @@ static iso_status open_device(const char *path, iso_sink *sink, iso_error *error
     return ISO_OK;
 }
 
-/* A file without a name in the target's folder, gone when the process ends however it ends; where a file
- * system has none (NFS, some FUSE) one with a name of its own, which a killed process leaves behind. */
+/* Opens a new file in the target's folder: one without a name, which disappears when the process ends in any
+ * way; or, where the file system has no such files (NFS, some FUSE), one with a temporary name, which a
+ * killed process leaves behind. Writes that name, or "", to `name`. */
 static int open_beside(const char *path, char *name) {
     const char *slash = strrchr(path, '/');
     char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
@@ -102,7 +104,8 @@ iso_status iso_sink_check(const char *path, iso_error *error) {
     return ISO_OK;
 }
 
-/* The text of a link; NULL when it is none, or without memory. free(). */
+/* The text of a symbolic link, to be released with free(); NULL when `path` is not a link, or without memory.
+ */
 static char *read_link(const char *path) {
     char text[4096];
     ssize_t length = readlink(path, text, sizeof text);
@@ -110,7 +113,7 @@ static char *read_link(const char *path) {
 }
 
 char *iso_file_follow(const char *path) {
-    enum { DEPTH = 40 }; /* as Linux has it */
+    enum { DEPTH = 40 }; /* Linux's limit */
     char *at = strdup(path), *next;
     for (int depth = 0; at && (next = read_link(at)); depth++) {
         char *slash = strrchr(at, '/'), *whole = NULL;
@@ -128,8 +131,8 @@ char *iso_file_follow(const char *path) {
     return at;
 }
 
-/* Gives a nameless file its target's name, which another file may have: then a passing one first, since a
- * link replaces nothing. 0 or an errno. */
+/* Gives a nameless file its target's name. linkat cannot replace an existing file: then the file gets a
+ * temporary name, which is renamed. Returns 0 or an errno. */
 static int name_file(int descriptor, const char *target) {
     char source[64], *passing = NULL;
     snprintf(source, sizeof source, "/proc/self/fd/%d", descriptor);
@@ -147,7 +150,7 @@ static int name_file(int descriptor, const char *target) {
     return code;
 }
 
-/* Closes the sink's file, which gets its target's name if `code` is 0. 0 or an errno. */
+/* Closes the sink's file; if `code` is 0, the file gets its target's name. Returns 0 or an errno. */
 static int close_file(iso_sink *sink, int code) {
     bool nameless = sink->temporary && !*sink->temporary;
     if (!code && nameless) code = name_file(fileno(sink->stream), sink->target);

@@ -1,10 +1,11 @@
-/* file: outputs that appear whole or not at all.
+/* file: output files that appear whole or not at all.
  *
- * A sink writes to a new file in its target's folder, without a name where the system can do that, and gives
- * it the target's name on commit, after checking every write and fsync-free flush; aborting removes it. "-"
- * is stdout. A symbolic link is followed: it stays, and the file that it leads to is replaced. A file that
- * nobody may write to (no bit of 0222) stays as it is, also for root. A target that is there and no regular
- * file (a device, a pipe) is written to directly. One thread at a time per sink. */
+ * A sink writes to a new file in its target's folder (without a name, where the file system supports that).
+ * Commit checks that all writes succeeded and renames the file to the target; it does not fsync. Abort
+ * removes the file. "-" is standard output. A symbolic link is followed: the file that it leads to is
+ * replaced, and the link stays. A file that nobody may write to (no bit of 0222) is not replaced, also not by
+ * root. An existing target that is not a regular file (a device, a pipe) is written to directly. One thread
+ * at a time per sink. */
 #ifndef ISO_BASE_FILE_H
 #define ISO_BASE_FILE_H
 
@@ -19,30 +20,33 @@ extern "C" {
 #endif
 
 typedef struct iso_sink {
-    FILE *stream; /* write to it freely; errors are found by iso_sink_commit */
-    char *target,
-        *temporary; /* owned; both NULL for stdout; temporary NULL for a device, "" without a name */
+    FILE *stream;    /* write to it freely; errors are found by iso_sink_commit */
+    char *target;    /* owned; NULL: standard output */
+    char *temporary; /* owned; the new file's path, "" for a file without a name; NULL: none (stdout, a
+                        device) */
 } iso_sink;
 
-/* Opens a sink for `path`. ISO_ERR_WRITE names the path and the reason. On failure nothing is left behind. */
+/* Opens a sink for `path`; finish with iso_sink_commit or iso_sink_abort. ISO_ERR_WRITE names the path and
+ * the reason; no file is left behind then. */
 iso_status iso_sink_open(const char *path, iso_sink *sink, iso_error *error);
 
-/* ISO_ERR_WRITE when a sink for `path` cannot be opened. Leaves nothing behind, and does not open pipes: one
- * that is opened and closed has ended for its reader. NULL and "-" are fine. */
+/* Checks early whether a sink for `path` can be opened; ISO_ERR_WRITE if not. Leaves no file behind. Pipes
+ * are not opened, because closing one again would end it for its reader. NULL and "-" always pass. */
 iso_status iso_sink_check(const char *path, iso_error *error);
 
 /* Flushes, closes and renames. On any failure the temporary file is removed and ISO_ERR_WRITE returned. */
 iso_status iso_sink_commit(iso_sink *sink, iso_error *error);
 
-/* The path that `path` leads to when its last part is a symbolic link, of any depth; else a copy. What it
- * leads to need not be there. free(). NULL without memory, or when links go around in circles. */
+/* The path that `path` leads to if it is a symbolic link (links to links are followed); else a copy of it.
+ * The target need not exist. Release with free(). NULL when there is no memory, or when links form a circle.
+ */
 char *iso_file_follow(const char *path);
 
-/* Removes an output that was written before another one failed: the file that a sink for `path` made, behind
- * symbolic links, and nothing that is no regular file. NULL and "-" are fine. */
+/* Removes the file that a sink for `path` has written, for use when a later output fails. Follows symbolic
+ * links; only regular files are removed. NULL and "-" are ignored. */
 void iso_file_remove(const char *path);
 
-/* Whether both names lead to the same regular file that is there: writing one would destroy the other. */
+/* Whether both names lead to the same existing regular file, so that writing one would destroy the other. */
 bool iso_file_same(const char *a, const char *b);
 
 /* Closes and removes the temporary file. Safe after commit and on a zeroed sink. */

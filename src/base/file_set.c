@@ -1,3 +1,4 @@
+/* file_set: a list of files with the identity of each; checks compare every output with all entries. */
 #define _POSIX_C_SOURCE 200809L
 #include "base/file_set.h"
 
@@ -9,14 +10,14 @@
 #include "base/file.h"
 
 typedef struct iso_file_entry {
-    dev_t device; /* of the file, or of its folder when it is not there */
-    ino_t inode;
-    char *missing; /* owned: its name in the folder; NULL: it is there */
+    dev_t device;  /* of the file or, if it does not exist, of its folder */
+    ino_t inode;   /* likewise */
+    char *missing; /* owned: name in the folder of a file that does not exist; NULL: the file exists */
     char *name;    /* owned: for messages */
     bool written;
 } iso_file_entry;
 
-/* Of the folder that `path` is in. */
+/* stat of the folder that contains `path`. */
 static bool stat_folder(const char *path, struct stat *info) {
     const char *slash = strrchr(path, '/');
     char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
@@ -25,7 +26,7 @@ static bool stat_folder(const char *path, struct stat *info) {
     return found;
 }
 
-/* Finds out which file it is; false when it is none that could be written over. */
+/* Sets the identity of a file; false when it is not a regular file, and its folder does not exist. */
 static bool identify(const char *path, iso_file_entry *entry) {
     struct stat info;
     if (stat(path, &info) == 0) {
@@ -33,7 +34,7 @@ static bool identify(const char *path, iso_file_entry *entry) {
         entry->inode = info.st_ino;
         return S_ISREG(info.st_mode);
     }
-    char *target = iso_file_follow(path); /* of a link that leads to nothing */
+    char *target = iso_file_follow(path); /* `path` may be a link to a file that does not exist */
     const char *slash = target ? strrchr(target, '/') : NULL;
     bool found = target && stat_folder(target, &info);
     if (found) {
@@ -53,13 +54,13 @@ static bool identify_descriptor(int descriptor, iso_file_entry *entry) {
     return true;
 }
 
-static bool same(const iso_file_entry *a, const iso_file_entry *b) {
+static bool is_same_file(const iso_file_entry *a, const iso_file_entry *b) {
     if (a->device != b->device || a->inode != b->inode || !a->missing != !b->missing) return false;
     return !a->missing || strcmp(a->missing, b->missing) == 0;
 }
 
-/* Takes over the entry's texts. */
-static void add(iso_file_set *set, iso_file_entry *entry, const char *name) {
+/* Adds an entry, whose strings belong to the set from now on. */
+static void add_entry(iso_file_set *set, iso_file_entry *entry, const char *name) {
     if (set->count == set->room) {
         size_t room = set->room ? 2 * set->room : 16;
         iso_file_entry *more = realloc(set->entries, room * sizeof *more);
@@ -80,7 +81,7 @@ static void add(iso_file_set *set, iso_file_entry *entry, const char *name) {
 
 void iso_file_set_read_as(iso_file_set *set, const char *path, const char *name) {
     iso_file_entry entry = {.written = false};
-    if (set && identify(path, &entry)) add(set, &entry, name);
+    if (set && identify(path, &entry)) add_entry(set, &entry, name);
 }
 
 void iso_file_set_read(iso_file_set *set, const char *path) {
@@ -91,9 +92,9 @@ void iso_file_set_write(iso_file_set *set, const char *path) {
     iso_file_entry entry = {.written = true};
     if (!set || !path) return;
     if (strcmp(path, "-") == 0) {
-        if (identify_descriptor(STDOUT_FILENO, &entry)) add(set, &entry, "standard output");
+        if (identify_descriptor(STDOUT_FILENO, &entry)) add_entry(set, &entry, "standard output");
     } else if (identify(path, &entry)) {
-        add(set, &entry, path);
+        add_entry(set, &entry, path);
     }
 }
 
@@ -111,7 +112,7 @@ iso_status iso_file_set_check(const iso_file_set *set, iso_error *error) {
     for (size_t i = 0; i < set->count; i++)
         for (size_t j = 0; set->entries[i].written && j < set->count; j++) {
             const iso_file_entry *other = &set->entries[j];
-            if (i != j && (!other->written || j < i) && same(&set->entries[i], other))
+            if (i != j && (!other->written || j < i) && is_same_file(&set->entries[i], other))
                 return fail_pair(&set->entries[i], other, error);
         }
     if (set->incomplete) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the names of files");

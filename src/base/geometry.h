@@ -1,8 +1,9 @@
-/* Vectors, boxes and the index-to-world transform, in double precision.
+/* geometry: vectors, boxes and the index-to-world transform, in double precision.
  *
  * World coordinates are millimetres, LPS (x to the patient's left, y to the back, z up), right-handed.
  * Index coordinates are voxels; voxel (i, j, k) has its centre at exactly (i, j, k).
- * The trigonometric functions here are our own: libm's differ between machines, pictures must not. */
+ * The trigonometric functions here do not use libm, whose results differ between machines: pictures must not.
+ */
 #ifndef ISO_BASE_GEOMETRY_H
 #define ISO_BASE_GEOMETRY_H
 
@@ -61,18 +62,18 @@ iso_vec3 iso_box_corner(const iso_box *box, int corner);
 /* Origin 0, spacing 1, identity direction. */
 iso_transform iso_transform_identity(void);
 
-/* The same with origin 0 and identity direction: the volume's local frame (bounds_local). */
+/* The transform with the same spacing, origin 0 and identity direction: the volume's local coordinates. */
 iso_transform iso_transform_local(const iso_transform *transform);
 
-/* The same with the voxel at index `at` as the first. */
+/* The transform of a part of the grid whose first voxel has the index `at`. */
 iso_transform iso_transform_shift(const iso_transform *transform, const int at[3]);
 
-/* Voxels of the box lo .. hi (both inclusive) of a grid; ISO_ERR_USAGE where it is empty or reaches out of
- * the grid. */
+/* Sets `cropped` to the size of the box of voxels lo .. hi (both inclusive) of a grid. ISO_ERR_USAGE when the
+ * box is empty or reaches beyond the grid. */
 iso_status iso_crop_dims(const int dims[3], const int lo[3], const int hi[3], int cropped[3],
                          iso_error *error);
 
-/* origin + m * index, and the inverse of m: what loops use. Row-major. */
+/* A transform as a matrix, world = origin + m * index, with the inverse of m. Row-major. */
 typedef struct iso_affine {
     double m[9], inverse[9], origin[3];
     double determinant;
@@ -83,11 +84,12 @@ iso_vec3 iso_affine_point(const iso_affine *affine, iso_vec3 index);
 iso_vec3 iso_affine_vector(const iso_affine *affine, iso_vec3 index_vector);
 iso_vec3 iso_affine_point_to_index(const iso_affine *affine, iso_vec3 world);
 iso_vec3 iso_affine_vector_to_index(const iso_affine *affine, iso_vec3 world_vector);
-/* A normal (covector) to world, inverse transpose, unit length; a zero normal stays zero. */
+/* Transforms a normal (covector) to world coordinates by the inverse transpose; unit length; a zero normal
+ * stays zero. */
 iso_vec3 iso_affine_normal(const iso_affine *affine, iso_vec3 index_normal);
 
-/* |determinant| of the 3x3 matrix below 1e-12 times the product of its columns' lengths, or a non-finite
- * entry. */
+/* Whether the 3x3 matrix has a non-finite entry, or a |determinant| below 1e-12 times the product of its
+ * columns' lengths. */
 bool iso_transform_is_singular(const iso_transform *transform);
 
 /* The world box of `box`, which is in index coordinates: the box of its eight corners. */
@@ -95,7 +97,8 @@ iso_box iso_box_transform(const iso_box *box, const iso_affine *affine);
 
 #define ISO_PI 3.14159265358979323846
 
-/* Sine and cosine of `angle` radians (|angle| up to 1e6), error below 1e-14, the same bits everywhere. */
+/* Sine and cosine of `angle` radians (|angle| up to 1e6), error below 1e-14, the same bits on every machine.
+ */
 void iso_sincos(double angle, double *sine, double *cosine);
 /* Tangent of an angle in (-pi/2, pi/2). */
 double iso_tan(double angle);

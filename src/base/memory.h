@@ -1,8 +1,8 @@
-/* Memory: aligned allocation, growable buffers, and what the machine has left.
+/* memory: aligned allocation, growable buffers, and the memory that is available.
  *
- * First touch of fresh 4 KiB pages costs more than the arithmetic of extraction, so large blocks are advised
- * to use huge pages and buffers are kept and reused. All functions are thread-safe; buffers are not shared.
- */
+ * The first access to fresh 4 KiB pages costs more than the arithmetic of extraction: large blocks therefore
+ * ask for huge pages, and buffers are kept and reused. All functions are thread-safe; a buffer is for one
+ * thread at a time. */
 #ifndef ISO_BASE_MEMORY_H
 #define ISO_BASE_MEMORY_H
 
@@ -18,19 +18,20 @@ extern "C" {
 
 #define ISO_ALIGNMENT 64
 
-/* `bytes` bytes, 64-byte aligned, uninitialised; blocks of 2 MiB and more are 2 MiB aligned and advised to
- * huge pages. NULL when there is no memory. Free with iso_free. bytes == 0 gives a block that can be freed.
- */
+/* Allocates `bytes` bytes, 64-byte aligned, uninitialised; blocks of 2 MiB and more are 2 MiB aligned and ask
+ * for huge pages. NULL when there is no memory. Release with iso_free. With bytes == 0 the result is a block,
+ * not NULL. */
 void *iso_alloc(size_t bytes);
 
-/* Asks for huge pages for memory of someone else's making, as iso_alloc does for its own: before it is first
- * written to. */
+/* Asks the system for huge pages for memory that was allocated elsewhere; call it before the memory is first
+ * written. */
 void iso_advise_huge(void *block, size_t bytes);
 
-/* count x size zeroed bytes, 16-byte aligned, pages untouched until used. NULL on overflow or no memory. */
+/* Allocates count x size zeroed bytes, 16-byte aligned, without touching their pages. NULL on overflow or
+ * without memory. */
 void *iso_alloc_zero(size_t count, size_t size);
 
-/* Frees what iso_alloc or iso_alloc_zero gave; NULL is fine. */
+/* Releases a block of iso_alloc or iso_alloc_zero; NULL is ignored. */
 void iso_free(void *block);
 
 /* A block that grows and is reused. Zero-initialise; iso_buffer_free when done. */
@@ -44,8 +45,9 @@ typedef struct iso_buffer {
 iso_status iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error);
 void iso_buffer_free(iso_buffer *buffer);
 
-/* Copies what will not be read soon, past the caches where that is faster (many kilobytes; twice as fast as
- * memcpy then). Other threads see it after iso_copy_stream_end in the thread that copied. */
+/* Copies memory that will not be read soon, bypassing the caches where that is faster (for many kilobytes,
+ * twice as fast as memcpy). The copying thread must call iso_copy_stream_end before other threads read the
+ * copy. */
 void iso_copy_stream(void *to, const void *from, size_t bytes);
 void iso_copy_stream_end(void);
 
@@ -56,7 +58,7 @@ bool iso_size_multiply(size_t a, size_t b, size_t *out);
  * UINT64_MAX when the system does not say. */
 uint64_t iso_memory_available(void);
 
-/* `asked` bytes, or 80 % of what is available when that is 0: the limit that --max-memory sets. */
+/* The limit for the option --max-memory: `asked` bytes or, when that is 0, 80 % of the available memory. */
 uint64_t iso_memory_limit(uint64_t asked);
 
 /* Largest resident size of this process so far, in bytes. */

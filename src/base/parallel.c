@@ -27,17 +27,18 @@ struct iso_pool {
     pthread_cond_t work_ready, work_done;
     atomic_ulong round; /* counts calls of iso_parallel_for */
     atomic_int busy;    /* workers that take part in the current round */
-    bool open;          /* the current round still takes any: who comes later is not waited for */
+    bool open;          /* workers may still join the current round; those that wake up later skip it */
     bool stop;
-    int spins; /* how often a waiting thread polls before it sleeps */
+    int spins; /* how often a waiting thread polls before it sleeps; 0 with fewer processors than threads */
     iso_task *task;
     void *context;
     size_t count;
     atomic_size_t next;
 };
 
-/* Steps of a frame follow one another within microseconds, waking a thread takes tens: it is worth waiting
- * that long awake, where every thread has a processor. */
+/* Polls before a waiting thread sleeps. The steps of drawing a picture follow each other within microseconds,
+ * but waking a thread takes tens of microseconds: where every thread has its own processor, polling is
+ * faster. */
 enum { SPINS = 4096 };
 
 static void pause_briefly(void) {
@@ -46,8 +47,8 @@ static void pause_briefly(void) {
 #endif
 }
 
-/* Whether this worker takes part in a round after `*seen`; not when it came too late. False in the end, too.
- */
+/* Waits for a round after number `*seen` and sets `*seen` to it. Returns whether this worker takes part: not
+ * when the round is closed already, and not when the pool is stopped. */
 static bool join_round(iso_pool *pool, unsigned long *seen) {
     for (int i = 0; i < pool->spins; i++) {
         if (atomic_load_explicit(&pool->round, memory_order_relaxed) != *seen) break;
@@ -72,7 +73,8 @@ static bool is_stopped(iso_pool *pool) {
 
 static void leave_round(iso_pool *pool) {
     if (atomic_fetch_sub(&pool->busy, 1) > 1) return;
-    pthread_mutex_lock(&pool->mutex); /* not between the caller's last look and its sleep */
+    pthread_mutex_lock(
+        &pool->mutex); /* so that the signal does not come between the caller's test and its wait */
     pthread_cond_signal(&pool->work_done);
     pthread_mutex_unlock(&pool->mutex);
 }
@@ -187,7 +189,7 @@ void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *contex
 
 enum { SLOTS_PER_THREAD = 4 };
 
-/* A slot's, in turn. */
+/* The states of a slot, in their order. */
 typedef enum slot_state { SLOT_FREE, SLOT_WORKING, SLOT_READY, SLOT_FINISHING } slot_state;
 
 typedef struct ordered_run {
@@ -199,7 +201,7 @@ typedef struct ordered_run {
     uint8_t state[MAX_THREADS * SLOTS_PER_THREAD]; /* slot_state */
 } ordered_run;
 
-/* Everything whose turn it is, by whoever gets there. With the mutex held. */
+/* Places and finishes all results that are next in order; any thread may do that. The mutex is held. */
 static void place_ready(ordered_run *run) {
     const iso_ordered *steps = run->steps;
     for (;;) {
@@ -221,8 +223,8 @@ static void place_ready(ordered_run *run) {
     }
 }
 
-/* An index waits until the one that has its slot is over; a later one that wants it as well waits longer. The
- * least index that is not placed waits for a `finish` at most, so there is always somebody at work. */
+/* Waits until the index's slot is free, also of earlier indices that wait for it. This cannot deadlock: the
+ * smallest index that is not placed waits for nothing but a `finish`. */
 static void ordered_task(void *context, size_t index, int number) {
     ordered_run *run = context;
     const size_t slot = index % run->steps->slots;

@@ -1,7 +1,7 @@
-/* A small pool of threads. One pool per program, created by its owner and passed down in options: there is
- * no global pool. NULL stands for "this thread only" everywhere a pool is taken.
+/* parallel: a pool of threads. A program creates one pool and passes it on in options; there is no global
+ * pool. A NULL pool always means the calling thread only.
  *
- * Results must not depend on the number of threads: tasks write only to places that their index names. */
+ * Results must not depend on the number of threads: where a task writes must depend on its index only. */
 #ifndef ISO_BASE_PARALLEL_H
 #define ISO_BASE_PARALLEL_H
 
@@ -16,11 +16,11 @@ extern "C" {
 
 typedef struct iso_pool iso_pool;
 
-/* Work item `index`, run by worker 0 .. iso_pool_threads(pool)-1 (for per-worker scratch). */
+/* Executes work item `index` on worker 0 .. iso_pool_threads(pool) - 1 (which selects per-worker memory). */
 typedef void iso_task(void *context, size_t index, int worker);
 
-/* `threads` 1 .. 1024, or 0 for the number of processors this process may use. Destroy with iso_pool_destroy.
- * ISO_ERR_USAGE for other counts, ISO_ERR_NOMEM when threads cannot be started. */
+/* Creates a pool; threads: 1 .. 1024, or 0 for the number of processors that this process may use. Release
+ * with iso_pool_destroy. ISO_ERR_USAGE for other counts, ISO_ERR_NOMEM when threads cannot be started. */
 iso_status iso_pool_create(int threads, iso_pool **pool, iso_error *error);
 void iso_pool_destroy(iso_pool *pool);
 
@@ -32,21 +32,24 @@ int iso_pool_threads(const iso_pool *pool);
  * serves one caller at a time. */
 void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *context);
 
-/* Work whose results are put in order while more is under way. Of each index, `work` is done first, then
- * `place`, then `finish`; `place` in the order of indices and one at a time. What an index has made lies in
- * its slot, index % slots, which no other index uses before its `finish` is over. */
+/* The steps of iso_parallel_ordered, for results that must be written in order while others are computed. For
+ * each index, `work` is called first, then `place`, then `finish`. `work` and `finish` run in parallel;
+ * `place` is called in the order of indices, by one thread at a time. An index keeps its results in its slot
+ * (index % slots), which is not used by another index before its `finish` has returned. */
 typedef struct iso_ordered {
     void (*work)(void *context, size_t index, size_t slot, int worker);
-    /* `alone`: no `finish` is under way. Otherwise it may do nothing and return false: it is called again
-     * when that is so. */
+    /* alone: no `finish` is being executed. If it is false, `place` may do nothing and return false; it is
+     * then called again after a `finish` has returned. */
     bool (*place)(void *context, size_t slot, bool alone);
     void (*finish)(void *context, size_t slot);
     size_t slots; /* iso_ordered_slots(pool) at most, 1 at least */
 } iso_ordered;
 
+/* The most slots that iso_parallel_ordered can use. */
 size_t iso_ordered_slots(const iso_pool *pool);
 
-/* Indices 0 .. count-1. As iso_parallel_for otherwise. */
+/* Executes the steps for the indices 0 .. count - 1 and returns when all are done; otherwise like
+ * iso_parallel_for. */
 void iso_parallel_ordered(iso_pool *pool, size_t count, const iso_ordered *steps, void *context);
 
 #ifdef __cplusplus

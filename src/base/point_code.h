@@ -1,5 +1,5 @@
-/* point_code: points to 8 bytes and back, one at a time. Kernels that work on arrays use these functions in
- * their loops, or base/point_code.inc for vectors; the GLSL of it is shaders/unpack.glsl. Internal. */
+/* point_code: packs points into 8 bytes and unpacks them, one at a time. Kernels call these functions in
+ * their loops, or use base/point_code.inc for vectors; shaders use shaders/unpack.glsl. Internal. */
 #ifndef ISO_BASE_POINT_CODE_H
 #define ISO_BASE_POINT_CODE_H
 
@@ -11,30 +11,30 @@
 extern "C" {
 #endif
 
-/* Inlined always: loops that use these become vectors. */
+/* Always inlined, so that compilers vectorize loops that call these functions. */
 #define ISO_POINT_INLINE static inline __attribute__((always_inline))
 
 /* The first bit of a normal in the high half of a point. */
 enum { ISO_POINT_NORMAL_BIT = 3 * ISO_POINT_COORDINATE_BITS - 32 };
 
-/* ---- to numbers */
+/* ---- unpacking */
 
-/* Coordinate 0, 1 or 2 in steps from ISO_POINT_LOW. */
+/* Coordinate x, y or z in steps of ISO_POINT_STEP from ISO_POINT_LOW. */
 ISO_POINT_INLINE uint32_t iso_point_steps(iso_point point, int axis) {
     return (uint32_t)(point.bits >> axis * ISO_POINT_COORDINATE_BITS & (ISO_POINT_COORDINATE_STEPS - 1));
 }
 
-/* Steps in voxels. */
+/* The coordinate in voxels of a number of steps. */
 ISO_POINT_INLINE float iso_point_coordinate(float steps) {
     return ISO_POINT_LOW + ISO_POINT_STEP * steps;
 }
 
-/* Both numbers of the normal, the first one lowest. */
+/* The two numbers of the octahedral normal, the first in the low bits. */
 ISO_POINT_INLINE uint32_t iso_point_normal_bits(iso_point point) {
     return (uint32_t)(point.bits >> 3 * ISO_POINT_COORDINATE_BITS);
 }
 
-/* The normal with |x| + |y| + |z| = 1. */
+/* Decodes these two numbers to a normal with |x| + |y| + |z| = 1. */
 ISO_POINT_INLINE void iso_point_unfold_normal(uint32_t bits, float normal[3]) {
     const float step = 2.0f / ISO_POINT_NORMAL_STEPS;
     const float u = (float)(bits & ISO_POINT_NORMAL_STEPS) * step - 1,
@@ -45,30 +45,30 @@ ISO_POINT_INLINE void iso_point_unfold_normal(uint32_t bits, float normal[3]) {
     normal[2] = w;
 }
 
-/* ---- and back: the nearest steps. The sums below are positive where a point may be, so that cutting off
- * rounds down. */
+/* ---- packing: rounds to the nearest step by adding one half and truncating; the sums are positive for all
+ * valid points */
 
-/* What a coordinate (voxels) is in steps, and a half; to be cut off. */
+/* A coordinate (voxels) in steps, plus one half: to be truncated. */
 ISO_POINT_INLINE float iso_point_scale_coordinate(float position) {
     const float per_voxel = ISO_POINT_COORDINATE_STEPS / ISO_POINT_RANGE,
                 first = 0.5f - ISO_POINT_LOW * ISO_POINT_COORDINATE_STEPS / ISO_POINT_RANGE;
     return position * per_voxel + first;
 }
 
-/* The same of one of the numbers of a normal, -1 .. 1. */
+/* One of the two numbers of a normal, -1 .. 1, in steps, plus one half: to be truncated. */
 ISO_POINT_INLINE float iso_point_scale_normal(float part) {
     return part * (ISO_POINT_NORMAL_STEPS / 2.0f) + (ISO_POINT_NORMAL_STEPS / 2.0f + 0.5f);
 }
 
-/* Folds the lower half of the octahedron |x| + |y| + |z| = 1 over the upper one: the two numbers of a normal.
- */
+/* The two numbers -1 .. 1 of a normal with |x| + |y| + |z| = 1: x and y, with the lower half (z < 0) of the
+ * octahedron folded outwards. */
 ISO_POINT_INLINE void iso_point_fold_normal(float x, float y, float z, float part[2]) {
     const float u = copysignf(1 - fabsf(y), x), v = copysignf(1 - fabsf(x), y);
     part[0] = z < 0 ? u : x;
     part[1] = z < 0 ? v : y;
 }
 
-/* Puts steps together. */
+/* The point with these numbers of steps. */
 ISO_POINT_INLINE iso_point iso_point_join(uint32_t x, uint32_t y, uint32_t z, uint32_t u, uint32_t v) {
     const uint32_t low = x | y << ISO_POINT_COORDINATE_BITS | z << 2 * ISO_POINT_COORDINATE_BITS,
                    high = z >> (32 - 2 * ISO_POINT_COORDINATE_BITS) | u << ISO_POINT_NORMAL_BIT |
@@ -76,7 +76,7 @@ ISO_POINT_INLINE iso_point iso_point_join(uint32_t x, uint32_t y, uint32_t z, ui
     return (iso_point){low | (uint64_t)high << 32};
 }
 
-/* A point whose position is in [-2, 18) and whose normal is folded. */
+/* Packs a point whose position is in [-2, 18) and whose normal is given by iso_point_fold_normal. */
 ISO_POINT_INLINE iso_point iso_point_encode(float x, float y, float z, float u, float v) {
     return iso_point_join(
         (uint32_t)(int32_t)iso_point_scale_coordinate(x), (uint32_t)(int32_t)iso_point_scale_coordinate(y),

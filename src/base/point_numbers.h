@@ -1,4 +1,4 @@
-/* point_numbers: the numbers of points and shapes in 8 bytes (base/primitives.h), for C and GLSL. */
+/* point_numbers: constants of packed points and curvatures (base/primitives.h), for C and GLSL. */
 #ifndef ISO_BASE_POINT_NUMBERS_H
 #define ISO_BASE_POINT_NUMBERS_H
 
@@ -17,7 +17,7 @@
 #define ISO_POINT_NORMAL_BITS 11
 #define ISO_POINT_NORMAL_STEPS 2047
 
-/* Shapes: see iso_curvature. */
+/* Curvatures: see iso_curvature. */
 #define ISO_CURVATURE_STEP (1.0f / 8000)
 #define ISO_CURVATURE_LOW_BITS 5
 #define ISO_CURVATURE_TILT_BITS 7

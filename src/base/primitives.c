@@ -2,7 +2,7 @@
 
 #include "base/point_code.h"
 
-/* Cuts off, between 0 and `most`. */
+/* Truncates to an integer, clamped to 0 .. `most`. */
 static uint32_t cut_off(float steps, int most) {
     return (uint32_t)(steps < 0 ? 0 : steps > (float)most ? (float)most : steps);
 }

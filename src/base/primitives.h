@@ -1,9 +1,9 @@
-/* Points and meshes as extraction makes them and renderers borrow them: one span per brick.
+/* primitives: points and meshes as extraction stores them and renderers borrow them, one span per brick.
  *
  * A brick is 16^3 voxels; brick (bx, by, bz) covers voxels 16*b .. 16*b + 15. Positions in a span are in
  * voxels relative to voxel 16*b of its brick, so index = 16 * brick + position, and world = transform(index).
- * Normals are unit covectors in index space, pointing out of the solid; iso_affine_normal takes them to
- * world. */
+ * Normals are unit covectors in index space, pointing out of the solid; iso_affine_normal transforms them to
+ * world coordinates. */
 #ifndef ISO_BASE_PRIMITIVES_H
 #define ISO_BASE_PRIMITIVES_H
 
@@ -20,7 +20,7 @@ extern "C" {
 
 enum { ISO_BRICK_VOXELS = ISO_BRICK * ISO_BRICK * ISO_BRICK };
 
-/* A point in floats: a point of a set that asked for floats, or a vertex of a mesh. 24 bytes. */
+/* A point in floats: of a point set with floats, or a vertex of a mesh. 24 bytes. */
 typedef struct iso_surfel {
     float position[3];
     float normal[3];
@@ -33,80 +33,84 @@ typedef struct iso_point {
     uint64_t bits;
 } iso_point;
 
-/* Nearest packed point; positions outside [-2, 18) are clamped. The normal must not be zero. */
+/* Packs a point, rounding to the nearest steps. Positions outside [-2, 18) are clamped. The normal must not
+ * be zero. */
 iso_point iso_point_pack(const iso_surfel *surfel);
-/* The same when the normal is already scaled to |x| + |y| + |z| = 1. */
+/* Packs a point whose normal is already scaled to |x| + |y| + |z| = 1. */
 iso_point iso_point_pack_scaled(const iso_surfel *surfel);
 iso_surfel iso_point_unpack(iso_point point);
 
 /* The curvature of a surface at a point, in 8 bytes: its shape operator S (second fundamental form) in index
- * space, symmetric, in the frame (u, v) that iso_curvature_frame makes of the point's normal as
- * iso_point_view_get gives it. A step q along the surface turns the outward normal by S q: entries are in 1 /
- * voxel, positive where the surface is convex (1 / r on a sphere). Steps of ISO_CURVATURE_STEP; norms are
- * clamped to ISO_CURVATURE_MOST. Entries are multiples of 32 steps: their low five bits are the tilt's. */
+ * space, a symmetric matrix in the basis (u, v) that iso_curvature_frame computes from the point's normal (as
+ * returned by iso_point_view_get). A step q along the surface turns the outward normal by S q: entries are in
+ * 1 / voxel, positive where the surface is convex (1 / r on a sphere). They are stored in steps of
+ * ISO_CURVATURE_STEP; norms are clamped to ISO_CURVATURE_MOST. Entries are multiples of 32 steps: their low
+ * five bits hold the tilt. */
 typedef struct iso_curvature {
     int16_t uu, uv, vv;
-    uint16_t extents; /* see below; 0: not known, or not an edge point */
+    uint16_t extents; /* see below; 0: unknown, or not an edge point */
 } iso_curvature;
 
-/* How the surface around an edge point lies against the point's normal, which comes from gradients over two
- * voxels: its own is along normal + tilt[0] u + tilt[1] v. From the low bits of uu on, then uv's and vv's,
- * two numbers k of 7 bits in two's complement, -63 .. 63: tilt = k |k| ISO_CURVATURE_TILT_MOST / 63^2. */
+/* The tilt is the direction of the surface relative to the point's normal, which comes from gradients over
+ * two voxels: the surface's own normal at the point is along normal + tilt[0] u + tilt[1] v. It is stored as
+ * two numbers k of 7 bits in two's complement, -63 .. 63, with tilt = k |k| ISO_CURVATURE_TILT_MOST / 63^2;
+ * their 14 bits are the low five bits of uu, then those of uv, then of vv. */
 
-/* extents: how far the surface continues from an edge point within the four faces beside its edge, before
- * it reaches another edge of the face. Bits 0-11: four distances of 3 bits, down and up along the first
- * axis at right angles to the edge, then along the second, in steps of 1/7 voxel (0 to 1), rounded up.
- * Bits 12-13: 1 + the edge's axis. Bits 14-15: by how much the point's disc is drawn smaller, in quarters
- * of its radius (0 to 3), so that its rim does not leave the surface. */
+/* extents: how far the surface continues from an edge point in the four faces beside its edge, before it
+ * reaches another edge of the face. Bits 0-11: four distances of 3 bits, down and up along the first axis
+ * perpendicular to the edge, then along the second, in steps of 1/7 voxel (0 to 1), rounded up. Bits 12-13: 1
+ * + the edge's axis. Bits 14-15: by how much the point's disc is drawn smaller, in quarters of its radius (0
+ * to 3), so that its rim does not leave the surface. */
 #define ISO_CURVATURE_MOST 4.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */
 
-/* Two unit vectors at right angles to a unit normal and to each other, u x v = normal (Duff et al. 2017,
+/* Two unit tangents of a unit normal, perpendicular to each other, with u x v = normal (Duff et al. 2017,
  * "Building an orthonormal basis, revisited"). */
 void iso_curvature_frame(const float normal[3], float u[3], float v[3]);
-/* Nearest, with the norm clamped; all 0 when an entry is not finite. */
+/* Packs a shape operator (1 / voxel), rounded to the nearest steps, with its norm clamped and no tilt; all 0
+ * when an entry is not finite. */
 iso_curvature iso_curvature_pack(float uu, float uv, float vv);
-/* uu, uv, vv in 1 / voxel, and the tilt. */
+/* Sets s to uu, uv, vv in 1 / voxel, and the tilt. */
 void iso_curvature_unpack(iso_curvature curvature, float s[3], float tilt[2]);
 
-/* The primitives of one brick. */
+/* The points of one brick. */
 typedef struct iso_point_span {
     int32_t brick[3];
     uint32_t count;
     size_t first; /* index of the span's first point */
 } iso_point_span;
 
-/* Boxes around a span's positions (relative to the brick, like them) and around its normals (a mesh's: those
- * of its triangles) scaled to |x| + |y| + |z| = 1; lo > hi when there is nothing. */
+/* Boxes around a span's positions (relative to its brick) and around its normals (of a mesh: those of its
+ * triangles) scaled to |x| + |y| + |z| = 1; lo > hi when the span is empty. */
 typedef struct iso_point_bounds {
     float lo[3], hi[3];
     float normal_lo[3], normal_hi[3];
 } iso_point_bounds;
 
-/* Points, borrowed from whoever owns them. Exactly one of `packed` and `surfels` is set (both NULL when
- * empty). */
+/* Points, all borrowed. Exactly one of `packed` and `surfels` is set (both are NULL when there are no
+ * points). */
 typedef struct iso_point_view {
     const iso_point *packed;
     const iso_surfel *surfels;
-    const iso_curvature *curvatures; /* per point, indexed like the points; NULL: points are flat */
-    const float *radii; /* per point, mm, indexed like the points; NULL: `radius` holds for all */
+    const iso_curvature *curvatures; /* one per point; NULL: points are flat */
+    const float *radii;              /* one per point, mm; NULL: all have `radius` */
     const iso_point_span *spans;
     size_t span_count;
     iso_transform transform;
-    int32_t dims[3]; /* voxels of the grid that the points come from: the surface ends at its border, which is
-                        voxels 0 and dims - 1; 0: not known */
+    int32_t dims[3]; /* size of the points' grid: the surface ends at its first and last voxels; 0: unknown */
     double radius;   /* mm; half of sqrt(2) x the largest spacing for extracted points (2003, section 4.1) */
-    const uint8_t (*colors)[3]; /* per point, red green blue, display values; NULL: the surface's for all */
-    /* One per span, never 0: changes when what the span holds does or another brick's comes there, not when
-     * it only moves. NULL: not known. */
+    const uint8_t (
+        *colors)[3]; /* one per point, red green blue, display values; NULL: the surface's colour */
+    /* One per span, never 0: changes when the span's contents change or another brick gets the span's number,
+     * not when the span only moves in the arrays. NULL: unknown. */
     const uint64_t *versions;
-    const iso_point_bounds *bounds; /* one per span; NULL: not known */
-    bool closed; /* the points lie on closed surfaces with their normals outwards: seen from outside, those
-                    that face away are hidden */
+    const iso_point_bounds *bounds; /* one per span; NULL: unknown */
+    bool closed; /* the points lie on closed surfaces with outward normals: seen from outside, points that
+                    face away are hidden */
 } iso_point_view;
 
 /* Number of points in all spans. */
 size_t iso_point_view_count(const iso_point_view *view);
-/* Point `index` (counted from 0 in the arrays, not in a span) as floats. */
+/* The point at `index` in the arrays (not in a span) in floats. */
 iso_surfel iso_point_view_get(const iso_point_view *view, size_t index);
 /* Index coordinates of a position that is relative to a brick's first voxel, both in voxels. */
 iso_vec3 iso_brick_position(const int32_t brick[3], const float position[3]);
@@ -115,8 +119,8 @@ iso_vec3 iso_brick_position(const int32_t brick[3], const float position[3]);
 iso_box iso_point_view_bounds(const iso_point_view *view);
 
 /* The part of a mesh that lies in the cells of one brick. Vertices first .. first + owned_count - 1 are on
- * edges that the brick owns (an edge belongs to its lower voxel's brick); the rest are bit-identical copies
- * of vertices that a neighbour owns. Triangles are counter-clockwise seen from outside. */
+ * edges that the brick owns (an edge belongs to its lower voxel's brick); the others are exact copies of
+ * vertices that a neighbouring brick owns. Triangles are counter-clockwise seen from outside. */
 typedef struct iso_mesh_span {
     int32_t brick[3];
     uint32_t vertex_count, owned_count;
@@ -125,9 +129,9 @@ typedef struct iso_mesh_span {
     size_t first_triangle;
 } iso_mesh_span;
 
-/* An edge, named by its axis and its lower voxel (0..16 on each axis, in the brick), axis first: all x edges
- * of a brick, then all y, then all z edges. Own vertices of a span, and the edge points of a brick, are
- * sorted by it. */
+/* Identifies an edge of a brick by its axis and its lower voxel (0 .. 16 on each axis). Ascending keys go by
+ * axis first: all x edges of a brick, then all y edges, then all z edges. The own vertices of a mesh span,
+ * and the edge points of a brick, are sorted by key. */
 typedef uint16_t iso_edge_key;
 
 enum { ISO_LATTICE = ISO_BRICK + 1, ISO_LATTICE_VOXELS = ISO_LATTICE * ISO_LATTICE * ISO_LATTICE };
@@ -145,7 +149,7 @@ static inline int iso_edge_key_split(iso_edge_key key, int voxel[3]) {
     return key / ISO_LATTICE_VOXELS;
 }
 
-/* A mesh, borrowed from whoever owns it. */
+/* A mesh, all borrowed. */
 typedef struct iso_mesh_view {
     const iso_surfel *vertices;
     const iso_edge_key *keys;       /* one per vertex */
@@ -153,19 +157,19 @@ typedef struct iso_mesh_view {
     const iso_mesh_span *spans;
     size_t span_count;
     iso_transform transform;
-    const uint64_t *versions;       /* as an iso_point_view's */
-    const iso_point_bounds *bounds; /* one per span; NULL: not known */
-    bool closed; /* the triangles are whole surfaces: seen from outside, those that face away are hidden */
+    const uint64_t *versions;       /* as in iso_point_view */
+    const iso_point_bounds *bounds; /* one per span; NULL: unknown */
+    bool closed; /* the mesh is closed: seen from outside, triangles that face away are hidden */
 } iso_mesh_view;
 
-/* Triangles as files have them, in world millimetres; corners need not be shared. */
+/* A triangle mesh from a file, in world millimetres; triangles need not share vertices. */
 typedef struct iso_triangles {
     float (*vertices)[3];
     uint32_t (*triangles)[3];
     size_t vertex_count, triangle_count;
 } iso_triangles;
 
-/* Welded counts: vertices that are owned, and all triangles. */
+/* The numbers of vertices and triangles of the welded mesh: copies of vertices are not counted. */
 size_t iso_mesh_view_vertex_count(const iso_mesh_view *view);
 size_t iso_mesh_view_triangle_count(const iso_mesh_view *view);
 /* Box of all vertices in index coordinates. */

@@ -12,23 +12,24 @@
 extern "C" {
 #endif
 
-/* A function that is told how far the work is, and what share of the whole work this is: from `from` to `to`,
- * both between 0 and 1 (both 0: all of it). A function that reports from several threads says so; `tell` must
- * then be thread-safe. */
+/* The caller's function for progress, and the part of the whole operation that is being done: from `from` to
+ * `to`, both between 0 and 1 (both 0: the whole). `tell` must be thread-safe if it is passed to a function
+ * that says that it reports from several threads. */
 typedef struct iso_progress {
     iso_progress_fn *tell;
     void *context; /* borrowed */
     double from, to;
 } iso_progress;
 
-/* A part of the work, 0 <= from < to <= 1. Reports nothing when `whole` is NULL. */
+/* The progress of a part of an operation, 0 <= from < to <= 1. Reports nothing when `whole` is NULL. */
 iso_progress iso_progress_part(const iso_progress *whole, double from, double to);
 
-/* Reports that `fraction` of this part is done. ISO_ERR_IO "NAME: cancelled" when the caller cancels. */
+/* Reports that `fraction` of this part is done. Returns ISO_ERR_IO with "NAME: cancelled" when the caller
+ * cancels. */
 iso_status iso_progress_tell(const iso_progress *progress, const char *name, double fraction,
                              iso_error *error);
 
-/* Whether the caller cancels the operation: asks with a fraction of -1. */
+/* Whether the caller cancels the operation: calls its function with the fraction -1. */
 bool iso_progress_cancelled(const iso_progress *progress);
 
 #ifdef __cplusplus

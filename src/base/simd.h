@@ -1,16 +1,16 @@
-/* simd: vectors of floats and 32-bit integers as wide as each instruction set has them, so that a kernel body
- * is written once and included once per level.
+/* simd: vectors of floats and 32-bit integers with the width of each instruction set, so that a kernel body
+ * is written once and compiled once per instruction set (level).
  *
  * A kernel file names its body and includes base/kernel_levels.inc, which includes the body with ISO_LEVEL
  * set to generic, avx2 and avx512 in turn. In the body vf, vi and vm are vectors of ISO_LANES floats,
  * integers and truth values, ISO_TARGET marks its functions and ISO_V(name) names them. Arithmetic on vf and
  * vi is written with operators, all else with the v_ functions below. Every operation is exact or correctly
- * rounded, so each lane holds the same bits at every level; what a body does across lanes must not depend on
- * how many there are. What a level does by instructions of its own is a function NAME_level before the body,
+ * rounded, so that each lane has the same bits at every level; a body's results must not depend on the number
+ * of lanes. Code that needs instructions of one level is a function NAME_level, defined before the body,
  * which calls it as ISO_V(NAME).
  *
- * The choice between the levels is ISO_KERNEL, in one function of the family, iso_X_kernel_get(level): never
- * NULL. Internal: kernel files only. */
+ * A kernel file chooses the variant in one function, iso_X_kernel_get(level), with the macro ISO_KERNEL.
+ * Internal: for kernel files only. */
 #ifndef ISO_BASE_SIMD_H
 #define ISO_BASE_SIMD_H
 
@@ -29,11 +29,11 @@
 #define ISO_V(name) ISO_PASTE(name, ISO_LEVEL)
 #define ISO_TARGET ISO_V(ISO_TARGET)
 #define ISO_LANES ISO_V(ISO_LANES)
-/* A function of a body that callers inline. */
+/* Marks a function of a body that is always inlined. */
 #define ISO_INLINE ISO_TARGET static inline __attribute__((always_inline))
-/* A function that stays an opaque call. gcc 12 deletes or reorders stores of large steps when it analyses
- * them together with their callers (values fetched from memory were then stale); a call for some hundred
- * items costs nothing. */
+/* Marks a function that is neither inlined nor analysed together with its callers: gcc 12 then deletes or
+ * reorders stores of large functions, so that stale values are read. For functions that process hundreds of
+ * items, for which the call costs nothing. */
 #ifdef __clang__
 #define ISO_STEP __attribute__((noinline))
 #else
@@ -45,8 +45,8 @@
 #define ISO_TARGET_avx512 ISO_TARGET_AVX512
 enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LANES_MAX = 16 };
 
-/* The address of the one of kernel_generic, kernel_avx2 and kernel_avx512 (functions or constants) that a
- * level asks for, or of the best below it that this build has. */
+/* The address of kernel_generic, kernel_avx2 or kernel_avx512 (functions or constants) for a level, or of the
+ * best below it that this build has. */
 #if ISO_HAVE_X86
 #define ISO_KERNEL(kernel, level)                                                                            \
     ((level) >= ISO_CPU_AVX512 ? &kernel##_avx512                                                            \
@@ -79,7 +79,7 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 #define v_max ISO_V(v_max)           /* a > b ? a : b: b when one is a NaN */
 #define v_abs ISO_V(v_abs)
 #define v_sqrt ISO_V(v_sqrt)
-#define v_lt ISO_V(v_lt) /* ordered comparisons of vf: false with a NaN */
+#define v_lt ISO_V(v_lt) /* v_lt, v_le, v_eq compare vf: false if one is a NaN */
 #define v_le ISO_V(v_le)
 #define v_eq ISO_V(v_eq)
 #define v_lti ISO_V(v_lti) /* comparisons of vi */
@@ -92,28 +92,29 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 #define v_mask ISO_V(v_mask)           /* truth values as bits of a uint32_t, lane 0 lowest */
 #define v_from_mask ISO_V(v_from_mask) /* and back; higher bits are ignored */
 #define v_gather ISO_V(v_gather)       /* (const float *, vi): from[index], lane by lane */
-/* (before, after): the lanes of both in a row, from the 1st or 2nd on; and the last lane or two of `before`
- * followed by the first ones of `after`. */
+/* (vf before, vf after): ISO_LANES lanes of the concatenation of both vectors: v_next1 and v_next2 start at
+ * lane 1 and 2 of `before`, v_last1 and v_last2 at its last and last but one lane. */
 #define v_next1 ISO_V(v_next1)
 #define v_next2 ISO_V(v_next2)
 #define v_last1 ISO_V(v_last1)
 #define v_last2 ISO_V(v_last2)
-/* The lanes where the mask is true, packed, to memory: up to ISO_LANES items are overwritten. */
+/* Store the lanes where the mask is true without gaps; memory for ISO_LANES items may be overwritten. */
 #define v_compress ISO_V(v_compress)   /* (float *, vm, vf) */
 #define v_compressi ISO_V(v_compressi) /* (int32_t *, vm, vi) */
-/* Floats of each lane's own, in fours. (base, index, quads, out): out[k] of a lane is base[index of the lane
- * + k], k below 4 * quads (1 to 4, constant); indices from 0. (base, step, in): base[step * lane + k] becomes
- * in[k] of the lane, k below 4. */
+/* Transposing loads and stores. v_load4(base, index, quads, out): for each lane, out[k] = base[index[lane] +
+ * k], k below 4 * quads (quads is a constant 1 to 4; indices are not negative). v_store4(base, step, in): for
+ * each lane, base[step * lane + k] = in[k], k below 4. */
 #define v_load4 ISO_V(v_load4)
 #define v_store4 ISO_V(v_store4)
-/* Two vectors as one row of twice as many items: its items of even or odd number, and back. */
+/* With the concatenation of a and b: v_even and v_odd take its even and odd lanes; v_zip_low and v_zip_high
+ * undo that. */
 #define v_even ISO_V(v_even)         /* (vf a, vf b) */
 #define v_odd ISO_V(v_odd)           /* (vf a, vf b) */
 #define v_zip_low ISO_V(v_zip_low)   /* the first half of a0 b0 a1 b1 .. */
 #define v_zip_high ISO_V(v_zip_high) /* and the second */
 #define v_store_u8 ISO_V(v_store_u8) /* (uint8_t *, vi): the low 8 bits of each */
 
-/* ---- what vector operators say, once for every width: N lanes of float F, int32_t I, bytes of both */
+/* ---- functions that are the same for every width: `bytes` is the size of a vector */
 
 #define ISO_SIMD_COMMON(level, target, bytes)                                                                \
     enum { ISO_SIMD_BYTES_##level = bytes };                                                                 \
@@ -155,7 +156,7 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
         return (vf_##level)((vi_##level)value & INT32_MAX);                                                  \
     }
 
-/* Truth values as vectors of 0 and -1, where there are no mask registers. */
+/* Truth values as vectors of 0 and -1, for levels without mask registers. */
 #define ISO_SIMD_TRUTH(level, target)                                                                        \
     typedef vi_##level vm_##level;                                                                           \
     target static inline vm_##level v_lt_##level(vf_##level a, vf_##level b) {                               \
@@ -193,13 +194,13 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
         return whole + (vi_##level)(value < __builtin_convertvector(whole, vf_##level));                     \
     }
 
-/* One of the slides and shuffles of a level; `lanes` are the numbers of the lanes taken. */
+/* Defines a shuffle of two vectors; the last arguments are the numbers of the lanes that it takes. */
 #define ISO_SIMD_SLIDE(name, level, target, ...)                                                             \
     target static inline vf_##level name##_##level(vf_##level before, vf_##level after) {                    \
         return __builtin_shufflevector(before, after, __VA_ARGS__);                                          \
     }
 
-/* ---- generic: 16 bytes, which every machine has or gcc makes do without */
+/* ---- generic: 16 bytes; compilers emulate such vectors where a machine has none */
 
 typedef float vf_generic __attribute__((vector_size(16)));
 typedef int32_t vi_generic __attribute__((vector_size(16)));

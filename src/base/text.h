@@ -1,9 +1,9 @@
-/* text: names and other text from outside, made fit to be shown.
+/* text: makes file names and other untrusted text printable.
  *
- * A file's name and the strings in its header may hold any bytes: escape sequences that a terminal obeys,
- * line breaks that turn one message into two, bytes that are no UTF-8. Whatever is shown or written into a
- * text format goes through iso_text_clean: iso_fail and iso_volume_note do so themselves. All functions here
- * are thread-safe. */
+ * A file's name and the strings in its header may hold any bytes: escape sequences for the terminal, line
+ * breaks, bytes that are not UTF-8. Such text must be cleaned (iso_text_clean) before it is shown or written
+ * into a text format; iso_fail and iso_volume_note clean their arguments themselves. All functions here are
+ * thread-safe. */
 #ifndef ISO_BASE_TEXT_H
 #define ISO_BASE_TEXT_H
 
@@ -20,31 +20,31 @@ extern "C" {
  * is a sequence of one byte. */
 int iso_text_utf8(const char *text);
 
-/* Writes `text` to `clean` as printable UTF-8 on one line: \n, \t and \r for these characters, \xNN for each
+/* Writes `text` to `clean` as printable UTF-8 on one line: \n, \t and \r for these characters; \xNN for each
  * byte of other control characters, of characters that break lines or change the direction of writing, and of
- * what is no UTF-8. A backslash stays as it is, so that clean text is not changed again. `room` is the size
- * of `clean` and at least 1; text that is too long loses its middle, which becomes "...": a message keeps the
- * name that it begins with and the reason that it ends with. No character is cut. `text` and `clean` must not
+ * invalid UTF-8. A backslash is not changed, so that cleaning clean text changes nothing. `room` is the size
+ * of `clean`, at least 1. In text that is too long the middle is replaced by "...", so that a message keeps
+ * the file name at its start and the reason at its end. Characters are never cut. `text` and `clean` must not
  * overlap. Returns the length of the whole clean text without its zero, as snprintf does. */
 size_t iso_text_clean(const char *text, char *clean, size_t room);
 
-/* The same in the place of a string that has `room` bytes. A character that the string's end cut in half is
- * left out. */
+/* Cleans a string in place, in its memory of `room` bytes. A character of which the end of the string lacks
+ * bytes is removed. */
 void iso_text_clean_in_place(char *text, size_t room);
 
 /* A clean copy of all of `text`, to be freed with free(). NULL without memory. */
 char *iso_text_clean_copy(const char *text);
 
-/* Length of what iso_text_clean makes of `name` when clean `text` begins with it, else 0. */
+/* Whether a clean text begins with the clean form of `name`: returns the length of that form, else 0. */
 size_t iso_text_begins(const char *text, const char *name);
 
-/* Writes what iso_text_clean makes of `text`, however long that is. */
+/* Writes the clean form of `text`, of any length. */
 void iso_text_put(FILE *stream, const char *text);
 
-/* Whether `text` ends in `suffix`, letter for letter. */
+/* Whether `text` ends in `suffix`; case matters. */
 bool iso_text_ends_with(const char *text, const char *suffix);
 
-/* Whether a file's name ends in `extension` (".gz"), in capitals or not, and something stands before it. */
+/* Whether a file's name ends in `extension` (".gz"), in either case, and has characters before it. */
 bool iso_text_has_extension(const char *name, const char *extension);
 
 /* Formats as vsnprintf and cleans the result. */

@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-/* Polylines are separated by blanks; each point is two digits, x and y. */
+/* strokes: polylines separated by blanks; each point is two digits, x and y. */
 typedef struct glyph {
     char character;
     int width;
