@@ -1,5 +1,5 @@
-/* Closing of meshes: open loops are classified, then capped in the faces of the bounding box (mesh_border.h)
- * or filled with the triangulation of least area (Barequet and Sharir 1995). */
+/* closed_mesh: open loops are classified, then capped in the faces of the bounding box (mesh_border.h) or
+ * filled with the triangulation of least area (Barequet and Sharir 1995). */
 #include "grids/closing/closed_mesh.h"
 
 #include <math.h>
@@ -235,7 +235,7 @@ static iso_vec3 cross_of(const iso_triangles *mesh, size_t triangle, iso_vec3 *a
     return iso_vec3_cross(iso_vec3_sub(vertex(mesh, t[1]), *a), iso_vec3_sub(vertex(mesh, t[2]), *a));
 }
 
-/* By the divergence theorem, seen from `from`. */
+/* The enclosed volume by the divergence theorem: the sum of tetrahedra with the apex `from`. */
 static double volume_of(const iso_triangles *mesh, iso_vec3 from) {
     double volume = 0;
     for (size_t i = 0; i < mesh->triangle_count; i++) {

@@ -1,5 +1,6 @@
-/* Caps in the faces of a box. A winding number in a face is found by counting the open edges between a side
- * of the face and a point; a constant for each face follows from its neighbours across the box's edges. */
+/* mesh_border: caps in the faces of a box. The winding number at a point of a face is found by counting the
+ * open edges between a side of the face and the point; a constant for each face follows from its neighbours
+ * across the box's edges. */
 #include "grids/closing/mesh_border.h"
 
 #include <math.h>
@@ -8,9 +9,8 @@
 
 #include "base/memory.h"
 
-/* The edges of a face are sorted into rows, for speed only; samples along a side that find the smallest
- * number.
- */
+/* Limits for the rows into which a face's edges are sorted (for speed only), and the number of samples along
+ * a side with which the smallest winding number is searched. */
 enum { FACES = 6, MOST_ROWS = 1024, SAMPLES = 256, ROW_EDGES = 4 };
 
 /* An open edge in the coordinates of a face, directed as in its triangle. */
@@ -29,8 +29,8 @@ typedef struct jumps {
     size_t count;
 } jumps;
 
-/* Coordinates u, v with u x v out of the box. The number right of an edge is one more than left of it, seen
- * from outside. */
+/* A face of the box, with coordinates u, v such that u x v points out of the box. Seen from outside, the
+ * winding number to the right of an edge is one more than to its left. */
 struct iso_border_face {
     int axis, u, v;
     double plane, lo[2], hi[2];
@@ -56,7 +56,7 @@ void iso_border_init(iso_border *border, const iso_triangles *mesh) {
         longest = fmax(longest, border->hi[axis] - border->lo[axis]);
         largest = fmax(largest, fmax(fabs(border->lo[axis]), fabs(border->hi[axis])));
     }
-    border->near = 1e-6 * longest + 0x1p-21 * largest; /* (positions are floats) */
+    border->near = 1e-6 * longest + 0x1p-21 * largest; /* the second term: positions are floats */
 }
 
 static void free_faces(iso_border_face *faces) {
@@ -79,7 +79,8 @@ void iso_border_free(iso_border *border) {
 
 /* ---- assigning edges to faces */
 
-/* The face that holds an edge, the first of two; -1: none. Faces 0, 2, 4 are at lo, 1, 3, 5 at hi. */
+/* The face that contains an edge (the first one if two do); -1: none. Faces 0, 2, 4 are at lo, 1, 3, 5 at hi.
+ */
 static int face_of(const iso_border *border, const float a[3], const float b[3]) {
     for (int f = 0; f < FACES; f++) {
         const int axis = f / 2;
@@ -190,7 +191,7 @@ static size_t row_of(const iso_border_face *face, double v) {
     return (size_t)fmin(fmax(row, 0), (double)(face->rows - 1));
 }
 
-/* So many rows that an edge is in a few of them. */
+/* The number of rows with which an edge is in a few of them. */
 static size_t rows_for(const iso_border_face *face) {
     double rise = 0;
     const double height = face->hi[1] - face->lo[1];
@@ -221,7 +222,7 @@ static bool make_rows(iso_border_face *face) {
     return true;
 }
 
-/* Counts the edges between the left side and (u, v). */
+/* The winding number at (u, v): that beside the left side, and the edges in between. */
 static int number_at(const iso_border_face *face, double u, double v) {
     int number = face->first + jumps_until(&face->left, v);
     const size_t row = row_of(face, v);
@@ -241,14 +242,15 @@ static int box_corner(const iso_border_face *face, int f, int k) {
     return (f % 2) << face->axis | (k & 1) << face->u | (k >> 1) << face->v;
 }
 
-/* The number at a corner of a face less that at its first. */
+/* The winding number at a corner of a face minus that at its first corner. */
 static int corner_number(const iso_border_face *face, int k) {
     if (k == 0) return 0;
     if (k == 1) return jumps_all(&face->bottom);
     return jumps_all(&face->left) + (k == 3 ? jumps_all(&face->top) : 0);
 }
 
-/* Numbers do not change across the box's edges: from face to face. false: they contradict each other. */
+/* Sets the constants of the faces: winding numbers do not change across the box's edges. False:
+ * contradictory. */
 static bool join_faces(iso_border_face *faces) {
     int number[8] = {0};
     bool known[8] = {true}, done[FACES] = {false};
@@ -290,7 +292,7 @@ static bool find_constant(iso_border_face *faces) {
     int whole = -1;
     for (int f = 0; f < FACES; f++) {
         if (faces[f].count) continue;
-        if (whole >= 0 && faces[f].first != faces[whole].first) return false; /* one is of the solid */
+        if (whole >= 0 && faces[f].first != faces[whole].first) return false; /* faces not cut must agree */
         whole = f;
     }
     const int zero = whole >= 0 ? faces[whole].first : smallest_number(faces);
@@ -356,7 +358,8 @@ static void add_corner(fan *f, const double at[2]) {
     f->out->vertex_count++;
 }
 
-/* From the face's first corner, `number` times; negative: the other way. */
+/* Adds the triangle of the face's first corner, a and b, |number| times; with the opposite orientation if
+ * negative. */
 static void add_triangles(fan *f, const double a[2], const double b[2], int number) {
     for (int i = 0; i < abs(number); i++) {
         uint32_t *t = f->out->triangles ? f->out->triangles[f->out->triangle_count] : NULL;
@@ -368,7 +371,8 @@ static void add_triangles(fan *f, const double a[2], const double b[2], int numb
     }
 }
 
-/* The side where coordinate `across` is at its highest, piece by piece; `number` at its lower end. */
+/* Adds triangles for the pieces of the side where coordinate `across` is highest; number: the winding number
+ * at its lower end. */
 static void add_side(fan *f, int across, const jumps *j, int number) {
     double from[2], to[2];
     from[across] = to[across] = f->face->hi[across];

@@ -1,5 +1,5 @@
-/* Distances of inside voxels near buried triangles: the minimum over the outside voxels around of the way
- * there minus their distance. */
+/* mesh_buried: new distances for inside voxels near buried triangles: the minimum, over the outside voxels
+ * around, of the distance to the outside voxel minus its own distance from the surface. */
 #include "grids/closing/mesh_buried.h"
 
 #include <math.h>
@@ -18,8 +18,8 @@ enum { REACH = 4, BATCH = 256 };
 typedef struct work {
     iso_hgrid *grid;
     const iso_closed_mesh *mesh;
-    uint8_t *found;  /* by cell: a surface inside the solid was seen here; then also in neighbours */
-    uint32_t *cells; /* those to be done */
+    uint8_t *found;  /* by cell: a buried triangle was found here, or later in a neighbouring cell */
+    uint32_t *cells; /* numbers of the cells to correct */
     size_t first;    /* of the batch */
     float *values;   /* of the batch's bricks */
 } work;
@@ -130,7 +130,8 @@ static void repair(void *context, size_t index, int worker) {
     }
 }
 
-/* Only inside voxels are written, and only outside voxels and signs are read, so batches are independent. */
+/* Corrects all listed cells. Batches are independent: only inside voxels are written, and only outside voxels
+ * and signs are read. */
 static void repair_all(work *w, size_t count, iso_pool *pool) {
     for (w->first = 0; w->first < count; w->first += BATCH) {
         const size_t batch = count - w->first < BATCH ? count - w->first : BATCH;

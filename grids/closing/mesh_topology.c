@@ -1,5 +1,5 @@
-/* The connectivity of a triangle soup: hash tables join vertices and triangles, sorted half-edges join
- * triangles to parts, and walks along open edges find the loops. */
+/* mesh_topology: the connectivity of a triangle soup. Hash tables join vertices and triangles, sorted
+ * half-edges join triangles to parts, and walks along open edges find the loops. */
 #include "grids/closing/mesh_topology.h"
 
 #include <math.h>
@@ -89,7 +89,8 @@ static bool is_degenerate(const uint32_t t[3]) {
     return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
 }
 
-/* One of each set of equal triangles, facing as most of them do. */
+/* Keeps one of each set of equal triangles, with the orientation of most of them; none if the orientations
+ * balance. */
 static bool remove_copies(iso_triangles *mesh) {
     const size_t count = mesh->triangle_count;
     uint32_t(*keys)[3] = iso_alloc(count * sizeof *keys);
@@ -183,7 +184,7 @@ static bool edges_make(const iso_triangles *mesh, edges *e) {
     return true;
 }
 
-/* The halves of one edge: from *at on, below the result. */
+/* The end of the half-edges that belong to the same edge as the one at `at`. */
 static size_t edge_end(const edges *e, size_t vertex, size_t at) {
     size_t end = at + 1;
     while (end < e->first[vertex + 1] && e->halves[end].upper == e->halves[at].upper) end++;
@@ -192,7 +193,8 @@ static size_t edge_end(const edges *e, size_t vertex, size_t at) {
 
 /* ---- consistent orientation */
 
-/* The other half of each half's edge, where an edge has two; the number of those that face different ways. */
+/* Sets partner[] to the other half-edge where an edge has two; returns the number of edges whose two
+ * triangles are oriented differently. */
 static size_t find_partners(const iso_triangles *mesh, const edges *e, uint32_t *partner) {
     size_t wrong = 0;
     memset(partner, 0xff, 3 * mesh->triangle_count * sizeof *partner);
@@ -229,8 +231,9 @@ static bool agree(const iso_triangles *mesh, uint32_t a, uint32_t b) {
 
 enum { UNSEEN, AS_FIRST, TURNED };
 
-/* The part that triangle `seed` belongs to: side[] of its triangles, as against the seed. The queue holds
- * them all in the end; whether most of the area is turned. */
+/* Visits the part that triangle `seed` belongs to, and sets side[] of its triangles: whether they are
+ * oriented like the seed. `queue` contains all of them afterwards. Returns whether most of the area is turned
+ * against the seed. */
 static bool visit_part(const iso_triangles *mesh, const uint32_t *partner, uint8_t *side, uint32_t *queue,
                        size_t *count) {
     double area[2] = {0};
@@ -283,7 +286,8 @@ static bool face_one_way(iso_triangles *mesh, const edges *e, size_t *turned) {
 
 /* ---- open edges and loops */
 
-/* As many directed copies of each edge as it has halves one way without a partner; NULL: only counted. */
+/* Lists the open edges: each edge as often as it has half-edges in one direction without one in the other.
+ * With `open` NULL only counts them. */
 static size_t find_open(const iso_triangles *mesh, const edges *e, uint32_t (*open)[2]) {
     size_t count = 0;
     for (size_t v = 0; v < e->vertex_count; v++)
@@ -324,13 +328,13 @@ static size_t first_open(const iso_mesh_topology *t, uint32_t vertex) {
 }
 
 typedef struct walk {
-    uint32_t *path;     /* vertices from the start to here */
-    uint32_t *place;    /* of a vertex on the path; NONE */
-    uint32_t *used;     /* of a vertex: how many of the open edges that begin there are on a loop */
-    size_t length, put; /* of the path; of loop_vertices */
+    uint32_t *path;     /* the vertices of the walk */
+    uint32_t *place;    /* by vertex: its index on the path, or NONE */
+    uint32_t *used;     /* by vertex: how many of the open edges that begin there have been used */
+    size_t length, put; /* length of the path; number of vertices written to loop_vertices */
 } walk;
 
-/* An unused edge that begins at the vertex, now used; NULL: none. */
+/* Uses an open edge that begins at a vertex and is not used yet; NULL: there is none. */
 static const uint32_t *next_edge(const iso_mesh_topology *t, walk *w, uint32_t vertex) {
     const size_t i = first_open(t, vertex) + w->used[vertex];
     if (i >= t->open_count || t->open[i][0] != vertex) return NULL;
@@ -344,7 +348,7 @@ static void advance(iso_mesh_topology *t, walk *w, uint32_t vertex) {
         w->path[w->length++] = vertex;
         return;
     }
-    const size_t first = w->place[vertex]; /* a loop is closed here */
+    const size_t first = w->place[vertex]; /* the loop from here on is closed */
     for (size_t i = first; i < w->length; i++) {
         t->loop_vertices[w->put++] = w->path[i];
         if (i > first) w->place[w->path[i]] = NONE;
@@ -353,7 +357,8 @@ static void advance(iso_mesh_topology *t, walk *w, uint32_t vertex) {
     w->length = first + 1;
 }
 
-/* At each vertex as many open edges end as begin: every walk comes back to where it began. */
+/* Finds all loops. At each vertex as many open edges end as begin, so that every walk returns to its start.
+ */
 static void find_loops(iso_mesh_topology *t, walk *w) {
     for (size_t i = 0; i < t->open_count; i++) {
         const uint32_t *edge;

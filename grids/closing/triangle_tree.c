@@ -1,5 +1,5 @@
-/* A complete binary tree over triangles in Morton order, with boxes for nearest points and dipoles for
- * winding numbers; triangle_tree.h names the papers. */
+/* triangle_tree: a complete binary tree over triangles in Morton order, with boxes for nearest points and
+ * dipoles for winding numbers; triangle_tree.h names the papers. */
 #include "grids/closing/triangle_tree.h"
 
 #include <math.h>
@@ -72,7 +72,7 @@ static void find_places(const iso_triangles *mesh, place *places) {
     }
 }
 
-/* By key, in a stable order: three passes of a radix sort. */
+/* Sorts by key, stably, with three passes of a radix sort. */
 static void sort_places(place *places, place *scratch, size_t count) {
     enum { BITS = 10, BUCKETS = 1 << BITS };
     for (int pass = 0; pass < 3; pass++) {
@@ -212,7 +212,7 @@ void iso_triangle_tree_destroy(iso_triangle_tree *tree) {
 
 /* ---- winding numbers */
 
-/* For 0 <= x <= 1, error below 1e-11. */
+/* atan(x) for 0 <= x <= 1, error below 1e-11. */
 static double arc_tangent(double x) {
     static const double EIGHTH = 0.41421356237309503; /* tan(pi / 8) */
     const bool large = x > EIGHTH;
@@ -223,7 +223,7 @@ static double arc_tangent(double x) {
     return (large ? ISO_PI / 4 : 0) + x * sum;
 }
 
-/* Not libm's, whose bits depend on the machine. 0 at (0, 0) and for y = 0. */
+/* atan2(y, x), but 0 for y = 0. Without libm, whose results depend on the machine. */
 static double angle_of(double y, double x) {
     const double ay = fabs(y), ax = fabs(x);
     if (ay == 0) return 0;
@@ -232,7 +232,7 @@ static double angle_of(double y, double x) {
     return y < 0 ? -angle : angle;
 }
 
-/* Of a triangle seen from p, over 4 pi. */
+/* The solid angle of a triangle seen from p, divided by 4 pi. */
 static double triangle_winding(const corners *t, iso_vec3 p) {
     const iso_vec3 a = iso_vec3_sub(corner(t, 0), p), b = iso_vec3_sub(corner(t, 1), p),
                    c = iso_vec3_sub(corner(t, 2), p);
@@ -303,7 +303,7 @@ static iso_vec3 nearest_on_triangle(const corners *t, iso_vec3 p) {
     if (va <= 0 && along >= 0 && back >= 0)
         return iso_vec3_add(b, iso_vec3_scale(iso_vec3_sub(c, b), along / (along + back)));
     const double sum = va + vb + vc;
-    if (!(sum > 0)) return a; /* a triangle without an area: its edges belong to others as well */
+    if (!(sum > 0)) return a; /* a triangle without an area: its edges also belong to other triangles */
     return iso_vec3_add(a, iso_vec3_add(iso_vec3_scale(ab, vb / sum), iso_vec3_scale(ac, vc / sum)));
 }
 

@@ -1,4 +1,4 @@
-/* Closing of solids at the volume's border by one more layer of voxels outside. */
+/* closed: closes solids at the volume's border with an additional layer of voxels that are outside. */
 #include "grids/parts/closed.h"
 
 #include <float.h>
@@ -42,7 +42,7 @@ static float choose_outside(const iso_rgrid *grid, const struct iso_brick_index 
     iso_brick_index_extremes(index, &low, &high);
     const double deepest =
         fmax(grid->level_set ? at - low : high - at, 0); /* 0 also when nothing is finite */
-    /* In a solid whose values all equal the isovalue, any distance will do. */
+    /* at least 1, for solids whose values all equal the isovalue */
     const double far = fmax(OUTSIDE_FACTOR * deepest, fmax(fabs((double)at), 1));
     return (float)fmin(fmax(grid->level_set ? at + far : at - far, -FLT_MAX), FLT_MAX);
 }

@@ -1,5 +1,5 @@
-/* Masks of rows: for each voxel type and instruction set a function that compares 64 voxels with a range;
- * component_mask_body.inc makes rows of them. */
+/* component_mask: for each voxel type and instruction set a function that compares 64 voxels with a range;
+ * the kernels for whole rows are in component_mask_body.inc. */
 #include "grids/parts/component_mask.h"
 
 #include <float.h>
@@ -67,7 +67,7 @@ ISO_TARGET_AVX2 static inline uint64_t word_uint8_avx2(const uint8_t *row, const
                 inside[k] =                                                                                  \
                     _mm256_and_si256(_mm256_cmpeq_epi16(max(v, lo), v), _mm256_cmpeq_epi16(min(v, hi), v));  \
             }                                                                                                \
-            /* packing works on halves of 128 bits: the quarters are put in order */                         \
+            /* packs_epi16 works on halves of 128 bits: restores the order of the quarters */                \
             const __m256i bytes = _mm256_permute4x64_epi64(_mm256_packs_epi16(inside[0], inside[1]), 0xd8);  \
             bits |= (uint64_t)(uint32_t)_mm256_movemask_epi8(bytes) << (32 * part);                          \
         }                                                                                                    \

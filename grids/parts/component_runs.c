@@ -1,5 +1,5 @@
-/* Run-based labelling of connected components (He, Chao and Suzuki 2008): rows become bit masks, masks become
- * runs, and overlapping runs of neighbouring rows are joined. */
+/* component_runs: run-based labelling of connected components (He, Chao and Suzuki 2008): rows become bit
+ * masks, masks become runs, and overlapping runs of neighbouring rows are joined. */
 #include "grids/parts/component_runs.h"
 #include "base/disjoint_sets.h"
 
@@ -87,7 +87,7 @@ static uint32_t list_runs(const uint64_t *words, int count, iso_run *runs) {
     const int word_count = (count + 63) / 64;
     for (int w = 0; w < word_count; w++) {
         const uint64_t bits = words[w];
-        /* Bits that differ from the one before: runs begin and end there in turn. */
+        /* bits that differ from the bit before: runs begin and end there alternately */
         uint64_t changes = bits ^ (bits << 1 | before);
         before = bits >> 63;
         uint64_t inside = bits & changes;
@@ -226,7 +226,8 @@ static void join_slabs(const finder *f) {
     }
 }
 
-/* Replaces parents by numbers of components; a parent is below its children and so has its number already. */
+/* Replaces parents by numbers of components. A parent has a lower number than its children, and so is already
+ * replaced. */
 static iso_status number_components(iso_component_runs *runs, iso_error *error) {
     uint32_t count = 0;
     for (size_t i = 0; i < runs->run_count; i++) count += runs->component[i] == i;

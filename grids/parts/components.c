@@ -1,5 +1,5 @@
-/* Removal of small parts: the choice of parts, and the replacement of their voxels in dense grids.
- * components_sparse.c does the same for level sets. */
+/* components: chooses the parts to remove, and replaces their voxels in dense grids; components_sparse.c
+ * replaces them in level sets. */
 #include "grids/parts/components.h"
 
 #include <math.h>
@@ -87,8 +87,8 @@ static void sum_totals(const filter *f, double voxel, iso_components_totals *tot
 
 /* ---- dense grids */
 
-/* The value for voxels of dropped parts. One exists: two parts are separated by a voxel on the other side of
- * the isovalue, or by one that is not finite, which only floats can be. */
+/* The value for the voxels of dropped parts. Such a value exists: two parts are separated by a voxel on the
+ * other side of the isovalue, or by a voxel that is not finite, and then the voxels are floats. */
 static float choose_replacement(const filter *f, const iso_brick_index *index) {
     const iso_rgrid *grid = f->grid->rgrid;
     const float at = f->surface.isovalue_ceil;

@@ -1,4 +1,5 @@
-/* Removal of parts from a level set: their voxels become outside, and the distances around them are replaced.
+/* components_sparse: removes parts from a level set: their voxels become outside, and the distances around
+ * are replaced.
  *
  * Outside values in the band of a dropped part are distances to a surface that no longer exists; if they
  * stayed, foot points would still be made of them. They are estimated anew from the kept voxels q nearby, as
@@ -198,7 +199,8 @@ static void recompute_brick(void *context, size_t index, int worker) {
                 *value++ = new_value(r, &s, (const int[3]){x + s.low, y + s.low, z + s.low});
 }
 
-/* All bricks are made before any is written: those beside them must still see which voxels are dropped. */
+/* Computes all bricks before any is written, because their neighbours must still see which voxels are
+ * dropped. */
 static iso_status remake_bricks(remover *r, iso_error *error) {
     const int side = ISO_BRICK + 2 * r->reach;
     const size_t count = (size_t)side * (size_t)side * (size_t)side;

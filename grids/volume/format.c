@@ -1,4 +1,5 @@
-/* Functions that all readers share, also those in modules: memory limits, opening files, creating grids. */
+/* format: functions that all readers share, also those in modules: memory limits, opening files, creating
+ * grids. */
 #define _POSIX_C_SOURCE 200809L
 #include "grids/volume/format.h"
 
@@ -74,8 +75,8 @@ iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, do
     return iso_fail(error, ISO_ERR_IO, "%s: cancelled", path);
 }
 
-/* The file is opened first and looked at afterwards, so that it cannot be exchanged in between; O_NONBLOCK
- * because opening a pipe without a writer would wait for one. It means nothing to a regular file. */
+/* Opens a regular file. Its type is checked after opening, so that the file cannot be exchanged in between.
+ * O_NONBLOCK avoids waiting for the writer of a pipe, and has no effect on regular files. */
 static iso_status open_regular(const char *path, int *file, struct stat *status, iso_error *error) {
     *file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     if (*file < 0 && errno != ENXIO) /* ENXIO: a socket */
