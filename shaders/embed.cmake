@@ -1,4 +1,5 @@
-# Shaders become one C file: a table of names and texts. Usage: cmake -DOUT=file.c -DFILES=a;b -P embed.cmake
+# Embeds shader files into the library: writes a C file with the table iso_gl_texts (render/gl/program.h) of
+# file names and texts. Usage: cmake -DOUT=file.c -DFILES=a;b -P embed.cmake
 cmake_minimum_required(VERSION 3.25)
 set(table "")
 foreach(file ${FILES})

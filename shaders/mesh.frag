@@ -1,4 +1,5 @@
-/* Depth and normal interpolated with perspective correction. */
+/* mesh.frag: writes the interpolated depth and normal of a triangle's pixel. OpenGL interpolates with
+ * perspective correction. */
 layout(std140, binding = ISO_GL_DRAW) uniform draw_block { ISO_GL_DRAW_FIELDS };
 
 smooth in vec4 normal_depth;

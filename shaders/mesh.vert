@@ -1,5 +1,6 @@
-/* Triangles. Positions are computed in doubles: what neighbouring bricks share must get the same bits from
- * both, or the surface leaks. */
+/* mesh.vert: projects the vertices of triangles. Positions are computed in doubles: a vertex that
+ * neighbouring bricks share must get the same bits from both, otherwise gaps would show. Snapping is that
+ * of render/raster/mesh.c. */
 layout(std140, binding = ISO_GL_DRAW) uniform draw_block { ISO_GL_DRAW_FIELDS };
 
 layout(location = ISO_GL_POSITION) in vec3 position;
@@ -8,6 +9,7 @@ layout(location = ISO_GL_BRICK) in ivec3 brick;
 
 smooth out vec4 normal_depth;
 
+/* Pixels rounded to 1 / ISO_GL_SUBPIXEL. */
 dvec2 snapped(dvec2 at) {
     return floor(at * ISO_GL_SUBPIXEL + 0.5) / ISO_GL_SUBPIXEL;
 }
@@ -27,7 +29,7 @@ void main() {
     } else if (at.z >= pixels.w) {
         dvec2 center = snapped(at.xy * (pixels.x / at.z));
         gl_Position = vec4(vec2((across * center + corner) * at.z), float(pixels.w), float(at.z));
-    } else { /* cut off at the near plane, where the triangle goes on with other vertices */
+    } else { /* nearer than the near plane, at which OpenGL clips the triangle: no need to snap */
         gl_Position = vec4(vec2(across * at.xy * pixels.x + corner * at.z), float(pixels.w), float(at.z));
     }
 }

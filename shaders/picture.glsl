@@ -1,8 +1,9 @@
-/* A piece of other shaders, after the uniform `picture`: width, height and the number of what is drawn. Its samples lie
- * in planes: depth, normal x, y, z, surface, and colours where there are any. */
+/* picture.glsl: writes samples of the picture with a depth test. Included by shaders that have declared
+ * the uniform `picture`: width, height and the number of the surface that is drawn. The buffer has one
+ * plane each for depth, normal x, y, z, surface number and, if points have colours, colour. */
 layout(std430, binding = ISO_GL_PICTURE) buffer picture_buffer { uint samples[]; };
 
-/* Where it is nearer than what is there; whether it was. Normals have any length. */
+/* Writes a sample if it is nearer than the one there; returns whether it was. The normal need not be unit. */
 bool put_sample(ivec2 at, float depth, vec3 normal) {
     int index = at.y * picture.x + at.x, plane = picture.x * picture.y;
     if (!(depth < uintBitsToFloat(samples[index]) && depth < ISO_GL_NOWHERE)) return false;
@@ -14,7 +15,7 @@ bool put_sample(ivec2 at, float depth, vec3 normal) {
     return true;
 }
 
-/* Of a sample that was put: bytes 0 .. 255. */
+/* Writes the colour (0 .. 255) of a sample for which put_sample returned true. */
 void put_color(ivec2 at, uvec3 color) {
     int index = at.y * picture.x + at.x, plane = picture.x * picture.y;
     samples[index + 5 * plane] = color.x | color.y << 8 | color.z << 16 | uint(picture.z + 1) << 24;

@@ -1,4 +1,5 @@
-/* Pixels whose centres lie in the disc, and the pixel that its centre lies in. */
+/* points.frag: keeps the pixels of a point's square whose centres lie in its disc, and the pixel that
+ * contains the disc's centre. */
 layout(std140, binding = ISO_GL_DRAW) uniform draw_block { ISO_GL_DRAW_FIELDS };
 
 flat in vec4 normal_depth;

@@ -1,8 +1,9 @@
-/* Attenuated points: Baerentzen and Christensen 2003, section 4.1. Discs that face the picture.
+/* points.vert: attenuated points, Baerentzen and Christensen 2003, section 4.1: discs parallel to the
+ * image plane, drawn as squares of which points.frag keeps the disc.
  *
- * SURFELS 1: points in floats, else packed in 8 bytes.
- * QUADS 1: one instance a point, four vertices: those that are wider than the driver's points can be.
- * Without it: all others, as points. */
+ * SURFELS 1: points are iso_surfel, else iso_point (8 bytes). QUADS 0: every point is an OpenGL point;
+ * those wider than the driver's largest point are left out. QUADS 1: only the latter are drawn, as quads:
+ * an instance of four vertices per point. */
 #ifndef SURFELS
 #define SURFELS 0
 #endif
@@ -30,7 +31,8 @@ vec3 view_normal(vec3 n) {
     return size > 0.0 ? v / size : vec3(0.0, 0.0, -1.0);
 }
 
-/* Eq. 3-4: by depth. Eq. 5-8: by the distance to the eye and a bound that holds in the whole picture. */
+/* The radius in pixels of a disc of `mm`. Exact (eq. 3-4): by depth. Attenuated (eq. 5-8): by the distance
+ * to the eye, with a bound on the depth that holds in the whole picture. */
 float pixels_of(float mm, vec3 at) {
     float focal = float(pixels.x);
     if (flags.y != 0u) return mm * focal;
@@ -38,6 +40,7 @@ float pixels_of(float mm, vec3 at) {
     return mm * focal / at.z;
 }
 
+/* Moves the point out of the viewport. */
 void leave_out() {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     gl_PointSize = 1.0;
@@ -57,8 +60,9 @@ void main() {
     disc = vec3(center, pixels_of(max(radius, 0.0), at));
     normal_depth = vec4(view_normal(n), at.z);
     float side = 2.0 * max(disc.z, 0.5) + ISO_GL_POINT_MARGIN;
-    /* written so that what is not a number is left out */
-    bool seen = at.z >= near && abs(center.x) < 1e15 && abs(center.y) < 1e15 && (side > points.x) == bool(QUADS);
+    /* NaN makes these comparisons false: such points are left out */
+    bool seen = at.z >= near && abs(center.x) < 1e15 && abs(center.y) < 1e15 &&
+                (side > points.x) == bool(QUADS);
     if (!seen) {
         leave_out();
         return;

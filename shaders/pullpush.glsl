@@ -1,5 +1,6 @@
-/* A piece of pull-push's shaders: the pixels of a pyramid (render/pullpush/pyramid.h), which lie in buffers, level after
- * level. Pixels beyond a level's sides are empty.
+/* pullpush.glsl: reads and writes pixels of the image pyramid of pull-push (render/pullpush/pyramid.h).
+ * Levels are stored one after the other in buffers; pixels outside a level count as empty. Included by the
+ * passes of pull-push.
  *
  * COLORS 1: points have colours of their own. */
 #ifndef COLORS
@@ -20,12 +21,12 @@ layout(std430, binding = ISO_GL_TINTS) buffer tint_buffer { vec4 tints[]; };
 bool orthographic = flags.x != 0u, two_sided = flags.y != 0u;
 
 struct pixel {
-    vec4 shade;   /* normal of any length, mean depth */
-    vec4 range;   /* least and greatest depth, offset of the ellipse's centre */
-    float radius; /* mm */
-    bool hides;   /* another surface goes on behind the end of this one */
+    vec4 shade;   /* mean normal, not unit; mean depth, mm */
+    vec4 range;   /* least and greatest depth, mm; offset of the ellipse's centre from the pixel's, pixels */
+    float radius; /* mean radius of discs, mm */
+    bool hides;   /* another surface continues behind this one (ISO_PLANE_HIDDEN) */
 #if COLORS
-    vec4 tint;
+    vec4 tint; /* colour, 0 .. 255 */
 #endif
 };
 
@@ -45,21 +46,23 @@ bool is_inside(int level, ivec2 at) {
     return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, levels[level].xy));
 }
 
+/* Index of a pixel in the buffers; level 1 or higher. */
 int place(int level, ivec2 at) {
     return levels[level].z + at.y * levels[level].x + at.x;
 }
 
-/* Depths as they are before they are made to order. */
+/* The depth of a key: the inverse of `ordered` in pullpush_project.comp. */
 float depth_of(uvec2 key) {
     return uintBitsToFloat(key.y >> 31 != 0u ? key.y ^ 0x80000000u : ~key.y);
 }
 
+/* The view space normal of a key, not unit. */
 vec3 normal_of(uvec2 key) {
     vec3 n = unfold_normal(key.x);
     return vec3(dot(normal_x.xyz, n), dot(normal_y.xyz, n), dot(normal_z.xyz, n));
 }
 
-/* A pixel of the base level. */
+/* A pixel of the base level, decoded from its key. */
 pixel decoded(ivec2 at) {
     if (!is_inside(lattice.x, at)) return no_pixel();
     int index = at.y * levels[lattice.x].x + at.x;
@@ -67,7 +70,7 @@ pixel decoded(ivec2 at) {
     if (key.y == ISO_GL_KEY_NONE) return no_pixel();
     float depth = depth_of(key);
     float radius = flags.z != 0u ? ISO_GL_DISC_RADII * uintBitsToFloat(discs[index]) : disc.x;
-    /* the middle of the 1/32 that the point lies in */
+    /* the point is assumed in the middle of its 1/32 of the pixel */
     vec2 offset = vec2(key.x >> 22 & 31u, key.x >> 27) * (1.0 / 32.0) - 31.0 / 64.0;
     pixel p = colorless(vec4(normal_of(key), depth), vec4(depth, depth + radius, offset), radius, false);
 #if COLORS
@@ -77,6 +80,7 @@ pixel decoded(ivec2 at) {
     return p;
 }
 
+/* A pixel of level 1 or higher. */
 pixel fetched(int level, ivec2 at) {
     if (!is_inside(level, at)) return no_pixel();
     int index = place(level, at);
@@ -87,15 +91,15 @@ pixel fetched(int level, ivec2 at) {
     return p;
 }
 
-/* x / z and y / z of the ray to a pixel of a level, whose rows are counted from the whole frame. */
+/* x / z and y / z of the ray through the centre of a pixel of a level. */
 vec2 slope_of(int level, ivec2 at) {
     vec2 whole = vec2(at.x, at.y + (lattice.y >> level));
     return ((whole + 0.5) * float(1 << level) - ray.xy) * ray.z;
 }
 
-/* The disc around a point, seen along the ray to the pixel: its shadow's inverse covariance, low-passed (Zwicker
- * et al. 2001), as a circle, a direction in which it is thinner, which points to where the surface ends, and how
- * far it reaches there: the low-pass fades with the angle, else silhouettes would grow by it. */
+/* The ellipse of a pixel as in render/pullpush/pyramid.h: WIDE, THIN_X, THIN_Y, OUT; WIDE is 0 where there
+ * is no point. It is the projection of the pixel's disc along the pixel's ray, low-pass filtered (Zwicker
+ * et al. 2001). See ellipses in render/pullpush/levels.inc for the derivation. */
 vec4 ellipse(int level, ivec2 at, pixel p) {
     if (p.range.x >= ISO_GL_NOWHERE) return vec4(0.0);
     float shrink = 1.0 / float(1 << level);
@@ -105,7 +109,7 @@ vec4 ellipse(int level, ivec2 at, pixel p) {
     vec2 slope = slope_of(level, at);
     float ray_z = 1.0 / sqrt(dot(slope, slope) + 1.0);
     float along = (dot(p.shade.xy, slope) + p.shade.z) * ray_z;
-    /* turned with the ray onto the axis: what is seen edge-on is thin off the axis too */
+    /* rotate the normal as the ray must be rotated to lie on the optical axis */
     vec2 n = p.shade.xy - (along + p.shade.z) * ray_z / (1.0 + ray_z) * slope;
     float flat_part = dot(n, n), square = max(flat_part + along * along, 1e-12);
     float b = radius * radius, a = b + added.x, e = a * square - b * flat_part, inverse = 1.0 / (a * e);
@@ -114,13 +118,14 @@ vec4 ellipse(int level, ivec2 at, pixel p) {
     return vec4(e * inverse, n * (along < 0.0 ? thin : -thin), reach * thin);
 }
 
+/* Writes a pixel of level 1 or higher and its ellipse. */
 void store(int level, ivec2 at, pixel p) {
     int index = place(level, at);
-    vec4 shape = ellipse(level, at, p);
+    vec4 e = ellipse(level, at, p);
     shades[index] = p.shade;
     ranges[index] = p.range;
-    ellipses[index] = vec4(shape.xyz, p.radius);
-    reaches[index] = (floatBitsToUint(shape.w) & ~1u) | uint(p.hides);
+    ellipses[index] = vec4(e.xyz, p.radius);
+    reaches[index] = (floatBitsToUint(e.w) & ~1u) | uint(p.hides);
 #if COLORS
     tints[index] = p.tint;
 #endif

@@ -1,9 +1,10 @@
-/* The picture's samples from level 1 and, where that is the base, from their own points: drawn where they are
- * nearer than what is there. */
+/* pullpush_finish.comp: the last push, into the picture (Marroquim, Kraus and Cavalcanti 2008, section
+ * 3.2). A sample is mixed from level 1, or it is the point projected to its pixel when level 0 is the
+ * base. It is written where it is nearer than the sample there. The same as render/pullpush/finish.inc. */
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 
-/* Whether the pixel's centre lies farther out than its point's disc reaches, on the side where the surface ends:
- * as `ellipse` has it, of a point alone. */
+/* Whether a pixel's centre lies outside its own point's disc on the side of the silhouette: the condition
+ * that the ellipse's OUT stands for, of a single point. */
 bool is_beyond(ivec2 at, pixel own) {
     vec2 slope = slope_of(0, at), away = -own.range.zw;
     vec3 n = own.shade.xyz;

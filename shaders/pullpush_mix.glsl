@@ -1,14 +1,16 @@
-/* A piece of pull-push's shaders, after pullpush.glsl: what the up to four coarser ellipses around a pixel make of
- * it (Marroquim, Kraus and Cavalcanti 2008, section 3.2). */
+/* pullpush_mix.glsl: the weights with which a pixel is mixed from the four coarser pixels around it
+ * (Marroquim, Kraus and Cavalcanti 2008, section 3.2). Included after pullpush.glsl. */
 struct mixture {
-    bool covered; /* where any ellipse is */
-    bool made;    /* where the pixel gets a new value */
-    vec4 weights; /* they add up to 1, or (not made) are 0 */
-    ivec4 at;     /* the coarser pixels; -1: beyond the level's sides */
+    bool covered; /* the pixel's centre is inside an ellipse */
+    bool made;    /* the pixel gets a new value */
+    vec4 weights; /* sum 1 if made, else 0 */
+    ivec4 at;     /* indices of the coarser pixels; -1: outside the level */
 };
 
-/* The four around finer pixel `at`: first to the left and right above, then below. `own` is the least depth of
- * what that has: it is replaced when it lies beyond the interval of the frontmost ellipse around it. */
+/* Mixes pixel `at` of the level below `level` from the four pixels of `level` around it, in the order
+ * upper left, upper right, lower left, lower right. `own`: the least depth of the pixel's own value,
+ * ISO_GL_NOWHERE if it has none; it is replaced when it lies behind the depth interval of the frontmost
+ * ellipse that contains the pixel's centre. */
 mixture mixed(int level, ivec2 at, float own) {
     mixture m = mixture(false, false, vec4(0.0), ivec4(-1));
     ivec2 fine = at & 1, corner = (at >> 1) + fine - 1;
@@ -22,9 +24,9 @@ mixture mixed(int level, ivec2 at, float own) {
         vec4 range = ranges[m.at[k]];
         low[k] = range.x;
         if (range.x >= ISO_GL_NOWHERE) continue;
-        vec3 shape = ellipses[m.at[k]].xyz;
+        vec3 wide_thin = ellipses[m.at[k]].xyz; /* WIDE, THIN_X, THIN_Y */
         vec2 d = 0.75 - 0.5 * vec2(fine) - vec2(side) - range.zw;
-        float thin = dot(d, shape.yz), q = dot(d, d) * shape.x + thin * thin;
+        float thin = dot(d, wide_thin.yz), q = dot(d, d) * wide_thin.x + thin * thin;
         if (!(q < 1.0 && thin <= uintBitsToFloat(reaches[m.at[k]]))) continue;
         m.weights[k] = weight.x + q * (weight.y + q * (weight.z + q * weight.w));
         if (range.x < least) {
@@ -46,6 +48,7 @@ mixture mixed(int level, ivec2 at, float own) {
 }
 
 #if COLORS
+/* The mixed colour, 0 .. 255. */
 vec4 mixed_tint(mixture m) {
     vec4 sum = vec4(0.0);
     for (int k = 0; k < 4; k++)
@@ -54,7 +57,7 @@ vec4 mixed_tint(mixture m) {
 }
 #endif
 
-/* Normal and depth. */
+/* The mixed normal (not unit) and depth. */
 vec4 mixed_shade(mixture m) {
     vec4 sum = vec4(0.0);
     for (int k = 0; k < 4; k++)

@@ -1,9 +1,11 @@
-/* Points to keys: each goes into the pixel of the base level that its centre lies in, and the smallest key of a
- * pixel is its point (render/pullpush/pyramid.h), whatever the order.
+/* pullpush_project.comp: projects points to keys (render/pullpush/pyramid.h): each point goes into the
+ * pixel of the base level that contains its centre, and the smallest key of a pixel is kept. The result
+ * does not depend on the order of points.
  *
- * KIND 0: depths alone; 1: then payloads of the points whose depths those are, the smallest; 2: then the radii of
- * these and their colours, the smallest of each; 3: depths and payloads at once, where 64 bits can be compared and exchanged.
- * SURFELS 1: points in floats, else packed in 8 bytes. */
+ * KIND 3: the whole key at once, with 64-bit atomic operations. Without them two passes: KIND 0: the least
+ * depth of each pixel; KIND 1: of the points with this depth, the smallest payload. Afterwards, for points
+ * with radii or colours: KIND 2: of the points with the pixel's key, the smallest radius and the smallest
+ * colour. SURFELS 1: points are iso_surfel, else iso_point (8 bytes). */
 #ifndef KIND
 #define KIND 0
 #endif
@@ -30,29 +32,33 @@ layout(std430, binding = ISO_GL_DISCS) buffer disc_buffer { uint discs[]; };
 layout(std430, binding = ISO_GL_PAINTS) readonly buffer paint_buffer { uint paints[]; };
 layout(location = ISO_GL_FIRST) uniform uvec2 range;
 
-/* The same bits from every program that asks. */
-float turned(vec4 row, vec3 at, float origin) {
+/* A row of the transform of positions. `precise`: all passes must compute the same bits. */
+float transformed(vec4 row, vec3 at, float origin) {
     precise float sum = row.x * at.x + row.y * at.y + row.z * at.z + origin;
     return sum;
 }
 
+/* A pixel coordinate from the coordinate at depth 1, 1 / depth and the optical axis. */
 float projected(float view, float shrink, float along) {
     precise float at = view * shrink + along;
     return clamp(at, -ISO_GL_FURTHEST, ISO_GL_FURTHEST);
 }
 
-/* Bits of floats, in their order. */
+/* The bits of a float, mapped so that unsigned integers compare like the floats. */
 uint ordered(float depth) {
     uint bits = floatBitsToUint(depth);
     return bits >> 31 != 0u ? ~bits : bits | 0x80000000u;
 }
 
+/* The octahedral bits of a normal with |x| + |y| + |z| = 1. */
 uint fold_normal(vec3 n) {
     vec2 uv = n.z < 0.0 ? mix(1.0 - abs(n.yx), abs(n.yx) - 1.0, lessThan(n.xy, vec2(0.0))) : n.xy;
-    uvec2 steps = uvec2(clamp(uv * (0.5 * ISO_POINT_NORMAL_STEPS) + 0.5 * (ISO_POINT_NORMAL_STEPS + 1), 0.0, float(ISO_POINT_NORMAL_STEPS)));
+    uvec2 steps = uvec2(clamp(uv * (0.5 * ISO_POINT_NORMAL_STEPS) + 0.5 * (ISO_POINT_NORMAL_STEPS + 1), 0.0,
+                              float(ISO_POINT_NORMAL_STEPS)));
     return steps.x | steps.y << ISO_POINT_NORMAL_BITS;
 }
 
+/* The three bytes of a point's colour, red lowest. */
 uint color_of(uint number) {
     uint bits = 24u * number, word = bits >> 5, shift = bits & 31u;
     uint color = paints[word] >> shift;
@@ -60,6 +66,7 @@ uint color_of(uint number) {
     return color & 0xFFFFFFu;
 }
 
+/* Merges a projected point into pixel `at`. */
 void merge(int at, uint depth, uint payload, uint number) {
 #if KIND == 3
     uint64_t key = packUint2x32(uvec2(payload, depth));
@@ -76,7 +83,8 @@ void merge(int at, uint depth, uint payload, uint number) {
 #endif
 }
 
-/* Left early by most that lead to nothing; written so that what is not a number is left out. */
+/* Projects point `number` of the bound points. Returns early for points that are not drawn. Conditions are
+ * written so that they are false for NaN: such points are left out. */
 void project(block b, uint number) {
 #if SURFELS
     vec3 at, normal;
@@ -97,11 +105,11 @@ void project(block b, uint number) {
     bool orthographic = flags.x != 0u;
     vec3 from_eye = orthographic ? b.eye.xyz : at - b.eye.xyz;
     if (b.part.z != 0u && !(dot(normal, from_eye) < 0.0)) return;
-    float z = turned(step_z, at, b.origin.z);
+    float z = transformed(step_z, at, b.origin.z);
     if (!(z >= axis.z)) return;
     precise float shrink = orthographic ? 1.0 : 1.0 / z;
-    vec2 pixel = vec2(projected(turned(step_x, at, b.origin.x), shrink, axis.x),
-                      projected(turned(step_y, at, b.origin.y), shrink, axis.y));
+    vec2 pixel = vec2(projected(transformed(step_x, at, b.origin.x), shrink, axis.x),
+                      projected(transformed(step_y, at, b.origin.y), shrink, axis.y));
     vec2 corner = floor(pixel);
     ivec2 whole = ivec2(corner) - ivec2(0, lattice.y >> lattice.x), size_of_level = levels[lattice.x].xy;
     if (!(corner.x >= 0.0 && whole.x < size_of_level.x && whole.y >= 0 && whole.y < size_of_level.y)) return;

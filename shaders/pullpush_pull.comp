@@ -1,7 +1,9 @@
-/* A level from the one below: averages of the frontmost of four pixels and of those whose depth intervals meet its
- * (Marroquim, Kraus and Cavalcanti 2008, section 3.1).
+/* pullpush_pull.comp: pull, which makes a level from the one below: of four pixels, the frontmost and
+ * those whose depth intervals overlap its interval are averaged (Marroquim, Kraus and Cavalcanti 2008,
+ * section 3.1). The same as render/pullpush/levels.inc.
  *
- * KEYS 1: the level below is the base level's keys. KEYS 2: nothing is averaged, the level is the base. */
+ * KEYS 0: the level below is in the buffers of levels. KEYS 1: the level below is level 0, decoded from
+ * keys. KEYS 2: no averaging: the level is the base level, decoded from keys. */
 #ifndef KEYS
 #define KEYS 0
 #endif
@@ -10,6 +12,7 @@ layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 layout(location = ISO_GL_LEVEL) uniform int level;
 
 #if KEYS != 2
+/* A pixel of the level below. */
 pixel child(ivec2 at) {
 #if KEYS == 1
     return decoded(at);
@@ -18,6 +21,7 @@ pixel child(ivec2 at) {
 #endif
 }
 
+/* The average for pixel `at`. */
 pixel pulled(ivec2 at) {
     pixel children[4], sum = no_pixel();
     vec2 limit = sum.range.xy;
@@ -48,7 +52,8 @@ pixel pulled(ivec2 at) {
         sum.tint += p.tint;
 #endif
         sum.range.y = max(sum.range.y, p.range.y);
-        /* each child's centre is a quarter of a pixel away from theirs */
+        /* a child's centre lies a quarter of a coarser pixel from the coarser pixel's centre, along each
+         * axis */
         sum.range.zw += 0.5 * (p.range.zw + vec2(k & 1, k >> 1)) - 0.25;
     }
     float share = 1.0 / count;

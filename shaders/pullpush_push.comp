@@ -1,4 +1,6 @@
-/* A level, 1 or higher, from the one above: its gaps, and what lies behind the surface, are filled. */
+/* pullpush_push.comp: push, which fills a level, 1 or higher, from the one above: pixels without a point,
+ * or with points behind the surface, are mixed from the coarser pixels around them (Marroquim, Kraus and
+ * Cavalcanti 2008, section 3.2). The same as render/pullpush/levels.inc. */
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 layout(location = ISO_GL_LEVEL) uniform int level;
 
@@ -8,7 +10,7 @@ void main() {
     bool pulled = level >= lattice.x;
     float own = pulled ? ranges[place(level, at)].x : ISO_GL_NOWHERE;
     mixture m = mixed(level + 1, at, own);
-    if (!m.made) { /* what was pulled stays, its ellipse too */
+    if (!m.made) { /* pixels made by pull are kept */
         if (!pulled) store(level, at, no_pixel());
         return;
     }
@@ -22,7 +24,7 @@ void main() {
         vec4 range = ranges[m.at[k]];
         p.range.x = min(p.range.x, range.x);
         p.range.y = max(p.range.y, range.y);
-        /* from the finer pixel's centre, in its size */
+        /* offset from the finer pixel's centre to the ellipse's, in finer pixels */
         vec2 centre = 0.75 - 0.5 * vec2(fine) - vec2(k & 1, k >> 1);
         p.range.zw += m.weights[k] * 2.0 * (range.zw - centre);
         p.radius += m.weights[k] * ellipses[m.at[k]].w;

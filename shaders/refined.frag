@@ -1,7 +1,9 @@
-/* Where a pixel's ray meets a disc, and what the disc has there.
+/* refined.frag: intersects a pixel's ray with a disc (render/refined/refined.h), in two passes (Botsch,
+ * Hornung, Zwicker and Kobbelt 2005).
  *
- * ADDING 0: how near that is, of discs that face the eye and of those that were turned: the least of all. 1: what it
- * adds to the pixel, where it is at the front or joins it: sums. */
+ * ADDING 0: writes the depth of the hit; blending keeps the least, separately of front-facing and of
+ * flipped back-facing discs. ADDING 1: writes the weighted values of the disc if the hit is near the
+ * front; blending adds them up. */
 #ifndef ADDING
 #define ADDING 0
 #endif
@@ -12,22 +14,25 @@ in disc_block { DISC_FIELDS; };
 layout(binding = ISO_GL_FRONTS) uniform sampler2D fronts;
 layout(location = 0) out vec4 sums_a; /* weight, normal */
 layout(location = 1) out vec4 sums_b; /* shape operator: xx, xy, xz, yy */
-layout(location = 2) out vec4 sums_c; /* yz, zz; the square of its norm; depth */
-layout(location = 3) out vec4 sums_d; /* from the disc's centre, mm */
+layout(location = 2) out vec4 sums_c; /* yz, zz; squared norm of the shape operator; depth */
+layout(location = 3) out vec4 sums_d; /* offset of the hit from the disc's centre, mm */
 #else
-layout(location = 0) out vec4 nearest; /* depth of those that face the eye, of others; and what the first would join */
+/* Depth of a front-facing disc; depth of a flipped one; depth of a front-facing one minus its thickness: a
+ * flipped disc wins where it is nearer than that. ISO_GL_NOWHERE for the other kind of disc. */
+layout(location = 0) out vec4 nearest;
 #endif
 
-/* From the disc's centre: the nearer root of n.q + q.Sq / 2 = 0 on the ray. False: there is none within its radius. */
+/* Sets q to the hit relative to the disc's centre: the nearer root of n.q + q.Sq / 2 = 0 on the ray (see
+ * meet in render/refined/disc.inc). False: there is none. */
 bool meet(mat3 s, out vec3 q) {
     float pixel = orthographic ? 1.0 / axis.w : centre.z * sizes.x, radius = centre.w;
     vec2 off = gl_FragCoord.xy - centre.xy;
     vec3 e = vec3(off * pixel, 0.0), ray = ray_to(gl_FragCoord.xy);
     float a = along.w, b = along.x + dot(along.yz, e.xy);
-    if (more.w != 0.0) {
-        vec3 shape_operator_of = s * ray;
-        a = dot(ray, shape_operator_of);
-        b = dot(facing.xyz, ray) + dot(e, shape_operator_of);
+    if (rest.w != 0.0) {
+        vec3 sd = s * ray;
+        a = dot(ray, sd);
+        b = dot(facing.xyz, ray) + dot(e, sd);
         if (any(greaterThan(abs(off), vec2(low.w, high.w)))) return false;
     }
     float c = dot(e, 2.0 * facing.xyz + s * e), square = b * b - a * c;
@@ -37,19 +42,19 @@ bool meet(mat3 s, out vec3 q) {
     return true;
 }
 
-/* Whether voxels from the disc's centre are in its box. */
+/* Whether a position, in voxels from the disc's centre along the index axes, is in the disc's box. */
 bool is_inside(vec3 at) {
     return all(greaterThanEqual(at, low.xyz)) && all(lessThanEqual(at, high.xyz));
 }
 
 void main() {
-    mat3 s = shape_operator(hessian, more);
+    mat3 s = shape_operator(entries, rest);
     vec3 q;
     if (!meet(s, q)) discard;
     vec3 at = q.x * normal_x.xyz + q.y * normal_y.xyz + q.z * normal_z.xyz;
     float inverse = 1.0 / (centre.w * centre.w), far = dot(q, q) * inverse;
     if (!(far < 1.0) || !is_inside(at)) discard;
-    if (sizes.z > 0.0) { /* balls are measured in voxels where these are not cubes */
+    if (sizes.z > 0.0) { /* voxels are not cubes: the ball is measured in voxels */
         far = dot(at, at) * (sizes.z * sizes.z * inverse);
         if (!(far < 1.0)) discard;
     }
@@ -59,10 +64,11 @@ void main() {
     vec4 front = texelFetch(fronts, ivec2(gl_FragCoord.xy), 0);
     bool faces_wanted = front.z <= front.y;
     if (faces != faces_wanted || depth > (faces ? front.x : front.y) + thickness) discard;
-    float weight = 1.0 + far * (ISO_REFINED_GAUSS_1 + far * (ISO_REFINED_GAUSS_2 + far * ISO_REFINED_GAUSS_3));
+    float weight =
+        1.0 + far * (ISO_REFINED_GAUSS_1 + far * (ISO_REFINED_GAUSS_2 + far * ISO_REFINED_GAUSS_3));
     sums_a = weight * vec4(1.0, lit);
-    sums_b = weight * hessian;
-    sums_c = weight * vec4(more.xyz, depth);
+    sums_b = weight * entries;
+    sums_c = weight * vec4(rest.xyz, depth);
     sums_d = weight * vec4(q, 0.0);
 #else
     nearest = vec4(ISO_GL_NOWHERE);

@@ -1,25 +1,27 @@
-/* A piece of the refined reconstruction's shaders (render/refined/refined.h): what the vertices of a disc tell its pixels,
- * and its shape operator, a symmetric matrix. */
+/* refined.glsl: declarations shared by the shaders of the refined reconstruction
+ * (render/refined/refined.h): uniforms, the values that refined.vert passes to refined.frag, and the shape
+ * operator as a matrix. */
 layout(std140, binding = ISO_GL_REFINED) uniform refined_block { ISO_GL_REFINED_FIELDS };
 
 bool orthographic = flags.x != 0u, culled = flags.y != 0u;
 
-/* In view space and pixels. */
+/* The values of a disc, in view space. */
 #define DISC_FIELDS                                                                                          \
-    flat vec4 centre; /* pixels, and z and the ball's radius in mm */                                        \
-    flat vec4 facing; /* normal, with its tilt; 1, or -1: it was turned to the eye */                        \
-    flat vec3 lit;    /* the point's own normal: what is shown */                                            \
-    flat vec4 hessian;  /* shape operator, 1 / mm: xx, xy, xz, yy */                                           \
-    flat vec4 more;   /* yz, zz; the square of its norm; 1: its rays are not nearly parallel */              \
-    flat vec4 along;  /* along a ray with direction d: n.d + q.Sd = x + q.yz, d.Sd = w */                    \
-    flat vec4 low;    /* its box, voxels from its centre along the index axes; then how far it reaches on */ \
-    flat vec4 high    /* either side of its centre, pixels: across, and down */
+    flat vec4 centre;  /* column and row, pixels; z and the ball's radius, mm */                             \
+    flat vec4 facing;  /* normal of the quadric, with its tilt; 1, or -1: it was flipped towards the eye */  \
+    flat vec3 lit;     /* the point's unit normal, for shading */                                            \
+    flat vec4 entries; /* of the shape operator, 1 / mm: xx, xy, xz, yy */                                   \
+    flat vec4 rest;    /* yz, zz; squared norm; 1: rays must not be taken as parallel */                     \
+    flat vec4 along;   /* for a ray of direction d at offset q: n.d + q.Sd = x + dot(yz, q.xy), d.Sd = w */  \
+    flat vec4 low;     /* box, voxels from the centre: low corner; columns on each side of the centre */   \
+    flat vec4 high     /* high corner; rows on each side of the centre */
 
-mat3 shape_operator(vec4 hessian, vec4 more) {
-    return mat3(hessian.xyz, hessian.yw, more.x, hessian.z, more.xy);
+/* The shape operator from its entries xx, xy, xz, yy and yz, zz. */
+mat3 shape_operator(vec4 entries, vec4 rest) {
+    return mat3(entries.xyz, entries.yw, rest.x, entries.z, rest.xy);
 }
 
-/* The square of its norm. */
+/* The squared Frobenius norm. */
 float norm_of(mat3 s) {
     return dot(s[0], s[0]) + dot(s[1], s[1]) + dot(s[2], s[2]);
 }

@@ -1,8 +1,9 @@
-/* Points to discs: second-order ones, within balls, that end where the surface turns away or its grid ends.
+/* refined.vert: makes a second-order disc of each point (render/refined/refined.h), clipped to a ball and
+ * a box, and draws it as a square that contains it. The same as render/refined/disc.inc.
  *
- * SURFELS 1: points in floats, else packed in 8 bytes.
- * QUADS 1: one instance a point, four vertices: those that are wider than the driver's points can be.
- * Without it: all others, as points. */
+ * SURFELS 1: points are iso_surfel, else iso_point (8 bytes). QUADS 0: every disc is an OpenGL point;
+ * those wider than the driver's largest point are left out. QUADS 1: only the latter are drawn, as quads:
+ * an instance of four vertices per disc. */
 #ifndef SURFELS
 #define SURFELS 0
 #endif
@@ -23,20 +24,23 @@ layout(location = ISO_GL_PLACE) in vec4 place;
 
 out disc_block { DISC_FIELDS; };
 
-/* Whether a normal faces away, for sure. */
+/* Whether a normal faces away so much that curvature does not make the disc visible. */
 bool is_back_facing(vec3 n, vec3 ray) {
     float away = dot(n, ray);
     return away > 0.0 && away * away > ISO_REFINED_BACK_FACING * dot(ray, ray);
 }
 
-/* How far the disc reaches on either side of its centre, in mm of pixels at its depth: the shadow of a flat disc, and
- * of the cap that a bent one stays below. */
+/* How far a disc reaches on both sides of its centre along both axes of the picture, in mm at its depth:
+ * the projection of a flat disc plus that of the height by which a curved one departs from it. `square`:
+ * squared norm of the shape operator. */
 vec2 reach_of(vec3 n, vec2 ray, float radius, float square) {
     vec2 slant = n.xy - ray * n.z, whole = 1.0 + ray * ray;
     float cap = min(sqrt(square) * radius * 0.5, 1.0);
-    return radius * 1.03 * min(sqrt(max(whole - slant * slant / dot(n, n), 0.0)) + abs(slant) * cap, sqrt(whole));
+    vec2 disc = sqrt(max(whole - slant * slant / dot(n, n), 0.0));
+    return radius * 1.03 * min(disc + abs(slant) * cap, sqrt(whole));
 }
 
+/* Moves the disc out of the viewport. */
 void leave_out() {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     gl_PointSize = 1.0;
@@ -59,7 +63,7 @@ void main() {
     if (place.w != 0.0) radius *= disc_scale(curvature);
     centre.zw = vec2(at.z, radius);
 
-    vec3 view_normal = turned(n), ray = ray_to(centre.xy);
+    vec3 view_normal = to_view(n), ray = ray_to(centre.xy);
     float per_length = inversesqrt(dot(view_normal, view_normal));
     view_normal *= per_length;
     bool hidden = culled && is_back_facing(view_normal, ray);
@@ -68,13 +72,13 @@ void main() {
     if (place.w != 0.0) {
         vec3 u, v;
         make_frame(n, u, v);
-        u = turned(u);
-        v = turned(v);
-        s = per_length * shape_operator_of(curvature, u, v, view_normal);
+        u = to_view(u);
+        v = to_view(v);
+        s = per_length * unpack_shape_operator(curvature, u, v, view_normal);
         view_normal += mat2x3(u, v) * (tilt(curvature) * per_length);
     }
     float facing_away = dot(view_normal, ray), curve = dot(ray, s * ray);
-    /* a little beyond a silhouette, what curves away from it is still in sight */
+    /* just beyond a silhouette, a surface that curves towards the eye can still be seen */
     bool back_facing = facing_away > 0.0 && (is_back_facing(view_normal, ray) || !(curve > 0.0));
     float side = back_facing ? -1.0 : 1.0;
     view_normal *= side;
@@ -88,7 +92,7 @@ void main() {
 #else
     vec3 index = p * ISO_POINT_STEP + place.xyz;
 #endif
-    float turning = ISO_REFINED_TURNING_BEND * sizes.y;
+    float turning = ISO_REFINED_TURNING_CURVATURE * sizes.y;
     if (place.w != 0.0 && square > turning * turning) apply_extents(curvature, index, lowest, highest);
     if (border.w != 0.0) {
         lowest = max(lowest, -index);
@@ -97,16 +101,17 @@ void main() {
     vec2 reach = reach_of(view_normal, ray.xy, radius, square) * scale;
     bool near = !orthographic && radius > at.z * ISO_REFINED_EXACT;
     facing = vec4(view_normal, side);
-    hessian = vec4(s[0], s[1].y);
-    more = vec4(s[1].z, s[2].z, square, float(near));
-    along = vec4(facing_away * side, view_normal.xy * (orthographic ? 0.0 : 1.0 / at.z) + (s * ray).xy, curve * side);
+    entries = vec4(s[0], s[1].y);
+    rest = vec4(s[1].z, s[2].z, square, float(near));
+    along = vec4(facing_away * side, view_normal.xy * (orthographic ? 0.0 : 1.0 / at.z) + (s * ray).xy,
+                 curve * side);
     low = vec4(lowest, reach.x);
     high = vec4(highest, reach.y);
 
     float width = 2.0 * max(reach.x, reach.y) + ISO_GL_POINT_MARGIN;
-    /* written so that what is not a number is left out */
-    bool seen = at.z >= axis.z && length_of_n > 1e-20 && length_of_n < 1e20 && !(hidden || culled && back_facing) &&
-                (width > screen.w) == bool(QUADS);
+    /* NaN makes these comparisons false: such points are left out */
+    bool seen = at.z >= axis.z && length_of_n > 1e-20 && length_of_n < 1e20 &&
+                !(hidden || culled && back_facing) && (width > screen.w) == bool(QUADS);
     if (!seen) {
         leave_out();
         return;

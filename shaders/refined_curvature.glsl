@@ -1,10 +1,12 @@
-/* A piece of the refined reconstruction's shaders: what an iso_curvature says (base/primitives.h). */
+/* refined_curvature.glsl: decodes an iso_curvature (base/primitives.h): shape operator, tilt, extents and
+ * the reduction of the radius. Included by refined.vert after refined.glsl. */
 
-vec3 turned(vec3 covector) {
-    return vec3(dot(normal_x.xyz, covector), dot(normal_y.xyz, covector), dot(normal_z.xyz, covector));
+/* Normals and tangents from index to view space. */
+vec3 to_view(vec3 v) {
+    return vec3(dot(normal_x.xyz, v), dot(normal_y.xyz, v), dot(normal_z.xyz, v));
 }
 
-/* As iso_curvature_frame. */
+/* Two tangents of a unit normal, the same as iso_curvature_frame. */
 void make_frame(vec3 n, out vec3 u, out vec3 v) {
     float side = floatBitsToInt(n.z) < 0 ? -1.0 : 1.0;
     float a = -1.0 / (side + n.z), b = n.x * n.y * a;
@@ -12,9 +14,10 @@ void make_frame(vec3 n, out vec3 u, out vec3 v) {
     v = vec3(b, side + n.y * n.y * a, -n.y);
 }
 
-/* The shape operator in the frame u, v, which has its scale, with a curvature along the normal too: the largest
- * principal one where that is convex. */
-mat3 shape_operator_of(ivec4 curvature, vec3 u, vec3 v, vec3 view_normal) {
+/* The shape operator in view space, not yet scaled: its entries in the tangents u and v, plus a curvature
+ * along the unit normal: the largest principal curvature if that is convex (render/refined/refined.h). u
+ * and v are in view space. */
+mat3 unpack_shape_operator(ivec4 curvature, vec3 u, vec3 v, vec3 view_normal) {
     const float each = ISO_CURVATURE_STEP * float(1 << ISO_CURVATURE_LOW_BITS);
     vec3 entry = vec3(curvature.xyz >> ISO_CURVATURE_LOW_BITS) * each;
     mat3 s = outerProduct(u, entry.x * u + entry.y * v) + outerProduct(v, entry.y * u + entry.z * v);
@@ -22,24 +25,28 @@ mat3 shape_operator_of(ivec4 curvature, vec3 u, vec3 v, vec3 view_normal) {
     return s + outerProduct(view_normal, max(trace + apart, 0.0) * 0.5 * view_normal);
 }
 
-/* How the surface lies against the normal, along u and v. */
+/* The tilt of the surface against the normal, along u and v. */
 vec2 tilt(ivec4 curvature) {
     ivec3 low = curvature.xyz & (1 << ISO_CURVATURE_LOW_BITS) - 1;
     int bits = low.x | low.y << ISO_CURVATURE_LOW_BITS | low.z << 2 * ISO_CURVATURE_LOW_BITS;
     vec2 steps = vec2(bitfieldExtract(bits, 0, ISO_CURVATURE_TILT_BITS),
                       bitfieldExtract(bits, ISO_CURVATURE_TILT_BITS, ISO_CURVATURE_TILT_BITS));
-    return steps * abs(steps) * (ISO_CURVATURE_TILT_MOST / (ISO_CURVATURE_TILT_STEPS * ISO_CURVATURE_TILT_STEPS));
+    return steps * abs(steps) *
+           (ISO_CURVATURE_TILT_MOST / (ISO_CURVATURE_TILT_STEPS * ISO_CURVATURE_TILT_STEPS));
 }
 
-/* How much of its ball a disc keeps. */
+/* The factor by which the radius of the disc's ball is reduced. */
 float disc_scale(ivec4 curvature) {
     return 1.0 - 0.25 * float((curvature.w & 0xFFFF) >> ISO_CURVATURE_SHRINK_BIT);
 }
 
-/* The box as far as it is known where the surface turns away from an edge point; `at` is in index coordinates. Packed
- * points at a voxel may be on the edge to either side. */
+/* Narrows the box of an edge point at `at` (index coordinates) to its extents, if they are known: along
+ * the edge as far as the edge reaches, along the other axes as far as the surface continues in the cells
+ * beside the edge. At a voxel, rounding of packed points may have moved the point to the edge on the other
+ * side. */
 void apply_extents(ivec4 curvature, vec3 at, inout vec3 lowest, inout vec3 highest) {
-    int extents = curvature.w & 0xFFFF, edge = (extents >> ISO_CURVATURE_AXIS_BIT & ISO_CURVATURE_AXIS_MASK) - 1;
+    int extents = curvature.w & 0xFFFF;
+    int edge = (extents >> ISO_CURVATURE_AXIS_BIT & ISO_CURVATURE_AXIS_MASK) - 1;
     if (extents == 0) return;
     const float each = 1.0 / ISO_CURVATURE_EXTENT_STEPS;
     int next = 0;

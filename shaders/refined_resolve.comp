@@ -1,13 +1,15 @@
-/* From sums to the picture's samples, where they are nearer than what is there. */
+/* refined_resolve.comp: resolves the sums that refined.frag added up into samples of the picture, which
+ * are written where they are nearer than the samples there. The same as render/refined/common.inc. */
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 layout(binding = ISO_GL_FRONTS) uniform sampler2D fronts;
 layout(binding = ISO_GL_SUMS) uniform sampler2D sums[4];
 
-/* Of the frontmost discs: their mean normal, turned as their mean shape has it from their centres to here. The more
- * shape operators differ, and the larger they are, the more of them is noise: shapes count in full where all are the
- * same and small. */
+/* The normal (times the weight), given the sums a, b, c of refined.frag and q, the summed offset from the
+ * discs' centres to the hits: the sum of the normals plus the mean shape operator times q. The second term
+ * is reduced the more the shape operators differ and the larger they are, because such curvature is
+ * probably noise. */
 vec3 resolved_normal(vec4 a, vec4 b, vec4 c, vec3 q) {
-    float noisy = ISO_REFINED_NOISY_BEND * sizes.y;
+    float noisy = ISO_REFINED_NOISY_CURVATURE * sizes.y;
     mat3 s = shape_operator(b, c) * (1.0 / a.x);
     float norm = norm_of(s);
     float alike = norm / max(c.z / a.x, 1e-30), small = 1.0 / (1.0 + norm / (noisy * noisy));

@@ -1,7 +1,8 @@
-/* Colours of a part of a picture, with the arithmetic of render/shading/shading.h or from the picture of a lit sphere,
- * and the samples that a cursor picks from.
+/* shade.comp: shades a part of a picture into the textures of a canvas: colours, by the Phong model of
+ * render/shading/shading.h or by a matcap, and with one sample a pixel also the samples, for picking.
  *
- * BUFFER 1: the samples are pull-push's, in a buffer; else what fragments left in textures. */
+ * BUFFER 1: reads the samples from the picture buffer of pull-push. BUFFER 0: from the texture that
+ * fragment shaders wrote. */
 #ifndef BUFFER
 #define BUFFER 0
 #endif
@@ -17,7 +18,7 @@ layout(std430, binding = ISO_GL_PICTURE) readonly buffer picture_buffer { uint s
 layout(binding = ISO_GL_NORMAL_DEPTHS) uniform sampler2D normal_depths;
 #endif
 
-/* Normal and depth, which is infinite where nothing is. */
+/* Normal and depth of a sample; the depth is infinite where there is no surface. */
 vec4 fetched(ivec2 at) {
 #if BUFFER
     int width = part.x * how.x, plane = width * part.y * how.x, index = at.y * width + at.x;
@@ -28,6 +29,7 @@ vec4 fetched(ivec2 at) {
 #endif
 }
 
+/* Colour by Phong's model, with the arithmetic of render/shading/phong_body.inc. */
 vec3 phong(vec3 n, vec3 to_eye) {
     const vec3 light = vec3(ISO_PHONG_LIGHT_X, ISO_PHONG_LIGHT_Y, ISO_PHONG_LIGHT_Z);
     float facing = dot(n, to_eye), side = facing < 0.0 ? -1.0 : 1.0;
@@ -39,7 +41,7 @@ vec3 phong(vec3 n, vec3 to_eye) {
     return min(color.xyz * diffuse + ISO_PHONG_SPECULAR * lobe, 1.0);
 }
 
-/* Both sides are seen. */
+/* Colour by the matcap, looked up by the normal's x and y. Back-facing normals are flipped. */
 vec3 looked_up(vec3 n) {
     int side = textureSize(sphere, 0).x;
     ivec2 at = ivec2((n.xy * (n.z > 0.0 ? -0.5 : 0.5) + 0.5) * float(side));

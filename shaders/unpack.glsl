@@ -1,6 +1,6 @@
-/* A piece of other shaders: points in 8 bytes, as base/primitives.h packs them. */
+/* unpack.glsl: decodes an iso_point (base/primitives.h), a point in 8 bytes. Included by other shaders. */
 
-/* Steps from ISO_POINT_LOW. */
+/* The position in steps of ISO_POINT_STEP from ISO_POINT_LOW on. */
 vec3 unpack_steps(uvec2 bits) {
     const uint mask = (1u << ISO_POINT_COORDINATE_BITS) - 1u;
     return vec3(uvec3(bits.x, bits.x >> ISO_POINT_COORDINATE_BITS,
@@ -8,6 +8,7 @@ vec3 unpack_steps(uvec2 bits) {
                 mask);
 }
 
+/* The 22 bits of the octahedral normal. */
 uint unpack_normal_bits(uvec2 bits) {
     return bits.y >> 3 * ISO_POINT_COORDINATE_BITS - 32;
 }

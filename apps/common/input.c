@@ -97,6 +97,18 @@ static iso_box index_box(const double mm[6], const iso_transform *transform) {
     return index;
 }
 
+/* The message has both boxes in the order of the option, so that they can be compared. */
+static iso_status fail_without_voxel(const double mm[6], const int dims[3], const iso_transform *transform,
+                                     iso_error *error) {
+    const iso_affine affine = iso_transform_affine(transform);
+    const iso_box index = {.hi = {dims[0] - 1, dims[1] - 1, dims[2] - 1}},
+                  volume = iso_box_transform(&index, &affine);
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "no voxel lies in --crop-mm %g,%g,%g,%g,%g,%g: the volume's are in %g,%g,%g,%g,%g,%g mm",
+                    mm[0], mm[1], mm[2], mm[3], mm[4], mm[5], volume.lo.x, volume.hi.x, volume.lo.y,
+                    volume.hi.y, volume.lo.z, volume.hi.z);
+}
+
 static iso_status box_of_mm(const iso_input *input, const int dims[3], const iso_transform *transform,
                             int box[6], iso_error *error) {
     const double rounding = 1e-6; /* voxels: positions that are the box's border but for rounding are in it */
@@ -106,10 +118,7 @@ static iso_status box_of_mm(const iso_input *input, const int dims[3], const iso
     for (int axis = 0; axis < 3; axis++) {
         const double first = fmax(ceil(low[axis] - rounding), 0);
         const double last = fmin(floor(high[axis] + rounding), dims[axis] - 1);
-        if (!(first <= last))
-            return iso_fail(error, ISO_ERR_USAGE,
-                            "--crop-mm holds no voxel: voxel (0, 0, 0) is at %g %g %g mm (see --info)",
-                            transform->origin[0], transform->origin[1], transform->origin[2]);
+        if (!(first <= last)) return fail_without_voxel(input->crop_mm, dims, transform, error);
         box[2 * axis] = (int)first;
         box[2 * axis + 1] = (int)last;
     }

@@ -14,7 +14,7 @@
 #define ISO_APPS_COMMON_LOADER_H
 
 #include "apps/common/input.h"
-#include "apps/common/spool.h"
+#include "apps/common/input_spool.h"
 #include "base/file.h"
 #include "base/parallel.h"
 #include "extract/isovalue/isovalue.h"

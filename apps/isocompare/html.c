@@ -112,6 +112,11 @@ static void put_amount(FILE *stream, double value, const char *unit) {
     fprintf(stream, prefix ? "%.3g %s%s" : "%.0f %s%s", value, prefixes[prefix], unit);
 }
 
+/* PSNR inside the silhouettes at one sample a pixel; infinite for equal pictures. */
+static double psnr_in(const report_cell *cell) {
+    return isocompare_metric_value(iso_metric_find("psnr_in"), &cell->metrics[REPORT_SINGLE]);
+}
+
 /* ---- pictures ---- */
 
 static void put_base64(FILE *stream, const report_picture *picture) {
@@ -142,7 +147,7 @@ static void put_image(FILE *stream, const report_picture *picture, const char *k
 }
 
 static void put_shots(const report *r, const report_view *v, FILE *stream) {
-    char alt[160];
+    char alt[160], text[40];
     fputs("<div class=row>\n", stream);
     for (int m = 0; m < r->method_count; m++) {
         const iso_renderer *method = r->methods[m];
@@ -152,7 +157,9 @@ static void put_shots(const report *r, const report_view *v, FILE *stream) {
         put_image(stream, &cell->picture, m ? "drawn" : "truth", method->name, alt);
         fprintf(stream, "<figcaption><b>%s</b>", method->name);
         if (m)
-            fprintf(stream, "%.2f dB, FLIP %.4f<br>", cell->metrics[0].psnr_in, cell->metrics[0].flip);
+            fprintf(stream, "%s, FLIP %.4f<br>",
+                    isocompare_metric_text(psnr_in(cell), "%.2f dB", text, sizeof text),
+                    cell->metrics[0].flip);
         else
             fputs("the truth<br>", stream);
         fprintf(stream, "<span>%s, ", method->title);
@@ -228,13 +235,11 @@ static bool is_best(const report *r, const report_view *v, report_sampling sampl
 static void put_cell(const report *r, const report_view *v, int method, report_sampling sampling,
                      const column *c, FILE *stream) {
     const iso_metric *metric = iso_metric_find(c->metric);
-    double value = iso_metric_value(metric, &v->cells[method].metrics[sampling]);
+    double value = isocompare_metric_value(metric, &v->cells[method].metrics[sampling]);
     if (!has_column(r, sampling, metric)) return;
     fputs(is_best(r, v, sampling, metric, value) ? "<td class=best>" : "<td>", stream);
-    if (isnan(value))
-        fputs("–", stream);
-    else
-        fprintf(stream, c->format, value);
+    char text[40];
+    fputs(isnan(value) ? "–" : isocompare_metric_text(value, c->format, text, sizeof text), stream);
     fputs("</td>", stream);
 }
 
@@ -383,13 +388,15 @@ static void put_facts(const report *r, FILE *stream) {
 
 /* Writes a sentence that names the method nearest to the truth at each zoom. */
 static void put_verdict(const report *r, FILE *stream) {
+    char text[40];
     fputs("<p>Nearest to the truth, by PSNR inside the silhouettes: ", stream);
     for (int z = 0; z < REPORT_ZOOMS; z++) {
         int best = 1;
         for (int m = 2; m < r->method_count; m++)
             if (psnr_of(r, z, m) > psnr_of(r, z, best)) best = m;
-        fprintf(stream, "%s<b>%s</b> at %s (%.1f dB)", z ? ", " : "", r->methods[best]->name,
-                z ? zoom_title(r->views[z].zoom) : "fit", psnr_of(r, z, best));
+        fprintf(stream, "%s<b>%s</b> at %s (%s)", z ? ", " : "", r->methods[best]->name,
+                z ? zoom_title(r->views[z].zoom) : "fit",
+                isocompare_metric_text(psnr_in(&r->views[z].cells[best]), "%.1f dB", text, sizeof text));
     }
     fputs(".</p>\n", stream);
 }

@@ -84,11 +84,9 @@ static void print_table(const comparison *c) {
     size_t count;
     const iso_metric *list = iso_metric_list(&count);
     for (size_t i = 0; i < count; i++) {
-        double value = iso_metric_value(&list[i], &c->metrics);
-        if (isnan(value))
-            printf("%-20s %12s         %s\n", list[i].name, "-", list[i].title);
-        else
-            printf("%-20s %12.6g %-7s %s\n", list[i].name, value, list[i].unit, list[i].title);
+        const double value = isocompare_metric_value(&list[i], &c->metrics);
+        printf("%-20s %12s %-7s %s\n", list[i].name, isocompare_metric_text(value, "%.6g", text, sizeof text),
+               isfinite(value) ? list[i].unit : "", list[i].title);
     }
 }
 
@@ -108,12 +106,12 @@ static void put_bounds(iso_json *json, const comparison *c) {
     iso_json_begin_array(json, "bounds");
     for (int i = 0; i < settings->bound_count; i++) {
         const isocompare_bound *bound = &settings->bounds[i];
-        double value = iso_metric_value(bound->metric, &c->metrics);
+        double value = isocompare_metric_value(bound->metric, &c->metrics);
         bool good = !iso_metric_is_worse(bound->metric, value, bound->value);
         iso_json_begin_object(json, NULL);
         iso_json_string(json, "metric", bound->metric->name);
         iso_json_real(json, "bound", bound->value);
-        iso_json_real(json, "value", value);
+        isocompare_put_metric(json, "value", value);
         iso_json_bool(json, "passed", good);
         iso_json_end_object(json);
         passed = passed && good;
@@ -139,7 +137,7 @@ static void put_comparison(iso_json *json, const comparison *c) {
     size_t count;
     const iso_metric *list = iso_metric_list(&count);
     for (size_t i = 0; i < count; i++)
-        iso_json_real(json, list[i].name, iso_metric_value(&list[i], &c->metrics));
+        isocompare_put_metric(json, list[i].name, isocompare_metric_value(&list[i], &c->metrics));
     iso_json_end_object(json);
     put_bounds(json, c);
     iso_json_end_object(json);
@@ -174,7 +172,7 @@ static iso_status check_bounds(const comparison *c, iso_error *error) {
     size_t used = 0;
     for (int i = 0; i < c->settings->bound_count && used < sizeof text; i++) {
         const isocompare_bound *bound = &c->settings->bounds[i];
-        double value = iso_metric_value(bound->metric, &c->metrics);
+        double value = isocompare_metric_value(bound->metric, &c->metrics);
         if (!iso_metric_is_worse(bound->metric, value, bound->value)) continue;
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s is %.6g, not at %s %.6g",
                                  used ? "; " : "", bound->metric->name, value,

@@ -2,6 +2,7 @@
 #ifndef ISO_APPS_ISOCOMPARE_ISOCOMPARE_H
 #define ISO_APPS_ISOCOMPARE_ISOCOMPARE_H
 
+#include "apps/common/json.h"
 #include "apps/common/settings.h"
 #include "base/parallel.h"
 #include "compare/metrics.h"
@@ -42,6 +43,14 @@ const iso_program *isocompare_program(void);
  * room for argc pointers. ISO_ERR_USAGE. */
 iso_status isocompare_settings_parse(int argc, char *const *argv, isocompare_settings *settings,
                                      iso_operands *operands, iso_error *error);
+
+/* metric_text.c: values of metrics as users see them. The PSNR of equal pictures is infinite. */
+double isocompare_metric_value(const iso_metric *metric, const iso_metrics *metrics);
+/* "-" when it is not known (NaN), "identical" when it is infinite; `format` takes a double. Returns `text`.
+ */
+const char *isocompare_metric_text(double value, const char *format, char *text, size_t size);
+/* Not known: null; infinite: the string "inf". */
+void isocompare_put_metric(iso_json *json, const char *key, double value);
 
 /* images.c: compares two pictures and prints or writes the metrics. ISO_ERR_MISMATCH when the candidate is
  * worse than a bound. */

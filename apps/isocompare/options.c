@@ -104,7 +104,8 @@ static const iso_option options[] = {
 };
 
 static const char *const metrics_text[] = {
-    "psnr_in            dB, over both silhouettes widened by 2 pixels    larger is better; 138.1 when equal",
+    "psnr_in            dB, over both silhouettes widened by 2 pixels    larger is better; identical "
+    "(--json: \"inf\")",
     "psnr               dB, over the whole picture                       larger",
     "ssim               structural similarity (2004) of luma             larger; 1 when equal",
     "flip               LDR-FLIP (2020), mean                            smaller; 0 when equal",

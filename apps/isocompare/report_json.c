@@ -36,7 +36,8 @@ static void put_parts(iso_json *json, const report *r) {
 static void put_metrics(iso_json *json, const iso_metrics *metrics) {
     size_t count;
     const iso_metric *list = iso_metric_list(&count);
-    for (size_t i = 0; i < count; i++) iso_json_real(json, list[i].name, iso_metric_value(&list[i], metrics));
+    for (size_t i = 0; i < count; i++)
+        isocompare_put_metric(json, list[i].name, isocompare_metric_value(&list[i], metrics));
     iso_json_integer(json, "missing", metrics->missing);
     iso_json_integer(json, "extra", metrics->extra);
     iso_json_integer(json, "depth_off", metrics->depth_off);

@@ -225,14 +225,33 @@ static iso_box index_bounds(const isorender_job *job) {
     return all;
 }
 
+/* Makes `box` end where `border` ends. */
+static void clip_box(iso_box *box, const iso_box *border) {
+    box->lo = iso_vec3_make(fmax(box->lo.x, border->lo.x), fmax(box->lo.y, border->lo.y),
+                            fmax(box->lo.z, border->lo.z));
+    box->hi = iso_vec3_make(fmin(box->hi.x, border->hi.x), fmin(box->hi.y, border->hi.y),
+                            fmin(box->hi.z, border->hi.z));
+}
+
+/* The caps of --closed lie up to ISO_CLOSED_TOLERANCE beyond the volume's outermost voxels, where the solid
+ * ends: the bounds end there. */
+static void clip_to_volume(isorender_job *job, iso_box *index, const iso_affine *affine) {
+    const int *dims = iso_grid_dims(&job->surfaces[0].grid);
+    const iso_box voxels = {{1, 1, 1}, {dims[0] - 2, dims[1] - 2, dims[2] - 2}}; /* without the added layer */
+    const iso_box world = iso_box_transform(&voxels, affine);
+    clip_box(index, &voxels);
+    clip_box(&job->bounds_world, &world);
+}
+
 static void find_bounds(isorender_job *job) {
     iso_transform transform =
         job->loader.has_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
     iso_affine affine = iso_transform_affine(&transform);
-    const iso_box index = index_bounds(job);
-    job->bounds_local = to_local(job, &index);
+    iso_box index = index_bounds(job);
     job->bounds_world = iso_bounds_is_oblique(&transform) ? isorender_bounds(job, &affine)
                                                           : iso_box_transform(&index, &affine);
+    if (job->settings->closed) clip_to_volume(job, &index, &affine);
+    job->bounds_local = to_local(job, &index);
 }
 
 iso_status isorender_extract(isorender_job *job, iso_error *error) {

@@ -47,7 +47,7 @@ static iso_status make_folders(char *path, iso_error *error) {
     }
 }
 
-iso_status isosculpt_document_state_folder(char folder[ISOSCULPT_PATH], iso_error *error) {
+iso_status isosculpt_document_name_state_folder(char folder[ISOSCULPT_PATH], iso_error *error) {
     const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
     if (state && state[0] == '/') /* the specification ignores relative paths */
         ISO_TRY(join_path(folder, state, "/isopoint", error));
@@ -55,6 +55,11 @@ iso_status isosculpt_document_state_folder(char folder[ISOSCULPT_PATH], iso_erro
         ISO_TRY(join_path(folder, home, "/.local/state/isopoint", error));
     else
         return iso_fail(error, ISO_ERR_WRITE, "neither XDG_STATE_HOME nor HOME says where journals go");
+    return ISO_OK;
+}
+
+iso_status isosculpt_document_state_folder(char folder[ISOSCULPT_PATH], iso_error *error) {
+    ISO_TRY(isosculpt_document_name_state_folder(folder, error));
     return make_folders(folder, error);
 }
 
@@ -91,6 +96,26 @@ static bool is_locked(const char *lock_file) {
     const bool locked = file < 0 || flock(file, LOCK_EX | LOCK_NB) != 0;
     if (file >= 0) close(file);
     return locked;
+}
+
+/* The path, then a newline; what is left of a longer path comes after the newline until it is cut off. */
+void isosculpt_document_remember_target(const isosculpt_document *document) {
+    char line[ISOSCULPT_PATH + 1];
+    const int length = snprintf(line, sizeof line, "%s\n", document->target);
+    const int file = document->lock_file - 1;
+    if (file < 0 || pwrite(file, line, (size_t)length, 0) != length) return;
+    while (ftruncate(file, length) && errno == EINTR) continue;
+}
+
+/* The target that an earlier program wrote into the lock file; false: none. */
+static bool recall_target(isosculpt_document *document) {
+    char line[ISOSCULPT_PATH + 1];
+    const ssize_t length = pread(document->lock_file - 1, line, sizeof line, 0);
+    char *end = length > 0 ? memchr(line, '\n', (size_t)length) : NULL;
+    if (!end || line[0] != '/') return false;
+    *end = 0;
+    memcpy(document->target, line, (size_t)(end - line) + 1);
+    return true;
 }
 
 /* Whether anything was done in a journal. One that cannot be read counts, so that the user hears of it. */
@@ -260,7 +285,7 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
     if (status == ISO_OK) status = create_session(document, grid, &opts, error);
     document->was_unclosed = was_unclosed;
     if (status == ISO_OK) {
-        choose_target(document, journal);
+        if (!was_unclosed || !recall_target(document)) choose_target(document, journal);
         document->change_count = was_unclosed && has_events(journal); /* no file shows what was recovered */
         return ISO_OK;
     }

@@ -3,6 +3,8 @@
  *
  * While a program has the journal NAME.strokes open, it holds a lock on NAME.strokes.open beside it. A lock
  * file that no program has locked belongs to a program that was killed: recovery of its journal is offered.
+ * The lock file holds the path that the session was saved to last, so that recovered work is saved there
+ * again.
  */
 #ifndef ISO_APPS_ISOSCULPT_DOCUMENT_H
 #define ISO_APPS_ISOSCULPT_DOCUMENT_H
@@ -41,8 +43,9 @@ typedef struct isosculpt_document {
     isosculpt_saver *saver;        /* owned; NULL: no save is running (save.h) */
 } isosculpt_document;
 
-/* The folder of journals: $XDG_STATE_HOME/isopoint or ~/.local/state/isopoint. Makes it when it is missing.
- * ISO_ERR_WRITE. */
+/* The folder of journals: $XDG_STATE_HOME/isopoint or ~/.local/state/isopoint. _name_: its path, whether it
+ * is there or not; the other makes it when it is missing. ISO_ERR_WRITE. */
+iso_status isosculpt_document_name_state_folder(char folder[ISOSCULPT_PATH], iso_error *error);
 iso_status isosculpt_document_state_folder(char folder[ISOSCULPT_PATH], iso_error *error);
 
 /* Finds the newest journal in the folder in which something was done, that was not closed and that no program
@@ -58,7 +61,11 @@ void isosculpt_document_dismiss_recovery(const char *journal);
 iso_status isosculpt_document_new(isosculpt_document *document, const char *folder,
                                   const isosculpt_source *source, iso_error *error);
 
-/* Opens a stroke file: makes the field that it began with, replays it, and appends to it from now on.
+/* Writes the document's target into its lock file. Called when the target was written. */
+void isosculpt_document_remember_target(const isosculpt_document *document);
+
+/* Opens a stroke file: makes the field that it began with, replays it, and appends to it from now on. The
+ * target is the one that was remembered when the file is recovered, else a name beside it.
  * ISO_ERR_IO, ISO_ERR_FORMAT; ISO_ERR_WRITE when another program has it open or it cannot be written. When
  * cancelled, ISO_ERR_IO, and the file is unchanged. */
 iso_status isosculpt_document_open(isosculpt_document *document, const char *journal,

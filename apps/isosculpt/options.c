@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/window/keys.h"
 
@@ -176,6 +177,19 @@ static iso_status check_window(isosculpt_settings *settings, const iso_operands 
     return check_opened(settings, error);
 }
 
+/* Recovery continues a session, which takes a window; the message names the journal, so that it can be
+ * played. */
+static iso_status refuse_recovery(iso_error *error) {
+    char folder[ISOSCULPT_PATH], journal[ISOSCULPT_PATH];
+    ISO_TRY(isosculpt_document_name_state_folder(folder, error));
+    if (!isosculpt_document_find_unclosed(folder, journal))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--recover needs a window, and %.700s holds no session that was not closed", folder);
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "--recover needs a window; with --headless the session is played by --replay %.700s",
+                    journal);
+}
+
 iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_settings *settings,
                                     iso_operands *operands, iso_error *error) {
     memset(settings, 0, sizeof *settings);
@@ -184,6 +198,7 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
     if (settings->common.action) return ISO_OK;
     ISO_TRY(check_files(settings, operands, error));
     if (!settings->headless) return check_window(settings, operands, error);
+    if (settings->recover) return refuse_recovery(error);
     if (settings->backend == ISOSCULPT_BACKEND_GL)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--backend gl needs a window: with --headless the cpu engine draws");

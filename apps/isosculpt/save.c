@@ -222,6 +222,7 @@ isosculpt_save_state isosculpt_document_poll_save(isosculpt_document *document, 
     if (saved == ISO_OK && !saver->is_export) {
         document->saved_change_count = saver->change_count;
         document->target_is_own = true;
+        isosculpt_document_remember_target(document);
     }
     if (status) *status = saved;
     document->saved_open_edges = saver->measures.open_edges;

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "apps/isosculpt/isosculpt.h"
+#include "base/file.h"
 #include "grids/level_set.h"
 #include "grids/volume/format.h"
 #include "grids/volume/volume.h"
@@ -35,7 +36,7 @@ static iso_status compute_checksum(const char *path, const iso_progress *progres
     if (stat(path, &about) == 0 && S_ISDIR(about.st_mode)) return ISO_OK;
     FILE *file;
     uint64_t size;
-    ISO_TRY(iso_format_open(path, &file, &size, error));
+    ISO_TRY(iso_file_open(path, &file, &size, error));
     static const size_t SIZE = 1 << 20;
     unsigned char *bytes = malloc(SIZE);
     iso_status status = ISO_OK;

@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "grids/volume/format.h"
 
+#include "base/file.h"
 #include "base/text.h"
 
 #include <errno.h>
@@ -75,37 +76,10 @@ iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, do
     return iso_fail(error, ISO_ERR_IO, "%s: cancelled", path);
 }
 
-/* Opens a regular file. Its type is checked after opening, so that the file cannot be exchanged in between.
- * O_NONBLOCK avoids waiting for the writer of a pipe, and has no effect on regular files. */
-static iso_status open_regular(const char *path, int *file, struct stat *status, iso_error *error) {
-    *file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-    if (*file < 0 && errno != ENXIO) /* ENXIO: a socket */
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    if (*file >= 0 && fstat(*file, status) == 0 && S_ISREG(status->st_mode)) return ISO_OK;
-    if (*file >= 0) close(*file);
-    return iso_fail(error, ISO_ERR_IO, "%s: not a regular file", path);
-}
-
-iso_status iso_format_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error) {
-    int file;
-    struct stat status;
-    ISO_TRY(open_regular(path, &file, &status, error));
-    FILE *opened = fdopen(file, "rb");
-    if (!opened) {
-        close(file);
-        return iso_fail_memory(error, path);
-    }
-    *stream = opened;
-    if (bytes) *bytes = (uint64_t)status.st_size;
-    return ISO_OK;
-}
-
 iso_status iso_format_file_bytes(const char *path, uint64_t *bytes, iso_error *error) {
-    int file;
-    struct stat status;
-    ISO_TRY(open_regular(path, &file, &status, error));
-    close(file);
-    *bytes = (uint64_t)status.st_size;
+    FILE *file;
+    ISO_TRY(iso_file_open(path, &file, bytes, error));
+    fclose(file);
     return ISO_OK;
 }
 

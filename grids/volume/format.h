@@ -53,12 +53,7 @@ iso_status iso_format_check_memory(const char *path, const iso_volume_opts *opts
 iso_status iso_format_progress(const char *path, const iso_volume_opts *opts, double fraction,
                                iso_error *error);
 
-/* Opens a file and returns its size in *bytes (may be NULL). All files that a header can name are opened by
- * this function: anything but a regular file (a pipe, a device, a folder) is ISO_ERR_IO at once, without
- * waiting. Close with fclose. */
-iso_status iso_format_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error);
-
-/* The size of a file, as iso_format_open returns it. ISO_ERR_IO. */
+/* The size of a regular file, as iso_file_open returns it. ISO_ERR_IO. */
 iso_status iso_format_file_bytes(const char *path, uint64_t *bytes, iso_error *error);
 
 /* ISO_ERR_IO "file: truncated: N of M bytes". */

@@ -17,6 +17,7 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "grids/volume/format.h"
 
@@ -189,7 +190,7 @@ static iso_status read_meta(const char *path, meta_header *header, iso_error *er
     *header = (meta_header){.channels = 1, .slope = 1};
     for (int i = 0; i < MAX_DIMS; i++) header->spacing[i] = header->dims[i] = 1;
     FILE *file = NULL;
-    ISO_TRY(iso_format_open(path, &file, NULL, error));
+    ISO_TRY(iso_file_open(path, &file, NULL, error));
     iso_status status = parse_lines(path, file, header, error);
     fclose(file);
     ISO_TRY(status);
@@ -365,7 +366,7 @@ static iso_status open_list(chain *c, iso_error *error) {
     if (!(dims_in_file >= 1 && dims_in_file <= c->header->ndims))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: not a list: '%.80s'", c->path, c->header->data);
     split_over_files(c, (int)dims_in_file);
-    ISO_TRY(iso_format_open(c->path, &c->list, NULL, error));
+    ISO_TRY(iso_file_open(c->path, &c->list, NULL, error));
     if (fseeko(c->list, (off_t)c->header->after, SEEK_SET) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", c->path, strerror(errno));
     return ISO_OK;
@@ -425,7 +426,7 @@ static iso_status open_next(chain *c, iso_error *error) {
     close_file(c);
     ISO_TRY(next_name(c, error));
     uint64_t start = 0, bytes = 0;
-    ISO_TRY(iso_format_open(c->name, &c->file, &bytes, error));
+    ISO_TRY(iso_file_open(c->name, &c->file, &bytes, error));
     ISO_TRY(find_start(c, bytes, &start, error));
     if (fseeko(c->file, (off_t)start, SEEK_SET) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", c->name, strerror(errno));

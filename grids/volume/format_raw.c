@@ -11,6 +11,8 @@
 
 #include "grids/volume/format.h"
 
+#include "base/file.h"
+
 /* ---- the layout as text ---- */
 
 static bool parse_dims(const char *text, const char *end, int dims[3]) {
@@ -64,7 +66,7 @@ iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_er
     const char *type = dims_end + 1, *type_end = strchrnul(type, ':');
     if (!parse_type(type, (size_t)(type_end - type), &result.type))
         return iso_fail(error, ISO_ERR_USAGE,
-                        "raw layout '%s': the type must be uint8, int16, uint16 or float", text);
+                        "raw layout '%s': the type must be uint8, int16, uint16 or float32", text);
     const char *endian = *type_end ? type_end + 1 : type_end, *endian_end = strchrnul(endian, ':');
     size_t length = (size_t)(endian_end - endian);
     result.big_endian = word_is(endian, length, "big");
@@ -204,7 +206,7 @@ static iso_status raw_read(const char *path, const iso_volume_opts *opts, iso_vo
                            iso_grid *grid, iso_error *error) {
     uint64_t bytes = 0, wanted = iso_raw_layout_bytes(opts->raw);
     raw_file file = {path, NULL};
-    ISO_TRY(iso_format_open(path, &file.stream, &bytes, error));
+    ISO_TRY(iso_file_open(path, &file.stream, &bytes, error));
     iso_status status = ISO_OK;
     if (bytes < wanted)
         status = iso_format_truncated(path, bytes, wanted, error);

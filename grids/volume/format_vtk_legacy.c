@@ -16,6 +16,8 @@
 
 #include "grids/volume/format.h"
 
+#include "base/file.h"
+
 enum { MAX_ARRAYS = ISO_VOLUME_ITEMS, MAX_NAME = ISO_VOLUME_TEXT };
 
 typedef struct vtk_file {
@@ -306,7 +308,7 @@ static iso_status scan_arrays(vtk_file *f) {
  * only recorded, so that the header of a truncated file can be shown. */
 static iso_status open_vtk(const char *path, vtk_file *f, iso_error *error) {
     *f = (vtk_file){.path = path, .spacing = {1, 1, 1}};
-    ISO_TRY(iso_format_open(path, &f->stream, &f->bytes, error));
+    ISO_TRY(iso_file_open(path, &f->stream, &f->bytes, error));
     f->complete = scan_arrays(f);
     if (f->complete == ISO_OK || f->array_count) return ISO_OK;
     fclose(f->stream);

@@ -1,6 +1,6 @@
 /* nrrd_data: decodes the array of an NRRD file, from one file or from several that are read like one.
  *
- * Names that a header gives are opened by iso_format_open. Memory does not depend on the header; time is
+ * Names that a header gives are opened by iso_file_open. Memory does not depend on the header; time is
  * bounded by what the files hold: the number of files is known from the sizes before a name is used, and a
  * name is as long as the system allows at most. Where a byte skip says that the array ends with a compressed
  * stream, the stream is unpacked twice. */
@@ -11,6 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "grids/volume/nrrd.h"
 
@@ -79,7 +80,7 @@ static iso_status read_name(iso_nrrd_data *d, char line[ISO_NRRD_NAME], iso_erro
 
 /* Counts the names of the list, up to most + 1. */
 static iso_status count_names(iso_nrrd_data *d, uint64_t most, uint64_t *count, iso_error *error) {
-    ISO_TRY(iso_format_open(d->path, &d->list, NULL, error));
+    ISO_TRY(iso_file_open(d->path, &d->list, NULL, error));
     char line[ISO_NRRD_NAME];
     for (int pass = 0; pass < 2; pass++) {
         if (fseeko(d->list, (off_t)d->header->after, SEEK_SET) != 0)
@@ -294,7 +295,7 @@ static iso_status open_next(iso_nrrd_data *d, iso_error *error) {
     uint64_t bytes = 0;
     close_file(d);
     ISO_TRY(next_name(d, &skip, error));
-    ISO_TRY(iso_format_open(d->name, &d->file, &bytes, error));
+    ISO_TRY(iso_file_open(d->name, &d->file, &bytes, error));
     if (header->place == ISO_NRRD_ATTACHED) ISO_TRY(seek(d, header->after, error));
     ISO_TRY(skip_lines(d, error));
     ISO_TRY(is_packed(header) ? begin_packed(d, skip, error) : skip_bytes(d, bytes, skip, error));

@@ -14,6 +14,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "grids/volume/nrrd.h"
 
@@ -691,7 +692,7 @@ iso_status iso_nrrd_header_parse(const char *path, char *text, size_t count, boo
 iso_status iso_nrrd_header_read(const char *path, iso_nrrd_header *header, iso_error *error) {
     FILE *file = NULL;
     uint64_t bytes = 0;
-    ISO_TRY(iso_format_open(path, &file, &bytes, error));
+    ISO_TRY(iso_file_open(path, &file, &bytes, error));
     bool whole = bytes <= ISO_NRRD_HEADER_BYTES;
     size_t room = whole ? (size_t)bytes : ISO_NRRD_HEADER_BYTES;
     iso_status status = ISO_OK;

@@ -11,6 +11,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "grids/brick_index.h"
@@ -97,8 +98,8 @@ const char *iso_volume_format(const void *bytes, size_t count) {
 }
 
 static iso_status read_head(const char *path, head *h, iso_error *error) {
-    FILE *file = fopen(path, "rb");
-    if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    FILE *file;
+    ISO_TRY(iso_file_open(path, &file, NULL, error));
     h->count = fread(h->bytes, 1, sizeof h->bytes, file);
     int failed = ferror(file), code = errno;
     fclose(file);

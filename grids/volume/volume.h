@@ -29,7 +29,7 @@
 extern "C" {
 #endif
 
-/* Parses WxHxD:TYPE[:ENDIAN[:OFFSET]]. TYPE is uint8, int16, uint16 or float (float32), ENDIAN little or big;
+/* Parses WxHxD:TYPE[:ENDIAN[:OFFSET]]. TYPE is uint8, int16, uint16 or float32 (float), ENDIAN little or big;
  * the last two may be empty. ISO_ERR_USAGE says what is wrong. */
 iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_error *error);
 

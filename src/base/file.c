@@ -10,6 +10,25 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* The type is checked after opening, so that the file cannot be exchanged in between. O_NONBLOCK avoids
+ * waiting for the writer of a FIFO, and has no effect on regular files. */
+iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error) {
+    struct stat info = {0};
+    const int file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (file < 0 && errno != ENXIO) /* ENXIO: a socket */
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    const bool regular = file >= 0 && fstat(file, &info) == 0 && S_ISREG(info.st_mode);
+    *stream = regular ? fdopen(file, "rb") : NULL;
+    if (*stream) {
+        if (bytes) *bytes = (uint64_t)info.st_size;
+        return ISO_OK;
+    }
+    const bool folder = file >= 0 && S_ISDIR(info.st_mode);
+    if (file >= 0) close(file);
+    if (regular) return iso_fail_memory(error, path);
+    return iso_fail(error, ISO_ERR_IO, "%s: not a regular file%s", path, folder ? " but a folder" : "");
+}
+
 /* The permissions of the new file: those of an existing target, else those that fopen would give it. */
 static mode_t wanted_mode(const char *target) {
     struct stat info;

@@ -1,4 +1,4 @@
-/* file: output files that appear whole or not at all.
+/* file: opens regular files for reading, and writes output files that appear whole or not at all.
  *
  * A sink writes to a new file in its target's folder (without a name, where the file system supports that).
  * Commit checks that all writes succeeded and renames the file to the target; it does not fsync. Abort
@@ -11,6 +11,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 #include "base/status.h"
@@ -18,6 +19,11 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* Opens a regular file for reading; *stream is the caller's (fclose), *bytes (may be NULL) its size.
+ * ISO_ERR_IO: it cannot be opened, or is not a regular file: opening a FIFO would wait for its writer, and a
+ * device may never end. An input that may be a FIFO is copied to a file first (apps/common/input_spool.h). */
+iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error);
 
 typedef struct iso_sink {
     FILE *stream;    /* write to it freely; errors are found by iso_sink_commit */

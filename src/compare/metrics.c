@@ -40,10 +40,21 @@ bool iso_metric_is_worse(const iso_metric *metric, double value, double bound) {
     return metric->larger_is_better ? value < bound : value > bound;
 }
 
+static const double EQUAL_SQUARES = 1e-9; /* added to mean squared errors: PSNR of equal pictures is finite */
+
+static double psnr(double squares, size_t pixels) {
+    if (pixels == 0) return NAN;
+    return 10 * log10(255.0 * 255.0 / (squares / (3.0 * (double)pixels) + EQUAL_SQUARES));
+}
+
+bool iso_metric_is_infinite(const iso_metric *metric, double value) {
+    const bool is_psnr =
+        metric->offset == offsetof(iso_metrics, psnr) || metric->offset == offsetof(iso_metrics, psnr_in);
+    return is_psnr && value == psnr(0, 1);
+}
+
 /* ---- colours ---- */
 
-static const double IDENTICAL =
-    1e-9;                       /* added to mean squared errors, so that PSNR is finite for equal pictures */
 static const double OFF = 1e-3; /* voxels: larger differences of depth count as depth_off */
 
 /* Blends a picture over the background, and rounds. */
@@ -101,11 +112,6 @@ static void add_unrounded(const work *w, const float *a, const float *b, color_s
         sums->squares += squares;
         sums->squares_in += w->inside[i] ? squares : 0;
     }
-}
-
-static double psnr(double squares, size_t pixels) {
-    if (pixels == 0) return NAN;
-    return 10 * log10(255.0 * 255.0 / (squares / (3.0 * (double)pixels) + IDENTICAL));
 }
 
 /* ---- one comparison ---- */

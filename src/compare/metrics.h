@@ -96,6 +96,9 @@ typedef struct iso_metric {
 const iso_metric *iso_metric_list(size_t *count);
 const iso_metric *iso_metric_find(const char *name); /* NULL: there is none */
 double iso_metric_value(const iso_metric *metric, const iso_metrics *metrics);
+/* Whether a value stands for infinity: the PSNR of equal pictures, 138.1 dB, which is finite so that means
+ * over several pictures are. */
+bool iso_metric_is_infinite(const iso_metric *metric, double value);
 
 /* Whether a value is worse than a bound: smaller where larger is better, else larger; of mean dilations the
  * magnitude counts. An unknown value is worse than any bound. */

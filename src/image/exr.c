@@ -484,8 +484,8 @@ static iso_status read_picture(reader *r, iso_pool *pool, iso_error *error) {
 }
 
 iso_status iso_exr_read(const char *path, iso_pool *pool, iso_aov *aov, iso_error *error) {
-    FILE *stream = fopen(path, "rb");
-    if (!stream) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    FILE *stream;
+    ISO_TRY(iso_file_open(path, &stream, NULL, error));
     iso_aov made = {0};
     reader r = {.path = path, .aov = &made};
     file_open(&r.file, fileno(stream));
@@ -503,8 +503,8 @@ iso_status iso_exr_read(const char *path, iso_pool *pool, iso_aov *aov, iso_erro
 }
 
 bool iso_exr_size(const char *path, uint32_t size[2]) {
-    FILE *stream = fopen(path, "rb");
-    if (!stream) return false;
+    FILE *stream;
+    if (iso_file_open(path, &stream, NULL, NULL) != ISO_OK) return false;
     reader r = {.path = path};
     file_open(&r.file, fileno(stream));
     exr_context_initializer_t initializer = initializer_for(&r.file);

@@ -289,9 +289,10 @@ static iso_status read_stream(reader *r, const char *path, iso_image *image, iso
 bool iso_png_size(const char *path, uint32_t size[2]) {
     static const unsigned char head[16] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR";
     unsigned char bytes[24];
-    FILE *file = fopen(path, "rb");
-    bool found = file && fread(bytes, sizeof bytes, 1, file) == 1 && memcmp(bytes, head, sizeof head) == 0;
-    if (file) fclose(file);
+    FILE *file;
+    if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return false;
+    bool found = fread(bytes, sizeof bytes, 1, file) == 1 && memcmp(bytes, head, sizeof head) == 0;
+    fclose(file);
     for (int side = 0; found && side < 2; side++) {
         const unsigned char *b = bytes + sizeof head + 4 * side;
         size[side] = (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3];
@@ -300,8 +301,8 @@ bool iso_png_size(const char *path, uint32_t size[2]) {
 }
 
 iso_status iso_png_read(const char *path, iso_image *image, iso_error *error) {
-    reader r = {.stream = fopen(path, "rb")};
-    if (!r.stream) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    reader r = {0};
+    ISO_TRY(iso_file_open(path, &r.stream, NULL, error));
     iso_status status = read_stream(&r, path, image, error);
     png_destroy_read_struct(&r.png, &r.info, NULL);
     fclose(r.stream);

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "io/encode.h"
 #include "io/ply.h"
@@ -263,12 +264,11 @@ static iso_status check_mesh(const reading *r, iso_error *error) {
 typedef iso_status read_fn(reading *r, FILE *file, iso_error *error);
 
 static iso_status read_with(reading *r, read_fn *read, iso_error *error) {
-    FILE *file = fopen(r->path, "rb");
-    if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", r->path, strerror(errno));
+    FILE *file;
+    uint64_t bytes;
+    ISO_TRY(iso_file_open(r->path, &file, &bytes, error));
     r->file = file;
-    fseeko(file, 0, SEEK_END);
-    r->bytes = (double)ftello(file);
-    rewind(file);
+    r->bytes = (double)bytes;
     iso_status status = read(r, file, error);
     if (status == ISO_OK && ferror(file))
         status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", r->path, strerror(errno));

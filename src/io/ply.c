@@ -7,6 +7,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/file.h"
+
 static const int type_size[] = {1, 1, 2, 2, 4, 4, 4, 8};
 
 /* ---- bytes */
@@ -29,7 +31,6 @@ static bool fill_buffer(iso_ply *ply, size_t bytes) {
 
 static void advance(iso_ply *ply, size_t bytes) {
     ply->place += bytes;
-    if (ply->remaining == UINT64_MAX) return;
     ply->remaining -= bytes < ply->remaining ? bytes : ply->remaining;
 }
 
@@ -135,8 +136,7 @@ iso_status iso_ply_check_size(const iso_ply *ply, const iso_ply_element *element
     uint64_t least = least_bytes(ply, element);
     /* the last separator may be missing */
     uint64_t spare = ply->format == ISO_PLY_ASCII ? 1 : 0;
-    if (least == 0 || ply->remaining == UINT64_MAX || element->count <= (ply->remaining + spare) / least)
-        return ISO_OK;
+    if (least == 0 || element->count <= (ply->remaining + spare) / least) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: truncated: its header promises %llu of element \"%s\"", ply->path,
                     (unsigned long long)element->count, element->name);
 }
@@ -303,13 +303,9 @@ iso_status iso_ply_open(const char *path, iso_ply *ply, iso_error *error) {
     ply->path = path;
     ply->element_count = ply->property_count = 0;
     ply->place = ply->end = 0;
-    ply->remaining = UINT64_MAX;
-    ply->stream = fopen(path, "rb");
-    if (!ply->stream) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    ply->stream = NULL;
+    ISO_TRY(iso_file_open(path, &ply->stream, &ply->remaining, error));
     setvbuf(ply->stream, NULL, _IONBF, 0); /* buffered here */
-    struct stat info;
-    if (fstat(fileno(ply->stream), &info) == 0 && S_ISREG(info.st_mode))
-        ply->remaining = (uint64_t)info.st_size;
     if (!read_magic(ply)) {
         if (ferror(ply->stream)) return fail_end(ply, error);
         return iso_fail(error, ISO_ERR_FORMAT, "%s: not a PLY file", path);

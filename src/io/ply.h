@@ -55,7 +55,7 @@ typedef struct iso_ply {
     int element_count, property_count;
     iso_ply_element elements[ISO_PLY_ELEMENTS];
     iso_ply_property properties[ISO_PLY_PROPERTIES];
-    uint64_t remaining; /* bytes that are not read yet; UINT64_MAX when the file's size is not known */
+    uint64_t remaining; /* bytes that are not read yet */
     size_t place, end;  /* the unread part of the buffer */
     unsigned char buffer[ISO_PLY_BUFFER];
 } iso_ply;

@@ -1,3 +1,4 @@
+/* gbuffer: one allocation for depths, normals and surface numbers, another for colours. */
 #include "render/gbuffer.h"
 
 #include <math.h>
@@ -7,15 +8,15 @@
 
 enum { SAMPLE_BYTES = 5 * sizeof(float) + 1 }; /* of all planes */
 
-/* From the end of a plane to the next one. A sample's parts are used together: without these odd lines
- * between them, planes of 1024 x 1024 samples would all compete for the same few places of a cache. */
+/* Unused bytes between planes. The values of one sample are used together: without a gap of an odd number of
+ * cache lines, those of a picture of 1024 x 1024 samples would all map to the same cache sets. */
 enum { GAP = 5 * ISO_ALIGNMENT };
 
 static size_t plane_bytes(size_t samples) {
     return (samples * sizeof(float) + ISO_ALIGNMENT - 1) / ISO_ALIGNMENT * ISO_ALIGNMENT + GAP;
 }
 
-/* One block, which begins with the depths. */
+/* The planes share one allocation, which begins with the depths. */
 iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_error *error) {
     size_t samples;
     if (width < 1 || height < 1 || !iso_size_multiply((size_t)width, (size_t)height, &samples) ||
@@ -47,8 +48,8 @@ void iso_gbuffer_free(iso_gbuffer *gbuffer) {
 }
 
 enum {
-    LINE = ISO_ALIGNMENT / sizeof(float), /* depths that come into the cache together */
-    AHEAD = 4096 / sizeof(float) /* a page: what lies beyond one's end the processor does not foresee */
+    LINE = ISO_ALIGNMENT / sizeof(float), /* depths of a cache line */
+    AHEAD = 4096 / sizeof(float)          /* a page ahead: hardware prefetchers stop at the end of a page */
 };
 
 static void clear_depths(float *depth, size_t count) {
@@ -69,7 +70,7 @@ void iso_gbuffer_clear(iso_gbuffer *gbuffer) {
     clear_samples(gbuffer, 0, (size_t)gbuffer->width * (size_t)gbuffer->height);
 }
 
-/* Bands of samples, not of rows. */
+/* Samples that one task clears. */
 static const size_t BAND = (size_t)1 << 19;
 
 static void clear_band(void *context, size_t band, int worker) {

@@ -1,5 +1,5 @@
-/* gbuffer: what every method of the cpu engine draws into and what shading reads: per sample, the nearest
- * surface. */
+/* gbuffer: depth, normal and surface number of the nearest surface at every sample of a picture. Every method
+ * of the cpu engine draws into a gbuffer; shading turns it into colours. */
 #ifndef ISO_RENDER_GBUFFER_H
 #define ISO_RENDER_GBUFFER_H
 
@@ -22,12 +22,12 @@ typedef struct iso_gbuffer {
     float *depth;     /* width * height; view z in mm, INFINITY where nothing was drawn */
     float *normal[3]; /* planes x, y, z: unit, view space, pointing out of the solid (not flipped to the
                          viewer) */
-    uint8_t *surface; /* which surface */
-    /* NULL, or colours of single samples: red in the low byte, then green and blue (display values), and
-     * above them the surface's number + 1. One that names another surface than the sample's is out of date.
-     */
+    uint8_t *surface; /* surface number, or ISO_SURFACE_NONE */
+    /* NULL, or the colours of samples that have one of their own: red in the low byte, then green and blue
+     * (display values), and the surface number + 1 in the high byte. An entry whose surface number differs
+     * from the sample's is left over from a surface that has been overdrawn and does not count. */
     uint32_t *color;
-    size_t samples; /* that there is room for */
+    size_t samples; /* capacity of the planes */
 } iso_gbuffer;
 
 /* The normal of sample `index`. */
@@ -35,15 +35,14 @@ static inline iso_vec3 iso_gbuffer_normal(const iso_gbuffer *gbuffer, size_t ind
     return iso_vec3_make(gbuffer->normal[0][index], gbuffer->normal[1][index], gbuffer->normal[2][index]);
 }
 
-/* Planes uninitialised; iso_gbuffer_free when done. ISO_ERR_NOMEM. */
+/* Allocates the planes, uninitialised, without colours. Free with iso_gbuffer_free. ISO_ERR_NOMEM. */
 iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_error *error);
-/* Makes the plane of colours, when there is none yet; of no sample. ISO_ERR_NOMEM. */
+/* Allocates the plane of colours unless it exists; no sample has a colour yet. ISO_ERR_NOMEM. */
 iso_status iso_gbuffer_add_color(iso_gbuffer *gbuffer, iso_error *error);
 void iso_gbuffer_free(iso_gbuffer *gbuffer);
-/* Depth INFINITY, surface ISO_SURFACE_NONE everywhere; so colours are of no sample. */
+/* Sets depth to INFINITY and surface to ISO_SURFACE_NONE everywhere, and removes the colours. */
 void iso_gbuffer_clear(iso_gbuffer *gbuffer);
-/* The same by all threads: the first touch of fresh memory takes longer than anything that is written to it.
- */
+/* The same with all threads of the pool: page faults of fresh memory take longer than the drawing. */
 void iso_gbuffer_clear_bands(iso_gbuffer *gbuffer, iso_pool *pool);
 
 #ifdef __cplusplus

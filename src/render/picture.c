@@ -1,3 +1,4 @@
+/* picture: draws, shades and measures one strip after the other into one gbuffer. */
 #include "render/picture.h"
 
 #include <assert.h>
@@ -6,7 +7,7 @@
 enum { SAMPLE_BYTES = 4 * sizeof(float) + 1 };
 static const size_t GBUFFER_BYTES = (size_t)256 << 20;
 
-/* The root of a square number 1 .. 64, else 0. */
+/* Samples along a pixel's side: the square root of a square number 1 .. 64. 0: not a square number. */
 static int factor_of(int samples) {
     for (int factor = 1; factor <= ISO_FACTOR_MAX; factor++)
         if (factor * factor == samples) return factor;
@@ -28,7 +29,7 @@ typedef struct picture {
     size_t covered;
 } picture;
 
-/* Draws pixel rows y0 .. y0 + count - 1 and takes from them what is wanted. */
+/* Draws pixel rows y0 .. y0 + count - 1 and adds them to the image and the aov. */
 static iso_status render_rows(picture *p, int y0, int count, iso_error *error) {
     const iso_picture_opts *opts = p->opts;
     iso_view view = iso_view_rows(&p->view, y0 * p->factor, count * p->factor);

@@ -1,4 +1,5 @@
-/* picture: from a camera and something that draws to an image: strips, supersampling, shading. */
+/* picture: renders an image, given a camera and a function that draws into a gbuffer: cuts the picture into
+ * strips, draws several samples a pixel, shades. */
 #ifndef ISO_RENDER_PICTURE_H
 #define ISO_RENDER_PICTURE_H
 
@@ -13,24 +14,24 @@
 extern "C" {
 #endif
 
-/* Draws everything that is to be seen into a cleared gbuffer of the view's size. */
+/* Draws all surfaces into a cleared gbuffer of the view's size. Called once per strip. */
 typedef iso_status iso_draw_fn(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error);
 
 typedef struct iso_picture_opts {
     const iso_camera *camera;
-    const iso_view *view; /* of width x height pixels, instead of the camera; or NULL */
+    const iso_view *view; /* NULL, or a view of width x height pixels that is used instead of the camera */
     int width, height;
     int samples; /* per pixel: a square number 1, 4, 9 .. 64; 0 means 1 */
     iso_shading shading;
     iso_draw_fn *draw;
     void *draw_context;
     iso_pool *pool;
-    iso_aov *aov; /* NULL, or of the picture's size: its planes are filled as well */
+    iso_aov *aov; /* NULL, or planes of the picture's size for depth, normals and coverage */
 } iso_picture_opts;
 
-/* Renders in strips of rows so that the gbuffer stays below 256 MiB. `image` must have the size asked for.
- * *covered (NULL is fine) counts samples that show a surface. Errors: ISO_ERR_USAGE (samples), ISO_ERR_NOMEM,
- * and whatever draw returns. */
+/* Renders in strips of rows so that the gbuffer stays below 256 MiB. `image` must be width x height pixels.
+ * *covered (NULL is fine) is set to the number of samples that show a surface. Errors: ISO_ERR_USAGE
+ * (samples), ISO_ERR_NOMEM, and the errors of `draw`. */
 iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, size_t *covered,
                               iso_error *error);
 

@@ -1,3 +1,4 @@
+/* project: transforms of positions and normals, and conservative bounds of boxes in the picture. */
 #include "render/project.h"
 
 iso_projector iso_projector_make(const iso_view *view, const iso_transform *transform) {
@@ -51,14 +52,14 @@ void iso_projector_normal(const iso_projector *projector, const float n[3], floa
     for (int row = 0; row < 3; row++) out[row] = v[row] / length;
 }
 
-/* Smallest and largest lo/z, hi/z over z in [near, far], near > 0. */
+/* Replaces lo and hi by the least lo / z and the largest hi / z of all z in [near, far], near > 0. */
 static void perspective_range(double *lo, double *hi, double near, double far) {
     *lo /= *lo < 0 ? near : far;
     *hi /= *hi > 0 ? near : far;
 }
 
-/* Pixels whose centres can lie in [lo, hi], widened by one for snapping and for the pixel that every point
- * keeps. */
+/* Pixels of [lo, hi], clipped to 0 .. size - 1. Wider by one on each side: rasterisation snaps positions, and
+ * a point always covers the pixel that contains its centre. */
 static iso_rows pixel_range(double lo, double hi, int size) {
     lo = floor(lo) - 1;
     hi = floor(hi) + 1;
@@ -96,7 +97,7 @@ iso_rows iso_projector_rows(const iso_projector *projector, const iso_box *box, 
     return pixel_range(y0 * view->focal + view->cy, y1 * view->focal + view->cy, view->height);
 }
 
-/* Where normal . (position - eye) lies, from the boxes around both. */
+/* Bounds normal . (position - eye) by interval arithmetic on the boxes around positions and normals. */
 iso_facing iso_projector_facing(const iso_projector *projector, const double eye[3], const int32_t brick[3],
                                 const iso_point_bounds *bounds) {
     bool orthographic = projector->view->orthographic;

@@ -1,8 +1,8 @@
-/* project: what the drawing methods share: index coordinates to view space, which rows of the picture a brick
- * can reach, and how rows are dealt out to threads.
+/* project: what the drawing methods share: the transform from index coordinates to view space, the rows of
+ * the picture that a brick can cover, and the division of a picture's rows into bands, one task each.
  *
- * Nothing here depends on where in a larger picture the view's rows lie, except the row numbers themselves:
- * pictures drawn in strips are the same bytes. */
+ * Except for row numbers, no result depends on where in a larger picture the view's rows lie, so that a
+ * picture drawn in strips has the same bytes as one drawn at once. */
 #ifndef ISO_RENDER_PROJECT_H
 #define ISO_RENDER_PROJECT_H
 
@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-/* (not fmin and fmax, which are calls) */
+/* Minimum and maximum. fmin and fmax would be library calls. */
 static inline double iso_least(double a, double b) {
     return a < b ? a : b;
 }
@@ -28,13 +28,13 @@ static inline double iso_most(double a, double b) {
 typedef struct iso_projector {
     const iso_view *view;        /* borrowed */
     double matrix[9], origin[3]; /* index to view space */
-    float normal[9];             /* index covector to view space; lengths are not kept */
+    float normal[9];             /* normals from index to view space; the result is not unit */
 } iso_projector;
 
 iso_projector iso_projector_make(const iso_view *view, const iso_transform *transform);
 
-/* View space position of a brick-relative one. The same world position gives the same bits from every brick:
- * the global index coordinate is exact. */
+/* View space position (mm) of a position relative to a brick (voxels). A position that two bricks share gives
+ * the same bits from both, because its index coordinates are computed exactly first. */
 static inline iso_vec3 iso_projector_point(const iso_projector *projector, const int32_t brick[3],
                                            const float position[3]) {
     const double *m = projector->matrix, *o = projector->origin;
@@ -44,10 +44,11 @@ static inline iso_vec3 iso_projector_point(const iso_projector *projector, const
                          m[6] * x + m[7] * y + m[8] * z + o[2]);
 }
 
-/* The eye in index coordinates, or (orthographic) the direction of the view. */
+/* The eye in index coordinates; with orthographic views the direction of view instead. */
 void iso_projector_eye(const iso_projector *projector, const iso_transform *transform, double eye[3]);
 
-/* Unit view space normal of an index space one; towards the viewer when that one has no direction. */
+/* Unit normal in view space, given one in index space. A zero normal becomes (0, 0, -1), towards the
+ * viewer. */
 void iso_projector_normal(const iso_projector *projector, const float normal[3], float out[3]);
 
 /* Pixels per millimetre at depth z. */
@@ -60,21 +61,24 @@ typedef struct iso_rows {
     int first, last;
 } iso_rows;
 
-/* Rows of the view that primitives with centres in `box` (index coordinates) and of `radius` mm can touch:
- * too many rather than too few; none when they are all out of sight. */
+/* Rows of the view that spheres of `radius` mm with centres in `box` (index coordinates) can cover: a
+ * conservative estimate; no rows when all lie outside the picture. */
 iso_rows iso_projector_rows(const iso_projector *projector, const iso_box *box, double radius);
 
-/* Whether everything in a span's bounds faces the eye, or away from it, by far more than a primitive's own
- * test can err; `eye` is iso_projector_eye's. */
+/* Whether all points or triangles within a span's bounds face the eye, or all face away from it. Certain:
+ * by a margin that is larger than the rounding error of a test of each of them. `eye` is the result of
+ * iso_projector_eye. */
 typedef enum iso_facing { ISO_FACING_BOTH, ISO_FACING_EYE, ISO_FACING_AWAY } iso_facing;
 iso_facing iso_projector_facing(const iso_projector *projector, const double eye[3], const int32_t brick[3],
                                 const iso_point_bounds *bounds);
 
-/* Box of surfels in index coordinates; those that are not finite are left out. */
+/* Bounding box of surfels in index coordinates; positions that are not finite are left out. */
 iso_box iso_surfel_bounds(const iso_surfel *surfels, size_t count, const int32_t brick[3]);
 
-/* Rows of a picture dealt out in bands: one for one thread, else several for each. */
+/* Into how many bands a picture of `height` rows is divided: one when there is one thread, else several per
+ * thread, so that all threads finish at about the same time. */
 int iso_band_count(const iso_pool *pool, int height);
+/* The rows of band `band` of `band_count`. */
 iso_rows iso_band_rows(int height, int band_count, size_t band);
 
 static inline bool iso_rows_meet(iso_rows a, iso_rows b) {

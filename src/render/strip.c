@@ -1,3 +1,4 @@
+/* strip: averages the samples of each pixel into depth, normal and coverage. */
 #include "render/strip.h"
 
 #include <assert.h>

@@ -1,5 +1,5 @@
-/* strip: rows of a picture as samples, which shading turns into colours and iso_strip_measure into numbers.
- */
+/* strip: consecutive rows of a picture as a gbuffer of samples. iso_shade turns a strip into colours,
+ * iso_strip_measure into depth, normals and coverage. */
 #ifndef ISO_RENDER_STRIP_H
 #define ISO_RENDER_STRIP_H
 
@@ -12,17 +12,17 @@
 extern "C" {
 #endif
 
-enum { ISO_FACTOR_MAX = 8 };
+enum { ISO_FACTOR_MAX = 8 }; /* samples along a pixel's side, at most */
 
 typedef struct iso_strip {
     const iso_view *view;       /* of the samples */
     const iso_gbuffer *gbuffer; /* (picture's width * factor) x (rows * factor) samples */
     int factor;                 /* a pixel is factor x factor samples, 1 .. ISO_FACTOR_MAX */
-    int y0;                     /* the picture's row that the strip begins with */
+    int y0;                     /* the strip's first row in the picture, pixels */
 } iso_strip;
 
-/* Depth, normal and coverage of the strip's pixels, into their rows of `aov`, which has the picture's width:
- * of one sample its own values (the normal in world space), of several what image/aov.h says. */
+/* Writes depth, normal (world space) and coverage of the strip's pixels into their rows of `aov`, which has
+ * the picture's width. image/aov.h says how the samples of a pixel are averaged. */
 void iso_strip_measure(const iso_strip *strip, iso_aov *aov, iso_pool *pool);
 
 #ifdef __cplusplus

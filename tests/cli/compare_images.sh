@@ -7,6 +7,8 @@ grep -q '^normal_error_deg  *- ' table
 grep -q 'silhouette: all that is not FFFFFF' table
 isocompare images raycast.png mesh.png --json --pixels-per-voxel 4 >mesh.json
 isocompare images raycast.png raycast.png --json=same.json --quiet --difference difference.png
+isocompare images raycast.png raycast.png --fail-under psnr=1000 >same
+grep -q '^psnr_in  *identical  *PSNR, both' same
 isocompare images mesh.png raycast.png --threads 3 --json --background 808080 >wrong_background.json
 python3 - <<'P'
 from check import *
@@ -18,7 +20,7 @@ expect(set(m) == {"psnr_in", "psnr", "ssim", "flip", "iou", "dilation_mean", "di
 expect(20 < m["psnr_in"] < m["psnr"] < 60 and 0.9 < m["ssim"] < 1 and 0 < m["flip"] < 0.1, m)
 expect(0.95 < m["iou"] < 1 and m["dilation_mean_voxel"] == m["dilation_mean"] / 4 and m["wrong"] is None, m)
 same = report("same.json")["metrics"]
-expect(same["ssim"] == 1 and same["flip"] == 0 and same["iou"] == 1 and same["psnr"] > 138, same)
+expect(same["ssim"] == 1 and same["flip"] == 0 and same["iou"] == 1 and same["psnr"] == same["psnr_in"] == "inf", same)
 expect(set(Png("difference.png").pixels()) == {(0, 0, 0, 255)}, "difference")
 truth = report("wrong_background.json")["truth"]  # white counts as covered then
 expect(truth["covered"] == 200 * 160 and truth["silhouette"] == "background", truth)

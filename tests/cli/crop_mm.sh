@@ -20,5 +20,6 @@ fails() {
     [ $status -eq 2 ] && [ "$(wc -l <error.txt)" -eq 1 ] && grep -q -- "$1" error.txt && [ ! -e x.png ]
 }
 fails "--crop and --crop-mm cannot be combined" --crop 0,1,0,1,0,1 --crop-mm 0,1,0,1,0,1
-fails "in/ball.mha: --crop-mm holds no voxel" --crop-mm 100,110,20,40,5,50
+fails "in/ball.mha: no voxel lies in --crop-mm 100,110,20,40,5,50: the volume's are in -10,1.5,20,43,5,51 mm" --crop-mm 100,110,20,40,5,50
+fails "no voxel lies in --crop-mm 0.1,0.2,20,40,5,50: the volume's are in" --crop-mm 0.1,0.2,20,40,5,50
 fails "is not x0,x1,y0,y1,z0,z1 in mm" --crop-mm 5,1,20,40,5,50

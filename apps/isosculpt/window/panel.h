@@ -1,11 +1,11 @@
 /* panel: everything that is drawn over the picture: the panel with its sections, the help, dialogs, messages
- * and the brush's ring. Dear ImGui is used here, in the files panel*.cc and browser.cc, and nowhere else. One
- * panel in a program: Dear ImGui keeps its context in a global variable. */
+ * and the brush's ring. Dear ImGui is used here, in the files panel*.cc and file_browser.cc, and nowhere
+ * else. One panel in a program: Dear ImGui keeps its context in a global variable. */
 #ifndef ISO_APPS_ISOSCULPT_WINDOW_PANEL_H
 #define ISO_APPS_ISOSCULPT_WINDOW_PANEL_H
 
-#include "apps/isosculpt/controller.h"
-#include "apps/isosculpt/window/browser.h"
+#include "apps/isosculpt/input_controller.h"
+#include "apps/isosculpt/window/file_browser.h"
 
 #ifdef __cplusplus
 extern "C" {

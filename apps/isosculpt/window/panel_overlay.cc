@@ -1,7 +1,7 @@
 /* The picture, and over it the brush's ring, the mirror planes and queued strokes. */
 #include <cmath>
 
-#include "apps/isosculpt/viewport/mirror.h"
+#include "apps/isosculpt/viewport/mirror_line.h"
 #include "apps/isosculpt/window/panel_parts.hpp"
 
 /* Window coordinates of a pixel. */

@@ -144,8 +144,8 @@ iso_status iso_gl_canvas_shade(const iso_gl_output *to, bool pullpush, const iso
 
 /* ---- drawing */
 
-static iso_status prepare(iso_gl_canvas *canvas, const iso_view *view, const iso_gl_paint *paint,
-                          iso_error *error) {
+static iso_status prepare_canvas(iso_gl_canvas *canvas, const iso_view *view, const iso_gl_paint *paint,
+                                 iso_error *error) {
     assert(paint->factor >= 1 && view->width % paint->factor == 0 && view->height % paint->factor == 0);
     iso_gl_context *context = canvas->engine->context;
     ISO_TRY(iso_gl_enter(context, error));
@@ -166,7 +166,7 @@ static iso_status finish_draw(iso_gl_canvas *canvas, iso_status status, iso_erro
 iso_status iso_gl_canvas_draw(iso_gl_canvas *canvas, const iso_gl_draw_opts *opts, const iso_gl_paint *paint,
                               iso_error *error) {
     const iso_gl_output to = {.canvas = canvas, .paint = paint};
-    iso_status status = prepare(canvas, opts->view, paint, error);
+    iso_status status = prepare_canvas(canvas, opts->view, paint, error);
     if (status == ISO_OK) status = iso_gl_draw_to(canvas->engine, opts, &to, error);
     return finish_draw(canvas, status, error);
 }
@@ -174,7 +174,7 @@ iso_status iso_gl_canvas_draw(iso_gl_canvas *canvas, const iso_gl_draw_opts *opt
 iso_status iso_gl_canvas_draw_pullpush(iso_gl_canvas *canvas, const iso_gl_pullpush_opts *opts,
                                        const iso_gl_paint *paint, iso_error *error) {
     const iso_gl_output to = {.canvas = canvas, .paint = paint};
-    iso_status status = prepare(canvas, opts->view, paint, error);
+    iso_status status = prepare_canvas(canvas, opts->view, paint, error);
     if (status == ISO_OK) status = iso_gl_draw_pullpush_to(canvas->engine, opts, &to, error);
     return finish_draw(canvas, status, error);
 }

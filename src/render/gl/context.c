@@ -139,7 +139,7 @@ static iso_status load_functions(iso_gl_context *context, iso_error *error) {
 }
 
 /* (Not by iso_gl_enter, which needs the functions to save the state of a shared context.) */
-static iso_status initialise(iso_gl_context *context, iso_error *error) {
+static iso_status initialise_context(iso_gl_context *context, iso_error *error) {
     if (!context->platform.enter(&context->platform))
         return iso_fail(error, ISO_ERR_BACKEND, "%s: the context cannot be made current", context->name);
     iso_status status = load_functions(context, error);
@@ -154,7 +154,7 @@ static iso_status explain_refusal(const iso_gl_context_opts *opts, iso_gl_contex
     iso_error ignored;
     iso_status status = ISO_OK;
     if (open_platform(opts, 0, 0, &context->platform, &ignored) == ISO_OK) {
-        status = initialise(context, error);
+        status = initialise_context(context, error);
         context->platform.destroy(&context->platform);
     }
     if (status != ISO_OK) return status;
@@ -177,7 +177,7 @@ static iso_status open_context(const iso_gl_context_opts *opts, iso_gl_context *
     iso_error refusal = {ISO_OK, ""};
     if (open_platform(opts, LEAST_MAJOR, LEAST_MINOR, &context->platform, &refusal) != ISO_OK)
         return explain_refusal(opts, context, &refusal, error);
-    iso_status status = initialise(context, error);
+    iso_status status = initialise_context(context, error);
     if (status != ISO_OK) context->platform.destroy(&context->platform);
     return status;
 }

@@ -52,7 +52,7 @@ typedef egl_handle get_platform_display(uint32_t platform, void *native, const i
 typedef egl_bool query_devices(int32_t capacity, egl_handle *devices, int32_t *count);
 typedef const char *query_device_string(egl_handle device, int32_t name);
 
-static bool load(egl *e, void *library) {
+static bool load_functions(egl *e, void *library) {
     e->library = library;
     bool all = true;
 #define X(result, name, parameters)                                                                          \
@@ -66,7 +66,8 @@ static bool load(egl *e, void *library) {
 static iso_status open_egl(egl *e, iso_error *error) {
     void *library;
     ISO_TRY(iso_gl_library_open("libEGL.so.1", &library, error));
-    if (!load(e, library)) return iso_fail(error, ISO_ERR_BACKEND, "libEGL.so.1 lacks functions of EGL 1.4");
+    if (!load_functions(e, library))
+        return iso_fail(error, ISO_ERR_BACKEND, "libEGL.so.1 lacks functions of EGL 1.4");
     return ISO_OK;
 }
 
@@ -140,8 +141,8 @@ static iso_status open_display(const egl *e, const iso_gl_context_opts *opts, eg
     return ISO_OK;
 }
 
-static egl_handle create(const egl *e, const iso_gl_context_opts *opts, int major, int minor,
-                         egl_handle display) {
+static egl_handle create_context(const egl *e, const iso_gl_context_opts *opts, int major, int minor,
+                                 egl_handle display) {
     const int32_t wanted[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
     egl_handle config = NULL; /* EGL_NO_CONFIG_KHR */
     int32_t count = 0, attributes[16], used = 0;
@@ -168,27 +169,27 @@ static egl_handle create(const egl *e, const iso_gl_context_opts *opts, int majo
 
 /* ---- the platform: keeps only the library, and looks functions up again when they are needed */
 
-static iso_gl_function address(const iso_gl_platform *platform, const char *name) {
+static iso_gl_function find_egl_function(const iso_gl_platform *platform, const char *name) {
     egl e;
-    load(&e, platform->library);
+    load_functions(&e, platform->library);
     return e.GetProcAddress(name);
 }
 
-static bool enter(const iso_gl_platform *platform) {
+static bool enter_egl(const iso_gl_platform *platform) {
     egl e;
-    load(&e, platform->library);
+    load_functions(&e, platform->library);
     return e.BindAPI(EGL_OPENGL_API) && e.MakeCurrent(platform->display, NULL, NULL, platform->context);
 }
 
-static void leave(const iso_gl_platform *platform) {
+static void leave_egl(const iso_gl_platform *platform) {
     egl e;
-    load(&e, platform->library);
+    load_functions(&e, platform->library);
     e.MakeCurrent(platform->display, NULL, NULL, NULL);
 }
 
-static void destroy(iso_gl_platform *platform) {
+static void destroy_egl(iso_gl_platform *platform) {
     egl e;
-    load(&e, platform->library);
+    load_functions(&e, platform->library);
     e.DestroyContext(platform->display, platform->context);
 }
 
@@ -200,14 +201,14 @@ iso_status iso_gl_egl_open(const iso_gl_context_opts *opts, int major, int minor
     ISO_TRY(open_display(&e, opts, &display, error));
     if (!e.BindAPI(EGL_OPENGL_API))
         return iso_fail(error, ISO_ERR_BACKEND, "EGL cannot do OpenGL: %s", error_name(e.GetError()));
-    egl_handle context = create(&e, opts, major, minor, display);
+    egl_handle context = create_context(&e, opts, major, minor, display);
     if (!context) return iso_fail(error, ISO_ERR_BACKEND, "no OpenGL context: %s", error_name(e.GetError()));
     *platform = (iso_gl_platform){.library = e.library,
                                   .display = display,
                                   .context = context,
-                                  .address = address,
-                                  .enter = enter,
-                                  .leave = leave,
-                                  .destroy = destroy};
+                                  .address = find_egl_function,
+                                  .enter = enter_egl,
+                                  .leave = leave_egl,
+                                  .destroy = destroy_egl};
     return ISO_OK;
 }

@@ -229,7 +229,8 @@ static double squared(double x) {
     return x * x;
 }
 
-/* 1 / sqrt(k) of eq. 6 (2003), there for a square picture: k = 1 / (1 + 2 tan^2). */
+/* 1 / sqrt(k) of eq. 6 (Baerentzen and Christensen 2003), which is given for square pictures: k = 1 / (1 +
+ * 2 tan^2). */
 static double widening_of(const iso_gl_draw_opts *opts) {
     const iso_view *view = opts->view;
     if (opts->scaling != ISO_SCALING_ATTENUATED || view->orthographic) return 1;

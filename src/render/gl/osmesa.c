@@ -21,36 +21,39 @@ typedef unsigned char make_current(void *context, void *pixels, unsigned type, i
 typedef void destroy_context(void *context);
 typedef iso_gl_function get_address(const char *name);
 
-static iso_gl_function symbol(const iso_gl_platform *platform, const char *name) {
+static iso_gl_function find_symbol(const iso_gl_platform *platform, const char *name) {
     return iso_gl_library_symbol(platform->library, name);
 }
 
-static iso_gl_function address(const iso_gl_platform *platform, const char *name) {
-    return ((get_address *)symbol(platform, "OSMesaGetProcAddress"))(name);
+static iso_gl_function find_osmesa_function(const iso_gl_platform *platform, const char *name) {
+    return ((get_address *)find_symbol(platform, "OSMesaGetProcAddress"))(name);
 }
 
-static bool enter(const iso_gl_platform *platform) {
-    make_current *make = (make_current *)symbol(platform, "OSMesaMakeCurrent");
+static bool enter_osmesa(const iso_gl_platform *platform) {
+    make_current *make = (make_current *)find_symbol(platform, "OSMesaMakeCurrent");
     return make(platform->context, platform->pixels, UNSIGNED_BYTE, SIDE, SIDE);
 }
 
-static void leave(const iso_gl_platform *platform) {
-    ((make_current *)symbol(platform, "OSMesaMakeCurrent"))(NULL, NULL, 0, 0, 0);
+static void leave_osmesa(const iso_gl_platform *platform) {
+    ((make_current *)find_symbol(platform, "OSMesaMakeCurrent"))(NULL, NULL, 0, 0, 0);
 }
 
-static void destroy(iso_gl_platform *platform) {
-    ((destroy_context *)symbol(platform, "OSMesaDestroyContext"))(platform->context);
+static void destroy_osmesa(iso_gl_platform *platform) {
+    ((destroy_context *)find_symbol(platform, "OSMesaDestroyContext"))(platform->context);
     iso_free(platform->pixels);
 }
 
 iso_status iso_gl_osmesa_open(const iso_gl_context_opts *opts, int major, int minor,
                               iso_gl_platform *platform, iso_error *error) {
     (void)opts;
-    iso_gl_platform p = {.address = address, .enter = enter, .leave = leave, .destroy = destroy};
+    iso_gl_platform p = {.address = find_osmesa_function,
+                         .enter = enter_osmesa,
+                         .leave = leave_osmesa,
+                         .destroy = destroy_osmesa};
     ISO_TRY(iso_gl_library_open("libOSMesa.so.8", &p.library, error));
-    create_context *create = (create_context *)symbol(&p, "OSMesaCreateContextAttribs");
-    if (!create || !symbol(&p, "OSMesaGetProcAddress") || !symbol(&p, "OSMesaMakeCurrent") ||
-        !symbol(&p, "OSMesaDestroyContext"))
+    create_context *create = (create_context *)find_symbol(&p, "OSMesaCreateContextAttribs");
+    if (!create || !find_symbol(&p, "OSMesaGetProcAddress") || !find_symbol(&p, "OSMesaMakeCurrent") ||
+        !find_symbol(&p, "OSMesaDestroyContext"))
         return iso_fail(error, ISO_ERR_BACKEND, "libOSMesa.so.8 is older than Mesa 12");
     int any[] = {OSMESA_FORMAT, OSMESA_RGBA, 0};
     int core[] = {OSMESA_FORMAT,

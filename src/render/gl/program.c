@@ -1,3 +1,5 @@
+/* program: the table of shader programs, how their sources are put together from files, and their
+ * compilation. */
 #define _GNU_SOURCE
 #include "render/gl/program.h"
 
@@ -19,6 +21,7 @@ typedef struct recipe {
 } recipe;
 
 #define PROJECT "pullpush_project.comp"
+/* The extensions for 64-bit atomic operations. */
 #define WIDE                                                                                                 \
     "#extension GL_ARB_gpu_shader_int64 : require\n"                                                         \
     "#extension GL_NV_shader_atomic_int64 : require\n"
@@ -33,6 +36,7 @@ typedef struct recipe {
     [first + 4] = {                                                                                          \
         "finish" what, {"pullpush_finish.comp"}, {PYRAMID, "pullpush_mix.glsl", "picture.glsl"}, defines}
 
+/* The two passes over discs of the refined reconstruction, each as points and as quads. */
 #define REFINED "refined_numbers.h", "refined.glsl", "refined_curvature.glsl"
 #define DISCS(first, what, defines)                                                                          \
     [first] = {"fronts" what, {"refined.vert", "refined.frag"}, {"unpack.glsl", REFINED}, defines},          \
@@ -116,7 +120,7 @@ static char *read_file(const char *folder, const char *name) {
     return text;
 }
 
-/* ---- 64 bits */
+/* ---- 64-bit atomic operations */
 
 static bool has_extension(const GladGLContext *gl, const char *name) {
     GLint count = 0;

@@ -40,6 +40,7 @@ typedef struct point_range {
     uint32_t block, block_end;
 } point_range;
 
+/* The drawing of a picture. */
 typedef struct pullpush_call {
     iso_gl_engine *engine;
     const GladGLContext *gl;
@@ -64,24 +65,24 @@ typedef struct pullpush_draw {
 
 /* ---- buffers */
 
-static void ensure_storage(const pullpush_call *f, iso_gl_storage which, size_t bytes) {
-    iso_gl_engine_ensure_storage(f->engine, which, bytes);
+static void ensure_storage(const pullpush_call *call, iso_gl_storage which, size_t bytes) {
+    iso_gl_engine_ensure_storage(call->engine, which, bytes);
 }
 
-static void bind(const pullpush_call *f, GLuint slot, iso_gl_storage which) {
-    f->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, slot, f->engine->storage[which]);
+static void bind_storage(const pullpush_call *call, GLuint slot, iso_gl_storage which) {
+    call->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, slot, call->engine->storage[which]);
 }
 
-static void fill_buffer(const pullpush_call *f, iso_gl_storage which, size_t bytes, GLuint value) {
-    f->gl->ClearNamedBufferSubData(f->engine->storage[which], GL_R32UI, 0, (GLsizeiptr)bytes, GL_RED_INTEGER,
-                                   GL_UNSIGNED_INT, &value);
+static void fill_buffer(const pullpush_call *call, iso_gl_storage which, size_t bytes, GLuint value) {
+    call->gl->ClearNamedBufferSubData(call->engine->storage[which], GL_R32UI, 0, (GLsizeiptr)bytes,
+                                      GL_RED_INTEGER, GL_UNSIGNED_INT, &value);
 }
 
 /* ---- uniforms and buffers of one surface */
 
 /* Refined draws points without colours; coloured points are drawn as by gaussian. */
-static bool is_refined(const pullpush_call *f, const iso_gl_surface *surface) {
-    return f->opts->reconstruction == ISO_RECONSTRUCTION_REFINED && !surface->has_colors;
+static bool is_refined(const pullpush_call *call, const iso_gl_surface *surface) {
+    return call->opts->reconstruction == ISO_RECONSTRUCTION_REFINED && !surface->has_colors;
 }
 
 static size_t level_pixels(const iso_pyramid_layout *layout, int number) {
@@ -128,36 +129,40 @@ static void set_uniforms(pullpush_draw *d, int surface) {
     }
 }
 
-static void begin(pullpush_draw *d, int surface) {
-    const pullpush_call *f = d->call;
+/* Uploads the uniforms of one surface and prepares its buffers. */
+static void begin_surface(pullpush_draw *d, int surface) {
+    const pullpush_call *call = d->call;
     d->projection = iso_pullpush_projection(&d->pyramid, &d->projector, &d->surface->transform,
                                             !d->surface->surfels, d->cull);
     set_uniforms(d, surface);
     d->keys = level_pixels(&d->pyramid, d->pyramid.base);
     d->pixels = pixels_above(&d->pyramid);
-    ensure_storage(f, ISO_GL_STORE_UNIFORMS, sizeof d->uniforms);
-    f->gl->NamedBufferSubData(f->engine->storage[ISO_GL_STORE_UNIFORMS], 0, sizeof d->uniforms, &d->uniforms);
-    f->gl->BindBufferBase(GL_UNIFORM_BUFFER, ISO_GL_PULLPUSH, f->engine->storage[ISO_GL_STORE_UNIFORMS]);
-    ensure_storage(f, ISO_GL_STORE_KEYS, d->keys * 2 * sizeof(uint32_t));
+    ensure_storage(call, ISO_GL_STORE_UNIFORMS, sizeof d->uniforms);
+    call->gl->NamedBufferSubData(call->engine->storage[ISO_GL_STORE_UNIFORMS], 0, sizeof d->uniforms,
+                                 &d->uniforms);
+    call->gl->BindBufferBase(GL_UNIFORM_BUFFER, ISO_GL_PULLPUSH,
+                             call->engine->storage[ISO_GL_STORE_UNIFORMS]);
+    ensure_storage(call, ISO_GL_STORE_KEYS, d->keys * 2 * sizeof(uint32_t));
     const size_t discs = (d->surface->has_colors ? 2 : d->surface->has_radii) * d->keys * sizeof(uint32_t);
-    ensure_storage(f, ISO_GL_STORE_DISCS, discs ? discs : sizeof(uint32_t));
-    ensure_storage(f, ISO_GL_STORE_TINTS, (d->surface->has_colors ? d->pixels : 1) * 4 * sizeof(float));
+    ensure_storage(call, ISO_GL_STORE_DISCS, discs ? discs : sizeof(uint32_t));
+    ensure_storage(call, ISO_GL_STORE_TINTS, (d->surface->has_colors ? d->pixels : 1) * 4 * sizeof(float));
     for (int which = ISO_GL_STORE_SHADES; which <= ISO_GL_STORE_ELLIPSES; which++)
-        ensure_storage(f, (iso_gl_storage)which, d->pixels * 4 * sizeof(float));
-    ensure_storage(f, ISO_GL_STORE_REACHES, d->pixels * sizeof(uint32_t));
-    fill_buffer(f, ISO_GL_STORE_KEYS, d->keys * 2 * sizeof(uint32_t), ISO_GL_KEY_NONE);
-    if (discs) fill_buffer(f, ISO_GL_STORE_DISCS, discs, ISO_GL_KEY_NONE);
+        ensure_storage(call, (iso_gl_storage)which, d->pixels * 4 * sizeof(float));
+    ensure_storage(call, ISO_GL_STORE_REACHES, d->pixels * sizeof(uint32_t));
+    fill_buffer(call, ISO_GL_STORE_KEYS, d->keys * 2 * sizeof(uint32_t), ISO_GL_KEY_NONE);
+    if (discs) fill_buffer(call, ISO_GL_STORE_DISCS, discs, ISO_GL_KEY_NONE);
 }
 
 /* ---- points to keys */
 
+/* Whether points of a block may lie in the rows of the pyramid. */
 static bool is_wanted(const pullpush_draw *d, const iso_point_block *block) {
     double first = d->pyramid.row - d->view->cy; /* first row, counted from the optical axis */
     return block->seen && !(d->cull && block->back_facing) && block->row[1] >= first &&
            block->row[0] < first + d->pyramid.height;
 }
 
-static iso_gl_point_block describe(const pullpush_draw *d, const iso_point_block *block, size_t first) {
+static iso_gl_point_block describe_block(const pullpush_draw *d, const iso_point_block *block, size_t first) {
     const iso_point_projection *p = &d->projection;
     iso_gl_point_block to = {.part = {(unsigned)first, block->count, d->cull && !block->front_facing}};
     double corner[3];
@@ -187,7 +192,7 @@ static size_t gather_blocks(const pullpush_draw *d, iso_gl_point_block *to, poin
             last = &windows[count++];
             *last = (point_range){first - first % WINDOW_POINTS, end, seen, seen};
         }
-        to[seen++] = describe(d, &block[i], first - last->first);
+        to[seen++] = describe_block(d, &block[i], first - last->first);
         last->block_end = seen;
         if (end > last->end) last->end = end;
     }
@@ -207,8 +212,8 @@ static void bind_window(const pullpush_draw *d, const point_range *w) {
                             (GLintptr)(w->first * 3), (GLsizeiptr)((count * 3 + 3) / 4 * 4));
 }
 
-static iso_status project(const pullpush_draw *d, int kind, const point_range *windows, size_t count,
-                          iso_error *error) {
+static iso_status dispatch_projection(const pullpush_draw *d, int kind, const point_range *windows,
+                                      size_t count, iso_error *error) {
     enum { GROUPS = 32768 }; /* work groups in x; every driver allows more */
     const GladGLContext *gl = d->call->gl;
     unsigned program;
@@ -226,34 +231,36 @@ static iso_status project(const pullpush_draw *d, int kind, const point_range *w
     return ISO_OK;
 }
 
-static iso_status project_all(const pullpush_draw *d, iso_buffer *room, iso_error *error) {
-    const pullpush_call *f = d->call;
+static iso_status project_points(const pullpush_draw *d, iso_buffer *room, iso_error *error) {
+    const pullpush_call *call = d->call;
     size_t blocks = d->surface->blocks->count, bytes = blocks * sizeof(iso_gl_point_block);
     size_t item = d->surface->surfels ? sizeof(iso_surfel) : sizeof(iso_point);
     ISO_TRY(iso_buffer_reserve(room, bytes + blocks * sizeof(point_range), 0, error));
     point_range *windows = (point_range *)((char *)room->data + bytes);
-    size_t count = gather_blocks(d, room->data, windows, f->engine->max_storage / item);
+    size_t count = gather_blocks(d, room->data, windows, call->engine->max_storage / item);
     if (!count) return ISO_OK;
     size_t used = windows[count - 1].block_end * sizeof(iso_gl_point_block);
-    ensure_storage(f, ISO_GL_STORE_BLOCKS, used);
-    f->gl->NamedBufferSubData(f->engine->storage[ISO_GL_STORE_BLOCKS], 0, (GLsizeiptr)used, room->data);
-    bind(f, ISO_GL_BLOCKS, ISO_GL_STORE_BLOCKS);
-    bind(f, ISO_GL_KEYS, ISO_GL_STORE_KEYS);
-    bind(f, ISO_GL_DISCS, ISO_GL_STORE_DISCS);
-    if (f->engine->wide_atomics) {
-        ISO_TRY(project(d, ISO_GL_PROJECT_KEYS - ISO_GL_PROJECT_DEPTHS, windows, count, error));
+    ensure_storage(call, ISO_GL_STORE_BLOCKS, used);
+    call->gl->NamedBufferSubData(call->engine->storage[ISO_GL_STORE_BLOCKS], 0, (GLsizeiptr)used, room->data);
+    bind_storage(call, ISO_GL_BLOCKS, ISO_GL_STORE_BLOCKS);
+    bind_storage(call, ISO_GL_KEYS, ISO_GL_STORE_KEYS);
+    bind_storage(call, ISO_GL_DISCS, ISO_GL_STORE_DISCS);
+    if (call->engine->wide_atomics) {
+        ISO_TRY(dispatch_projection(d, ISO_GL_PROJECT_KEYS - ISO_GL_PROJECT_DEPTHS, windows, count, error));
     } else {
-        ISO_TRY(project(d, 0, windows, count, error));
-        ISO_TRY(project(d, ISO_GL_PROJECT_PAYLOADS - ISO_GL_PROJECT_DEPTHS, windows, count, error));
+        ISO_TRY(dispatch_projection(d, 0, windows, count, error));
+        ISO_TRY(
+            dispatch_projection(d, ISO_GL_PROJECT_PAYLOADS - ISO_GL_PROJECT_DEPTHS, windows, count, error));
     }
     if (!d->surface->has_radii && !d->surface->has_colors) return ISO_OK;
-    return project(d, ISO_GL_PROJECT_DISCS - ISO_GL_PROJECT_DEPTHS, windows, count, error);
+    return dispatch_projection(d, ISO_GL_PROJECT_DISCS - ISO_GL_PROJECT_DEPTHS, windows, count, error);
 }
 
 /* ---- pull and push */
 
 /* Dispatches a program over a level of the pyramid, or with level 0 over the picture. */
-static iso_status dispatch(const pullpush_draw *d, iso_gl_program program, int level, iso_error *error) {
+static iso_status dispatch_level(const pullpush_draw *d, iso_gl_program program, int level,
+                                 iso_error *error) {
     const GladGLContext *gl = d->call->gl;
     const int *size = level ? d->uniforms.levels[level] : d->uniforms.picture;
     unsigned name;
@@ -267,82 +274,83 @@ static iso_status dispatch(const pullpush_draw *d, iso_gl_program program, int l
     return ISO_OK;
 }
 
-static iso_status pull(const pullpush_draw *d, iso_error *error) {
+static iso_status pull_levels(const pullpush_draw *d, iso_error *error) {
     const iso_pyramid_layout *layout = &d->pyramid;
-    if (layout->base > 0) ISO_TRY(dispatch(d, ISO_GL_UNPACK, layout->base, error));
+    if (layout->base > 0) ISO_TRY(dispatch_level(d, ISO_GL_UNPACK, layout->base, error));
     for (int level = layout->base + 1; level <= layout->top; level++)
-        ISO_TRY(dispatch(d, level == 1 ? ISO_GL_PULL_KEYS : ISO_GL_PULL_LEVEL, level, error));
+        ISO_TRY(dispatch_level(d, level == 1 ? ISO_GL_PULL_KEYS : ISO_GL_PULL_LEVEL, level, error));
     return ISO_OK;
 }
 
-static iso_status push(const pullpush_draw *d, iso_error *error) {
-    for (int level = d->pyramid.top - 1; level >= 1; level--) ISO_TRY(dispatch(d, ISO_GL_PUSH, level, error));
+static iso_status push_levels(const pullpush_draw *d, iso_error *error) {
+    for (int level = d->pyramid.top - 1; level >= 1; level--)
+        ISO_TRY(dispatch_level(d, ISO_GL_PUSH, level, error));
     return ISO_OK;
 }
 
-static iso_status reconstruct(const pullpush_draw *d, iso_buffer *room, iso_error *error) {
-    const pullpush_call *f = d->call;
-    iso_gl_timer *timer = &f->engine->timer;
-    iso_gl_timer_begin(timer, f->gl, ISO_GL_PASS_PROJECT);
-    iso_status status = project_all(d, room, error);
-    iso_gl_timer_end(timer, f->gl);
+static iso_status reconstruct_surface(const pullpush_draw *d, iso_buffer *room, iso_error *error) {
+    const pullpush_call *call = d->call;
+    iso_gl_timer *timer = &call->engine->timer;
+    iso_gl_timer_begin(timer, call->gl, ISO_GL_PASS_PROJECT);
+    iso_status status = project_points(d, room, error);
+    iso_gl_timer_end(timer, call->gl);
     ISO_TRY(status);
-    bind(f, ISO_GL_SHADES, ISO_GL_STORE_SHADES);
-    bind(f, ISO_GL_RANGES, ISO_GL_STORE_RANGES);
-    bind(f, ISO_GL_ELLIPSES, ISO_GL_STORE_ELLIPSES);
-    bind(f, ISO_GL_REACHES, ISO_GL_STORE_REACHES);
-    bind(f, ISO_GL_TINTS, ISO_GL_STORE_TINTS);
-    bind(f, ISO_GL_PICTURE, ISO_GL_STORE_PICTURE);
-    iso_gl_timer_begin(timer, f->gl, ISO_GL_PASS_PULL);
-    status = pull(d, error);
-    iso_gl_timer_end(timer, f->gl);
+    bind_storage(call, ISO_GL_SHADES, ISO_GL_STORE_SHADES);
+    bind_storage(call, ISO_GL_RANGES, ISO_GL_STORE_RANGES);
+    bind_storage(call, ISO_GL_ELLIPSES, ISO_GL_STORE_ELLIPSES);
+    bind_storage(call, ISO_GL_REACHES, ISO_GL_STORE_REACHES);
+    bind_storage(call, ISO_GL_TINTS, ISO_GL_STORE_TINTS);
+    bind_storage(call, ISO_GL_PICTURE, ISO_GL_STORE_PICTURE);
+    iso_gl_timer_begin(timer, call->gl, ISO_GL_PASS_PULL);
+    status = pull_levels(d, error);
+    iso_gl_timer_end(timer, call->gl);
     ISO_TRY(status);
-    iso_gl_timer_begin(timer, f->gl, ISO_GL_PASS_PUSH);
-    status = push(d, error);
-    iso_gl_timer_end(timer, f->gl);
+    iso_gl_timer_begin(timer, call->gl, ISO_GL_PASS_PUSH);
+    status = push_levels(d, error);
+    iso_gl_timer_end(timer, call->gl);
     ISO_TRY(status);
-    iso_gl_timer_begin(timer, f->gl, ISO_GL_PASS_FINISH);
-    status = dispatch(d, ISO_GL_FINISH, 0, error);
-    iso_gl_timer_end(timer, f->gl);
+    iso_gl_timer_begin(timer, call->gl, ISO_GL_PASS_FINISH);
+    status = dispatch_level(d, ISO_GL_FINISH, 0, error);
+    iso_gl_timer_end(timer, call->gl);
     return status;
 }
 
 /* ---- the picture */
 
-static void clear_picture(const pullpush_call *f, size_t samples) {
+static void clear_picture(const pullpush_call *call, size_t samples) {
     const float far = INFINITY;
     const GLuint none = ISO_SURFACE_NONE;
     const size_t plane = samples * sizeof(float);
-    GLuint picture = f->engine->storage[ISO_GL_STORE_PICTURE];
-    fill_buffer(f, ISO_GL_STORE_PICTURE, f->planes * plane, 0);
-    f->gl->ClearNamedBufferSubData(picture, GL_R32F, 0, (GLsizeiptr)plane, GL_RED, GL_FLOAT, &far);
-    f->gl->ClearNamedBufferSubData(picture, GL_R32UI, (GLintptr)(4 * plane), (GLsizeiptr)plane,
-                                   GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
+    GLuint picture = call->engine->storage[ISO_GL_STORE_PICTURE];
+    fill_buffer(call, ISO_GL_STORE_PICTURE, call->planes * plane, 0);
+    call->gl->ClearNamedBufferSubData(picture, GL_R32F, 0, (GLsizeiptr)plane, GL_RED, GL_FLOAT, &far);
+    call->gl->ClearNamedBufferSubData(picture, GL_R32UI, (GLintptr)(4 * plane), (GLsizeiptr)plane,
+                                      GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
 }
 
-static iso_status read_picture(pullpush_call *f, const iso_gbuffer *to, size_t start, size_t samples,
+static iso_status read_picture(pullpush_call *call, const iso_gbuffer *to, size_t start, size_t samples,
                                iso_error *error) {
-    const GladGLContext *gl = f->gl;
+    const GladGLContext *gl = call->gl;
     const size_t bytes = samples * sizeof(float);
     float *planes[4] = {to->depth, to->normal[0], to->normal[1], to->normal[2]};
-    GLuint picture = f->engine->storage[ISO_GL_STORE_PICTURE];
-    ISO_TRY(iso_buffer_reserve(&f->room, bytes, 0, error));
+    GLuint picture = call->engine->storage[ISO_GL_STORE_PICTURE];
+    ISO_TRY(iso_buffer_reserve(&call->room, bytes, 0, error));
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     for (int k = 0; k < 4; k++)
         gl->GetNamedBufferSubData(picture, (GLintptr)((size_t)k * bytes), (GLsizeiptr)bytes,
                                   planes[k] + start);
-    gl->GetNamedBufferSubData(picture, (GLintptr)(4 * bytes), (GLsizeiptr)bytes, f->room.data);
-    const uint32_t *surfaces = f->room.data;
+    gl->GetNamedBufferSubData(picture, (GLintptr)(4 * bytes), (GLsizeiptr)bytes, call->room.data);
+    const uint32_t *surfaces = call->room.data;
     for (size_t i = 0; i < samples; i++) to->surface[start + i] = (uint8_t)surfaces[i];
-    if (f->planes > ISO_GL_PICTURE_PLANES)
+    if (call->planes > ISO_GL_PICTURE_PLANES)
         gl->GetNamedBufferSubData(picture, (GLintptr)(5 * bytes), (GLsizeiptr)bytes, to->color + start);
     return ISO_OK;
 }
 
-static pullpush_draw draw_of(const pullpush_call *f, int number, const iso_view *view) {
-    const iso_gl_surface *surface = f->opts->surfaces[number];
+static pullpush_draw draw_of(const pullpush_call *call, int number, const iso_view *view) {
+    const iso_gl_surface *surface = call->opts->surfaces[number];
     const iso_point_blocks *blocks = surface->blocks;
-    return (pullpush_draw){.call = f,
+    return (pullpush_draw){.call = call,
                            .surface = surface,
                            .view = view,
                            .projector = iso_projector_make(view, &surface->transform),
@@ -350,38 +358,38 @@ static pullpush_draw draw_of(const pullpush_call *f, int number, const iso_view 
                            .cull = surface->closed && !blocks->around_eye};
 }
 
-static iso_status draw_strip(pullpush_call *f, const iso_view *view, int row, const iso_gl_output *to,
+static iso_status draw_strip(pullpush_call *call, const iso_view *view, int row, const iso_gl_output *to,
                              iso_error *error) {
     const size_t samples = (size_t)view->width * (size_t)view->height;
-    ensure_storage(f, ISO_GL_STORE_PICTURE, samples * f->planes * sizeof(float));
-    clear_picture(f, samples);
-    for (int i = 0; i < f->opts->surface_count; i++) {
-        const iso_gl_surface *surface = f->opts->surfaces[i];
+    ensure_storage(call, ISO_GL_STORE_PICTURE, samples * call->planes * sizeof(float));
+    clear_picture(call, samples);
+    for (int i = 0; i < call->opts->surface_count; i++) {
+        const iso_gl_surface *surface = call->opts->surfaces[i];
         if (surface->blocks->seen == 0) continue;
-        if (is_refined(f, surface)) {
-            ISO_TRY(iso_gl_draw_refined(surface, view, i, &f->room, error));
+        if (is_refined(call, surface)) {
+            ISO_TRY(iso_gl_draw_refined(surface, view, i, &call->room, error));
             continue;
         }
-        pullpush_draw d = draw_of(f, i, view);
-        begin(&d, i);
-        ISO_TRY(reconstruct(&d, &f->room, error));
+        pullpush_draw d = draw_of(call, i, view);
+        begin_surface(&d, i);
+        ISO_TRY(reconstruct_surface(&d, &call->room, error));
     }
     if (to->gbuffer)
-        ISO_TRY(read_picture(f, to->gbuffer, (size_t)row * (size_t)view->width, samples, error));
+        ISO_TRY(read_picture(call, to->gbuffer, (size_t)row * (size_t)view->width, samples, error));
     else
         ISO_TRY(iso_gl_canvas_shade(to, true, view, 0, row, error));
-    iso_gl_timer_read(&f->engine->timer, f->gl);
+    iso_gl_timer_read(&call->engine->timer, call->gl);
     return ISO_OK;
 }
 
 /* Bytes of the largest storage buffer that a strip of this many rows needs. */
-static size_t strip_bytes(const pullpush_call *f, int rows) {
-    const iso_view view = iso_view_rows(f->opts->view, 0, rows);
-    size_t most = (size_t)view.width * (size_t)view.height * f->planes * sizeof(float);
-    for (int i = 0; i < f->opts->surface_count; i++) {
-        const iso_gl_surface *surface = f->opts->surfaces[i];
-        if (surface->blocks->seen == 0 || is_refined(f, surface)) continue;
-        const pullpush_draw d = draw_of(f, i, &view);
+static size_t strip_bytes(const pullpush_call *call, int rows) {
+    const iso_view view = iso_view_rows(call->opts->view, 0, rows);
+    size_t most = (size_t)view.width * (size_t)view.height * call->planes * sizeof(float);
+    for (int i = 0; i < call->opts->surface_count; i++) {
+        const iso_gl_surface *surface = call->opts->surfaces[i];
+        if (surface->blocks->seen == 0 || is_refined(call, surface)) continue;
+        const pullpush_draw d = draw_of(call, i, &view);
         const size_t keys = level_pixels(&d.pyramid, d.pyramid.base) * 2 * sizeof(uint32_t);
         const size_t pixels = pixels_above(&d.pyramid) * 4 * sizeof(float);
         if (keys > most) most = keys;
@@ -390,24 +398,24 @@ static size_t strip_bytes(const pullpush_call *f, int rows) {
     return most;
 }
 
-static iso_status draw_strips(pullpush_call *f, const iso_gl_output *to, iso_error *error) {
-    const iso_view *whole = f->opts->view;
+static iso_status draw_strips(pullpush_call *call, const iso_gl_output *to, iso_error *error) {
+    const iso_view *whole = call->opts->view;
     int rows = whole->height, factor = iso_gl_output_factor(to);
-    while (rows > STRIP_ROWS_LEAST && strip_bytes(f, rows) > f->storage) {
+    while (rows > STRIP_ROWS_LEAST && strip_bytes(call, rows) > call->storage) {
         rows = (rows + 1) / 2;
         rows += (factor - rows % factor) % factor;
     }
-    if (strip_bytes(f, rows) > f->engine->max_storage)
+    if (strip_bytes(call, rows) > call->engine->max_storage)
         return iso_fail(
             error, ISO_ERR_LIMIT,
             "%s: pull-push of a picture %d pixels wide needs storage buffers of %zu bytes, and %s "
             "has %zu at most",
-            f->engine->context->name, whole->width, strip_bytes(f, rows), f->engine->context->renderer,
-            f->engine->max_storage);
+            call->engine->context->name, whole->width, strip_bytes(call, rows),
+            call->engine->context->renderer, call->engine->max_storage);
     for (int y = 0; y < whole->height; y += rows) {
         iso_view view = iso_view_rows(whole, y, whole->height - y < rows ? whole->height - y : rows);
-        ISO_TRY(draw_strip(f, &view, y, to, error));
-        ISO_TRY(iso_gl_check(f->engine->context, error)); /* stop when the context is lost */
+        ISO_TRY(draw_strip(call, &view, y, to, error));
+        ISO_TRY(iso_gl_check(call->engine->context, error)); /* stop when the context is lost */
     }
     return ISO_OK;
 }
@@ -452,16 +460,16 @@ iso_status iso_gl_draw_pullpush_to(iso_gl_engine *engine, const iso_gl_pullpush_
                                    const iso_gl_output *to, iso_error *error) {
     assert(opts->surface_count >= 0 && opts->surface_count <= ISO_SURFACE_MAX);
     ISO_TRY(set_views(opts, error));
-    pullpush_call f = {
+    pullpush_call call = {
         .engine = engine, .gl = engine->context->gl, .opts = opts, .planes = ISO_GL_PICTURE_PLANES};
     if (has_colors(opts)) {
-        f.planes++;
+        call.planes++;
         if (to->gbuffer) ISO_TRY(iso_gbuffer_add_color(to->gbuffer, error));
     }
     ISO_TRY(iso_gl_enter(engine->context, error));
-    f.storage = storage_of(engine);
-    iso_status status = draw_strips(&f, to, error);
-    iso_buffer_free(&f.room);
+    call.storage = storage_of(engine);
+    iso_status status = draw_strips(&call, to, error);
+    iso_buffer_free(&call.room);
     return iso_gl_leave(engine->context, status, error);
 }
 

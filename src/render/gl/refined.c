@@ -96,15 +96,15 @@ static void upload_uniforms(const refined_draw *d, const tile *t) {
     const iso_view *view = d->view;
     const iso_gl_surface *surface = d->surface;
     const double *spacing = surface->transform.spacing;
-    const bool uneven = spacing[0] != spacing[1] || spacing[1] != spacing[2];
+    const bool anisotropic = spacing[0] != spacing[1] || spacing[1] != spacing[2];
     const double voxels = surface->surfels ? 1 : ISO_POINT_STEP;
     const int margin = iso_gl_engine_margin(d->engine);
     const bool bordered = surface->dims[0] > 0 && surface->dims[1] > 0 && surface->dims[2] > 0;
     iso_gl_refined_uniforms u = {
         .axis = {(float)(view->cx - t->x), (float)(view->cy - t->y),
                  view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near, (float)view->focal},
-        .sizes = {view->orthographic ? 0 : (float)(1 / view->focal), iso_refined_per_mm(p->normal),
-                  uneven ? (float)fmax(spacing[0], fmax(spacing[1], spacing[2])) : 0},
+        .sizes = {view->orthographic ? 0 : (float)(1 / view->focal), iso_refined_voxels_per_mm(p->normal),
+                  anisotropic ? (float)fmax(spacing[0], fmax(spacing[1], spacing[2])) : 0},
         .screen = {(float)(t->width + 2 * margin), (float)(t->height + 2 * margin), (float)margin,
                    (float)d->engine->max_point},
         .tile = {t->width, t->height, t->x, t->y},
@@ -125,7 +125,7 @@ static void upload_uniforms(const refined_draw *d, const tile *t) {
 
 /* Whether discs of a block may reach the tile's rows. */
 static bool is_visible(const refined_draw *d, const iso_point_block *block, const tile *t) {
-    const double reach = iso_refined_reach(block) * d->slant + 2, cy = d->view->cy - t->y;
+    const double reach = iso_refined_largest_radius(block) * d->slant + 2, cy = d->view->cy - t->y;
     return block->seen && !(d->cull && block->back_facing) && block->row[1] + cy + reach >= 0 &&
            block->row[0] + cy - reach <= t->height;
 }
@@ -148,7 +148,7 @@ static iso_gl_instance instance_of(const refined_draw *d, const iso_point_block 
 /* Whether the largest disc of a block, drawn as a square of twice its reach, exceeds the driver's point
  * size. */
 static bool is_wide(const refined_draw *d, const iso_point_block *block) {
-    return 2.1 * iso_refined_reach(block) * d->slant + 1 > d->engine->max_point;
+    return 2.1 * iso_refined_largest_radius(block) * d->slant + 1 > d->engine->max_point;
 }
 
 /* Lists the draw commands of the blocks that a tile shows, in memory of `room`. */
@@ -224,7 +224,7 @@ static iso_status find_fronts(const refined_draw *d, const tile *t, iso_error *e
     return draw_discs(d, t, ISO_GL_FRONT_POINTS, error);
 }
 
-static iso_status add_up(const refined_draw *d, const tile *t, iso_error *error) {
+static iso_status add_discs(const refined_draw *d, const tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     const GLfloat nothing[4] = {0};
     begin_pass(d, t, 1);
@@ -237,7 +237,7 @@ static iso_status add_up(const refined_draw *d, const tile *t, iso_error *error)
     return draw_discs(d, t, ISO_GL_ADD_POINTS, error);
 }
 
-static iso_status resolve(const refined_draw *d, const tile *t, iso_error *error) {
+static iso_status resolve_tile(const refined_draw *d, const tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     for (int i = 0; i < SUMS; i++) gl->BindTextureUnit(ISO_GL_SUMS + (GLuint)i, d->engine->discs.sums[i]);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_PICTURE, d->engine->storage[ISO_GL_STORE_PICTURE]);
@@ -251,7 +251,7 @@ static iso_status resolve(const refined_draw *d, const tile *t, iso_error *error
 typedef iso_status pass_function(const refined_draw *d, const tile *t, iso_error *error);
 
 static iso_status draw_tile(const refined_draw *d, tile *t, iso_buffer *room, iso_error *error) {
-    static pass_function *const passes[] = {find_fronts, add_up, resolve};
+    static pass_function *const passes[] = {find_fronts, add_discs, resolve_tile};
     iso_gl_timer *timer = &d->engine->timer;
     ISO_TRY(gather_blocks(d, t, room, error));
     if (!t->draws) return ISO_OK;

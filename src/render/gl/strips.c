@@ -112,16 +112,16 @@ static int neighbours_left(const stripper *s, uint16_t triangle) {
     return left;
 }
 
-static void push(stripper *s, uint16_t triangle) {
+static void push_triangle(stripper *s, uint16_t triangle) {
     int left = neighbours_left(s, triangle);
     s->stack[left][s->stacked[left]++] = triangle;
 }
 
-static void take(stripper *s, uint16_t triangle) {
+static void mark_in_strip(stripper *s, uint16_t triangle) {
     s->met[triangle] = IN_A_STRIP;
     for (int k = 0; k < 3; k++) {
         uint16_t other = s->neighbour[triangle][k];
-        if (other != NONE && s->met[other] != IN_A_STRIP) push(s, other);
+        if (other != NONE && s->met[other] != IN_A_STRIP) push_triangle(s, other);
     }
 }
 
@@ -142,7 +142,7 @@ static uint16_t next_start(stripper *s) {
     return NONE;
 }
 
-static void put_strip(stripper *s, uint16_t triangle) {
+static void append_strip(stripper *s, uint16_t triangle) {
     int best = 0;
     uint32_t longest = 0;
     for (int turn = 0; turn < 3; turn++) {
@@ -155,33 +155,33 @@ static void put_strip(stripper *s, uint16_t triangle) {
     for (uint32_t i = s->path[1].count; i-- > 0;) s->out[s->used++] = s->path[1].vertex[i];
     for (int k = 0; k < 3; k++) s->out[s->used++] = s->corner[triangle][(best + k) % 3];
     for (uint32_t i = 0; i < s->path[0].count; i++) s->out[s->used++] = s->path[0].vertex[i];
-    take(s, triangle);
+    mark_in_strip(s, triangle);
     for (int way = 0; way < 2; way++)
-        for (uint32_t i = 0; i < s->path[way].count; i++) take(s, s->path[way].triangle[i]);
+        for (uint32_t i = 0; i < s->path[way].count; i++) mark_in_strip(s, s->path[way].triangle[i]);
 }
 
 /* ---- one brick */
 
 /* The next array in a block of memory; NULL while sizes are only summed. */
-static void *carve(const iso_buffer *block, size_t *used, size_t bytes) {
+static void *next_array(const iso_buffer *block, size_t *used, size_t bytes) {
     void *part = block ? (char *)block->data + *used : NULL;
     *used += (bytes + 7) / 8 * 8;
     return part;
 }
 
-static size_t lay_out(stripper *s, const iso_buffer *block) {
+static size_t arrange_arrays(stripper *s, const iso_buffer *block) {
     const size_t n = s->count, pushes = (1 + 3) * n; /* each triangle once at first, then by each neighbour */
     size_t used = 0;
-    s->start = carve(block, &used, (s->vertex_count + 1) * sizeof *s->start);
-    s->met = carve(block, &used, n * sizeof *s->met);
-    s->neighbour = carve(block, &used, n * sizeof *s->neighbour);
-    s->fan = carve(block, &used, 3 * n * sizeof *s->fan);
+    s->start = next_array(block, &used, (s->vertex_count + 1) * sizeof *s->start);
+    s->met = next_array(block, &used, n * sizeof *s->met);
+    s->neighbour = next_array(block, &used, n * sizeof *s->neighbour);
+    s->fan = next_array(block, &used, 3 * n * sizeof *s->fan);
     for (int way = 0; way < 2; way++) {
-        s->path[way].vertex = carve(block, &used, n * sizeof(uint16_t));
-        s->path[way].triangle = carve(block, &used, n * sizeof(uint16_t));
+        s->path[way].vertex = next_array(block, &used, n * sizeof(uint16_t));
+        s->path[way].triangle = next_array(block, &used, n * sizeof(uint16_t));
     }
     for (int left = 0; left < DEGREES; left++)
-        s->stack[left] = carve(block, &used, pushes * sizeof(uint16_t));
+        s->stack[left] = next_array(block, &used, pushes * sizeof(uint16_t));
     return used;
 }
 
@@ -191,14 +191,14 @@ iso_status iso_gl_strips_make(iso_gl_strips *strips, const iso_mesh_view *mesh, 
     stripper s = {.corner = mesh->triangles + span->first_triangle,
                   .count = span->triangle_count,
                   .vertex_count = span->vertex_count};
-    ISO_TRY(iso_buffer_reserve(&strips->work, lay_out(&s, NULL), 0, error));
+    ISO_TRY(iso_buffer_reserve(&strips->work, arrange_arrays(&s, NULL), 0, error));
     ISO_TRY(iso_buffer_reserve(&strips->indices, ISO_GL_STRIP_ROOM * sizeof(uint16_t) * s.count, 0, error));
-    lay_out(&s, &strips->work);
+    arrange_arrays(&s, &strips->work);
     s.out = strips->indices.data;
     find_neighbours(&s);
     memset(s.met, 0, s.count * sizeof *s.met);
-    for (uint32_t t = s.count; t-- > 0;) push(&s, (uint16_t)t);
-    for (uint16_t t; (t = next_start(&s)) != NONE;) put_strip(&s, t);
+    for (uint32_t t = s.count; t-- > 0;) push_triangle(&s, (uint16_t)t);
+    for (uint16_t t; (t = next_start(&s)) != NONE;) append_strip(&s, t);
     *count = s.used;
     return ISO_OK;
 }

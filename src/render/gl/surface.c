@@ -339,14 +339,14 @@ static iso_status send_points(iso_gl_surface *surface, const iso_point_view *poi
     if (!points->surfels) vertices = (source){points->packed, sizeof *points->packed, &surface->vertices};
     const source radii = {points->radii, sizeof *points->radii, &surface->radii};
     const source colors = {points->colors, sizeof *points->colors, &surface->colors};
-    const source surfaces = {points->curvatures, sizeof *points->curvatures, &surface->curvatures};
+    const source curvatures = {points->curvatures, sizeof *points->curvatures, &surface->curvatures};
     size_t end = end_of(points, points->span_count, points_of);
     if (end > UINT32_MAX) return iso_fail(error, ISO_ERR_LIMIT, "more than 2^32 - 1 points");
     ISO_TRY(check_memory(surface,
                          growth(&surface->vertices, end, vertices.item) +
                              (points->radii ? growth(&surface->radii, end, radii.item) : 0) +
                              (points->colors ? growth(&surface->colors, end, colors.item) : 0) +
-                             (points->curvatures ? growth(&surface->curvatures, end, surfaces.item) : 0),
+                             (points->curvatures ? growth(&surface->curvatures, end, curvatures.item) : 0),
                          error));
     ISO_TRY(ensure_spans(surface, points->span_count, error));
     surface->closed = points->closed;
@@ -363,8 +363,8 @@ static iso_status send_points(iso_gl_surface *surface, const iso_point_view *poi
         upload_changed(surface, &colors, points, points_of);
     }
     if (points->curvatures) {
-        ensure_capacity(gl, &surfaces, end);
-        upload_changed(surface, &surfaces, points, points_of);
+        ensure_capacity(gl, &curvatures, end);
+        upload_changed(surface, &curvatures, points, points_of);
     }
     return ISO_OK;
 }
@@ -427,7 +427,7 @@ iso_status iso_gl_update_mesh(iso_gl_surface *surface, const iso_mesh_view *mesh
     return status;
 }
 
-static iso_status make_shape(iso_gl_engine *engine, iso_gl_surface **made, iso_error *error) {
+static iso_status make_surface(iso_gl_engine *engine, iso_gl_surface **made, iso_error *error) {
     *made = iso_alloc_zero(1, sizeof **made);
     if (!*made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a surface");
     (*made)->engine = engine;
@@ -437,7 +437,7 @@ static iso_status make_shape(iso_gl_engine *engine, iso_gl_surface **made, iso_e
 iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *points, iso_gl_surface **surface,
                                 iso_error *error) {
     iso_gl_surface *made;
-    ISO_TRY(make_shape(engine, &made, error));
+    ISO_TRY(make_surface(engine, &made, error));
     made->surfels = points->surfels != NULL;
     made->has_radii = points->radii != NULL;
     made->has_colors = points->colors != NULL;
@@ -455,7 +455,7 @@ iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *poi
 static iso_status upload_mesh(iso_gl_engine *engine, const iso_mesh_view *mesh, bool stripped,
                               iso_gl_surface **surface, iso_error *error) {
     iso_gl_surface *made;
-    ISO_TRY(make_shape(engine, &made, error));
+    ISO_TRY(make_surface(engine, &made, error));
     made->mesh = true;
     made->stripped = stripped;
     iso_status status = iso_gl_update_mesh(made, mesh, error);

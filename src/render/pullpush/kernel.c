@@ -1,8 +1,9 @@
+/* kernel: compiles kernel_body.inc once per instruction set. */
 #include "render/pullpush/kernel.h"
 
 #include "base/simd.h"
 
-/* Where in its pixel a point lies is known to 1/32 (pyramid.h). */
+/* Keys store a point's position within its pixel in 1/32 (pyramid.h). */
 enum { PP_PART_BITS = 5, PP_PARTS = 1 << PP_PART_BITS };
 
 #define ISO_KERNEL_BODY "render/pullpush/kernel_body.inc"

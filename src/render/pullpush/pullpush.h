@@ -1,15 +1,15 @@
-/* pullpush: points projected to single pixels, and a surface reconstructed between them in image space
- * (Marroquim, Kraus and Cavalcanti 2008, section 3): on the cpu, fast enough for interaction.
+/* pullpush: draws points by projecting each to a single pixel and reconstructing the surface between them in
+ * image space (Marroquim, Kraus and Cavalcanti 2008, section 3), on the cpu, fast enough for interaction.
  *
- * Each point goes into the one pixel that its centre lies in, with its normal, its radius and the depth
- * interval [z, z + radius]. Pull averages pixels whose intervals meet the frontmost one's into coarser
- * levels; push fills, from coarse to fine, pixels that hold no point or one behind the surface, from the up
- * to four coarser pixels whose ellipses they are in. An ellipse is a disc of the radius, seen along the
- * optical axis, low-pass filtered (Zwicker et al. 2001). Points up to a projected radius outside the picture
- * take part.
+ * A point is stored in the pixel that contains its centre, with its normal, its radius and the depth interval
+ * [z, z + radius]. Pull averages, level by level, the pixels whose intervals overlap that of the frontmost
+ * one into a coarser pixel. Push goes from coarse to fine: a pixel without a point, or with a point behind
+ * the surface, gets the weighted mean of those of the four coarser pixels around it whose ellipses contain
+ * its centre. A pixel's ellipse is the projection of a disc with the pixel's normal and radius, low-pass
+ * filtered (Zwicker et al. 2001). Points outside the picture take part when their discs reach into it.
  *
- * Points that face away are left out when the set is closed and the eye is outside the box around it; else
- * they are drawn too, and normals stay as they are (out of the solid). */
+ * Back-facing points are left out when the set is closed and the eye is outside the box around it. Otherwise
+ * they are drawn too; their normals are not flipped and point out of the solid. */
 #ifndef ISO_RENDER_PULLPUSH_PULLPUSH_H
 #define ISO_RENDER_PULLPUSH_PULLPUSH_H
 
@@ -20,13 +20,13 @@ extern "C" {
 #endif
 
 typedef enum iso_reconstruction {
-    ISO_RECONSTRUCTION_REFINED, /* second-order discs instead of averages; it knows no
-                                   colours: points that have them are drawn as by gaussian */
+    ISO_RECONSTRUCTION_REFINED, /* second-order discs (render/refined/refined.h). Points with colours of
+                                   their own are drawn as by ISO_RECONSTRUCTION_GAUSSIAN */
     ISO_RECONSTRUCTION_BOX,     /* ellipses with equal weights (figure 4a) */
     ISO_RECONSTRUCTION_GAUSSIAN /* with Gaussian ones (figure 4b) */
 } iso_reconstruction;
 
-/* Memory that frames can share. One call uses it at a time. */
+/* Working memory that is reused from one picture to the next. For one call at a time. */
 typedef struct iso_pullpush iso_pullpush;
 
 /* ISO_ERR_NOMEM. Destroy with iso_pullpush_destroy, which takes NULL too. */
@@ -38,10 +38,10 @@ typedef struct iso_pullpush_opts {
     iso_pullpush *workspace; /* borrowed; NULL: made for the call */
 } iso_pullpush_opts;
 
-/* Draws one surface over what is there, as iso_draw_points does: a sample is replaced when the new depth is
- * smaller. The same bytes for every instruction set and thread count, and for strips of a picture made by
- * iso_view_rows. Points whose position is not finite, or whose normal has no direction, are left out. `opts`
- * NULL: defaults. ISO_ERR_NOMEM. */
+/* Draws one surface into the gbuffer, as iso_draw_points does: a sample is replaced when the new depth is
+ * smaller. The result has the same bytes for every instruction set and number of threads, and when the
+ * picture is drawn in strips made by iso_view_rows. Points whose position is not finite, or whose normal is
+ * zero, are left out. `opts` NULL: defaults. ISO_ERR_NOMEM. */
 iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *points,
                              const iso_pullpush_opts *opts, iso_error *error);
 

@@ -1,15 +1,16 @@
+/* pyramid: choice of levels, and the arrangement of keys and planes in one piece of memory. */
 #include "render/pullpush/pyramid.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
-    LANES = 16, /* of the widest vectors */
-    LEFT = LANES,
-    RIGHT = 2 * LANES /* border columns; pairs of vectors of an odd row end up to RIGHT beyond */
+    LANES = 16,       /* of the widest vectors */
+    LEFT = LANES,     /* columns of the border at the left */
+    RIGHT = 2 * LANES /* at least so many at the right: rows are read and written in pairs of vectors */
 };
 
-/* The smallest projected radius that discs may have in pixels of their level. */
+/* Least projected radius of discs in the base level, pixels of that level, when the base is above level 0. */
 static const float BASE_RADIUS = 8;
 
 static int round_up(int value, int multiple) {
@@ -24,8 +25,8 @@ void iso_pyramid_levels(const float radius[2], float low_pass, int *base, int *t
     while (*base < *top - 1 && radius[0] >= BASE_RADIUS * (float)(2 << *base)) ++*base;
 }
 
-/* Rows of level 0, from the whole frame's first, that rows lo .. hi depend on: at each step up a pixel takes
- * in one more on each side. */
+/* Widens rows lo .. hi of level 0, counted from the first row of the whole picture's guard band, to all rows
+ * that they depend on: a pixel depends on one more row on each side at every level. */
 static void widen_rows(int top, int *lo, int *hi) {
     for (int level = 0; level < top; level++) {
         *lo = (*lo - 1) >> 1;
@@ -72,7 +73,7 @@ static size_t key_stride_of(const iso_pyramid_level *base) {
     return (size_t)round_up(base->width, 2 * LANES);
 }
 
-/* One more row: an odd number of rows is made even. */
+/* One row more than the level has: pull reads rows in pairs. */
 static size_t key_count(const iso_pyramid_level *base) {
     return key_stride_of(base) * (size_t)(base->height + 1);
 }
@@ -94,35 +95,35 @@ size_t iso_pyramid_bytes(const iso_pyramid_layout *layout) {
     return bytes;
 }
 
-static void fill(float *from, float *end, float value) {
+static void fill_floats(float *from, float *end, float value) {
     while (from < end) *from++ = value;
 }
 
-/* The border is what is no pixel: whole rows before and after, and the ends of the others. */
-static void make_border(const iso_pyramid_level *level, int plane) {
+/* Sets the border of a plane: a row above and a row below, and the columns beside the pixels. */
+static void set_border(const iso_pyramid_level *level, int plane) {
     float value = plane == ISO_PLANE_LOW || plane == ISO_PLANE_HIGH ? ISO_NOWHERE
                   : plane == ISO_PLANE_WIDE                         ? INFINITY
                                                                     : 0;
     float *row = level->plane[plane] - LEFT - level->stride;
-    fill(row, row + level->stride, value);
+    fill_floats(row, row + level->stride, value);
     for (int y = 0; y < level->height; y++) {
         row += level->stride;
-        fill(row, row + LEFT, value);
-        fill(row + LEFT + level->width, row + level->stride, value);
+        fill_floats(row, row + LEFT, value);
+        fill_floats(row + LEFT + level->width, row + level->stride, value);
     }
     row += level->stride;
-    fill(row, row + level->stride, value);
+    fill_floats(row, row + level->stride, value);
 }
 
-/* Returns where they end. */
-static char *lay_planes(iso_pyramid *pyramid, char *memory) {
+/* Arranges all planes from `memory` on; returns their end. */
+static char *arrange_planes(iso_pyramid *pyramid, char *memory) {
     float *next = (float *)memory;
     for (int l = 0; l <= pyramid->layout.top; l++) {
         iso_pyramid_level *level = &pyramid->level[l];
         for (int p = 0; p < ISO_PLANES; p++) {
             if (!has_plane(&pyramid->layout, l, p)) continue;
             level->plane[p] = next + level->stride + LEFT;
-            make_border(level, p);
+            set_border(level, p);
             next += plane_floats(level);
         }
     }
@@ -145,7 +146,7 @@ iso_status iso_pyramid_resize(iso_pyramid *pyramid, const iso_pyramid_layout *la
     pyramid->keys = (int64_t *)memory;
     memory += key_count(base) * sizeof(int64_t);
     pyramid->index = layout->indexed ? (int32_t *)memory : NULL;
-    pyramid->used = (uint8_t *)lay_planes(pyramid, memory + index);
+    pyramid->used = (uint8_t *)arrange_planes(pyramid, memory + index);
     memset(pyramid->used, 1, piece_count(base));
     return ISO_OK;
 }

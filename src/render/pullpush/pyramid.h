@@ -1,10 +1,10 @@
-/* pyramid: where points become a picture: the picture with a guard band around it at 1, 1/2, 1/4 .. of its
- * resolution (Marroquim, Kraus and Cavalcanti 2008, section 3), in planes of floats. Internal to render.
+/* pyramid: the image pyramid of pull-push: the picture with a guard band around it at 1, 1/2, 1/4 .. of its
+ * resolution (Marroquim, Kraus and Cavalcanti 2008, section 3), as planes of floats. Internal to render.
  *
- * Points go into level `base`, one to a pixel, as keys; they are averaged up to level `top` (pull), and gaps
- * are filled downwards to level 0 (push). The lattice of pixels starts at the corner of the whole picture's
- * guard band, and a strip of a picture takes in as many rows around its own as any of its pixels can depend
- * on: each pixel is the same in the strip and in the whole. */
+ * Points are projected into level `base`, one per pixel, as keys; pull averages them up to level `top`, push
+ * fills gaps downwards to level 0. Pixels of every level are counted from the corner of the guard band of the
+ * whole picture, also when only a strip of the picture is drawn. The pyramid of a strip includes all rows
+ * around the strip that its pixels depend on, so that they are the same as in the whole picture. */
 #ifndef ISO_RENDER_PULLPUSH_PYRAMID_H
 #define ISO_RENDER_PULLPUSH_PYRAMID_H
 
@@ -20,26 +20,29 @@ enum {
     ISO_PYRAMID_GUARD = 512 /* the widest guard band, pixels */
 };
 
-/* What a pixel of a level holds. All are finite, even where nothing is, but for ISO_PLANE_WIDE there. */
+/* The planes of a level: what each of its pixels stores. Values are finite even in pixels without a point,
+ * except ISO_PLANE_WIDE there. */
 enum {
-    ISO_PLANE_NX, /* view space normal, of any length */
+    ISO_PLANE_NX, /* mean normal in view space, not unit */
     ISO_PLANE_NY,
     ISO_PLANE_NZ,
     ISO_PLANE_DEPTH, /* mean depth, mm */
-    ISO_PLANE_LOW,   /* depth interval, mm; ISO_NOWHERE where there is no point */
+    ISO_PLANE_LOW,   /* depth interval, mm; both ISO_NOWHERE where there is no point */
     ISO_PLANE_HIGH,
-    ISO_PLANE_DX, /* from the pixel's centre to the ellipse's, in pixels of the level */
+    ISO_PLANE_DX, /* from the pixel's centre to the ellipse's centre, in pixels of the level */
     ISO_PLANE_DY,
-    /* The ellipse: at a distance d, in pixels of the level, from its centre, q = WIDE d.d + (d.THIN)^2;
-     * inside q < 1 and d.THIN <= OUT, THIN pointing to where the surface ends. WIDE is infinite where there
-     * is no point. Before ellipses are made, HIDDEN says where a surface goes on behind the end of another:
-     * there OUT is more, else there would be a gap between the two; it is in the last bit of OUT then. */
+    /* The ellipse. At offset d from its centre, in pixels of the level, q = WIDE d.d + (d.THIN)^2; d is
+     * inside when q < 1 and d.THIN <= OUT. THIN is the direction of the shorter axis, towards the silhouette:
+     * the side on which a surface that curves away ends. WIDE is infinite where there is no point.
+     * Until the ellipse is computed, the plane of WIDE contains HIDDEN instead: 1 where another surface
+     * continues behind this pixel's, else 0. There OUT is larger, because otherwise gaps would show between
+     * the front surface's silhouette and the surface behind. Afterwards HIDDEN is the lowest bit of OUT. */
     ISO_PLANE_WIDE,
-    ISO_PLANE_HIDDEN = ISO_PLANE_WIDE, /* 1 or 0 */
+    ISO_PLANE_HIDDEN = ISO_PLANE_WIDE,
     ISO_PLANE_THIN_X,
     ISO_PLANE_THIN_Y,
     ISO_PLANE_OUT,
-    /* Averages that only some points need; level 0 has no plane but these. */
+    /* Optional planes, for points with radii or colours of their own. Level 0 has no others. */
     ISO_PLANE_RADIUS, /* mm */
     ISO_PLANE_RED,    /* 0 .. 255 */
     ISO_PLANE_GREEN,
@@ -48,62 +51,66 @@ enum {
     ISO_PLANE_OPTIONAL = ISO_PLANE_RADIUS
 };
 
-/* A depth beyond all others, finite so that it can be weighted by zero. */
+/* The depth, mm, of pixels without a point: greater than any other, and finite, so that a weight of zero
+ * makes it zero. */
 #define ISO_NOWHERE 1e30f
 
-/* A key is the depth's bits, made to order like the depth itself, above a payload: bits 0..21 the normal as
- * an iso_point has it (index space), 22..26 and 27..31 where in its pixel the point lies, in 1/32. The
- * smallest key of a pixel is its point. */
+/* A key represents a projected point. The high 32 bits are the depth's bits, mapped so that keys compare like
+ * depths; the low 32 bits are the payload: bits 0..21 the normal as in an iso_point (index space), bits
+ * 22..26 and 27..31 the point's column and row within its pixel, in 1/32. Of the points in a pixel, the one
+ * with the smallest key is kept. */
 #define ISO_KEY_NONE INT64_MAX
 
-/* Keys of a row that are emptied together, with those of the row below: rows 2y and 2y + 1. */
+/* Keys are emptied in pieces of this many columns and two rows, 2y and 2y + 1. */
 enum { ISO_KEY_PIECE = 32 };
 
-/* Pixel (x, y) is at [y * stride + x]; there is a border of no points around, at least one pixel wide and so
- * that vectors may begin before the left end and go beyond the right. */
+/* Pixel (x, y) of a plane is at [y * stride + x]. Around the pixels is a border without points, one row high
+ * and wide enough that vectors may begin left of the first column and end right of the last. */
 typedef struct iso_pyramid_level {
     int width, height;
     size_t stride;
     float *plane[ISO_PLANES];
 } iso_pyramid_level;
 
-/* What decides a pyramid's layout. Zero-initialise. */
+/* The size and contents of a pyramid. Zero-initialise: layouts are compared byte by byte. */
 typedef struct iso_pyramid_layout {
-    int base, top, guard;
-    int column, row;   /* the view's pixel that is the pyramid's (0, 0) of level 0 */
-    int rows_before;   /* rows of the whole picture and its guard band before that, a multiple of 2^top */
-    int width, height; /* level 0 */
-    uint32_t planes;   /* optional ones that are there, a bit for each */
-    int indexed;       /* 1: there is an index */
+    int base, top;   /* level that points are projected into; highest level */
+    int guard;       /* width of the guard band, pixels of level 0 */
+    int column, row; /* the view's pixel that is pixel (0, 0) of level 0 */
+    int rows_before; /* rows of the whole picture and its guard band above that pixel; a multiple of 2^top */
+    int width, height; /* of level 0, pixels */
+    uint32_t planes;   /* bit p is set: optional plane p exists */
+    int indexed;       /* 1: the number of each pixel's point is kept */
 } iso_pyramid_layout;
 
+/* Zero-initialise; free with iso_pyramid_free. */
 typedef struct iso_pyramid {
     iso_pyramid_layout layout;
     iso_pyramid_level level[ISO_PYRAMID_TOP + 1];
-    int64_t *keys; /* of level `base`: its height + 1 rows of key_stride, the last empty */
-    size_t key_stride;
-    uint8_t *used;  /* of each piece of keys: whether there has been a point in it since it was emptied; as
-                       many  in a row as key_stride has */
-    int32_t *index; /* the points' numbers, laid out like the keys; NULL unless asked for */
+    int64_t *keys;     /* of level `base`: its height + 1 rows of key_stride, the last one empty */
+    size_t key_stride; /* a multiple of ISO_KEY_PIECE */
+    uint8_t *used;     /* 1 for each piece that may contain a key; key_stride / ISO_KEY_PIECE in a row */
+    int32_t *index;    /* the points' numbers, arranged like the keys; NULL unless layout.indexed */
     iso_buffer memory;
 } iso_pyramid;
 
-/* The levels that discs of projected radii radius[0] .. radius[1] need, with low_pass (pixels^2) added to
- * their squares: up to that of which the largest is half a pixel, and down to that in which the smallest
- * are 8. */
+/* Chooses the levels for discs with projected radii from radius[0] to radius[1] pixels, where low_pass
+ * (pixels^2) is added to the squares. *top: the first level in which the largest disc's radius is at most
+ * half a pixel, within limits; *base: the highest level below *top in which the smallest disc's radius is
+ * at least 8 pixels, or 0. */
 void iso_pyramid_levels(const float radius[2], float low_pass, int *base, int *top);
 
-/* The shape of a view's pyramid: its levels and what there is in it */
+/* The layout of a view's pyramid with these levels, without optional planes and index. */
 iso_pyramid_layout iso_pyramid_layout_of(const iso_view *view, int base, int top);
 
-/* A level's size, without planes. */
+/* Size and stride of level `number`, without planes. */
 iso_pyramid_level iso_pyramid_level_of(const iso_pyramid_layout *layout, int number);
 
-/* Bytes that a pyramid of this shape takes; SIZE_MAX when it is impossible. */
+/* Bytes of memory of a pyramid with this layout; SIZE_MAX: it is too large. */
 size_t iso_pyramid_bytes(const iso_pyramid_layout *layout);
 
-/* Gives the pyramid this shape; what lay in it is lost, its memory is kept and reused. Borders are made,
- * pixels are not. ISO_ERR_NOMEM. */
+/* Gives the pyramid this layout and sets its borders. Pixels and keys are undefined afterwards unless the
+ * layout is unchanged. Memory is reused. ISO_ERR_NOMEM. */
 iso_status iso_pyramid_resize(iso_pyramid *pyramid, const iso_pyramid_layout *layout, iso_error *error);
 void iso_pyramid_free(iso_pyramid *pyramid);
 

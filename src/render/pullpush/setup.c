@@ -1,10 +1,11 @@
+/* setup: the low-pass filters and weights of pull-push, and its transforms as floats. */
 #include "render/pullpush/setup.h"
 
 #include <string.h>
 
-/* Pixels^2 of the screen-space filter. */
+/* Variance of the low-pass filter, pixels^2. */
 static const float LOW_PASS = 2;
-/* The same on the side where the surface ends, seen face-on and edge-on. */
+/* The same towards the silhouette, for discs seen face-on and edge-on. */
 static const float FACING = 1, EDGE = 0.04f;
 /* exp(-2 q) for q in 0 .. 1, within 0.0025. */
 static const float GAUSSIAN[4] = {1, -1.9457733f, 1.6291067f, -0.5504321f};
@@ -35,7 +36,7 @@ iso_point_projection iso_pullpush_projection(const iso_pyramid_layout *layout, c
         }
     }
     iso_projector_eye(projector, transform, p.eye);
-    /* counted from the whole frame, so that strips round alike */
+    /* rows are counted from the guard band of the whole picture, so that strips round like the whole */
     p.column = (float)((view->cx - layout->column) * pixel);
     p.row = (float)((view->cy - layout->row + layout->rows_before) * pixel);
     return p;

@@ -1,4 +1,4 @@
-/* pullpush_setup: what pull-push needs to know of a view, the same for every engine. Internal to render. */
+/* setup: the parameters of pull-push for a view, shared by the cpu and the gl engine. Internal to render. */
 #ifndef ISO_RENDER_PULLPUSH_SETUP_H
 #define ISO_RENDER_PULLPUSH_SETUP_H
 
@@ -9,16 +9,16 @@
 extern "C" {
 #endif
 
-/* The shape of a view's pyramid for discs of projected radii radius[0] .. radius[1], without optional planes.
- */
+/* The layout of a view's pyramid for discs with projected radii from radius[0] to radius[1] pixels, without
+ * optional planes and index. */
 iso_pyramid_layout iso_pullpush_layout(const iso_view *view, const float radius[2]);
 
-/* All but `points` and `pyramid`; `packed` is what the points are. */
+/* Sets all fields except `points` and `pyramid`. `packed`: points are iso_point, else iso_surfel. */
 iso_point_projection iso_pullpush_projection(const iso_pyramid_layout *layout, const iso_projector *projector,
                                              const iso_transform *transform, bool packed, bool cull);
 
-/* All but `pyramid` and `target`; `radius` is the points' own, mm, of those that share one; `two_sided` when
- * nothing is culled. */
+/* Sets all fields except `pyramid` and `target`. `radius`: of points without radii of their own, mm.
+ * `two_sided`: back-facing points are drawn too. */
 iso_pullpush_params iso_pullpush_params_make(const iso_pyramid_layout *layout, const iso_projector *projector,
                                              double radius, iso_reconstruction reconstruction,
                                              bool two_sided);

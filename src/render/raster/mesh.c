@@ -1,8 +1,8 @@
-/* Triangles with integer edge functions (Pineda 1988) on vertices snapped to 1/256 pixel: exact, so shared
- * edges neither leave holes nor draw a pixel twice. Triangles that reach in front of the near plane, or so
- * far beyond the picture that 64-bit edge functions would overflow, are clipped first (Sutherland and Hodgman
- * 1974); new vertices are computed from the inner end of an edge to its outer one, so that both triangles at
- * the edge get the same. */
+/* mesh: rasterises triangles with integer edge functions (Pineda 1988) on vertices snapped to 1/256 pixel.
+ * Integers are exact, so that triangles with a common edge neither leave holes nor draw a pixel twice.
+ * Triangles that cross the near plane, or extend so far that 64-bit edge functions would overflow, are
+ * clipped first (Sutherland and Hodgman 1974); a new vertex is always computed from the inner end of an
+ * edge towards the outer one, so that both triangles at the edge get the same. */
 #include <assert.h>
 
 #include "base/memory.h"
@@ -11,16 +11,16 @@
 
 enum {
     SUBPIXEL = 256,
-    GUARD = 1 << 21, /* pixels from the optical axis; edge functions stay below 2^62 */
+    GUARD = 1 << 21, /* pixels from the optical axis, clipped beyond: edge functions stay below 2^62 */
     CLIP_PLANES = 5, /* near, and the guard band's four sides */
     POLYGON = 3 + CLIP_PLANES,
-    NARROW = 16 /* rows up to this wide are tested pixel by pixel */
+    NARROW = 16 /* pixels: rows up to this wide are tested pixel by pixel, of wider ones the ends are found */
 };
 
 typedef struct vertex {
     iso_vec3 view;
     double weight;   /* of perspective correction: 1/z, or 1 */
-    int64_t x, y;    /* 1/256 pixel; when inside */
+    int64_t x, y;    /* in the picture, 1/256 pixel; set when inside */
     float normal[3]; /* view space */
     bool inside;     /* of all clip planes */
 } vertex;
@@ -35,7 +35,7 @@ typedef struct mesh_draw {
     int band_count;
 } mesh_draw;
 
-/* >= 0 inside. */
+/* Signed distance to a clip plane, up to a factor: >= 0 inside. */
 static double plane_distance(const iso_view *view, iso_vec3 p, int plane) {
     double limit = view->orthographic ? GUARD / view->focal : p.z * (GUARD / view->focal);
     switch (plane) {
@@ -117,7 +117,8 @@ static int64_t max3(int64_t a, int64_t b, int64_t c) {
 }
 
 /* False when the triangle covers no pixel of the band. */
-static bool set_up(triangle *t, const vertex *a, const vertex *b, const vertex *c, const iso_rows clip[2]) {
+static bool set_up_triangle(triangle *t, const vertex *a, const vertex *b, const vertex *c,
+                            const iso_rows clip[2]) {
     int64_t x[2], y[2];
     pixel_range(min3(a->y, b->y, c->y), max3(a->y, b->y, c->y), clip[1], y);
     if (y[0] > y[1]) return false;
@@ -159,7 +160,7 @@ static void draw_pixel(const mesh_draw *draw, const triangle *t, const int64_t v
 }
 
 /* Narrows pixels lo .. hi of a row to those where value + x * step >= 0. */
-static void narrow(int64_t value, int64_t step, int64_t *lo, int64_t *hi) {
+static void narrow_range(int64_t value, int64_t step, int64_t *lo, int64_t *hi) {
     if (step > 0) {
         int64_t first = -floor_divide(value, step);
         if (first > *lo) *lo = first;
@@ -175,7 +176,7 @@ static void draw_row(const mesh_draw *draw, const triangle *t, int64_t y) {
     int64_t start[3], lo = 0, hi = t->x1 - t->x0;
     for (int k = 0; k < 3; k++) {
         start[k] = t->edge[k].value + (y - t->y0) * t->edge[k].step_y;
-        if (t->x1 - t->x0 > NARROW) narrow(start[k] + t->edge[k].bias, t->edge[k].step_x, &lo, &hi);
+        if (t->x1 - t->x0 > NARROW) narrow_range(start[k] + t->edge[k].bias, t->edge[k].step_x, &lo, &hi);
     }
     size_t row = (size_t)y * (size_t)draw->target->gbuffer->width + (size_t)t->x0;
     for (int64_t x = lo; x <= hi; x++) {
@@ -192,11 +193,12 @@ static void draw_row(const mesh_draw *draw, const triangle *t, int64_t y) {
 static void draw_triangle(const mesh_draw *draw, const vertex *const corners[3], iso_rows band) {
     const iso_rows clip[2] = {{0, draw->target->gbuffer->width - 1}, band};
     triangle t;
-    if (!set_up(&t, corners[0], corners[1], corners[2], clip)) return;
+    if (!set_up_triangle(&t, corners[0], corners[1], corners[2], clip)) return;
     for (int64_t y = t.y0; y <= t.y1; y++) draw_row(draw, &t, y);
 }
 
-static vertex cut(const vertex *in, const vertex *out, double in_distance, double out_distance) {
+/* The vertex where the edge from `in` to `out` crosses a clip plane, given the distances of both. */
+static vertex cut_edge(const vertex *in, const vertex *out, double in_distance, double out_distance) {
     double t = in_distance / (in_distance - out_distance);
     vertex v = {.view = iso_vec3_add(in->view, iso_vec3_scale(iso_vec3_sub(out->view, in->view), t))};
     for (int axis = 0; axis < 3; axis++)
@@ -210,12 +212,13 @@ static int clip_polygon(const iso_view *view, int plane, const vertex *polygon, 
         const vertex *a = &polygon[i], *b = &polygon[(i + 1) % count];
         double da = plane_distance(view, a->view, plane), db = plane_distance(view, b->view, plane);
         if (da >= 0) out[kept++] = *a;
-        if (da >= 0 && db < 0) out[kept++] = cut(a, b, da, db);
-        if (da < 0 && db >= 0) out[kept++] = cut(b, a, db, da);
+        if (da >= 0 && db < 0) out[kept++] = cut_edge(a, b, da, db);
+        if (da < 0 && db >= 0) out[kept++] = cut_edge(b, a, db, da);
     }
     return kept;
 }
 
+/* Clips a triangle and draws the polygon that remains as a fan of triangles. */
 static void draw_clipped(const mesh_draw *draw, const vertex *const corners[3], iso_rows band) {
     vertex polygon[2][POLYGON];
     int count = 3, now = 0;

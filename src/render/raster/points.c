@@ -1,9 +1,10 @@
-/* Attenuated points: Baerentzen and Christensen 2003, section 4.1. Discs that face the picture, sized by the
- * depth z of eq. 3-4 itself, for which OpenGL's point parameters had to be content with a bound on it.
+/* points: attenuated points, Baerentzen and Christensen 2003, section 4.1. Discs parallel to the image
+ * plane, sized by the depth z of eq. 3-4. (The paper's OpenGL point parameters could only use a bound on
+ * z.)
  *
- * The picture is worked off in bands of rows that stay in cache. A band holds depth and, instead of a normal,
- * where the point's normal is found; normals are computed once for each pixel that shows a point in the end.
- */
+ * The picture is drawn in bands of rows that fit into cache. A band stores for each pixel the depth and
+ * the packed normal or number of the nearest point; view space normals are computed once the nearest
+ * points are known. */
 #include <assert.h>
 #include <string.h>
 
@@ -14,55 +15,58 @@
 #include "render/raster/raster.h"
 
 enum {
-    BLOCK_POINTS = 4096, /* points that are culled together: a span, or a part of a long one */
+    BLOCK_POINTS = 4096, /* points that are culled together: a span, or a part of a longer one */
     CHUNK = 256,         /* points that are projected together */
-    REACH = 24,          /* pixels; larger discs are drawn row by row */
-    /* A band's rows are wider than the picture, so that discs at its border need no clipping. */
+    REACH = 24,          /* largest radius of discs drawn by the kernel, pixels */
+    /* Pixels on both sides of a band's rows, so that discs need no clipping at the picture's sides. Their
+     * depth is -INFINITY: nothing is drawn there. */
     MARGIN = 64,
-    BAND_BYTES = 1200 << 10,
+    BAND_BYTES = 1200 << 10, /* memory of a band, at most */
     MOST_ROWS = 128,
     LEAST_ROWS = 8
 };
 _Static_assert(MARGIN >= 2 * REACH + ISO_LANES_MAX, "discs must stay within the margin");
-/* Centres farther than this from the picture's corner are not those of small discs. */
+/* Pixels from the picture's corner: discs with centres farther away are drawn by draw_large. */
 static const double FAR_PIXELS = 1 << 20;
-/* Where a band shows none of the points. */
+/* The source of a pixel that shows none of the points. */
 static const uint32_t NO_POINT = UINT32_MAX;
 
 typedef struct block {
     const iso_point_span *span;
     size_t first; /* in the arrays of points */
     uint32_t count;
-    iso_rows rows;
+    iso_rows rows; /* of the picture, that its discs may cover */
 } block;
 
+/* The drawing of one surface. */
 typedef struct point_draw {
     const iso_target *target;
     const iso_point_view *points;
     iso_projector projector;
     block *blocks;
     size_t block_count;
-    int band_rows;
-    size_t pitch; /* of a band's rows */
-    float *depth; /* band_rows * pitch for each worker */
-    uint32_t *source;
+    int band_rows;    /* rows of a band */
+    size_t pitch;     /* pixels of a band's row, with margins */
+    float *depth;     /* band_rows * pitch for each worker */
+    uint32_t *source; /* likewise */
     const struct point_kernels *kernels;
 } point_draw;
 
-/* A band of rows first .. last on its way. Pixel (x, y) is at [(y - first) * pitch + MARGIN + x]. */
+/* A band while it is drawn, by one worker. Pixel (x, y) is at [(y - rows.first) * pitch + MARGIN + x]. */
 typedef struct point_band {
     const point_draw *draw;
     iso_rows rows;
     float *depth;
-    uint32_t *source; /* the packed normal, or the number of the surfel; NO_POINT */
+    uint32_t *source; /* packed normal of a packed point, or number of a surfel, or NO_POINT */
 } point_band;
 
+/* How a point is drawn: not at all; as one pixel; as a disc by the kernel; by draw_large. */
 enum { POINT_OUT, POINT_PIXEL, POINT_DISC, POINT_LARGE };
 
-/* Points on their way into a band. Centres are snapped to 1/65536 pixel, relative to the optical axis, so
- * that strips of a picture cover the same pixels as the whole. */
+/* Projected points. Centres are snapped to 1/65536 pixel relative to the optical axis, so that strips of a
+ * picture cover the same pixels as the whole. */
 typedef struct point_chunk {
-    int32_t kind[CHUNK];
+    int32_t kind[CHUNK];               /* POINT_OUT .. */
     int32_t column[CHUNK], row[CHUNK]; /* pixel that contains the centre */
     float fx[CHUNK], fy[CHUNK];        /* centre inside it, 0 .. 1 */
     float radius[CHUNK];               /* pixels */
@@ -70,7 +74,7 @@ typedef struct point_chunk {
 } point_chunk;
 
 static float *band_pixel(const point_band *band, int x, int y) {
-    const ptrdiff_t row = y - band->rows.first; /* from -MARGIN on, as x */
+    const ptrdiff_t row = y - band->rows.first;
     return band->depth + row * (ptrdiff_t)band->draw->pitch + MARGIN + x;
 }
 
@@ -103,14 +107,14 @@ static bool project_disc(const point_draw *draw, const block *b, size_t index, d
     if (!(p.z >= view->near)) return false;
     double scale = iso_projector_scale(&draw->projector, p.z);
     double x = snapped(p.x * scale) + view->cx, y = snapped(p.y * scale) + view->cy;
-    if (!(fabs(x) < 1e15 && fabs(y) < 1e15)) return false; /* also what is not a number */
+    if (!(fabs(x) < 1e15 && fabs(y) < 1e15)) return false; /* so is NaN */
     double column = floor(x), row = floor(y), radius = point_radius(draw->points, index) * scale;
     *out = (disc){column, row, x - column, y - row, radius, (float)p.z, source_of(draw, index)};
     return true;
 }
 
-/* Whole pixels k with centres k + 0.5 within `reach` of `at`, counted from `pixel` and clipped to [lo, hi];
- * pixel 0 always belongs when keep is set. */
+/* The pixels k whose centres k + 0.5 lie within `reach` of `at`, and with `keep` pixel 0 in any case. The
+ * result counts from k = -pixel and is clipped to `clip`. */
 static iso_rows covered(double at, double reach, double pixel, iso_rows clip, bool keep) {
     double first = ceil(at - 0.5 - reach), last = floor(at - 0.5 + reach);
     if (keep && first > 0) first = 0;
@@ -145,10 +149,13 @@ static void draw_large(const point_band *band, const block *b, size_t index) {
 /* ---- kernels */
 
 typedef struct point_kernels {
-    void (*project)(const point_draw *draw, const block *b, size_t first, int count, point_chunk *out);
-    void (*splat)(const point_band *band, const block *b, const point_chunk *chunk, size_t first, int count);
-    /* Takes a row of the band over into the gbuffer; packed points. */
-    void (*resolve)(const point_band *band, int row);
+    /* Projects `count` points of a block, from point number `first` on. */
+    void (*project_chunk)(const point_draw *draw, const block *b, size_t first, int count, point_chunk *out);
+    /* Draws projected points into a band. */
+    void (*splat_chunk)(const point_band *band, const block *b, const point_chunk *chunk, size_t first,
+                        int count);
+    /* Writes a row of the band into the gbuffer, with the normals of packed points. */
+    void (*resolve_row)(const point_band *band, int row);
 } point_kernels;
 
 #define ISO_KERNEL_BODY "render/raster/points_body.inc"
@@ -156,7 +163,8 @@ typedef struct point_kernels {
 
 /* ---- bands */
 
-static void open_band(const point_band *band) {
+/* Fills a band with the depths of the gbuffer. */
+static void load_band(const point_band *band) {
     const point_draw *draw = band->draw;
     const iso_gbuffer *g = draw->target->gbuffer;
     size_t width = (size_t)g->width;
@@ -168,6 +176,7 @@ static void open_band(const point_band *band) {
     }
 }
 
+/* Writes row y of the band into the gbuffer, with the normals of surfels. */
 static void resolve_surfels(const point_band *band, int y) {
     const point_draw *draw = band->draw;
     const iso_gbuffer *g = draw->target->gbuffer;
@@ -189,8 +198,8 @@ static void draw_block(const point_band *band, const block *b) {
     point_chunk chunk;
     for (uint32_t done = 0; done < b->count; done += CHUNK) {
         int count = b->count - done < CHUNK ? (int)(b->count - done) : CHUNK;
-        draw->kernels->project(draw, b, b->first + done, count, &chunk);
-        draw->kernels->splat(band, b, &chunk, b->first + done, count);
+        draw->kernels->project_chunk(draw, b, b->first + done, count, &chunk);
+        draw->kernels->splat_chunk(band, b, &chunk, b->first + done, count);
     }
 }
 
@@ -200,17 +209,18 @@ static void draw_band(void *context, size_t index, int worker) {
     int height = draw->projector.view->height, first = (int)index * draw->band_rows;
     int last = height - first < draw->band_rows ? height - 1 : first + draw->band_rows - 1;
     point_band band = {draw, {first, last}, draw->depth + pixels, draw->source + pixels};
-    open_band(&band);
+    load_band(&band);
     for (size_t k = 0; k < draw->block_count; k++)
         if (iso_rows_meet(draw->blocks[k].rows, band.rows)) draw_block(&band, &draw->blocks[k]);
     for (int y = first; y <= last; y++)
         if (draw->points->surfels)
             resolve_surfels(&band, y);
         else
-            draw->kernels->resolve(&band, y);
+            draw->kernels->resolve_row(&band, y);
 }
 
-/* Packed points cannot leave their range; floats can, and are looked at. */
+/* Box of a block's points in index coordinates: of surfels exact, of packed points the range of their
+ * positions. */
 static iso_box block_box(const point_draw *draw, const block *b) {
     const int32_t *brick = b->span->brick;
     if (draw->points->surfels) return iso_surfel_bounds(draw->points->surfels + b->first, b->count, brick);
@@ -250,7 +260,7 @@ static iso_status make_blocks(point_draw *draw, iso_error *error) {
     return ISO_OK;
 }
 
-/* Rows of a band: as many as stay in cache, and enough bands for all threads. */
+/* Rows of a band: as many as fit into cache, but few enough that all threads get bands. */
 static int band_rows(const point_draw *draw) {
     int height = draw->projector.view->height, threads = iso_pool_threads(draw->target->pool);
     size_t fit = BAND_BYTES / (draw->pitch * (sizeof *draw->depth + sizeof *draw->source));
@@ -276,7 +286,7 @@ static iso_status draw_blocks(point_draw *draw, iso_error *error) {
     return status;
 }
 
-/* Surfels are named by 32-bit numbers. */
+/* Whether surfels have numbers that do not fit into point_band.source. */
 static bool has_too_many(const iso_point_view *points) {
     for (size_t s = 0; points->surfels && s < points->span_count; s++)
         if (points->spans[s].first + points->spans[s].count > NO_POINT) return true;

@@ -1,8 +1,9 @@
-/* draw: points and meshes into a gbuffer, in plain C on the cpu.
+/* raster: draws points and meshes into a gbuffer, on the cpu.
  *
- * Each call draws one surface over what is there: a sample is replaced when the new depth is smaller (equal
- * depths: the earlier surface, then the earlier primitive, stays), so pictures do not depend on threads. The
- * view's size must be the gbuffer's. Errors: ISO_ERR_NOMEM. */
+ * Each call draws one surface with a depth test: a sample is replaced when the new depth is smaller. Of
+ * equal depths the earlier surface is kept, and within a surface the earlier primitive, so that pictures
+ * do not depend on threads. The view must have the gbuffer's size. Errors: ISO_ERR_NOMEM; ISO_ERR_LIMIT
+ * when a view has more than 2^32 - 1 surfels. */
 #ifndef ISO_RENDER_RASTER_RASTER_H
 #define ISO_RENDER_RASTER_RASTER_H
 
@@ -15,7 +16,7 @@
 extern "C" {
 #endif
 
-/* Where a draw goes. All borrowed for the call. */
+/* What is drawn into. All borrowed for the call. */
 typedef struct iso_target {
     const iso_view *view;
     iso_gbuffer *gbuffer;
@@ -23,14 +24,14 @@ typedef struct iso_target {
     uint8_t surface; /* number written into the gbuffer */
 } iso_target;
 
-/* Attenuated points (2003, section 4.1): each point is a disc that faces the picture, of diameter 2 * radius
- * in world size, scaled by the exact perspective of eq. 3-4 (depth z, not distance), at least the
- * pixel that its centre lies in; depth and normal are the point's. Points nearer than view->near are left
- * out. */
+/* Attenuated points (Baerentzen and Christensen 2003, section 4.1): each point is a disc parallel to the
+ * image plane with the point's radius (mm), projected by its depth z (eq. 3-4, not by the distance to the
+ * eye). It covers at least the pixel that contains its centre. Depth and normal are the point's. Points
+ * nearer than view->near are left out. */
 iso_status iso_draw_points(const iso_target *target, const iso_point_view *points, iso_error *error);
 
-/* Triangles: vertices snapped to 1/256 pixel, top-left fill rule, clipped at the near plane; depth and normal
- * interpolated with perspective correction. Both sides are drawn. */
+/* Triangles, drawn from both sides: vertices are snapped to 1/256 pixel, filled by the top-left rule and
+ * clipped at the near plane; depth and normal are interpolated with perspective correction. */
 iso_status iso_draw_mesh(const iso_target *target, const iso_mesh_view *mesh, iso_error *error);
 
 #ifdef __cplusplus

@@ -1,3 +1,4 @@
+/* kernel: compiles kernel_body.inc once per instruction set, and defines what the body needs. */
 #include "render/refined/kernel.h"
 
 #include <assert.h>
@@ -6,19 +7,20 @@
 #include "base/simd.h"
 #include "render/refined/refined_numbers.h"
 
-/* Loops over the values of discs and sums, so that these stay in registers: more of them than compilers
- * unroll by themselves. */
+/* Before loops over the values of a disc or over sums: unrolled, these stay in registers. Compilers do not
+ * unroll so many iterations by themselves. */
 #define ISO_UNROLL _Pragma("GCC unroll 32")
 #define ISO_ALWAYS static inline __attribute__((always_inline))
 
-/* The pixels that a disc may cover: columns box[0] .. box[2] of the view and rows box[1] .. box[3], within a
- * circle. Positions count from pixels' centres. */
+/* The pixels that a disc may cover: those of columns box[0] .. box[2] and rows box[1] .. box[3] of the view
+ * that lie in a circle. Pixel (i, j) has its centre at (i, j). */
 typedef struct rf_cover {
     int32_t box[4];
-    float x, y, radius;
+    float x, y, radius; /* the circle */
 } rf_cover;
 
-/* The columns that the disc may cover in rows first .. last; false when none. */
+/* Sets span[0] .. span[1] to the columns that the disc may cover in rows first .. last; false: none. `whole`:
+ * all columns of the box. */
 static inline bool cover_columns(const rf_cover *cover, int first, int last, bool whole, int span[2]) {
     span[0] = cover->box[0];
     span[1] = cover->box[2];
@@ -34,12 +36,14 @@ static inline bool cover_columns(const rf_cover *cover, int first, int last, boo
     return span[0] <= span[1];
 }
 
-/* Pixels of a disc's box, at most. */
+/* For scatter.inc. STEPS: pixels of a scattered disc's box, at most; WORDS: 32-bit words with a bit for
+ * each. */
 enum { STEPS = ISO_REFINED_BOX * ISO_REFINED_BOX, WORDS = (STEPS + 31) / 32 };
-/* Pixels of a disc that are listed together; steps of which a word has all bits of all lanes. */
+/* AT_ONCE: hits that are listed without a branch between them. FEW: steps of which one 64-bit word has the
+ * bits of all lanes. */
 enum { AT_ONCE = 4, FEW = 4 };
 
-/* Bit k of 16 becomes bit FEW * k. */
+/* Moves bit k of 16 to bit FEW * k. */
 static inline uint64_t spread(uint64_t bits) {
     bits = (bits | bits << 24) & 0x000000ff000000ffu;
     bits = (bits | bits << 12) & 0x000f000f000f000fu;
@@ -47,7 +51,8 @@ static inline uint64_t spread(uint64_t bits) {
     return (bits | bits << 3) & 0x1111111111111111u;
 }
 
-/* Adds a record of 8 or 16 floats, `depth` its last, to a pixel's sums, or (not `keep`) puts it there. */
+/* Adds `weight` times a record of `size` (8 or 16) floats to a pixel's sums, which count as 0 unless
+ * `keep`. The record's last float is replaced by `depth`. */
 ISO_ALWAYS void add_record_generic(float *sums, const float *record, const int size, float depth,
                                    float weight, bool keep) {
     const vi_generic kept = v_seti_generic(-(int32_t)keep);

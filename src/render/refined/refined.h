@@ -1,41 +1,45 @@
-/* refined: a surface from points as second-order discs. Internal to render; render/pullpush/pullpush.h has
- * the face.
+/* refined: draws points as second-order discs. Internal to render; called by iso_draw_pullpush
+ * (render/pullpush/pullpush.h).
  *
- * What pull-push costs pictures is that it averages points before it asks where the surface is. Here each
- * point is a disc of its own: the quadric n.q + q.Sq / 2 = 0 around it, q from the point, with S its shape
- * operator (Guennebaud and Gross 2007 fit spheres to like purpose), within a ball. So that discs round off
- * at silhouettes as the surface does, instead of running on as paraboloids, S gets a curvature along the
- * normal as well: the largest principal one where that is convex. A sphere's disc is then the sphere, a
- * cylinder's the cylinder.
+ * Pull-push averages points before it is known where rays meet the surface, which blurs it. Here every
+ * point is a disc of its own: the part inside a ball of the quadric n.q + q.Sq / 2 = 0, where q is the
+ * position relative to the point, n its normal and S its shape operator. (Guennebaud and Gross 2007 fit
+ * algebraic spheres for the same purpose.) S is given a curvature along the normal as well, the largest
+ * principal curvature if that is convex. Without it a disc would be a paraboloid and would not round off
+ * at silhouettes; with it the disc of a point on a sphere is the sphere, and that of a point on a cylinder
+ * the cylinder.
  *
- * A pixel's ray meets the discs around it. Those within 1.5 radii behind the front are averaged with Gaussian
- * weights: depth from where the ray meets each; the normal is the mean of the discs' plus the mean shape
- * operator times the mean offset, which is exact where normals change linearly and averages noise elsewhere.
+ * At each pixel, the discs that the ray hits no more than 1.5 radii behind the nearest hit are averaged
+ * with Gaussian weights. The depth is the mean of the hits'. The normal is the mean of the points' normals
+ * plus the mean shape operator times the mean offset of the hit from the points: exact where normals
+ * change linearly, and elsewhere an average that reduces noise. The second term is reduced the more the
+ * discs' shape operators differ and the larger they are, because such curvature is probably noise.
  *
- * Mean shapes count the less the more those of the discs differ, and the more they bend, which is noise.
- * Discs that face away and were turned never mix with others: at silhouettes, where both sides come together,
- * the mean would face the eye.
+ * Where back-facing discs are drawn, their normals are flipped towards the eye, and they are never
+ * averaged with front-facing ones: at silhouettes, where both are close together, the mean normal would
+ * face the eye.
  *
- * Balls are round where voxels are cubes, and reach as many voxels along every axis elsewhere.
+ * The balls are spheres when voxels are cubes, else ellipsoids with the same number of voxels along every
+ * axis. A disc is clipped at the border of the grid. Where the surface curves strongly, the disc is also
+ * clipped to the extents of its point (iso_curvature), because the surface turns away within a voxel, and
+ * discs that would be far from the surface are drawn smaller.
  *
- * A surface ends at its grid's border, and where it bends much it turns away within a voxel: there, discs end
- * at the border and where the surface comes to the next edge of the cells around (iso_curvature's ends).
- * Discs that would be far off the surface there are smaller.
- *
- * Blocks come from front to back; discs that lie behind all that is drawn around them are left out. Small
- * discs are measured a vector at a time, larger ones splatted one by one (render/refined/kernel.h). */
+ * Blocks of points are drawn from front to back, and discs that are hidden by what has been drawn are
+ * skipped. Small discs are intersected a vector of discs at a time, larger ones a vector of pixels at a
+ * time (render/refined/kernel.h). */
 #ifndef ISO_RENDER_REFINED_REFINED_H
 #define ISO_RENDER_REFINED_REFINED_H
 
 #include "render/point_blocks.h"
 #include "render/raster/raster.h"
 
-/* Zero-initialise. */
+/* Working memory, reused from one picture to the next. Zero-initialise; free with iso_refined_free. */
 typedef struct iso_refined {
     iso_buffer corners, sorted, reached, order, start, memory;
 } iso_refined;
 
-/* Draws points whose blocks have been made for this view. ISO_ERR_NOMEM. */
+/* Draws points into the gbuffer where they are nearer. `blocks`: made of the points for the target's view.
+ * ISO_ERR_NOMEM. */
 iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, const iso_point_view *points,
                             const iso_point_blocks *blocks, iso_error *error);
 void iso_refined_free(iso_refined *workspace);

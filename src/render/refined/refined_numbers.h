@@ -1,39 +1,40 @@
-/* refined_numbers: the numbers of the refined reconstruction (render/refined/refined.h), for C and GLSL. */
+/* refined_numbers: the constants of the refined reconstruction (render/refined/refined.h), for C and GLSL. */
 #ifndef ISO_RENDER_REFINED_REFINED_NUMBERS_H
 #define ISO_RENDER_REFINED_REFINED_NUMBERS_H
 
-/* Radius of a disc's ball in radii of its point: BALL, for extracted points 0.85 voxel, about the smallest
- * that leaves no holes; plus up to BALL_MORE (1 voxel) where that is many pixels: more discs overlap and
- * noise averages out. */
+/* Radius of a disc's ball, in radii of its point: BALL, which is 0.85 voxel for extracted points and about
+ * the smallest that leaves no holes, plus up to BALL_MORE (then 1 voxel) where discs cover many pixels:
+ * more of them overlap, which averages noise. */
 #define ISO_REFINED_BALL 1.2f
 #define ISO_REFINED_BALL_MORE 0.215f
 /* The growth begins at a point radius of GROW_FROM pixels and is complete GROW_OVER pixels later. */
 #define ISO_REFINED_GROW_FROM 4.5f
 #define ISO_REFINED_GROW_OVER 6.0f
 
-/* Pixels: discs of a smaller radius are drawn flat, as their curvature would not be visible. */
+/* Pixels: discs of a smaller radius are drawn flat, because their curvature would not be visible. */
 #define ISO_REFINED_FLAT_RADIUS 0.9f
 /* 1 / voxel: curvature from which discs are clipped to their extents, and curvature at which it is as
  * likely noise as surface. */
-#define ISO_REFINED_TURNING_BEND 0.15f
-#define ISO_REFINED_NOISY_BEND 1.8f
+#define ISO_REFINED_TURNING_CURVATURE 0.15f
+#define ISO_REFINED_NOISY_CURVATURE 1.8f
 /* Voxels by which discs are drawn beyond their extents: without overlap cracks would show between them. */
 #define ISO_REFINED_BEYOND_END 0.08f
 /* Voxels: a packed point nearer to a voxel than this may belong to the edge on either side of it. */
 #define ISO_REFINED_AT_VOXEL 0.002f
 
-/* Square of a cosine: discs whose normals face away by less may still be visible because of their
- * curvature. */
+/* Square of the cosine between ray and normal. A back-facing disc with a smaller one is nearly edge-on and
+ * may be visible because of its curvature. */
 #define ISO_REFINED_BACK_FACING 0.04f
-/* Radius / distance to the eye above which a disc is intersected with the pixels' own rays; rays through
- * smaller discs count as parallel. */
+/* Radius / depth above which a disc is intersected with each pixel's own ray. For smaller discs all rays are
+ * taken as parallel to the ray through the disc's centre. */
 #define ISO_REFINED_EXACT 0.02f
 /* The same for flat discs. */
 #define ISO_REFINED_FLAT_EXACT 0.001f
 /* A disc is averaged with the front when it lies behind it by less than this, in radii of the disc. */
 #define ISO_REFINED_THICKNESS 1.5f
 
-/* exp(-2 q) for q in 0 .. 1, within 0.0025: a polynomial, of which the constant is 1. */
+/* The weight exp(-2 q), 0 <= q < 1, within 0.0025: coefficients of 1 + GAUSS_1 q + GAUSS_2 q^2 + GAUSS_3
+ * q^3. */
 #define ISO_REFINED_GAUSS_1 -1.9457733f
 #define ISO_REFINED_GAUSS_2 1.6291067f
 #define ISO_REFINED_GAUSS_3 -0.5504321f

@@ -1,3 +1,4 @@
+/* setup: bounds for the refined reconstruction. */
 #include "render/refined/setup.h"
 
 #include <math.h>
@@ -12,13 +13,13 @@ float iso_refined_slant(const iso_view *view, double beyond) {
     return (float)(1.04 * sqrt(1 + x * x + y * y));
 }
 
-float iso_refined_reach(const iso_point_block *block) {
-    const float radius = block->radius[1] * 1.001f / ISO_DISC_RADII, /* a little widened */
+float iso_refined_largest_radius(const iso_point_block *block) {
+    const float radius = block->radius[1] * 1.001f / ISO_DISC_RADII, /* of a point, widened for rounding */
         wide = (radius - ISO_REFINED_GROW_FROM) / ISO_REFINED_GROW_OVER;
     return radius * (ISO_REFINED_BALL + fminf(fmaxf(wide, 0), 1) * ISO_REFINED_BALL_MORE);
 }
 
-float iso_refined_per_mm(const float normal[9]) {
+float iso_refined_voxels_per_mm(const float normal[9]) {
     const float *m = normal;
     float most = 0;
     for (int k = 0; k < 3; k++)

@@ -1,5 +1,5 @@
-/* refined_setup: what the refined reconstruction needs to know of a view, the same for every engine. Internal
- * to render. */
+/* setup: bounds that the refined reconstruction derives from view and blocks, shared by the cpu and the gl
+ * engine. Internal to render. */
 #ifndef ISO_RENDER_REFINED_SETUP_H
 #define ISO_RENDER_REFINED_SETUP_H
 
@@ -9,15 +9,15 @@
 extern "C" {
 #endif
 
-/* Seen aslant, balls are longer than wide: by how much at most in the picture and `beyond` pixels around it,
- * and a little for rounding. */
+/* How much longer the projection of a ball can be than at the optical axis, in the picture and `beyond`
+ * pixels around it, because rays are oblique: a factor, with a margin for rounding. */
 float iso_refined_slant(const iso_view *view, double beyond);
 
-/* The largest radius of a block's discs in pixels. */
-float iso_refined_reach(const iso_point_block *block);
+/* The largest projected radius of a block's discs, pixels. */
+float iso_refined_largest_radius(const iso_point_block *block);
 
-/* Voxels in a mm, at most, of an iso_projector's normal. */
-float iso_refined_per_mm(const float normal[9]);
+/* Voxels per mm along the axis with the smallest spacing; `normal` of an iso_projector. */
+float iso_refined_voxels_per_mm(const float normal[9]);
 
 #ifdef __cplusplus
 }

@@ -1,5 +1,5 @@
-/* phong_vectors: what render/shading/phong_body.inc needs: the light, rays, and words of pixels. Internal to
- * those who shade. */
+/* phong_vectors: the definitions that render/shading/phong_body.inc needs: the key light, slopes of rays,
+ * the byte order of pixels. Included by the kernels that shade. */
 #ifndef ISO_RENDER_SHADING_PHONG_VECTORS_H
 #define ISO_RENDER_SHADING_PHONG_VECTORS_H
 
@@ -9,14 +9,14 @@
 
 static const float KEY_LIGHT[3] = {ISO_PHONG_LIGHT_X, ISO_PHONG_LIGHT_Y, ISO_PHONG_LIGHT_Z};
 
-/* Where the four bytes of a pixel are in a word. */
+/* Shifts of red, green, blue and alpha in a 32-bit word whose bytes in memory are in this order. */
 #if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
 static const int SHIFT[4] = {24, 16, 8, 0};
 #else
 static const int SHIFT[4] = {0, 8, 16, 24};
 #endif
 
-/* The ray through a pixel is (u, v, 1): its u and v. */
+/* The ray through the centre of a pixel has the direction (u, v, 1): u of a column, v of a row. */
 static inline float iso_slope_of_column(const iso_view *view, int x) {
     return view->orthographic ? 0 : (float)((x + 0.5 - view->cx) / view->focal);
 }

@@ -1,3 +1,5 @@
+/* shading: prepares colours, and shades bands of rows with all threads. The kernel is
+ * shading_kernel_body.inc. */
 #include "render/shading/shading.h"
 
 #include <assert.h>
@@ -7,28 +9,29 @@
 #include "render/project.h"
 #include "render/shading/shading_kernel.h"
 
-static iso_shade_job make_job(const iso_shading *shading, const iso_strip *strip, const iso_image *image) {
+static iso_shade_params make_params(const iso_shading *shading, const iso_strip *strip,
+                                    const iso_image *image) {
     const iso_rgb back = shading->background;
-    iso_shade_job job = {.strip = strip,
-                         .one_color = true,
-                         .transparent = shading->transparent,
-                         .background = {(float)back.r / 255, (float)back.g / 255, (float)back.b / 255},
-                         .rgba = image->rgba + (size_t)strip->y0 * (size_t)image->width * 4};
+    iso_shade_params params = {.strip = strip,
+                               .one_color = true,
+                               .transparent = shading->transparent,
+                               .background = {(float)back.r / 255, (float)back.g / 255, (float)back.b / 255},
+                               .rgba = image->rgba + (size_t)strip->y0 * (size_t)image->width * 4};
     int last = shading->color_count - 1;
     for (int surface = 0; surface <= ISO_SURFACE_NONE; surface++) {
         iso_rgb color = shading->colors[surface < last ? surface : last];
-        job.one_color &= iso_rgb_equal(color, shading->colors[0]);
-        job.base[0][surface] = (float)color.r / 255;
-        job.base[1][surface] = (float)color.g / 255;
-        job.base[2][surface] = (float)color.b / 255;
+        params.one_color &= iso_rgb_equal(color, shading->colors[0]);
+        params.base[0][surface] = (float)color.r / 255;
+        params.base[1][surface] = (float)color.g / 255;
+        params.base[2][surface] = (float)color.b / 255;
     }
     const uint8_t opaque[4] = {back.r, back.g, back.b, 255};
-    if (!shading->transparent) memcpy(job.empty, opaque, 4);
-    return job;
+    if (!shading->transparent) memcpy(params.empty, opaque, 4);
+    return params;
 }
 
 typedef struct bands {
-    const iso_shade_job *job;
+    const iso_shade_params *params;
     iso_shade_rows *shade;
     int rows, count;
     atomic_size_t covered;
@@ -38,16 +41,16 @@ static void shade_band(void *context, size_t index, int worker) {
     (void)worker;
     bands *b = context;
     iso_rows rows = iso_band_rows(b->rows, b->count, index);
-    size_t covered = b->shade(b->job, rows.first, rows.last);
+    size_t covered = b->shade(b->params, rows.first, rows.last);
     atomic_fetch_add_explicit(&b->covered, covered, memory_order_relaxed);
 }
 
 size_t iso_shade(const iso_shading *shading, const iso_strip *strip, iso_image *image, iso_pool *pool) {
     assert(shading->color_count > 0 && strip->factor >= 1 && strip->factor <= ISO_FACTOR_MAX);
     assert(image->width * strip->factor == strip->gbuffer->width);
-    const iso_shade_job job = make_job(shading, strip, image);
+    const iso_shade_params params = make_params(shading, strip, image);
     int rows = strip->gbuffer->height / strip->factor;
-    bands b = {&job, iso_shade_rows_get(iso_cpu_best()), rows, iso_band_count(pool, rows), 0};
+    bands b = {&params, iso_shade_rows_get(iso_cpu_best()), rows, iso_band_count(pool, rows), 0};
     iso_parallel_for(pool, (size_t)b.count, shade_band, &b);
     return atomic_load_explicit(&b.covered, memory_order_relaxed);
 }

@@ -1,5 +1,5 @@
-/* shading: Phong from a gbuffer, with the same arithmetic for every method and engine. No libm
- * transcendentals. */
+/* shading: shades the samples of a gbuffer by Phong's model, with the same arithmetic for every method and
+ * engine. No transcendental functions of libm are used, so that results are the same on every machine. */
 #ifndef ISO_RENDER_SHADING_SHADING_H
 #define ISO_RENDER_SHADING_SHADING_H
 
@@ -15,30 +15,32 @@
 extern "C" {
 #endif
 
-/* Two directional lights that move with the camera (a key light from above left, a fill light from the eye),
- * ambient and a specular lobe of exponent 32. Shading is two-sided: a normal that faces away is turned. */
+/* Two directional lights that move with the camera (a key light from above left, a fill light along the
+ * optical axis), an ambient term and a specular lobe with exponent 32. Shading is two-sided: back-facing
+ * normals are flipped. */
 typedef struct iso_shading {
     const iso_rgb *colors; /* one per surface */
-    int color_count;       /* surfaces beyond it take the last colour */
+    int color_count;       /* at least 1; surfaces with larger numbers have the last colour */
     iso_rgb background;
     int transparent; /* 1: background alpha 0 */
 } iso_shading;
 
-/* The colour of the surface with this number when none was chosen. */
+/* The default colour of a surface number. */
 iso_rgb iso_shading_palette(int surface);
 
 static inline bool iso_rgb_equal(iso_rgb a, iso_rgb b) {
     return a.r == b.r && a.g == b.g && a.b == b.b;
 }
 
-/* Colour of one sample: view-space unit normal, direction from the surface to the eye (of any length).
- * Components 0 .. 1. iso_shade's samples are this, with (-u, -v, -1) for the ray through (u, v, 1). */
+/* Colour (0 .. 1) of one sample, given its unit normal and the direction to the eye (of any length), both
+ * in view space. iso_shade computes the same, with the direction (-u, -v, -1) for a pixel's ray (u, v, 1). */
 void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]);
 
-/* Shades a strip into its rows of the image, which has the picture's width: the mean of a pixel's covered
- * samples over the background, or with it as alpha (not premultiplied). Returns how many samples show a
- * surface. color_count must be positive. The same bytes for every instruction set and number of threads, and
- * however a picture is cut into strips. */
+/* Shades a strip into its rows of the image, which has the picture's width. A pixel's colour is the mean
+ * of its covered samples, blended with the background by coverage, or with `transparent` stored with
+ * coverage as alpha (not premultiplied). Returns the number of samples that show a surface. The result has
+ * the same bytes for every instruction set and number of threads, and however the picture is cut into
+ * strips. */
 size_t iso_shade(const iso_shading *shading, const iso_strip *strip, iso_image *image, iso_pool *pool);
 
 #ifdef __cplusplus

@@ -1,27 +1,28 @@
-/* Phong's model (1975) with two lights that hang on the camera. */
+/* shading_kernel: compiles shading_kernel_body.inc once per instruction set, and defines what the body
+ * needs. */
 #include "render/shading/shading_kernel.h"
 
 #include "render/shading/phong_vectors.h"
 
 enum {
-    TILE =
-        1024, /* columns of samples that are worked on at a time: their eye directions stay in the L1 cache */
-    SUMS = 4  /* red, green, blue, and how many samples */
+    TILE = 1024, /* columns of samples that are shaded for all rows before the next ones: their u stay in
+                    cache */
+    SUMS = 4     /* red, green, blue, number of samples */
 };
 
-/* A row of a tile's samples. */
+/* Samples of one row, from the first column of a tile on. */
 typedef struct sample_row {
     const float *normal[3];
     const uint8_t *surface;
-    const uint32_t *color; /* or NULL */
-    const float *u;        /* slopes of the rays: (u, v, 1) */
+    const uint32_t *color; /* iso_gbuffer.color, or NULL */
+    const float *u;        /* the rays are (u, v, 1) */
     float v;
-    size_t below; /* samples to the row below; 0: there is none, or it is not said */
+    size_t below; /* offset of the row below, which is prefetched; 0: none */
 } sample_row;
 
-static sample_row row_at(const iso_shade_job *job, const float *u, int x, int y) {
-    const iso_gbuffer *g = job->strip->gbuffer;
-    const iso_view *view = job->strip->view;
+static sample_row row_at(const iso_shade_params *params, const float *u, int x, int y) {
+    const iso_gbuffer *g = params->strip->gbuffer;
+    const iso_view *view = params->strip->view;
     size_t at = (size_t)y * (size_t)g->width + (size_t)x;
     return (sample_row){{g->normal[0] + at, g->normal[1] + at, g->normal[2] + at},
                         g->surface + at,
@@ -31,7 +32,7 @@ static sample_row row_at(const iso_shade_job *job, const float *u, int x, int y)
                         y + 1 < g->height ? (size_t)g->width : 0};
 }
 
-/* The last samples of a row, which are fewer than a vector has lanes: empty ones follow. */
+/* Copy of the last samples of a row, when they do not fill a vector; the rest shows no surface. */
 typedef struct last_samples {
     float normal[3][ISO_LANES_MAX], u[ISO_LANES_MAX];
     uint8_t surface[ISO_LANES_MAX];
@@ -54,7 +55,7 @@ static sample_row copy_last(const sample_row *row, int at, int count, last_sampl
                         0};
 }
 
-/* Sums of columns to sums of pixels. */
+/* Adds up each pixel's `factor` columns. */
 static void add_columns(float columns[SUMS][TILE + ISO_LANES_MAX], int factor, int pixels,
                         float sums[SUMS][TILE + ISO_LANES_MAX]) {
     for (int k = 0; k < SUMS; k++)
@@ -72,7 +73,7 @@ iso_shade_rows *iso_shade_rows_get(iso_cpu_level level) {
     return ISO_KERNEL(shade_rows, level);
 }
 
-/* One sample is a vector of equal ones: the model is written once. */
+/* Computes a vector of equal samples, so that the model is written once. */
 void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]) {
     const float base[3] = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255};
     vf_generic n[3], eye[3], b[3], out[3];

@@ -1,5 +1,5 @@
-/* shading_kernel: Phong of rows of samples and their averages, once for every instruction set. The same bytes
- * from each. Internal to render. */
+/* shading_kernel: shades rows of samples and averages them to pixels, once per instruction set, all with
+ * the same result. Internal to render. */
 #ifndef ISO_RENDER_SHADING_SHADING_KERNEL_H
 #define ISO_RENDER_SHADING_SHADING_KERNEL_H
 
@@ -14,21 +14,21 @@
 extern "C" {
 #endif
 
-/* What iso_shade works out once for all rows. */
-typedef struct iso_shade_job {
+/* What is the same for all rows of a strip. */
+typedef struct iso_shade_params {
     const iso_strip *strip;
-    bool one_color; /* all surfaces have the same */
+    bool one_color; /* all surfaces have the same colour */
     bool transparent;
     float base[3][ISO_SURFACE_NONE + 1]; /* colours by surface, 0 .. 1 */
     float background[3];                 /* 0 .. 1 */
-    uint8_t empty[4];                    /* a pixel that shows nothing */
-    uint8_t *rgba;                       /* the strip's first row in the picture */
-} iso_shade_job;
+    uint8_t empty[4];                    /* a pixel that shows no surface */
+    uint8_t *rgba;                       /* the strip's first row in the image */
+} iso_shade_params;
 
-/* Shades pixel rows first .. last of the strip; the number of samples that show a surface. */
-typedef size_t iso_shade_rows(const iso_shade_job *job, int first, int last);
+/* Shades pixel rows first .. last of the strip; returns the number of samples that show a surface. */
+typedef size_t iso_shade_rows(const iso_shade_params *params, int first, int last);
 
-/* For an instruction set, or for the best below it that this build has. Never NULL. */
+/* The kernel for an instruction set, or for the best below it that this build has. Never NULL. */
 iso_shade_rows *iso_shade_rows_get(iso_cpu_level level);
 
 #ifdef __cplusplus

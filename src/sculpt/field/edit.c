@@ -417,32 +417,75 @@ static bool mask_cell(iso_voxel_bits *bits, const iso_dabs *dabs, const iso_dab 
     return any;
 }
 
-static iso_status touch_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
-                                  const int at[3], iso_error *error) {
+/* A cell's bits with the dab in them; returns whether the dab changes any. */
+static bool masked_bits(const iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, const int at[3],
+                        uint32_t *cell, iso_voxel_bits *bits) {
+    *cell = (uint32_t)iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
+    const iso_voxel_bits *before = iso_mask_bits(&editor->transaction.mask, *cell);
+    *bits = before ? *before : (iso_voxel_bits){{0}};
+    return mask_cell(bits, dabs, dab, at);
+}
+
+/* Does everything about masking a cell that can fail: notifies the observer, allocates bits. */
+static iso_status prepare_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
+                                    const int at[3], iso_error *error) {
     const iso_write_observer *observer = &editor->opts.observer;
     iso_mask *mask = &editor->transaction.mask;
-    const uint32_t cell = (uint32_t)iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
-    const iso_voxel_bits *before = iso_mask_bits(mask, cell);
-    iso_voxel_bits bits = {{0}};
-    if (before) bits = *before;
-    if (!mask_cell(&bits, dabs, dab, at)) return ISO_OK;
+    uint32_t cell;
+    iso_voxel_bits bits;
+    if (!masked_bits(editor, dabs, dab, at, &cell, &bits)) return ISO_OK;
     if (observer->mask_before && editor->mask_notified[cell] != editor->step)
-        ISO_TRY(observer->mask_before(observer->context, cell, before, error));
+        ISO_TRY(observer->mask_before(observer->context, cell, iso_mask_bits(mask, cell), error));
     editor->mask_notified[cell] = editor->step;
-    return iso_mask_set(mask, cell, &bits, error);
+    return iso_mask_reserve(mask, cell, error);
+}
+
+/* Cannot fail: prepare_mask_cell has allocated the bits. */
+static iso_status write_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
+                                  const int at[3], iso_error *error) {
+    uint32_t cell;
+    iso_voxel_bits bits;
+    if (!masked_bits(editor, dabs, dab, at, &cell, &bits)) return ISO_OK;
+    return iso_mask_set(&editor->transaction.mask, cell, &bits, error);
+}
+
+/* Frees bits that were allocated and not written. */
+static iso_status release_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
+                                    const int at[3], iso_error *error) {
+    iso_mask *mask = &editor->transaction.mask;
+    const size_t cell = iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
+    (void)dabs;
+    (void)dab;
+    return iso_mask_set(mask, cell, iso_mask_bits(mask, cell), error);
+}
+
+typedef iso_status mask_cell_fn(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, const int at[3],
+                                iso_error *error);
+
+/* Calls `visit` for every cell that a dab reaches, once for each of these dabs. */
+static iso_status for_mask_cells(iso_editor *editor, const iso_dabs *dabs, mask_cell_fn *visit,
+                                 iso_error *error) {
+    for (int i = 0; i < dabs->count; i++) {
+        int lo[3], hi[3], at[3];
+        cell_range(editor, dabs, &dabs->dab[i], lo, hi);
+        for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
+            for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
+                for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++)
+                    ISO_TRY(visit(editor, dabs, &dabs->dab[i], at, error));
+    }
+    return ISO_OK;
 }
 
 static iso_status touch_mask(iso_editor *editor, const iso_dabs *dabs, iso_error *error) {
     for (int i = 0; i < dabs->count; i++) {
-        int lo[3], hi[3], at[3];
+        int lo[3], hi[3];
         cell_range(editor, dabs, &dabs->dab[i], lo, hi);
         editor->cost += range_cells(lo, hi);
-        for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
-            for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
-                for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++)
-                    ISO_TRY(touch_mask_cell(editor, dabs, &dabs->dab[i], at, error));
     }
-    return ISO_OK;
+    iso_status status = for_mask_cells(editor, dabs, prepare_mask_cell, error);
+    if (status == ISO_OK) return for_mask_cells(editor, dabs, write_mask_cell, error);
+    for_mask_cells(editor, dabs, release_mask_cell, NULL);
+    return status;
 }
 
 static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,

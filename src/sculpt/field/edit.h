@@ -57,7 +57,7 @@ typedef struct iso_step_opts {
 void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts);
 
 /* Applies one touch, and its mirror images according to the brush's symmetry, as one edit of the change log.
- * `stats` may be NULL. When it fails the grid is unchanged (a mask may be changed in part). ISO_ERR_NOMEM,
+ * `stats` may be NULL. When it fails grid and mask are unchanged. ISO_ERR_NOMEM,
  * the errors of the observer; ISO_ERR_USAGE: a bad brush or sample; ISO_ERR_LIMIT: more than
  * ISO_LIMIT_TOUCH_CELLS cells. */
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,

@@ -11,7 +11,6 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/thread.h"
-#include "grids/volume/format.h"
 #include "sculpt/field/cell_pack.h"
 #include "sculpt/session/crc32c.h"
 
@@ -165,7 +164,7 @@ static iso_status load_file(const char *path, const iso_hgrid *grid, iso_buffer 
                             iso_error *error) {
     FILE *file;
     uint64_t bytes;
-    ISO_TRY(iso_format_open(path, &file, &bytes, error));
+    ISO_TRY(iso_file_open(path, &file, &bytes, error));
     iso_status status = bytes > most_bytes(grid)
                             ? iso_fail(error, ISO_ERR_FORMAT, "'%s' is a snapshot of another grid", path)
                             : iso_buffer_reserve(buffer, (size_t)bytes + 1, 0, error);

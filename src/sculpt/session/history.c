@@ -215,16 +215,28 @@ static iso_status pack(const iso_history *history, step *s, const saved_cell *co
     return ISO_OK;
 }
 
-/* Does everything about restoring cells that can fail: adds them to the change log, allocates bricks and
- * masks.
- */
+/* Allocates the bits of masks that have any. */
+static iso_status reserve_masks(iso_history *history, const saved_cell *cells, size_t count,
+                                iso_error *error) {
+    for (size_t i = 0; i < count; i++)
+        if (cells[i].state == MASK_BITS) ISO_TRY(iso_mask_reserve(history->mask, cells[i].cell, error));
+    return ISO_OK;
+}
+
+/* Frees the bits that were allocated and not written. */
+static void release_masks(iso_history *history, const saved_cell *cells, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (is_mask(&cells[i]))
+            iso_mask_set(history->mask, cells[i].cell, iso_mask_bits(history->mask, cells[i].cell), NULL);
+}
+
+/* Does everything about restoring cells that can fail: adds them to the change log, allocates bricks. */
 static iso_status prepare_restore(iso_history *history, const saved_cell *cells, size_t count,
                                   iso_error *error) {
     iso_change_log_begin(history->grid->log);
     for (size_t i = 0; i < count; i++) {
         int at[3], lo[3], hi[3];
         float *brick;
-        if (cells[i].state == MASK_BITS) ISO_TRY(iso_mask_reserve(history->mask, cells[i].cell, error));
         if (is_mask(&cells[i])) continue;
         iso_hgrid_cell_position(history->grid, cells[i].cell, at);
         for (int axis = 0; axis < 3; axis++) {
@@ -242,7 +254,7 @@ static void restore_mask(iso_history *history, const saved_cell *cell, const voi
     iso_voxel_bits bits;
     if (cell->state == MASK_BITS) memcpy(&bits, content, sizeof bits);
     iso_mask_set(history->mask, cell->cell, cell->state == MASK_BITS ? &bits : NULL,
-                 NULL); /* cannot fail: prepare_restore has allocated the bits */
+                 NULL); /* cannot fail: reserve_masks has allocated the bits */
 }
 
 static void restore_empty_cell(iso_history *history, const saved_cell *cell) {
@@ -256,7 +268,12 @@ static iso_status restore(iso_history *history, const saved_cell *cells, size_t 
                           iso_error *error) {
     for (size_t i = 0; history->before_write && i < count; i++)
         if (!is_mask(&cells[i])) history->before_write(history->context, cells[i].cell);
-    ISO_TRY(prepare_restore(history, cells, count, error));
+    iso_status status = reserve_masks(history, cells, count, error);
+    if (status == ISO_OK) status = prepare_restore(history, cells, count, error);
+    if (status != ISO_OK) {
+        release_masks(history, cells, count);
+        return status;
+    }
     for (size_t i = 0; i < count; i++) {
         const saved_cell *c = &cells[i];
         if (is_mask(c)) {

@@ -1,5 +1,5 @@
-/* Writing and reading stroke files. Lines wait in a queue that a background thread writes; after a failure
- * the unwritten rest stays in the queue. The text of a line is made and parsed by event.c. */
+/* Writing and reading stroke files. Lines wait in a queue that a background thread takes and writes; after a
+ * failure it keeps the unwritten rest. The text of a line is made and parsed by event.c. */
 #define _POSIX_C_SOURCE 200809L
 #include "sculpt/session/journal.h"
 
@@ -12,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "base/thread.h"
 #include "sculpt/session/event.h"
@@ -33,6 +34,8 @@ struct iso_journal {
     pthread_t thread;
     pthread_mutex_t mutex;
     pthread_cond_t wake, done;
+    queue writing;  /* taken from `waiting`; the thread's own, as is `written` */
+    size_t written; /* bytes of it that are in the file */
     /* protected by the mutex */
     queue waiting;
     bool sync_wanted, closing, idle;
@@ -70,37 +73,37 @@ static void pause_writing(iso_journal *j) {
     pthread_cond_timedwait(&j->wake, &j->mutex, &until);
 }
 
-/* Takes the queue, writes it with the mutex unlocked, and puts back what could not be written. */
-static void write_queue(iso_journal *j) {
-    queue taken = j->waiting;
-    bool sync = j->sync_wanted;
+/* Whether lines have been taken from the queue and are not in the file yet. */
+static bool is_writing(const iso_journal *j) {
+    return j->written < j->writing.size;
+}
+
+static void take_queue(iso_journal *j) {
+    free(j->writing.text);
+    j->writing = j->waiting;
     j->waiting = (queue){0};
+    j->written = 0;
+}
+
+/* Writes what was taken from the queue, and the queue after it, with the mutex unlocked. What could not be
+ * written stays where it is until the next attempt: a failure takes no memory. */
+static void write_queue(iso_journal *j) {
+    const bool sync = j->sync_wanted;
+    int failure = 0;
     j->sync_wanted = false;
-    pthread_mutex_unlock(&j->mutex);
-    size_t written = 0;
-    int failure = write_all(j->file, &taken, &written);
-    if (!failure && sync && fdatasync(j->file) && errno != EINVAL && errno != EROFS) failure = errno;
-    pthread_mutex_lock(&j->mutex);
-    size_t left = taken.size - written;
-    if (left || failure) {
-        size_t size = left + j->waiting.size;
-        char *text = size ? malloc(size) : NULL;
-        if (text) {
-            memcpy(text, taken.text + written, left);
-            if (j->waiting.size) memcpy(text + left, j->waiting.text, j->waiting.size);
-            free(j->waiting.text);
-            j->waiting = (queue){text, size, size};
-            free(taken.text);
-        } else if (!size)
-            free(taken.text);
-        else { /* no memory to join the two: the older lines are kept, the newer ones are lost */
-            memmove(taken.text, taken.text + written, left);
-            free(j->waiting.text);
-            j->waiting = (queue){taken.text, left, taken.room};
-        }
-        j->sync_wanted |= sync && failure;
-    } else
-        free(taken.text);
+    while (!failure && (is_writing(j) || j->waiting.size)) {
+        if (!is_writing(j)) take_queue(j);
+        pthread_mutex_unlock(&j->mutex);
+        failure = write_all(j->file, &j->writing, &j->written);
+        pthread_mutex_lock(&j->mutex);
+    }
+    if (!is_writing(j)) take_queue(j); /* is empty: frees what was written */
+    if (!failure && sync) {
+        pthread_mutex_unlock(&j->mutex);
+        if (fdatasync(j->file) && errno != EINVAL && errno != EROFS) failure = errno;
+        pthread_mutex_lock(&j->mutex);
+    }
+    j->sync_wanted |= sync && failure;
     j->failure = failure;
 }
 
@@ -108,11 +111,11 @@ static void *write_lines(void *context) {
     iso_journal *j = context;
     pthread_mutex_lock(&j->mutex);
     for (;;) {
-        j->idle = !j->waiting.size && !j->sync_wanted;
+        j->idle = !is_writing(j) && !j->waiting.size && !j->sync_wanted;
         pthread_cond_broadcast(&j->done);
         if (j->closing && (j->idle || j->failure)) break;
         wait_for_lines(j);
-        if (j->waiting.size || j->sync_wanted) {
+        if (is_writing(j) || j->waiting.size || j->sync_wanted) {
             j->idle = false;
             write_queue(j);
             if (j->failure && !j->closing) {
@@ -141,6 +144,7 @@ static iso_status start_thread(iso_journal *j, iso_error *error) {
 
 static void free_journal(iso_journal *j) {
     if (j->file >= 0) close(j->file);
+    free(j->writing.text);
     free(j->waiting.text);
     iso_free(j->path);
     iso_free(j);
@@ -332,9 +336,7 @@ static iso_status read_header(iso_journal_reader *reader, iso_error *error) {
     size_t size;
     bool whole;
     iso_error why = {0};
-    reader->file = fopen(reader->path, "rb");
-    if (!reader->file)
-        return iso_fail(error, ISO_ERR_IO, "cannot read '%s': %s", reader->path, strerror(errno));
+    ISO_TRY(iso_file_open(reader->path, &reader->file, NULL, error));
     ISO_TRY(next_line(reader, &size, &whole, error));
     if (!whole)
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a stroke file: it has no whole line",

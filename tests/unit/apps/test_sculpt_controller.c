@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "apps/isosculpt/controller.h"
+#include "apps/isosculpt/input_controller.h"
 #include "refused_memory.h"
 #include "sculpt_support.h"
 

@@ -299,6 +299,60 @@ static void recovered_work_is_unsaved(void **state) {
     rmdir(folder);
 }
 
+static void copy_file(const char *from, const char *to) {
+    char bytes[4096];
+    FILE *in = fopen(from, "rb"), *out = fopen(to, "wb");
+    assert_non_null(in);
+    assert_non_null(out);
+    for (size_t got; (got = fread(bytes, 1, sizeof bytes, in)) > 0;)
+        assert_int_equal(fwrite(bytes, 1, got, out), got);
+    fclose(in);
+    fclose(out);
+}
+
+/* What is recovered is saved where it was saved before, after a question, and not beside what it began with.
+ */
+static void recovered_work_is_saved_where_it_was(void **state) {
+    (void)state;
+    char folder[ISOSCULPT_PATH], strokes[ISOSCULPT_PATH + 16], killed[ISOSCULPT_PATH + 16],
+        lock_file[ISOSCULPT_PATH + 32], killed_lock_file[ISOSCULPT_PATH + 32];
+    snprintf(folder, sizeof folder, "%s", session_path("saving"));
+    mkdir(folder, 0700);
+    const char *const names[] = {"a long name that was saved to first.stl", "final.stl", "exported.obj"};
+    isosculpt_document document = {0};
+    assert_int_equal(isosculpt_document_new(&document, folder, NULL, NULL), ISO_OK);
+    const iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 5, .strength = 1};
+    const iso_sample sample = {.position = {0, 0, 40}, .normal = {0, 0, 1}, .pressure = 1};
+    assert_int_equal(iso_session_begin(document.session, &brush, &sample, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_session_end(document.session, NULL), ISO_OK);
+    char paths[3][ISOSCULPT_PATH + 64];
+    for (int i = 0; i < 3; i++) {
+        iso_status status = ISO_ERR_IO;
+        snprintf(paths[i], sizeof paths[i], "%s/%s", folder, names[i]);
+        const isosculpt_save_opts how = {.path = paths[i], .is_export = i == 2};
+        assert_int_equal(isosculpt_document_save(&document, &how, NULL), ISO_OK);
+        assert_int_equal(isosculpt_document_poll_save(&document, true, &status, NULL), ISOSCULPT_SAVE_DONE);
+        assert_int_equal(status, ISO_OK);
+    }
+    snprintf(strokes, sizeof strokes, "%s", document.journal);
+    snprintf(lock_file, sizeof lock_file, "%s.open", strokes);
+    snprintf(killed, sizeof killed, "%s/killed.strokes", folder);
+    snprintf(killed_lock_file, sizeof killed_lock_file, "%s.open", killed);
+    copy_file(lock_file, killed_lock_file); /* as they are when the program is killed now */
+    copy_file(strokes, killed);
+    isosculpt_document_close(&document);
+    assert_int_equal(isosculpt_document_open(&document, killed, NULL, NULL), ISO_OK);
+    assert_string_equal(document.target, paths[1]);
+    bool replaces = false;
+    assert_int_equal(isosculpt_document_check_target(&document, document.target, &replaces, NULL), ISO_OK);
+    assert_true(replaces);
+    isosculpt_document_close(&document);
+    unlink(strokes);
+    unlink(killed);
+    for (int i = 0; i < 3; i++) unlink(paths[i]);
+    rmdir(folder);
+}
+
 /* A session that was not closed is offered again when its recovery is cancelled, however late. */
 static void cancelled_recoveries_are_offered_again(void **state) {
     (void)state;
@@ -333,6 +387,7 @@ int main(void) {
                                        cmocka_unit_test(sources_can_be_cancelled),
                                        cmocka_unit_test(openings),
                                        cmocka_unit_test(recovered_work_is_unsaved),
+                                       cmocka_unit_test(recovered_work_is_saved_where_it_was),
                                        cmocka_unit_test(cancelled_recoveries_are_offered_again)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

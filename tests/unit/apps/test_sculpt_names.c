@@ -16,7 +16,7 @@
 #include "apps/isosculpt/render_command.h"
 #include "apps/isosculpt/save.h"
 #include "apps/isosculpt/window/axis.h"
-#include "apps/isosculpt/window/browser.h"
+#include "apps/isosculpt/window/file_browser.h"
 
 static char folder[] = ISO_TEST_TMP "/names-XXXXXX";
 

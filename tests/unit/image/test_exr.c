@@ -282,7 +282,7 @@ static void what_is_no_picture_is_refused(void **state) {
     iso_aov aov;
     iso_error error = {0};
     assert_int_equal(iso_exr_read(ISO_TEST_TMP, NULL, &aov, &error), ISO_ERR_IO);
-    assert_non_null(strstr(error.text, "directory"));
+    assert_non_null(strstr(error.text, "folder"));
 }
 
 static void truncated_files_are_refused(void **state) {

@@ -311,7 +311,7 @@ static void unreadable_files_are_named(void **state) {
     assert_int_equal(iso_png_read(ISO_TEST_TMP "/missing.png", &back, &error), ISO_ERR_IO);
     assert_non_null(strstr(error.text, "missing.png"));
     assert_int_equal(iso_png_read(ISO_TEST_TMP, &back, &error), ISO_ERR_IO);
-    assert_non_null(strstr(error.text, "directory"));
+    assert_non_null(strstr(error.text, "folder"));
     spill(PATH, "hello, this is text\n", 20);
     assert_int_equal(iso_png_read(PATH, &back, &error), ISO_ERR_FORMAT);
     uint8_t *row = calloc(1, (ISO_IMAGE_MAX + 1) / 8 + 1);

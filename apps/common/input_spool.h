@@ -1,4 +1,4 @@
-/* spool: copies an input that can be read only once (standard input, a FIFO) to a temporary file, which
+/* input_spool: copies an input that can be read only once (standard input, a FIFO) to a temporary file, which
  * readers can open several times and seek in.
  *
  * The file is in TMPDIR (/tmp) and has no name, so that it vanishes with the program. Readers open it by the
@@ -15,8 +15,8 @@
  *     ... read path, several times if need be; messages of readers begin with spool.path ...
  *     iso_spool_close(&spool);
  */
-#ifndef ISO_APPS_COMMON_SPOOL_H
-#define ISO_APPS_COMMON_SPOOL_H
+#ifndef ISO_APPS_COMMON_INPUT_SPOOL_H
+#define ISO_APPS_COMMON_INPUT_SPOOL_H
 
 #include <stdbool.h>
 

@@ -1,7 +1,7 @@
-/* browser: a dialog that shows the files of a folder, to choose a file to open or a name to save to. The
- * state is plain C (browser.c); browser.cc draws it with Dear ImGui. */
-#ifndef ISO_APPS_ISOSCULPT_WINDOW_BROWSER_H
-#define ISO_APPS_ISOSCULPT_WINDOW_BROWSER_H
+/* file_browser: a dialog that shows the files of a folder, to choose a file to open or a name to save to. The
+ * state is plain C (file_browser.c); file_browser.cc draws it with Dear ImGui. */
+#ifndef ISO_APPS_ISOSCULPT_WINDOW_FILE_BROWSER_H
+#define ISO_APPS_ISOSCULPT_WINDOW_FILE_BROWSER_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
 /* The file browser as a modal dialog of Dear ImGui. */
-#include "apps/isosculpt/window/browser.h"
+#include "apps/isosculpt/window/file_browser.h"
 
 #include <cfloat>
 #include <cmath>

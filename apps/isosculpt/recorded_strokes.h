@@ -1,7 +1,7 @@
-/* strokes: strokes that are recorded while a volume is still being converted into a field, to be applied when
- * the field is there. World positions, as sessions take them. */
-#ifndef ISO_APPS_ISOSCULPT_STROKES_H
-#define ISO_APPS_ISOSCULPT_STROKES_H
+/* recorded_strokes: strokes that are recorded while a volume is still being converted into a field, to be
+ * applied when the field is there. World positions, as sessions take them. */
+#ifndef ISO_APPS_ISOSCULPT_RECORDED_STROKES_H
+#define ISO_APPS_ISOSCULPT_RECORDED_STROKES_H
 
 #include <stddef.h>
 

@@ -1,6 +1,6 @@
 /* Spools: the first bytes decide whether an input is copied, and how far. */
 #define _GNU_SOURCE
-#include "apps/common/spool.h"
+#include "apps/common/input_spool.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,6 +1,6 @@
-/* mirror: the lines along which a mirror plane cuts the visible surface. */
-#ifndef ISO_APPS_ISOSCULPT_VIEWPORT_MIRROR_H
-#define ISO_APPS_ISOSCULPT_VIEWPORT_MIRROR_H
+/* mirror_line: the lines along which a mirror plane cuts the visible surface. */
+#ifndef ISO_APPS_ISOSCULPT_VIEWPORT_MIRROR_LINE_H
+#define ISO_APPS_ISOSCULPT_VIEWPORT_MIRROR_LINE_H
 
 #include "apps/isosculpt/viewport/viewport.h"
 

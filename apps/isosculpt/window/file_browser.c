@@ -1,6 +1,6 @@
 /* The state of the file browser: entries of a folder, file types, the chosen path. */
 #define _XOPEN_SOURCE 700
-#include "apps/isosculpt/window/browser.h"
+#include "apps/isosculpt/window/file_browser.h"
 
 #include <dirent.h>
 #include <errno.h>

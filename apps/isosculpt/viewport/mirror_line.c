@@ -1,5 +1,5 @@
 /* Marching squares over the samples of a picture: the zero line of their distances to the mirror plane. */
-#include "apps/isosculpt/viewport/mirror.h"
+#include "apps/isosculpt/viewport/mirror_line.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* The input controller: drags become strokes or camera moves, keys become commands. */
-#include "apps/isosculpt/controller.h"
+#include "apps/isosculpt/input_controller.h"
 #include "base/clock.h"
 #include "sculpt/brush/dab.h"
 

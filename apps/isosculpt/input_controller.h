@@ -1,11 +1,11 @@
-/* controller: turns mouse and keyboard input into strokes, camera moves and commands for the window.
+/* input_controller: turns mouse and keyboard input into strokes, camera moves and commands for the window.
  * Independent of the window system: positions are pixels of the picture, y down; keys are numbers of
  * isosculpt_key. */
-#ifndef ISO_APPS_ISOSCULPT_CONTROLLER_H
-#define ISO_APPS_ISOSCULPT_CONTROLLER_H
+#ifndef ISO_APPS_ISOSCULPT_INPUT_CONTROLLER_H
+#define ISO_APPS_ISOSCULPT_INPUT_CONTROLLER_H
 
 #include "apps/isosculpt/document.h"
-#include "apps/isosculpt/strokes.h"
+#include "apps/isosculpt/recorded_strokes.h"
 #include "apps/isosculpt/viewport/viewport.h"
 
 #ifdef __cplusplus

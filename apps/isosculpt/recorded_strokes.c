@@ -1,5 +1,5 @@
 /* Recorded strokes: arrays that double when they are full. */
-#include "apps/isosculpt/strokes.h"
+#include "apps/isosculpt/recorded_strokes.h"
 
 #include <stdlib.h>
 
