@@ -64,6 +64,7 @@ typedef struct extent {
     double radius[2];
 } extent;
 
+/* Range of the radii of a block's discs, mm. */
 static void radius_range(const iso_point_view *points, const iso_point_block *block, double range[2]) {
     range[0] = range[1] = ISO_DISC_RADII * iso_most(points->radius, 0);
     if (!points->radii) return;
@@ -96,7 +97,7 @@ static bool block_extent(const placement *s, const iso_point_block *block, const
     return true;
 }
 
-static picture_sides side_of(const iso_view *view, int axis) {
+static picture_sides sides_of_view(const iso_view *view, int axis) {
     picture_sides side;
     side.at[0] = axis == 0 ? -view->cx : -view->above - view->cy;
     side.at[1] = axis == 0 ? view->width - view->cx : view->height + view->below - view->cy;
@@ -188,6 +189,7 @@ static block_measure measure_block(const iso_point_view *points, const iso_point
     return measure;
 }
 
+/* Computes the view-dependent fields of a block and adds it to the totals of its chunk. */
 static void place_block(const placement *s, iso_point_block *block, const iso_point_bounds *bounds,
                         const double radius[2], chunk *found) {
     extent e = {.radius = {radius[0], radius[1]}};
@@ -238,6 +240,7 @@ static size_t chunk_end(size_t index, size_t count) {
     return end < count ? end : count;
 }
 
+/* Task: the blocks of a chunk; cuts their spans first when that has not been done. */
 static void place_chunk(void *context, size_t index, int worker) {
     (void)worker;
     const placement *s = context;
@@ -302,7 +305,7 @@ static iso_status place_blocks(iso_point_blocks *blocks, placement *s, size_t ch
     ISO_TRY(iso_buffer_reserve(&blocks->rows, blocks->count * sizeof(block_rows), 0, error));
     s->blocks = blocks->blocks.data;
     s->rows = blocks->rows.data;
-    for (int axis = 0; axis < 2; axis++) s->sides[axis] = side_of(s->projector->view, axis);
+    for (int axis = 0; axis < 2; axis++) s->sides[axis] = sides_of_view(s->projector->view, axis);
     iso_parallel_for(pool, chunks, place_chunk, s);
     sum_chunks(blocks, s->chunks, chunks);
     return ISO_OK;

@@ -188,6 +188,7 @@ typedef struct part_origin {
     int x, y;
 } part_origin;
 
+/* Reads a part of a picture back into its place in the gbuffer. */
 static iso_status read_part(const iso_gl_engine *engine, const iso_view *view, part_origin at,
                             iso_gbuffer *to, iso_error *error) {
     const GladGLContext *gl = engine->context->gl;
@@ -309,13 +310,15 @@ static bool is_back_facing(const surface_draw *draw, const double eye[3], size_t
     return iso_projector_facing(&draw->projector, eye, spans[s].brick, &bounds[s]) == ISO_FACING_AWAY;
 }
 
+/* The per-instance data of a span of points. */
 static iso_gl_instance instance_of(const surface_draw *draw, const iso_gl_span *span) {
     const float corner_position[3] = {0, 0, 0};
     const iso_vec3 origin = iso_projector_point(&draw->projector, span->brick, corner_position);
     return (iso_gl_instance){.origin = {(float)origin.x, (float)origin.y, (float)origin.z}};
 }
 
-static void draw_all(const surface_draw *draw, size_t count, const void *commands, const void *instances) {
+static void draw_commands(const surface_draw *draw, size_t count, const void *commands,
+                          const void *instances) {
     draw->engine->drawn += count;
     iso_gl_surface_command(draw->surface, count, commands, instances);
     iso_gl_surface_draw(draw->surface, count);
@@ -344,7 +347,7 @@ static iso_status draw_mesh(const surface_draw *draw, iso_buffer *room, iso_erro
     unsigned program;
     ISO_TRY(iso_gl_engine_program(draw->engine, ISO_GL_MESH, &program, error));
     draw->engine->context->gl->UseProgram(program);
-    if (seen) draw_all(draw, seen, commands, bricks);
+    if (seen) draw_commands(draw, seen, commands, bricks);
     return ISO_OK;
 }
 
@@ -358,6 +361,7 @@ static bool may_be_wide(const surface_draw *draw, const iso_gl_span *span) {
     return 2.001 * span->radius * scale + 1 > draw->engine->max_point;
 }
 
+/* Draws the points that are wider than the driver's largest point, as quads. */
 static iso_status draw_wide_points(const surface_draw *draw, iso_error *error) {
     const iso_gl_surface *surface = draw->surface;
     unsigned program = 0;
@@ -397,7 +401,7 @@ static iso_status draw_points(const surface_draw *draw, iso_buffer *room, iso_er
         draw->engine, surface->surfels ? ISO_GL_POINTS_SURFELS : ISO_GL_POINTS_PACKED, &program, error));
     gl->UseProgram(program);
     if (!surface->has_radii) gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)surface->radius);
-    if (seen) draw_all(draw, seen, commands, instances);
+    if (seen) draw_commands(draw, seen, commands, instances);
     return draw_wide_points(draw, error);
 }
 

@@ -19,7 +19,7 @@ enum {
     STRIP_ROWS_LEAST = 64,
     /* A range of points bound as a buffer begins at a multiple of this: an offset that every driver
      * accepts. */
-    WINDOW_POINTS = 256
+    RANGE_POINTS = 256
 };
 /* Limit of the storage buffers of the pyramid and the picture; a larger picture is drawn in strips. */
 static const size_t STORAGE_BYTES = (size_t)256 << 20;
@@ -30,11 +30,11 @@ _Static_assert(offsetof(iso_gl_pullpush_uniforms, lattice) == 160 &&
                    sizeof(iso_gl_pullpush_uniforms) == 208 + 16 * ISO_GL_LEVELS,
                "layout of std140");
 _Static_assert(sizeof(iso_gl_point_block) == 48, "layout of std430");
-_Static_assert(WINDOW_POINTS * sizeof(iso_point) % 256 == 0 &&
-                   WINDOW_POINTS * sizeof(iso_surfel) % 256 == 0 && WINDOW_POINTS * 3 % 256 == 0,
+_Static_assert(RANGE_POINTS * sizeof(iso_point) % 256 == 0 && RANGE_POINTS * sizeof(iso_surfel) % 256 == 0 &&
+                   RANGE_POINTS * 3 % 256 == 0,
                "256 is the widest alignment that a driver may ask for");
 
-/* Points and blocks of one dispatch; `first` is a multiple of WINDOW_POINTS. */
+/* Points and blocks of one dispatch; `first` is a multiple of RANGE_POINTS. */
 typedef struct point_range {
     size_t first, end;
     uint32_t block, block_end;
@@ -177,7 +177,7 @@ static iso_gl_point_block describe_block(const pullpush_draw *d, const iso_point
 
 /* Lists the visible blocks, and ranges of points that contain them and can be bound as one buffer each;
  * returns the number of ranges. */
-static size_t gather_blocks(const pullpush_draw *d, iso_gl_point_block *to, point_range *windows,
+static size_t gather_blocks(const pullpush_draw *d, iso_gl_point_block *to, point_range *ranges,
                             size_t most_points) {
     const iso_point_blocks *blocks = d->surface->blocks;
     const iso_point_block *block = blocks->blocks.data;
@@ -187,10 +187,10 @@ static size_t gather_blocks(const pullpush_draw *d, iso_gl_point_block *to, poin
     for (size_t i = 0; i < blocks->count; i++) {
         if (!is_wanted(d, &block[i])) continue;
         size_t first = spans[block[i].span].first + block[i].first, end = first + block[i].count;
-        point_range *last = count ? &windows[count - 1] : NULL;
+        point_range *last = count ? &ranges[count - 1] : NULL;
         if (!last || first < last->first || end > last->first + most_points) {
-            last = &windows[count++];
-            *last = (point_range){first - first % WINDOW_POINTS, end, seen, seen};
+            last = &ranges[count++];
+            *last = (point_range){first - first % RANGE_POINTS, end, seen, seen};
         }
         to[seen++] = describe_block(d, &block[i], first - last->first);
         last->block_end = seen;
@@ -199,7 +199,8 @@ static size_t gather_blocks(const pullpush_draw *d, iso_gl_point_block *to, poin
     return count;
 }
 
-static void bind_window(const pullpush_draw *d, const point_range *w) {
+/* Binds a range of points, with their radii and colours. */
+static void bind_range(const pullpush_draw *d, const point_range *w) {
     const GladGLContext *gl = d->call->gl;
     size_t item = d->surface->surfels ? sizeof(iso_surfel) : sizeof(iso_point), count = w->end - w->first;
     gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, ISO_GL_POINTS, d->surface->vertices.name,
@@ -212,7 +213,8 @@ static void bind_window(const pullpush_draw *d, const point_range *w) {
                             (GLintptr)(w->first * 3), (GLsizeiptr)((count * 3 + 3) / 4 * 4));
 }
 
-static iso_status dispatch_projection(const pullpush_draw *d, int kind, const point_range *windows,
+/* Runs the projection of `kind` (KIND of pullpush_project.comp) over all ranges. */
+static iso_status dispatch_projection(const pullpush_draw *d, int kind, const point_range *ranges,
                                       size_t count, iso_error *error) {
     enum { GROUPS = 32768 }; /* work groups in x; every driver allows more */
     const GladGLContext *gl = d->call->gl;
@@ -221,9 +223,9 @@ static iso_status dispatch_projection(const pullpush_draw *d, int kind, const po
     ISO_TRY(iso_gl_engine_program(d->call->engine, (iso_gl_program)(first + kind), &program, error));
     gl->UseProgram(program);
     for (size_t i = 0; i < count; i++) {
-        const point_range *w = &windows[i];
+        const point_range *w = &ranges[i];
         uint32_t blocks = w->block_end - w->block;
-        bind_window(d, w);
+        bind_range(d, w);
         gl->Uniform2ui(ISO_GL_FIRST, w->block, w->block_end);
         gl->DispatchCompute(blocks < GROUPS ? blocks : GROUPS, (blocks + GROUPS - 1) / GROUPS, 1);
     }
@@ -231,29 +233,30 @@ static iso_status dispatch_projection(const pullpush_draw *d, int kind, const po
     return ISO_OK;
 }
 
+/* Projects the points of a surface to keys, in as many passes as the driver needs. */
 static iso_status project_points(const pullpush_draw *d, iso_buffer *room, iso_error *error) {
     const pullpush_call *call = d->call;
     size_t blocks = d->surface->blocks->count, bytes = blocks * sizeof(iso_gl_point_block);
     size_t item = d->surface->surfels ? sizeof(iso_surfel) : sizeof(iso_point);
     ISO_TRY(iso_buffer_reserve(room, bytes + blocks * sizeof(point_range), 0, error));
-    point_range *windows = (point_range *)((char *)room->data + bytes);
-    size_t count = gather_blocks(d, room->data, windows, call->engine->max_storage / item);
+    point_range *ranges = (point_range *)((char *)room->data + bytes);
+    size_t count = gather_blocks(d, room->data, ranges, call->engine->max_storage / item);
     if (!count) return ISO_OK;
-    size_t used = windows[count - 1].block_end * sizeof(iso_gl_point_block);
+    size_t used = ranges[count - 1].block_end * sizeof(iso_gl_point_block);
     ensure_storage(call, ISO_GL_STORE_BLOCKS, used);
     call->gl->NamedBufferSubData(call->engine->storage[ISO_GL_STORE_BLOCKS], 0, (GLsizeiptr)used, room->data);
     bind_storage(call, ISO_GL_BLOCKS, ISO_GL_STORE_BLOCKS);
     bind_storage(call, ISO_GL_KEYS, ISO_GL_STORE_KEYS);
     bind_storage(call, ISO_GL_DISCS, ISO_GL_STORE_DISCS);
     if (call->engine->wide_atomics) {
-        ISO_TRY(dispatch_projection(d, ISO_GL_PROJECT_KEYS - ISO_GL_PROJECT_DEPTHS, windows, count, error));
+        ISO_TRY(dispatch_projection(d, ISO_GL_PROJECT_KEYS - ISO_GL_PROJECT_DEPTHS, ranges, count, error));
     } else {
-        ISO_TRY(dispatch_projection(d, 0, windows, count, error));
+        ISO_TRY(dispatch_projection(d, 0, ranges, count, error));
         ISO_TRY(
-            dispatch_projection(d, ISO_GL_PROJECT_PAYLOADS - ISO_GL_PROJECT_DEPTHS, windows, count, error));
+            dispatch_projection(d, ISO_GL_PROJECT_PAYLOADS - ISO_GL_PROJECT_DEPTHS, ranges, count, error));
     }
     if (!d->surface->has_radii && !d->surface->has_colors) return ISO_OK;
-    return dispatch_projection(d, ISO_GL_PROJECT_DISCS - ISO_GL_PROJECT_DEPTHS, windows, count, error);
+    return dispatch_projection(d, ISO_GL_PROJECT_DISCS - ISO_GL_PROJECT_DEPTHS, ranges, count, error);
 }
 
 /* ---- pull and push */
@@ -317,6 +320,7 @@ static iso_status reconstruct_surface(const pullpush_draw *d, iso_buffer *room, 
 
 /* ---- the picture */
 
+/* Sets depth to INFINITY and surface to ISO_SURFACE_NONE in the picture buffer, the rest to 0. */
 static void clear_picture(const pullpush_call *call, size_t samples) {
     const float far = INFINITY;
     const GLuint none = ISO_SURFACE_NONE;
@@ -432,6 +436,7 @@ static iso_status set_views(const iso_gl_pullpush_opts *opts, iso_error *error) 
     return ISO_OK;
 }
 
+/* Limit of a storage buffer, bytes. */
 static size_t storage_of(const iso_gl_engine *engine) {
     return engine->max_storage < STORAGE_BYTES ? engine->max_storage : STORAGE_BYTES;
 }

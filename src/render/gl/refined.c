@@ -130,6 +130,7 @@ static bool is_visible(const refined_draw *d, const iso_point_block *block, cons
            block->row[0] + cy - reach <= t->height;
 }
 
+/* The per-instance data of a block. */
 static iso_gl_instance instance_of(const refined_draw *d, const iso_point_block *block) {
     const iso_projector *p = &d->projector;
     const double low = d->surface->surfels ? 0 : ISO_POINT_LOW;
@@ -202,6 +203,7 @@ static iso_status draw_discs(const refined_draw *d, const tile *t, iso_gl_progra
     return ISO_OK;
 }
 
+/* Sets the state of a pass over discs into a framebuffer. */
 static void begin_pass(const refined_draw *d, const tile *t, int framebuffer) {
     const GladGLContext *gl = d->gl;
     const int margin = iso_gl_engine_margin(d->engine);
@@ -215,6 +217,7 @@ static void begin_pass(const refined_draw *d, const tile *t, int framebuffer) {
     gl->Enable(GL_BLEND);
 }
 
+/* First pass: the nearest depths. */
 static iso_status find_fronts(const refined_draw *d, const tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     const GLfloat nowhere[4] = {ISO_NOWHERE, ISO_NOWHERE, ISO_NOWHERE, ISO_NOWHERE};
@@ -224,6 +227,7 @@ static iso_status find_fronts(const refined_draw *d, const tile *t, iso_error *e
     return draw_discs(d, t, ISO_GL_FRONT_POINTS, error);
 }
 
+/* Second pass: weighted sums over the discs near the front. */
 static iso_status add_discs(const refined_draw *d, const tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     const GLfloat nothing[4] = {0};
@@ -237,6 +241,7 @@ static iso_status add_discs(const refined_draw *d, const tile *t, iso_error *err
     return draw_discs(d, t, ISO_GL_ADD_POINTS, error);
 }
 
+/* Third pass: from sums to samples of the picture. */
 static iso_status resolve_tile(const refined_draw *d, const tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     for (int i = 0; i < SUMS; i++) gl->BindTextureUnit(ISO_GL_SUMS + (GLuint)i, d->engine->discs.sums[i]);

@@ -37,7 +37,7 @@ typedef struct stripper {
 
 /* ---- neighbours */
 
-/* Corners by their vertices: those of vertex v are fan[start[v]] .. fan[start[v + 1] - 1]. */
+/* Sorts corners by their vertices: those of vertex v are fan[start[v]] .. fan[start[v + 1] - 1]. */
 static void sort_corners(const stripper *s) {
     uint32_t *start = s->start;
     memset(start, 0, (s->vertex_count + 1) * sizeof *start);
@@ -112,11 +112,13 @@ static int neighbours_left(const stripper *s, uint16_t triangle) {
     return left;
 }
 
+/* Pushes a triangle on the stack for its number of free neighbours. */
 static void push_triangle(stripper *s, uint16_t triangle) {
     int left = neighbours_left(s, triangle);
     s->stack[left][s->stacked[left]++] = triangle;
 }
 
+/* Marks a triangle as used; its free neighbours have one neighbour less and are pushed again. */
 static void mark_in_strip(stripper *s, uint16_t triangle) {
     s->met[triangle] = IN_A_STRIP;
     for (int k = 0; k < 3; k++) {
@@ -142,6 +144,7 @@ static uint16_t next_start(stripper *s) {
     return NONE;
 }
 
+/* Appends the longest strip that begins at a triangle. */
 static void append_strip(stripper *s, uint16_t triangle) {
     int best = 0;
     uint32_t longest = 0;
@@ -169,6 +172,7 @@ static void *next_array(const iso_buffer *block, size_t *used, size_t bytes) {
     return part;
 }
 
+/* Arranges all arrays in a block of memory; returns their bytes. */
 static size_t arrange_arrays(stripper *s, const iso_buffer *block) {
     const size_t n = s->count, pushes = (1 + 3) * n; /* each triangle once at first, then by each neighbour */
     size_t used = 0;

@@ -41,6 +41,7 @@ static part triangles_of(const void *view, size_t span) {
     return (part){s->first_triangle, s->triangle_count};
 }
 
+/* One beyond the last item of all spans. */
 static size_t end_of(const void *view, size_t spans, part_of *get) {
     size_t end = 0;
     for (size_t s = 0; s < spans; s++) {
@@ -232,6 +233,7 @@ static double largest_radius(const iso_point_view *points, const iso_point_span 
     return radius;
 }
 
+/* Box of all positions that packed points of a brick can have, index coordinates. */
 static iso_box packed_box(const int32_t brick[3]) {
     const iso_surfel corners[2] = {{.position = {-2, -2, -2}}, {.position = {18, 18, 18}}};
     return iso_surfel_bounds(corners, 2, brick);
@@ -329,6 +331,7 @@ static iso_status check_memory(const iso_gl_surface *surface, uint64_t bytes, is
                     context->name, (double)bytes / 1e6, (double)available / 1e6);
 }
 
+/* Bytes that a buffer must be newly allocated with to hold `end` items; 0: it is large enough. */
 static uint64_t growth(const iso_gl_buffer *buffer, size_t end, size_t item) {
     return end <= buffer->room ? 0 : (uint64_t)end * item;
 }

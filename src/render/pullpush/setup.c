@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* Variance of the low-pass filter, pixels^2. */
+/* The low-pass filter: added to the squared axes of ellipses, pixels^2. */
 static const float LOW_PASS = 2;
 /* The same towards the silhouette, for discs seen face-on and edge-on. */
 static const float FACING = 1, EDGE = 0.04f;

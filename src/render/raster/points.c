@@ -78,6 +78,7 @@ static float *band_pixel(const point_band *band, int x, int y) {
     return band->depth + row * (ptrdiff_t)band->draw->pitch + MARGIN + x;
 }
 
+/* The value of point_band.source for a point. */
 static uint32_t source_of(const point_draw *draw, size_t index) {
     if (draw->points->surfels) return (uint32_t)index;
     return iso_point_normal_bits(draw->points->packed[index]);
@@ -90,16 +91,20 @@ static double point_radius(const iso_point_view *points, size_t index) {
 
 /* ---- large discs, one at a time */
 
+/* A projected disc: the pixel that contains its centre, the centre inside that pixel, the radius in
+ * pixels. */
 typedef struct disc {
     double column, row, fx, fy, radius;
     float depth;
     uint32_t source;
 } disc;
 
+/* Pixels rounded to 1/65536. */
 static double snapped(double pixels) {
     return floor(pixels * 65536 + 0.5) / 65536;
 }
 
+/* False: the point is not drawn. */
 static bool project_disc(const point_draw *draw, const block *b, size_t index, disc *out) {
     const iso_view *view = draw->projector.view;
     iso_surfel surfel = iso_point_view_get(draw->points, index);
@@ -107,7 +112,7 @@ static bool project_disc(const point_draw *draw, const block *b, size_t index, d
     if (!(p.z >= view->near)) return false;
     double scale = iso_projector_scale(&draw->projector, p.z);
     double x = snapped(p.x * scale) + view->cx, y = snapped(p.y * scale) + view->cy;
-    if (!(fabs(x) < 1e15 && fabs(y) < 1e15)) return false; /* so is NaN */
+    if (!(fabs(x) < 1e15 && fabs(y) < 1e15)) return false; /* also when NaN */
     double column = floor(x), row = floor(y), radius = point_radius(draw->points, index) * scale;
     *out = (disc){column, row, x - column, y - row, radius, (float)p.z, source_of(draw, index)};
     return true;
@@ -125,6 +130,7 @@ static iso_rows covered(double at, double reach, double pixel, iso_rows clip, bo
     return (iso_rows){first > clip.first ? (int)first : clip.first, last < clip.last ? (int)last : clip.last};
 }
 
+/* Draws the disc of a point row by row, of any size. */
 static void draw_large(const point_band *band, const block *b, size_t index) {
     disc d;
     if (!project_disc(band->draw, b, index, &d)) return;

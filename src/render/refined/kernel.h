@@ -33,7 +33,8 @@ enum {
     ISO_SUMS
 };
 
-/* The sums that suffice in a patch whose discs are all flat. */
+/* The sums that suffice in a patch whose discs are all flat: eight floats, like ISO_SUMS with the depth
+ * last. */
 enum {
     ISO_FLAT_WEIGHT,
     ISO_FLAT_NX,
@@ -100,8 +101,8 @@ typedef struct iso_refined_params {
     const iso_point_view *points;
     const iso_point_block *blocks;
     const float (*corner)[3]; /* of each block: view space position that its steps count from, mm */
-    float first_step,
-        voxels_per_step;   /* that position relative to the block's brick, voxels; voxels per step */
+    float first_step;         /* that position relative to the block's brick, voxels, on each axis */
+    float voxels_per_step;
     float step[9];         /* steps to view space */
     float normal[9];       /* normals from index to view space */
     float radius;          /* of points without radii of their own, mm */

@@ -1,4 +1,5 @@
-/* The names of tools, solids and falloffs, and the ranges of a brush's numbers. */
+/* Looks up the names of tools, solids and falloffs, and checks that the numbers of a brush are in their
+ * ranges. */
 #include "sculpt/brush/brush.h"
 
 #include <math.h>
@@ -20,7 +21,7 @@ const char *iso_falloff_name(iso_falloff falloff) {
     return falloffs[falloff];
 }
 
-/* The index of `name` in a list, or -1. */
+/* Returns the index of `name` in `names`, or -1 if it is not there. */
 static int find_name(const char *const *names, int count, const char *name) {
     for (int i = 0; i < count; i++)
         if (strcmp(names[i], name) == 0) return i;

@@ -26,11 +26,12 @@ extern "C" {
     X(SMOOTH, "smooth")                                                                                      \
     X(INFLATE, "inflate")                                                                                    \
     X(DEFLATE, "deflate")                                                                                    \
-    X(FLATTEN, "flatten") /* towards the plane of the sample's position and normal */                        \
-    X(PINCH, "pinch")     /* towards the axis of the sample's normal */                                      \
-    X(MOVE, "move")       /* drags the surface from the stroke's first sample to the current one */          \
-    X(MASK, "mask")       /* freezes the voxels within the radius */                                         \
-    X(UNMASK, "unmask")   /* unfreezes them */
+    X(FLATTEN,                                                                                               \
+      "flatten")        /* moves the surface to the plane through the sample, perpendicular to its normal */ \
+    X(PINCH, "pinch")   /* gathers the surface around the line through the sample along its normal */        \
+    X(MOVE, "move")     /* drags the surface from the stroke's first sample to the current one */            \
+    X(MASK, "mask")     /* freezes the voxels within the radius */                                           \
+    X(UNMASK, "unmask") /* unfreezes them */
 
 /* The solids of set operations, centred on the sample with the z axis along its normal. Sizes are in units of
  * the radius. */
@@ -42,27 +43,28 @@ extern "C" {
     X(TORUS, "torus")       /* ring radius 1, tube radius `aspect` */                                        \
     X(STAMP, "stamp")       /* a mesh, as a distance field (sculpt/brush/stamp.h) */
 
-/* How the effect of a deforming touch falls from 1 at the centre to 0 at the radius; t = distance / radius.
- */
+/* The factor by which a deforming touch acts on a voxel: 1 at the centre, 0 at the radius. t = distance from
+ * the centre / radius. */
 #define ISO_FALLOFFS(X)                                                                                      \
     X(SMOOTH, "smooth")     /* (1 - t^2)^2 */                                                                \
     X(LINEAR, "linear")     /* 1 - t */                                                                      \
     X(CONSTANT, "constant") /* 1 up to the radius */
 
-/* The names, static. */
+/* Return the name that stroke files use for an enumerator; a static string. */
 const char *iso_tool_name(iso_tool tool);
 const char *iso_solid_name(iso_solid solid);
 const char *iso_falloff_name(iso_falloff falloff);
-/* Finds a name. ISO_ERR_USAGE: there is no such name; the message quotes it. */
+/* Find the enumerator with a name. ISO_ERR_USAGE: there is no such name; the message quotes it. */
 iso_status iso_tool_find(const char *name, iso_tool *tool, iso_error *error);
 iso_status iso_solid_find(const char *name, iso_solid *solid, iso_error *error);
 iso_status iso_falloff_find(const char *name, iso_falloff *falloff, iso_error *error);
 
-/* ISO_ERR_USAGE: a number that is not finite or outside its range; the message names it. */
+/* Checks the enumerators and numbers of a brush. ISO_ERR_USAGE: one of them is not finite or outside its
+ * range; the message names it. */
 iso_status iso_brush_check(const iso_brush *brush, iso_error *error);
 
-/* The sample of a touch, the sample before it and the stroke's first sample. At the start of a stroke all
- * three are the same. */
+/* The samples that determine a touch: its own, that of the touch before it and the first one of the stroke.
+ * At the start of a stroke all three are the same. */
 typedef struct iso_touch {
     iso_sample sample, previous, first;
 } iso_touch;

@@ -1,37 +1,39 @@
-/* From a brush and a touch in world millimetres to dabs in voxels of the grid. */
+/* Converts a brush and a touch, given in world millimetres, to dabs in voxels of the grid. */
 #include <math.h>
 #include <string.h>
 
 #include "sculpt/brush/dab.h"
 
-/* The index coordinates of a world position, rounded to 1/4096 voxel: differences to voxels are then exact in
- * floats, and mirrored touches give mirrored results, to the bit. */
-static void set_position(const iso_affine *affine, iso_vec3 world, double out[3]) {
+/* Converts a world position to index coordinates and rounds them to 1/4096 voxel. Differences between such
+ * positions and voxels are exact in floats, so mirrored touches give mirrored results, to the bit. */
+static void to_rounded_index(const iso_affine *affine, iso_vec3 world, double out[3]) {
     iso_vec3 p = iso_affine_point_to_index(affine, world);
     out[0] = rint(p.x * 4096) / 4096;
     out[1] = rint(p.y * 4096) / 4096;
     out[2] = rint(p.z * 4096) / 4096;
 }
 
-/* The world position of the rounded index coordinates. */
+/* Returns the world position whose index coordinates are those of `world` after rounding. */
 static iso_vec3 snapped(const iso_affine *affine, iso_vec3 world) {
     double p[3];
-    set_position(affine, world, p);
+    to_rounded_index(affine, world, p);
     return iso_affine_point(affine, iso_vec3_make(p[0], p[1], p[2]));
 }
 
-/* `v` mirrored at the planes of the axes in `bits` through a point; `through` is NULL for directions. */
+/* Mirrors `v` at the planes through the point `through` that are perpendicular to the axes in `bits` (1: x,
+ * 2: y, 4: z). `through` is NULL for directions. */
 static iso_vec3 reflect(iso_vec3 v, unsigned bits, const iso_vec3 *through) {
     const iso_vec3 at = through ? *through : iso_vec3_make(0, 0, 0);
     return iso_vec3_make(bits & 1 ? 2 * at.x - v.x : v.x, bits & 2 ? 2 * at.y - v.y : v.y,
                          bits & 4 ? 2 * at.z - v.z : v.z);
 }
 
-/* Two tangents and the normal: unit vectors in world coordinates. */
+/* Computes three perpendicular unit vectors in world coordinates. frame[2] is the normal, or the z axis if
+ * the normal has length 0. */
 static void make_tangent_frame(iso_vec3 normal, iso_vec3 frame[3]) {
     iso_vec3 n = iso_vec3_unit(normal);
     if (iso_vec3_length(n) == 0) n = iso_vec3_make(0, 0, 1);
-    /* the coordinate axis farthest from the normal */
+    /* the coordinate axis that is closest to perpendicular to the normal */
     iso_vec3 a = fabs(n.x) <= fabs(n.y) && fabs(n.x) <= fabs(n.z) ? iso_vec3_make(1, 0, 0)
                  : fabs(n.y) <= fabs(n.z)                         ? iso_vec3_make(0, 1, 0)
                                                                   : iso_vec3_make(0, 0, 1);
@@ -40,25 +42,27 @@ static void make_tangent_frame(iso_vec3 normal, iso_vec3 frame[3]) {
     frame[2] = n;
 }
 
-/* One mirror image of a touch. Its axes are mirrored too, and with them boxes and stamps. */
+/* Makes the mirror image of a touch at the planes of the axes in `bits`. The axes of the dab are mirrored,
+ * too, so that boxes and stamps are mirrored. */
 static void make_dab(const iso_dab_space *space, const iso_brush *brush, const iso_touch *touch,
                      unsigned bits, iso_dab *dab) {
     const iso_affine *affine = space->affine;
     iso_vec3 from = brush->tool == ISO_TOOL_MOVE ? touch->first.position : touch->previous.position, frame[3];
-    set_position(affine, reflect(snapped(affine, touch->sample.position), bits, &brush->mirror), dab->centre);
-    set_position(affine, reflect(snapped(affine, from), bits, &brush->mirror), dab->from);
+    to_rounded_index(affine, reflect(snapped(affine, touch->sample.position), bits, &brush->mirror),
+                     dab->centre);
+    to_rounded_index(affine, reflect(snapped(affine, from), bits, &brush->mirror), dab->from);
     make_tangent_frame(touch->sample.normal, frame);
     for (int i = 0; i < 3; i++) {
         iso_vec3 axis = iso_affine_vector_to_index(affine, reflect(frame[i], bits, NULL));
-        axis = iso_vec3_scale(axis, space->spacing); /* a unit vector again */
+        axis = iso_vec3_scale(axis, space->spacing); /* of length 1 voxel instead of 1 mm */
         dab->axis[i][0] = axis.x;
         dab->axis[i][1] = axis.y;
         dab->axis[i][2] = axis.z;
     }
 }
 
-/* The effect of one touch of strength 1 at its centre. INFLATE and DEFLATE: an offset in voxels, bounded so
- * that the surface stays inside the band; others: a factor. */
+/* Returns the effect of one touch of strength 1 at its centre. For INFLATE and DEFLATE this is an offset in
+ * voxels, at most 0.5 so that the surface stays inside the band; for all other tools it is a factor. */
 static double full_strength(iso_tool tool, double radius_voxels) {
     switch (tool) {
     case ISO_TOOL_INFLATE:
@@ -80,7 +84,9 @@ void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso
     double strength = (brush->strength > 0 ? brush->strength : 1) * (brush->pressure_strength ? pressure : 1);
     bool blends = brush->tool == ISO_TOOL_BLEND_ADD || brush->tool == ISO_TOOL_BLEND_CARVE;
     double blend_voxels = brush->blend > 0 ? brush->blend / space->spacing : 0.25 * radius_voxels;
-    double band = (double)space->band; /* beyond it there are no distances to blend */
+    double band =
+        (double)
+            space->band; /* a fillet is at most as wide as the band, because distances are known only there */
     memset(dabs, 0, sizeof *dabs);
     dabs->tool = brush->tool;
     dabs->solid = brush->shape;

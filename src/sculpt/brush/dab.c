@@ -1,5 +1,5 @@
-/* The parts of brush kernels that are the same for every instruction set; dab_body.inc is instantiated for
- * each of them at the end. */
+/* The parts of the brush kernels (dab.h) that are the same for every instruction set. dab_body.inc, included
+ * at the end, has the other parts and is compiled once for each instruction set. */
 #include "sculpt/brush/dab.h"
 
 #include <math.h>
@@ -15,7 +15,8 @@ bool iso_tool_is_warp(iso_tool tool) {
     return tool == ISO_TOOL_PINCH || tool == ISO_TOOL_MOVE;
 }
 
-/* The radius, in brush radii, of the ball around the centre (or segment) that encloses the solid. */
+/* Returns the radius, in brush radii, of the ball around the centre (of a capsule: around each point of its
+ * segment) that contains the solid. */
 static double solid_radius(const iso_dabs *dabs) {
     const double aspect = (double)dabs->aspect;
     switch (dabs->solid) {
@@ -37,12 +38,13 @@ double iso_dabs_influence(const iso_dabs *dabs) {
     return solid_radius(dabs) * (double)dabs->radius_voxels + (double)dabs->band + (double)dabs->blend_voxels;
 }
 
-/* A dab relative to a brick's first voxel. `segment` goes from the centre to `from`. */
+/* A dab in floats, with the centre relative to a brick's first voxel. `segment` goes from the centre to
+ * `from`. */
 typedef struct iso_local_dab {
     float centre[3], segment[3], axis[3][3];
 } iso_local_dab;
 
-static void localise(const iso_dabs *dabs, const int brick[3], iso_local_dab local[ISO_DAB_MAX]) {
+static void make_local_dabs(const iso_dabs *dabs, const int brick[3], iso_local_dab local[ISO_DAB_MAX]) {
     for (int i = 0; i < dabs->count; i++)
         for (int k = 0; k < 3; k++) {
             const iso_dab *dab = &dabs->dab[i];
@@ -59,7 +61,8 @@ int iso_dabs_steps(const iso_dabs *dabs) {
     return steps < 1 ? 1 : steps > 256 ? 256 : (int)steps;
 }
 
-/* The distance to one stamp, in voxels of the field; +-INFINITY beyond the stamp's band. */
+/* Returns the signed distance from a voxel to one stamp, in voxels of the field. Where the stamp stores no
+ * distance it returns INFINITY (outside) or -INFINITY (inside). */
 static float stamp_distance(const iso_dabs *dabs, const iso_local_dab *dab, const float voxel[3]) {
     const iso_grid stamp = {.hgrid = (iso_hgrid *)dabs->stamp}; /* only read */
     const iso_transform *transform = &dabs->stamp->transform;
@@ -69,13 +72,13 @@ static float stamp_distance(const iso_dabs *dabs, const iso_local_dab *dab, cons
     for (int a = 0; a < 3; a++) {
         p[a] = -transform->origin[a] / transform->spacing[a];
         for (int k = 0; k < 3; k++) p[a] += (double)(dab->axis[a][k] * (voxel[k] - dab->centre[k])) / scale;
-        if (!(p[a] >= 0 && p[a] <= dabs->stamp->dims[a] - 1)) return INFINITY; /* outside its grid */
+        if (!(p[a] >= 0 && p[a] <= dabs->stamp->dims[a] - 1)) return INFINITY; /* outside the stamp's grid */
     }
     const double d = iso_grid_sample(&stamp, iso_vec3_make(p[0], p[1], p[2]));
     return (float)(d >= far ? INFINITY : d <= -far ? -INFINITY : d * scale);
 }
 
-/* The distance to the nearest of the mirrored stamps, for all voxels of the brick. */
+/* Computes for all voxels of a brick the signed distance to the nearest of the mirrored stamps. */
 static void stamp_distances(const iso_dabs *dabs, const iso_local_dab *local, float *out) {
     for (int at = 0; at < ISO_BRICK_VOXELS; at++) {
         const float voxel[3] = {(float)(at % ISO_BRICK), (float)(at / ISO_BRICK % ISO_BRICK),

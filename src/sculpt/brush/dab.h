@@ -15,16 +15,19 @@
 #include "sculpt/brush/stamp.h"
 #include "sculpt/field/redistance.h"
 
-/* ADD, CARVE, BLEND_ADD, BLEND_CARVE. */
+/* Whether the tool unites the field with a solid or subtracts the solid: ADD, CARVE, BLEND_ADD, BLEND_CARVE.
+ */
 bool iso_tool_is_set_operation(iso_tool tool);
-bool iso_tool_is_warp(iso_tool tool); /* PINCH and MOVE */
+/* Whether the tool samples the field at displaced positions: PINCH and MOVE. */
+bool iso_tool_is_warp(iso_tool tool);
 
-/* The mirror images of a touch with symmetry in all three axes. */
+/* The largest number of dabs of a touch: its mirror images with symmetry in all three axes. */
 enum { ISO_DAB_MAX = 8 };
 
-/* One mirror image. */
+/* One mirror image of a touch. */
 typedef struct iso_dab {
-    double centre[3], from[3]; /* index coordinates; `from`: the capsule's other end, the start of MOVE */
+    double centre[3], from[3]; /* index coordinates; `from`: the other end of a capsule, or where MOVE
+                                  started */
     double axis[3][3];         /* unit vectors; [2] is the surface's normal */
 } iso_dab;
 
@@ -35,14 +38,14 @@ typedef struct iso_dabs {
     iso_falloff falloff;
     float radius_voxels, blend_voxels;
     float strength; /* at the centre: voxels for INFLATE and DEFLATE, otherwise a factor */
-    float aspect;   /* in radii */
+    float aspect;   /* in brush radii */
     float band;     /* of the grid, voxels */
     int count;      /* of dabs */
     iso_dab dab[ISO_DAB_MAX];
-    const iso_hgrid *stamp; /* the level of the stamp that fits the radius; NULL: none is set */
+    const iso_hgrid *stamp; /* the level of the stamp for this radius; NULL: no stamp is set */
 } iso_dabs;
 
-/* The grid that dabs are made for; all borrowed. */
+/* What iso_dabs_make needs to know about the grid and the step. All pointers are borrowed. */
 typedef struct iso_dab_space {
     const iso_affine *affine; /* from index to world coordinates */
     double spacing;           /* mm from voxel to voxel */
@@ -55,21 +58,21 @@ typedef struct iso_dab_space {
 void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso_touch *touch,
                    iso_dabs *dabs);
 
-/* The distance in voxels from a dab's centre (or the segment from `from` to it) beyond which no voxel
- * changes. */
+/* Returns the distance, in voxels, beyond which no voxel changes: from the dab's centre or, for capsules and
+ * MOVE, from the segment between the centre and `from`. */
 double iso_dabs_influence(const iso_dabs *dabs);
 
-/* The number of steps in which MOVE integrates its path: each at most an eighth of the radius, at most 256.
- */
+/* Returns the number of steps in which MOVE follows a voxel back along the stroke: enough for steps of at
+ * most an eighth of the radius, but at most 256. */
 int iso_dabs_steps(const iso_dabs *dabs);
 
-/* For each voxel of a brick the position, in voxels from the brick's first voxel, at which its new value is
- * sampled. */
+/* For each voxel of a brick, the position at which the field is sampled to get its new value; in voxels from
+ * the brick's first voxel. */
 typedef struct iso_warp {
     float position[3][ISO_BRICK_VOXELS];
 } iso_warp;
 
-/* A box of the field as floats, x fastest: voxels lo .. lo + size - 1, relative to the brick's first voxel.
+/* A copy of a box of the field, x fastest: voxels lo .. lo + size - 1, counted from the brick's first voxel.
  */
 typedef struct iso_field_window {
     int lo[3], size[3];
@@ -77,17 +80,17 @@ typedef struct iso_field_window {
 } iso_field_window;
 
 typedef struct iso_dab_kernel {
-    /* Set operations, INFLATE, DEFLATE, FLATTEN and SMOOTH: the new values of the brick at `brick` (in
-     * cells).
-     */
+    /* Computes the new values of the brick at `brick` (in cells) for set operations, INFLATE, DEFLATE,
+     * FLATTEN and SMOOTH. phi: the values before the touch. */
     void (*edit)(const iso_dabs *dabs, const int brick[3], const iso_stencil *phi, float *out);
-    /* PINCH and MOVE: where each voxel's new value is sampled. False: nowhere but at the voxel itself. */
+    /* Computes for PINCH and MOVE where each voxel's new value is sampled. Returns false if this is the
+     * voxel's own position for all voxels, so that nothing changes. */
     bool (*warp)(const iso_dabs *dabs, const int brick[3], iso_warp *warp);
-    /* Samples the window at the warp's positions, trilinearly. The window holds all voxels that this reads.
-     */
+    /* Samples the window at the warp's positions by trilinear interpolation. The window must contain all
+     * voxels that this reads. */
     void (*sample)(const iso_warp *warp, const iso_field_window *window, float *out);
-    /* Restores frozen voxels of `values` from `before` (`masked` NULL: none is frozen), marks the voxels that
-     * differ from `before` in any bit, and returns whether there are any. */
+    /* Restores frozen voxels of `values` from `before` (`masked` NULL: none is frozen) and marks the voxels
+     * that differ from `before` in any bit. Returns whether there are any. */
     bool (*find_changes)(const float *before, const iso_voxel_bits *masked, float *values,
                          iso_voxel_bits *changed);
 } iso_dab_kernel;

@@ -1,4 +1,4 @@
-/* Stamps: conversion of a mesh to distance fields (grids/level_set.h), and their serialisation as base 64
+/* Makes stamps from meshes, as distance fields (grids/level_set.h), and writes and reads stamps as base 64
  * text (RFC 4648). */
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
 #include "sculpt/brush/stamp.h"
@@ -13,17 +13,17 @@
 #include "sculpt/session/checkpoint.h"
 #include "sculpt/session/limits.h"
 
-/* Voxels around the mesh: the band's 3, and 1. */
+/* Voxels of room around the mesh: 3 for the band and 1 more. */
 enum { MARGIN = 4 };
 
-/* ---- life */
+/* ---- creation and destruction */
 
 static iso_stamp *allocate_stamp(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     iso_stamp *stamp = iso_alloc_zero(1, sizeof *stamp);
     if (!stamp) return NULL;
     snprintf(stamp->name, sizeof stamp->name, "%s", name);
-    for (char *c = stamp->name; *c; c++) /* journals contain the name: ASCII is valid in every encoding */
+    for (char *c = stamp->name; *c; c++) /* journals contain the name, and ASCII is valid in every encoding */
         if (*c < ' ' || *c > '~') *c = '_';
     stamp->owners = 1;
     return stamp;
@@ -48,7 +48,8 @@ const iso_hgrid *iso_stamp_level(const iso_stamp *stamp, double radius_voxels) {
 
 /* ---- from a mesh */
 
-/* Makes all levels, in the mesh's millimetres. A level that is too coarse for thin parts may be empty. */
+/* Makes the distance fields of all levels, with transforms in the mesh's millimetres. A level is left out if
+ * nothing is inside, because its voxels are too large for thin parts. */
 static iso_status make_levels(const char *path, const iso_closed_mesh *mesh, iso_mesh_sampling sampling,
                               iso_stamp *stamp, iso_error *error) {
     const iso_progress *progress = sampling.progress;
@@ -66,7 +67,8 @@ static iso_status make_levels(const char *path, const iso_closed_mesh *mesh, iso
     return status;
 }
 
-/* Scales the levels so that the longest side goes from -1 to 1. Distances are in voxels and do not change. */
+/* Changes the transforms of the levels so that the mesh's longest side goes from -1 to 1. The distances are
+ * in voxels and do not change. */
 static void normalise(iso_stamp *stamp, const double middle[3], double longest) {
     for (int i = 0; i < stamp->count; i++) {
         iso_transform *transform = &stamp->level[i]->transform;
@@ -95,11 +97,11 @@ iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, is
     return status;
 }
 
-/* ---- as bytes: for each level a head, and the cells in the format of a checkpoint */
+/* ---- bytes of a stamp: for each level a level_head, then its cells in the format of checkpoint files */
 
 typedef struct level_head {
     int32_t dims[3];
-    uint32_t bytes; /* of the cells that follow */
+    uint32_t bytes; /* size of the cells that follow */
     double spacing, origin[3];
 } level_head;
 
@@ -154,7 +156,7 @@ static iso_status get_level(const uint8_t **at, const uint8_t *end, iso_hgrid **
     return status;
 }
 
-/* ---- as text */
+/* ---- bytes as text */
 
 static const char DIGITS[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
@@ -174,7 +176,8 @@ static char *encode(const uint8_t *bytes, size_t size) {
     return text;
 }
 
-/* The decoded bytes, malloc'ed, and their number; NULL: not base 64, or out of memory. */
+/* Returns the decoded bytes, malloc'ed, and sets *size to their number. NULL: the text is not base 64, or
+ * there is no memory. */
 static uint8_t *decode(const char *text, size_t *size) {
     uint8_t value[256];
     memset(value, 255, sizeof value);

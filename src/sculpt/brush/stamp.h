@@ -15,19 +15,21 @@
 extern "C" {
 #endif
 
-/* Levels have 8, 16, .. 128 voxels along the longest side; finer detail is lost. ISO_STAMP_NAME: bytes. */
+/* ISO_STAMP_FIRST: voxels along the longest side in the coarsest level; each finer level has twice as many
+ * (8, 16, .. 128). Detail below the finest voxels is lost. ISO_STAMP_NAME: size of the name in bytes. */
 enum { ISO_STAMP_LEVELS = 5, ISO_STAMP_FIRST = 8, ISO_STAMP_NAME = 64 };
 
 /* Reference-counted and immutable, so threads may share it. */
 typedef struct iso_stamp {
     char name[ISO_STAMP_NAME];          /* the mesh's file name, for display */
     iso_hgrid *level[ISO_STAMP_LEVELS]; /* coarse to fine; levels in which nothing is inside are left out */
-    int count;                          /* of levels, at least 1 */
-    int owners;                         /* atomic */
+    int count;                          /* number of levels, at least 1 */
+    int owners;                         /* number of owners; changed atomically */
 } iso_stamp;
 
-/* Converts the solid that a mesh encloses. `path` gives the name. Levels too coarse for the mesh are left
- * out. The pool is borrowed; NULL: the calling thread. Errors: those of iso_level_set_from_mesh. */
+/* Converts the solid that a mesh encloses. The stamp's name is the last component of `path`. Levels whose
+ * voxels are too large for the mesh are left out. The pool is borrowed; NULL: the calling thread. Errors:
+ * those of iso_level_set_from_mesh. */
 iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, iso_pool *pool,
                                const iso_progress *progress, iso_stamp **stamp, iso_error *error);
 
@@ -35,13 +37,14 @@ iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, is
 iso_stamp *iso_stamp_share(iso_stamp *stamp);
 void iso_stamp_free(iso_stamp *stamp);
 
-/* The finest level whose voxels are not smaller than the grid's when the brush has this radius, in voxels of
- * the grid; if there is none, the coarsest level. Owned by the stamp. */
+/* Returns the finest level whose voxels are at least as large as the grid's when the stamp is scaled to a
+ * brush of this radius (in voxels of the grid); if there is none, the coarsest level. Owned by the stamp. */
 const iso_hgrid *iso_stamp_level(const iso_stamp *stamp, double radius_voxels);
 
-/* The stamp as base 64 text, for journals; malloc'ed (free). NULL: out of memory. */
+/* Returns the stamp as base 64 text, for journals; malloc'ed (free). NULL: out of memory. */
 char *iso_stamp_text(const iso_stamp *stamp);
-/* The stamp of such a text, to the bit. ISO_ERR_FORMAT: the text is damaged; ISO_ERR_NOMEM. */
+/* Makes a stamp from such a text; its distances are the same to the bit. ISO_ERR_FORMAT: the text is damaged;
+ * ISO_ERR_NOMEM. */
 iso_status iso_stamp_parse(const char *name, const char *text, iso_stamp **stamp, iso_error *error);
 
 #ifdef __cplusplus

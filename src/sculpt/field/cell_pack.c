@@ -1,12 +1,14 @@
-/* Lossless packing of a brick: 4096 codes of two bits, then the values that are neither +band nor -band. */
+/* Packs a brick without loss: 4096 codes of two bits say whether each voxel is +band, -band or a distance;
+ * then follow the distances. */
 #include "sculpt/field/cell_pack.h"
 
 #include <string.h>
 
 enum { MASK_BYTES = ISO_BRICK_VOXELS / 4, OUTSIDE = 0, INSIDE = 1, DISTANCE = 2 };
 
-/* Compares bit patterns, so that any value, even NaN, is restored exactly. */
-static unsigned kind_of(float value, float band) {
+/* Returns the code of a value. Bit patterns are compared, so that any value, even NaN, is restored exactly.
+ */
+static unsigned code_of(float value, float band) {
     const float inside = -band;
     if (memcmp(&value, &band, sizeof value) == 0) return OUTSIDE;
     return memcmp(&value, &inside, sizeof value) == 0 ? INSIDE : DISTANCE;
@@ -14,7 +16,7 @@ static unsigned kind_of(float value, float band) {
 
 size_t iso_cell_pack_size(const float *brick, float band) {
     size_t distances = 0;
-    for (int i = 0; i < ISO_BRICK_VOXELS; i++) distances += kind_of(brick[i], band) == DISTANCE;
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) distances += code_of(brick[i], band) == DISTANCE;
     return MASK_BYTES + distances * sizeof(float);
 }
 
@@ -23,7 +25,7 @@ void iso_cell_pack(const float *brick, float band, uint8_t *bytes) {
     for (int i = 0; i < ISO_BRICK_VOXELS; i += 4) {
         unsigned mask = 0;
         for (int k = 0; k < 4; k++) {
-            unsigned kind = kind_of(brick[i + k], band);
+            unsigned kind = code_of(brick[i + k], band);
             mask |= kind << (2 * k);
             if (kind != DISTANCE) continue;
             memcpy(values, &brick[i + k], sizeof(float));

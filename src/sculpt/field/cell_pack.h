@@ -12,9 +12,9 @@
 
 enum { ISO_CELL_PACK_MAX = ISO_BRICK_VOXELS / 4 + ISO_BRICK_VOXELS * 4 };
 
-/* Bytes of the packed brick, at most ISO_CELL_PACK_MAX. */
+/* Returns the size of the packed brick in bytes, at most ISO_CELL_PACK_MAX. */
 size_t iso_cell_pack_size(const float *brick, float band);
-/* Writes that many bytes. */
+/* Writes the packed brick to `bytes`, which must have room for iso_cell_pack_size bytes. */
 void iso_cell_pack(const float *brick, float band, uint8_t *bytes);
 /* Restores the brick, to the bit. False: `bytes` is not a packed brick of this size. */
 bool iso_cell_unpack(const uint8_t *bytes, size_t size, float band, float *brick);

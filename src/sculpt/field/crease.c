@@ -1,35 +1,41 @@
 /* Correction of distances beside creases. The crossings of the zero set with the edges between voxels are
  * collected, sorted into bins of 4^3 voxels and split into those at a crease and the others. A voxel lies in
- * the fan of a crease when the crossing nearest to it is at a crease; its distance is then bounded by the
- * distance to that crossing. */
+ * the fan of a crease when the crossing nearest to it is at a crease; its distance is then bounded by
+ * the distance to that crossing. */
 #include "sculpt/field/crease.h"
 
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
 
-/* The inner 4^3 of the bins are the brick's; all crossings near a voxel are in its bin and the 26 around it.
- * Voxels are numbered from the window's (1, 1, 1). */
+/* Crossings (where the zero set crosses an edge between two voxels) are sorted into bins of 4^3 voxels. The
+ * brick has 4^3 bins, and one more layer of bins lies around it. All crossings within 4 voxels of a voxel of
+ * the brick are thus in its own bin or the 26 bins around. Voxel coordinates in this file are counted from
+ * the window's voxel (1, 1, 1). */
 enum { SIDE = ISO_CREASE_SIDE, BIN = 4, BINS = (SIDE - 2) / BIN, BIN_COUNT = BINS * BINS * BINS };
 enum { STEP_Y = SIDE, STEP_Z = SIDE * SIDE };
-/* Voxels along an axis that edges begin at; the largest number of crossings. */
+/* EDGES: voxels along an axis at which an edge can begin. CROSSINGS: the largest number of crossings in a
+ * window. */
 enum { EDGES = SIDE - 2, CROSSINGS = 3 * EDGES * EDGES * EDGES };
 /* Crossings have integer coordinates in 1/UNIT voxel, so that mirrored fields have mirrored crossings. */
 enum { UNIT = 1024 };
-/* A crossing is at a crease if the interface is bent more than a sphere of 4 voxels radius, where the sum of
- * the second differences is 2 / radius. */
+/* A crossing is at a crease if the field at one of the edge's two voxels is curved more than that of a sphere
+ * with a radius of 4 voxels. For the distance field of a sphere, the sum of the second differences is 2 /
+ * radius. */
 static const float CREASE = 0.5f;
-/* By how much redistancing may have made a distance too small, and half the largest gap between neighbouring
- * crossings; both in voxels. */
+/* SHORTFALL: by how much redistancing may have made a distance too small. HALF_GAP: half the largest gap
+ * between neighbouring crossings. Both in voxels. */
 static const float SHORTFALL = 0.4f, HALF_GAP = 0.5f;
-/* Only distances between these two are corrected: smaller ones are already right, as they come from the
- * interface directly; for larger ones (in wide bands) the nearest crossing may lie beyond the 27 bins. */
+/* Only distances of NEAR to FAR voxels are corrected. Smaller ones are right already, because redistancing
+ * computes them from the interface directly. For larger ones, which occur in wide bands, the nearest
+ * crossing may lie outside the 27 bins. */
 static const float NEAR = 1, FAR = BIN - 0.4f;
-/* Voxels nearer than the square root of 3 get a foot point, which is computed from their neighbours' values.
- */
+/* Extraction makes a foot point of a voxel that is nearer to the surface than this (the square root of 3),
+ * from the values of the voxel's neighbours. */
 static const float FOOT = 1.7320508f;
 
-/* Crossings of one kind, sorted by bins: those of bin b are first[b] .. first[b + 1] - 1. */
+/* The crossings of one kind (at a crease or not), sorted by bins: those of bin b are first[b] .. first[b + 1]
+ * - 1. Coordinates in 1/UNIT voxel. */
 typedef struct crossing_bins {
     int32_t *at[3];
     uint32_t first[BIN_COUNT + 1];
@@ -44,14 +50,15 @@ typedef struct crossings {
     const float *window;
     crossing *found;
     uint32_t count;
-    crossing_bins kind[2]; /* [1]: at a crease */
+    crossing_bins kind[2]; /* [0]: not at a crease, [1]: at a crease */
 } crossings;
 
 static const float *value_at(const crossings *c, const int voxel[3]) {
     return c->window + (voxel[2] + 1) * STEP_Z + (voxel[1] + 1) * STEP_Y + voxel[0] + 1;
 }
 
-static bool is_bent(const float *v) {
+/* Whether the field is curved at a voxel as it is at a crease. */
+static bool is_curved(const float *v) {
     const float sum = (v[1] + v[-1]) + (v[STEP_Y] + v[-STEP_Y]) + (v[STEP_Z] + v[-STEP_Z]) - 6 * v[0];
     return fabsf(sum) > CREASE;
 }
@@ -62,11 +69,12 @@ static void add_crossing(crossings *c, const int voxel[3], int axis) {
     crossing *made = &c->found[c->count++];
     *made = (crossing){.at = {UNIT * voxel[0], UNIT * voxel[1], UNIT * voxel[2]},
                        .bin = (uint16_t)((voxel[2] / BIN * BINS + voxel[1] / BIN) * BINS + voxel[0] / BIN),
-                       .crease = is_bent(low) || is_bent(high)};
+                       .crease = is_curved(low) || is_curved(high)};
     made->at[axis] += (int32_t)lrint(UNIT * (double)*low / ((double)*low - (double)*high));
 }
 
-/* Bit x + 1 of each row: whether its voxel x is inside. */
+/* Marks the inside voxels of the window: bit x of row z * SIDE + y, all three counted from the window's first
+ * voxel. */
 static void find_inside(const float *window, uint32_t inside[SIDE * SIDE]) {
     for (int row = 0; row < SIDE * SIDE; row++) {
         uint32_t bits = 0;
@@ -75,9 +83,9 @@ static void find_inside(const float *window, uint32_t inside[SIDE * SIDE]) {
     }
 }
 
-/* The edges that start at the voxels of a row, run along an axis and cross the surface. Edges whose far end
- * has no neighbours in the window are left out. */
-static uint32_t crossed(const uint32_t *inside, int y, int z, int axis) {
+/* Returns which voxels of row (y, z) begin an edge along `axis` that crosses the surface: bit x for voxel x.
+ * Edges whose upper end has no neighbours in the window on all sides are left out. */
+static uint32_t crossed_edges(const uint32_t *inside, int y, int z, int axis) {
     static const int steps[3] = {0, 1, SIDE};
     const uint32_t *row = inside + (z + 1) * SIDE + y + 1, all = (1u << EDGES) - 1;
     if ((axis == 1 && y == EDGES - 1) || (axis == 2 && z == EDGES - 1)) return 0;
@@ -89,13 +97,14 @@ static void find_crossings(crossings *c) {
     find_inside(c->window, inside);
     for (int row = 0; row < EDGES * EDGES; row++)
         for (int axis = 0; axis < 3; axis++) {
-            uint32_t bits = crossed(inside, row % EDGES, row / EDGES, axis);
+            uint32_t bits = crossed_edges(inside, row % EDGES, row / EDGES, axis);
             for (; bits; bits &= bits - 1)
                 add_crossing(c, (int[3]){__builtin_ctz(bits), row % EDGES, row / EDGES}, axis);
         }
 }
 
-/* Sorts the crossings by kind and bin; the crossings of bins that are neighbours along x are contiguous. */
+/* Sorts the crossings by kind and bin. Bins that are neighbours along x have neighbouring ranges, so the
+ * crossings of three such bins are one range. */
 static void sort_into_bins(crossings *c) {
     uint32_t next[2][BIN_COUNT];
     for (int kind = 0; kind < 2; kind++) {
@@ -114,9 +123,10 @@ static void sort_into_bins(crossings *c) {
     }
 }
 
-/* The smallest squared distance to the crossings first .. end - 1, or `least` if that is smaller. */
-static int32_t nearest_in_run(const crossing_bins *p, uint32_t first, uint32_t end, const int32_t at[3],
-                              int32_t least) {
+/* Returns the smallest squared distance from `at` to the crossings first .. end - 1, or `least` if this is
+ * smaller. Unit: (1/UNIT voxel)^2. */
+static int32_t nearest_in_range(const crossing_bins *p, uint32_t first, uint32_t end, const int32_t at[3],
+                                int32_t least) {
     const int32_t *restrict px = p->at[0], *restrict py = p->at[1], *restrict pz = p->at[2];
     for (uint32_t i = first; i < end; i++) {
         const int32_t x = px[i] - at[0], y = py[i] - at[1], z = pz[i] - at[2];
@@ -126,14 +136,14 @@ static int32_t nearest_in_run(const crossing_bins *p, uint32_t first, uint32_t e
     return least;
 }
 
-/* The squared distance to the nearest crossing in a bin and the 26 around it, at most `most`. The search
- * stops early at a value below `enough`. */
-static int32_t nearest(const crossing_bins *p, const int bin[3], const int32_t at[3], int32_t most,
-                       int32_t enough) {
+/* Returns the squared distance from `at` to the nearest crossing in a bin and the 26 around it, at
+ * most `most`. The search ends early at a crossing nearer than `enough`. Unit: (1/UNIT voxel)^2. */
+static int32_t nearest_squared(const crossing_bins *p, const int bin[3], const int32_t at[3], int32_t most,
+                               int32_t enough) {
     int32_t least = most;
     for (int k = 0; k < 9 && least >= enough; k++) {
         const int low = ((bin[2] + k / 3 - 1) * BINS + bin[1] + k % 3 - 1) * BINS + bin[0] - 1;
-        least = nearest_in_run(p, p->first[low], p->first[low + 3], at, least);
+        least = nearest_in_range(p, p->first[low], p->first[low + 3], at, least);
     }
     return least;
 }
@@ -144,20 +154,22 @@ static bool is_interface(const float *v) {
            inside != (v[-STEP_Y] < 0) || inside != (v[STEP_Z] < 0) || inside != (v[-STEP_Z] < 0);
 }
 
-/* The distance, bounded if the voxel lies in the fan of a crease: if no crossing is nearer than the nearest
- * at a crease. */
+/* Returns the distance of a voxel. If the crossing nearest to the voxel is at a crease, the voxel lies in the
+ * fan of this crease, and its distance is bounded: at most the distance to this crossing, and not much
+ * smaller. */
 static float bounded_distance(const crossings *c, const int bin[3], const int voxel[3], float distance,
                               float band) {
     const int32_t at[3] = {UNIT * voxel[0], UNIT * voxel[1], UNIT * voxel[2]};
     const int32_t reach = (int32_t)((distance + SHORTFALL) * (distance + SHORTFALL) * (UNIT * UNIT));
-    const int32_t least = nearest(&c->kind[1], bin, at, reach, 0);
-    if (least == reach || nearest(&c->kind[0], bin, at, least, least) < least) return distance;
+    const int32_t least = nearest_squared(&c->kind[1], bin, at, reach, 0);
+    if (least == reach || nearest_squared(&c->kind[0], bin, at, least, least) < least) return distance;
     const float square = (float)least / (UNIT * UNIT);
     const float far = sqrtf(square), near = sqrtf(fmaxf(square - HALF_GAP * HALF_GAP, 0));
     return fminf(fminf(fmaxf(distance, near), far), fmaxf(distance, 0.999f * band));
 }
 
-static bool is_beside_end(const float *v, float band) {
+/* Whether a face neighbour of the voxel has a value at the band's end. */
+static bool is_beside_band_end(const float *v, float band) {
     return fabsf(v[1]) >= band || fabsf(v[-1]) >= band || fabsf(v[STEP_Y]) >= band ||
            fabsf(v[-STEP_Y]) >= band || fabsf(v[STEP_Z]) >= band || fabsf(v[-STEP_Z]) >= band;
 }
@@ -166,10 +178,12 @@ static float corrected_value(const crossings *c, const int bin[3], const int vox
     const float *v = value_at(c, voxel), distance = fabsf(*v);
     if (distance < NEAR || distance >= fminf(band, FAR) || is_interface(v)) return *v;
     float made = bounded_distance(c, bin, voxel, distance, band);
-    if (made < FOOT && is_beside_end(v, band)) made = FOOT; /* no foot point is better than a wrong one */
+    if (made < FOOT && is_beside_band_end(v, band))
+        made = FOOT; /* extraction makes no foot point then, which is better than a wrong one */
     return *v < 0 ? -made : made;
 }
 
+/* Whether a crossing at a crease lies in a bin or the 26 around it. */
 static bool any_crease(const crossings *c, const int bin[3]) {
     uint32_t count = 0;
     for (int k = 0; k < 9; k++) {

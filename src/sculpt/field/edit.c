@@ -11,10 +11,11 @@
 #include "sculpt/field/transaction.h"
 #include "sculpt/session/limits.h"
 
-/* Redistancing steps of 0.45 voxel that rebuild the band where an edit left gaps in it. */
+/* Redistancing steps (0.45 voxel each) of an edit that left gaps in the band: enough to fill the whole band.
+ */
 enum { DAMAGED_BAND_ITERATIONS = 12 };
-/* Limit, in floats, of the window of the field that is gathered to warp one brick. A warp that needs more (a
- * long drag of a small brush) is sampled voxel by voxel instead. */
+/* The largest window of the field, in floats, that is copied to warp one brick. A warp that needs more (a
+ * long drag of a small brush) reads the grid voxel by voxel instead. */
 enum { WINDOW_MAX = 1 << 22 };
 
 struct iso_editor {
@@ -23,15 +24,16 @@ struct iso_editor {
     double spacing;
     int iterations;
     iso_step_opts opts;
-    double cost;        /* see iso_editor_cost */
-    uint32_t step;      /* number of the current step */
-    uint32_t *notified; /* by cell: the last step in which the observer was notified of it */
-    uint32_t *mask_notified;
+    double cost;               /* see iso_editor_cost */
+    uint32_t step;             /* number of the current step */
+    uint32_t *notified;        /* by cell: the last step in which the observer was told of its values */
+    uint32_t *mask_notified;   /* the same for its mask */
     iso_buffer notified_cells; /* uint32_t: the cells notified in this step */
     size_t notified_count;
 };
 
-/* Distances are in voxels, so voxels must be cubes; kernels work on whole bricks. */
+/* Checks that voxels are cubes, because distances are in voxels, and that the size is a multiple of a brick,
+ * because kernels write whole bricks. */
 static iso_status check_grid(const iso_hgrid *grid, iso_error *error) {
     const double *s = grid->transform.spacing;
     if (fabs(s[0] - s[1]) > 1e-6 * s[0] || fabs(s[0] - s[2]) > 1e-6 * s[0])
@@ -84,10 +86,10 @@ void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts) {
     editor->step++;
 }
 
-/* ---- which cells */
+/* ---- the cells that a touch may change */
 
-/* A lower bound of the distance, in voxels, from a cell's voxels to a dab's centre, or to the segment along
- * which it moved. */
+/* Returns a lower bound of the distance, in voxels, from a cell's voxels to a dab's centre or, for MOVE and
+ * capsules, to the segment along which it moved. */
 static double cell_distance(const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
     bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->solid == ISO_SOLID_CAPSULE;
     double centre[3], half = 0.5 * (ISO_BRICK - 1), t = 0, along = 0, square = 0;
@@ -98,7 +100,7 @@ static double cell_distance(const iso_dabs *dabs, const iso_dab *dab, const int 
         square += d * d;
     }
     if (square > 0) t = fmin(fmax(along / square, 0), 1);
-    if (segment) { /* to the cell's circumscribed ball */
+    if (segment) { /* the distance to the ball around the cell */
         double distance = 0;
         for (int axis = 0; axis < 3; axis++) {
             double d = centre[axis] - dab->centre[axis] - t * (dab->from[axis] - dab->centre[axis]);
@@ -123,8 +125,8 @@ static bool can_change(iso_tool tool, int32_t state) {
     return false;
 }
 
-/* The range of cells within a dab's influence, clipped to the grid. Returns whether the grid clips the solid
- * or radius of the dab itself. */
+/* Computes the range of cells, lo .. hi, within a dab's influence, clipped to the grid. Returns whether the
+ * solid (of set operations) or the radius extends beyond the grid. */
 static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, int lo[3],
                        int hi[3]) {
     bool clipped = false;
@@ -141,13 +143,13 @@ static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso
     return clipped;
 }
 
-/* The number of cells in a range. */
-static double range_cells(const int lo[3], const int hi[3]) {
+static double cells_in_range(const int lo[3], const int hi[3]) {
     return (hi[0] - lo[0] + 1.0) * (hi[1] - lo[1] + 1.0) * (hi[2] - lo[2] + 1.0);
 }
 
-/* The cost of editing a cell, in cells of a plain brush. Mirror images add up, a stamp is sampled voxel by
- * voxel, and MOVE integrates its path in up to 256 steps. */
+/* Returns the cost of editing one cell; a brush with one dab of a simple solid costs 1.25. The cost grows
+ * with the number of dabs. A stamp costs more because it is sampled at every voxel, MOVE because it follows
+ * each voxel back along the stroke in up to 256 steps. */
 static double cell_cost(const iso_dabs *dabs) {
     const double count = dabs->count;
     if (dabs->tool == ISO_TOOL_MOVE) return 1 + count * iso_dabs_steps(dabs) / 4;
@@ -159,7 +161,7 @@ static iso_status list_dab_cells(iso_editor *editor, const iso_dabs *dabs, const
                                  iso_error *error) {
     int lo[3], hi[3], at[3];
     *clipped |= cell_range(editor, dabs, dab, lo, hi);
-    editor->cost += range_cells(lo, hi) / 256;
+    editor->cost += cells_in_range(lo, hi) / 256;
     const double influence = iso_dabs_influence(dabs);
     for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
         for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
@@ -177,7 +179,7 @@ static iso_status list_dab_cells(iso_editor *editor, const iso_dabs *dabs, const
 }
 
 /* Lists the cells that the step has changed so far. MOVE edits the field as it was when the step began, so
- * the changes of its earlier touches must be undone. */
+ * cells that its earlier touches changed must be edited again. */
 static iso_status list_notified(iso_editor *editor, iso_error *error) {
     const uint32_t *notified = editor->notified_cells.data;
     for (size_t i = 0; i < editor->notified_count; i++) {
@@ -202,7 +204,8 @@ typedef struct brush_pass {
     const iso_dabs *dabs;
 } brush_pass;
 
-/* The values of a cell that a warp reads: for MOVE those when the step began, for PINCH the current ones. */
+/* Returns the values of a cell that a warp reads: for MOVE those when the step began, for PINCH the current
+ * ones. */
 static const float *source_of(const iso_editor *editor, iso_tool tool, uint32_t cell) {
     int32_t state = editor->transaction.grid->cell[cell];
     if (tool == ISO_TOOL_MOVE && editor->notified[cell] == editor->step) {
@@ -212,8 +215,8 @@ static const float *source_of(const iso_editor *editor, iso_tool tool, uint32_t 
     return iso_transaction_grid_values(&editor->transaction, state);
 }
 
-/* Fills one row of a window with `count` voxels from `first` along x; the outermost voxels are repeated
- * beyond the grid. */
+/* Fills one row of a window: `count` voxels along x, beginning with voxel `first`. Beyond the grid its
+ * outermost voxels are repeated. */
 static void fill_window_row(const iso_editor *editor, iso_tool tool, const int first[3], int count,
                             float *out) {
     const iso_hgrid *grid = editor->transaction.grid;
@@ -228,8 +231,8 @@ static void fill_window_row(const iso_editor *editor, iso_tool tool, const int f
     }
 }
 
-/* The box of all voxels that interpolation at the warp's positions reads. */
-static void window_box(const iso_warp *warp, iso_field_window *window) {
+/* Sets the window's box to all voxels that interpolation at the warp's positions reads. */
+static void find_window_box(const iso_warp *warp, iso_field_window *window) {
     for (int axis = 0; axis < 3; axis++) {
         float low = warp->position[axis][0], high = low;
         for (int i = 1; i < ISO_BRICK_VOXELS; i++) {
@@ -246,12 +249,12 @@ static bool window_is_too_large(const iso_field_window *window) {
     return (double)window->size[0] * window->size[1] * window->size[2] > WINDOW_MAX;
 }
 
-/* The same arithmetic as the kernels', to the bit. */
+/* Interpolates linearly, with the same arithmetic as the kernels, so that results are the same to the bit. */
 static float mix(float a, float b, float t) {
     return a * (1 - t) + b * t;
 }
 
-/* A voxel of the field that a warp reads; the outermost voxels are repeated beyond the grid. */
+/* Returns a voxel of the field that a warp reads. Beyond the grid its outermost voxels are repeated. */
 static float value_at(const iso_editor *editor, iso_tool tool, const int at[3]) {
     const iso_hgrid *grid = editor->transaction.grid;
     int p[3];
@@ -261,7 +264,8 @@ static float value_at(const iso_editor *editor, iso_tool tool, const int at[3]) 
                                                    (p[1] % ISO_BRICK) * ISO_BRICK + p[0] % ISO_BRICK];
 }
 
-/* The same result as the kernel's `sample`, without gathering a window. */
+/* Computes what the kernel's `sample` computes, to the bit, but reads the grid voxel by voxel instead of a
+ * window. */
 static void sample_without_window(const iso_editor *editor, iso_tool tool, const int brick[3],
                                   const iso_warp *warp, const iso_field_window *window, float *out) {
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
@@ -306,7 +310,7 @@ static void warp_cell(const brush_pass *pass, iso_edit_cell *edit_cell, iso_work
         return;
     }
     iso_field_window window;
-    window_box(&scratch->warp, &window);
+    find_window_box(&scratch->warp, &window);
     if (window_is_too_large(&window))
         sample_without_window(editor, tool, edit_cell->at, &scratch->warp, &window, out);
     else if (fill_window(editor, tool, edit_cell->at, &window, &scratch->window))
@@ -323,8 +327,8 @@ static void brush_cell(void *context, size_t index, int worker) {
     if (iso_tool_is_warp(pass->dabs->tool))
         warp_cell(pass, edit_cell, &transaction->workers[worker], out);
     else {
-        /* The brush reads the field before the touch: other threads are editing the neighbours' new values.
-         */
+        /* The brush reads the grid's values, which are those before the touch, because other threads are
+         * writing the new values of neighbouring cells. */
         iso_stencil stencil;
         iso_transaction_stencil(transaction, ISO_TRANSACTION_GRID, index, transaction->workers[worker].border,
                                 &stencil);
@@ -362,8 +366,9 @@ static iso_status commit_changes(iso_editor *editor, iso_edit_stats *stats, iso_
     return iso_transaction_commit(transaction, stats, error);
 }
 
-/* The value of iso_changed_stencil.far_value: the end of the band that is right on both sides of a seam. 0 if
- * the edit does not leave exact distances to one solid. */
+/* Returns the far_value (iso_changed_stencil) of a touch: the end of the band that is right on both sides of
+ * a seam. Returns 0 if the new values are not exact distances to one solid; redistancing then starts at every
+ * changed voxel. */
 static float far_value_of(const iso_dabs *dabs) {
     if (dabs->count > 1 || dabs->solid == ISO_SOLID_STAMP) return 0;
     return dabs->tool == ISO_TOOL_ADD ? dabs->band : dabs->tool == ISO_TOOL_CARVE ? -dabs->band : 0;
@@ -376,7 +381,8 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
     ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
     editor->cost += (double)transaction->cell_count * cell_cost(dabs);
     transaction->far_value = far_value_of(dabs);
-    transaction->band_damaged = dabs->tool == ISO_TOOL_MOVE; /* it stretches and compresses without limit */
+    transaction->band_damaged =
+        dabs->tool == ISO_TOOL_MOVE; /* MOVE stretches and compresses the field without limit */
     iso_parallel_for(transaction->pool, transaction->cell_count, brush_cell, &pass);
     if (iso_transaction_failed(transaction))
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a touch of the brush");
@@ -417,39 +423,39 @@ static bool mask_cell(iso_voxel_bits *bits, const iso_dabs *dabs, const iso_dab 
     return any;
 }
 
-/* A cell's bits with the dab in them; returns whether the dab changes any. */
-static bool masked_bits(const iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, const int at[3],
-                        uint32_t *cell, iso_voxel_bits *bits) {
+/* Computes the mask bits that a cell has after a dab. Returns whether they differ from the present ones. */
+static bool find_mask_bits(const iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
+                           const int at[3], uint32_t *cell, iso_voxel_bits *bits) {
     *cell = (uint32_t)iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
     const iso_voxel_bits *before = iso_mask_bits(&editor->transaction.mask, *cell);
     *bits = before ? *before : (iso_voxel_bits){{0}};
     return mask_cell(bits, dabs, dab, at);
 }
 
-/* Does everything about masking a cell that can fail: notifies the observer, allocates bits. */
+/* Does the part of masking a cell that can fail: notifies the observer and allocates bits. */
 static iso_status prepare_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
                                     const int at[3], iso_error *error) {
     const iso_write_observer *observer = &editor->opts.observer;
     iso_mask *mask = &editor->transaction.mask;
     uint32_t cell;
     iso_voxel_bits bits;
-    if (!masked_bits(editor, dabs, dab, at, &cell, &bits)) return ISO_OK;
+    if (!find_mask_bits(editor, dabs, dab, at, &cell, &bits)) return ISO_OK;
     if (observer->mask_before && editor->mask_notified[cell] != editor->step)
         ISO_TRY(observer->mask_before(observer->context, cell, iso_mask_bits(mask, cell), error));
     editor->mask_notified[cell] = editor->step;
     return iso_mask_reserve(mask, cell, error);
 }
 
-/* Cannot fail: prepare_mask_cell has allocated the bits. */
+/* Writes the mask bits of a cell; cannot fail, because prepare_mask_cell has allocated them. */
 static iso_status write_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
                                   const int at[3], iso_error *error) {
     uint32_t cell;
     iso_voxel_bits bits;
-    if (!masked_bits(editor, dabs, dab, at, &cell, &bits)) return ISO_OK;
+    if (!find_mask_bits(editor, dabs, dab, at, &cell, &bits)) return ISO_OK;
     return iso_mask_set(&editor->transaction.mask, cell, &bits, error);
 }
 
-/* Frees bits that were allocated and not written. */
+/* Frees the bits that prepare_mask_cell allocated, if they were not written. */
 static iso_status release_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
                                     const int at[3], iso_error *error) {
     iso_mask *mask = &editor->transaction.mask;
@@ -462,7 +468,7 @@ static iso_status release_mask_cell(iso_editor *editor, const iso_dabs *dabs, co
 typedef iso_status mask_cell_fn(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, const int at[3],
                                 iso_error *error);
 
-/* Calls `visit` for every cell that a dab reaches, once for each of these dabs. */
+/* Calls `visit` for each dab and each cell that it reaches. */
 static iso_status for_mask_cells(iso_editor *editor, const iso_dabs *dabs, mask_cell_fn *visit,
                                  iso_error *error) {
     for (int i = 0; i < dabs->count; i++) {
@@ -480,7 +486,7 @@ static iso_status touch_mask(iso_editor *editor, const iso_dabs *dabs, iso_error
     for (int i = 0; i < dabs->count; i++) {
         int lo[3], hi[3];
         cell_range(editor, dabs, &dabs->dab[i], lo, hi);
-        editor->cost += range_cells(lo, hi);
+        editor->cost += cells_in_range(lo, hi);
     }
     iso_status status = for_mask_cells(editor, dabs, prepare_mask_cell, error);
     if (status == ISO_OK) return for_mask_cells(editor, dabs, write_mask_cell, error);
@@ -519,7 +525,7 @@ iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const is
     iso_status status = ISO_OK;
     if (brush->tool == ISO_TOOL_MASK || brush->tool == ISO_TOOL_UNMASK)
         status = touch_mask(editor, &dabs, error);
-    else if (dabs.radius_voxels > 0) /* it is 0 without pressure */
+    else if (dabs.radius_voxels > 0) /* it is 0 at pressure 0 */
         status = touch_field(editor, &dabs, &made, error);
     iso_transaction_clear(&editor->transaction);
     if (status == ISO_OK && stats) *stats = made;

@@ -1,11 +1,12 @@
 /* edit: applies brush touches to a level set and keeps it a distance field.
  *
- * A touch changes the voxels within the brush's influence, redistances what that affects (redistance.h) and
- * prunes cells that have become empty. It neither reads nor writes other cells, so its cost does not depend
- * on the size of the grid. Set operations (add, carve) leave the voxels beside the interface as they are, so
- * redistancing does not move the zero set by a single bit. Deforming tools (smooth, inflate, ...) rescale the
- * interface voxels that they changed (scheme CR-2 of Hartmann et al. 2010). Not thread-safe: a grid has one
- * writer. Baerentzen and Christensen 2003, section 3; Sussman et al. 1994; Russo and Smereka 2000. */
+ * A touch changes the voxels within the brush's influence, redistances the voxels around them (redistance.h)
+ * and makes cells empty that no longer need a brick. It neither reads nor writes other cells, so its cost
+ * does not depend on the size of the grid. Set operations (add, carve) leave the voxels beside the interface
+ * as they are, so redistancing does not move the zero set by a single bit. Deforming tools (smooth, inflate,
+ * ...) rescale the interface voxels that they changed (scheme CR-2 of Hartmann et al. 2010). Not thread-safe:
+ * a grid has one writer. Baerentzen and Christensen 2003, section 3; Sussman et al. 1994; Russo and Smereka
+ * 2000. */
 #ifndef ISO_SCULPT_FIELD_EDIT_H
 #define ISO_SCULPT_FIELD_EDIT_H
 
@@ -36,7 +37,8 @@ typedef struct iso_editor iso_editor;
 
 typedef struct iso_editor_opts {
     iso_pool *pool; /* borrowed; NULL: the calling thread. Results do not depend on it */
-    int iterations; /* redistancing steps of a touch; 0 means 4, < 0 none (for benches: distances decay) */
+    int iterations; /* redistancing steps of a touch; 0: the default, 4; < 0: none, only for benchmarks,
+                       because values then stop being distances */
 } iso_editor_opts;
 
 /* The grid is borrowed until destroy. ISO_ERR_USAGE: its voxels are not cubes, or its size is not a multiple
@@ -48,27 +50,27 @@ void iso_editor_destroy(iso_editor *editor);
 /* Starts an undo step; the touches that follow belong to it. */
 typedef struct iso_step_opts {
     iso_write_observer observer; /* before == NULL: nothing is reported */
-    /* The content that `before` reported for a cell of this step: its values, or NULL with *state for an
-     * empty cell. MOVE needs it, because it drags the field as it was when the step began; NULL: MOVE fails
-     * with ISO_ERR_USAGE. */
+    /* Returns the values of a cell of this step that `before` was given, or NULL with *state for an empty
+     * cell. MOVE needs this function, because it drags the field as it was when the step began; without it
+     * (NULL) MOVE fails with ISO_ERR_USAGE. */
     const float *(*original)(void *context, uint32_t cell, int32_t *state);
     const iso_stamp *stamp; /* for ISO_SOLID_STAMP; borrowed during the step */
 } iso_step_opts;
 void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts);
 
 /* Applies one touch, and its mirror images according to the brush's symmetry, as one edit of the change log.
- * `stats` may be NULL. When it fails grid and mask are unchanged. ISO_ERR_NOMEM,
- * the errors of the observer; ISO_ERR_USAGE: a bad brush or sample; ISO_ERR_LIMIT: more than
+ * `stats` may be NULL. If the touch fails, grid and mask are unchanged. ISO_ERR_NOMEM, the errors of the
+ * observer; ISO_ERR_USAGE: a bad brush or sample; ISO_ERR_LIMIT: more than
  * ISO_LIMIT_TOUCH_CELLS cells. */
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                             iso_edit_stats *stats, iso_error *error);
 
-/* The computation of all touches and finalizations so far, mirror images included, in cells edited with a
- * plain brush (about 10 microseconds each). The same on every machine. */
+/* Returns the cost of all touches and finalizations so far, mirror images included. The unit is the editing
+ * of one cell with a plain brush (about 10 microseconds). The same on every machine. */
 double iso_editor_cost(const iso_editor *editor);
 
 /* Ends a step after its last touch: corrects the distances beside creases in the cells that the step changed
- * (crease.h). Touches leave those up to a third of a voxel short. The zero set does not move. Fails as
+ * (crease.h), which touches leave up to a third of a voxel too small. The zero set does not move. Fails as
  * iso_editor_touch does. */
 iso_status iso_editor_finalize(iso_editor *editor, iso_error *error);
 

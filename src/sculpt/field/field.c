@@ -1,12 +1,12 @@
-/* Conversion of a grid to a level set for sculpting: a level set is copied, anything else is resampled by
- * grids/level_set.h and redistanced. */
+/* Converts a grid to a level set for sculpting: a level set is copied, any other grid is resampled
+ * (grids/level_set.h) and redistanced. */
 #include "sculpt/field/field.h"
 
 #include <math.h>
 
 #include "sculpt/field/edit.h"
 
-/* Redistancing steps (0.45 voxel each) that fill the whole band. */
+/* The number of redistancing steps (0.45 voxel each) that fill the whole band. */
 enum { ITERATIONS = 16 };
 
 static bool has_cubes(const iso_hgrid *grid) {
@@ -14,7 +14,8 @@ static bool has_cubes(const iso_hgrid *grid) {
     return fabs(s[0] - s[1]) <= 1e-6 * s[0] && fabs(s[0] - s[2]) <= 1e-6 * s[0];
 }
 
-/* Copies bit by bit, adds the margin and rounds the size up to whole bricks. */
+/* Copies a level set with unchanged values, adds ISO_FIELD_MARGIN voxels on each side and rounds the size up
+ * to whole bricks. */
 static iso_status copy_level_set(const iso_hgrid *from, iso_hgrid **grid, iso_error *error) {
     const int offset[3] = {ISO_FIELD_MARGIN, ISO_FIELD_MARGIN, ISO_FIELD_MARGIN};
     int dims[3];

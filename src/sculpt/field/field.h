@@ -1,4 +1,4 @@
-/* field: makes a level set that can be sculpted from any grid. */
+/* field: converts any grid to a level set that can be sculpted. */
 #ifndef ISO_SCULPT_FIELD_FIELD_H
 #define ISO_SCULPT_FIELD_FIELD_H
 
@@ -10,12 +10,13 @@
 extern "C" {
 #endif
 
-/* Empty voxels added on each side of the source's box, as room for what will be sculpted onto it. */
+/* Voxels added on each side of the source grid, as room for what will be sculpted onto its surface. */
 enum { ISO_FIELD_MARGIN = 32 };
 
 typedef struct iso_field_opts {
     iso_resampling resampling; /* `margin` is ignored: it is ISO_FIELD_MARGIN */
-    bool damaged; /* a level set whose voxels were written: its values are no distances any more */
+    bool damaged; /* the grid is a level set whose voxels were overwritten, so that its values may not be
+                     distances */
 } iso_field_opts;
 
 /* Converts the solid of a grid to a signed distance field with ISO_FIELD_MARGIN voxels of room on each side.

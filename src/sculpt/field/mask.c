@@ -1,4 +1,4 @@
-/* The bits of frozen voxels, allocated for the cells that have any. */
+/* Stores the bits of frozen voxels; only cells that have frozen voxels get memory. */
 #include "sculpt/field/mask.h"
 
 #include <string.h>

@@ -3,16 +3,17 @@
 
 #include <math.h>
 
-static const float HALF = 0.5f; /* of an edge, in voxels */
+static const float HALF = 0.5f; /* half the distance between neighbouring voxels */
 
-/* A voxel of an edit cell, given by its index. */
+/* A voxel whose distance was limited: the index of its edit cell, and its offset in the brick. */
 typedef struct boundary_voxel {
     uint32_t edit_cell;
     uint16_t at;
 } boundary_voxel;
 
+/* A voxel of any cell, listed in the transaction or not. */
 typedef struct voxel_ref {
-    uint32_t cell, edit_cell; /* the grid's cell; 1 + the index of its edit cell, 0: not listed */
+    uint32_t cell, edit_cell; /* number of the grid's cell; 1 + the index of its edit cell, 0: not listed */
     int at;                   /* offset in the brick */
 } voxel_ref;
 
@@ -34,8 +35,9 @@ static float value_of(const iso_transaction *transaction, const voxel_ref *p) {
                         : iso_transaction_grid_values(transaction, transaction->grid->cell[p->cell])[p->at];
 }
 
-/* The voxel beyond a face (-x, +x, -y, +y, -z, +z); false outside the grid. */
-static bool beside(const iso_transaction *transaction, const voxel_ref *p, int face, voxel_ref *out) {
+/* Finds the neighbour of voxel p beyond a face (0 .. 5: -x, +x, -y, +y, -z, +z). Returns false if it lies
+ * outside the grid. */
+static bool get_neighbour(const iso_transaction *transaction, const voxel_ref *p, int face, voxel_ref *out) {
     const int axis = face / 2, step = axis == 0 ? 1 : axis == 1 ? ISO_BRICK : ISO_BRICK_ROWS;
     const int *cells = transaction->grid->cells, up = face % 2, at = p->at / step % ISO_BRICK;
     *out = *p;
@@ -52,25 +54,27 @@ static bool beside(const iso_transaction *transaction, const voxel_ref *p, int f
     return true;
 }
 
-/* As beside; false also when the voxel is on the same side of the surface. */
-static bool across(const iso_transaction *transaction, const voxel_ref *p, int face, voxel_ref *out) {
-    return beside(transaction, p, face, out) &&
+/* Like get_neighbour, but returns false also if the neighbour is on the same side of the surface. */
+static bool get_neighbour_across(const iso_transaction *transaction, const voxel_ref *p, int face,
+                                 voxel_ref *out) {
+    return get_neighbour(transaction, p, face, out) &&
            (value_of(transaction, p) < 0) != (value_of(transaction, out) < 0);
 }
 
-static bool frozen_across(const iso_transaction *transaction, const voxel_ref *changed, int face,
-                          voxel_ref *frozen) {
-    return across(transaction, changed, face, frozen) && is_masked(transaction, frozen);
+/* Like get_neighbour_across, but returns false also if the neighbour is not frozen. */
+static bool get_frozen_across(const iso_transaction *transaction, const voxel_ref *changed, int face,
+                              voxel_ref *frozen) {
+    return get_neighbour_across(transaction, changed, face, frozen) && is_masked(transaction, frozen);
 }
 
-/* The largest distance that a changed voxel can have; *limited: whether a frozen voxel lies across the
- * surface. */
+/* Returns the largest distance, in voxels, that a changed voxel may have: its present distance, or less if a
+ * frozen neighbour lies across the surface. Sets *limited to whether there is such a neighbour. */
 static float bound_changed(const iso_transaction *transaction, const voxel_ref *changed, bool *limited) {
     float most = fabsf(value_of(transaction, changed));
     voxel_ref frozen;
     *limited = false;
     for (int face = 0; face < 6; face++) {
-        if (!frozen_across(transaction, changed, face, &frozen)) continue;
+        if (!get_frozen_across(transaction, changed, face, &frozen)) continue;
         *limited = true;
         most = fminf(most, fmaxf(1 - fabsf(value_of(transaction, &frozen)), HALF));
     }
@@ -94,19 +98,20 @@ bool iso_mask_boundary_any_frozen(const iso_transaction *transaction) {
     return false;
 }
 
-/* The voxels of a row that have a frozen face neighbour. */
+/* Returns the voxels of a row that have a frozen face neighbour: bit x for voxel x. */
 static uint32_t beside_frozen(const iso_transaction *transaction, uint32_t cell, int row) {
     uint32_t bits = 0;
     voxel_ref from = {.cell = cell}, to;
     for (int face = 0; face < 6; face++) {
         const int end = face == 1 ? ISO_BRICK - 1 : 0;
         from.at = row * ISO_BRICK + end;
-        if (face < 2) { /* along the row */
+        if (face < 2) { /* the neighbours in the same row */
             const iso_voxel_bits *own = iso_mask_bits(&transaction->mask, cell);
             const uint32_t frozen = own ? own->row[row] : 0;
             bits |= face ? frozen >> 1 : frozen << 1;
-            if (beside(transaction, &from, face, &to)) bits |= (uint32_t)is_masked(transaction, &to) << end;
-        } else if (beside(transaction, &from, face, &to)) {
+            if (get_neighbour(transaction, &from, face, &to))
+                bits |= (uint32_t)is_masked(transaction, &to) << end;
+        } else if (get_neighbour(transaction, &from, face, &to)) {
             const iso_voxel_bits *other = iso_mask_bits(&transaction->mask, to.cell);
             bits |= other ? other->row[to.at / ISO_BRICK] : 0;
         }
@@ -142,11 +147,12 @@ iso_status iso_mask_boundary_limit_changed(iso_transaction *transaction, iso_err
     return ISO_OK;
 }
 
-/* Whether the surface passes between a frozen voxel and a voxel that the brush did not change. */
+/* Whether the surface passes between a frozen voxel and a face neighbour that the brush did not change. */
 static bool is_at_unchanged_surface(const iso_transaction *transaction, const voxel_ref *frozen) {
     voxel_ref other;
     for (int face = 0; face < 6; face++)
-        if (across(transaction, frozen, face, &other) && !is_changed(transaction, &other)) return true;
+        if (get_neighbour_across(transaction, frozen, face, &other) && !is_changed(transaction, &other))
+            return true;
     return false;
 }
 
@@ -158,7 +164,7 @@ void iso_mask_boundary_limit_frozen(iso_transaction *transaction) {
         const float left = 1 - fabsf(value_of(transaction, &changed));
         voxel_ref frozen;
         for (int face = 0; face < 6; face++) {
-            if (!frozen_across(transaction, &changed, face, &frozen) ||
+            if (!get_frozen_across(transaction, &changed, face, &frozen) ||
                 is_at_unchanged_surface(transaction, &frozen))
                 continue;
             const float value = value_of(transaction, &frozen);
@@ -169,12 +175,14 @@ void iso_mask_boundary_limit_frozen(iso_transaction *transaction) {
     }
 }
 
-/* The voxels of a cell and SPREAD more on each side: bit x + SPREAD of row[z + SPREAD][y + SPREAD]. */
+/* A set of voxels of a cell and of SPREAD voxels around it on each side: bit x + SPREAD of row[z + SPREAD][y
+ * + SPREAD]. */
 enum { SPREAD = ISO_TRANSACTION_SPREAD, WIDE = ISO_BRICK + 2 * SPREAD };
 typedef struct surroundings {
     uint32_t row[WIDE][WIDE];
 } surroundings;
 
+/* Adds the changed voxels of the cell at offset `side` (-1, 0 or 1 cells along each axis) that lie in s. */
 static void add_changed(const iso_voxel_bits *changed, const int side[3], surroundings *s) {
     int lo[3], hi[3];
     for (int axis = 0; axis < 3; axis++) {
@@ -189,7 +197,7 @@ static void add_changed(const iso_voxel_bits *changed, const int side[3], surrou
         }
 }
 
-/* The union of the rows up to SPREAD before and after row `at`; rows lie `step` words apart. */
+/* Returns the union of the rows at - SPREAD .. at + SPREAD; from one row to the next it is `step` words. */
 static uint32_t spread_rows(const uint32_t *rows, int at, int step) {
     uint32_t bits = 0;
     for (int i = at - SPREAD; i <= at + SPREAD; i++) bits |= rows[i * step];

@@ -1,4 +1,5 @@
-/* Instantiates the redistancing kernels (redistance_body.inc) for each instruction set and selects one. */
+/* Compiles the redistancing kernels (redistance_body.inc) for each instruction set and selects one at run
+ * time. */
 #include "sculpt/field/redistance.h"
 
 #define ISO_KERNEL_BODY "sculpt/field/redistance_body.inc"

@@ -23,53 +23,57 @@ typedef struct iso_stencil {
     const float *self, *face[6];
 } iso_stencil;
 
-/* A bit for each row of a brick: z * 16 + y. */
+/* A set of rows of a brick: bit z * 16 + y. */
 enum { ISO_ROW_WORDS = ISO_BRICK_ROWS / 32 };
 typedef struct iso_row_bits {
     uint32_t word[ISO_ROW_WORDS];
 } iso_row_bits;
 
-/* The voxels and rows of a brick that the steps treat differently. */
+/* What the redistancing steps need to know about the voxels and rows of a brick. */
 typedef struct iso_band_state {
     iso_voxel_bits fixed;   /* beside the interface, or frozen by the mask: the steps do not change them */
-    iso_voxel_bits unknown; /* beside the interface, but with a clamped value: their distance is not known */
+    iso_voxel_bits unknown; /* beside the interface, but with a clamped value, which is not a distance */
     iso_row_bits active;    /* rows with a voxel that is, or has a face neighbour, inside the band */
 } iso_band_state;
 
-/* One step on one brick. */
+/* The parameters of one redistancing step of one brick. */
 typedef struct iso_relaxation {
     iso_row_bits due;   /* rows to compute */
-    iso_row_bits stale; /* rows of `out` that differ from the brick: copied unless they are due */
+    iso_row_bits stale; /* rows of `out` that do not have the brick's values: unless they are due, the brick
+                           is copied there */
     float band;
-    float least; /* the change from which on a voxel counts as moved */
+    float least; /* a voxel counts as moved if it changes by more than this, in voxels */
 } iso_relaxation;
 
-/* The voxels of a stencil that a set operation with one exact solid changed. Where a neighbourhood is
- * entirely changed, or entirely unchanged, it is as good a distance field as the solid's, or as before.
- * Redistancing therefore starts at the seams, where a changed voxel has an unchanged neighbour. Neighbours
- * with the value `far_value` do not make a seam: this end of the band (+band after a union, -band after a
- * difference) is right on both sides. */
+/* The changed voxels of a stencil after a set operation with one solid whose distances are exact. Where all
+ * voxels of a neighbourhood have changed, they hold exact distances to the solid; where none has, they hold
+ * the distances from before. Redistancing therefore starts at the seams, where a changed voxel has an
+ * unchanged neighbour. Neighbours with the value `far_value` do not make a seam: this end of the band (+band
+ * after a union, -band after a difference) is right on both sides. */
 typedef struct iso_changed_stencil {
     const iso_voxel_bits *self, *face[6];
     float far_value;
 } iso_changed_stencil;
 
-/* The kernels; steps advance by 0.45 voxel. */
+/* The redistancing kernels. The time step is 0.45 voxel: distances move by at most this much in one step. */
 typedef struct iso_redistancer {
     /* Marks the changed voxels at a seam; returns whether there are any. */
     bool (*find_seam)(const iso_stencil *phi, const iso_changed_stencil *side, iso_voxel_bits *seam);
-    /* Bit 0: some voxel is outside, bit 1: some voxel is inside. */
+    /* Returns on which sides of the surface the voxels of a brick lie. Bit 0: some are outside; bit 1: some
+     * are inside. */
     uint32_t (*sides)(const float *values);
-    /* Computes the state of a brick in `rows` and clears that of all other rows. */
+    /* Computes the band state of a brick in the rows `rows`; all other rows get empty sets. */
     void (*classify)(const iso_stencil *phi, float band, const iso_row_bits *rows, iso_band_state *state);
-    /* out = phi / |grad phi| where a voxel is `changed` and fixed, or unknown; elsewhere phi. */
+    /* Computes out = phi / |grad phi| for voxels that are unknown, or both fixed and `changed`; elsewhere out
+     * = phi. */
     void (*rescale)(const iso_stencil *phi, const iso_band_state *state, const iso_voxel_bits *changed,
                     float *out);
-    /* out = scaled, with the same voxels corrected to keep the ratios of the crossings in phi. */
+    /* Computes out = scaled, with the same voxels corrected so that the crossings on their edges keep the
+     * ratios that they have in phi. */
     void (*correct)(const iso_stencil *phi, const iso_stencil *scaled, const iso_band_state *state,
                     const iso_voxel_bits *changed, float *out);
-    /* One step: `out` is the brick after it, except for voxels in `fixed`, and *moved the rows in which a
-     * voxel changed by more than step->least. */
+    /* Computes one step: `out` is the brick after the step, in which the `fixed` voxels keep their values.
+     * *moved is the set of rows in which a voxel changed by more than step->least. */
     void (*relax)(const iso_stencil *phi, const iso_voxel_bits *fixed, const iso_relaxation *step, float *out,
                   iso_row_bits *moved);
 } iso_redistancer;

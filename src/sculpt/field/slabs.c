@@ -1,4 +1,4 @@
-/* Bricks allocated in slabs of 2 MiB, so that growing neither copies nor moves any. */
+/* A pool of bricks that is allocated in slabs of 2 MiB, so that growing neither copies nor moves a brick. */
 #include "sculpt/field/slabs.h"
 
 iso_status iso_slabs_reserve(iso_slabs *slabs, size_t bricks, iso_error *error) {

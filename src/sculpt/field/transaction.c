@@ -8,13 +8,15 @@
 
 #include "sculpt/field/mask_boundary.h"
 
-/* The band in voxels: a change nearer than this to a face can change distances in the cell beyond it. */
+/* The width of the band in voxels: a change nearer than this to a face can change distances in the cell
+ * beyond it. */
 enum { NEIGHBOUR_DISTANCE = 3 };
 enum { SPREAD = ISO_TRANSACTION_SPREAD };
 /* A value of iso_edit_cell.sides. */
 enum { BOTH_SIDES = 3 };
-/* A voxel is recomputed only if the previous step changed one in its stencil by more than this, in voxels.
- * Where the interface itself is rescaled, distances must travel farther in small steps. */
+/* A redistancing step computes a row of voxels only if the step before changed a voxel in its stencils by
+ * more than this, in voxels. The limit is smaller where the interface itself is rescaled, because distances
+ * then travel farther in small steps. */
 static const float LEAST_MOVE_FIXED = 0.02f, LEAST_MOVE_RESCALED = 0.01f;
 
 iso_status iso_transaction_init(iso_transaction *transaction, iso_hgrid *grid, iso_pool *pool,
@@ -111,12 +113,12 @@ iso_status iso_transaction_add(iso_transaction *transaction, const int at[3], bo
 
 /* ---- memory */
 
-/* Makes room for this many more bricks. */
+/* Makes room for `bricks` scratch bricks beside those that are taken. */
 static iso_status reserve_bricks(iso_transaction *transaction, size_t bricks, iso_error *error) {
     return iso_slabs_reserve(&transaction->slabs, transaction->bricks_taken + bricks, error);
 }
 
-/* The next free brick. Threads take them in any order, which does not affect results. */
+/* Returns the next free scratch brick. Threads take them in any order, which does not affect results. */
 static float *take_brick(iso_transaction *transaction) {
     return iso_slabs_get(&transaction->slabs,
                          __atomic_fetch_add(&transaction->bricks_taken, 1, __ATOMIC_RELAXED));
@@ -127,7 +129,8 @@ iso_status iso_transaction_reserve(iso_transaction *transaction, iso_error *erro
                           error);
 }
 
-/* A brick of the cell's own that is neither of two bricks which are still needed. */
+/* Returns a scratch brick of the cell that is neither `one` nor `two`, which are still needed; takes a new
+ * one if there is none. */
 static float *own_brick_except(iso_transaction *transaction, iso_edit_cell *edit_cell, const float *one,
                                const float *two) {
     int i = 0;
@@ -136,6 +139,7 @@ static float *own_brick_except(iso_transaction *transaction, iso_edit_cell *edit
     return edit_cell->own[i];
 }
 
+/* Whether `values` is one of the cell's scratch bricks, which may be overwritten. */
 static bool is_own(const iso_edit_cell *edit_cell, const float *values) {
     bool own = false;
     for (int i = 0; i < ISO_TRANSACTION_FIELDS; i++) own |= edit_cell->own[i] == values;
@@ -155,8 +159,9 @@ float *iso_transaction_own_values(iso_transaction *transaction, size_t number) {
 
 /* ---- stencils */
 
-/* Fills the brick beyond a face on the grid's border with the outermost layer, repeated. Only the parts that
- * a stencil reads are filled: whole rows along x, two layers along y and z. */
+/* Fills the brick that stands for the neighbour beyond a face on the grid's border: repeats the outermost
+ * layer of the brick `self`. Only the parts that a stencil reads are filled: whole rows along x, two layers
+ * along y and z. */
 static void repeat_layer(const float *self, int face, float *out) {
     const int axis = face / 2, layer = face % 2 ? ISO_BRICK - 1 : 0;
     for (int row = 0; axis == 0 && row < ISO_BRICK_ROWS; row++)
@@ -192,7 +197,7 @@ void iso_transaction_stencil(const iso_transaction *transaction, int field, size
     }
 }
 
-/* ---- what changed */
+/* ---- finding changes */
 
 void iso_transaction_find_box(iso_edit_cell *edit_cell, const iso_voxel_bits *marked) {
     enum { LOW = (1 << SPREAD) - 1, HIGH = LOW << (ISO_BRICK - SPREAD) };
@@ -225,8 +230,8 @@ float *iso_transaction_scratch_brick(iso_transaction *transaction, int worker) {
     return scratch->brick;
 }
 
-/* With a `source` of its own (MOVE), `changed` is relative to the source: voxels that merely return to their
- * original value do not affect their neighbours. The cell is edited if its values differ from the grid. */
+/* If the cell has a `source` (MOVE), `changed` is relative to it: voxels that merely return to their original
+ * value do not affect their neighbours. The cell is edited if its values differ from the grid. */
 void iso_transaction_accept_scratch(iso_transaction *transaction, size_t number, int worker) {
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number);
     float *values = transaction->workers[worker].brick;
@@ -241,7 +246,7 @@ void iso_transaction_accept_scratch(iso_transaction *transaction, size_t number,
     transaction->workers[worker].brick = NULL;
 }
 
-/* Removes unedited cells and closes the gaps. */
+/* Removes the cells that the brush did not change from the list. */
 static void drop_unchanged(iso_transaction *transaction) {
     size_t kept = 0;
     for (size_t i = 0; i < transaction->cell_count; i++) {
@@ -254,7 +259,8 @@ static void drop_unchanged(iso_transaction *transaction) {
     transaction->cell_count = kept;
 }
 
-/* Finds where the redistancing of an edited cell starts: at its seams, or at all changed voxels. */
+/* Finds where the redistancing of an edited cell starts: at its seams or, if far_value is 0, at all changed
+ * voxels. */
 static void find_seam_in_cell(void *context, size_t index, int worker) {
     static const iso_voxel_bits none;
     iso_transaction *transaction = context;
@@ -278,7 +284,8 @@ static void find_seam_in_cell(void *context, size_t index, int worker) {
     iso_transaction_find_box(edit_cell, &seam);
 }
 
-/* Whether a cell has a voxel inside the band within NEIGHBOUR_DISTANCE of its neighbour at `side`. */
+/* Whether a cell has a voxel inside the band that is within NEIGHBOUR_DISTANCE voxels of its neighbour at
+ * `side`. */
 static bool band_is_near(const iso_transaction *transaction, size_t number, const int side[3]) {
     const float *values = iso_transaction_values(transaction, number), band = transaction->grid->band;
     int lo[3], hi[3];
@@ -293,7 +300,8 @@ static bool band_is_near(const iso_transaction *transaction, size_t number, cons
     return false;
 }
 
-/* Whether redistancing starts within NEIGHBOUR_DISTANCE of that neighbour. */
+/* Whether redistancing of a cell starts at a voxel within NEIGHBOUR_DISTANCE voxels of its neighbour at
+ * `side`. */
 static bool start_is_near(const iso_edit_cell *edit_cell, const int side[3]) {
     for (int axis = 0; axis < 3; axis++)
         if ((side[axis] < 0 && edit_cell->lo[axis] >= NEIGHBOUR_DISTANCE) ||
@@ -302,10 +310,11 @@ static bool start_is_near(const iso_edit_cell *edit_cell, const int side[3]) {
     return true;
 }
 
+/* Lists the neighbours of an edited cell whose distances its redistancing can change. */
 static iso_status add_neighbours(iso_transaction *transaction, size_t number, iso_error *error) {
     for (int k = 0; k < 27; k++) {
-        const iso_edit_cell *edit_cell =
-            iso_transaction_cell(transaction, number); /* adding moves the list */
+        const iso_edit_cell *edit_cell = iso_transaction_cell(
+            transaction, number); /* fetched again, because adding a cell may move the list */
         const int side[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
         int at[3];
         bool within = true;
@@ -328,7 +337,8 @@ iso_status iso_transaction_end_brush(iso_transaction *transaction, bool neighbou
     *any = edited > 0;
     if (!neighbours) return ISO_OK;
     const bool frozen = iso_mask_boundary_any_frozen(transaction);
-    if (frozen) { /* a cut-off surface leaves gaps in the band beyond the voxels that the brush changed */
+    if (frozen) { /* a surface cut off at frozen voxels leaves gaps in the band beyond the voxels that the
+                     brush changed */
         transaction->far_value = 0;
         transaction->band_damaged = true;
         ISO_TRY(iso_mask_boundary_limit_changed(transaction, error));
@@ -345,14 +355,14 @@ iso_status iso_transaction_end_brush(iso_transaction *transaction, bool neighbou
 
 typedef struct redistance_pass {
     iso_transaction *transaction;
-    int from, to, phi; /* fields: read, written, and the brush's values */
-    int turn;          /* index in iso_edit_cell.moved that this step writes */
+    int from, to, phi; /* the fields that are read and written, and the one with the values after the brush */
+    int turn;          /* index in iso_edit_cell.moved of the set that this step writes */
     bool first;        /* the first step: all active rows are due */
-    float least;       /* of iso_relaxation */
+    float least;       /* see iso_relaxation */
 } redistance_pass;
 
-/* Adds the marked rows of a neighbouring cell within SPREAD voxels, in coordinates of this cell: bit
- * y + SPREAD of plane[z + SPREAD]. */
+/* Adds to `plane` the marked rows of the neighbour at `side` that lie within SPREAD voxels of this cell, in
+ * coordinates of this cell: bit y + SPREAD of plane[z + SPREAD]. */
 static void add_rows(const iso_edit_cell *beside, const int side[3], uint32_t plane[ISO_BRICK + 2 * SPREAD]) {
     const uint16_t *rows = side[0] == 0  ? beside->rows.any
                            : side[0] < 0 ? beside->rows.high
@@ -367,17 +377,19 @@ static void add_rows(const iso_edit_cell *beside, const int side[3], uint32_t pl
     }
 }
 
-static void set_rows(iso_row_bits *rows, int z, uint32_t bits) {
+/* Add to a set the rows of slice z, and return them: bit y. */
+static void add_slice_rows(iso_row_bits *rows, int z, uint32_t bits) {
     rows->word[z / 2] |= (bits & 0xffff) << 16 * (z % 2);
 }
 
-static uint32_t rows_of(const iso_row_bits *rows, int z) {
+static uint32_t slice_rows(const iso_row_bits *rows, int z) {
     return rows->word[z / 2] >> 16 * (z % 2) & 0xffff;
 }
 
-/* The rows within SPREAD voxels of where redistancing starts; all others are distances already. */
-static void near_rows(const iso_transaction *transaction, const iso_edit_cell *edit_cell,
-                      iso_row_bits *near) {
+/* Finds the rows of a cell within SPREAD voxels of where redistancing starts. All other values are distances
+ * already. */
+static void find_near_rows(const iso_transaction *transaction, const iso_edit_cell *edit_cell,
+                           iso_row_bits *near) {
     uint32_t plane[ISO_BRICK + 2 * SPREAD] = {0};
     for (int k = 0; k < 27; k++) {
         const int side[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
@@ -390,11 +402,12 @@ static void near_rows(const iso_transaction *transaction, const iso_edit_cell *e
     for (int z = 0; z < ISO_BRICK; z++) {
         uint32_t rows = 0;
         for (int step = 0; step <= 2 * SPREAD; step++) rows |= plane[z + step];
-        set_rows(near, z, rows >> SPREAD);
+        add_slice_rows(near, z, rows >> SPREAD);
     }
 }
 
-/* Frozen voxels are never rescaled, and those beyond the influence of the change are fixed. */
+/* Takes frozen voxels out of redistancing: none is rescaled, and those beyond the influence of the change are
+ * fixed. */
 static void fix_masked(const iso_transaction *transaction, iso_edit_cell *edit_cell,
                        const iso_voxel_bits *masked) {
     iso_voxel_bits reached;
@@ -413,16 +426,16 @@ static void classify_cell(void *context, size_t index, int worker) {
     iso_stencil stencil;
     iso_row_bits near;
     iso_transaction_stencil(p->transaction, p->from, index, p->transaction->workers[worker].border, &stencil);
-    near_rows(p->transaction, edit_cell, &near);
+    find_near_rows(p->transaction, edit_cell, &near);
     p->transaction->redistancer->classify(&stencil, p->transaction->grid->band, &near, &edit_cell->band);
     if (p->transaction->band_damaged) edit_cell->band.active = near;
     const iso_voxel_bits *masked = iso_mask_bits(&p->transaction->mask, edit_cell->cell);
     if (masked) fix_masked(p->transaction, edit_cell, masked);
 }
 
-/* Whether the brush changed a voxel at the interface, or moved the interface to a voxel with a clamped value.
- */
-static bool is_rescaled(const iso_edit_cell *edit_cell) {
+/* Whether the cell has voxels to rescale: interface voxels that the brush changed, or that have a clamped
+ * value. */
+static bool needs_rescaling(const iso_edit_cell *edit_cell) {
     uint32_t any = 0;
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         any |=
@@ -434,7 +447,7 @@ static void rescale_cell(void *context, size_t index, int worker) {
     const redistance_pass *p = context;
     iso_edit_cell *edit_cell = iso_transaction_cell(p->transaction, index);
     edit_cell->value[p->to] = edit_cell->value[p->from];
-    if (!is_rescaled(edit_cell)) return;
+    if (!needs_rescaling(edit_cell)) return;
     iso_stencil stencil;
     iso_transaction_stencil(p->transaction, p->from, index, p->transaction->workers[worker].border, &stencil);
     float *out = own_brick_except(p->transaction, edit_cell, stencil.self, NULL);
@@ -446,7 +459,7 @@ static void correct_cell(void *context, size_t index, int worker) {
     const redistance_pass *p = context;
     iso_edit_cell *edit_cell = iso_transaction_cell(p->transaction, index);
     edit_cell->value[p->to] = edit_cell->value[p->from];
-    if (!is_rescaled(edit_cell)) return;
+    if (!needs_rescaling(edit_cell)) return;
     iso_stencil phi, scaled;
     iso_transaction_stencil(p->transaction, p->phi, index, &p->transaction->workers[worker].border[0], &phi);
     iso_transaction_stencil(p->transaction, p->from, index, &p->transaction->workers[worker].border[1],
@@ -456,36 +469,36 @@ static void correct_cell(void *context, size_t index, int worker) {
     edit_cell->value[p->to] = out;
 }
 
-/* The active rows whose stencils contain a row that the last step moved. */
+/* Finds the active rows whose stencils contain a row in which the last step moved a voxel. */
 static void find_due(const redistance_pass *p, const iso_edit_cell *edit_cell, iso_row_bits *due) {
-    enum { FAR = 2 };                                                   /* voxels a stencil extends */
+    enum { FAR = 2 }; /* how far a stencil extends, in voxels */
     uint32_t plane[ISO_BRICK + 2 * FAR] = {0}, across[ISO_BRICK] = {0}; /* bit y + FAR; bit y */
     const int last = 1 - p->turn;
-    for (int z = 0; z < ISO_BRICK; z++) plane[z + FAR] = rows_of(&edit_cell->moved[last], z) << FAR;
+    for (int z = 0; z < ISO_BRICK; z++) plane[z + FAR] = slice_rows(&edit_cell->moved[last], z) << FAR;
     for (int face = 0; face < 6; face++) {
         const int up = face % 2, side[3] = {face / 2 == 0 ? 2 * up - 1 : 0, face / 2 == 1 ? 2 * up - 1 : 0,
                                             face / 2 == 2 ? 2 * up - 1 : 0};
         const iso_edit_cell *beside = iso_transaction_neighbour(p->transaction, edit_cell, side);
         if (!beside) continue;
         const iso_row_bits *moved = &beside->moved[last];
-        for (int z = 0; z < ISO_BRICK && side[0]; z++) across[z] |= rows_of(moved, z);
+        for (int z = 0; z < ISO_BRICK && side[0]; z++) across[z] |= slice_rows(moved, z);
         for (int z = 0; z < ISO_BRICK && side[1]; z++)
-            plane[z + FAR] |= up ? (rows_of(moved, z) & ((1 << FAR) - 1)) << (ISO_BRICK + FAR)
-                                 : rows_of(moved, z) >> (ISO_BRICK - FAR);
+            plane[z + FAR] |= up ? (slice_rows(moved, z) & ((1 << FAR) - 1)) << (ISO_BRICK + FAR)
+                                 : slice_rows(moved, z) >> (ISO_BRICK - FAR);
         for (int z = 0; z < FAR && side[2]; z++)
-            plane[up ? ISO_BRICK + FAR + z : z] |= rows_of(moved, up ? z : ISO_BRICK - FAR + z) << FAR;
+            plane[up ? ISO_BRICK + FAR + z : z] |= slice_rows(moved, up ? z : ISO_BRICK - FAR + z) << FAR;
     }
     memset(due, 0, sizeof *due);
     for (int z = 0; z < ISO_BRICK; z++) {
         uint32_t rows = plane[z + FAR];
         rows |= rows << 1 | rows << 2 | rows >> 1 | rows >> 2;
         rows |= plane[z] | plane[z + 1] | plane[z + 3] | plane[z + 4];
-        set_rows(due, z, rows >> FAR | across[z]);
+        add_slice_rows(due, z, rows >> FAR | across[z]);
     }
     for (int i = 0; i < ISO_ROW_WORDS; i++) due->word[i] &= edit_cell->band.active.word[i];
 }
 
-/* One redistancing step of a cell, in its due rows. */
+/* Computes one redistancing step of a cell, in the rows where it is due. */
 static void relax_cell(void *context, size_t index, int worker) {
     const redistance_pass *p = context;
     iso_transaction *transaction = p->transaction;
@@ -557,7 +570,8 @@ static void find_sides(void *context, size_t index, int worker) {
             : (uint8_t)transaction->redistancer->sides(iso_transaction_values(transaction, index));
 }
 
-/* The sides of the interface that a cell's voxels may be on: both, for bricks that are not listed. */
+/* Returns the sides of the surface that the voxels of a cell may be on: both for a brick that is not listed,
+ * whose values are not read. */
 static unsigned sides_of(const iso_transaction *transaction, const int at[3]) {
     const size_t cell = iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2]);
     if (transaction->edit_cell_of[cell])
@@ -566,9 +580,9 @@ static unsigned sides_of(const iso_transaction *transaction, const int at[3]) {
                                               : 1u << (transaction->grid->cell[cell] == ISO_CELL_INSIDE);
 }
 
-/* Clamps the whole cell if neither it nor any of its 26 neighbours holds an interface: its values are then
- * distances to a surface that the touch removed. */
-static void clear_without_interface(void *context, size_t index, int worker) {
+/* Clamps all values of a cell if all voxels of the cell and of its 26 neighbours are on one side: the values
+ * are then distances to a surface that the touch removed. */
+static void clamp_without_interface(void *context, size_t index, int worker) {
     (void)worker;
     iso_transaction *transaction = context;
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
@@ -598,7 +612,7 @@ static void compare_cell(void *context, size_t index, int worker) {
 void iso_transaction_compare(iso_transaction *transaction, bool *any) {
     if (transaction->redistanced) {
         iso_parallel_for(transaction->pool, transaction->cell_count, find_sides, transaction);
-        iso_parallel_for(transaction->pool, transaction->cell_count, clear_without_interface, transaction);
+        iso_parallel_for(transaction->pool, transaction->cell_count, clamp_without_interface, transaction);
     }
     iso_parallel_for(transaction->pool, transaction->cell_count, compare_cell, transaction);
     *any = false;
@@ -607,7 +621,8 @@ void iso_transaction_compare(iso_transaction *transaction, bool *any) {
 
 /* ---- writing */
 
-/* The state of a cell whose values are all +band or all -band; 0 when they are not. */
+/* Returns ISO_CELL_OUTSIDE or ISO_CELL_INSIDE if all values of a cell are +band or all are -band, otherwise
+ * 0. */
 static int32_t empty_state(const iso_transaction *transaction, const float *values) {
     const float first = values[0], band = transaction->grid->band;
     if (first != band && first != -band) return 0;
@@ -625,8 +640,8 @@ static void find_empty(void *context, size_t index, int worker) {
         edit_cell->empty = empty_state(transaction, iso_transaction_values(transaction, index));
 }
 
-/* Does everything that can fail: adds entries to the change log (superfluous ones do no harm) and allocates
- * bricks, still uninitialised. */
+/* Does the part of a commit that can fail: adds entries to the change log (superfluous ones do no harm) and
+ * allocates bricks, still uninitialised. */
 static iso_status prepare_commit(iso_transaction *transaction, iso_edit_stats *stats, iso_error *error) {
     iso_change_log_begin(transaction->grid->log);
     for (size_t i = 0; i < transaction->cell_count; i++) {
@@ -646,6 +661,7 @@ static iso_status prepare_commit(iso_transaction *transaction, iso_edit_stats *s
     return ISO_OK;
 }
 
+/* Makes the cells empty again for which prepare_commit allocated bricks. */
 static void undo_prepare(iso_transaction *transaction) {
     for (size_t i = 0; i < transaction->cell_count; i++) {
         const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, i);

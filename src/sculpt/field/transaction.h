@@ -14,19 +14,19 @@
 #include "sculpt/field/edit.h"
 #include "sculpt/field/slabs.h"
 
-/* Fields: sets of values that every edit cell has, so that one pass reads a field and writes another.
- * ISO_TRANSACTION_GRID names the grid's own values, which are read only. */
+/* Each edit cell has ISO_TRANSACTION_FIELDS sets of values (fields), so that one pass reads a field and
+ * writes another. ISO_TRANSACTION_GRID names the grid's own values, which are only read. */
 enum { ISO_TRANSACTION_FIELDS = 3, ISO_TRANSACTION_GRID = -1 };
 /* Voxels around a change within which distances can change: the band's 3, and 1 for the stencil. */
 enum { ISO_TRANSACTION_SPREAD = 4 };
 
-/* The rows of a brick that hold a marked voxel, for each z a bit for each y: anywhere in the row, and within
- * ISO_TRANSACTION_SPREAD voxels of its low and high end. */
+/* The rows of a brick that have a marked voxel, as bit y of entry z. any: anywhere in the row; low, high:
+ * within ISO_TRANSACTION_SPREAD voxels of the row's low or high end. */
 typedef struct iso_marked_rows {
     uint16_t any[ISO_BRICK], low[ISO_BRICK], high[ISO_BRICK];
 } iso_marked_rows;
 
-/* A cell of the grid in a transaction. */
+/* A cell of the grid in a transaction, with its new values. */
 typedef struct iso_edit_cell {
     uint32_t cell;          /* number in the grid */
     int at[3];              /* position in the grid, in cells */
@@ -34,25 +34,27 @@ typedef struct iso_edit_cell {
     const float *source;    /* the values that the brush began with; NULL: the grid's */
     bool edited;            /* the brush changed it; otherwise a neighbour that redistancing may change */
     iso_voxel_bits changed; /* voxels that the brush changed; after compare: that differ from the grid */
-    iso_marked_rows rows;   /* of an edited cell: the voxels where redistancing starts */
+    iso_marked_rows rows;   /* of an edited cell: rows with voxels where redistancing starts */
     iso_band_state band;
-    int32_t empty;        /* ISO_CELL_OUTSIDE or ISO_CELL_INSIDE when it is to be emptied, else 0 */
+    int32_t empty; /* what the cell becomes if commit makes it empty: ISO_CELL_OUTSIDE or ISO_CELL_INSIDE;
+                      else 0 */
     bool has_fixed_mask;  /* some frozen voxels, beyond the influence of the change, keep their values */
-    uint8_t sides;        /* of the interface that its voxels are on: 1 outside, 2 inside, 3 both */
+    uint8_t sides;        /* the sides of the surface on which its voxels are: 1 outside, 2 inside, 3 both */
     uint8_t lo[3], hi[3]; /* box of the voxels where redistancing starts; after compare: of `changed` */
-    const float *value[ISO_TRANSACTION_FIELDS]; /* own memory, the grid's, or a constant brick */
-    float *own[ISO_TRANSACTION_FIELDS];         /* scratch bricks; NULL: not allocated yet */
+    const float
+        *value[ISO_TRANSACTION_FIELDS]; /* by field: a scratch brick, the grid's brick, or a constant brick */
+    float *own[ISO_TRANSACTION_FIELDS]; /* scratch bricks; NULL: not allocated yet */
     float *spare; /* one of `own` with the current values except in the rows `stale`; NULL: none */
     iso_row_bits stale;
     iso_row_bits moved[2]; /* rows that the last two redistancing steps changed, alternating */
 } iso_edit_cell;
 
-/* Made-up neighbours beyond the grid's border, for one stencil. */
+/* The bricks that stand for neighbours beyond the grid's border in one stencil. */
 typedef struct iso_border {
     float face[6][ISO_BRICK_VOXELS];
 } iso_border;
 
-/* Memory of one worker thread. */
+/* The working memory of one thread. */
 typedef struct iso_worker_scratch {
     iso_border border[2];
     iso_warp warp;
@@ -79,18 +81,18 @@ typedef struct iso_transaction {
     size_t mask_boundary_count;
     iso_worker_scratch *workers;  /* one for each thread of the pool */
     iso_slabs slabs;              /* scratch bricks */
-    size_t bricks_taken;          /* of the slabs; atomic in parallel loops */
-    const iso_progress *progress; /* of redistancing; NULL: none */
+    size_t bricks_taken;          /* number of scratch bricks in use; changed atomically */
+    const iso_progress *progress; /* told how far redistancing is; NULL: nobody is told */
 } iso_transaction;
 
 /* `transaction` is zero-initialised storage; grid and pool are borrowed until free. ISO_ERR_NOMEM. */
 iso_status iso_transaction_init(iso_transaction *transaction, iso_hgrid *grid, iso_pool *pool,
                                 iso_error *error);
 void iso_transaction_free(iso_transaction *transaction);
-/* Removes all cells, for the next touch. The mask and the memory stay. */
+/* Removes all cells from the list, for the next touch. The mask and the memory stay. */
 void iso_transaction_clear(iso_transaction *transaction);
 
-/* Edit cell `index`, and its current values. */
+/* Return edit cell `index`, and its current values (a brick). */
 static inline iso_edit_cell *iso_transaction_cell(const iso_transaction *transaction, size_t index) {
     return (iso_edit_cell *)transaction->cells.data + index;
 }
@@ -98,29 +100,33 @@ static inline const float *iso_transaction_values(const iso_transaction *transac
     return iso_transaction_cell(transaction, index)->value[transaction->current];
 }
 
-/* The edit cell at an offset of -1, 0 or 1 cells along each axis; NULL: outside the grid, or not listed. */
+/* Returns the neighbour of an edit cell at an offset of -1, 0 or 1 cells along each axis; NULL: outside the
+ * grid, or not listed. */
 const iso_edit_cell *iso_transaction_neighbour(const iso_transaction *transaction,
                                                const iso_edit_cell *edit_cell, const int side[3]);
 
-/* The grid's values of a cell with the entry `state`: its brick, or a constant one. */
+/* Returns the grid's values of a cell with the entry `state`: its brick, or a constant brick for an empty
+ * cell. */
 const float *iso_transaction_grid_values(const iso_transaction *transaction, int32_t state);
 /* Whether a worker has run out of memory; resets the flags. */
 bool iso_transaction_failed(iso_transaction *transaction);
 
-/* Lists the cell at a position, with the grid's values; does nothing if it is listed. ISO_ERR_NOMEM. */
+/* Lists the cell at position `at` (in cells), with the grid's values; does nothing if it is listed already.
+ * ISO_ERR_NOMEM. */
 iso_status iso_transaction_add(iso_transaction *transaction, const int at[3], bool edited, iso_error *error);
 /* Allocates a scratch brick for each listed cell and each worker, so that the brush cannot run out of them.
  */
 iso_status iso_transaction_reserve(iso_transaction *transaction, iso_error *error);
 
-/* The brick into which a worker writes the new values of one cell; to be followed by
- * iso_transaction_accept_scratch with the index of that cell. */
+/* Returns the brick into which a worker writes the new values of one cell. Call
+ * iso_transaction_accept_scratch with the index of this cell next. */
 float *iso_transaction_scratch_brick(iso_transaction *transaction, int worker);
 /* Makes the worker's brick the cell's current values, with frozen voxels restored, and finds `changed`. If
  * nothing changed, clears `edited` and keeps the brick for the worker's next cell. */
 void iso_transaction_accept_scratch(iso_transaction *transaction, size_t index, int worker);
 
-/* A cell's current values, writable: copied to a brick of its own first, if need be (already reserved). */
+/* Returns a cell's current values, to be written. Values that are the grid's or constant are first copied to
+ * a scratch brick, which must have been reserved. */
 float *iso_transaction_own_values(iso_transaction *transaction, size_t index);
 
 /* Fills the stencil of a cell's values in `field`. Neighbours that are not listed have the grid's values;
@@ -134,7 +140,7 @@ void iso_transaction_stencil(const iso_transaction *transaction, int field, size
 iso_status iso_transaction_end_brush(iso_transaction *transaction, bool neighbours, bool *any,
                                      iso_error *error);
 
-/* Sets a cell's `rows`, `lo` and `hi` from these voxels. */
+/* Sets a cell's `rows`, `lo` and `hi` to those of the marked voxels. */
 void iso_transaction_find_box(iso_edit_cell *edit_cell, const iso_voxel_bits *bits);
 
 /* Makes the listed cells a distance field near the changes (the `changed`, `rows` and boxes of the `edited`

@@ -1,5 +1,5 @@
-/* Checkpoint files: a head, for each cell its state or its packed brick (cell_pack.h), the masks, and the
- * CRC-32C of everything before it. A file is checked as a whole before the grid is changed. */
+/* Reads and writes checkpoint files: a head, for each cell its state or its packed brick (cell_pack.h), the
+ * masks, and the CRC-32C of everything before it. A file is checked as a whole before the grid is changed. */
 #include "sculpt/session/checkpoint.h"
 
 #include <errno.h>
@@ -145,7 +145,7 @@ bool iso_checkpoint_finish(iso_checkpoint *checkpoint) {
     return written;
 }
 
-/* ---- reading: checked as a whole before anything is written */
+/* ---- reading: a file is checked as a whole before anything is written */
 
 typedef struct file_reader {
     const char *path;
@@ -153,7 +153,7 @@ typedef struct file_reader {
     uint32_t masks;
 } file_reader;
 
-/* The size of the largest possible checkpoint of a grid. */
+/* Returns the size of the largest possible checkpoint of a grid, in bytes. */
 static uint64_t most_bytes(const iso_hgrid *grid) {
     const uint64_t each = sizeof(int32_t) + ISO_CELL_PACK_MAX + sizeof(uint32_t) + sizeof(iso_voxel_bits);
     return sizeof(file_head) + iso_hgrid_cell_count(grid) * each + sizeof(uint32_t);
@@ -175,8 +175,9 @@ static iso_status load_file(const char *path, const iso_hgrid *grid, iso_buffer 
     return status;
 }
 
-/* The next cell: its state if negative, else its size and bytes. False: the file ends before. */
-static bool next_cell(file_reader *r, int32_t *size, const uint8_t **bytes) {
+/* Reads the next cell: sets *size to the state of an empty cell (negative), or to the size of the packed
+ * brick, which begins at *bytes. Returns false if the file ends before, or the state is unknown. */
+static bool read_cell(file_reader *r, int32_t *size, const uint8_t **bytes) {
     *size = ISO_CELL_OUTSIDE;
     *bytes = r->at;
     if (r->end - r->at < (ptrdiff_t)sizeof *size) return false;
@@ -189,8 +190,9 @@ static bool next_cell(file_reader *r, int32_t *size, const uint8_t **bytes) {
     return true;
 }
 
-/* The next cell with frozen voxels; masks_are_sound has checked that the file contains it. */
-static uint32_t next_mask(file_reader *r, iso_voxel_bits *bits) {
+/* Reads the bits of the next cell with frozen voxels and returns the cell's number. masks_are_sound has
+ * checked that the file contains them. */
+static uint32_t read_mask(file_reader *r, iso_voxel_bits *bits) {
     uint32_t cell;
     memcpy(&cell, r->at, sizeof cell);
     memcpy(bits, r->at + sizeof cell, sizeof *bits);
@@ -203,7 +205,7 @@ static bool masks_are_sound(file_reader *r, size_t cells) {
     const size_t each = sizeof(uint32_t) + sizeof bits;
     if ((size_t)(r->end - r->at) != r->masks * each) return false;
     for (uint32_t i = 0; i < r->masks; i++)
-        if (next_mask(r, &bits) >= cells) return false;
+        if (read_mask(r, &bits) >= cells) return false;
     return true;
 }
 
@@ -219,7 +221,7 @@ static iso_status check_cells(file_reader r, const iso_hgrid *grid, iso_error *e
     for (size_t i = 0; i < iso_hgrid_cell_count(grid); i++) {
         int32_t size;
         const uint8_t *bytes;
-        if (!next_cell(&r, &size, &bytes) ||
+        if (!read_cell(&r, &size, &bytes) ||
             (size >= 0 && (!iso_cell_unpack(bytes, (size_t)size, grid->band, brick) ||
                            !brick_is_sound(brick, grid->band))))
             return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
@@ -233,7 +235,7 @@ static iso_status fill_mask(file_reader *r, iso_mask *mask, iso_error *error) {
     iso_mask_clear(mask);
     for (uint32_t i = 0; i < r->masks; i++) {
         iso_voxel_bits bits;
-        const uint32_t cell = next_mask(r, &bits);
+        const uint32_t cell = read_mask(r, &bits);
         ISO_TRY(iso_mask_set(mask, cell, &bits, error));
     }
     return ISO_OK;
@@ -249,7 +251,8 @@ static iso_status fill_grid(file_reader r, iso_hgrid *grid, iso_mask *mask, iso_
         int32_t size = ISO_CELL_OUTSIDE;
         const uint8_t *bytes = NULL;
         float *brick;
-        if (!next_cell(&r, &size, &bytes) || size < 0) { /* check_cells has read them all */
+        if (!read_cell(&r, &size, &bytes) ||
+            size < 0) { /* read_cell does not fail: check_cells has read all cells */
             iso_hgrid_coalesce(grid, at[0], at[1], at[2], size);
             continue;
         }

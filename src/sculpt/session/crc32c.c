@@ -1,6 +1,6 @@
-/* The Castagnoli checksum: by the processor's own instruction (SSE 4.2, which every machine with AVX2 has),
- * else eight bytes at a time from tables (Kounavis and Berry 2008, "Novel table lookup-based algorithms for
- * high-performance CRC generation"). */
+/* Computes the Castagnoli checksum: with the processor's own instruction (SSE 4.2, which every machine with
+ * AVX2 has), else eight bytes at a time with tables (Kounavis and Berry 2008, "Novel table lookup-based
+ * algorithms for high-performance CRC generation"). */
 #include "sculpt/session/crc32c.h"
 
 #include <pthread.h>
@@ -12,11 +12,11 @@
 #include <nmmintrin.h>
 #endif
 
-enum { SLICES = 8, POLYNOMIAL = 0x82f63b78 /* bits in reverse */ };
+enum { SLICES = 8, POLYNOMIAL = 0x82f63b78 /* in reversed bit order */ };
 
 static uint32_t tables[SLICES][256];
 
-/* tables[0] advances a checksum by one byte, tables[k] by a byte and k zeros. */
+/* tables[0] advances a checksum by one byte, tables[k] by this byte and k zero bytes after it. */
 static void fill_tables(void) {
     for (uint32_t byte = 0; byte < 256; byte++) {
         uint32_t crc = byte;

@@ -5,7 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The checksum of the bytes before (0 when there are none) and `size` more. */
+/* Continues a checksum: returns that of the bytes before, which is `crc` (0: there are none), and `size`
+ * bytes more. */
 uint32_t iso_crc32c(uint32_t crc, const void *bytes, size_t size);
 
 #endif

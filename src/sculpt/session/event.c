@@ -1,5 +1,5 @@
-/* Lines of a stroke file as JSON objects (jansson). The last member of each line is the CRC-32C of the text
- * before it. Every number is checked against its bounds when it is read. */
+/* Writes the lines of a stroke file as JSON objects, and reads them (jansson). The last member of each line
+ * is the CRC-32C of the text before it. Every number is checked against its bounds when it is read. */
 #include "sculpt/session/event.h"
 
 #include <jansson.h>
@@ -14,12 +14,13 @@ static const char FORMAT[] = "isopoint strokes";
 static const char *const KINDS[] = {"begin", "sample", "end", "cancel", "undo", "redo", "snapshot", "stamp"};
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
 
-/* The length of the end of a line: `,"crc":"xxxxxxxx"}`. */
+/* The number of characters of the end of a line: `,"crc":"xxxxxxxx"}`. */
 enum { CRC_TEXT = 18 };
 
 /* ---- writing */
 
-/* The text of a line: the object's members, then its checksum. Releases `object`, which may be NULL. */
+/* Returns the text of a line: the object's members, then its checksum; malloc'ed; NULL: out of memory.
+ * Releases `object`, which may be NULL. */
 static char *finish_line(json_t *object) {
     char *text = object ? json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(object);
@@ -62,8 +63,8 @@ static json_t *brush_json(const iso_brush *brush) {
                      "pressure_strength", brush->pressure_strength);
 }
 
-/* Nonzero: out of memory. */
-static int put_stamp(json_t *object, const iso_stamp *stamp) {
+/* Adds the name and the levels of a stamp to an object. Nonzero: out of memory. */
+static int add_stamp_members(json_t *object, const iso_stamp *stamp) {
     char *text = iso_stamp_text(stamp);
     int failed = !text || json_object_set_new(object, "name", json_string_nocheck(stamp->name)) ||
                  json_object_set_new(object, "levels", json_string_nocheck(text));
@@ -87,7 +88,7 @@ char *iso_event_text(const iso_event *event, unsigned long long number) {
         failed |= json_object_set_new(object, "file", json_string(event->text));
         failed |= json_object_set_new(object, "after", json_integer((json_int_t)event->after));
     }
-    if (!failed && event->kind == ISO_EVENT_STAMP) failed |= put_stamp(object, event->stamp);
+    if (!failed && event->kind == ISO_EVENT_STAMP) failed |= add_stamp_members(object, event->stamp);
     if (!failed) return finish_line(object);
     json_decref(object);
     return NULL;
@@ -95,7 +96,7 @@ char *iso_event_text(const iso_event *event, unsigned long long number) {
 
 /* ---- reading: failures are ISO_ERR_FORMAT with a message that says what is wrong */
 
-/* Checks the checksum and parses the JSON. */
+/* Verifies the checksum of a line and parses the JSON. If the line is sound, the caller releases *object. */
 static iso_line parse_line(const char *line, size_t size, json_t **object, iso_error *error) {
     unsigned crc;
     if (size < CRC_TEXT || memcmp(line + size - CRC_TEXT, ",\"crc\":\"", 8) ||
@@ -127,7 +128,7 @@ static iso_status get_number(const json_t *object, const char *key, double *valu
     return ISO_OK;
 }
 
-/* An integer within the bounds of `limit`. */
+/* Reads an integer member, which must be within the bounds of `limit`. */
 static iso_status get_integer(const json_t *object, const char *key, iso_limit limit, json_int_t *value,
                               iso_error *error) {
     const json_t *found = json_object_get(object, key);
@@ -249,7 +250,8 @@ static iso_status read_sample(const json_t *object, iso_sample *sample, iso_erro
     return get_number(object, "t", &sample->seconds, error);
 }
 
-/* Lines of older versions have no `after`: the checkpoint is of the events before the line. */
+/* Reads the members of a checkpoint. Lines of older versions have no `after`: the checkpoint holds the field
+ * after all events before the line. */
 static iso_status read_checkpoint(const json_t *object, unsigned long long number, iso_event *event,
                                   iso_error *error) {
     const json_t *after = json_object_get(object, "after");

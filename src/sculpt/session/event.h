@@ -7,7 +7,8 @@
 
 #include "sculpt/session/journal.h"
 
-/* The line of a header or an event, with its checksum and newline, malloc'ed (free). NULL: out of memory. */
+/* Return the line of a header or an event, with its checksum and newline; malloc'ed (free). NULL: out of
+ * memory. */
 char *iso_event_header_text(const iso_journal_start *start);
 char *iso_event_text(const iso_event *event, unsigned long long number);
 
@@ -17,12 +18,13 @@ typedef enum iso_line {
     ISO_LINE_WRONG  /* the checksum matches, but the content is not valid */
 } iso_line;
 
-/* Parses a line without its newline. Each number is checked against its bounds (limits.h), lengths in voxels
- * of the header. A stamp in the event belongs to the caller. *why says what is wrong. */
+/* Parse a line (without its newline). Each number is checked against its bounds (limits.h); lengths are
+ * compared in voxels of the header. A stamp in the event belongs to the caller. If the line is not sound,
+ * *why says what is wrong with it. */
 iso_line iso_event_header_read(const char *line, size_t size, iso_journal_start *start, iso_error *why);
 typedef struct iso_event_context {
     const iso_journal_start *start;
-    unsigned long long number; /* that the event must have */
+    unsigned long long number; /* the number that the event must have */
 } iso_event_context;
 iso_line iso_event_read(const char *line, size_t size, const iso_event_context *context, iso_event *event,
                         iso_error *why);

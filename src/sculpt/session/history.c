@@ -1,6 +1,6 @@
-/* Undo steps. While a step is open, the old content of its cells lies unpacked in slabs; ending the step
- * packs it. Undo and redo exchange the content of a step with that of the grid, so each step is stored once.
- */
+/* Stores undo steps. While a step is open, the old content of its cells lies unpacked in slabs; ending the
+ * step packs it. Undo and redo exchange the content of a step with that of the grid, so each step is stored
+ * once. */
 #define _POSIX_C_SOURCE 200809L
 #include "sculpt/session/history.h"
 
@@ -14,8 +14,8 @@
 
 static const size_t DEFAULT_MEMORY = (size_t)1 << 30;
 
-/* Values of saved_cell.state, beside ISO_CELL_OUTSIDE and ISO_CELL_INSIDE: a brick, the mask of a cell, the
- * mask of a cell without frozen voxels. */
+/* Values of saved_cell.state beside ISO_CELL_OUTSIDE and ISO_CELL_INSIDE, which say what was saved: a brick,
+ * the mask of a cell, or the mask of a cell without frozen voxels. */
 enum { BRICK = 0, MASK_BITS = 1, MASK_NONE = 2 };
 
 /* The values or the mask of a cell in a step. */
@@ -37,7 +37,7 @@ typedef struct step {
     size_t count;
     uint8_t *bytes; /* NULL while they are in the spill file */
     size_t size;
-    long long offset; /* in the file */
+    long long offset; /* of the bytes in the spill file */
 } step;
 
 struct iso_history {
@@ -45,7 +45,7 @@ struct iso_history {
     iso_mask *mask;
     void (*before_write)(void *context, uint32_t cell);
     void *context;
-    size_t memory, used; /* bytes of all steps in memory */
+    size_t memory, used; /* limit and present number of bytes of steps in memory */
     char *path;
     FILE *file;
     long long file_size;
@@ -176,9 +176,9 @@ static iso_status read_back(iso_history *history, step *s, iso_error *error) {
 
 /* ---- packing */
 
-/* The values or mask bits of a cell: those of a copy in the open step or, with `copy` NULL, the grid's. */
-static const void *content_of_cell(const iso_history *history, const saved_cell *cell,
-                                   const saved_cell *copy) {
+/* Returns the values or mask bits of a cell: those of `copy`, which belongs to the open step, or the grid's
+ * if `copy` is NULL. */
+static const void *find_content(const iso_history *history, const saved_cell *cell, const saved_cell *copy) {
     if (is_mask(cell) && !copy) return iso_mask_bits(history->mask, cell->cell);
     if (is_mask(cell) && copy->state == MASK_NONE) return NULL;
     if (is_mask(cell)) return (const iso_voxel_bits *)history->raw_masks.data + copy->first;
@@ -186,15 +186,17 @@ static const void *content_of_cell(const iso_history *history, const saved_cell 
                 : iso_hgrid_brick(history->grid, history->grid->cell[cell->cell]);
 }
 
-/* Packs the content of a step's cells: from the open step's copies or, with `copies` NULL, from the grid. */
-static iso_status pack(const iso_history *history, step *s, const saved_cell *copies, iso_error *error) {
+/* Packs the content of a step's cells: that of the open step's copies or, if `copies` is NULL, that of the
+ * grid. ISO_ERR_NOMEM. */
+static iso_status pack_cells(const iso_history *history, step *s, const saved_cell *copies,
+                             iso_error *error) {
     const float band = history->grid->band;
     size_t total = 0;
     for (size_t i = 0; i < s->count; i++) {
         saved_cell *c = &s->cells[i];
         c->size = 0;
         if (c->state == BRICK)
-            c->size = iso_cell_pack_size(content_of_cell(history, c, copies ? &copies[i] : NULL), band);
+            c->size = iso_cell_pack_size(find_content(history, c, copies ? &copies[i] : NULL), band);
         if (c->state == MASK_BITS) c->size = sizeof(iso_voxel_bits);
         c->first = total;
         total += c->size;
@@ -206,7 +208,7 @@ static iso_status pack(const iso_history *history, step *s, const saved_cell *co
     for (size_t i = 0; i < s->count; i++) {
         const saved_cell *c = &s->cells[i];
         if (!c->size) continue;
-        const void *content = content_of_cell(history, c, copies ? &copies[i] : NULL);
+        const void *content = find_content(history, c, copies ? &copies[i] : NULL);
         if (c->state == BRICK)
             iso_cell_pack(content, band, s->bytes + c->first);
         else
@@ -215,7 +217,7 @@ static iso_status pack(const iso_history *history, step *s, const saved_cell *co
     return ISO_OK;
 }
 
-/* Allocates the bits of masks that have any. */
+/* Allocates the mask bits of the cells that will have some, so that restore_mask cannot fail. */
 static iso_status reserve_masks(iso_history *history, const saved_cell *cells, size_t count,
                                 iso_error *error) {
     for (size_t i = 0; i < count; i++)
@@ -223,14 +225,14 @@ static iso_status reserve_masks(iso_history *history, const saved_cell *cells, s
     return ISO_OK;
 }
 
-/* Frees the bits that were allocated and not written. */
+/* Frees the mask bits that reserve_masks allocated, if they were not written. */
 static void release_masks(iso_history *history, const saved_cell *cells, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (is_mask(&cells[i]))
             iso_mask_set(history->mask, cells[i].cell, iso_mask_bits(history->mask, cells[i].cell), NULL);
 }
 
-/* Does everything about restoring cells that can fail: adds them to the change log, allocates bricks. */
+/* Does the part of restoring cells that can fail: adds them to the change log and allocates bricks. */
 static iso_status prepare_restore(iso_history *history, const saved_cell *cells, size_t count,
                                   iso_error *error) {
     iso_change_log_begin(history->grid->log);
@@ -263,9 +265,9 @@ static void restore_empty_cell(iso_history *history, const saved_cell *cell) {
     iso_hgrid_coalesce(history->grid, at[0], at[1], at[2], cell->state);
 }
 
-/* Restores cells from packed bytes or, with `bytes` NULL, from the open step's copies. */
-static iso_status restore(iso_history *history, const saved_cell *cells, size_t count, const uint8_t *bytes,
-                          iso_error *error) {
+/* Restores cells from packed bytes or, if `bytes` is NULL, from the open step's copies. */
+static iso_status restore_cells(iso_history *history, const saved_cell *cells, size_t count,
+                                const uint8_t *bytes, iso_error *error) {
     for (size_t i = 0; history->before_write && i < count; i++)
         if (!is_mask(&cells[i])) history->before_write(history->context, cells[i].cell);
     iso_status status = reserve_masks(history, cells, count, error);
@@ -277,8 +279,7 @@ static iso_status restore(iso_history *history, const saved_cell *cells, size_t 
     for (size_t i = 0; i < count; i++) {
         const saved_cell *c = &cells[i];
         if (is_mask(c)) {
-            restore_mask(history, c,
-                         bytes ? (const void *)(bytes + c->first) : content_of_cell(history, c, c));
+            restore_mask(history, c, bytes ? (const void *)(bytes + c->first) : find_content(history, c, c));
             continue;
         }
         if (c->state != BRICK) {
@@ -289,7 +290,7 @@ static iso_status restore(iso_history *history, const saved_cell *cells, size_t 
         if (bytes)
             iso_cell_unpack(bytes + c->first, c->size, history->grid->band, values);
         else
-            memcpy(values, content_of_cell(history, c, c), ISO_BRICK_VOXELS * sizeof(float));
+            memcpy(values, find_content(history, c, c), ISO_BRICK_VOXELS * sizeof(float));
     }
     return ISO_OK;
 }
@@ -325,6 +326,7 @@ static iso_status make_room(iso_buffer *buffer, size_t count, size_t size, iso_e
     return iso_buffer_reserve(buffer, (count + 1) * size, count * size, error);
 }
 
+/* iso_write_observer.before: saves the values of a cell in the open step. */
 static iso_status keep_cell(void *context, uint32_t cell, int32_t state, const float *brick,
                             iso_error *error) {
     iso_history *history = context;
@@ -340,6 +342,7 @@ static iso_status keep_cell(void *context, uint32_t cell, int32_t state, const f
     return ISO_OK;
 }
 
+/* iso_write_observer.mask_before: saves the mask of a cell in the open step. */
 static iso_status keep_mask(void *context, uint32_t cell, const iso_voxel_bits *bits, iso_error *error) {
     iso_history *history = context;
     ISO_TRY(make_copy_room(history, error));
@@ -351,6 +354,7 @@ static iso_status keep_mask(void *context, uint32_t cell, const iso_voxel_bits *
     return ISO_OK;
 }
 
+/* iso_step_opts.original. */
 static const float *cell_before_step(void *context, uint32_t cell, int32_t *state) {
     const iso_history *history = context;
     if (!history->copy_of[cell]) return NULL;
@@ -389,7 +393,7 @@ iso_status iso_history_end(iso_history *history, iso_error *error) {
     if (!made.cells)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an undo step of %zu cells", made.count);
     memcpy(made.cells, history->copies, made.count * sizeof *made.cells);
-    iso_status status = pack(history, &made, history->copies, error);
+    iso_status status = pack_cells(history, &made, history->copies, error);
     if (status != ISO_OK) {
         iso_free(made.cells);
         return status;
@@ -407,7 +411,8 @@ iso_status iso_history_end(iso_history *history, iso_error *error) {
 
 iso_status iso_history_cancel(iso_history *history, iso_error *error) {
     if (!history->open) return iso_fail(error, ISO_ERR_USAGE, "no step is open");
-    if (history->copy_count) ISO_TRY(restore(history, history->copies, history->copy_count, NULL, error));
+    if (history->copy_count)
+        ISO_TRY(restore_cells(history, history->copies, history->copy_count, NULL, error));
     close_step(history);
     return ISO_OK;
 }
@@ -425,8 +430,8 @@ static iso_status exchange(iso_history *history, step *s, iso_error *error) {
     if (!now.cells) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for undoing %zu cells", s->count);
     for (size_t i = 0; i < s->count; i++)
         now.cells[i] = (saved_cell){.cell = s->cells[i].cell, .state = state_now(history, &s->cells[i])};
-    iso_status status = pack(history, &now, NULL, error);
-    if (status == ISO_OK) status = restore(history, s->cells, s->count, s->bytes, error);
+    iso_status status = pack_cells(history, &now, NULL, error);
+    if (status == ISO_OK) status = restore_cells(history, s->cells, s->count, s->bytes, error);
     if (status != ISO_OK) {
         iso_free(now.cells);
         iso_free(now.bytes);

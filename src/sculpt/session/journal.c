@@ -1,5 +1,5 @@
-/* Writing and reading stroke files. Lines wait in a queue that a background thread takes and writes; after a
- * failure it keeps the unwritten rest. The text of a line is made and parsed by event.c. */
+/* Writes and reads stroke files. Lines wait in a queue, which a background thread takes and writes; after a
+ * failure the thread keeps the unwritten rest. event.c makes and parses the text of a line. */
 #define _POSIX_C_SOURCE 200809L
 #include "sculpt/session/journal.h"
 
@@ -34,8 +34,8 @@ struct iso_journal {
     pthread_t thread;
     pthread_mutex_t mutex;
     pthread_cond_t wake, done;
-    queue writing;  /* taken from `waiting`; the thread's own, as is `written` */
-    size_t written; /* bytes of it that are in the file */
+    queue writing;  /* lines taken from `waiting`; only the thread uses `writing` and `written` */
+    size_t written; /* bytes of `writing` that are in the file */
     /* protected by the mutex */
     queue waiting;
     bool sync_wanted, closing, idle;
@@ -44,7 +44,8 @@ struct iso_journal {
 
 /* ---- the writing thread */
 
-/* Writes the whole queue, and counts the bytes written in *done. Returns 0 or an errno. */
+/* Writes the whole queue to the file and adds the number of written bytes to *done. Returns 0, or the errno
+ * of a failure. */
 static int write_all(int file, const queue *q, size_t *done) {
     while (*done < q->size) {
         ssize_t n = write(file, q->text + *done, q->size - *done);
@@ -73,7 +74,7 @@ static void pause_writing(iso_journal *j) {
     pthread_cond_timedwait(&j->wake, &j->mutex, &until);
 }
 
-/* Whether lines have been taken from the queue and are not in the file yet. */
+/* Whether lines that were taken from the queue are not in the file yet. */
 static bool is_writing(const iso_journal *j) {
     return j->written < j->writing.size;
 }
@@ -85,8 +86,9 @@ static void take_queue(iso_journal *j) {
     j->written = 0;
 }
 
-/* Writes what was taken from the queue, and the queue after it, with the mutex unlocked. What could not be
- * written stays where it is until the next attempt: a failure takes no memory. */
+/* Writes the lines that were taken from the queue, then those that are still in it; the mutex is unlocked
+ * meanwhile. Lines that could not be written stay where they are until the next attempt, so a failure takes
+ * no memory. */
 static void write_queue(iso_journal *j) {
     const bool sync = j->sync_wanted;
     int failure = 0;
@@ -97,7 +99,7 @@ static void write_queue(iso_journal *j) {
         failure = write_all(j->file, &j->writing, &j->written);
         pthread_mutex_lock(&j->mutex);
     }
-    if (!is_writing(j)) take_queue(j); /* is empty: frees what was written */
+    if (!is_writing(j)) take_queue(j); /* the queue is empty; frees the written lines */
     if (!failure && sync) {
         pthread_mutex_unlock(&j->mutex);
         if (fdatasync(j->file) && errno != EINVAL && errno != EROFS) failure = errno;
@@ -170,7 +172,8 @@ static iso_status open_at(iso_journal *j, int flags, iso_error *error) {
     return start_thread(j, error);
 }
 
-/* Adds a line and frees it; `line` NULL, or no memory: false. The mutex is locked, or no thread runs yet. */
+/* Appends a line to the queue and frees the line. Returns false if `line` is NULL or there is no memory. The
+ * mutex must be locked, unless the thread does not run yet. */
 static bool enqueue(queue *q, char *line) {
     size_t size = line ? strlen(line) : 0;
     if (line && q->size + size > q->room) {
@@ -251,7 +254,7 @@ iso_status iso_journal_put(iso_journal *j, const iso_event *event, iso_error *er
 }
 
 unsigned long long iso_journal_count(const iso_journal *j) {
-    return j->next; /* the writing thread does not use it */
+    return j->next; /* without the mutex, because the writing thread does not use it */
 }
 
 static iso_status report_failure(const iso_journal *j, iso_error *error) {
@@ -302,7 +305,7 @@ struct iso_journal_reader {
     iso_journal_start start;
     unsigned long long lines; /* read so far, the header included */
     uint64_t sound;           /* bytes up to the end of the last valid line */
-    iso_stamp *stamp;         /* of the last event */
+    iso_stamp *stamp;         /* the last event's; NULL: it has none */
 };
 
 void iso_journal_reader_free(iso_journal_reader *reader) {
@@ -314,7 +317,8 @@ void iso_journal_reader_free(iso_journal_reader *reader) {
     iso_free(reader);
 }
 
-/* Reads the next line, without its newline; *whole = false: the file ends before a newline. */
+/* Reads the next line; *size does not count its newline. *whole is false if the file ends before a newline.
+ */
 static iso_status next_line(iso_journal_reader *reader, size_t *size, bool *whole, iso_error *error) {
     enum { PIECE = 4096 };
     *size = 0;
@@ -374,9 +378,10 @@ iso_status iso_journal_open(const char *path, iso_journal_start *start, iso_jour
     return status;
 }
 
-/* The status of an incomplete line: as the last line it is the end of the file (a crash may write a line's
- * end but not its beginning), elsewhere it is damage. */
-static iso_status end_at(iso_journal_reader *reader, const char *why, iso_error *error) {
+/* Returns the status of an incomplete line. ISO_OK: the line is the last one, as a crash leaves it (which may
+ * write the end of a line but not its beginning). ISO_ERR_FORMAT: another line follows, so the file is
+ * damaged. */
+static iso_status check_incomplete_line(iso_journal_reader *reader, const char *why, iso_error *error) {
     if (getc_unlocked(reader->file) == EOF) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged at line %llu: %s", reader->path,
                     reader->lines + 1, why);
@@ -396,7 +401,7 @@ iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *
     case ISO_LINE_SOUND:
         break;
     case ISO_LINE_TORN:
-        return end_at(reader, why.text, error);
+        return check_incomplete_line(reader, why.text, error);
     default:
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' line %llu: %s", reader->path, reader->lines + 1,
                         why.text);

@@ -19,7 +19,7 @@ extern "C" {
 #endif
 
 /* Version 2 adds `reading`, and isovalues of level sets are in millimetres instead of voxels. Files that use
- * neither are still written as version 1. ISO_JOURNAL_TEXT: bytes of a text. */
+ * neither are still written in version 1. ISO_JOURNAL_TEXT: bytes of a text. */
 enum { ISO_JOURNAL_VERSION = 2, ISO_JOURNAL_TEXT = 1024 };
 
 /* The header: the source of the session's field, and its grid. */
@@ -32,7 +32,7 @@ typedef struct iso_journal_start {
     double radius;                  /* of the ball, mm */
     double isovalue;                /* of a source file: physical */
     char reading[ISO_JOURNAL_TEXT]; /* the reading program's options for the source; "" for the defaults */
-    bool voxel_isovalue;            /* version 1: the isovalue of a level set is in voxels */
+    bool voxel_isovalue; /* the file is of version 1, in which the isovalue of a level set is in voxels */
 } iso_journal_start;
 
 typedef enum iso_event_kind {

@@ -1,4 +1,4 @@
-/* Checks of the numbers in a stroke file against the table of limits.h. */
+/* Checks the numbers of a stroke file against the table of limits.h. */
 #include "sculpt/session/limits.h"
 
 #include <string.h>

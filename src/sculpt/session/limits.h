@@ -48,16 +48,18 @@ typedef enum iso_limit {
         ISO_LIMIT_COUNT
 } iso_limit;
 
-/* Bytes of a line with its newline; the largest stamp takes a quarter of this. */
+/* The largest size of a line in bytes, its newline included; the largest stamp takes a quarter of this. */
 enum { ISO_LIMIT_LINE = 64 << 20 };
-/* Touches of one sample; with the smallest brush of the window this is a path of half a million voxels. */
+/* The largest number of touches of one sample; with the smallest brush of the window this is a path of half a
+ * million voxels. */
 enum { ISO_LIMIT_TOUCHES = 1 << 20 };
-/* Cells that one touch lists; each takes 16 KiB of scratch memory, several times. */
+/* The largest number of cells that one touch lists; each takes 16 KiB of scratch memory, several times. */
 enum { ISO_LIMIT_TOUCH_CELLS = 1 << 18 };
-/* Checkpoints that are tried before a journal is replayed from its beginning. */
+/* The largest number of checkpoints that are tried before a journal is replayed from its beginning. */
 enum { ISO_LIMIT_CHECKPOINTS = 8 };
-/* The largest cost (iso_editor_cost) of replaying a file with this many samples. A million cells a sample
- * would be a wait of 10 s for each sample of a recording. */
+/* Returns the largest cost (iso_editor_cost) that replaying a file with this many samples may have. A million
+ * cells for each sample: a recording with such a cost would have kept its user waiting for 10 s at each
+ * sample. */
 static inline double iso_limit_cost(double samples) {
     return (double)(1 << 22) + (double)(1 << 20) * samples;
 }
@@ -66,8 +68,8 @@ static inline double iso_limit_cost(double samples) {
  * in millimetres, used for lengths. */
 iso_status iso_limit_check(iso_limit limit, double value, double voxel, iso_error *error);
 
-/* The same for all numbers of a header, and of an event in the file with that header. Also called before
- * writing, so that every written file can be read. */
+/* Check all numbers of a header, and of an event in the file with this header. Also called before writing, so
+ * that every written file can be read. */
 iso_status iso_limits_start(const iso_journal_start *start, iso_error *error);
 iso_status iso_limits_event(const iso_event *event, const iso_journal_start *start, iso_error *error);
 

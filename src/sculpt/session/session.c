@@ -1,4 +1,5 @@
-/* The session: strokes, undo steps, the journal with its checkpoints, and resuming from it. */
+/* Implements the session: strokes, undo steps, the journal with its checkpoints, and resuming from a journal.
+ */
 #include "sculpt/session/session.h"
 
 #include <math.h>
@@ -22,18 +23,18 @@ struct iso_session {
     iso_journal_start start;
     iso_stamp *stamp;                             /* NULL: none yet */
     int checkpoint_strokes, strokes, checkpoints; /* interval; numbers of strokes and checkpoints so far */
-    bool drawing;                                 /* a stroke */
+    bool drawing;                                 /* a stroke is being drawn */
     bool replaying;     /* the journal being resumed: events are not recorded again */
     bool bounded;       /* an event of a stroke file is being replayed: check_cost applies */
     double cost_factor; /* of the options */
-    double samples;     /* replayed so far */
-    double undo_cost;   /* cells of all replayed undo and redo steps */
+    double samples;     /* number of samples replayed so far */
+    double undo_cost;   /* cost of all replayed undo and redo steps: the cells that they restored */
     iso_brush brush;
-    iso_sample first, previous; /* of the stroke: the first sample, and the last touch */
+    iso_sample first, previous; /* the first sample of the stroke, and the sample of its last touch */
     iso_snapshot *snapshots[ISO_SESSION_SNAPSHOTS];
     iso_checkpoint *checkpoint;      /* being written; NULL: none */
     iso_snapshot *checkpoint_source; /* the snapshot that it is written from */
-    iso_event checkpoint_event;      /* to be recorded when it is written */
+    iso_event checkpoint_event;      /* recorded in the journal when the file is complete */
 };
 
 /* ---- snapshots */
@@ -68,7 +69,7 @@ static iso_status record_event(iso_session *session, const iso_event *event, iso
     return session->journal && !session->replaying ? iso_journal_put(session->journal, event, error) : ISO_OK;
 }
 
-/* Checks before an event changes anything that it can be replayed. */
+/* Checks, before an event changes anything, that its numbers are within the bounds of replaying. */
 static iso_status check_record(const iso_session *session, const iso_event *event, iso_error *error) {
     if (!session->journal || session->replaying) return ISO_OK;
     return iso_limits_event(event, &session->start, error) == ISO_OK ? ISO_OK : ISO_ERR_USAGE;
@@ -81,8 +82,8 @@ static iso_status record_kind(iso_session *session, iso_event_kind kind, iso_err
     return record_event(session, &event, error);
 }
 
-/* Waits for the checkpoint that is being written, if any, and records it. One that could not be written is
- * left out of the journal, which only makes replaying slower. */
+/* Waits for the checkpoint that is being written, if there is one, and records it. A checkpoint that could
+ * not be written is left out of the journal, which only makes replaying slower. */
 static iso_status finish_checkpoint(iso_session *session, iso_error *error) {
     if (!session->checkpoint) return ISO_OK;
     const bool written = iso_checkpoint_finish(session->checkpoint);
@@ -113,19 +114,21 @@ static iso_status start_checkpoint(iso_session *session, iso_error *error) {
 
 /* ---- resuming */
 
-/* A first look at a journal: its checkpoints and the number of its events. */
+/* A checkpoint that a journal mentions. */
 typedef struct checkpoint_line {
     unsigned long long after;
     char path[ISO_JOURNAL_TEXT];
 } checkpoint_line;
+/* The result of reading a journal before it is replayed: its checkpoints, and the number of its events. */
 typedef struct journal_contents {
-    iso_buffer lines; /* snapshot_line */
+    iso_buffer lines; /* checkpoint_line */
     int checkpoints;
     unsigned long long events;
 } journal_contents;
 
 typedef iso_status event_fn(iso_session *session, const iso_event *event, void *context, iso_error *error);
 
+/* Calls `visit` for each event of the session's journal, until it fails. */
 static iso_status for_events(iso_session *session, event_fn *visit, void *context, iso_error *error) {
     iso_journal_start start;
     iso_journal_reader *reader;
@@ -158,7 +161,7 @@ static iso_status collect_contents(iso_session *session, const iso_event *event,
 
 typedef struct replay_progress {
     const iso_progress *progress;
-    unsigned long long at, from, count;
+    unsigned long long at, from, count; /* the current event, the first one to replay, number of events */
 } replay_progress;
 
 static iso_status play_event(iso_session *session, const iso_event *event, void *context, iso_error *error) {
@@ -190,8 +193,8 @@ static iso_status reset_to(iso_session *session, const iso_hgrid *initial, iso_e
     return iso_history_clear(session->history, error);
 }
 
-/* Replays from the newest checkpoint with which that succeeds: a file may be missing or damaged, or an undo
- * may go back to events before it. */
+/* Replays from the newest checkpoint from which replaying succeeds. Replaying from a checkpoint fails if its
+ * file is missing or damaged, or if an undo goes back to events before it. */
 static iso_status play_from_newest(iso_session *session, const journal_contents *found,
                                    const iso_progress *progress, iso_error *error) {
     iso_hgrid *initial = NULL;
@@ -217,7 +220,7 @@ static iso_status play_journal(iso_session *session, const iso_progress *progres
     return status;
 }
 
-/* Replays the journal and opens it for appending. A stroke that was not finished is ended. */
+/* Replays the journal and opens it for appending. A stroke without an end is ended. */
 static iso_status resume(iso_session *session, const iso_progress *progress, iso_error *error) {
     session->replaying = true;
     iso_status status = play_journal(session, progress, error);
@@ -227,7 +230,7 @@ static iso_status resume(iso_session *session, const iso_progress *progress, iso
     return status;
 }
 
-/* ---- life */
+/* ---- creation and destruction */
 
 static iso_status copy_journal_path(iso_session *session, const char *journal, iso_error *error) {
     if (!journal) return ISO_OK;
@@ -319,7 +322,8 @@ static void add_stats(iso_edit_stats *sum, const iso_edit_stats *more) {
     sum->clipped |= more->clipped;
 }
 
-/* Fails if replaying has cost more than recordings can. */
+/* While a stroke file is replayed: fails if its events have cost more than those of a recording can
+ * (iso_limit_cost). */
 static iso_status check_cost(const iso_session *session, iso_error *error) {
     const double most = session->cost_factor * iso_limit_cost(session->samples),
                  done = iso_editor_cost(session->editor) + session->undo_cost;
@@ -350,7 +354,7 @@ static iso_sample sample_between(const iso_sample *a, const iso_sample *b, doubl
     return s;
 }
 
-/* Touches the field along the line from the last touch to the sample, at the brush's spacing. */
+/* Makes touches along the line from the last touch to the sample, at the brush's spacing. */
 static iso_status touch_along(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
                               iso_error *error) {
     const iso_brush *brush = &session->brush;
@@ -370,7 +374,7 @@ static iso_status touch_along(iso_session *session, const iso_sample *sample, is
     return ISO_OK;
 }
 
-/* The name of an undo step: the tool and, unless it is a sphere or capsule, the solid. */
+/* Writes the name of an undo step: the tool and, unless it is a sphere or capsule, the solid. */
 static void name_step(const iso_brush *brush, char *name, size_t size) {
     const bool plain = brush->tool > ISO_TOOL_BLEND_CARVE || brush->shape == ISO_SOLID_SPHERE ||
                        brush->shape == ISO_SOLID_CAPSULE;
@@ -460,7 +464,7 @@ const iso_stamp *iso_session_stamp(const iso_session *session) {
     return session->stamp;
 }
 
-/* Adds the cost of an undo or redo: the cells of its step. */
+/* Adds the cost of an undo or redo to undo_cost: the number of cells of its step. */
 static iso_status count_step_cost(iso_session *session, bool redo, iso_error *error) {
     const iso_history *history = session->history;
     const size_t position = iso_history_position(history);

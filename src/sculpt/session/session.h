@@ -42,9 +42,9 @@ iso_history *iso_session_history(iso_session *session);
 bool iso_session_has_mask(const iso_session *session);
 bool iso_session_masked(const iso_session *session, int x, int y, int z); /* a voxel inside the grid */
 
-/* Draws a stroke: begin with its first sample, then further samples, then end or cancel. A sample makes the
- * touches between the last one and itself that the brush's spacing gives, possibly none. `stats` may be NULL
- * and are added to. ISO_ERR_USAGE: the wrong order of calls, a bad brush or sample, or more than
+/* Draw a stroke: begin with its first sample, then further samples, then end or cancel. A sample makes
+ * touches between the last touch and itself, as many as the brush's spacing gives, possibly none. `stats` may
+ * be NULL and are added to. ISO_ERR_USAGE: the wrong order of calls, a bad brush or sample, or more than
  * ISO_LIMIT_TOUCHES touches, of which none is made; also the errors of iso_editor_touch. */
 iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const iso_sample *sample,
                              iso_edit_stats *stats, iso_error *error);

@@ -1,5 +1,6 @@
-/* Copy-on-write snapshots of a level set. Cells are copied in order by iso_snapshot_copy; the writer copies a
- * cell that it is about to change if that has not been reached. A mutex orders the two. */
+/* Implements copy-on-write snapshots of a level set. iso_snapshot_copy copies the cells in order. When the
+ * writer is about to change a cell that iso_snapshot_copy has not reached yet, the writer copies this cell
+ * first. A mutex keeps the two from copying the same cell at the same time. */
 #include "sculpt/session/snapshot.h"
 
 #include <pthread.h>
@@ -18,10 +19,11 @@ struct iso_snapshot {
     int32_t *state; /* by cell: the grid's entry when the snapshot was made */
     float **chunk;  /* copy of the brick pool's table, which moves when the pool grows; chunks do not move */
     pthread_mutex_t mutex;
-    /* protected by the mutex */
-    float **copy;  /* by cell: preserved values; NULL: the grid's brick is unchanged, or was copied already */
-    size_t copies; /* that exist */
-    size_t next;   /* the reader has copied all cells before this one */
+    /* protected by the mutex: */
+    float **copy;  /* by cell: values that the writer preserved; NULL: the grid's brick is unchanged, or
+                      iso_snapshot_copy has copied the cell */
+    size_t copies; /* number of preserved cells */
+    size_t next;   /* iso_snapshot_copy has copied all cells before this one */
     bool failed;   /* out of memory: some old values are lost */
 };
 
@@ -80,7 +82,8 @@ void iso_snapshot_preserve(iso_snapshot *snapshot, uint32_t cell) {
     pthread_mutex_unlock(&snapshot->mutex);
 }
 
-/* Copies the values of a cell as they were. False: they are lost. */
+/* Copies the values that a cell had when the snapshot was made. Returns false if some values are lost,
+ * because there was no memory to preserve them. */
 static bool copy_brick(iso_snapshot *snapshot, size_t cell, float *brick) {
     pthread_mutex_lock(&snapshot->mutex);
     const float *values = snapshot->copy[cell] ? snapshot->copy[cell] : brick_of(snapshot, cell);
@@ -111,7 +114,7 @@ static iso_status copy_cells(iso_snapshot *snapshot, const iso_progress *progres
     return ISO_OK;
 }
 
-/* From here on iso_snapshot_preserve copies nothing. */
+/* Makes iso_snapshot_preserve copy nothing from now on. */
 static void stop_preserving(iso_snapshot *snapshot) {
     pthread_mutex_lock(&snapshot->mutex);
     snapshot->next = snapshot->count;

@@ -21,12 +21,12 @@ iso_status iso_snapshot_create(const iso_hgrid *grid, iso_snapshot **snapshot, i
 /* Must not be called during iso_snapshot_copy. NULL is allowed. */
 void iso_snapshot_destroy(iso_snapshot *snapshot);
 
-/* Called by the writer before it writes a cell or makes it empty. If there is no memory for the copy, the
- * snapshot fails, not the writer. */
+/* Called by the writer before it writes a cell or makes it empty. If there is no memory for a copy of the
+ * cell, iso_snapshot_copy will fail; the writer goes on. */
 void iso_snapshot_preserve(iso_snapshot *snapshot, uint32_t cell);
 
-/* Copies the field as it was to a new grid, which the caller owns. Called once, by any thread. ISO_ERR_IO:
- * cancelled through `progress`; ISO_ERR_NOMEM. */
+/* Copies the field as it was when the snapshot was made to a new grid, which the caller owns. Called once, by
+ * any thread. ISO_ERR_IO: cancelled through `progress`; ISO_ERR_NOMEM. */
 iso_status iso_snapshot_copy(iso_snapshot *snapshot, const iso_progress *progress, iso_hgrid **grid,
                              iso_error *error);
 
