@@ -1,3 +1,4 @@
+/* cpu: detection of instruction sets, and their limit by environment variable or by a test. */
 #include "base/cpu.h"
 
 #include <stdatomic.h>

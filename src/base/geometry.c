@@ -1,3 +1,4 @@
+/* geometry: boxes, transforms and their matrices, and sine and cosine by series. */
 #include "base/geometry.h"
 
 #include <float.h>

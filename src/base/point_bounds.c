@@ -1,3 +1,4 @@
+/* point_bounds: includes point_bounds_body.inc once per instruction set, and chooses the variant. */
 #include "base/point_bounds.h"
 
 #include <float.h>

@@ -1,3 +1,4 @@
+/* primitives: packing of points and curvatures, and access to views of points and meshes. */
 #include "base/primitives.h"
 
 #include "base/point_code.h"

@@ -1,8 +1,8 @@
+/* progress: maps fractions of a part to the whole operation, and calls the caller's function. */
 #include "base/progress.h"
 
 #include <stddef.h>
 
-/* progress: maps fractions of a part to the whole, and calls the caller's function. */
 static double end_of(const iso_progress *progress) {
     return progress->to > 0 ? progress->to : 1;
 }

@@ -1,3 +1,4 @@
+/* status: names and exit statuses of iso_status, and error messages. */
 #include "base/status.h"
 
 #include <stdio.h>

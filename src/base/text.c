@@ -1,3 +1,4 @@
+/* text: validation of UTF-8, and escaping of all that is not printable. */
 #include "base/text.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* thread: POSIX threads with a given stack size. */
 #include "base/thread.h"
 
 #include <sys/resource.h>

@@ -1,3 +1,4 @@
+/* filter: Gaussian kernels, and convolution along rows and along columns. */
 #include "compare/filter.h"
 
 #include <assert.h>

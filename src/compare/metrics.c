@@ -1,3 +1,4 @@
+/* metrics: the table of metrics, and the comparison of two pictures by all of them. */
 #include "compare/metrics.h"
 
 #include <math.h>

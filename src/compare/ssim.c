@@ -1,3 +1,4 @@
+/* ssim: means over windows by separable filters (compare/filter.h), in bands of rows in parallel. */
 #include "compare/ssim.h"
 
 #include <math.h>

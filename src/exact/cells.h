@@ -57,7 +57,8 @@ typedef struct iso_exact_source {
     float isovalue_ceil;          /* at or above it is inside */
 } iso_exact_source;
 
-/* What a brick has: blocks that are not empty, and their corners one after another. One worker's. */
+/* The result for a brick: its blocks with crossed cells, and their corners one block after the other. Large:
+ * one for each worker. */
 typedef struct iso_exact_output {
     uint32_t blocks, groups, cells;
     iso_exact_block block[ISO_EXACT_BLOCKS];

@@ -1,3 +1,5 @@
+/* annotate: draws lines with antialiasing by 64 samples a pixel, and composes scale bar and orientation
+ * marker of them. */
 #include "image/annotate.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* camera: rotations, fits and views. No function of libm that differs between machines is used. */
 #include "image/camera.h"
 
 #include <assert.h>

@@ -1,3 +1,4 @@
+/* png_pack: filters and deflates bands of rows in parallel with zlib. */
 #include "image/png_pack.h"
 
 #include <string.h>

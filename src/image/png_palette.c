@@ -1,3 +1,4 @@
+/* png_palette: collects colours in a hash table with linear probing, and sorts them by brightness. */
 #include "image/png_palette.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* vector_font: the table of characters and their strokes. */
 #include "image/vector_font.h"
 
 #include <stddef.h>

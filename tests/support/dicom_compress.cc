@@ -1,3 +1,4 @@
+/* dicom_compress: compresses the pixels of a DICOM file with GDCM (dicom_files.h). */
 #include "dicom_files.h"
 
 #include <string>

@@ -1,3 +1,4 @@
+/* dicom_files: writes DICOM files element by element. */
 #include "dicom_files.h"
 
 #include <stdbool.h>

@@ -1,3 +1,4 @@
+/* exr_files: OpenEXR pictures with OpenEXR's C++ library. */
 #include "exr_files.h"
 
 #include <vector>

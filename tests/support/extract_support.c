@@ -1,3 +1,4 @@
+/* extract_support: grids with test patterns, random edits, and comparisons of points and meshes. */
 #include "extract_support.h"
 #include "check_support.h"
 

@@ -1,3 +1,4 @@
+/* gl_support: OpenGL contexts, and comparisons of the gl engine with the cpu engine. */
 #include "gl_support.h"
 
 #include <setjmp.h>

@@ -1,3 +1,4 @@
+/* pullpush_reference: projection of all points, then pull and push of whole levels, in double precision. */
 #include "pullpush_reference.h"
 
 #include <math.h>

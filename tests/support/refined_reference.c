@@ -1,3 +1,4 @@
+/* refined_reference: for every pixel, intersects its ray with the discs of all points in double precision. */
 #include "refined_reference.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* vdb_files: writes .vdb files with OpenVDB. */
 #include "vdb_files.h"
 
 #include <fstream>

@@ -44,7 +44,7 @@ both() {
     picture "cpu_$1"
     key g
 }
-# all_methods NAME: takes the pictures of all methods, and compares those of both engines (exact is always drawn by the cpu)
+# all_methods NAME: takes the pictures of all methods, and compares those of both engines (at rest, exact is drawn by the cpu engine)
 all_methods() {
     local method
     for method in exact pullpush points mesh; do

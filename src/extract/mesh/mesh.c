@@ -1,3 +1,4 @@
+/* mesh: the set of meshes of a grid: connects the kernels of Marching Cubes to the brick set. */
 #include "extract/mesh/mesh.h"
 
 #include "extract/mesh/mesh_run.h"

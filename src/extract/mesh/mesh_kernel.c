@@ -1,3 +1,5 @@
+/* mesh_kernel: limits of blocks and far edges, and building of a listed block; includes the kernel body
+ * (mesh_kernel_body.inc) once per instruction set. */
 #include "extract/mesh/mesh_kernel.h"
 
 #include <string.h>

@@ -1,3 +1,5 @@
+/* mesh_measure: sums over blocks of triangles and vertices. Edges are found by sorting the sides of triangles
+ * by their lower vertex; parts by disjoint sets of vertices. */
 #include "extract/mesh/mesh_measure.h"
 
 #include <math.h>

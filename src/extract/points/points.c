@@ -1,3 +1,5 @@
+/* points: the set of points of a grid: connects the extraction of edge points, foot points and curvatures to
+ * the brick set. */
 #include "extract/points/points.h"
 
 #include <stddef.h>
