@@ -66,14 +66,14 @@ typedef struct extent {
 
 /* Range of the radii of a block's discs, mm. */
 static void radius_range(const iso_point_view *points, const iso_point_block *block, double range[2]) {
-    range[0] = range[1] = ISO_DISC_RADII * iso_most(points->radius, 0);
+    range[0] = range[1] = ISO_DISC_RADII * iso_max(points->radius, 0);
     if (!points->radii) return;
     range[0] = DBL_MAX;
     range[1] = 0;
     for (size_t i = block->first; i < block->first + block->count; i++) {
-        double radius = ISO_DISC_RADII * iso_most((double)points->radii[i], 0);
-        range[0] = iso_least(range[0], radius);
-        range[1] = iso_most(range[1], radius);
+        double radius = ISO_DISC_RADII * iso_max((double)points->radii[i], 0);
+        range[0] = iso_min(range[0], radius);
+        range[1] = iso_max(range[1], radius);
     }
 }
 
@@ -156,7 +156,7 @@ static void place_extent(const placement *s, const extent *e, iso_point_block *b
     double scale[2] = {view->focal, view->focal}, columns[2], rows[2];
     block->clipped = false;
     if (!view->orthographic) {
-        double near = nearest_depth(s, e, iso_most(e->lo[2], view->near));
+        double near = nearest_depth(s, e, iso_max(e->lo[2], view->near));
         if (!(near <= e->hi[2])) return;
         block->clipped = near > e->lo[2];
         scale[0] /= near;
@@ -196,8 +196,8 @@ static void place_block(const placement *s, iso_point_block *block, const iso_po
     block->seen = block->back_facing = block->front_facing = false;
     if (!block_extent(s, block, bounds, &e)) return;
     for (int axis = 0; axis < 3; axis++) {
-        found->lo[axis] = iso_least(found->lo[axis], e.lo[axis]);
-        found->hi[axis] = iso_most(found->hi[axis], e.hi[axis]);
+        found->lo[axis] = iso_min(found->lo[axis], e.lo[axis]);
+        found->hi[axis] = iso_max(found->hi[axis], e.hi[axis]);
     }
     place_extent(s, &e, block);
     if (!block->seen) return;
@@ -278,8 +278,8 @@ static void sum_chunks(iso_point_blocks *blocks, const chunk *chunks, size_t cou
         blocks->radius[0] = fminf(blocks->radius[0], chunks[i].radius[0]);
         blocks->radius[1] = fmaxf(blocks->radius[1], chunks[i].radius[1]);
         for (int axis = 0; axis < 3; axis++) {
-            lo[axis] = iso_least(lo[axis], chunks[i].lo[axis]);
-            hi[axis] = iso_most(hi[axis], chunks[i].hi[axis]);
+            lo[axis] = iso_min(lo[axis], chunks[i].lo[axis]);
+            hi[axis] = iso_max(hi[axis], chunks[i].hi[axis]);
         }
     }
     blocks->around_eye = true;
@@ -313,7 +313,7 @@ static iso_status place_blocks(iso_point_blocks *blocks, placement *s, size_t ch
 
 iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view *points,
                                  const iso_projector *projector, iso_pool *pool, iso_error *error) {
-    const double radius = ISO_DISC_RADII * iso_most(points->radius, 0);
+    const double radius = ISO_DISC_RADII * iso_max(points->radius, 0);
     placement s = {
         .points = points, .radius = {radius, radius}, .closed = points->closed, .projector = projector};
     size_t chunks, count = 0;

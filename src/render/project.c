@@ -108,9 +108,9 @@ iso_facing iso_projector_facing(const iso_projector *projector, const double eye
         double hi = orthographic ? eye[k] : corner + bounds->hi[k];
         double a = lo * bounds->normal_lo[k], b = lo * bounds->normal_hi[k], c = hi * bounds->normal_lo[k],
                d = hi * bounds->normal_hi[k];
-        lowest += iso_least(iso_least(a, b), iso_least(c, d));
-        highest += iso_most(iso_most(a, b), iso_most(c, d));
-        size += iso_most(fabs(lo), fabs(hi));
+        lowest += iso_min(iso_min(a, b), iso_min(c, d));
+        highest += iso_max(iso_max(a, b), iso_max(c, d));
+        size += iso_max(fabs(lo), fabs(hi));
     }
     if (lowest > 1e-5 * size) return ISO_FACING_AWAY;
     return highest < -1e-5 * size ? ISO_FACING_EYE : ISO_FACING_BOTH;

@@ -17,11 +17,11 @@ extern "C" {
 #endif
 
 /* Minimum and maximum. fmin and fmax would be library calls. */
-static inline double iso_least(double a, double b) {
+static inline double iso_min(double a, double b) {
     return a < b ? a : b;
 }
 
-static inline double iso_most(double a, double b) {
+static inline double iso_max(double a, double b) {
     return a > b ? a : b;
 }
 
