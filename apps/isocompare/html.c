@@ -1,5 +1,5 @@
-/* The report as one page that needs nothing else: pictures are embedded, plots are SVG, and without
- * JavaScript only the full-size view is missing. */
+/* html: the report as one self-contained HTML page: pictures are embedded, and plots are SVG. Without
+ * JavaScript only the full-size view of pictures is missing. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -104,7 +104,7 @@ static void put_milliseconds(FILE *stream, double seconds) {
     fprintf(stream, ms >= 100 ? "%.0f" : ms >= 10 ? "%.1f" : "%.2f", ms);
 }
 
-/* 1234567 as "1.23 M", bytes as "1.23 MB". */
+/* Writes an amount with three digits and a prefix: 1234567 as "1.23 M", with a unit as "1.23 MB". */
 static void put_amount(FILE *stream, double value, const char *unit) {
     static const char *const prefixes[] = {"", "k", "M", "G", "T"};
     int prefix = 0;
@@ -194,7 +194,7 @@ static void put_pictures(const report *r, FILE *stream) {
 
 /* ---- tables ---- */
 
-/* What a table shows, in few words. */
+/* A column of the tables, with a short title. */
 typedef struct column {
     const char *title, *metric, *format;
 } column;
@@ -213,7 +213,8 @@ static const column COLUMNS[] = {{"PSNR inside, dB", "psnr_in", "%.2f"},
                                  {"pixels differing", "pixels_differing", "%.0f"}};
 enum { COLUMN_COUNT = sizeof COLUMNS / sizeof *COLUMNS };
 
-/* Channels are known at one sample a pixel only. */
+/* Whether any view has a value of a metric: those that need depth and normals exist for one sample a pixel
+ * only. */
 static bool has_column(const report *r, report_sampling sampling, const iso_metric *metric) {
     for (int z = 0; z < REPORT_ZOOMS; z++)
         for (int m = 1; m < r->method_count; m++)
@@ -221,7 +222,7 @@ static bool has_column(const report *r, report_sampling sampling, const iso_metr
     return false;
 }
 
-/* Of signed values the magnitude counts. */
+/* Whether a value is the best of all methods; signed values are compared by magnitude. */
 static bool is_best(const report *r, const report_view *v, report_sampling sampling, const iso_metric *metric,
                     double value) {
     for (int m = 1; m < r->method_count; m++) {
@@ -343,7 +344,7 @@ static void put_plots(const report *r, FILE *stream) {
     fputs("</div>\n", stream);
 }
 
-/* ---- what was run ---- */
+/* ---- program, machine and volume ---- */
 
 static void put_head(const report *r, FILE *stream) {
     fputs("<!doctype html>\n<html lang=en><head><meta charset=utf-8>\n"
@@ -385,7 +386,7 @@ static void put_facts(const report *r, FILE *stream) {
             r->settings->side);
 }
 
-/* The nearest method at each zoom, in a sentence. */
+/* Writes a sentence that names the method nearest to the truth at each zoom. */
 static void put_verdict(const report *r, FILE *stream) {
     char text[40];
     fputs("<p>Nearest to the truth, by PSNR inside the silhouettes: ", stream);

@@ -1,4 +1,4 @@
-/* isocompare images: two pictures from files, PNG or EXR or both. */
+/* images: the command "isocompare images", which compares two pictures from PNG or EXR files, or both. */
 #include <math.h>
 #include <string.h>
 
@@ -10,7 +10,7 @@
 #include "image/exr.h"
 #include "image/image.h"
 
-/* One picture: what was read, and what is compared. */
+/* One picture of the comparison. */
 typedef struct side {
     const char *path, *aov_path;
     iso_image image;
@@ -23,7 +23,7 @@ typedef struct comparison {
     iso_pool *pool;
     side sides[2];
     double voxel;
-    float *map; /* of FLIP, or NULL */
+    float *map; /* differences by FLIP, or NULL */
     iso_metrics metrics;
 } comparison;
 
@@ -120,7 +120,7 @@ static void put_bounds(iso_json *json, const comparison *c) {
     iso_json_bool(json, "passed", passed);
 }
 
-static void put_all(iso_json *json, const comparison *c) {
+static void put_comparison(iso_json *json, const comparison *c) {
     char background[8];
     iso_rgb b = c->settings->background;
     snprintf(background, sizeof background, "%02X%02X%02X", b.r, b.g, b.b);
@@ -147,7 +147,7 @@ static iso_status write_json(const comparison *c, iso_error *error) {
     iso_sink sink = {0};
     ISO_TRY(iso_sink_open(c->settings->common.json_path ? c->settings->common.json_path : "-", &sink, error));
     iso_json json = {.stream = sink.stream};
-    put_all(&json, c);
+    put_comparison(&json, c);
     return iso_sink_commit(&sink, error);
 }
 
@@ -166,7 +166,7 @@ static iso_status write_difference(const comparison *c, iso_error *error) {
     return status;
 }
 
-/* The message lists all bounds that are exceeded. */
+/* Checks the bounds of --fail-under; the message lists all that are exceeded. */
 static iso_status check_bounds(const comparison *c, iso_error *error) {
     char text[400] = "";
     size_t used = 0;
@@ -198,9 +198,8 @@ static iso_status check_outputs(const isocompare_settings *settings, iso_error *
     return status == ISO_OK ? iso_sink_check(settings->common.json_path, error) : status;
 }
 
-/* Bytes for pictures of these sizes, known before anything is decoded: what is read, and a pixel's share in
- * the metrics (colours and silhouettes of both sides, distances to a silhouette) and in the picture of
- * differences. */
+/* Checks the memory for the pictures before anything is decoded: for the pictures themselves, the metrics
+ * (colours and silhouettes of both pictures, distances to a silhouette) and the picture of differences. */
 static iso_status check_memory(const isocompare_settings *settings, iso_error *error) {
     enum { PNG_BYTES = 4, EXR_BYTES = 20, METRIC_BYTES = 16, DIFFERENCE_BYTES = 8 };
     const char *const files[] = {settings->truth, settings->candidate, settings->truth_aov,
@@ -211,7 +210,7 @@ static iso_status check_memory(const isocompare_settings *settings, iso_error *e
         uint32_t size[2];
         bool exr = files[i] && is_exr(files[i]);
         if (!files[i] || !(exr ? iso_exr_size(files[i], size) : iso_png_size(files[i], size))) continue;
-        if (size[0] > ISO_IMAGE_MAX || size[1] > ISO_IMAGE_MAX) continue; /* the reader refuses it */
+        if (size[0] > ISO_IMAGE_MAX || size[1] > ISO_IMAGE_MAX) continue; /* the reader reports it */
         uint64_t pixels = (uint64_t)size[0] * size[1];
         needs += pixels * (exr ? EXR_BYTES : PNG_BYTES);
         if (pixels > most) most = pixels;

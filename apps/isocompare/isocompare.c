@@ -1,4 +1,4 @@
-/* isocompare: how far pictures of isosurfaces are from the truth. */
+/* isocompare: the main function of the program that compares pictures of isosurfaces with the truth. */
 #include <stdlib.h>
 
 #include "apps/isocompare/isocompare.h"

@@ -34,7 +34,7 @@ typedef struct isocompare_settings {
     double voxel, pixels_per_voxel, pixels_per_degree;
     isocompare_bound bounds[ISOCOMPARE_BOUNDS];
     int bound_count;
-    const char *of_images, *of_report; /* last option given that only this command has; or NULL */
+    const char *of_images, *of_report; /* the last given option that only images, only report has; or NULL */
 } isocompare_settings;
 
 const iso_program *isocompare_program(void);

@@ -1,13 +1,13 @@
-/* What Linux says about this machine and this process; elsewhere nothing is known. */
+/* machine: the processor, and the memory of this process, from Linux's /proc; unknown on other systems. */
 #include <stdlib.h>
 #include <string.h>
-#ifdef __GLIBC__ /* the headers above say so */
+#ifdef __GLIBC__ /* defined by the headers above */
 #include <malloc.h>
 #endif
 
 #include "apps/isocompare/report.h"
 
-/* What follows "KEY<blanks>: " in a file. */
+/* Reads the text after "KEY<blanks>: " in a file. */
 static bool read_value(const char *path, const char *key, char *text, size_t size) {
     FILE *file = fopen(path, "r");
     char line[512];
@@ -29,7 +29,7 @@ void isocompare_processor(char *text, size_t size) {
 
 bool isocompare_reset_peak(void) {
 #ifdef __GLIBC__
-    malloc_trim(0); /* what was freed shall not hide what is taken next */
+    malloc_trim(0); /* returns freed memory to the system, so that reusing it counts as new memory */
 #endif
     FILE *file = fopen("/proc/self/clear_refs", "w");
     if (!file) return false;

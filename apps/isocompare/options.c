@@ -1,4 +1,4 @@
-/* The command line of isocompare: the table of options and the checks between options. */
+/* options: the command line of isocompare: the table of options and the checks between options. */
 #include <math.h>
 #include <string.h>
 

@@ -1,10 +1,11 @@
-/* Plots as inline SVG. Colours of text and lines are the page's, by CSS class. */
+/* plots: bar charts and the scatter plot of the report as inline SVG. Text and lines get their colours from
+ * the page, by CSS class. */
 #include <math.h>
 #include <string.h>
 
 #include "apps/isocompare/report.h"
 
-/* One colour a method, far apart in hue and lightness; the truth is grey. */
+/* The colours of the methods differ clearly in hue and lightness; the truth is grey. */
 const char *isocompare_method_color(int method) {
     static const char *const colors[] = {"#8a8f98", "#4477aa", "#ee6677", "#228833", "#ccbb44",
                                          "#66ccee", "#aa3377", "#ee8866", "#44bb99", "#bbcc33"};
@@ -17,7 +18,7 @@ static const char *zoom_name(int zoom) {
 
 /* ---- axes ---- */
 
-/* Values low .. high on pixels from .. to. */
+/* An axis that maps values low .. high to pixels from .. to. */
 typedef struct axis {
     double low, high, from, to;
     bool logarithmic;
@@ -29,8 +30,8 @@ static double place(const axis *a, double value) {
     return a->from + at * (a->to - a->from);
 }
 
-/* A step of 1, 2 or 5 times a power of ten that gives about four lines. */
-static double step_of(double range) {
+/* The distance of grid lines for a range of values: 1, 2 or 5 times a power of ten, for about four lines. */
+static double grid_step(double range) {
     double power = pow(10, floor(log10(range / 4))), part = range / 4 / power;
     return power * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);
 }
@@ -39,7 +40,7 @@ static void fit_linear(axis *a, double least, double most) {
     a->low = fmin(0, least);
     a->high = fmax(0, most);
     if (a->low == a->high) a->high = 1;
-    double step = step_of(a->high - a->low);
+    double step = grid_step(a->high - a->low);
     a->low = floor(a->low / step + 1e-9) * step;
     a->high = ceil(a->high / step - 1e-9) * step;
 }
@@ -71,7 +72,7 @@ static void draw_lines(FILE *stream, const axis *a, line_fn *line) {
         }
         return;
     }
-    double step = step_of(a->high - a->low);
+    double step = grid_step(a->high - a->low);
     int count = (int)((a->high - a->low) / step + 1.5);
     for (int i = 0; i < count; i++) {
         double value = a->low + i * step;

@@ -1,4 +1,5 @@
-/* isocompare report: a volume drawn by every method at three scales, against the ray caster. */
+/* report: the command "isocompare report", which draws a volume by every method at three scales and compares
+ * the pictures with those of the ray caster. */
 #define _GNU_SOURCE
 #include "apps/isocompare/report.h"
 
@@ -51,7 +52,7 @@ static iso_status choose_isovalue(report *r, iso_error *error) {
     return ISO_OK;
 }
 
-/* iso_loader_open checks that no output overwrites a file that is read. */
+/* Adds the outputs to r->files; iso_loader_open then checks that they overwrite no file that is read. */
 static iso_status add_outputs(report *r, iso_error *error) {
     for (int i = 0; i < 2; i++) {
         char *path = path_of(r->settings->output, i);
@@ -86,7 +87,7 @@ static void choose_methods(report *r) {
 }
 
 static iso_status extract(report *r, iso_error *error) {
-    unsigned needs = 1u << ISO_PART_MESH; /* the mesh bounds the view */
+    unsigned needs = 1u << ISO_PART_MESH; /* the views are chosen by the mesh's bounds */
     for (int m = 0; m < r->method_count; m++) needs |= r->methods[m]->needs;
     for (int part = 0; part < ISO_PART_COUNT; part++) {
         if (!(needs & 1u << part)) continue;
@@ -106,7 +107,7 @@ static iso_status extract(report *r, iso_error *error) {
 /* Pictures and buffers of one view. */
 typedef struct view_buffers {
     iso_study_frame truth[REPORT_SAMPLINGS], candidate[REPORT_SAMPLINGS];
-    float *map; /* of FLIP */
+    float *map; /* differences by FLIP */
     iso_image difference;
 } view_buffers;
 
@@ -134,7 +135,7 @@ static iso_study_look look_of(const report *r, int samples) {
     return (iso_study_look){color, r->settings->background, samples, 1};
 }
 
-/* Keeps the process's peak memory before it is reset. */
+/* Updates r->peak, before the process's peak memory is reset. */
 static void note_peak(report *r) {
     uint64_t peak = iso_memory_peak();
     if (peak > r->peak) r->peak = peak;
@@ -146,8 +147,8 @@ static iso_status encode_picture(const report *r, const iso_image *image, report
     return iso_png_encode(image, &opts, &picture->bytes, &picture->size, error);
 }
 
-/* Draws three frames, fewer where one takes long; records the median time, and the memory of the first frame.
- */
+/* Draws the same picture three times, or less often where it takes long; records the median time, and the
+ * memory of the first time. */
 static iso_status draw_timed(report *r, const report_view *v, int method, iso_study_frame *frame,
                              report_cell *cell, iso_error *error) {
     enum { FRAMES = 3 };
@@ -172,12 +173,12 @@ static iso_status draw_timed(report *r, const report_view *v, int method, iso_st
     return encode_picture(r, &frame->image, &cell->picture, error);
 }
 
-/* Black over violet and orange to pale yellow: brightness grows all the way. */
+/* A colour map for differences 0 .. 1: black, violet, orange, pale yellow, with increasing brightness. */
 static void heat_color(float value, uint8_t rgba[4]) {
     enum { STEPS = 5 };
     static const float ramp[STEPS + 1][3] = {{0, 0, 0},     {66, 16, 110},  {156, 40, 106},
                                              {226, 92, 50}, {250, 176, 26}, {254, 253, 190}};
-    float at = (float)(int)(value * 255 + 0.5f) / 255 * STEPS; /* few colours make a small picture */
+    float at = (float)(int)(value * 255 + 0.5f) / 255 * STEPS; /* 256 colours: the PNG can have a palette */
     int step = at < STEPS ? (int)at : STEPS - 1;
     for (int c = 0; c < 3; c++) {
         float mixed = ramp[step][c] + (at - (float)step) * (ramp[step + 1][c] - ramp[step][c]);
@@ -262,7 +263,7 @@ static iso_status draw_views(report *r, iso_error *error) {
 
 /* ---- files ---- */
 
-/* Makes the folder when it is missing; *made: it was. */
+/* Creates the folder if it does not exist; *made: it was created. */
 static iso_status open_folder(const char *path, bool *made, iso_error *error) {
     struct stat info;
     *made = mkdir(path, 0777) == 0;
@@ -295,7 +296,7 @@ static iso_status write_files(const report *r, iso_sink sinks[2], iso_error *err
     return status;
 }
 
-/* ---- all ---- */
+/* ---- the command ---- */
 
 static iso_status make_report(report *r, iso_sink sinks[2], iso_error *error) {
     ISO_TRY(open_volume(r, error));
@@ -322,7 +323,7 @@ static void free_report(report *r) {
     free(r);
 }
 
-/* Puts the volume's name before a message, unless the message names a file. */
+/* Makes a message begin with the volume's name, unless it names a file. */
 static void name_volume(const report *r, iso_error *error) {
     const char *name = iso_spool_name(r->loader.input);
     if (error->status == ISO_ERR_WRITE || iso_text_begins(error->text, name)) return;

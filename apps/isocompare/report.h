@@ -13,7 +13,7 @@ extern "C" {
 
 enum { REPORT_ZOOMS = 3, REPORT_METHODS = 16 };
 
-/* Samples a pixel of the candidate and the truth: 1 and 1; 4 and 16. */
+/* Samples per pixel: REPORT_SINGLE: 1 of the candidate and 1 of the truth; REPORT_FINE: 4 and 16. */
 typedef enum report_sampling { REPORT_SINGLE, REPORT_FINE, REPORT_SAMPLINGS } report_sampling;
 
 /* A PNG in memory. */
@@ -26,8 +26,8 @@ typedef struct report_picture {
  * difference. */
 typedef struct report_cell {
     iso_metrics metrics[REPORT_SAMPLINGS];
-    double seconds;  /* one frame of one sample a pixel, median of three */
-    uint64_t memory; /* taken while drawing that frame, 0: not known */
+    double seconds;  /* time of a picture with one sample a pixel, median of three */
+    uint64_t memory; /* bytes allocated while drawing it; 0: unknown */
     report_picture picture, difference;
 } report_cell;
 
@@ -62,9 +62,9 @@ typedef struct report {
     uint64_t peak; /* bytes */
 } report;
 
-/* html.c: the whole page. Write errors are the stream's to report. */
+/* html.c: writes the whole page. Write errors are found by the caller, when it commits the stream's sink. */
 void isocompare_write_html(const report *r, FILE *stream);
-/* report_json.c */
+/* report_json.c: writes all numbers of the report. Write errors as above. */
 void isocompare_write_json(const report *r, FILE *stream);
 
 /* plots.c: plots as inline SVG. A report_value gives the number of a cell; NaN is not plotted. */
@@ -75,11 +75,11 @@ typedef struct report_plot {
     bool logarithmic, with_truth;
 } report_plot;
 void isocompare_plot_bars(const report *r, const report_plot *plot, FILE *stream);
-/* Error (flip, at one sample) against time of a frame. */
+/* A scatter plot of the error (FLIP, with one sample a pixel) against the time for a picture. */
 void isocompare_plot_scatter(const report *r, FILE *stream);
 const char *isocompare_method_color(int method); /* of a method's number in the report */
 
-/* Text for HTML: & < > and quotes escaped. */
+/* Writes text into HTML, with & < > and quotes escaped. */
 void isocompare_put_text(FILE *stream, const char *text);
 
 /* machine.c: the processor, and the memory of this process. */

@@ -1,4 +1,4 @@
-/* The report's numbers. */
+/* report_json: the numbers of the report as JSON. */
 #include <math.h>
 
 #include "apps/common/json.h"

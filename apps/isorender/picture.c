@@ -111,7 +111,7 @@ static bool is_drawn_directly(const isorender_job *job, const iso_picture_opts *
 static iso_status draw_directly(const isorender_job *job, const iso_picture_opts *opts, iso_image *image,
                                 size_t *covered, iso_error *error) {
     const iso_view view = iso_view_make(opts->camera, opts->width, opts->height);
-    const iso_exact_canvas whole = {&view, &opts->shading, image, job->pool};
+    const iso_exact_picture whole = {&view, &opts->shading, image, job->pool};
     return iso_paint_exact(&whole, job->surfaces[0].exact, covered, error);
 }
 

@@ -1,4 +1,5 @@
-/* Fills a grid with the bricks of a solid, in parallel, with the same result for any number of threads. */
+/* scene_build: fills a grid with the bricks of a solid, in parallel, with the same result for any number of
+ * threads. */
 #include <string.h>
 
 #include "base/memory.h"

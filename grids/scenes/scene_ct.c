@@ -1,23 +1,24 @@
-/* scene_ct: what a CT of a skull asks of an extractor: thin porous bone, partial volume, noise.
+/* scene_ct: an artificial CT of a skull, with what makes extraction hard: thin porous bone, partial volume,
+ * noise.
  *
  * An ellipsoidal head in the cube [-1, 1]^3: air 8, soft tissue 60, brain 75, bone 190. The skull wall holds
  * gyroid pores (diploe), the lower front gyroid sheets (facial bone). Noise is white, filtered by a binomial
- * [1 2 1]/4 along each axis, which is about what a scanner's reconstruction kernel leaves. */
+ * [1 2 1]/4 along each axis, similar to that of a scanner's reconstruction kernel. */
 #include "base/memory.h"
 #include "base/numbers.h"
 #include "grids/scenes/scene_parts.h"
 
-/* Work is done in beams of BEAM x BEAM rows, so that the noise around one fits the cache. */
+/* The volume is computed in beams of BEAM x BEAM rows, so that the noise for one fits into the cache. */
 enum { BEAM = 16, HALO = BEAM + 2 };
 
-/* Sines of one frequency, for the three axes alike. */
+/* Sines of one frequency at the voxels of an axis; the same for all three axes. */
 typedef struct wave {
     float *sine, *cosine;
 } wave;
 
 typedef struct ct {
     int size, beams; /* beams along y and z */
-    float noise;     /* factor on unit noise; 0: none */
+    float noise;     /* factor for unit noise; 0: none */
     float edge;      /* half width of a smoothed step, in the units of the cube */
     float pore_edge, sheet_edge;
     wave pores, sheets;
@@ -82,7 +83,8 @@ static inline float position(const ct *scene, int i) {
     return 2 * ((float)i + 0.5f) / (float)scene->size - 1;
 }
 
-/* Bone of the facial sheets where `mask` (how much of the lower front this is) is not zero. */
+/* The amount of bone of the facial sheets, where `mask` (how far a voxel belongs to the lower front) is not
+ * 0. */
 static float sheets_at(const ct *scene, float mask, int x, int y, int z) {
     float g = fabsf(gyroid(&scene->sheets, x, y, z));
     return mask * (1 - smooth_step(0.25f, scene->sheet_edge, g));
@@ -104,7 +106,7 @@ static float bone_at(const ct *scene, float r, float outer, float inner, const i
 typedef struct ct_row {
     float squares; /* y and z parts of r^2, 1 at the skin */
     float wobble;  /* y and z parts */
-    float front;   /* 0 .. 1: how much of the lower front */
+    float front;   /* 0 .. 1: how far the row belongs to the lower front */
 } ct_row;
 
 static float tissue(const ct *scene, const ct_row *row, const int v[3]) {
@@ -155,7 +157,7 @@ static void ct_beam(void *context, size_t index, int worker) {
         }
 }
 
-/* Fills `size` sines (and cosines when not NULL) of rate * position + phase. */
+/* Sets `size` sines, and cosines unless that is NULL, of rate * position + phase. */
 static void fill_wave(int size, double rate, double phase, float *sine, float *cosine) {
     for (int i = 0; i < size; i++) {
         double s, c;

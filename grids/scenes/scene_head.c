@@ -1,5 +1,5 @@
-/* scene_head: nine smoothly united balls with a fine gyroid relief, as a signed distance field: a stand-in
- * for the sculpted head of Baerentzen and Christensen 2003, table 2.
+/* scene_head: nine smoothly united balls with a fine gyroid relief, as a signed distance field. It replaces
+ * the sculpted head of Baerentzen and Christensen 2003, table 2.
  *
  * The field f is a Lipschitz function, not a distance. For each brick near its zero set, the surface is
  * sampled where grid edges cross it (one Newton step along the gradient from the linear crossing), every
@@ -103,8 +103,8 @@ static field balls_field(const choice *c, iso_vec3 p) {
     return united;
 }
 
-/* Taylor series after reduction to |x| <= pi/4; |angle| below 1000, error below 1e-10. Much faster than
- * iso_sincos, which is exact to the last bits that nobody sees here. */
+/* Sine and cosine by Taylor series after reduction to |x| <= pi/4; |angle| below 1000, error below 1e-10.
+ * Much faster than iso_sincos, whose precision is not needed here. */
 static inline void quick_sincos(double angle, double *sine, double *cosine) {
     double turns = angle * (2 / ISO_PI);
     int quadrant = (int)(turns + (turns < 0 ? -0.5 : 0.5));
@@ -137,7 +137,7 @@ static field field_at(const head *h, const choice *c, iso_vec3 voxel) {
     return f;
 }
 
-/* The same value, without the gradient, at a voxel, from the tables. */
+/* The value of the field at a voxel, without the gradient, from tables. */
 static double value_at(const head *h, const choice *c, const int v[3]) {
     const double *x = h->sines + 2 * (v[0] + REACH), *y = h->sines + 2 * (v[1] + REACH);
     const double *z = h->lifted + 2 * (v[2] + REACH);
@@ -145,8 +145,8 @@ static double value_at(const head *h, const choice *c, const int v[3]) {
     return (balls_value(c, p) + amplitude * (x[0] * y[1] + y[0] * z[1] + z[0] * x[1])) / h->voxel;
 }
 
-/* Balls that change the united value somewhere within `radius` of p: each distance moves by at most the
- * radius on the way, so a difference by at most twice that. */
+/* The balls that affect the united value somewhere within `radius` of p. Within this radius each distance
+ * changes by at most the radius, so that differences of distances change by at most twice the radius. */
 static choice choose_balls(iso_vec3 p, double radius) {
     choice c = {.count = 1};
     double value = ball_distance(0, p), margin = softness + 2 * radius;
@@ -168,7 +168,7 @@ static choice all_balls(void) {
 
 /* Whether the field has no zero within `voxels` voxels of a position where it has this value (in voxels). */
 static int no_zero(const head *h, double value, double voxels) {
-    double without_relief = fabs(value) - 2 * relief / h->voxel; /* once for the value, once for the zero */
+    double without_relief = fabs(value) - 2 * relief / h->voxel; /* relief at the position, and at the zero */
     return fabs(value) > lipschitz * voxels || without_relief > voxels;
 }
 
@@ -187,8 +187,8 @@ static int window_index(int x, int y, int z) {
     return (z * WINDOW + y) * WINDOW + x;
 }
 
-/* Values of one block of the window. When no edge that touches it can cross the surface, one value will do:
- * only its sign is read. */
+/* Sets the values of one block of the window. If no edge that touches the block can cross the surface, all
+ * get the same value, as only their sign is used. */
 static void fill_block(const head *h, const choice *c, const int corner[3], const int at[3], float *value) {
     const double middle = (BLOCK - 1) / 2.0, reach = middle * 1.7320508075688774 + 1.01;
     iso_vec3 p =
@@ -220,7 +220,7 @@ static void add_sample(const head *h, const choice *c, const int corner[3], scra
     float *sample = s->sample[s->count++];
     field f = field_at(h, c, in_volume(corner, crossing));
     double step = f.value / iso_vec3_dot(f.gradient, f.gradient);
-    /* A step of more than half a voxel is no refinement: the gradient nearly vanishes here. */
+    /* a step of more than half a voxel is not used: the gradient nearly vanishes here */
     if (!(fabs(step) * iso_vec3_length(f.gradient) < 0.5)) step = 0;
     sample[0] = crossing[0] - (float)(step * f.gradient.x);
     sample[1] = crossing[1] - (float)(step * f.gradient.y);
@@ -246,7 +246,8 @@ static void sample_edges(const head *h, const choice *c, const int corner[3], sc
             }
 }
 
-/* The brick's rows near one sample learn of it; a row is 16 lanes without a branch. */
+/* Updates the nearest samples of the voxels near sample `index`, a row of 16 voxels at a time without
+ * branches. */
 static void scatter(scratch *s, int index) {
     const float *p = s->sample[index];
     int lo[3], hi[3];
@@ -269,7 +270,8 @@ static void scatter(scratch *s, int index) {
         }
 }
 
-/* Distance from x to the surface, walking along it from the sample y (all in voxels). */
+/* The distance from x to the surface, by moving along the surface from the sample y towards the foot point
+ * (all in voxels). */
 static double walk(const head *h, const choice *c, iso_vec3 x, iso_vec3 y) {
     field f = field_at(h, c, y);
     double best = iso_vec3_length(iso_vec3_sub(x, y)), scale = 1;
@@ -287,7 +289,7 @@ static double walk(const head *h, const choice *c, iso_vec3 x, iso_vec3 y) {
         double slope = iso_vec3_length(g.gradient), off = g.value / slope;
         iso_vec3 foot = iso_vec3_sub(q, iso_vec3_scale(g.gradient, off / slope));
         double distance = iso_vec3_length(iso_vec3_sub(x, foot));
-        /* A long way back to the surface is not to be trusted: the gradient nearly vanishes here. */
+        /* a long step back to the surface is not reliable: the gradient nearly vanishes here */
         if (distance < best && fabs(off) < 0.25 * iso_vec3_length(move)) {
             best = distance;
             y = foot;

@@ -1,4 +1,4 @@
-/* The table of scenes, those with closed-form distances, and the gyroid. */
+/* scenes: the table of scenes, those with closed-form distances, and the gyroid. */
 #include "grids/scenes/scenes.h"
 
 #include <string.h>
@@ -47,7 +47,8 @@ static double solid_distance(const solid *s, double x, double y, double z) {
     return s->distance(s->side, iso_vec3_make(x - s->centre, y - s->centre, z - s->centre));
 }
 
-/* A distance changes by at most one voxel a voxel, so one at the middle of a cell bounds them all. */
+/* Classifies a cell by the distance at its centre: within the cell, distances change by at most half its
+ * diagonal. */
 static int32_t solid_classify(const void *self, const int cell[3]) {
     const double half_diagonal = 7.5 * 1.7320508075688774, slack = 1e-6;
     double d =

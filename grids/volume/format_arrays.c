@@ -1,5 +1,5 @@
-/* The choice of an array in files that have several, over the points or the cells of an image: .vti and
- * legacy .vtk. */
+/* format_arrays: chooses an array in files that can have several, over the points or the cells of an image:
+ * .vti and legacy .vtk. */
 #include <stdio.h>
 #include <string.h>
 
@@ -31,7 +31,8 @@ static int find_best(const iso_format_image *image) {
     return best;
 }
 
-/* A voxel is the middle of its cell: half a step from the points on every axis that has cells. */
+/* Moves the origin from the first point to the centre of the first cell, by half a step on every axis with
+ * cells. */
 static void shift_to_cells(const iso_format_image *image, iso_transform *transform) {
     for (int axis = 0; axis < 3; axis++) {
         if (image->points[axis] < 2) continue;

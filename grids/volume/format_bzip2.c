@@ -1,5 +1,5 @@
-/* Unpacking of bzip2 streams through libbz2. Several streams may follow each other, as parallel packers write
- * them. */
+/* format_bzip2: unpacks bzip2 with libbz2, also several streams one after the other, as parallel compressors
+ * write. */
 #include <string.h>
 
 #include "base/memory.h"
@@ -15,7 +15,7 @@ struct iso_bunzip {
     FILE *file;
     uint64_t done, total;
     bz_stream z;
-    bool open; /* z has to be ended */
+    bool open; /* z is initialised and must be ended */
     char packed[1 << 16];
 };
 

@@ -1,4 +1,4 @@
-/* Unpacking of zlib and gzip streams through zlib, for files of any size. */
+/* format_inflate: unpacks zlib and gzip streams of any size with zlib. */
 #include <zlib.h>
 
 #include "base/memory.h"
@@ -18,7 +18,7 @@ struct iso_inflater {
 iso_status iso_inflater_create(const char *path, FILE *file, uint64_t total, iso_inflater **inflater,
                                iso_error *error) {
     iso_inflater *made = iso_alloc_zero(1, sizeof *made);
-    if (!made || inflateInit2(&made->z, 15 + 32) != Z_OK) { /* either wrapper */
+    if (!made || inflateInit2(&made->z, 15 + 32) != Z_OK) { /* + 32: detects zlib or gzip */
         iso_free(made);
         return iso_fail_memory(error, path);
     }
@@ -35,8 +35,8 @@ static void refill(iso_inflater *f) {
     f->z.avail_in = (uInt)fread(f->packed, 1, sizeof f->packed, f->file);
 }
 
-/* One call of inflate, with more of the file when it needs some. A gzip file may be several, one after the
- * other. */
+/* Calls inflate once, after reading more of the file if needed. A gzip file may have several members, which
+ * follow each other. */
 static int inflate_some(iso_inflater *f) {
     refill(f);
     int result = inflate(&f->z, Z_NO_FLUSH);

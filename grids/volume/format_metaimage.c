@@ -1,8 +1,8 @@
-/* format_metaimage: .mha and .mhd, "Key = Value" lines and then voxels: raw, deflated or as text, in the same
- * file, in another, in a list or in a numbered sequence of files.
+/* format_metaimage: MetaImage (.mha and .mhd): lines "Key = Value" and then voxels, raw, deflated or as text,
+ * in the same file, in another one, in a list or in a numbered sequence of files.
  *
- * Parsed here: VTK's MetaIO returns a full-sized array also when the data ends early, and reports on the
- * standard output.
+ * Not read by VTK's MetaIO, which returns a full-sized array also when the data ends early, and prints
+ * messages to standard output.
  *
  * World. As ITK reads it, which writes most of these files: TransformMatrix is in LPS and lists one index
  * axis' direction after the other, Offset is the first voxel's centre. AnatomicalOrientation repeats in words
@@ -47,7 +47,7 @@ static void trim(char **text) {
     while (length && isspace((unsigned char)(*text)[length - 1])) (*text)[--length] = 0;
 }
 
-/* Up to `count` numbers; returns how many there were. */
+/* Parses up to `count` numbers; returns how many there are. */
 static int parse_numbers(const char *text, int count, double *numbers) {
     for (int i = 0; i < count; i++) {
         char *end;
@@ -72,7 +72,7 @@ static bool parse_sizes(const char *text, int count, uint64_t *sizes) {
     return true;
 }
 
-/* A whole number from -1 on, and nothing behind it. */
+/* Parses an integer from -1 on; false if there is anything else in the text. */
 static bool parse_offset(const char *text, int64_t *offset) {
     char *end;
     errno = 0;
@@ -98,7 +98,7 @@ static bool parse_type(const char *text, meta_header *header) {
         header->scalar = types[i].scalar;
         return header->has_type = true;
     }
-    return true; /* worded later, when the whole header is known to be one */
+    return true; /* reported later, when the whole header has been read */
 }
 
 static bool is_true(const char *text) {
@@ -109,8 +109,8 @@ static bool key_is(const char *key, const char *name) {
     return strcasecmp(key, name) == 0;
 }
 
-/* Where voxels lie. False: not a value for that key. */
-static bool take_geometry(const char *key, const char *value, meta_header *header, bool *known) {
+/* Parses a key about sizes and positions. *known: the key is one of these. False: its value is wrong. */
+static bool parse_geometry(const char *key, const char *value, meta_header *header, bool *known) {
     int n = header->ndims;
     *known = true;
     if (key_is(key, "DimSize")) return n > 0 && parse_sizes(value, n, header->dims);
@@ -118,7 +118,7 @@ static bool take_geometry(const char *key, const char *value, meta_header *heade
         header->has_spacing = true;
         return parse_numbers(value, n, header->spacing) == n;
     }
-    if (key_is(key, "ElementSize")) /* the size of a voxel, which stands in for its spacing */
+    if (key_is(key, "ElementSize")) /* the size of a voxel, used when there is no spacing */
         return header->has_spacing || parse_numbers(value, n, header->spacing) == n;
     if (key_is(key, "Offset") || key_is(key, "Position") || key_is(key, "Origin"))
         return parse_numbers(value, n, header->offset) == n;
@@ -134,8 +134,8 @@ static bool take_geometry(const char *key, const char *value, meta_header *heade
     return true;
 }
 
-/* How they are stored. */
-static bool take_storage(const char *key, const char *value, meta_header *header) {
+/* Parses a key about the storage of voxels; false: its value is wrong. */
+static bool parse_storage(const char *key, const char *value, meta_header *header) {
     if (key_is(key, "ElementType")) return parse_type(value, header);
     if (key_is(key, "ElementNumberOfChannels"))
         return parse_sizes(value, 1, &header->channels) && header->channels >= 1;
@@ -159,8 +159,8 @@ static bool take_line(const char *key, const char *value, meta_header *header) {
         return true;
     }
     bool known;
-    if (!take_geometry(key, value, header, &known)) return false;
-    return known || take_storage(key, value, header);
+    if (!parse_geometry(key, value, header, &known)) return false;
+    return known || parse_storage(key, value, header);
 }
 
 static iso_status parse_lines(const char *path, FILE *file, meta_header *header, iso_error *error) {
@@ -202,9 +202,9 @@ static iso_status read_meta(const char *path, meta_header *header, iso_error *er
     return ISO_OK;
 }
 
-/* ---- what it says ---- */
+/* ---- from header to volume ---- */
 
-/* The axis' step for a letter of AnatomicalOrientation; false for "?". */
+/* The direction of an axis from a letter of AnatomicalOrientation; false for "?". */
 static bool letter_direction(char letter, double direction[3]) {
     const char *letters = "RLAPIS", *found = strchr(letters, toupper((unsigned char)letter));
     if (!letter || !found) return false;
@@ -249,7 +249,8 @@ static iso_format_stream stream_of(const meta_header *header, int component) {
                                .swap = swap && !header->text};
 }
 
-/* Channels are interleaved; what lies beyond the third axis counts as further components. */
+/* The number of components: channels are interleaved, and axes beyond the third count as further components.
+ */
 static iso_status count_components(const char *path, const meta_header *header, uint64_t *components,
                                    iso_error *error) {
     *components = header->channels;
@@ -286,20 +287,20 @@ static iso_status meta_info(const char *path, const iso_volume_opts *opts, iso_v
     return ISO_OK;
 }
 
-/* ---- voxels: a chain of files that looks like one ---- */
+/* ---- voxels: a chain of files that is read like one file ---- */
 
 typedef struct chain {
     const char *path;
     const meta_header *header;
     uint64_t each; /* unpacked bytes in each file */
     uint64_t files;
-    FILE *list;         /* LIST: the header, at the next name */
-    char pattern[1024]; /* numbered: what to print numbers with */
+    FILE *list;         /* of a LIST: the header file, at the next name */
+    char pattern[1024]; /* of numbered files: the printf format of their names */
     int64_t first, step;
     uint64_t opened; /* files opened so far */
     char *name;      /* of the current file, owned */
     FILE *file;
-    uint64_t left;          /* unpacked bytes still to come from it */
+    uint64_t left;          /* unpacked bytes of it that are not read yet */
     iso_inflater *inflater; /* when it is deflated */
 } chain;
 
@@ -318,7 +319,7 @@ static void close_chain(chain *c) {
     iso_free(c);
 }
 
-/* One %d, %i or %u, perhaps with a width, and no other %. */
+/* Whether a pattern has exactly one %d, %i or %u, with or without a width, and no other %. */
 static bool is_safe_pattern(const char *text) {
     const char *percent = strchr(text, '%');
     if (!percent) return false;
@@ -326,7 +327,7 @@ static bool is_safe_pattern(const char *text) {
     return end - percent <= 4 && (*end == 'd' || *end == 'i' || *end == 'u') && !strchr(end, '%');
 }
 
-/* "name%03d.raw 1 90 1" */
+/* Prepares numbered files: "name%03d.raw 1 90 1" (first, last, step). */
 static iso_status open_pattern(chain *c, iso_error *error) {
     char text[MAX_LINE];
     snprintf(text, sizeof text, "%s", c->header->data);
@@ -358,7 +359,7 @@ static void split_over_files(chain *c, int dims_in_file) {
     }
 }
 
-/* "LIST" or "LIST 2": names follow, a line each. */
+/* Prepares a list: "LIST" or "LIST 2" (axes in each file), after which a name follows on each line. */
 static iso_status open_list(chain *c, iso_error *error) {
     double dims_in_file = c->header->ndims - 1;
     parse_numbers(c->header->data + 4, 1, &dims_in_file);
@@ -410,7 +411,7 @@ static iso_status next_name(chain *c, iso_error *error) {
     return ISO_OK;
 }
 
-/* Raw data must be there in full before anything is read. */
+/* Finds the position of the voxels in a file of `bytes` bytes. Raw data must be complete. */
 static iso_status find_start(chain *c, uint64_t bytes, uint64_t *start, iso_error *error) {
     const meta_header *header = c->header;
     bool raw = !header->deflated && !header->text;
@@ -472,8 +473,8 @@ static iso_status read_bytes(void *context, void *target, size_t bytes, iso_erro
     return ISO_OK;
 }
 
-/* Passes over volumes that were not asked for, so that a file that lacks them is noticed. */
-static iso_status skip(chain *c, uint64_t bytes, iso_error *error) {
+/* Skips components that are not wanted, by reading them, so that a file that lacks them is noticed. */
+static iso_status skip_voxels(chain *c, uint64_t bytes, iso_error *error) {
     char scratch[1 << 14]; /* a multiple of every scalar's size */
     while (bytes) {
         if (!c->header->text && !c->header->deflated && c->left) {
@@ -508,14 +509,14 @@ static iso_status read_chain(const char *path, const iso_volume_opts *opts, cons
     if (__builtin_mul_overflow(volume, volumes, &c->each) || c->each > INT64_MAX - header->after)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: too many volumes in one file", path);
     ISO_TRY(open_chain(c, error));
-    ISO_TRY(skip(c, chosen * volume, error));
+    ISO_TRY(skip_voxels(c, chosen * volume, error));
     ISO_TRY(iso_format_read_stream(path, opts, info, &stream, grid, error));
-    iso_status status = skip(c, (volumes - chosen - 1) * volume, error);
+    iso_status status = skip_voxels(c, (volumes - chosen - 1) * volume, error);
     if (status != ISO_OK) iso_grid_destroy(grid);
     return status;
 }
 
-/* Up to the first one that is not there. */
+/* Adds the data files to the set, up to the first one that does not exist. */
 static void list_data_files(const char *path, const meta_header *header, iso_file_set *files) {
     if (!files || is_local(header->data)) return;
     chain *c = iso_alloc_zero(1, sizeof *c);

@@ -1,8 +1,8 @@
-/* format_nifti: NIfTI-1, NIfTI-2 and ANALYZE 7.5 through libnifti2.
+/* format_nifti: NIfTI-1, NIfTI-2 and ANALYZE 7.5 with libnifti2.
  *
- * The library turns a header into transforms (quaternions included) and its znz layer reads gzip. Dimensions
- * are taken from the header itself, because the library multiplies them unchecked, and voxels are read here
- * in order, because the library returns an image also when the file ends too early.
+ * The library converts headers to transforms (also from quaternions), and its znz layer reads gzip. This file
+ * takes the dimensions from the header itself, because the library multiplies them without checks, and reads
+ * the voxels, because the library returns an image also when the file ends too early.
  *
  * NIfTI's world is RAS+ (x to the right, y to the front): its x and y are negated to get LPS. The sform is
  * preferred to the qform as most programs do; without either, pixdim alone spaces axes that are taken as RAS,
@@ -21,7 +21,8 @@
 #include "base/text.h"
 #include "grids/volume/format.h"
 
-/* What the library replaces in silence when it is not a number, or not positive. */
+/* Header values as they are in the file: the library silently replaces those that are not finite or not
+ * positive. */
 typedef struct stated {
     double offset; /* of the voxels in their file */
     double pixdim[8], quatern[6], srow[12];
@@ -29,7 +30,7 @@ typedef struct stated {
 } stated;
 
 typedef struct nifti_file {
-    nifti_image *image; /* all but its dimensions; owned */
+    nifti_image *image; /* the header without its dimensions; owned */
     stated stated;
     int64_t dim[8];
     char *header, *data; /* file names, owned; the same for .nii */
@@ -53,8 +54,9 @@ static bool is_upper(char letter) {
     return letter >= 'A' && letter <= 'Z';
 }
 
-/* The other half of a pair: `path` with another extension (in its letters' case), packed or not; NULL: it is
- * not there. The library finds it by opening it, which would wait for the writer of a pipe. */
+/* The other file of a .hdr/.img pair: `path` with another extension (in the same case), compressed or not;
+ * NULL if it does not exist. The library's own search opens the file, which would wait for the writer of a
+ * pipe. */
 static char *find_half(const char *path, const char *suffix, const char *upper_suffix) {
     size_t length = strlen(path);
     if (iso_text_has_extension(path, ".gz")) length -= strlen(".gz");
@@ -91,7 +93,8 @@ static iso_status find_data(const char *path, nifti_file *file, iso_error *error
     return iso_fail(error, ISO_ERR_IO, "%s: has no image file (.img) beside it", path);
 }
 
-/* The library opens by name and would wait for the writer of a pipe, so that the file is looked at first. */
+/* Opens a file with the library, after a check that it is a regular file: the library would wait for the
+ * writer of a pipe. */
 static iso_status open_packed(const char *path, znzFile *file, iso_error *error) {
     uint64_t bytes = 0;
     ISO_TRY(iso_format_file_bytes(path, &bytes, error));
@@ -101,7 +104,7 @@ static iso_status open_packed(const char *path, znzFile *file, iso_error *error)
     return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno ? errno : EIO));
 }
 
-/* Up to 540 bytes, unpacked if need be. */
+/* Reads up to *count bytes from the beginning of a file, decompressed if needed. */
 static iso_status read_bytes(const char *path, void *bytes, size_t *count, iso_error *error) {
     znzFile file;
     ISO_TRY(open_packed(path, &file, error));
@@ -141,7 +144,7 @@ union nifti_any {
     int32_t size;
 };
 
-/* The library prints to stderr, whatever its debug level, when it is given a type that it does not know. */
+/* Whether the library knows a data type: it prints to stderr, at any debug level, when it does not. */
 static bool known_type(int type) {
     return type > DT_BINARY && nifti_datatype_is_valid(type, 1);
 }
@@ -161,7 +164,7 @@ static iso_status convert_header(const char *path, union nifti_any *any, int ver
         TAKE_DIMENSIONS(any->one)
         TAKE_STATED(any->one);
         if (!(fabs(file->stated.offset) < 1e9))
-            any->one.vox_offset = 0; /* casts it; refused by check_stated */
+            any->one.vox_offset = 0; /* the library casts it to an integer; check_stated refuses it */
         file->image = nifti_convert_n1hdr2nim(any->one, NULL);
     }
     if (!file->image) return iso_fail(error, ISO_ERR_FORMAT, "%s: not a NIfTI header", path);
@@ -187,7 +190,7 @@ static iso_status open_nifti(const char *path, nifti_file *file, iso_error *erro
     return find_data(path, file, error);
 }
 
-/* ---- what it says ---- */
+/* ---- from header to volume ---- */
 
 static bool scalar_of(int type, iso_scalar *scalar) {
     static const struct {
@@ -211,7 +214,7 @@ static bool all_finite(const double *numbers, int count) {
     return true;
 }
 
-/* The spacings of axes with more than one voxel, unless the sform or the caller say them. */
+/* Checks the spacings of axes with more than one voxel, unless the sform or the caller give them. */
 static iso_status check_spacings(const char *path, const iso_volume_opts *opts, const nifti_file *file,
                                  iso_error *error) {
     if (file->image->sform_code > 0) return ISO_OK;
@@ -225,7 +228,7 @@ static iso_status check_spacings(const char *path, const iso_volume_opts *opts, 
     return ISO_OK;
 }
 
-/* Numbers that the library would replace: by where the voxels mostly are, by 0 or by 1. */
+/* Checks the numbers that the library would replace by defaults. */
 static iso_status check_stated(const char *path, const iso_volume_opts *opts, const nifti_file *file,
                                iso_volume_info *info, iso_error *error) {
     const stated *s = &file->stated;
@@ -237,7 +240,7 @@ static iso_status check_stated(const char *path, const iso_volume_opts *opts, co
         return iso_fail(error, ISO_ERR_FORMAT, "%s: its sform holds what is not a number", path);
     if (image->sform_code <= 0 && image->qform_code > 0 && !all_finite(s->quatern, 6))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: its qform holds what is not a number", path);
-    /* NaN is how some programs say that there is none. */
+    /* some programs write NaN for "no slope" */
     if (isfinite(s->slope) && s->slope != 0 && (fabs(s->slope) > 1e30 || fabs(s->intercept) > 1e30) &&
         isfinite(s->intercept))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: values cannot be scaled by %g and shifted by %g", path,
@@ -248,7 +251,7 @@ static iso_status check_stated(const char *path, const iso_volume_opts *opts, co
     return check_spacings(path, opts, file, error);
 }
 
-/* As the library does, a dimension of 0 within dim[0] counts as 1. */
+/* Sets the dimensions. Like the library, counts a dimension of 0 within the first dim[0] ones as 1. */
 static iso_status take_dims(const char *path, const iso_volume_opts *opts, const nifti_file *file,
                             iso_volume_info *info, iso_error *error) {
     const int64_t *dim = file->dim;
@@ -273,9 +276,8 @@ static double unit_mm(int units) {
     return units == NIFTI_UNITS_METER ? 1000 : units == NIFTI_UNITS_MICRON ? 0.001 : 1;
 }
 
-/* Whether both forms are there and differ by rounding only. The sform's matrix is stored in single precision;
- * the qform has the spacing exactly and axes that are perpendicular, so that the same array from another
- * format lies the same. */
+/* Whether the file has both an sform and a qform that differ by rounding only. The qform is then preferred:
+ * it has exact spacings and perpendicular axes, while the sform is a matrix in single precision. */
 static bool forms_agree(const nifti_image *image) {
     if (image->sform_code <= 0 || image->qform_code <= 0) return false;
     for (int row = 0; row < 3; row++)
@@ -287,7 +289,7 @@ static bool forms_agree(const nifti_image *image) {
     return true;
 }
 
-/* Index to RAS. */
+/* The matrix from index coordinates to RAS. */
 static nifti_dmat44 world_matrix(const nifti_file *file, iso_volume_info *info) {
     const nifti_image *image = file->image;
     if (image->sform_code > 0) return forms_agree(image) ? image->qto_xyz : image->sto_xyz;
@@ -317,8 +319,8 @@ static void take_transform(const nifti_file *file, iso_volume_info *info) {
     info->anatomical = true;
 }
 
-/* A slope of 0 means none. A grid's scale is positive: under a negative slope the values themselves are
- * scaled, as floats. */
+/* Whether the slope is negative (0 means no slope). As a grid's scale must be positive, the values are then
+ * scaled and stored as floats. */
 static bool negative_slope(const nifti_image *image) {
     return image->scl_slope < 0 && image->scl_slope > -HUGE_VAL;
 }
@@ -372,7 +374,7 @@ static iso_status nifti_info(const char *path, const iso_volume_opts *opts, iso_
 typedef struct data_file {
     const char *path;
     znzFile file;
-    uint64_t at, end; /* position, and where the last volume ends */
+    uint64_t at, end; /* present position; end of the last volume */
 } data_file;
 
 static iso_status read_voxels(void *context, void *target, size_t bytes, iso_error *error) {
@@ -383,7 +385,8 @@ static iso_status read_voxels(void *context, void *target, size_t bytes, iso_err
     return got == bytes ? ISO_OK : iso_format_truncated(data->path, data->at, data->end, error);
 }
 
-/* The volumes after the one that was chosen must be there as well, and what follows must unpack. */
+/* Checks that the file also has the volumes after the chosen one, and that its compressed data is intact to
+ * the end. */
 static iso_status check_end(data_file *data, iso_error *error) {
     char byte;
     if (data->at < data->end) {

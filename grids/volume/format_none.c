@@ -1,5 +1,6 @@
-/* Entries without functions for the formats whose library is not built in: volume.c answers "built without
- * ...". */
+/* format_none: entries without functions for formats whose library is not built in; volume.c reports "built
+ * without
+ * ..." for these. */
 #include <stddef.h>
 
 #include "grids/volume/format.h"
@@ -15,5 +16,5 @@
 ISO_FORMAT_NONE(nifti, "libnifti2");
 #endif
 
-/* A translation unit may not be empty when everything is built in. */
+/* C does not allow an empty translation unit, which this would be when everything is built in. */
 _Static_assert(sizeof(iso_format) > 0, "");

@@ -17,16 +17,16 @@
 
 #include "grids/volume/nrrd.h"
 
-/* Which axes of the array are what. Components are interleaved (before the axes of space), planar (after
- * them) or both. */
+/* The roles of the array's axes. Axes of components come before the axes of space (interleaved components),
+ * after them (planar components), or both. */
 typedef struct layout {
-    int space[3], space_count; /* axis numbers */
-    int interleaved, planar;   /* products of sizes */
+    int space[3], space_count; /* numbers of the axes of space */
+    int interleaved, planar;   /* numbers of components: products of the sizes of these axes */
 } layout;
 
 /* ---- axes ---- */
 
-/* A direction that points somewhere in the first three axes of the world (the fourth of a ...-time space is
+/* Whether an axis has a direction in the first three axes of the world (in a ...-time space the fourth is
  * time). */
 static bool has_direction(const iso_nrrd_header *nrrd, unsigned axis) {
     const double *d = nrrd->axis[axis].direction;
@@ -35,8 +35,8 @@ static bool has_direction(const iso_nrrd_header *nrrd, unsigned axis) {
     return d[0] != 0 || d[1] != 0 || d[2] != 0;
 }
 
-/* An array of four axes that says nothing about them: the one without a spacing, else the smaller of the
- * first and the last, holds components. */
+/* The axis of components of a four-axis array whose header does not tell: the one without a spacing, or else
+ * the smaller of the first and the last. */
 static unsigned guess_component_axis(const iso_nrrd_header *nrrd) {
     unsigned last = nrrd->dim - 1;
     bool first_spaced = isfinite(nrrd->axis[0].spacing), last_spaced = isfinite(nrrd->axis[last].spacing);
@@ -86,8 +86,8 @@ static iso_status find_layout(const char *path, const iso_nrrd_header *nrrd, lay
 
 /* ---- world ---- */
 
-/* Step along an axis that has no direction: its spacing (negative: it runs the other way), else its range,
- * else its thickness, else 1. */
+/* The step along an axis without a direction: from its spacing (negative: the axis runs in the opposite
+ * direction), else its range, else its thickness, else 1. */
 static double axis_step(const iso_nrrd_header *nrrd, int axis, iso_volume_info *info) {
     const iso_nrrd_axis *a = &nrrd->axis[axis];
     double step = 1;
@@ -103,7 +103,7 @@ static double axis_step(const iso_nrrd_header *nrrd, int axis, iso_volume_info *
     return step * a->unit_mm;
 }
 
-/* Position of the first sample on an axis without a direction. */
+/* The position of the first sample on an axis without a direction. */
 static double axis_origin(const iso_nrrd_header *nrrd, int axis, double step) {
     const iso_nrrd_axis *a = &nrrd->axis[axis];
     if (!isfinite(a->min)) return 0;
@@ -130,7 +130,7 @@ static void take_directions(const iso_nrrd_header *nrrd, const layout *found, is
         for (int i = 0; i < dim; i++) d[i] = nrrd->axis[found->space[axis]].direction[i] * unit[i];
         set_axis(transform, axis, iso_vec3_make(d[0], d[1], d[2]));
     }
-    if (found->space_count == 2) { /* one slice: any third axis will do */
+    if (found->space_count == 2) { /* one slice: the third axis is perpendicular to it */
         const double *m = transform->direction;
         set_axis(
             transform, 2,
@@ -207,7 +207,8 @@ static iso_status read_data(const char *path, const iso_volume_opts *opts, const
     return status;
 }
 
-/* What was checked is the first reading of the header: the file may have changed since. */
+/* Checks that the header still describes the array that `info` was made from: the file may have changed
+ * since. */
 static iso_status same_array(const char *path, const iso_nrrd_header *nrrd, const iso_volume_opts *opts,
                              const iso_volume_info *info, layout *found, iso_error *error) {
     iso_volume_info now = {.transform = iso_transform_identity()};

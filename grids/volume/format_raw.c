@@ -1,5 +1,5 @@
-/* The reader of files without a header, whose layout (iso_raw_layout) is given by the caller or by the file's
- * name. */
+/* format_raw: reads files without a header, whose layout (iso_raw_layout) is given by the caller or by the
+ * file's name. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
@@ -78,9 +78,9 @@ iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_er
     return ISO_OK;
 }
 
-/* ---- the layout as a file's name tells it ---- */
+/* ---- the layout in a file's name ---- */
 
-/* A word of a file's name, which _ - . and spaces part. */
+/* A word of a file's name; words are separated by _ - . and spaces. */
 typedef struct name_word {
     const char *text;
     size_t length;
@@ -129,12 +129,12 @@ bool iso_raw_layout_of_name(const char *path, iso_raw_layout *layout) {
     for (int i = 0; i < count; i++) {
         int dims[3];
         if (!parse_dims(words[i].text, words[i].text + words[i].length, dims)) continue;
-        if (sizes >= 0) return false; /* which of the two? */
+        if (sizes >= 0) return false; /* two sizes: ambiguous */
         sizes = i;
         memcpy(result.dims, dims, sizeof dims);
     }
     if (sizes < 0) return false;
-    int last = sizes + 1; /* the type stands behind the sizes, or before them */
+    int last = sizes + 1; /* the type is the word after the sizes, or before them */
     if (last == count || !name_type(&words[last], &result.type)) {
         last = sizes;
         if (sizes == 0 || !name_type(&words[sizes - 1], &result.type)) return false;

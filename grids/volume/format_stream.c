@@ -1,5 +1,5 @@
-/* Functions for readers that take voxels from a file in order: filling a grid in chunks of bytes, parsing
- * numbers in text, and paths of files that a header names. */
+/* format_stream: functions for readers that read voxels in file order: filling a grid in chunks of bytes,
+ * parsing numbers in text, and paths of files that a header names. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 #include "base/memory.h"
 #include "grids/volume/format.h"
 
-/* Large enough that a call costs nothing, small enough to stay in cache between fill and conversion. */
+/* Large enough that calls cost little, small enough to stay in cache between reading and conversion. */
 enum { CHUNK_BYTES = 1 << 20 };
 
 uint64_t iso_format_size(const int dims[3], uint64_t each) {
@@ -27,7 +27,7 @@ static size_t chunk_voxels(const iso_format_stream *stream) {
     return voxels ? voxels : 1;
 }
 
-/* Values that are stored as they are go straight to their place. */
+/* Whether values need no conversion, so that they are read directly into the grid. */
 static bool is_direct(const iso_format_stream *stream, iso_type type) {
     return stream->components == 1 && iso_scalar_is_stored(stream->scalar) &&
            iso_scalar_stored_type(stream->scalar) == type;
@@ -81,7 +81,7 @@ static bool is_between(int c, const char *separators) {
     return isspace(c) || (*separators && c && strchr(separators, c));
 }
 
-/* Next word of at most 63 characters; false at the end, or when it is longer. */
+/* Reads the next word, of at most 63 characters; false at the end of the file, or when the word is longer. */
 static bool next_word(FILE *file, const char *separators, char word[64]) {
     int c = getc(file), length = 0;
     while (c != EOF && is_between(c, separators)) c = getc(file);
@@ -99,7 +99,8 @@ static double clamp(double value, double lo, double hi) {
     return value < hi ? value : hi;
 }
 
-/* Through double: integers may be written as 3.0, and 64-bit ones become floats anyway. */
+/* Parses a word and stores the number. Integers are parsed as double, because they may be written as 3.0 (and
+ * 64-bit integers become floats in the grid anyway). */
 static bool store_number(const char *word, iso_scalar scalar, void *place) {
     char *end;
     double value = strtod(word, &end);
@@ -127,7 +128,7 @@ static bool store_number(const char *word, iso_scalar scalar, void *place) {
         STORE(uint64_t, clamp(value, 0, 18446744073709549568.0));
     case ISO_SCALAR_INT64:
         STORE(int64_t, clamp(value, -9223372036854775808.0, 9223372036854774784.0));
-    case ISO_SCALAR_FLOAT: /* not through double, which would round twice */
+    case ISO_SCALAR_FLOAT: /* parsed as float: from double it would be rounded twice */
         STORE(float, strtof(word, NULL));
     default:
         STORE(double, value);

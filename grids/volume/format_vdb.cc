@@ -25,15 +25,15 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::GridBase;
 
-/* What OpenVDB says, without the name of its exception. */
+/* OpenVDB's message, without the name of the exception. */
 std::string words_of(const openvdb::Exception &exception) {
     const std::string line = iso::one_line(exception.what());
     const size_t colon = line.find("Error: ");
     return colon == std::string::npos ? line : line.substr(colon + 7);
 }
 
-/* Turns what OpenVDB throws into a line about the file. Lengths that no memory could hold come from bytes
- * that are not lengths, as long as only headers are read. */
+/* Executes body(), and converts exceptions of OpenVDB to errors with a message about the file. While only
+ * headers are read, impossible lengths mean that the file is damaged. */
 template <class Body> iso_status reading(const char *path, iso_error *error, Body &&body) {
     try {
         return body();
@@ -50,7 +50,7 @@ template <class Body> iso_status reading(const char *path, iso_error *error, Bod
     }
 }
 
-/* ---- which grid ---- */
+/* ---- choosing a grid ---- */
 
 std::string names_of(const archive &file) {
     std::string names;
@@ -97,15 +97,16 @@ iso_status choose(const char *path, const iso_volume_opts *opts, archive &file, 
                     names_of(file).c_str());
 }
 
-/* ---- what the header says ---- */
+/* ---- the header ---- */
 
 struct extent {
     CoordBBox box; /* of the active voxels */
     uint64_t voxels = 0;
-    uint64_t leaves = 0, tree_bytes = 0; /* as counted in the file, whatever is stated */
+    uint64_t leaves = 0, tree_bytes = 0; /* counted in the file, not taken from its metadata */
 };
 
-/* From the statistics that OpenVDB writes beside every grid; false when they are missing or make no sense. */
+/* The extent by the statistics that OpenVDB writes with every grid; false when they are missing or
+ * impossible. */
 bool stated_extent(const GridBase &grid, extent *result) {
     const auto lo = grid.getMetadata<openvdb::Vec3IMetadata>(GridBase::META_FILE_BBOX_MIN);
     const auto hi = grid.getMetadata<openvdb::Vec3IMetadata>(GridBase::META_FILE_BBOX_MAX);
@@ -116,7 +117,7 @@ bool stated_extent(const GridBase &grid, extent *result) {
     return true;
 }
 
-/* From the tree, of which the topology is enough. */
+/* The extent by the grid's tree; the topology is enough. */
 extent counted_extent(const GridBase &grid) {
     extent result;
     result.box = grid.evalActiveVoxelBoundingBox();
@@ -151,7 +152,8 @@ void list_grids(const archive &file, iso_volume_info *info) {
     }
 }
 
-/* OpenVDB multiplies row vectors: the rows of its matrix are where the index axes go. */
+/* Sets the transform of a grid whose first voxel is `lo`. OpenVDB multiplies row vectors with its matrix, so
+ * that the rows are the images of the index axes. */
 iso_status fill_transform(const char *path, const vdb_grid &entry, const Coord &lo, iso_transform *transform,
                           iso_error *error) {
     const openvdb::math::Transform &map = entry.grid->transform();
@@ -170,7 +172,7 @@ iso_status fill_transform(const char *path, const vdb_grid &entry, const Coord &
     return ISO_OK;
 }
 
-/* Cubes of any size and orientation. The tolerance is that of a transform stored in single precision. */
+/* Whether voxels are cubes, of any size and orientation, to the precision of a transform in floats. */
 bool has_cubic_voxels(const iso_transform &transform) {
     const double *s = transform.spacing, *d = transform.direction;
     const double tolerance = 1e-5;
@@ -189,7 +191,8 @@ uint64_t dense_bytes(const uint64_t dims[3]) {
     return bytes;
 }
 
-/* A brick of 16^3 voxels spans eight leaves or more, a surface passes through about four of them. */
+/* An estimate of the size of an hgrid: a brick of 16^3 voxels covers eight leaves or more, of which a surface
+ * crosses about four. */
 uint64_t hgrid_bytes(const iso_volume_info &info, const extent &known) {
     uint64_t cells = 1;
     for (int i = 0; i < 3; i++) cells *= static_cast<uint64_t>((info.dims[i] - 1) / ISO_BRICK + 1);
@@ -203,7 +206,7 @@ iso_status fill_size(const char *path, const vdb_grid &entry, const extent &know
     if (known.voxels == 0 || !box_dims(known.box, dims))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: grid \"%s\" has no active voxels", path,
                         entry.name().c_str());
-    const int farthest = 1 << 30; /* so that coordinates a few cells away cannot overflow */
+    const int farthest = 1 << 30; /* coordinates a few cells beyond the box must not overflow */
     for (int i = 0; i < 3; i++)
         if (known.box.min()[i] < -farthest || known.box.max()[i] > farthest)
             return iso_fail(error, ISO_ERR_FORMAT, "%s: grid \"%s\" has voxels farther out than 2^30", path,
@@ -266,7 +269,7 @@ template <class T> float component_of(const openvdb::math::Vec3<T> &value, int c
     return static_cast<float>(value[component]);
 }
 
-/* Where a box of voxels goes: x fastest. */
+/* The array to which a box of voxels is copied, x fastest. */
 struct box_target {
     Coord lo;
     int dims[3];
@@ -277,13 +280,13 @@ struct box_target {
 constexpr int LEAF = 8;
 static_assert(openvdb::FloatTree::LeafNodeType::DIM == LEAF && ISO_BRICK % LEAF == 0, "leaves are 8^3");
 
-/* Largest multiple of a leaf's side that is not above i. */
+/* The largest multiple of a leaf's side that is at most i. */
 int leaf_floor(int i) {
     return i & ~(LEAF - 1);
 }
 
-/* Copies the part of one leaf (z fastest), or of the tile in its place, that lies in the target. Accessors of
- * this kind are not registered with their tree, so that many threads can have one. */
+/* Copies the part of one leaf (z fastest), or of a tile in its place, that lies in the target. Accessors of
+ * this type are not registered with their tree, so that each thread can have one. */
 template <class Tree>
 void copy_block(const openvdb::tree::ValueAccessor<const Tree, false> &accessor, const Coord &block,
                 int component, const box_target &target) {
@@ -315,7 +318,7 @@ void copy_layer(const openvdb::tree::ValueAccessor<const Tree, false> &accessor,
                              component, target);
 }
 
-/* Runs body(0 .. count-1) on the pool. body must not throw. */
+/* Calls body(0 .. count - 1) on the pool's threads. body must not throw. */
 template <class Body> void parallel(iso_pool *pool, size_t count, const Body &body) {
     iso_parallel_for(
         pool, count, [](void *context, size_t index, int) { (*static_cast<const Body *>(context))(index); },
@@ -341,7 +344,8 @@ struct read_request {
 
 /* ---- level sets ---- */
 
-/* The estimate of the header supposes a surface: leaves that are spread out need more bricks. */
+/* Checks the memory again with the true number of bricks: the estimate from the header assumes a surface, and
+ * scattered leaves need more bricks. */
 iso_status check_bricks(const read_request &read, size_t cells, size_t bricks) {
     const iso_volume_info &info = *read.info;
     const uint64_t tree = info.read_bytes > info.bytes ? info.read_bytes - info.bytes : 0;
@@ -350,7 +354,7 @@ iso_status check_bricks(const read_request &read, size_t cells, size_t bricks) {
     return iso_format_check_memory(read.path, read.opts, bytes, what.c_str(), read.error);
 }
 
-/* World distances of a tree into voxel distances of an hgrid. */
+/* Converts a tree of distances in world units to an hgrid of distances in voxels. */
 template <class Tree> struct level_set {
     const Tree &tree;
     double background; /* world units, > 0 */
@@ -359,7 +363,7 @@ template <class Tree> struct level_set {
     iso_hgrid *grid;
     std::atomic<uint64_t> nan_count;
 
-    /* What is at the background or beyond lies outside the narrow band. */
+    /* A distance in voxels. Values of at least the background are outside the narrow band. */
     float distance(float value) {
         if (std::isnan(value)) {
             nan_count.fetch_add(1, std::memory_order_relaxed);
@@ -377,8 +381,8 @@ template <class Tree> struct level_set {
     void fill(const int cell[3], float *brick);
 };
 
-/* What a cell without leaves is, or 0 when it needs a brick: it meets a leaf, a tile inside the band, or
- * tiles of both sides. */
+/* The state of a cell that needs no brick (ISO_CELL_OUTSIDE or ISO_CELL_INSIDE), or 0 when it needs one:
+ * because it contains a part of a leaf, a tile inside the band, or tiles of both sides. */
 template <class Tree> int32_t level_set<Tree>::state_of(const int cell[3]) const {
     const openvdb::tree::ValueAccessor<const Tree, false> accessor(tree);
     const Coord first = cell_origin(cell), last = first.offsetBy(ISO_BRICK - 1);
@@ -409,8 +413,8 @@ template <class Tree> void level_set<Tree>::fill(const int cell[3], float *brick
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) brick[i] = distance(brick[i]);
 }
 
-/* Bricks come from the grid's pool one after another (so that a brick's number does not depend on threads);
- * looking which are needed and filling them goes side by side. */
+/* Creates and fills the bricks. They are allocated one after the other, so that their numbers do not depend
+ * on threads; the classification of cells and the filling of bricks are parallel. */
 template <class Tree>
 iso_status fill_cells(level_set<Tree> &job, const read_request &read, iso_error *error) {
     iso_pool *pool = read.opts->pool;
@@ -468,7 +472,7 @@ iso_status load_chosen(const char *path, const iso_volume_opts *opts, const iso_
     });
 }
 
-/* The lowest voxel of the box whose size the header announced; the box must hold every active voxel. */
+/* Sets *lo to the lowest voxel of the box whose size `info` has; the box must contain every active voxel. */
 iso_status announced_box(const char *path, const GridBase &grid, const iso_volume_info &info, Coord *lo,
                          iso_error *error) {
     extent known;
@@ -520,13 +524,14 @@ iso_status read_tree(const read_request &job, const Tree &tree, double voxel, is
             iso_volume_note(info, "%llu distances are not numbers: taken to be outside",
                             static_cast<unsigned long long>(levels.nan_count));
     }
-    if (status != ISO_OK && !*detail.text) return status; /* job.error says why */
+    if (status != ISO_OK && !*detail.text) return status; /* job.error has the message */
     if (status != ISO_OK) return iso_fail(job.error, status, "%s: %s", job.path, detail.text);
     info->bytes = iso_hgrid_bytes(grid->hgrid);
     return ISO_OK;
 }
 
-/* Distances are divided by the file's own voxel size, whatever spacing the caller asked for. */
+/* Reads a level set as an hgrid. Distances are divided by the file's voxel size, also when the caller
+ * overrides the spacing. */
 iso_status read_sparse(const read_request &job, const GridBase &source, iso_grid *grid) {
     iso_status status = ISO_ERR_FORMAT;
     const double voxel = source.transform().voxelSize()[0];

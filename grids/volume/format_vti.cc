@@ -44,7 +44,7 @@
 
 namespace {
 
-/* ---- what VTK says ---- */
+/* ---- messages of VTK ---- */
 
 class quiet_window : public vtkOutputWindow {
   public:
@@ -98,7 +98,7 @@ class quiet_vtk {
 
 using extent = std::array<int, 6>;
 
-/* VTK has sized the array and not filled it yet. */
+/* Asks for huge pages for arrays that VTK has allocated and not filled yet. */
 void advise(vtkDataSetAttributes *attributes) {
     for (int i = 0; i < attributes->GetNumberOfArrays(); i++) {
         vtkDataArray *data = attributes->GetArray(i);
@@ -108,8 +108,8 @@ void advise(vtkDataSetAttributes *attributes) {
     }
 }
 
-/* Opens the reader's list of pieces, as VTK leaves uninitialised what no piece covers, and has it read into
- * huge pages, which halves the time that it takes. */
+/* VTK's reader with access to its list of pieces, for two reasons: VTK does not initialise voxels that no
+ * piece covers, and reading into huge pages takes half the time. */
 class image_reader : public vtkXMLImageDataReader {
   public:
     static image_reader *New();
@@ -120,19 +120,20 @@ class image_reader : public vtkXMLImageDataReader {
             for (size_t k = 0; k < 6; k++) list[i][k] = PieceExtents[6 * i + k];
         return list;
     }
-    /* How the file keeps the arrays of that name in a piece; their `bytes` are for the caller to fill. False:
-     * the place of one is not stated. */
+    /* Finds how the file stores the arrays with that name in a piece; the caller sets their `bytes`. False:
+     * the position of one is not stated. */
     bool layouts(size_t piece, const iso_format_array &array, std::vector<iso_vti_layout> *found);
 
   protected:
     image_reader() { no_points->SetName("PointData"); }
-    /* Arrays of other lengths than the image's, which VTK would read whatever was selected. */
+    /* Ignores field data (arrays of other lengths than the image's), which VTK would read whatever was
+     * selected. */
     int ReadPrimaryElement(vtkXMLDataElement *image) override {
         const int done = Superclass::ReadPrimaryElement(image);
         FieldDataElement = nullptr; /* borrowed from the parser */
         return done;
     }
-    /* VTK words what is wrong with cell data with the name of the point data, also when there is none. */
+    /* VTK's messages about cell data use the name of the point data, also when there is none. */
     int ReadPiece(vtkXMLDataElement *piece) override {
         int done = Superclass::ReadPiece(piece);
         if (done && !PointDataElements[Piece]) PointDataElements[Piece] = no_points;
@@ -156,7 +157,7 @@ bool attribute_is(vtkXMLDataElement *element, const char *name, const char *valu
     return text && std::strcmp(text, value) == 0;
 }
 
-/* As vtkXMLReader::ReadArrayValues and vtkXMLDataParser choose. */
+/* Makes the same choices as vtkXMLReader::ReadArrayValues and vtkXMLDataParser. */
 bool image_reader::layouts(size_t piece, const iso_format_array &array, std::vector<iso_vti_layout> *found) {
     vtkXMLDataElement *root = GetXMLParser()->GetRootElement();
     vtkXMLDataElement *values = (array.cells ? CellDataElements : PointDataElements)[piece];
@@ -190,8 +191,8 @@ bool image_reader::layouts(size_t piece, const iso_format_array &array, std::vec
     return true;
 }
 
-/* Whether the pieces from `first` on cover the box of points: what the first leaves over is cut into at most
- * six boxes. */
+/* Whether the pieces from `first` on cover a box of points. The part that the first piece does not cover is
+ * divided into at most six boxes, which are tested recursively. */
 bool covered(extent box, const std::vector<extent> &pieces, size_t first) {
     for (size_t i = first; i < pieces.size(); i++) {
         const extent &piece = pieces[i];
@@ -260,7 +261,7 @@ bool scalar_of(int type, iso_scalar *scalar) {
 
 /* ---- header ---- */
 
-/* VTK reads other kinds of data than the named one without complaint. */
+/* Checks that the file contains image data: VTK does not check it. */
 iso_status check_kind(const char *path, iso_error *error) {
     FILE *file = std::fopen(path, "rb");
     if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, std::strerror(errno));
@@ -280,7 +281,7 @@ iso_status check_kind(const char *path, iso_error *error) {
                     iso::one_line(kind).c_str());
 }
 
-/* VTK does not notice that raw appended data ends early; the file's last tag is then missing. */
+/* Checks that the file ends with the closing tag: VTK does not notice that raw appended data ends early. */
 iso_status check_end(const char *path, iso_error *error) {
     FILE *file = std::fopen(path, "rb");
     if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, std::strerror(errno));
@@ -325,13 +326,13 @@ void take_transform(vtkInformation *out, const int *whole, iso_transform *transf
         for (int i = 0; i < 3; i++) {
             double &d = transform->direction[3 * i + axis];
             if (spacing[axis] < 0) d = -d;
-            /* the file's origin is at index 0, which the extent may not hold */
+            /* the file's origin is at index 0, which may be outside the extent */
             transform->origin[i] += whole[2 * axis] * transform->spacing[axis] * d;
         }
     }
 }
 
-/* Whether the text is `count` numbers, whole ones of 32 bits if need be, and nothing else. */
+/* Whether a text consists of `count` numbers; whole: of integers of 32 bits. */
 bool are_numbers(const char *text, int count, bool whole) {
     for (int i = 0; i < count; i++) {
         char *end = nullptr;
@@ -344,7 +345,8 @@ bool are_numbers(const char *text, int count, bool whole) {
     return text[std::strspn(text, " \t\r\n")] == 0;
 }
 
-/* VTK takes what is not a number for what is not stated, and the beginning of 1e12 for a number. */
+/* Checks the numbers in attributes of an element. VTK ignores an attribute that is not a number, and reads
+ * 1e12 as the integer 1. */
 iso_status check_numbers(const char *path, vtkXMLDataElement *element, iso_error *error) {
     static const struct {
         const char *element, *name;
@@ -366,7 +368,7 @@ iso_status check_numbers(const char *path, vtkXMLDataElement *element, iso_error
     return ISO_OK;
 }
 
-/* VTK finds arrays by name, and crashes where an array's values are not in the array that it finds. */
+/* Checks that names of arrays are unique: VTK finds arrays by name, and crashes if it finds the wrong one. */
 iso_status check_names(const char *path, vtkXMLDataElement *element, iso_error *error) {
     const bool holds_arrays =
         std::strcmp(element->GetName(), "PointData") == 0 || std::strcmp(element->GetName(), "CellData") == 0;
@@ -382,9 +384,9 @@ iso_status check_names(const char *path, vtkXMLDataElement *element, iso_error *
     return ISO_OK;
 }
 
-/* What the header says, and which array was chosen. */
+/* The header, and the chosen array. */
 struct header {
-    const quiet_vtk *vtk; /* borrowed: what goes wrong meanwhile */
+    const quiet_vtk *vtk; /* borrowed: collects VTK's errors */
     extent whole{0, -1, 0, -1, 0, -1};
     std::vector<iso_format_array> arrays;
     int chosen = 0;
@@ -435,7 +437,7 @@ iso_status read_header(const char *path, const iso_volume_opts *opts, image_read
     return iso_format_take_array(path, opts, &image, info, &found->chosen, error);
 }
 
-/* VTK's array becomes the grid's when one component is stored as it is. */
+/* Whether the grid can use VTK's array: one component, and no conversion. */
 bool is_lent(const iso_format_array &array) {
     return array.components == 1 && iso_scalar_is_stored(array.scalar);
 }
@@ -447,7 +449,7 @@ uint64_t bytes_to_read(const iso_volume_info *info, const iso_format_array &arra
     return __builtin_add_overflow(grid, all, &all) ? UINT64_MAX : all;
 }
 
-/* A piece that sticks out of the whole would make VTK read through a null pointer. */
+/* Whether a piece lies within the whole extent: VTK crashes if it does not. */
 bool inside(const extent &piece, const extent &whole) {
     bool in = true;
     for (size_t a = 0; a < 6; a += 2)
@@ -467,7 +469,7 @@ iso_status check_pieces(const char *path, const image_reader *reader, const head
     return iso_fail(error, ISO_ERR_IO, "%s: truncated: its pieces do not cover its extent", path);
 }
 
-/* What VTK takes beside the array while it reads the pieces of it, which the file must have. */
+/* Checks the data of the chosen array in all pieces; *room: the memory that VTK needs beside the array. */
 iso_status check_arrays(const char *path, image_reader *reader, const header &found, uint64_t *room,
                         iso_error *error) {
     const iso_format_array &array = found.array();
@@ -488,7 +490,7 @@ iso_status check_arrays(const char *path, image_reader *reader, const header &fo
     return ISO_OK;
 }
 
-/* Adds the memory that the numbers of the file's arrays ask for, once they are known to be right. */
+/* Checks the chosen array, and adds the memory that VTK needs for it to info. */
 iso_status check_values(const char *path, image_reader *reader, const header &found, iso_volume_info *info,
                         iso_error *error) {
     uint64_t room = 0;
@@ -498,7 +500,7 @@ iso_status check_values(const char *path, image_reader *reader, const header &fo
     return ISO_OK;
 }
 
-/* A volume that is too large for the limit without that is not looked at further. */
+/* The values are not checked when the volume itself already exceeds the memory limit. */
 iso_status vti_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                     iso_error *error) noexcept {
     return iso::guard(path, error, [&]() -> iso_status {

@@ -1,8 +1,8 @@
 /* format_vtk_legacy: structured points in VTK's legacy format ("# vtk DataFile Version ..."), text or binary.
  *
- * Parsed here: VTK's reader returns a full-sized array also when the data ends early, and its header pass
- * knows no FIELD arrays. One pass over the file notes every array of scalars with its place (binary data is
- * skipped, text is counted), the chosen one is read in a second.
+ * Not read by VTK, whose reader returns a full-sized array also when the data ends early, and whose pass over
+ * the header does not find FIELD arrays. A first pass over the file lists every array with its position
+ * (binary data is skipped, numbers in text are counted); the chosen array is read in a second pass.
  *
  * The format ("VTK File Formats", The VTK User's Guide): keywords in any case, separated by blanks; binary
  * numbers are big-endian and begin after the newline that ends their header; the world is the file's own. */
@@ -28,18 +28,18 @@ typedef struct vtk_file {
     uint64_t dims[3]; /* points */
     double origin[3], spacing[3];
     iso_format_array arrays[MAX_ARRAYS];
-    uint64_t positions[MAX_ARRAYS]; /* of their first numbers */
+    uint64_t positions[MAX_ARRAYS]; /* positions of their first numbers in the file */
     int array_count;
     enum { NO_DATA, POINT_DATA, CELL_DATA } section;
     uint64_t tuples;     /* of the section */
-    bool enough;         /* no need to look further */
-    iso_status complete; /* whether the scan came through, and if not why */
-    iso_error problem;
+    bool enough;         /* the first pass can stop here */
+    iso_status complete; /* result of the first pass */
+    iso_error problem;   /* its message, if it failed */
 } vtk_file;
 
 /* ---- words ---- */
 
-/* Next word, cut to MAX_NAME - 1 characters; false at the end. */
+/* Reads the next word, cut to MAX_NAME - 1 characters; false at the end of the file. */
 static bool next_word(FILE *file, char word[MAX_NAME]) {
     int c = getc(file), length = 0;
     while (c != EOF && isspace(c)) c = getc(file);
@@ -128,7 +128,7 @@ static iso_status read_type(vtk_file *f, iso_scalar *scalar) {
 
 /* ---- arrays ---- */
 
-/* Passes over the numbers of an array. */
+/* Skips the numbers of an array. */
 static iso_status skip_numbers(vtk_file *f, iso_scalar scalar, uint64_t count) {
     char word[MAX_NAME];
     if (f->binary) {
@@ -145,7 +145,7 @@ static iso_status skip_numbers(vtk_file *f, iso_scalar scalar, uint64_t count) {
     return ISO_OK;
 }
 
-/* Notes an array whose header was just read, and passes over it. */
+/* Lists an array whose header was just read, and skips its numbers. */
 static iso_status add_array(vtk_file *f, const iso_format_array *array) {
     if (f->binary) iso_format_skip_line(f->stream);
     uint64_t count;
@@ -155,13 +155,13 @@ static iso_status add_array(vtk_file *f, const iso_format_array *array) {
         f->positions[f->array_count] = (uint64_t)ftello(f->stream);
         f->arrays[f->array_count] = *array;
         f->arrays[f->array_count++].cells = f->section == CELL_DATA;
-        /* VTK, too, takes the first SCALARS; counting words of text to look further costs seconds. */
+        /* VTK also uses the first SCALARS; counting the words of a long text to find more takes seconds */
         f->enough = !f->binary && array->active && f->section == POINT_DATA;
     }
     return f->enough ? ISO_OK : skip_numbers(f, array->scalar, count);
 }
 
-/* SCALARS name type [components] LOOKUP_TABLE name */
+/* Reads "SCALARS name type [components] LOOKUP_TABLE name". */
 static iso_status take_scalars(vtk_file *f) {
     iso_format_array array = {.tuples = f->tuples, .components = 1, .active = true};
     char line[MAX_NAME], word[MAX_NAME];
@@ -178,7 +178,7 @@ static iso_status take_scalars(vtk_file *f) {
     return add_array(f, &array);
 }
 
-/* COLOR_SCALARS name components: bytes, or as text fractions of 1. */
+/* Reads "COLOR_SCALARS name components"; the values are bytes or, in text files, numbers 0 .. 1. */
 static iso_status take_colors(vtk_file *f) {
     iso_format_array array = {.tuples = f->tuples, .active = true};
     if (!next_word(f->stream, array.name)) return ends(f, "its header");
@@ -187,7 +187,8 @@ static iso_status take_colors(vtk_file *f) {
     return add_array(f, &array);
 }
 
-/* VECTORS and the like: name type, a fixed number of components; TEXTURE_COORDINATES says it (0 here). */
+/* Reads "VECTORS name type" and similar lines, with a fixed number of components; 0 for TEXTURE_COORDINATES,
+ * whose line gives the number. */
 static iso_status take_tuples(vtk_file *f, uint64_t components) {
     iso_format_array array = {.tuples = f->tuples, .components = components};
     if (!next_word(f->stream, array.name)) return ends(f, "its header");
@@ -196,7 +197,7 @@ static iso_status take_tuples(vtk_file *f, uint64_t components) {
     return add_array(f, &array);
 }
 
-/* FIELD name count, and so often: name components tuples type */
+/* Reads "FIELD name count", and then count times "name components tuples type". */
 static iso_status take_field(vtk_file *f) {
     char word[MAX_NAME];
     uint64_t count = 0;
@@ -217,7 +218,7 @@ static iso_status take_field(vtk_file *f) {
     return ISO_OK;
 }
 
-/* LOOKUP_TABLE name size: colours, bytes or as text floats. */
+/* Skips "LOOKUP_TABLE name size" and its colours, which are bytes or, in text files, floats. */
 static iso_status skip_table(vtk_file *f) {
     char word[MAX_NAME];
     uint64_t size = 0, numbers;
@@ -228,7 +229,7 @@ static iso_status skip_table(vtk_file *f) {
     return skip_numbers(f, ISO_SCALAR_UINT8, numbers);
 }
 
-/* METADATA: lines up to an empty one. */
+/* Skips METADATA: lines up to an empty one. */
 static iso_status skip_metadata(vtk_file *f) {
     char line[MAX_NAME];
     iso_format_skip_line(f->stream);
@@ -303,8 +304,8 @@ static iso_status scan_arrays(vtk_file *f) {
     return f->array_count ? ISO_OK : ends(f, "its header");
 }
 
-/* The stream stays open for read_array. A header can be told of a file that is too short to be read, or that
- * holds something strange behind its arrays. */
+/* Opens a file and reads its header; the stream stays open for read_array. An error after the first arrays is
+ * only recorded, so that the header of a truncated file can be shown. */
 static iso_status open_vtk(const char *path, vtk_file *f, iso_error *error) {
     *f = (vtk_file){.path = path, .spacing = {1, 1, 1}};
     ISO_TRY(iso_file_open(path, &f->stream, &f->bytes, error));

@@ -1,4 +1,4 @@
-/* Conversion of an hgrid to an OpenVDB level set, and writing it to a stream. */
+/* level_set_vdb: converts an hgrid to an OpenVDB level set, and writes that to a stream. */
 #include "grids/volume/level_set_vdb.hpp"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 using openvdb::Coord;
 using openvdb::FloatGrid;
 
-/* Of a leaf of a narrow band in the file, about. */
+/* The approximate size of a narrow-band leaf in the file, for progress reports. */
 constexpr double LEAF_BYTES = 800;
 
 openvdb::math::Transform::Ptr transform_of(const iso_transform &t) {
@@ -29,13 +29,13 @@ openvdb::math::Transform::Ptr transform_of(const iso_transform &t) {
     bool turned = false;
     for (int i = 0; i < 9; i++) turned |= t.direction[i] != (i % 4 == 0 ? 1 : 0);
     if (turned) return openvdb::math::Transform::createLinearTransform(matrix);
-    /* (a map of scale and translation is what other programs know best) */
+    /* a map of scale and translation where that is enough, as all programs support it */
     auto plain = openvdb::math::Transform::createLinearTransform(t.spacing[0]);
     plain->postTranslate(openvdb::Vec3d(t.origin[0], t.origin[1], t.origin[2]));
     return plain;
 }
 
-/* One leaf of 8^3, z fastest, from the corner `part` of a brick of 16^3, x fastest. */
+/* Copies the part of a brick (16^3 voxels, x fastest) from its voxel `part` on to a leaf (8^3, z fastest). */
 void fill_leaf(FloatGrid::TreeType::LeafNodeType &leaf, const float *brick, const Coord &part, float band,
                float voxel) {
     for (openvdb::Index i = 0; i < 512; i++) {
@@ -65,14 +65,14 @@ void fill_cell(FloatGrid &target, const iso_hgrid &grid, const Coord &cell) {
     }
 }
 
-/* Thrown through OpenVDB when nobody wants the result any more. */
+/* Thrown through OpenVDB when the caller cancels. */
 struct cancelled {};
 
 void tell(const iso_progress *progress, double fraction) {
     if (iso_progress_tell(progress, "", fraction, nullptr) != ISO_OK) throw cancelled{};
 }
 
-/* What OpenVDB writes, to a FILE; it writes strictly forwards. */
+/* A stream buffer that passes what OpenVDB writes to a FILE. OpenVDB never seeks. */
 class file_buffer : public std::streambuf {
   public:
     file_buffer(FILE *stream, double expected, const iso_progress *progress)
@@ -132,7 +132,7 @@ iso_status iso_vdb_write_level_set(FILE *stream, const char *path, const iso_hgr
             file_buffer buffer(
                 stream, LEAF_BYTES * 8.0 * static_cast<double>(iso_hgrid_brick_count(grid)) + 1, &writing);
             std::ostream bytes(&buffer);
-            bytes.exceptions(std::ios_base::badbit); /* so that what the buffer throws gets through */
+            bytes.exceptions(std::ios_base::badbit); /* lets exceptions of the buffer through */
             openvdb::io::Stream(bytes).write(grids);
             return ISO_OK;
         } catch (const cancelled &) {

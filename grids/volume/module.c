@@ -1,4 +1,4 @@
-/* Finding and loading modules with the dynamic linker. */
+/* module: finds modules and loads them with the dynamic linker. */
 #define _GNU_SOURCE
 #include "grids/volume/module.h"
 
@@ -23,15 +23,16 @@ static bool is_called(const char *path, const char *name) {
     return length > tail && path[length - tail - 1] == '/' && strcmp(path + length - tail, name) == 0;
 }
 
-/* Beside the shared library that this code is in, or as far from the program as when both were installed. A
- * program in any other folder has none: what lies around it may be anyone's. */
+/* The modules' folder relative to this code: beside the shared library that contains it; or, in a statically
+ * linked program, at the installation's place relative to the program. False for a program in any other
+ * folder: modules are not loaded from places that anyone may write to. */
 static bool relative_folder(char folder[PATH_MAX]) {
     static const char here = 0;
     Dl_info info;
     void *found = NULL;
     if (!dladdr1(&here, &info, &found, RTLD_DL_LINKMAP) || !found) return false;
     const struct link_map *image = found;
-    bool program = !*image->l_name; /* the dynamic linker has no name for it */
+    bool program = !*image->l_name; /* the dynamic linker has no name for the program itself */
     char own[PATH_MAX];
     if (!realpath(program ? "/proc/self/exe" : image->l_name, own)) return false;
     *strrchr(own, '/') = 0;

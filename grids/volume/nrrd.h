@@ -38,9 +38,9 @@ typedef struct iso_nrrd_axis {
     double direction[ISO_NRRD_SPACE]; /* from one sample to the next */
     double unit_mm;                   /* of spacing, thickness, min and max */
     bool has_unit;
-    bool node_centered; /* samples lie at the ends of the range min .. max, not within */
-    bool other;         /* by its kind not an axis of space: a list, a vector, colours, time */
-    unsigned kind_size; /* that its kind demands; 0: any */
+    bool node_centered; /* the first and last samples are at min and max, not half a step within that range */
+    bool other;         /* its kind is not an axis of space: a list, a vector, colours, time */
+    unsigned kind_size; /* the size that its kind requires; 0: any */
 } iso_nrrd_axis;
 
 /* Where the array is. */
@@ -60,17 +60,18 @@ typedef struct iso_nrrd_header {
     bool swap; /* the array has the other byte order than this machine */
 
     unsigned space_dim;
-    double space_sign[3]; /* 1 or -1: takes the first three axes of the space to LPS */
-    bool anatomical;      /* the space's axes are a patient's */
+    double space_sign[3]; /* 1 or -1: factors that convert the first three axes of the space to LPS */
+    bool anatomical;      /* the space's axes are anatomical, such as left-posterior-superior */
     double space_origin[ISO_NRRD_SPACE], space_unit_mm[ISO_NRRD_SPACE];
 
     iso_nrrd_place place;
     char name[ISO_NRRD_NAME];
-    int64_t first, last, step; /* numbers in names, step is not 0 and leads from first to last */
-    unsigned file_dim;         /* axes in each of several files; dim: each has a part of the last axis */
-    int64_t byte_skip;         /* -1 - n: the array ends n bytes before the file's end */
-    uint64_t line_skip;        /* lines before that */
-    uint64_t after;            /* position in the file behind the header: the array, or the names of a list */
+    int64_t first, last,
+        step;           /* numbers in the names of a pattern; step is not 0 and leads from first to last */
+    unsigned file_dim;  /* number of axes in each of several files; dim: each has a part of the last axis */
+    int64_t byte_skip;  /* -1 - n: the array ends n bytes before the file's end */
+    uint64_t line_skip; /* lines to skip before byte_skip applies */
+    uint64_t after;     /* position in the file after the header: of the array, or of the names of a list */
 } iso_nrrd_header;
 
 /* Parses a header from the first `count` bytes of a file; `whole`: these are all its bytes. Modifies `text`,

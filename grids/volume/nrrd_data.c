@@ -1,4 +1,4 @@
-/* nrrd_data: the array of an NRRD file, decoded from one file or from several that look like one.
+/* nrrd_data: decodes the array of an NRRD file, from one file or from several that are read like one.
  *
  * Names that a header gives are opened by iso_file_open. Memory does not depend on the header; time is
  * bounded by what the files hold: the number of files is known from the sizes before a name is used, and a
@@ -15,21 +15,21 @@
 #include "base/memory.h"
 #include "grids/volume/nrrd.h"
 
-/* What may lie before an array that ends with its compressed stream. */
+/* The most bytes that may come before an array which is at the end of a compressed stream. */
 #define MAX_BEFORE (UINT64_C(256) << 20)
 
 struct iso_nrrd_data {
     const char *path; /* of the header */
     const iso_nrrd_header *header;
     uint64_t files, each; /* number of files, and decoded bytes in each */
-    FILE *list;           /* the header, at the next name of a list */
-    uint64_t opened;      /* files so far */
+    FILE *list;           /* of a list: the header file, at the next name */
+    uint64_t opened;      /* number of files opened so far */
     char *name;           /* of the current file, owned */
     FILE *file;
-    uint64_t left; /* decoded bytes still to come from it */
+    uint64_t left; /* decoded bytes of it that are not read yet */
     iso_inflater *inflater;
     iso_bunzip *bunzip;
-    unsigned zeros; /* of a run, still to come */
+    unsigned zeros; /* rest of a run of zeros (ISO_NRRD_ZRL) */
 };
 
 static void close_decoders(iso_nrrd_data *d) {
@@ -56,8 +56,8 @@ void iso_nrrd_data_close(iso_nrrd_data *d) {
 
 /* ---- names ---- */
 
-/* A line without its end (\n, \r\n or \r), of which `size` - 1 characters are kept; false: the file has
- * ended. */
+/* Reads a line without its end (\n, \r\n or \r), cut to `size` - 1 characters; *length is that of the whole
+ * line. False at the end of the file. */
 static bool read_line(FILE *file, char *line, size_t size, size_t *length) {
     int c = getc_unlocked(file);
     if (c == EOF) return false;
@@ -70,7 +70,7 @@ static bool read_line(FILE *file, char *line, size_t size, size_t *length) {
     return true;
 }
 
-/* The next name of a list; an empty one: it has ended. */
+/* Reads the next name of a list; an empty name at its end. */
 static iso_status read_name(iso_nrrd_data *d, char line[ISO_NRRD_NAME], iso_error *error) {
     size_t length = 0;
     if (!read_line(d->list, line, ISO_NRRD_NAME, &length)) *line = 0;
@@ -78,7 +78,7 @@ static iso_status read_name(iso_nrrd_data *d, char line[ISO_NRRD_NAME], iso_erro
     return iso_fail(error, ISO_ERR_FORMAT, "%s: the name of a data file has %zu characters", d->path, length);
 }
 
-/* How many names the list has; more than `most` are as bad as most + 1. */
+/* Counts the names of the list, up to most + 1. */
 static iso_status count_names(iso_nrrd_data *d, uint64_t most, uint64_t *count, iso_error *error) {
     ISO_TRY(iso_file_open(d->path, &d->list, NULL, error));
     char line[ISO_NRRD_NAME];
@@ -94,8 +94,8 @@ static iso_status count_names(iso_nrrd_data *d, uint64_t most, uint64_t *count, 
     return ISO_OK;
 }
 
-/* Pieces of the array, as its sizes and the number of axes in a file say; as many as there are files when
- * each has a part of the last axis. */
+/* Sets the number of files and the size of each from the array's sizes and the number of axes in a file. If
+ * each file has a part of the last axis, their number is `given`. */
 static iso_status split_over_files(iso_nrrd_data *d, uint64_t all, uint64_t given, iso_error *error) {
     const iso_nrrd_header *header = d->header;
     uint64_t last = header->axis[header->dim - 1].size;
@@ -128,7 +128,7 @@ static iso_status count_files(iso_nrrd_data *d, uint64_t all, iso_error *error) 
     return split_over_files(d, all, given, error);
 }
 
-/* Puts the number of the next file in place of %d, %5d or %05d; %% stands for %. */
+/* Writes the name of file `index`: replaces %d, %5d or %05d by its number, and %% by %. */
 static bool print_name(const iso_nrrd_header *header, uint64_t index, char name[ISO_NRRD_NAME]) {
     int number = (int)(header->first + (int64_t)index * header->step);
     size_t length = 0;
@@ -157,7 +157,7 @@ static bool print_name(const iso_nrrd_header *header, uint64_t index, char name[
     return true;
 }
 
-/* The next file's name and the bytes to skip in it. */
+/* Sets the next file's name, and the number of bytes to skip in it. */
 static iso_status next_name(iso_nrrd_data *d, int64_t *skip, iso_error *error) {
     const iso_nrrd_header *header = d->header;
     char line[ISO_NRRD_NAME];
@@ -184,7 +184,7 @@ static iso_status next_name(iso_nrrd_data *d, int64_t *skip, iso_error *error) {
     return d->name ? ISO_OK : iso_fail_memory(error, d->path);
 }
 
-/* ---- where the array begins in a file ---- */
+/* ---- the position of the array in a file ---- */
 
 static bool is_packed(const iso_nrrd_header *header) {
     return header->encoding == ISO_NRRD_GZIP || header->encoding == ISO_NRRD_BZIP2;
@@ -205,7 +205,7 @@ static iso_status skip_lines(const iso_nrrd_data *d, iso_error *error) {
     return ISO_OK;
 }
 
-/* Raw data must be there in full before anything is read. */
+/* Moves to the array in a file of `bytes` bytes, as byte_skip says. Raw data must be complete. */
 static iso_status skip_bytes(const iso_nrrd_data *d, uint64_t bytes, int64_t skip, iso_error *error) {
     off_t at = ftello(d->file);
     if (at < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", d->name, strerror(errno));
@@ -226,7 +226,7 @@ static iso_status open_decoder(iso_nrrd_data *d, uint64_t total, iso_error *erro
     return iso_bunzip_create(d->name, d->file, total, &d->bunzip, error);
 }
 
-/* Fewer bytes only at the stream's end. */
+/* Decompresses the next bytes; *got is less than `bytes` only at the stream's end. */
 static iso_status unpack(iso_nrrd_data *d, void *target, size_t bytes, size_t *got, iso_error *error) {
     return d->inflater ? iso_inflater_read(d->inflater, target, bytes, got, error)
                        : iso_bunzip_read(d->bunzip, target, bytes, got, error);
@@ -238,7 +238,8 @@ static iso_status unpack_all(iso_nrrd_data *d, void *target, size_t bytes, iso_e
     return got == bytes ? ISO_OK : iso_format_truncated(d->name, d->each - d->left + got, d->each, error);
 }
 
-/* How much is unpacked before the array when it ends `behind` bytes before the stream does. */
+/* Sets *before to the number of decompressed bytes before an array that ends `behind` bytes before the
+ * stream's end. */
 static iso_status measure(iso_nrrd_data *d, uint64_t behind, uint64_t *before, iso_error *error) {
     off_t start = ftello(d->file);
     char scratch[1 << 14];
@@ -275,8 +276,8 @@ static iso_status begin_packed(iso_nrrd_data *d, int64_t skip, iso_error *error)
     return ISO_OK;
 }
 
-/* Checksums stand at the end: of the stream, or in bzip2 of the block, which damage may have made longer.
- * What follows far behind the array is not looked at. */
+/* Reads on behind the array to the checksum: of the stream, or, in bzip2, of the block, which damage may have
+ * made longer. Stops if the end is far behind the array. */
 static iso_status end_packed(iso_nrrd_data *d, iso_error *error) {
     if (d->inflater) return iso_inflater_finish(d->inflater, error);
     char scratch[1 << 14];
@@ -359,7 +360,7 @@ static iso_status fill_text(const iso_nrrd_data *d, void *target, size_t bytes, 
     return iso_fail(error, ISO_ERR_IO, "%s: holds something that is not a number", d->name);
 }
 
-/* The next hexadecimal digit; -1: something else, -2: the end. */
+/* The value of the next hexadecimal digit; -1: another character, -2: the end of the file. */
 static int next_digit(FILE *file) {
     int c = getc_unlocked(file);
     while (c == ' ' || (c >= '\t' && c <= '\r')) c = getc_unlocked(file);
@@ -381,7 +382,8 @@ static iso_status fill_hex(const iso_nrrd_data *d, void *target, size_t bytes, i
     return ISO_OK;
 }
 
-/* A byte stands for itself, but 0 and n for n zeros, and 0, 0 and two bytes for as many as they say. */
+/* Decodes run lengths of zeros: 0, n stands for n zeros; 0, 0 and a number of two bytes for as many zeros;
+ * every other byte for itself. */
 static iso_status fill_zrl(iso_nrrd_data *d, void *target, size_t bytes, iso_error *error) {
     unsigned char *at = target;
     while (bytes) {

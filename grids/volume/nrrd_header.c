@@ -21,10 +21,10 @@
 typedef struct parser {
     const char *path;
     iso_nrrd_header *header;
-    char *at, *end; /* what is left of the text */
-    bool whole;     /* the file ends with it */
+    char *at, *end; /* the text that is not parsed yet */
+    bool whole;     /* the text ends with the file */
     int line;       /* number of the current line, from 1 */
-    uint64_t seen;  /* fields, a bit each */
+    uint64_t seen;  /* bit by number of a field in `fields`: it has occurred */
     bool big_endian, has_byte_order;
     locale_t c_locale;
     iso_error *error;
@@ -46,7 +46,7 @@ static char *skip_blanks(char *text) {
     return text;
 }
 
-/* Ends the next word and moves past it; NULL: there is none. */
+/* Returns the next word of *text, zero-terminated, and moves *text behind it; NULL: there is none. */
 static char *next_word(char **text) {
     char *word = skip_blanks(*text), *end = word;
     if (!*word) return NULL;
@@ -72,7 +72,7 @@ static bool parse_signed(const char *word, int64_t *value) {
     return errno == 0 && end != word && !*end;
 }
 
-/* The number at *text, and moves past it; NaN is a number, infinity none. */
+/* Parses the number at *text and moves *text behind it; NaN is accepted, infinity is not. */
 static bool parse_double(const parser *p, char **text, double *value) {
     char *end;
     *value = strtod_l(*text, &end, p->c_locale);
@@ -81,7 +81,7 @@ static bool parse_double(const parser *p, char **text, double *value) {
     return true;
 }
 
-/* Index of `word` among `count` names, which lie `stride` bytes apart; -1: none. */
+/* The index of `word` among `count` names that are `stride` bytes apart; -1: it is none of them. */
 static int find_name(const char *word, const void *names, size_t count, size_t stride) {
     for (size_t i = 0; i < count; i++)
         if (strcasecmp(word, *(const char *const *)(const void *)((const char *)names + i * stride)) == 0)
@@ -91,7 +91,7 @@ static int find_name(const char *word, const void *names, size_t count, size_t s
 
 #define FIND_NAME(word, table) find_name(word, table, sizeof(table) / sizeof *(table), sizeof *(table))
 
-/* Millimetres per unit; a unit that is not a length counts as mm. */
+/* The length of a unit in mm; 1 for a unit that is not a length. */
 static double unit_mm(const char *unit) {
     static const struct {
         const char *name;
@@ -103,7 +103,8 @@ static double unit_mm(const char *unit) {
     return 1;
 }
 
-/* Ends the next "quoted string", in which \" is a quote, and moves past it; NULL: there is none. */
+/* Returns the next "quoted string" of *text (\" in it is a quote), zero-terminated, and moves *text behind
+ * it; NULL: there is none. */
 static char *next_quoted(char **text) {
     char *from = skip_blanks(*text), *to = from;
     if (*from != '"') return NULL;
@@ -114,7 +115,7 @@ static char *next_quoted(char **text) {
     }
     if (!*from) return NULL;
     *text = from + 1;
-    *to = 0; /* before the closing quote: the opening one is gone */
+    *to = 0; /* the characters were moved over the opening quote */
     return string;
 }
 
@@ -210,7 +211,7 @@ static iso_status parse_sizes(parser *p, char *value) {
     return *skip_blanks(value) ? bad(p, "sizes", "more numbers than axes") : ISO_OK;
 }
 
-/* One number for each axis into the member at `offset` of each. */
+/* Parses one number for each axis, and stores it in the member of iso_nrrd_axis at `offset`. */
 static iso_status parse_axes(parser *p, const char *field, char *value, size_t offset) {
     for (unsigned i = 0; i < p->header->dim; i++) {
         double *number = (double *)(void *)((char *)&p->header->axis[i] + offset);
@@ -262,7 +263,7 @@ static iso_status parse_kinds(parser *p, char *value) {
     static const struct {
         const char *name;
         unsigned size;
-    } kinds[] = {{"domain", 0}, /* the first two are axes of space */
+    } kinds[] = {{"domain", 0}, /* the first two kinds are axes of space */
                  {"space", 0},
                  {"time", 0},
                  {"list", 0},
@@ -369,7 +370,7 @@ static iso_status parse_space(parser *p, char *value) {
                   {"3D-left-handed-time", 4, {1, 1, -1}, false}};
     char plain[32] = "";
     for (size_t i = 0; i < sizeof spaces / sizeof *spaces; i++) {
-        /* the format allows "right anterior superior" and "rightanteriorsuperior" as well */
+        /* the format also allows "right anterior superior" and "rightanteriorsuperior" */
         size_t length = 0;
         for (const char *c = spaces[i].name; *c; c++)
             if (*c != '-') plain[length++] = *c;
@@ -397,7 +398,7 @@ static iso_status parse_space_dimension(parser *p, char *value) {
     return ISO_OK;
 }
 
-/* "(x,y,z)" or "none", of which no number exists: all or none of them may be NaN. */
+/* Parses "(x,y,z)", or "none", which sets all numbers to NaN. Either all of them or none may be NaN. */
 static bool parse_vector(const parser *p, char **text, double vector[ISO_NRRD_SPACE]) {
     unsigned dim = p->header->space_dim;
     char *at = skip_blanks(*text);
@@ -439,7 +440,7 @@ static iso_status parse_space_units(parser *p, char *value) {
     return *skip_blanks(value) ? bad(p, "space units", "more words than axes of the space") : ISO_OK;
 }
 
-/* ---- where the array is ---- */
+/* ---- the location of the array ---- */
 
 static iso_status parse_line_skip(parser *p, char *value) {
     if (parse_unsigned(value, &p->header->line_skip)) return ISO_OK;
@@ -451,15 +452,15 @@ static iso_status parse_byte_skip(parser *p, char *value) {
     return bad(p, "byte skip", "not a number of bytes");
 }
 
-/* Whether a pattern is meant: the first % that is not doubled begins %d, perhaps with a width. */
+/* Whether a name is a pattern: its first % that is not doubled begins %d, with or without a width. */
 static bool is_pattern(const char *text) {
     const char *at = strchr(text, '%');
     while (at && at[1] == '%') at = strchr(at + 2, '%');
     return at && at[1 + strspn(at + 1, "0123456789")] == 'd';
 }
 
-/* Axes in each file: what is given, or all but the last. */
-static iso_status take_file_dim(parser *p, char **value) {
+/* Parses the number of axes in each file; without a number, all but the last. */
+static iso_status parse_file_dim(parser *p, char **value) {
     char *word = next_word(value);
     uint64_t dim = p->header->dim - 1;
     if ((word && !parse_unsigned(word, &dim)) || dim > p->header->dim || (word && dim < 1) ||
@@ -469,27 +470,27 @@ static iso_status take_file_dim(parser *p, char **value) {
     return ISO_OK;
 }
 
-/* "name%03d.raw 1 90 1 [dim]" */
+/* Parses "name%03d.raw 1 90 1 [dim]". */
 static iso_status parse_pattern(parser *p, char *value) {
     iso_nrrd_header *header = p->header;
     char *name = next_word(&value);
     bool counted = parse_signed(next_word(&value), &header->first) &&
                    parse_signed(next_word(&value), &header->last) &&
                    parse_signed(next_word(&value), &header->step);
-    /* As ints, which they are to teem: no sum of two of them overflows. */
+    /* limited to int, as in teem, so that sums of two of them do not overflow */
     const int64_t numbers[3] = {header->first, header->last, header->step};
     for (int i = 0; i < 3; i++) counted = counted && numbers[i] >= INT_MIN && numbers[i] <= INT_MAX;
     if (!counted || header->step == 0 || (header->last - header->first) * header->step < 0)
         return bad(p, "data file", "not a first and a last number and the step between them");
     snprintf(header->name, sizeof header->name, "%s", name);
     header->place = ISO_NRRD_PATTERN;
-    return take_file_dim(p, &value);
+    return parse_file_dim(p, &value);
 }
 
 static iso_status parse_list(parser *p, char *value) {
     p->header->place = *value == 'S' ? ISO_NRRD_SKIP_LIST : ISO_NRRD_LIST;
     next_word(&value);
-    return take_file_dim(p, &value);
+    return parse_file_dim(p, &value);
 }
 
 static bool is_word(const char *text, const char *word) {
@@ -514,7 +515,7 @@ static iso_status parse_data_file(parser *p, char *value) {
 
 typedef enum need { NEED_NOTHING, NEED_DIMENSION = 1, NEED_SPACE = 2, NEED_BOTH = 3 } need;
 
-/* Those without a function say nothing about the voxels and their places. */
+/* All fields of the format. Those without a function do not affect the voxels and their positions. */
 static const struct {
     const char *name, *other; /* two spellings, mostly with and without a space */
     iso_status (*parse)(parser *p, char *value);
@@ -586,7 +587,8 @@ static iso_status parse_line(parser *p, char *line) {
                     "%s: line %d of its header is no field of an NRRD file: '%.40s'", p->path, p->line, line);
 }
 
-/* The next line, ended, without its end (\n, \r\n or \r); false: the text ends before. */
+/* Sets *line to the next line, zero-terminated, without its end (\n, \r\n or \r); false: the text has no
+ * complete line. */
 static bool next_line(parser *p, char **line) {
     char *end = p->at;
     while (end < p->end && *end != '\n' && *end != '\r') end++;
@@ -624,7 +626,7 @@ static iso_status parse_lines(parser *p) {
     return iso_fail(p->error, ISO_ERR_IO, "%s: truncated: its header does not end", p->path);
 }
 
-/* ---- the whole ---- */
+/* ---- the whole header ---- */
 
 static iso_status check_axis(const parser *p, unsigned index) {
     const iso_nrrd_axis *axis = &p->header->axis[index];

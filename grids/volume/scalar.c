@@ -1,4 +1,4 @@
-/* The types of numbers in files: sizes, names, and conversion to the types of grids. */
+/* scalar: the types of numbers in files: sizes, names, and conversion to the types of grids. */
 #include <assert.h>
 #include <string.h>
 

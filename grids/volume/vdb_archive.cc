@@ -1,5 +1,5 @@
-/* Listing and reading the grids of a .vdb file through OpenVDB's stream functions, with the checks that
- * OpenVDB lacks. */
+/* vdb_archive: lists and reads the grids of a .vdb file with OpenVDB's stream functions, and adds the checks
+ * that OpenVDB lacks. */
 #include "grids/volume/vdb_archive.hpp"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ bool is_level_set(const GridBase &grid) {
 
 namespace {
 
-/* The file's size, and the stream at its beginning. */
+/* Opens the stream at the file's beginning; returns the file's size. */
 std::streamoff open_stream(const char *path, std::ifstream &stream) {
     stream.open(path, std::ios_base::binary);
     if (!stream) OPENVDB_THROW(openvdb::IoError, "cannot open the file");
@@ -59,8 +59,9 @@ iso_status archive::scan(iso_error *error) {
     return ISO_OK;
 }
 
-/* A file that begins rightly and is too short for a header is cut off; any other is not a .vdb. Files before
- * version 222 are laid out in other ways, those of later versions in ways not known yet. */
+/* Checks the magic number and the version. A file that begins with a part of the magic number is truncated;
+ * any other is not a .vdb. Files before version 222 have other layouts, and those of later versions unknown
+ * ones. */
 iso_status archive::check_magic(iso_error *error) {
     const uint32_t oldest = openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION;
     const uint32_t newest = openvdb::OPENVDB_FILE_VERSION;
@@ -99,8 +100,8 @@ iso_status archive::next_grid(bool *more, iso_error *error) {
     return ISO_OK;
 }
 
-/* In a file that was written as a stream the only way to the next grid is through this one. What cannot be
- * checked is not read, and nothing behind it is found. */
+/* Reads a grid of a file without grid offsets (written as a stream), to find the next one. A grid that cannot
+ * be checked is not read, and the grids after it are not found. */
 iso_status archive::next_of_stream(vdb_grid &entry, bool *more, iso_error *error) {
     const std::streamoff begin = stream_.tellg();
     read_header_of(entry);
@@ -135,7 +136,7 @@ static int value_bytes(const GridBase &grid) {
     return bytes;
 }
 
-/* Of the tree of a grid whose header was read. */
+/* The layout of the tree of a grid whose header was read. */
 static iso_vdb_layout layout_of(const vdb_grid &entry, bool streamed) {
     const GridBase &grid = *entry.grid;
     iso_vdb_layout layout = {};
@@ -155,19 +156,19 @@ static iso_vdb_layout layout_of(const vdb_grid &entry, bool streamed) {
     return layout;
 }
 
-/* The values, the mask, the origin, pointers and what the heap adds. */
+/* The size of a leaf in memory: values, mask, origin, pointers and the overhead of the heap. */
 static size_t leaf_bytes(const GridBase &grid) {
     return 512 * static_cast<size_t>(value_bytes(grid)) + 160;
 }
 
-/* Inner nodes have a value or a pointer for each child, and two masks. */
+/* The size of a tree in memory. Inner nodes have a value or a pointer for each child, and two masks. */
 static uint64_t bytes_of(const GridBase &grid, const iso_vdb_nodes &nodes) {
     const uint64_t slot = std::max<uint64_t>(8, static_cast<uint64_t>(value_bytes(grid)));
     return nodes.leaves * leaf_bytes(grid) + nodes.lower * (4096 * slot + 1200) +
            nodes.upper * (32768 * slot + 8400) + nodes.tiles * (slot + 80);
 }
 
-/* Whether the tree can be read, in its layout and in its size. */
+/* Checks that a tree is laid out correctly, and that it fits into the memory limit. */
 iso_status archive::check_tree(const vdb_grid &entry, bool streamed, iso_error *error) {
     const iso_vdb_layout layout = layout_of(entry, streamed);
     iso_vdb_nodes nodes;
@@ -180,7 +181,7 @@ iso_status archive::check_tree(const vdb_grid &entry, bool streamed, iso_error *
 iso_status archive::measure(const vdb_grid &entry, uint64_t *bytes, uint64_t *leaves, iso_error *error) {
     if (entry.descriptor.isInstance()) return measure(parent_of(entry), bytes, leaves, error);
     if (entry.loaded) {
-        *bytes = loaded_bytes_; /* the trees before it are kept as well */
+        *bytes = loaded_bytes_; /* includes the trees before it, which are also in memory */
         *leaves = entry.grid->constBaseTree().leafCount();
         return ISO_OK;
     }
@@ -192,7 +193,7 @@ iso_status archive::measure(const vdb_grid &entry, uint64_t *bytes, uint64_t *le
     return ISO_OK;
 }
 
-/* The grid whose tree an instance shares. */
+/* The grid whose tree an instance grid shares. */
 vdb_grid &archive::parent_of(const vdb_grid &entry) {
     for (vdb_grid &other : grids)
         if (other.descriptor.uniqueName() == entry.descriptor.instanceParentName() &&

@@ -1,6 +1,6 @@
-/* vdb_archive: the grids of a .vdb file, read through a stream that throws, not through openvdb::io::File:
- * that one ignores a short read and hands out whatever was in memory, and its delayed loading maps files that
- * may shrink.
+/* vdb_archive: the grids of a .vdb file, read through a stream that throws on errors. Not through
+ * openvdb::io::File, which ignores short reads, so that values are undefined, and whose delayed loading maps
+ * files that may be truncated later.
  *
  * What OpenVDB would believe is checked before: lengths of strings and metadata (vdb_lengths.hpp), the layout
  * of trees and the memory that they take (vdb_check.h). Functions throw what OpenVDB and the stream throw. */
@@ -25,7 +25,7 @@ struct vdb_grid {
     openvdb::io::GridDescriptor descriptor;
     openvdb::GridBase::Ptr grid; /* metadata and transform; the tree when `loaded` */
     bool loaded = false;
-    std::streamoff tree = 0; /* where it begins in the file */
+    std::streamoff tree = 0; /* position of the tree in the file */
     uint32_t compression = 0;
 
     std::string name() const { return openvdb::io::GridDescriptor::nameAsString(descriptor.uniqueName()); }
@@ -48,15 +48,15 @@ class archive : public openvdb::io::Archive {
     std::vector<vdb_grid> grids;
     /* Lists the grids. */
     iso_status scan(iso_error *error);
-    /* Reads the tree of a grid of numbers: where its voxels are, and what they hold unless `topology` is
-     * enough. */
+    /* Reads the tree of a grid of numbers; with `topology` only the positions of its voxels, not their
+     * values. */
     iso_status load(vdb_grid &entry, bool topology, iso_error *error);
-    /* What the tree of a grid of numbers takes in memory, and of how many leaves it is. */
+    /* The size in memory and the number of leaves of the tree of a grid of numbers, without reading it. */
     iso_status measure(const vdb_grid &entry, uint64_t *bytes, uint64_t *leaves, iso_error *error);
 
   private:
     const char *path_; /* borrowed */
-    /* The stream keeps a pointer to this pointer. */
+    /* OpenVDB's stream state points to this member, which therefore must not move. */
     openvdb::io::StreamMetadata::Ptr metadata_{new openvdb::io::StreamMetadata};
     std::ifstream stream_;
     const iso_volume_opts *opts_; /* borrowed */

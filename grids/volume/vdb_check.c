@@ -1,5 +1,5 @@
-/* Walks over the nodes of a tree in the order in which OpenVDB's readTopology and readBuffers read them,
- * without decompressing anything. */
+/* vdb_check: walks over the nodes of a tree in the order in which OpenVDB's readTopology and readBuffers read
+ * them, without decompressing anything. */
 #define _GNU_SOURCE
 #include "grids/volume/vdb_check.h"
 
@@ -9,10 +9,10 @@
 
 #include "base/memory.h"
 
-/* Values of a node by the logarithm of its side; a mask takes a bit of each. */
+/* Numbers of values in a node (leaf 8^3, lower 16^3, upper 32^3); a mask has a bit for each. */
 enum { LEAF_VALUES = 1 << 9, LOWER_VALUES = 1 << 12, UPPER_VALUES = 1 << 15, MASK_ROOM = UPPER_VALUES / 8 };
 
-/* Most of a walk is small steps forward: they are taken in a buffer. */
+/* Most steps of a walk are short: they stay within a buffer. */
 enum { BUFFER = 1 << 18 };
 
 typedef struct walk {
@@ -20,7 +20,7 @@ typedef struct walk {
     FILE *stream;
     uint8_t *buffer;
     size_t at, filled;
-    uint64_t begin, size; /* of the buffer, and of the file */
+    uint64_t begin, size; /* position of the buffer in the file; size of the file */
     iso_vdb_nodes nodes;
     bool cut, corrupt;
 } walk;
@@ -70,17 +70,19 @@ static bool take_bytes(walk *w, void *bytes, size_t count) {
     return true;
 }
 
-/* OpenVDB writes in the machine's byte order, and only little-endian machines have any. */
+/* Reads a number in the machine's byte order, as OpenVDB writes it; OpenVDB supports only little-endian
+ * machines. */
 static bool take_count(walk *w, uint32_t *count) {
     return take_bytes(w, count, sizeof *count);
 }
 
 /* ---- values ---- */
 
-/* What a block holds beside the values of active voxels (OpenVDB's io/Compression.h). */
+/* The kinds of blocks, by what they store for inactive voxels (OpenVDB's io/Compression.h). */
 enum block_kind { BACKGROUND, NEGATIVE, ONE_VALUE, MASK, MASK_ONE_VALUE, MASK_TWO_VALUES, ALL_VALUES };
 
-/* The header of a Blosc chunk states both sizes; the library trusts it. */
+/* Checks the header of a Blosc chunk, which states its compressed and uncompressed sizes: Blosc trusts them.
+ */
 static bool check_blosc(walk *w, uint64_t length, uint64_t bytes) {
     uint32_t head[4];
     uint64_t start = position(w);
@@ -90,8 +92,8 @@ static bool check_blosc(walk *w, uint64_t length, uint64_t bytes) {
     return seek(w, start) && skip(w, length);
 }
 
-/* A block of `count` values: as they are, or behind a length that is not positive when they are as they are.
- */
+/* Checks and skips a block of `count` values: uncompressed, or, in compressed files, after a length, which is
+ * not positive if the values are uncompressed nevertheless. */
 static bool check_values(walk *w, uint64_t count) {
     uint64_t bytes = count * (uint64_t)w->layout->stored_bytes;
     if (!w->layout->compressed) return skip(w, bytes);
@@ -111,7 +113,7 @@ static uint64_t count_bits(const uint8_t *mask, size_t bytes) {
     return count;
 }
 
-/* The values of a node with `room` of them, of which those in `mask` are active. */
+/* Checks and skips the values of a node with `room` values, of which those in `mask` are active. */
 static bool check_block(walk *w, const uint8_t *mask, uint64_t room) {
     uint8_t kind;
     if (!take_bytes(w, &kind, 1)) return false;
@@ -125,7 +127,8 @@ static bool check_block(walk *w, const uint8_t *mask, uint64_t room) {
 
 /* ---- nodes ---- */
 
-/* A node's masks of children and of active values, then its values; how many children it has. */
+/* Checks and skips an inner node: its masks of children and of active values, then its values. *children: the
+ * number of its children. */
 static bool check_inner(walk *w, uint64_t room, uint64_t *children) {
     uint8_t child_mask[MASK_ROOM], value_mask[MASK_ROOM];
     if (!take_bytes(w, child_mask, room / 8) || !take_bytes(w, value_mask, room / 8)) return false;
@@ -145,7 +148,7 @@ static bool check_upper(walk *w) {
     return true;
 }
 
-/* Nodes lie at multiples of their side, 4096 voxels. */
+/* Checks the origin of a root's child: a multiple of its side, 4096 voxels. */
 static bool check_origin(walk *w) {
     int32_t origin[3];
     if (!take_bytes(w, origin, sizeof origin)) return false;
@@ -174,7 +177,7 @@ static bool check_leaf(walk *w) {
     if (!take_bytes(w, mask, sizeof mask)) return false;
     switch (w->layout->leaf) {
     case ISO_VDB_BOOLS:
-        return skip(w, 12 + sizeof mask); /* the origin, and a bit a voxel */
+        return skip(w, 12 + sizeof mask); /* the origin, and one bit per voxel */
     case ISO_VDB_MASK:
         return skip(w, 12);
     default:

@@ -19,12 +19,13 @@ typedef enum iso_vdb_leaf { ISO_VDB_VALUES, ISO_VDB_BOOLS, ISO_VDB_MASK } iso_vd
 
 /* A tree of 32^3, 16^3 and 8^3 nodes, in a file of version 222 or later. */
 typedef struct iso_vdb_layout {
-    int value_bytes;  /* of one value in memory, as tiles and inactive values are stored */
-    int stored_bytes; /* of one value in a block: less for halves */
+    int value_bytes;  /* size of a value in memory, and of tiles and inactive values in the file */
+    int stored_bytes; /* size of a value in a block: less for grids of halves */
     iso_vdb_leaf leaf;
-    bool compressed, blosc, active_only; /* blocks: with a length before them; only values of active voxels */
-    uint64_t topology;                   /* where the tree begins in the file */
-    uint64_t blocks, end; /* where its voxels begin and where it ends; 0: not stated, it may end anywhere */
+    bool compressed, blosc; /* blocks begin with a length; they are Blosc chunks */
+    bool active_only;       /* blocks have only the values of active voxels */
+    uint64_t topology;      /* position of the tree in the file */
+    uint64_t blocks, end;   /* positions of the tree's voxels and of its end; 0: not stated */
 } iso_vdb_layout;
 
 /* The numbers of a tree's nodes, from which its memory follows. */

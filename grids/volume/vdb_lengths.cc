@@ -1,5 +1,5 @@
-/* Walks over strings, MetaMap, GridDescriptor, Transform and DelayedLoadMetadata in the order in which
- * OpenVDB's read functions read them. */
+/* vdb_lengths: walks over strings, MetaMap, GridDescriptor, Transform and DelayedLoadMetadata in the order in
+ * which OpenVDB's read functions read them. */
 #include "grids/volume/vdb_lengths.hpp"
 
 #include <algorithm>
@@ -9,11 +9,11 @@
 
 namespace {
 
-/* What an entry of metadata and a grid take beside their bytes, and what the headers of a file may take in
- * all: some ten thousand grids. */
+/* The memory of a metadata entry and of a grid beside their bytes; the most that all headers of a file may
+ * need, enough for about ten thousand grids. */
 constexpr uint64_t entry_bytes = 200, grid_bytes = 3000, most_bytes = uint64_t{32} << 20;
 
-/* Longer names of types and maps are none that OpenVDB knows. */
+/* The longest name of a type or a map; OpenVDB has no longer ones. */
 constexpr uint32_t longest_type = 256;
 
 [[noreturn]] void fail(const char *what) {
@@ -25,7 +25,7 @@ constexpr uint32_t longest_type = 256;
 uint32_t vdb_lengths::take_number() {
     uint32_t number = 0;
     stream_.read(reinterpret_cast<char *>(&number),
-                 sizeof number); /* .vdb is the byte order of its machines */
+                 sizeof number); /* in the machine's byte order, as OpenVDB writes it */
     return number;
 }
 
@@ -44,7 +44,7 @@ void vdb_lengths::take_memory(uint64_t bytes) {
 uint32_t vdb_lengths::pass_string() {
     const uint32_t length = take_number();
     pass(length);
-    take_memory(2 * uint64_t{length}); /* OpenVDB copies them */
+    take_memory(2 * uint64_t{length}); /* OpenVDB makes a copy of each string */
     return length;
 }
 
@@ -68,7 +68,8 @@ void vdb_lengths::check_metadata() {
     stream_.seekg(begin);
 }
 
-/* OpenVDB reads values of the types that it knows by their own size, whatever size is stated. */
+/* Checks and skips a metadata value. OpenVDB reads a value of a known type by the type's size, whatever size
+ * is stated. */
 void vdb_lengths::pass_value(const std::string &type) {
     const uint32_t bytes = take_number();
     const std::streamoff begin = stream_.tellg();
@@ -85,8 +86,8 @@ void vdb_lengths::pass_value(const std::string &type) {
     }
 }
 
-/* A byte and a number for every leaf, each as it is or as a chunk of Blosc; all of it is counted. A leaf
- * takes 64 bytes of the file or more. */
+/* Checks and skips DelayedLoadMetadata: a byte and a number for every leaf, uncompressed or as Blosc chunks.
+ * Their number is limited, as each leaf takes at least 64 bytes of the file. */
 void vdb_lengths::pass_leaf_sizes(uint64_t bytes) {
     if (bytes < 12) fail("metadata of a wrong size");
     const uint64_t leaves = take_number();
@@ -98,7 +99,8 @@ void vdb_lengths::pass_leaf_sizes(uint64_t bytes) {
     if (sizes != UINT32_MAX) pass_packed(sizes, 8 * leaves);
 }
 
-/* A chunk of Blosc states both sizes, which the library trusts. OpenVDB pads short values to 128 bytes. */
+/* Checks and skips a Blosc chunk, which states its compressed and uncompressed sizes: Blosc trusts them.
+ * OpenVDB pads short values to 128 bytes. */
 void vdb_lengths::pass_packed(uint64_t bytes, uint64_t unpacked) {
     if (bytes == 0) return pass(unpacked);
     const std::streamoff begin = stream_.tellg();
@@ -106,7 +108,7 @@ void vdb_lengths::pass_packed(uint64_t bytes, uint64_t unpacked) {
     if (bytes < 16) fail("metadata of a wrong size");
     stream_.seekg(begin + std::streamoff{4});
     const uint32_t stated = take_number();
-    take_number(); /* of a block */
+    take_number(); /* size of a Blosc block: not checked */
     if (stated != std::max<uint64_t>(unpacked, 128) || take_number() != bytes)
         fail("metadata of a wrong size");
     stream_.seekg(begin + static_cast<std::streamoff>(bytes));
@@ -116,7 +118,7 @@ void vdb_lengths::check_descriptor() {
     const std::streamoff begin = stream_.tellg();
     pass_string();
     if (pass_string() > longest_type) fail("a grid's type has an impossible name");
-    pass_string(); /* the grid whose voxels it shares */
+    pass_string(); /* name of the grid whose tree an instance shares */
     take_memory(grid_bytes);
     stream_.seekg(begin);
 }

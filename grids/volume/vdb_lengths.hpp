@@ -1,7 +1,7 @@
-/* vdb_lengths: whether the lengths before the strings and metadata of a .vdb file can be believed.
+/* vdb_lengths: checks the lengths that are stored before the strings and metadata of a .vdb file.
  *
- * OpenVDB takes as much memory as a length says, up to 4 GB, and reads afterwards. Each function passes over
- * what OpenVDB is about to read and puts the stream back. It throws std::ios_base::failure where the file
+ * OpenVDB allocates as much memory as a length says, up to 4 GB, before it reads. Each function walks over
+ * what OpenVDB is about to read and then resets the stream. It throws std::ios_base::failure where the file
  * ends first (the stream must do so as well) and openvdb::IoError where lengths contradict one another or the
  * headers take more memory than any right file's do. */
 #ifndef ISO_GRIDS_VOLUME_VDB_LENGTHS_HPP
@@ -23,7 +23,7 @@ class vdb_lengths {
   private:
     std::istream &stream_;
     std::streamoff size_;
-    uint64_t memory_ = 0; /* that the headers take, about */
+    uint64_t memory_ = 0; /* estimated memory of the headers */
 
     uint32_t take_number();
     void pass(uint64_t bytes);

@@ -1,5 +1,5 @@
-/* Reading volumes: finding the format from the content and the name, calling its reader, and the checks that
- * all formats share. */
+/* volume: reads volumes: finds the format from the content and the name, calls its reader, and makes the
+ * checks that all formats share. */
 #define _GNU_SOURCE
 #include "grids/volume/volume.h"
 
@@ -18,10 +18,10 @@
 #include "grids/volume/format.h"
 #include "grids/volume/module.h"
 
-/* ---- which format ---- */
+/* ---- finding the format ---- */
 
-/* Their readers are modules: the libraries take tens of milliseconds and megabytes before they read a byte.
- */
+/* Formats whose readers are modules, because loading their libraries takes tens of milliseconds and
+ * megabytes. */
 static const iso_format format_vti = {.name = "vti", .library = "VTK", .module = "vti"};
 static const iso_format format_vdb = {.name = "vdb", .library = "OpenVDB", .module = "vdb"};
 
@@ -43,7 +43,7 @@ static const iso_format *format_of_name(const char *path) {
     return NULL;
 }
 
-/* The beginning of a file: long enough for every magic number below. */
+/* The beginning of a file, long enough for all tests below. */
 typedef struct head {
     char bytes[1024];
     size_t count;
@@ -63,7 +63,7 @@ static bool is_nifti(const head *h) {
     return false;
 }
 
-/* MetaIO has no magic number: a text of "Key = value" lines that must hold NDims. */
+/* MetaImage has no magic number: a text of "Key = value" lines, one of which must be NDims. */
 static bool is_metaimage(const head *h) {
     char text[sizeof h->bytes + 1];
     memcpy(text, h->bytes, h->count);
@@ -79,7 +79,7 @@ static bool is_xml_vtk(const head *h) {
     return memmem(h->bytes, h->count, "<VTKFile", 8) != NULL;
 }
 
-/* What the content says outweighs the name. */
+/* The format by the content, which takes precedence over the name. */
 static const iso_format *format_of_content(const head *h) {
     if (has_at(h, 0, "NRRD", 4)) return &iso_format_nrrd;
     if (has_at(h, 0, "# vtk DataFile", 14)) return &iso_format_vtk;
@@ -108,8 +108,7 @@ static iso_status read_head(const char *path, head *h, iso_error *error) {
     return ISO_OK;
 }
 
-/* What is asked for: the caller's options, and the layout in which a raw file is read though they give none.
- */
+/* The caller's options, and the layout of a raw file that its name gives when the options do not. */
 typedef struct request {
     iso_volume_opts opts;
     iso_raw_layout guessed;
@@ -121,8 +120,8 @@ static const iso_format *format_of_file(const char *path, const head *h) {
     return format ? format : format_of_name(path);
 }
 
-/* A file that no reader knows, or that is called .raw, may tell its layout by its name; its size must agree.
- */
+/* If no reader knows the file or it is called .raw, looks for a layout in its name; the file's size must
+ * agree. */
 static iso_status guess_raw(const char *path, uint64_t bytes, request *r, const iso_format **format,
                             iso_error *error) {
     if (*format && !iso_text_has_extension(path, ".raw")) return ISO_OK;
@@ -180,9 +179,10 @@ static iso_status check_spacing(const char *path, const iso_volume_opts *opts, i
     return ISO_OK;
 }
 
-/* Positions in double precision have 16 digits. Between a volume's voxels and its farthest corner there may
- * be 12 of them, so that thousands of steps are left within a voxel; and the areas and volumes of voxels must
- * be numbers. A surface of voxels that are a million times longer than wide is a line in every picture. */
+/* Limits on the positions and sizes of voxels, mm. Doubles have 16 digits: with a ratio of at most 1e12
+ * between the farthest corner and a voxel's size, thousands of steps are left within a voxel. Areas and
+ * volumes of voxels must not underflow. A voxel whose sides differ by more than a factor of a million cannot
+ * be seen in any picture. */
 static const double farthest = 1e12, finest = 1e-12, smallest_voxel = 1e-15, thinnest = 1e-6;
 
 /* The largest coordinate of the box of voxels, in mm. */
@@ -227,7 +227,7 @@ static iso_status check_geometry(const char *path, const iso_volume_opts *opts, 
     iso_transform *t = &info->transform;
     ISO_TRY(check_spacing(path, opts, info, error));
     for (int i = 0; i < 9; i++) {
-        t->direction[i] += 0.0; /* never -0 */
+        t->direction[i] += 0.0; /* turns -0 into 0 */
         if (!isfinite(t->direction[i]))
             return iso_fail(error, ISO_ERR_FORMAT, "%s: the directions of its axes are not numbers", path);
     }
@@ -249,7 +249,8 @@ static iso_status check_geometry(const char *path, const iso_volume_opts *opts, 
     return ISO_OK;
 }
 
-/* What integers are scaled by and shifted by must leave them different numbers, that fit in a float. */
+/* Checks scale and offset: scaled integers must fit into floats, and different integers must stay different.
+ */
 static iso_status check_scale(const char *path, const iso_volume_info *info, iso_error *error) {
     const double most = 1e30, span = info->type == ISO_FLOAT32 ? HUGE_VAL : info->scale * 65536;
     if (!(info->scale >= 1 / most && info->scale <= most && fabs(info->offset) <= most))
@@ -262,7 +263,8 @@ static iso_status check_scale(const char *path, const iso_volume_info *info, iso
     return ISO_OK;
 }
 
-/* The index of bricks is made when the reader has given back what it needed beside the grid. */
+/* Counts the memory of the brick index, which is made after the reader has released what it needs beside the
+ * grid. */
 static void count_index(iso_volume_info *info) {
     uint64_t bytes = info->bytes;
     if (!info->sparse && __builtin_add_overflow(bytes, iso_brick_index_estimate(info->dims), &bytes))
@@ -285,16 +287,16 @@ static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_
     return ISO_OK;
 }
 
-/* What is wrong may be wrong with a data file, which the reader names: the file that was asked for comes
- * first. */
-static iso_status named(const char *path, iso_status status, const iso_error *detail, iso_error *error) {
+/* Makes a message begin with the path that the caller gave: a reader's message may begin with the name of a
+ * data file. */
+static iso_status name_path(const char *path, iso_status status, const iso_error *detail, iso_error *error) {
     if (status == ISO_OK) return ISO_OK;
     size_t length = iso_text_begins(detail->text, path); /* "head.img: ..." does not name the file "head" */
     bool names_it = length && (path[strlen(path) - 1] == '/' || strchr(":/, ", detail->text[length]));
     return iso_fail(error, status, "%s%s%s", names_it ? "" : path, names_it ? "" : ": ", detail->text);
 }
 
-/* Puts the module's entry in place of one that names a module. */
+/* Replaces the entry of a format whose reader is in a module by the module's. */
 static iso_status load_format(const char *path, const iso_format **format, iso_error *error) {
     if ((*format)->module) {
         const iso_module *module = NULL;
@@ -306,7 +308,7 @@ static iso_status load_format(const char *path, const iso_format **format, iso_e
                     (*format)->library);
 }
 
-/* Options that mean something for other formats only: a user who gave one should know. */
+/* Notes options that were given but have no effect on files of this format. */
 static void note_unused(const iso_volume_opts *opts, iso_volume_info *info) {
     const bool named = strcmp(info->format, "vdb") == 0 || strcmp(info->format, "vti") == 0 ||
                        strcmp(info->format, "vtk") == 0;
@@ -332,12 +334,13 @@ static iso_status read_header(const char *path, request *r, const iso_format **f
     if (r->is_guessed) note_guess(&r->guessed, info);
     iso_error detail = {0};
     iso_file_set_read(r->opts.files, path);
-    ISO_TRY(named(path, (*format)->info(path, &r->opts, info, &detail), &detail, error));
+    ISO_TRY(name_path(path, (*format)->info(path, &r->opts, info, &detail), &detail, error));
     note_unused(&r->opts, info);
     return check_info(path, &r->opts, info, error);
 }
 
-/* Names from the file are shown from here on; until then readers look for them in the file. */
+/* Makes the texts from the file printable. Readers need them unchanged until here, to find them in the file.
+ */
 static void clean_texts(iso_volume_info *info) {
     iso_text_clean_in_place(info->name, sizeof info->name);
     iso_text_clean_in_place(info->file_type, sizeof info->file_type);
@@ -365,7 +368,7 @@ iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts
     return iso_format_check_memory(path, opts, info->read_bytes, what, error);
 }
 
-/* What a reader made has to be what its header announced: that is what was checked against the limit. */
+/* Whether the grid has the size and type of the header, which were checked against the memory limit. */
 static bool agrees(const iso_volume_info *info, const iso_grid *grid) {
     if (!grid->rgrid) return grid->hgrid != NULL;
     const int *dims = grid->rgrid->dims;
@@ -391,7 +394,7 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
     ISO_TRY(iso_format_progress(path, opts, 0, error));
     iso_error detail = {0};
     iso_status status = format->read(path, opts, &result.info, &result.grid, &detail);
-    ISO_TRY(named(path, status, &detail, error));
+    ISO_TRY(name_path(path, status, &detail, error));
     if (!agrees(&result.info, &result.grid))
         status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
     if (status == ISO_OK && result.grid.rgrid) status = make_index(path, opts, result.grid.rgrid, error);

@@ -1,5 +1,5 @@
-/* vti_check: the headers of arrays as VTK's vtkXMLDataParser takes them, and the shape of the XML around
- * them.
+/* vti_check: parses the headers of arrays in the way of VTK's vtkXMLDataParser, and the structure of the XML
+ * around them.
  *
  * A binary array begins with its length in bytes; a compressed one with the number of blocks, the unpacked
  * size of a block, that of the last one when it is smaller (else 0), and the packed size of every block. In
@@ -18,8 +18,8 @@
 
 enum { BUFFER = 1 << 16 };
 
-/* VTK takes about 500 bytes for an element and three times its text. Images have a few elements for each of
- * their pieces and nest five deep. */
+/* Limits on the XML, for which VTK needs about 500 bytes for each element and three times its text. Images
+ * have a few elements for each of their pieces, nested five deep. */
 enum { MAX_ELEMENTS = 50000, MAX_MARKUP = 4 << 20, MAX_DEPTH = 64, MAX_ATTRIBUTES = 256 };
 
 typedef struct input {
@@ -58,7 +58,7 @@ static void close_input(input *in) {
     iso_free(in);
 }
 
-/* False at the end of the file. */
+/* Reads the next part of the file into the buffer; false at the end of the file. */
 static bool refill(input *in) {
     in->begin += in->filled;
     in->at = 0;
@@ -67,7 +67,7 @@ static bool refill(input *in) {
 }
 
 /* The next byte, or EOF. */
-static int next(input *in) {
+static int next_byte(input *in) {
     if (in->at == in->filled && !refill(in)) return EOF;
     return in->buffer[in->at++];
 }
@@ -79,12 +79,12 @@ static uint64_t bytes_left(const input *in) {
 
 /* ---- numbers before the values ---- */
 
-/* Decodes base64 as it is read: four characters are three bytes. */
+/* Reads bytes that are raw or in base64, where four characters encode three bytes. */
 typedef struct decoder {
     input *in;
     const iso_vti_layout *layout;
     unsigned char triple[3];
-    int used; /* of the triple; 3: the next four characters are needed */
+    int used; /* bytes of the triple that were read; 3: the next four characters must be decoded */
 } decoder;
 
 static int digit_value(int c) {
@@ -96,14 +96,14 @@ static int digit_value(int c) {
 
 static bool take_byte(decoder *d, unsigned char *byte) {
     if (d->layout->encoding == ISO_VTI_RAW) {
-        int c = next(d->in);
+        int c = next_byte(d->in);
         *byte = (unsigned char)c;
         return c != EOF;
     }
     if (d->used == 3) {
         uint32_t bits = 0;
         for (int i = 0; i < 4; i++) {
-            int value = digit_value(next(d->in));
+            int value = digit_value(next_byte(d->in));
             if (value < 0) return false;
             bits = bits << 6 | (uint32_t)value;
         }
@@ -125,7 +125,7 @@ static bool take_number(decoder *d, uint64_t *number) {
     return true;
 }
 
-/* Bytes that `left` bytes of the file decode to. */
+/* The number of bytes that `left` bytes of the file decode to. */
 static uint64_t decoded(const iso_vti_layout *layout, uint64_t left) {
     return layout->encoding == ISO_VTI_RAW ? left : left / 4 * 3;
 }
@@ -140,17 +140,18 @@ static iso_status check_length(decoder *d, iso_error *error) {
     if (length < d->layout->bytes)
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: its array has %llu bytes, the voxels are %llu",
                         d->in->path, (unsigned long long)length, (unsigned long long)d->layout->bytes);
-    const uint64_t spare = (uint64_t)(3 - d->used); /* decoded, not taken */
+    const uint64_t spare = (uint64_t)(3 - d->used); /* bytes that are decoded, but not read */
     const uint64_t here = d->layout->encoding == ISO_VTI_RAW ? 0 : spare;
     return decoded(d->layout, bytes_left(d->in)) + here < d->layout->bytes ? cut_off(d->in, error) : ISO_OK;
 }
 
+/* The blocks of a compressed array. */
 typedef struct blocks {
-    uint64_t count, size, last; /* last: unpacked size of the last block, 0: as the others */
-    uint64_t packed, largest;   /* of all blocks, and of one, in the file */
+    uint64_t count, size, last; /* number; uncompressed size; that of the last block, 0: like the others */
+    uint64_t packed, largest;   /* compressed size of all blocks, and of the largest */
 } blocks;
 
-/* Unpacked bytes in all blocks; false when that is not possible. */
+/* Sets *bytes to the uncompressed size of all blocks; false when the numbers are impossible. */
 static bool unpacked(const blocks *b, uint64_t *bytes) {
     if (b->count == 0 || b->size == 0 || b->last > b->size) return false;
     return !__builtin_mul_overflow(b->count - 1, b->size, bytes) &&
@@ -168,14 +169,15 @@ static iso_status check_blocks(decoder *d, blocks *b, iso_error *error) {
                         (unsigned long long)d->layout->bytes);
     for (uint64_t i = 0; i < b->count; i++) {
         if (!take_number(d, &size) || size > d->in->size) return cut_off(d->in, error);
-        b->packed += size; /* at most the file's size, as often as the file has bytes: below 2^64 */
+        b->packed += size; /* cannot overflow: fewer blocks than bytes in the file, each at most its size */
         if (size > b->largest) b->largest = size;
         if (b->packed > d->in->size) return cut_off(d->in, error);
     }
     return decoded(d->layout, bytes_left(d->in)) < b->packed ? cut_off(d->in, error) : ISO_OK;
 }
 
-/* The sizes and places of all blocks, and one block packed and unpacked. */
+/* The memory that VTK needs: for the sizes and positions of all blocks, and for one block compressed and
+ * uncompressed. */
 static uint64_t room_for(const iso_vti_layout *layout, const blocks *b) {
     const uint64_t largest = b->count == 1 && b->last ? b->last : b->size;   /* at most all of the array */
     const uint64_t sizes = b->count * ((uint64_t)layout->header_bytes + 16); /* count: the file has as many */
@@ -188,26 +190,27 @@ static bool is_sign(int c) {
     return c == '+' || c == '-';
 }
 
-/* One number after blanks; false where something else stands. */
+/* Reads a number, after blanks; false if there is anything else. */
 static bool pass_number(input *in) {
-    int c = next(in), digits = 0;
-    while (isspace(c)) c = next(in);
-    if (is_sign(c)) c = next(in);
-    for (; isdigit(c); c = next(in)) digits++;
+    int c = next_byte(in), digits = 0;
+    while (isspace(c)) c = next_byte(in);
+    if (is_sign(c)) c = next_byte(in);
+    for (; isdigit(c); c = next_byte(in)) digits++;
     if (c == '.')
-        for (c = next(in); isdigit(c); c = next(in)) digits++;
+        for (c = next_byte(in); isdigit(c); c = next_byte(in)) digits++;
     if (digits == 0) return false;
     if (c == 'e' || c == 'E') {
-        c = next(in);
-        if (is_sign(c)) c = next(in);
-        for (digits = 0; isdigit(c); c = next(in)) digits++;
+        c = next_byte(in);
+        if (is_sign(c)) c = next_byte(in);
+        for (digits = 0; isdigit(c); c = next_byte(in)) digits++;
         if (digits == 0) return false;
     }
-    if (c != EOF) in->at--; /* the buffer holds what next has given last */
+    if (c != EOF) in->at--; /* puts the last byte back, which is still in the buffer */
     return c == EOF || c == '<' || isspace(c);
 }
 
-/* VTK parses everything up to the first thing that is no number, into memory that doubles as it goes. */
+/* Counts the numbers of a text array. VTK parses numbers up to the first other word, into memory that doubles
+ * as it grows; *room is that memory. */
 static iso_status check_text(input *in, const iso_vti_layout *layout, uint64_t *room, iso_error *error) {
     const uint64_t wanted = layout->bytes / (uint64_t)layout->value_bytes;
     uint64_t count = 0, reserved = 64;
@@ -223,11 +226,11 @@ static iso_status check_text(input *in, const iso_vti_layout *layout, uint64_t *
     return ISO_OK;
 }
 
-/* To the first character behind the element's tag, as VTK finds it: the first > ends the tag. */
+/* Moves behind the element's tag, which, as for VTK, ends at the first >. */
 static void enter_element(input *in) {
-    int c = next(in);
-    while (c != EOF && c != '>') c = next(in);
-    do c = next(in);
+    int c = next_byte(in);
+    while (c != EOF && c != '>') c = next_byte(in);
+    do c = next_byte(in);
     while (isspace(c));
     if (c != EOF) in->at--;
 }
@@ -268,10 +271,10 @@ static bool fails(markup *m, const char *problem) {
     return false;
 }
 
-/* A byte of markup; EOF at the end of the file. */
+/* The next byte of markup, which is counted; EOF at the end of the file. */
 static int next_of(markup *m) {
     m->bytes++;
-    return next(m->in);
+    return next_byte(m->in);
 }
 
 static bool is_bounded(markup *m) {
@@ -279,7 +282,8 @@ static bool is_bounded(markup *m) {
     return m->elements <= MAX_ELEMENTS || fails(m, "has more than 50000 XML elements");
 }
 
-/* Passes everything up to `end`, of three characters, the first of which may be missing. */
+/* Skips everything up to and including `end`: three characters, of which the first may be '*', for any
+ * character. */
 static bool pass_until(markup *m, const char *end) {
     int before = 0, last = 0, c = 0;
     while (c != EOF && m->bytes <= MAX_MARKUP) {
@@ -291,7 +295,7 @@ static bool pass_until(markup *m, const char *end) {
     return is_bounded(m) && fails(m, "its XML ends early");
 }
 
-/* What begins with <!: a comment, or text that is taken as it is. */
+/* Skips what begins with <!: a comment, or a CDATA section. */
 static bool pass_special(markup *m) {
     int c = next_of(m);
     if (c == '-') return pass_until(m, "-->");
@@ -321,7 +325,7 @@ static bool pass_element(markup *m, int c) {
     return true;
 }
 
-/* The next tag, if there is one. */
+/* Parses the next tag, if there is one. */
 static bool pass_tag(markup *m) {
     input *in = m->in;
     for (;;) {

@@ -20,13 +20,13 @@ typedef enum iso_vti_encoding { ISO_VTI_TEXT, ISO_VTI_BASE64, ISO_VTI_RAW } iso_
 /* Where and how a file stores the values of one array. */
 typedef struct iso_vti_layout {
     iso_vti_encoding encoding;
-    bool compressed, lzma; /* lzma: which keeps a dictionary as large as a block */
+    bool compressed, lzma; /* lzma: decompression needs a dictionary as large as a block */
     bool big_endian;
-    int header_bytes; /* of one number before the values: 4 or 8 */
-    int value_bytes;
-    uint64_t position; /* in the file; inside: of the element that the values are in */
+    int header_bytes;  /* size of each number in the header before the values: 4 or 8 */
+    int value_bytes;   /* size of a value */
+    uint64_t position; /* in the file: of the values or, with `inside`, of the element that contains them */
     bool inside;
-    uint64_t bytes; /* of all values, unpacked */
+    uint64_t bytes; /* size of all values, uncompressed */
 } iso_vti_layout;
 
 /* Checks that the file has the data that the layout describes; *room becomes the memory that VTK takes beside

@@ -104,7 +104,7 @@ static bool is_painted(const rendering *r) {
 
 static iso_status paint(const rendering *r, iso_image *image, size_t *covered, iso_error *error) {
     const iso_view view = iso_view_make(&r->camera, r->picture.width, r->picture.height);
-    const iso_exact_canvas canvas = {&view, &r->picture.shading, image, r->picture.pool};
+    const iso_exact_picture canvas = {&view, &r->picture.shading, image, r->picture.pool};
     return iso_paint_exact(&canvas, r->surfaces[0]->subject.exact, covered, error);
 }
 

@@ -1,4 +1,4 @@
-/* Reads POSIX's CLOCK_MONOTONIC. */
+/* clock: POSIX's CLOCK_MONOTONIC. */
 #define _GNU_SOURCE
 #include "base/clock.h"
 

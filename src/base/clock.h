@@ -1,4 +1,4 @@
-/* clock: measures how long something takes. */
+/* clock: measures durations. */
 #ifndef ISO_BASE_CLOCK_H
 #define ISO_BASE_CLOCK_H
 
@@ -6,8 +6,7 @@
 extern "C" {
 #endif
 
-/* Returns the seconds of a clock that nobody sets, so that differences between two calls are right; the value
- * itself has no meaning. Thread-safe. */
+/* Seconds since an arbitrary time, by a clock that is never adjusted: use differences. Thread-safe. */
 double iso_clock_seconds(void);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Finds the instruction sets of the processor with the compiler's builtins, and keeps the chosen level. */
+/* cpu: detection of instruction sets, and their limit by environment variable or by a test. */
 #include "base/cpu.h"
 
 #include <stdatomic.h>
@@ -26,7 +26,7 @@ iso_cpu_level iso_cpu_supported(void) {
 #endif
 }
 
-/* Returns the highest level of the machine, or the lower one that ISO_CPU names. */
+/* The highest level that the machine has and that ISO_CPU allows. */
 static iso_cpu_level allowed(void) {
     int level = (int)iso_cpu_supported();
     const char *wanted = getenv("ISO_CPU");
@@ -35,14 +35,14 @@ static iso_cpu_level allowed(void) {
     return (iso_cpu_level)level;
 }
 
-static _Atomic int chosen = -1; /* -1: nobody has asked yet */
+static _Atomic int chosen = -1; /* the result of iso_cpu_best; -1: not determined yet */
 
 iso_cpu_level iso_cpu_best(void) {
     int level = atomic_load_explicit(&chosen, memory_order_relaxed);
     if (level >= 0) return (iso_cpu_level)level;
     int none = -1;
     level = (int)allowed();
-    /* A limit that another thread has set in the meantime stays. */
+    /* keeps a limit that another thread may have set in the meantime */
     if (!atomic_compare_exchange_strong_explicit(&chosen, &none, level, memory_order_relaxed,
                                                  memory_order_relaxed))
         level = none;

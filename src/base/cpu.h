@@ -1,7 +1,8 @@
 /* cpu: which instruction sets the kernels may use.
  *
- * A kernel family is one body that a file includes once for each instruction set; all variants give the same
- * bytes. The level is found by the first call of iso_cpu_best and kept in an atomic variable. */
+ * Every kernel family is one body, which one file includes once per instruction set; each variant gives the
+ * same bytes. The level of the machine is determined by the first call and kept in an atomic, the only global
+ * state of the library. */
 #ifndef ISO_BASE_CPU_H
 #define ISO_BASE_CPU_H
 
@@ -17,23 +18,22 @@ typedef enum iso_cpu_level {
     ISO_CPU_LEVELS
 } iso_cpu_level;
 
-/* Returns the highest level that this machine has, or the one that the environment variable ISO_CPU names
- * (generic, avx2 or avx512) if this is lower. Thread-safe. */
+/* The highest level that this machine has, or the one that the environment variable ISO_CPU names (generic,
+ * avx2 or avx512) when that is lower. Thread-safe. */
 iso_cpu_level iso_cpu_best(void);
 
-/* Sets the highest level that iso_cpu_best may return from now on; ISO_CPU_AVX512 removes the limit. Returns
- * what iso_cpu_best will return. For tests and benchmarks that compare variants in one process. Points and
- * meshes choose their kernels when they are created or updated, so call this before, while no other thread
- * extracts. */
+/* Limits iso_cpu_best to `highest` from now on; ISO_CPU_AVX512 removes the limit. Returns the new result of
+ * iso_cpu_best. For tests and benches that compare variants in one process. Point sets and meshes choose
+ * their kernels when they are created or updated: call it before that, and while no other thread extracts. */
 iso_cpu_level iso_cpu_limit(iso_cpu_level highest);
 
-/* Returns the highest level that this machine has, regardless of ISO_CPU. */
+/* The highest level that this machine has, without regard to ISO_CPU and iso_cpu_limit. */
 iso_cpu_level iso_cpu_supported(void);
 
 const char *iso_cpu_level_name(iso_cpu_level level);
 
-/* Attributes of functions that use an instruction set. Functions that are inlined into them have no attribute
- * or the same one. */
+/* ISO_TARGET_...: attributes for the functions of a variant. Functions that they inline have the same
+ * attribute or none. */
 #if defined(__x86_64__) && defined(__GNUC__)
 #define ISO_HAVE_X86 1
 #define ISO_TARGET_AVX2 __attribute__((target("avx2,bmi,bmi2,popcnt")))

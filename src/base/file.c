@@ -1,5 +1,4 @@
-/* Opens inputs, and writes outputs as files that have no name until they are complete (O_TMPFILE of Linux)
- * or, where the file system has no such files, under a temporary name that is then changed. */
+/* file: sinks on nameless or temporary files, which get their target's name when they are committed. */
 #define _GNU_SOURCE
 #include "base/file.h"
 
@@ -11,8 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The file is opened first and examined afterwards, so that it cannot be exchanged in between. O_NONBLOCK:
- * opening a FIFO without a writer would wait for one; for regular files it has no effect. */
+/* The type is checked after opening, so that the file cannot be exchanged in between. O_NONBLOCK avoids
+ * waiting for the writer of a FIFO, and has no effect on regular files. */
 iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error) {
     struct stat info = {0};
     const int file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
@@ -30,8 +29,7 @@ iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_e
     return iso_fail(error, ISO_ERR_IO, "%s: not a regular file%s", path, folder ? " but a folder" : "");
 }
 
-/* Returns the permissions for an output: those of the file that it replaces, or those that fopen would give a
- * new file. */
+/* The permissions of the new file: those of an existing target, else those that fopen would give it. */
 static mode_t wanted_mode(const char *target) {
     struct stat info;
     if (stat(target, &info) == 0) return info.st_mode & 0777;
@@ -44,9 +42,8 @@ static iso_status fail_path(iso_error *error, const char *path, int code) {
     return iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", path, strerror(code));
 }
 
-/* Opens a device (/dev/null, a terminal) or a pipe to be written directly: renaming a file to this name would
- * replace the device. */
-static iso_status open_device_sink(const char *path, iso_sink *sink, iso_error *error) {
+/* Opens /dev/null, a terminal or a pipe directly: a rename would replace it by a file. */
+static iso_status open_device(const char *path, iso_sink *sink, iso_error *error) {
     char *target = strdup(path);
     if (!target) return iso_fail_memory(error, path);
     FILE *stream = fopen(path, "wb");
@@ -59,11 +56,10 @@ static iso_status open_device_sink(const char *path, iso_sink *sink, iso_error *
     return ISO_OK;
 }
 
-/* Creates a file without a name in the target's folder; the file vanishes when the process ends, however it
- * ends. Where the file system has no such files (NFS, some FUSE), creates one from the template `name`, which
- * a killed process leaves behind. Sets *name to 0 if the file has no name. Returns the descriptor, or -1 with
- * errno. */
-static int create_temporary(const char *path, char *name) {
+/* Opens a new file in the target's folder: one without a name, which disappears when the process ends in any
+ * way; or, where the file system has no such files (NFS, some FUSE), one with a temporary name, which a
+ * killed process leaves behind. Writes that name, or "", to `name`. */
+static int open_beside(const char *path, char *name) {
     const char *slash = strrchr(path, '/');
     char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
     int descriptor = folder && access("/proc/self/fd", X_OK) == 0
@@ -75,13 +71,13 @@ static int create_temporary(const char *path, char *name) {
     return descriptor;
 }
 
-static iso_status open_temporary_sink(const char *path, iso_sink *sink, iso_error *error) {
+static iso_status open_unseen(const char *path, iso_sink *sink, iso_error *error) {
     char *target = strdup(path), *temporary = NULL;
     if (!target || asprintf(&temporary, "%s.XXXXXX", path) < 0) {
         free(target);
         return iso_fail_memory(error, path);
     }
-    int descriptor = create_temporary(path, temporary);
+    int descriptor = open_beside(path, temporary);
     int code = errno;
     FILE *stream = descriptor >= 0 ? fdopen(descriptor, "wb") : NULL;
     if (!stream) {
@@ -106,13 +102,13 @@ iso_status iso_sink_open(const char *path, iso_sink *sink, iso_error *error) {
     struct stat info;
     bool exists = stat(path, &info) == 0;
     if (exists && S_ISDIR(info.st_mode)) return fail_path(error, path, EISDIR);
-    if (exists && !S_ISREG(info.st_mode)) return open_device_sink(path, sink, error);
+    if (exists && !S_ISREG(info.st_mode)) return open_device(path, sink, error);
     if (exists && (!(info.st_mode & 0222) || faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0))
         return fail_path(error, path, EACCES);
     errno = 0;
     char *target = iso_file_follow(path);
     if (!target) return fail_path(error, path, errno ? errno : ENOMEM);
-    iso_status status = open_temporary_sink(target, sink, error);
+    iso_status status = open_unseen(target, sink, error);
     free(target);
     return status;
 }
@@ -127,8 +123,8 @@ iso_status iso_sink_check(const char *path, iso_error *error) {
     return ISO_OK;
 }
 
-/* Returns the path that a symbolic link contains, to be freed. NULL: `path` is no link, or there is no
- * memory. */
+/* The text of a symbolic link, to be released with free(); NULL when `path` is not a link, or without memory.
+ */
 static char *read_link(const char *path) {
     char text[4096];
     ssize_t length = readlink(path, text, sizeof text);
@@ -136,7 +132,7 @@ static char *read_link(const char *path) {
 }
 
 char *iso_file_follow(const char *path) {
-    enum { DEPTH = 40 }; /* the limit of Linux */
+    enum { DEPTH = 40 }; /* Linux's limit */
     char *at = strdup(path), *next;
     for (int depth = 0; at && (next = read_link(at)); depth++) {
         char *slash = strrchr(at, '/'), *whole = NULL;
@@ -154,8 +150,8 @@ char *iso_file_follow(const char *path) {
     return at;
 }
 
-/* Gives a file without a name the name `target`. A link cannot replace a file; if the target exists, the new
- * file is linked under a passing name first, which is then changed. Returns 0 or an errno. */
+/* Gives a nameless file its target's name. linkat cannot replace an existing file: then the file gets a
+ * temporary name, which is renamed. Returns 0 or an errno. */
 static int name_file(int descriptor, const char *target) {
     char source[64], *passing = NULL;
     snprintf(source, sizeof source, "/proc/self/fd/%d", descriptor);
@@ -173,8 +169,7 @@ static int name_file(int descriptor, const char *target) {
     return code;
 }
 
-/* Closes the sink's file and, if `code` is 0, gives it the target's name. Returns `code` if it is not 0, else
- * 0 or an errno. */
+/* Closes the sink's file; if `code` is 0, the file gets its target's name. Returns 0 or an errno. */
 static int close_file(iso_sink *sink, int code) {
     bool nameless = sink->temporary && !*sink->temporary;
     if (!code && nameless) code = name_file(fileno(sink->stream), sink->target);

@@ -1,5 +1,4 @@
-/* Identifies files by device and inode, and compares a program's outputs with its inputs and with each other.
- */
+/* file_set: a list of files with the identity of each; checks compare every output with all entries. */
 #define _POSIX_C_SOURCE 200809L
 #include "base/file_set.h"
 
@@ -11,14 +10,14 @@
 #include "base/file.h"
 
 typedef struct iso_file_entry {
-    dev_t device; /* of the file or, if it does not exist, of its folder */
-    ino_t inode;
-    char *missing; /* owned: the name in its folder of a file that does not exist; NULL: the file exists */
-    char *name;    /* owned: the name in messages */
+    dev_t device;  /* of the file or, if it does not exist, of its folder */
+    ino_t inode;   /* likewise */
+    char *missing; /* owned: name in the folder of a file that does not exist; NULL: the file exists */
+    char *name;    /* owned: for messages */
     bool written;
 } iso_file_entry;
 
-/* Gets the status of the folder that contains `path`. */
+/* stat of the folder that contains `path`. */
 static bool stat_folder(const char *path, struct stat *info) {
     const char *slash = strrchr(path, '/');
     char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
@@ -27,8 +26,7 @@ static bool stat_folder(const char *path, struct stat *info) {
     return found;
 }
 
-/* Sets the device, inode and `missing` of an entry. Returns false if `path` is not a file that could be
- * overwritten. */
+/* Sets the identity of a file; false when it is not a regular file, and its folder does not exist. */
 static bool identify(const char *path, iso_file_entry *entry) {
     struct stat info;
     if (stat(path, &info) == 0) {
@@ -36,7 +34,7 @@ static bool identify(const char *path, iso_file_entry *entry) {
         entry->inode = info.st_ino;
         return S_ISREG(info.st_mode);
     }
-    char *target = iso_file_follow(path); /* the file to be created, also if `path` is a link */
+    char *target = iso_file_follow(path); /* `path` may be a link to a file that does not exist */
     const char *slash = target ? strrchr(target, '/') : NULL;
     bool found = target && stat_folder(target, &info);
     if (found) {
@@ -61,7 +59,7 @@ static bool is_same_file(const iso_file_entry *a, const iso_file_entry *b) {
     return !a->missing || strcmp(a->missing, b->missing) == 0;
 }
 
-/* Adds an entry. Takes ownership of its strings, also if there is no memory; `incomplete` is set then. */
+/* Adds an entry, whose strings belong to the set from now on. */
 static void add_entry(iso_file_set *set, iso_file_entry *entry, const char *name) {
     if (set->count == set->room) {
         size_t room = set->room ? 2 * set->room : 16;

@@ -1,9 +1,9 @@
-/* file_set: the files that a program reads and writes, for the check that no output overwrites an input or
- * another output.
+/* file_set: the files that a program reads and those that it writes, for checking that no output overwrites
+ * an input or another output.
  *
- * An existing file is identified by device and inode, so that symbolic and hard links to a file count as the
- * same file. A file that does not exist yet is identified by its folder and its name. Files that are not
- * regular (a terminal, /dev/null, a pipe) are not added to the set. One thread at a time. */
+ * An existing file is identified by device and inode, so that symbolic and hard links count as the same file;
+ * a file that does not exist yet by its folder's inode and its name. Files that are not regular (a terminal,
+ * /dev/null, a pipe) are not recorded. One thread at a time. */
 #ifndef ISO_BASE_FILE_SET_H
 #define ISO_BASE_FILE_SET_H
 
@@ -20,21 +20,20 @@ extern "C" {
 typedef struct iso_file_set {
     struct iso_file_entry *entries; /* owned */
     size_t count, room;
-    bool incomplete; /* there was no memory for some file; iso_file_set_check then fails */
+    bool incomplete; /* there was no memory for all: iso_file_set_check returns ISO_ERR_NOMEM */
 } iso_file_set;
 
-/* Adds a file that is read. Does nothing if `set` is NULL. */
+/* Adds a file that is read. A NULL set is ignored. */
 void iso_file_set_read(iso_file_set *set, const char *path);
 
-/* Adds a file that is read, and which messages call `name` instead of `path`. */
+/* Adds a file that is read and that messages call `name` instead of `path`. */
 void iso_file_set_read_as(iso_file_set *set, const char *path, const char *name);
 
-/* Adds an output; "-" is standard output. Does nothing if `path` is NULL. */
+/* Adds an output; "-" is standard output. A NULL path is ignored. */
 void iso_file_set_write(iso_file_set *set, const char *path);
 
-/* Checks the outputs. ISO_ERR_USAGE: an output is the same file as an input or another output; the message
- * names both. ISO_ERR_NOMEM. Call it when all inputs and outputs are known and nothing has been written yet.
- */
+/* ISO_ERR_USAGE, naming both, when an output is a file that is read or another output; ISO_ERR_NOMEM. Call it
+ * when all files are added, before any output is written. */
 iso_status iso_file_set_check(const iso_file_set *set, iso_error *error);
 
 void iso_file_set_free(iso_file_set *set);

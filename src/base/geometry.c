@@ -1,4 +1,4 @@
-/* Boxes, transforms between index and world coordinates, and trigonometric functions. */
+/* geometry: boxes, transforms and their matrices, and sine and cosine by series. */
 #include "base/geometry.h"
 
 #include <float.h>
@@ -124,7 +124,7 @@ iso_box iso_box_transform(const iso_box *box, const iso_affine *affine) {
     return out;
 }
 
-/* Uses Taylor series on |x| <= pi/4 after a two-part reduction by multiples of pi/2 (Cody and Waite 1980). */
+/* Taylor series on |x| <= pi/4 after a two-part reduction by multiples of pi/2 (Cody and Waite 1980). */
 void iso_sincos(double angle, double *sine, double *cosine) {
     const double half_pi_high = 1.57079632673412561417e+00, half_pi_low = 6.07710050650619224932e-11;
     double quadrant = floor(angle * (2 / ISO_PI) + 0.5);

@@ -1,9 +1,9 @@
-/* Vectors, boxes and the index-to-world transform, in double precision.
+/* geometry: vectors, boxes and the index-to-world transform, in double precision.
  *
  * World coordinates are millimetres, LPS (x to the patient's left, y to the back, z up), right-handed.
  * Index coordinates are voxels; voxel (i, j, k) has its centre at exactly (i, j, k).
- * libm's trigonometric functions differ between machines; those here give the same bits everywhere, so that
- * pictures are the same, too. */
+ * The trigonometric functions here do not use libm, whose results differ between machines: pictures must not.
+ */
 #ifndef ISO_BASE_GEOMETRY_H
 #define ISO_BASE_GEOMETRY_H
 
@@ -47,65 +47,60 @@ static inline void iso_vec3_store(iso_vec3 a, double to[3]) {
     to[1] = a.y;
     to[2] = a.z;
 }
-/* Returns a / |a|; for the zero vector, the zero vector. */
+/* a / |a|; the zero vector stays zero. */
 static inline iso_vec3 iso_vec3_unit(iso_vec3 a) {
     double length = iso_vec3_length(a);
     return length > 0 ? iso_vec3_scale(a, 1 / length) : a;
 }
 
-/* Returns a box without points: lo > hi. */
 iso_box iso_box_empty(void);
 bool iso_box_is_empty(const iso_box *box);
-/* Enlarges a box so that it contains the point. */
 void iso_box_add(iso_box *box, iso_vec3 point);
-/* Returns corner 0 .. 7 of the box: bit 0 chooses hi.x, bit 1 hi.y, bit 2 hi.z. */
+/* Corner 0 .. 7 of the box: bit 0 chooses hi.x, bit 1 hi.y, bit 2 hi.z. */
 iso_vec3 iso_box_corner(const iso_box *box, int corner);
 
-/* Returns the transform with origin 0, spacing 1 and identity direction. */
+/* Origin 0, spacing 1, identity direction. */
 iso_transform iso_transform_identity(void);
 
-/* Returns `transform` with origin 0 and identity direction: to coordinates in mm along the volume's own axes.
- */
+/* The transform with the same spacing, origin 0 and identity direction: the volume's local coordinates. */
 iso_transform iso_transform_local(const iso_transform *transform);
 
-/* Returns `transform` with its origin moved to the voxel at index `at`. */
+/* The transform of a part of the grid whose first voxel has the index `at`. */
 iso_transform iso_transform_shift(const iso_transform *transform, const int at[3]);
 
-/* Computes the size in voxels of the box lo .. hi (both inclusive) of a grid. ISO_ERR_USAGE: the box is empty
- * or extends beyond the grid. */
+/* Sets `cropped` to the size of the box of voxels lo .. hi (both inclusive) of a grid. ISO_ERR_USAGE when the
+ * box is empty or reaches beyond the grid. */
 iso_status iso_crop_dims(const int dims[3], const int lo[3], const int hi[3], int cropped[3],
                          iso_error *error);
 
-/* A transform prepared for loops: world = origin + m * index. `inverse` is the inverse of m. Matrices are
- * row-major. */
+/* A transform as a matrix, world = origin + m * index, with the inverse of m. Row-major. */
 typedef struct iso_affine {
     double m[9], inverse[9], origin[3];
     double determinant;
 } iso_affine;
 
 iso_affine iso_transform_affine(const iso_transform *transform);
-/* Transform points and vectors (differences of points) from index to world coordinates, and back. */
 iso_vec3 iso_affine_point(const iso_affine *affine, iso_vec3 index);
 iso_vec3 iso_affine_vector(const iso_affine *affine, iso_vec3 index_vector);
 iso_vec3 iso_affine_point_to_index(const iso_affine *affine, iso_vec3 world);
 iso_vec3 iso_affine_vector_to_index(const iso_affine *affine, iso_vec3 world_vector);
-/* Transforms a normal (a covector) from index to world coordinates by the inverse transpose. The result has
- * unit length; a zero normal stays zero. */
+/* Transforms a normal (covector) to world coordinates by the inverse transpose; unit length; a zero normal
+ * stays zero. */
 iso_vec3 iso_affine_normal(const iso_affine *affine, iso_vec3 index_normal);
 
-/* Whether a transform cannot be inverted reliably: an entry is not finite, a spacing is not positive, or the
- * |determinant| is at most 1e-12 times the product of the lengths of the matrix's columns. */
+/* Whether the 3x3 matrix has a non-finite entry, or a |determinant| below 1e-12 times the product of its
+ * columns' lengths. */
 bool iso_transform_is_singular(const iso_transform *transform);
 
-/* Returns the world box around the eight corners of `box`, which is in index coordinates. */
+/* The world box of `box`, which is in index coordinates: the box of its eight corners. */
 iso_box iso_box_transform(const iso_box *box, const iso_affine *affine);
 
 #define ISO_PI 3.14159265358979323846
 
-/* Computes the sine and cosine of an angle in radians (|angle| up to 1e6) with an error below 1e-14; the same
- * bits on every machine. */
+/* Sine and cosine of `angle` radians (|angle| up to 1e6), error below 1e-14, the same bits on every machine.
+ */
 void iso_sincos(double angle, double *sine, double *cosine);
-/* Returns the tangent of an angle in (-pi/2, pi/2). */
+/* Tangent of an angle in (-pi/2, pi/2). */
 double iso_tan(double angle);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Aligned allocation with huge pages, buffers, and the memory that Linux says is available. */
+/* memory: allocation, buffers, streaming copies, and the memory limits of Linux and its cgroups. */
 #define _GNU_SOURCE
 #include "base/memory.h"
 
@@ -15,7 +15,7 @@
 
 #define HUGE_PAGE ((size_t)2 << 20)
 
-/* Asks for huge pages, for those 2 MiB pages only that lie wholly in the block. */
+/* Advises only the pages that lie wholly in the block. */
 void iso_advise_huge(void *block, size_t bytes) {
 #ifdef MADV_HUGEPAGE
     const size_t before = (0 - (uintptr_t)block) % HUGE_PAGE;
@@ -83,7 +83,7 @@ static uint64_t number_in_file(const char *path, const char *key) {
 uint64_t iso_memory_available(void) {
     uint64_t kib = number_in_file("/proc/meminfo", "MemAvailable:");
     uint64_t available = kib == UINT64_MAX ? UINT64_MAX : kib * 1024;
-    uint64_t limit = number_in_file("/sys/fs/cgroup/memory.max", ""); /* "max" parses as no limit */
+    uint64_t limit = number_in_file("/sys/fs/cgroup/memory.max", ""); /* UINT64_MAX for "max" */
     uint64_t used = number_in_file("/sys/fs/cgroup/memory.current", "");
     if (limit != UINT64_MAX && used != UINT64_MAX) {
         uint64_t left = limit > used ? limit - used : 0;
@@ -114,7 +114,7 @@ void iso_copy_stream(void *to, const void *from, size_t bytes) {
         const size_t head = (0 - (uintptr_t)target) % STREAM_LINE;
         memcpy(target, source, head);
         size_t at = head;
-        for (; at + STREAM_LINE <= bytes; at += STREAM_LINE) /* only whole lines avoid a read of the target */
+        for (; at + STREAM_LINE <= bytes; at += STREAM_LINE) /* whole cache lines: the target is not read */
             for (size_t k = at; k < at + STREAM_LINE; k += sizeof(__m128i))
                 _mm_stream_si128((__m128i *)(void *)(target + k),
                                  _mm_loadu_si128((const __m128i *)(const void *)(source + k)));

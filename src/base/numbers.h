@@ -10,8 +10,7 @@ static inline int iso_min_int(int a, int b) {
     return a < b ? a : b;
 }
 
-/* Returns the index in 0 .. count - 1 that is nearest to `index`; count >= 1. Arrays that are read at such an
- * index repeat their outermost elements. */
+/* The index in 0 .. count - 1 that is nearest to `index`; count is at least 1. */
 static inline int iso_clamp_index(int index, int count) {
     return index < 0 ? 0 : index < count ? index : count - 1;
 }

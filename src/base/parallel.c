@@ -1,4 +1,5 @@
-/* A pool of pthreads that take indices from a shared counter, and work with results in order on top of it. */
+/* parallel: the pool of POSIX threads. Workers take indices from an atomic counter; between calls they poll
+ * for a short time and then sleep. */
 #define _GNU_SOURCE
 #include "base/parallel.h"
 
@@ -28,17 +29,18 @@ struct iso_pool {
     pthread_cond_t work_ready, work_done;
     atomic_ulong round; /* counts calls of iso_parallel_for */
     atomic_int busy;    /* workers that take part in the current round */
-    bool open;          /* workers may still join the current round; one that comes later is not waited for */
+    bool open;          /* workers may still join the current round; those that wake up later skip it */
     bool stop;
-    int spins; /* polls of a waiting thread before it sleeps */
+    int spins; /* how often a waiting thread polls before it sleeps; 0 with fewer processors than threads */
     iso_task *task;
     void *context;
     size_t count;
     atomic_size_t next;
 };
 
-/* How often a waiting thread polls before it sleeps, if every thread has a processor of its own. The parallel
- * loops of a frame follow one another within microseconds, and waking a thread takes tens of microseconds. */
+/* Polls before a waiting thread sleeps. The steps of drawing a picture follow each other within microseconds,
+ * but waking a thread takes tens of microseconds: where every thread has its own processor, polling is
+ * faster. */
 enum { SPINS = 4096 };
 
 static void pause_briefly(void) {
@@ -47,8 +49,8 @@ static void pause_briefly(void) {
 #endif
 }
 
-/* Waits for a round after `*seen`, and sets *seen to its number. Returns whether the worker takes part: false
- * if it came too late, or if the pool is being destroyed. */
+/* Waits for a round after number `*seen` and sets `*seen` to it. Returns whether this worker takes part: not
+ * when the round is closed already, and not when the pool is stopped. */
 static bool join_round(iso_pool *pool, unsigned long *seen) {
     for (int i = 0; i < pool->spins; i++) {
         if (atomic_load_explicit(&pool->round, memory_order_relaxed) != *seen) break;
@@ -73,8 +75,8 @@ static bool is_stopped(iso_pool *pool) {
 
 static void leave_round(iso_pool *pool) {
     if (atomic_fetch_sub(&pool->busy, 1) > 1) return;
-    pthread_mutex_lock(&pool->mutex); /* so that the signal does not come between the caller's last look at
-                                         `busy` and its sleep */
+    pthread_mutex_lock(
+        &pool->mutex); /* so that the signal does not come between the caller's test and its wait */
     pthread_cond_signal(&pool->work_done);
     pthread_mutex_unlock(&pool->mutex);
 }
@@ -185,11 +187,11 @@ void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *contex
     await_workers(pool);
 }
 
-/* ---- results in order */
+/* ---- in order */
 
 enum { SLOTS_PER_THREAD = 4 };
 
-/* The states of a slot, which it goes through in this order. */
+/* The states of a slot, in their order. */
 typedef enum slot_state { SLOT_FREE, SLOT_WORKING, SLOT_READY, SLOT_FINISHING } slot_state;
 
 typedef struct ordered_run {
@@ -201,9 +203,8 @@ typedef struct ordered_run {
     uint8_t state[MAX_THREADS * SLOTS_PER_THREAD]; /* slot_state */
 } ordered_run;
 
-/* Places and finishes all results whose turn it is, whichever thread computed them. The caller holds the
- * mutex. */
-static void place_results(ordered_run *run) {
+/* Places and finishes all results that are next in order; any thread may do that. The mutex is held. */
+static void place_ready(ordered_run *run) {
     const iso_ordered *steps = run->steps;
     for (;;) {
         const size_t slot = run->placed % steps->slots;
@@ -224,9 +225,8 @@ static void place_results(ordered_run *run) {
     }
 }
 
-/* Computes one index, then places the results whose turn it is. The index first waits until its slot is free
- * and no earlier index needs it. Threads cannot all wait: the lowest index that is not placed waits for a
- * `finish` at most. */
+/* Waits until the index's slot is free, also of earlier indices that wait for it. This cannot deadlock: the
+ * smallest index that is not placed waits for nothing but a `finish`. */
 static void ordered_task(void *context, size_t index, int number) {
     ordered_run *run = context;
     const size_t slot = index % run->steps->slots;
@@ -238,7 +238,7 @@ static void ordered_task(void *context, size_t index, int number) {
     run->steps->work(run->context, index, slot, number);
     pthread_mutex_lock(&run->mutex);
     run->state[slot] = SLOT_READY;
-    place_results(run);
+    place_ready(run);
     pthread_mutex_unlock(&run->mutex);
 }
 

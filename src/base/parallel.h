@@ -1,8 +1,7 @@
-/* parallel: a pool of threads for parallel loops. A program creates one pool and passes it down in options;
- * there is no global pool. Functions that take a pool use only the calling thread if it is NULL.
+/* parallel: a pool of threads. A program creates one pool and passes it on in options; there is no global
+ * pool. A NULL pool always means the calling thread only.
  *
- * Results must not depend on the number of threads, so each index of a loop writes only to memory of its own.
- */
+ * Results must not depend on the number of threads: where a task writes must depend on its index only. */
 #ifndef ISO_BASE_PARALLEL_H
 #define ISO_BASE_PARALLEL_H
 
@@ -17,40 +16,40 @@ extern "C" {
 
 typedef struct iso_pool iso_pool;
 
-/* A function that computes one index of a loop. `worker` is 0 .. iso_pool_threads(pool) - 1 and never in use
- * by two threads at once, so it can select scratch memory. */
+/* Executes work item `index` on worker 0 .. iso_pool_threads(pool) - 1 (which selects per-worker memory). */
 typedef void iso_task(void *context, size_t index, int worker);
 
-/* Creates a pool of 1 .. 1024 threads, the calling thread included; 0: as many as there are processors for
- * this process. ISO_ERR_USAGE: another number; ISO_ERR_NOMEM: a thread cannot be started. */
+/* Creates a pool; threads: 1 .. 1024, or 0 for the number of processors that this process may use. Release
+ * with iso_pool_destroy. ISO_ERR_USAGE for other counts, ISO_ERR_NOMEM when threads cannot be started. */
 iso_status iso_pool_create(int threads, iso_pool **pool, iso_error *error);
 void iso_pool_destroy(iso_pool *pool);
 
-/* Returns the number of threads, the calling thread included; 1 for NULL. */
+/* Number of workers, the calling thread included; 1 for NULL. */
 int iso_pool_threads(const iso_pool *pool);
 
-/* Calls task(context, index, worker) for index = 0 .. count - 1 and returns when all calls have returned.
- * Indices are started one by one in ascending order. The calling thread is worker 0. A task must not use its
- * own pool, and only one thread at a time may call this for a pool. */
+/* Runs task(context, 0 .. count-1, worker) and returns when all are done; indices are handed out one by one,
+ * in order. The caller's thread is worker 0. Not reentrant: a task must not use its own pool, and one pool
+ * serves one caller at a time. */
 void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *context);
 
-/* Work whose results are stored in the order of indices while later indices are being computed. For each
- * index `work` is called first, then `place`, then `finish`. `place` is called in the order of indices, one
- * call at a time. The results of an index are kept in its slot, index % slots, which no other index uses
- * before `finish` has returned. */
+/* The steps of iso_parallel_ordered, for results that must be written in order while others are computed. For
+ * each index, `work` is called first, then `place`, then `finish`. `work` and `finish` run in parallel;
+ * `place` is called in the order of indices, by one thread at a time. An index keeps its results in its slot
+ * (index % slots), which is not used by another index before its `finish` has returned. */
 typedef struct iso_ordered {
     void (*work)(void *context, size_t index, size_t slot, int worker);
-    /* `alone`: no `finish` is running. If one is, `place` may do nothing and return false; it is called again
-     * after a `finish` has returned. */
+    /* alone: no `finish` is being executed. If it is false, `place` may do nothing and return false; it is
+     * then called again after a `finish` has returned. */
     bool (*place)(void *context, size_t slot, bool alone);
     void (*finish)(void *context, size_t slot);
-    size_t slots; /* number of slots, 1 .. iso_ordered_slots(pool) */
+    size_t slots; /* iso_ordered_slots(pool) at most, 1 at least */
 } iso_ordered;
 
-/* Returns the largest number of slots for a pool. */
+/* The most slots that iso_parallel_ordered can use. */
 size_t iso_ordered_slots(const iso_pool *pool);
 
-/* Computes, places and finishes indices 0 .. count - 1; otherwise like iso_parallel_for. */
+/* Executes the steps for the indices 0 .. count - 1 and returns when all are done; otherwise like
+ * iso_parallel_for. */
 void iso_parallel_ordered(iso_pool *pool, size_t count, const iso_ordered *steps, void *context);
 
 #ifdef __cplusplus

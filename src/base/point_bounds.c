@@ -1,4 +1,4 @@
-/* Compiles the kernels of point_bounds_body.inc for each instruction set. */
+/* point_bounds: includes point_bounds_body.inc once per instruction set, and chooses the variant. */
 #include "base/point_bounds.h"
 
 #include <float.h>

@@ -1,5 +1,5 @@
-/* point_bounds: computes the boxes around the points of a span and around their normals, so that renderers
- * can skip whole spans. */
+/* point_bounds: boxes around the points of a span and around their normals, so that renderers can skip spans
+ * that are hidden or out of view. */
 #ifndef ISO_BASE_POINT_BOUNDS_H
 #define ISO_BASE_POINT_BOUNDS_H
 
@@ -10,7 +10,7 @@ extern "C" {
 #endif
 
 /* Computes the bounds of points first .. first + count - 1 of the view. Positions that are not finite and
- * normals without a direction are left out; if none is left, lo > hi. Thread-safe. */
+ * normals that are zero or not finite are ignored; when nothing is left, lo > hi. Thread-safe. */
 void iso_point_bounds_find(const iso_point_view *view, size_t first, size_t count, iso_point_bounds *bounds);
 
 #ifdef __cplusplus

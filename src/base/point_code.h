@@ -1,5 +1,5 @@
-/* point_code: converts a point to 8 bytes and back. Kernels that work on arrays use these functions in their
- * loops, or base/point_code.inc for vectors; shaders/unpack.glsl does the same in GLSL. Internal. */
+/* point_code: packs points into 8 bytes and unpacks them, one at a time. Kernels call these functions in
+ * their loops, or use base/point_code.inc for vectors; shaders use shaders/unpack.glsl. Internal. */
 #ifndef ISO_BASE_POINT_CODE_H
 #define ISO_BASE_POINT_CODE_H
 
@@ -11,30 +11,30 @@
 extern "C" {
 #endif
 
-/* Functions that are always inlined, so that compilers can vectorise loops that call them. */
+/* Always inlined, so that compilers vectorize loops that call these functions. */
 #define ISO_POINT_INLINE static inline __attribute__((always_inline))
 
-/* The first bit of the normal in the high 32 bits of a point. */
+/* The first bit of a normal in the high half of a point. */
 enum { ISO_POINT_NORMAL_BIT = 3 * ISO_POINT_COORDINATE_BITS - 32 };
 
 /* ---- unpacking */
 
-/* Returns coordinate 0, 1 or 2 in steps from ISO_POINT_LOW. */
+/* Coordinate x, y or z in steps of ISO_POINT_STEP from ISO_POINT_LOW. */
 ISO_POINT_INLINE uint32_t iso_point_steps(iso_point point, int axis) {
     return (uint32_t)(point.bits >> axis * ISO_POINT_COORDINATE_BITS & (ISO_POINT_COORDINATE_STEPS - 1));
 }
 
-/* Converts a coordinate from steps to voxels. */
+/* The coordinate in voxels of a number of steps. */
 ISO_POINT_INLINE float iso_point_coordinate(float steps) {
     return ISO_POINT_LOW + ISO_POINT_STEP * steps;
 }
 
-/* Returns the bits of both numbers of the normal; the first one has the lower bits. */
+/* The two numbers of the octahedral normal, the first in the low bits. */
 ISO_POINT_INLINE uint32_t iso_point_normal_bits(iso_point point) {
     return (uint32_t)(point.bits >> 3 * ISO_POINT_COORDINATE_BITS);
 }
 
-/* Computes the normal, scaled to |x| + |y| + |z| = 1, from its bits. */
+/* Decodes these two numbers to a normal with |x| + |y| + |z| = 1. */
 ISO_POINT_INLINE void iso_point_unfold_normal(uint32_t bits, float normal[3]) {
     const float step = 2.0f / ISO_POINT_NORMAL_STEPS;
     const float u = (float)(bits & ISO_POINT_NORMAL_STEPS) * step - 1,
@@ -45,31 +45,30 @@ ISO_POINT_INLINE void iso_point_unfold_normal(uint32_t bits, float normal[3]) {
     normal[2] = w;
 }
 
-/* ---- packing, to the nearest step. Sums like the following are positive for all points, so that cutting off
- * the fraction rounds down. */
+/* ---- packing: rounds to the nearest step by adding one half and truncating; the sums are positive for all
+ * valid points */
 
-/* Converts a coordinate from voxels to steps and adds 1/2; cutting off the fraction of the result then rounds
- * to the nearest step. */
+/* A coordinate (voxels) in steps, plus one half: to be truncated. */
 ISO_POINT_INLINE float iso_point_scale_coordinate(float position) {
     const float per_voxel = ISO_POINT_COORDINATE_STEPS / ISO_POINT_RANGE,
                 first = 0.5f - ISO_POINT_LOW * ISO_POINT_COORDINATE_STEPS / ISO_POINT_RANGE;
     return position * per_voxel + first;
 }
 
-/* Converts a number of a normal, -1 .. 1, to steps in the same way. */
+/* One of the two numbers of a normal, -1 .. 1, in steps, plus one half: to be truncated. */
 ISO_POINT_INLINE float iso_point_scale_normal(float part) {
     return part * (ISO_POINT_NORMAL_STEPS / 2.0f) + (ISO_POINT_NORMAL_STEPS / 2.0f + 0.5f);
 }
 
-/* Computes the two numbers of a normal with |x| + |y| + |z| = 1, by folding the lower half of this octahedron
- * over the upper half. */
+/* The two numbers -1 .. 1 of a normal with |x| + |y| + |z| = 1: x and y, with the lower half (z < 0) of the
+ * octahedron folded outwards. */
 ISO_POINT_INLINE void iso_point_fold_normal(float x, float y, float z, float part[2]) {
     const float u = copysignf(1 - fabsf(y), x), v = copysignf(1 - fabsf(x), y);
     part[0] = z < 0 ? u : x;
     part[1] = z < 0 ? v : y;
 }
 
-/* Packs steps into a point. */
+/* The point with these numbers of steps. */
 ISO_POINT_INLINE iso_point iso_point_join(uint32_t x, uint32_t y, uint32_t z, uint32_t u, uint32_t v) {
     const uint32_t low = x | y << ISO_POINT_COORDINATE_BITS | z << 2 * ISO_POINT_COORDINATE_BITS,
                    high = z >> (32 - 2 * ISO_POINT_COORDINATE_BITS) | u << ISO_POINT_NORMAL_BIT |
@@ -77,7 +76,7 @@ ISO_POINT_INLINE iso_point iso_point_join(uint32_t x, uint32_t y, uint32_t z, ui
     return (iso_point){low | (uint64_t)high << 32};
 }
 
-/* Packs a point with a position in [-2, 18) and the two numbers of its normal. */
+/* Packs a point whose position is in [-2, 18) and whose normal is given by iso_point_fold_normal. */
 ISO_POINT_INLINE iso_point iso_point_encode(float x, float y, float z, float u, float v) {
     return iso_point_join(
         (uint32_t)(int32_t)iso_point_scale_coordinate(x), (uint32_t)(int32_t)iso_point_scale_coordinate(y),

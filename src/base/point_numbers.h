@@ -1,4 +1,4 @@
-/* point_numbers: the constants of packed points and curvatures (base/primitives.h), for C and GLSL. */
+/* point_numbers: constants of packed points and curvatures (base/primitives.h), for C and GLSL. */
 #ifndef ISO_BASE_POINT_NUMBERS_H
 #define ISO_BASE_POINT_NUMBERS_H
 

@@ -1,9 +1,9 @@
-/* Packs and unpacks points and curvatures, and computes bounds and counts of views. */
+/* primitives: packing of points and curvatures, and access to views of points and meshes. */
 #include "base/primitives.h"
 
 #include "base/point_code.h"
 
-/* Cuts off the fraction and clamps to 0 .. most. */
+/* Truncates to an integer, clamped to 0 .. `most`. */
 static uint32_t cut_off(float steps, int most) {
     return (uint32_t)(steps < 0 ? 0 : steps > (float)most ? (float)most : steps);
 }
@@ -50,7 +50,7 @@ void iso_curvature_frame(const float n[3], float u[3], float v[3]) {
     v[2] = -n[1];
 }
 
-static int16_t curvature_steps(float value) {
+static int16_t shape_steps(float value) {
     const float per_voxel = 1 / (ISO_CURVATURE_STEP * (1 << ISO_CURVATURE_LOW_BITS));
     return (int16_t)(((int32_t)(value * per_voxel + 2048.5f) - 2048) * (1 << ISO_CURVATURE_LOW_BITS));
 }
@@ -59,8 +59,7 @@ iso_curvature iso_curvature_pack(float uu, float uv, float vv) {
     float norm = sqrtf(uu * uu + 2 * (uv * uv) + vv * vv);
     if (!(norm < 1e15f)) return (iso_curvature){0};
     float scale = norm > ISO_CURVATURE_MOST ? ISO_CURVATURE_MOST / norm : 1;
-    return (iso_curvature){curvature_steps(uu * scale), curvature_steps(uv * scale),
-                           curvature_steps(vv * scale), 0};
+    return (iso_curvature){shape_steps(uu * scale), shape_steps(uv * scale), shape_steps(vv * scale), 0};
 }
 
 void iso_curvature_unpack(iso_curvature curvature, float s[3], float tilt[2]) {

@@ -1,4 +1,4 @@
-/* Converts the progress of a part to that of the whole operation, and asks the caller whether to go on. */
+/* progress: maps fractions of a part to the whole operation, and calls the caller's function. */
 #include "base/progress.h"
 
 #include <stddef.h>

@@ -1,16 +1,16 @@
 /* simd: vectors of floats and 32-bit integers with the width of each instruction set, so that a kernel body
- * is written once and included once for each level.
+ * is written once and compiled once per instruction set (level).
  *
  * A kernel file names its body and includes base/kernel_levels.inc, which includes the body with ISO_LEVEL
  * set to generic, avx2 and avx512 in turn. In the body vf, vi and vm are vectors of ISO_LANES floats,
  * integers and truth values, ISO_TARGET marks its functions and ISO_V(name) names them. Arithmetic on vf and
- * vi is written with operators, everything else with the v_ functions below. Every operation is exact or
- * correctly rounded, so each lane has the same bits at every level; operations across lanes must be written
- * so that their result does not depend on the number of lanes. A function that each level implements with its
- * own instructions is defined as NAME_level before the body is included, and called as ISO_V(NAME).
+ * vi is written with operators, all else with the v_ functions below. Every operation is exact or correctly
+ * rounded, so that each lane has the same bits at every level; a body's results must not depend on the number
+ * of lanes. Code that needs instructions of one level is a function NAME_level, defined before the body,
+ * which calls it as ISO_V(NAME).
  *
- * Each kernel family has one function iso_X_kernel_get(level), which selects a variant with ISO_KERNEL and
- * never returns NULL. Internal: for kernel files only. */
+ * A kernel file chooses the variant in one function, iso_X_kernel_get(level), with the macro ISO_KERNEL.
+ * Internal: for kernel files only. */
 #ifndef ISO_BASE_SIMD_H
 #define ISO_BASE_SIMD_H
 
@@ -31,9 +31,9 @@
 #define ISO_LANES ISO_V(ISO_LANES)
 /* Marks a function of a body that is always inlined. */
 #define ISO_INLINE ISO_TARGET static inline __attribute__((always_inline))
-/* Marks a function that is never inlined or analysed together with its callers: gcc 12 then deletes or
- * reorders stores of large steps, so that stale values are read. A call for some hundred items costs nothing.
- */
+/* Marks a function that is neither inlined nor analysed together with its callers: gcc 12 then deletes or
+ * reorders stores of large functions, so that stale values are read. For functions that process hundreds of
+ * items, for which the call costs nothing. */
 #ifdef __clang__
 #define ISO_STEP __attribute__((noinline))
 #else
@@ -45,8 +45,8 @@
 #define ISO_TARGET_avx512 ISO_TARGET_AVX512
 enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LANES_MAX = 16 };
 
-/* The address of kernel_generic, kernel_avx2 or kernel_avx512 (functions or constants): the variant for a
- * level, or for the best level below it that this build has. */
+/* The address of kernel_generic, kernel_avx2 or kernel_avx512 (functions or constants) for a level, or of the
+ * best below it that this build has. */
 #if ISO_HAVE_X86
 #define ISO_KERNEL(kernel, level)                                                                            \
     ((level) >= ISO_CPU_AVX512 ? &kernel##_avx512                                                            \
@@ -79,7 +79,7 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 #define v_max ISO_V(v_max)           /* a > b ? a : b: b when one is a NaN */
 #define v_abs ISO_V(v_abs)
 #define v_sqrt ISO_V(v_sqrt)
-#define v_lt ISO_V(v_lt) /* ordered comparisons of vf: false with a NaN */
+#define v_lt ISO_V(v_lt) /* v_lt, v_le, v_eq compare vf: false if one is a NaN */
 #define v_le ISO_V(v_le)
 #define v_eq ISO_V(v_eq)
 #define v_lti ISO_V(v_lti) /* comparisons of vi */
@@ -90,33 +90,31 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 #define v_or ISO_V(v_or)
 #define v_andnot ISO_V(v_andnot)       /* a and not b */
 #define v_mask ISO_V(v_mask)           /* truth values as bits of a uint32_t, lane 0 lowest */
-#define v_from_mask ISO_V(v_from_mask) /* truth values from such bits; higher bits are ignored */
+#define v_from_mask ISO_V(v_from_mask) /* and back; higher bits are ignored */
 #define v_gather ISO_V(v_gather)       /* (const float *, vi): from[index], lane by lane */
-/* v_next1, v_next2 (before, after): ISO_LANES lanes of the row of both vectors, from lane 1 or 2 of `before`
- * on. v_last1, v_last2 (before, after): the last one or two lanes of `before`, followed by the first ones of
- * `after`. */
+/* (vf before, vf after): ISO_LANES lanes of the concatenation of both vectors: v_next1 and v_next2 start at
+ * lane 1 and 2 of `before`, v_last1 and v_last2 at its last and last but one lane. */
 #define v_next1 ISO_V(v_next1)
 #define v_next2 ISO_V(v_next2)
 #define v_last1 ISO_V(v_last1)
 #define v_last2 ISO_V(v_last2)
-/* Store the lanes where the mask is true to memory, without gaps; up to ISO_LANES items are overwritten. */
+/* Store the lanes where the mask is true without gaps; memory for ISO_LANES items may be overwritten. */
 #define v_compress ISO_V(v_compress)   /* (float *, vm, vf) */
 #define v_compressi ISO_V(v_compressi) /* (int32_t *, vm, vi) */
-/* v_load4 (base, index, quads, out) loads 4 * quads floats (quads 1 to 4, constant) for each lane: out[k] of
- * a lane is base[index of the lane + k]; indices are at least 0. v_store4 (base, step, in) stores four floats
- * for each lane: base[step * lane + k] becomes in[k] of the lane. */
+/* Transposing loads and stores. v_load4(base, index, quads, out): for each lane, out[k] = base[index[lane] +
+ * k], k below 4 * quads (quads is a constant 1 to 4; indices are not negative). v_store4(base, step, in): for
+ * each lane, base[step * lane + k] = in[k], k below 4. */
 #define v_load4 ISO_V(v_load4)
 #define v_store4 ISO_V(v_store4)
-/* v_even, v_odd: the items of even or odd number of the row of two vectors. v_zip_low, v_zip_high: the
- * reverse. */
+/* With the concatenation of a and b: v_even and v_odd take its even and odd lanes; v_zip_low and v_zip_high
+ * undo that. */
 #define v_even ISO_V(v_even)         /* (vf a, vf b) */
 #define v_odd ISO_V(v_odd)           /* (vf a, vf b) */
-#define v_zip_low ISO_V(v_zip_low)   /* the first half of the row a0 b0 a1 b1 .. */
-#define v_zip_high ISO_V(v_zip_high) /* the second half of this row */
+#define v_zip_low ISO_V(v_zip_low)   /* the first half of a0 b0 a1 b1 .. */
+#define v_zip_high ISO_V(v_zip_high) /* and the second */
 #define v_store_u8 ISO_V(v_store_u8) /* (uint8_t *, vi): the low 8 bits of each */
 
-/* ---- functions written with vector operators, once for all widths: N lanes of float F and int32_t I, with
- * `bytes` bytes each */
+/* ---- functions that are the same for every width: `bytes` is the size of a vector */
 
 #define ISO_SIMD_COMMON(level, target, bytes)                                                                \
     enum { ISO_SIMD_BYTES_##level = bytes };                                                                 \
@@ -196,14 +194,13 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
         return whole + (vi_##level)(value < __builtin_convertvector(whole, vf_##level));                     \
     }
 
-/* Defines one of the slides and shuffles of a level; the variable arguments are the numbers of the lanes that
- * are taken. */
+/* Defines a shuffle of two vectors; the last arguments are the numbers of the lanes that it takes. */
 #define ISO_SIMD_SLIDE(name, level, target, ...)                                                             \
     target static inline vf_##level name##_##level(vf_##level before, vf_##level after) {                    \
         return __builtin_shufflevector(before, after, __VA_ARGS__);                                          \
     }
 
-/* ---- generic: vectors of 16 bytes, which gcc emulates on machines without them */
+/* ---- generic: 16 bytes; compilers emulate such vectors where a machine has none */
 
 typedef float vf_generic __attribute__((vector_size(16)));
 typedef int32_t vi_generic __attribute__((vector_size(16)));

@@ -52,7 +52,7 @@ ISO_TARGET_AVX2 static inline vm_avx2 v_from_mask_avx2(uint32_t mask) {
     const vi_avx2 bit = {1, 2, 4, 8, 16, 32, 64, 128};
     return (vm_avx2)((v_seti_avx2((int32_t)mask) & bit) == bit);
 }
-/* Returns the numbers of the set bits of an 8-bit mask, in ascending order. */
+/* The numbers of the set bits of an 8-bit mask, ascending. */
 ISO_TARGET_AVX2 static inline __m256i iso_packed_lanes_avx2(uint32_t mask) {
     uint64_t wide = _pdep_u64(mask, 0x0101010101010101u) * 0xff;
     return _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)_pext_u64(0x0706050403020100u, wide)));
@@ -65,7 +65,7 @@ ISO_TARGET_AVX2 static inline void v_compress_avx2(float *to, vm_avx2 mask, vf_a
     __m256i lanes = iso_packed_lanes_avx2(v_mask_avx2(mask));
     _mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)value, lanes));
 }
-/* Rows of four floats lie in 128-bit halves: rows[quad][j] has lanes j and j + 4. */
+/* rows[quad][j] holds four floats of lane j in its lower half and of lane j + 4 in its upper half. */
 ISO_TARGET_AVX2 static inline __attribute__((always_inline)) void
 v_load4_avx2(const float *base, const int32_t *index, int quads, vf_avx2 *out) {
     __m256 rows[4][4];
@@ -101,8 +101,7 @@ ISO_TARGET_AVX2 static inline void v_store4_avx2(float *base, int step, const vf
 }
 ISO_TARGET_AVX2 static inline void v_store_u8_avx2(uint8_t *to, vi_avx2 value) {
     const __m256i first = _mm256_set1_epi32(0x0c080400);
-    __m256i bytes = _mm256_shuffle_epi8(
-        (__m256i)value, first); /* the four bytes of each half, in each 32 bits of this half */
+    __m256i bytes = _mm256_shuffle_epi8((__m256i)value, first); /* low bytes of each half, in every 32 bits */
     int32_t low = _mm256_extract_epi32(bytes, 0), high = _mm256_extract_epi32(bytes, 4);
     memcpy(to, &low, 4);
     memcpy(to + 4, &high, 4);
@@ -190,8 +189,8 @@ ISO_TARGET_AVX512 static inline uint32_t v_mask_avx512(vm_avx512 mask) {
 ISO_TARGET_AVX512 static inline vm_avx512 v_from_mask_avx512(uint32_t mask) {
     return (vm_avx512)mask;
 }
-/* Compresses in a register and stores all of it, which is many times faster than a compressing store on
- * Zen 4. */
+/* Compresses in a register and stores all of it, which on Zen 4 is many times faster than a compressing
+ * store. */
 ISO_TARGET_AVX512 static inline void v_compressi_avx512(int32_t *to, vm_avx512 mask, vi_avx512 value) {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(mask, (__m512i)value));
 }

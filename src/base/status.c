@@ -1,4 +1,4 @@
-/* The texts and exit statuses of status codes, and the formatting of error messages. */
+/* status: names and exit statuses of iso_status, and error messages. */
 #include "base/status.h"
 
 #include <stdio.h>

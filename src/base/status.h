@@ -1,9 +1,8 @@
-/* status: status codes and error messages. The types are in isopoint.h.
+/* status: status codes and error messages of all functions that can fail. The types are in isopoint.h.
  *
- * A function that can fail returns an iso_status and sets its results (out-parameters) only if it returns
- * ISO_OK. If it fails it writes a message of one line to an iso_error of the caller (NULL is allowed
- * everywhere). Bad data is reported in this way; programming mistakes are asserted. All functions here are
- * thread-safe. */
+ * A fallible function returns iso_status; results go to out-parameters, which are untouched unless ISO_OK
+ * is returned; the message is one line of text in an iso_error of the caller (NULL is allowed everywhere).
+ * Bad data never fails an assertion; programming mistakes do. All functions here are thread-safe. */
 #ifndef ISO_BASE_STATUS_H
 #define ISO_BASE_STATUS_H
 
@@ -14,7 +13,7 @@
 extern "C" {
 #endif
 
-/* X(name, exit status of the programs, text), of every iso_status. */
+/* The list of all iso_status: X(name, exit status of the programs, text). */
 #define ISO_STATUS_MAP(X)                                                                                    \
     X(OK, 0, "ok")                                                                                           \
     X(ERR_MISMATCH, 1, "a comparison failed")                                                                \
@@ -29,20 +28,19 @@ extern "C" {
     X(ERR_EMPTY, 6, "empty surface")                                                                         \
     X(ERR_WRITE, 7, "cannot write")
 
-/* Writes a message to *error (if not NULL) and returns `status`, as in `return iso_fail(error, ISO_ERR_IO,
- * ...)`. String arguments may have any bytes, for example names of files and texts from headers; they are
- * cleaned (base/text.h). They may lie in error->text. */
+/* Sets *error (when not NULL) and returns status: `return iso_fail(error, ISO_ERR_IO, ...)`. String arguments
+ * may hold any bytes, such as file names and texts from headers, because the message is made printable
+ * (base/text.h). They may point into error->text. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
 iso_status
 iso_fail(iso_error *error, iso_status status, const char *format, ...);
 
-/* Calls iso_fail with ISO_ERR_NOMEM and the message "NAME: out of memory". */
+/* iso_fail with ISO_ERR_NOMEM and "NAME: out of memory". */
 iso_status iso_fail_memory(iso_error *error, const char *name);
 
-/* Evaluates a call that returns an iso_status, and returns this from the calling function if it is not
- * ISO_OK. */
+/* Returns from the calling function when the call fails, with the call's status. */
 #define ISO_TRY(call)                                                                                        \
     do {                                                                                                     \
         iso_status iso_try_status_ = (call);                                                                 \

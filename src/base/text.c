@@ -1,5 +1,4 @@
-/* Cleans text from outside: control characters, bytes that are not UTF-8 and characters that change the
- * direction of writing are replaced by escapes. */
+/* text: validation of UTF-8, and escaping of all that is not printable. */
 #include "base/text.h"
 
 #include <stdlib.h>
@@ -20,8 +19,8 @@ int iso_text_utf8(const char *bytes) {
     return overlong || outside ? 0 : length;
 }
 
-/* Whether a valid UTF-8 sequence is a character that is visible and neither breaks a line nor changes its
- * order: not U+0080 to U+009F, U+061C, U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069, nor a byte order
+/* Whether a valid sequence is a visible character that neither breaks a line nor changes the direction of
+ * writing: not U+0080 to U+009F, U+061C, U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069, nor a byte order
  * mark. */
 static bool is_printable(const unsigned char *c, int length) {
     if (length == 1) return c[0] >= 0x20 && c[0] != 0x7f;
@@ -33,13 +32,13 @@ static bool is_printable(const unsigned char *c, int length) {
     return !(c[1] == 0x81 && c[2] >= 0xa6 && c[2] <= 0xa9);
 }
 
-/* A printable character, or the escape that replaces one byte of anything else. */
+/* A unit of clean text: a printable character, or the escape sequence of one byte. */
 typedef struct unit {
     char text[5];
-    int length; /* length of `text`; 0 at the end of the string */
+    int length; /* of text; 0 at the end of the string */
 } unit;
 
-/* Returns the unit at *text and moves *text behind it. */
+/* The next unit of *text, which is advanced. */
 static unit next_unit(const char **text) {
     const char *at = *text;
     unit u = {{0}, 0};
@@ -60,16 +59,15 @@ static unit next_unit(const char **text) {
     return u;
 }
 
-/* Returns the length of the clean form of a string. */
 static size_t clean_length(const char *text) {
     size_t length = 0;
     for (unit u = next_unit(&text); u.length; u = next_unit(&text)) length += (size_t)u.length;
     return length;
 }
 
-/* Writes the clean form of `text` from its byte `from` on to `target`: as many whole units as fit into `room`
- * bytes, without a terminating zero. Returns their length. */
-static size_t put_part(const char *text, size_t from, char *target, size_t room) {
+/* Copies units of `text`, from the byte `from` of its clean form on, as many as fit into `room` bytes,
+ * without a zero. Returns their length. */
+static size_t copy_units(const char *text, size_t from, char *target, size_t room) {
     size_t at = 0, used = 0;
     for (unit u = next_unit(&text); u.length; u = next_unit(&text)) {
         if (at >= from && used + (size_t)u.length > room) break;
@@ -86,24 +84,24 @@ size_t iso_text_clean(const char *text, char *clean, size_t room) {
     static const char gap[] = "...";
     size_t whole = clean_length(text), space = room - 1, used;
     if (whole <= space || space < 4 * sizeof gap) {
-        used = put_part(text, 0, clean, space);
+        used = copy_units(text, 0, clean, space);
     } else {
         size_t tail = (space - (sizeof gap - 1)) / 2, head = space - (sizeof gap - 1) - tail;
-        used = put_part(text, 0, clean, head);
+        used = copy_units(text, 0, clean, head);
         memcpy(clean + used, gap, sizeof gap - 1);
         used += sizeof gap - 1;
-        used += put_part(text, whole - tail, clean + used, tail);
+        used += copy_units(text, whole - tail, clean + used, tail);
     }
     clean[used] = 0;
     return whole;
 }
 
-/* Removes an incomplete UTF-8 sequence at the end of the text. */
+/* Removes an incomplete UTF-8 sequence at the end. */
 static void cut_incomplete(char *text, size_t length) {
     for (size_t back = 1; back <= 3 && back <= length; back++) {
         unsigned char c = (unsigned char)text[length - back];
         if (c < 0x80) return;
-        if (c < 0xc0) continue; /* a continuation byte of a sequence */
+        if (c < 0xc0) continue; /* a continuation byte */
         size_t wanted = c >= 0xf0 ? 4 : c >= 0xe0 ? 3 : 2;
         if (wanted > back) text[length - back] = 0;
         return;
@@ -116,7 +114,7 @@ void iso_text_clean_in_place(char *text, size_t room) {
     char *copy = iso_text_clean_copy(text);
     if (copy)
         iso_text_clean(copy, text, room);
-    else /* without memory, every character that is not printable ASCII is replaced */
+    else /* without memory: keeps ASCII only */
         for (char *c = text; *c; c++)
             if (*c < 0x20 || *c > 0x7e) *c = '?';
     free(copy);
@@ -144,8 +142,7 @@ void iso_text_put(FILE *stream, const char *text) {
 }
 
 void iso_text_format(char *clean, size_t room, const char *format, va_list arguments) {
-    /* Room for two paths of 4096 bytes and a sentence. A longer text is cut here at its end, before
-     * iso_text_clean cuts its middle. */
+    /* room for two paths and a sentence; a longer text is cut at its end */
     char raw[2 * 4096 + 1024];
     vsnprintf(raw, sizeof raw, format, arguments);
     if (strlen(raw) + 1 == sizeof raw) cut_incomplete(raw, sizeof raw - 1);

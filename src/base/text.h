@@ -1,9 +1,9 @@
-/* text: makes names and other text from outside printable.
+/* text: makes file names and other untrusted text printable.
  *
- * The name of a file and the strings in its header may have any bytes: escape sequences for terminals, line
- * breaks that turn one message into two, bytes that are not UTF-8. All such text is cleaned with
- * iso_text_clean before it is shown or written to a text format; iso_fail and iso_volume_note do so
- * themselves. All functions here are thread-safe. */
+ * A file's name and the strings in its header may hold any bytes: escape sequences for the terminal, line
+ * breaks, bytes that are not UTF-8. Such text must be cleaned (iso_text_clean) before it is shown or written
+ * into a text format; iso_fail and iso_volume_note clean their arguments themselves. All functions here are
+ * thread-safe. */
 #ifndef ISO_BASE_TEXT_H
 #define ISO_BASE_TEXT_H
 
@@ -16,37 +16,35 @@
 extern "C" {
 #endif
 
-/* Returns the length in bytes, 1 to 4, of the valid UTF-8 sequence at `text`; 0 if there is none. The
- * terminating zero is a sequence of one byte. */
+/* Length in bytes of the valid UTF-8 sequence at `text`, 1 to 4; 0 when there is none. The terminating zero
+ * is a sequence of one byte. */
 int iso_text_utf8(const char *text);
 
-/* Writes `text` to `clean` as printable UTF-8 on one line. \n, \t and \r replace these characters; \xNN
- * replaces each byte of other control characters, of characters that break lines or change the direction of
- * writing, and bytes that are not UTF-8. Backslashes stay, so that cleaning a clean text does not change it.
- * `room` is the size of `clean`, at least 1. If the text is too long, its middle is replaced by "...", so
- * that a message keeps the name at its beginning and the reason at its end; no character is cut. `text` and
- * `clean` must not overlap. Returns the length of the whole clean text without the terminating zero, as
- * snprintf does. */
+/* Writes `text` to `clean` as printable UTF-8 on one line: \n, \t and \r for these characters; \xNN for each
+ * byte of other control characters, of characters that break lines or change the direction of writing, and of
+ * invalid UTF-8. A backslash is not changed, so that cleaning clean text changes nothing. `room` is the size
+ * of `clean`, at least 1. In text that is too long the middle is replaced by "...", so that a message keeps
+ * the file name at its start and the reason at its end. Characters are never cut. `text` and `clean` must not
+ * overlap. Returns the length of the whole clean text without its zero, as snprintf does. */
 size_t iso_text_clean(const char *text, char *clean, size_t room);
 
-/* Cleans a string in place; it has `room` bytes. A UTF-8 sequence that the end of the room has cut off is
- * removed. */
+/* Cleans a string in place, in its memory of `room` bytes. A character of which the end of the string lacks
+ * bytes is removed. */
 void iso_text_clean_in_place(char *text, size_t room);
 
-/* Returns a clean copy of the whole `text`, to be freed with free(). NULL: out of memory. */
+/* A clean copy of all of `text`, to be freed with free(). NULL without memory. */
 char *iso_text_clean_copy(const char *text);
 
-/* If the clean text `text` begins with the clean form of `name`, returns the length of this form, else 0. */
+/* Whether a clean text begins with the clean form of `name`: returns the length of that form, else 0. */
 size_t iso_text_begins(const char *text, const char *name);
 
-/* Writes the clean form of `text` to a stream; it may have any length. */
+/* Writes the clean form of `text`, of any length. */
 void iso_text_put(FILE *stream, const char *text);
 
-/* Whether `text` ends with `suffix`; case matters. */
+/* Whether `text` ends in `suffix`; case matters. */
 bool iso_text_ends_with(const char *text, const char *suffix);
 
-/* Whether the name of a file ends with `extension` (for example ".gz") and is longer than it; case does not
- * matter. */
+/* Whether a file's name ends in `extension` (".gz"), in either case, and has characters before it. */
 bool iso_text_has_extension(const char *name, const char *extension);
 
 /* Formats as vsnprintf and cleans the result. */

@@ -1,4 +1,4 @@
-/* Starts threads with an explicit stack size. */
+/* thread: POSIX threads with a given stack size. */
 #include "base/thread.h"
 
 #include <sys/resource.h>

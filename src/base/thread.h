@@ -1,5 +1,5 @@
-/* thread: starts threads with a stack of known size. By default the size is the process's limit (ulimit -s),
- * which may be less than the arrays of kernels need. */
+/* thread: threads with a stack of known size. The default size is the limit of the process (ulimit -s), which
+ * may be less than the local arrays of kernels need. */
 #ifndef ISO_BASE_THREAD_H
 #define ISO_BASE_THREAD_H
 
@@ -9,15 +9,16 @@
 extern "C" {
 #endif
 
-/* The size of the stacks. It is several times what any function of the library needs. The memory is reserved,
- * and pages are taken when they are used. */
+/* The size of stacks: several times what any function of the library needs. Only pages that are used take
+ * memory. */
 enum { ISO_STACK_BYTES = 2 << 20 };
 
-/* Starts a thread like pthread_create, with a stack of ISO_STACK_BYTES. Returns 0 or an error number. */
+/* Like pthread_create, with a stack of ISO_STACK_BYTES; returns 0 or an error number. */
 int iso_thread_start(pthread_t *thread, void *(*main)(void *argument), void *argument);
 
-/* Calls function(argument) and returns its result. If the stack of the main thread, which must be the caller,
- * cannot grow to ISO_STACK_BYTES, the function is called on a new thread. For programs. */
+/* Calls function(argument) with a stack of at least ISO_STACK_BYTES, and returns its result: on a new thread
+ * if the stack of the main thread, from which this must be called, is limited to less. For the main functions
+ * of programs. */
 void *iso_call_with_stack(void *(*function)(void *argument), void *argument);
 
 #ifdef __cplusplus

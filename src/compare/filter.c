@@ -1,3 +1,4 @@
+/* filter: Gaussian kernels, and convolution along rows and along columns. */
 #include "compare/filter.h"
 
 #include <assert.h>
@@ -16,7 +17,8 @@ iso_kernel iso_kernel_gaussian(double sigma, int radius, double sum) {
     return kernel;
 }
 
-/* out[x] (+)= tap * in[x], in the order of the taps whatever the vector width. */
+/* Sets out[x] to tap * in[x], or adds it unless `first`. Tap by tap, so that sums do not depend on the vector
+ * width. */
 static void accumulate(const float *in, float tap, int width, int first, float *out) {
     if (first)
         for (int x = 0; x < width; x++) out[x] = tap * in[x];

@@ -1,8 +1,8 @@
-/* filter: separable convolution of float planes in bands of rows, for metrics that look at neighbourhoods.
+/* filter: separable convolution of float planes in bands of rows, for SSIM and FLIP.
  *
- * A picture is worked on in bands so that memory does not grow with its height: a band of rows is filled
- * together with the rows above and below that its kernels reach (replicated beyond the picture), filtered
- * along rows, then along columns. */
+ * Pictures are processed in bands of rows, so that memory does not grow with their height. A band is set up
+ * together with the rows above and below that its kernels reach (the picture's outermost rows are repeated
+ * beyond it), and filtered along rows, then along columns. */
 #ifndef ISO_COMPARE_FILTER_H
 #define ISO_COMPARE_FILTER_H
 
@@ -16,13 +16,14 @@ extern "C" {
 
 enum { ISO_KERNEL_RADIUS = 64, ISO_COMPARE_BAND = 32 };
 
-/* taps[radius + k] is the weight of the sample k to the right or below. */
+/* A one-dimensional kernel: taps[radius + k] is the weight of the sample k to the right or below. */
 typedef struct iso_kernel {
     int radius; /* 0 .. ISO_KERNEL_RADIUS */
     float taps[2 * ISO_KERNEL_RADIUS + 1];
 } iso_kernel;
 
-/* exp(-x^2 / (2 sigma^2)) at whole x from -radius to radius, scaled so that the taps' sum is `sum`. */
+/* The kernel exp(-x^2 / (2 sigma^2)) at whole x from -radius to radius, scaled so that the taps' sum is
+ * `sum`. */
 iso_kernel iso_kernel_gaussian(double sigma, int radius, double sum);
 
 /* out[y][x] = sum of taps[radius + k] * in[y][x + k] for `rows` rows of `width`, columns replicated beyond
@@ -33,7 +34,8 @@ void iso_filter_rows(const iso_kernel *kernel, const float *in, int width, int r
 /* out[y][x] = sum of taps[radius + k] * in[y + radius + k][x]: `in` has 2 * radius rows more than `rows`. */
 void iso_filter_columns(const iso_kernel *kernel, const float *in, int width, int rows, float *out);
 
-/* How a picture of `height` rows is cut into bands of ISO_COMPARE_BAND rows; the last one may be lower. */
+/* The number of bands of ISO_COMPARE_BAND rows in a picture of `height` rows; the last band may have fewer
+ * rows. */
 static inline size_t iso_compare_bands(int height) {
     return ((size_t)height + ISO_COMPARE_BAND - 1) / ISO_COMPARE_BAND;
 }

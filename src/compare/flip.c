@@ -1,4 +1,5 @@
-/* Sections and symbols are those of Andersson et al. 2020. */
+/* flip: LDR-FLIP in bands of rows. Numbers of sections, tables and equations, and the symbols, are those of
+ * Andersson et al. 2020 (compare/flip.h). */
 #include "compare/flip.h"
 
 #include <math.h>
@@ -18,7 +19,8 @@ static const struct sensitivity {
     double a, b;
 } SENSITIVITIES[GAUSSIANS] = {{0, 1, 0.0047}, {1, 1, 0.0053}, {2, 34.1, 0.04}, {2, 13.5, 0.025}};
 
-/* Linear sRGB to XYZ under D65, from the primaries' chromaticities. */
+/* The matrix from linear sRGB to XYZ (white point D65), computed exactly from the chromaticities of sRGB's
+ * primaries. */
 static const double TO_XYZ[9] = {10135552.0 / 24577794, 8788810.0 / 24577794, 4435075.0 / 24577794,
                                  2613072.0 / 12288897,  8788810.0 / 12288897, 887015.0 / 12288897,
                                  1425312.0 / 73733382,  8788810.0 / 73733382, 70074185.0 / 73733382};
@@ -28,10 +30,11 @@ typedef struct flip {
     int width, height, halo;
     float linear[256];   /* display value to linear light */
     float to_white[9];   /* linear RGB to XYZ / white */
-    float from_white[9]; /* and back */
-    float color_max;     /* the largest HyAB difference, to the power q_c */
-    iso_kernel along[GAUSSIANS], down[GAUSSIANS];
-    iso_kernel smooth, edge, point; /* of the feature detectors: across, and along the derivative */
+    float from_white[9]; /* its inverse */
+    float color_max;     /* the largest possible HyAB difference, to the power q_c */
+    iso_kernel along[GAUSSIANS],
+        down[GAUSSIANS];            /* contrast sensitivity: along rows; along columns, weighted */
+    iso_kernel smooth, edge, point; /* feature detectors: the Gaussian, its first and its second derivative */
     float *map;
     float *scratch; /* per worker */
     size_t scratch_floats;
@@ -86,7 +89,8 @@ static void set_colors(flip *f) {
     f->color_max = powf(hyab(lab[0], lab[1]), (float)COLOR_EXPONENT);
 }
 
-/* The channel's Gaussians weighted so that their 2-D sum is 1; all channels reach as far as the widest. */
+/* Sets the kernels of contrast sensitivity. A channel's Gaussians are weighted so that their sum over the
+ * plane is 1; all have the radius that the widest needs. */
 static void set_sensitivities(flip *f, double pixels_per_degree) {
     double widest = 0, weight[GAUSSIANS], total[3] = {0, 0, 0};
     for (int g = 0; g < GAUSSIANS; g++) widest = fmax(widest, SENSITIVITIES[g].b);
@@ -95,7 +99,7 @@ static void set_sensitivities(flip *f, double pixels_per_degree) {
         const struct sensitivity *s = &SENSITIVITIES[g];
         double sigma = sqrt(s->b / (2 * ISO_PI * ISO_PI)) * pixels_per_degree;
         f->along[g] = iso_kernel_gaussian(sigma, radius, 1);
-        double across = 1 / (double)f->along[g].taps[radius]; /* the sum when the middle is 1 */
+        double across = 1 / (double)f->along[g].taps[radius]; /* sum of the taps if the middle tap were 1 */
         weight[g] = s->a * sqrt(ISO_PI / s->b) * across * across;
         total[s->channel] += weight[g];
     }
@@ -106,8 +110,8 @@ static void set_sensitivities(flip *f, double pixels_per_degree) {
     }
 }
 
-/* Positive taps shall sum to 1, negative ones to -1. */
-static void balance(iso_kernel *kernel) {
+/* Scales the positive taps so that their sum is 1, and the negative ones so that theirs is -1. */
+static void normalize_signs(iso_kernel *kernel) {
     double above = 0, below = 0;
     for (int k = 0; k <= 2 * kernel->radius; k++) {
         float tap = kernel->taps[k];
@@ -118,7 +122,7 @@ static void balance(iso_kernel *kernel) {
         kernel->taps[k] = (float)((double)kernel->taps[k] / (kernel->taps[k] > 0 ? above : below));
 }
 
-/* Section 4.2: first and second derivatives of a Gaussian. */
+/* Sets the feature detectors (section 4.2): first and second derivatives of a Gaussian. */
 static void set_features(flip *f, double pixels_per_degree) {
     double sigma = 0.5 * FEATURE_WIDTH * pixels_per_degree;
     int radius = (int)ceil(3 * sigma);
@@ -127,8 +131,8 @@ static void set_features(flip *f, double pixels_per_degree) {
         f->edge.taps[radius + k] *= (float)-k;
         f->point.taps[radius + k] *= (float)(k * k / (sigma * sigma) - 1);
     }
-    balance(&f->edge);
-    balance(&f->point);
+    normalize_signs(&f->edge);
+    normalize_signs(&f->point);
     f->halo = radius > f->along[0].radius ? radius : f->along[0].radius;
 }
 
@@ -166,7 +170,8 @@ static planes planes_of(const flip *f, int worker) {
     return p;
 }
 
-/* Rows y0 - halo .. y0 + rows + halo of a picture in the opponent space YCxCz (section 4.1.1). */
+/* Converts rows y0 - halo .. y0 + rows + halo - 1 of a picture to the opponent space YCxCz (section 4.1.1).
+ */
 static void fill_opponent(const flip *f, int side, int y0, int rows, const planes *p) {
     for (int row = 0; row < rows + 2 * f->halo; row++) {
         int y = y0 + row - f->halo;
@@ -185,24 +190,24 @@ static void fill_opponent(const flip *f, int side, int y0, int rows, const plane
     }
 }
 
-/* Convolves a tall plane with along (in x) and down (in y) into `rows` rows. */
-static void filter(const flip *f, const planes *p, const float *in, const iso_kernel *along,
-                   const iso_kernel *down, int rows, float *out) {
+/* Convolves a tall plane with `along` in x and `down` in y; `out` gets the band's rows. */
+static void filter_plane(const flip *f, const planes *p, const float *in, const iso_kernel *along,
+                         const iso_kernel *down, int rows, float *out) {
     in += (size_t)(f->halo - down->radius) * (size_t)f->width;
     iso_filter_rows(along, in, f->width, rows + 2 * down->radius, p->padded, p->along);
     iso_filter_columns(down, p->along, f->width, rows, out);
 }
 
-/* What the eye sees of a picture: each channel through its contrast sensitivity, back to colours that a
- * screen can show, then Hunt-adjusted L*a*b* in p->seen[side]. */
-static void see(const flip *f, int side, int rows, const planes *p) {
+/* Filters a picture as the eye does: each channel by its contrast sensitivity, then clamped to the colours
+ * that a screen can show. Writes the result in Hunt-adjusted L*a*b* to p->seen[side]. */
+static void filter_picture(const flip *f, int side, int rows, const planes *p) {
     size_t count = (size_t)f->width * (size_t)rows;
     float *const *seen = p->seen[side];
     for (int g = 0; g < GAUSSIANS; g++) {
         int channel = SENSITIVITIES[g].channel;
         bool first = g == 0 || SENSITIVITIES[g - 1].channel != channel;
         float *out = first ? seen[channel] : p->part;
-        filter(f, p, p->opponent[channel], &f->along[g], &f->down[g], rows, out);
+        filter_plane(f, p, p->opponent[channel], &f->along[g], &f->down[g], rows, out);
         for (size_t i = 0; !first && i < count; i++) seen[channel][i] += out[i];
     }
     for (size_t i = 0; i < count; i++) {
@@ -215,27 +220,28 @@ static void see(const flip *f, int side, int rows, const planes *p) {
     }
 }
 
-/* Strength of edges and points of the luminance, 0 .. 1, in p->feature[side]. */
-static void detect(const flip *f, int side, int rows, const planes *p) {
+/* Computes the strength of edges and of points in the luminance, 0 .. 1, in p->feature[side]. */
+static void detect_features(const flip *f, int side, int rows, const planes *p) {
     const iso_kernel *kernels[2] = {&f->edge, &f->point};
     size_t count = (size_t)f->width * (size_t)rows;
     for (int i = 0; i < 2; i++) {
         float *strength = p->feature[side][i];
-        filter(f, p, p->opponent[0], kernels[i], &f->smooth, rows, strength);
-        filter(f, p, p->opponent[0], &f->smooth, kernels[i], rows, p->part);
+        filter_plane(f, p, p->opponent[0], kernels[i], &f->smooth, rows, strength);
+        filter_plane(f, p, p->opponent[0], &f->smooth, kernels[i], rows, p->part);
         for (size_t k = 0; k < count; k++)
             strength[k] = sqrtf(strength[k] * strength[k] + p->part[k] * p->part[k]) / 116;
     }
 }
 
-/* Eq. 4: errors up to p_c of the largest take p_t of the range. */
+/* Eq. 4: maps a colour difference to 0 .. 1, of which differences up to p_c of the largest get the part up to
+ * p_t. */
 static float redistribute(const flip *f, float difference) {
     float power = powf(difference, (float)COLOR_EXPONENT);
     float cut = (float)COLOR_CUT * f->color_max, value = (float)COLOR_CUT_VALUE;
     return power < cut ? value / cut * power : value + (power - cut) / (f->color_max - cut) * (1 - value);
 }
 
-/* Eq. 7. */
+/* The difference of pixel i (eq. 7). */
 static float difference_at(const flip *f, const planes *p, size_t i) {
     const float a[3] = {p->seen[0][0][i], p->seen[0][1][i], p->seen[0][2][i]};
     const float b[3] = {p->seen[1][0][i], p->seen[1][1][i], p->seen[1][2][i]};
@@ -245,15 +251,15 @@ static float difference_at(const flip *f, const planes *p, size_t i) {
     return powf(redistribute(f, hyab(a, b)), 1 - feature);
 }
 
-static void band(void *context, size_t index, int worker) {
+static void compare_band(void *context, size_t index, int worker) {
     const flip *f = context;
     int y0 = (int)index * ISO_COMPARE_BAND;
     int rows = f->height - y0 < ISO_COMPARE_BAND ? f->height - y0 : ISO_COMPARE_BAND;
     planes p = planes_of(f, worker);
     for (int side = 0; side < 2; side++) {
         fill_opponent(f, side, y0, rows, &p);
-        see(f, side, rows, &p);
-        detect(f, side, rows, &p);
+        filter_picture(f, side, rows, &p);
+        detect_features(f, side, rows, &p);
     }
     size_t first = (size_t)y0 * (size_t)f->width, count = (size_t)rows * (size_t)f->width;
     double sum = 0;
@@ -267,14 +273,14 @@ static void band(void *context, size_t index, int worker) {
 
 /* ---- the whole picture ---- */
 
-static iso_status run(flip *f, iso_pool *pool, double *mean, iso_error *error) {
+static iso_status compare_bands(flip *f, iso_pool *pool, double *mean, iso_error *error) {
     size_t bands = iso_compare_bands(f->height);
     f->scratch_floats = planes_floats(f);
     f->scratch = iso_alloc((size_t)iso_pool_threads(pool) * f->scratch_floats * sizeof *f->scratch);
     f->sums = iso_alloc(bands * sizeof *f->sums);
     iso_status status = ISO_OK;
     if (f->scratch && f->sums) {
-        iso_parallel_for(pool, bands, band, f);
+        iso_parallel_for(pool, bands, compare_band, f);
         double sum = 0;
         for (size_t i = 0; i < bands; i++) sum += f->sums[i];
         *mean = sum / ((double)f->width * f->height);
@@ -302,7 +308,7 @@ iso_status iso_flip(const uint8_t *reference, const uint8_t *test, const int siz
     set_colors(f);
     set_sensitivities(f, density);
     set_features(f, density);
-    iso_status status = run(f, opts->pool, mean, error);
+    iso_status status = compare_bands(f, opts->pool, mean, error);
     iso_free(f);
     return status;
 }

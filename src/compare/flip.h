@@ -1,10 +1,10 @@
-/* flip: the difference that a person sees who flips between two pictures.
+/* flip: LDR-FLIP, the difference that a person sees who flips between two pictures.
  *
  * LDR-FLIP: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom and Fairchild 2020, "FLIP: A Difference
  * Evaluator for Alternating Images", Proc. ACM Comput. Graph. Interact. Tech. 3(2). Both pictures are
- * filtered as the eye does (contrast sensitivity of three opponent channels, section 4.1.1), compared in a
- * uniform colour space (HyAB of Hunt-adjusted L*a*b*, 4.1.2-4.1.3), and what edges and points differ raises
- * the difference (4.2-4.3). */
+ * filtered as the eye does (contrast sensitivity of three opponent channels, section 4.1.1) and compared in a
+ * uniform colour space (HyAB of Hunt-adjusted L*a*b*, 4.1.2-4.1.3); differences of edges and points increase
+ * the result (4.2-4.3). */
 #ifndef ISO_COMPARE_FLIP_H
 #define ISO_COMPARE_FLIP_H
 
@@ -17,10 +17,10 @@
 extern "C" {
 #endif
 
-/* A 0.7 m wide screen of 3840 pixels seen from 0.7 m: what the authors assume. */
+/* The authors' default: a 0.7 m wide screen of 3840 pixels seen from 0.7 m. */
 #define ISO_FLIP_PIXELS_PER_DEGREE 67.0206432765823
 
-/* Largest accepted pixels per degree: the kernels reach 61 pixels then. */
+/* The largest accepted number of pixels per degree, with which the kernels have a radius of 61 pixels. */
 #define ISO_FLIP_PIXELS_PER_DEGREE_MAX 450.0
 
 typedef struct iso_flip_opts {
@@ -29,9 +29,10 @@ typedef struct iso_flip_opts {
     iso_pool *pool;
 } iso_flip_opts;
 
-/* sRGB pictures, width * height * 3 bytes each; size is {width, height}. *mean is the mean over all pixels:
- * 0 for equal pictures, at most 1. Rows and columns are replicated beyond the border. The same for every
- * number of threads. ISO_ERR_USAGE: pixels per degree not in 1 .. the largest; ISO_ERR_NOMEM. */
+/* Compares two sRGB pictures of width * height * 3 bytes; size is {width, height}. *mean is the mean
+ * difference of all pixels: 0 for equal pictures, at most 1. The outermost rows and columns are repeated
+ * beyond the border. The same for every number of threads. ISO_ERR_USAGE: pixels per degree not in 1 ..
+ * ISO_FLIP_PIXELS_PER_DEGREE_MAX; ISO_ERR_NOMEM. */
 iso_status iso_flip(const uint8_t *reference, const uint8_t *test, const int size[2],
                     const iso_flip_opts *opts, double *mean, iso_error *error);
 

@@ -1,3 +1,4 @@
+/* metrics: the table of metrics, and the comparison of two pictures by all of them. */
 #include "compare/metrics.h"
 
 #include <math.h>
@@ -40,7 +41,7 @@ bool iso_metric_is_worse(const iso_metric *metric, double value, double bound) {
     return metric->larger_is_better ? value < bound : value > bound;
 }
 
-static const double EQUAL_SQUARES = 1e-9; /* added to squared errors: keeps equal pictures finite */
+static const double EQUAL_SQUARES = 1e-9; /* added to mean squared errors: PSNR of equal pictures is finite */
 
 static double psnr(double squares, size_t pixels) {
     if (pixels == 0) return NAN;
@@ -55,9 +56,9 @@ bool iso_metric_is_infinite(const iso_metric *metric, double value) {
 
 /* ---- colours ---- */
 
-static const double OFF = 1e-3; /* voxels in depth that count as another place */
+static const double OFF = 1e-3; /* voxels: larger differences of depth count as depth_off */
 
-/* Over the background, rounded. */
+/* Blends a picture over the background, and rounds. */
 static void flatten(const uint8_t *rgba, size_t count, iso_rgb background, uint8_t *rgb) {
     const unsigned back[3] = {background.r, background.g, background.b};
     for (size_t i = 0; i < count; i++) {
@@ -72,7 +73,7 @@ typedef struct color_sums {
     size_t pixels_in, differing, others_differing;
 } color_sums;
 
-/* Planes of one comparison: bytes for both pictures. */
+/* The masks and opaque colours of one comparison. */
 typedef struct work {
     size_t count;
     int size[2];
@@ -100,7 +101,7 @@ static color_sums add_colors(const work *w) {
     return sums;
 }
 
-/* The sums of squares alone, from unrounded colours. */
+/* Replaces the sums of squares by those of unrounded colours. */
 static void add_unrounded(const work *w, const float *a, const float *b, color_sums *sums) {
     sums->squares = sums->squares_in = 0;
     for (size_t i = 0; i < w->count; i++) {
@@ -177,7 +178,7 @@ static iso_status compare_silhouettes(work *w, double pixels_per_voxel, iso_metr
     return ISO_OK;
 }
 
-/* Into w->inside: either silhouette, widened. */
+/* Sets w->inside to the union of the silhouettes, widened by 2 pixels. */
 static iso_status find_inside(work *w, iso_error *error) {
     uint8_t *either = iso_alloc(w->count);
     if (!either) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a silhouette");
@@ -202,8 +203,8 @@ static iso_status compare_colors(work *w, const iso_compare_picture *const pictu
     return iso_flip(w->rgb[0], w->rgb[1], w->size, &flip, &metrics->flip, error);
 }
 
-/* Degrees between two vectors; NaN when one has no direction. The arc tangent is exact for small angles,
- * where the arc cosine of a product of floats is off by 0.02 degrees. */
+/* The angle between two normals in degrees; NaN when one is zero. By the arc tangent, which is precise for
+ * small angles, where the arc cosine of a product of floats has errors of 0.02 degrees. */
 static double angle(const iso_compare_picture *a, const iso_compare_picture *b, size_t i) {
     iso_vec3 m = iso_vec3_make(a->normal[0][i], a->normal[1][i], a->normal[2][i]);
     iso_vec3 n = iso_vec3_make(b->normal[0][i], b->normal[1][i], b->normal[2][i]);

@@ -18,30 +18,31 @@
 extern "C" {
 #endif
 
-/* Planes of width * height; NULL: not known. All borrowed. At least one of rgba and coverage is there. */
+/* Planes of width * height, borrowed; NULL: not known. At least one of rgba and coverage must be there. */
 typedef struct iso_compare_picture {
     int width, height;
     const uint8_t *rgba;    /* straight alpha; display values (sRGB) */
-    const float *color;     /* three unrounded display values 0 .. 255 a pixel: where both pictures have them,
-                               PSNR is of these instead */
-    const float *depth;     /* view z, mm; read where both pictures are covered; not finite: unknown there */
-    const float *normal[3]; /* read where depth is; need not be unit; zero or not finite: unknown there */
+    const float *color;     /* three unrounded display values 0 .. 255 a pixel; PSNR is computed from these
+                               instead     of rgba when both pictures have them */
+    const float *depth;     /* view z, mm; read where both pictures are covered; not finite: unknown */
+    const float *normal[3]; /* read where depth is; any length; zero or not finite: unknown */
     const float *coverage;  /* 0 .. 1 */
 } iso_compare_picture;
 
 /* All zero means the default. */
 typedef struct iso_compare_opts {
-    /* Under transparent pixels, and the colour that means "not covered" in pictures without transparency and
-     * coverage. Zero is black. */
+    /* The colour behind transparent pixels. In pictures without transparency and coverage, pixels of this
+     * colour count as not covered. Zero is black. */
     iso_rgb background;
-    double voxel;             /* mm that a voxel measures; 0: depth errors are not known in voxels */
-    double pixels_per_voxel;  /* 0: dilations are not known in voxels */
-    double pixels_per_degree; /* for FLIP; 0: the authors' */
-    float *flip_map;          /* width * height, filled when both have colours; NULL */
+    double voxel;             /* size of a voxel in mm; 0: unknown, no depth errors in voxels */
+    double pixels_per_voxel;  /* 0: unknown, no dilations in voxels */
+    double pixels_per_degree; /* for FLIP; 0: ISO_FLIP_PIXELS_PER_DEGREE */
+    float *flip_map;          /* width * height, set when both pictures have colours; or NULL */
     iso_pool *pool;
 } iso_compare_opts;
 
-/* X(field, title, unit, larger is better). The fields are also the names in JSON and of bounds. */
+/* The list of metrics: X(field, title, unit, larger is better). A field of iso_metrics is also the metric's
+ * name in JSON and on the command line. */
 #define ISO_METRIC_MAP(X)                                                                                    \
     X(psnr_in, "PSNR, both silhouettes widened by 2 pixels", "dB", true)                                     \
     X(psnr, "PSNR, whole picture", "dB", true)                                                               \
@@ -58,7 +59,7 @@ typedef struct iso_compare_opts {
     X(wrong, "more than 2 voxels off", "%", false)                                                           \
     X(pixels_differing, "pixels that differ by more than 1/255", "pixels", false)
 
-/* NaN: not known, or nothing to measure.
+/* The results of a comparison. NaN: unknown, or nothing to measure.
  *
  * psnr      10 log10(255^2 / (mean squared difference of R, G and B + 1e-9)): 138.1 dB for equal pictures
  * psnr_in   the same over the pixels of either silhouette widened by 2 pixels
@@ -74,17 +75,18 @@ typedef struct iso_metrics {
     ISO_METRIC_MAP(ISO_X)
 #undef ISO_X
     size_t covered[2];       /* pixels of the silhouettes: truth's, candidate's */
-    size_t missing, extra;   /* that only the truth's has, that only the candidate's has */
-    size_t depth_off;        /* pixels covered by both that lie more than 1e-3 voxel apart in depth */
-    size_t others_differing; /* of the pixels that differ in colour, those that are none of these */
+    size_t missing, extra;   /* pixels of the truth's silhouette only; of the candidate's only */
+    size_t depth_off;        /* pixels covered by both whose depths differ by more than 1e-3 voxel */
+    size_t others_differing; /* pixels counted in pixels_differing that are in none of these three */
     iso_silhouette_source sources[2];
 } iso_metrics;
 
-/* ISO_ERR_MISMATCH when sizes differ, ISO_ERR_NOMEM. The same for every number of threads. */
+/* Compares two pictures. ISO_ERR_MISMATCH when their sizes differ, ISO_ERR_NOMEM. The same for every number
+ * of threads. */
 iso_status iso_compare(const iso_compare_picture *truth, const iso_compare_picture *candidate,
                        const iso_compare_opts *opts, iso_metrics *metrics, iso_error *error);
 
-/* One row a metric, in the order of the map. */
+/* A row of the table of metrics, which is in the order of ISO_METRIC_MAP. */
 typedef struct iso_metric {
     const char *name, *title, *unit;
     bool larger_is_better;

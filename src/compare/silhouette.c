@@ -1,6 +1,7 @@
-/* Distances: Meijster, Roerdink and Hesselink 2000, "A general algorithm for computing distance transforms in
- * linear time", in the form of Felzenszwalb and Huttenlocher 2012: nearest set pixel of a column first, then
- * the lower envelope of parabolas along rows. */
+/* silhouette: masks, their dilation and erosion, and distances between them. The distance transform is that
+ * of Meijster, Roerdink and Hesselink 2000, "A general algorithm for computing distance transforms in linear
+ * time", in the form of Felzenszwalb and Huttenlocher 2012: first the distance to the nearest set pixel in
+ * each column, then the lower envelope of parabolas along rows. */
 #include "compare/silhouette.h"
 
 #include <math.h>
@@ -30,7 +31,8 @@ void iso_silhouette_from_background(const uint8_t *rgba, size_t count, iso_rgb b
 
 /* ---- dilation and erosion ---- */
 
-/* out[i] = whether mask is `value` anywhere in i - radius .. i + radius, for `count` entries `step` apart. */
+/* Sets out[i] to 1 where the mask has `value` anywhere in i - radius .. i + radius, else to 0; for a line of
+ * `count` entries that are `step` apart. */
 static void spread_line(const uint8_t *mask, uint8_t value, int count, size_t step, int radius,
                         uint8_t *out) {
     int last = -1 - radius; /* of the entries up to i + radius, the last one that is `value` */
@@ -42,7 +44,7 @@ static void spread_line(const uint8_t *mask, uint8_t value, int count, size_t st
     }
 }
 
-/* 1 where `value` is within reach. */
+/* Sets `out` to 1 where the mask has `value` within `radius` rows and columns, else to 0. */
 static iso_status spread(const uint8_t *mask, uint8_t value, const int size[2], int radius, uint8_t *out,
                          iso_error *error) {
     size_t width = (size_t)size[0];
@@ -70,7 +72,8 @@ iso_status iso_silhouette_erode(const uint8_t *mask, const int size[2], int radi
 
 /* ---- distances ---- */
 
-/* Rows to the nearest set pixel of the same column; a number larger than any distance where there is none. */
+/* The distance of each pixel to the nearest set pixel of its column, in rows; 1e6 where the column has none.
+ */
 static void column_distances(const uint8_t *mask, const int size[2], float *rows) {
     size_t width = (size_t)size[0];
     const float far = 1e6f;
@@ -88,13 +91,14 @@ static void column_distances(const uint8_t *mask, const int size[2], float *rows
     }
 }
 
+/* The lower envelope of parabolas along a row. */
 typedef struct envelope {
-    int *center;   /* of the parabolas, from left to right */
-    double *start; /* where each begins to be the lowest; one more than there are parabolas */
+    int *center;   /* column of each parabola, from left to right */
+    double *start; /* x from which on each is the lowest */
 } envelope;
 
-/* Squared distance of each pixel of a row to the nearest set pixel of the picture; the largest of those that
- * `wanted` and not `mask` have. */
+/* The largest squared distance from a pixel of a row to the nearest set pixel of the picture, among the
+ * pixels that are in `wanted` and not in `mask`. rows: the row of column_distances. */
 static double row_farthest(const float *rows, int width, const uint8_t *wanted, const uint8_t *mask,
                            const envelope *e) {
     int count = 0;
@@ -119,7 +123,7 @@ static double row_farthest(const float *rows, int width, const uint8_t *wanted, 
     return farthest;
 }
 
-/* The distance of the pixel of `candidate` that is farthest from `truth`; truth must not be empty. */
+/* The largest distance of a pixel of `candidate` from `truth`, which must not be empty. */
 static iso_status farthest_extra(const uint8_t *truth, const uint8_t *candidate, const int size[2],
                                  double *distance, iso_error *error) {
     size_t width = (size_t)size[0], count = width * (size_t)size[1];

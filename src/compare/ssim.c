@@ -1,3 +1,4 @@
+/* ssim: means over windows by separable filters (compare/filter.h), in bands of rows in parallel. */
 #include "compare/ssim.h"
 
 #include <math.h>
@@ -16,7 +17,8 @@ typedef struct ssim {
     double *sums; /* per band */
 } ssim;
 
-/* Variances do not depend on a common shift, and floats hold them better around zero. */
+/* Subtracted from all values: variances do not change, and floats represent them more precisely around zero.
+ */
 static const float MIDDLE = 128;
 
 static void luma(const uint8_t *rgb, size_t count, float *out) {
@@ -24,7 +26,8 @@ static void luma(const uint8_t *rgb, size_t count, float *out) {
         out[i] = 0.299f * rgb[3 * i] + 0.587f * rgb[3 * i + 1] + 0.114f * rgb[3 * i + 2] - MIDDLE;
 }
 
-/* The window's means of a, b, aa, bb and ab: rows + 2 * RADIUS rows of a and b give `rows` rows of each. */
+/* The weighted means of a, b, aa, bb and ab over windows: `rows` rows of each from rows + 2 * RADIUS rows of
+ * a and b. */
 static void moments(const ssim *s, float *scratch, int rows, float *out[MOMENTS]) {
     enum { ALONE = 2 };
     static const int factors[MOMENTS][2] = {{0, ALONE}, {1, ALONE}, {0, 0}, {1, 1}, {0, 1}};
@@ -42,7 +45,8 @@ static void moments(const ssim *s, float *scratch, int rows, float *out[MOMENTS]
     }
 }
 
-/* Sum over a row of windows' centres; the terms are equal to the last bit where a and b are. */
+/* The sum of SSIM over a row of windows. Where a and b are equal, numerator and denominator are equal to the
+ * last bit. */
 static double sum_row(float *const mean[MOMENTS], size_t first, size_t end) {
     const float c1 = (0.01f * 255) * (0.01f * 255), c2 = (0.03f * 255) * (0.03f * 255);
     double sum = 0;

@@ -1,3 +1,4 @@
+/* study: standard views, the choice of a pixel to magnify, and pictures of them by any method. */
 #include "compare/study.h"
 
 #include <assert.h>
@@ -8,7 +9,7 @@
 #include "base/memory.h"
 #include "render/picture.h"
 
-/* Radians: to the right of the front, and upwards. Degrees: full view angle. */
+/* Direction of the eye in radians, to the right of the front and upwards; full view angle in degrees. */
 static const double SIDEWAYS = 0.6, UPWARDS = 0.35, VIEW_ANGLE = 30;
 
 /* ---- views ---- */
@@ -69,9 +70,10 @@ iso_view iso_study_zoom(const iso_view *fit, const int aim[2], double zoom) {
     return view;
 }
 
-/* ---- where to look ---- */
+/* ---- the pixel to magnify ---- */
 
-/* Covered part of the square of 2 * half pixels around (x, y), from a table of sums with a border of 0. */
+/* The covered fraction of the square of 2 * half pixels around (x, y), from a summed-area table of the mask
+ * (with a first row and column of zeros). */
 static double covered_part(const uint32_t *sums, int side, int x, int y, int half) {
     size_t row = (size_t)side + 1;
     size_t top = (size_t)(y - half) * row, bottom = (size_t)(y + half) * row;
@@ -133,7 +135,7 @@ typedef struct drawing {
     const iso_renderer *method;
 } drawing;
 
-static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+static iso_status draw_method(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const drawing *d = context;
     iso_target target = {view, gbuffer, d->subject->pool, 0};
     return d->method->draw(d->subject, &target, error);
@@ -148,7 +150,7 @@ iso_status iso_study_draw(const iso_subject *subject, const iso_renderer *method
                              .height = view->height,
                              .samples = look->samples,
                              .shading = {&look->color, 1, look->background, look->transparent},
-                             .draw = draw,
+                             .draw = draw_method,
                              .draw_context = &d,
                              .pool = subject->pool,
                              .aov = frame->aov.depth ? &frame->aov : NULL};
@@ -178,7 +180,7 @@ static float facing(const iso_study_frame *frame, const iso_view *view, int x, i
     return cosine < 1 ? cosine : 1;
 }
 
-void iso_study_light(const iso_study_frame *frame, const iso_view *view, const iso_study_look *look,
+void iso_study_shade(const iso_study_frame *frame, const iso_view *view, const iso_study_look *look,
                      float *color) {
     const float base[3] = {look->color.r, look->color.g, look->color.b};
     const float background[3] = {look->background.r, look->background.g, look->background.b};

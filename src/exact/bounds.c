@@ -1,9 +1,10 @@
-/* Bounds of the crossings, from the few blocks that can reach them. */
+/* bounds: the box of the points where the surface crosses the edges of cells. A block whose own box lies in
+ * the result so far is skipped, so that few blocks are looked at. */
 #include <math.h>
 
 #include "exact/set.h"
 
-/* Corner `corner` of cell `i` of a block. */
+/* Value number `at` of a block's corners. */
 static float corner_value(const iso_exact *exact, const void *corners, size_t at) {
     switch (exact->type) {
     case ISO_UINT8:
@@ -17,7 +18,7 @@ static float corner_value(const iso_exact *exact, const void *corners, size_t at
     }
 }
 
-/* Adds the crossings of a cell's twelve edges; the arithmetic is that of edge points. */
+/* Adds the crossings of a cell's twelve edges, with the arithmetic of edge points (extract/points). */
 static void add_cell(const iso_threshold *surface, const float value[8], iso_vec3 first,
                      const iso_affine *affine, iso_box *box) {
     for (int corner = 0; corner < 8; corner++)

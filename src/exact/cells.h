@@ -1,9 +1,11 @@
-/* exact_cells: what `exact` keeps of a brick, and the kernels that find it. Internal to exact.
+/* cells: the crossed cells of a brick, as `exact` stores them, and the kernels that find them. Internal to
+ * exact.
  *
- * A brick's cells lie in up to eight blocks of 8^3 cells: a block is what drawing culls and sets up at a
- * time. The corner values of a block's crossed cells are kept as the grid stores them, in planes: all first
- * corners, all second ones .. (bit 0 of a corner's number is +x, bit 1 +y, bit 2 +z), each plane padded with
- * zeros to whole groups of ISO_EXACT_GROUP cells. Cells are in the order z, y, x, x fastest. */
+ * A brick's crossed cells are stored in up to eight blocks of 8^3 cells; a block is culled and prepared for
+ * drawing as a unit. The corner values of a block's crossed cells are kept in the type of the grid's voxels,
+ * in eight planes: the first corners of all cells, their second corners, .. (bit 0 of a corner's number is
+ * +x, bit 1 +y, bit 2 +z). Each plane is padded with zeros to whole groups of ISO_EXACT_GROUP cells. Cells
+ * are sorted by z, then y, then x. */
 #ifndef ISO_EXACT_CELLS_H
 #define ISO_EXACT_CELLS_H
 
@@ -17,23 +19,24 @@
 enum {
     ISO_EXACT_SIDE = 8, /* cells */
     ISO_EXACT_CELLS = ISO_EXACT_SIDE * ISO_EXACT_SIDE * ISO_EXACT_SIDE,
-    ISO_EXACT_BLOCKS = 8, /* in a brick */
-    ISO_EXACT_GROUP = 16,
-    ISO_EXACT_LATTICE = ISO_BRICK + 1,
+    ISO_EXACT_BLOCKS = 8,              /* in a brick */
+    ISO_EXACT_GROUP = 16,              /* cells */
+    ISO_EXACT_LATTICE = ISO_BRICK + 1, /* voxels that a brick's cells have as corners, on an axis */
 };
 
 typedef struct iso_exact_block {
     uint64_t mask[ISO_EXACT_SIDE]; /* bit 8 * y + x of mask[z]: the cell is crossed */
     uint32_t group;                /* its first group, counted from the brick's first */
-    uint16_t cells;
-    uint8_t origin[3];       /* of the block in the brick: 0 or 8 */
-    uint8_t low[3], high[3]; /* first and last cell on each axis, in the block */
+    uint16_t cells;                /* number of crossed cells */
+    uint8_t origin[3];             /* of the block in the brick: 0 or 8 */
+    uint8_t low[3], high[3];       /* first and last crossed cell on each axis, counted from `origin` */
 } iso_exact_block;
 
+/* The results of one brick. */
 typedef struct iso_exact_span {
     int32_t brick[3];
-    uint32_t blocks, cells;
-    size_t block, group; /* the first ones */
+    uint32_t blocks, cells; /* how many */
+    size_t block, group;    /* the first ones, in the arrays of the set */
 } iso_exact_span;
 
 static inline uint32_t iso_exact_groups(uint32_t cells) {
@@ -45,8 +48,8 @@ static inline size_t iso_exact_group_bytes(iso_type type) {
     return (size_t)8 * ISO_EXACT_GROUP * iso_type_size(type);
 }
 
-/* Rows of 17 voxels of a brick, as many as the cells need: all 17 of a row must be readable, also where there
- * are fewer cells than 16. */
+/* The voxels of a brick and of its upper neighbours' first layers: (cells[2] + 1) * (cells[1] + 1) rows. 17
+ * voxels of each row must be readable, also where cells[0] is less than 16. */
 typedef struct iso_exact_source {
     const void *voxels;
     ptrdiff_t stride_y, stride_z; /* elements */
@@ -54,7 +57,8 @@ typedef struct iso_exact_source {
     float isovalue_ceil;          /* at or above it is inside */
 } iso_exact_source;
 
-/* What a brick has: blocks that are not empty, and their corners one after another. One worker's. */
+/* The result for a brick: its blocks with crossed cells, and their corners one block after the other. Large:
+ * one for each worker. */
 typedef struct iso_exact_output {
     uint32_t blocks, groups, cells;
     iso_exact_block block[ISO_EXACT_BLOCKS];

@@ -1,4 +1,5 @@
-/* The visible blocks front to back, then bands of rows over threads. */
+/* draw: lists the visible blocks front to back, then draws bands of rows, distributed over threads. Every
+ * worker draws all blocks that are visible in its band. */
 #include <stdatomic.h>
 #include <string.h>
 
@@ -8,9 +9,9 @@
 
 enum {
     SPANS_PER_TASK = 64,
-    BAND_BITS = 1 << 20,  /* at most, of pixels that are still free: they should stay in cache */
-    BANDS_PER_THREAD = 4, /* to even out, at least.. */
-    LEAST_ROWS = 32       /* ..but a block is set up once for each band that it meets */
+    BAND_BITS = 1 << 20,  /* most pixels of a band: their bits (`open`) should stay in cache */
+    BANDS_PER_THREAD = 4, /* at least, so that threads finish at about the same time */
+    LEAST_ROWS = 32       /* of a band: blocks are prepared anew for each band that they lie in */
 };
 
 typedef struct exact_draw {
@@ -18,14 +19,14 @@ typedef struct exact_draw {
     const iso_exact_kernel *kernel;
     uint32_t *order; /* spans front to back */
     size_t span_count;
-    iso_exact_visible *visible; /* task t's from t * SPANS_PER_TASK * ISO_EXACT_BLOCKS on */
-    int *visible_count;
+    iso_exact_visible *visible; /* those of task t begin at t * SPANS_PER_TASK * ISO_EXACT_BLOCKS */
+    int *visible_count;         /* by task */
     size_t task_count;
-    int band_count, words;
+    int band_count, words;      /* words: of free-pixel bits in a row */
     iso_exact_scratch *scratch; /* by worker */
-    uint64_t *open;             /* by worker */
+    uint64_t *open;             /* free-pixel bits; open_words by worker */
     size_t open_words;
-    atomic_size_t covered; /* pixels of a picture */
+    atomic_size_t covered; /* pixels that show the surface; set when a picture is painted */
 } exact_draw;
 
 static size_t task_count(const iso_exact *exact) {
@@ -57,7 +58,7 @@ static void order_spans(exact_draw *draw) {
     draw->span_count = count;
 }
 
-static void see_task(void *context, size_t index, int worker) {
+static void list_task_blocks(void *context, size_t index, int worker) {
     (void)worker;
     exact_draw *draw = context;
     iso_exact_visible *visible = draw->visible + index * SPANS_PER_TASK * ISO_EXACT_BLOCKS;
@@ -69,7 +70,7 @@ static void see_task(void *context, size_t index, int worker) {
     draw->visible_count[index] = count;
 }
 
-static void open_band(exact_draw *draw, iso_exact_scratch *scratch, size_t band) {
+static void start_band(exact_draw *draw, iso_exact_scratch *scratch, size_t band) {
     const int width = draw->projection.target->gbuffer->width;
     scratch->rows = iso_band_rows(draw->projection.target->gbuffer->height, draw->band_count, band);
     scratch->words = draw->words;
@@ -83,8 +84,8 @@ static void open_band(exact_draw *draw, iso_exact_scratch *scratch, size_t band)
     }
 }
 
-/* Fills what is still free; returns how many pixels are not. */
-static size_t fill_band(const exact_draw *draw, const iso_exact_scratch *scratch) {
+/* Writes the background to the pixels of a band that are still free; returns the number of the others. */
+static size_t fill_free_pixels(const exact_draw *draw, const iso_exact_scratch *scratch) {
     const int width = draw->projection.target->gbuffer->width;
     const iso_exact_paint *paint = draw->projection.paint;
     size_t taken = 0;
@@ -109,17 +110,17 @@ static size_t fill_band(const exact_draw *draw, const iso_exact_scratch *scratch
 static void draw_band(void *context, size_t index, int worker) {
     exact_draw *draw = context;
     iso_exact_scratch *scratch = &draw->scratch[worker];
-    open_band(draw, scratch, index);
+    start_band(draw, scratch, index);
     for (size_t task = 0; task < draw->task_count; task++) {
         const iso_exact_visible *visible = draw->visible + task * SPANS_PER_TASK * ISO_EXACT_BLOCKS;
         draw->kernel->draw(&draw->projection, visible, draw->visible_count[task], scratch);
     }
     draw->kernel->flush(&draw->projection, scratch);
     if (draw->projection.paint)
-        atomic_fetch_add_explicit(&draw->covered, fill_band(draw, scratch), memory_order_relaxed);
+        atomic_fetch_add_explicit(&draw->covered, fill_free_pixels(draw, scratch), memory_order_relaxed);
 }
 
-static int bands_for(const iso_pool *pool, int height, int words) {
+static int choose_band_count(const iso_pool *pool, int height, int words) {
     const int threads = iso_pool_threads(pool),
               most = BAND_BITS / 64 / words > 1 ? BAND_BITS / 64 / words : 1;
     int bands = (height + most - 1) / most;
@@ -129,13 +130,13 @@ static int bands_for(const iso_pool *pool, int height, int words) {
     return bands;
 }
 
-static iso_status reserve(exact_draw *draw, iso_error *error) {
+static iso_status alloc_draw(exact_draw *draw, iso_error *error) {
     const iso_gbuffer *gbuffer = draw->projection.target->gbuffer;
     const size_t workers = (size_t)iso_pool_threads(draw->projection.target->pool);
     const iso_exact *exact = draw->projection.exact;
     draw->task_count = task_count(exact);
     draw->words = gbuffer->width / 64 + 2;
-    draw->band_count = bands_for(draw->projection.target->pool, gbuffer->height, draw->words);
+    draw->band_count = choose_band_count(draw->projection.target->pool, gbuffer->height, draw->words);
     const size_t rows = (size_t)((gbuffer->height + draw->band_count - 1) / draw->band_count);
     draw->open_words = rows * (size_t)draw->words;
     draw->order = iso_alloc(exact->set.span_count * sizeof *draw->order);
@@ -151,7 +152,7 @@ static iso_status reserve(exact_draw *draw, iso_error *error) {
     return ISO_OK;
 }
 
-static void release(exact_draw *draw) {
+static void free_draw(exact_draw *draw) {
     iso_free(draw->order);
     iso_free(draw->visible);
     iso_free(draw->visible_count);
@@ -159,39 +160,39 @@ static void release(exact_draw *draw) {
     iso_free(draw->open);
 }
 
-static iso_status run(exact_draw *draw, iso_error *error) {
+static iso_status draw_bands(exact_draw *draw, iso_error *error) {
     iso_pool *pool = draw->projection.target->pool;
     draw->kernel = iso_exact_kernel_get(iso_cpu_best());
     draw->projection.gradients = iso_exact_gradients_get(&draw->projection.exact->grid, iso_cpu_best());
-    iso_status status = reserve(draw, error);
+    iso_status status = alloc_draw(draw, error);
     if (status == ISO_OK) {
         if (draw->task_count) order_spans(draw);
-        iso_parallel_for(pool, draw->task_count, see_task, draw);
+        iso_parallel_for(pool, draw->task_count, list_task_blocks, draw);
         iso_parallel_for(pool, (size_t)draw->band_count, draw_band, draw);
     }
-    release(draw);
+    free_draw(draw);
     return status;
 }
 
 iso_status iso_draw_exact(const iso_target *target, const iso_exact *exact, iso_error *error) {
     if (!exact->sorted || exact->set.span_count == 0) return ISO_OK;
     exact_draw draw = {.projection = iso_exact_projection_make(target, exact)};
-    return run(&draw, error);
+    return draw_bands(&draw, error);
 }
 
-/* ---- a picture at once */
+/* ---- a picture without a gbuffer */
 
-static int32_t word_of(iso_rgb color, int alpha) {
+static int32_t pack_rgba(iso_rgb color, int alpha) {
     const uint8_t bytes[4] = {color.r, color.g, color.b, (uint8_t)alpha};
     int32_t word;
     memcpy(&word, bytes, sizeof word);
     return word;
 }
 
-iso_status iso_paint_exact(const iso_exact_canvas *canvas, const iso_exact *exact, size_t *covered,
+iso_status iso_paint_exact(const iso_exact_picture *picture, const iso_exact *exact, size_t *covered,
                            iso_error *error) {
-    const iso_view *view = canvas->view;
-    const iso_shading *shading = canvas->shading;
+    const iso_view *view = picture->view;
+    const iso_shading *shading = picture->shading;
     const iso_rgb color = shading->colors[0], none = {0, 0, 0};
     const size_t width = (size_t)view->width, height = (size_t)view->height;
     float *slopes = iso_alloc((width + ISO_LANES_MAX + height) * sizeof *slopes);
@@ -200,17 +201,17 @@ iso_status iso_paint_exact(const iso_exact_canvas *canvas, const iso_exact *exac
     for (int x = 0; x < view->width + ISO_LANES_MAX; x++) u[x] = iso_slope_of_column(view, x);
     for (int y = 0; y < view->height; y++) v[y] = iso_slope_of_row(view, y);
     iso_gbuffer size = {.width = view->width, .height = view->height};
-    const iso_target target = {.view = view, .gbuffer = &size, .pool = canvas->pool};
+    const iso_target target = {.view = view, .gbuffer = &size, .pool = picture->pool};
     const iso_exact_paint paint = {
-        .pixels = (int32_t *)canvas->image->rgba,
+        .pixels = (int32_t *)picture->image->rgba,
         .u = u,
         .v = v,
         .base = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255},
-        .empty = shading->transparent ? word_of(none, 0) : word_of(shading->background, 255),
+        .empty = shading->transparent ? pack_rgba(none, 0) : pack_rgba(shading->background, 255),
     };
     exact_draw draw = {.projection = iso_exact_projection_make(&target, exact)};
     draw.projection.paint = &paint;
-    const iso_status status = run(&draw, error);
+    const iso_status status = draw_bands(&draw, error);
     iso_free(slopes);
     if (covered && status == ISO_OK) *covered = atomic_load(&draw.covered);
     return status;

@@ -1,3 +1,5 @@
+/* exact: the set of crossed cells. Reads the voxels of changed bricks from either kind of grid, has the
+ * kernel of cells.h find the crossed cells, and keeps the spans sorted for drawing. */
 #include "exact/exact.h"
 
 #include <math.h>
@@ -5,26 +7,27 @@
 
 #include "exact/set.h"
 
-/* A cell reads its voxel and the next ones up; gradients are read when drawing. */
+/* A cell depends on its own voxel and the next one on each axis. (Gradients, which depend on more, are
+ * computed when drawing.) */
 static const iso_halo HALO = {.down = 1, .up = 0};
 
 enum { LATTICE = ISO_EXACT_LATTICE };
 
 typedef struct exact_scratch {
     iso_exact_output output;
-    float window[LATTICE * LATTICE * LATTICE]; /* or of smaller voxels */
+    float window[LATTICE * LATTICE * LATTICE]; /* voxels of the grid's type, at most as large as floats */
 } exact_scratch;
 
 /* ---- one brick */
 
-static void cells_of(const int *dims, const int brick[3], int cells[3]) {
+static void count_cells(const int *dims, const int brick[3], int cells[3]) {
     for (int axis = 0; axis < 3; axis++) {
         int left = dims[axis] - 1 - brick[axis] * ISO_BRICK;
         cells[axis] = left < ISO_BRICK ? left : ISO_BRICK;
     }
 }
 
-/* Rows at the far end of the grid are copied: they are shorter than what kernels read. */
+/* Copies the rows at the far end of the grid, which are shorter than the 17 voxels that kernels read. */
 static void copy_rows(const iso_exact_source *source, size_t bytes, void *window) {
     const char *from = source->voxels;
     char *to = window;
@@ -37,8 +40,8 @@ static void copy_rows(const iso_exact_source *source, size_t bytes, void *window
         }
 }
 
-static void source_of_rgrid(const iso_rgrid *grid, const int brick[3], iso_exact_source *source,
-                            void *window) {
+static void set_rgrid_source(const iso_rgrid *grid, const int brick[3], iso_exact_source *source,
+                             void *window) {
     const size_t bytes = iso_type_size(grid->type);
     const ptrdiff_t first = ISO_BRICK * (brick[0] + brick[1] * grid->stride_y + brick[2] * grid->stride_z);
     source->voxels = (const char *)grid->data + first * (ptrdiff_t)bytes;
@@ -53,28 +56,28 @@ static void source_of_rgrid(const iso_rgrid *grid, const int brick[3], iso_exact
                                  source->isovalue_ceil};
 }
 
-/* A cell of an hgrid: its brick's values, or the value of all of them. */
+/* A cell of an hgrid: the values of its brick or, with `values` NULL, the one value of all voxels. */
 typedef struct hgrid_cell {
     const float *values;
     float value;
 } hgrid_cell;
 
-static hgrid_cell cell_at(const iso_hgrid *grid, const int brick[3], int number) {
+static hgrid_cell get_hgrid_cell(const iso_hgrid *grid, const int brick[3], int number) {
     int at[3];
     for (int axis = 0; axis < 3; axis++) {
         at[axis] = brick[axis] + (number >> axis & 1);
-        if (at[axis] >= grid->cells[axis]) at[axis] = brick[axis]; /* which is not looked at */
+        if (at[axis] >= grid->cells[axis]) at[axis] = brick[axis]; /* any cell: its values are not used */
     }
     const int32_t state = grid->cell[iso_hgrid_cell_index(grid, at[0], at[1], at[2])];
     if (state >= 0) return (hgrid_cell){.values = iso_hgrid_brick(grid, state)};
     return (hgrid_cell){.value = iso_hgrid_empty_value(grid, state)};
 }
 
-/* The brick and the first voxels of those above it. */
-static void source_of_hgrid(const iso_hgrid *grid, const int brick[3], iso_exact_source *source,
-                            float *window) {
+/* Gathers the voxels of a brick and the first layers of its upper neighbours in `window`. */
+static void set_hgrid_source(const iso_hgrid *grid, const int brick[3], iso_exact_source *source,
+                             float *window) {
     hgrid_cell cells[8];
-    for (int i = 0; i < 8; i++) cells[i] = cell_at(grid, brick, i);
+    for (int i = 0; i < 8; i++) cells[i] = get_hgrid_cell(grid, brick, i);
     for (int z = 0; z <= source->cells[2]; z++)
         for (int y = 0; y <= source->cells[1]; y++) {
             const hgrid_cell *cell = &cells[y / ISO_BRICK * 2 + z / ISO_BRICK * 4];
@@ -100,26 +103,27 @@ static float isovalue_of(const void *context) {
     return ((const iso_exact *)context)->surface.isovalue_ceil;
 }
 
-static void extract(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
+static void extract_brick(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
     const iso_exact *exact = context;
     exact_scratch *scratch = memory;
     iso_exact_output *made = &scratch->output;
     iso_exact_source source = {.isovalue_ceil = exact->surface.isovalue_ceil};
-    cells_of(iso_grid_dims(&exact->grid), brick, source.cells);
+    count_cells(iso_grid_dims(&exact->grid), brick, source.cells);
     if (source.cells[0] < 1 || source.cells[1] < 1 || source.cells[2] < 1) return;
     if (exact->grid.rgrid)
-        source_of_rgrid(exact->grid.rgrid, brick, &source, scratch->window);
+        set_rgrid_source(exact->grid.rgrid, brick, &source, scratch->window);
     else
-        source_of_hgrid(exact->grid.hgrid, brick, &source, scratch->window);
+        set_hgrid_source(exact->grid.hgrid, brick, &source, scratch->window);
     exact->extract(&source, made);
     *output = (iso_brick_output){.count = {made->blocks, made->groups}, .own = made->cells};
     output->items[0] = made->block;
     output->items[ISO_SPAN_ARRAYS] = made->corners;
 }
 
-/* With one thread, the set then has bricks written to their places directly. */
-static void extract_list(const void *context, const uint32_t *bricks, size_t count, void *scratch,
-                         iso_brick_sink *sink) {
+/* Extracts bricks one by one. With one thread, the sink then writes the results directly to their final
+ * positions. */
+static void extract_bricks(const void *context, const uint32_t *bricks, size_t count, void *scratch,
+                           iso_brick_sink *sink) {
     (void)context, (void)scratch;
     for (size_t i = 0; i < count && !iso_brick_sink_failed(sink); i++)
         iso_brick_sink_extract(sink, bricks[i]);
@@ -157,8 +161,8 @@ iso_status iso_exact_create(const iso_grid *grid, const iso_exact_opts *opts, is
         .span_bytes = sizeof(iso_exact_span),
         .halo = HALO,
         .may_exist = may_exist,
-        .extract = extract,
-        .extract_many = extract_list,
+        .extract = extract_brick,
+        .extract_many = extract_bricks,
         .isovalue = isovalue_of,
         .write_span = write_span,
     };
@@ -179,7 +183,7 @@ void iso_exact_destroy(iso_exact *exact) {
     iso_free(exact);
 }
 
-/* Spans lie in any order once bricks have come and gone. */
+/* Lists the spans by brick: in the set they have no order once bricks were added and removed. */
 static iso_status sort_spans(iso_exact *exact, iso_error *error) {
     const iso_brick_set *set = &exact->set;
     const size_t row_count = (size_t)set->bricks[1] * (size_t)set->bricks[2];
@@ -207,7 +211,7 @@ iso_status iso_exact_update(iso_exact *exact, iso_error *error) {
     return status != ISO_OK ? status : sorted;
 }
 
-void iso_exact_isovalue(iso_exact *exact, double isovalue) {
+void iso_exact_set_isovalue(iso_exact *exact, double isovalue) {
     if (isovalue == exact->opts.isovalue) return;
     exact->opts.isovalue = isovalue;
     set_surface(exact);

@@ -1,16 +1,17 @@
-/* From the 4^3 voxels around a cell, by 1/2: the differences of any two floats are finite then. Where all of
- * them are there and finite, whole rows are worked on; the arithmetic is the same. */
+/* gradient: central differences from the 4^3 voxels around a cell, times 1/2, so that the differences of any
+ * two floats are finite. Cells whose 4^3 voxels are all in the grid and finite are computed by whole rows
+ * (gradient_body.inc), others one axis_difference at a time (gradients_anywhere) with the same arithmetic. */
 #include "exact/gradient.h"
 
 #include <math.h>
 
 #include "grids/voxel_kernels.h"
 
-/* around[z][y][x]: voxels cell - 1 .. cell + 2, clamped to the grid. The outermost edges along x are not
- * needed. */
+/* [z][y][x]: the voxels cell - 1 .. cell + 2 on each axis; beyond the grid, its nearest voxel. Rows with y
+ * and z both 0 or 3 are not needed and not set. */
 typedef float voxels_around[4][4][4];
 
-static void fetch(const iso_grid *grid, const int cell[3], voxels_around around) {
+static void read_voxels_around(const iso_grid *grid, const int cell[3], voxels_around around) {
     const int *dims = iso_grid_dims(grid);
     for (int z = 0; z < 4; z++)
         for (int y = 0; y < 4; y++) {
@@ -25,7 +26,7 @@ static void fetch(const iso_grid *grid, const int cell[3], voxels_around around)
         }
 }
 
-static float difference(float low, float middle, float high, bool has_low, bool has_high) {
+static float axis_difference(float low, float middle, float high, bool has_low, bool has_high) {
     has_low = has_low && isfinite(low);
     has_high = has_high && isfinite(high);
     if (has_low && has_high) return 0.25f * high - 0.25f * low;
@@ -35,7 +36,7 @@ static float difference(float low, float middle, float high, bool has_low, bool 
 static void gradients_anywhere(const iso_grid *grid, const int cell[3], float gradient[8][4]) {
     const int *dims = iso_grid_dims(grid);
     voxels_around around;
-    fetch(grid, cell, around);
+    read_voxels_around(grid, cell, around);
     for (int corner = 0; corner < 8; corner++) {
         const int x = 1 + (corner & 1), y = 1 + (corner >> 1 & 1), z = 1 + (corner >> 2);
         const int at[3] = {cell[0] + x - 1, cell[1] + y - 1, cell[2] + z - 1};
@@ -43,13 +44,13 @@ static void gradients_anywhere(const iso_grid *grid, const int cell[3], float gr
         const float low[3] = {around[z][y][x - 1], around[z][y - 1][x], around[z - 1][y][x]};
         const float high[3] = {around[z][y][x + 1], around[z][y + 1][x], around[z + 1][y][x]};
         for (int i = 0; i < 3; i++)
-            gradient[corner][i] = difference(low[i], middle, high[i], at[i] > 0, at[i] + 1 < dims[i]);
+            gradient[corner][i] = axis_difference(low[i], middle, high[i], at[i] > 0, at[i] + 1 < dims[i]);
         gradient[corner][3] = 0;
     }
 }
 
-/* Four voxels of an hgrid's row, all inside, from x on. */
-static inline void fetch_row(const iso_hgrid *grid, const int at[3], float out[4]) {
+/* Copies four voxels of a row of an hgrid, from `at` on; all of them must be in the grid. */
+static inline void read_hgrid_row(const iso_hgrid *grid, const int at[3], float out[4]) {
     const int local = at[0] % ISO_BRICK, first = local + 4 <= ISO_BRICK ? 4 : ISO_BRICK - local;
     const size_t cell = iso_hgrid_cell_index(grid, at[0] / ISO_BRICK, at[1] / ISO_BRICK, at[2] / ISO_BRICK);
     const ptrdiff_t row = (at[2] % ISO_BRICK * ISO_BRICK + at[1] % ISO_BRICK) * ISO_BRICK;
@@ -61,14 +62,14 @@ static inline void fetch_row(const iso_hgrid *grid, const int at[3], float out[4
     }
 }
 
-/* A cell with voxels all around it. */
-static void fetch_within(const iso_hgrid *grid, const int cell[3], voxels_around around) {
+/* Reads the voxels around a cell for which is_within is true. */
+static void read_hgrid_voxels(const iso_hgrid *grid, const int cell[3], voxels_around around) {
     for (int z = 0; z < 4; z++)
         for (int y = 0; y < 4; y++)
-            fetch_row(grid, (const int[3]){cell[0] - 1, cell[1] + y - 1, cell[2] + z - 1}, around[z][y]);
+            read_hgrid_row(grid, (const int[3]){cell[0] - 1, cell[1] + y - 1, cell[2] + z - 1}, around[z][y]);
 }
 
-/* Whether a cell has voxels all around it. */
+/* Whether the grid has all 4^3 voxels around a cell. */
 static inline bool is_within(const int cell[3], const int dims[3]) {
     return cell[0] > 0 && cell[1] > 0 && cell[2] > 0 && cell[0] + 2 < dims[0] && cell[1] + 2 < dims[1] &&
            cell[2] + 2 < dims[2];
@@ -79,15 +80,15 @@ void iso_exact_gradients_fetch(const iso_grid *grid, const int cell[3]) {
     const iso_rgrid *rgrid = grid->rgrid;
     const ptrdiff_t bytes = (ptrdiff_t)iso_type_size(rgrid->type), step_y = bytes * rgrid->stride_y,
                     step_z = bytes * rgrid->stride_z;
-    /* (an address outside the grid is not an error, but arithmetic on pointers would be) */
+    /* addresses may lie outside the grid: legal to prefetch, but not as results of pointer arithmetic */
     const uintptr_t first =
         (uintptr_t)rgrid->data + (uintptr_t)(bytes * cell[0] + step_y * cell[1] + step_z * cell[2]);
     for (int z = -1; z < 3; z++)
-        for (int y = -1; y < 3; y++) /* rows of the outermost edges are hardly worth an exception */
+        for (int y = -1; y < 3; y++) /* (the four outermost rows are not needed: not worth a branch) */
             __builtin_prefetch((const void *)(first + (uintptr_t)(y * step_y + z * step_z)));
 }
 
-/* ---- four voxels of a row, by 1/4 */
+/* ---- row_of_4_LEVEL: four voxels of a row, times 1/4 */
 
 static inline vf_generic row_of_4_generic(iso_type type, const void *row) {
     switch (type) {
@@ -120,7 +121,7 @@ ISO_TARGET_AVX2 static inline vf_generic row_of_4_avx2(iso_type type, const void
         return 0.25f * v_load_generic(row);
     }
 }
-/* (rows of four are no work for wider vectors) */
+/* (four voxels need no wider vectors) */
 ISO_TARGET_AVX512 static inline vf_generic row_of_4_avx512(iso_type type, const void *row) {
     return row_of_4_avx2(type, row);
 }

@@ -6,21 +6,20 @@
 
 #include "render/shading/phong_vectors.h"
 
-/* How much larger than [-1, 1] cells are taken to be, so that rounding leaves no gaps between them: 5e-6
- * voxel. Next to the eye rays are known less well. */
+/* Cells are taken to reach this far beyond [-1, 1] (1e-5 is 5e-6 voxel), so that rounding opens no gaps
+ * between neighbours. Next to the eye the rounding errors of rays are larger. */
 #define ISO_EXACT_WIDER 1e-5f
 #define ISO_EXACT_WIDER_NEAR 4e-5f
 
-/* Cells whose box has more pixels than this are tested alone: filling their last vector with pixels of
- * other cells no longer pays. */
+/* Cells whose box has more pixels than this are tested alone. Below it, testing the pixels of several cells
+ * together wastes fewer vector lanes. */
 #define ISO_EXACT_LARGE_CELL 32
 
-/* Cells whose box has at least this many pixels get an outline. */
+/* Cells whose box has at least this many pixels get an outline (iso_exact_outline). */
 #define ISO_EXACT_OUTLINED_CELL 250
 
-/* How many pairs of a pixel and a cell are collected before they are tested. More pairs fill the vectors
- * better; but a pixel in which one cell of the batch is hit is still tested against the batch's other cells.
- */
+/* How many pairs of a pixel and a cell are collected before they are tested. More pairs fill vectors better,
+ * but within a batch a pixel is also tested against cells behind one that it already shows. */
 #define ISO_EXACT_BATCH 64
 
 enum { RECORD_FLOATS = sizeof(iso_exact_cell) / sizeof(float) };
@@ -48,20 +47,22 @@ void iso_exact_project_near_cells(const iso_exact_projection *projection, iso_ex
     }
 }
 
-static void set_cell(const iso_exact_scratch *scratch, int cell, int voxel[3]) {
+static void get_cell_voxel(const iso_exact_scratch *scratch, int cell, int voxel[3]) {
     const int position = scratch->position[cell];
     const int local[3] = {position & 7, position >> 3 & 7, position >> 6};
     for (int axis = 0; axis < 3; axis++)
         voxel[axis] = ISO_BRICK * scratch->span->brick[axis] + scratch->block->origin[axis] + local[axis];
 }
 
-/* Whether a block's cells are large, and rays hardly differ from one end of a cell to the other. */
+/* Whether a block's cells get outlines: they are large, and far enough from the eye for the directions of
+ * rays to differ little within a cell. */
 static bool has_outlines(const iso_exact_projection *projection, const iso_exact_block_projection *view) {
     if (view->near || view->clip || view->cell_pixels < ISO_EXACT_OUTLINED_CELL) return false;
     return !projection->perspective || view->depth > 48 * projection->half_depth;
 }
 
-/* The lowest bits of a number, moved to where a mask has bits. */
+/* Moves the lowest bits of `bits` to the positions of the set bits of `mask`, as the instruction pdep does.
+ */
 static inline uint64_t deposit_generic(uint64_t bits, uint64_t mask) {
     uint64_t to = 0;
     for (; mask; mask &= mask - 1, bits >>= 1)

@@ -1,3 +1,5 @@
+/* Projection of grids and blocks in double precision: matrices from the camera, boxes of pixels (exact ones
+ * by clipping at the near plane, or first-order bounds far from the eye), and the order of blocks. */
 #include "exact/projection.h"
 
 #include <float.h>
@@ -8,7 +10,8 @@
 
 /* ---- the projection */
 
-/* index = eye + depth * (view-space ray through inverse): columns of the inverse of `matrix`. */
+/* Sets `ray` (columns of the inverse of `matrix`), `eye` and `split`. The ray through the view-space
+ * direction d is index = eye + depth * inverse(matrix) * d. */
 static void set_rays(iso_exact_projection *projection, const iso_affine *affine) {
     const iso_view *view = projection->target->view;
     double inverse[3][3], largest = 0; /* [view axis][index axis] */
@@ -21,12 +24,12 @@ static void set_rays(iso_exact_projection *projection, const iso_affine *affine)
         }
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) projection->ray[k][i] = (float)(2 * inverse[k][i]);
-    /* No direction has a component of exactly 0, which would have no inverse. */
+    /* Makes sure that no direction has a component of exactly 0, because rays are divided by components. */
     for (int i = 0; i < 3; i++) projection->ray[2][i] += (float)(1e-9 * largest);
     for (int i = 0; i < 3; i++) {
         projection->eye[i] = 0;
         for (int k = 0; k < 3; k++) projection->eye[i] -= inverse[k][i] * projection->origin[k];
-        /* order along an axis: away from the eye, or as parallel rays go */
+        /* front to back: away from the eye, or along the parallel rays */
         double split = projection->perspective ? floor(projection->eye[i]) : inverse[2][i] >= 0 ? -1e9 : 1e9;
         projection->split[i] = (int)fmin(fmax(split, -1e9), 1e9);
     }
@@ -79,7 +82,8 @@ static void add_point(const iso_exact_projection *projection, const double p[3],
     box->y1 = fmax(box->y1, p[1] * scale);
 }
 
-/* The corners behind the near plane, and where edges meet it: their hull is the hull of what can be seen. */
+/* The box of a cuboid's part behind the near plane: of its corners there, and of the points where its edges
+ * meet the plane. */
 static pixel_box clipped_box(const iso_exact_projection *projection, double corner[8][3]) {
     pixel_box box = {DBL_MAX, -DBL_MAX, DBL_MAX, -DBL_MAX};
     const double near = projection->target->view->near;
@@ -98,9 +102,9 @@ static pixel_box clipped_box(const iso_exact_projection *projection, double corn
     return box;
 }
 
-/* Pixels with centres in the box, a little widened for the rounding of those who use them. */
-static bool to_pixels(const iso_exact_projection *projection, pixel_box box, const int clip[4],
-                      int pixels[4]) {
+/* The pixels with centres in the box, which is enlarged a little because callers work with rounded values. */
+static bool clip_to_pixels(const iso_exact_projection *projection, pixel_box box, const int clip[4],
+                           int pixels[4]) {
     const double slack = 0.01, relative = 1e-5;
     const double reach[2] = {slack + relative * (box.x1 - box.x0), slack + relative * (box.y1 - box.y0)};
     const double low[2] = {box.x0, box.y0}, high[2] = {box.x1, box.y1};
@@ -114,7 +118,7 @@ static bool to_pixels(const iso_exact_projection *projection, pixel_box box, con
     return true;
 }
 
-static void view_point(const iso_exact_projection *projection, const double index[3], double view[3]) {
+static void transform_to_view(const iso_exact_projection *projection, const double index[3], double view[3]) {
     const double *m = projection->matrix;
     for (int k = 0; k < 3; k++)
         view[k] =
@@ -128,18 +132,18 @@ bool iso_exact_pixel_box(const iso_exact_projection *projection, const double ce
         double index[3];
         for (int axis = 0; axis < 3; axis++)
             index[axis] = centre[axis] + (i >> axis & 1 ? half[axis] : -half[axis]);
-        view_point(projection, index, corner[i]);
+        transform_to_view(projection, index, corner[i]);
     }
-    return to_pixels(projection, clipped_box(projection, corner), clip, pixels);
+    return clip_to_pixels(projection, clipped_box(projection, corner), clip, pixels);
 }
 
-/* The same for a box that lies wholly in front of the eye plane, to first order around its centre: a point
- * (x + dx) / (z + dz) differs from x / z by (dx - x / z * dz) / (z + dz). */
-static bool far_pixels(const iso_exact_projection *projection, const double centre[3], const double half[3],
-                       const int clip[4], int pixels[4]) {
+/* Pixels that can see a box far from the eye, with a bound of first order around its centre: (x + dx) /
+ * (z + dz) differs from x / z by (dx - x / z * dz) / (z + dz), and z + dz > 0 is needed in the whole box. */
+static bool far_box_pixels(const iso_exact_projection *projection, const double centre[3],
+                           const double half[3], const int clip[4], int pixels[4]) {
     const double *m = projection->matrix, focal = projection->target->view->focal;
     double p[3], reach_z = 0, reach[2] = {0, 0};
-    view_point(projection, centre, p);
+    transform_to_view(projection, centre, p);
     for (int i = 0; i < 3; i++) reach_z += fabs(m[6 + i]) * half[i];
     if (p[2] + reach_z < projection->target->view->near) return false;
     const double x = projection->perspective ? p[0] / p[2] : p[0],
@@ -152,20 +156,20 @@ static bool far_pixels(const iso_exact_projection *projection, const double cent
     const double scale = projection->perspective ? focal / (p[2] - reach_z) : focal;
     const pixel_box box = {focal * x - scale * reach[0], focal * x + scale * reach[0],
                            focal * y - scale * reach[1], focal * y + scale * reach[1]};
-    return to_pixels(projection, box, clip, pixels);
+    return clip_to_pixels(projection, box, clip, pixels);
 }
 
 static bool box_pixels(const iso_exact_projection *projection, const double centre[3], const double half[3],
                        const int clip[4], int pixels[4]) {
     if (projection->perspective) {
         double p[3], reach_z = 0;
-        view_point(projection, centre, p);
+        transform_to_view(projection, centre, p);
         for (int i = 0; i < 3; i++) reach_z += fabs(projection->matrix[6 + i]) * half[i];
-        /* nearer than that, the first-order box is a loose one */
+        /* next to the eye the first-order bound is too wide */
         if (!(p[2] - reach_z > 0.2 * p[2]))
             return iso_exact_pixel_box(projection, centre, half, clip, pixels);
     }
-    return far_pixels(projection, centre, half, clip, pixels);
+    return far_box_pixels(projection, centre, half, clip, pixels);
 }
 
 int iso_exact_list_visible_blocks(const iso_exact_projection *projection, uint32_t number,
@@ -178,8 +182,8 @@ int iso_exact_list_visible_blocks(const iso_exact_projection *projection, uint32
     for (int axis = 0; axis < 3; axis++) {
         corner[axis] = (double)ISO_BRICK * span->brick[axis];
         centre[axis] = corner[axis] + 8;
-        const double cells =
-            projection->split[axis] - corner[axis]; /* 0 .. 8: the eye is in the first half */
+        /* from the brick's first cell to the turn of the order; 0 .. 8: the eye is in the first half */
+        const double cells = projection->split[axis] - corner[axis];
         split[axis] = cells < 0 ? 0 : cells < ISO_EXACT_SIDE ? 0 : cells < ISO_BRICK ? 1 : 2;
     }
     if (!box_pixels(projection, centre, half, clip, pixels)) return 0;
@@ -223,7 +227,7 @@ iso_exact_block_projection iso_exact_project_block(const iso_exact_projection *p
     double index[3], p[3];
     for (int i = 0; i < 3; i++)
         index[i] = (double)ISO_BRICK * span->brick[i] + block->origin[i] + 0.5 * ISO_EXACT_SIDE;
-    view_point(projection, index, p);
+    transform_to_view(projection, index, p);
     iso_exact_block_projection view = {
         .near = projection->perspective && p[2] < reach + 2 * projection->half_depth,
         .clip = p[2] - reach < near,

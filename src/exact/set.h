@@ -9,17 +9,16 @@
 #include "grids/threshold.h"
 
 struct iso_exact {
-    iso_brick_set set; /* heap 0: blocks, heap 1: groups of corners */
+    iso_brick_set set; /* its heap 0 stores blocks, heap 1 groups of corners */
     iso_grid grid;
     iso_exact_opts opts;
     iso_threshold surface;
     iso_type type; /* of the corners */
     iso_exact_extract *extract;
-    /* Numbers of the spans (uint32_t), sorted by brick; row r of bricks has order[rows[r]] .. order[rows[r +
-     * 1]
-     * - 1], r = z * bricks_y + y. */
+    /* Arrays of uint32_t. order: the numbers of all spans, sorted by z, y, x of their bricks. rows: index in
+     * `order` of the first span of the row of bricks r = z * bricks_y + y; one more marks the end. */
     iso_buffer order, rows;
-    bool sorted; /* order and rows are up to date; false: no memory for them, and nothing can be drawn */
+    bool sorted; /* order and rows are up to date; false when there was no memory: nothing is drawn then */
     size_t cells;
 };
 

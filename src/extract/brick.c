@@ -1,3 +1,5 @@
+/* brick: fills the window of a brick, and gradients and normals from it: central differences, one-sided next
+ * to missing neighbours. */
 #include "extract/brick.h"
 
 void iso_brick_window_fill(const iso_grid *grid, const int brick[3], iso_brick_window *window) {
@@ -21,7 +23,7 @@ void iso_window_gradient(const iso_brick_window *window, const int voxel[3], flo
     }
 }
 
-/* Rare: the squares would leave the range of floats, or there is no gradient at all. */
+/* Rare: the squares would overflow or underflow in float, or the gradient is zero. */
 static bool unit_normal_wide(const float g[3], float sign, float normal[3]) {
     double length = sqrt((double)g[0] * g[0] + (double)g[1] * g[1] + (double)g[2] * g[2]);
     if (!(length > 0) || !isfinite(length)) return false;

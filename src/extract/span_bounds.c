@@ -1,8 +1,11 @@
+/* span_bounds: recomputes the bounds of spans whose version has changed, in parallel, and decides whether the
+ * surface can have a border. */
 #include "extract/span_bounds.h"
 
 enum { TASK_SPANS = 256 };
 
-/* Which state of a span its bounds are of, and whether the surface may end in it. */
+/* The version of a span for which its bounds were computed, and whether the surface may have a border there.
+ */
 typedef struct bounded_span {
     uint64_t version;
     bool open;
@@ -22,8 +25,9 @@ void iso_span_bounds_free(iso_span_bounds *bounds) {
     iso_buffer_free(&bounds->bounded);
 }
 
-/* The surface ends at the border of the volume and around voxels that are not finite. A surface that crosses
- * the border has points within a voxel of it, whatever their kind. */
+/* Whether the surface may have a border in a brick: it ends at the border of the volume and around voxels
+ * that are not finite. Where it ends at the volume's border it has points, of any kind, within a voxel of
+ * that. */
 static bool may_be_open(const iso_grid *grid, const int32_t at[3], const iso_point_bounds *bounds) {
     const iso_rgrid *rgrid = grid->rgrid;
     const int *dims = rgrid ? rgrid->dims : grid->hgrid->dims;
@@ -61,7 +65,7 @@ static void bound_spans(void *context, size_t index, int worker) {
     for (size_t i = index * TASK_SPANS; i < end && i < s->set->span_count; i++) {
         if (s->bounded[i].version == versions[i]) continue;
         s->find(s->context, i, &s->bounds[i]);
-        /* spans of both kinds begin with it */
+        /* iso_point_span and iso_mesh_span both begin with their brick */
         const int32_t *brick =
             (const int32_t *)((const char *)s->set->spans.data + i * s->set->kernel.span_bytes);
         s->bounded[i] = (bounded_span){versions[i], may_be_open(&s->set->grid, brick, &s->bounds[i])};
@@ -70,7 +74,7 @@ static void bound_spans(void *context, size_t index, int worker) {
 
 iso_status iso_span_bounds_update(iso_span_bounds *bounds, const iso_brick_set *set,
                                   iso_span_bounds_find *find, const void *context, iso_error *error) {
-    const iso_brick_index *index; /* which float bricks are finite */
+    const iso_brick_index *index; /* made up to date for may_be_open: it knows which bricks are finite */
     if (set->grid.rgrid && set->grid.rgrid->type == ISO_FLOAT32)
         ISO_TRY(iso_brick_index_of(set->grid.rgrid, set->pool, &index, error));
     size_t count = set->span_count, had = bounds->bounded.bytes / sizeof(bounded_span);

@@ -1,6 +1,5 @@
-/* span_bounds: what points and meshes tell a renderer that leaves out what is not to be seen: bounds of every
- * span, and whether the surface is closed. Only spans that changed are looked at again. Internal to extract.
- */
+/* span_bounds: bounds of every span, and whether the surface is closed, so that a renderer can skip spans
+ * that are hidden. Only the bounds of spans that changed are computed again. Internal to extract. */
 #ifndef ISO_EXTRACT_SPAN_BOUNDS_H
 #define ISO_EXTRACT_SPAN_BOUNDS_H
 
@@ -10,22 +9,23 @@
 /* Zero-initialise. */
 typedef struct iso_span_bounds {
     iso_buffer bounds;  /* iso_point_bounds of each span */
-    iso_buffer bounded; /* and what they are of */
-    bool whole;         /* the last update of the set did everything */
-    bool known, closed;
+    iso_buffer bounded; /* for each span, the version that its bounds are of */
+    bool whole;         /* the last update of the set succeeded: the set holds the whole surface */
+    bool known, closed; /* the bounds are up to date; the surface has no border */
 } iso_span_bounds;
 
-/* After an update of the set: nothing is known until iso_span_bounds_update. */
+/* Call it after every update of the set: the bounds are unknown until iso_span_bounds_update. whole: the
+ * update succeeded. */
 void iso_span_bounds_forget(iso_span_bounds *bounds, bool whole);
 
-/* Bounds of span number `span`; called by several threads. */
+/* Callback: computes the bounds of span number `span`. Called from several threads. */
 typedef void iso_span_bounds_find(const void *context, size_t span, iso_point_bounds *bounds);
 
-/* ISO_ERR_NOMEM. */
+/* Computes the bounds of the set's spans that have changed, by calling `find`. ISO_ERR_NOMEM. */
 iso_status iso_span_bounds_update(iso_span_bounds *bounds, const iso_brick_set *set,
                                   iso_span_bounds_find *find, const void *context, iso_error *error);
 
-/* One for each span, NULL when they are not known. */
+/* The bounds of all spans, borrowed; NULL when they are unknown. */
 const iso_point_bounds *iso_span_bounds_of(const iso_span_bounds *bounds);
 
 void iso_span_bounds_free(iso_span_bounds *bounds);

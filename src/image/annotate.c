@@ -1,3 +1,5 @@
+/* annotate: draws lines with antialiasing by 64 samples a pixel, and composes scale bar and orientation
+ * marker of them. */
 #include "image/annotate.h"
 
 #include <math.h>
@@ -21,17 +23,17 @@ typedef struct line {
 
 enum { LINES = 512, SIDE = 8, SAMPLES = SIDE * SIDE };
 
-/* Lines that are drawn together: where they cross nothing shows. */
+/* Lines that are drawn as one: a pixel that several of them cover is blended once. */
 typedef struct drawing {
     line lines[LINES];
     int count;
 } drawing;
 
-static void add(drawing *d, double x0, double y0, double x1, double y1) {
+static void add_line(drawing *d, double x0, double y0, double x1, double y1) {
     if (d->count < LINES) d->lines[d->count++] = (line){x0, y0, x1, y1};
 }
 
-/* Pixels from x0, y0 on, each with a bit for every sample that is covered. */
+/* A rectangle of pixels from x0, y0 on; of each pixel, bit s is set if its sample s is covered. */
 typedef struct mask {
     uint64_t *bits;
     int x0, y0, width, height;
@@ -41,8 +43,8 @@ static int bounded(double value, int most) {
     return value <= 0 ? 0 : value >= most ? most : (int)value;
 }
 
-static iso_status make_mask(const drawing *d, const iso_image *image, double radius, mask *m,
-                            iso_error *error) {
+static iso_status create_mask(const drawing *d, const iso_image *image, double radius, mask *m,
+                              iso_error *error) {
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (int i = 0; i < d->count; i++) {
         const line *l = &d->lines[i];
@@ -68,7 +70,8 @@ static double distance_squared(const line *l, double x, double y) {
     return ex * ex + ey * ey;
 }
 
-static uint64_t cover(const line *l, double radius, int x, int y) {
+/* The samples of pixel x, y that are within `radius` of a line. */
+static uint64_t covered_samples(const line *l, double radius, int x, int y) {
     const double inner = radius - 0.75, outer = radius + 0.75; /* half a pixel's diagonal is 0.71 */
     const double middle = distance_squared(l, x + 0.5, y + 0.5);
     if (middle > outer * outer) return 0;
@@ -81,17 +84,18 @@ static uint64_t cover(const line *l, double radius, int x, int y) {
     return bits;
 }
 
-static void mark(mask *m, const line *l, double radius) {
+static void mark_line(mask *m, const line *l, double radius) {
     const int left = bounded(fmin(l->x0, l->x1) - radius - m->x0, m->width);
     const int right = bounded(fmax(l->x0, l->x1) + radius + 1 - m->x0, m->width);
     const int top = bounded(fmin(l->y0, l->y1) - radius - m->y0, m->height);
     const int bottom = bounded(fmax(l->y0, l->y1) + radius + 1 - m->y0, m->height);
     for (int y = top; y < bottom; y++)
         for (int x = left; x < right; x++)
-            m->bits[(size_t)y * (size_t)m->width + (size_t)x] |= cover(l, radius, m->x0 + x, m->y0 + y);
+            m->bits[(size_t)y * (size_t)m->width + (size_t)x] |=
+                covered_samples(l, radius, m->x0 + x, m->y0 + y);
 }
 
-/* Straight alpha over straight alpha, rounded. */
+/* Blends ink that covers `samples` samples of a pixel over its colour, both with straight alpha. */
 static void blend(uint8_t rgba[4], const color *ink, int samples) {
     const int above = (samples * 255 + SAMPLES / 2) / SAMPLES, below = rgba[3] * (255 - above);
     const int whole = above * 255 + below;
@@ -107,12 +111,12 @@ static int count_bits(uint64_t bits) {
     return count;
 }
 
-static iso_status stroke(iso_image *image, const drawing *d, double radius, const color *ink,
-                         iso_error *error) {
+static iso_status draw_lines(iso_image *image, const drawing *d, double radius, const color *ink,
+                             iso_error *error) {
     mask m = {0};
-    ISO_TRY(make_mask(d, image, radius, &m, error));
+    ISO_TRY(create_mask(d, image, radius, &m, error));
     if (!m.bits) return ISO_OK;
-    for (int i = 0; i < d->count; i++) mark(&m, &d->lines[i], radius);
+    for (int i = 0; i < d->count; i++) mark_line(&m, &d->lines[i], radius);
     for (int y = 0; y < m.height; y++)
         for (int x = 0; x < m.width; x++) {
             const uint64_t bits = m.bits[(size_t)y * (size_t)m.width + (size_t)x];
@@ -125,11 +129,14 @@ static iso_status stroke(iso_image *image, const drawing *d, double radius, cons
 
 /* ---- sizes */
 
+/* Colours and sizes for one picture; sizes in pixels. */
 typedef struct pen {
     iso_image *image;
     color ink, outline;
-    double text; /* height of capitals, pixels; the others are multiples of it */
-    double unit, radius, border;
+    double text;   /* height of capital letters */
+    double unit;   /* of the vector font */
+    double radius; /* of lines */
+    double border; /* width of the outline */
 } pen;
 
 static pen pen_of(iso_image *image, bool dark) {
@@ -142,19 +149,21 @@ static pen pen_of(iso_image *image, bool dark) {
     return p;
 }
 
-static iso_status draw(const pen *p, const drawing *d, double radius, const color *ink, iso_error *error) {
-    ISO_TRY(stroke(p->image, d, radius + p->border, &p->outline, error));
-    return stroke(p->image, d, radius, ink, error);
+/* Draws lines with their outline. */
+static iso_status draw_outlined(const pen *p, const drawing *d, double radius, const color *ink,
+                                iso_error *error) {
+    ISO_TRY(draw_lines(p->image, d, radius + p->border, &p->outline, error));
+    return draw_lines(p->image, d, radius, ink, error);
 }
 
-/* Around (x, y). */
+/* Adds a text centred at (x, y). */
 static void add_text(drawing *d, const pen *p, const char *text, double x, double y) {
     iso_font_line lines[LINES];
     const int count = iso_font_lines(text, lines, LINES);
     const double left = x - 0.5 * iso_font_width(text) * p->unit, top = y - 0.5 * p->text;
     for (int i = 0; i < count && i < LINES; i++)
-        add(d, left + lines[i].x0 * p->unit, top + lines[i].y0 * p->unit, left + lines[i].x1 * p->unit,
-            top + lines[i].y1 * p->unit);
+        add_line(d, left + lines[i].x0 * p->unit, top + lines[i].y0 * p->unit, left + lines[i].x1 * p->unit,
+                 top + lines[i].y1 * p->unit);
 }
 
 /* ---- the scale bar */
@@ -194,26 +203,26 @@ static iso_status draw_scale_bar(const pen *p, const iso_camera *camera, iso_err
     char label[32];
     iso_scale_bar_label(length, label);
     const double pixels = length / iso_camera_mm_per_pixel(camera, height);
-    const double text = iso_font_width(label) * p->unit; /* which may be longer than the bar */
+    const double text = iso_font_width(label) * p->unit; /* may be longer than the bar */
     const double right = width - 1.2 * p->text - fmax(0, 0.5 * (text - pixels)), left = right - pixels;
     const double y = height - 1.5 * p->text, tick = 0.4 * p->text;
     drawing d = {.count = 0};
-    add(&d, left, y, right, y);
-    add(&d, left, y - tick, left, y + tick);
-    add(&d, right, y - tick, right, y + tick);
+    add_line(&d, left, y, right, y);
+    add_line(&d, left, y - tick, left, y + tick);
+    add_line(&d, right, y - tick, right, y + tick);
     add_text(&d, p, label, 0.5 * (left + right), y - 1.5 * p->text);
-    return draw(p, &d, p->radius, &p->ink, error);
+    return draw_outlined(p, &d, p->radius, &p->ink, error);
 }
 
-/* ---- the orientation marker */
+/* ---- the orientation marker: three axes with up to six arms */
 
-/* Length of half an axis in heights of letters. */
+/* Length of an arm, in heights of letters. */
 static const double ARM = 2.6;
 
-/* Half an axis as the camera sees it. */
+/* An arm is one half of an axis, as the camera sees it. */
 typedef struct arm {
     char letter[2];
-    double x, y, depth; /* of a unit vector: right, down, away */
+    double x, y, depth; /* unit vector: to the right, down, away from the viewer */
     int axis;
     bool positive;
 } arm;
@@ -233,14 +242,14 @@ static int make_arms(const iso_annotation *a, const iso_image *image, arm arms[6
                         .positive = positive};
             int at = count++;
             for (; at > 0 && arms[at - 1].depth < made.depth; at--)
-                arms[at] = arms[at - 1]; /* far ones first */
+                arms[at] = arms[at - 1]; /* sorted: the farthest first */
             arms[at] = made;
         }
     return count;
 }
 
-/* Where an arm's letter is, from the marker's middle; false when it has none, because it points at the viewer
- * or away and would lie on the others. */
+/* The position of an arm's letter relative to the marker's middle; false when the letter is left out, because
+ * the arm points towards the viewer or away and the letter would cover others. */
 static bool letter_of(const pen *p, const arm *a, double *x, double *y) {
     const double reach = sqrt(a->x * a->x + a->y * a->y);
     if (reach < 0.25) return false;
@@ -250,7 +259,8 @@ static bool letter_of(const pen *p, const arm *a, double *x, double *y) {
     return true;
 }
 
-/* Of letters that would overlap the one farther from the middle is drawn. */
+/* Whether an arm's letter is left out: of two letters that would overlap, the one farther from the middle is
+ * drawn. */
 static bool is_covered(const pen *p, const arm arms[6], int count, int which) {
     double x, y, other_x, other_y;
     if (!letter_of(p, &arms[which], &x, &y)) return true;
@@ -263,7 +273,7 @@ static bool is_covered(const pen *p, const arm arms[6], int count, int which) {
     return false;
 }
 
-/* Outlines first: no axis cuts another one. */
+/* Draws all outlines first, so that no outline covers another axis. */
 static iso_status draw_axes(const pen *p, const arm arms[6], int count, const double middle[2],
                             iso_error *error) {
     static const color colors[3] = {{{208, 58, 47}}, {{46, 150, 62}}, {{58, 108, 216}}};
@@ -272,9 +282,9 @@ static iso_status draw_axes(const pen *p, const arm arms[6], int count, const do
             const arm *a = &arms[i];
             const double radius = (a->positive ? 1.5 : 0.9) * p->radius, length = ARM * p->text;
             drawing d = {.count = 0};
-            add(&d, middle[0], middle[1], middle[0] + a->x * length, middle[1] + a->y * length);
-            ISO_TRY(layer ? stroke(p->image, &d, radius, &colors[a->axis], error)
-                          : stroke(p->image, &d, radius + p->border, &p->outline, error));
+            add_line(&d, middle[0], middle[1], middle[0] + a->x * length, middle[1] + a->y * length);
+            ISO_TRY(layer ? draw_lines(p->image, &d, radius, &colors[a->axis], error)
+                          : draw_lines(p->image, &d, radius + p->border, &p->outline, error));
         }
     return ISO_OK;
 }
@@ -289,7 +299,7 @@ static iso_status draw_marker(const pen *p, const iso_annotation *a, iso_error *
         if (!is_covered(p, arms, count, i) && letter_of(p, &arms[i], &x, &y))
             add_text(&letters, p, arms[i].letter, middle[0] + x, middle[1] + y);
     ISO_TRY(draw_axes(p, arms, count, middle, error));
-    return draw(p, &letters, p->radius, &p->ink, error);
+    return draw_outlined(p, &letters, p->radius, &p->ink, error);
 }
 
 iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_error *error) {

@@ -1,8 +1,8 @@
-/* annotate: a scale bar and an orientation marker, drawn over a finished picture.
+/* annotate: draws a scale bar and an orientation marker over a finished picture.
  *
- * Both have an outline in the contrasting colour, so that they are legible on whatever is beneath. Their size
- * follows the picture's. Lines are sampled at 8 x 8 places a pixel and blended in integers: the same bytes on
- * every machine. */
+ * Both are outlined in the contrasting colour, so that they are legible on any background. Their size is
+ * relative to the picture's. Lines are sampled at 8 x 8 points a pixel and blended in integers, so that the
+ * bytes are the same on every machine. */
 #ifndef ISO_IMAGE_ANNOTATE_H
 #define ISO_IMAGE_ANNOTATE_H
 
@@ -17,21 +17,21 @@ extern "C" {
 #endif
 
 typedef struct iso_annotation {
-    const iso_camera *camera; /* that the picture was taken with; borrowed */
-    bool scale_bar;           /* bottom right, with its length; of an orthographic camera only */
+    const iso_camera *camera; /* of the picture; borrowed */
+    bool scale_bar;           /* bottom right, with its length; for orthographic cameras only */
     bool orientation_marker;  /* bottom left: the world's axes as the camera sees them */
     bool anatomical;          /* the axes are L R, A P and H F (the world is LPS); else x y z */
     bool dark;                /* the background is dark: light lines */
 } iso_annotation;
 
-/* ISO_ERR_NOMEM. What does not fit into the picture is cut off. */
+/* Draws the wanted annotations; parts beyond the picture are cut off. ISO_ERR_NOMEM. */
 iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_error *error);
 
-/* Length of the scale bar in mm: 1, 2 or 5 times a power of ten, nearest to a fifth of the picture's width. 0
- * for a perspective camera, whose pictures have no one scale. */
+/* The length of the scale bar in mm: 1, 2 or 5 times a power of ten, nearest to a fifth of the picture's
+ * width. 0 for a perspective camera, whose pictures have no single scale. */
 double iso_scale_bar_length(const iso_camera *camera, int width, int height);
 
-/* Its label, such as "10 mm" or "50 um"; lengths as iso_scale_bar_length gives them. */
+/* The label of a scale bar of `length` mm (from iso_scale_bar_length), such as "10 mm" or "50 um". */
 void iso_scale_bar_label(double length, char label[32]);
 
 #ifdef __cplusplus

@@ -1,3 +1,4 @@
+/* aov: allocates and frees the float planes of a picture. */
 #include "image/aov.h"
 
 #include "base/memory.h"

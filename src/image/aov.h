@@ -1,8 +1,8 @@
-/* aov: what a picture shows as numbers instead of colours ("arbitrary output variables"): depth, normal and
- * coverage of every pixel, for comparisons and for compositing.
+/* aov: "arbitrary output variables" of a picture: depth, normal and coverage of every pixel as floats, for
+ * comparisons and for compositing.
  *
- * Planes of width * height floats, row 0 at the top. Of a pixel with several samples, depth and normal are
- * the means of the covered samples, and coverage is their share. */
+ * Planes of width * height floats, row 0 at the top. Where a pixel has several samples, depth and normal are
+ * the means over the covered samples, and coverage is their share of all samples. */
 #ifndef ISO_IMAGE_AOV_H
 #define ISO_IMAGE_AOV_H
 
@@ -15,8 +15,8 @@ extern "C" {
 
 enum { ISO_AOV_PLANES = 5 };
 
-/* Planes uninitialised; iso_aov_free when done. ISO_ERR_USAGE when a side is not in 1 .. ISO_IMAGE_MAX,
- * ISO_ERR_NOMEM. */
+/* Allocates the planes, uninitialised; iso_aov_free when done. ISO_ERR_USAGE when a side is not in 1 ..
+ * ISO_IMAGE_MAX, ISO_ERR_NOMEM. */
 iso_status iso_aov_create(int width, int height, iso_aov *aov, iso_error *error);
 
 #ifdef __cplusplus

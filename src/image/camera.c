@@ -1,10 +1,11 @@
+/* camera: rotations, fits and views. No function of libm that differs between machines is used. */
 #include "image/camera.h"
 
 #include <assert.h>
 #include <float.h>
 #include <stddef.h>
 
-/* An eye is at the pole when the sine of the angle between its view and view_up is below this. */
+/* The eye is at a pole when the sine of the angle between the view direction and view_up is below this. */
 static const double POLE = 1e-6;
 
 static double radians(double degrees) {
@@ -20,9 +21,9 @@ static iso_vec3 rotate(iso_vec3 v, iso_vec3 axis, double degrees) {
     return iso_vec3_add(iso_vec3_scale(v, cosine), iso_vec3_add(along, across));
 }
 
-/* The shortest rotation that takes z to `up`; for up = -z half a turn about y, which keeps the front view's
- * direction. */
-static iso_vec3 tilt(iso_vec3 v, iso_vec3 up) {
+/* Applies to v the shortest rotation that turns z to `up`; for up = -z half a turn about y, which keeps the
+ * front view's direction. */
+static iso_vec3 rotate_z_to(iso_vec3 v, iso_vec3 up) {
     double cosine = up.z;
     if (cosine < -1 + 1e-12) return iso_vec3_make(-v.x, v.y, -v.z);
     iso_vec3 axis = iso_vec3_cross(iso_vec3_make(0, 0, 1), up);
@@ -38,17 +39,17 @@ void iso_direction_vectors(iso_direction direction, iso_vec3 up, iso_vec3 *forwa
         [ISO_ISOMETRIC] = {{-1, 1, -1}, {0, 0, 1}},
     };
     assert((size_t)direction < sizeof table / sizeof table[0]);
-    *forward = tilt(iso_vec3_unit(table[direction][0]), up);
-    *view_up = tilt(table[direction][1], up);
+    *forward = rotate_z_to(iso_vec3_unit(table[direction][0]), up);
+    *view_up = rotate_z_to(table[direction][1], up);
 }
 
-/* Unit vectors to the right and upwards in the picture. */
-typedef struct frame {
+/* Unit vectors to the right, upwards and into the picture, in world coordinates. */
+typedef struct view_axes {
     iso_vec3 right, up, forward;
-} frame;
+} view_axes;
 
-static frame frame_of(iso_vec3 forward, iso_vec3 view_up) {
-    frame f = {.forward = iso_vec3_unit(forward)};
+static view_axes view_axes_of(iso_vec3 forward, iso_vec3 view_up) {
+    view_axes f = {.forward = iso_vec3_unit(forward)};
     f.right = iso_vec3_unit(iso_vec3_cross(f.forward, view_up));
     f.up = iso_vec3_cross(f.right, f.forward);
     return f;
@@ -57,7 +58,7 @@ static frame frame_of(iso_vec3 forward, iso_vec3 view_up) {
 void iso_camera_orbit(iso_camera *camera, double azimuth, double elevation) {
     iso_vec3 arm = iso_vec3_sub(camera->position, camera->focal_point);
     arm = rotate(arm, iso_vec3_unit(camera->view_up), azimuth);
-    frame before = frame_of(iso_vec3_scale(arm, -1), camera->view_up);
+    view_axes before = view_axes_of(iso_vec3_scale(arm, -1), camera->view_up);
     iso_vec3 axis = iso_vec3_scale(before.right, -1);
     arm = rotate(arm, axis, elevation);
     camera->position = iso_vec3_add(camera->focal_point, arm);
@@ -83,17 +84,17 @@ void iso_camera_fit_box(iso_camera *camera, const iso_box *box, const iso_fit *f
     double reach_y = iso_tan(radians(camera->view_angle) / 2) * fill;
     double distance = 0, scale = 0;
     for (int turn = 0; turn < turns; turn++) {
-        frame f = frame_of(rotate(forward, pole, 360.0 * turn / turns), camera->view_up);
+        view_axes f = view_axes_of(rotate(forward, pole, 360.0 * turn / turns), camera->view_up);
         for (int corner = 0; corner < 8; corner++) {
             iso_vec3 p = iso_vec3_sub(iso_box_corner(box, corner), center);
             double y = fmax(fabs(iso_vec3_dot(p, f.up)), fabs(iso_vec3_dot(p, f.right)) / aspect);
             double z = iso_vec3_dot(p, f.forward);
             scale = fmax(scale, y / fill);
-            /* a box without width must still lie in front of the near plane */
+            /* also a box of no width must lie in front of the near plane */
             distance = fmax(distance, fmax(y / reach_y - z, -1.001 * z));
         }
     }
-    if (!(distance > 0)) { /* a single point: show a millimetre around it */
+    if (!(distance > 0)) { /* a single point: show the millimetre around it */
         distance = 1 / reach_y;
         scale = 1;
     }
@@ -102,16 +103,18 @@ void iso_camera_fit_box(iso_camera *camera, const iso_box *box, const iso_fit *f
     if (camera->orthographic) camera->parallel_scale = scale > 0 ? scale : distance;
 }
 
-/* ---- the points themselves */
+/* ---- fitting the points */
 
-/* How far points reach to both sides of a plane through `center` that is turned from the view's axis:
- * sideways by `slope` for each mm of depth. Positive: beyond it. */
+/* The extent of all points relative to two planes that bound the visible region: both contain `center` and
+ * move outwards by `slope` mm for each mm of depth. */
 typedef struct reach {
-    double high, low; /* along +axis and -axis */
-    double near;      /* least depth from the center */
+    double high; /* largest distance beyond the plane on the side of +axis, along the axis; negative: all
+                    within */
+    double low;  /* the same on the side of -axis */
+    double near; /* least depth, relative to the center */
 } reach;
 
-static reach reach_of(const iso_fit *fit, iso_vec3 center, const frame *f, iso_vec3 axis, double slope) {
+static reach reach_of(const iso_fit *fit, iso_vec3 center, const view_axes *f, iso_vec3 axis, double slope) {
     const iso_vec3 back = iso_vec3_scale(f->forward, slope);
     const iso_vec3 vectors[3] = {iso_vec3_sub(axis, back), iso_vec3_add(axis, back), f->forward};
     const iso_box box = fit->bounds(fit->context, vectors);
@@ -119,23 +122,26 @@ static reach reach_of(const iso_fit *fit, iso_vec3 center, const frame *f, iso_v
                    box.lo.z - iso_vec3_dot(f->forward, center)};
 }
 
-/* One axis of the picture: how far back from the center the eye must be (perspective) or half of what must be
- * seen (orthographic), and where its middle is. */
+/* The extent of the points on one axis of the picture. */
 typedef struct extent {
-    double needed, middle, near;
+    double needed; /* perspective: distance of the eye from the center with which all points are visible;
+                      orthographic: half of the visible length, mm */
+    double middle; /* of the points on the axis, relative to the center, mm */
+    double near;   /* least depth, relative to the center */
 } extent;
 
-static extent extent_of(const iso_fit *fit, iso_vec3 center, const frame *f, iso_vec3 axis, double slope) {
+static extent extent_of(const iso_fit *fit, iso_vec3 center, const view_axes *f, iso_vec3 axis,
+                        double slope) {
     const reach r = reach_of(fit, center, f, axis, slope);
     const double half = (r.high + r.low) / 2;
     return (extent){slope > 0 ? half / slope : half, (r.high - r.low) / 2, r.near};
 }
 
-/* Finds the slope of the frame's sides at which the camera must stand at `distance` to see all of the object,
- * and returns where the object's middle then is. The necessary distance is a convex, growing function of the
- * slope's inverse, so the method of false position (the Illinois rule) converges in a few rounds. */
-static double middle_from(const iso_fit *fit, iso_vec3 center, const frame *f, iso_vec3 axis, double slope,
-                          double distance) {
+/* The middle of the points on an axis as seen from `distance`: of the slope with which the needed distance is
+ * `distance`. The needed distance is a convex, increasing function of the slope's inverse, so that the method
+ * of false position (the Illinois variant) finds the slope in a few rounds. slope: of the picture's side. */
+static double middle_at_distance(const iso_fit *fit, iso_vec3 center, const view_axes *f, iso_vec3 axis,
+                                 double slope, double distance) {
     enum { DOUBLINGS = 12, ROUNDS = 40 };
     const double close = 1e-7 * fabs(distance);
     double low = 1 / slope, high = low;
@@ -146,7 +152,7 @@ static double middle_from(const iso_fit *fit, iso_vec3 center, const frame *f, i
         at = extent_of(fit, center, f, axis, 1 / high);
         above = at.needed - distance;
     }
-    if (above < 0 || below > -close) return at.middle; /* without width it is everywhere the same */
+    if (above < 0 || below > -close) return at.middle; /* no other slope: the points have no width */
     for (int i = 0, side = 0; i < ROUNDS; i++) {
         const double inverse = (low * above - high * below) / (above - below);
         at = extent_of(fit, center, f, axis, 1 / inverse);
@@ -167,8 +173,8 @@ static double middle_from(const iso_fit *fit, iso_vec3 center, const frame *f, i
     return at.middle;
 }
 
-/* One picture: the middle of what it shows goes to the middle of the picture. */
-static void frame_once(iso_camera *camera, iso_vec3 center, const iso_fit *fit, const frame *f) {
+/* Fits one view: the middle of the projected points becomes the middle of the picture. */
+static void fit_one_view(iso_camera *camera, iso_vec3 center, const iso_fit *fit, const view_axes *f) {
     const double fill = fill_of(fit);
     const double y_slope = camera->orthographic ? 0 : iso_tan(radians(camera->view_angle) / 2) * fill;
     const double x_slope = y_slope * fit->aspect;
@@ -182,31 +188,33 @@ static void frame_once(iso_camera *camera, iso_vec3 center, const iso_fit *fit, 
     } else {
         distance = fmax(fmax(x.needed, y.needed), -1.001 * x.near);
         if (!(distance > 0)) distance = 1 / y_slope;
-        right = middle_from(fit, center, f, f->right, x_slope, distance);
-        up = middle_from(fit, center, f, f->up, y_slope, distance);
+        right = middle_at_distance(fit, center, f, f->right, x_slope, distance);
+        up = middle_at_distance(fit, center, f, f->up, y_slope, distance);
     }
     center = iso_vec3_add(center, iso_vec3_add(iso_vec3_scale(f->right, right), iso_vec3_scale(f->up, up)));
     camera->focal_point = center;
     camera->position = iso_vec3_sub(center, iso_vec3_scale(f->forward, distance));
 }
 
-/* Larger of both sides: the center stays where the turns have their axis. */
-static double needed_around(const iso_fit *fit, iso_vec3 center, const frame *f, iso_vec3 axis,
-                            double slope) {
+/* The needed distance (or half length) when the center must stay in the middle: that of the larger side. */
+static double needed_with_fixed_center(const iso_fit *fit, iso_vec3 center, const view_axes *f, iso_vec3 axis,
+                                       double slope) {
     const reach r = reach_of(fit, center, f, axis, slope);
     const double half = fmax(r.high, r.low);
     return fmax(slope > 0 ? half / slope : half, slope > 0 ? -1.001 * r.near : 0);
 }
 
-static void frame_turns(iso_camera *camera, iso_vec3 center, const iso_fit *fit, const frame *first) {
+/* Fits all views of a turntable. */
+static void fit_all_turns(iso_camera *camera, iso_vec3 center, const iso_fit *fit, const view_axes *first) {
     const double fill = fill_of(fit);
     const double y_slope = camera->orthographic ? 0 : iso_tan(radians(camera->view_angle) / 2) * fill;
     const iso_vec3 pole = iso_vec3_unit(camera->view_up);
     double needed = 0;
     for (int turn = 0; turn < fit->turns; turn++) {
-        const frame f = frame_of(rotate(first->forward, pole, 360.0 * turn / fit->turns), camera->view_up);
-        const double x = needed_around(fit, center, &f, f.right, y_slope * fit->aspect);
-        const double y = needed_around(fit, center, &f, f.up, y_slope);
+        const view_axes f =
+            view_axes_of(rotate(first->forward, pole, 360.0 * turn / fit->turns), camera->view_up);
+        const double x = needed_with_fixed_center(fit, center, &f, f.right, y_slope * fit->aspect);
+        const double y = needed_with_fixed_center(fit, center, &f, f.up, y_slope);
         needed = fmax(needed, fmax(camera->orthographic ? x / fit->aspect : x, y));
     }
     if (!(needed > 0)) needed = 1;
@@ -216,21 +224,22 @@ static void frame_turns(iso_camera *camera, iso_vec3 center, const iso_fit *fit,
 }
 
 void iso_camera_fit_tight(iso_camera *camera, iso_vec3 center, const iso_fit *fit) {
-    const frame f = frame_of(iso_vec3_sub(camera->focal_point, camera->position), camera->view_up);
+    const view_axes f = view_axes_of(iso_vec3_sub(camera->focal_point, camera->position), camera->view_up);
     if (fit->turns > 1)
-        frame_turns(camera, center, fit, &f);
+        fit_all_turns(camera, center, fit, &f);
     else
-        frame_once(camera, center, fit, &f);
+        fit_one_view(camera, center, fit, &f);
 }
 
 double iso_camera_mm_per_pixel(const iso_camera *camera, int height) {
     return camera->orthographic ? 2 * camera->parallel_scale / height : 0;
 }
 
-/* Newton's method on sin(x - atan t), which has no far field to get lost in. t > 0. */
+/* atan(t) for t > 0, without libm, whose results differ between machines: Newton's method for the root of
+ * sin(x - atan t). */
 static double arc_tangent(double t) {
     double x = t < 1 ? 0.8 * t : ISO_PI / 2 - 0.8 / t;
-    for (int i = 0; i < 4; i++) { /* cubic: the first guess is within 0.2 */
+    for (int i = 0; i < 4; i++) { /* converges cubically, from an error of at most 0.2 */
         double sine, cosine;
         iso_sincos(x, &sine, &cosine);
         x -= (sine - t * cosine) / (cosine + t * sine);
@@ -264,7 +273,7 @@ iso_status iso_camera_check(const iso_camera *camera, iso_error *error) {
 
 iso_view iso_view_make(const iso_camera *camera, int width, int height) {
     iso_vec3 arm = iso_vec3_sub(camera->focal_point, camera->position);
-    frame f = frame_of(arm, camera->view_up);
+    view_axes f = view_axes_of(arm, camera->view_up);
     iso_view view = {.eye = camera->position,
                      .cx = width / 2.0,
                      .cy = height / 2.0,

@@ -1,4 +1,5 @@
-/* OpenEXR by its C core, on file descriptors of our own. */
+/* exr: writes and reads OpenEXR pictures with the library's C API (OpenEXRCore). The library reads and writes
+ * through callbacks on a file descriptor that this file opens. */
 #define _GNU_SOURCE
 #include "image/exr.h"
 
@@ -39,9 +40,9 @@ static int channel_number(const char *name) {
     return -1;
 }
 
-/* ---- the file: a descriptor, and what went wrong first */
+/* ---- the file: a descriptor, and the first error */
 
-/* Threads may share it. */
+/* May be used by several threads. */
 typedef struct exr_file {
     int descriptor;
     pthread_mutex_t mutex;
@@ -59,8 +60,8 @@ static void file_close(exr_file *file) {
     pthread_mutex_destroy(&file->mutex);
 }
 
-/* The first complaint is the cause of those that follow. */
-static void keep(exr_file *file, exr_result_t code, int system_code, const char *text) {
+/* Records an error, unless there was an earlier one: that is the cause of those that follow. */
+static void record_error(exr_file *file, exr_result_t code, int system_code, const char *text) {
     pthread_mutex_lock(&file->mutex);
     if (system_code && !file->system_code) file->system_code = system_code;
     if (file->code == EXR_ERR_SUCCESS) {
@@ -70,9 +71,10 @@ static void keep(exr_file *file, exr_result_t code, int system_code, const char 
     pthread_mutex_unlock(&file->mutex);
 }
 
-static bool note(exr_file *file, exr_result_t code) {
+/* Records the error of a library call; returns whether the call succeeded. */
+static bool succeeded(exr_file *file, exr_result_t code) {
     if (code == EXR_ERR_SUCCESS) return true;
-    keep(file, code, 0, exr_get_default_error_message(code));
+    record_error(file, code, 0, exr_get_default_error_message(code));
     return false;
 }
 
@@ -99,7 +101,7 @@ static void on_error(exr_const_context_t context, exr_result_t code, const char 
     snprintf(line, sizeof line, "%s", text ? text : exr_get_default_error_message(code));
     for (char *c = line; *c; c++)
         if (*c == '\n') *c = ' ';
-    keep(file, code, 0, line);
+    record_error(file, code, 0, line);
 }
 
 static int64_t read_at(exr_const_context_t context, void *data, void *buffer, uint64_t size, uint64_t offset,
@@ -111,7 +113,7 @@ static int64_t read_at(exr_const_context_t context, void *data, void *buffer, ui
     while (done < size) {
         ssize_t got = pread(file->descriptor, (char *)buffer + done, size - done, (off_t)(offset + done));
         if (got < 0 && errno == EINTR) continue;
-        if (got < 0) keep(file, EXR_ERR_READ_IO, errno, "cannot read");
+        if (got < 0) record_error(file, EXR_ERR_READ_IO, errno, "cannot read");
         if (got < 0) return -1;
         if (got == 0) break;
         done += (uint64_t)got;
@@ -130,7 +132,7 @@ static int64_t write_at(exr_const_context_t context, void *data, const void *buf
             pwrite(file->descriptor, (const char *)buffer + done, size - done, (off_t)(offset + done));
         if (put < 0 && errno == EINTR) continue;
         if (put <= 0) {
-            keep(file, EXR_ERR_WRITE_IO, put < 0 ? errno : EIO, "cannot write");
+            record_error(file, EXR_ERR_WRITE_IO, put < 0 ? errno : EIO, "cannot write");
             return -1;
         }
         done += (uint64_t)put;
@@ -138,7 +140,7 @@ static int64_t write_at(exr_const_context_t context, void *data, const void *buf
     return (int64_t)done;
 }
 
-static int64_t size_of(exr_const_context_t context, void *data) {
+static int64_t file_size(exr_const_context_t context, void *data) {
     (void)context;
     const exr_file *file = data;
     struct stat info;
@@ -151,7 +153,7 @@ static exr_context_initializer_t initializer_for(exr_file *file) {
     initializer.user_data = file;
     initializer.read_fn = read_at;
     initializer.write_fn = write_at;
-    initializer.size_fn = size_of;
+    initializer.size_fn = file_size;
     initializer.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     return initializer;
 }
@@ -166,7 +168,7 @@ typedef struct writer {
     exr_encode_pipeline_t *pipelines; /* one for each slot of iso_parallel_ordered */
 } writer;
 
-static void take_planes(const writer *w, exr_encode_pipeline_t *pipeline) {
+static void set_encode_planes(const writer *w, exr_encode_pipeline_t *pipeline) {
     for (int i = 0; i < pipeline->channel_count; i++) {
         exr_coding_channel_info_t *channel = &pipeline->channels[i];
         const float *plane = plane_of(w->aov, channel_number(channel->channel_name));
@@ -179,17 +181,17 @@ static void take_planes(const writer *w, exr_encode_pipeline_t *pipeline) {
     }
 }
 
-static exr_result_t encode(const writer *w, exr_encode_pipeline_t *pipeline) {
-    take_planes(w, pipeline);
+static exr_result_t encode_chunk(const writer *w, exr_encode_pipeline_t *pipeline) {
+    set_encode_planes(w, pipeline);
     exr_result_t result = exr_encoding_choose_default_routines(w->context, 0, pipeline);
     if (result != EXR_ERR_SUCCESS) return result;
-    /* The library's pipeline would write as its last step, and out of order: write_chunk does that step. */
+    /* without the pipeline's last step, writing, which would be out of order: write_chunk does it */
     pipeline->yield_until_ready_fn = NULL;
     pipeline->write_fn = NULL;
     return exr_encoding_run(w->context, 0, pipeline);
 }
 
-/* The three steps of iso_parallel_ordered. After a failure they do nothing. */
+/* The three steps of iso_parallel_ordered. After an error they do nothing. */
 
 static void compress_chunk(void *context, size_t index, size_t slot, int worker) {
     (void)worker;
@@ -197,9 +199,10 @@ static void compress_chunk(void *context, size_t index, size_t slot, int worker)
     exr_encode_pipeline_t *pipeline = &w->pipelines[slot];
     exr_chunk_info_t chunk;
     int y = (int)index * w->rows;
-    if (!has_failed(&w->file) && note(&w->file, exr_write_scanline_chunk_info(w->context, 0, y, &chunk)) &&
-        note(&w->file, exr_encoding_initialize(w->context, 0, &chunk, pipeline)))
-        note(&w->file, encode(w, pipeline));
+    if (!has_failed(&w->file) &&
+        succeeded(&w->file, exr_write_scanline_chunk_info(w->context, 0, y, &chunk)) &&
+        succeeded(&w->file, exr_encoding_initialize(w->context, 0, &chunk, pipeline)))
+        succeeded(&w->file, encode_chunk(w, pipeline));
 }
 
 static bool write_chunk(void *context, size_t slot, bool alone) {
@@ -207,8 +210,9 @@ static bool write_chunk(void *context, size_t slot, bool alone) {
     writer *w = context;
     const exr_encode_pipeline_t *pipeline = &w->pipelines[slot];
     if (!has_failed(&w->file))
-        note(&w->file, exr_write_scanline_chunk(w->context, 0, pipeline->chunk.start_y,
-                                                pipeline->compressed_buffer, pipeline->compressed_bytes));
+        succeeded(&w->file,
+                  exr_write_scanline_chunk(w->context, 0, pipeline->chunk.start_y,
+                                           pipeline->compressed_buffer, pipeline->compressed_bytes));
     return true;
 }
 
@@ -219,7 +223,7 @@ static void free_chunk(void *context, size_t slot) {
 
 static void write_chunks(writer *w, iso_pool *pool) {
     size_t chunks = ((size_t)w->aov->height + (size_t)w->rows - 1) / (size_t)w->rows;
-    /* A slot for each thread: more would hold more memory and save no time. */
+    /* a slot for each thread: more would need more memory and not be faster */
     iso_ordered steps = {.work = compress_chunk,
                          .place = write_chunk,
                          .finish = free_chunk,
@@ -228,11 +232,12 @@ static void write_chunks(writer *w, iso_pool *pool) {
     if (w->pipelines)
         iso_parallel_ordered(pool, chunks, &steps, w);
     else
-        note(&w->file, EXR_ERR_OUT_OF_MEMORY);
+        succeeded(&w->file, EXR_ERR_OUT_OF_MEMORY);
     iso_free(w->pipelines);
 }
 
-/* OpenEXR's matrices act on row vectors; its camera space has y up where ours has y down. */
+/* The matrices of the standard attributes, which multiply row vectors from the right. In OpenEXR's camera
+ * space y points up, in iso_view's down. */
 static void view_matrices(const iso_view *view, exr_attr_m44f_t *to_camera, exr_attr_m44f_t *to_ndc) {
     double rows[3][4]; /* view x, y, z of a world point */
     for (int i = 0; i < 3; i++) {
@@ -255,41 +260,42 @@ static void view_matrices(const iso_view *view, exr_attr_m44f_t *to_camera, exr_
 static bool set_info(writer *w, const iso_exr_info *info) {
     exr_file *s = &w->file;
     exr_context_t c = w->context;
-    if (info->software && !note(s, exr_attr_set_string(c, 0, "software", info->software))) return false;
+    if (info->software && !succeeded(s, exr_attr_set_string(c, 0, "software", info->software))) return false;
     char *comments = info->comments ? iso_text_clean_copy(info->comments) : NULL;
-    bool noted = !comments || note(s, exr_attr_set_string(c, 0, "comments", comments));
+    bool written = !comments || succeeded(s, exr_attr_set_string(c, 0, "comments", comments));
     free(comments);
-    if (!noted) return false;
+    if (!written) return false;
     if (!info->view) return true;
     exr_attr_m44f_t to_camera, to_ndc;
     view_matrices(info->view, &to_camera, &to_ndc);
-    return note(s, exr_attr_set_m44f(c, 0, "worldToCamera", &to_camera)) &&
-           note(s, exr_attr_set_m44f(c, 0, "worldToNDC", &to_ndc));
+    return succeeded(s, exr_attr_set_m44f(c, 0, "worldToCamera", &to_camera)) &&
+           succeeded(s, exr_attr_set_m44f(c, 0, "worldToNDC", &to_ndc));
 }
 
 static bool write_header(writer *w, const iso_exr_info *info) {
-    enum { LEVEL = 1 }; /* 9 saves two percent of a real picture and takes three times as long */
+    enum { LEVEL = 1 }; /* zlib's; level 9 makes files 2 % smaller and takes three times as long */
     exr_file *s = &w->file;
     exr_context_t c = w->context;
-    if (!note(s, exr_add_part(c, NULL, EXR_STORAGE_SCANLINE, NULL)) ||
-        !note(s, exr_initialize_required_attr_simple(c, 0, w->aov->width, w->aov->height,
-                                                     EXR_COMPRESSION_ZIP)) ||
-        !note(s, exr_set_zip_compression_level(c, 0, LEVEL)))
+    if (!succeeded(s, exr_add_part(c, NULL, EXR_STORAGE_SCANLINE, NULL)) ||
+        !succeeded(s, exr_initialize_required_attr_simple(c, 0, w->aov->width, w->aov->height,
+                                                          EXR_COMPRESSION_ZIP)) ||
+        !succeeded(s, exr_set_zip_compression_level(c, 0, LEVEL)))
         return false;
     for (int i = 0; i < ISO_AOV_PLANES; i++)
-        if (!note(s, exr_add_channel(c, 0, channel_names[i], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1)))
+        if (!succeeded(
+                s, exr_add_channel(c, 0, channel_names[i], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1)))
             return false;
-    if (!note(s, exr_attr_set_float(c, 0, "isopointVoxel", w->aov->voxel))) return false;
+    if (!succeeded(s, exr_attr_set_float(c, 0, "isopointVoxel", w->aov->voxel))) return false;
     if (info && !set_info(w, info)) return false;
-    return note(s, exr_write_header(c)) && note(s, exr_get_scanlines_per_chunk(c, 0, &w->rows));
+    return succeeded(s, exr_write_header(c)) && succeeded(s, exr_get_scanlines_per_chunk(c, 0, &w->rows));
 }
 
 static bool write_all(writer *w, const char *path, const iso_exr_info *info, iso_pool *pool) {
     exr_context_initializer_t initializer = initializer_for(&w->file);
-    if (!note(&w->file, exr_start_write(&w->context, path, EXR_WRITE_FILE_DIRECTLY, &initializer)))
+    if (!succeeded(&w->file, exr_start_write(&w->context, path, EXR_WRITE_FILE_DIRECTLY, &initializer)))
         return false;
     if (write_header(w, info)) write_chunks(w, pool);
-    note(&w->file, exr_finish(&w->context)); /* writes the table of chunks */
+    succeeded(&w->file, exr_finish(&w->context)); /* writes the table of chunks */
     return !has_failed(&w->file);
 }
 
@@ -322,7 +328,7 @@ typedef struct reader {
     iso_aov *aov;
 } reader;
 
-static iso_status fail(reader *r, iso_error *error) {
+static iso_status fail_reading(reader *r, iso_error *error) {
     if (r->file.code == EXR_ERR_OUT_OF_MEMORY) return iso_fail_memory(error, r->path);
     if (r->file.system_code)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", r->path, reason_of(&r->file));
@@ -333,9 +339,9 @@ static iso_status fail(reader *r, iso_error *error) {
 static iso_status check_storage(reader *r, iso_error *error) {
     exr_storage_t storage;
     exr_compression_t compression;
-    if (!note(&r->file, exr_get_storage(r->context, 0, &storage)) ||
-        !note(&r->file, exr_get_compression(r->context, 0, &compression)))
-        return fail(r, error);
+    if (!succeeded(&r->file, exr_get_storage(r->context, 0, &storage)) ||
+        !succeeded(&r->file, exr_get_compression(r->context, 0, &compression)))
+        return fail_reading(r, error);
     if (storage != EXR_STORAGE_SCANLINE)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: tiled or deep: only scanline pictures are read", r->path);
     if (compression != EXR_COMPRESSION_NONE && compression != EXR_COMPRESSION_RLE &&
@@ -356,7 +362,7 @@ static iso_status check_channel(const reader *r, const exr_attr_chlist_entry_t *
 
 static iso_status check_channels(reader *r, iso_error *error) {
     const exr_attr_chlist_t *list;
-    if (!note(&r->file, exr_get_channels(r->context, 0, &list))) return fail(r, error);
+    if (!succeeded(&r->file, exr_get_channels(r->context, 0, &list))) return fail_reading(r, error);
     bool found[ISO_AOV_PLANES] = {false};
     for (int i = 0; i < list->num_channels; i++) {
         int channel = channel_number(list->entries[i].name.str);
@@ -374,14 +380,14 @@ static iso_status check_channels(reader *r, iso_error *error) {
 
 static iso_status read_window(reader *r, int *width, int *height, iso_error *error) {
     exr_attr_box2i_t window;
-    if (!note(&r->file, exr_get_data_window(r->context, 0, &window)) ||
-        !note(&r->file, exr_get_scanlines_per_chunk(r->context, 0, &r->rows)))
-        return fail(r, error);
+    if (!succeeded(&r->file, exr_get_data_window(r->context, 0, &window)) ||
+        !succeeded(&r->file, exr_get_scanlines_per_chunk(r->context, 0, &r->rows)))
+        return fail_reading(r, error);
     int64_t wide = (int64_t)window.max.x - window.min.x + 1, high = (int64_t)window.max.y - window.min.y + 1;
     if (wide < 1 || high < 1 || wide > ISO_IMAGE_MAX || high > ISO_IMAGE_MAX)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: %lldx%lld pixels, sides must be 1..%d", r->path,
                         (long long)wide, (long long)high, ISO_IMAGE_MAX);
-    if (r->rows < 1) /* what the library makes of some broken headers */
+    if (r->rows < 1) /* the library returns this for some damaged headers */
         return iso_fail(error, ISO_ERR_FORMAT, "%s: not a readable OpenEXR picture: chunks without rows",
                         r->path);
     r->first_y = window.min.y;
@@ -390,7 +396,7 @@ static iso_status read_window(reader *r, int *width, int *height, iso_error *err
     return ISO_OK;
 }
 
-static void give_planes(const reader *r, size_t row, exr_decode_pipeline_t *pipeline) {
+static void set_decode_planes(const reader *r, size_t row, exr_decode_pipeline_t *pipeline) {
     for (int i = 0; i < pipeline->channel_count; i++) {
         exr_coding_channel_info_t *channel = &pipeline->channels[i];
         int plane = channel_number(channel->channel_name);
@@ -403,8 +409,8 @@ static void give_planes(const reader *r, size_t row, exr_decode_pipeline_t *pipe
     }
 }
 
-static exr_result_t decode(const reader *r, size_t row, exr_decode_pipeline_t *pipeline) {
-    give_planes(r, row, pipeline);
+static exr_result_t decode_chunk(const reader *r, size_t row, exr_decode_pipeline_t *pipeline) {
+    set_decode_planes(r, row, pipeline);
     exr_result_t result = exr_decoding_choose_default_routines(r->context, 0, pipeline);
     return result == EXR_ERR_SUCCESS ? exr_decoding_run(r->context, 0, pipeline) : result;
 }
@@ -415,21 +421,21 @@ static void read_chunk(void *context, size_t index, int worker) {
     exr_chunk_info_t chunk;
     size_t row = index * (size_t)r->rows, left = (size_t)r->aov->height - row;
     if (has_failed(&r->file) ||
-        !note(&r->file, exr_read_scanline_chunk_info(r->context, 0, r->first_y + (int)row, &chunk)))
+        !succeeded(&r->file, exr_read_scanline_chunk_info(r->context, 0, r->first_y + (int)row, &chunk)))
         return;
     if (chunk.start_y != r->first_y + (int)row || chunk.width != r->aov->width ||
         chunk.height != (int)(left < (size_t)r->rows ? left : (size_t)r->rows)) {
-        note(&r->file, EXR_ERR_BAD_CHUNK_LEADER);
+        succeeded(&r->file, EXR_ERR_BAD_CHUNK_LEADER);
         return;
     }
     exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
-    if (!note(&r->file, exr_decoding_initialize(r->context, 0, &chunk, &pipeline))) return;
-    note(&r->file, decode(r, row, &pipeline));
+    if (!succeeded(&r->file, exr_decoding_initialize(r->context, 0, &chunk, &pipeline))) return;
+    succeeded(&r->file, decode_chunk(r, row, &pipeline));
     exr_decoding_destroy(r->context, &pipeline);
 }
 
-/* Also gives empty pixels their values. */
-static bool is_valid(iso_aov *aov, size_t pixel) {
+/* Checks the values of a pixel; sets those of an empty one. */
+static bool check_pixel(iso_aov *aov, size_t pixel) {
     float *normal[3] = {aov->normal[0] + pixel, aov->normal[1] + pixel, aov->normal[2] + pixel};
     float coverage = aov->coverage[pixel];
     if (coverage == 0) {
@@ -445,7 +451,7 @@ static bool is_valid(iso_aov *aov, size_t pixel) {
 static iso_status check_values(const reader *r, iso_error *error) {
     size_t width = (size_t)r->aov->width, count = width * (size_t)r->aov->height;
     for (size_t i = 0; i < count; i++)
-        if (!is_valid(r->aov, i))
+        if (!check_pixel(r->aov, i))
             return iso_fail(
                 error, ISO_ERR_FORMAT, "%s: pixel %zu,%zu: coverage %g with depth %g and normal %g %g %g",
                 r->path, i % width, i / width, (double)r->aov->coverage[i], (double)r->aov->depth[i],
@@ -469,7 +475,7 @@ static iso_status read_picture(reader *r, iso_pool *pool, iso_error *error) {
     ISO_TRY(iso_aov_create(width, height, r->aov, error));
     size_t chunks = ((size_t)height + (size_t)r->rows - 1) / (size_t)r->rows;
     iso_parallel_for(pool, chunks, read_chunk, r);
-    iso_status status = has_failed(&r->file) ? fail(r, error) : check_values(r, error);
+    iso_status status = has_failed(&r->file) ? fail_reading(r, error) : check_values(r, error);
     if (status != ISO_OK)
         iso_aov_free(r->aov);
     else
@@ -485,10 +491,10 @@ iso_status iso_exr_read(const char *path, iso_pool *pool, iso_aov *aov, iso_erro
     file_open(&r.file, fileno(stream));
     exr_context_initializer_t initializer = initializer_for(&r.file);
     iso_status status;
-    if (note(&r.file, exr_start_read(&r.context, path, &initializer)))
+    if (succeeded(&r.file, exr_start_read(&r.context, path, &initializer)))
         status = read_picture(&r, pool, error);
     else
-        status = fail(&r, error);
+        status = fail_reading(&r, error);
     if (r.context) exr_finish(&r.context);
     file_close(&r.file);
     fclose(stream);
@@ -503,7 +509,7 @@ bool iso_exr_size(const char *path, uint32_t size[2]) {
     file_open(&r.file, fileno(stream));
     exr_context_initializer_t initializer = initializer_for(&r.file);
     int width = 0, height = 0;
-    bool found = note(&r.file, exr_start_read(&r.context, path, &initializer)) &&
+    bool found = succeeded(&r.file, exr_start_read(&r.context, path, &initializer)) &&
                  read_window(&r, &width, &height, NULL) == ISO_OK;
     if (r.context) exr_finish(&r.context);
     file_close(&r.file);

@@ -1,3 +1,4 @@
+/* image: allocates and frees 8-bit pictures. */
 #include "image/image.h"
 
 #include "base/memory.h"

@@ -16,8 +16,8 @@
 extern "C" {
 #endif
 
-/* One tEXt chunk (iTXt when the value is not ASCII: UTF-8). Keys as in the PNG specification ("Software",
- * "Description"). */
+/* A text in a PNG file: a tEXt chunk, or an iTXt chunk in UTF-8 when the value is not ASCII. Keys are those
+ * of the PNG specification ("Software", "Description"). */
 typedef struct iso_png_text {
     const char *key, *value;
 } iso_png_text;
@@ -31,20 +31,21 @@ iso_status iso_png_write(const char *path, const iso_image *image, const iso_png
 typedef struct iso_png_opts {
     const iso_png_text *texts;
     int text_count;
-    bool small;              /* take more time for fewer bytes; up to 256 opaque colours are indexed */
-    double pixels_per_metre; /* pHYs, rounded; 0, or more than it can hold: not written */
-    iso_pool *pool;          /* its threads compress; the same bytes for every number of them, and without */
+    bool small; /* smaller files, more time; up to 256 opaque colours are stored as a palette */
+    double
+        pixels_per_metre; /* written as a pHYs chunk, rounded; 0, or more than that can hold: not written */
+    iso_pool *pool;       /* for compression; NULL: the calling thread; the bytes do not depend on it */
 } iso_png_opts;
 iso_status iso_png_write_with(const char *path, const iso_image *image, const iso_png_opts *opts,
                               iso_error *error);
 
-/* The same bytes in memory: *bytes (the caller's, to free()) and *size.
- * ISO_ERR_NOMEM. */
+/* Encodes the bytes that iso_png_write_with would write into memory: *bytes (the caller's, to free()) and
+ * *size. ISO_ERR_NOMEM. */
 iso_status iso_png_encode(const iso_image *image, const iso_png_opts *opts, uint8_t **bytes, size_t *size,
                           iso_error *error);
 
-/* Width and height as the file's first bytes say, before anything is decoded. False when it is no PNG, or
- * cannot be read: iso_png_read says why. */
+/* Reads width and height from the file's first bytes, without decoding the picture. False when it is not a
+ * PNG, or cannot be read; iso_png_read then gives the reason. */
 bool iso_png_size(const char *path, uint32_t size[2]);
 
 /* Reads any PNG as 8-bit RGBA; gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT (also for

@@ -1,5 +1,6 @@
-/* PNG by libpng. Its errors arrive by longjmp: every function that calls setjmp keeps what must survive the
- * jump in a struct that its caller owns and cleans up. */
+/* png: writes and reads PNG with libpng; pixels are compressed by png_pack.h. libpng reports errors by
+ * longjmp: a function that calls setjmp keeps everything that is needed after the jump in a struct of its
+ * caller, which also frees it. */
 #define _GNU_SOURCE
 #include "image/image.h"
 
@@ -16,17 +17,17 @@
 #include "base/text.h"
 #include "image/png_pack.h"
 
-/* Why libpng gave up, and where to. */
-typedef struct trouble {
+/* Where libpng's errors jump to, and the error. */
+typedef struct png_failure {
     jmp_buf escape;
     char text[160];
     int code; /* errno of a failed read or write, else 0 */
-} trouble;
+} png_failure;
 
 static void on_error(png_structp png, png_const_charp text) {
-    trouble *t = png_get_error_ptr(png);
-    snprintf(t->text, sizeof t->text, "%s", text);
-    longjmp(t->escape, 1);
+    png_failure *failure = png_get_error_ptr(png);
+    snprintf(failure->text, sizeof failure->text, "%s", text);
+    longjmp(failure->escape, 1);
 }
 
 static void on_warning(png_structp png, png_const_charp text) {
@@ -44,14 +45,14 @@ typedef struct writer {
     int text_count;
     png_uint_32 pixels_per_metre; /* 0: not written */
     bool out_of_memory;
-    trouble trouble;
+    png_failure failure;
 } writer;
 
 static void write_bytes(png_structp png, png_bytep bytes, size_t count) {
     writer *w = png_get_io_ptr(png);
     errno = 0;
     if (fwrite(bytes, 1, count, w->stream) == count) return;
-    w->trouble.code = errno ? errno : EIO;
+    w->failure.code = errno ? errno : EIO;
     png_error(png, "write error");
 }
 
@@ -70,7 +71,7 @@ static bool is_opaque(const iso_image *image) {
     return true;
 }
 
-static void put_palette(writer *w) {
+static void set_palette(writer *w) {
     png_color colours[ISO_PNG_COLOURS];
     for (int i = 0; i < w->palette->count; i++) {
         uint32_t colour = w->palette->colour[i];
@@ -79,9 +80,10 @@ static void put_palette(writer *w) {
     png_set_PLTE(w->png, w->info, colours, w->palette->count);
 }
 
-/* libpng writes what is around the pixels; png_write_end would miss its own. */
+/* Writes all chunks. libpng writes those before the pixels; the pixels are written here, and so is the end,
+ * as png_write_end would complain that no pixels were written. */
 static bool write_picture(writer *w) {
-    if (setjmp(w->trouble.escape)) return false;
+    if (setjmp(w->failure.escape)) return false;
     png_set_write_fn(w->png, w, write_bytes, flush_nothing);
     int channels = w->packer.channels;
     int type = channels == 1   ? PNG_COLOR_TYPE_PALETTE
@@ -89,7 +91,7 @@ static bool write_picture(writer *w) {
                                : PNG_COLOR_TYPE_RGBA;
     png_set_IHDR(w->png, w->info, (png_uint_32)w->packer.image->width, (png_uint_32)w->packer.image->height,
                  8, type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    if (w->palette) put_palette(w);
+    if (w->palette) set_palette(w);
     if (w->pixels_per_metre)
         png_set_pHYs(w->png, w->info, w->pixels_per_metre, w->pixels_per_metre, PNG_RESOLUTION_METER);
     if (w->text_count) png_set_text(w->png, w->info, w->texts, w->text_count);
@@ -114,8 +116,8 @@ static bool is_ascii(const char *text) {
     return true;
 }
 
-/* libpng copies the strings and does not change them, but its struct is not const. The value, an own clean
- * copy, is NULL without memory. */
+/* A text for libpng, which copies the strings (its struct is not const). The value is a clean copy that the
+ * caller frees, NULL when there is no memory. */
 static png_text text_chunk(const iso_png_text *text) {
     char *value = iso_text_clean_copy(text->value);
     bool ascii = value && is_ascii(value);
@@ -125,7 +127,7 @@ static png_text text_chunk(const iso_png_text *text) {
     return chunk;
 }
 
-static iso_status choose_form(writer *w, const iso_image *image, const iso_png_opts *opts) {
+static iso_status choose_color_type(writer *w, const iso_image *image, const iso_png_opts *opts) {
     w->packer = (iso_png_packer){
         .image = image, .channels = is_opaque(image) ? 3 : 4, .small = opts->small, .pool = opts->pool};
     if (!opts->small || w->packer.channels == 4) return ISO_OK;
@@ -141,8 +143,8 @@ static iso_status choose_form(writer *w, const iso_image *image, const iso_png_o
 }
 
 static iso_status prepare_writer(writer *w, const iso_image *image, const iso_png_opts *opts) {
-    ISO_TRY(choose_form(w, image, opts));
-    w->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w->trouble, on_error, on_warning);
+    ISO_TRY(choose_color_type(w, image, opts));
+    w->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w->failure, on_error, on_warning);
     if (!w->png || !(w->info = png_create_info_struct(w->png))) return ISO_ERR_NOMEM;
     int count = opts->text_count;
     if (count && !(w->texts = iso_alloc_zero((size_t)count, sizeof *w->texts))) return ISO_ERR_NOMEM;
@@ -162,7 +164,7 @@ static iso_status write_to_sink(writer *w, const char *path, iso_error *error) {
     w->stream = sink.stream;
     if (write_picture(w)) return iso_sink_commit(&sink, error);
     const char *name = sink.target ? path : "standard output";
-    const char *reason = w->trouble.code ? strerror(w->trouble.code) : w->trouble.text;
+    const char *reason = w->failure.code ? strerror(w->failure.code) : w->failure.text;
     iso_status status = w->out_of_memory ? ISO_ERR_NOMEM : ISO_ERR_WRITE;
     iso_fail(error, status, "%s: cannot write: %s", name, reason);
     iso_sink_abort(&sink);
@@ -219,7 +221,7 @@ typedef struct reader {
     bool ended; /* the file is shorter than its contents say */
     int width, height;
     int passes;
-    trouble trouble;
+    png_failure failure;
 } reader;
 
 static void read_bytes(png_structp png, png_bytep bytes, size_t count) {
@@ -227,14 +229,14 @@ static void read_bytes(png_structp png, png_bytep bytes, size_t count) {
     errno = 0;
     if (fread(bytes, 1, count, r->stream) == count) return;
     if (ferror(r->stream))
-        r->trouble.code = errno ? errno : EIO;
+        r->failure.code = errno ? errno : EIO;
     else
         r->ended = true;
     png_error(png, "read error");
 }
 
 static bool read_header(reader *r) {
-    if (setjmp(r->trouble.escape)) return false;
+    if (setjmp(r->failure.escape)) return false;
     png_set_read_fn(r->png, r, read_bytes);
     png_read_info(r->png, r->info);
     png_uint_32 width = png_get_image_width(r->png, r->info);
@@ -251,7 +253,7 @@ static bool read_header(reader *r) {
 }
 
 static bool read_rows(reader *r, const iso_image *image) {
-    if (setjmp(r->trouble.escape)) return false;
+    if (setjmp(r->failure.escape)) return false;
     size_t stride = (size_t)image->width * 4;
     if (png_get_rowbytes(r->png, r->info) != stride) png_error(r->png, "unexpected row size");
     for (int pass = 0; pass < r->passes; pass++)
@@ -261,14 +263,14 @@ static bool read_rows(reader *r, const iso_image *image) {
 }
 
 static iso_status fail_reading(const reader *r, const char *path, iso_error *error) {
-    if (r->trouble.code)
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(r->trouble.code));
+    if (r->failure.code)
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(r->failure.code));
     if (r->ended) return iso_fail(error, ISO_ERR_FORMAT, "%s: PNG file ends too early", path);
-    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a readable PNG: %s", path, r->trouble.text);
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a readable PNG: %s", path, r->failure.text);
 }
 
 static iso_status read_stream(reader *r, const char *path, iso_image *image, iso_error *error) {
-    r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r->trouble, on_error, on_warning);
+    r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r->failure, on_error, on_warning);
     if (!r->png || !(r->info = png_create_info_struct(r->png))) return iso_fail_memory(error, path);
     if (!read_header(r)) return fail_reading(r, path, error);
     if (r->width > ISO_IMAGE_MAX || r->height > ISO_IMAGE_MAX)

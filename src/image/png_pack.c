@@ -1,3 +1,4 @@
+/* png_pack: filters and deflates bands of rows in parallel with zlib. */
 #include "image/png_pack.h"
 
 #include <string.h>
@@ -6,10 +7,9 @@
 #include "base/memory.h"
 
 enum {
-    BAND_BYTES =
-        1 << 17,  /* of pixels: small enough for many threads, large beside what a band's start costs */
-    SLACK = 64,   /* of a part, for the stream's header and checksum and for flushing */
-    FILTER_UP = 2 /* PNG's number of the filter */
+    BAND_BYTES = 1 << 17, /* of pixels in a band: small enough for many threads, and deflate starts rarely */
+    SLACK = 64,           /* bytes for the stream's header, its checksum and flushing */
+    FILTER_UP = 2         /* PNG's number of the filter "Up" */
 };
 
 static int band_rows(const iso_png_packer *packer) {
@@ -25,7 +25,8 @@ static uint8_t index_of(const iso_png_packer *packer, const uint8_t rgba[4]) {
     return iso_png_palette_index(packer->palette, rgba);
 }
 
-/* A row less the one above it: pictures of surfaces are smooth, and rows of background become zeros. */
+/* Filters a row with "Up", the difference from the row above: rows of smooth surfaces get small numbers, rows
+ * of background zeros. */
 static void filter_row(const iso_png_packer *packer, int y, uint8_t *out) {
     size_t width = (size_t)packer->image->width;
     const uint8_t *row = packer->image->rgba + (size_t)y * width * 4, *above = row - width * 4;
@@ -45,9 +46,9 @@ static void filter_row(const iso_png_packer *packer, int y, uint8_t *out) {
         memcpy(out, row, 4 * width);
 }
 
-/* Filters and deflates rows first .. end - 1 through `filtered`, which holds one. Level 1 with run lengths
- * unless it must be small: most of the gain is in the filter, and searching for longer matches costs more
- * than the render. */
+/* Filters and deflates rows first .. end - 1. `filtered` has room for one row. Unless the file shall be
+ * small, level 1 with run lengths only: most of the compression is due to the filter, and searching for
+ * matches would take longer than rendering. */
 static bool deflate_rows(const iso_png_packer *packer, int first, int end, uint8_t *filtered,
                          iso_png_part *part) {
     z_stream z = {0};
@@ -86,7 +87,7 @@ static void pack_band(void *context, size_t index, int worker) {
     iso_free(filtered);
 }
 
-/* The stream ends with the checksum of all that it holds. */
+/* Appends the checksum of the whole stream to the last part. */
 static void end_stream(iso_png_packer *packer) {
     iso_png_part *last = &packer->parts[packer->part_count - 1];
     for (int shift = 24; shift >= 0; shift -= 8)

@@ -1,6 +1,6 @@
-/* png_pack: the compressed pixels of a PNG, by all threads: bands of rows are filtered and deflated on their
- * own, and their parts put together are one zlib stream (RFC 1950; bands end on whole bytes, checksums are
- * combined). Neither bands nor bytes depend on the number of threads. Internal to image. */
+/* png_pack: compresses the pixels of a PNG with several threads. Bands of rows are filtered and deflated
+ * independently; their concatenation is one zlib stream (RFC 1950), as each band ends on a whole byte and the
+ * checksums are combined. The bytes do not depend on the number of threads. Internal to image. */
 #ifndef ISO_IMAGE_PNG_PACK_H
 #define ISO_IMAGE_PNG_PACK_H
 
@@ -15,9 +15,9 @@
 extern "C" {
 #endif
 
-enum { ISO_PNG_ROUND = 64 };
+enum { ISO_PNG_ROUND = 64 }; /* bands that are compressed by one call */
 
-/* Where a band's part is, in memory of the packer's. */
+/* The compressed bytes of a band, owned by the packer. */
 typedef struct iso_png_part {
     uint8_t *bytes;
     size_t size;
@@ -25,12 +25,12 @@ typedef struct iso_png_part {
     bool failed;
 } iso_png_part;
 
-/* Zero-initialise but for the first five. */
+/* The caller sets the first five members and zeroes the rest. */
 typedef struct iso_png_packer {
     const iso_image *image;
     int channels;                   /* 4: RGBA, 3: RGB, 1: indices */
-    const iso_png_palette *palette; /* of indices; borrowed */
-    bool small;                     /* look for longer matches */
+    const iso_png_palette *palette; /* with 1 channel; borrowed */
+    bool small;                     /* compress more, and slower */
     iso_pool *pool;
     int next_row;
     uint32_t checksum;
@@ -38,8 +38,8 @@ typedef struct iso_png_packer {
     int part_count;
 } iso_png_packer;
 
-/* Packs the next bands into `parts`, which hold until the next call; none when all rows are packed.
- * ISO_ERR_NOMEM without a text. */
+/* Compresses the next bands into `parts`, which stay valid until the next call. part_count is 0 when all rows
+ * are done. ISO_ERR_NOMEM, without a message. */
 iso_status iso_png_pack(iso_png_packer *packer);
 void iso_png_packer_free(iso_png_packer *packer);
 

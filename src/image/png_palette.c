@@ -1,3 +1,4 @@
+/* png_palette: collects colours in a hash table with linear probing, and sorts them by brightness. */
 #include "image/png_palette.h"
 
 #include <stdlib.h>
@@ -7,7 +8,8 @@ static uint32_t key_of(const uint8_t rgba[4]) {
     return 1u << 24 | (uint32_t)rgba[0] << 16 | (uint32_t)rgba[1] << 8 | rgba[2];
 }
 
-/* Where the key is, or the free slot where it belongs: there always is one, slots are more than colours. */
+/* The slot that holds the key, or the free slot where it belongs. There always is one: slots outnumber
+ * colours. */
 static uint32_t slot_of(const iso_png_palette *palette, uint32_t key) {
     uint32_t at = key * 0x9E3779B1u >> 22;
     while (palette->slot[at] && palette->slot[at] != key) at = (at + 1) % ISO_PNG_SLOTS;

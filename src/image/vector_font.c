@@ -1,8 +1,9 @@
+/* vector_font: the table of characters and their strokes. */
 #include "image/vector_font.h"
 
 #include <stddef.h>
 
-/* Polylines are separated by blanks; each point is two digits, x and y. */
+/* strokes: polylines separated by blanks; each point is two digits, x and y. */
 typedef struct glyph {
     char character;
     int width;

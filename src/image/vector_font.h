@@ -1,5 +1,5 @@
-/* vector_font: the few characters that are written into pictures, as strokes: the same on every machine, and
- * sharp at every size. Internal to image. */
+/* vector_font: the characters of scale bar and orientation marker as line segments, which are sharp at every
+ * size and the same on every machine. Internal to image. */
 #ifndef ISO_IMAGE_VECTOR_FONT_H
 #define ISO_IMAGE_VECTOR_FONT_H
 
@@ -15,11 +15,11 @@ typedef struct iso_font_line {
     int x0, y0, x1, y1;
 } iso_font_line;
 
-/* Width of a text in units: digits, '.', ' ', the letters of lengths (k m n and u, which is drawn as the
- * Greek mu) and of axes (L R A P H F x y z). Other characters are blanks. */
+/* The width of a text in units. The font has digits, '.', ' ', the letters of units of length (k m n, and u,
+ * which is drawn as a Greek mu) and of axes (L R A P H F x y z). Other characters are blank. */
 int iso_font_width(const char *text);
 
-/* Puts the lines of a text into `lines`, of which there are `room`; returns how many there are. */
+/* Writes the lines of a text to `lines`, at most `room`; returns how many the text has. */
 int iso_font_lines(const char *text, iso_font_line *lines, int room);
 
 #ifdef __cplusplus

@@ -1,3 +1,4 @@
+/* encode: little-endian numbers, comments, and the C locale for numbers in text. */
 #define _GNU_SOURCE
 #include "io/encode.h"
 

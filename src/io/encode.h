@@ -1,5 +1,5 @@
-/* encode: what the writers and readers of this folder share: little-endian bytes, one-line comments, and
- * numbers in text that do not depend on the host program's locale. Internal to src/io. */
+/* encode: shared by the writers and readers of this folder: numbers as little-endian bytes, one-line
+ * comments, and numbers in text independent of the program's locale. Internal to src/io. */
 #ifndef ISO_IO_ENCODE_H
 #define ISO_IO_ENCODE_H
 
@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-/* Store at `bytes`, return the place after. */
+/* Store a value at `bytes`, and return the address after it. */
 unsigned char *iso_encode_uint32(unsigned char *bytes, uint32_t value);
 unsigned char *iso_encode_float(unsigned char *bytes, float value);
 unsigned char *iso_encode_vec3(unsigned char *bytes, iso_vec3 v); /* as three floats */
@@ -21,8 +21,9 @@ unsigned char *iso_encode_vec3(unsigned char *bytes, iso_vec3 v); /* as three fl
  * is NULL. */
 void iso_encode_comment(FILE *stream, const char *prefix, const char *text);
 
-/* Between the two calls this thread prints and parses numbers with a decimal point, whatever setlocale said.
- * The value returned by begin goes to end; NULL (no memory) is fine and changes nothing. */
+/* Between the two calls, this thread prints and parses numbers with a decimal point, whatever locale the
+ * program has set. Pass the value returned by begin to end. NULL (no memory) is allowed: the locale is then
+ * not changed. */
 void *iso_encode_numbers_begin(void);
 void iso_encode_numbers_end(void *state);
 

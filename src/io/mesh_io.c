@@ -1,4 +1,4 @@
-/* Welded meshes to PLY, STL and OBJ. */
+/* mesh_io: writes welded meshes as PLY, STL and OBJ. */
 #include "io/mesh_io.h"
 
 #include <string.h>
@@ -9,12 +9,12 @@
 #include "extract/mesh/mesh.h"
 #include "io/encode.h"
 
-/* A mesh on its way to a file: world positions are computed as they are written. */
+/* A mesh that is written. World positions are computed vertex by vertex. */
 typedef struct mesh_source {
     const iso_weld *weld;
     iso_affine affine;
-    int second, third; /* which triangle corner is written second and third: swapped when the transform is
-                          left-handed and would turn the triangles inside out */
+    int second, third; /* corner of a triangle that is written second, third: 1 and 2, or 2 and 1 when the
+                          transform is left-handed and would turn triangles inside out */
     const char *comment;
 } mesh_source;
 
@@ -42,7 +42,7 @@ static void write_ply(const mesh_source *source, FILE *stream) {
     fprintf(stream, "element vertex %zu\n", weld->vertex_count);
     static const char *const names[] = {"x", "y", "z", "nx", "ny", "nz"};
     for (int i = 0; i < 6; i++) fprintf(stream, "property float %s\n", names[i]);
-    /* signed indices are what most readers expect */
+    /* signed indices where possible, as most readers expect */
     fprintf(stream, "element face %zu\nproperty list uchar %s vertex_indices\nend_header\n",
             weld->triangle_count, weld->vertex_count <= INT32_MAX ? "int" : "uint");
     unsigned char bytes[24];
@@ -77,7 +77,7 @@ static void write_stl(const mesh_source *source, FILE *stream) {
         ordered_triangle(source, i, corner);
         iso_vec3 p[3];
         for (int j = 0; j < 3; j++) p[j] = world_position(source, corner[j]);
-        /* of the triangle itself, as the format asks; zero when it has no area */
+        /* the format wants the triangle's own normal; zero when it has no area */
         iso_vec3 normal = iso_vec3_unit(iso_vec3_cross(iso_vec3_sub(p[1], p[0]), iso_vec3_sub(p[2], p[0])));
         unsigned char *end = iso_encode_vec3(bytes, normal);
         for (int j = 0; j < 3; j++) end = iso_encode_vec3(end, p[j]);

@@ -1,5 +1,6 @@
-/* mesh_io: meshes out, chosen by extension: .ply (binary, with normals), .stl (binary), .obj (with normals).
- * World millimetres; triangles counter-clockwise seen from outside, also under left-handed transforms. */
+/* mesh_io: writes meshes; the format is chosen by the extension: .ply (binary, with normals), .stl (binary),
+ * .obj (with normals). Positions are in world millimetres; triangles are counter-clockwise seen from outside,
+ * also with left-handed transforms. */
 #ifndef ISO_IO_MESH_IO_H
 #define ISO_IO_MESH_IO_H
 
@@ -10,11 +11,11 @@
 extern "C" {
 #endif
 
-/* Writes the welded mesh through base/file.h. `comment` (one line) may be NULL. ISO_ERR_USAGE for another
+/* Welds a mesh and writes it through base/file.h. `comment` (one line) may be NULL. ISO_ERR_USAGE for another
  * extension, ISO_ERR_WRITE, ISO_ERR_LIMIT (.stl above 2^32 - 1 triangles), ISO_ERR_NOMEM. */
 iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment, iso_error *error);
 
-/* The same of a mesh that is welded already, in index coordinates of `transform`. */
+/* Writes a mesh that is welded already, whose vertices are in the index coordinates of `transform`. */
 struct iso_weld;
 iso_status iso_mesh_write_weld(const char *path, const struct iso_weld *weld, const iso_transform *transform,
                                const char *comment, iso_error *error);

@@ -1,4 +1,4 @@
-/* Meshes from STL, OBJ and PLY. */
+/* mesh_read: readers of STL, OBJ and PLY meshes. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/mesh_read.h"
 
@@ -15,21 +15,21 @@
 #include "io/ply.h"
 
 enum { STL_HEADER = 84, STL_FACET = 50, POLYGON_MOST = 1 << 16 };
-/* Vertices, or triangles, between two words about the progress. */
+/* Vertices, or triangles, between two reports of progress. */
 enum { TELL = 1 << 14 };
 
-/* A mesh as it comes in. */
+/* The mesh that is being read. */
 typedef struct reading {
     const char *path;
     iso_buffer vertices, triangles;
     size_t vertex_count, triangle_count;
     const iso_progress *progress;
-    FILE *file; /* one of the two is read from */
+    FILE *file; /* file or ply is set: progress is measured by it */
     const iso_ply *ply;
     double bytes; /* of the file */
 } reading;
 
-static iso_status tell(const reading *r, iso_error *error) {
+static iso_status report_progress(const reading *r, iso_error *error) {
     double done = 0;
     if (r->file) done = (double)ftello(r->file);
     if (r->ply && r->ply->remaining < UINT64_MAX) done = r->bytes - (double)r->ply->remaining;
@@ -38,7 +38,7 @@ static iso_status tell(const reading *r, iso_error *error) {
 
 static iso_status add_vertex(reading *r, const double p[3], iso_error *error) {
     const size_t bytes = r->vertex_count * 3 * sizeof(float);
-    if (r->vertex_count % TELL == 0) ISO_TRY(tell(r, error));
+    if (r->vertex_count % TELL == 0) ISO_TRY(report_progress(r, error));
     ISO_TRY(iso_buffer_reserve(&r->vertices, bytes + 3 * sizeof(float), bytes, error));
     float *out = (float *)r->vertices.data + 3 * r->vertex_count++;
     for (int axis = 0; axis < 3; axis++) {
@@ -50,10 +50,11 @@ static iso_status add_vertex(reading *r, const double p[3], iso_error *error) {
                                         : iso_fail(error, ISO_ERR_LIMIT, "%s: too many vertices", r->path);
 }
 
-/* Corners count from 0; they are checked at the end, as faces may come before their vertices. */
+/* Adds a triangle; vertices are numbered from 0. Numbers are checked at the end, as faces may come before
+ * their vertices. */
 static iso_status add_triangle(reading *r, uint32_t a, uint32_t b, uint32_t c, iso_error *error) {
     const size_t bytes = r->triangle_count * 3 * sizeof(uint32_t);
-    if (r->triangle_count % TELL == 0) ISO_TRY(tell(r, error));
+    if (r->triangle_count % TELL == 0) ISO_TRY(report_progress(r, error));
     ISO_TRY(iso_buffer_reserve(&r->triangles, bytes + 3 * sizeof(uint32_t), bytes, error));
     uint32_t *out = (uint32_t *)r->triangles.data + 3 * r->triangle_count++;
     out[0] = a;
@@ -62,7 +63,7 @@ static iso_status add_triangle(reading *r, uint32_t a, uint32_t b, uint32_t c, i
     return ISO_OK;
 }
 
-/* A polygon whose corners come one by one. */
+/* A polygon that is read corner by corner and becomes a fan of triangles. */
 typedef struct fan {
     uint32_t first, last;
     size_t count;
@@ -76,7 +77,7 @@ static iso_status add_corner(reading *r, fan *f, uint32_t corner, iso_error *err
     return ISO_OK;
 }
 
-/* ---- STL: facets of three corners, nothing shared */
+/* ---- STL: facets, each with three vertices of its own */
 
 static iso_status add_facet(reading *r, const double p[9], iso_error *error) {
     const uint32_t first = (uint32_t)r->vertex_count;
@@ -91,8 +92,7 @@ static iso_status read_stl_binary(reading *r, FILE *file, uint32_t facets, iso_e
         double p[9];
         if (fread(bytes, STL_FACET, 1, file) != 1)
             return iso_fail(error, ISO_ERR_IO, "%s: truncated: %u of %u facets", r->path, i, facets);
-        memcpy(values, bytes + 12,
-               sizeof values); /* (little-endian, as all machines are that this runs on) */
+        memcpy(values, bytes + 12, sizeof values); /* little-endian, like the machines that this runs on */
         for (int k = 0; k < 9; k++) p[k] = (double)values[k];
         ISO_TRY(add_facet(r, p, error));
     }
@@ -123,7 +123,7 @@ static iso_status read_stl_text(reading *r, FILE *file, iso_error *error) {
                : iso_fail(error, ISO_ERR_IO, "%s: truncated", r->path);
 }
 
-/* Binary files may begin with "solid" too: their size tells. */
+/* A binary file may also begin with "solid": it is recognized by its size. */
 static iso_status read_stl(reading *r, FILE *file, iso_error *error) {
     unsigned char head[STL_HEADER] = {0};
     const size_t got = fread(head, 1, sizeof head, file);
@@ -139,7 +139,8 @@ static iso_status read_stl(reading *r, FILE *file, iso_error *error) {
 
 /* ---- OBJ */
 
-/* Corners "7", "7/1", "7//3", "-1": from 1, or from the end. */
+/* Reads the corners of a face: "7", "7/1", "7//3" or "-1". Vertices are numbered from 1, or backwards from
+ * the last one, -1. */
 static iso_status read_obj_face(reading *r, char *text, size_t line, iso_error *error) {
     fan f = {0};
     char *save = NULL;
@@ -248,9 +249,9 @@ static iso_status read_ply(reading *r, iso_error *error) {
     return status;
 }
 
-/* ---- any */
+/* ---- any format */
 
-static iso_status check(const reading *r, iso_error *error) {
+static iso_status check_mesh(const reading *r, iso_error *error) {
     const uint32_t *corners = r->triangles.data;
     for (size_t i = 0; i < 3 * r->triangle_count; i++)
         if (corners[i] >= r->vertex_count)
@@ -289,7 +290,7 @@ iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_tri
     void *numbers = iso_encode_numbers_begin();
     iso_status status = read_any(&r, error);
     iso_encode_numbers_end(numbers);
-    if (status == ISO_OK) status = check(&r, error);
+    if (status == ISO_OK) status = check_mesh(&r, error);
     if (status != ISO_OK) {
         iso_buffer_free(&r.vertices);
         iso_buffer_free(&r.triangles);

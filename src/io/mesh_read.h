@@ -1,5 +1,6 @@
-/* mesh_read: triangle meshes in, chosen by extension: .stl (binary and ASCII), .obj, .ply. Positions and
- * faces only; polygons become fans of triangles. World millimetres, as the file has them. */
+/* mesh_read: reads triangle meshes; the format is chosen by the extension: .stl (binary and ASCII), .obj,
+ * .ply. Reads positions and faces only; polygons become fans of triangles. Positions are taken to be world
+ * millimetres. */
 #ifndef ISO_IO_MESH_READ_H
 #define ISO_IO_MESH_READ_H
 
@@ -10,9 +11,10 @@
 extern "C" {
 #endif
 
-/* iso_triangles_free when done. ISO_ERR_IO (missing, truncated), ISO_ERR_FORMAT (not such a file, an index
- * that names no vertex, a position that is not finite), ISO_ERR_EMPTY (no triangles), ISO_ERR_UNSUPPORTED
- * (another extension), ISO_ERR_NOMEM. Nothing is allocated on a header's word. Cancelled: ISO_ERR_IO. */
+/* Reads a mesh; iso_triangles_free when done. `progress` may be NULL. Memory grows with what is read: a
+ * damaged header cannot make it large. ISO_ERR_IO (missing, truncated, or cancelled by `progress`),
+ * ISO_ERR_FORMAT (damaged or of another format, an index without a vertex, a position that is not finite),
+ * ISO_ERR_EMPTY (no triangles), ISO_ERR_UNSUPPORTED (another extension), ISO_ERR_NOMEM. */
 iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_triangles *mesh,
                          iso_error *error);
 void iso_triangles_free(iso_triangles *mesh);

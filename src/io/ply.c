@@ -1,3 +1,4 @@
+/* ply: buffered bytes, values, elements and the header of PLY files. */
 #define _GNU_SOURCE
 #include "io/ply.h"
 
@@ -18,8 +19,8 @@ static iso_status fail_end(const iso_ply *ply, iso_error *error) {
     return iso_fail(error, ISO_ERR_IO, "%s: truncated", ply->path);
 }
 
-/* Makes at least `bytes` bytes (few) available in the buffer; false at the end of the file. */
-static bool fill(iso_ply *ply, size_t bytes) {
+/* Makes at least `bytes` bytes (far fewer than the buffer has) available; false at the end of the file. */
+static bool fill_buffer(iso_ply *ply, size_t bytes) {
     size_t have = ply->end - ply->place;
     if (have >= bytes) return true;
     memmove(ply->buffer, ply->buffer + ply->place, have);
@@ -35,7 +36,7 @@ static void advance(iso_ply *ply, size_t bytes) {
 
 /* The next byte, or -1 at the end. */
 static int next_byte(iso_ply *ply) {
-    if (!fill(ply, 1)) return -1;
+    if (!fill_buffer(ply, 1)) return -1;
     int byte = ply->buffer[ply->place];
     advance(ply, 1);
     return byte;
@@ -43,7 +44,7 @@ static int next_byte(iso_ply *ply) {
 
 static iso_status skip_bytes(iso_ply *ply, uint64_t bytes, iso_error *error) {
     while (bytes > 0) {
-        if (!fill(ply, 1)) return fail_end(ply, error);
+        if (!fill_buffer(ply, 1)) return fail_end(ply, error);
         size_t have = ply->end - ply->place, step = bytes < have ? (size_t)bytes : have;
         advance(ply, step);
         bytes -= step;
@@ -72,7 +73,7 @@ static iso_status read_text_value(iso_ply *ply, double *value, iso_error *error)
     char *end;
     *value = strtod(token, &end);
     if (!*end) return ISO_OK;
-    if (byte < 0) return fail_end(ply, error); /* a number cut short */
+    if (byte < 0) return fail_end(ply, error); /* the file ends within the number */
     return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: \"%s\" is not a number", ply->path, token);
 }
 
@@ -80,7 +81,7 @@ static double to_signed(uint64_t bits, uint64_t sign) {
     return bits & sign ? -(double)(2 * sign - bits) : (double)bits;
 }
 
-static double decode(iso_ply_type type, uint64_t bits) {
+static double decode_value(iso_ply_type type, uint64_t bits) {
     switch (type) {
     case ISO_PLY_INT8:
         return to_signed(bits, UINT64_C(1) << 7);
@@ -107,20 +108,20 @@ static double decode(iso_ply_type type, uint64_t bits) {
 iso_status iso_ply_read_value(iso_ply *ply, iso_ply_type type, double *value, iso_error *error) {
     if (ply->format == ISO_PLY_ASCII) return read_text_value(ply, value, error);
     int size = type_size[type];
-    if (!fill(ply, (size_t)size)) return fail_end(ply, error);
+    if (!fill_buffer(ply, (size_t)size)) return fail_end(ply, error);
     uint64_t bits = 0;
     for (int i = 0; i < size; i++) {
         uint64_t byte = ply->buffer[ply->place + (size_t)i];
         bits |= byte << 8 * (ply->format == ISO_PLY_LITTLE ? i : size - 1 - i);
     }
     advance(ply, (size_t)size);
-    *value = decode(type, bits);
+    *value = decode_value(type, bits);
     return ISO_OK;
 }
 
 /* ---- elements */
 
-/* The least that one item takes: in ASCII a digit and a separator per value, in binary an empty list. */
+/* The least size of an item: in ASCII a digit and a separator for each value; lists may be empty. */
 static uint64_t least_bytes(const iso_ply *ply, const iso_ply_element *element) {
     uint64_t bytes = 0;
     for (int i = 0; i < element->property_count; i++) {
@@ -165,7 +166,7 @@ iso_status iso_ply_read_item(iso_ply *ply, const iso_ply_element *element, doubl
 }
 
 iso_status iso_ply_skip_element(iso_ply *ply, const iso_ply_element *element, iso_error *error) {
-    if (element->property_count == 0) return ISO_OK; /* its items take no bytes, however many there are */
+    if (element->property_count == 0) return ISO_OK; /* its items have no bytes */
     double ignored[ISO_PLY_PROPERTIES];
     ISO_TRY(iso_ply_check_size(ply, element, error));
     for (uint64_t i = 0; i < element->count; i++) ISO_TRY(iso_ply_read_item(ply, element, ignored, error));
@@ -176,7 +177,7 @@ iso_status iso_ply_skip_element(iso_ply *ply, const iso_ply_element *element, is
 
 enum { LINE = 1024, WORDS = 6, HEADER_LIMIT = 1 << 20 };
 
-/* A header line cut into words. What does not fit into LINE is dropped: only comments are that long. */
+/* A header line, split into words. It is cut at LINE bytes: only comments are that long. */
 typedef struct header_line {
     char text[LINE];
     char *words[WORDS];
@@ -291,7 +292,7 @@ static iso_status read_header(iso_ply *ply, iso_error *error) {
 }
 
 static bool read_magic(iso_ply *ply) {
-    if (!fill(ply, 4) || memcmp(ply->buffer, "ply", 3) != 0) return false;
+    if (!fill_buffer(ply, 4) || memcmp(ply->buffer, "ply", 3) != 0) return false;
     advance(ply, 3);
     int byte = next_byte(ply);
     while (byte == '\r' || byte == ' ') byte = next_byte(ply);

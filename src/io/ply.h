@@ -1,9 +1,10 @@
-/* ply: a reader of PLY files (Turk 1994) that trusts nothing: ASCII and both binary byte orders, scalars and
- * lists of all eight types under both of their names, LF and CRLF. Internal to src/io.
+/* ply: a reader of PLY files (Turk 1994), safe for damaged files: ASCII and both binary byte orders, scalars
+ * and lists of all eight types under both of their names, lines that end in LF or CRLF. Internal to src/io.
  *
- * Values are handed out one by one, in file order, as doubles (exact for every type). No memory is taken on
- * the header's word: what an element needs at least is checked against what the file still holds. Errors name
- * the file: ISO_ERR_IO (missing, unreadable, truncated), ISO_ERR_FORMAT (not PLY). One thread at a time. */
+ * Values are read one by one, in file order, as doubles (exact for every type). Before memory is allocated
+ * for an element, call iso_ply_check_size, which compares the header's count with the size of the file.
+ * Messages begin with the path: ISO_ERR_IO (missing, unreadable, truncated), ISO_ERR_FORMAT (not PLY). One
+ * thread at a time. */
 #ifndef ISO_IO_PLY_H
 #define ISO_IO_PLY_H
 
@@ -43,10 +44,10 @@ typedef struct iso_ply_property {
 typedef struct iso_ply_element {
     char name[ISO_PLY_NAME];
     uint64_t count;
-    int first_property, property_count;
+    int first_property, property_count; /* in iso_ply.properties */
 } iso_ply_element;
 
-/* A file that is being read. Large (64 KiB): allocate it. */
+/* A file that is being read. More than 64 KiB: allocate it on the heap. */
 typedef struct iso_ply {
     const char *path; /* borrowed */
     FILE *stream;
@@ -54,28 +55,29 @@ typedef struct iso_ply {
     int element_count, property_count;
     iso_ply_element elements[ISO_PLY_ELEMENTS];
     iso_ply_property properties[ISO_PLY_PROPERTIES];
-    uint64_t remaining; /* bytes after the current place */
-    size_t place, end;  /* in the buffer */
+    uint64_t remaining; /* bytes that are not read yet */
+    size_t place, end;  /* the unread part of the buffer */
     unsigned char buffer[ISO_PLY_BUFFER];
 } iso_ply;
 
-/* Opens `path` and reads the header; the place is then the first item of the first element. iso_ply_close
- * also after a failure. `path` is kept until then. */
+/* Opens `path` and reads the header; the first item of the first element is read next. Call iso_ply_close
+ * also after a failure. `path` is borrowed until then. */
 iso_status iso_ply_open(const char *path, iso_ply *ply, iso_error *error);
 void iso_ply_close(iso_ply *ply);
 
-/* ISO_ERR_IO when the file cannot hold all items of `element`, the next to be read. */
+/* Checks that the rest of the file is long enough for all items of `element`, which is read next; ISO_ERR_IO
+ * if not. */
 iso_status iso_ply_check_size(const iso_ply *ply, const iso_ply_element *element, iso_error *error);
 
-/* The next value, which the header says is of `type`. */
+/* Reads the next value, of the type that the header gives. */
 iso_status iso_ply_read_value(iso_ply *ply, iso_ply_type type, double *value, iso_error *error);
 
-/* The next item of `element`: value[i] becomes its i-th property. Lists are skipped and leave theirs alone.
- */
+/* Reads the next item of `element`: sets value[i] to its i-th property. Lists are skipped, and their value[i]
+ * is not changed. */
 iso_status iso_ply_read_item(iso_ply *ply, const iso_ply_element *element, double value[ISO_PLY_PROPERTIES],
                              iso_error *error);
 
-/* Skips the next list, or all items of `element`. */
+/* Skip the next list; skip all items of `element`, which is read next. */
 iso_status iso_ply_skip_list(iso_ply *ply, const iso_ply_property *list, iso_error *error);
 iso_status iso_ply_skip_element(iso_ply *ply, const iso_ply_element *element, iso_error *error);
 

@@ -1,4 +1,4 @@
-/* Points from PLY. */
+/* points_read: reads points from PLY. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@ enum { NEEDED = 7, RED = NEEDED, VALUES = NEEDED + 3 };
 static const char *const value_names[VALUES] = {"x",  "y",      "z",   "nx",    "ny",
                                                 "nz", "radius", "red", "green", "blue"};
 
-/* Points as they come in. */
+/* The points that are being read. */
 typedef struct collector {
     iso_buffer surfels, radii, colors;
     bool colored;
@@ -27,7 +27,8 @@ static size_t bytes_per_point(const collector *points) {
     return BYTES_PER_POINT + (points->colored ? BYTES_PER_COLOR : 0);
 }
 
-/* Which value each property of the element holds, -1 for none. Says which of the seven are missing. */
+/* Sets slot[i] to the number of the value that the element's property i holds, -1 for none. An error message
+ * names the needed values that are missing. */
 static iso_status assign_values(const iso_ply *ply, const iso_ply_element *element,
                                 int slot[ISO_PLY_PROPERTIES], bool *colored, iso_error *error) {
     bool found[VALUES] = {false};
@@ -65,8 +66,8 @@ static iso_status read_values(iso_ply *ply, const iso_ply_element *element, cons
     return ISO_OK;
 }
 
-/* A normal whose floats are unit as well as floats can be is kept bit for bit, so that what was written is
- * read back the same; any other is made unit. False for the zero normal. */
+/* Normalizes a normal. One that is already of unit length to float precision is not changed, so that points
+ * which were written are read back with the same bits. False for the zero normal. */
 static bool make_normal(const double n[3], float normal[3]) {
     double square = 0, largest = 0;
     for (int axis = 0; axis < 3; axis++) {
@@ -76,7 +77,7 @@ static bool make_normal(const double n[3], float normal[3]) {
     }
     if (!(largest > 0)) return false;
     if (fabs(square - 1) < 1e-6) return true;
-    /* scaled first: squares of tiny components would vanish */
+    /* scaled first: the squares of tiny components would underflow */
     iso_vec3 unit = iso_vec3_unit(iso_vec3_make(n[0] / largest, n[1] / largest, n[2] / largest));
     normal[0] = (float)unit.x;
     normal[1] = (float)unit.y;
@@ -84,11 +85,11 @@ static bool make_normal(const double n[3], float normal[3]) {
     return true;
 }
 
-/* Positions, and radii, farther out than the readers of volumes allow (grids/volume/volume.c): no camera
- * frames them. */
+/* The largest coordinate and radius, mm, the same as for volumes (grids/volume/volume.c): beyond it no camera
+ * can be placed. */
 static const double farthest = 1e12;
 
-/* Makes the point; false when it must be dropped. */
+/* Sets a point; false when it must be dropped. */
 static bool make_point(const double values[VALUES], iso_surfel *surfel, float *radius) {
     for (int i = 0; i < NEEDED; i++)
         if (!(fabs(values[i]) <= (i < 3 || i == 6 ? farthest : (double)FLT_MAX))) return false;
@@ -104,8 +105,8 @@ static void make_color(const double values[VALUES], uint8_t color[3]) {
     }
 }
 
-/* Room for `count` points, the ones collected so far kept. */
-static iso_status reserve(collector *points, size_t count, const char *path, iso_error *error) {
+/* Makes room for `count` points; keeps those read so far. */
+static iso_status reserve_points(collector *points, size_t count, const char *path, iso_error *error) {
     if (points->max_memory && count > points->max_memory / bytes_per_point(points))
         return iso_fail(error, ISO_ERR_LIMIT, "%s: %zu points take more than the limit of %llu bytes", path,
                         count, (unsigned long long)points->max_memory);
@@ -122,8 +123,8 @@ static iso_status reserve(collector *points, size_t count, const char *path, iso
     return iso_fail(error, status, "%s: out of memory for %zu points", path, count);
 }
 
-/* Reads the vertices. A regular file's size vouches for the header's count, so memory is taken at once;
- * otherwise it grows with what arrives. */
+/* Reads the vertices. For a regular file, the header's count was checked against the file's size, and memory
+ * is allocated at once; for a pipe, memory grows with what is read. */
 static iso_status read_points(iso_ply *ply, const iso_ply_element *element, collector *points,
                               iso_error *error) {
     int slot[ISO_PLY_PROPERTIES];
@@ -133,13 +134,13 @@ static iso_status read_points(iso_ply *ply, const iso_ply_element *element, coll
         return iso_fail(error, ISO_ERR_LIMIT, "%s: more than %lu points", ply->path,
                         (unsigned long)UINT32_MAX);
     size_t room = ply->remaining == UINT64_MAX && element->count > 65536 ? 65536 : (size_t)element->count;
-    ISO_TRY(reserve(points, room, ply->path, error));
+    ISO_TRY(reserve_points(points, room, ply->path, error));
     for (uint64_t i = 0; i < element->count; i++) {
         double values[VALUES] = {0};
         ISO_TRY(read_values(ply, element, slot, values, error));
         if (points->count == room) {
             room = room > element->count / 2 ? (size_t)element->count : 2 * room;
-            ISO_TRY(reserve(points, room, ply->path, error));
+            ISO_TRY(reserve_points(points, room, ply->path, error));
         }
         iso_surfel *surfel = (iso_surfel *)points->surfels.data + points->count;
         if (!make_point(values, surfel, (float *)points->radii.data + points->count)) continue;

@@ -1,4 +1,4 @@
-/* Points to PLY (Turk 1994), binary little-endian. */
+/* points_write: writes points as binary little-endian PLY (Turk 1994). */
 #include "io/points_io.h"
 
 #include "base/file.h"
@@ -17,8 +17,8 @@ static void write_header(FILE *stream, size_t count, bool colored, const char *c
     fputs("end_header\n", stream);
 }
 
-/* Normals are written as they are when the transform does not turn them: making them unit once more may move
- * their last bit, and points that were read must be written back the same. */
+/* Whether normals are written unchanged, because the transform's matrix is the identity. Normalizing them
+ * again could change their last bit, and points that were read must be written with the same bytes. */
 static bool keeps_normals(const iso_affine *affine) {
     for (int i = 0; i < 9; i++)
         if (affine->m[i] != (i % 4 == 0)) return false;

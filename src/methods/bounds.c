@@ -1,4 +1,4 @@
-/* World boxes of points, meshes and cells. */
+/* bounds: world boxes of points, meshes and cells. */
 #include "methods/bounds.h"
 
 bool iso_bounds_is_oblique(const iso_transform *transform) {

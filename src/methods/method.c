@@ -1,4 +1,4 @@
-/* The table of methods, and the parts that they draw from. */
+/* method: the table of methods, and the parts that they draw from. */
 #include "methods/method.h"
 
 #include <assert.h>
@@ -11,7 +11,7 @@
 static iso_status make_points(iso_subject *subject, iso_error *error) {
     if (!subject->workspace) ISO_TRY(iso_pullpush_create(&subject->workspace, error));
     iso_points_opts opts = {.isovalue = subject->isovalue,
-                            .primitive = ISO_PRIMITIVE_EDGE, /* what refined is best with */
+                            .primitive = ISO_PRIMITIVE_EDGE, /* with which pullpush gives the best pictures */
                             .curvature = true,
                             .pool = subject->pool};
     return iso_point_set_create(subject->grid, &opts, &subject->points, error);
@@ -35,7 +35,7 @@ static iso_status update_cells(iso_subject *subject, iso_error *error) {
     return iso_exact_update(subject->exact, error);
 }
 
-/* The index over bricks does not follow edits: it is made anew. */
+/* The ray caster does not follow edits: it is created again. */
 static iso_status update_caster(iso_subject *subject, iso_error *error) {
     const uint64_t now = iso_change_log_now(iso_grid_log(subject->grid));
     if (subject->caster && subject->caster_edit == now) return ISO_OK;
@@ -66,7 +66,7 @@ void iso_subject_set_isovalue(iso_subject *subject, double isovalue) {
     subject->isovalue = isovalue;
     if (subject->points) iso_point_set_isovalue(subject->points, isovalue);
     if (subject->mesh) iso_mesh_set_isovalue(subject->mesh, isovalue);
-    if (subject->exact) iso_exact_isovalue(subject->exact, isovalue);
+    if (subject->exact) iso_exact_set_isovalue(subject->exact, isovalue);
     iso_raycaster_destroy(subject->caster);
     subject->caster = NULL;
 }

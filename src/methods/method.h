@@ -1,8 +1,8 @@
-/* method: every way this library has to draw an isosurface, as one table: what each is called, what it needs,
- * and how it draws.
+/* method: the table of renderers: the name of each method, the data it needs, and the function that draws.
  *
- * A method draws from parts that are made from the grid beforehand: points, a mesh, an index. Parts are made
- * once, shared by the methods that need them, and follow the grid's edits. */
+ * A method draws from parts that are computed from the grid beforehand: points, a mesh, crossed cells, or the
+ * ray caster's index. A part is computed once, shared by the methods that need it, and updated after the
+ * grid's edits. */
 #ifndef ISO_METHODS_METHOD_H
 #define ISO_METHODS_METHOD_H
 
@@ -27,35 +27,36 @@ typedef enum iso_part {
     ISO_PART_COUNT
 } iso_part;
 
-/* What is drawn. grid, isovalue (physical) and pool are set by the caller and borrowed; the parts are owned:
- * iso_subject_free. */
+/* An isosurface and its parts. The caller sets grid, isovalue (physical), pool and bounded (grid and pool are
+ * borrowed) and zeroes the rest; iso_subject_free frees the parts. */
 typedef struct iso_subject {
     const iso_grid *grid;
     double isovalue;
     iso_pool *pool; /* or NULL */
-    bool bounded;   /* points get their bounds (iso_point_set_bound), so that hidden ones are left out */
+    bool bounded; /* computes the bounds of points (iso_point_set_bound), so that drawing skips hidden ones */
     iso_point_set *points;
-    iso_pullpush *workspace; /* comes with the points */
+    iso_pullpush *workspace; /* part of ISO_PART_POINTS */
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_raycaster *caster;
-    uint64_t caster_edit; /* number of the grid's last edit when it was made */
+    uint64_t caster_edit; /* number of the grid's last edit when the caster was made */
 } iso_subject;
 
-/* Makes a part, unless it is there. ISO_ERR_NOMEM, and what extraction returns. */
+/* Computes a part unless it exists; an existing part is not updated. ISO_ERR_NOMEM, and the errors of
+ * extraction. */
 iso_status iso_subject_prepare(iso_subject *subject, iso_part part, iso_error *error);
-/* As iso_subject_prepare; a part that exists is brought up to date with the grid's edits. */
+/* Computes a part, or brings an existing one up to date with the grid's edits. Errors as iso_subject_prepare.
+ */
 iso_status iso_subject_update(iso_subject *subject, iso_part part, iso_error *error);
-/* Another isovalue, for all parts; the next update makes them anew. */
+/* Sets the isovalue of all parts; the next update computes them again. */
 void iso_subject_set_isovalue(iso_subject *subject, double isovalue);
 bool iso_subject_has(const iso_subject *subject, iso_part part);
 void iso_subject_free(iso_subject *subject);
 
 const char *iso_part_name(iso_part part); /* "points", "mesh", "cells", ... */
 
-/* Number of points, triangles or cells of a part that is there, and the bytes they take; 0 where nothing is
- * counted.
- */
+/* The number of a part's points, triangles or cells, and their size in memory; 0 for a part that does not
+ * exist and for the ray caster. */
 typedef struct iso_part_size {
     size_t primitives, bytes;
 } iso_part_size;
@@ -63,17 +64,18 @@ iso_part_size iso_subject_size(const iso_subject *subject, iso_part part);
 
 typedef struct iso_renderer {
     iso_method method;
-    const char *name, *title;
-    unsigned needs; /* bits 1 << iso_part */
-    /* Draws as iso_draw_points does. The parts needed are there. */
+    const char *name, *title; /* title: a few words, for reports */
+    unsigned needs;           /* bits 1 << iso_part */
+    /* Draws into the target's gbuffer, like iso_draw_points. The needed parts must exist and be up to date.
+     */
     iso_status (*draw)(const iso_subject *subject, const iso_target *target, iso_error *error);
 } iso_renderer;
 
-/* The methods that are judged, and the one that is the truth (which is not among them). */
+/* The methods without the reference renderer; the reference renderer, with which they are compared. */
 const iso_renderer *iso_renderer_list(size_t *count);
 const iso_renderer *iso_renderer_truth(void);
 
-/* Any of them; NULL when there is no such method. */
+/* The renderer of any method, also the reference; NULL when there is no such method. */
 const iso_renderer *iso_renderer_get(iso_method method);
 
 #ifdef __cplusplus

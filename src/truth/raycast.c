@@ -1,19 +1,20 @@
-/* Ray casting of the trilinear field: what every other method is measured against.
+/* raycast: ray casting of the trilinear field.
  *
  * Along a straight line the field of one cell is a cubic; its first sign change is found by splitting the
  * cubic at its critical points and refining the first bracket (Marmitt, Kleer, Wald, Friedrich and Slusallek
  * 2004, "Fast and accurate ray-voxel intersection techniques"). Cells are visited by a grid walk (Amanatides
  * and Woo 1987) that steps over whole bricks where the isovalue is not crossed.
  *
- * No hit is lost between cells, without any tolerance:
- * - a ray is the polyline of its points on the cells' faces. A point is computed once and handed from cell to
- *   cell with its coordinate on the crossed axis set to exactly 0 or 1; weights of exactly 0 and 1 make both
- *   cells compute the same bits from the same four corners, so one's last state is the next one's first;
- * - values are sums of products of corner values and weights in [0, 1]. Corners that are all on one side of
- *   the isovalue cannot round to the other side, so cells and bricks that lie on one side may be skipped.
+ * No crossing is lost between two cells, and no tolerance is needed for that:
+ * - a ray is represented by its points on the cells' faces. Each point is computed once and used by both
+ * cells at the face, with its coordinate on the crossed axis set to exactly 0 or 1. With weights of exactly 0
+ * and 1 both cells compute the same bits from the face's four corners, so that the last state in one cell is
+ * the first state in the next;
+ * - values are sums of products of corner values and weights in [0, 1]. If all corners are on one side of the
+ *   isovalue, rounding cannot put a value on the other side, so that such cells and bricks can be skipped.
  *
- * States, not roots, are compared: "at or above the isovalue" against "below", as in extraction. A field that
- * equals the isovalue over a whole region is at or above it there, and its border is the surface. */
+ * A crossing is a change of state between "at or above the isovalue" and "below", as in extraction. A region
+ * in which the field equals the isovalue is at or above it, and its border is the surface. */
 #include "truth/raycast.h"
 
 #include <float.h>
@@ -29,7 +30,7 @@ struct iso_raycaster {
     double isovalue; /* stored */
     iso_threshold surface;
     int bricks[3];
-    uint8_t *crossed; /* per brick, x fastest: whether its cells may cross the isovalue */
+    uint8_t *crossed; /* by brick, x fastest: 1 if the surface may cross its cells */
 };
 
 /* ---- the index over bricks */
@@ -74,7 +75,7 @@ static bool is_crossed(const iso_raycaster *caster, const int cell[3]) {
     return caster->crossed[row * (size_t)caster->bricks[0] + (size_t)(cell[0] / ISO_BRICK)];
 }
 
-/* ---- the corners of a cell, in the order of the bits x, y, z */
+/* ---- the corners of a cell: bit 0 of a corner's number is +x, bit 1 +y, bit 2 +z */
 
 #define COPY_CORNERS(type)                                                                                   \
     do {                                                                                                     \
@@ -101,7 +102,7 @@ static void copy_corners(const void *data, iso_type type, const ptrdiff_t stride
     }
 }
 
-static void fetch_corners(const iso_grid *grid, const int cell[3], float corner[8]) {
+static void read_corners(const iso_grid *grid, const int cell[3], float corner[8]) {
     if (grid->rgrid) {
         const iso_rgrid *rgrid = grid->rgrid;
         const ptrdiff_t strides[2] = {rgrid->stride_y, rgrid->stride_z};
@@ -126,10 +127,10 @@ static void fetch_corners(const iso_grid *grid, const int cell[3], float corner[
 
 /* ---- one cell */
 
-/* The field relative to the isovalue along a segment through a cell: s = 0 at `from`, 1 at `to`, both in the
- * cell's own coordinates [0, 1]. */
+/* The part of a ray that lies in a cell, from s = 0 at `from` to s = 1 at `to`, in the cell's coordinates [0,
+ * 1]. */
 typedef struct cell_segment {
-    double corner[8]; /* value - isovalue: rounding keeps the sign of a difference */
+    double corner[8]; /* values minus isovalue (rounding does not change the sign of a difference) */
     double from[3], to[3];
 } cell_segment;
 
@@ -137,6 +138,7 @@ static double mix(double a, double b, double weight) {
     return a * (1 - weight) + b * weight;
 }
 
+/* The field minus the isovalue at s. */
 static double segment_value(const cell_segment *segment, double s) {
     double u = mix(segment->from[0], segment->to[0], s), v = mix(segment->from[1], segment->to[1], s),
            w = mix(segment->from[2], segment->to[2], s);
@@ -145,8 +147,8 @@ static double segment_value(const cell_segment *segment, double s) {
                w);
 }
 
-/* Coefficients of the cubic in s. Good to a few ulps of the largest corner: enough to say where to split and
- * step, while signs are always taken from segment_value. */
+/* The coefficients of the field as a cubic in s, to a few ulps of the largest corner. They are used to choose
+ * where to evaluate the field; signs are always those of segment_value. */
 static void segment_cubic(const cell_segment *segment, double cubic[4]) {
     const double *c = segment->corner, *from = segment->from;
     double du = segment->to[0] - from[0], dv = segment->to[1] - from[1], dw = segment->to[2] - from[2];
@@ -166,8 +168,9 @@ static void segment_cubic(const cell_segment *segment, double cubic[4]) {
     cubic[3] = (square[1][2] - square[0][2]) * dw;
 }
 
-/* The cubic's critical points in (0, 1), ascending, between the ends 0 and 1: 2 to 4 numbers. Without a
- * quadratic term or a discriminant the quotients are infinite or NaN and fall out by comparison. */
+/* Sets `split` to 0, the cubic's critical points in (0, 1) in ascending order, and 1; returns how many
+ * numbers these are (2 to 4). Where a divisor is 0 the quotients are infinite or NaN, and the comparisons are
+ * false. */
 static int split_points(const double cubic[4], double split[4]) {
     double a = 3 * cubic[3], half = cubic[2], c = cubic[1];
     int count = 0;
@@ -188,10 +191,10 @@ static int split_points(const double cubic[4], double split[4]) {
     return count;
 }
 
-/* The place of the only state change in [low, high], whose ends are in different states: Newton's steps where
- * they stay in the bracket, halving where not. The tolerance is far below the 1e-4 voxel that is promised
- * (a cell's segment is at most sqrt(3) voxels long) and above the rounding of s. */
-static double refine(const cell_segment *segment, const double cubic[4], double low, double high) {
+/* The s of the only change of state in [low, high], whose ends have different states: by Newton's method, or
+ * by bisection where that would leave the bracket. The tolerance is far below the 1e-4 voxel that the header
+ * promises (a segment is at most sqrt(3) voxels long) and above the rounding of s. */
+static double refine_root(const cell_segment *segment, const double cubic[4], double low, double high) {
     const double tolerance = 1e-12;
     bool low_state = segment_value(segment, low) >= 0;
     double s = 0.5 * (low + high);
@@ -208,7 +211,7 @@ static double refine(const cell_segment *segment, const double cubic[4], double 
     return 0.5 * (low + high);
 }
 
-/* The first change of state from s = 0 to 1, or -1. */
+/* The s of the first change of state, or -1 if there is none. */
 static double first_change(const cell_segment *segment) {
     double cubic[4], split[4];
     segment_cubic(segment, cubic);
@@ -216,18 +219,18 @@ static double first_change(const cell_segment *segment) {
     bool state = segment_value(segment, 0) >= 0;
     for (int i = 1; i < count; i++)
         if ((segment_value(segment, split[i]) >= 0) != state)
-            return refine(segment, cubic, split[i - 1], split[i]);
+            return refine_root(segment, cubic, split[i - 1], split[i]);
     return -1;
 }
 
-/* ---- the walk */
+/* ---- walking along a ray */
 
-/* A ray in index coordinates, and where it is. */
+/* A ray in index coordinates, and the position that the walk has reached. */
 typedef struct grid_walk {
     double origin[3], direction[3], inverse[3];
     int cell[3];
-    double t;        /* parameter at the entry of the cell */
-    double local[3]; /* the entry in the cell's coordinates, [0, 1] */
+    double t;        /* parameter where the ray enters the cell */
+    double local[3]; /* position there in the cell's coordinates, [0, 1] */
 } grid_walk;
 
 typedef struct ray_hit {
@@ -240,8 +243,9 @@ static double clamp_unit(double x) {
     return x < 0 ? 0 : x > 1 ? 1 : x;
 }
 
-/* Narrows [t0, inf) to the volume and puts the walk into its first cell. A ray that comes in through a face
- * starts on it exactly, so that a surface in the outermost plane of voxels is seen. */
+/* Moves the walk to the first cell of the volume on the ray from parameter t0 on; false if the ray misses the
+ * volume. A ray that enters through a face of the volume starts exactly on it, so that a surface in the
+ * outermost plane of voxels is found. */
 static bool enter_volume(grid_walk *walk, const int dims[3], double t0) {
     double t1 = DBL_MAX;
     int face = -1;
@@ -271,8 +275,9 @@ static bool enter_volume(grid_walk *walk, const int dims[3], double t0) {
     return true;
 }
 
-/* Where the ray leaves the box of cells low .. high (planes). The parameter of a plane is the same bits
- * whichever box asks for it, so steps over bricks and over cells fit together. */
+/* The axis on which the ray leaves a box of cells, and the parameter *t there; -1 if it has no direction. low
+ * and high: the grid planes that bound the box. The parameter of a plane does not depend on the box, so that
+ * steps over bricks and over cells lead to the same bits. */
 static int exit_axis(const grid_walk *walk, const int low[3], const int high[3], double *t) {
     int best = -1;
     for (int axis = 0; axis < 3; axis++) {
@@ -284,12 +289,12 @@ static int exit_axis(const grid_walk *walk, const int low[3], const int high[3],
             *t = at;
         }
     }
-    if (*t < walk->t) *t = walk->t; /* the first cell was found by rounding: it may be left already */
+    if (*t < walk->t) *t = walk->t; /* after rounding, the ray may have left the first cell already */
     return best;
 }
 
-/* Goes on to parameter t, where the ray leaves a box of cells through `axis`; the other axes stay in the box.
- */
+/* Moves the walk to the cell behind a box of cells that the ray leaves through `axis` at parameter t. On the
+ * other axes the cell stays within the box. */
 static void leave_box(grid_walk *walk, const int low[3], const int high[3], int axis, double t) {
     for (int i = 0; i < 3; i++) {
         double p = walk->origin[i] + t * walk->direction[i];
@@ -302,10 +307,10 @@ static void leave_box(grid_walk *walk, const int low[3], const int high[3], int 
     walk->t = t;
 }
 
-/* Fills the segment's corners; false when the cell is not crossed or not finite. */
+/* Sets the segment's corners; false when the cell is not crossed or has a corner that is not finite. */
 static bool load_cell(const iso_raycaster *caster, const int cell[3], cell_segment *segment) {
     float corner[8];
-    fetch_corners(&caster->grid, cell, corner);
+    read_corners(&caster->grid, cell, corner);
     int inside = 0;
     for (int i = 0; i < 8; i++) inside += corner[i] >= caster->surface.isovalue_ceil;
     if (inside == 0 || inside == 8) return false;
@@ -316,6 +321,8 @@ static bool load_cell(const iso_raycaster *caster, const int cell[3], cell_segme
     return true;
 }
 
+/* Walks along the ray to the first crossing; false when there is none. Steps over bricks that are not
+ * crossed. */
 static bool find_hit(const iso_raycaster *caster, grid_walk *walk, ray_hit *hit) {
     const int *dims = iso_grid_dims(&caster->grid);
     cell_segment segment;
@@ -338,7 +345,7 @@ static bool find_hit(const iso_raycaster *caster, grid_walk *walk, ray_hit *hit)
         leave_box(walk, low, high, axis, t_exit);
         if (crossed) {
             for (int i = 0; i < 3; i++) segment.to[i] = walk->local[i];
-            segment.to[axis] = 1 - walk->local[axis]; /* the same face, seen from the cell that is left */
+            segment.to[axis] = 1 - walk->local[axis]; /* the exit face, in the coordinates of the old cell */
             double s = first_change(&segment);
             if (s >= 0) {
                 hit->t = t_entry + s * (t_exit - t_entry);
@@ -352,14 +359,14 @@ static bool find_hit(const iso_raycaster *caster, grid_walk *walk, ray_hit *hit)
 
 /* ---- the picture */
 
-typedef struct ray_frame {
+typedef struct cast_context {
     const iso_target *target;
     const iso_raycaster *caster;
     iso_affine affine;
-    double outward; /* +1 when the solid is where values are low */
-} ray_frame;
+    double outward; /* sign from gradient to outward normal: 1 for a level set, else -1 */
+} cast_context;
 
-/* Trilinear interpolation of the corners' gradients. */
+/* The gradient at a hit: the trilinear interpolation of the gradients at the cell's corners. */
 static iso_vec3 hit_gradient(const iso_grid *grid, const ray_hit *hit) {
     iso_vec3 sum = {0, 0, 0};
     for (int i = 0; i < 8; i++) {
@@ -373,50 +380,49 @@ static iso_vec3 hit_gradient(const iso_grid *grid, const ray_hit *hit) {
     return sum;
 }
 
-static void cast_sample(const ray_frame *frame, int x, int y) {
-    const iso_view *view = frame->target->view;
-    iso_gbuffer *gbuffer = frame->target->gbuffer;
+static void cast_sample(const cast_context *cast, int x, int y) {
+    const iso_view *view = cast->target->view;
+    iso_gbuffer *gbuffer = cast->target->gbuffer;
     iso_vec3 origin, direction;
     iso_view_ray(view, x + 0.5, y + 0.5, &origin, &direction);
-    iso_vec3 o = iso_affine_point_to_index(&frame->affine, origin);
-    iso_vec3 d = iso_affine_vector_to_index(&frame->affine, direction);
+    iso_vec3 o = iso_affine_point_to_index(&cast->affine, origin);
+    iso_vec3 d = iso_affine_vector_to_index(&cast->affine, direction);
     grid_walk walk = {.origin = {o.x, o.y, o.z}, .direction = {d.x, d.y, d.z}};
     for (int axis = 0; axis < 3; axis++) {
         walk.inverse[axis] = 1 / walk.direction[axis];
-        /* a component whose inverse overflows does not move the ray within any volume */
+        /* a component so small that its inverse overflows counts as 0 */
         if (!isfinite(walk.inverse[axis])) walk.direction[axis] = 0;
     }
-    const iso_grid *grid = &frame->caster->grid;
+    const iso_grid *grid = &cast->caster->grid;
     ray_hit hit;
-    if (!enter_volume(&walk, iso_grid_dims(grid), view->near) || !find_hit(frame->caster, &walk, &hit))
-        return;
+    if (!enter_volume(&walk, iso_grid_dims(grid), view->near) || !find_hit(cast->caster, &walk, &hit)) return;
     size_t sample = (size_t)y * (size_t)gbuffer->width + (size_t)x;
     if (!((float)hit.t < gbuffer->depth[sample])) return;
     iso_vec3 gradient = hit_gradient(grid, &hit);
-    iso_vec3 normal = iso_affine_normal(&frame->affine, iso_vec3_scale(gradient, frame->outward));
+    iso_vec3 normal = iso_affine_normal(&cast->affine, iso_vec3_scale(gradient, cast->outward));
     if (!(iso_vec3_dot(normal, normal) > 0)) normal = iso_vec3_unit(iso_vec3_scale(direction, -1));
     normal = iso_view_vector(view, normal);
     gbuffer->depth[sample] = (float)hit.t;
     gbuffer->normal[0][sample] = (float)normal.x;
     gbuffer->normal[1][sample] = (float)normal.y;
     gbuffer->normal[2][sample] = (float)normal.z;
-    gbuffer->surface[sample] = frame->target->surface;
+    gbuffer->surface[sample] = cast->target->surface;
 }
 
 static void cast_rows(void *context, size_t index, int worker) {
     (void)worker;
-    const ray_frame *frame = context;
+    const cast_context *cast = context;
     int first = (int)index * ROWS_PER_TASK, end = first + ROWS_PER_TASK;
-    if (end > frame->target->gbuffer->height) end = frame->target->gbuffer->height;
+    if (end > cast->target->gbuffer->height) end = cast->target->gbuffer->height;
     for (int y = first; y < end; y++)
-        for (int x = 0; x < frame->target->gbuffer->width; x++) cast_sample(frame, x, y);
+        for (int x = 0; x < cast->target->gbuffer->width; x++) cast_sample(cast, x, y);
 }
 
 iso_status iso_draw_raycast(const iso_target *target, const iso_raycaster *caster, iso_error *error) {
     (void)error;
-    ray_frame frame = {target, caster, iso_transform_affine(iso_grid_transform(&caster->grid)),
-                       iso_grid_is_level_set(&caster->grid) ? 1 : -1};
+    cast_context cast = {target, caster, iso_transform_affine(iso_grid_transform(&caster->grid)),
+                         iso_grid_is_level_set(&caster->grid) ? 1 : -1};
     size_t bands = ((size_t)target->gbuffer->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK;
-    iso_parallel_for(target->pool, bands, cast_rows, &frame);
+    iso_parallel_for(target->pool, bands, cast_rows, &cast);
     return ISO_OK;
 }

@@ -1,8 +1,9 @@
-/* raycast: the truth. Every sample's ray is intersected with the trilinear field itself.
+/* raycast: the reference renderer ("truth"), with which pictures of all methods are compared.
  *
- * The first crossing of the isovalue along the ray, from either side, found to 1e-4 voxel; the normal is the
- * trilinear interpolation of the corners' central differences (iso_grid_gradient), pointing out of the solid.
- * Cells with a NaN or infinite corner are empty. Deliberately simple: exact first, fast elsewhere. */
+ * For every sample it finds the first crossing of the isovalue by the trilinear field along the ray, from
+ * either side, to 1e-4 voxel. The normal is the trilinear interpolation of the corners' central differences
+ * (iso_grid_gradient), pointing out of the solid. Cells with a NaN or infinite corner are empty. The code is
+ * simple rather than fast; src/exact draws the same surface fast. */
 #ifndef ISO_TRUTH_RAYCAST_H
 #define ISO_TRUTH_RAYCAST_H
 
@@ -13,16 +14,16 @@
 extern "C" {
 #endif
 
-/* An index over a grid that lets rays skip bricks the surface does not cross. Borrows the grid; rebuilt by
- * the caller after edits. */
+/* Knows which bricks of a grid the surface may cross, so that rays can skip the others. Borrows the grid. It
+ * does not follow edits: after an edit, destroy it and create another one. */
 typedef struct iso_raycaster iso_raycaster;
 
-/* isovalue is physical (grids/grid.h). ISO_ERR_NOMEM. */
+/* isovalue is physical (grids/grid.h). `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool *pool, iso_raycaster **caster,
                                 iso_error *error);
 void iso_raycaster_destroy(iso_raycaster *caster);
 
-/* Draws as iso_draw_points does: replaces samples that lie farther. */
+/* Draws into a gbuffer: replaces the samples that are farther than the surface. Cannot fail. */
 iso_status iso_draw_raycast(const iso_target *target, const iso_raycaster *caster, iso_error *error);
 
 #ifdef __cplusplus

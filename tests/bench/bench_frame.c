@@ -64,7 +64,7 @@ static iso_status open_exact(bench_frame *frame, iso_error *error) {
 }
 
 static iso_status paint_exact(bench_frame *frame, size_t *covered, iso_error *error) {
-    const iso_exact_canvas canvas = {&frame->view.view, &SHADING, &frame->subject->image, frame->pool};
+    const iso_exact_picture canvas = {&frame->view.view, &SHADING, &frame->subject->image, frame->pool};
     return iso_paint_exact(&canvas, frame->exact, covered, error);
 }
 

@@ -1,7 +1,7 @@
 /* bench quality: how near every method comes to the ray caster, on real volumes and scenes, at fit, 4 and 16
  * times, 1024 x 1024 pixels, one sample a pixel. Views and measures are those of compare/study.h and
  * compare/metrics.h. Volumes are seen in their own axes, in millimetres, wherever their files put them. PSNR
- * is of unrounded colours under one light at the eye (iso_study_light), everything else of the pictures that
+ * is of unrounded colours under one light at the eye (iso_study_shade), everything else of the pictures that
  * isorender makes: rounding to bytes alone costs 6 dB at 58 dB. So the figures compare with those of earlier
  * studies. */
 #define _GNU_SOURCE
@@ -203,7 +203,7 @@ static iso_status judge(session *s, const iso_view *view, const iso_renderer *me
     ISO_TRY(iso_study_draw(&s->subject, method, view, &look, &s->candidate, error));
     r->seconds = iso_clock_seconds() - start;
     ISO_TRY(keep_picture(s, &s->candidate, r->zoom, method->name, error));
-    iso_study_light(&s->candidate, view, &look, s->colors[1]);
+    iso_study_shade(&s->candidate, view, &look, s->colors[1]);
     iso_compare_picture truth = iso_study_picture(&s->truth), candidate = iso_study_picture(&s->candidate);
     truth.color = s->colors[0];
     candidate.color = s->colors[1];
@@ -234,7 +234,7 @@ static iso_status judge_all(session *s, const iso_view *view, int zoom, double p
     size_t count;
     const iso_renderer *methods = iso_renderer_list(&count);
     ISO_TRY(iso_study_draw(&s->subject, iso_renderer_truth(), view, &look, &s->truth, error));
-    iso_study_light(&s->truth, view, &look, s->colors[0]);
+    iso_study_shade(&s->truth, view, &look, s->colors[0]);
     ISO_TRY(keep_picture(s, &s->truth, zoom, iso_renderer_truth()->name, error));
     for (size_t m = 0; m < count && s->state->row_count < ROWS; m++) {
         if (!is_wanted(s, &methods[m])) continue;

@@ -1,3 +1,4 @@
+/* dicom_compress: compresses the pixels of a DICOM file with GDCM (dicom_files.h). */
 #include "dicom_files.h"
 
 #include <string>
@@ -14,7 +15,7 @@ static gdcm::TransferSyntax::TSType syntax_of(const std::string &how) {
     return gdcm::TransferSyntax::JPEG2000Lossless;
 }
 
-/* The element of the file's head that names the syntax; its length is even. */
+/* The header's element with the transfer syntax, padded to an even length. */
 static gdcm::DataElement transfer_syntax(const gdcm::TransferSyntax &syntax) {
     std::string name = syntax.GetString();
     if (name.size() % 2) name.push_back(0);
@@ -24,9 +25,10 @@ static gdcm::DataElement transfer_syntax(const gdcm::TransferSyntax &syntax) {
     return element;
 }
 
-/* Only the pixels and the transfer syntax change: GDCM's ImageWriter would rewrite the geometry as well. */
+/* Changes only the pixels and the transfer syntax. GDCM's ImageWriter is not used because it would rewrite
+ * the geometry. */
 int dicom_compress(const char *path, const char *how) {
-    gdcm::Trace::WarningOff(); /* on what small files do not say */
+    gdcm::Trace::WarningOff(); /* warnings about elements that these small files do not have */
     gdcm::ImageReader reader;
     reader.SetFileName(path);
     if (!reader.Read()) return 1;

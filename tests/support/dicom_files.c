@@ -1,3 +1,4 @@
+/* dicom_files: writes DICOM files element by element. */
 #include "dicom_files.h"
 
 #include <stdbool.h>
@@ -8,7 +9,7 @@
 
 #define UNDEFINED UINT32_MAX
 
-/* A data set that is being put together. */
+/* A data set that is being written into memory. */
 typedef struct out {
     uint8_t *bytes;
     size_t count, room;
@@ -61,7 +62,7 @@ static void put_short(out *o, uint32_t tag, int value) {
     put_number(o, (uint32_t)value, 2);
 }
 
-/* A sequence of one item, or an item, around what `inside` holds; `inside` is freed. */
+/* Writes a sequence of one item, or an item, with the contents of `inside`, which is freed. */
 static void put_nested(out *o, uint32_t tag, const char *vr, out *inside, bool delimited) {
     put_head(o, tag, vr, delimited ? UNDEFINED : (uint32_t)inside->count);
     put(o, inside->bytes, inside->count);
@@ -103,7 +104,7 @@ static void put_pixels(out *o, const dicom_spec *spec) {
     put_head(o, 0x7fe00010, each == 1 && !o->big ? "OB" : "OW", (uint32_t)(count * each + pad));
     for (size_t i = 0; i < count; i++) {
         uint32_t value = 0;
-        memcpy(&value, (const uint8_t *)spec->pixels + i * each, each); /* little-endian machines only */
+        memcpy(&value, (const uint8_t *)spec->pixels + i * each, each); /* for little-endian machines */
         put_number(o, value, (int)each);
     }
     if (pad) put(o, "", 1);
@@ -141,7 +142,7 @@ static void put_set(out *o, const dicom_spec *spec) {
     put_text(o, 0x0008103e, "LO", spec->description);
     if (plain) put_text(o, 0x00180050, "DS", spec->thickness);
     put_text(o, 0x00180088, "DS", spec->between);
-    /* A private sequence with delimiters, and an empty one: readers must get past both. */
+    /* a private sequence with delimiters, and an empty one: readers must skip both */
     out item = {.explicit_vr = o->explicit_vr, .big = o->big};
     put_text(&item, 0x00191001, "LO", "nothing");
     put_text(&item, 0x00200032, "DS", "9\\9\\9");

@@ -1,3 +1,4 @@
+/* exact_support: draws by exact and by the ray caster, and compares the pictures. */
 #include "exact_support.h"
 #include "check_support.h"
 

@@ -1,3 +1,4 @@
+/* exr_files: OpenEXR pictures with OpenEXR's C++ library. */
 #include "exr_files.h"
 
 #include <vector>
@@ -27,7 +28,7 @@ Imf::PixelType type_of(const exr_picture &picture) {
     return picture.integers ? Imf::UINT : picture.half ? Imf::HALF : Imf::FLOAT;
 }
 
-/* The value in the type of the file; 4 bytes a pixel for every type. */
+/* Stores a value in the type of the file; each pixel has 4 bytes, whatever the type. */
 void store(const exr_picture &picture, float value, char *to) {
     if (picture.integers)
         *reinterpret_cast<unsigned *>(to) = static_cast<unsigned>(value);

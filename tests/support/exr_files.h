@@ -1,5 +1,6 @@
-/* exr_files: OpenEXR pictures by its C++ library, which shares no code with the C core: what iso_exr_write
- * wrote, and pictures that it never writes. All functions return 0, or 1 on failure. */
+/* exr_files: reads and writes OpenEXR pictures with OpenEXR's C++ library, which shares no code with the C
+ * API that the library uses: reads what iso_exr_write wrote, and writes pictures of kinds that it does not
+ * write. All functions return 0, or 1 on failure. */
 #ifndef ISO_TESTS_EXR_FILES_H
 #define ISO_TESTS_EXR_FILES_H
 
@@ -23,7 +24,7 @@ int exr_write(const char *path, const exr_picture *picture);
 
 /* A channel of 32-bit floats, width * height of them; the window must begin at 0. */
 int exr_read(const char *path, const char *channel, int width, int height, float *values);
-/* Row-major, for row vectors. */
+/* Reads a matrix attribute, row-major, for multiplication with row vectors. */
 int exr_read_matrix(const char *path, const char *attribute, float matrix[16]);
 int exr_read_float(const char *path, const char *attribute, float *value);
 int exr_has_text(const char *path, const char *attribute, const char *text);

@@ -1,3 +1,4 @@
+/* extract_support: grids with test patterns, random edits, and comparisons of points and meshes. */
 #include "extract_support.h"
 #include "check_support.h"
 
@@ -145,7 +146,7 @@ void test_random_edit(const iso_grid *grid, test_random *random) {
         hi[axis] = lo[axis] + test_random_int(random, 0, test_random_int(random, 0, 6));
         if (hi[axis] >= dims[axis]) hi[axis] = dims[axis] - 1;
     }
-    int flat = test_random_int(random, 0, 2); /* spans must shrink to nothing too */
+    int flat = test_random_int(random, 0, 2); /* one value: spans must also be able to become empty */
     for (int z = lo[2]; z <= hi[2]; z++)
         for (int y = lo[1]; y <= hi[1]; y++)
             for (int x = lo[0]; x <= hi[0]; x++)

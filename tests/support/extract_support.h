@@ -1,4 +1,4 @@
-/* Volumes and comparisons that the tests of extract share. */
+/* extract_support: volumes and comparisons for the tests of extract. */
 #ifndef ISO_TESTS_EXTRACT_SUPPORT_H
 #define ISO_TESTS_EXTRACT_SUPPORT_H
 
@@ -21,45 +21,46 @@ int test_random_int(test_random *random, int low, int high); /* inclusive */
 double test_random_real(test_random *random, double low, double high);
 void test_random_dims(test_random *random, int low, int high, int dims[3]); /* each low .. high */
 
-/* A new rgrid of `type` (contents 0), identity transform. Aborts the test when it cannot be had. */
+/* Creates an rgrid of `type` with all voxels 0 and the identity transform; fails the test on errors. */
 iso_grid test_rgrid(const int dims[3], iso_type type);
 
-/* A new hgrid, all outside. */
+/* Creates an hgrid whose voxels are all outside. */
 iso_grid test_hgrid(const int dims[3], float band);
 
-/* Writes one voxel of an rgrid (rounded for integer types), or of an hgrid (splitting its cell). No touch. */
+/* Writes one voxel of an rgrid (rounded for integer types) or of an hgrid (splits its cell), without a change
+ * log entry. */
 void test_set(const iso_grid *grid, int x, int y, int z, double value);
 
 typedef enum test_pattern {
     TEST_NOISE,  /* every voxel independent, 0 .. 250 */
     TEST_LEVELS, /* few levels, among them the isovalue 100 itself */
-    TEST_SMOOTH  /* sums of a few waves: surfaces like real ones, isovalue 100 */
+    TEST_SMOOTH  /* sums of a few waves: smooth surfaces */
 } test_pattern;
 
 /* Fills an rgrid. The isovalue for all patterns is 100. */
 void test_fill(const iso_grid *grid, test_pattern pattern, test_random *random);
 
-/* Clamped signed distance to a ball into either kind of grid (cells of an hgrid split where needed). Centre
- * and radius in voxels. `union_` keeps what is there (minimum of both). */
+/* A ball that is added to or removed from a level set, as a clamped signed distance, in either kind of grid
+ * (cells of an hgrid are split where needed). Centre and radius in voxels. */
 typedef struct test_ball {
     iso_vec3 centre;
     double radius;
-    int carve; /* 0: added to what is there; 1: taken away */
+    int carve; /* 0: united with the solid; 1: removed from it */
 } test_ball;
 void test_stamp_ball(const iso_grid *grid, const test_ball *ball);
 
-/* One edit, touched: a ball added or taken away (level sets), or a box of noise or of one value, around the
- * isovalue 100. */
+/* Makes a random edit and records it in the change log: a ball that is added or removed (level sets), or a
+ * box of noise or of one value, around the isovalue 100. */
 void test_random_edit(const iso_grid *grid, test_random *random);
 
 /* A level set of a ball: hgrid, or with `dense` an rgrid of float32. */
 iso_grid test_ball_grid(int size, iso_vec3 centre, double radius, int dense);
 
-/* Sets of the grid, up to date. The test fails when they cannot be had. */
+/* Create sets of the grid and update them; fail the test on errors. */
 iso_point_set *test_point_set(const iso_grid *grid, const iso_points_opts *opts);
 iso_mesh_set *test_mesh_set(const iso_grid *grid, const iso_mesh_opts *opts);
 
-/* Fail unless both hold the same primitives brick by brick, bit for bit, in any order of spans. */
+/* Fail the test unless both have the same primitives in each brick, bit for bit, in any order of spans. */
 void test_same_points(const iso_point_view *a, const iso_point_view *b);
 void test_same_mesh(const iso_mesh_view *a, const iso_mesh_view *b);
 

@@ -1,3 +1,4 @@
+/* file_support: reads and writes whole files. */
 #define _GNU_SOURCE
 #include "file_support.h"
 

@@ -1,12 +1,14 @@
-/* file_support: whole files, for tests that cut and damage them. */
+/* file_support: reads and writes whole files, for tests that truncate and damage them. */
 #ifndef ISO_TESTS_FILE_SUPPORT_H
 #define ISO_TESTS_FILE_SUPPORT_H
 
 #include <stddef.h>
 
-/* All of a file, to be freed; a zero stands after its `count` bytes. The test fails when there is none. */
+/* Reads a whole file into memory, to be released with free(); a zero follows its `count` bytes. Fails the
+ * test on errors. */
 void *slurp(const char *path, size_t *count);
-/* A new file each time: some file systems flush one that is rewritten to the disk. */
+/* Writes a whole file. Replaces the file instead of rewriting it, which some file systems flush to the disk.
+ */
 void spill(const char *path, const void *data, size_t count);
 
 #endif

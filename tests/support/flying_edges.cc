@@ -1,4 +1,4 @@
-// The test that any grid can be put to: our mesh against vtkFlyingEdges3D's.
+// flying_edges: compares a grid's mesh with that of vtkFlyingEdges3D.
 #include "flying_edges.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The test that any grid can be put to: our mesh against vtkFlyingEdges3D's.
+// flying_edges: compares a grid's mesh with that of vtkFlyingEdges3D.
 #ifndef ISO_TESTS_FLYING_EDGES_HPP
 #define ISO_TESTS_FLYING_EDGES_HPP
 

@@ -1,3 +1,4 @@
+/* gl_support: OpenGL contexts, and comparisons of the gl engine with the cpu engine. */
 #include "gl_support.h"
 
 #include <setjmp.h>
@@ -12,7 +13,7 @@
 #include "render/raster/raster.h"
 #include "render/shading/shading.h"
 
-/* OSMesa keeps a few bytes of every context (Mesa 22.3); asked by the leak sanitizer. */
+/* Called by the leak sanitizer: OSMesa leaks a few bytes of every context (Mesa 22.3). */
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) {
     return "leak:libOSMesa.so";
@@ -162,7 +163,7 @@ void gl_surface_free(gl_surface *surface) {
     iso_mesh_set_destroy(surface->mesh);
 }
 
-/* The picture of the gl engine is held against the cpu's and freed. */
+/* Compares the picture of the gl engine with the cpu engine's, and frees it. */
 static double check_picture(const iso_view *view, const iso_gbuffer *cpu, iso_gbuffer *gl, const char *name) {
     gl_difference d = gl_compare(view, cpu, gl);
     const double most = 0.01 * d.outline;
@@ -216,7 +217,7 @@ static iso_status draw_mesh(const iso_target *target, const void *view) {
     return iso_draw_mesh(target, view, NULL);
 }
 
-/* Takes over the shape. */
+/* Compares the pictures of several views; frees the surface. */
 static double check_views(iso_gl_engine *engine, iso_gl_surface *surface, draw_fn *draw,
                           const void *primitives, const iso_view *views, int count, const char *name) {
     double worst = INFINITY;

@@ -1,4 +1,4 @@
-/* gl_support: what the tests of the gl engine share. */
+/* gl_support: contexts, pictures and comparisons for the tests of the gl engine. */
 #ifndef ISO_TESTS_GL_SUPPORT_H
 #define ISO_TESTS_GL_SUPPORT_H
 
@@ -12,19 +12,19 @@
 #include "render/gbuffer.h"
 #include "render/gl/pullpush.h"
 
-/* Contexts that tests draw with: those of this list that can be had here. */
+/* The contexts that tests draw with: one of each kind that this machine has. */
 typedef struct gl_contexts {
     iso_gl_context *context[ISO_GL_KINDS];
     int count;
 } gl_contexts;
 
-/* Says which are missing and why. False when there is none. */
+/* Opens contexts, and prints which are missing and why. False when there is none. */
 bool gl_contexts_open(gl_contexts *contexts);
-/* Fails the test when a driver said something above a notification. */
+/* Closes contexts; fails the test when a driver reported more than notifications. */
 void gl_contexts_close(gl_contexts *contexts);
 
-/* Tests of every context that can be had here, or of an engine on each; skipped where there is none. In lists
- * of tests: gl_context_test(check), gl_engine_test(check). */
+/* Tests that are executed with every context that this machine has, or with an engine on each; skipped if
+ * there is none. In lists of tests: gl_context_test(check), gl_engine_test(check). */
 typedef void gl_context_check(iso_gl_context *context);
 typedef void gl_engine_check(iso_gl_engine *engine);
 void gl_on_each_context(void **state);
@@ -42,16 +42,16 @@ void gl_on_each_engine(void **state);
         }                                                                                                    \
     }
 
-/* How the pictures of two gbuffers of one view differ when they are shaded. */
+/* Differences between two gbuffers of one view and their shaded pictures. */
 typedef struct gl_difference {
     double psnr;         /* dB */
-    int differ, outline; /* pixels covered in one only; pixels of the first one's outline */
-    int turned;          /* pixels covered in both, with normals to opposite sides */
+    int differ, outline; /* pixels covered in one gbuffer only; pixels of the first one's outline */
+    int turned;          /* pixels covered in both, whose normals point to opposite sides */
     double depth;        /* largest difference where both are covered and equally near, in mm */
 } gl_difference;
 gl_difference gl_compare(const iso_view *view, const iso_gbuffer *a, const iso_gbuffer *b);
 
-/* Of pictures of one size, dB. */
+/* The PSNR of two pictures of the same size, dB. */
 double gl_psnr(const iso_image *a, const iso_image *b);
 
 /* A new gbuffer of the view's size. */
@@ -59,10 +59,10 @@ iso_gbuffer gl_gbuffer(const iso_view *view);
 
 enum { GL_SIDES = 6 };
 
-/* What is seen from a side, all of it. */
+/* A view of a whole box from one of its sides. */
 iso_view gl_side_view(const iso_box *box, int side, bool orthographic, int width, int height);
 
-/* A grid's surface in all forms; the grid is kept. */
+/* A grid's surface as points and as a mesh; borrows the grid. */
 typedef struct gl_surface {
     iso_point_set *packed, *floats;
     iso_mesh_set *mesh;
@@ -71,11 +71,11 @@ typedef struct gl_surface {
 gl_surface gl_surface_make(const iso_grid *grid, double isovalue);
 void gl_surface_free(gl_surface *surface);
 
-/* Edge points with shapes, as refined wants them. */
+/* Edge points with curvatures, for the refined reconstruction. */
 iso_point_set *gl_discs_make(const iso_grid *grid, double isovalue, bool floats);
 
-/* The same views by both engines: PSNR >= 40 dB, at most 1 % of the outline's pixels differ, and normals
- * are turned in at most twice as many. Returns the lowest PSNR. */
+/* Draw the same views by both engines; fail the test unless PSNR >= 40 dB, pixels that only one covers are at
+ * most 1 % of the outline's, and turned normals at most twice as many. Return the lowest PSNR. */
 double gl_check_points(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views, int count,
                        const char *name);
 double gl_check_pullpush(iso_gl_engine *engine, const iso_point_view *points,

@@ -1,3 +1,4 @@
+/* make_volumes: writers of all formats, each from the description of its format. */
 #define _GNU_SOURCE
 #include "make_volumes.h"
 
@@ -92,7 +93,7 @@ static void put_text(FILE *file, const vol_spec *spec) {
             fprintf(file, "%.12g%c", vol_value(spec, i, c), (i + 1) % 7 ? ' ' : '\n');
 }
 
-/* The values as a block of memory. */
+/* The values of a volume as a block of memory. */
 static unsigned char *value_block(const vol_spec *spec, bool planar, size_t *bytes) {
     char *block = NULL;
     FILE *memory = open_memstream(&block, bytes);
@@ -140,7 +141,7 @@ unsigned char *vol_read_bytes(const char *path, size_t *count) {
     return bytes;
 }
 
-/* Deflated with a zlib (15) or gzip (31) wrapper. */
+/* Compresses bytes by deflate, with a zlib (window 15) or gzip (31) header. */
 static unsigned char *deflated(const unsigned char *bytes, size_t count, int window, size_t *packed) {
     z_stream z = {0};
     if (deflateInit2(&z, 6, Z_DEFLATED, window, 8, Z_DEFAULT_STRATEGY) != Z_OK) abort();
@@ -219,7 +220,7 @@ static void put_meta_data(FILE *file, const vol_kind *kind, const vol_spec *spec
     }
 }
 
-/* One slice a file. */
+/* Writes one file for each slice. */
 static void write_slices(const vol_kind *kind, const char *folder, const vol_spec *spec) {
     size_t bytes;
     unsigned char *block = value_block(spec, false, &bytes);
@@ -396,7 +397,7 @@ void vol_nifti_make(vol_nifti *header, int version, const vol_spec *spec) {
     const double pixdim[4] = {1, 0.5, 1, 2};
     for (int i = 0; i < 4; i++) vol_nifti_set(header, VOL_NIFTI_PIXDIM, i, pixdim[i]);
     vol_nifti_set(header, VOL_NIFTI_OFFSET, 0, (double)header->count);
-    /* RAS rows: what the LPS origin 1 2 3 and the identity are there */
+    /* the rows in RAS of the LPS origin 1 2 3 and identity directions */
     const double rows[12] = {-0.5, 0, 0, -1, 0, -1, 0, -2, 0, 0, 2, 3};
     vol_nifti_set(header, VOL_NIFTI_SFORM, 0, 1);
     for (int i = 0; i < 12; i++) vol_nifti_set(header, VOL_NIFTI_SROW, i, rows[i]);
@@ -461,7 +462,7 @@ static void put_vti_data(FILE *file, const vol_kind *kind, const vol_spec *spec)
     bool zlib = kind->variant & VTI_ZLIB;
     if (zlib) {
         data = deflated(block, bytes, 15, &packed);
-        const size_t numbers[4] = {1, bytes, 0, packed}; /* blocks, their size, the last's, packed sizes */
+        const size_t numbers[4] = {1, bytes, 0, packed}; /* blocks, size, size of the last, compressed size */
         for (int i = 0; i < 4; i++) put_value(memory, ISO_SCALAR_UINT32, (double)numbers[i], spec->big);
     } else {
         packed = bytes;
@@ -471,7 +472,7 @@ static void put_vti_data(FILE *file, const vol_kind *kind, const vol_spec *spec)
     if ((kind->variant & 3) == VTI_RAW) {
         fwrite(prefix, 1, head, file);
         fwrite(data, 1, packed, file);
-    } else if (zlib) { /* the numbers are encoded on their own */
+    } else if (zlib) { /* the header is encoded separately from the data */
         put_base64(file, (unsigned char *)prefix, head);
         put_base64(file, data, packed);
     } else {

@@ -1,5 +1,5 @@
-/* make_volumes: small volume files of every format and encoding, written byte by byte from the formats'
- * descriptions, so that a test depends on no other writer. */
+/* make_volumes: writes small volume files of every format and encoding byte by byte, from the formats'
+ * descriptions, so that tests depend on no other writer. */
 #ifndef ISO_TESTS_MAKE_VOLUMES_H
 #define ISO_TESTS_MAKE_VOLUMES_H
 
@@ -14,14 +14,15 @@ typedef struct vol_spec {
     int dims[3];
     iso_scalar scalar;
     int components;
-    bool big; /* big-endian, where the format leaves the choice */
+    bool big; /* big-endian, if the format allows both */
 } vol_spec;
 
 size_t vol_count(const vol_spec *spec); /* voxels */
-/* What the file holds there: within the range of its type, exact as a float. */
+/* The value that the file has for a component of a voxel: within the range of its type, and exact as a float.
+ */
 double vol_value(const vol_spec *spec, size_t voxel, int component);
 
-/* A way to write a volume: `files` names in a folder, the one to open first. */
+/* A way to write a volume: to the `files` in a folder, of which the first is the one to open. */
 typedef struct vol_kind {
     const char *name;
     const char *files[4];
@@ -64,7 +65,7 @@ typedef enum vol_nifti_field {
 } vol_nifti_field;
 void vol_nifti_set(vol_nifti *header, vol_nifti_field field, int index, double value);
 
-/* Values in file order: interleaved components, or one volume after the other when planar. */
+/* Writes values in file order: components are interleaved or, when planar, one volume after the other. */
 void vol_put_values(FILE *file, const vol_spec *spec, bool planar);
 
 #endif

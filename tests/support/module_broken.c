@@ -1,10 +1,10 @@
-/* module_broken: modules that test_module expects to be refused; BROKEN says what is wrong with one. */
+/* module_broken: modules that test_module expects to be refused; BROKEN selects the defect. */
 #include "grids/volume/module.h"
 
 #define OTHER_ABI 1
 #define OTHER_VERSION 2
 #define EMPTY 3
-#define ORPHAN 4 /* nothing but a library that is not there */
+#define ORPHAN 4 /* correct, but linked with a library that does not exist */
 
 #if BROKEN == OTHER_ABI
 extern const iso_module iso_module_table;

@@ -1,4 +1,4 @@
-/* module_gone: the library that a module of module_broken.c is linked with and cannot find. */
+/* module_gone: the library with which a module of module_broken.c is linked, and which is then removed. */
 int iso_module_gone(void);
 
 int iso_module_gone(void) {

@@ -1,3 +1,4 @@
+/* pullpush_reference: projection of all points, then pull and push of whole levels, in double precision. */
 #include "pullpush_reference.h"
 
 #include <math.h>
@@ -6,7 +7,7 @@
 #include "render/project.h"
 
 typedef struct cell {
-    bool valid, hides; /* hides: a surface goes on behind it */
+    bool valid, hides; /* hides: another surface lies behind it */
     double n[3], depth, low, high;
     double x, y; /* the ellipse's centre, pixels of level 0 from the frame's corner */
     double radius, rgb[3];
@@ -43,7 +44,8 @@ static double dot3(const double a[3], const double b[3]) {
 
 /* ---- projection */
 
-/* The length is that of the index space normal with |x| + |y| + |z| = 1: it only weighs a little. */
+/* Transforms a normal to view space. Its length is that of the index space normal with |x| + |y| + |z| = 1,
+ * which affects weights only slightly. */
 static void turn_normal(const iso_projector *projector, const float normal[3], double out[3]) {
     double sum = 0;
     for (int k = 0; k < 3; k++) sum += fabs((double)normal[k]);
@@ -87,14 +89,14 @@ static void project(work *w, const iso_point_view *points) {
         }
 }
 
-/* ---- what pixels are made of */
+/* ---- weights and pixels */
 
 typedef struct share {
     const cell *from;
     double weight;
 } share;
 
-/* Whether `c` belongs to what the frontmost shows. */
+/* Whether `c` belongs to the same surface as the frontmost cell. */
 static bool joins(const work *w, const cell *c, const cell *front) {
     return c->low <= front->high && (w->opts->cull || dot3(c->n, front->n) >= 0);
 }
@@ -150,9 +152,9 @@ static void pull(work *w, int number) {
         }
 }
 
-/* q of the ellipse of a coarser pixel, `number` the level and (cx, cy) the pixel, at (x, y): the shadow of
- * its disc along the ray to the pixel's centre; infinite where that is too far out for what is seen edge-on.
- */
+/* The quadratic form q at (x, y) of the ellipse of a coarser pixel (cx, cy) of level `number`: the projection
+ * of its disc along the ray to the pixel's centre; infinite where that is too far away for a disc seen
+ * edge-on. */
 static double ellipse(const work *w, const cell *c, int number, int cx, int cy, double x, double y) {
     const iso_view *view = w->view;
     double size = w->levels[number].size, n[3] = {c->n[0], c->n[1], c->n[2]}, ray[3] = {0, 0, 1};
@@ -165,7 +167,7 @@ static double ellipse(const work *w, const cell *c, int number, int cx, int cy, 
         ray[k] /= length;
         n[k] /= normal;
     }
-    /* turned so that the ray becomes (0, 0, 1) */
+    /* rotates so that the ray becomes (0, 0, 1) */
     double along = dot3(n, ray), turn = (along + n[2]) / (1 + ray[2]);
     double m[2] = {n[0] - ray[0] * turn, n[1] - ray[1] * turn};
     double radius = c->radius * view->focal / (view->orthographic ? 1 : c->depth), square = radius * radius;
@@ -178,8 +180,8 @@ static double ellipse(const work *w, const cell *c, int number, int cx, int cy, 
     return (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy);
 }
 
-/* Whether a point of level 0 leaves its pixel's centre (x + 0.5, y + 0.5) out, by the same rule but along the
- * ray to that. */
+/* Whether the disc of a point of level 0 does not cover its pixel's centre (x + 0.5, y + 0.5): by the same
+ * rule, but along the ray to that centre. */
 static bool is_beyond(const work *w, const cell *c, int x, int y) {
     const iso_view *view = w->view;
     double ray[3] = {0, 0, 1}, normal = sqrt(dot3(c->n, c->n)), scale = view->focal;
@@ -216,7 +218,7 @@ static void push(work *w, int number) {
         }
 }
 
-static void finish(const work *w, const iso_point_view *points, iso_gbuffer *gbuffer) {
+static void resolve_picture(const work *w, const iso_point_view *points, iso_gbuffer *gbuffer) {
     for (int y = 0; y < gbuffer->height; y++)
         for (int x = 0; x < gbuffer->width; x++) {
             const cell *c = cell_at(&w->levels[0], x + w->opts->guard, y + w->opts->guard);
@@ -240,6 +242,6 @@ void reference_pullpush(const reference_opts *opts, const iso_view *view, const 
     project(&w, points);
     for (int l = opts->base + 1; l <= opts->top; l++) pull(&w, l);
     for (int l = opts->top - 1; l >= 0; l--) push(&w, l);
-    finish(&w, points, gbuffer);
+    resolve_picture(&w, points, gbuffer);
     for (int l = 0; l <= opts->top; l++) free(w.levels[l].cells);
 }

@@ -1,3 +1,4 @@
+/* refined_reference: for every pixel, intersects its ray with the discs of all points in double precision. */
 #include "refined_reference.h"
 
 #include <math.h>
@@ -8,8 +9,8 @@
 
 typedef struct disc {
     double at[3], n[3], s[3][3], radius; /* n with its tilt */
-    double lit[3];                       /* the point's own normal */
-    double low[3], high[3];              /* its box, from its centre along the index axes, voxels */
+    double lit[3];                       /* the point's normal, without the tilt */
+    double low[3], high[3];              /* the box it is clipped to: index axes, voxels from its centre */
     bool turned;
 } disc;
 
@@ -34,9 +35,9 @@ static void turn(const iso_projector *projector, const float from[3], double to[
     }
 }
 
-/* S in view space, and the largest curvature along the normal too, where that is convex. */
-static void shape_of(const iso_projector *projector, const iso_point_view *points, size_t i, double length,
-                     disc *d) {
+/* Sets S in view space; where the surface is convex, also with the largest curvature along the normal. */
+static void set_curvature(const iso_projector *projector, const iso_point_view *points, size_t i,
+                          double length, disc *d) {
     const iso_surfel surfel = iso_point_view_get(points, i);
     float entry[3], tilt[2], u[3], v[3];
     double a[3], b[3], trace = 0, square = 0;
@@ -58,7 +59,7 @@ static void shape_of(const iso_projector *projector, const iso_point_view *point
     for (int k = 0; k < 3; k++) d->n[k] += ((double)tilt[0] * a[k] + (double)tilt[1] * b[k]) / length;
 }
 
-/* Voxels in a mm, at most. */
+/* The number of voxels in a mm, on the axis with the smallest spacing. */
 static double per_mm(const iso_projector *projector) {
     double most = 0;
     for (int k = 0; k < 3; k++) {
@@ -68,7 +69,7 @@ static double per_mm(const iso_projector *projector) {
     return most;
 }
 
-/* Where an edge point's surface turns away, and the grid's border. */
+/* Sets the box of a disc, by an edge point's extents and the grid's border. */
 static void enclose(const iso_projector *projector, const iso_point_view *points, size_t i,
                     const double index[3], disc *d) {
     const int ends = points->curvatures ? points->curvatures[i].extents : 0, axis = (ends >> 12 & 3) - 1;
@@ -111,7 +112,7 @@ static bool make_disc(const iso_view *view, const iso_projector *projector, cons
     for (int k = 0; k < 3; k++) d->lit[k] = d->n[k] /= length;
     memset(d->s, 0, sizeof d->s);
     const double pixels = points->radius * view->focal / (view->orthographic ? 1 : d->at[2]);
-    if (points->curvatures) shape_of(projector, points, i, length, d);
+    if (points->curvatures) set_curvature(projector, points, i, length, d);
     enclose(projector, points, i, index, d);
     d->radius = points->radius * (1.2 + 0.215 * fmin(fmax((pixels - 4.5) / 6, 0), 1));
     if (points->curvatures) d->radius *= 1 - (points->curvatures[i].extents >> 14) / 4.0;
@@ -129,7 +130,7 @@ static bool make_disc(const iso_view *view, const iso_projector *projector, cons
     return !cull;
 }
 
-/* Of a step in view space: as if all voxels were cubes as large as the largest side. */
+/* The squared length in voxels of a step in view space, as if voxels were cubes with the largest spacing. */
 static double square_in_voxels(const iso_projector *projector, const double q[3]) {
     double sum = 0, least = INFINITY;
     for (int k = 0; k < 3; k++) {
@@ -140,7 +141,7 @@ static double square_in_voxels(const iso_projector *projector, const double q[3]
     return sum / least;
 }
 
-/* The nearer place where n.q + q.Sq / 2 = 0, in the disc's ball. */
+/* The nearer intersection of a ray with n.q + q.Sq / 2 = 0 within the disc's ball. */
 static bool meet(const iso_projector *projector, const disc *d, double u, double v, hit *h) {
     const iso_view *view = projector->view;
     const double z = view->orthographic ? 1 : d->at[2], e[3] = {u * z - d->at[0], v * z - d->at[1], 0},
@@ -166,9 +167,9 @@ static int nearest_first(const void *a, const void *b) {
     return (x->depth > y->depth) - (x->depth < y->depth);
 }
 
-/* Weighted means over what is in front; all of one side, which is the one that faces the eye if there is. */
-static void settle(const hit *hits, size_t count, const iso_projector *projector, bool cull, size_t at,
-                   iso_gbuffer *g) {
+/* Sets a sample to the weighted means of the hits in front that face the same side: the eye, if any does. */
+static void resolve_sample(const hit *hits, size_t count, const iso_projector *projector, bool cull,
+                           size_t at, iso_gbuffer *g) {
     size_t first = 0;
     double front = hits[0].depth, weight = 0, depth = 0, n[3] = {0}, q[3] = {0}, s[3][3] = {{0}}, square = 0;
     for (size_t i = 1; i < count && hits[first].from->turned; i++)
@@ -219,8 +220,8 @@ void refined_reference(const iso_view *view, const iso_point_view *points, iso_g
             for (size_t i = 0; i < count; i++) met += meet(&projector, &discs[i], u, v, &hits[met]);
             if (!met) continue;
             qsort(hits, met, sizeof *hits, nearest_first);
-            settle(hits, met, &projector, points->closed, (size_t)y * (size_t)view->width + (size_t)x,
-                   gbuffer);
+            resolve_sample(hits, met, &projector, points->closed, (size_t)y * (size_t)view->width + (size_t)x,
+                           gbuffer);
         }
     free(discs);
     free(hits);

@@ -1,5 +1,5 @@
-/* The refined reconstruction as it is meant (render/refined/refined.h), pixel by pixel, in double precision.
- */
+/* refined_reference: the refined reconstruction as render/refined/refined.h defines it, pixel by pixel, in
+ * double. */
 #ifndef ISO_TESTS_REFINED_REFERENCE_H
 #define ISO_TESTS_REFINED_REFERENCE_H
 

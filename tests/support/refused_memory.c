@@ -1,3 +1,4 @@
+/* refused_memory: wrappers of the allocation functions that fail after a number of calls. */
 #include "refused_memory.h"
 
 #include "base/memory.h"

@@ -1,3 +1,4 @@
+/* scene_support: points of scenes, views of them, and pictures by pull-push. */
 #include "scene_support.h"
 
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* What tests of methods that draw points share: points of scenes, views of them, and pictures. */
+/* scene_support: points of scenes, views of them and pictures, for tests of methods that draw points. */
 #ifndef ISO_TESTS_SCENE_SUPPORT_H
 #define ISO_TESTS_SCENE_SUPPORT_H
 
@@ -16,28 +16,30 @@ typedef struct test_scene {
     iso_point_view points;
 } test_scene;
 
-/* A scene's points, made with `opts` (NULL: defaults) at the scene's isovalue. Free with test_scene_free. */
+/* Extracts a scene's points with `opts` (NULL: defaults) at the scene's isovalue. Free with test_scene_free.
+ */
 test_scene test_scene_make(const char *name, int size, const iso_points_opts *opts, bool bounded);
 void test_scene_free(test_scene *scene);
 
-/* A view of the scene from `side` 0 .. 5, `zoom` 1 shows it all. */
+/* A view of the scene from `side` 0 .. 5; with `zoom` 1 all of it is visible. */
 iso_view test_look_at(const test_scene *scene, int side, double zoom, bool orthographic, int width,
                       int height);
 
-/* Index coordinates are view coordinates: x right, y down, z forward, the eye at the origin. */
+/* A view in which index coordinates are view coordinates: x right, y down, z forward, the eye at the origin.
+ */
 iso_view test_plain_view(int width, int height, bool orthographic, double focal);
 
-/* An empty picture, all of whose bytes are set. */
+/* A cleared gbuffer, with no uninitialised bytes. */
 iso_gbuffer test_clear_gbuffer(int width, int height, bool colored);
 
-/* Rows of `a` from a_row on are all of b. */
+/* Fails the test unless the rows of `a` from a_row on are equal to all rows of b. */
 void test_same_rows(const iso_gbuffer *a, int a_row, const iso_gbuffer *b);
 
-/* Points drawn by pull-push into an empty picture. opts NULL: Gaussian; pool may be NULL. */
+/* Draws points by pull-push into a cleared gbuffer. opts NULL: Gaussian; pool may be NULL. */
 iso_gbuffer test_drawn(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
                        iso_pool *pool);
-/* The picture is `wanted`, byte for byte, for every instruction set and 1 to 3 threads, and drawn in strips.
- */
+/* Fails the test unless the picture is `wanted`, byte for byte, with every instruction set, with 1 to 3
+ * threads, and in strips. */
 void test_every_variant(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
                         const iso_gbuffer *wanted);
 void test_every_strip(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,

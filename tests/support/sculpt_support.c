@@ -1,3 +1,4 @@
+/* sculpt_support: balls to sculpt, and measurements of fields. */
 #include "sculpt_support.h"
 
 #include <setjmp.h>

@@ -1,3 +1,4 @@
+/* session_support: files and random events for the tests of sessions. */
 #include "session_support.h"
 
 #include <setjmp.h>

@@ -1,3 +1,4 @@
+/* truth_support: PSNR, holes and dilation of a picture against the truth's. */
 #include "truth_support.h"
 
 #include <math.h>

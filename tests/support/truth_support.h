@@ -1,4 +1,4 @@
-/* How near a picture comes to the truth's, for tests of methods that only come near. */
+/* truth_support: differences of a picture from the truth, for tests of methods that approximate it. */
 #ifndef ISO_TESTS_TRUTH_SUPPORT_H
 #define ISO_TESTS_TRUTH_SUPPORT_H
 
@@ -7,13 +7,14 @@
 #include "image/camera.h"
 #include "render/gbuffer.h"
 
-/* Decibels between the shaded pictures, over the union of both silhouettes. */
+/* The PSNR of the shaded pictures in dB, over the union of both silhouettes. */
 double test_psnr(const iso_view *view, const iso_gbuffer *a, const iso_gbuffer *b);
 
-/* Samples of the truth's inside, two pixels from its outline, that are not covered. */
+/* The number of samples that are not covered inside the truth's silhouette, two pixels or more from its
+ * outline; *inside: the number of all samples there. */
 size_t test_holes(const iso_gbuffer *truth, const iso_gbuffer *got, size_t *inside);
 
-/* Pixels by which the silhouette is larger than the truth's, per pixel of its outline. */
+/* The mean number of pixels by which the silhouette extends beyond the truth's outline. */
 double test_dilation(const iso_gbuffer *truth, const iso_gbuffer *got);
 
 #endif

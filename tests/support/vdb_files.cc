@@ -1,3 +1,4 @@
+/* vdb_files: writes .vdb files with OpenVDB. */
 #include "vdb_files.h"
 
 #include <fstream>
@@ -116,7 +117,8 @@ template <class Body> int guard(Body &&body) {
 
 } // namespace
 
-/* OpenVDB 10 loses the node that it is reading when a corrupt file makes it throw: not our leak. */
+/* Called by the leak sanitizer: OpenVDB 10 leaks the node that it is reading when it throws because of a
+ * corrupt file. */
 extern "C" const char *__lsan_default_suppressions();
 extern "C" const char *__lsan_default_suppressions() {
     return "leak:readTopology\n";

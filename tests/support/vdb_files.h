@@ -13,8 +13,8 @@ typedef struct vdb_spec {
     const char *type; /* float double int32 int64 bool mask vec3s */
     enum vdb_class grid_class;
     double background;
-    int lo[3], hi[3]; /* voxels that are offered to `value` */
-    /* Value of a component at a voxel; sets *active to 0 to leave the voxel alone. */
+    int lo[3], hi[3]; /* the voxels for which `value` is called */
+    /* Returns the value of a component at a voxel; sets *active to 0 for a voxel that is not set. */
     double (*value)(const void *context, const int voxel[3], int component, int *active);
     const void *context;
     double axis[9];   /* row-major, columns are the world steps of the index axes */
@@ -27,10 +27,10 @@ enum vdb_flags { VDB_STREAM = 1, VDB_NO_STATS = 2, VDB_ZIP = 4, VDB_BLOSC = 8, V
 
 int vdb_write(const char *path, const vdb_spec *specs, int count, int flags);
 
-/* One grid of points, and nothing else. */
+/* Writes a file with one grid of points, which has no voxels to read. */
 int vdb_write_points(const char *path, const char *name);
 
-/* Two grids, "a" and "b", that share one tree; b lies `shift` further along x. */
+/* Writes two grids, "a" and "b", that share one tree; b is shifted by `shift` along x. */
 int vdb_write_instances(const char *path, const vdb_spec *spec, double shift);
 
 #ifdef __cplusplus

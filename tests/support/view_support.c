@@ -1,3 +1,4 @@
+/* view_support: transforms and views of grids, and comparisons of gbuffers. */
 #include "view_support.h"
 
 #include <float.h>

@@ -1,3 +1,4 @@
+/* volume_support: reads volumes, intact and damaged, and checks errors and notes. */
 #include "volume_support.h"
 
 #include <setjmp.h>

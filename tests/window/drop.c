@@ -1,6 +1,7 @@
-/* Drops files on a window as a file manager does: a source of the XDND protocol, version 5
- * (https://www.freedesktop.org/wiki/Specifications/XDND/). drop WINDOW X Y FILE ...: with the pointer at X, Y
- * of the screen. Exit status 0: the window took them. 2: it refused, or said nothing for so long. */
+/* drop: drops files on a window like a file manager, as a source of the XDND protocol, version 5
+ * (https://www.freedesktop.org/wiki/Specifications/XDND/). Usage: drop WINDOW X Y FILE ..., with the pointer
+ * at X, Y of the screen. Exit status 0: the window accepted them; 2: it refused, or did not answer in time.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include <ctype.h>
 #include <stdio.h>
@@ -25,7 +26,7 @@ static Atom atom(const source *s, const char *name) {
     return XInternAtom(s->display, name, False);
 }
 
-/* Percent-encoded, as all but the plainest characters have to be. */
+/* Adds a file to the list of URIs, percent-encoded except for letters, digits and a few other characters. */
 static void add_file(source *s, const char *path) {
     const size_t room = sizeof s->text;
     s->length += (size_t)snprintf(s->text + s->length, room - s->length, "file://");
@@ -63,7 +64,7 @@ static void serve(const source *s, const XSelectionRequestEvent *request) {
     XFlush(s->display);
 }
 
-/* Serves the selection until the target sends a message of this type; its data. */
+/* Serves the selection until the target sends a message of this type, and returns that message. */
 static XClientMessageEvent wait_for(const source *s, const char *type) {
     const Atom wanted = atom(s, type);
     for (XEvent event;;) {
@@ -84,7 +85,7 @@ static int drop(const source *s, long x, long y) {
         return 2;
     }
     send(s, "XdndDrop", let_go);
-    return wait_for(s, "XdndFinished").data.l[1] ? 0 : 2; /* (GLFW 3.3 sends no flag but a length) */
+    return wait_for(s, "XdndFinished").data.l[1] ? 0 : 2; /* (GLFW 3.3 sends a length instead of the flag) */
 }
 
 int main(int argc, char **argv) {

@@ -1,7 +1,7 @@
 #!/bin/bash
-# Files dropped on a real window under Xvfb, by the protocol of file managers: all kinds that can be opened, what cannot
-# be read, and what is asked before changes go. files.sh BIN TOOLS, the folders of the programs and of the tests' own.
-# 77: nothing to do it with.
+# Drops files on a real window under Xvfb, by the protocol of file managers: all kinds that can be opened, files that cannot
+# be read, and the questions about unsaved changes. files.sh BIN TOOLS: the folders of the programs and of the tests'
+# own programs. Exit status 77: skipped, as something needed is missing.
 set -u
 bin=$(cd "$1" && pwd)
 tools=$(realpath -m "$2")
@@ -32,15 +32,15 @@ printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty floa
 
 drop() { "$tools/window_drop" "$(window_number)" 640 400 "$@" || fail "dropping $*: exit status $?"; }
 said() { grep -qF "$1" "$work/said"; }
-# began_with NAME: a journal that is not the one before, of that file
+# began_with NAME: whether there is a new journal, of a session that began with that file
 began_with() { [ "$(newest)" != "$before" ] && head -1 "$(newest)" | grep -qF "/$1\"" && title_is "$(basename "$(newest)")"; }
-# opens NAME: and the journal is the new one
+# opens NAME: waits for such a journal, and sets $journal to it
 opens() {
     before=$journal
     until_ "$1" began_with "$1"
     journal=$(newest)
 }
-# letters COLOUR: of a message in the lower part of the window
+# shows_trouble: whether the lower part of the window shows an error message, which is red
 shows_trouble() {
     whole_window trouble
     local file=$work/trouble.png
@@ -53,12 +53,12 @@ sys.exit(sum(r > 220 and 80 < g < 130 and b < 110 for row in rows for r, g, b, a
 END
 }
 
-# slow.c lets files be slow where the sanitizers do not stand in its way
+# slow.c makes files slow, which does not work together with sanitizers
 [ -e "$tools/libwindow_slow.so" ] || { echo "skipped: without tests/window/slow.c"; exit 77; }
 LD_PRELOAD=$tools/libwindow_slow.so start
 picture new
 
-# ---- what cannot be read is said, with the panel and without it, and takes nothing away
+# ---- a file that cannot be read is reported, with the panel and without it, and the document stays
 drop "$files/nothing.vdb"
 until_ "what is not there" said "nothing.vdb: cannot read"
 shows_trouble || fail "what is not there: nothing on the screen"
@@ -87,7 +87,7 @@ picture stamp
 stroke 700 380 0 0
 tail -5 "$journal" | grep -q '"shape":"stamp"' || fail "the stamp is not used"
 
-# ---- strokes are not saved: what is dropped waits for an answer
+# ---- with unsaved strokes, a dropped file is opened only after a question is answered
 cp "$journal" "$work/kept.strokes"
 sed -i 1q "$work/kept.strokes"
 strokes=$(events end)
@@ -102,14 +102,14 @@ key Return
 opens field.vdb
 [ -s "$vdb" ] || fail "opened without saving first"
 
-# ---- nothing is unsaved: it is opened at once; of several files the first
+# ---- without unsaved changes it is opened at once; of several files the first
 drop "$work/kept.strokes" "$files/field.vdb"
 until_ "strokes" title_is "kept.strokes"
 drop "$files/ball.nrrd"
 until_ "a volume" title_is "ball.nrrd"
 
-# ---- its isovalue under the hand; at rest the picture is that of the isovalue, wherever the hand came from
-# look_at X NAME: the histogram is pressed there, and the picture at rest
+# ---- dragging the isovalue; when dragging ends, the picture depends on the isovalue only, not on earlier ones
+# look_at X NAME: presses the histogram at X; takes the final picture
 look_at() {
     [ -z "$1" ] || xdotool mousemove "$1" 100 sleep 0.2 mousedown 1 sleep 0.2 mouseup 1 sleep 0.2
     picture "$2"
@@ -132,7 +132,7 @@ opens mesh.ply
 picture mesh_ply # and so it is ready
 stroke 480 560 20 20
 
-# ---- strokes that were made while a file was opened are asked about when it is ready: slow files, ready when we say so
+# ---- strokes that were made while a file was being read are asked about when it is ready (with slow files)
 for slow in first second; do
     cp "$files/mesh.obj" "$files/$slow.obj"
     touch "$files/$slow.obj.wait"
@@ -141,7 +141,7 @@ feed() { rm "$files/$1.wait"; }
 # beside the mesh that was opened
 vdb=$files/mesh.vdb
 saved() { [ -s "$vdb" ]; }
-# A question keeps the hand from the sculpture.
+# While a question is open, the mouse does not sculpt.
 asked() {
     strokes=$(events end)
     drag 1 540 560 20 20
@@ -177,7 +177,7 @@ opens second.obj
 picture slow # and so it is ready
 stroke 480 560 20 20
 
-# ---- a save that fails keeps what is there
+# ---- a save that fails leaves the existing file unchanged
 vdb=$files/second.vdb
 mkdir -p "$vdb/full" "$vdb.bak/full"
 strokes=$(events end)

@@ -1,6 +1,6 @@
 #!/bin/bash
-# The gl engine in a real window under Xvfb: its pictures against the cpu engine's of the same field, while mouse and
-# keys sculpt, change the method and resize; and no word of the driver. gl.sh BIN TOOLS. 77: nothing to try it with.
+# The gl engine in a real window under Xvfb: compares its pictures with the cpu engine's of the same field, while mouse and
+# keys sculpt, change the method and resize; the driver must report nothing. gl.sh BIN TOOLS. Exit status 77: skipped.
 set -u
 bin=$(cd "$1" && pwd)
 tools=$(realpath -m "$2")
@@ -12,14 +12,14 @@ open_display
 cd "$work" || exit 1
 export ISO_GL_DEBUG=1
 
-# ---- what is too old is said, or done without
+# ---- an OpenGL version that is too old is reported, or the cpu engine is used
 MESA_GL_VERSION_OVERRIDE=4.4 MESA_GLSL_VERSION_OVERRIDE=440 timeout "$LIMIT" "$bin/isosculpt" --backend gl 2>"$work/said"
 code=$?
 grep -q "glad" "$work/said" && { echo "skipped: built without glad"; exit 77; }
 [ $code -eq 4 ] && grep -q "4\.5 is needed" "$work/said" || fail "OpenGL 4.4: exit status $code"
 anew
 
-# close_window: and no message of the driver's above notifications
+# close_window: closes the window; fails if the driver reported more than notifications
 close_window() {
     key ctrl+q
     key Return
@@ -28,7 +28,7 @@ close_window() {
     until_ "closing" has_ended "$closing"
     grep -q "OpenGL: 0 messages" "$work/said" || fail "the driver has something to say"
 }
-# agree A B: 40 dB or more
+# agree A B: whether the PSNR of two pictures is 40 dB or more
 agree() {
     "$bin/isocompare" images "$work/$1.png" "$work/$2.png" --fail-under psnr=40 >"$work/compared" || {
         cat "$work/compared"
@@ -37,14 +37,14 @@ agree() {
     grep '^psnr ' "$work/compared" | sed "s/^/$1, $2: /"
 }
 size_of() { od -An -j16 -N8 -tx1 "$work/$1.png" | tr -d ' \n'; }
-# both NAME: the picture by either engine; it is gl's turn before and after
+# both NAME: takes the picture with both engines; gl is active before and after
 both() {
     picture "gl_$1"
     key g
     picture "cpu_$1"
     key g
 }
-# all_methods NAME: exact is the cpu engine's at rest
+# all_methods NAME: takes the pictures of all methods, and compares those of both engines (at rest, exact is drawn by the cpu engine)
 all_methods() {
     local method
     for method in exact pullpush points mesh; do
@@ -61,7 +61,7 @@ start --backend gl
 picture new
 all_methods new
 
-# ---- strokes with each method, picked from its own picture; undone, they leave nothing
+# ---- strokes with each method, which picks positions from its own picture; undo restores the first picture
 for method in exact pullpush points mesh; do
     stroke 640 400 30 20
     picture "stroke_$method"
@@ -76,7 +76,7 @@ drag 1 1100 650 60 40
 all_methods sculpted
 cmp -s "$work/gl_sculpted_mesh.png" "$work/gl_new_mesh.png" && fail "nothing was sculpted"
 
-# ---- frozen parts look it; the cpu engine draws them
+# ---- frozen parts are drawn darker; by the cpu engine
 key m m m
 picture free
 key 9
@@ -95,7 +95,7 @@ until_ "pictures of 701 x 523" has_size
 all_methods resized
 close_window
 
-# ---- a software renderer is not chosen by itself: the cpu engine is
+# ---- a software OpenGL renderer is not chosen automatically: the cpu engine is used
 anew # (the journal to look at is the one that will be there)
 start
 key m m m

@@ -1,7 +1,7 @@
 #!/bin/bash
-# Mouse and keys on volumes and meshes in a real window under Xvfb: looking about, strokes that wait for a field, the
-# mirror, the histogram, and the isorender command that draws the view. hands.sh BIN TOOLS, the folders of the programs
-# and of the tests' own. 77: nothing to drive it with.
+# Mouse and keys on volumes and meshes in a real window under Xvfb: moving the camera, strokes that wait until the field is
+# ready, the mirror, the histogram, and the isorender command that draws the view. hands.sh BIN TOOLS: the folders of the
+# programs and of the tests' own programs. Exit status 77: skipped, as something needed is missing.
 set -u
 bin=$(cd "$1" && pwd)
 tools=$(realpath -m "$2")
@@ -16,7 +16,7 @@ open_display
 cd "$work" || exit 1
 cp "$volumes/stent.nrrd" "$work/stent.nrrd"
 
-# copies X Y: the button is pressed, and there is another command than before; in $command
+# copies X Y: presses the button; whether there is a new command on the clipboard, in $command
 copies() {
     press "$1" "$2"
     command=$("$tools/window_clipboard") && [ "${command#isorender }" != "$command" ] && [ "$command" != "$before_command" ]
@@ -25,7 +25,7 @@ copy_command() {
     before_command=${command:-}
     until_ "a command on the clipboard" copies "$@"
 }
-# draws NAME N: the command makes the picture NAME, but for N pixels
+# draws NAME N: fails unless the command draws the picture NAME, except for at most N pixels
 draws() {
     rm -f ./*-view.png
     (PATH=$bin:$PATH && eval "$command --quiet") || fail "$command"
@@ -34,7 +34,7 @@ draws() {
 }
 box_of() { look box "$work/$1.png"; }
 
-# ---- a volume: the left button looks about until a brush is picked
+# ---- a volume: the left button orbits until a brush is chosen
 window_program stent.nrrd --isovalue 600
 until_ "the volume" title_is 'stent.nrrd'
 picture volume
@@ -51,7 +51,7 @@ key M # the same view by the other methods: pixels at edges may differ
 picture pullpush
 key M M M
 
-# ---- the histogram: its ends and marks, and the isovalues that --info suggests
+# ---- the histogram: its ends, its marks, and the isovalues that --info suggests
 whole_window histogram
 look color histogram.png 140 235 140 16,56,296,72 20 || fail "Otsu's threshold is not marked"
 look color histogram.png 110 190 120 16,56,296,72 20 || fail "the other suggested isovalues are not marked"
@@ -64,7 +64,7 @@ picks() {
 }
 until_ "the third suggestion" picks
 
-# ---- a brush is picked and strokes are made at once: they wait for the field
+# ---- a brush is chosen and strokes are made immediately: they wait until the field is ready
 key Shift+1
 picture front
 key 2
@@ -83,7 +83,7 @@ picture redone
 differ field redone || fail "strokes that waited cannot be undone"
 cmp carved.png redone.png || fail "strokes that waited: redone otherwise"
 
-# ---- a field: the command needs a file, and then draws what is saved
+# ---- a field: the command needs a saved file, which it draws
 press 97 344
 says_no() { press 97 344; says "No command"; }
 until_ "a command without a file" says_no
@@ -94,7 +94,7 @@ copy_command 97 344
 draws saved 60
 stop
 
-# ---- the camera without wheel, middle button or number pad. What is where in a picture is its box: x0 y0 x1 y1
+# ---- the camera without wheel, middle button or number pad; pictures are compared by the object's box x0 y0 x1 y1
 anew
 start box.obj --voxel-size 0.5
 until_ "its title" title_is "$(basename "$(newest)")"
@@ -126,8 +126,8 @@ key f
 picture again
 moves again "a0 - x0 <= 1 && x0 - a0 <= 1 && b1 - y1 <= 1 && y1 - b1 <= 1"
 
-# ---- sides: where the eye is, as the command says
-# eye_is KEY AXIS SIGN: the largest part of the way from the focal point to the eye
+# ---- views from the sides: the position of the eye is in the command
+# eye_is KEY AXIS SIGN: fails unless KEY moves the eye so that it is in this direction from the focal point
 eye_is() {
     key "$1"
     copy_command 97 344
@@ -156,7 +156,7 @@ eye_is KP_7 z +
 eye_is ctrl+KP_7 z -
 key shift+1
 
-# ---- what F frames is the object as it is now
+# ---- F frames the object in its present form
 stroke 740 340 0 0
 for repeat in 1 2 3; do stroke $((760 + 20 * repeat)) $((330 - 20 * repeat)) 10 -10; done
 picture sculpted
@@ -171,7 +171,7 @@ key f
 picture small
 cmp small.png again.png || fail "undone, it is not framed as before"
 
-# ---- the mirror: in the middle of the object (110, 10, 10), as a line, and each stroke on both sides
+# ---- the mirror: its plane is in the middle of the object (110, 10, 10) and shown as a line; strokes act on both sides
 symmetry() { press 89 205; whole_window mirror; look color "$work/mirror.png" 255 120 110 320,0,1280,800 100; }
 until_ "the mirror's line" symmetry
 read -r x0 y0 x1 y1 <<<"$(box_of small)"
@@ -186,7 +186,7 @@ picture both
 read -r a0 b0 a1 b1 <<<"$(box_of both)"
 awk "BEGIN { exit !($a0 + $a1 - $x0 - $x1 <= 3 && $x0 + $x1 - $a0 - $a1 <= 3) }" || fail "one side: $a0 $a1"
 
-# ---- another file has none, and its own middle
+# ---- another file begins without a mirror, and has its own middle
 make_box other.obj -60 7 0 12
 before=$journal
 press 90 413 # the box for a name, one row lower now that the mirror has one

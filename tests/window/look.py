@@ -1,4 +1,4 @@
-"""What is to be seen in a picture. look.py QUESTION FILE ...: exit status 0 means yes.
+"""Answers questions about pictures. look.py QUESTION FILE ...: exit status 0 means yes.
 
 modal FILE              a question or the browser: the rest of the window is dark
 color FILE R G B BOX N  at least N pixels of about that colour in BOX (X0,Y0,X1,Y1)

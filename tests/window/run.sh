@@ -1,6 +1,7 @@
 #!/bin/bash
-# A real window under Xvfb, driven with xdotool: what mouse and keys do is read from the journal, the saved
-# files and the pictures. run.sh BIN TOOLS, the folders of the programs and of the tests' own. 77: nothing to drive it with.
+# A real window under Xvfb, driven with xdotool; the results of mouse and keys are checked in the journal, the saved files
+# and the pictures. run.sh BIN TOOLS: the folders of the programs and of the tests' own programs. Exit status 77: skipped,
+# as something needed is missing.
 set -u
 bin=$(cd "$1" && pwd)
 tools=$(realpath -m "$2")
@@ -19,7 +20,7 @@ cd "$work" || exit 1 # where a new ball is saved
 start
 picture new # and so it is ready
 
-# ---- every brush, where the ball is; modifiers; beside it nothing happens to the field
+# ---- every brush on the ball; modifier keys; strokes beside the ball do not change the field
 brush=0
 for at in "560 290" "700 290" "640 260" "560 390" "640 340" "720 390" "560 480" "640 440" "700 500"; do
     brush=$((brush + 1))
@@ -47,7 +48,7 @@ expected="add carve blend-add smooth inflate flatten pinch move mask unmask smoo
 picture sculpted
 cmp -s "$work/new.png" "$work/sculpted.png" && fail "strokes are not to be seen"
 
-# ---- undo brings back every bit of the picture, redo the other; more of them than there are do nothing
+# ---- undo and redo restore every bit of the picture; beyond the first and last step they do nothing
 strokes=$(events end)
 mapfile -t keys < <(yes ctrl+z | head -n $((strokes + 2)))
 key "${keys[@]}"
@@ -71,7 +72,7 @@ key f
 has_events end "$strokes" || fail "moving the camera made strokes"
 picture front
 
-# ---- saving; what is saved is what the journal says
+# ---- saving; the saved file is the field that the journal replays to
 key ctrl+s
 until_ "$vdb" test -s "$vdb"
 "$bin/isosculpt" --replay "$journal" --headless --quiet --output "$work/replayed.vdb" --json="$work/replay.json" ||
@@ -87,7 +88,7 @@ cmp "$vdb.look/model.png" "$work/replayed.vdb.look/model.png" || fail "what was 
 
 cp "$journal" "$work/kept.strokes"
 
-# ---- closing asks while there is something to save
+# ---- closing asks when there are unsaved changes
 stroke 640 400 20 20
 key ctrl+q
 key Escape
@@ -119,7 +120,7 @@ picture recovered
 stroke 560 380 20 20
 [ "$(tools)" = "add add " ] || fail "after recovery: $(tools)"
 
-# ---- a window on a file, and again on the strokes that began with it
+# ---- a window on a file, and then on the stroke file of that session
 kill -9 "$program"
 wait "$program" 2>/dev/null
 anew
@@ -136,7 +137,7 @@ picture continued
 cmp -s "$work/opened.png" "$work/continued.png" && fail "the stroke on an opened file is lost"
 has_events end 1 || fail "strokes on an opened file: $(events end)"
 
-# ---- opening beside what is there: a file by its name in the panel; one that is not there changes nothing
+# ---- opening another file by its name in the panel; a name that does not exist changes nothing
 before=$journal
 open_by_name() {
     press 90 390
@@ -160,7 +161,7 @@ cmp "$work/moved.png" "$work/opened.png" || fail "what was opened by its name is
 [ ! -e "$before.open" ] || fail "the journal before still counts as open"
 stop
 
-# ---- a mesh as a stamp: it is in the journal, which plays without it
+# ---- a mesh as a stamp: the journal contains it, and replays without its file
 anew
 "$bin/isosculpt" --replay "$work/kept.strokes" --headless --quiet --output "$work/shape.stl" || fail "no mesh for a stamp"
 start --stamp "$work/shape.stl"
@@ -181,7 +182,7 @@ cp "$journal" "$work/stamped.strokes"
 cmp <(tail -c +60 "$vdb") <(tail -c +60 "$work/stamped.vdb") || fail "the stamp plays to another field"
 stop
 
-# ---- a volume is looked at, at an isovalue that the histogram chooses, until a brush touches it
+# ---- a volume is shown as a volume, at an isovalue chosen from its histogram, until a brush is used
 anew
 cp "$volumes/stent.nrrd" "$work/stent.nrrd" # (pictures lie beside it)
 window_program "$work/stent.nrrd" --isovalue 600
@@ -205,7 +206,7 @@ until_ "its title" title_is "$(basename "$journal")"
 stop
 "$bin/isosculpt" --replay "$journal" --headless --quiet --output "$work/stent.vdb" || fail "strokes on a volume do not play"
 
-# ---- Escape takes back what is being opened
+# ---- Escape cancels the opening of a file
 anew
 "$bin/isosculpt" --replay "$work/kept.strokes" --headless --quiet --output "$work/shape.stl" || fail "no mesh to open"
 "$bin/isosculpt" "$work/shape.stl" --voxel-size 0.1 >"$work/said" 2>&1 &
@@ -217,7 +218,7 @@ grep -q '"source":"ball"' "$journal" || fail "Escape: $(head -c 100 "$journal")"
 picture cancelled
 stop
 
-# ---- text twice as large: so is the window, but it fits its screen
+# ---- text twice as large: the window is also larger, but fits on its screen
 if command -v xrdb >/dev/null; then
     anew
     echo "Xft.dpi: 192" | xrdb -merge -
@@ -232,7 +233,7 @@ if command -v xrdb >/dev/null; then
     xrdb -remove
 fi
 
-# ---- another content scale while it runs: buttons are where they are then, and as large
+# ---- the content scale changes while the program runs: buttons change their positions and sizes
 if [ -e "$tools/libwindow_scale.so" ]; then
     anew
     export ISO_TEST_SCALE=$work/scale

@@ -1,6 +1,7 @@
 #!/bin/bash
-# Saving in a real window under Xvfb: where to, by which extension, over what, and the browser that asks for it.
-# saving.sh BIN TOOLS, the folders of the programs and of the tests' own. 77: nothing to drive it with.
+# Saving in a real window under Xvfb: to which file, in which format, questions before overwriting, and the file browser.
+# saving.sh BIN TOOLS: the folders of the programs and of the tests' own programs. Exit status 77: skipped, as something
+# needed is missing.
 set -u
 bin=$(cd "$1" && pwd)
 . "$(dirname "$0")/support.sh"
@@ -14,7 +15,7 @@ opens_browser() { # by KEY, or by pressing the button at X Y
     if [ $# -eq 1 ]; then key "$1"; else press "$@"; fi
     is_modal
 }
-# enter TEXT: in the browser's box
+# enter TEXT: types it into the browser's text box
 enter() {
     xdotool key --delay 50 ctrl+a
     xdotool type --delay 30 "$1"
@@ -44,7 +45,7 @@ start
 picture new
 stroke 640 400 20 20
 
-# ---- save: beside nothing in the working directory; again over the same file, without a question
+# ---- save: a new ball is saved in the working directory; a second time to the same file, without a question
 key ctrl+s
 until_ "sculpture.vdb" is_vdb sculpture.vdb
 stroke 600 420 20 20
@@ -52,7 +53,7 @@ key ctrl+s
 until_ "the file before" test -s sculpture.vdb.bak
 ls "$state" | grep -q vdb && fail "saved among the journals"
 
-# ---- save as: by the extension, and that is where saving goes from then on
+# ---- save as: the format follows the extension; later saves go to this file
 save_as my.stl
 until_ "my.stl" is_stl my.stl
 [ ! -e "$state/my.vdb" ] && [ ! -e my.vdb ] || fail "my.stl was saved as .vdb"
@@ -64,7 +65,7 @@ until_ "my.stl again" again
 save_as whole # no extension: that of the type
 until_ "whole.stl" is_stl whole.stl
 
-# ---- export: a copy; saving goes where it went
+# ---- export: writes a copy; later saves go to the same file as before
 for name in copy.obj copy.ply copy.vdb sub/dir.stl; do
     [ "$name" = sub/dir.stl ] && mkdir sub
     export_as "$name"
@@ -79,13 +80,13 @@ rm copy.png whole.stl.bak 2>/dev/null
 key ctrl+s
 until_ "whole.stl again" test -s whole.stl.bak
 
-# ---- a name that is none of these: nothing is written
+# ---- a name with another extension: nothing is written
 save_as my.step
 until_ "a name that says nothing" says "my.step: the name must end in"
 [ ! -e my.step ] || fail "my.step was written"
 key Escape
 
-# ---- a file that is there already is asked about, and kept
+# ---- before an existing file is overwritten there is a question; with "no" the file is kept
 echo "not mine" >kept.stl
 save_as kept.stl
 until_ "a question" is_modal
@@ -104,7 +105,7 @@ xdotool sleep 2
 enter inside.vdb
 until_ "folder.vdb/inside.vdb" is_vdb folder.vdb/inside.vdb
 
-# ---- closing saves where the panel says
+# ---- saving while closing writes to the file that the panel shows
 stroke 600 440 20 20
 rm folder.vdb/inside.vdb
 key ctrl+q
@@ -115,7 +116,7 @@ program=
 until_ "closing" has_ended "$closing"
 is_vdb folder.vdb/inside.vdb || fail "closing did not save"
 
-# ---- what a session began with is never written over; the name beside it is free
+# ---- the file that a session began with is never overwritten; another name in its folder is used
 anew
 cp box.obj before.obj
 echo "somebody's" >box.vdb
@@ -136,7 +137,7 @@ until_ "a refusal" says "link.obj: this session began with that file"
 cmp -s box.obj before.obj || fail "the opened mesh was written over through a link"
 key Escape
 
-# ---- pictures: beside what is saved, or under a name
+# ---- pictures: in the folder of the saved file, or under a chosen name
 key F12
 until_ "a picture beside it" test -s "$work/box-2-1.png"
 rm box-2-1.png
@@ -144,7 +145,7 @@ until_ "the browser" opens_browser 225 344
 enter portrait.png
 until_ "portrait.png" test -s portrait.png
 
-# ---- the browser: folders, types, hidden files, keys; what Down finds first is opened
+# ---- the browser: folders, types, hidden files, keys; Down selects the first file, which is opened
 mkdir -p shelf/inner
 make_box shelf/inner/b.obj 5 5 5 10
 make_box shelf/inner/.a.obj 5 5 5 10

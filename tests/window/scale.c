@@ -1,6 +1,6 @@
-/* Stands before GLFW's library (LD_PRELOAD) and lets a test change the content scale of the screen, which
- * under X11 never changes: it is what the file $ISO_TEST_SCALE says, and the program is told when that is
- * something new. */
+/* scale: overrides functions of GLFW (by LD_PRELOAD), so that a test can change the content scale of the
+ * screen, which never changes under X11. The scale is the number in the file $ISO_TEST_SCALE; the program's
+ * callback is called when it changes. */
 #define _GNU_SOURCE /* RTLD_NEXT */
 #include <dlfcn.h>
 #include <stdio.h>
@@ -24,7 +24,8 @@ static void look(void) {
     if (listener) listener(window, scale, scale);
 }
 
-/* (A pointer to a function cannot be cast from one to an object.) */
+/* Sets a function pointer by dlsym. By memcpy, because C has no conversion from object to function pointers.
+ */
 #define FIND(name)                                                                                           \
     do {                                                                                                     \
         void *found = dlsym(RTLD_NEXT, __func__);                                                            \

@@ -1,5 +1,5 @@
-/* Stands before the C library (LD_PRELOAD) and makes files slow: a thread that opens PATH waits as long as
- * there is a file PATH.wait. The main thread, which is the window's, never waits. */
+/* slow: overrides open() (by LD_PRELOAD) to simulate slow files: a thread that opens PATH waits as long as a
+ * file PATH.wait exists. The main thread, which is the window's, never waits. */
 #define _GNU_SOURCE /* RTLD_NEXT, gettid */
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -10,12 +10,12 @@
 
 int open(const char *path, int flags, ...) {
     typedef int open_fn(const char *, int, ...);
-    static open_fn *real; /* (a pointer to a function cannot be cast from one to an object) */
+    static open_fn *real; /* set by memcpy: C has no conversion from object to function pointers */
     void *found = dlsym(RTLD_NEXT, "open");
     memcpy(&real, &found, sizeof real);
     va_list more;
     va_start(more, flags);
-    const int mode = va_arg(more, int); /* meaningless unless a file may be made */
+    const int mode = va_arg(more, int); /* undefined unless the flags can create a file */
     va_end(more);
     char marker[4096];
     snprintf(marker, sizeof marker, "%s.wait", path);

@@ -1,7 +1,7 @@
-# What the tests of windows share: a display of their own, and a program in it. For bash, which has set $bin (the
-# folder of the programs), and $tools (that of the tests' own).
+# Shared by the tests of windows: starts a display and a program in it. To be sourced by bash scripts that have set $bin (the
+# folder of the programs) and $tools (the folder of the tests' own programs).
 #
-# Waits for what should happen, for as long as LIMIT seconds; never for a time.
+# All functions wait for a condition, for at most LIMIT seconds, and never for a fixed time.
 LIMIT=100
 
 for tool in Xvfb xdotool; do
@@ -45,7 +45,7 @@ until_() {
     done
 }
 
-# A display, which does not begin anew when its last client leaves.
+# Starts a display that is not reset when its last client disconnects.
 open_display() {
     mkfifo "$work/number"
     Xvfb -displayfd 3 -screen 0 1280x800x24 -nolisten tcp -noreset 3>"$work/number" >/dev/null 2>&1 &
@@ -68,7 +68,7 @@ has_events() { [ "$(events "$1")" -eq "$2" ]; }
 window_number() { xdotool search --onlyvisible --name '^isosculpt' | head -1; }
 title_is() { xdotool search --onlyvisible --name "$1" >/dev/null 2>&1; }
 key() { xdotool key "$@"; }
-# drag BUTTON X Y DX DY: in ten steps
+# drag BUTTON X Y DX DY: drags the mouse in ten steps
 drag() {
     local moves=() step
     for step in 1 2 3 4 5 6 7 8 9 10; do
@@ -76,7 +76,7 @@ drag() {
     done
     xdotool mousemove "$2" "$3" mousedown "$1" "${moves[@]}" mouseup "$1"
 }
-# stroke X Y DX DY: and wait for its end
+# stroke X Y DX DY: drags with the left button, and waits for the stroke's end in the journal
 stroke() {
     local ends
     ends=$(events end)
@@ -85,42 +85,42 @@ stroke() {
 }
 has_ended() { ! kill -0 "$1" 2>/dev/null; }
 tools() { grep -o '"tool":"[a-z-]*"' "$journal" | cut -d'"' -f4 | tr '\n' ' '; }
-# stop: as a power cut would
+# stop: kills the program, to simulate a power cut
 stop() {
     kill -9 "$program"
     wait "$program" 2>/dev/null
     program=
 }
-# press X Y: a button of the panel. Dear ImGui sees the pointer where it is when a picture is drawn: for a slow machine
-# it is pressed again until what should happen does.
+# press X Y: presses a button of the panel. Dear ImGui reads the pointer's position when a picture is drawn: on a slow machine
+# the button is pressed again until the expected condition is true.
 press() { xdotool mousemove "$1" "$2" sleep 0.2 mousedown 1 sleep 0.2 mouseup 1 sleep 0.2; }
-# shot: the picture that F12 made beside the file that is saved, or beside the volume
+# shot: sets $shot to the path of the picture that F12 wrote to the folder of the saved file or of the volume
 shot() { shot=$(find "$work" -maxdepth 2 -name '*-[0-9]*.png' -size +0 | head -1) && [ -n "$shot" ]; }
-# picture NAME [KEY]: F12 and the file that it makes, which is taken away, so that there is one at a time
+# picture NAME [KEY]: presses F12 (or KEY) and moves the new picture to NAME
 picture() {
     key "${2:-F12}"
     until_ "picture $1" shot
     mv "$shot" "$work/$1.png"
 }
-# whole_window NAME: the same with the panel
+# whole_window NAME: takes a picture of the whole window, with the panel
 whole_window() { picture "$1" shift+F12; }
 differ() { ! cmp -s "$work/$1.png" "$work/$2.png"; }
-# saved to: the file beside nothing that a new ball has
+# the file to which a new ball is saved
 vdb=$work/sculpture.vdb
-# anew: as if nobody had been here
+# anew: removes all files of earlier tests
 anew() { rm -rf "$state" "$work"/sculpture*; }
-# window_program ARGUMENTS: without waiting for a journal, which volumes have none of
+# window_program ARGUMENTS: starts the program without waiting for a journal, which volumes do not have
 window_program() {
     "$bin/isosculpt" "$@" >"$work/said" 2>&1 &
     program=$!
     until_ "a window" window_is_there
 }
-# look ...: what is to be seen in a picture (look.py)
+# look ...: answers a question about a picture (look.py)
 look() { python3 "$here/look.py" "$@"; }
-# Whether something is asked, or a file is to be chosen: the rest of the window is dark then.
+# Whether a dialog is open: the rest of the window is dark then.
 is_modal() { whole_window modal && look modal "$work/modal.png"; }
 is_not_modal() { ! is_modal; }
-# says WORDS: the program did, on its standard error
+# says WORDS: whether the program printed these words to standard error
 says() { grep -qF "$1" "$work/said"; }
 # A mesh of a cube.
 make_box() { # NAME X Y Z SIDE: a mesh

@@ -47,7 +47,7 @@ static iso_status update_part(const isosculpt_viewport *viewport, iso_part part,
         return iso_mesh_set_update(viewport->mesh, error);
     }
     if (part == ISO_PART_CELLS) {
-        iso_exact_isovalue(viewport->exact, isovalue);
+        iso_exact_set_isovalue(viewport->exact, isovalue);
         return iso_exact_update(viewport->exact, error);
     }
     iso_point_set_isovalue(viewport->points, isovalue);

@@ -1,5 +1,5 @@
-/* Compares the size of a compressed frame with the DICOM header (JPEG, JPEG-LS and JPEG 2000: ISO/IEC
- * 10918-1, 14495-1, 15444-1).
+/* codestream: compares the size of a compressed frame with the DICOM header (JPEG, JPEG-LS and JPEG 2000:
+ * ISO/IEC 10918-1, 14495-1, 15444-1).
  *
  * GDCM allocates memory by the header and fills it by the codestream; where the two differ it asserts or
  * writes beyond the end. */
@@ -18,7 +18,8 @@ static bool fits(const iso_dicom_file *file, uint32_t columns, uint32_t rows, ui
            (bits + 7) / 8 == (uint32_t)file->bits_allocated / 8;
 }
 
-/* SIZ comes first: one tile or more from the origin, one component that is not subsampled. */
+/* Checks the SIZ segment, which comes first: tiles begin at the origin, and one component that is not
+ * subsampled. */
 static bool jpeg2000_fits(const iso_dicom_file *file, const uint8_t *b, size_t length) {
     if (length < 45 || big16(b + 2) != 0xff51 || big16(b + 4) != 41 || big16(b + 40) != 1) return false;
     bool at_origin = !big32(b + 16) && !big32(b + 20) && !big32(b + 32) && !big32(b + 36);
@@ -27,13 +28,13 @@ static bool jpeg2000_fits(const iso_dicom_file *file, const uint8_t *b, size_t l
     return at_origin && tiled && sampled && fits(file, big32(b + 8), big32(b + 12), (b[42] & 0x7fU) + 1);
 }
 
-/* Frame headers of JPEG are 0xC0 .. 0xCF without three that are other tables; that of JPEG-LS is 0xF7. */
+/* The markers of frame headers: for JPEG 0xC0 .. 0xCF except three for other segments, for JPEG-LS 0xF7. */
 static bool is_frame_header(uint8_t marker) {
     if (marker == 0xf7) return true;
     return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
 }
 
-/* Walks the segments up to the first scan; one frame header must be among them. */
+/* Checks the segments up to the first scan: exactly one of them must be a frame header, of the right size. */
 static bool jpeg_fits(const iso_dicom_file *file, const uint8_t *b, size_t length) {
     bool found = false;
     for (size_t at = 2; at + 10 <= length && b[at] == 0xff;) {

@@ -1,4 +1,4 @@
-/* Decodes the compressed pixels of a DICOM frame with GDCM's codecs (JPEG, JPEG-LS, JPEG 2000, RLE).
+/* decode: decodes the compressed pixels of a DICOM frame with GDCM's codecs (JPEG, JPEG-LS, JPEG 2000, RLE).
  *
  * GDCM is given an image in memory instead of the file, because its parser asserts on files that header.c
  * rejects. */
@@ -17,7 +17,8 @@
 
 namespace {
 
-/* GDCM prints its warnings otherwise. Setting a flag to what it is already is harmless in any thread. */
+/* Turns off GDCM's printed warnings. Several threads may do this: they set the same flags to the same values.
+ */
 void be_quiet() {
     gdcm::Trace::DebugOff();
     gdcm::Trace::WarningOff();
@@ -46,7 +47,8 @@ iso_status decode(const iso_dicom_file &file, const iso_dicom_items &items, void
     if (!iso_dicom_codestream_fits(&file, items.bytes + items.offset[0], items.length[0]))
         return iso_fail(error, ISO_ERR_IO, "%s: corrupt: its compressed pixels are not what its header says",
                         file.path);
-    std::memset(pixels, 0, iso_dicom_frame_bytes(&file)); /* only now: a lying header may ask for gigabytes */
+    std::memset(pixels, 0,
+                iso_dicom_frame_bytes(&file)); /* after the checks: a wrong size can be gigabytes */
     gdcm::Image image;
     image.SetTransferSyntax(syntax);
     image.SetNumberOfDimensions(2);

@@ -28,7 +28,7 @@ typedef struct iso_dicom_frame {
     double slope, intercept;
     long number;   /* instance number, or the frame's */
     long phase[3]; /* temporal position, acquisition, echo: several planes at one place differ in these; -1 */
-    double at;     /* position along the normal, filled by iso_dicom_stack */
+    double at;     /* position along the normal; set by iso_dicom_stack */
 } iso_dicom_frame;
 
 typedef struct iso_dicom_file {

@@ -1,6 +1,6 @@
-/* The reader of DICOM: a folder of files, or one file of a series, as a volume.
+/* format_dicom: reads a folder of DICOM files, or the series of one file, as a volume.
  *
- * All headers in the folder are read; pixels are read of the chosen series only, one file at a time. */
+ * The headers of all files in the folder are read; pixels only of the chosen series, one file at a time. */
 #define _GNU_SOURCE
 #include "grids/volume/format.h"
 
@@ -38,7 +38,8 @@ static bool has_dicom_name(const char *path) {
            (strcasecmp(dot, ".dcm") == 0 || strcasecmp(dot, ".dicom") == 0 || strcasecmp(dot, ".ima") == 0);
 }
 
-/* A file that is called .dcm and is not one may be a slice cut off at its first bytes. */
+/* Adds a file of the folder if it is a DICOM image. A file called .dcm that is not DICOM is an error: it may
+ * be a slice that was cut off at its first bytes. */
 static iso_status add_file(folder *f, const char *path, iso_error *error) {
     if (f->count == f->room) {
         size_t room = f->room ? 2 * f->room : 64;
@@ -106,7 +107,7 @@ static bool is_grey(const iso_dicom_file *file) {
     return file->samples == 1 && (!*file->photometric || strncmp(file->photometric, "MONOCHROME", 10) == 0);
 }
 
-/* By series number, as a scanner's console lists them. */
+/* Sorts by series number, like a scanner's console. */
 static int compare_series(const void *left, const void *right) {
     const iso_dicom_file *a = ((const series *)left)->first, *b = ((const series *)right)->first;
     if (a->series_number != b->series_number) return a->series_number < b->series_number ? -1 : 1;
@@ -176,7 +177,7 @@ static iso_status choose_series(const folder *f, const iso_volume_opts *opts, co
 /* ---- one volume of a series ---- */
 
 typedef struct planes {
-    iso_dicom_frame *frames; /* slices from below */
+    iso_dicom_frame *frames; /* sorted by their position along the normal */
     size_t count;
     iso_scalar scalar;
     bool physical; /* each slice has a rescale of its own: values are rescaled to floats */
@@ -188,15 +189,16 @@ static bool near(const double *a, const double *b, int count, double tolerance) 
     return true;
 }
 
-/* A scout of another size or direction often has the UID of the series that it was taken for. */
-static bool fit(const folder *f, const iso_dicom_frame *a, const iso_dicom_frame *b) {
+/* Whether two frames can be slices of one volume. Not all frames of a series can: a scout of another size or
+ * direction often has the UID of its series. */
+static bool fits_together(const folder *f, const iso_dicom_frame *a, const iso_dicom_frame *b) {
     const iso_dicom_file *m = &f->files[a->file], *n = &f->files[b->file];
     return m->rows == n->rows && m->columns == n->columns && m->samples == n->samples &&
            m->bits_allocated == n->bits_allocated && m->is_signed == n->is_signed &&
            near(a->orientation, b->orientation, 6, 1e-3) && near(a->pixel, b->pixel, 2, 1e-4 * a->pixel[0]);
 }
 
-/* Keeps the largest set of frames that fit one another. */
+/* Keeps the largest set of frames that can be slices of one volume. */
 static iso_status keep_largest_fit(const folder *f, planes *p, iso_volume_info *info, iso_error *error) {
     size_t *representative = malloc(p->count * sizeof *representative);
     size_t *sizes = calloc(p->count, sizeof *sizes), best = 0, kept = 0, groups = 0;
@@ -207,13 +209,13 @@ static iso_status keep_largest_fit(const folder *f, planes *p, iso_volume_info *
     }
     for (size_t i = 0; i < p->count; i++) {
         size_t g = 0;
-        while (g < groups && !fit(f, &p->frames[representative[g]], &p->frames[i])) g++;
+        while (g < groups && !fits_together(f, &p->frames[representative[g]], &p->frames[i])) g++;
         if (g == groups) representative[groups++] = i;
         if (++sizes[g] > sizes[best]) best = g;
     }
     const iso_dicom_frame model = p->frames[representative[best]];
     for (size_t i = 0; i < p->count; i++)
-        if (fit(f, &model, &p->frames[i])) p->frames[kept++] = p->frames[i];
+        if (fits_together(f, &model, &p->frames[i])) p->frames[kept++] = p->frames[i];
     if (kept < p->count)
         iso_volume_note(info, "%zu images of another size, direction or type are left out", p->count - kept);
     p->count = kept;
@@ -222,8 +224,9 @@ static iso_status keep_largest_fit(const folder *f, planes *p, iso_volume_info *
     return ISO_OK;
 }
 
-/* `only` is the one file to use, or NULL. */
-static iso_status collect(const folder *f, const char *uid, const char *only, planes *p, iso_error *error) {
+/* Collects the frames of a series; only: the path of the one file to use, or NULL. */
+static iso_status collect_frames(const folder *f, const char *uid, const char *only, planes *p,
+                                 iso_error *error) {
     size_t count = 0;
     for (size_t i = 0; i < f->count; i++) count += (size_t)f->files[i].frame_count;
     p->frames = malloc(count * sizeof *p->frames);
@@ -306,7 +309,7 @@ static void note_choice(const folder *f, const series_list *all, const series *c
                         f->imageless == 1 ? "" : "s", f->imageless == 1 ? "holds" : "hold");
 }
 
-/* ---- from a path to ordered slices ---- */
+/* ---- from a path to sorted slices ---- */
 
 typedef struct source {
     folder folder;
@@ -331,7 +334,7 @@ static char *folder_of(const char *path) {
     return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
 }
 
-/* The name that the folder's listing gives the file. */
+/* The path by which the listing of the folder names a file. */
 static char *listed_name(const char *folder_path, const char *path) {
     const char *slash = strrchr(path, '/');
     char *name = NULL;
@@ -374,7 +377,7 @@ static iso_status order(const char *path, const iso_volume_opts *opts, source *s
     if (status == ISO_OK) {
         list_items(&all, info);
         note_choice(&s->folder, &all, chosen, !opts->series && !s->own_series, info);
-        status = collect(&s->folder, chosen->first->series, s->only, &s->planes, error);
+        status = collect_frames(&s->folder, chosen->first->series, s->only, &s->planes, error);
     }
     free(all.list);
     ISO_TRY(status);
@@ -429,8 +432,8 @@ static uint32_t little32(const uint8_t *b) {
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-/* Finds the items, and counts them when there is nowhere to put them. The header's reader has walked them:
- * false only when the file has changed since. */
+/* Finds the items, or only counts them when f->offset is NULL. header.c has checked them already: false only
+ * if the file has changed since. */
 static bool find_items(pixel_file *f) {
     size_t at = 0, end = (size_t)f->file->pixel_bytes;
     for (f->items = 0; end - at >= 8; f->items++) {
@@ -468,8 +471,8 @@ static iso_status open_pixels(const iso_dicom_file *file, pixel_file *f, iso_err
     return file->encapsulated ? load_items(f, error) : ISO_OK;
 }
 
-/* Which items a frame has: all when there is one frame, one each when there are as many, else what the offset
- * table says (PS3.5, A.4). Item 0 is that table. */
+/* Finds the items of a frame: all when there is one frame, one for each when there are as many as frames,
+ * else by the offset table, which is item 0 (PS3.5, A.4). */
 static bool items_of(const pixel_file *f, int frame, size_t *first, size_t *count) {
     size_t fragments = f->items - 1, frames = (size_t)f->file->frame_count;
     *first = 1;
@@ -497,9 +500,9 @@ static iso_status read_encapsulated(const pixel_file *f, int frame, void *pixels
     if (!items_of(f, frame, &first, &count))
         return iso_fail(error, ISO_ERR_IO, "%s: corrupt: the pixels of frame %d cannot be found",
                         f->file->path, frame + 1);
-    /* GDCM wants frames without a table. */
+    /* GDCM gets the items of the frame, without the offset table */
     const iso_dicom_items items = {f->bytes, f->offset + first, f->length + first, count};
-    const iso_module *gdcm = NULL; /* found in microseconds once it is loaded */
+    const iso_module *gdcm = NULL; /* once it is loaded, this takes microseconds */
     ISO_TRY(iso_module_load(f->file->path, "dicom", "GDCM", &gdcm, error));
     return gdcm->dicom_decode(f->file, &items, pixels, error);
 }
@@ -533,8 +536,8 @@ static uint32_t pixel_at(const void *pixels, size_t i, int bytes, bool swap) {
     }
 }
 
-/* Bits outside the stored ones may hold overlays, or nothing in particular (PS3.5, 8.1.1). A decoder has put
- * the value in the low bits; only its sign may be missing there. */
+/* The value of a pixel. Bits outside the stored ones may hold overlays or anything (PS3.5, 8.1.1). Decoders
+ * return the value in the low bits, without sign extension. */
 static double stored_value(const iso_dicom_file *file, uint32_t bits) {
     uint32_t mask = file->bits_stored == 32 ? UINT32_MAX : (UINT32_C(1) << file->bits_stored) - 1;
     if (!file->encapsulated) bits >>= file->high_bit + 1 - file->bits_stored;
@@ -562,7 +565,8 @@ static void store(iso_type type, void *target, size_t i, double value) {
 static void convert_plane(const planes *p, const iso_dicom_file *file, const iso_dicom_frame *frame,
                           const void *pixels, iso_type type, void *target) {
     size_t count = (size_t)file->rows * (size_t)file->columns;
-    bool swap = !file->encapsulated && file->big_endian != host_is_big(); /* decoders give the host's order */
+    bool swap =
+        !file->encapsulated && file->big_endian != host_is_big(); /* decoders return the host's order */
     if (file->bits_stored == file->bits_allocated && !p->physical) {
         const iso_scalar_source raw = {pixels, p->scalar, 1, 0, swap};
         iso_scalar_convert(&raw, count, type, target);
@@ -608,7 +612,7 @@ static iso_status read_planes(const char *path, const iso_volume_opts *opts, con
     return status;
 }
 
-/* The headers are read once more: `info` keeps nothing. Notes are those of the first time. */
+/* Reads the headers again, as `info` does not keep them; notes are those of the first time. */
 static iso_status dicom_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                              iso_grid *grid, iso_error *error) {
     source s;

@@ -1,4 +1,4 @@
-/* Parses the data set of a DICOM file up to its pixels (PS3.5, sections 7 and 10 and annex A).
+/* header: parses the data set of a DICOM file up to its pixels (PS3.5, sections 7 and 10 and annex A).
  *
  * Every length is checked against the rest of the file before it is used. Only a few dozen elements are read;
  * all others are skipped. */
@@ -15,7 +15,8 @@
 
 #include "base/memory.h"
 
-/* Frames: as many slices as no volume has; each takes some 300 bytes before its pixels are looked at. */
+/* MAX_FRAMES: more slices than volumes have; each needs about 300 bytes of memory before its pixels are read.
+ */
 enum { UNDEFINED = -1, MAX_DEPTH = 32, MAX_VALUE = 1 << 20, MAX_FRAMES = 1 << 16 };
 
 #define TAG(group, element) ((uint32_t)(group) << 16 | (element))
@@ -27,21 +28,22 @@ enum { UNDEFINED = -1, MAX_DEPTH = 32, MAX_VALUE = 1 << 20, MAX_FRAMES = 1 << 16
 #define PER_FRAME_GROUPS TAG(0x5200, 0x9230)
 #define DETECTORS TAG(0x0054, 0x0022)
 
-/* Whose elements are being read: the file's, every frame's, one frame's, or none that matter. */
+/* What the elements that are being parsed describe: the file, all frames, one frame, or nothing that is used.
+ */
 typedef enum scope { FILE_SCOPE, SHARED_SCOPE, FRAME_SCOPE, OTHER_SCOPE } scope;
 
 typedef struct parser {
     FILE *stream;
-    int64_t at, size; /* where reading is, bytes in the file */
+    int64_t at, size; /* position in the file; size of the file */
     bool explicit_vr, big_endian;
     locale_t c_locale; /* decimal points whatever the program's locale */
     iso_dicom_file *file;
-    char storage[65];       /* what kind of object it is */
-    iso_dicom_frame common; /* what the file says of all frames */
-    double *offsets;        /* of frames along the normal (dose grids) */
+    char storage[65];       /* SOP class UID: the kind of object */
+    iso_dicom_frame common; /* values for all frames */
+    double *offsets;        /* positions of frames along the normal (dose grids) */
     size_t offset_count;
     bool cut, corrupt, no_memory;
-    char problem[80]; /* what an element says that must not be passed over */
+    char problem[80]; /* message about an element with a wrong value that must not be ignored; "": none */
 } parser;
 
 typedef struct element {
@@ -50,7 +52,7 @@ typedef struct element {
     int64_t length; /* or UNDEFINED */
 } element;
 
-/* Where in the data set an element is. */
+/* The position of an element in the structure of the data set. */
 typedef struct place {
     scope scope;
     int frame, depth;
@@ -92,7 +94,7 @@ static uint32_t number32(const parser *p, const uint8_t b[4]) {
     return p->big_endian ? first << 16 | second : second << 16 | first;
 }
 
-/* Value representations whose length takes four bytes, after two that are reserved (PS3.5, 7.1.2). */
+/* Whether a value representation has a length of four bytes, after two reserved ones (PS3.5, 7.1.2). */
 static bool has_long_length(const char *vr) {
     static const char names[] = "OB OD OF OL OV OW SQ SV UC UN UR UT UV";
     return strstr(names, vr) != NULL;
@@ -122,7 +124,8 @@ static bool read_element_head(parser *p, element *e) {
 
 /* ---- values ---- */
 
-/* A value as text, without the blanks around it. NULL without memory or when it is cut off; free(). */
+/* Reads a value as text, without the blanks around it; release it with free(). NULL without memory or at the
+ * end of the file. */
 static char *take_text(parser *p, int64_t length) {
     if (length > p->size - p->at) {
         cut_off(p);
@@ -146,7 +149,7 @@ static void copy_text(char *target, size_t room, const char *text) {
     target[length] = 0;
 }
 
-/* Up to `count` decimal strings with backslashes between them; how many there were. */
+/* Parses up to `count` decimal strings, separated by backslashes; returns how many there are. */
 static size_t parse_decimals(const parser *p, const char *text, double *values, size_t count) {
     size_t found = 0;
     while (found < count) {
@@ -188,7 +191,7 @@ static bool parse_orientation(const parser *p, const char *text, iso_dicom_frame
     return true;
 }
 
-/* Keeps the first problem. Nothing between blanks is an element without a value, as if it were not there. */
+/* Records a wrong value, unless there was an earlier one. A blank value counts as missing, not as wrong. */
 static void note_problem(parser *p, const char *name, const char *text) {
     char value[33];
     copy_text(value, sizeof value, text);
@@ -196,8 +199,8 @@ static void note_problem(parser *p, const char *name, const char *text) {
         snprintf(p->problem, sizeof p->problem, "its %s of '%s' is not possible", name, value);
 }
 
-/* What scales values, or is added to them: it cannot be guessed when it is no number, or one that no float
- * holds. */
+/* Uses a rescale slope or intercept. A value that is not a number, or does not fit into a float, is an error,
+ * as it cannot be guessed. */
 static void use_rescale(parser *p, const char *name, const char *text, double *target) {
     double value = 0;
     if (parse_vector(p, text, &value, 1) && fabs(value) <= 1e30)
@@ -221,7 +224,7 @@ static void use_frame_count(parser *p, const char *text) {
         p->file->frame_count = (int)frames;
 }
 
-/* Elements that a frame can have of its own. */
+/* Uses an element that can differ from frame to frame. */
 static void use_frame_text(parser *p, uint32_t tag, const char *text, iso_dicom_frame *frame) {
     switch (tag) {
     case TAG(0x0020, 0x0032):
@@ -362,11 +365,12 @@ static bool is_frame_text(uint32_t tag) {
            tag == TAG(0x0028, 0x1053) || tag == TAG(0x3004, 0x000e);
 }
 
-/* The frames, once their number is known: it stands before everything that is said of one of them. */
+/* The frame with this index. Allocates the frames when it is first called: their number comes before all
+ * elements about single frames. */
 static iso_dicom_frame *frame_of(parser *p, int index) {
     iso_dicom_file *file = p->file;
     if (!file->frames && file->frame_count > p->size) {
-        is_corrupt(p); /* a frame takes a byte, whatever compresses it */
+        is_corrupt(p); /* more frames than bytes */
     } else if (!file->frames) {
         file->frames = iso_alloc_zero((size_t)file->frame_count, sizeof *file->frames);
         if (!file->frames) p->no_memory = true;
@@ -374,7 +378,8 @@ static iso_dicom_frame *frame_of(parser *p, int index) {
     return file->frames && index < file->frame_count ? &file->frames[index] : NULL;
 }
 
-/* Temporal position index of a frame: the one binary number in the functional groups that is needed. */
+/* Uses the temporal position index of a frame, the only binary number of the functional groups that is
+ * needed. */
 static bool use_frame_number(parser *p, const element *e, int frame) {
     uint8_t b[4];
     if (!take_bytes(p, b, 4)) return false;
@@ -398,7 +403,7 @@ static bool use_text(parser *p, const element *e, place here) {
     return !p->no_memory;
 }
 
-/* Uses an element that has a value and no parts, and steps behind it. */
+/* Uses an element with a value (not a sequence), and moves behind it. */
 static bool use_value(parser *p, const element *e, place here) {
     int64_t end = p->at + e->length;
     if (e->length > p->size - p->at) return cut_off(p);
@@ -419,7 +424,7 @@ static bool use_value(parser *p, const element *e, place here) {
 
 /* ---- structure ---- */
 
-/* Implicit files do not say which elements are sequences: those that are looked into. */
+/* Whether an element is a sequence that is parsed. Files with implicit value representations do not tell. */
 static bool is_known_sequence(uint32_t tag) {
     static const uint32_t tags[] = {SHARED_GROUPS,       PER_FRAME_GROUPS,    DETECTORS,
                                     TAG(0x0020, 0x9111), TAG(0x0020, 0x9113), TAG(0x0020, 0x9116),
@@ -460,7 +465,8 @@ static bool parse_sequence(parser *p, const element *e, place here) {
     return true;
 }
 
-/* Steps through the items of encapsulated pixels (PS3.5, A.4): a missing delimiter is a missing end. */
+/* Moves behind the items of encapsulated pixels (PS3.5, A.4). Without a delimiter at the end, the file is
+ * truncated. */
 static bool parse_fragments(parser *p) {
     for (;;) {
         element head;
@@ -476,7 +482,7 @@ static bool parse_pixels(parser *p, const element *e) {
     file->has_pixels = true;
     file->pixel_offset = (uint64_t)p->at;
     file->encapsulated = e->length == UNDEFINED;
-    /* Bytes in 16-bit words of the other order would have to be swapped: nobody writes that any more. */
+    /* 8-bit pixels in big-endian 16-bit words would have to be swapped; such files are no longer written */
     if (p->big_endian && file->bits_allocated == 8 && strcmp(e->vr, "OW") == 0) return is_corrupt(p);
     if (!(file->encapsulated ? parse_fragments(p) : skip_to(p, p->at + e->length))) return false;
     file->pixel_bytes = (uint64_t)p->at - file->pixel_offset;
@@ -490,7 +496,7 @@ static bool parse_set(parser *p, place here) {
         if (e.tag == ITEM_END && here.depth > 0) return here.end == UNDEFINED || skip_to(p, here.end);
         if (e.tag == PIXEL_DATA && here.depth == 0) return parse_pixels(p, &e);
         if (e.tag == TAG(0x0028, 0x3000) && here.depth == 0) p->file->has_lookup_table = true;
-        if (e.tag == PIXEL_DATA && e.length == UNDEFINED) { /* those of an icon */
+        if (e.tag == PIXEL_DATA && e.length == UNDEFINED) { /* the pixels of an icon, in a sequence */
             if (!parse_fragments(p)) return false;
             continue;
         }
@@ -502,9 +508,9 @@ static bool parse_set(parser *p, place here) {
     return true;
 }
 
-/* ---- the file around it ---- */
+/* ---- the file around the data set ---- */
 
-/* Group 2, always explicit and little-endian (PS3.10, 7.1), ends where another group begins. */
+/* Parses group 2, which is always explicit and little-endian (PS3.10, 7.1), up to the next group. */
 static bool parse_meta(parser *p) {
     const place here = {FILE_SCOPE, 0, 0, UNDEFINED};
     p->explicit_vr = true;
@@ -523,7 +529,8 @@ static bool parse_meta(parser *p) {
     return cut_off(p);
 }
 
-/* Sets the byte order and kind of the data set; NULL, or why that is not possible. */
+/* Sets the byte order and encoding of the data set by the transfer syntax; returns NULL, or the reason for a
+ * failure. */
 static const char *apply_syntax(parser *p) {
     const char *syntax = p->file->syntax;
     p->explicit_vr = strcmp(syntax, "1.2.840.10008.1.2") != 0;
@@ -536,8 +543,8 @@ static const char *apply_syntax(parser *p) {
     return "its transfer syntax is not known";
 }
 
-/* A file without the 128-byte preamble (older than 1993, or made by careless software) begins with group 8.
- */
+/* Whether a file without the 128-byte preamble (older than 1993, or not standard) begins with a data set:
+ * with group 8. */
 static bool looks_bare(const uint8_t b[8]) {
     return b[0] == 8 && b[1] == 0 && b[3] == 0;
 }
@@ -548,8 +555,8 @@ static bool begin_bare(parser *p, const uint8_t b[8]) {
     return fseeko(p->stream, 0, SEEK_SET) == 0;
 }
 
-/* Frames that say nothing of their own have what the file says, and follow one another along the normal when
- * it says how far. */
+/* Completes a frame with the values for all frames, and with its position along the normal if the file gives
+ * offsets. */
 static void complete_frame(const parser *p, int index, iso_dicom_frame *frame) {
     const iso_dicom_frame *common = &p->common;
     iso_dicom_frame whole = *common;
@@ -578,7 +585,7 @@ static void complete_frame(const parser *p, int index, iso_dicom_frame *frame) {
     *frame = whole;
 }
 
-/* Kinds of objects that hold images without fail: CT, MR, PET, NM, ultrasound, dose, secondary captures. */
+/* Whether the kind of object always has an image: CT, MR, PET, NM, ultrasound, dose, secondary captures. */
 static bool announces_image(const parser *p) {
     static const char *const kinds[] = {"2", "4", "128", "130", "20", "3", "6", "481.2", "7"};
     const char *prefix = "1.2.840.10008.5.1.4.1.1.";

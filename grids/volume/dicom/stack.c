@@ -1,4 +1,4 @@
-/* Orders image planes into the slices of a volume (PS3.3, C.7.6.2).
+/* stack: sorts image planes into the slices of a volume (PS3.3, C.7.6.2).
  *
  * The location of a slice is its position along the normal of the image plane; thickness, file names and
  * instance numbers are not reliable. A missing slice is an error, because a viewer could not see that a part
@@ -12,12 +12,13 @@
 
 #include "base/memory.h"
 
-/* Planes nearer than this, in mm, are at one place; scanners write positions to 1/1000 mm or better. */
+/* Planes nearer to each other than this, in mm, have the same position; scanners write positions to 1/1000 mm
+ * or better. */
 static const double SAME_PLACE = 1e-3;
 
-/* Steps may differ from the usual one by a hundredth of it, and by what rounding a position to 1/100 mm does:
- * a surface moves by a hundredth of a voxel, which no picture shows. Up to a tenth there is a note. Above
- * that it is a gap: a missing slice doubles the step, a change of protocol does about as much. */
+/* Allowed differences of steps between slices from the usual step. QUIET_STEP (a fraction of it) plus
+ * ROUNDING (mm, for positions rounded to 1/100 mm): no note, as a surface moves by a hundredth of a voxel. Up
+ * to NOTED_STEP (a fraction): a note. Above that it is a gap: a missing slice doubles the step. */
 static const double QUIET_STEP = 0.01, ROUNDING = 0.01, NOTED_STEP = 0.1;
 
 typedef struct stack {
@@ -44,7 +45,7 @@ static iso_vec3 normal_of(const iso_dicom_frame *frame) {
     return iso_vec3_unit(iso_vec3_cross(iso_vec3_make(o[0], o[1], o[2]), iso_vec3_make(o[3], o[4], o[5])));
 }
 
-/* ---- order ---- */
+/* ---- sorting ---- */
 
 static int compare_longs(long a, long b) {
     return (a > b) - (a < b);
@@ -56,7 +57,8 @@ static int compare_phases(const iso_dicom_frame *a, const iso_dicom_frame *b) {
     return 0;
 }
 
-/* Files are listed by name, so that `file` and `index` decide in the same way everywhere. */
+/* Sorts by position. Ties are decided by `file` and `index`, which do not depend on the machine: files are
+ * listed by name. */
 static int compare_places(const void *left, const void *right) {
     const iso_dicom_frame *a = left, *b = right;
     if (a->at != b->at) return (a->at > b->at) - (a->at < b->at);
@@ -84,7 +86,7 @@ static iso_status choose_order(stack *s) {
         iso_dicom_frame *frame = &s->frames[i];
         double far = iso_vec3_length(position_of(frame));
         if (s->by_position &&
-            !(far <= 1e12)) /* as grids/volume/volume.c has it; here slices would fall together */
+            !(far <= 1e12)) /* the limit of grids/volume/volume.c; beyond it slices would coincide */
             return iso_fail(s->error, ISO_ERR_FORMAT, "%s: a position of %g mm (in %s) is not possible",
                             s->path, far, name_of(s, i));
         frame->at = s->by_position ? iso_vec3_dot(position_of(frame), normal) : (double)frame->number;
@@ -93,7 +95,7 @@ static iso_status choose_order(stack *s) {
     return ISO_OK;
 }
 
-/* ---- several planes at one place ---- */
+/* ---- several planes at the same position ---- */
 
 static bool same_place(const stack *s, size_t i) {
     return s->frames[i + 1].at - s->frames[i].at < SAME_PLACE;
@@ -105,7 +107,7 @@ static size_t first_doubled(const stack *s) {
     return s->count;
 }
 
-/* The lowest phase among planes that share their place with another: that acquisition is kept. */
+/* Where planes share a position, keeps those of the acquisition with the lowest phase. */
 static void keep_first_phase(stack *s, size_t doubled) {
     const iso_dicom_frame *first = &s->frames[doubled];
     for (size_t i = doubled; i + 1 < s->count; i++)
@@ -139,7 +141,8 @@ static iso_status resolve_doubles(stack *s) {
 
 /* ---- gaps ---- */
 
-/* The lower median of the steps: the usual one, also where every other slice is missing at one end. */
+/* Sets *step to the lower median of the steps between slices, which is right also if every other slice is
+ * missing at one end. */
 static iso_status usual_step(const stack *s, double *step) {
     size_t steps = s->count - 1;
     double *sorted = iso_alloc(steps * sizeof *sorted);
@@ -214,7 +217,8 @@ static void set_slice_axis(iso_transform *transform, iso_vec3 axis, double spaci
     transform->spacing[2] = spacing;
 }
 
-/* Without positions to tell, what the file says of slices, the distance before the thickness. */
+/* The slice axis when there are no positions: by the stated distance between slices, else by their thickness.
+ */
 static void unmeasured_axis(const stack *s, iso_transform *transform) {
     const iso_dicom_frame *frame = &s->frames[0];
     double spacing = first_positive(fabs(frame->between), frame->thickness);
@@ -228,7 +232,8 @@ static void unmeasured_axis(const stack *s, iso_transform *transform) {
     set_slice_axis(transform, normal_of(frame), spacing);
 }
 
-/* From the first to the last slice. With a tilted gantry that is not the normal: the grid is sheared. */
+/* The slice axis from the position of the first slice to that of the last. With a tilted gantry it is not the
+ * normal, and the grid is sheared. */
 static iso_status measured_axis(const stack *s, iso_transform *transform) {
     const iso_dicom_frame *first = &s->frames[0];
     iso_vec3 origin = position_of(first), normal = normal_of(first);

@@ -1,4 +1,4 @@
-/* The variants of histogram_kernel_body.inc, and the choice between them. */
+/* histogram_kernel: the variants of histogram_kernel_body.inc, and the choice between them. */
 #include "extract/isovalue/histogram_kernel.h"
 
 #define ISO_KERNEL_BODY "extract/isovalue/histogram_kernel_body.inc"

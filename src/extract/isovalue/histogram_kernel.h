@@ -1,5 +1,5 @@
-/* histogram_kernel: what a histogram of floats needs to know of a row of voxels, a vector at a time, for each
- * instruction set with the same results. Internal to extract. */
+/* histogram_kernel: range, padding and histogram bins of a row of float voxels, a vector at a time. The same
+ * results for each instruction set. Internal to extract. */
 #ifndef ISO_EXTRACT_ISOVALUE_HISTOGRAM_KERNEL_H
 #define ISO_EXTRACT_ISOVALUE_HISTOGRAM_KERNEL_H
 
@@ -17,26 +17,28 @@ typedef struct iso_row_range {
     int finite; /* how many voxels are neither NaN nor infinite */
 } iso_row_range;
 
-/* What a row says about a value that may be padding. */
+/* The voxels of a row that may be padding: those with the volume's lowest or highest value. */
 typedef struct iso_row_padding {
-    float low, high, padding;    /* in: the volume's lowest and highest value, and which of them it is */
-    float above_low, below_high; /* out: the next values inwards; infinite when there are none */
-    int count;                   /* out: voxels of the padding's value */
+    float low, high,
+        padding; /* input: the volume's lowest and highest value; the one of them that is padding */
+    float above_low, below_high; /* output: the row's values next to these; infinite when there are none */
+    int count;                   /* output: number of voxels with the value `padding` */
 } iso_row_padding;
 
-/* Bins of equal width between two values. */
+/* 256 bins of equal width between two values. */
 enum { ISO_BIN_OUTSIDE = 256 /* not between low and high, or not finite */ };
 typedef struct iso_bin_range {
     double low, high, per_value; /* bin = (value - low) * per_value, at most 255 */
 } iso_bin_range;
 
 typedef struct iso_histogram_kernels {
+    /* Each works on `count` values of a row. bins: writes the bin of each value, or ISO_BIN_OUTSIDE. */
     void (*range)(const float *values, int count, iso_row_range *range);
     void (*padding)(const float *values, int count, iso_row_padding *padding);
     void (*bins)(const iso_bin_range *range, const float *values, int count, int32_t *bins);
 } iso_histogram_kernels;
 
-/* At an instruction set, or at the best below it that this build has. Never NULL. */
+/* The kernels at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_histogram_kernels *iso_histogram_kernels_get(iso_cpu_level level);
 
 #ifdef __cplusplus

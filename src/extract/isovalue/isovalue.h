@@ -13,10 +13,10 @@
 extern "C" {
 #endif
 
-/* Border and padding values are left out: when one single value makes up more than half of the voxels of the
- * volume's six faces and is the minimum or the maximum of the data, all voxels of exactly that value are
- * padding, unless what is left would be constant (a mask of two values keeps both). ISO_ERR_EMPTY when there
- * is no finite voxel. */
+/* Computes the histogram of a grid, without padding: when a single value makes up more than half of the
+ * voxels of the volume's six faces and is the minimum or the maximum of the data, all voxels with exactly
+ * that value are padding, unless all others have one value (a mask of two values keeps both). ISO_ERR_EMPTY
+ * when there is no finite voxel. */
 iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
                                  iso_error *error);
 
@@ -26,8 +26,8 @@ iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histo
 size_t iso_isovalue_suggest(const iso_grid *grid, const iso_histogram *histogram,
                             double candidates[ISO_ISOVALUE_CANDIDATES]);
 
-/* ISO_ERR_EMPTY when a level set (an hgrid) knows no distances at this physical isovalue (mm), because they
- * lie beyond its narrow band; the text says how wide that is. Other grids pass. */
+/* ISO_ERR_EMPTY when a physical isovalue (mm) lies beyond the narrow band of a level set (an hgrid), which
+ * stores no distances there; the message says how wide the band is. Other grids pass. */
 iso_status iso_isovalue_check(const iso_grid *grid, double isovalue, iso_error *error);
 
 #ifdef __cplusplus

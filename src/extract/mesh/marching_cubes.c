@@ -1,10 +1,12 @@
-/* Marching Cubes, Lorensen and Cline 1987, with shared, indexed vertices as in Baerentzen and Christensen
- * 2003, section 5: first the vertices, each once, then each cell's triangles by table. */
+/* marching_cubes: the mesh of one brick from its window, cell by cell, for windows that the mesh kernel
+ * cannot handle (NaN, infinity, overflow). Marching Cubes (Lorensen and Cline 1987) with shared, indexed
+ * vertices (Baerentzen and Christensen 2003, section 5): first the vertices, each once, then each cell's
+ * triangles from the case table. */
 #include "extract/mesh/marching_cubes.h"
 
 #include "mc_table.h"
 
-/* Index in the window of corner i, less that of corner 0. */
+/* Offset in the window from a cell's corner 0 to its corner i. */
 static const ptrdiff_t corner_offset[8] = {0,
                                            1,
                                            ISO_STEP_Y,

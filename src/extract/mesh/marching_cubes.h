@@ -4,18 +4,21 @@
 
 #include "extract/points/edge_points.h"
 
-/* The kernel writes a few triangles past the end, see mesh_kernel.h. */
+/* The most triangles of a brick, and room for those that the kernel writes past the end (ISO_TRIANGLE_SLACK).
+ */
 enum { ISO_BRICK_TRIANGLES = 5 * ISO_BRICK_VOXELS + 6 };
 
-/* One brick's mesh and what is needed to make it. */
+/* One brick's mesh, with room for the largest possible one. */
 typedef struct iso_brick_mesh {
     iso_surfel vertices[ISO_EDGES_ALL];
     iso_edge_key keys[ISO_EDGES_ALL];
     uint16_t triangles[ISO_BRICK_TRIANGLES][3];
-    uint16_t vertex_of[ISO_LATTICE * ISO_LATTICE * ISO_LATTICE * 3]; /* by key, where there is a vertex */
+    uint16_t vertex_of[ISO_LATTICE * ISO_LATTICE * ISO_LATTICE * 3]; /* by key: number of the edge's vertex */
     uint32_t vertex_count, owned_count, triangle_count;
 } iso_brick_mesh;
 
+/* Computes a brick's mesh: the vertices on its own edges, then those on edges of neighbours, then triangles.
+ */
 void iso_marching_cubes(const iso_brick_window *window, const iso_threshold *surface, iso_brick_mesh *mesh);
 
 #endif

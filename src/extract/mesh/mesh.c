@@ -1,12 +1,13 @@
+/* mesh: the set of meshes of a grid: connects the kernels of Marching Cubes to the brick set. */
 #include "extract/mesh/mesh.h"
 
 #include "extract/mesh/mesh_run.h"
 #include "extract/span_bounds.h"
 #include "grids/brick_set.h"
 
-enum { VERTICES, TRIANGLES }; /* heaps */
+enum { VERTICES, TRIANGLES }; /* heaps of the brick set */
 
-/* One worker's; the context's scratch follows. */
+/* The working memory of one worker; iso_mesh_run_scratch_bytes() more follow. */
 typedef struct mesh_scratch {
     iso_brick_window window;
     iso_brick_mesh mesh;
@@ -25,7 +26,7 @@ static bool may_exist(const void *context, const int brick[3]) {
     return iso_grid_brick_may_cross(&mesh->grid, brick, mesh->context.surface.isovalue_ceil);
 }
 
-static void extract(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
+static void extract_brick(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
     const iso_mesh_set *set = context;
     mesh_scratch *scratch = memory;
     iso_brick_window_fill(&set->grid, brick, &scratch->window);
@@ -43,8 +44,8 @@ static float stored_isovalue(const void *context) {
     return set->context.surface.isovalue_ceil;
 }
 
-static void run(const void *context, const uint32_t *bricks, size_t count, void *memory,
-                iso_brick_sink *sink) {
+static void extract_bricks(const void *context, const uint32_t *bricks, size_t count, void *memory,
+                           iso_brick_sink *sink) {
     const iso_mesh_set *set = context;
     iso_mesh_run(&set->context, &set->set, bricks, count, (mesh_scratch *)memory + 1, sink);
 }
@@ -79,8 +80,8 @@ iso_status iso_mesh_set_create(const iso_grid *grid, const iso_mesh_opts *opts, 
         .span_bytes = sizeof(iso_mesh_span),
         .halo = ISO_HALO_MESH,
         .may_exist = may_exist,
-        .extract = extract,
-        .extract_many = grid->rgrid ? run : NULL,
+        .extract = extract_brick,
+        .extract_many = grid->rgrid ? extract_bricks : NULL,
         .isovalue = stored_isovalue,
         .write_span = write_span,
     };
@@ -130,7 +131,7 @@ iso_mesh_view iso_mesh_set_view(const iso_mesh_set *set) {
 
 /* ---- bounds */
 
-/* Of the triangle's plane, in index space; false of one without an area. */
+/* The normal of a triangle's plane in index space, with |x| + |y| + |z| = 1; false when it has no area. */
 static bool plane_normal(const iso_surfel *vertices, const uint16_t triangle[3], double normal[3]) {
     const float *a = vertices[triangle[0]].position, *b = vertices[triangle[1]].position,
                 *c = vertices[triangle[2]].position;

@@ -1,3 +1,5 @@
+/* mesh_kernel: limits of blocks and far edges, and building of a listed block; includes the kernel body
+ * (mesh_kernel_body.inc) once per instruction set. */
 #include "extract/mesh/mesh_kernel.h"
 
 #include <string.h>
@@ -7,26 +9,29 @@
 
 /* ---- lists */
 
-/* Rows of a block, z * 17 + y, with what is derived from all words at once. */
+/* The classified voxels of a block by row (z * 17 + y), as words of bits by x. */
 enum { ROWS = ISO_EDGE_SIDE * ISO_EDGE_SIDE, CELL_ROWS = ROWS - ISO_EDGE_SIDE - 1 };
 typedef struct block_rows {
-    uint64_t at[ROWS], after[ROWS]; /* a voxel's bit, and that of the voxel one on in x */
-    uint64_t any[ROWS], all[ROWS];
-    uint64_t active[CELL_ROWS]; /* cells whose corners differ */
-    uint16_t list[ISO_EDGE_ROWS + 1];
-    int count; /* of the list: rows with active cells */
+    uint64_t at[ROWS];                /* voxel x is inside */
+    uint64_t after[ROWS];             /* voxel x + 1 is inside */
+    uint64_t any[ROWS], all[ROWS];    /* one of these two is inside; both are */
+    uint64_t active[CELL_ROWS];       /* cell x has corners inside and outside */
+    uint16_t list[ISO_EDGE_ROWS + 1]; /* numbers (z << 5 | y) of the rows with active cells */
+    int count;                        /* of the list */
 } block_rows;
 
-/* What of a block lies in the grid and in wanted bricks: bits of x, and for y and z how many. */
+/* The part of a block that lies in the grid and in wanted bricks: bits by x, and limits on y and z. */
 typedef struct block_limits {
-    uint64_t own, far; /* edges of a brick's own, and on its y and z faces */
-    uint64_t faces;    /* x faces, at the voxel before */
-    uint64_t cells;
+    uint64_t own;   /* voxels x whose edges a brick owns */
+    uint64_t far;   /* voxels x whose edges on a brick's far y and z faces are copied */
+    uint64_t faces; /* the last voxels of bricks: the edges at x + 1 lie on the brick's far x face */
+    uint64_t cells; /* cells x */
     iso_edge_active active;
-    int rows[3], last[3]; /* rows of own edges; the last voxel, 0 .. 16, which is also the number of cells */
+    int rows[3]; /* number of voxels 0 .. that own edges, by axis */
+    int last[3]; /* the last voxel, 0 .. 16, by axis; also the number of cells */
 } block_limits;
 
-/* Where the lists end so far. */
+/* The present lengths of the lists of own and far edges. */
 typedef struct list_ends {
     int own[3], far[3];
 } list_ends;
@@ -62,8 +67,8 @@ static inline void append_far(iso_far_list *list, int *end, uint64_t mask, int r
     *end += mask != 0;
 }
 
-/* A row at y = 16 or z = 16: its own edges belong to neighbours, and so do those where it leaves a brick
- * along x. */
+/* Lists the edges of a row with y = 16 or z = 16, all of which neighbouring bricks own: those in the row, and
+ * those on bricks' far x faces. */
 static void list_far_row(const block_rows *rows, const block_limits *limits, int row, list_ends *ends,
                          iso_mesh_block *block) {
     const int y = row & 31, z = row >> 5, i = z * ISO_EDGE_SIDE + y;
@@ -95,7 +100,8 @@ ISO_STEP static void number_vertices(const iso_edge_key *keys, uint32_t count, u
     for (uint32_t i = 0; i < count; i++) vertex_of[keys[i]] = (uint16_t)i;
 }
 
-/* Room of bricks that are not wanted is never touched, but the edge kernel asks whether there is any. */
+/* The arrays for the own or the far vertices of a block. Bricks that are not wanted get the arrays of one
+ * that is: nothing is written there, but the edge kernel needs a pointer. */
 static iso_edge_output edge_output(const iso_mesh_block *block, const iso_mesh_output *output, bool far) {
     iso_edge_output edges = {0};
     for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++) {
@@ -107,19 +113,19 @@ static iso_edge_output edge_output(const iso_mesh_block *block, const iso_mesh_o
     return edges;
 }
 
-void iso_mesh_kernel_fill(const iso_mesh_kernel *kernel, const iso_edge_kernel *edges,
-                          const iso_edge_source *source, iso_mesh_block *block,
-                          const iso_mesh_output *output) {
-    iso_edge_task jobs[2] = {{.output = edge_output(block, output, false)},
-                             {.output = edge_output(block, output, true)}};
+void iso_mesh_kernel_build(const iso_mesh_kernel *kernel, const iso_edge_kernel *edges,
+                           const iso_edge_source *source, iso_mesh_block *block,
+                           const iso_mesh_output *output) {
+    iso_edge_task tasks[2] = {{.output = edge_output(block, output, false)},
+                              {.output = edge_output(block, output, true)}};
     for (int axis = 0; axis < 3; axis++) {
         const iso_edge_list *own = &block->own_list[axis];
         const iso_far_list *far = &block->far_list[axis];
-        jobs[0].axes[axis] = (iso_edge_entries){own->mask, own->row, own->count};
-        jobs[1].axes[axis] = (iso_edge_entries){far->mask, far->row, far->count};
-        jobs[0].origin[axis] = jobs[1].origin[axis] = block->origin[axis];
+        tasks[0].axes[axis] = (iso_edge_entries){own->mask, own->row, own->count};
+        tasks[1].axes[axis] = (iso_edge_entries){far->mask, far->row, far->count};
+        tasks[0].origin[axis] = tasks[1].origin[axis] = block->origin[axis];
     }
-    edges->fill(source, jobs, 2);
+    edges->compute_points(source, tasks, 2);
     for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++) {
         if (!(block->bricks >> brick & 1)) continue;
         number_vertices(output->keys[brick], block->own[brick] + block->far[brick], block->vertex_of);

@@ -1,3 +1,5 @@
+/* mesh_measure: sums over blocks of triangles and vertices. Edges are found by sorting the sides of triangles
+ * by their lower vertex; parts by disjoint sets of vertices. */
 #include "extract/mesh/mesh_measure.h"
 
 #include <math.h>
@@ -5,19 +7,26 @@
 #include "base/disjoint_sets.h"
 #include "base/memory.h"
 
-enum { BLOCK = 4096 }; /* triangles or vertices of one task; sums are made of whole blocks, in order */
+/* Triangles or vertices of one task. Each task has its own sums, which are added in order, so that results do
+ * not depend on threads. */
+enum { BLOCK = 4096 };
 
 typedef struct sums {
-    double area, volume; /* mm2; of index space */
-    size_t edges, open, crowded;
+    double area;    /* mm2 */
+    double volume;  /* voxels */
+    size_t edges;   /* of the mesh, each once */
+    size_t open;    /* sides of triangles without a side in the opposite direction */
+    size_t crowded; /* edges of more than two triangles */
 } sums;
 
 typedef struct measuring {
     const iso_weld *weld;
     iso_affine affine;
-    uint64_t *first;  /* by vertex, and one past the last: where its sides begin in `sides` */
-    uint32_t *sides;  /* sides whose lower vertex is this one: 2 * the other + 1 when they run downwards */
-    uint32_t *parent; /* by vertex; UINT32_MAX: in no triangle */
+    uint64_t
+        *first; /* by vertex, and one more: index in `sides` of the first side whose lower vertex it is */
+    uint32_t
+        *sides; /* sides of triangles: 2 * the higher vertex, + 1 if the side runs from it to the lower */
+    uint32_t *parent; /* by vertex, of disjoint sets (the parts); UINT32_MAX: the vertex is in no triangle */
     sums *blocks;
 } measuring;
 
@@ -38,7 +47,7 @@ static void list_sides(measuring *m) {
             m->first[low + 1]++;
         }
     for (size_t v = 0; v < weld->vertex_count; v++) m->first[v + 1] += m->first[v];
-    /* Filling moves the beginnings to the ends; they are the next vertex's beginnings then. */
+    /* this moves each vertex's first to its end, which is the first of the next vertex; undone below */
     for (size_t t = 0; t < weld->triangle_count; t++)
         for (int k = 0; k < 3; k++) {
             side_of(weld->triangles[t], k, &low, &side);
@@ -94,7 +103,7 @@ static void add_triangles(void *context, size_t block, int worker) {
     const iso_weld *weld = m->weld;
     const size_t begin = block * BLOCK,
                  end = begin + BLOCK < weld->triangle_count ? begin + BLOCK : weld->triangle_count;
-    const iso_vec3 origin = position(weld, 0); /* tetrahedra to a vertex of the mesh: less is cancelled */
+    const iso_vec3 origin = position(weld, 0); /* near the mesh, so that little precision is lost */
     sums *sum = &m->blocks[block];
     for (size_t t = begin; t < end; t++) {
         const uint32_t *corner = weld->triangles[t];
@@ -124,7 +133,7 @@ static void count_parts(measuring *m, iso_mesh_measures *measures) {
     }
 }
 
-/* ---- all of it */
+/* ---- sums */
 
 static size_t blocks_of(size_t count) {
     return (count + BLOCK - 1) / BLOCK;

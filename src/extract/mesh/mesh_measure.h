@@ -1,4 +1,4 @@
-/* mesh_measure: what a mesh encloses, and whether it is closed. */
+/* mesh_measure: area, enclosed volume, parts and Euler characteristic of a mesh, and whether it is closed. */
 #ifndef ISO_EXTRACT_MESH_MESH_MEASURE_H
 #define ISO_EXTRACT_MESH_MESH_MEASURE_H
 
@@ -10,9 +10,9 @@
 extern "C" {
 #endif
 
-/* Of a welded mesh in index coordinates whose triangles are counter-clockwise seen from outside. The same
- * bits for every number of threads. `pool` may be NULL. ISO_ERR_LIMIT above 2^31 - 1 vertices, ISO_ERR_NOMEM.
- */
+/* Measures a welded mesh in index coordinates, whose triangles are counter-clockwise seen from outside; the
+ * results are in mm. The same bits for every number of threads. `pool` may be NULL. ISO_ERR_LIMIT above 2^31
+ * - 1 vertices, ISO_ERR_NOMEM. */
 iso_status iso_weld_measure(const iso_weld *weld, const iso_transform *transform, iso_pool *pool,
                             iso_mesh_measures *measures, iso_error *error);
 

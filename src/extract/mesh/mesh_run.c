@@ -1,4 +1,5 @@
-/* See mesh_kernel.h for the kernel and edge_run.h for stretches of bricks. */
+/* mesh_run: passes runs of bricks (edge_run.h) and windows to the mesh kernel (mesh_kernel.h), block by
+ * block. */
 #include "extract/mesh/mesh_run.h"
 
 #include "extract/points/edge_run.h"
@@ -38,8 +39,8 @@ void iso_mesh_context_init(iso_mesh_context *context, const iso_grid *grid, cons
 
 /* ---- runs of an rgrid */
 
-/* Room for the block's wanted bricks, one after another. */
-static bool block_room(const iso_mesh_block *block, iso_brick_sink *sink, iso_mesh_output *output) {
+/* Gets room in the sink for the results of a block's wanted bricks; false when there is no memory. */
+static bool reserve_output(const iso_mesh_block *block, iso_brick_sink *sink, iso_mesh_output *output) {
     size_t vertices = 0, triangles = 0;
     for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
         vertices += block->own[k] + block->far[k];
@@ -66,13 +67,13 @@ static bool extract_run(const iso_mesh_context *context, const iso_edge_brick_ru
     for (int axis = 0; axis < 3; axis++) block->origin[axis] = run->origin[axis];
     scratch->words.blocks = run->blocks;
     for (int b = 0; b < run->blocks; b++) scratch->words.active[b] = run->active[b];
-    context->edges->classify(&context->source, block->origin, &scratch->words);
+    context->edges->classify_voxels(&context->source, block->origin, &scratch->words);
     for (int b = 0; b < run->blocks; b++, block->origin[0] += ISO_EDGE_BLOCK_X) {
         iso_mesh_output output;
         block->bricks = run->active[b].bricks;
-        context->kernel->list(&context->source, &scratch->words, b, block);
-        if (!block_room(block, sink, &output)) return false;
-        iso_mesh_kernel_fill(context->kernel, context->edges, &context->source, block, &output);
+        context->kernel->list_block(&context->source, &scratch->words, b, block);
+        if (!reserve_output(block, sink, &output)) return false;
+        iso_mesh_kernel_build(context->kernel, context->edges, &context->source, block, &output);
         for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
             if (!(block->bricks >> k & 1)) continue;
             const iso_brick_output made = {.count = {block->own[k] + block->far[k], block->triangles[k]},
@@ -106,7 +107,8 @@ static bool window_fits(const iso_brick_window *window) {
     return !outside;
 }
 
-/* The words of a block whose first brick is the window's; what follows repeats its last voxel. */
+/* Classifies the voxels of a window as the first brick of a block; the bits after it repeat its last voxel.
+ */
 static void classify_window(const iso_brick_window *window, float isovalue, iso_edge_words *words) {
     words->blocks = 1;
     words->active[0] = ISO_EDGE_WHOLE;
@@ -137,9 +139,9 @@ void iso_mesh_run_window(const iso_mesh_context *context, const iso_brick_window
     }
     run->block.bricks = 1;
     classify_window(window, source.isovalue_ceil, &run->words);
-    context->kernel->list(&source, &run->words, 0, &run->block);
+    context->kernel->list_block(&source, &run->words, 0, &run->block);
     const iso_mesh_output output = {{mesh->vertices}, {mesh->keys}, {mesh->triangles}};
-    iso_mesh_kernel_fill(context->kernel, context->window_edges, &source, &run->block, &output);
+    iso_mesh_kernel_build(context->kernel, context->window_edges, &source, &run->block, &output);
     mesh->owned_count = run->block.own[0];
     mesh->vertex_count = run->block.own[0] + run->block.far[0];
     mesh->triangle_count = run->block.triangles[0];

@@ -1,5 +1,5 @@
-/* mesh_run: lists of bricks through the mesh kernel: those of an rgrid in runs of neighbouring blocks, single
- * ones from windows. Internal to extract. */
+/* mesh_run: extracts meshes with the mesh kernel: lists of an rgrid's bricks in runs of neighbouring blocks,
+ * and single bricks from their windows. Internal to extract. */
 #ifndef ISO_EXTRACT_MESH_MESH_RUN_H
 #define ISO_EXTRACT_MESH_MESH_RUN_H
 
@@ -7,7 +7,7 @@
 #include "extract/mesh/mesh_kernel.h"
 #include "grids/brick_set.h"
 
-/* What runs need to know; made once per surface. */
+/* The surface and the kernels; prepared once per surface. */
 typedef struct iso_mesh_context {
     const iso_rgrid *grid; /* NULL: windows only */
     iso_threshold surface;
@@ -20,12 +20,14 @@ void iso_mesh_context_init(iso_mesh_context *context, const iso_grid *grid, cons
 
 size_t iso_mesh_run_scratch_bytes(void);
 
-/* Does `count` ascending bricks of the context's grid; those whose stencils see a NaN or infinite voxel go to
- * iso_brick_sink_extract. `scratch` holds iso_mesh_run_scratch_bytes() bytes, 8-byte aligned. */
+/* Extracts `count` bricks of the context's grid, an ascending list. Bricks whose stencils include a NaN or
+ * infinite voxel are passed to iso_brick_sink_extract. `scratch` holds iso_mesh_run_scratch_bytes() bytes,
+ * 8-byte aligned. */
 void iso_mesh_run(const iso_mesh_context *context, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink);
 
-/* The mesh of a brick from its window, by the kernel where its voxels allow it. */
+/* The mesh of a brick from its window; without the kernel if the window has NaN, infinite or very large
+ * values. */
 void iso_mesh_run_window(const iso_mesh_context *context, const iso_brick_window *window, void *scratch,
                          iso_brick_mesh *mesh);
 

@@ -1,11 +1,12 @@
-/* Welding: the copies of vertices on the far faces of bricks are replaced by their owners. */
+/* weld: joins the spans of a mesh. Copies of vertices on the far faces of bricks are replaced by the vertex
+ * of the brick that owns the edge, which is found by binary search for the brick and for the edge's key. */
 #include "extract/mesh/mesh.h"
 
 #include <stdlib.h>
 
 #include "base/memory.h"
 
-/* Welded number of the first vertex that span `span` owns. */
+/* A span's brick, its number, and the number of its first own vertex in the welded mesh. */
 typedef struct owner {
     int32_t brick[3];
     uint32_t span, first;
@@ -31,7 +32,8 @@ static int compare_keys(const void *a, const void *b) {
     return *(const iso_edge_key *)a - *(const iso_edge_key *)b;
 }
 
-/* Takes a key on a far face to the neighbour that owns the edge. */
+/* Turns the key of an edge on a far face into its key in the brick that owns it; changes `brick` to that
+ * brick. */
 static iso_edge_key neighbour_key(iso_edge_key key, int32_t brick[3]) {
     int voxel[3], along = iso_edge_key_split(key, voxel);
     for (int axis = 0; axis < 3; axis++) {

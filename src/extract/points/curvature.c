@@ -1,5 +1,5 @@
-/* curvature: gathers points into batches, fetches the values around their edges or voxels (linearly
- * extrapolated beyond the grid's border) and runs the kernel, which has the method. */
+/* curvature: gathers points into batches, reads the values around their edges or voxels (linearly
+ * extrapolated beyond the grid's border) and calls the kernel. The method is described in curvature.h. */
 #include "extract/points/curvature.h"
 
 #include <assert.h>
@@ -40,15 +40,17 @@ iso_curvature_source iso_curvature_source_window(const iso_brick_window *window,
 
 /* ---- the voxels of points */
 
-/* A batch's voxels, and the axis that its edges are along (0 for voxels). */
+/* The voxels of a batch's points (for edges, their lower ends), and the axis of the edges (0 for foot
+ * points). */
 typedef struct batch_voxels {
     int axis;
     int8_t voxel[ISO_CURVATURE_BATCH][3];
 } batch_voxels;
 
-enum { UNIT = ISO_POINT_COORDINATE_STEPS }; /* of fixed-point positions: a voxel */
+enum { UNIT = ISO_POINT_COORDINATE_STEPS }; /* steps of a fixed-point position in a voxel */
 
-/* A point's position in 1 / UNIT voxel. Packed ones are steps of 20 from -2 voxels. */
+/* The position of point i in the brick in 1 / UNIT voxel. Packed positions have a step of ISO_POINT_RANGE
+ * (20) of these. */
 static void fixed_position(const iso_curvature_points *points, uint32_t i, int32_t at[3]) {
     for (int axis = 0; axis < 3; axis++) {
         if (points->packed)
@@ -59,9 +61,10 @@ static void fixed_position(const iso_curvature_points *points, uint32_t i, int32
     }
 }
 
-/* Packing moves a position by up to half of its step. */
+/* Packing rounds a position by up to half of its step. */
 enum { ROUNDED = 10 };
 
+/* Whether a coordinate is that of a voxel, to rounding. */
 static bool is_whole(int32_t at) {
     return ((at + ROUNDED) & (UNIT - 1)) <= 2 * ROUNDED;
 }
@@ -87,7 +90,7 @@ static void copy_normal(const iso_curvature_points *points, uint32_t i, iso_curv
         for (int k = 0; k < 3; k++) batch->normal[k][to] = points->surfels[i].normal[k];
 }
 
-/* Fills the batch with points from `first` on that can be on edges along one axis. */
+/* Fills the batch with points from `first` on, up to the first one that is not on an edge along at->axis. */
 static void gather_edges(const iso_curvature_points *points, uint32_t first, iso_curvature_batch *batch,
                          batch_voxels *at) {
     batch->count = 0;
@@ -99,7 +102,7 @@ static void gather_edges(const iso_curvature_points *points, uint32_t first, iso
     }
 }
 
-/* ---- fetching values */
+/* ---- reading values */
 
 static float stored_value(const iso_curvature_source *source, const int at[3]) {
     ptrdiff_t i = at[0] + at[1] * source->stride_y + at[2] * source->stride_z;
@@ -119,7 +122,7 @@ static float source_value(const void *context, const int at[3]) {
     return stored_value(context, at);
 }
 
-/* A grid's voxels, one at a time. */
+/* Reads a grid's voxels, one at a time. */
 typedef struct reader {
     const void *context;
     float (*value)(const void *context, const int at[3]); /* of a voxel in the grid */
@@ -130,7 +133,8 @@ static reader source_reader(const iso_curvature_source *source) {
     return (reader){source, source_value, source->first, source->last};
 }
 
-/* The value of a voxel; beyond the border extrapolated linearly from the last two voxels, axis by axis. */
+/* The value of a voxel. Beyond the border it is extrapolated linearly from the last two voxels, axis by axis,
+ * beginning with `axis`. */
 static float extrapolated_value(const reader *from, const int at[3], int axis) {
     while (axis < 3 && at[axis] >= from->first[axis] && at[axis] <= from->last[axis]) axis++;
     if (axis == 3) return from->value(from->context, at);
@@ -144,7 +148,8 @@ static float extrapolated_value(const reader *from, const int at[3], int axis) {
     return here + (float)steps * (here - extrapolated_value(from, inner, axis + 1));
 }
 
-/* Steps along a, b, c to the values of a batch. */
+/* The offsets of a batch's values from the point's voxel, along a, b, c: the edge's axis and the two others.
+ */
 static const int8_t OFFSETS[ISO_CURVATURE_EDGE][3] = {
     [ISO_CURVATURE_HERE] = {0, 0, 0},     [ISO_CURVATURE_A0] = {-1, 0, 0},
     [ISO_CURVATURE_A1] = {1, 0, 0},       [ISO_CURVATURE_B0] = {0, -1, 0},
@@ -176,10 +181,10 @@ static int32_t bits_of(float value) {
     return bits;
 }
 
-/* Fetches the values of one point whose stencil crosses the border. */
-static __attribute__((noinline)) void fetch_border(const iso_curvature_source *source,
-                                                   const batch_voxels *places, int values,
-                                                   iso_curvature_batch *batch, uint32_t i) {
+/* Reads the values of one point whose stencil crosses the border. */
+static __attribute__((noinline)) void read_border_values(const iso_curvature_source *source,
+                                                         const batch_voxels *places, int values,
+                                                         iso_curvature_batch *batch, uint32_t i) {
     const int a = places->axis, b = second_axis(a), c = third_axis(a);
     const reader from = source_reader(source);
     for (int which = 0; which < values; which++) {
@@ -192,7 +197,8 @@ static __attribute__((noinline)) void fetch_border(const iso_curvature_source *s
     }
 }
 
-/* Whether all that a point reads is in the grid: `reach` steps up along its axis, one elsewhere. */
+/* Whether all values of a point are in the grid: `reach` voxels up along its axis, one in other directions.
+ */
 static bool is_inner(const iso_curvature_source *source, const int8_t voxel[3], int axis, int reach) {
     for (int k = 0; k < 3; k++)
         if (voxel[k] <= source->first[k] || voxel[k] + (k == axis ? reach : 1) > source->last[k])
@@ -200,8 +206,9 @@ static bool is_inner(const iso_curvature_source *source, const int8_t voxel[3], 
     return true;
 }
 
-/* The steps to the values are known when this is compiled, so that each is one load. */
-#define FETCH(name, type)                                                                                    \
+/* Defines a function that reads the values of all points of a batch from voxels of one type. The offsets are
+ * compile-time constants, so that each value is one load. */
+#define READ_VALUES(name, type)                                                                              \
     static inline void name(const iso_curvature_source *source, const batch_voxels *places,                  \
                             const int values, iso_curvature_batch *batch) {                                  \
         const ptrdiff_t stride[3] = {1, source->stride_y, source->stride_z};                                 \
@@ -210,7 +217,7 @@ static bool is_inner(const iso_curvature_source *source, const int8_t voxel[3], 
         for (uint32_t i = 0; i < batch->count; i++) {                                                        \
             const int8_t *v = places->voxel[i];                                                              \
             if (!is_inner(source, v, axis, reach)) {                                                         \
-                fetch_border(source, places, values, batch, i);                                              \
+                read_border_values(source, places, values, batch, i);                                        \
                 continue;                                                                                    \
             }                                                                                                \
             const type *p = (const type *)source->data + v[0] + v[1] * stride[1] + v[2] * stride[2];         \
@@ -218,25 +225,25 @@ static bool is_inner(const iso_curvature_source *source, const int8_t voxel[3], 
                 p[OFFSETS[which][0] * a + OFFSETS[which][1] * b + OFFSETS[which][2] * c];                    \
         }                                                                                                    \
     }
-FETCH(fetch_uint8, uint8_t)
-FETCH(fetch_int16, int16_t)
-FETCH(fetch_uint16, uint16_t)
-FETCH(fetch_bits, int32_t) /* of floats */
+READ_VALUES(read_uint8, uint8_t)
+READ_VALUES(read_int16, int16_t)
+READ_VALUES(read_uint16, uint16_t)
+READ_VALUES(read_float_bits, int32_t)
 
-static void fetch_edges(const iso_curvature_source *source, const batch_voxels *places,
-                        iso_curvature_batch *batch) {
+static void read_edge_values(const iso_curvature_source *source, const batch_voxels *places,
+                             iso_curvature_batch *batch) {
     switch (source->type) {
     case ISO_UINT8:
-        fetch_uint8(source, places, ISO_CURVATURE_EDGE, batch);
+        read_uint8(source, places, ISO_CURVATURE_EDGE, batch);
         break;
     case ISO_INT16:
-        fetch_int16(source, places, ISO_CURVATURE_EDGE, batch);
+        read_int16(source, places, ISO_CURVATURE_EDGE, batch);
         break;
     case ISO_UINT16:
-        fetch_uint16(source, places, ISO_CURVATURE_EDGE, batch);
+        read_uint16(source, places, ISO_CURVATURE_EDGE, batch);
         break;
     default:
-        fetch_bits(source, places, ISO_CURVATURE_EDGE, batch);
+        read_float_bits(source, places, ISO_CURVATURE_EDGE, batch);
         break;
     }
 }
@@ -267,13 +274,13 @@ void iso_curvatures_of_edges(const iso_curvature_source *source, const iso_curva
     for (uint32_t done = 0; done < points->count;) {
         gather_edges(points, done, &batch, &places);
         if (!batch.count) {
-            assert(misses < 3); /* a point that is on no edge */
+            assert(misses < 3); /* a point must be on an edge along one of the axes */
             places.axis = (places.axis + 1) % 3;
             misses++;
             continue;
         }
         const iso_curvature_params params = params_for(source, points, places.axis);
-        fetch_edges(source, &places, &batch);
+        read_edge_values(source, &places, &batch);
         kernel->edges(&params, &batch);
         store_curvatures(&batch, curvatures + done);
         done += batch.count;
@@ -301,7 +308,7 @@ void iso_curvatures_of_feet(const iso_curvature_source *source, const iso_curvat
                 places.voxel[i][axis] = (int8_t)(voxel >> (4 * axis) & (ISO_BRICK - 1));
             copy_normal(points, done + i, &batch, i);
         }
-        fetch_bits(source, &places, ISO_CURVATURE_VOXEL, &batch);
+        read_float_bits(source, &places, ISO_CURVATURE_VOXEL, &batch);
         for (uint32_t i = 0; i < batch.count; i++) {
             float value;
             memcpy(&value, &batch.value[ISO_CURVATURE_HERE][i], sizeof value);

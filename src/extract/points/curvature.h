@@ -2,20 +2,20 @@
  *
  * The shape operator of a level set is P H P / |g|, with g the gradient, H the Hessian and P the projection
  * onto the tangent plane (Goldman 2005, "Curvature formulas for implicit curves and surfaces"). At voxels, g
- * and H are central differences over their 18 nearest neighbours, which is what the trilinear surface itself
- * bends like; wider ones are smoother and lose thin things.
+ * and H are central differences over the 18 nearest neighbours, which follow the curvature of the trilinear
+ * surface; wider differences are smoother and lose thin features.
  *
- * At an edge point more is known: where the surface leaves the four faces beside the edge, which are edge
- * points again. The quadric of the point (tilt and shape operator) is fitted to pass near these four points,
- * by least squares with Gaussian priors around the derivatives. The tilt's prior comes from the field's slope
- * along the edge, where that contradicts the gradient over two voxels.
+ * The curvature of an edge point also uses the four points where the surface leaves the faces beside the edge
+ * (again edge points). The quadric of the point (tilt and shape operator) is fitted to pass near these four
+ * points, by least squares with Gaussian priors around the derivatives. The prior of the tilt comes from the
+ * field's slope along the edge, where that contradicts the gradient over two voxels.
  *
- * Where a surface bends within a voxel, as noise and small parts do, the quadric says little about where the
- * surface ends. Discs are compared with the field in the four cells around the edge, and are shrunk until
- * little of them lies outside the surface (iso_curvature.extents, bits 14-15).
+ * Where a surface curves strongly within a voxel, as in noise and small parts, the quadric says little about
+ * where the surface ends. The disc of such a point is compared with the field in the four cells around the
+ * edge and shrunk until little of it lies outside the surface (iso_curvature.extents, bits 14-15).
  *
- * Beyond the grid's border values go on linearly; where a value that is needed is not finite, or the gradient
- * vanishes, a point is flat. */
+ * Beyond the grid's border, values are extrapolated linearly. Where a value that is needed is not finite, or
+ * the gradient vanishes, a point is flat. */
 #ifndef ISO_EXTRACT_POINTS_CURVATURE_H
 #define ISO_EXTRACT_POINTS_CURVATURE_H
 
@@ -30,10 +30,11 @@ typedef struct iso_curvature_source {
     iso_type type;
     const void *data;                 /* of the brick's voxel (0, 0, 0) */
     ptrdiff_t stride_y, stride_z;     /* elements */
-    int first[3], last[3];            /* the grid's first and last voxel, counted from there */
+    int first[3], last[3];            /* the grid's first and last voxel, relative to the brick's first */
     float normal_sign, isovalue_ceil; /* as in iso_threshold */
 } iso_curvature_source;
 
+/* The voxels around a brick of a grid, or of a window; borrowed. */
 iso_curvature_source iso_curvature_source_grid(const iso_rgrid *grid, const int brick[3],
                                                const iso_threshold *surface);
 iso_curvature_source iso_curvature_source_window(const iso_brick_window *window,
@@ -46,24 +47,25 @@ typedef struct iso_curvature_points {
     uint32_t count;
 } iso_curvature_points;
 
-/* Curvatures of a brick's edge points, which must come axis by axis; g and H are interpolated between the
- * edge's ends. Reads one voxel beyond both ends of the edge and one to each side, no more than extracting
- * the points does. */
+/* Curvatures of a brick's edge points, which must be sorted by the axis of their edges; g and H are
+ * interpolated between the edge's ends. Depends on one voxel beyond both ends of the edge and one to each
+ * side, like the points themselves. */
 void iso_curvatures_of_edges(const iso_curvature_source *source, const iso_curvature_points *points,
                              iso_curvature *curvatures);
 
-/* The voxels that foot points belong to. */
+/* The voxels that foot points belong to, and the band of their field. */
 typedef struct iso_curvature_feet {
-    const int32_t *voxels;     /* z << 8 | y << 4 | x */
+    const int32_t *voxels;     /* by point: z << 8 | y << 4 | x */
     float isovalue_ceil, band; /* as in iso_foot_surface */
 } iso_curvature_feet;
 
-/* Curvatures of foot points of a distance field: the shape operator S of the parallel surface through the
- * voxel, at distance d = value - isovalue, carried to the surface: S (1 - d S)^-1. */
+/* Curvatures of foot points of a distance field: S (1 - d S)^-1, with S the shape operator of the parallel
+ * surface through the voxel, at the distance d = value - isovalue. */
 void iso_curvatures_of_feet(const iso_curvature_source *source, const iso_curvature_points *points,
                             const iso_curvature_feet *feet, iso_curvature *curvatures);
 
-/* Curvatures of points anywhere in any scalar field: those at the nearest voxels of `grid`. */
+/* Curvatures of points at any position in any scalar field: the curvatures at the nearest voxels of `grid`.
+ */
 void iso_curvatures_of_nearest_voxels(const iso_grid *grid, const int brick[3], float normal_sign,
                                       const iso_curvature_points *points, iso_curvature *curvatures);
 

@@ -1,3 +1,4 @@
+/* curvature_kernel: the variants of curvature_kernel_body.inc, and the choice between them. */
 #include "extract/points/curvature_kernel.h"
 
 #define ISO_KERNEL_BODY "extract/points/curvature_kernel_body.inc"

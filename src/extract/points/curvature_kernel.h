@@ -1,5 +1,5 @@
-/* curvature_kernel: from the voxels around points to curvatures, a vector of points at a time, for each
- * instruction set with the same bytes. Internal to extract. */
+/* curvature_kernel: computes curvatures from the voxels around points, a vector of points at a time. The same
+ * bytes for each instruction set. The method is described in curvature.h. Internal to extract. */
 #ifndef ISO_EXTRACT_POINTS_CURVATURE_KERNEL_H
 #define ISO_EXTRACT_POINTS_CURVATURE_KERNEL_H
 
@@ -15,11 +15,13 @@ extern "C" {
 
 enum { ISO_CURVATURE_BATCH = 128 };
 
-/* Values around a point, by step along three axes (a, b, c): for edge points a is the edge's axis. */
+/* The values around a point. Names give the offset along three axes a, b, c: B0 is one voxel down along b, B1
+ * one up, A2 two up along a. For edge points a is the edge's axis and HERE its lower end; b and c are the
+ * other axes, ascending. */
 enum {
-    ISO_CURVATURE_HERE, /* 0 0 0, then its neighbours */
+    ISO_CURVATURE_HERE,
     ISO_CURVATURE_A0,
-    ISO_CURVATURE_A1, /* - 0 0, + 0 0 */
+    ISO_CURVATURE_A1,
     ISO_CURVATURE_B0,
     ISO_CURVATURE_B1,
     ISO_CURVATURE_C0,
@@ -36,8 +38,9 @@ enum {
     ISO_CURVATURE_B1C0,
     ISO_CURVATURE_B0C1,
     ISO_CURVATURE_B1C1,
-    ISO_CURVATURE_VOXEL, /* count of the values that a voxel needs. The second end of an edge also needs: */
-    ISO_CURVATURE_A2 = ISO_CURVATURE_VOXEL, /* ++ 0 0 */
+    ISO_CURVATURE_VOXEL, /* number of the values for a voxel; the upper end of an edge needs those below, too
+                          */
+    ISO_CURVATURE_A2 = ISO_CURVATURE_VOXEL,
     ISO_CURVATURE_A2B0,
     ISO_CURVATURE_A2B1,
     ISO_CURVATURE_A2C0,
@@ -46,32 +49,34 @@ enum {
     ISO_CURVATURE_A1B1C0,
     ISO_CURVATURE_A1B0C1,
     ISO_CURVATURE_A1B1C1,
-    ISO_CURVATURE_EDGE
+    ISO_CURVATURE_EDGE /* number of the values for an edge */
 };
 
-/* Points on their way through the kernel, as structure of arrays. */
+/* The kernel's input and output for some points, as a structure of arrays. */
 typedef struct iso_curvature_batch {
     uint32_t count;
     alignas(64) int32_t value[ISO_CURVATURE_EDGE][ISO_CURVATURE_BATCH]; /* integers, or the bits of floats */
-    float along[ISO_CURVATURE_BATCH];        /* edges: 0 .. 1 from end to end; feet: distance of the voxel */
-    float normal[3][ISO_CURVATURE_BATCH];    /* surfels: unit, x y z */
-    int32_t octahedral[ISO_CURVATURE_BATCH]; /* packed points: bits 42..63 */
-    int32_t uu[ISO_CURVATURE_BATCH], uv[ISO_CURVATURE_BATCH], vv[ISO_CURVATURE_BATCH]; /* out: steps */
-    int32_t extents[ISO_CURVATURE_BATCH]; /* out: as in iso_curvature */
+    float along[ISO_CURVATURE_BATCH];     /* edges: position 0 .. 1 on the edge; feet: the voxel's distance */
+    float normal[3][ISO_CURVATURE_BATCH]; /* surfels: unit, x y z */
+    int32_t octahedral[ISO_CURVATURE_BATCH]; /* packed points: their normal, bits 42 .. 63 */
+    /* output: the fields of iso_curvature */
+    int32_t uu[ISO_CURVATURE_BATCH], uv[ISO_CURVATURE_BATCH], vv[ISO_CURVATURE_BATCH];
+    int32_t extents[ISO_CURVATURE_BATCH];
 } iso_curvature_batch;
 
 typedef struct iso_curvature_params {
-    bool floats; /* the values' type */
-    bool packed; /* normals come from `octahedral` */
-    int axis;    /* a; b and c are the others, ascending */
+    bool floats; /* `value` holds the bits of floats, not integers */
+    bool packed; /* normals are in `octahedral`, not in `normal` */
+    int axis;    /* the axis a */
     float normal_sign, isovalue_ceil;
-    float band; /* voxels: magnitude at and above which values are clamped; INFINITY when they are not */
+    float band; /* foot points: the magnitude from which on values are clamped; INFINITY: none are */
 } iso_curvature_params;
 
-/* Both compute whole vectors: items from `count` on may hold anything. */
+/* Both functions compute whole vectors: the arrays' items from `count` on may have any value. */
 typedef struct iso_curvature_kernel {
+    /* Curvatures of edge points. */
     void (*edges)(const iso_curvature_params *params, iso_curvature_batch *batch);
-    /* Curvatures at voxels of a float grid; sets extents to 0. */
+    /* Curvatures of foot points, at their voxels of a float grid; sets extents to 0. */
     void (*voxels)(const iso_curvature_params *params, iso_curvature_batch *batch);
 } iso_curvature_kernel;
 

@@ -1,3 +1,5 @@
+/* edge_kernel: batches, stencils next to the grid's border and other scalar helpers of the edge kernel;
+ * includes its body (edge_kernel_body.inc) once per voxel type and instruction set. */
 #include "extract/points/edge_kernel.h"
 
 #include <float.h>
@@ -10,14 +12,16 @@
 
 enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64, ISO_EDGE_PARTS = 32 };
 
-/* Points of one axis on their way through fill. Arrays are padded so that whole vectors can be computed. */
+/* Crossed edges along one axis, and their points. Arrays are longer than ISO_EDGE_BATCH so that whole vectors
+ * can be computed. */
 typedef struct iso_edge_batch {
     int count;
-    uint8_t x[ISO_EDGE_BATCH_MAX];
-    uint16_t row[ISO_EDGE_BATCH_MAX];
-    float weight[4][ISO_EDGE_BATCH_MAX]; /* of differences along the edge at its two ends, x (or y), the third
-                                            axis */
-    float t[ISO_EDGE_BATCH_MAX];
+    uint8_t x[ISO_EDGE_BATCH_MAX];    /* the edge's lower voxel in its block: x .. */
+    uint16_t row[ISO_EDGE_BATCH_MAX]; /* .. and the number of its row */
+    /* Next to the border: factors of the differences along the edge at its two ends, then along the two other
+     * axes in ascending order (as in iso_edge_stencil). */
+    float weight[4][ISO_EDGE_BATCH_MAX];
+    float t[ISO_EDGE_BATCH_MAX]; /* position on the edge, 0 .. 1 */
     float normal[3][ISO_EDGE_BATCH_MAX];
     union {
         iso_point packed[ISO_EDGE_BATCH_MAX];
@@ -40,7 +44,7 @@ static inline ptrdiff_t iso_edge_index(const iso_edge_source *source, const int 
     return at[0] + at[1] * source->stride_y + at[2] * source->stride_z;
 }
 
-/* Whether any neighbour that the block's edges need may lie outside the grid. */
+/* Whether a voxel in the stencils of the block's edges may lie outside the grid. */
 static bool iso_edge_at_border(const iso_edge_source *source, const int origin[3]) {
     const int size[3] = {ISO_EDGE_BLOCK_X, ISO_BRICK, ISO_BRICK};
     for (int axis = 0; axis < 3; axis++)
@@ -49,15 +53,16 @@ static bool iso_edge_at_border(const iso_edge_source *source, const int origin[3
     return false;
 }
 
-/* What to multiply a gradient by so that the inverse of its norm is finite. Sums of integers are never that
- * small. */
+/* The factor for a gradient so that the inverse of its norm `sum` is finite. (Sums of integers are never that
+ * small.) */
 #define ISO_EDGE_LIFT(type, sum) (sizeof(type) == sizeof(float) && (sum) < 0x1p-64f ? 0x1p64f : 1.0f)
 
-/* Where an edge's stencil lies in a grid whose border is near. */
+/* The stencil of an edge next to the grid's border. */
 typedef struct iso_edge_stencil {
     ptrdiff_t end[2];             /* the two ends, elements */
     ptrdiff_t neighbour[2][3][2]; /* of each end: axis, lower and upper side; clamped */
-    float weight[4]; /* 1/2, or 1 for a one-sided difference: along the edge at either end, then across */
+    float weight[4]; /* 1/2, or 1 for a one-sided difference: along the edge at its two ends, then along the
+                        two other axes */
 } iso_edge_stencil;
 
 static void iso_edge_border_stencil(const iso_edge_source *source, const int lower[3], int axis,
@@ -83,31 +88,31 @@ static void iso_edge_border_stencil(const iso_edge_source *source, const int low
     }
 }
 
-/* Part of a batch: what a job put into it. */
+/* The part of a batch that holds the edges of one task. */
 typedef struct iso_edge_part {
-    iso_edge_task *job;
+    iso_edge_task *task;
     int from, end;
 } iso_edge_part;
 
-/* Those of a batch, which are all next to the grid's border or none. */
+/* The parts of a batch. Their blocks are either all next to the grid's border, or none is. */
 typedef struct iso_edge_parts {
     int count;
     bool border;
     iso_edge_part part[ISO_EDGE_PARTS];
 } iso_edge_parts;
 
-/* Moves a part to its bricks' places. */
+/* Copies the points of a part to the arrays of their bricks. */
 __attribute__((always_inline)) static inline void iso_edge_scatter(const iso_edge_batch *batch,
                                                                    const iso_edge_part *part) {
-    const iso_edge_output *output = &part->job->output;
-    uint64_t lanes = part->job->lanes;
+    const iso_edge_output *output = &part->task->output;
+    uint64_t lanes = part->task->lanes;
     if (output->packed[0]) {
         for (int i = part->from; i < part->end; i++) {
             int brick = batch->x[i] >> 4;
             output->packed[brick][lanes >> (16 * brick) & 0xffff] = batch->packed[i];
             lanes += (uint64_t)1 << (16 * brick);
         }
-        part->job->lanes = lanes;
+        part->task->lanes = lanes;
         return;
     }
     for (int i = part->from; i < part->end; i++) {
@@ -119,10 +124,11 @@ __attribute__((always_inline)) static inline void iso_edge_scatter(const iso_edg
         if (output->keys[0]) output->keys[brick][place] = batch->key[i];
         lanes += (uint64_t)1 << (16 * brick);
     }
-    part->job->lanes = lanes;
+    part->task->lanes = lanes;
 }
 
-/* The bits of a block's word that are wanted and in the grid, of which `voxels` are left along x. */
+/* The bits of a block's word that are in active bricks and in the grid, which ends `voxels` after the block's
+ * first voxel. */
 static uint64_t iso_edge_columns(iso_edge_active active, int voxels) {
     uint64_t lanes = 0;
     for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++)

@@ -1,12 +1,13 @@
-/* edge_kernel: edge points of a block of four bricks (64 x 16 x 16 voxels), as fast as memory allows.
+/* edge_kernel: edge points of a block of four bricks in a row (64 x 16 x 16 voxels).
  *
  * One kernel body per voxel type (edge_kernel_body.inc), included once per instruction set; every variant
- * gives the same bytes. Work is in two steps so that the place of every point is known before it is computed:
- * `count` classifies the block's voxels into 64-bit masks and lists the non-empty words of each edge
- * direction, `fill` expands them, fetches neighbours into arrays and does the arithmetic on whole vectors.
- * Order within a brick: axis, then z, y, x of the lower voxel. Baerentzen and Christensen 2003, section 4;
- * the word lists are an idea of Flying Edges' row passes (Schroeder, Maynard and Geveci 2015) taken to bit
- * masks. */
+ * gives the same bytes. There are two steps, so that the number of points is known, and memory is allocated,
+ * before they are computed: `list_edges` classifies the block's voxels into 64-bit words, a bit per voxel,
+ * and lists the crossed edges as the non-empty words of each edge direction; `compute_points` expands the
+ * words, copies the edges' neighbouring voxels into arrays, and computes the points in whole vectors. Points
+ * are in the order of the edge's axis, then z, y, x of its lower voxel. Sources: Baerentzen and Christensen
+ * 2003, section 4; the row passes of Flying Edges (Schroeder, Maynard and Geveci 2015), here with bit masks.
+ */
 #ifndef ISO_EXTRACT_POINTS_EDGE_KERNEL_H
 #define ISO_EXTRACT_POINTS_EDGE_KERNEL_H
 
@@ -27,26 +28,26 @@ enum {
     ISO_EDGE_ROWS = ISO_BRICK * ISO_BRICK           /* words of an axis */
 };
 
-/* A row of a block is named z << 5 | y, both 0 .. 16; with ISO_EDGE_FACE, voxel x of it means voxel x + 1,
- * the first of the next brick for the last x of each. */
+/* The number of a row of a block is z << 5 | y, both 0 .. 16. With the bit ISO_EDGE_FACE, bit x of its word
+ * stands for the edge at voxel x + 1: for the last x of a brick, on the next brick's first face. */
 enum { ISO_EDGE_FACE = 1 << 10, ISO_EDGE_ROW_NAMES = 2 << 10 };
 
-/* What is extracted: a dense grid without NaN or infinity (where edges are), and a stored isovalue. */
+/* A dense grid, without NaN or infinity where edges are extracted, and the isovalue. */
 typedef struct iso_edge_source {
     const void *data;             /* of voxel 0, 0, 0 */
     ptrdiff_t stride_y, stride_z; /* elements */
     int dims[3];                  /* one past the grid's last voxel */
     float isovalue_ceil;
-    bool level_set; /* normals point to higher values */
+    bool level_set; /* normals point to higher values, else to lower ones */
     float residual; /* as in iso_threshold: the isovalue is isovalue_ceil + residual */
     int first[3];   /* the grid's first voxel: below 0 where `data` is a window into it */
-    ptrdiff_t row_offset[ISO_EDGE_ROW_NAMES]; /* set by iso_edge_source_prepare */
+    ptrdiff_t row_offset[ISO_EDGE_ROW_NAMES]; /* elements, by row number; set by iso_edge_source_prepare */
 } iso_edge_source;
 
-/* Sets row_offset; the other fields are the caller's. */
+/* Sets row_offset, after the caller has set the other fields. */
 void iso_edge_source_prepare(iso_edge_source *source);
 
-/* The non-empty words of one axis: bit x of mask is an edge at voxel x of the row. */
+/* The crossed edges along one axis, as non-empty words: bit x of mask[i] is the edge at voxel x of row[i]. */
 enum { ISO_EDGE_LIST_SLACK = 8 }; /* words written past the end of a list */
 typedef struct iso_edge_list {
     int count;
@@ -54,24 +55,24 @@ typedef struct iso_edge_list {
     uint16_t row[ISO_EDGE_ROWS + ISO_EDGE_LIST_SLACK];
 } iso_edge_list;
 
-/* A list, borrowed. */
+/* A list of edges, borrowed. */
 typedef struct iso_edge_entries {
     const uint64_t *mask;
     const uint16_t *row;
     int count;
 } iso_edge_entries;
 
-/* The active part of a block: bit k of `bricks` is brick k, bit k of `groups` row group k
- * (grids/brick_range.h) of any of them. */
+/* The part of a block that is to be extracted: bit k of `bricks` is brick k; bit k of `groups` is row group k
+ * (grids/brick_range.h), which may have edges in at least one of these bricks. */
 typedef struct iso_edge_active {
     uint16_t groups;
     uint8_t bricks;
 } iso_edge_active;
 #define ISO_EDGE_WHOLE ((iso_edge_active){.groups = 0xffff, .bricks = 15})
 
-/* For slice z (0 .. 16), a bit per row: the rows that the active groups read (0 .. 16), and the rows whose
- * edges they own (0 .. 15). */
-static inline uint32_t iso_edge_group_rows(uint32_t groups) { /* bits 0, 4, 8 and 12, each group's first */
+/* Rows of slice z (0 .. 16), a bit per row y. iso_edge_rows_read: the rows that the edges of the active
+ * groups touch (0 .. 16); iso_edge_rows_own: the rows with the lower voxels of these edges (0 .. 15). */
+static inline uint32_t iso_edge_group_rows(uint32_t groups) { /* first row of each of a slice's 4 groups */
     return (groups & 1) | (groups & 2) << 3 | (groups & 4) << 6 | (groups & 8) << 9;
 }
 static inline uint32_t iso_edge_rows_read(iso_edge_active active, int z) {
@@ -84,9 +85,10 @@ static inline uint32_t iso_edge_rows_own(iso_edge_active active, int z) {
     return iso_edge_group_rows((uint32_t)active.groups >> z / 4 * 4 & 15) * 15;
 }
 
-/* Mask words of a run of blocks along x: what `count` classifies into, kept by the caller for reuse.
- * bits[b][z * 17 + y] is row (y, z) of block b; the lowest bit of the next block's word is the voxel after
- * it, also for the last block. Bits outside the active parts are undefined. */
+/* Classified voxels of a run of blocks along x. Bit x of bits[b][z * 17 + y]: voxel x of row (y, z) of block
+ * b is at or above the isovalue. The voxel after a row is the lowest bit of the next block's word, also for
+ * the last block. Bits outside the active parts are undefined. Large: allocated once by the caller and
+ * reused. */
 enum { ISO_EDGE_SIDE = ISO_BRICK + 1, ISO_EDGE_WORD_BLOCKS = 32 };
 typedef struct iso_edge_words {
     int blocks;                                   /* 1 .. ISO_EDGE_WORD_BLOCKS */
@@ -94,30 +96,30 @@ typedef struct iso_edge_words {
     uint64_t bits[ISO_EDGE_WORD_BLOCKS + 1][ISO_EDGE_SIDE * ISO_EDGE_SIDE];
 } iso_edge_words;
 
-/* What `count` leaves for `fill`. */
+/* The crossed edges of a block. */
 typedef struct iso_edge_block {
-    int origin[3];   /* voxels; multiples of 64, 16, 16 */
+    int origin[3];   /* first voxel; multiples of 64, 16, 16 */
     unsigned bricks; /* bit k: brick k is active */
     uint32_t points[ISO_EDGE_BRICKS];
     iso_edge_list axes[3];
 } iso_edge_block;
 
-/* Where the points of the four bricks go: packed, or in floats with their keys. */
+/* Arrays for the points of the four bricks: either packed, or surfels and, if wanted, their keys. */
 typedef struct iso_edge_output {
     iso_point *packed[ISO_EDGE_BRICKS];
     iso_surfel *surfels[ISO_EDGE_BRICKS];
-    iso_edge_key *keys[ISO_EDGE_BRICKS]; /* all or none; not with packed */
+    iso_edge_key *keys[ISO_EDGE_BRICKS]; /* all or none */
 } iso_edge_output;
 
-/* Input and output of `fill` for one block: the lists of its three axes and where the points go. */
+/* Input and output of `compute_points` for one block. */
 typedef struct iso_edge_task {
     int origin[3];
     iso_edge_entries axes[3];
-    iso_edge_output output; /* only own rows with packed */
-    uint64_t lanes;         /* 0; then how many points each brick has so far, in 16 bits */
+    iso_edge_output output; /* packed: rows with ISO_EDGE_FACE and rows 16 are not possible */
+    uint64_t lanes;         /* 0; on return the number of points of each brick, 16 bits a brick */
 } iso_edge_task;
 
-/* Bits set in each 16-bit lane of a mask, lane by lane. */
+/* The number of bits that are set in each 16 bits of a mask. */
 static inline uint64_t iso_edge_lane_counts(uint64_t mask) {
     mask -= mask >> 1 & 0x5555555555555555u;
     mask = (mask & 0x3333333333333333u) + (mask >> 2 & 0x3333333333333333u);
@@ -126,14 +128,15 @@ static inline uint64_t iso_edge_lane_counts(uint64_t mask) {
 }
 
 typedef struct iso_edge_kernel {
-    /* Counts and lists the points of the active bricks of words->blocks consecutive blocks along x;
-     * blocks[0].origin names the first. Inactive row groups must have no points. */
-    void (*count)(const iso_edge_source *source, iso_edge_words *words, iso_edge_block *blocks);
-    /* Makes the points of several blocks, packed for all of them or for none: the more there are, the less
-     * each costs. Uses up `lanes`. */
-    void (*fill)(const iso_edge_source *source, iso_edge_task *jobs, int count);
-    /* The part of `count` that meshes put together anew: the mask words of a run that begins at `origin`. */
-    void (*classify)(const iso_edge_source *source, const int origin[3], iso_edge_words *words);
+    /* Classifies the voxels of words->blocks consecutive blocks along x, and lists and counts the crossed
+     * edges of their active bricks. The caller sets blocks[0].origin, words->blocks and words->active; row
+     * groups that are not active must have no crossed edges. */
+    void (*list_edges)(const iso_edge_source *source, iso_edge_words *words, iso_edge_block *blocks);
+    /* Computes the points of `count` blocks, all packed or none. Several blocks at once cost less per block.
+     */
+    void (*compute_points)(const iso_edge_source *source, iso_edge_task *tasks, int count);
+    /* Classifies only, for meshes: sets the words of a run whose first block begins at `origin`. */
+    void (*classify_voxels)(const iso_edge_source *source, const int origin[3], iso_edge_words *words);
 } iso_edge_kernel;
 
 /* The kernel for a voxel type at an instruction set, or at the best below it that this build has. Never NULL.

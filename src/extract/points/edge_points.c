@@ -1,25 +1,28 @@
-/* Edge points: the vertices of Marching Cubes without its triangles. Baerentzen and Christensen 2003, section
- * 4 (the rgridb engine): three edges a voxel, the gradient interpolated along the edge. */
+/* edge_points: edge points of one brick from its window, edge by edge, for windows that the edge kernel
+ * cannot handle (NaN, infinity, overflow). Three edges a voxel, the gradient interpolated along the edge:
+ * Baerentzen and Christensen 2003, section 4 (the rgridb engine). */
 #include "extract/points/edge_points.h"
 
 #include <float.h>
 
 #include "base/numbers.h"
 
-/* An edge from `voxel` along `axis`, its index in the window. */
+/* The edge from `voxel` along `axis`; the voxel's index in the window. */
 typedef struct edge {
     int voxel[3], axis;
     ptrdiff_t index;
 } edge;
 
-/* (isovalue - a) / (b - a), a on the lower voxel. The difference to `at` is exact when it is small; `rest`
- * carries what the float isovalue rounded away. */
-static float fraction(const iso_threshold *surface, float a, float b) {
+/* The position of the surface between the values a (at the lower voxel) and b: (isovalue - a) / (b - a). A
+ * small difference between isovalue_ceil and a is exact; `residual` adds what rounding took from the
+ * isovalue. */
+static float position_on_edge(const iso_threshold *surface, float a, float b) {
     float t = (surface->isovalue_ceil - a + surface->residual) / (b - a);
-    t = t > 0 ? t : 0; /* also for NaN, when the differences overflow */
+    t = t > 0 ? t : 0; /* 0 also for NaN, when the differences overflow */
     return t < 1 ? t : 1;
 }
 
+/* The scaled normal of a gradient whose squares leave the range of floats; false where it vanishes. */
 static bool wide_normal(const float gradient[3], float normal[3]) {
     if (!iso_unit_normal(gradient, 1, normal)) return false;
     float sum = fabsf(normal[0]) + fabsf(normal[1]) + fabsf(normal[2]);
@@ -27,9 +30,9 @@ static bool wide_normal(const float gradient[3], float normal[3]) {
     return true;
 }
 
-/* The gradient between the ends, outward, scaled to |x| + |y| + |z| = 1 so that squares stay in range;
- * where there is none the edge itself says where outside is. The operations and their order, the edge's axis
- * first, are those of edge_kernel_body.inc: both give the same bytes. */
+/* The outward gradient at t on an edge, scaled to |x| + |y| + |z| = 1 so that squares stay in range; where it
+ * vanishes, the edge's outward direction. The operations and their order, the edge's axis first, are those of
+ * edge_kernel_body.inc: both give the same bytes. */
 static void edge_normal(const iso_brick_window *window, const edge *e, const iso_threshold *surface, float t,
                         float normal[3]) {
     float low[3], high[3], gradient[3];
@@ -42,7 +45,7 @@ static void edge_normal(const iso_brick_window *window, const edge *e, const iso
     const int second = e->axis == 0 ? 1 : 0, third = e->axis == 2 ? 1 : 2;
     float sum = fabsf(gradient[e->axis]) + fabsf(gradient[second]) + fabsf(gradient[third]);
     if (!(sum > 0 && sum <= FLT_MAX)) {
-        if (wide_normal(gradient, normal)) return; /* out of the kernel's range; see edge_run.c */
+        if (wide_normal(gradient, normal)) return; /* the kernel is not used for such values (edge_run.c) */
         bool rises = !iso_threshold_inside(surface, window->values[e->index]);
         for (int axis = 0; axis < 3; axis++) normal[axis] = 0;
         normal[e->axis] = rises ? surface->normal_sign : -surface->normal_sign;
@@ -57,13 +60,14 @@ static void make_unit(float n[3]) {
     for (int axis = 0; axis < 3; axis++) n[axis] /= length;
 }
 
+/* Appends the point of an edge if the surface crosses it between finite values. */
 static void try_edge(const iso_brick_window *window, const edge *e, const iso_threshold *surface,
                      iso_edge_points *out) {
     if (e->voxel[e->axis] >= window->last[e->axis]) return;
     float a = window->values[e->index], b = window->values[e->index + iso_window_step(e->axis)];
     if (iso_threshold_inside(surface, a) == iso_threshold_inside(surface, b)) return;
     if (!isfinite(a) || !isfinite(b)) return;
-    float t = fraction(surface, a, b);
+    float t = position_on_edge(surface, a, b);
     iso_surfel *point = &out->points[out->count];
     for (int axis = 0; axis < 3; axis++) point->position[axis] = (float)e->voxel[axis];
     point->position[e->axis] += t;

@@ -5,23 +5,23 @@
 #include "extract/brick.h"
 
 enum {
-    ISO_EDGES_OWN = 3 * ISO_BRICK_VOXELS,                             /* that a brick owns */
-    ISO_EDGES_ALL = 3 * ISO_BRICK * (ISO_BRICK + 1) * (ISO_BRICK + 1) /* that its cells have */
+    ISO_EDGES_OWN = 3 * ISO_BRICK_VOXELS,                             /* edges that a brick owns */
+    ISO_EDGES_ALL = 3 * ISO_BRICK * (ISO_BRICK + 1) * (ISO_BRICK + 1) /* edges of its cells */
 };
 
-/* Where points go: room for ISO_EDGES_OWN (own edges only) or ISO_EDGES_ALL. */
+/* The caller's arrays for points, with room for ISO_EDGES_OWN (own edges only) or ISO_EDGES_ALL. */
 typedef struct iso_edge_points {
     iso_surfel *points;
     iso_edge_key *keys; /* one per point; NULL: not wanted */
     uint32_t count;
-    bool scaled; /* normals with |x| + |y| + |z| = 1, for iso_point_pack_scaled, instead of unit ones */
+    bool scaled; /* normals get |x| + |y| + |z| = 1, for iso_point_pack_scaled; else they are unit vectors */
 } iso_edge_points;
 
 /* Appends the points on edges that the brick owns, ascending in key. */
 void iso_edge_points_own(const iso_brick_window *window, const iso_threshold *surface, iso_edge_points *out);
 
-/* Appends the points on edges of the brick's cells that neighbours own: bit-identical to the neighbours'
- * points, up to the 16 voxels between the bricks; ascending in key. */
+/* Appends the points on edges of the brick's cells that neighbouring bricks own, ascending in key. They are
+ * identical to the neighbours' points, except that positions are relative to this brick. */
 void iso_edge_points_far(const iso_brick_window *window, const iso_threshold *surface, iso_edge_points *out);
 
 #endif

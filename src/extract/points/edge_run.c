@@ -1,4 +1,6 @@
-/* Neighbouring blocks are classified together, so that whole rows stream from memory; see edge_kernel.h. */
+/* edge_run: finds runs of neighbouring blocks in a list of bricks, prefetches what they read, and extracts
+ * their points with the edge kernel. Blocks of a run are classified together, so that whole rows of voxels
+ * are read in order. */
 #include "extract/points/edge_run.h"
 
 #include "grids/brick_index.h"
@@ -18,14 +20,14 @@ void iso_edge_context_init(iso_edge_context *context, const iso_rgrid *grid, con
     iso_edge_source_prepare(&context->source);
 }
 
-/* Whether the kernel's arithmetic holds for float voxels of this range: no NaN or infinity, no overflow of
- * differences. */
-static bool fits(iso_brick_range range) {
+/* Whether the kernel can work on float voxels of this range: no NaN or infinity, no overflow of differences.
+ */
+static bool range_fits_kernel(iso_brick_range range) {
     return range.finite && range.lo > -1e30f && range.hi < 1e30f;
 }
 
-/* Whether the kernel can do a brick: its edges and their gradients read voxels of the 27 bricks around it. */
-static bool kernel_can(const iso_brick_set *set, const iso_rgrid *grid, const int brick[3]) {
+/* Whether the kernel can extract a brick. Its edges and their gradients depend on the 27 bricks around it. */
+static bool brick_fits_kernel(const iso_brick_set *set, const iso_rgrid *grid, const int brick[3]) {
     if (grid->type != ISO_FLOAT32) return true;
     const iso_brick_index *index = grid->index;
     if (!index || !iso_brick_index_current(index)) return false;
@@ -37,21 +39,23 @@ static bool kernel_can(const iso_brick_set *set, const iso_rgrid *grid, const in
     for (int z = lo[2]; z <= hi[2]; z++)
         for (int y = lo[1]; y <= hi[1]; y++)
             for (int x = lo[0]; x <= hi[0]; x++)
-                if (!fits(iso_brick_index_range(index, iso_brick_index_number(index, (int[3]){x, y, z}))))
+                if (!range_fits_kernel(
+                        iso_brick_index_range(index, iso_brick_index_number(index, (int[3]){x, y, z}))))
                     return false;
     return true;
 }
 
-/* ---- which stretches */
+/* ---- finding runs */
 
-/* The rows of a brick that can have edges: without an index that is up to date, all. */
-static uint16_t groups_of(const iso_edge_walk *walk, uint32_t brick) {
+/* The row groups of a brick that can have crossed edges; all, if there is no index that is up to date. */
+static uint16_t active_groups(const iso_edge_walk *walk, uint32_t brick) {
     const iso_brick_index *index = walk->grid->index;
     if (!index || !iso_brick_index_current(index)) return ISO_EDGE_WHOLE.groups;
     return (uint16_t)iso_brick_index_groups(index, brick, walk->source->isovalue_ceil);
 }
 
-/* The longest found that starts at the next brick. */
+/* Finds the longest run that starts at the next brick. found->bricks is 0 if the kernel cannot extract that
+ * brick. */
 static void find_run(const iso_edge_walk *walk, iso_edge_brick_run *found) {
     *found = (iso_edge_brick_run){.blocks = 0};
     for (size_t i = walk->next; i < walk->count; i++) {
@@ -64,25 +68,24 @@ static void find_run(const iso_edge_walk *walk, iso_edge_brick_run *found) {
         if (at[1] != found->origin[1] || at[2] != found->origin[2]) return;
         const int block = (at[0] - found->origin[0]) / ISO_EDGE_BLOCK_X;
         if (block > found->blocks || block >= ISO_EDGE_RUN_BLOCKS) return;
-        if (!kernel_can(walk->set, walk->grid, brick)) return;
+        if (!brick_fits_kernel(walk->set, walk->grid, brick)) return;
         found->blocks = block + 1;
         found->active[block].bricks |= (uint8_t)(1u << brick[0] % ISO_EDGE_BRICKS);
-        found->active[block].groups |= groups_of(walk, walk->bricks[i]);
+        found->active[block].groups |= active_groups(walk, walk->bricks[i]);
         found->bricks++;
     }
 }
 
-/* A call that gcc cannot see into: fetching has no effect that it knows of, and is dropped with all around
- * it. */
+/* For functions that only prefetch: gcc would take them for pure functions and drop the calls. */
 #ifdef __clang__
-#define FETCHER __attribute__((noinline))
+#define PREFETCHER __attribute__((noinline))
 #else
-#define FETCHER __attribute__((noipa))
+#define PREFETCHER __attribute__((noipa))
 #endif
 
-/* Fetches into the second cache what a found will read. (Into the first, half as many lines are under way
- * at a time.) */
-FETCHER static void prefetch_run(const iso_edge_walk *walk, const iso_edge_brick_run *found) {
+/* Prefetches the voxels of a run into the second-level cache. (The first level has fewer buffers for lines
+ * that are on their way.) */
+PREFETCHER static void prefetch_run(const iso_edge_walk *walk, const iso_edge_brick_run *found) {
     const ptrdiff_t size = (ptrdiff_t)iso_type_size(walk->grid->type);
     const iso_edge_source *source = walk->source;
     const char *origin =
@@ -107,14 +110,14 @@ FETCHER static void prefetch_run(const iso_edge_walk *walk, const iso_edge_brick
     }
 }
 
-/* Where most rows are read, they are in the cache by the time that this would find out. */
+/* Whether a run has few active rows: prefetching pays only for such runs. */
 static bool is_sparse(const iso_edge_brick_run *found) {
     int groups = 0;
     for (int b = 0; b < found->blocks; b++) groups += __builtin_popcount(found->active[b].groups);
     return groups <= ISO_ROW_GROUPS / 2 * found->blocks;
 }
 
-/* What the index knows of bricks that come later still. */
+/* Prefetches the index's entries of the bricks that follow those from .. end - 1 of the list. */
 static void prefetch_index(const iso_edge_walk *walk, size_t from, size_t end) {
     enum { BRICKS = 8 };
     if (!walk->grid->index) return;
@@ -134,63 +137,65 @@ const iso_edge_brick_run *iso_edge_walk_next(iso_edge_walk *walk) {
     return walk->first < walk->end ? &walk->run[walk->first++ % (ISO_EDGE_AHEAD + 1)] : NULL;
 }
 
-/* ---- what is made of them */
+/* ---- extracting runs */
 
-/* Stretches are gathered until there is work enough: small ones cost much each. */
+/* Edges of several runs are listed before their points are computed: until there are this many blocks or
+ * points, because each call for few points is expensive. */
 enum { RUN_BLOCKS = 2 * ISO_EDGE_RUN_BLOCKS, RUN_POINTS = 2048 };
 
 typedef struct run_scratch {
     iso_edge_words words;
     iso_edge_block blocks[RUN_BLOCKS];
-    iso_edge_task jobs[RUN_BLOCKS];
+    iso_edge_task tasks[RUN_BLOCKS];
 } run_scratch;
 
 size_t iso_edge_run_scratch_bytes(void) {
     return (sizeof(run_scratch) + ISO_ALIGNMENT - 1) / ISO_ALIGNMENT * ISO_ALIGNMENT;
 }
 
-/* A run under way: blocks that are counted. */
+/* Blocks whose edges are listed, and whose points are not computed yet. */
 typedef struct edge_run {
     const iso_edge_context *context;
     run_scratch *scratch;
     iso_brick_sink *sink;
-    const uint32_t *bricks; /* the first one of those blocks */
+    const uint32_t *bricks; /* the list of bricks, from the first one of these blocks on */
     int blocks;
     size_t points;
 } edge_run;
 
-static void count_run(edge_run *run, const iso_edge_brick_run *found) {
+/* Lists the edges of another run of blocks. */
+static void list_run_edges(edge_run *run, const iso_edge_brick_run *found) {
     iso_edge_words *words = &run->scratch->words;
     iso_edge_block *blocks = run->scratch->blocks + run->blocks;
     words->blocks = found->blocks;
     for (int b = 0; b < found->blocks; b++) words->active[b] = found->active[b];
     for (int axis = 0; axis < 3; axis++) blocks[0].origin[axis] = found->origin[axis];
-    run->context->kernel->count(&run->context->source, words, blocks);
+    run->context->kernel->list_edges(&run->context->source, words, blocks);
     for (int b = 0; b < found->blocks; b++)
         for (int k = 0; k < ISO_EDGE_BRICKS; k++) run->points += blocks[b].points[k];
     run->blocks += found->blocks;
 }
 
-/* Where the points of a block go, from `room` on; returns where those of the next do. */
-static char *make_task(const iso_edge_context *context, const iso_edge_block *block, char *room,
-                       iso_edge_task *job) {
+/* Sets the task of a block, whose points are written from `room` on; returns the end of its points. */
+static char *set_task(const iso_edge_context *context, const iso_edge_block *block, char *room,
+                      iso_edge_task *task) {
     const size_t item_bytes = context->floats ? sizeof(iso_surfel) : sizeof(iso_point);
-    *job = (iso_edge_task){.origin = {block->origin[0], block->origin[1], block->origin[2]}};
+    *task = (iso_edge_task){.origin = {block->origin[0], block->origin[1], block->origin[2]}};
     for (int axis = 0; axis < 3; axis++) {
         const iso_edge_list *list = &block->axes[axis];
-        job->axes[axis] = (iso_edge_entries){list->mask, list->row, list->count};
+        task->axes[axis] = (iso_edge_entries){list->mask, list->row, list->count};
     }
     for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
         if (context->floats)
-            job->output.surfels[k] = (iso_surfel *)room;
+            task->output.surfels[k] = (iso_surfel *)room;
         else
-            job->output.packed[k] = (iso_point *)room;
+            task->output.packed[k] = (iso_point *)room;
         room += block->points[k] * item_bytes;
     }
     return room;
 }
 
-/* Shapes of a block's points; returns where the next block's go. */
+/* Computes the curvatures of a block's points; returns their end. */
 static iso_curvature *make_curvatures(const iso_edge_context *context, const iso_edge_block *block,
                                       const iso_edge_output *output, iso_curvature *curvatures) {
     const iso_threshold surface = {.isovalue_ceil = context->source.isovalue_ceil,
@@ -207,8 +212,8 @@ static iso_curvature *make_curvatures(const iso_edge_context *context, const iso
     return curvatures;
 }
 
-/* Makes the points of the blocks that are counted. */
-static void fill_blocks(edge_run *run) {
+/* Computes the points of the listed blocks and passes their bricks to the sink. */
+static void compute_blocks(edge_run *run) {
     const int count = run->blocks;
     const bool with_curvature = run->context->curvature;
     char *room = count ? iso_brick_sink_room(run->sink, 0, run->points) : NULL;
@@ -219,15 +224,15 @@ static void fill_blocks(edge_run *run) {
     if (!room || (with_curvature && !curvatures)) return;
     for (int b = 0; b < count; b++) {
         const iso_edge_block *block = &run->scratch->blocks[b];
-        room = make_task(run->context, block, room, &run->scratch->jobs[b]);
+        room = set_task(run->context, block, room, &run->scratch->tasks[b]);
         for (int k = 0; k < ISO_EDGE_BRICKS; k++)
             if (block->bricks >> k & 1)
                 iso_brick_sink_add(run->sink, *run->bricks++,
                                    &(iso_brick_output){.count = {block->points[k]}});
     }
-    run->context->kernel->fill(&run->context->source, run->scratch->jobs, count);
+    run->context->kernel->compute_points(&run->context->source, run->scratch->tasks, count);
     for (int b = 0; b < count && curvatures; b++)
-        curvatures = make_curvatures(run->context, &run->scratch->blocks[b], &run->scratch->jobs[b].output,
+        curvatures = make_curvatures(run->context, &run->scratch->blocks[b], &run->scratch->tasks[b].output,
                                      curvatures);
 }
 
@@ -237,14 +242,14 @@ void iso_edge_run(const iso_edge_context *context, const iso_brick_set *set, con
     iso_edge_walk walk = {
         .grid = context->grid, .source = &context->source, .set = set, .bricks = bricks, .count = count};
     for (const iso_edge_brick_run *found; (found = iso_edge_walk_next(&walk));) {
-        if (run.blocks + found->blocks > RUN_BLOCKS || !found->bricks) fill_blocks(&run);
+        if (run.blocks + found->blocks > RUN_BLOCKS || !found->bricks) compute_blocks(&run);
         if (iso_brick_sink_failed(sink)) return;
         if (!found->bricks) {
             iso_brick_sink_extract(sink, *run.bricks++);
             continue;
         }
-        count_run(&run, found);
-        if (run.points >= RUN_POINTS) fill_blocks(&run);
+        list_run_edges(&run, found);
+        if (run.points >= RUN_POINTS) compute_blocks(&run);
     }
-    fill_blocks(&run);
+    compute_blocks(&run);
 }

@@ -1,5 +1,5 @@
-/* edge_run: lists of bricks of an rgrid through the edge kernel, in runs of neighbouring blocks. Internal to
- * extract. */
+/* edge_run: extracts edge points of a list of an rgrid's bricks with the edge kernel, in runs of neighbouring
+ * blocks. Internal to extract. */
 #ifndef ISO_EXTRACT_POINTS_EDGE_RUN_H
 #define ISO_EXTRACT_POINTS_EDGE_RUN_H
 
@@ -8,29 +8,31 @@
 #include "extract/points/edge_kernel.h"
 #include "grids/brick_set.h"
 
-/* What runs need to know; made once per surface. */
+/* The surface and the kernel; prepared once per surface. */
 typedef struct iso_edge_context {
     const iso_rgrid *grid;
     const iso_edge_kernel *kernel;
     iso_edge_source source;
     bool floats;    /* surfels instead of packed points */
-    bool curvature; /* with each point, in the sink's second array */
+    bool curvature; /* computes a curvature for each point, in the sink's second array */
 } iso_edge_context;
 
 /* Sets `floats` and `curvature` to false. */
 void iso_edge_context_init(iso_edge_context *context, const iso_rgrid *grid, const iso_threshold *surface);
 
-/* Bricks of a list that lie in neighbouring blocks of one row, and which of their rows are looked at. */
+/* A run: bricks of a list that lie in neighbouring blocks of one row, with the row groups that can have
+ * edges. */
 enum { ISO_EDGE_RUN_BLOCKS = 8 };
 typedef struct iso_edge_brick_run {
     int origin[3]; /* of the first block, in voxels */
     int blocks;
     iso_edge_active active[ISO_EDGE_RUN_BLOCKS];
-    size_t bricks; /* 0: one that the kernel cannot do */
+    size_t bricks; /* how many; 0: the run is a single brick that the kernel cannot extract */
 } iso_edge_brick_run;
 
-/* A list of bricks, ascending, as stretches: they are found some time before their turn, so that what they
- * read is in the cache by then. Everything is borrowed. */
+/* Divides an ascending list of bricks into runs. Runs are found up to ISO_EDGE_AHEAD runs before they are
+ * returned, and their voxels are prefetched meanwhile. The caller sets grid, source, set, bricks and count,
+ * all borrowed, and the rest to 0. */
 enum { ISO_EDGE_AHEAD = 4 };
 typedef struct iso_edge_walk {
     const iso_rgrid *grid;
@@ -38,8 +40,8 @@ typedef struct iso_edge_walk {
     const iso_brick_set *set;
     const uint32_t *bricks;
     size_t count;
-    size_t next;       /* first brick that is not in a run yet; 0 at first, like the two below */
-    size_t first, end; /* stretches that are found, in a ring */
+    size_t next;       /* first brick that is not in a run yet */
+    size_t first, end; /* numbers of the runs that are found but not returned, in the ring `run` */
     iso_edge_brick_run run[ISO_EDGE_AHEAD + 1];
 } iso_edge_walk;
 
@@ -48,8 +50,8 @@ const iso_edge_brick_run *iso_edge_walk_next(iso_edge_walk *walk);
 
 size_t iso_edge_run_scratch_bytes(void);
 
-/* Does `count` ascending bricks; those whose stencils see a NaN or infinite voxel go to
- * iso_brick_sink_extract. `scratch` holds iso_edge_run_scratch_bytes() bytes, 8-byte aligned. */
+/* Extracts `count` bricks of an ascending list. Bricks whose stencils include a NaN or infinite voxel are
+ * passed to iso_brick_sink_extract. `scratch` holds iso_edge_run_scratch_bytes() bytes, 8-byte aligned. */
 void iso_edge_run(const iso_edge_context *context, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink);
 

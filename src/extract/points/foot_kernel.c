@@ -1,3 +1,5 @@
+/* foot_kernel: the neighbours of a brick, the queue's scalar helpers and the voxels that need the general
+ * arithmetic; includes the kernel body (foot_kernel_body.inc) once per instruction set. */
 #include "extract/points/foot_kernel.h"
 
 #include <math.h>
@@ -11,8 +13,9 @@
 _Alignas(64) static const float missing_row[ISO_BRICK] = SAME_16(NAN);
 _Alignas(64) static const float clamped_row[ISO_BRICK] = SAME_16(INFINITY);
 
+/* The voxels next to face `side` (-x, +x, -y, +y, -z, +z) of a brick. */
 static iso_foot_face face_of(const iso_hgrid *grid, const int cell[3], int side) {
-    static const size_t across[3] = {0xff0, 0xf00, 0x0f0}; /* what a place on a face depends on, less x */
+    static const size_t across[3] = {0xff0, 0xf00, 0x0f0}; /* offset bits of a face's axes, without x */
     int at[3] = {cell[0], cell[1], cell[2]}, axis = side / 2, up = side % 2;
     at[axis] += up ? 1 : -1;
     if (at[axis] < 0 || at[axis] >= grid->cells[axis]) return (iso_foot_face){missing_row, 0};
@@ -22,6 +25,7 @@ static iso_foot_face face_of(const iso_hgrid *grid, const int cell[3], int side)
     return (iso_foot_face){iso_hgrid_brick(grid, number) + (up ? 0 : last), across[axis]};
 }
 
+/* The brick's values or, where the brick reaches beyond the grid, a copy with NaN there. */
 static const float *pad_brick(const iso_hgrid *grid, const int cell[3], const float *values,
                               iso_foot_scratch *scratch) {
     int n[3];
@@ -41,8 +45,8 @@ void iso_foot_brick_of(const iso_hgrid *grid, const int cell[3], iso_foot_scratc
     for (int side = 0; side < 6; side++) out->face[side] = face_of(grid, cell, side);
 }
 
-/* A voxel and its neighbours as iso_foot_point takes them. */
-static void stencil_of(const iso_foot_brick *brick, size_t o, iso_foot_stencil *stencil) {
+/* Reads the voxel at offset o and its neighbours, for iso_foot_point. */
+static void read_stencil(const iso_foot_brick *brick, size_t o, iso_foot_stencil *stencil) {
     stencil->centre = brick->values[o];
     for (int axis = 0; axis < 3; axis++) {
         const iso_foot_face *low = &brick->face[2 * axis], *high = low + 1;
@@ -53,22 +57,23 @@ static void stencil_of(const iso_foot_brick *brick, size_t o, iso_foot_stencil *
     }
 }
 
-/* A unit, and where its neighbours are. */
+/* A unit (eight voxels, half a row) and its neighbours. */
 typedef struct foot_unit {
-    uint32_t hits;
-    int32_t voxel; /* its first */
+    uint32_t hits; /* bits of the voxels in the band */
+    int32_t voxel; /* number of its first voxel in the brick */
     const float *here, *low_y, *high_y, *low_z, *high_z;
-    const float *before, *after; /* the voxels before its first and after its last */
+    const float *before, *after; /* the voxels before its first and after its last along x */
 } foot_unit;
 
-/* Where the x neighbours of a unit's ends are: inside the brick or at its face. Looked up rather than
- * decided, since it cannot be predicted; a face is only read for a voxel in the band, as each row of it is
- * one more line of memory. */
+/* The x neighbours of a unit's ends: before[half], after[half] for the two halves of a row. They lie in the
+ * brick or beyond its face. A table instead of branches, which could not be predicted. A face is looked up
+ * only for a voxel in the band (else the entry inside the brick is taken), because each of its rows is
+ * another cache line. */
 typedef struct foot_ends {
     iso_foot_face before[2], after[2];
 } foot_ends;
 
-static inline foot_ends ends_of(const iso_foot_brick *brick) {
+static inline foot_ends unit_ends(const iso_foot_brick *brick) {
     const iso_foot_face low = {brick->values + 7, 0xff0}, high = {brick->values + 8, 0xff0};
     return (foot_ends){{brick->face[0], low}, {high, brick->face[1]}};
 }
@@ -89,11 +94,11 @@ static inline foot_unit unit_of(const iso_foot_scratch *scratch, const foot_ends
                        .after = after->base + (o & after->mask)};
 }
 
-/* Into the second cache. */
-#define FETCH(place) __builtin_prefetch(place, 0, 1)
+/* Prefetches a cache line into the second-level cache. */
+#define PREFETCH(place) __builtin_prefetch(place, 0, 1)
 
-/* Numbers of the bits that are set, four at a time so that one branch decides. Room for four more is needed.
- */
+/* Lists the positions of the set bits, plus `first`; returns how many. Writes four at a time, to need fewer
+ * branches: `list` needs room for four more items. */
 static inline uint32_t list_bits(uint64_t bits, uint32_t first, uint16_t *list) {
     const uint32_t count = (uint32_t)__builtin_popcountll(bits);
     for (uint32_t n = 0; n < count; n += 4)
@@ -104,11 +109,12 @@ static inline uint32_t list_bits(uint64_t bits, uint32_t first, uint16_t *list) 
     return count;
 }
 
-/* Queued voxels whose stencil is not that of a distance field, or which has a neighbour missing, are marked
- * and get harmless differences instead. */
+/* The bit that marks irregular voxels of the queue: iso_foot_is_regular is false for them, because the
+ * gradient is not that of a distance field or a neighbour is missing. */
 enum { IRREGULAR = ISO_BRICK_VOXELS };
 
-static void set_irregular_aside(iso_foot_scratch *scratch, uint32_t queued) {
+/* Marks the irregular voxels, and replaces their differences by 1 so that the vectors can be computed. */
+static void mark_irregular(iso_foot_scratch *scratch, uint32_t queued) {
     for (uint32_t i = 0; i < queued; i++) {
         const float x = scratch->queue[1][i], y = scratch->queue[2][i], z = scratch->queue[3][i];
         if (iso_foot_is_regular(0.25f * (x * x + y * y + z * z))) continue;
@@ -118,9 +124,10 @@ static void set_irregular_aside(iso_foot_scratch *scratch, uint32_t queued) {
     }
 }
 
-/* Each of those again by itself; the others close up in place. */
-static void settle_irregular(const iso_foot_surface *surface, const iso_foot_brick *brick,
-                             iso_foot_scratch *scratch, uint32_t queued, iso_foot_output *output) {
+/* Replaces the points of the marked voxels by those of iso_foot_point, or removes them where that rejects the
+ * voxel; closes the gaps in the output and in scratch->voxel, and sets output->count. */
+static void replace_irregular(const iso_foot_surface *surface, const iso_foot_brick *brick,
+                              iso_foot_scratch *scratch, uint32_t queued, iso_foot_output *output) {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < queued; i++) {
         if (!(scratch->voxel[i] & IRREGULAR)) {
@@ -132,7 +139,7 @@ static void settle_irregular(const iso_foot_surface *surface, const iso_foot_bri
         iso_foot_stencil stencil;
         iso_surfel surfel;
         const int32_t voxel = scratch->voxel[i] & ~IRREGULAR;
-        stencil_of(brick, (size_t)voxel, &stencil);
+        read_stencil(brick, (size_t)voxel, &stencil);
         if (!iso_foot_point(surface, &stencil, &surfel)) continue;
         if (output->packed) output->packed[kept] = iso_point_pack(&surfel);
         if (output->surfels) output->surfels[kept] = surfel;
@@ -141,6 +148,7 @@ static void settle_irregular(const iso_foot_surface *surface, const iso_foot_bri
     output->count = kept;
 }
 
+/* The number of the brick's voxels in the band. */
 static uint32_t count_hits(const iso_foot_scratch *scratch) {
     uint32_t count = 0;
     for (int i = 0; i < ISO_FOOT_UNITS; i += 8) {

@@ -1,11 +1,13 @@
-/* Foot points, Baerentzen and Christensen 2003, section 4: eq. 1 for distance fields, eq. 2 iterated for any
- * scalar field. The band [0, sqrt 3) holds every voxel on the outer side that belongs to a crossed cell. */
+/* foot_points: foot points voxel by voxel, by eq. 1 for distance fields, and by iterating eq. 2 for any
+ * scalar field (Baerentzen and Christensen 2003, section 4). The band of distances [0, sqrt 3) contains every
+ * corner of a crossed cell on the outer side. */
 #include "extract/points/foot_points.h"
 
 #include <string.h>
 
 static const float BAND = 1.7320508f; /* sqrt 3, voxels */
-static const double REACH = 2; /* voxels from the seed; beyond sqrt 3, as the field need not be a distance */
+static const double REACH =
+    2; /* voxels from the seed; more than sqrt 3, as the field may not be a distance */
 static const int MOST_STEPS = 10;
 static const double CONVERGED = 1e-4; /* voxels */
 
@@ -18,7 +20,7 @@ static int last_voxel(const iso_brick_window *window, int axis) {
     return window->last[axis] < ISO_BRICK - 1 ? window->last[axis] : ISO_BRICK - 1;
 }
 
-/* Floats to integers in the same order, and back. */
+/* in_order, order_of: map floats to integers in the same order; float_of: the inverse. */
 static int32_t in_order(int32_t bits) {
     return bits < 0 ? bits ^ INT32_MAX : bits;
 }
@@ -35,8 +37,8 @@ static int32_t order_of(float value) {
     return in_order(bits);
 }
 
-/* The lowest float from `at` on that is not in the band; distances grow with values, so that halving finds
- * it. */
+/* The lowest float from the isovalue on that is not in the band. By bisection over floats, as distances grow
+ * with values. */
 static float band_top(const iso_threshold *surface) {
     if (!in_band(surface, surface->isovalue_ceil)) return surface->isovalue_ceil;
     int64_t in = order_of(surface->isovalue_ceil), out = order_of(INFINITY);
@@ -107,18 +109,18 @@ void iso_foot_points_direct(const iso_brick_window *window, const iso_foot_surfa
 }
 
 bool iso_foot_points_may_exist(const iso_grid *grid, const iso_threshold *surface, const int brick[3]) {
-    if (grid->hgrid) /* whether its brick has voxels in the band is for the kernel to find out */
+    if (grid->hgrid) /* any cell with a brick: the kernel looks for voxels in the band */
         return grid->hgrid->cell[iso_hgrid_cell_index(grid->hgrid, brick[0], brick[1], brick[2])] >= 0;
     float top = surface->isovalue_ceil + 1.75f; /* a little above sqrt 3: rounding must not lose a voxel */
     if (iso_grid_brick_may_cross(grid, brick, surface->isovalue_ceil) ||
         iso_grid_brick_may_cross(grid, brick, top))
         return true;
-    /* all finite voxels are below `at`, between the two or above `top` together */
+    /* all finite voxels are together below the isovalue, in the band, or at or above its top */
     float value = iso_grid_at(grid, ISO_BRICK * brick[0], ISO_BRICK * brick[1], ISO_BRICK * brick[2]);
     return !isfinite(value) || (value >= surface->isovalue_ceil && value < top);
 }
 
-/* Whether cell (x, y, z) of the window has finite corners on both sides. */
+/* Whether the surface crosses a cell of the window and all its corners are finite. */
 static bool cell_is_crossed(const iso_brick_window *window, const iso_threshold *surface, const int cell[3]) {
     int inside = 0;
     for (int axis = 0; axis < 3; axis++)
@@ -132,6 +134,7 @@ static bool cell_is_crossed(const iso_brick_window *window, const iso_threshold 
     return inside > 0 && inside < 8;
 }
 
+/* Whether a voxel is on the outer side and a corner of a crossed cell: iteration starts from such voxels. */
 static bool is_seed(const iso_brick_window *window, const iso_threshold *surface, const int voxel[3]) {
     float value = window->values[iso_window_index(voxel[0], voxel[1], voxel[2])];
     if (!isfinite(value)) return false;
@@ -148,7 +151,7 @@ static bool inside_volume(const int *dims, iso_vec3 p) {
     return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x <= dims[0] - 1 && p.y <= dims[1] - 1 && p.z <= dims[2] - 1;
 }
 
-/* Walks p to the surface; false when it does not get there within REACH of where it started. */
+/* Moves p to the surface by repeating eq. 2; false when it does not arrive within REACH of its start. */
 static bool iterate(const iso_grid *grid, double isovalue, iso_vec3 *p, iso_vec3 *gradient) {
     const int *dims = iso_grid_dims(grid);
     iso_vec3 seed = *p;

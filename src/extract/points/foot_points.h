@@ -4,12 +4,11 @@
 
 #include "extract/brick.h"
 
-/* The surface of a distance field, and which voxels have foot points. `band`: magnitude at and above which
- * stored distances are clamped; INFINITY when they are not. */
+/* The surface of a distance field, and which voxels have foot points. */
 typedef struct iso_foot_surface {
     float isovalue_ceil, residual, normal_sign; /* as in iso_threshold */
-    float top; /* v is in the band [0, sqrt 3) of distances exactly when at <= v < top */
-    float band;
+    float top;  /* a value v is in the band [0, sqrt 3) of distances exactly when isovalue_ceil <= v < top */
+    float band; /* the magnitude from which on stored distances are clamped; INFINITY: none are */
 } iso_foot_surface;
 
 iso_foot_surface iso_foot_surface_of(const iso_threshold *surface, float band);
@@ -20,6 +19,7 @@ typedef struct iso_foot_stencil {
     float centre, low[3], high[3];
 } iso_foot_stencil;
 
+/* Whether a value of the stencil is clamped; such voxels have no foot point. */
 static inline bool iso_foot_is_clamped(float band, const iso_foot_stencil *s) {
     bool clamped = fabsf(s->centre) >= band;
     for (int axis = 0; axis < 3; axis++)
@@ -27,8 +27,9 @@ static inline bool iso_foot_is_clamped(float band, const iso_foot_stencil *s) {
     return clamped;
 }
 
-/* Whether a gradient of this squared length, made of central differences only (else it is NaN), is that of a
- * distance field, and the plain arithmetic of iso_foot_point holds. */
+/* Whether a voxel can be computed without special cases, given the squared length of its gradient by central
+ * differences: the length is that of a distance field, and no neighbour is missing (the square would be NaN).
+ */
 static inline bool iso_foot_is_regular(float squared) {
     return squared >= 0.25f && squared < 1e30f;
 }
@@ -36,22 +37,22 @@ static inline bool iso_foot_is_regular(float squared) {
 /* The foot point of a voxel in the band; false when it is rejected. */
 bool iso_foot_point(const iso_foot_surface *surface, const iso_foot_stencil *stencil, iso_surfel *point);
 
-/* Room for ISO_BRICK_VOXELS points is needed. */
+/* The caller's arrays, with room for ISO_BRICK_VOXELS points. */
 typedef struct iso_foot_points {
     iso_surfel *points;
-    int32_t *voxels; /* whose each is, z << 8 | y << 4 | x; NULL: not wanted */
+    int32_t *voxels; /* the voxel of each point, z << 8 | y << 4 | x; NULL: not wanted */
     uint32_t count, rejected;
 } iso_foot_points;
 
-/* Foot points of a distance field by eq. 1, of the brick's voxels in z, y, x order. The plain way: what
- * extract/points/foot_kernel.h does faster for an hgrid, with the same bytes. */
+/* Foot points of a distance field by eq. 1, in z, y, x order of the brick's voxels. For the bricks of an
+ * hgrid, foot_kernel.h gives the same bytes faster. */
 void iso_foot_points_direct(const iso_brick_window *window, const iso_foot_surface *surface,
                             iso_foot_points *out);
 
-/* Whether the brick may have any: much faster than trying. */
+/* Whether the brick may have foot points by eq. 1: a quick test of its range of values. */
 bool iso_foot_points_may_exist(const iso_grid *grid, const iso_threshold *surface, const int brick[3]);
 
-/* Foot points of any scalar field by iterating eq. 2 on `grid`, which the window is from. */
+/* Foot points of any scalar field by iterating eq. 2. The window must be of `grid`. */
 void iso_foot_points_iterated(const iso_grid *grid, const iso_brick_window *window,
                               const iso_threshold *surface, iso_foot_points *out);
 

@@ -1,3 +1,5 @@
+/* points: the set of points of a grid: connects the extraction of edge points, foot points and curvatures to
+ * the brick set. */
 #include "extract/points/points.h"
 
 #include <stddef.h>
@@ -10,7 +12,7 @@
 #include "extract/span_bounds.h"
 #include "grids/brick_set.h"
 
-/* One worker's. */
+/* The working memory of one worker. */
 typedef struct point_scratch {
     iso_brick_window window;
     iso_surfel surfels[ISO_EDGES_OWN];
@@ -82,9 +84,10 @@ static float edges_isovalue(const void *context) {
     return ((const iso_point_set *)context)->surface.isovalue_ceil;
 }
 
-/* One worker's memory serves the kernel and, for bricks it cannot do, the plain code. */
-static void run_edges(const void *context, const uint32_t *bricks, size_t count, void *scratch,
-                      iso_brick_sink *sink) {
+/* Extracts edge points with the kernel. The worker's memory holds a point_scratch, for bricks that the kernel
+ * passes to extract_edges, and then the kernel's. */
+static void extract_edge_bricks(const void *context, const uint32_t *bricks, size_t count, void *scratch,
+                                iso_brick_sink *sink) {
     const iso_point_set *points = context;
     iso_edge_run(&points->context, &points->set, bricks, count, (char *)scratch + sizeof(point_scratch),
                  sink);
@@ -117,7 +120,7 @@ static const float *values_of(const iso_point_set *points, uint32_t brick) {
     return iso_hgrid_brick(grid, grid->cell[brick]);
 }
 
-/* What run_feet works in. */
+/* The working memory of extract_foot_bricks. */
 typedef struct feet_scratch {
     iso_foot_scratch kernel;
     iso_brick_window window;
@@ -133,9 +136,9 @@ static void add_foot_curvatures(const iso_point_set *points, const int brick[3],
     iso_curvatures_of_feet(&source, &made, &from, curvatures);
 }
 
-/* The next brick of the list is fetched into the cache meanwhile. */
-static void run_feet(const void *context, const uint32_t *bricks, size_t count, void *memory,
-                     iso_brick_sink *sink) {
+/* Extracts foot points of bricks of an hgrid with the kernel; the next brick is prefetched meanwhile. */
+static void extract_foot_bricks(const void *context, const uint32_t *bricks, size_t count, void *memory,
+                                iso_brick_sink *sink) {
     const iso_point_set *points = context;
     feet_scratch *scratch = memory;
     for (size_t i = 0; i < count && !iso_brick_sink_failed(sink); i++) {
@@ -202,7 +205,7 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
         kernel.may_exist = feet_may_exist;
         kernel.extract = extract_feet;
         if (!dense) {
-            kernel.extract_many = run_feet;
+            kernel.extract_many = extract_foot_bricks;
             kernel.scratch_bytes = sizeof(feet_scratch);
             kernel.bricks_only = true;
         }
@@ -217,7 +220,7 @@ static iso_brick_kernel kernel_of(const iso_points_opts *opts, bool dense) {
         kernel.may_exist = edges_may_exist;
         kernel.extract = extract_edges;
         if (dense) {
-            kernel.extract_many = run_edges;
+            kernel.extract_many = extract_edge_bricks;
             kernel.isovalue = edges_isovalue;
             kernel.scratch_bytes += iso_edge_run_scratch_bytes();
         }

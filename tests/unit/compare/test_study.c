@@ -189,7 +189,7 @@ static void light_is_what_the_header_says(void **state) {
     static float color[3 * SIDE * SIDE];
     assert_int_equal(iso_study_frame_create(SIDE, true, &frame, NULL), ISO_OK);
     assert_int_equal(iso_study_draw(&f.subject, iso_renderer_truth(), &view, &look, &frame, NULL), ISO_OK);
-    iso_study_light(&frame, &view, &look, color);
+    iso_study_shade(&frame, &view, &look, color);
     near((double)color[0], 31, 0);
     near((double)color[2], 41, 0);
     near((double)color[3 * MIDDLE], 100 * 0.95 + 0.3 * 255, 0.5);
@@ -197,7 +197,7 @@ static void light_is_what_the_header_says(void **state) {
     near((double)color[3 * MIDDLE + 2], 50 * 0.95 + 0.3 * 255, 0.5);
     for (int i = 0; i < 3; i++) frame.aov.normal[i][MIDDLE] *= -1; /* both sides are lit */
     static float turned[3 * SIDE * SIDE];
-    iso_study_light(&frame, &view, &look, turned);
+    iso_study_shade(&frame, &view, &look, turned);
     assert_memory_equal(color, turned, sizeof color);
     iso_study_frame_free(&frame);
     close_scene(&f);

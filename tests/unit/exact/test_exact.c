@@ -386,7 +386,7 @@ static void same_when_painted(const iso_grid *grid, double isovalue, const iso_v
         for (int threads = 0; threads < 2; threads++) {
             iso_cpu_limit(level);
             memset(got.rgba, 0x5a, bytes);
-            const iso_exact_canvas canvas = {view, shading, &got, threads ? pool : NULL};
+            const iso_exact_picture canvas = {view, shading, &got, threads ? pool : NULL};
             test_ok(iso_paint_exact(&canvas, exact, &covered, &error), &error);
             assert_memory_equal(got.rgba, wanted.rgba, bytes);
             assert_int_equal(covered, test_covered(&gbuffer));
@@ -484,7 +484,7 @@ static void updates_equal_rebuilding(void **state) {
             }
         }
         assert_true(partial > 6); /* not everything, every time */
-        iso_exact_isovalue(exact, isovalue + 0.5);
+        iso_exact_set_isovalue(exact, isovalue + 0.5);
         test_ok(iso_exact_update(exact, &error), &error);
         iso_gbuffer got = empty_picture(&view), wanted = picture_of(&grid, isovalue + 0.5, &view, NULL);
         draw_exact(exact, &view, &got, NULL);
@@ -631,7 +631,7 @@ static void isovalues_must_be_finite(void **state) {
     assert_null(exact);
     opts.isovalue = 1;
     assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
-    iso_exact_isovalue(exact, INFINITY);
+    iso_exact_set_isovalue(exact, INFINITY);
     assert_int_equal(iso_exact_update(exact, NULL), ISO_ERR_USAGE);
     iso_exact_destroy(exact);
     iso_exact_destroy(NULL);

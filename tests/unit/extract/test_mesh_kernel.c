@@ -78,8 +78,8 @@ static void make_block(const iso_mesh_context *context, int number, bench_of_tes
         output.keys[k] = bench->made[k].keys;
         output.triangles[k] = bench->made[k].triangles;
     }
-    context->kernel->list(&context->source, &bench->words, number, block);
-    iso_mesh_kernel_fill(context->kernel, context->edges, &context->source, block, &output);
+    context->kernel->list_block(&context->source, &bench->words, number, block);
+    iso_mesh_kernel_build(context->kernel, context->edges, &context->source, block, &output);
     for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
         bench->made[k].owned_count = block->own[k];
         bench->made[k].vertex_count = block->own[k] + block->far[k];
@@ -126,7 +126,7 @@ static size_t check_grid(const iso_grid *grid, double isovalue, iso_cpu_level le
             const int origin[3] = {0, y, z};
             bench->words.blocks = (dims[0] + ISO_EDGE_BLOCK_X - 1) / ISO_EDGE_BLOCK_X;
             for (int b = 0; b < bench->words.blocks; b++) bench->words.active[b] = ISO_EDGE_WHOLE;
-            context.edges->classify(&context.source, origin, &bench->words);
+            context.edges->classify_voxels(&context.source, origin, &bench->words);
             for (int b = 0; b < bench->words.blocks; b++) {
                 memcpy(bench->block.origin, (int[3]){b * ISO_EDGE_BLOCK_X, y, z}, sizeof(int[3]));
                 bench->block.bricks = wanted;
