@@ -27,8 +27,8 @@ extern "C" {
 
 typedef struct iso_brick_index iso_brick_index;
 
-/* Reads the whole grid, which is borrowed until the index is destroyed. `pool` may be NULL. ISO_ERR_NOMEM.
- * Most callers want iso_brick_index_of instead. */
+/* Creates an index by reading the whole grid, which is borrowed until the index is destroyed. `pool` may be
+ * NULL. ISO_ERR_NOMEM. Most callers should use iso_brick_index_of instead. */
 iso_status iso_brick_index_create(const iso_rgrid *grid, iso_pool *pool, iso_brick_index **index,
                                   iso_error *error);
 void iso_brick_index_destroy(iso_brick_index *index);
@@ -49,9 +49,10 @@ bool iso_brick_index_current(const iso_brick_index *index);
 iso_status iso_brick_index_of(iso_rgrid *grid, iso_pool *pool, const iso_brick_index **index,
                               iso_error *error);
 
-/* The number of a brick: (z * bricks_y + y) * bricks_x + x. */
+/* Returns the number of a brick: (z * bricks_y + y) * bricks_x + x. */
 uint32_t iso_brick_index_number(const iso_brick_index *index, const int brick[3]);
 
+/* Return the range of a brick, and whether a stored isovalue crosses it. */
 iso_brick_range iso_brick_index_range(const iso_brick_index *index, uint32_t brick);
 bool iso_brick_index_crosses(const iso_brick_index *index, uint32_t brick, float isovalue);
 
@@ -63,7 +64,7 @@ uint32_t iso_brick_index_groups(const iso_brick_index *index, uint32_t brick, fl
 /* Prefetches the data of a brick into the processor's cache. */
 void iso_brick_index_fetch(const iso_brick_index *index, uint32_t brick);
 
-/* The smallest and the largest finite value of the grid; *lo > *hi if there is none. */
+/* Computes the smallest and the largest finite value of the grid; *lo > *hi if there is none. */
 void iso_brick_index_extremes(const iso_brick_index *index, double *lo, double *hi);
 
 /* Whether all voxels in the brick's range are finite. */
@@ -72,7 +73,7 @@ bool iso_brick_index_finite(const iso_brick_index *index, uint32_t brick);
 /* The result of a query; its memory is reused by the next query. Zero-initialise; iso_brick_query_free when
  * done. */
 typedef struct iso_brick_query {
-    iso_buffer bricks; /* `count` numbers (uint32_t), ascending */
+    iso_buffer bricks; /* the numbers (uint32_t) of the `count` bricks found, ascending */
     size_t count;
     size_t visited; /* entries of the index that the query read, for tests and benchmarks */
     iso_buffer scratch;
@@ -85,7 +86,7 @@ void iso_brick_query_free(iso_brick_query *query);
 
 size_t iso_brick_index_bricks(const iso_brick_index *index);  /* number of bricks of the grid */
 size_t iso_brick_index_pending(const iso_brick_index *index); /* number of edited bricks outside the tree */
-size_t iso_brick_index_bytes(const iso_brick_index *index);   /* memory of the index */
+size_t iso_brick_index_bytes(const iso_brick_index *index);   /* size of the index in bytes */
 
 /* Returns the largest memory, in bytes, that creating the index of a grid of this size (in voxels) takes,
  * including the index itself. */

@@ -16,7 +16,7 @@
 
 /* A range of stored values; exact for every type. */
 typedef struct iso_brick_range {
-    float lo, hi; /* of the finite voxels; +infinity and -infinity when there are none */
+    float lo, hi; /* the smallest and largest finite voxel; +infinity and -infinity if there is none */
     bool finite;  /* no voxel is NaN or infinite */
 } iso_brick_range;
 
@@ -41,7 +41,7 @@ static inline uint8_t iso_range_step(float value, float lo, float scale) {
     return (uint8_t)(int)(step < 255 ? step : 255);
 }
 
-/* The result for one brick. */
+/* The ranges of one brick and of its row groups. */
 typedef struct iso_brick_reading {
     iso_brick_range range;
     iso_group_ranges groups;

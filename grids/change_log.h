@@ -1,4 +1,4 @@
-/* change_log: which cells of a grid changed in which edit.
+/* change_log: records which cells of a grid were changed by which edit.
  *
  * Edits are numbered. A consumer (points, mesh, GPU buffers) remembers the number of the last edit that it
  * has processed, asks for the changes since then and adds its own halo; it never scans the grid. Any number
@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-/* The box of voxels lo..hi of a cell (inclusive, 0..15) that an edit may have changed. */
+/* A change: the box of voxels lo..hi of a cell (inclusive, 0..15) that an edit may have changed. */
 typedef struct iso_change {
     uint64_t edit; /* the edit's number, 1 and up */
     uint32_t cell; /* (z * cells_y + y) * cells_x + x */

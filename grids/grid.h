@@ -24,7 +24,7 @@ const iso_transform *iso_grid_transform(const iso_grid *grid);
 iso_change_log *iso_grid_log(const iso_grid *grid);
 double iso_grid_stored(const iso_grid *grid, double physical); /* the stored value of a physical one */
 double iso_grid_physical(const iso_grid *grid, double stored);
-/* The physical value of one stored unit: the scale of an rgrid, the voxel size of an hgrid in mm. */
+/* Returns the physical value of one stored unit: the scale of an rgrid, the voxel size of an hgrid in mm. */
 double iso_grid_scale(const iso_grid *grid);
 int iso_grid_is_level_set(const iso_grid *grid); /* inside is below the isovalue; always for an hgrid */
 void iso_grid_bricks(const iso_grid *grid, int bricks[3]); /* ceil(dims / 16) */

@@ -26,7 +26,7 @@ extern "C" {
 
 const char *iso_type_name(iso_type type); /* "uint8", "int16", "uint16", "float32" */
 
-/* Bytes of one voxel. */
+/* Returns the size of a voxel in bytes. */
 static inline size_t iso_type_size(iso_type type) {
     return type == ISO_UINT8 ? 1 : type == ISO_FLOAT32 ? 4 : 2;
 }
@@ -55,15 +55,16 @@ typedef struct iso_rgrid_desc {
     int dims[3];
     iso_type type;
     void *data;                   /* lent, contiguous; NULL: the grid allocates it, uninitialised */
-    void (*release)(void *owner); /* of lent data: called by destroy, or when create fails; may be NULL */
+    void (*release)(void *owner); /* releases lent data: called by iso_rgrid_destroy, or when creating the
+                                     grid fails; may be NULL */
     void *owner;
     double scale, offset;           /* scale 0 means 1 */
     const iso_transform *transform; /* NULL: identity */
     int level_set;
 } iso_rgrid_desc;
 
-/* ISO_ERR_FORMAT: a dimension below 1, a size that overflows, a negative scale or a singular transform;
- * ISO_ERR_LIMIT: more than 2^32 bricks; ISO_ERR_NOMEM. */
+/* Creates a grid. ISO_ERR_FORMAT: a dimension below 1, a size that overflows, a negative scale or a singular
+ * transform; ISO_ERR_LIMIT: more than 2^32 bricks; ISO_ERR_NOMEM. */
 iso_status iso_rgrid_create(const iso_rgrid_desc *desc, iso_rgrid **grid, iso_error *error);
 void iso_rgrid_destroy(iso_rgrid *grid);
 
