@@ -56,9 +56,12 @@ static void get_cell_voxel(const iso_exact_scratch *scratch, int cell, int voxel
 
 /* Whether a block's cells get outlines: they are large, and far enough from the eye for the directions of
  * rays to differ little within a cell. */
-static bool has_outlines(const iso_exact_projection *projection, const iso_exact_block_projection *view) {
-    if (view->near || view->clip || view->cell_pixels < ISO_EXACT_OUTLINED_CELL) return false;
-    return !projection->perspective || view->depth > 48 * projection->half_depth;
+static bool has_outlines(const iso_exact_projection *projection,
+                         const iso_exact_block_projection *block_projection) {
+    if (block_projection->near || block_projection->clip ||
+        block_projection->cell_pixels < ISO_EXACT_OUTLINED_CELL)
+        return false;
+    return !projection->perspective || block_projection->depth > 48 * projection->half_depth;
 }
 
 /* Moves the lowest bits of `bits` to the positions of the set bits of `mask`, as the instruction pdep does.

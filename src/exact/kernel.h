@@ -143,7 +143,7 @@ typedef struct iso_exact_scratch {
     const iso_exact_span *span;
     const iso_exact_block *block;
     const void *corners;
-    iso_exact_block_projection view;
+    iso_exact_block_projection block_projection;
     int clip[4];                            /* pixels x0 x1 y0 y1 of the block in the band */
     uint16_t position[ISO_EXACT_CELL_ROOM]; /* in the block: z << 6 | y << 3 | x */
     iso_exact_cell record[ISO_EXACT_CELL_ROOM];

@@ -228,7 +228,7 @@ iso_exact_block_projection iso_exact_project_block(const iso_exact_projection *p
     for (int i = 0; i < 3; i++)
         index[i] = (double)ISO_BRICK * span->brick[i] + block->origin[i] + 0.5 * ISO_EXACT_SIDE;
     transform_to_view(projection, index, p);
-    iso_exact_block_projection view = {
+    iso_exact_block_projection result = {
         .near = projection->perspective && p[2] < reach + 2 * projection->half_depth,
         .clip = p[2] - reach < near,
         .focal = (float)focal,
@@ -236,28 +236,28 @@ iso_exact_block_projection iso_exact_project_block(const iso_exact_projection *p
         .relative = (float)(p[2] - projection->middle),
         .behind = (float)fmin(p[2] - near, FLT_MAX),
     };
-    for (int i = 0; i < 3; i++) view.along[i] = (float)m[6 + i];
+    for (int i = 0; i < 3; i++) result.along[i] = (float)m[6 + i];
     for (int k = 0; k < 2; k++) {
-        view.origin[k] = projection->axis[k];
-        view.off_axis[k] = (float)projection->offset[k];
+        result.origin[k] = projection->axis[k];
+        result.off_axis[k] = (float)projection->offset[k];
     }
-    if (view.near) return view;
-    view.cell_pixels = 1;
+    if (result.near) return result;
+    result.cell_pixels = 1;
     for (int k = 0; k < 2; k++) {
         const double size = fabs(m[3 * k]) + fabs(m[3 * k + 1]) + fabs(m[3 * k + 2]);
-        view.cell_pixels *= (float)(size * focal / (projection->perspective ? p[2] : 1));
+        result.cell_pixels *= (float)(size * focal / (projection->perspective ? p[2] : 1));
         const double reference = projection->perspective ? (float)(p[k] / p[2]) : 0;
         const double projected = focal * (projection->perspective ? reference : p[k]),
                      pixel = floor(projected);
-        view.origin[k] = projection->axis[k] + (int)pixel;
-        view.off_axis[k] = (float)(pixel + projection->offset[k]);
-        view.place[k] = (float)(projected - pixel - projection->offset[k]);
-        view.residue[k] = projection->perspective ? (float)(p[k] - reference * p[2]) : 0;
-        view.reference[k] = (float)reference;
+        result.origin[k] = projection->axis[k] + (int)pixel;
+        result.off_axis[k] = (float)(pixel + projection->offset[k]);
+        result.place[k] = (float)(projected - pixel - projection->offset[k]);
+        result.residue[k] = projection->perspective ? (float)(p[k] - reference * p[2]) : 0;
+        result.reference[k] = (float)reference;
         for (int i = 0; i < 3; i++) {
-            view.across[k][i] = (float)m[3 * k + i];
-            view.sheared[k][i] = (float)(m[3 * k + i] - reference * m[6 + i]);
+            result.across[k][i] = (float)m[3 * k + i];
+            result.sheared[k][i] = (float)(m[3 * k + i] - reference * m[6 + i]);
         }
     }
-    return view;
+    return result;
 }

@@ -123,8 +123,7 @@ static iso_status reserve_points(collector *points, size_t count, const char *pa
     return iso_fail(error, status, "%s: out of memory for %zu points", path, count);
 }
 
-/* Reads the vertices. For a regular file, the header's count was checked against the file's size, and memory
- * is allocated at once; for a pipe, memory grows with what is read. */
+/* Reads the vertices. The header's count is checked against the file's size before memory is allocated. */
 static iso_status read_points(iso_ply *ply, const iso_ply_element *element, collector *points,
                               iso_error *error) {
     int slot[ISO_PLY_PROPERTIES];
@@ -133,15 +132,10 @@ static iso_status read_points(iso_ply *ply, const iso_ply_element *element, coll
     if (element->count > UINT32_MAX)
         return iso_fail(error, ISO_ERR_LIMIT, "%s: more than %lu points", ply->path,
                         (unsigned long)UINT32_MAX);
-    size_t room = ply->remaining == UINT64_MAX && element->count > 65536 ? 65536 : (size_t)element->count;
-    ISO_TRY(reserve_points(points, room, ply->path, error));
+    ISO_TRY(reserve_points(points, (size_t)element->count, ply->path, error));
     for (uint64_t i = 0; i < element->count; i++) {
         double values[VALUES] = {0};
         ISO_TRY(read_values(ply, element, slot, values, error));
-        if (points->count == room) {
-            room = room > element->count / 2 ? (size_t)element->count : 2 * room;
-            ISO_TRY(reserve_points(points, room, ply->path, error));
-        }
         iso_surfel *surfel = (iso_surfel *)points->surfels.data + points->count;
         if (!make_point(values, surfel, (float *)points->radii.data + points->count)) continue;
         if (points->colored)
