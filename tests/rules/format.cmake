@@ -1,4 +1,5 @@
-# Sources are formatted by .clang-format and no source is longer than 800 lines (headers: 300).
+# Sources are formatted by .clang-format, no source is longer than 800 lines (headers: 300), and no line than 110
+# characters.
 # Usage: cmake -DROOT=... -DCLANG_FORMAT=... -P format.cmake
 cmake_minimum_required(VERSION 3.25)
 set(bad "")
@@ -24,6 +25,10 @@ execute_process(COMMAND ${CLANG_FORMAT} --dry-run --Werror ${files} WORKING_DIRE
 if(result)
     string(REGEX MATCHALL "[^\n]*error: code should be clang-formatted[^\n]*" text "${text}")
     list(APPEND bad ${text})
+endif()
+execute_process(COMMAND grep -nE "^.{111}" ${files} WORKING_DIRECTORY ${ROOT} OUTPUT_VARIABLE long_lines)
+if(long_lines)
+    list(APPEND bad "lines of more than 110 characters:\n${long_lines}")
 endif()
 if(bad)
     list(JOIN bad "\n  " text)

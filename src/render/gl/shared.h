@@ -122,7 +122,11 @@
     ISO_GL_UINTS(flags);   /* orthographic; two_sided; points have radii; points have colours */             \
     ISO_GL_INT_ROWS(levels, ISO_GL_LEVELS); /* width, height, first pixel in the buffers */
 
-/* std140. Drawing one surface by the refined reconstruction in a tile of the picture. */
+/* std140. Drawing one surface by the refined reconstruction in a tile of the picture.
+ *
+ * `sizes`: 1 / focal (orthographic: 0); most voxels per mm; the largest spacing in mm when voxels are not
+ * cubes, else 0. `screen`: width and height of the viewport; its margin around the tile; the widest point
+ * that the driver draws, in pixels. */
 #define ISO_GL_REFINED_FIELDS                                                                                \
     ISO_GL_FLOATS(step_x); /* rows of the transform from steps to view space, without translation */         \
     ISO_GL_FLOATS(step_y);                                                                                   \
@@ -132,13 +136,11 @@
     ISO_GL_FLOATS(normal_z);                                                                                 \
     ISO_GL_FLOATS(border); /* index coordinates of the grid's last voxel; 1: discs are clipped there */      \
     ISO_GL_FLOATS(axis);   /* optical axis in the tile; depth of the near plane; pixels per mm at depth 1 */ \
-    ISO_GL_FLOATS(sizes);  /* 1 / focal (orthographic: 0); voxels per mm, at most; largest spacing, mm, if   \
-                              voxels are not cubes, else 0 */                                                \
-    ISO_GL_FLOATS(screen); /* width and height of the viewport; its margin around the tile; widest point     \
-                              that the driver draws, pixels */                                               \
-    ISO_GL_INTS(tile);     /* width, height; the picture's pixel at its corner */                            \
-    ISO_GL_INTS(picture);  /* width, height, surface number */                                               \
-    ISO_GL_UINTS(flags);   /* orthographic; leave out back-facing points */
+    ISO_GL_FLOATS(sizes);                                                                                    \
+    ISO_GL_FLOATS(screen);                                                                                   \
+    ISO_GL_INTS(tile);    /* width, height; the picture's pixel at its corner */                             \
+    ISO_GL_INTS(picture); /* width, height, surface number */                                                \
+    ISO_GL_UINTS(flags);  /* orthographic; leave out back-facing points */
 
 /* std430. A block of points that is projected by one work group. */
 #define ISO_GL_BLOCK_FIELDS                                                                                  \
