@@ -1,10 +1,10 @@
-/* bounds: the box of the points where the surface crosses the edges of cells. A block whose own box lies in
- * the result so far is skipped, so that few blocks are looked at. */
+/* bounds: the box of the points where the surface crosses the edges of cells. An octant whose own box lies in
+ * the result so far is skipped, so that few octants are looked at. */
 #include <math.h>
 
 #include "exact/set.h"
 
-/* Value number `at` of a block's corners. */
+/* Value number `at` of an octant's corners. */
 static float corner_value(const iso_exact *exact, const void *corners, size_t at) {
     switch (exact->type) {
     case ISO_UINT8:
@@ -37,21 +37,21 @@ static void add_cell(const iso_threshold *surface, const float value[8], iso_vec
         }
 }
 
-static void add_block(const iso_exact *exact, const iso_exact_span *span, const iso_exact_block *block,
-                      const iso_affine *affine, iso_box *box) {
-    const void *corners = iso_exact_corners(exact, span, block);
-    const size_t plane = (size_t)iso_exact_groups(block->cells) * ISO_EXACT_GROUP;
+static void add_octant(const iso_exact *exact, const iso_exact_span *span, const iso_exact_octant *octant,
+                       const iso_affine *affine, iso_box *box) {
+    const void *corners = iso_exact_corners(exact, span, octant);
+    const size_t plane = (size_t)iso_exact_groups(octant->cells) * ISO_EXACT_GROUP;
     size_t cell = 0;
     for (int z = 0; z < ISO_EXACT_SIDE; z++)
-        for (uint64_t mask = block->mask[z]; mask; mask &= mask - 1, cell++) {
+        for (uint64_t mask = octant->mask[z]; mask; mask &= mask - 1, cell++) {
             const int position = __builtin_ctzll(mask);
             float value[8];
             for (size_t corner = 0; corner < 8; corner++)
                 value[corner] = corner_value(exact, corners, corner * plane + cell);
             const iso_vec3 first =
-                iso_vec3_make(ISO_BRICK * (double)span->brick[0] + block->origin[0] + (position & 7),
-                              ISO_BRICK * (double)span->brick[1] + block->origin[1] + (position >> 3),
-                              ISO_BRICK * (double)span->brick[2] + block->origin[2] + z);
+                iso_vec3_make(ISO_BRICK * (double)span->brick[0] + octant->origin[0] + (position & 7),
+                              ISO_BRICK * (double)span->brick[1] + octant->origin[1] + (position >> 3),
+                              ISO_BRICK * (double)span->brick[2] + octant->origin[2] + z);
             add_cell(&exact->surface, value, first, affine, box);
         }
 }
@@ -65,17 +65,17 @@ iso_box iso_exact_bounds(const iso_exact *exact, const iso_affine *affine) {
     iso_box box = iso_box_empty();
     for (size_t s = 0; s < exact->set.span_count; s++) {
         const iso_exact_span *span = &iso_exact_spans(exact)[s];
-        for (uint32_t b = 0; b < span->blocks; b++) {
-            const iso_exact_block *block = &iso_exact_blocks(exact)[span->block + b];
+        for (uint32_t b = 0; b < span->octants; b++) {
+            const iso_exact_octant *octant = &iso_exact_octants(exact)[span->octant + b];
             double low[3], high[3];
             for (int axis = 0; axis < 3; axis++) {
-                const double first = ISO_BRICK * (double)span->brick[axis] + block->origin[axis];
-                low[axis] = first + block->low[axis];
-                high[axis] = first + block->high[axis] + 1;
+                const double first = ISO_BRICK * (double)span->brick[axis] + octant->origin[axis];
+                low[axis] = first + octant->low[axis];
+                high[axis] = first + octant->high[axis] + 1;
             }
             iso_box most = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
             if (affine) most = iso_box_transform(&most, affine);
-            if (!contains(&box, &most)) add_block(exact, span, block, affine, &box);
+            if (!contains(&box, &most)) add_octant(exact, span, octant, affine, &box);
         }
     }
     return box;

@@ -1,11 +1,11 @@
 /* cells: the crossed cells of a brick, as `exact` stores them, and the kernels that find them. Internal to
  * exact.
  *
- * A brick's crossed cells are stored in up to eight blocks of 8^3 cells; a block is culled and prepared for
- * drawing as a unit. The corner values of a block's crossed cells are kept in the type of the grid's voxels,
- * in eight planes: the first corners of all cells, their second corners, .. (bit 0 of a corner's number is
- * +x, bit 1 +y, bit 2 +z). Each plane is padded with zeros to whole groups of ISO_EXACT_GROUP cells. Cells
- * are sorted by z, then y, then x. */
+ * A brick's crossed cells are stored in up to eight octants of 8^3 cells; an octant is culled and prepared
+ * for drawing as a unit. The corner values of an octant's crossed cells are kept in the type of the grid's
+ * voxels, in eight planes: the first corners of all cells, their second corners, .. (bit 0 of a corner's
+ * number is +x, bit 1 +y, bit 2 +z). Each plane is padded with zeros to whole groups of ISO_EXACT_GROUP
+ * cells. Cells are sorted by z, then y, then x. */
 #ifndef ISO_EXACT_CELLS_H
 #define ISO_EXACT_CELLS_H
 
@@ -19,24 +19,24 @@
 enum {
     ISO_EXACT_SIDE = 8, /* cells */
     ISO_EXACT_CELLS = ISO_EXACT_SIDE * ISO_EXACT_SIDE * ISO_EXACT_SIDE,
-    ISO_EXACT_BLOCKS = 8,              /* in a brick */
+    ISO_EXACT_OCTANTS = 8,             /* in a brick */
     ISO_EXACT_GROUP = 16,              /* cells */
     ISO_EXACT_LATTICE = ISO_BRICK + 1, /* voxels that a brick's cells have as corners, on an axis */
 };
 
-typedef struct iso_exact_block {
+typedef struct iso_exact_octant {
     uint64_t mask[ISO_EXACT_SIDE]; /* bit 8 * y + x of mask[z]: the cell is crossed */
     uint32_t group;                /* its first group, counted from the brick's first */
     uint16_t cells;                /* number of crossed cells */
-    uint8_t origin[3];             /* of the block in the brick: 0 or 8 */
+    uint8_t origin[3];             /* of the octant in the brick: 0 or 8 */
     uint8_t low[3], high[3];       /* first and last crossed cell on each axis, counted from `origin` */
-} iso_exact_block;
+} iso_exact_octant;
 
 /* The results of one brick. */
 typedef struct iso_exact_span {
     int32_t brick[3];
-    uint32_t blocks, cells; /* how many */
-    size_t block, group;    /* the first ones, in the arrays of the set */
+    uint32_t octants, cells; /* how many */
+    size_t octant, group;    /* the first ones, in the arrays of the set */
 } iso_exact_span;
 
 static inline uint32_t iso_exact_groups(uint32_t cells) {
@@ -57,11 +57,11 @@ typedef struct iso_exact_source {
     float isovalue_ceil;          /* at or above it is inside */
 } iso_exact_source;
 
-/* The result for a brick: its blocks with crossed cells, and their corners one block after the other. Large:
- * one for each worker. */
+/* The result for a brick: its octants with crossed cells, and their corners one octant after the other.
+ * Large: one for each worker. */
 typedef struct iso_exact_output {
-    uint32_t blocks, groups, cells;
-    iso_exact_block block[ISO_EXACT_BLOCKS];
+    uint32_t octants, groups, cells;
+    iso_exact_octant octant[ISO_EXACT_OCTANTS];
     /* (a compressing store may write seven elements too many) */
     float corners[8 * ISO_BRICK_VOXELS], planes[8][ISO_EXACT_CELLS + ISO_EXACT_GROUP];
 } iso_exact_output;

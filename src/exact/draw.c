@@ -1,5 +1,5 @@
-/* draw: lists the visible blocks front to back, then draws bands of rows, distributed over threads. Every
- * worker draws all blocks that are visible in its band. */
+/* draw: lists the visible octants front to back, then draws bands of rows, distributed over threads. Every
+ * worker draws all octants that are visible in its band. */
 #include <stdatomic.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@ enum {
     SPANS_PER_TASK = 64,
     BAND_BITS = 1 << 20,  /* most pixels of a band: their bits (`open`) should stay in cache */
     BANDS_PER_THREAD = 4, /* at least, so that threads finish at about the same time */
-    LEAST_ROWS = 32       /* of a band: blocks are prepared anew for each band that they lie in */
+    LEAST_ROWS = 32       /* of a band: octants are prepared anew for each band that they lie in */
 };
 
 typedef struct exact_draw {
@@ -19,7 +19,7 @@ typedef struct exact_draw {
     const iso_exact_kernel *kernel;
     uint32_t *order; /* spans front to back */
     size_t span_count;
-    iso_exact_visible *visible; /* those of task t begin at t * SPANS_PER_TASK * ISO_EXACT_BLOCKS */
+    iso_exact_visible *visible; /* those of task t begin at t * SPANS_PER_TASK * ISO_EXACT_OCTANTS */
     int *visible_count;         /* by task */
     size_t task_count;
     int band_count, words;      /* words: of free-pixel bits in a row */
@@ -58,15 +58,15 @@ static void order_spans(exact_draw *draw) {
     draw->span_count = count;
 }
 
-static void list_task_blocks(void *context, size_t index, int worker) {
+static void list_task_octants(void *context, size_t index, int worker) {
     (void)worker;
     exact_draw *draw = context;
-    iso_exact_visible *visible = draw->visible + index * SPANS_PER_TASK * ISO_EXACT_BLOCKS;
+    iso_exact_visible *visible = draw->visible + index * SPANS_PER_TASK * ISO_EXACT_OCTANTS;
     size_t end = (index + 1) * SPANS_PER_TASK;
     if (end > draw->span_count) end = draw->span_count;
     int count = 0;
     for (size_t i = index * SPANS_PER_TASK; i < end; i++)
-        count += iso_exact_list_visible_blocks(&draw->projection, draw->order[i], visible + count);
+        count += iso_exact_list_visible_octants(&draw->projection, draw->order[i], visible + count);
     draw->visible_count[index] = count;
 }
 
@@ -112,7 +112,7 @@ static void draw_band(void *context, size_t index, int worker) {
     iso_exact_scratch *scratch = &draw->scratch[worker];
     start_band(draw, scratch, index);
     for (size_t task = 0; task < draw->task_count; task++) {
-        const iso_exact_visible *visible = draw->visible + task * SPANS_PER_TASK * ISO_EXACT_BLOCKS;
+        const iso_exact_visible *visible = draw->visible + task * SPANS_PER_TASK * ISO_EXACT_OCTANTS;
         draw->kernel->draw(&draw->projection, visible, draw->visible_count[task], scratch);
     }
     draw->kernel->flush(&draw->projection, scratch);
@@ -140,7 +140,7 @@ static iso_status alloc_draw(exact_draw *draw, iso_error *error) {
     const size_t rows = (size_t)((gbuffer->height + draw->band_count - 1) / draw->band_count);
     draw->open_words = rows * (size_t)draw->words;
     draw->order = iso_alloc(exact->set.span_count * sizeof *draw->order);
-    draw->visible = iso_alloc(draw->task_count * SPANS_PER_TASK * ISO_EXACT_BLOCKS * sizeof *draw->visible);
+    draw->visible = iso_alloc(draw->task_count * SPANS_PER_TASK * ISO_EXACT_OCTANTS * sizeof *draw->visible);
     draw->visible_count = iso_alloc(draw->task_count * sizeof *draw->visible_count);
     draw->scratch = iso_alloc(workers * sizeof *draw->scratch);
     draw->open = iso_alloc(workers * draw->open_words * sizeof *draw->open);
@@ -167,7 +167,7 @@ static iso_status draw_bands(exact_draw *draw, iso_error *error) {
     iso_status status = alloc_draw(draw, error);
     if (status == ISO_OK) {
         if (draw->task_count) order_spans(draw);
-        iso_parallel_for(pool, draw->task_count, list_task_blocks, draw);
+        iso_parallel_for(pool, draw->task_count, list_task_octants, draw);
         iso_parallel_for(pool, (size_t)draw->band_count, draw_band, draw);
     }
     free_draw(draw);

@@ -115,8 +115,8 @@ static void extract_brick(const void *context, const int brick[3], void *memory,
     else
         set_hgrid_source(exact->grid.hgrid, brick, &source, scratch->window);
     exact->extract(&source, made);
-    *output = (iso_brick_output){.count = {made->blocks, made->groups}, .own = made->cells};
-    output->items[0] = made->block;
+    *output = (iso_brick_output){.count = {made->octants, made->groups}, .own = made->cells};
+    output->items[0] = made->octant;
     output->items[ISO_SPAN_ARRAYS] = made->corners;
 }
 
@@ -132,9 +132,9 @@ static void extract_bricks(const void *context, const uint32_t *bricks, size_t c
 static void write_span(void *span, const iso_brick_location *place) {
     *(iso_exact_span *)span = (iso_exact_span){
         .brick = {place->brick[0], place->brick[1], place->brick[2]},
-        .blocks = place->count[0],
+        .octants = place->count[0],
         .cells = place->own,
-        .block = place->first[0],
+        .octant = place->first[0],
         .group = place->first[1],
     };
 }
@@ -156,7 +156,8 @@ iso_status iso_exact_create(const iso_grid *grid, const iso_exact_opts *opts, is
     exact->extract = iso_exact_extract_get(exact->type, iso_cpu_best());
     set_surface(exact);
     const iso_brick_kernel kernel = {
-        .item_bytes = {[0] = sizeof(iso_exact_block), [ISO_SPAN_ARRAYS] = iso_exact_group_bytes(exact->type)},
+        .item_bytes =
+            {[0] = sizeof(iso_exact_octant), [ISO_SPAN_ARRAYS] = iso_exact_group_bytes(exact->type)},
         .scratch_bytes = sizeof(exact_scratch),
         .span_bytes = sizeof(iso_exact_span),
         .halo = HALO,
@@ -223,6 +224,6 @@ iso_exact_totals iso_exact_stats(const iso_exact *exact) {
     return (iso_exact_totals){
         .cells = exact->cells,
         .bricks = exact->set.extracted,
-        .bytes = heaps[0].end * sizeof(iso_exact_block) + heaps[1].end * iso_exact_group_bytes(exact->type),
+        .bytes = heaps[0].end * sizeof(iso_exact_octant) + heaps[1].end * iso_exact_group_bytes(exact->type),
     };
 }

@@ -26,13 +26,13 @@ enum { RECORD_FLOATS = sizeof(iso_exact_cell) / sizeof(float) };
 
 void iso_exact_project_near_cells(const iso_exact_projection *projection, iso_exact_scratch *scratch) {
     const double half[3] = {0.5, 0.5, 0.5};
-    for (int i = 0; i < scratch->block->cells; i++) {
+    for (int i = 0; i < scratch->octant->cells; i++) {
         const int local[3] = {scratch->position[i] & 7, scratch->position[i] >> 3 & 7,
                               scratch->position[i] >> 6};
         iso_exact_cell *record = &scratch->record[i];
         double centre[3];
         for (int axis = 0; axis < 3; axis++) {
-            centre[axis] = (double)ISO_BRICK * scratch->span->brick[axis] + scratch->block->origin[axis] +
+            centre[axis] = (double)ISO_BRICK * scratch->span->brick[axis] + scratch->octant->origin[axis] +
                            local[axis] + 0.5;
             record->eye[axis] = (float)(2 * (projection->eye[axis] - centre[axis]));
             record->half[axis] = 1 + ISO_EXACT_WIDER_NEAR;
@@ -51,17 +51,17 @@ static void get_cell_voxel(const iso_exact_scratch *scratch, int cell, int voxel
     const int position = scratch->position[cell];
     const int local[3] = {position & 7, position >> 3 & 7, position >> 6};
     for (int axis = 0; axis < 3; axis++)
-        voxel[axis] = ISO_BRICK * scratch->span->brick[axis] + scratch->block->origin[axis] + local[axis];
+        voxel[axis] = ISO_BRICK * scratch->span->brick[axis] + scratch->octant->origin[axis] + local[axis];
 }
 
-/* Whether a block's cells get outlines: they are large, and far enough from the eye for the directions of
+/* Whether an octant's cells get outlines: they are large, and far enough from the eye for the directions of
  * rays to differ little within a cell. */
 static bool has_outlines(const iso_exact_projection *projection,
-                         const iso_exact_block_projection *block_projection) {
-    if (block_projection->near || block_projection->clip ||
-        block_projection->cell_pixels < ISO_EXACT_OUTLINED_CELL)
+                         const iso_exact_octant_projection *octant_projection) {
+    if (octant_projection->near || octant_projection->clip ||
+        octant_projection->cell_pixels < ISO_EXACT_OUTLINED_CELL)
         return false;
-    return !projection->perspective || block_projection->depth > 48 * projection->half_depth;
+    return !projection->perspective || octant_projection->depth > 48 * projection->half_depth;
 }
 
 /* Moves the lowest bits of `bits` to the positions of the set bits of `mask`, as the instruction pdep does.

@@ -1,11 +1,11 @@
-/* kernel: draws visible blocks into a band of rows. Internal to exact.
+/* kernel: draws visible octants into a band of rows. Internal to exact.
  *
  * One kernel body (kernel_body.inc), included once per instruction set; every variant gives the same
- * bytes. A block's cells are set up as vectors of cells. The free pixels of each cell are then tested as
- * vectors of pixels. Pixels whose ray hits the surface are queued, from any cells and blocks, until there are
- * enough of them to compute roots and normals in full vectors. Blocks and cells are drawn front to back, so
- * the first crossing found for a pixel is the nearest one; one bit per pixel tells whether the pixel is free
- * (no crossing was found yet).
+ * bytes. An octant's cells are set up as vectors of cells. The free pixels of each cell are then tested as
+ * vectors of pixels. Pixels whose ray hits the surface are queued, from any cells and octants, until there
+ * are enough of them to compute roots and normals in full vectors. Octants and cells are drawn front to back,
+ * so the first crossing found for a pixel is the nearest one; one bit per pixel tells whether the pixel is
+ * free (no crossing was found yet).
  *
  * Cells are handled in one of three ways, by their size in the picture:
  * - small cells: pairs of a pixel and a cell, from several cells, are tested together (pixel_tests_body.inc);
@@ -44,7 +44,7 @@ enum {
  * (pixel - place), a position in the view's x and y. */
 typedef struct iso_exact_cell {
     float field[8]; /* the coefficients f */
-    float place[2]; /* the projected reference point, in pixels from iso_exact_block_projection.origin */
+    float place[2]; /* the projected reference point, in pixels from iso_exact_octant_projection.origin */
     float scale;    /* mm per pixel at the reference point's depth; 0 next to the eye: rays start at `eye` */
     float depth;    /* of the reference point, mm, relative to iso_exact_projection.middle */
     float half[4];  /* half extents in u, v, w of the box in which the surface lies; [3] is unused */
@@ -139,13 +139,13 @@ typedef struct iso_exact_scratch {
     int words;      /* of `open` per row; the last word is always 0 */
     uint64_t *open; /* bit x & 63 of word x / 64 of row y - rows.first: the pixel is still free */
 
-    /* The block that is being drawn; arrays are by the number of the crossed cell in the block. */
+    /* The octant that is being drawn; arrays are by the number of the crossed cell in the octant. */
     const iso_exact_span *span;
-    const iso_exact_block *block;
+    const iso_exact_octant *octant;
     const void *corners;
-    iso_exact_block_projection block_projection;
-    int clip[4];                            /* pixels x0 x1 y0 y1 of the block in the band */
-    uint16_t position[ISO_EXACT_CELL_ROOM]; /* in the block: z << 6 | y << 3 | x */
+    iso_exact_octant_projection octant_projection;
+    int clip[4];                            /* pixels x0 x1 y0 y1 of the octant in the band */
+    uint16_t position[ISO_EXACT_CELL_ROOM]; /* in the octant: z << 6 | y << 3 | x */
     iso_exact_cell record[ISO_EXACT_CELL_ROOM];
     int32_t box[4][ISO_EXACT_CELL_ROOM]; /* pixels x0 x1 y0 y1; x1 < x0 or y1 < y0 when there are none */
     int32_t flags[ISO_EXACT_CELL_ROOM];  /* ISO_EXACT_FACES .. */
@@ -157,7 +157,7 @@ typedef struct iso_exact_scratch {
      * floats), front to back. Pairs before index `general` may need the general test. */
     int32_t pixel[ISO_EXACT_LIST_ROOM], owner[ISO_EXACT_LIST_ROOM];
     int pairs, general;
-    bool large; /* the block's cells are large: each is tested alone, with `window` and `hit_bits` */
+    bool large; /* the octant's cells are large: each is tested alone, with `window` and `hit_bits` */
     int windows;
     iso_exact_row_window window[ISO_EXACT_LARGE_ROOM]; /* the pixels of the pairs, in their order */
     uint64_t hit_bits[ISO_EXACT_LARGE_ROOM / 64 + 1];  /* bit by pair: its pixel shows the cell */
@@ -169,17 +169,17 @@ typedef struct iso_exact_scratch {
 } iso_exact_scratch;
 
 typedef struct iso_exact_kernel {
-    /* Draws the blocks that are visible in the band, out of `count` that are sorted front to back. */
+    /* Draws the octants that are visible in the band, out of `count` that are sorted front to back. */
     void (*draw)(const iso_exact_projection *projection, const iso_exact_visible *visible, int count,
                  iso_exact_scratch *scratch);
-    /* Shades and writes the pixels that are still in the queue: call it when all blocks are drawn. */
+    /* Shades and writes the pixels that are still in the queue: call it when all octants are drawn. */
     void (*flush)(const iso_exact_projection *projection, iso_exact_scratch *scratch);
 } iso_exact_kernel;
 
 /* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_exact_kernel *iso_exact_kernel_get(iso_cpu_level level);
 
-/* Sets the records and boxes of the cells of a block next to the eye, one by one in double precision. Boxes
+/* Sets the records and boxes of the cells of an octant next to the eye, one by one in double precision. Boxes
  * of cells that cannot be seen are empty. */
 void iso_exact_project_near_cells(const iso_exact_projection *projection, iso_exact_scratch *scratch);
 

@@ -1,5 +1,5 @@
-/* Projection of grids and blocks in double precision: matrices from the camera, boxes of pixels (exact ones
- * by clipping at the near plane, or first-order bounds far from the eye), and the order of blocks. */
+/* Projection of grids and octants in double precision: matrices from the camera, boxes of pixels (exact ones
+ * by clipping at the near plane, or first-order bounds far from the eye), and the order of octants. */
 #include "exact/projection.h"
 
 #include <float.h>
@@ -172,8 +172,8 @@ static bool box_pixels(const iso_exact_projection *projection, const double cent
     return far_box_pixels(projection, centre, half, clip, pixels);
 }
 
-int iso_exact_list_visible_blocks(const iso_exact_projection *projection, uint32_t number,
-                                  iso_exact_visible *visible) {
+int iso_exact_list_visible_octants(const iso_exact_projection *projection, uint32_t number,
+                                   iso_exact_visible *visible) {
     const iso_exact_span *span = &iso_exact_spans(projection->exact)[number];
     const iso_view *view = projection->target->view;
     const int clip[4] = {0, view->width - 1, 0, view->height - 1};
@@ -187,48 +187,49 @@ int iso_exact_list_visible_blocks(const iso_exact_projection *projection, uint32
         split[axis] = cells < 0 ? 0 : cells < ISO_EXACT_SIDE ? 0 : cells < ISO_BRICK ? 1 : 2;
     }
     if (!box_pixels(projection, centre, half, clip, pixels)) return 0;
-    const iso_exact_block *at[ISO_EXACT_BLOCKS] = {0};
-    for (uint32_t i = 0; i < span->blocks; i++) {
-        const iso_exact_block *block = &iso_exact_blocks(projection->exact)[span->block + i];
+    const iso_exact_octant *at[ISO_EXACT_OCTANTS] = {0};
+    for (uint32_t i = 0; i < span->octants; i++) {
+        const iso_exact_octant *octant = &iso_exact_octants(projection->exact)[span->octant + i];
         int rank = 0;
         for (int axis = 0; axis < 3; axis++)
-            rank |= iso_exact_rank(block->origin[axis] / ISO_EXACT_SIDE, 2, split[axis]) << axis;
-        at[rank] = block;
+            rank |= iso_exact_rank(octant->origin[axis] / ISO_EXACT_SIDE, 2, split[axis]) << axis;
+        at[rank] = octant;
     }
     int count = 0;
-    for (int rank = 0; rank < ISO_EXACT_BLOCKS; rank++) {
-        const iso_exact_block *block = at[rank];
-        if (!block) continue;
+    for (int rank = 0; rank < ISO_EXACT_OCTANTS; rank++) {
+        const iso_exact_octant *octant = at[rank];
+        if (!octant) continue;
         for (int axis = 0; axis < 3; axis++) {
-            const double first = corner[axis] + block->origin[axis] + block->low[axis];
-            half[axis] = 0.5 * (block->high[axis] + 1 - block->low[axis]);
+            const double first = corner[axis] + octant->origin[axis] + octant->low[axis];
+            half[axis] = 0.5 * (octant->high[axis] + 1 - octant->low[axis]);
             centre[axis] = first + half[axis];
         }
         if (!box_pixels(projection, centre, half, clip, pixels)) continue;
         visible[count++] = (iso_exact_visible){
             .span = number,
-            .block = (uint32_t)(block - iso_exact_blocks(projection->exact)),
+            .octant = (uint32_t)(octant - iso_exact_octants(projection->exact)),
             .x0 = (uint16_t)pixels[0],
             .x1 = (uint16_t)pixels[1],
             .y0 = (uint16_t)pixels[2],
             .y1 = (uint16_t)pixels[3],
-            .corners = iso_exact_corners(projection->exact, span, block),
+            .corners = iso_exact_corners(projection->exact, span, octant),
         };
     }
     return count;
 }
 
-/* ---- cells in a block */
+/* ---- cells in an octant */
 
-iso_exact_block_projection iso_exact_project_block(const iso_exact_projection *projection,
-                                                   const iso_exact_span *span, const iso_exact_block *block) {
+iso_exact_octant_projection iso_exact_project_octant(const iso_exact_projection *projection,
+                                                     const iso_exact_span *span,
+                                                     const iso_exact_octant *octant) {
     const double *m = projection->matrix, focal = projection->target->view->focal;
     const double near = projection->target->view->near, reach = ISO_EXACT_SIDE * projection->half_depth;
     double index[3], p[3];
     for (int i = 0; i < 3; i++)
-        index[i] = (double)ISO_BRICK * span->brick[i] + block->origin[i] + 0.5 * ISO_EXACT_SIDE;
+        index[i] = (double)ISO_BRICK * span->brick[i] + octant->origin[i] + 0.5 * ISO_EXACT_SIDE;
     transform_to_view(projection, index, p);
-    iso_exact_block_projection result = {
+    iso_exact_octant_projection result = {
         .near = projection->perspective && p[2] < reach + 2 * projection->half_depth,
         .clip = p[2] - reach < near,
         .focal = (float)focal,

@@ -1,8 +1,8 @@
-/* projection: how a grid, its blocks and its cells are projected into one picture. Internal to exact.
+/* projection: how a grid, its octants and its cells are projected into one picture. Internal to exact.
  *
  * Floats are precise enough because each quantity is relative to something near: pixels to a whole pixel next
- * to the projected block, cells to the block's centre, rays to the cell's centre, depths to the depth of the
- * grid's centre. Large quantities (a block's position in view space, the eye in index coordinates) are
+ * to the projected octant, cells to the octant's centre, rays to the cell's centre, depths to the depth of
+ * the grid's centre. Large quantities (an octant's position in view space, the eye in index coordinates) are
  * computed in double. Pixel coordinates are first taken relative to the optical axis, so that a picture drawn
  * in strips has the same bytes as one drawn at once. */
 #ifndef ISO_EXACT_PROJECTION_H
@@ -43,31 +43,31 @@ typedef struct iso_exact_projection {
     float normal[9]; /* matrix from gradient to outward normal in view space; the result is not unit */
 } iso_exact_projection;
 
-/* A block and the pixels that its cells can touch. */
+/* An octant and the pixels that its cells can touch. */
 typedef struct iso_exact_visible {
-    uint32_t span, block; /* numbers in the arrays of the set */
+    uint32_t span, octant; /* numbers in the arrays of the set */
     uint16_t x0, x1, y0, y1;
     const void *corners; /* of its cells (iso_exact_corners) */
 } iso_exact_visible;
 
-/* How the cells of one block are projected, in floats. The reference direction is that of the ray to the
- * block's centre, rounded to float. */
-typedef struct iso_exact_block_projection {
+/* How the cells of one octant are projected, in floats. The reference direction is that of the ray to the
+ * octant's centre, rounded to float. */
+typedef struct iso_exact_octant_projection {
     bool near;           /* some cells may lie next to the eye: use iso_exact_project_near_cells */
     bool clip;           /* the near plane may cut cells */
     int origin[2];       /* the pixel that pixels are counted from */
     float off_axis[2];   /* distance of that pixel's centre from the optical axis, pixels */
-    float place[2];      /* projected centre of the block, in pixels from `origin` */
-    float residue[2];    /* x and y of the block's centre minus those of the reference direction there, mm */
+    float place[2];      /* projected centre of the octant, in pixels from `origin` */
+    float residue[2];    /* x and y of the octant's centre minus those of the reference direction there, mm */
     float reference[2];  /* x / z and y / z of the reference direction */
     float sheared[2][3]; /* `across` minus `reference` * `along` */
     float across[2][3], along[3]; /* x and y, and z, of the index axes in view space, mm */
     float focal;                  /* of the camera, pixels */
-    float depth;                  /* of the block's centre, mm */
+    float depth;                  /* of the octant's centre, mm */
     float relative;               /* `depth` minus projection->middle */
     float behind;                 /* `depth` minus that of the near plane */
     float cell_pixels;            /* about how many pixels a cell's box has */
-} iso_exact_block_projection;
+} iso_exact_octant_projection;
 
 /* The projection for a target and an up-to-date set, both borrowed. */
 iso_exact_projection iso_exact_projection_make(const iso_target *target, const iso_exact *exact);
@@ -84,13 +84,14 @@ static inline int iso_exact_rank(int n, int count, int split) {
     return n >= first ? n - first : count - 1 - n;
 }
 
-/* Writes the visible blocks of a brick's span, front to back; returns their number. */
-int iso_exact_list_visible_blocks(const iso_exact_projection *projection, uint32_t span,
-                                  iso_exact_visible *visible);
+/* Writes the visible octants of a brick's span, front to back; returns their number. */
+int iso_exact_list_visible_octants(const iso_exact_projection *projection, uint32_t span,
+                                   iso_exact_visible *visible);
 
-/* The projection of one block of a span. */
-iso_exact_block_projection iso_exact_project_block(const iso_exact_projection *projection,
-                                                   const iso_exact_span *span, const iso_exact_block *block);
+/* The projection of one octant of a span. */
+iso_exact_octant_projection iso_exact_project_octant(const iso_exact_projection *projection,
+                                                     const iso_exact_span *span,
+                                                     const iso_exact_octant *octant);
 
 /* The pixels x0 x1 y0 y1 whose rays can meet a box at or behind the near plane, clipped to the pixels `clip`
  * (in the same order); false when there are none. The box has the half extents `half` around `centre`, both

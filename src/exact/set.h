@@ -9,7 +9,7 @@
 #include "grids/threshold.h"
 
 struct iso_exact {
-    iso_brick_set set; /* its heap 0 stores blocks, heap 1 groups of corners */
+    iso_brick_set set; /* its heap 0 stores octants, heap 1 groups of corners */
     iso_grid grid;
     iso_exact_opts opts;
     iso_threshold surface;
@@ -25,14 +25,14 @@ struct iso_exact {
 static inline const iso_exact_span *iso_exact_spans(const iso_exact *exact) {
     return (const iso_exact_span *)exact->set.spans.data;
 }
-static inline const iso_exact_block *iso_exact_blocks(const iso_exact *exact) {
-    return (const iso_exact_block *)iso_brick_set_items(&exact->set, 0, 0);
+static inline const iso_exact_octant *iso_exact_octants(const iso_exact *exact) {
+    return (const iso_exact_octant *)iso_brick_set_items(&exact->set, 0, 0);
 }
-/* The corners of a block's cells: eight planes of iso_exact_groups(cells) * ISO_EXACT_GROUP values. */
+/* The corners of an octant's cells: eight planes of iso_exact_groups(cells) * ISO_EXACT_GROUP values. */
 static inline const void *iso_exact_corners(const iso_exact *exact, const iso_exact_span *span,
-                                            const iso_exact_block *block) {
+                                            const iso_exact_octant *octant) {
     const char *groups = (const char *)iso_brick_set_items(&exact->set, 1, 0);
-    return groups + (span->group + block->group) * iso_exact_group_bytes(exact->type);
+    return groups + (span->group + octant->group) * iso_exact_group_bytes(exact->type);
 }
 
 #endif
