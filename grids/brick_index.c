@@ -132,8 +132,8 @@ static void mark_dirty(iso_brick_index *index, size_t brick) {
     ((uint32_t *)index->dirty.data)[index->dirty_count++] = (uint32_t)brick;
 }
 
-/* Marks the brick of a change as dirty, and the lower neighbours whose ranges include the first voxels of
- * this brick, if they have changed. */
+/* Marks the brick of a change as dirty. If the change includes voxels of the brick's first layers, it also
+ * marks the lower neighbours, whose ranges include those voxels. */
 static void mark_change(iso_brick_index *index, const iso_change *change) {
     const size_t nx = (size_t)index->bricks[0], ny = (size_t)index->bricks[1];
     const size_t cell[3] = {change->cell % nx, change->cell / nx % ny, change->cell / nx / ny};

@@ -272,7 +272,7 @@ static void set_locations(iso_brick_set *set, chunk *part) {
     }
     for (size_t r = 0; r < part->stored; r++) {
         result *made = &part->results[r];
-        if (!set->span_of[made->brick]) continue; /* the brick has no results */
+        if (!set->span_of[made->brick]) continue; /* nothing was found in the brick: it has no span */
         const iso_brick_location *location = &slot_at(set, set->span_of[made->brick] - 1)->location;
         memcpy(made->first, location->first, sizeof made->first);
     }

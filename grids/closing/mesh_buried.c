@@ -103,7 +103,8 @@ static bool is_buried(const work *w, const int p[3], float distance) {
 
 /* Returns the distance of the inside voxel p to the surface of the solid: the minimum over outside voxels q
  * of |p - q| - distance(q). Each term is at least the distance of p, because the line from p to q crosses the
- * surface. It is equal if p and q have the same foot point and this lies on the line. */
+ * surface. A term equals the distance of p if p and q have the same foot
+ * point and the foot point lies on that line. */
 static float distance_to_outside(const work *w, const int p[3]) {
     double least = (double)w->grid->band;
     for (int z = -REACH; z <= REACH; z++)

@@ -1,5 +1,5 @@
-/* Finds the connectivity of a triangle soup: hash tables join vertices and triangles, sorted half-edges join
- * triangles to parts, and walks along open edges find the loops. */
+/* Finds the connectivity of a triangle soup: hash tables find equal vertices and equal triangles, sorted
+ * half-edges connect triangles into pieces, and walks along open edges find the loops that bound holes. */
 #include "grids/closing/mesh_topology.h"
 
 #include <math.h>
@@ -25,7 +25,7 @@ static uint64_t hash_three(const unsigned char *bytes) {
     return mix(mix((uint64_t)key[0] << 32 | key[1]) + key[2]);
 }
 
-/* A hash table of the numbers of keys. A key is KEY bytes (three words). */
+/* A hash table from keys to their indices. A key has KEY bytes: three 32-bit words. */
 typedef struct table {
     uint32_t *slots;
     size_t mask;

@@ -16,10 +16,10 @@ extern "C" {
 #define ISO_CLOSED_TOLERANCE 1e-3
 
 /* Creates a copy of `from` with a layer around it for a physical isovalue; voxel i of the copy is voxel i - 1
- * of `from`, and the origin is moved accordingly. A dense copy always holds floats and has its index; voxels
- * that are not finite become outside, so the surface is closed around them too. A sparse copy has bricks
- * where the solid reaches the border, and its outermost layer has values beyond the band: it is for edge
- * points, meshes and exact surfaces, not for foot points or sculpting.
+ * of `from`, and the origin is moved accordingly. A dense copy always holds floats and has a brick
+ * index; voxels that are not finite become outside, so the surface is closed around them too. A sparse copy
+ * has bricks where the solid reaches the border, and the values of its outermost layer lie beyond the band:
+ * edge points, meshes and exact surfaces may be made of a sparse copy, but not foot points or sculptures.
  *
  * ISO_ERR_LIMIT: the grid cannot have two more voxels along an axis; ISO_ERR_USAGE: the isovalue is not
  * finite; ISO_ERR_NOMEM. */

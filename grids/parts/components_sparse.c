@@ -27,11 +27,11 @@ typedef struct remover {
     size_t scratch_bytes;
 } remover;
 
-/* A brick and the voxels within reach around it. */
+/* A brick and the voxels around it, as far away as a dropped voxel can change a value of the brick. */
 typedef struct surroundings {
     int side, low; /* voxels along each axis; index of the brick's first voxel along each axis */
     float *value;
-    uint8_t *near;      /* 1: the voxel is within reach of a dropped voxel */
+    uint8_t *near;      /* 1: a dropped voxel can change this voxel's value */
     uint8_t *other;     /* working memory for `near` */
     int32_t (*kept)[3]; /* positions of the kept voxels near the surface */
     size_t kept_count;

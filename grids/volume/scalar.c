@@ -64,7 +64,8 @@ static inline void reverse(void *value, size_t bytes) {
     }
 }
 
-/* memcpy because the data of a file is not always aligned, and may be the target itself. */
+/* Converts value by value with memcpy, because the values of a file are not always aligned, and because
+ * `data` may be the same memory as `target`, when values are converted in place. */
 #define CONVERT(from, to)                                                                                    \
     for (size_t i = 0; i < count; i++) {                                                                     \
         from value;                                                                                          \

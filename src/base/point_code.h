@@ -34,7 +34,8 @@ ISO_POINT_INLINE uint32_t iso_point_normal_bits(iso_point point) {
     return (uint32_t)(point.bits >> 3 * ISO_POINT_COORDINATE_BITS);
 }
 
-/* Decodes these two numbers to a normal with |x| + |y| + |z| = 1. */
+/* Decodes an octahedral normal, two numbers of ISO_POINT_NORMAL_BITS bits, to one with |x| + |y| + |z| = 1.
+ */
 ISO_POINT_INLINE void iso_point_unfold_normal(uint32_t bits, float normal[3]) {
     const float step = 2.0f / ISO_POINT_NORMAL_STEPS;
     const float u = (float)(bits & ISO_POINT_NORMAL_STEPS) * step - 1,
@@ -48,14 +49,16 @@ ISO_POINT_INLINE void iso_point_unfold_normal(uint32_t bits, float normal[3]) {
 /* ---- packing: rounds to the nearest step by adding one half and truncating; the sums are positive for all
  * valid points */
 
-/* A coordinate (voxels) in steps, plus one half: to be truncated. */
+/* Converts a coordinate from voxels to quantisation steps above ISO_POINT_LOW, and adds one half, so that
+ * truncating the result rounds to the nearest step. */
 ISO_POINT_INLINE float iso_point_scale_coordinate(float position) {
     const float per_voxel = ISO_POINT_COORDINATE_STEPS / ISO_POINT_RANGE,
                 first = 0.5f - ISO_POINT_LOW * ISO_POINT_COORDINATE_STEPS / ISO_POINT_RANGE;
     return position * per_voxel + first;
 }
 
-/* One of the two numbers of a normal, -1 .. 1, in steps, plus one half: to be truncated. */
+/* Converts one of the two numbers of a normal from -1 .. 1 to quantisation steps, and adds one half likewise.
+ */
 ISO_POINT_INLINE float iso_point_scale_normal(float part) {
     return part * (ISO_POINT_NORMAL_STEPS / 2.0f) + (ISO_POINT_NORMAL_STEPS / 2.0f + 0.5f);
 }

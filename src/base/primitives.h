@@ -149,7 +149,7 @@ static inline int iso_edge_key_split(iso_edge_key key, int voxel[3]) {
     return key / ISO_LATTICE_VOXELS;
 }
 
-/* A mesh, all borrowed. */
+/* A mesh in spans. All pointers are borrowed. */
 typedef struct iso_mesh_view {
     const iso_surfel *vertices;
     const iso_edge_key *keys;       /* one per vertex */

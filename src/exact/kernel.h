@@ -45,7 +45,8 @@ enum {
 typedef struct iso_exact_cell {
     float field[8]; /* the coefficients f */
     float place[2]; /* the projected reference point, in pixels from iso_exact_octant_projection.origin */
-    float scale;    /* mm per pixel at the reference point's depth; 0 next to the eye: rays start at `eye` */
+    float scale;    /* mm per pixel at the reference point's depth; 0 if the cell is next to the eye: its
+                     * rays then start at `eye` */
     float depth;    /* of the reference point, mm, relative to iso_exact_projection.middle */
     float half[4];  /* half extents in u, v, w of the box in which the surface lies; [3] is unused */
     float shift[4]; /* centre of that box minus the cell's centre, u v w; [3] is unused */

@@ -47,7 +47,7 @@ typedef struct iso_exact_projection {
 typedef struct iso_exact_visible {
     uint32_t span, octant; /* numbers in the arrays of the set */
     uint16_t x0, x1, y0, y1;
-    const void *corners; /* of its cells (iso_exact_corners) */
+    const void *corners; /* values at the corners of the octant's cells (iso_exact_corners) */
 } iso_exact_visible;
 
 /* How the cells of one octant are projected, in floats. The reference direction is that of the ray to the

@@ -28,8 +28,10 @@ enum {
     ISO_EDGE_ROWS = ISO_BRICK * ISO_BRICK           /* words of an axis */
 };
 
-/* The number of a row of a block is z << 5 | y, both 0 .. 16. With the bit ISO_EDGE_FACE, bit x of its word
- * stands for the edge at voxel x + 1: for the last x of a brick, on the next brick's first face. */
+/* A row of a block is named by the number z << 5 | y, both 0 .. 16. The row's edges are a 64-bit word, whose
+ * bit x stands for the edge that begins at voxel x. In a row whose number has the flag ISO_EDGE_FACE it
+ * stands for the edge that begins at voxel x + 1, so that the last bit of a brick is an edge in the first
+ * face of the next brick along x. */
 enum { ISO_EDGE_FACE = 1 << 10, ISO_EDGE_ROW_NAMES = 2 << 10 };
 
 /* A dense grid, without NaN or infinity where edges are extracted, and the isovalue. */
@@ -132,8 +134,8 @@ typedef struct iso_edge_kernel {
      * edges of their active bricks. The caller sets blocks[0].origin, words->blocks and words->active; row
      * groups that are not active must have no crossed edges. */
     void (*list_edges)(const iso_edge_source *source, iso_edge_words *words, iso_edge_block *blocks);
-    /* Computes the points of `count` blocks, all packed or none. Several blocks at once cost less per block.
-     */
+    /* Computes the points of `count` tasks, a block each. Either all tasks write packed surfels or none does.
+     * Calls with several tasks cost less per task. */
     void (*compute_points)(const iso_edge_source *source, iso_edge_task *tasks, int count);
     /* Classifies only, for meshes: sets the words of a run whose first block begins at `origin`. */
     void (*classify_voxels)(const iso_edge_source *source, const int origin[3], iso_edge_words *words);

@@ -22,7 +22,8 @@ static float position_on_edge(const iso_threshold *surface, float a, float b) {
     return t < 1 ? t : 1;
 }
 
-/* The scaled normal of a gradient whose squares leave the range of floats; false where it vanishes. */
+/* Computes the normal, with |x| + |y| + |z| = 1, of a gradient so long or so short that the squares of its
+ * components overflow or underflow. Returns false if the gradient is 0. */
 static bool wide_normal(const float gradient[3], float normal[3]) {
     if (!iso_unit_normal(gradient, 1, normal)) return false;
     float sum = fabsf(normal[0]) + fabsf(normal[1]) + fabsf(normal[2]);

@@ -386,8 +386,8 @@ static uint32_t slice_rows(const iso_row_bits *rows, int z) {
     return rows->word[z / 2] >> 16 * (z % 2) & 0xffff;
 }
 
-/* Finds the rows of a cell within SPREAD voxels of where redistancing starts. All other values are distances
- * already. */
+/* Finds the rows of a cell that have a voxel within SPREAD voxels of those that redistancing starts from.
+ * Only these rows are redistanced; in the others all values are distances already. */
 static void find_near_rows(const iso_transaction *transaction, const iso_edit_cell *edit_cell,
                            iso_row_bits *near) {
     uint32_t plane[ISO_BRICK + 2 * SPREAD] = {0};

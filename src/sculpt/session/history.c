@@ -188,8 +188,8 @@ static const void *find_content(const iso_history *history, const saved_cell *ce
                 : iso_hgrid_brick(history->grid, history->grid->cell[cell->cell]);
 }
 
-/* Packs the content of a step's cells: that of the open step's copies or, if `copies` is NULL, that of the
- * grid. ISO_ERR_NOMEM. */
+/* Packs the values and masks of the cells of step `s`. They are read from `copies`, which preserve what the
+ * cells held before the open step, or from the grid if `copies` is NULL. ISO_ERR_NOMEM. */
 static iso_status pack_cells(const iso_history *history, step *s, const saved_cell *copies,
                              iso_error *error) {
     const float band = history->grid->band;
