@@ -1,10 +1,10 @@
-/* bounds: the box of the points where the surface crosses the edges of cells. An octant whose own box lies in
- * the result so far is skipped, so that few octants are looked at. */
+/* bounds: the box of the points where the surface crosses the edges of cells. Octants whose crossed cells lie
+ * wholly in the box found so far are skipped, so that the points of only a few octants are computed. */
 #include <math.h>
 
 #include "exact/set.h"
 
-/* Value number `at` of an octant's corners. */
+/* Value number `at` of the corner values of an octant (iso_exact_corners), as a float. */
 static float corner_value(const iso_exact *exact, const void *corners, size_t at) {
     switch (exact->type) {
     case ISO_UINT8:
@@ -18,7 +18,8 @@ static float corner_value(const iso_exact *exact, const void *corners, size_t at
     }
 }
 
-/* Adds the crossings of a cell's twelve edges, with the arithmetic of edge points (extract/points). */
+/* Adds to the box the points where the surface crosses the twelve edges of a cell, computed as edge points
+ * are (extract/points). value: at the cell's corners; first: index coordinates of its first corner. */
 static void add_cell(const iso_threshold *surface, const float value[8], iso_vec3 first,
                      const iso_affine *affine, iso_box *box) {
     for (int corner = 0; corner < 8; corner++)

@@ -1,5 +1,5 @@
-/* cells: packs the set elements of rows for each instruction set, and includes the kernel that finds a
- * brick's crossed cells (cells_body.inc) once per instruction set. */
+/* cells: copies selected elements of a row without gaps (pack_BYTES_LEVEL), for each instruction set, and
+ * includes the kernel that finds a brick's crossed cells (cells_body.inc) once per instruction set. */
 #include "exact/cells.h"
 
 #include <math.h>
@@ -8,8 +8,9 @@
 #include "grids/threshold.h"
 #include "grids/voxel_kernels.h"
 
-/* ---- pack_BYTES_LEVEL(to, from, mask): copies those of 8 elements of 1, 2 or 4 bytes whose bits in `mask`
- * are set, without gaps. `to` needs room for 8 elements: the rest of them are undefined afterwards. */
+/* ---- pack_BYTES_LEVEL(to, from, mask): copies, without gaps, those of the 8 elements of 1, 2 or 4 bytes at
+ * `from` whose bits in `mask` are set. `to` needs room for 8 elements; those after the copied ones are
+ * undefined afterwards. */
 
 #define ISO_EXACT_PACK_BITS(name, type)                                                                      \
     static inline void name(void *to, const void *from, uint32_t mask) {                                     \

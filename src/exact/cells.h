@@ -17,28 +17,29 @@
 #include "grids/grid.h"
 
 enum {
-    ISO_EXACT_SIDE = 8, /* cells */
+    ISO_EXACT_SIDE = 8, /* cells along each side of an octant */
     ISO_EXACT_CELLS = ISO_EXACT_SIDE * ISO_EXACT_SIDE * ISO_EXACT_SIDE,
     ISO_EXACT_OCTANTS = 8,             /* in a brick */
-    ISO_EXACT_GROUP = 16,              /* cells */
+    ISO_EXACT_GROUP = 16,              /* cells in a group */
     ISO_EXACT_LATTICE = ISO_BRICK + 1, /* voxels that a brick's cells have as corners, on an axis */
 };
 
 typedef struct iso_exact_octant {
     uint64_t mask[ISO_EXACT_SIDE]; /* bit 8 * y + x of mask[z]: the cell is crossed */
-    uint32_t group;                /* its first group, counted from the brick's first */
+    uint32_t group;                /* the octant's first group, counted from the brick's first group */
     uint16_t cells;                /* number of crossed cells */
-    uint8_t origin[3];             /* of the octant in the brick: 0 or 8 */
+    uint8_t origin[3];             /* the octant's first cell in the brick: 0 or 8 on each axis */
     uint8_t low[3], high[3];       /* first and last crossed cell on each axis, counted from `origin` */
 } iso_exact_octant;
 
-/* The results of one brick. */
+/* The crossed cells of one brick. */
 typedef struct iso_exact_span {
     int32_t brick[3];
-    uint32_t octants, cells; /* how many */
-    size_t octant, group;    /* the first ones, in the arrays of the set */
+    uint32_t octants, cells; /* numbers of octants with crossed cells, and of crossed cells */
+    size_t octant, group;    /* indices of the first octant and the first group in the heaps of the set */
 } iso_exact_span;
 
+/* The number of groups that hold this many cells. */
 static inline uint32_t iso_exact_groups(uint32_t cells) {
     return (cells + ISO_EXACT_GROUP - 1) / ISO_EXACT_GROUP;
 }
@@ -48,24 +49,26 @@ static inline size_t iso_exact_group_bytes(iso_type type) {
     return (size_t)8 * ISO_EXACT_GROUP * iso_type_size(type);
 }
 
-/* The voxels of a brick and of its upper neighbours' first layers: (cells[2] + 1) * (cells[1] + 1) rows. 17
- * voxels of each row must be readable, also where cells[0] is less than 16. */
+/* The voxels at the corners of a brick's cells: those of the brick and of its upper neighbours' first layers,
+ * (cells[2] + 1) * (cells[1] + 1) rows. 17 voxels of each row must be readable, also where cells[0] is less
+ * than 16. */
 typedef struct iso_exact_source {
     const void *voxels;
     ptrdiff_t stride_y, stride_z; /* elements */
-    int cells[3];                 /* 1 .. 16 */
-    float isovalue_ceil;          /* at or above it is inside */
+    int cells[3];                 /* number of the brick's cells along x, y, z: 1 .. 16 */
+    float isovalue_ceil;          /* voxels at or above this value are inside */
 } iso_exact_source;
 
-/* The result for a brick: its octants with crossed cells, and their corners one octant after the other.
- * Large: one for each worker. */
+/* The result for a brick: its octants with crossed cells, and in `corners` the corner values of these cells
+ * in the voxels' type, one octant after the other. `planes` is working memory for one octant: it has room for
+ * seven values too many, which a compressing store may write. Large: one for each worker. */
 typedef struct iso_exact_output {
     uint32_t octants, groups, cells;
     iso_exact_octant octant[ISO_EXACT_OCTANTS];
-    /* (a compressing store may write seven elements too many) */
     float corners[8 * ISO_BRICK_VOXELS], planes[8][ISO_EXACT_CELLS + ISO_EXACT_GROUP];
 } iso_exact_output;
 
+/* Finds the crossed cells of `source` and stores them in `output`. */
 typedef void iso_exact_extract(const iso_exact_source *source, iso_exact_output *output);
 
 /* The kernel for a voxel type at an instruction set, or at the best below it that this build has. Never NULL.

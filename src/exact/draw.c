@@ -9,9 +9,9 @@
 
 enum {
     SPANS_PER_TASK = 64,
-    BAND_BITS = 1 << 20,  /* most pixels of a band: their bits (`open`) should stay in cache */
-    BANDS_PER_THREAD = 4, /* at least, so that threads finish at about the same time */
-    LEAST_ROWS = 32       /* of a band: octants are prepared anew for each band that they lie in */
+    BAND_BITS = 1 << 20,  /* upper limit of a band's pixels: their bits (`open`) should stay in cache */
+    BANDS_PER_THREAD = 4, /* at least this many, so that threads finish at about the same time */
+    LEAST_ROWS = 32       /* fewest rows of a band, as octants are prepared anew in each band they lie in */
 };
 
 typedef struct exact_draw {
@@ -19,12 +19,12 @@ typedef struct exact_draw {
     const iso_exact_kernel *kernel;
     uint32_t *order; /* spans front to back */
     size_t span_count;
-    iso_exact_visible *visible; /* those of task t begin at t * SPANS_PER_TASK * ISO_EXACT_OCTANTS */
-    int *visible_count;         /* by task */
+    iso_exact_visible *visible; /* task t's begin at index t * SPANS_PER_TASK * ISO_EXACT_OCTANTS */
+    int *visible_count;         /* number of visible octants, by task */
     size_t task_count;
-    int band_count, words;      /* words: of free-pixel bits in a row */
+    int band_count, words;      /* words: 64-bit words of free-pixel bits in a row */
     iso_exact_scratch *scratch; /* by worker */
-    uint64_t *open;             /* free-pixel bits; open_words by worker */
+    uint64_t *open;             /* free-pixel bits: open_words words for each worker */
     size_t open_words;
     atomic_size_t covered; /* pixels that show the surface; set when a picture is painted */
 } exact_draw;

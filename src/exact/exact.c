@@ -1,5 +1,5 @@
-/* exact: the set of crossed cells. Reads the voxels of changed bricks from either kind of grid, has the
- * kernel of cells.h find the crossed cells, and keeps the spans sorted for drawing. */
+/* exact: the set of crossed cells. Reads the voxels of changed bricks from an rgrid or an hgrid, calls the
+ * kernel of cells.h to find the crossed cells, and keeps the spans sorted for drawing. */
 #include "exact/exact.h"
 
 #include <math.h>
@@ -27,7 +27,8 @@ static void count_cells(const int *dims, const int brick[3], int cells[3]) {
     }
 }
 
-/* Copies the rows at the far end of the grid, which are shorter than the 17 voxels that kernels read. */
+/* Copies the rows of a brick at the grid's upper x border into `window` and pads them with zeros, because the
+ * grid's rows end there before the 17th voxel that the kernel reads. */
 static void copy_rows(const iso_exact_source *source, size_t bytes, void *window) {
     const char *from = source->voxels;
     char *to = window;
@@ -56,7 +57,7 @@ static void set_rgrid_source(const iso_rgrid *grid, const int brick[3], iso_exac
                                  source->isovalue_ceil};
 }
 
-/* A cell of an hgrid: the values of its brick or, with `values` NULL, the one value of all voxels. */
+/* A cell of an hgrid: the values of its brick or, if `values` is NULL, the value that all its voxels have. */
 typedef struct hgrid_cell {
     const float *values;
     float value;
@@ -66,14 +67,15 @@ static hgrid_cell get_hgrid_cell(const iso_hgrid *grid, const int brick[3], int 
     int at[3];
     for (int axis = 0; axis < 3; axis++) {
         at[axis] = brick[axis] + (number >> axis & 1);
-        if (at[axis] >= grid->cells[axis]) at[axis] = brick[axis]; /* any cell: its values are not used */
+        if (at[axis] >= grid->cells[axis]) at[axis] = brick[axis]; /* not used */
     }
     const int32_t state = grid->cell[iso_hgrid_cell_index(grid, at[0], at[1], at[2])];
     if (state >= 0) return (hgrid_cell){.values = iso_hgrid_brick(grid, state)};
     return (hgrid_cell){.value = iso_hgrid_empty_value(grid, state)};
 }
 
-/* Gathers the voxels of a brick and the first layers of its upper neighbours in `window`. */
+/* Copies the voxels of a brick and of its upper neighbours' first layers into `window`, and sets `source` to
+ * it. */
 static void set_hgrid_source(const iso_hgrid *grid, const int brick[3], iso_exact_source *source,
                              float *window) {
     hgrid_cell cells[8];
@@ -120,8 +122,8 @@ static void extract_brick(const void *context, const int brick[3], void *memory,
     output->items[ISO_SPAN_ARRAYS] = made->corners;
 }
 
-/* Extracts bricks one by one. With one thread, the sink then writes the results directly to their final
- * positions. */
+/* Passes each brick to iso_brick_sink_extract instead of making its items here: with one thread, the brick
+ * set then writes the items to their final place in the arrays without a copy. */
 static void extract_bricks(const void *context, const uint32_t *bricks, size_t count, void *scratch,
                            iso_brick_sink *sink) {
     (void)context, (void)scratch;
@@ -184,7 +186,8 @@ void iso_exact_destroy(iso_exact *exact) {
     iso_free(exact);
 }
 
-/* Lists the spans by brick: in the set they have no order once bricks were added and removed. */
+/* Sets `order` and `rows`, which list the spans sorted by brick. (In the brick set, spans lose this order
+ * when bricks are added and removed.) */
 static iso_status sort_spans(iso_exact *exact, iso_error *error) {
     const iso_brick_set *set = &exact->set;
     const size_t row_count = (size_t)set->bricks[1] * (size_t)set->bricks[2];

@@ -27,19 +27,20 @@ typedef struct iso_exact_opts {
     iso_pool *pool;  /* borrowed until destroy; NULL: the calling thread */
 } iso_exact_opts;
 
-/* Owns the crossed cells of one isovalue, and follows the grid's change log. Not thread-safe; different ones
- * are independent. */
+/* Owns the crossed cells of one isovalue, and follows the grid's change log. Not thread-safe; different
+ * iso_exact objects are independent. */
 typedef struct iso_exact iso_exact;
 
-/* The grid is borrowed until destroy. ISO_ERR_USAGE: isovalue not finite. ISO_ERR_NOMEM. */
+/* Creates an iso_exact without cells: iso_exact_update extracts them. The grid is borrowed until
+ * iso_exact_destroy. ISO_ERR_USAGE: isovalue not finite. ISO_ERR_NOMEM. */
 iso_status iso_exact_create(const iso_grid *grid, const iso_exact_opts *opts, iso_exact **exact,
                             iso_error *error);
 void iso_exact_destroy(iso_exact *exact);
 
-/* Brings the cells up to date: all bricks the first time and after iso_exact_set_isovalue, later only those
- * that the change log names. Call it after edits and before drawing; normals are always computed from the
- * grid as it is when drawing. ISO_ERR_USAGE: isovalue not finite. ISO_ERR_NOMEM: the cells that are there can
- * be drawn, but may be out of date or incomplete; call it again. */
+/* Extracts the cells of all bricks the first time and after iso_exact_set_isovalue, later only those of the
+ * bricks that the change log names. Call it after edits and before drawing; normals are always computed from
+ * the grid as it is when drawing. ISO_ERR_USAGE: isovalue not finite. ISO_ERR_NOMEM: the cells extracted so
+ * far can be drawn, but may be out of date or incomplete; call iso_exact_update again. */
 iso_status iso_exact_update(iso_exact *exact, iso_error *error);
 
 /* Sets the isovalue (physical); the next update then extracts all bricks. */
@@ -53,24 +54,26 @@ typedef struct iso_exact_totals {
 iso_exact_totals iso_exact_stats(const iso_exact *exact);
 
 /* The box of the points where the surface crosses the edges of its cells, in the coordinates to which
- * `affine` maps index coordinates (NULL: in index coordinates); empty when there are none. */
+ * `affine` maps index coordinates (NULL: in index coordinates). The box is empty if there are no crossed
+ * cells. */
 iso_box iso_exact_bounds(const iso_exact *exact, const iso_affine *affine);
 
-/* Draws into a gbuffer: replaces the samples that are farther than the surface. The same bytes for every
- * number of threads and instruction set, and in strips of any height. ISO_ERR_NOMEM. */
+/* Draws the surface into a gbuffer: replaces the samples that are farther than the surface. The gbuffer gets
+ * the same bytes with every number of threads and instruction set, and when drawn in strips of any height.
+ * ISO_ERR_NOMEM. */
 iso_status iso_draw_exact(const iso_target *target, const iso_exact *exact, iso_error *error);
 
-/* A picture to paint. All borrowed for the call. */
+/* A picture to paint; all pointers are borrowed for the call. */
 typedef struct iso_exact_picture {
     const iso_view *view;       /* of the image's size */
-    const iso_shading *shading; /* its first colour is the surface's */
+    const iso_shading *shading; /* the surface gets the first of its colours */
     iso_image *image;
     iso_pool *pool; /* NULL: the calling thread */
 } iso_exact_picture;
 
-/* Draws and shades this surface alone, with one sample a pixel, without a gbuffer. The image has the same
- * bytes as drawing into an empty gbuffer and iso_shade, and is faster. *covered (may be NULL): the number of
- * pixels that show the surface. ISO_ERR_NOMEM. */
+/* Draws and shades this surface alone, with one sample a pixel and without a gbuffer. Faster than
+ * iso_draw_exact into an empty gbuffer followed by iso_shade, and gives the same bytes. *covered (may be
+ * NULL): the number of pixels that show the surface. ISO_ERR_NOMEM. */
 iso_status iso_paint_exact(const iso_exact_picture *picture, const iso_exact *exact, size_t *covered,
                            iso_error *error);
 

@@ -1,6 +1,7 @@
 /* gradient: central differences from the 4^3 voxels around a cell, times 1/2, so that the differences of any
- * two floats are finite. Cells whose 4^3 voxels are all in the grid and finite are computed by whole rows
- * (gradient_body.inc), others one axis_difference at a time (gradients_anywhere) with the same arithmetic. */
+ * two floats are finite. A cell whose 4^3 voxels are all in the grid and finite gets its gradients from whole
+ * rows (gradient_body.inc), any other from one axis_difference at a time (gradients_anywhere), with the same
+ * arithmetic. */
 #include "exact/gradient.h"
 
 #include <math.h>
@@ -26,6 +27,7 @@ static void read_voxels_around(const iso_grid *grid, const int cell[3], voxels_a
         }
 }
 
+/* Half the derivative at the value `middle`; has_low, has_high: whether its neighbours are in the grid. */
 static float axis_difference(float low, float middle, float high, bool has_low, bool has_high) {
     has_low = has_low && isfinite(low);
     has_high = has_high && isfinite(high);
@@ -33,6 +35,7 @@ static float axis_difference(float low, float middle, float high, bool has_low, 
     return has_high ? 0.5f * high - 0.5f * middle : has_low ? 0.5f * middle - 0.5f * low : 0;
 }
 
+/* Computes the gradients of any cell, as iso_exact_gradients describes. */
 static void gradients_anywhere(const iso_grid *grid, const int cell[3], float gradient[8][4]) {
     const int *dims = iso_grid_dims(grid);
     voxels_around around;
@@ -80,11 +83,11 @@ void iso_exact_gradients_fetch(const iso_grid *grid, const int cell[3]) {
     const iso_rgrid *rgrid = grid->rgrid;
     const ptrdiff_t bytes = (ptrdiff_t)iso_type_size(rgrid->type), step_y = bytes * rgrid->stride_y,
                     step_z = bytes * rgrid->stride_z;
-    /* addresses may lie outside the grid: legal to prefetch, but not as results of pointer arithmetic */
+    /* addresses may lie outside the grid: prefetching them is allowed, computing them as pointers is not */
     const uintptr_t first =
         (uintptr_t)rgrid->data + (uintptr_t)(bytes * cell[0] + step_y * cell[1] + step_z * cell[2]);
     for (int z = -1; z < 3; z++)
-        for (int y = -1; y < 3; y++) /* (the four outermost rows are not needed: not worth a branch) */
+        for (int y = -1; y < 3; y++) /* also the four rows that are not needed: cheaper than a branch */
             __builtin_prefetch((const void *)(first + (uintptr_t)(y * step_y + z * step_z)));
 }
 

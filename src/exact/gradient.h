@@ -8,8 +8,8 @@
 
 /* Computes gradient[corner][axis] of the cell with the first corner `cell`, in units of half a stored value
  * per voxel (so that the difference of any two floats is finite); gradient[corner][3] is any finite number.
- * Central differences; one-sided where a neighbour is outside the grid or not finite; 0 where both are. The
- * voxels of the cell must be finite. The same bits at every level. */
+ * Differences are central; one-sided where one neighbour is outside the grid or not finite; 0 where both
+ * neighbours are. The voxels of the cell must be finite. Every instruction set gives the same bits. */
 typedef void iso_exact_gradients(const iso_grid *grid, const int cell[3], float gradient[8][4]);
 
 /* Prefetches the voxels that the gradients of a cell need. */

@@ -11,8 +11,8 @@
 #define ISO_EXACT_WIDER 1e-5f
 #define ISO_EXACT_WIDER_NEAR 4e-5f
 
-/* Cells whose box has more pixels than this are tested alone. Below it, testing the pixels of several cells
- * together wastes fewer vector lanes. */
+/* A cell whose box has more pixels than this is tested alone. For smaller cells, testing the pixels of
+ * several cells together wastes fewer vector lanes. */
 #define ISO_EXACT_LARGE_CELL 32
 
 /* Cells whose box has at least this many pixels get an outline (iso_exact_outline). */
@@ -47,6 +47,7 @@ void iso_exact_project_near_cells(const iso_exact_projection *projection, iso_ex
     }
 }
 
+/* Sets `voxel` to the index coordinates of a cell's first corner. cell: its number in scratch->octant. */
 static void get_cell_voxel(const iso_exact_scratch *scratch, int cell, int voxel[3]) {
     const int position = scratch->position[cell];
     const int local[3] = {position & 7, position >> 3 & 7, position >> 6};
@@ -64,8 +65,8 @@ static bool has_outlines(const iso_exact_projection *projection,
     return !projection->perspective || octant_projection->depth > 48 * projection->half_depth;
 }
 
-/* Moves the lowest bits of `bits` to the positions of the set bits of `mask`, as the instruction pdep does.
- */
+/* deposit_LEVEL: moves the lowest bits of `bits` to the positions of the set bits of `mask`, as the
+ * instruction pdep does. */
 static inline uint64_t deposit_generic(uint64_t bits, uint64_t mask) {
     uint64_t to = 0;
     for (; mask; mask &= mask - 1, bits >>= 1)

@@ -20,8 +20,9 @@
 #include "base/simd.h"
 #include "exact/projection.h"
 
-/* Array sizes. A ..._ROOM is the size of an array that is processed when it holds the number of items before
- * it: the rest is for the items of one more step, and for whole vectors stored at the end. */
+/* Array sizes. A list is processed when it holds the number of items that ISO_EXACT_..LIST or ISO_EXACT_HITS
+ * says; ISO_EXACT_..ROOM is the size of its arrays. The difference is for the items of one more step, and for
+ * whole vectors stored at the end. */
 enum {
     ISO_EXACT_CELL_ROOM = ISO_EXACT_CELLS + ISO_LANES_MAX,
     ISO_EXACT_LIST = 1024, /* pairs of small cells */
@@ -54,9 +55,9 @@ typedef struct iso_exact_cell {
     float behind;   /* `depth` minus the depth of the near plane, mm */
 } iso_exact_cell;
 
-/* Bits 0 .. 5 of a cell's flags: all four corners of its face -x +x -y +y -z +z equal the isovalue (a tie).
- * TOUCHING: no corner is above the isovalue, so that the surface consists of such faces only. UNSEEN: no
- * corner is above it and there is no such face, so that the cell shows nothing. */
+/* Flags of a cell. Bits 0 .. 5: all four corners of its face -x +x -y +y -z +z equal the isovalue (a tie).
+ * TOUCHING: no corner is above the isovalue and there is a tie, so that the surface in the cell consists of
+ * ties only. UNSEEN: no corner is above the isovalue and there is no tie, so that the cell shows nothing. */
 enum { ISO_EXACT_FACES = 63, ISO_EXACT_TOUCHING = 64, ISO_EXACT_UNSEEN = 128 };
 
 /* The queue of pixels whose rays cross the surface. Along the ray through the cell, with x from 0 to 1, the
@@ -75,10 +76,11 @@ typedef struct iso_exact_hits {
     float gradient[ISO_EXACT_HIT_ROOM][8][4]; /* by slot: x, y, z at the cell's corners; [3] is unused */
 } iso_exact_hits;
 
-/* Up to 64 pixels of a row, some of which are paired with a large cell. */
+/* Up to 64 neighbouring pixels of a picture row. Those whose bits in `listed` are set are tested against a
+ * large cell. */
 typedef struct iso_exact_row_window {
-    uint64_t listed; /* bit n: the pixel n to the right of the first is paired */
-    int32_t pixel;   /* the first, y << 16 | x */
+    uint64_t listed; /* bit n: the pixel n to the right of the first is to be tested */
+    int32_t pixel;   /* the first pixel, y << 16 | x */
 } iso_exact_row_window;
 
 /* Bounds on the pixels whose rays can meet the surface in an outlined cell. With x and y in pixels from the
@@ -107,15 +109,15 @@ typedef struct iso_exact_rays {
 
 /* Neighbouring pixels of a row. */
 typedef struct iso_exact_pixel_run {
-    int32_t pixel; /* the first, y << 16 | x */
-    int count;     /* at most 64 */
+    int32_t pixel; /* the first pixel, y << 16 | x */
+    int count;     /* number of pixels, at most 64 */
 } iso_exact_pixel_run;
 
 /* Pixels of one outlined cell, and the results of the tests on them. `depth`, `normal` and `word` of pixel i
  * are stored at index i + ISO_LANES_MAX, so that vectors can be read that begin before the first pixel.
  * (ISO_EXACT_PATCH_ROOM is a multiple of ISO_LANES_MAX, so that no vector crosses a cache line.) */
 typedef struct iso_exact_patch {
-    int cell, count, runs;                         /* count: of pixels */
+    int cell, count, runs;                         /* number of the cell; of pixels; of runs */
     iso_exact_pixel_run run[ISO_EXACT_PATCH_ROOM]; /* the pixels, in their order */
     /* x, y: pixels from the cell's projected reference point; depth: of the surface, mm */
     alignas(64) float x[ISO_EXACT_PATCH_ROOM], y[ISO_EXACT_PATCH_ROOM], depth[ISO_EXACT_PATCH_ROOM];
@@ -129,15 +131,16 @@ typedef struct iso_exact_patch {
     /* When a picture is painted without a gbuffer: the rays (u, v, 1) of the pixels, and their RGBA. */
     float u[ISO_EXACT_PATCH_ROOM], v[ISO_EXACT_PATCH_ROOM];
     int32_t word[ISO_EXACT_PATCH_ROOM];
-    /* Bit i & 63 of word i / 64: pixel i shows the cell; it may show the cell and needs the general test. */
+    /* Bit i & 63 of word i / 64. hit: pixel i shows the cell; unsure: pixel i may show the cell, and the
+     * general test must decide. */
     uint64_t hit[ISO_EXACT_PATCH_ROOM / 64 + 2], unsure[ISO_EXACT_PATCH_ROOM / 64 + 2];
-    float gradient[8][4]; /* in view space, in the order of the field's coefficients */
+    float gradient[8][4]; /* its coefficients of 1, u, v, w, uv, vw, uw, uvw, view space */
 } iso_exact_patch;
 
 /* The working memory of one worker, for one band of rows at a time. */
 typedef struct iso_exact_scratch {
-    iso_rows rows;  /* of the band */
-    int words;      /* of `open` per row; the last word is always 0 */
+    iso_rows rows;  /* the band */
+    int words;      /* 64-bit words of `open` per row; the last one is always 0 */
     uint64_t *open; /* bit x & 63 of word x / 64 of row y - rows.first: the pixel is still free */
 
     /* The octant that is being drawn; arrays are by the number of the crossed cell in the octant. */
@@ -145,14 +148,14 @@ typedef struct iso_exact_scratch {
     const iso_exact_octant *octant;
     const void *corners;
     iso_exact_octant_projection octant_projection;
-    int clip[4];                            /* pixels x0 x1 y0 y1 of the octant in the band */
-    uint16_t position[ISO_EXACT_CELL_ROOM]; /* in the octant: z << 6 | y << 3 | x */
+    int clip[4];                            /* the octant's pixels x0 x1 y0 y1 in the band */
+    uint16_t position[ISO_EXACT_CELL_ROOM]; /* cell in the octant: z << 6 | y << 3 | x */
     iso_exact_cell record[ISO_EXACT_CELL_ROOM];
-    int32_t box[4][ISO_EXACT_CELL_ROOM]; /* pixels x0 x1 y0 y1; x1 < x0 or y1 < y0 when there are none */
+    int32_t box[4][ISO_EXACT_CELL_ROOM]; /* pixels x0 x1 y0 y1; x1 < x0 or y1 < y0: none */
     int32_t flags[ISO_EXACT_CELL_ROOM];  /* ISO_EXACT_FACES .. */
     int32_t slot[ISO_EXACT_CELL_ROOM];   /* in hits.voxel; -1: none yet */
-    uint64_t drawable[ISO_EXACT_SIDE];   /* bit by front-to-back rank: a cell with that rank has pixels */
-    uint16_t cell_of[ISO_EXACT_CELLS];   /* by rank: the number of that cell */
+    uint64_t drawable[ISO_EXACT_SIDE];   /* bit r: there is a cell of front-to-back rank r with pixels */
+    uint16_t cell_of[ISO_EXACT_CELLS];   /* the number of the cell, by rank */
 
     /* Pairs of a pixel (y << 16 | x) and the cell it is to be tested against (the index of its record, in
      * floats), front to back. Pairs before index `general` may need the general test. */
@@ -163,14 +166,15 @@ typedef struct iso_exact_scratch {
     iso_exact_row_window window[ISO_EXACT_LARGE_ROOM]; /* the pixels of the pairs, in their order */
     uint64_t hit_bits[ISO_EXACT_LARGE_ROOM / 64 + 1];  /* bit by pair: its pixel shows the cell */
     iso_exact_hits hits;
-    bool outlined; /* cells are still larger, and far from the eye: `outline` and `rays` are set */
+    bool outlined; /* has_outlines is true of the octant: `outline` and `rays` are set */
     iso_exact_outline outline[ISO_EXACT_CELL_ROOM];
     iso_exact_rays rays[ISO_EXACT_CELL_ROOM];
     iso_exact_patch patch;
 } iso_exact_scratch;
 
 typedef struct iso_exact_kernel {
-    /* Draws the octants that are visible in the band, out of `count` that are sorted front to back. */
+    /* Draws the octants of `visible` that have free pixels in the band. visible: `count` octants, sorted
+     * front to back. */
     void (*draw)(const iso_exact_projection *projection, const iso_exact_visible *visible, int count,
                  iso_exact_scratch *scratch);
     /* Shades and writes the pixels that are still in the queue: call it when all octants are drawn. */
@@ -180,8 +184,8 @@ typedef struct iso_exact_kernel {
 /* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_exact_kernel *iso_exact_kernel_get(iso_cpu_level level);
 
-/* Sets the records and boxes of the cells of an octant next to the eye, one by one in double precision. Boxes
- * of cells that cannot be seen are empty. */
+/* Sets scratch->record and scratch->box of the cells of an octant next to the eye, one by one in double
+ * precision. Boxes of cells that cannot be seen are empty. */
 void iso_exact_project_near_cells(const iso_exact_projection *projection, iso_exact_scratch *scratch);
 
 #endif

@@ -24,12 +24,13 @@ static void set_rays(iso_exact_projection *projection, const iso_affine *affine)
         }
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) projection->ray[k][i] = (float)(2 * inverse[k][i]);
-    /* Makes sure that no direction has a component of exactly 0, because rays are divided by components. */
+    /* Makes sure that no direction has a component of exactly 0, because later code divides by each
+     * component. */
     for (int i = 0; i < 3; i++) projection->ray[2][i] += (float)(1e-9 * largest);
     for (int i = 0; i < 3; i++) {
         projection->eye[i] = 0;
         for (int k = 0; k < 3; k++) projection->eye[i] -= inverse[k][i] * projection->origin[k];
-        /* front to back: away from the eye, or along the parallel rays */
+        /* front-to-back order goes away from the eye, or along the parallel rays */
         double split = projection->perspective ? floor(projection->eye[i]) : inverse[2][i] >= 0 ? -1e9 : 1e9;
         projection->split[i] = (int)fmin(fmax(split, -1e9), 1e9);
     }
@@ -68,7 +69,7 @@ iso_exact_projection iso_exact_projection_make(const iso_target *target, const i
 
 /* ---- boxes in the picture */
 
-/* Positions of points in pixels from the optical axis. */
+/* A rectangle in the picture, in pixels from the optical axis. */
 typedef struct pixel_box {
     double x0, x1, y0, y1;
 } pixel_box;
@@ -82,8 +83,8 @@ static void add_point(const iso_exact_projection *projection, const double p[3],
     box->y1 = fmax(box->y1, p[1] * scale);
 }
 
-/* The box of a cuboid's part behind the near plane: of its corners there, and of the points where its edges
- * meet the plane. */
+/* The projected box of the part of a cuboid that is behind the near plane: the box of its corners there, and
+ * of the points where its edges meet the plane. */
 static pixel_box clipped_box(const iso_exact_projection *projection, double corner[8][3]) {
     pixel_box box = {DBL_MAX, -DBL_MAX, DBL_MAX, -DBL_MAX};
     const double near = projection->target->view->near;
@@ -102,7 +103,9 @@ static pixel_box clipped_box(const iso_exact_projection *projection, double corn
     return box;
 }
 
-/* The pixels with centres in the box, which is enlarged a little because callers work with rounded values. */
+/* Sets `pixels` to the pixels of `clip` whose centres are in the box (both x0 x1 y0 y1); false if there are
+ * none. The box is enlarged by a hundredth of a pixel and 1e-5 of its size, because callers work with rounded
+ * values. */
 static bool clip_to_pixels(const iso_exact_projection *projection, pixel_box box, const int clip[4],
                            int pixels[4]) {
     const double slack = 0.01, relative = 1e-5;
@@ -137,8 +140,9 @@ bool iso_exact_pixel_box(const iso_exact_projection *projection, const double ce
     return clip_to_pixels(projection, clipped_box(projection, corner), clip, pixels);
 }
 
-/* Pixels that can see a box far from the eye, with a bound of first order around its centre: (x + dx) /
- * (z + dz) differs from x / z by (dx - x / z * dz) / (z + dz), and z + dz > 0 is needed in the whole box. */
+/* Like iso_exact_pixel_box, for a box far from the eye, from a bound around its projected centre (x, y, z):
+ * (x + dx) / (z + dz) differs from x / z by (dx - x / z * dz) / (z + dz), and z + dz > 0 is needed in the
+ * whole box. */
 static bool far_box_pixels(const iso_exact_projection *projection, const double centre[3],
                            const double half[3], const int clip[4], int pixels[4]) {
     const double *m = projection->matrix, focal = projection->target->view->focal;
@@ -159,13 +163,14 @@ static bool far_box_pixels(const iso_exact_projection *projection, const double 
     return clip_to_pixels(projection, box, clip, pixels);
 }
 
+/* Like iso_exact_pixel_box, by the cheaper far_box_pixels where the box is far enough from the eye. */
 static bool box_pixels(const iso_exact_projection *projection, const double centre[3], const double half[3],
                        const int clip[4], int pixels[4]) {
     if (projection->perspective) {
         double p[3], reach_z = 0;
         transform_to_view(projection, centre, p);
         for (int i = 0; i < 3; i++) reach_z += fabs(projection->matrix[6 + i]) * half[i];
-        /* next to the eye the first-order bound is too wide */
+        /* next to the eye, the bound of far_box_pixels is too wide */
         if (!(p[2] - reach_z > 0.2 * p[2]))
             return iso_exact_pixel_box(projection, centre, half, clip, pixels);
     }
@@ -182,7 +187,8 @@ int iso_exact_list_visible_octants(const iso_exact_projection *projection, uint3
     for (int axis = 0; axis < 3; axis++) {
         corner[axis] = (double)ISO_BRICK * span->brick[axis];
         centre[axis] = corner[axis] + 8;
-        /* from the brick's first cell to the turn of the order; 0 .. 8: the eye is in the first half */
+        /* the cell where the order turns, counted from the brick's first; 0 .. 7: it is in the lower
+         * octants */
         const double cells = projection->split[axis] - corner[axis];
         split[axis] = cells < 0 ? 0 : cells < ISO_EXACT_SIDE ? 0 : cells < ISO_BRICK ? 1 : 2;
     }

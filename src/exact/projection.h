@@ -15,7 +15,7 @@
 /* The picture of iso_paint_exact: pixels are shaded as soon as they are found, without a gbuffer. */
 typedef struct iso_exact_paint {
     int32_t *pixels;    /* of the image, RGBA */
-    const float *u, *v; /* rays (u, v, 1): u by column (ISO_LANES_MAX more are readable), v by row */
+    const float *u, *v; /* rays (u, v, 1): u by column (with ISO_LANES_MAX readable items more), v by row */
     float base[3];      /* the surface's colour, 0 .. 1 */
     int32_t empty;      /* RGBA of a pixel without a surface */
 } iso_exact_paint;
@@ -36,18 +36,18 @@ typedef struct iso_exact_projection {
     int axis[2];      /* the pixel in which the optical axis lies */
     double offset[2]; /* position of a pixel's centre relative to the optical axis: pixel - axis + offset */
     double middle;    /* depth of the grid's centre, rounded to float: depths in cells are relative to it */
-    float ray[3][3];  /* [k][i]: component i of view axis k in a cell's coordinates, per mm */
+    float ray[3][3];  /* [k][i]: component i of view axis k in cell coordinates (half voxels), per mm */
     float per_focal;  /* 1 / focal; 0 when rays are parallel */
     float isovalue_ceil,
         residual;    /* of the surface; a quarter of both for float voxels, so that differences stay finite */
-    float normal[9]; /* matrix from gradient to outward normal in view space; the result is not unit */
+    float normal[9]; /* matrix from gradient to outward normal in view space, not of unit length */
 } iso_exact_projection;
 
 /* An octant and the pixels that its cells can touch. */
 typedef struct iso_exact_visible {
-    uint32_t span, octant; /* numbers in the arrays of the set */
-    uint16_t x0, x1, y0, y1;
-    const void *corners; /* values at the corners of the octant's cells (iso_exact_corners) */
+    uint32_t span, octant;   /* indices in the set's arrays of spans and octants */
+    uint16_t x0, x1, y0, y1; /* first and last column, first and last row */
+    const void *corners;     /* values at the corners of the octant's cells (iso_exact_corners) */
 } iso_exact_visible;
 
 /* How the cells of one octant are projected, in floats. The reference direction is that of the ray to the
@@ -58,18 +58,18 @@ typedef struct iso_exact_octant_projection {
     int origin[2];       /* the pixel that pixels are counted from */
     float off_axis[2];   /* distance of that pixel's centre from the optical axis, pixels */
     float place[2];      /* projected centre of the octant, in pixels from `origin` */
-    float residue[2];    /* x and y of the octant's centre minus those of the reference direction there, mm */
+    float residue[2];    /* x and y of the octant's centre minus `reference` * its depth, mm (rounding) */
     float reference[2];  /* x / z and y / z of the reference direction */
     float sheared[2][3]; /* `across` minus `reference` * `along` */
-    float across[2][3], along[3]; /* x and y, and z, of the index axes in view space, mm */
+    float across[2][3], along[3]; /* a step of one voxel on each index axis in view space: x and y, z; mm */
     float focal;                  /* of the camera, pixels */
     float depth;                  /* of the octant's centre, mm */
-    float relative;               /* `depth` minus projection->middle */
-    float behind;                 /* `depth` minus that of the near plane */
-    float cell_pixels;            /* about how many pixels a cell's box has */
+    float relative;               /* `depth` minus iso_exact_projection.middle, mm */
+    float behind;                 /* `depth` minus the depth of the near plane, mm */
+    float cell_pixels;            /* about how many pixels the bounding box of a projected cell has */
 } iso_exact_octant_projection;
 
-/* The projection for a target and an up-to-date set, both borrowed. */
+/* The projection for a target and an iso_exact that is up to date; both are borrowed. */
 iso_exact_projection iso_exact_projection_make(const iso_target *target, const iso_exact *exact);
 
 /* Element i of the front-to-back order of the numbers 0 .. count - 1 on an axis: split, split + 1, ..,
@@ -78,13 +78,14 @@ static inline int iso_exact_front_to_back(int i, int count, int split) {
     int first = split < 0 ? 0 : split > count ? count : split;
     return i < count - first ? first + i : count - 1 - i;
 }
-/* The inverse: the index of number `n` in that order. */
+/* The inverse of iso_exact_front_to_back: the index of number `n` in the front-to-back order. */
 static inline int iso_exact_rank(int n, int count, int split) {
     int first = split < 0 ? 0 : split > count ? count : split;
     return n >= first ? n - first : count - 1 - n;
 }
 
-/* Writes the visible octants of a brick's span, front to back; returns their number. */
+/* Writes the octants of a brick's span that the picture can show, front to back; returns their number (up to
+ * ISO_EXACT_OCTANTS). */
 int iso_exact_list_visible_octants(const iso_exact_projection *projection, uint32_t span,
                                    iso_exact_visible *visible);
 

@@ -9,14 +9,15 @@
 #include "grids/threshold.h"
 
 struct iso_exact {
-    iso_brick_set set; /* its heap 0 stores octants, heap 1 groups of corners */
+    iso_brick_set set; /* heap 0 of the brick set stores octants, heap 1 groups of corner values */
     iso_grid grid;
     iso_exact_opts opts;
     iso_threshold surface;
     iso_type type; /* of the corners */
     iso_exact_extract *extract;
-    /* Arrays of uint32_t. order: the numbers of all spans, sorted by z, y, x of their bricks. rows: index in
-     * `order` of the first span of the row of bricks r = z * bricks_y + y; one more marks the end. */
+    /* Arrays of uint32_t. order: the numbers of all spans, sorted by z, y, x of their bricks. rows: the index
+     * in `order` of the first span of each row of bricks; row r = z * (number of bricks along y) + y. One
+     * more entry marks the end. */
     iso_buffer order, rows;
     bool sorted; /* order and rows are up to date; false when there was no memory: nothing is drawn then */
     size_t cells;
@@ -28,7 +29,8 @@ static inline const iso_exact_span *iso_exact_spans(const iso_exact *exact) {
 static inline const iso_exact_octant *iso_exact_octants(const iso_exact *exact) {
     return (const iso_exact_octant *)iso_brick_set_items(&exact->set, 0, 0);
 }
-/* The corners of an octant's cells: eight planes of iso_exact_groups(cells) * ISO_EXACT_GROUP values. */
+/* The corner values of an octant's cells: eight planes of iso_exact_groups(cells) * ISO_EXACT_GROUP
+ * values. */
 static inline const void *iso_exact_corners(const iso_exact *exact, const iso_exact_span *span,
                                             const iso_exact_octant *octant) {
     const char *groups = (const char *)iso_brick_set_items(&exact->set, 1, 0);
