@@ -23,7 +23,8 @@ void iso_window_gradient(const iso_brick_window *window, const int voxel[3], flo
     }
 }
 
-/* Rare: the squares would overflow or underflow in float, or the gradient is zero. */
+/* iso_unit_normal in double, for the rare gradients whose squares overflow or underflow in float or that are
+ * 0. */
 static bool unit_normal_wide(const float g[3], float sign, float normal[3]) {
     double length = sqrt((double)g[0] * g[0] + (double)g[1] * g[1] + (double)g[2] * g[2]);
     if (!(length > 0) || !isfinite(length)) return false;

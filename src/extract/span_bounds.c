@@ -25,9 +25,9 @@ void iso_span_bounds_free(iso_span_bounds *bounds) {
     iso_buffer_free(&bounds->bounded);
 }
 
-/* Whether the surface may have a border in a brick: it ends at the border of the volume and around voxels
- * that are not finite. Where it ends at the volume's border it has points, of any kind, within a voxel of
- * that. */
+/* Whether the surface may have a border in a span. It ends at the border of the volume and around voxels that
+ * are not finite. Where it reaches the volume's border, it has points (edge points as well as foot points)
+ * within one voxel of that border. */
 static bool may_be_open(const iso_grid *grid, const int32_t at[3], const iso_point_bounds *bounds) {
     const iso_rgrid *rgrid = grid->rgrid;
     const int *dims = rgrid ? rgrid->dims : grid->hgrid->dims;

@@ -6,16 +6,16 @@
 #include "base/primitives.h"
 #include "grids/brick_set.h"
 
-/* Zero-initialise. */
+/* The bounds of the spans of one brick set. Initialise with zeros; free with iso_span_bounds_free. */
 typedef struct iso_span_bounds {
     iso_buffer bounds;  /* iso_point_bounds of each span */
-    iso_buffer bounded; /* for each span, the version that its bounds are of */
+    iso_buffer bounded; /* for each span, the version that its bounds are for (bounded_span) */
     bool whole;         /* the last update of the set succeeded: the set holds the whole surface */
     bool known, closed; /* the bounds are up to date; the surface has no border */
 } iso_span_bounds;
 
-/* Call it after every update of the set: the bounds are unknown until iso_span_bounds_update. whole: the
- * update succeeded. */
+/* Marks the bounds as out of date: they are unknown until iso_span_bounds_update. Call it after every update
+ * of the brick set. whole: that update succeeded. */
 void iso_span_bounds_forget(iso_span_bounds *bounds, bool whole);
 
 /* Callback: computes the bounds of span number `span`. Called from several threads. */

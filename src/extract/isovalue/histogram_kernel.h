@@ -11,17 +11,17 @@
 extern "C" {
 #endif
 
-/* The lowest and highest finite value of a row, infinite (lowest > highest) when there is none. */
+/* The lowest and highest finite value of a row; if there is none, +infinity and -infinity. */
 typedef struct iso_row_range {
     float lowest, highest;
     int finite; /* how many voxels are neither NaN nor infinite */
 } iso_row_range;
 
-/* The voxels of a row that may be padding: those with the volume's lowest or highest value. */
+/* Counts the voxels of a row that may be padding: those with the volume's lowest or highest value. */
 typedef struct iso_row_padding {
     float low, high,
         padding; /* input: the volume's lowest and highest value; the one of them that is padding */
-    float above_low, below_high; /* output: the row's values next to these; infinite when there are none */
+    float above_low, below_high; /* output: the row's values next to low and high; infinite: none */
     int count;                   /* output: number of voxels with the value `padding` */
 } iso_row_padding;
 

@@ -1,5 +1,6 @@
-/* Isovalues from a histogram. Otsu 1979, "A threshold selection method from gray-level histograms"; Liao,
- * Chen and Chung 2001, "A fast algorithm for multilevel thresholding". */
+/* isovalue: histograms of grids, and isovalues by the thresholds of Otsu 1979, "A threshold selection
+ * method from gray-level histograms", and Liao, Chen and Chung 2001, "A fast algorithm for multilevel
+ * thresholding". */
 #include "extract/isovalue/isovalue.h"
 
 #include <math.h>
@@ -11,13 +12,13 @@
 
 /* ---- walking over the voxels */
 
-/* A run of voxels along x: `count` values, or `constant` so many times when values is NULL. */
+/* A run of voxels along x: `count` values or, if `values` is NULL, as many times `constant`. */
 typedef struct run {
     const void *values;
     float constant;
     size_t count;
     bool in_face;                      /* the whole run lies in a face of the volume */
-    bool starts_in_face, ends_in_face; /* its first or last voxel does */
+    bool starts_in_face, ends_in_face; /* the run's first or last voxel lies in a face */
 } run;
 
 typedef void run_visitor(void *worker_state, const run *voxels);
@@ -68,7 +69,8 @@ static void visit_slice(const iso_grid *grid, int z, run_visitor *visit, void *s
         visit_rgrid_slice(grid->rgrid, z, visit, state);
 }
 
-/* One slice a task; every worker has its own state, added up afterwards. */
+/* A walk over the voxels of a grid: each task is one slice. Every worker has its own state of `state_bytes`
+ * bytes; the states are added up afterwards. */
 typedef struct walk {
     const iso_grid *grid;
     run_visitor *visit;
@@ -89,12 +91,13 @@ static void run_walk(walk *job, iso_pool *pool) {
 
 enum { LEVELS = 1 << 16, TABLES = 2, FOLD_EVERY = 1 << 30 };
 
-/* What one worker has counted. Voxels are counted 16 bits at a time: single values of 16 bits, pairs of
- * values of 8 bits, which halves the number of increments. Neighbours are often equal, and an increment has
- * to wait for the one before it of the same counter, so that words are dealt out over several tables. */
+/* The counts of one worker, by value. Increments of a counter have to wait for the previous increment of the
+ * same counter, and neighbouring voxels are often equal. Therefore voxels are first counted as words of 16
+ * bits (single values of 16 bits; pairs of values of 8 bits, which halves the number of increments), and
+ * consecutive words go to several tables. */
 typedef struct level_counts {
-    uint64_t all[LEVELS], faces[LEVELS]; /* by value, less -32768 for int16 */
-    uint32_t words[TABLES][LEVELS];      /* not yet in `all` */
+    uint64_t all[LEVELS], faces[LEVELS]; /* by value; by value + 32768 for int16 */
+    uint32_t words[TABLES][LEVELS];      /* counts that are not yet added to `all` */
     size_t word_count;
 } level_counts;
 
@@ -109,7 +112,7 @@ static int level_of(iso_type type, const void *values, size_t i) {
     }
 }
 
-/* Adds the words to `all`. */
+/* Adds the counts of words to `all`, and sets them to 0. */
 static void fold_words(level_counts *counts, iso_type type) {
     for (int word = 0; word < LEVELS; word++) {
         uint64_t count = 0;
@@ -176,7 +179,7 @@ static void count_slice(void *context, size_t z, int worker) {
     }
 }
 
-/* What the histogram of a range of levels is made from. */
+/* The range of levels that a histogram is made from. */
 typedef struct level_range {
     int first, last;
     int padding; /* a level, or -1 */
@@ -243,7 +246,7 @@ static iso_status integer_histogram(const iso_grid *grid, iso_pool *pool, iso_hi
 
 /* ---- floats: the range first, then what may be padding, then the bins */
 
-/* Stored values. */
+/* The range of the finite voxels, in stored values. */
 typedef struct float_range {
     float low, high; /* of finite voxels */
     uint64_t finite, nonfinite;
@@ -262,7 +265,8 @@ static const iso_histogram_kernels *kernels(void) {
     return iso_histogram_kernels_get(iso_cpu_best());
 }
 
-/* The values of a run, of which there is one when all are the same; each of them counts `*each` times. */
+/* The values of a run and their number; one value for a run of equal voxels. Each of them counts `*each`
+ * times. */
 static const float *floats_of(const run *voxels, int *count, uint64_t *each) {
     *count = voxels->values ? (int)voxels->count : 1;
     *each = voxels->values ? 1 : voxels->count;
@@ -280,7 +284,7 @@ static void find_range(void *state, const run *voxels) {
     merge_range(state, &found);
 }
 
-/* How many voxels of the volume's faces there are, and how many of them have the lowest and the highest
+/* Counts of the voxels on the volume's faces: all of them, and those with the lowest and the highest
  * value. */
 typedef struct face_counts {
     float low, high;
@@ -309,8 +313,8 @@ static void find_faces(void *state, const run *voxels) {
         count_face_voxel(state, values[count - 1], 1);
 }
 
-/* The value that may be padding, how often it occurs, and the next ones inwards from the lowest and the
- * highest. */
+/* The volume's lowest and highest value, the one of them that may be padding, how often it occurs (`count`),
+ * and the values next to the lowest and the highest. */
 typedef struct padding_counts {
     float low, high, padding;
     float above_low, below_high;
@@ -329,7 +333,8 @@ static void find_padding(void *state, const run *voxels) {
     counts->below_high = fmaxf(counts->below_high, row.below_high);
 }
 
-/* Counts of one worker. Several tables: see level_counts. */
+/* The bins of one worker. Consecutive values are counted in different tables, for the reason given at
+ * level_counts. */
 enum { BIN_TABLES = 4, BIN_BLOCK = 256 };
 typedef struct bin_counts {
     iso_bin_range range;
@@ -348,7 +353,8 @@ static void count_bins(void *state, const run *voxels) {
     }
 }
 
-/* Walks over all voxels with a state for each worker, all of which begin as `first`. */
+/* Walks over all voxels with a state for each worker, all of which begin as a copy of `first`. *states: the
+ * states afterwards, to be freed by the caller. */
 static iso_status walk_with(const iso_grid *grid, iso_pool *pool, run_visitor *visit, const void *first,
                             size_t bytes, char **states, iso_error *error) {
     const size_t workers = (size_t)iso_pool_threads(pool);
@@ -400,7 +406,7 @@ static iso_status measure_padding(const iso_grid *grid, iso_pool *pool, padding_
     return ISO_OK;
 }
 
-/* Leaves padding out of the range and says so in the histogram. */
+/* Finds padding; if there is any, leaves it out of `range` and records it in `histogram`. */
 static iso_status leave_out_padding(const iso_grid *grid, iso_pool *pool, float_range *range,
                                     iso_histogram *histogram, iso_error *error) {
     face_counts faces;
@@ -410,7 +416,7 @@ static iso_status leave_out_padding(const iso_grid *grid, iso_pool *pool, float_
     padding_counts padding = {
         .low = range->low, .high = range->high, .padding = at_low ? range->low : range->high};
     ISO_TRY(measure_padding(grid, pool, &padding, error));
-    if (!(padding.above_low < range->high)) return ISO_OK; /* a mask of two values keeps both */
+    if (!(padding.above_low < range->high)) return ISO_OK; /* a binary volume keeps both values */
     histogram->padding_value = iso_grid_physical(grid, padding.padding);
     histogram->padding = padding.count;
     if (at_low)
@@ -471,7 +477,8 @@ iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histo
 
 /* ---- thresholds */
 
-/* Sums over bins 0 .. i-1; bin numbers serve as values, which changes no threshold. */
+/* Sums over the bins 0 .. i - 1, by i: of their counts, and of their counts times bin numbers. Bin numbers
+ * stand for values, which changes no threshold. */
 typedef struct cumulative {
     double weight[ISO_HISTOGRAM_BINS + 1], moment[ISO_HISTOGRAM_BINS + 1];
 } cumulative;
@@ -485,14 +492,15 @@ static cumulative accumulate(const iso_histogram *histogram) {
     return sums;
 }
 
-/* What bins from .. to-1 add to the between-class variance; negative when they are empty. */
+/* The term of the bins from .. to - 1, taken as one class, in the between-class variance; negative if they
+ * are empty. */
 static double class_term(const cumulative *sums, int from, int to) {
     double weight = sums->weight[to] - sums->weight[from], moment = sums->moment[to] - sums->moment[from];
     return weight > 0 ? moment * moment / weight : -1;
 }
 
-/* The value between the bins below `cut` and the others: half-way across the empty bins that follow, and
- * between two levels when the data are integers. */
+/* The physical value between the bins below `cut` and the others: half-way across the empty bins that begin
+ * at `cut` and, if the data are integers, between two levels. */
 static double cut_value(const iso_grid *grid, const iso_histogram *histogram, int cut) {
     int end = cut;
     while (end < ISO_HISTOGRAM_BINS && !histogram->bins[end]) end++;

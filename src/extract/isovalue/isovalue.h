@@ -13,16 +13,16 @@
 extern "C" {
 #endif
 
-/* Computes the histogram of a grid, without padding: when a single value makes up more than half of the
- * voxels of the volume's six faces and is the minimum or the maximum of the data, all voxels with exactly
- * that value are padding, unless all others have one value (a mask of two values keeps both). ISO_ERR_EMPTY
- * when there is no finite voxel. */
+/* Computes the histogram of a grid, without padding. A value is padding if more than half of the voxels on
+ * the volume's six faces have it and it is the minimum or the maximum of the data. All voxels with exactly
+ * this value are left out, unless all others have a single value (a binary volume keeps both values).
+ * ISO_ERR_EMPTY: no voxel is finite. */
 iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
                                  iso_error *error);
 
-/* Suggested isovalues, best first: 0 for level sets; otherwise Otsu's threshold (1979), then the two
- * thresholds of three-class Otsu (Liao, Chen and Chung 2001). Returns how many (1 .. 3), 0 for a constant
- * volume. */
+/* Suggests isovalues (physical), best first: 0 for level sets; otherwise Otsu's threshold (1979), then the
+ * two thresholds of three-class Otsu (Liao, Chen and Chung 2001). Returns how many there are (1 .. 3), 0 for
+ * a constant volume. */
 size_t iso_isovalue_suggest(const iso_grid *grid, const iso_histogram *histogram,
                             double candidates[ISO_ISOVALUE_CANDIDATES]);
 

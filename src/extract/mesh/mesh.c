@@ -7,7 +7,7 @@
 
 enum { VERTICES, TRIANGLES }; /* heaps of the brick set */
 
-/* The working memory of one worker; iso_mesh_run_scratch_bytes() more follow. */
+/* The working memory of one worker. In the worker's memory, iso_mesh_run_scratch_bytes() bytes follow it. */
 typedef struct mesh_scratch {
     iso_brick_window window;
     iso_brick_mesh mesh;
@@ -131,7 +131,8 @@ iso_mesh_view iso_mesh_set_view(const iso_mesh_set *set) {
 
 /* ---- bounds */
 
-/* The normal of a triangle's plane in index space, with |x| + |y| + |z| = 1; false when it has no area. */
+/* Sets `normal` to the normal of a triangle's plane in index space, with |x| + |y| + |z| = 1; returns false
+ * if the triangle has no area. */
 static bool plane_normal(const iso_surfel *vertices, const uint16_t triangle[3], double normal[3]) {
     const float *a = vertices[triangle[0]].position, *b = vertices[triangle[1]].position,
                 *c = vertices[triangle[2]].position;

@@ -28,7 +28,8 @@ typedef struct iso_mesh_opts {
  * independent. */
 typedef struct iso_mesh_set iso_mesh_set;
 
-/* The grid is borrowed until destroy. ISO_ERR_USAGE: isovalue not finite. */
+/* Creates an empty set; iso_mesh_set_update extracts the mesh. The grid is borrowed until
+ * iso_mesh_set_destroy. ISO_ERR_USAGE: isovalue not finite. */
 iso_status iso_mesh_set_create(const iso_grid *grid, const iso_mesh_opts *opts, iso_mesh_set **set,
                                iso_error *error);
 void iso_mesh_set_destroy(iso_mesh_set *set);
@@ -46,15 +47,15 @@ iso_status iso_mesh_set_bound(iso_mesh_set *set, iso_error *error);
 
 /* A whole mesh as one array of vertices and one of triangles, for export and measuring. Vertices are in index
  * coordinates (not relative to bricks), in span order, each once: copies are replaced by the vertex of the
- * brick that owns it. The arrays are the caller's: iso_weld_free. */
+ * brick that owns the edge. The caller frees the arrays with iso_weld_free. */
 typedef struct iso_weld {
     iso_surfel *vertices;
     uint32_t (*triangles)[3];
     size_t vertex_count, triangle_count;
 } iso_weld;
 
-/* Welds the spans of a mesh. ISO_ERR_LIMIT above 2^32 - 1 vertices; ISO_ERR_USAGE when a copy has no owner,
- * because the last update failed; ISO_ERR_NOMEM. */
+/* Welds the spans of a mesh. ISO_ERR_LIMIT: more than 2^32 - 1 vertices; ISO_ERR_USAGE: a copy of a vertex
+ * has no owner, because the last update of the set failed; ISO_ERR_NOMEM. */
 iso_status iso_mesh_weld(const iso_mesh_view *view, iso_weld *weld, iso_error *error);
 /* Moves the vertices of a mesh welded from `view` along their edges, so that each is at least `distance`
  * (voxels, below 1/2) from the edge's ends. Vertices of different edges are then in different places, also

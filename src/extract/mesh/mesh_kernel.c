@@ -14,7 +14,7 @@ enum { ROWS = ISO_EDGE_SIDE * ISO_EDGE_SIDE, CELL_ROWS = ROWS - ISO_EDGE_SIDE - 
 typedef struct block_rows {
     uint64_t at[ROWS];                /* voxel x is inside */
     uint64_t after[ROWS];             /* voxel x + 1 is inside */
-    uint64_t any[ROWS], all[ROWS];    /* one of these two is inside; both are */
+    uint64_t any[ROWS], all[ROWS];    /* voxel x or voxel x + 1 is inside; both are */
     uint64_t active[CELL_ROWS];       /* cell x has corners inside and outside */
     uint16_t list[ISO_EDGE_ROWS + 1]; /* numbers (z << 5 | y) of the rows with active cells */
     int count;                        /* of the list */
@@ -22,13 +22,13 @@ typedef struct block_rows {
 
 /* The part of a block that lies in the grid and in wanted bricks: bits by x, and limits on y and z. */
 typedef struct block_limits {
-    uint64_t own;   /* voxels x whose edges a brick owns */
-    uint64_t far;   /* voxels x whose edges on a brick's far y and z faces are copied */
-    uint64_t faces; /* the last voxels of bricks: the edges at x + 1 lie on the brick's far x face */
-    uint64_t cells; /* cells x */
+    uint64_t own;   /* bit x: a wanted brick owns the edges that begin at voxel x */
+    uint64_t far;   /* bit x: far edges that begin at voxel x, on far y or z faces, are copied */
+    uint64_t faces; /* bit x: voxel x is the last of a brick, so that edges at x + 1 lie on its far x face */
+    uint64_t cells; /* bit x: cell x is in the grid and in a wanted brick */
     iso_edge_active active;
-    int rows[3]; /* number of voxels 0 .. that own edges, by axis */
-    int last[3]; /* the last voxel, 0 .. 16, by axis; also the number of cells */
+    int rows[3]; /* by axis: number of voxels, from 0 on, at which own edges begin */
+    int last[3]; /* by axis: the last voxel, 0 .. 16; also the number of cells */
 } block_limits;
 
 /* The present lengths of the lists of own and far edges. */
@@ -67,8 +67,8 @@ static inline void append_far(iso_far_list *list, int *end, uint64_t mask, int r
     *end += mask != 0;
 }
 
-/* Lists the edges of a row with y = 16 or z = 16, all of which neighbouring bricks own: those in the row, and
- * those on bricks' far x faces. */
+/* Lists the edges that begin in a row with y = 16 or z = 16. All of them are far edges: those along the row's
+ * bricks, and those on the bricks' far x faces. */
 static void list_far_row(const block_rows *rows, const block_limits *limits, int row, list_ends *ends,
                          iso_mesh_block *block) {
     const int y = row & 31, z = row >> 5, i = z * ISO_EDGE_SIDE + y;
@@ -100,8 +100,8 @@ ISO_STEP static void number_vertices(const iso_edge_key *keys, uint32_t count, u
     for (uint32_t i = 0; i < count; i++) vertex_of[keys[i]] = (uint16_t)i;
 }
 
-/* The arrays for the own or the far vertices of a block. Bricks that are not wanted get the arrays of one
- * that is: nothing is written there, but the edge kernel needs a pointer. */
+/* The arrays for the own or the far vertices of a block. A brick that is not wanted gets the arrays of a
+ * wanted one: nothing is written for it, but the edge kernel needs a pointer. */
 static iso_edge_output edge_output(const iso_mesh_block *block, const iso_mesh_output *output, bool far) {
     iso_edge_output edges = {0};
     for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++) {

@@ -1,5 +1,5 @@
-/* mesh_measure: sums over blocks of triangles and vertices. Edges are found by sorting the sides of triangles
- * by their lower vertex; parts by disjoint sets of vertices. */
+/* mesh_measure: area, volume and counts as sums over groups of triangles and vertices. Edges are found by
+ * sorting the sides of triangles by their lower vertex; parts by disjoint sets of vertices. */
 #include "extract/mesh/mesh_measure.h"
 
 #include <math.h>
@@ -7,8 +7,8 @@
 #include "base/disjoint_sets.h"
 #include "base/memory.h"
 
-/* Triangles or vertices of one task. Each task has its own sums, which are added in order, so that results do
- * not depend on threads. */
+/* Number of triangles or vertices of one task. Each task has its own sums, which are added in the order of
+ * tasks, so that results do not depend on the number of threads. */
 enum { BLOCK = 4096 };
 
 typedef struct sums {
@@ -47,7 +47,8 @@ static void list_sides(measuring *m) {
             m->first[low + 1]++;
         }
     for (size_t v = 0; v < weld->vertex_count; v++) m->first[v + 1] += m->first[v];
-    /* this moves each vertex's first to its end, which is the first of the next vertex; undone below */
+    /* this moves each vertex's entry of `first` to the end of its sides, where those of the next vertex
+     * begin; undone below */
     for (size_t t = 0; t < weld->triangle_count; t++)
         for (int k = 0; k < 3; k++) {
             side_of(weld->triangles[t], k, &low, &side);
@@ -103,7 +104,7 @@ static void add_triangles(void *context, size_t block, int worker) {
     const iso_weld *weld = m->weld;
     const size_t begin = block * BLOCK,
                  end = begin + BLOCK < weld->triangle_count ? begin + BLOCK : weld->triangle_count;
-    const iso_vec3 origin = position(weld, 0); /* near the mesh, so that little precision is lost */
+    const iso_vec3 origin = position(weld, 0); /* on the mesh, so that little precision is lost */
     sums *sum = &m->blocks[block];
     for (size_t t = begin; t < end; t++) {
         const uint32_t *corner = weld->triangles[t];

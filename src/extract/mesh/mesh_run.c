@@ -39,7 +39,7 @@ void iso_mesh_context_init(iso_mesh_context *context, const iso_grid *grid, cons
 
 /* ---- runs of an rgrid */
 
-/* Gets room in the sink for the results of a block's wanted bricks; false when there is no memory. */
+/* Gets memory from the sink for the results of a block's wanted bricks; returns false if there is none. */
 static bool reserve_output(const iso_mesh_block *block, iso_brick_sink *sink, iso_mesh_output *output) {
     size_t vertices = 0, triangles = 0;
     for (int k = 0; k < ISO_EDGE_BRICKS; k++) {
@@ -101,14 +101,15 @@ void iso_mesh_run(const iso_mesh_context *context, const iso_brick_set *set, con
 
 /* ---- one window */
 
+/* Whether the kernel can work on the window: no NaN or infinity, no overflow of differences. */
 static bool window_fits(const iso_brick_window *window) {
     unsigned outside = 0;
     for (int i = 0; i < ISO_WINDOW_VOXELS; i++) outside |= !(fabsf(window->values[i]) < 1e30f);
     return !outside;
 }
 
-/* Classifies the voxels of a window as the first brick of a block; the bits after it repeat its last voxel.
- */
+/* Sets `words` to the inside bits of a window's voxels, as the first brick of a block; the bits after the
+ * brick's last voxel repeat that voxel. */
 static void classify_window(const iso_brick_window *window, float isovalue, iso_edge_words *words) {
     words->blocks = 1;
     words->active[0] = ISO_EDGE_WHOLE;

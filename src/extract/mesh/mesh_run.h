@@ -26,8 +26,8 @@ size_t iso_mesh_run_scratch_bytes(void);
 void iso_mesh_run(const iso_mesh_context *context, const iso_brick_set *set, const uint32_t *bricks,
                   size_t count, void *scratch, iso_brick_sink *sink);
 
-/* The mesh of a brick from its window; without the kernel if the window has NaN, infinite or very large
- * values. */
+/* Computes the mesh of a brick from its window: with the kernel or, if the window has NaN, infinite or very
+ * large values, with iso_marching_cubes. */
 void iso_mesh_run_window(const iso_mesh_context *context, const iso_brick_window *window, void *scratch,
                          iso_brick_mesh *mesh);
 

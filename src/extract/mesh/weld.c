@@ -1,12 +1,13 @@
-/* weld: joins the spans of a mesh. Copies of vertices on the far faces of bricks are replaced by the vertex
- * of the brick that owns the edge, which is found by binary search for the brick and for the edge's key. */
+/* weld: joins the spans of a mesh. Each copy of a vertex on a brick's far face is replaced by the vertex
+ * of the brick that owns the edge. This vertex is found by binary search for the brick, then for the
+ * edge's key. */
 #include "extract/mesh/mesh.h"
 
 #include <stdlib.h>
 
 #include "base/memory.h"
 
-/* A span's brick, its number, and the number of its first own vertex in the welded mesh. */
+/* The brick of a span, the span's number, and the number of its first own vertex in the welded mesh. */
 typedef struct owner {
     int32_t brick[3];
     uint32_t span, first;
@@ -32,8 +33,8 @@ static int compare_keys(const void *a, const void *b) {
     return *(const iso_edge_key *)a - *(const iso_edge_key *)b;
 }
 
-/* Turns the key of an edge on a far face into its key in the brick that owns it; changes `brick` to that
- * brick. */
+/* Returns the key that an edge on a brick's far face has in the brick that owns the edge; changes `brick` to
+ * that brick. */
 static iso_edge_key neighbour_key(iso_edge_key key, int32_t brick[3]) {
     int voxel[3], along = iso_edge_key_split(key, voxel);
     for (int axis = 0; axis < 3; axis++) {

@@ -40,8 +40,8 @@ iso_curvature_source iso_curvature_source_window(const iso_brick_window *window,
 
 /* ---- the voxels of points */
 
-/* The voxels of a batch's points (for edges, their lower ends), and the axis of the edges (0 for foot
- * points). */
+/* The voxels of a batch's points (for edge points, the lower ends of their edges), and the axis of the edges
+ * (0 for foot points). */
 typedef struct batch_voxels {
     int axis;
     int8_t voxel[ISO_CURVATURE_BATCH][3];
@@ -61,16 +61,16 @@ static void fixed_position(const iso_curvature_points *points, uint32_t i, int32
     }
 }
 
-/* Packing rounds a position by up to half of its step. */
+/* Packing rounds a position by up to half of its step, in 1 / UNIT voxel. */
 enum { ROUNDED = 10 };
 
-/* Whether a coordinate is that of a voxel, to rounding. */
+/* Whether a coordinate (in 1 / UNIT voxel) is a whole number of voxels, up to the rounding of packing. */
 static bool is_whole(int32_t at) {
     return ((at + ROUNDED) & (UNIT - 1)) <= 2 * ROUNDED;
 }
 
-/* Whether a point can lie on an edge along `axis`; sets the edge's lower voxel and the position along the
- * edge, 0 to 1. */
+/* Whether a point can lie on an edge along `axis`. Sets the edge's lower voxel and `*along`, the position on
+ * the edge from 0 to 1. */
 static bool on_edge(const int32_t at[3], int axis, int8_t voxel[3], float *along) {
     for (int k = 0; k < 3; k++) {
         if (k != axis && !is_whole(at[k])) return false;
@@ -122,7 +122,7 @@ static float source_value(const void *context, const int at[3]) {
     return stored_value(context, at);
 }
 
-/* Reads a grid's voxels, one at a time. */
+/* A function that reads a grid's voxels one at a time, and the grid's first and last voxel. */
 typedef struct reader {
     const void *context;
     float (*value)(const void *context, const int at[3]); /* of a voxel in the grid */
@@ -148,8 +148,8 @@ static float extrapolated_value(const reader *from, const int at[3], int axis) {
     return here + (float)steps * (here - extrapolated_value(from, inner, axis + 1));
 }
 
-/* The offsets of a batch's values from the point's voxel, along a, b, c: the edge's axis and the two others.
- */
+/* The offsets along a, b, c of a batch's values from the point's voxel (curvature_kernel.h): a is the edge's
+ * axis. */
 static const int8_t OFFSETS[ISO_CURVATURE_EDGE][3] = {
     [ISO_CURVATURE_HERE] = {0, 0, 0},     [ISO_CURVATURE_A0] = {-1, 0, 0},
     [ISO_CURVATURE_A1] = {1, 0, 0},       [ISO_CURVATURE_B0] = {0, -1, 0},
@@ -181,7 +181,7 @@ static int32_t bits_of(float value) {
     return bits;
 }
 
-/* Reads the values of one point whose stencil crosses the border. */
+/* Reads the values of point i of a batch, whose stencil crosses the grid's border. */
 static __attribute__((noinline)) void read_border_values(const iso_curvature_source *source,
                                                          const batch_voxels *places, int values,
                                                          iso_curvature_batch *batch, uint32_t i) {
@@ -197,8 +197,8 @@ static __attribute__((noinline)) void read_border_values(const iso_curvature_sou
     }
 }
 
-/* Whether all values of a point are in the grid: `reach` voxels up along its axis, one in other directions.
- */
+/* Whether all values that a point needs are in the grid: up to `reach` voxels up along `axis`, and one voxel
+ * in the other directions. */
 static bool is_inner(const iso_curvature_source *source, const int8_t voxel[3], int axis, int reach) {
     for (int k = 0; k < 3; k++)
         if (voxel[k] <= source->first[k] || voxel[k] + (k == axis ? reach : 1) > source->last[k])

@@ -25,47 +25,47 @@
 #include "extract/brick.h"
 #include "grids/rgrid.h"
 
-/* The voxels around a brick: a dense array, or a window of an hgrid. */
+/* Where the voxels in and around a brick are read: in a dense array, or in a window of an hgrid. */
 typedef struct iso_curvature_source {
     iso_type type;
-    const void *data;                 /* of the brick's voxel (0, 0, 0) */
+    const void *data;                 /* the brick's voxel (0, 0, 0) */
     ptrdiff_t stride_y, stride_z;     /* elements */
     int first[3], last[3];            /* the grid's first and last voxel, relative to the brick's first */
     float normal_sign, isovalue_ceil; /* as in iso_threshold */
 } iso_curvature_source;
 
-/* The voxels around a brick of a grid, or of a window; borrowed. */
+/* The source for a brick of an rgrid, or for the brick of a window; grid and window are borrowed. */
 iso_curvature_source iso_curvature_source_grid(const iso_rgrid *grid, const int brick[3],
                                                const iso_threshold *surface);
 iso_curvature_source iso_curvature_source_window(const iso_brick_window *window,
                                                  const iso_threshold *surface);
 
-/* Points of one brick; exactly one of the two arrays is set. */
+/* The points of one brick; exactly one of the two arrays is set. */
 typedef struct iso_curvature_points {
     const iso_point *packed;
     const iso_surfel *surfels;
     uint32_t count;
 } iso_curvature_points;
 
-/* Curvatures of a brick's edge points, which must be sorted by the axis of their edges; g and H are
- * interpolated between the edge's ends. Depends on one voxel beyond both ends of the edge and one to each
- * side, like the points themselves. */
+/* Computes the curvatures of a brick's edge points, which must be sorted by the axis of their edges; g and H
+ * are interpolated between the edge's ends. A curvature depends on the voxels up to one beyond both ends of
+ * the edge and one to each side, as the point itself does. */
 void iso_curvatures_of_edges(const iso_curvature_source *source, const iso_curvature_points *points,
                              iso_curvature *curvatures);
 
-/* The voxels that foot points belong to, and the band of their field. */
+/* For each foot point its voxel, and the band of the field. */
 typedef struct iso_curvature_feet {
     const int32_t *voxels;     /* by point: z << 8 | y << 4 | x */
     float isovalue_ceil, band; /* as in iso_foot_surface */
 } iso_curvature_feet;
 
-/* Curvatures of foot points of a distance field: S (1 - d S)^-1, with S the shape operator of the parallel
- * surface through the voxel, at the distance d = value - isovalue. */
+/* Computes the curvatures of foot points of a distance field: S (1 - d S)^-1, with S the shape operator of
+ * the parallel surface through the voxel, at the distance d = value - isovalue (voxels). */
 void iso_curvatures_of_feet(const iso_curvature_source *source, const iso_curvature_points *points,
                             const iso_curvature_feet *feet, iso_curvature *curvatures);
 
-/* Curvatures of points at any position in any scalar field: the curvatures at the nearest voxels of `grid`.
- */
+/* Computes the curvatures of points at any position in any scalar field: each gets the curvature at its
+ * nearest voxel of `grid`. */
 void iso_curvatures_of_nearest_voxels(const iso_grid *grid, const int brick[3], float normal_sign,
                                       const iso_curvature_points *points, iso_curvature *curvatures);
 

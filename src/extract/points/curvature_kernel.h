@@ -15,9 +15,9 @@ extern "C" {
 
 enum { ISO_CURVATURE_BATCH = 128 };
 
-/* The values around a point. Names give the offset along three axes a, b, c: B0 is one voxel down along b, B1
- * one up, A2 two up along a. For edge points a is the edge's axis and HERE its lower end; b and c are the
- * other axes, ascending. */
+/* The numbers of the values around a point. A name is an offset from HERE along three axes a, b, c: B0 is one
+ * voxel down along b, B1 one up, A2 two up along a. For edge points a is the edge's axis and HERE the edge's
+ * lower end; b and c are the other axes, ascending. */
 enum {
     ISO_CURVATURE_HERE,
     ISO_CURVATURE_A0,
@@ -52,12 +52,12 @@ enum {
     ISO_CURVATURE_EDGE /* number of the values for an edge */
 };
 
-/* The kernel's input and output for some points, as a structure of arrays. */
+/* The kernel's input and output for up to ISO_CURVATURE_BATCH points, as a structure of arrays. */
 typedef struct iso_curvature_batch {
     uint32_t count;
     alignas(64) int32_t value[ISO_CURVATURE_EDGE][ISO_CURVATURE_BATCH]; /* integers, or the bits of floats */
-    float along[ISO_CURVATURE_BATCH];     /* edges: position 0 .. 1 on the edge; feet: the voxel's distance */
-    float normal[3][ISO_CURVATURE_BATCH]; /* surfels: unit, x y z */
+    float along[ISO_CURVATURE_BATCH]; /* edges: position on the edge, 0 .. 1; feet: distance of the voxel */
+    float normal[3][ISO_CURVATURE_BATCH];    /* surfels: unit, x y z */
     int32_t octahedral[ISO_CURVATURE_BATCH]; /* packed points: their normal, bits 42 .. 63 */
     /* output: the fields of iso_curvature */
     int32_t uu[ISO_CURVATURE_BATCH], uv[ISO_CURVATURE_BATCH], vv[ISO_CURVATURE_BATCH];

@@ -12,8 +12,8 @@
 
 enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64, ISO_EDGE_PARTS = 32 };
 
-/* Crossed edges along one axis, and their points. Arrays are longer than ISO_EDGE_BATCH so that whole vectors
- * can be computed. */
+/* Crossed edges along one axis, from one or several blocks, and their points. The arrays are longer than
+ * ISO_EDGE_BATCH so that whole vectors can be computed. */
 typedef struct iso_edge_batch {
     int count;
     uint8_t x[ISO_EDGE_BATCH_MAX];    /* the edge's lower voxel in its block: x .. */
@@ -53,14 +53,14 @@ static bool iso_edge_at_border(const iso_edge_source *source, const int origin[3
     return false;
 }
 
-/* The factor for a gradient so that the inverse of its norm `sum` is finite. (Sums of integers are never that
- * small.) */
+/* The factor for a gradient whose norm |x| + |y| + |z| is `sum`, so that the inverse of its norm is finite.
+ * (Norms of integer gradients are never that small.) */
 #define ISO_EDGE_LIFT(type, sum) (sizeof(type) == sizeof(float) && (sum) < 0x1p-64f ? 0x1p64f : 1.0f)
 
 /* The stencil of an edge next to the grid's border. */
 typedef struct iso_edge_stencil {
-    ptrdiff_t end[2];             /* the two ends, elements */
-    ptrdiff_t neighbour[2][3][2]; /* of each end: axis, lower and upper side; clamped */
+    ptrdiff_t end[2];             /* the two ends, as indices of elements */
+    ptrdiff_t neighbour[2][3][2]; /* [end][axis][lower or upper side], clamped to the grid */
     float weight[4]; /* 1/2, or 1 for a one-sided difference: along the edge at its two ends, then along the
                         two other axes */
 } iso_edge_stencil;
@@ -101,7 +101,7 @@ typedef struct iso_edge_parts {
     iso_edge_part part[ISO_EDGE_PARTS];
 } iso_edge_parts;
 
-/* Copies the points of a part to the arrays of their bricks. */
+/* Appends the points of a part to the arrays of their bricks; task->lanes counts them. */
 __attribute__((always_inline)) static inline void iso_edge_scatter(const iso_edge_batch *batch,
                                                                    const iso_edge_part *part) {
     const iso_edge_output *output = &part->task->output;
@@ -127,8 +127,8 @@ __attribute__((always_inline)) static inline void iso_edge_scatter(const iso_edg
     part->task->lanes = lanes;
 }
 
-/* The bits of a block's word that are in active bricks and in the grid, which ends `voxels` after the block's
- * first voxel. */
+/* The bits of a block's words whose voxels are in active bricks and in the grid, of which `voxels` voxels
+ * along x begin at the block. */
 static uint64_t iso_edge_columns(iso_edge_active active, int voxels) {
     uint64_t lanes = 0;
     for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++)

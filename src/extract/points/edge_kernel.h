@@ -36,9 +36,9 @@ enum { ISO_EDGE_FACE = 1 << 10, ISO_EDGE_ROW_NAMES = 2 << 10 };
 
 /* A dense grid, without NaN or infinity where edges are extracted, and the isovalue. */
 typedef struct iso_edge_source {
-    const void *data;             /* of voxel 0, 0, 0 */
+    const void *data;             /* the voxel (0, 0, 0) */
     ptrdiff_t stride_y, stride_z; /* elements */
-    int dims[3];                  /* one past the grid's last voxel */
+    int dims[3];                  /* one past the grid's last voxel, by axis */
     float isovalue_ceil;
     bool level_set; /* normals point to higher values, else to lower ones */
     float residual; /* as in iso_threshold: the isovalue is isovalue_ceil + residual */
@@ -49,7 +49,8 @@ typedef struct iso_edge_source {
 /* Sets row_offset, after the caller has set the other fields. */
 void iso_edge_source_prepare(iso_edge_source *source);
 
-/* The crossed edges along one axis, as non-empty words: bit x of mask[i] is the edge at voxel x of row[i]. */
+/* The crossed edges along one axis, as words: bit x of mask[i] is the edge at voxel x of row[i]. Words
+ * without edges are left out. */
 enum { ISO_EDGE_LIST_SLACK = 8 }; /* words written past the end of a list */
 typedef struct iso_edge_list {
     int count;
@@ -72,8 +73,9 @@ typedef struct iso_edge_active {
 } iso_edge_active;
 #define ISO_EDGE_WHOLE ((iso_edge_active){.groups = 0xffff, .bricks = 15})
 
-/* Rows of slice z (0 .. 16), a bit per row y. iso_edge_rows_read: the rows that the edges of the active
- * groups touch (0 .. 16); iso_edge_rows_own: the rows with the lower voxels of these edges (0 .. 15). */
+/* Rows of slice z (0 .. 16), a bit per row y. iso_edge_rows_read: the rows with voxels of the edges of the
+ * active groups (y in 0 .. 16); iso_edge_rows_own: the rows with the lower voxels of these edges (y in 0 ..
+ * 15). */
 static inline uint32_t iso_edge_group_rows(uint32_t groups) { /* first row of each of a slice's 4 groups */
     return (groups & 1) | (groups & 2) << 3 | (groups & 4) << 6 | (groups & 8) << 9;
 }
@@ -110,15 +112,15 @@ typedef struct iso_edge_block {
 typedef struct iso_edge_output {
     iso_point *packed[ISO_EDGE_BRICKS];
     iso_surfel *surfels[ISO_EDGE_BRICKS];
-    iso_edge_key *keys[ISO_EDGE_BRICKS]; /* all or none */
+    iso_edge_key *keys[ISO_EDGE_BRICKS]; /* for all bricks or for none */
 } iso_edge_output;
 
 /* Input and output of `compute_points` for one block. */
 typedef struct iso_edge_task {
     int origin[3];
     iso_edge_entries axes[3];
-    iso_edge_output output; /* packed: rows with ISO_EDGE_FACE and rows 16 are not possible */
-    uint64_t lanes;         /* 0; on return the number of points of each brick, 16 bits a brick */
+    iso_edge_output output; /* packed points: no row may have ISO_EDGE_FACE, or y or z 16 */
+    uint64_t lanes;         /* set to 0 before; afterwards each brick's number of points, 16 bits a brick */
 } iso_edge_task;
 
 /* The number of bits that are set in each 16 bits of a mask. */
@@ -137,7 +139,8 @@ typedef struct iso_edge_kernel {
     /* Computes the points of `count` tasks, a block each. Either all tasks write packed surfels or none does.
      * Calls with several tasks cost less per task. */
     void (*compute_points)(const iso_edge_source *source, iso_edge_task *tasks, int count);
-    /* Classifies only, for meshes: sets the words of a run whose first block begins at `origin`. */
+    /* Only classifies the voxels, for meshes: sets words->bits of a run whose first block begins at
+     * `origin`. */
     void (*classify_voxels)(const iso_edge_source *source, const int origin[3], iso_edge_words *words);
 } iso_edge_kernel;
 

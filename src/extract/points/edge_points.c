@@ -7,7 +7,7 @@
 
 #include "base/numbers.h"
 
-/* The edge from `voxel` along `axis`; the voxel's index in the window. */
+/* The edge from `voxel` along `axis`. index: of the voxel in iso_brick_window.values. */
 typedef struct edge {
     int voxel[3], axis;
     ptrdiff_t index;
@@ -31,9 +31,9 @@ static bool wide_normal(const float gradient[3], float normal[3]) {
     return true;
 }
 
-/* The outward gradient at t on an edge, scaled to |x| + |y| + |z| = 1 so that squares stay in range; where it
- * vanishes, the edge's outward direction. The operations and their order, the edge's axis first, are those of
- * edge_kernel_body.inc: both give the same bytes. */
+/* Sets `normal` to the outward gradient at the position t on an edge, scaled to |x| + |y| + |z| = 1 so that
+ * squares stay in range; if the gradient vanishes, to the edge's outward direction. The operations and their
+ * order, the edge's axis first, are those of edge_kernel_body.inc, so that both give the same bytes. */
 static void edge_normal(const iso_brick_window *window, const edge *e, const iso_threshold *surface, float t,
                         float normal[3]) {
     float low[3], high[3], gradient[3];

@@ -6,7 +6,7 @@
 
 enum {
     ISO_EDGES_OWN = 3 * ISO_BRICK_VOXELS,                             /* edges that a brick owns */
-    ISO_EDGES_ALL = 3 * ISO_BRICK * (ISO_BRICK + 1) * (ISO_BRICK + 1) /* edges of its cells */
+    ISO_EDGES_ALL = 3 * ISO_BRICK * (ISO_BRICK + 1) * (ISO_BRICK + 1) /* edges of a brick's cells */
 };
 
 /* The caller's arrays for points, with room for ISO_EDGES_OWN (own edges only) or ISO_EDGES_ALL. */
@@ -20,8 +20,8 @@ typedef struct iso_edge_points {
 /* Appends the points on edges that the brick owns, ascending in key. */
 void iso_edge_points_own(const iso_brick_window *window, const iso_threshold *surface, iso_edge_points *out);
 
-/* Appends the points on edges of the brick's cells that neighbouring bricks own, ascending in key. They are
- * identical to the neighbours' points, except that positions are relative to this brick. */
+/* Appends the points on the brick's far edges, ascending in key. They are the neighbours' points, with the
+ * same bits except that positions are relative to this brick. */
 void iso_edge_points_far(const iso_brick_window *window, const iso_threshold *surface, iso_edge_points *out);
 
 #endif

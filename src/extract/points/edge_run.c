@@ -91,7 +91,7 @@ PREFETCHER static void prefetch_run(const iso_edge_walk *walk, const iso_edge_br
     const char *origin =
         (const char *)source->data +
         (found->origin[0] + found->origin[1] * source->stride_y + found->origin[2] * source->stride_z) * size;
-    int most[3]; /* voxels after the origin */
+    int most[3]; /* by axis: voxels of the grid after the run's first one */
     for (int axis = 0; axis < 3; axis++) most[axis] = source->dims[axis] - 1 - found->origin[axis];
     for (int b = 0; b < found->blocks; b++) {
         const iso_edge_active active = found->active[b];
@@ -117,7 +117,7 @@ static bool is_sparse(const iso_edge_brick_run *found) {
     return groups <= ISO_ROW_GROUPS / 2 * found->blocks;
 }
 
-/* Prefetches the index's entries of the bricks that follow those from .. end - 1 of the list. */
+/* Prefetches the brick index's entries of the bricks that follow the bricks from .. end - 1 of the list. */
 static void prefetch_index(const iso_edge_walk *walk, size_t from, size_t end) {
     enum { BRICKS = 8 };
     if (!walk->grid->index) return;
@@ -139,8 +139,8 @@ const iso_edge_brick_run *iso_edge_walk_next(iso_edge_walk *walk) {
 
 /* ---- extracting runs */
 
-/* Edges of several runs are listed before their points are computed: until there are this many blocks or
- * points, because each call for few points is expensive. */
+/* Limits of blocks and points that are listed before points are computed. Edges of several runs are listed
+ * first, because each call for few points is expensive. */
 enum { RUN_BLOCKS = 2 * ISO_EDGE_RUN_BLOCKS, RUN_POINTS = 2048 };
 
 typedef struct run_scratch {
@@ -153,7 +153,7 @@ size_t iso_edge_run_scratch_bytes(void) {
     return (sizeof(run_scratch) + ISO_ALIGNMENT - 1) / ISO_ALIGNMENT * ISO_ALIGNMENT;
 }
 
-/* Blocks whose edges are listed, and whose points are not computed yet. */
+/* The blocks whose edges are listed and whose points are not computed yet. */
 typedef struct edge_run {
     const iso_edge_context *context;
     run_scratch *scratch;
@@ -195,7 +195,7 @@ static char *set_task(const iso_edge_context *context, const iso_edge_block *blo
     return room;
 }
 
-/* Computes the curvatures of a block's points; returns their end. */
+/* Writes the curvatures of a block's points to `curvatures` on; returns the end of what was written. */
 static iso_curvature *make_curvatures(const iso_edge_context *context, const iso_edge_block *block,
                                       const iso_edge_output *output, iso_curvature *curvatures) {
     const iso_threshold surface = {.isovalue_ceil = context->source.isovalue_ceil,

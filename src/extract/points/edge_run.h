@@ -8,7 +8,8 @@
 #include "extract/points/edge_kernel.h"
 #include "grids/brick_set.h"
 
-/* The surface and the kernel; prepared once per surface. */
+/* What the extraction of one surface needs: the grid, the kernel and its source. Prepared once per
+ * surface. */
 typedef struct iso_edge_context {
     const iso_rgrid *grid;
     const iso_edge_kernel *kernel;
@@ -17,17 +18,18 @@ typedef struct iso_edge_context {
     bool curvature; /* computes a curvature for each point, in the sink's second array */
 } iso_edge_context;
 
-/* Sets `floats` and `curvature` to false. */
+/* Prepares a context; sets `floats` and `curvature` to false, which the caller may change. Borrows the
+ * grid. */
 void iso_edge_context_init(iso_edge_context *context, const iso_rgrid *grid, const iso_threshold *surface);
 
-/* A run: bricks of a list that lie in neighbouring blocks of one row, with the row groups that can have
- * edges. */
+/* A run of bricks: bricks of a list that lie in neighbouring blocks of one row, with the row groups that can
+ * have crossed edges. */
 enum { ISO_EDGE_RUN_BLOCKS = 8 };
 typedef struct iso_edge_brick_run {
     int origin[3]; /* of the first block, in voxels */
     int blocks;
     iso_edge_active active[ISO_EDGE_RUN_BLOCKS];
-    size_t bricks; /* how many; 0: the run is a single brick that the kernel cannot extract */
+    size_t bricks; /* number of bricks; 0: one brick, which the kernel cannot extract */
 } iso_edge_brick_run;
 
 /* Divides an ascending list of bricks into runs. Runs are found up to ISO_EDGE_AHEAD runs before they are

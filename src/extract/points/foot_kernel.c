@@ -1,5 +1,5 @@
-/* foot_kernel: the neighbours of a brick, the queue's scalar helpers and the voxels that need the general
- * arithmetic; includes the kernel body (foot_kernel_body.inc) once per instruction set. */
+/* foot_kernel: sets the neighbours of a brick, and computes irregular voxels one by one; includes the kernel
+ * body (foot_kernel_body.inc) once per instruction set. */
 #include "extract/points/foot_kernel.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@
 _Alignas(64) static const float missing_row[ISO_BRICK] = SAME_16(NAN);
 _Alignas(64) static const float clamped_row[ISO_BRICK] = SAME_16(INFINITY);
 
-/* The voxels next to face `side` (-x, +x, -y, +y, -z, +z) of a brick. */
+/* The voxels beyond face number `side` (-x, +x, -y, +y, -z, +z) of a brick. */
 static iso_foot_face face_of(const iso_hgrid *grid, const int cell[3], int side) {
     static const size_t across[3] = {0xff0, 0xf00, 0x0f0}; /* offset bits of a face's axes, without x */
     int at[3] = {cell[0], cell[1], cell[2]}, axis = side / 2, up = side % 2;
@@ -25,7 +25,8 @@ static iso_foot_face face_of(const iso_hgrid *grid, const int cell[3], int side)
     return (iso_foot_face){iso_hgrid_brick(grid, number) + (up ? 0 : last), across[axis]};
 }
 
-/* The brick's values or, where the brick reaches beyond the grid, a copy with NaN there. */
+/* Returns the brick's values or, if the brick reaches beyond the grid, a copy in scratch->padded with NaN
+ * there. */
 static const float *pad_brick(const iso_hgrid *grid, const int cell[3], const float *values,
                               iso_foot_scratch *scratch) {
     int n[3];
@@ -45,7 +46,7 @@ void iso_foot_brick_of(const iso_hgrid *grid, const int cell[3], iso_foot_scratc
     for (int side = 0; side < 6; side++) out->face[side] = face_of(grid, cell, side);
 }
 
-/* Reads the voxel at offset o and its neighbours, for iso_foot_point. */
+/* Reads the values of the voxel at offset o of the brick and of its neighbours. */
 static void read_stencil(const iso_foot_brick *brick, size_t o, iso_foot_stencil *stencil) {
     stencil->centre = brick->values[o];
     for (int axis = 0; axis < 3; axis++) {
@@ -65,9 +66,9 @@ typedef struct foot_unit {
     const float *before, *after; /* the voxels before its first and after its last along x */
 } foot_unit;
 
-/* The x neighbours of a unit's ends: before[half], after[half] for the two halves of a row. They lie in the
- * brick or beyond its face. A table instead of branches, which could not be predicted. A face is looked up
- * only for a voxel in the band (else the entry inside the brick is taken), because each of its rows is
+/* The x neighbours of a unit's ends, before[half] and after[half] for the two halves of a row: they lie in
+ * the brick or beyond its face. The table replaces branches, which could not be predicted. A face is read
+ * only for a voxel in the band (else the entry inside the brick is taken), because each row of a face is
  * another cache line. */
 typedef struct foot_ends {
     iso_foot_face before[2], after[2];
@@ -97,8 +98,8 @@ static inline foot_unit unit_of(const iso_foot_scratch *scratch, const foot_ends
 /* Prefetches a cache line into the second-level cache. */
 #define PREFETCH(place) __builtin_prefetch(place, 0, 1)
 
-/* Lists the positions of the set bits, plus `first`; returns how many. Writes four at a time, to need fewer
- * branches: `list` needs room for four more items. */
+/* Writes the positions of the set bits, plus `first`, to `list`; returns how many there are. Writes four at a
+ * time, to need fewer branches: `list` needs room for four more items. */
 static inline uint32_t list_bits(uint64_t bits, uint32_t first, uint16_t *list) {
     const uint32_t count = (uint32_t)__builtin_popcountll(bits);
     for (uint32_t n = 0; n < count; n += 4)
@@ -113,7 +114,8 @@ static inline uint32_t list_bits(uint64_t bits, uint32_t first, uint16_t *list) 
  * gradient is not that of a distance field or a neighbour is missing. */
 enum { IRREGULAR = ISO_BRICK_VOXELS };
 
-/* Marks the irregular voxels, and replaces their differences by 1 so that the vectors can be computed. */
+/* Marks the irregular voxels of the queue, and replaces their differences by 1, so that the vectors with them
+ * can be computed. */
 static void mark_irregular(iso_foot_scratch *scratch, uint32_t queued) {
     for (uint32_t i = 0; i < queued; i++) {
         const float x = scratch->queue[1][i], y = scratch->queue[2][i], z = scratch->queue[3][i];
@@ -124,7 +126,7 @@ static void mark_irregular(iso_foot_scratch *scratch, uint32_t queued) {
     }
 }
 
-/* Replaces the points of the marked voxels by those of iso_foot_point, or removes them where that rejects the
+/* Replaces the points of the marked voxels by those of iso_foot_point, or removes them where it rejects the
  * voxel; closes the gaps in the output and in scratch->voxel, and sets output->count. */
 static void replace_irregular(const iso_foot_surface *surface, const iso_foot_brick *brick,
                               iso_foot_scratch *scratch, uint32_t queued, iso_foot_output *output) {

@@ -29,9 +29,9 @@ typedef struct iso_foot_face {
 /* A brick and its neighbours. A voxel outside the grid is NaN, which counts as missing; a voxel of an empty
  * cell is infinity, which counts as clamped like a stored value of +-band. */
 typedef struct iso_foot_brick {
-    const float *values;   /* 4096, 64-byte aligned */
+    const float *values;   /* the brick's 4096 voxels, 64-byte aligned */
     iso_foot_face face[6]; /* -x, +x, -y, +y, -z, +z */
-    const float *next;     /* the values of a brick that is prefetched meanwhile; must be readable */
+    const float *next;     /* voxels of the brick to be prefetched meanwhile; must be readable */
 } iso_foot_brick;
 
 /* Size of arrays for a brick's points: 4096, and room for whole vectors after them. */
@@ -53,12 +53,13 @@ typedef struct iso_foot_scratch {
     alignas(64) const float *rows[(ISO_BRICK + 2) * ISO_FOOT_PITCH];
     /* the queue of voxels in the band: values, and on each axis the upper minus the lower neighbour */
     alignas(64) float queue[4][ISO_FOOT_ROOM];
-    alignas(64) int32_t voxel[ISO_FOOT_ROOM]; /* of the queue: z << 8 | y << 4 | x */
+    alignas(64) int32_t voxel[ISO_FOOT_ROOM]; /* the queue's voxels: z << 8 | y << 4 | x */
     alignas(64) float scale[ISO_FOOT_ROOM];   /* factor from differences to unit normal */
     alignas(64) float flat[ISO_FOOT_ROOM];    /* factor from unit normal to |x| + |y| + |z| = 1 */
 } iso_foot_scratch;
 
-/* The caller sets exactly one of the two arrays, with room for ISO_FOOT_ROOM points. */
+/* The points of a brick. The caller sets exactly one of the two arrays, with room for ISO_FOOT_ROOM
+ * points. */
 typedef struct iso_foot_output {
     iso_point *packed;
     iso_surfel *surfels;

@@ -1,6 +1,6 @@
 /* foot_points: foot points voxel by voxel, by eq. 1 for distance fields, and by iterating eq. 2 for any
- * scalar field (Baerentzen and Christensen 2003, section 4). The band of distances [0, sqrt 3) contains every
- * corner of a crossed cell on the outer side. */
+ * scalar field (Baerentzen and Christensen 2003, section 4). Distances up to sqrt 3 voxels are taken, because
+ * all outer corners of crossed cells are so near. */
 #include "extract/points/foot_points.h"
 
 #include <string.h>
@@ -20,7 +20,8 @@ static int last_voxel(const iso_brick_window *window, int axis) {
     return window->last[axis] < ISO_BRICK - 1 ? window->last[axis] : ISO_BRICK - 1;
 }
 
-/* in_order, order_of: map floats to integers in the same order; float_of: the inverse. */
+/* in_order, order_of: map the bits of a float, or a float, to an integer in the same order; float_of: the
+ * inverse. */
 static int32_t in_order(int32_t bits) {
     return bits < 0 ? bits ^ INT32_MAX : bits;
 }
@@ -37,8 +38,8 @@ static int32_t order_of(float value) {
     return in_order(bits);
 }
 
-/* The lowest float from the isovalue on that is not in the band. By bisection over floats, as distances grow
- * with values. */
+/* The lowest float from the isovalue on that is not in the band of distances: found by bisection over floats,
+ * as distances grow with values. */
 static float band_top(const iso_threshold *surface) {
     if (!in_band(surface, surface->isovalue_ceil)) return surface->isovalue_ceil;
     int64_t in = order_of(surface->isovalue_ceil), out = order_of(INFINITY);
@@ -115,7 +116,7 @@ bool iso_foot_points_may_exist(const iso_grid *grid, const iso_threshold *surfac
     if (iso_grid_brick_may_cross(grid, brick, surface->isovalue_ceil) ||
         iso_grid_brick_may_cross(grid, brick, top))
         return true;
-    /* all finite voxels are together below the isovalue, in the band, or at or above its top */
+    /* all finite voxels are on one side of the band or in it: one voxel decides */
     float value = iso_grid_at(grid, ISO_BRICK * brick[0], ISO_BRICK * brick[1], ISO_BRICK * brick[2]);
     return !isfinite(value) || (value >= surface->isovalue_ceil && value < top);
 }
@@ -151,7 +152,8 @@ static bool inside_volume(const int *dims, iso_vec3 p) {
     return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x <= dims[0] - 1 && p.y <= dims[1] - 1 && p.z <= dims[2] - 1;
 }
 
-/* Moves p to the surface by repeating eq. 2; false when it does not arrive within REACH of its start. */
+/* Moves p to the surface by repeating eq. 2; *gradient: the gradient there. Returns false if p gets farther
+ * than REACH from its start, or does not arrive (points.h). */
 static bool iterate(const iso_grid *grid, double isovalue, iso_vec3 *p, iso_vec3 *gradient) {
     const int *dims = iso_grid_dims(grid);
     iso_vec3 seed = *p;

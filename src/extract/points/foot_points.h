@@ -1,4 +1,4 @@
-/* foot_points: for voxels near the surface, the nearest points of it. Internal to extract. */
+/* foot_points: foot points, the nearest points of the surface to the voxels near it. Internal to extract. */
 #ifndef ISO_EXTRACT_POINTS_FOOT_POINTS_H
 #define ISO_EXTRACT_POINTS_FOOT_POINTS_H
 
@@ -7,13 +7,13 @@
 /* The surface of a distance field, and which voxels have foot points. */
 typedef struct iso_foot_surface {
     float isovalue_ceil, residual, normal_sign; /* as in iso_threshold */
-    float top;  /* a value v is in the band [0, sqrt 3) of distances exactly when isovalue_ceil <= v < top */
+    float top;  /* a value v is at a distance in [0, sqrt 3) voxels exactly if isovalue_ceil <= v < top */
     float band; /* the magnitude from which on stored distances are clamped; INFINITY: none are */
 } iso_foot_surface;
 
 iso_foot_surface iso_foot_surface_of(const iso_threshold *surface, float band);
 
-/* A voxel with its neighbours on the three axes, NaN where there is none. */
+/* The values of a voxel and of its neighbours on the three axes; NaN: there is no neighbour. */
 typedef struct iso_foot_stencil {
     int voxel[3];
     float centre, low[3], high[3];
@@ -34,7 +34,7 @@ static inline bool iso_foot_is_regular(float squared) {
     return squared >= 0.25f && squared < 1e30f;
 }
 
-/* The foot point of a voxel in the band; false when it is rejected. */
+/* Computes the foot point of a voxel in the band of distances; returns false if it is rejected (points.h). */
 bool iso_foot_point(const iso_foot_surface *surface, const iso_foot_stencil *stencil, iso_surfel *point);
 
 /* The caller's arrays, with room for ISO_BRICK_VOXELS points. */
@@ -56,7 +56,8 @@ bool iso_foot_points_may_exist(const iso_grid *grid, const iso_threshold *surfac
 void iso_foot_points_iterated(const iso_grid *grid, const iso_brick_window *window,
                               const iso_threshold *surface, iso_foot_points *out);
 
-/* Whether the brick has a voxel that is a corner of a cell which the surface may cross. */
+/* Whether the brick can have a seed, a voxel from which eq. 2 is iterated: a quick test of the ranges of
+ * values of the brick and of its lower neighbours. */
 bool iso_foot_seeds_may_exist(const iso_grid *grid, const iso_threshold *surface, const int brick[3]);
 
 #endif

@@ -85,7 +85,7 @@ static float edges_isovalue(const void *context) {
 }
 
 /* Extracts edge points with the kernel. The worker's memory holds a point_scratch, for bricks that the kernel
- * passes to extract_edges, and then the kernel's. */
+ * passes to extract_edges, and after it the kernel's working memory. */
 static void extract_edge_bricks(const void *context, const uint32_t *bricks, size_t count, void *scratch,
                                 iso_brick_sink *sink) {
     const iso_point_set *points = context;
@@ -116,7 +116,7 @@ static void extract_feet(const void *context, const int brick[3], void *memory, 
 }
 
 static const float *values_of(const iso_point_set *points, uint32_t brick) {
-    const iso_hgrid *grid = points->grid.hgrid; /* its cells are numbered like the set's bricks */
+    const iso_hgrid *grid = points->grid.hgrid; /* the grid's cells are numbered like the set's bricks */
     return iso_hgrid_brick(grid, grid->cell[brick]);
 }
 

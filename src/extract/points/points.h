@@ -50,8 +50,9 @@ typedef struct iso_points_opts {
  * independent. */
 typedef struct iso_point_set iso_point_set;
 
-/* The grid is borrowed until destroy. ISO_ERR_USAGE: foot on a grid that is not a level set, isovalue not
- * finite. */
+/* Creates an empty set; iso_point_set_update extracts the points. The grid is borrowed until
+ * iso_point_set_destroy. ISO_ERR_USAGE: foot points of a grid that is not a level set, or an isovalue that is
+ * not finite. */
 iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opts, iso_point_set **set,
                                 iso_error *error);
 void iso_point_set_destroy(iso_point_set *set);
@@ -60,8 +61,8 @@ void iso_point_set_destroy(iso_point_set *set);
  * bricks that the change log names, widened by the halo of the primitive. After a full extraction spans are
  * in brick order (x fastest) and without gaps, for any number of threads; later a span that grows may move,
  * and sometimes all spans move to close gaps. ISO_ERR_USAGE: isovalue not finite. ISO_ERR_NOMEM: the points
- * that are there can be used, but may be out of date or incomplete (none, if a full extraction failed); call
- * it again. */
+ * extracted so far can be used, but may be out of date or incomplete (none, if a full extraction failed);
+ * call iso_point_set_update again. */
 iso_status iso_point_set_update(iso_point_set *set, iso_error *error);
 
 /* Sets the isovalue (physical); the next update extracts all bricks again. */
