@@ -24,8 +24,9 @@ struct iso_brick_index {
     uint64_t seen;            /* the last edit that the index includes */
     float *lo, *hi;           /* by brick: its current range */
     iso_group_ranges *groups; /* by brick: the ranges of its row groups */
-    uint8_t *flags; /* by brick: FINITE: all voxels are; PENDING: the range differs from the tree's; DIRTY: to
-                       be read in this update */
+    /* by brick. FINITE: all voxels are finite; PENDING: the range differs from the tree's; DIRTY: to be read
+     * in this update */
+    uint8_t *flags;
     iso_interval_tree tree; /* over the ranges of the bricks when the tree was built */
     iso_buffer pending;     /* uint32_t: the bricks with the flag PENDING */
     size_t pending_count;

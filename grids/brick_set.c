@@ -262,8 +262,8 @@ static bool fits_in_place(const iso_brick_set *set, const chunk *part) {
     return set->full;
 }
 
-/* Sets `first` of the chunk's results, to which they are to be copied. If blocks were moved together, all
- * spans are written again before. */
+/* Sets `first` of each of the chunk's results: where its items are to be copied. If the heap has moved its
+ * blocks together, all spans are written again before. */
 static void set_locations(iso_brick_set *set, chunk *part) {
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) {
         if (!set->heap[heap].moved) continue;
@@ -361,7 +361,7 @@ static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, siz
     return work.status;
 }
 
-/* Calls may_exist for all bricks of the grid, on all threads. */
+/* A survey of all bricks of the grid, on all threads: the result of may_exist by brick. */
 typedef struct survey {
     const iso_brick_set *set;
     uint8_t *may_exist;

@@ -95,6 +95,7 @@ void iso_grid_window(const iso_grid *grid, const int brick[3], float window[ISO_
 /* Bits that say on which sides of the isovalue voxels were found. */
 enum { AT_OR_ABOVE = 1, BELOW = 2, BOTH = 3 };
 
+/* Defines a function that returns the sides of the isovalue on which the `count` voxels of a row lie. */
 #define INTEGER_SIDES(name, type)                                                                            \
     static int name(const type *row, int count, float isovalue) {                                            \
         int above = 0, below = 0;                                                                            \
@@ -108,7 +109,8 @@ INTEGER_SIDES(uint8_sides, uint8_t)
 INTEGER_SIDES(int16_sides, int16_t)
 INTEGER_SIDES(uint16_sides, uint16_t)
 
-/* Like the above; NaN and infinities are on neither side. */
+/* Returns the sides of the isovalue on which the `count` floats of a row lie; NaN and infinities are on
+ * neither side. */
 static int float_sides(const float *row, int count, float isovalue) {
     int above = 0, below = 0;
     for (int i = 0; i < count; i++) {
@@ -158,7 +160,8 @@ static int cell_sides(const iso_hgrid *grid, int32_t cell, const int n[3], float
     return seen;
 }
 
-/* Looks at the cell of the brick and at the first voxels of its seven upper neighbours. */
+/* Whether the isovalue may cross a brick of an hgrid: looks at the brick's cell and at the first voxels of
+ * its seven upper neighbours. */
 static int hgrid_may_cross(const iso_hgrid *grid, const int brick[3], const int end[3], float isovalue) {
     int seen = 0;
     for (int corner = 0; corner < 8; corner++) {

@@ -104,8 +104,9 @@ static int by_edit(const void *left, const void *right) {
     return by_cell(left, right);
 }
 
-/* Merges the entries of the older half of the log to one for each cell. It gets the cell's latest edit number
- * in this half, which is not above the numbers of the newer half, so the log stays sorted by edit. */
+/* Merges the entries of the older half of the log to one for each cell. A merged entry gets the cell's
+ * latest edit number in this half. That is not above the numbers of the newer half, so the log stays
+ * sorted by edit. */
 static void merge_older_half(iso_change_log *log) {
     iso_change *entries = entries_of(log);
     size_t half = log->count / 2, merged = 0;

@@ -29,9 +29,9 @@ typedef struct region {
     uint32_t
         parent;  /* a region that it was joined to; its own number: it represents all that are joined to it */
     float depth; /* distance of its deepest voxel, the one farthest from the surface, in voxels */
-    uint32_t cell;   /* that the deepest voxel lies in */
+    uint32_t cell;   /* the cell in which the deepest voxel lies */
     uint16_t voxel;  /* index of the deepest voxel in this cell */
-    int16_t winding; /* winding number, rounded; only of representatives */
+    int16_t winding; /* winding number, rounded; set for representatives only */
 } region;
 
 /* The volume of the solid, in two ways. Unit: voxels while it is added up, then mm3. */
@@ -92,7 +92,8 @@ static iso_status create_grid(const char *path, const iso_closed_mesh *mesh,
     return iso_hgrid_create(dims, 0, &transform, grid, error);
 }
 
-/* Returns the distance from p to the mesh in voxels, at most `most`. `nearest` has a guess. */
+/* Returns the distance from p to the mesh in voxels, at most `most`. nearest: a guess of the nearest place on
+ * the mesh, replaced by that place. */
 static double distance_at(const conversion *c, iso_vec3 p, double most, iso_nearest *nearest) {
     nearest->squared = most * most * c->voxel * c->voxel;
     iso_closed_mesh_nearest(c->mesh, p, nearest);

@@ -31,7 +31,7 @@ typedef struct iso_span_block {
     bool used;
 } iso_span_block;
 
-/* Zero-initialise, set item_bytes (0: no such array), then iso_span_heap_clear. */
+/* A heap. Initialise with zeros, set item_bytes (0: no such array), then call iso_span_heap_clear. */
 typedef struct iso_span_heap {
     size_t item_bytes[ISO_SPAN_ARRAYS];
     iso_buffer array[ISO_SPAN_ARRAYS];

@@ -23,8 +23,9 @@ typedef enum iso_cpu_level {
 iso_cpu_level iso_cpu_best(void);
 
 /* Limits iso_cpu_best to `highest` from now on; ISO_CPU_AVX512 removes the limit. Returns the new result of
- * iso_cpu_best. For tests and benches that compare variants in one process. Point sets and meshes choose
- * their kernels when they are created or updated: call it before that, and while no other thread extracts. */
+ * iso_cpu_best. For tests and benchmarks that compare variants in one process. Point sets and meshes choose
+ * their kernels when they are created or updated: set the limit before that, and while no other thread
+ * extracts. */
 iso_cpu_level iso_cpu_limit(iso_cpu_level highest);
 
 /* The highest level that this machine has, without regard to ISO_CPU and iso_cpu_limit. */

@@ -42,7 +42,7 @@ static iso_status fail_path(iso_error *error, const char *path, int code) {
     return iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", path, strerror(code));
 }
 
-/* Opens /dev/null, a terminal or a pipe directly: a rename would replace it by a file. */
+/* Opens /dev/null, a terminal or a pipe directly, because renaming a file to its name would replace it. */
 static iso_status open_device(const char *path, iso_sink *sink, iso_error *error) {
     char *target = strdup(path);
     if (!target) return iso_fail_memory(error, path);
@@ -132,7 +132,7 @@ static char *read_link(const char *path) {
 }
 
 char *iso_file_follow(const char *path) {
-    enum { DEPTH = 40 }; /* Linux's limit */
+    enum { DEPTH = 40 }; /* as many links as Linux follows */
     char *at = strdup(path), *next;
     for (int depth = 0; at && (next = read_link(at)); depth++) {
         char *slash = strrchr(at, '/'), *whole = NULL;

@@ -40,7 +40,8 @@ iso_status iso_sink_open(const char *path, iso_sink *sink, iso_error *error);
  * are not opened, because closing one again would end it for its reader. NULL and "-" always pass. */
 iso_status iso_sink_check(const char *path, iso_error *error);
 
-/* Flushes, closes and renames. On any failure the temporary file is removed and ISO_ERR_WRITE returned. */
+/* Flushes and closes the sink's file, and gives the file its target's name. On any failure the temporary file
+ * is removed and ISO_ERR_WRITE returned. */
 iso_status iso_sink_commit(iso_sink *sink, iso_error *error);
 
 /* The path that `path` leads to if it is a symbolic link (links to links are followed); else a copy of it.
@@ -55,7 +56,8 @@ void iso_file_remove(const char *path);
 /* Whether both names lead to the same existing regular file, so that writing one would destroy the other. */
 bool iso_file_same(const char *a, const char *b);
 
-/* Closes and removes the temporary file. Safe after commit and on a zeroed sink. */
+/* Closes a sink and removes its temporary file. May be called after iso_sink_commit and for a sink of zeros,
+ * and does nothing then. */
 void iso_sink_abort(iso_sink *sink);
 
 #ifdef __cplusplus

@@ -16,11 +16,11 @@
 extern "C" {
 #endif
 
-/* Zero-initialise; iso_file_set_free when done. */
+/* The files that a program reads and writes. Initialise with zeros; free with iso_file_set_free. */
 typedef struct iso_file_set {
     struct iso_file_entry *entries; /* owned */
     size_t count, room;
-    bool incomplete; /* there was no memory for all: iso_file_set_check returns ISO_ERR_NOMEM */
+    bool incomplete; /* files are missing for lack of memory: iso_file_set_check fails */
 } iso_file_set;
 
 /* Adds a file that is read. A NULL set is ignored. */
@@ -32,8 +32,8 @@ void iso_file_set_read_as(iso_file_set *set, const char *path, const char *name)
 /* Adds an output; "-" is standard output. A NULL path is ignored. */
 void iso_file_set_write(iso_file_set *set, const char *path);
 
-/* ISO_ERR_USAGE, naming both, when an output is a file that is read or another output; ISO_ERR_NOMEM. Call it
- * when all files are added, before any output is written. */
+/* Checks all files. ISO_ERR_USAGE: an output is the same file as a file that is read or as another output;
+ * the message names both. ISO_ERR_NOMEM. Call it when all files are added, before any output is written. */
 iso_status iso_file_set_check(const iso_file_set *set, iso_error *error);
 
 void iso_file_set_free(iso_file_set *set);

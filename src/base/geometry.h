@@ -2,8 +2,8 @@
  *
  * World coordinates are millimetres, LPS (x to the patient's left, y to the back, z up), right-handed.
  * Index coordinates are voxels; voxel (i, j, k) has its centre at exactly (i, j, k).
- * The trigonometric functions here do not use libm, whose results differ between machines: pictures must not.
- */
+ * The trigonometric functions here do not use libm, whose results differ between machines: pictures must be
+ * the same on every machine. */
 #ifndef ISO_BASE_GEOMETRY_H
 #define ISO_BASE_GEOMETRY_H
 
@@ -65,7 +65,8 @@ iso_transform iso_transform_identity(void);
 /* The transform with the same spacing, origin 0 and identity direction: the volume's local coordinates. */
 iso_transform iso_transform_local(const iso_transform *transform);
 
-/* The transform of a part of the grid whose first voxel has the index `at`. */
+/* The transform of a smaller grid, cut out of a grid with this transform, whose first voxel has the index
+ * `at`. */
 iso_transform iso_transform_shift(const iso_transform *transform, const int at[3]);
 
 /* Sets `cropped` to the size of the box of voxels lo .. hi (both inclusive) of a grid. ISO_ERR_USAGE when the

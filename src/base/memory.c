@@ -15,7 +15,7 @@
 
 #define HUGE_PAGE ((size_t)2 << 20)
 
-/* Advises only the pages that lie wholly in the block. */
+/* Asks for huge pages only for the pages of 2 MiB that lie wholly in the block. */
 void iso_advise_huge(void *block, size_t bytes) {
 #ifdef MADV_HUGEPAGE
     const size_t before = (0 - (uintptr_t)block) % HUGE_PAGE;

@@ -19,23 +19,23 @@ enum { ISO_POINT_NORMAL_BIT = 3 * ISO_POINT_COORDINATE_BITS - 32 };
 
 /* ---- unpacking */
 
-/* Coordinate x, y or z in steps of ISO_POINT_STEP from ISO_POINT_LOW. */
+/* The coordinate x, y or z of a point in quantisation steps above ISO_POINT_LOW. */
 ISO_POINT_INLINE uint32_t iso_point_steps(iso_point point, int axis) {
     return (uint32_t)(point.bits >> axis * ISO_POINT_COORDINATE_BITS & (ISO_POINT_COORDINATE_STEPS - 1));
 }
 
-/* The coordinate in voxels of a number of steps. */
+/* Converts a coordinate from quantisation steps above ISO_POINT_LOW to voxels. */
 ISO_POINT_INLINE float iso_point_coordinate(float steps) {
     return ISO_POINT_LOW + ISO_POINT_STEP * steps;
 }
 
-/* The two numbers of the octahedral normal, the first in the low bits. */
+/* The 22 bits of a point's octahedral normal: two numbers, the first in the low bits. */
 ISO_POINT_INLINE uint32_t iso_point_normal_bits(iso_point point) {
     return (uint32_t)(point.bits >> 3 * ISO_POINT_COORDINATE_BITS);
 }
 
-/* Decodes an octahedral normal, two numbers of ISO_POINT_NORMAL_BITS bits, to one with |x| + |y| + |z| = 1.
- */
+/* Decodes an octahedral normal, two numbers of ISO_POINT_NORMAL_BITS bits, to a normal with |x| + |y| + |z| =
+ * 1. */
 ISO_POINT_INLINE void iso_point_unfold_normal(uint32_t bits, float normal[3]) {
     const float step = 2.0f / ISO_POINT_NORMAL_STEPS;
     const float u = (float)(bits & ISO_POINT_NORMAL_STEPS) * step - 1,
@@ -57,8 +57,8 @@ ISO_POINT_INLINE float iso_point_scale_coordinate(float position) {
     return position * per_voxel + first;
 }
 
-/* Converts one of the two numbers of a normal from -1 .. 1 to quantisation steps, and adds one half likewise.
- */
+/* Converts one of the two numbers of an octahedral normal from -1 .. 1 to quantisation steps, and adds one
+ * half, so that truncating the result rounds to the nearest step. */
 ISO_POINT_INLINE float iso_point_scale_normal(float part) {
     return part * (ISO_POINT_NORMAL_STEPS / 2.0f) + (ISO_POINT_NORMAL_STEPS / 2.0f + 0.5f);
 }
@@ -71,7 +71,7 @@ ISO_POINT_INLINE void iso_point_fold_normal(float x, float y, float z, float par
     part[1] = z < 0 ? v : y;
 }
 
-/* The point with these numbers of steps. */
+/* Joins a point from the quantisation steps of its coordinates and of the two numbers of its normal. */
 ISO_POINT_INLINE iso_point iso_point_join(uint32_t x, uint32_t y, uint32_t z, uint32_t u, uint32_t v) {
     const uint32_t low = x | y << ISO_POINT_COORDINATE_BITS | z << 2 * ISO_POINT_COORDINATE_BITS,
                    high = z >> (32 - 2 * ISO_POINT_COORDINATE_BITS) | u << ISO_POINT_NORMAL_BIT |

@@ -27,8 +27,9 @@ typedef struct iso_surfel {
 } iso_surfel;
 
 /* A point in 8 bytes: bits 0..41 hold x, y, z as 14-bit steps of 20/16384 voxel from -2 (positions in [-2,
- * 18)), bits 42..63 an octahedral normal, 11 bits each. Position error <= 0.00062 voxel an axis, normal <=
- * 0.13 degrees. The numbers are base/point_numbers.h's; base/point_code.h packs and unpacks. */
+ * 18)), bits 42..63 an octahedral normal, 11 bits for each of its two numbers. Position error <= 0.00062
+ * voxel an axis, normal <= 0.13 degrees. The constants are in base/point_numbers.h; kernels pack and unpack
+ * with base/point_code.h. */
 typedef struct iso_point {
     uint64_t bits;
 } iso_point;
@@ -97,7 +98,7 @@ typedef struct iso_point_view {
     size_t span_count;
     iso_transform transform;
     int32_t dims[3]; /* size of the points' grid: the surface ends at its first and last voxels; 0: unknown */
-    double radius;   /* mm; half of sqrt(2) x the largest spacing for extracted points (2003, section 4.1) */
+    double radius;   /* mm; extracted points: largest spacing * sqrt(2) / 2 (2003 paper, section 4.1) */
     const uint8_t (
         *colors)[3]; /* one per point, red green blue, display values; NULL: the surface's colour */
     /* One per span, never 0: changes when the span's contents change or another brick gets the span's number,
@@ -140,7 +141,7 @@ static inline iso_edge_key iso_edge_key_make(int x, int y, int z, int axis) {
     return (iso_edge_key)(axis * ISO_LATTICE_VOXELS + (z * ISO_LATTICE + y) * ISO_LATTICE + x);
 }
 
-/* The lower voxel of an edge; returns its axis. */
+/* Sets `voxel` to the lower voxel of the edge with this key; returns the axis of the edge. */
 static inline int iso_edge_key_split(iso_edge_key key, int voxel[3]) {
     int lower = key % ISO_LATTICE_VOXELS;
     voxel[0] = lower % ISO_LATTICE;

@@ -1,5 +1,5 @@
-/* progress: reports how far a long operation is, and lets the caller cancel it. NULL is allowed everywhere:
- * nothing is reported. */
+/* progress: reports how far a long operation is, and lets the caller cancel it. A NULL iso_progress is
+ * allowed everywhere: nothing is reported then. */
 #ifndef ISO_BASE_PROGRESS_H
 #define ISO_BASE_PROGRESS_H
 
@@ -29,7 +29,7 @@ iso_progress iso_progress_part(const iso_progress *whole, double from, double to
 iso_status iso_progress_tell(const iso_progress *progress, const char *name, double fraction,
                              iso_error *error);
 
-/* Whether the caller cancels the operation: calls its function with the fraction -1. */
+/* Whether the caller cancels the operation: calls the caller's function with the fraction -1. */
 bool iso_progress_cancelled(const iso_progress *progress);
 
 #ifdef __cplusplus

@@ -85,12 +85,12 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 #define v_lti ISO_V(v_lti) /* comparisons of vi */
 #define v_eqi ISO_V(v_eqi)
 #define v_select ISO_V(v_select)   /* (mask, a, b): a where true, else b */
-#define v_selecti ISO_V(v_selecti) /* the same for vi */
-#define v_and ISO_V(v_and)         /* truth values */
+#define v_selecti ISO_V(v_selecti) /* as v_select, for vi */
+#define v_and ISO_V(v_and)         /* of truth values, as v_or and v_andnot */
 #define v_or ISO_V(v_or)
 #define v_andnot ISO_V(v_andnot)       /* a and not b */
 #define v_mask ISO_V(v_mask)           /* truth values as bits of a uint32_t, lane 0 lowest */
-#define v_from_mask ISO_V(v_from_mask) /* and back; higher bits are ignored */
+#define v_from_mask ISO_V(v_from_mask) /* truth values from such bits; higher bits are ignored */
 #define v_gather ISO_V(v_gather)       /* (const float *, vi): from[index], lane by lane */
 /* (vf before, vf after): ISO_LANES lanes of the concatenation of both vectors: v_next1 and v_next2 start at
  * lane 1 and 2 of `before`, v_last1 and v_last2 at its last and last but one lane. */
@@ -98,7 +98,8 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 #define v_next2 ISO_V(v_next2)
 #define v_last1 ISO_V(v_last1)
 #define v_last2 ISO_V(v_last2)
-/* Store the lanes where the mask is true without gaps; memory for ISO_LANES items may be overwritten. */
+/* v_compress and v_compressi store, without gaps, the lanes whose truth value is true; memory for ISO_LANES
+ * items may be overwritten. */
 #define v_compress ISO_V(v_compress)   /* (float *, vm, vf) */
 #define v_compressi ISO_V(v_compressi) /* (int32_t *, vm, vi) */
 /* Transposing loads and stores. v_load4(base, index, quads, out): for each lane, out[k] = base[index[lane] +
@@ -106,13 +107,13 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
  * each lane, base[step * lane + k] = in[k], k below 4. */
 #define v_load4 ISO_V(v_load4)
 #define v_store4 ISO_V(v_store4)
-/* With the concatenation of a and b: v_even and v_odd take its even and odd lanes; v_zip_low and v_zip_high
- * undo that. */
+/* v_even and v_odd take the even and the odd lanes of the concatenation of a and b; v_zip_low and v_zip_high
+ * are their inverse. */
 #define v_even ISO_V(v_even)         /* (vf a, vf b) */
 #define v_odd ISO_V(v_odd)           /* (vf a, vf b) */
 #define v_zip_low ISO_V(v_zip_low)   /* the first half of a0 b0 a1 b1 .. */
-#define v_zip_high ISO_V(v_zip_high) /* and the second */
-#define v_store_u8 ISO_V(v_store_u8) /* (uint8_t *, vi): the low 8 bits of each */
+#define v_zip_high ISO_V(v_zip_high) /* the second half */
+#define v_store_u8 ISO_V(v_store_u8) /* (uint8_t *, vi): the low 8 bits of each lane */
 
 /* ---- functions that are the same for every width: `bytes` is the size of a vector */
 

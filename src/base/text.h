@@ -16,8 +16,8 @@
 extern "C" {
 #endif
 
-/* Length in bytes of the valid UTF-8 sequence at `text`, 1 to 4; 0 when there is none. The terminating zero
- * is a sequence of one byte. */
+/* The length in bytes of the valid UTF-8 sequence at `text`, 1 to 4; 0: the bytes there are not valid. The
+ * terminating zero is a sequence of one byte. */
 int iso_text_utf8(const char *text);
 
 /* Writes `text` to `clean` as printable UTF-8 on one line: \n, \t and \r for these characters; \xNN for each
@@ -28,8 +28,8 @@ int iso_text_utf8(const char *text);
  * overlap. Returns the length of the whole clean text without its zero, as snprintf does. */
 size_t iso_text_clean(const char *text, char *clean, size_t room);
 
-/* Cleans a string in place, in its memory of `room` bytes. A character of which the end of the string lacks
- * bytes is removed. */
+/* Cleans a string in place, in its memory of `room` bytes. An incomplete UTF-8 sequence at the end of the
+ * string is removed. */
 void iso_text_clean_in_place(char *text, size_t room);
 
 /* A clean copy of all of `text`, to be freed with free(). NULL without memory. */

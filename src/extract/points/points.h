@@ -1,13 +1,13 @@
 /* points: extracts points from a grid, one span per brick; after the first time only the bricks that changed.
  *
  * edge: the vertices of Marching Cubes, each once: three edges a voxel (+x, +y, +z), the normal interpolated
- * between the ends' central differences (2003, section 4, rgridb engine).
+ * between the ends' central differences (Baerentzen and Christensen 2003, section 4, rgridb engine).
  *
- * foot: foot points p - d * g / |g| of voxels p with distances d in [0, sqrt 3) (2003, eq. 1). For distance
- * fields in voxels: the voxels of an hgrid's bricks, or of a whole rgrid.
+ * foot: foot points p - d * g / |g| of voxels p with distances d in [0, sqrt 3) and gradients g (same paper,
+ * eq. 1). For distance fields in voxels: the voxels of an hgrid's bricks, or of a whole rgrid.
  *
- * foot-iterated: foot points of any scalar field: eq. 2 repeated from the outer corners of the cells that the
- * surface crosses, until the value is within 1e-4 |g| of the isovalue, at most 10 times.
+ * foot-iterated: foot points of any scalar field: eq. 2 of the paper repeated from the outer corners of the
+ * cells that the surface crosses, until the value is within 1e-4 |g| of the isovalue, at most 10 times.
  *
  * A corner is inside when its stored value is at or above the isovalue (exactly: a float isovalue is never
  * rounded to the other side of a voxel); normals point to lower values, or to higher ones when the grid is a
@@ -15,9 +15,10 @@
  * Where the interpolated gradient vanishes, the normal is the edge's outward direction.
  *
  * A foot point is rejected when |g| < 1/2 (near the medial axis, where two surfaces are equally near), or
- * when a value of its stencil is clamped: of magnitude at or above the hgrid's band (an rgrid states no band,
- * so there this rule does not apply). An iterated one when it gets 2 voxels away from where it started,
- * leaves the volume, meets a zero gradient or a non-finite value, or has not arrived after 10 steps. */
+ * when a value of its stencil is clamped: of magnitude at or above the hgrid's band (an rgrid states no
+ * band, so there this rule does not apply). An iterated foot point is rejected when it gets 2 voxels away
+ * from its voxel, leaves the volume, meets a zero gradient or a non-finite value, or has not arrived after
+ * 10 steps. */
 #ifndef ISO_EXTRACT_POINTS_POINTS_H
 #define ISO_EXTRACT_POINTS_POINTS_H
 
