@@ -22,7 +22,7 @@ typedef struct slot {
 typedef struct result {
     uint32_t brick, own;
     uint32_t count[ISO_SET_HEAPS];
-    size_t first[ISO_SET_HEAPS]; /* index of its first item in the set's arrays, when it has been stored */
+    size_t first[ISO_SET_HEAPS]; /* index of the brick's first item in the set's arrays, once stored */
 } result;
 
 /* The results of one task; the memory is reused by later tasks. */

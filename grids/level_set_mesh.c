@@ -26,9 +26,10 @@ enum { NO_REGION = 0xffff };
 /* A region: connected voxels without the surface between them, at first of one brick, later joined with
  * others (union-find). */
 typedef struct region {
-    uint32_t
-        parent;  /* a region that it was joined to; its own number: it represents all that are joined to it */
-    float depth; /* distance of its deepest voxel, the one farthest from the surface, in voxels */
+    /* number of a region that this one was joined to, or this region's own number if it represents all that
+     * were joined to it */
+    uint32_t parent;
+    float depth;     /* distance of its deepest voxel, the one farthest from the surface, in voxels */
     uint32_t cell;   /* the cell in which the deepest voxel lies */
     uint16_t voxel;  /* index of the deepest voxel in this cell */
     int16_t winding; /* winding number, rounded; set for representatives only */

@@ -19,8 +19,9 @@ typedef struct exact_draw {
     const iso_exact_kernel *kernel;
     uint32_t *order; /* spans front to back */
     size_t span_count;
-    iso_exact_visible *visible; /* task t's begin at index t * SPANS_PER_TASK * ISO_EXACT_OCTANTS */
-    int *visible_count;         /* number of visible octants, by task */
+    /* the visible octants of the spans of task t, from index t * SPANS_PER_TASK * ISO_EXACT_OCTANTS on */
+    iso_exact_visible *visible;
+    int *visible_count; /* number of visible octants, by task */
     size_t task_count;
     int band_count, words;      /* words: 64-bit words of free-pixel bits in a row */
     iso_exact_scratch *scratch; /* by worker */

@@ -47,9 +47,9 @@ iso_status iso_exact_update(iso_exact *exact, iso_error *error);
 void iso_exact_set_isovalue(iso_exact *exact, double isovalue);
 
 typedef struct iso_exact_totals {
-    size_t cells;  /* crossed cells stored */
-    size_t bricks; /* extracted by the last update */
-    size_t bytes;  /* memory of the cells */
+    size_t cells;  /* number of crossed cells stored */
+    size_t bricks; /* number of bricks extracted by the last update */
+    size_t bytes;  /* memory that the cells take */
 } iso_exact_totals;
 iso_exact_totals iso_exact_stats(const iso_exact *exact);
 

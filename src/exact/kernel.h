@@ -134,7 +134,7 @@ typedef struct iso_exact_patch {
     /* Bit i & 63 of word i / 64. hit: pixel i shows the cell; unsure: pixel i may show the cell, and the
      * general test must decide. */
     uint64_t hit[ISO_EXACT_PATCH_ROOM / 64 + 2], unsure[ISO_EXACT_PATCH_ROOM / 64 + 2];
-    float gradient[8][4]; /* its coefficients of 1, u, v, w, uv, vw, uw, uvw, view space */
+    float gradient[8][4]; /* the gradient's coefficients of 1, u, v, w, uv, vw, uw, uvw; view space */
 } iso_exact_patch;
 
 /* The working memory of one worker, for one band of rows at a time. */
@@ -143,7 +143,8 @@ typedef struct iso_exact_scratch {
     int words;      /* 64-bit words of `open` per row; the last one is always 0 */
     uint64_t *open; /* bit x & 63 of word x / 64 of row y - rows.first: the pixel is still free */
 
-    /* The octant that is being drawn; arrays are by the number of the crossed cell in the octant. */
+    /* The octant that is being drawn. Arrays of ISO_EXACT_CELL_ROOM items are indexed by the number of the
+     * crossed cell in the octant. */
     const iso_exact_span *span;
     const iso_exact_octant *octant;
     const void *corners;
@@ -153,7 +154,7 @@ typedef struct iso_exact_scratch {
     iso_exact_cell record[ISO_EXACT_CELL_ROOM];
     int32_t box[4][ISO_EXACT_CELL_ROOM]; /* pixels x0 x1 y0 y1; x1 < x0 or y1 < y0: none */
     int32_t flags[ISO_EXACT_CELL_ROOM];  /* ISO_EXACT_FACES .. */
-    int32_t slot[ISO_EXACT_CELL_ROOM];   /* in hits.voxel; -1: none yet */
+    int32_t slot[ISO_EXACT_CELL_ROOM];   /* index of the cell in hits.voxel; -1: none yet */
     uint64_t drawable[ISO_EXACT_SIDE];   /* bit r: there is a cell of front-to-back rank r with pixels */
     uint16_t cell_of[ISO_EXACT_CELLS];   /* the number of the cell, by rank */
 

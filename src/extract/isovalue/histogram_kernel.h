@@ -26,7 +26,7 @@ typedef struct iso_row_padding {
 } iso_row_padding;
 
 /* 256 bins of equal width between two values. */
-enum { ISO_BIN_OUTSIDE = 256 /* not between low and high, or not finite */ };
+enum { ISO_BIN_OUTSIDE = 256 /* for values not between low and high, or not finite */ };
 typedef struct iso_bin_range {
     double low, high, per_value; /* bin = (value - low) * per_value, at most 255 */
 } iso_bin_range;

@@ -182,7 +182,7 @@ static void count_slice(void *context, size_t z, int worker) {
 /* The range of levels that a histogram is made from. */
 typedef struct level_range {
     int first, last;
-    int padding; /* a level, or -1 */
+    int padding; /* the level that is padding; -1: none */
 } level_range;
 
 static void shrink(const level_counts *counts, level_range *range) {
@@ -338,7 +338,7 @@ static void find_padding(void *state, const run *voxels) {
 enum { BIN_TABLES = 4, BIN_BLOCK = 256 };
 typedef struct bin_counts {
     iso_bin_range range;
-    uint64_t bins[BIN_TABLES][ISO_HISTOGRAM_BINS + 1]; /* the last one is ISO_BIN_OUTSIDE */
+    uint64_t bins[BIN_TABLES][ISO_HISTOGRAM_BINS + 1]; /* the last is for ISO_BIN_OUTSIDE */
 } bin_counts;
 
 static void count_bins(void *state, const run *voxels) {

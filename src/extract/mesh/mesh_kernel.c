@@ -12,12 +12,12 @@
 /* The classified voxels of a block by row (z * 17 + y), as words of bits by x. */
 enum { ROWS = ISO_EDGE_SIDE * ISO_EDGE_SIDE, CELL_ROWS = ROWS - ISO_EDGE_SIDE - 1 };
 typedef struct block_rows {
-    uint64_t at[ROWS];                /* voxel x is inside */
-    uint64_t after[ROWS];             /* voxel x + 1 is inside */
-    uint64_t any[ROWS], all[ROWS];    /* voxel x or voxel x + 1 is inside; both are */
-    uint64_t active[CELL_ROWS];       /* cell x has corners inside and outside */
+    uint64_t at[ROWS];                /* bit x: voxel x is inside */
+    uint64_t after[ROWS];             /* bit x: voxel x + 1 is inside */
+    uint64_t any[ROWS], all[ROWS];    /* bit x: voxel x or voxel x + 1 is inside; both are */
+    uint64_t active[CELL_ROWS];       /* bit x: cell x has corners inside and outside */
     uint16_t list[ISO_EDGE_ROWS + 1]; /* numbers (z << 5 | y) of the rows with active cells */
-    int count;                        /* of the list */
+    int count;                        /* length of the list */
 } block_rows;
 
 /* The part of a block that lies in the grid and in wanted bricks: bits by x, and limits on y and z. */

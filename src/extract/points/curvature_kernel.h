@@ -38,8 +38,7 @@ enum {
     ISO_CURVATURE_B1C0,
     ISO_CURVATURE_B0C1,
     ISO_CURVATURE_B1C1,
-    ISO_CURVATURE_VOXEL, /* number of the values for a voxel; the upper end of an edge needs those below, too
-                          */
+    ISO_CURVATURE_VOXEL, /* how many values a voxel needs; an edge needs those below, too */
     ISO_CURVATURE_A2 = ISO_CURVATURE_VOXEL,
     ISO_CURVATURE_A2B0,
     ISO_CURVATURE_A2B1,
@@ -49,7 +48,7 @@ enum {
     ISO_CURVATURE_A1B1C0,
     ISO_CURVATURE_A1B0C1,
     ISO_CURVATURE_A1B1C1,
-    ISO_CURVATURE_EDGE /* number of the values for an edge */
+    ISO_CURVATURE_EDGE /* how many values an edge needs */
 };
 
 /* The kernel's input and output for up to ISO_CURVATURE_BATCH points, as a structure of arrays. */

@@ -195,7 +195,7 @@ static char *set_task(const iso_edge_context *context, const iso_edge_block *blo
     return room;
 }
 
-/* Writes the curvatures of a block's points to `curvatures` on; returns the end of what was written. */
+/* Writes the curvatures of a block's points from `curvatures` on; returns the end of what was written. */
 static iso_curvature *make_curvatures(const iso_edge_context *context, const iso_edge_block *block,
                                       const iso_edge_output *output, iso_curvature *curvatures) {
     const iso_threshold surface = {.isovalue_ceil = context->source.isovalue_ceil,

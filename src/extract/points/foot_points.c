@@ -7,7 +7,7 @@
 
 static const float BAND = 1.7320508f; /* sqrt 3, voxels */
 static const double REACH =
-    2; /* voxels from the seed; more than sqrt 3, as the field may not be a distance */
+    2; /* voxels that iteration may move; more than sqrt 3, as the field need not be distances */
 static const int MOST_STEPS = 10;
 static const double CONVERGED = 1e-4; /* voxels */
 

@@ -81,9 +81,9 @@ iso_status iso_point_set_bound(iso_point_set *set, iso_error *error);
 
 /* Counts, for reports. */
 typedef struct iso_points_stats {
-    size_t points;   /* in the set */
+    size_t points;   /* number of points in the set */
     size_t rejected; /* foot points rejected by the rules above, in the last full extraction */
-    size_t bricks;   /* extracted by the last update; bricks that cannot have points are not extracted */
+    size_t bricks;   /* bricks extracted by the last update; those that cannot have points are left out */
 } iso_points_stats;
 iso_points_stats iso_point_set_stats(const iso_point_set *set);
 
