@@ -198,7 +198,7 @@ static void put_opened_mesh(iso_json *json, const iso_mesh_report *mesh) {
 static void put_report(FILE *stream, const isosculpt_settings *settings, const report *r) {
     iso_json json = {.stream = stream};
     iso_json_begin_object(&json, NULL);
-    iso_json_string(&json, "schema", "isosculpt 1");
+    iso_json_string(&json, "schema", "isosculpt/1");
     iso_json_string(&json, "version", isosculpt_program()->version);
     if (settings->replay) iso_json_string(&json, "strokes_file", settings->replay);
     iso_json_string(&json, "source", r->start.source);

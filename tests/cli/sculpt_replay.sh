@@ -15,7 +15,7 @@ expect(b["seconds"]["draw"]["count"] == b["seconds"]["step"]["count"] == b["samp
 expect(b["resolution"] == [320, 200] and "draw" not in a["seconds"], a, b)
 expect(a["points"] == b["points"] and a["points"] > 100000 and a["bricks"] == b["bricks"], a, b)
 expect(3.5 < a["points"] / c["points"] < 4.5, "a quarter of the points at twice the size", a["points"], c["points"])
-expect(c["dims"] == [128, 128, 128] and c["voxel_size"] == 1, c)
+expect(c["schema"] == "isosculpt/1" and c["dims"] == [128, 128, 128] and c["voxel_size"] == 1, c)
 P
 isorender a.ply --no-image --json=points.json --quiet
 python3 -c 'from check import *; expect(report("points.json")["primitives"]["points"] == report("a.json")["points"])'
