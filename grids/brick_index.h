@@ -57,8 +57,9 @@ iso_brick_range iso_brick_index_range(const iso_brick_index *index, uint32_t bri
 bool iso_brick_index_crosses(const iso_brick_index *index, uint32_t brick, float isovalue);
 
 /* Returns the row groups (brick_range.h) of a crossed brick that the isovalue may cross, one bit each. In all
- * other groups no edge has one end below the isovalue and the other at or above it. Exact for integers with
- * at most 255 values in the brick; otherwise groups within 1/255 of the brick's range are included, too. */
+ * other groups no edge has one end below the isovalue and the other at or above it. Exact for integer types
+ * if the brick's highest and lowest value differ by at most 254; otherwise groups that the isovalue misses by
+ * up to 1/255 of the brick's range are included, too. */
 uint32_t iso_brick_index_groups(const iso_brick_index *index, uint32_t brick, float isovalue);
 
 /* Prefetches the data of a brick into the processor's cache. */

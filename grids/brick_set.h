@@ -72,7 +72,7 @@ typedef struct iso_brick_kernel {
      * rgrid are then found with its index, and may_exist is called for edited bricks only. */
     float (*isovalue)(const void *context);
     bool bricks_only; /* empty cells of an hgrid have no results: may_exist is not called for them */
-    /* Writes the span of a brick to the array of spans. */
+    /* Writes to *span, an element of the array of spans, where the results of a brick are stored. */
     void (*write_span)(void *span, const iso_brick_location *location);
 } iso_brick_kernel;
 

@@ -24,8 +24,8 @@ extern "C" {
 #define ISO_MESH_HOLE 0.1
 
 typedef struct iso_closing_opts {
-    double hole; /* mm: the largest hole to fill, measured as the diagonal of its box; 0: ISO_MESH_HOLE of the
-                    mesh's longest side; negative: none */
+    double hole; /* mm: the largest hole to fill, measured as the diagonal of its box; 0: ISO_MESH_HOLE
+                    times the longest side of the mesh's box; negative: none */
     const iso_progress *progress; /* cancelled: ISO_ERR_IO */
 } iso_closing_opts;
 

@@ -38,8 +38,8 @@ struct iso_border_face {
     flat_edge *edges;
     size_t count, room;
     int first;           /* the winding number beside the corner (lo, lo) */
-    jumps left, right;   /* changes along v, just inside u = lo and u = hi */
-    jumps bottom, top;   /* changes along u, just inside v = lo and v = hi */
+    jumps left, right;   /* where the winding number changes along v, just inside u = lo and u = hi */
+    jumps bottom, top;   /* where it changes along u, just inside v = lo and v = hi */
     uint32_t *row_edges; /* for each row (a range of v), the edges that reach into it */
     size_t *row_first;   /* rows + 1 indices into row_edges */
     size_t rows;
@@ -385,8 +385,9 @@ static void add_triangles(fan *f, const double a[2], const double b[2], int numb
     }
 }
 
-/* Adds the triangles of the side where coordinate `across` is highest, one for each piece between two
- * changes. `number` is the winding number at the lower end of the side. */
+/* Adds the triangles from the face's lowest corner to the side of the face where coordinate `across` is
+ * highest: one for each segment of the side between two successive changes of the winding number, which is
+ * `number` at the lower end of the side. */
 static void add_side(fan *f, int across, const jumps *j, int number) {
     double from[2], to[2];
     from[across] = to[across] = f->face->hi[across];

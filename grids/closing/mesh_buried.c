@@ -136,8 +136,8 @@ static void correct_cell(void *context, size_t index, int worker) {
     }
 }
 
-/* Corrects all listed cells in batches. Batches are independent, because only inside voxels are written, and
- * only the values of outside voxels and signs are read. */
+/* Corrects the first `count` of w->cells in batches. Batches do not depend on each other: they write values
+ * of inside voxels without changing signs, and read only signs and the values of outside voxels. */
 static void correct_cells(work *w, size_t count, iso_pool *pool) {
     for (w->first = 0; w->first < count; w->first += BATCH) {
         const size_t batch = count - w->first < BATCH ? count - w->first : BATCH;

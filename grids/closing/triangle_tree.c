@@ -312,7 +312,7 @@ static iso_vec3 nearest_on_triangle(const corners *t, iso_vec3 p) {
         return iso_vec3_add(b, iso_vec3_scale(iso_vec3_sub(c, b), along / (along + back)));
     const double sum = va + vb + vc;
     if (!(sum > 0))
-        return a; /* a triangle without an area; its points lie on edges, which other triangles have, too */
+        return a; /* a triangle without an area: any of its points will do, as its edges have neighbours */
     return iso_vec3_add(a, iso_vec3_add(iso_vec3_scale(ab, vb / sum), iso_vec3_scale(ac, vc / sum)));
 }
 

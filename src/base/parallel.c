@@ -225,8 +225,8 @@ static void place_ready(ordered_run *run) {
     }
 }
 
-/* Waits until the index's slot is free, also of earlier indices that wait for it. This cannot deadlock: the
- * smallest index that is not placed waits for nothing but a `finish`. */
+/* Waits until the index's slot is free and every earlier index that uses the same slot has had it. This
+ * cannot deadlock: the smallest index that has had no slot waits only for a call of `finish` to return. */
 static void ordered_task(void *context, size_t index, int number) {
     ordered_run *run = context;
     const size_t slot = index % run->steps->slots;

@@ -13,9 +13,9 @@ typedef struct edge {
     ptrdiff_t index;
 } edge;
 
-/* The position of the surface between the values a (at the lower voxel) and b: (isovalue - a) / (b - a). A
- * small difference between isovalue_ceil and a is exact; `residual` adds what rounding took from the
- * isovalue. */
+/* The position of the surface between the values a (at the lower voxel) and b: (isovalue - a) / (b - a). The
+ * subtraction isovalue_ceil - a is exact when the two are close; `residual` makes up for the rounding of the
+ * isovalue to isovalue_ceil. */
 static float position_on_edge(const iso_threshold *surface, float a, float b) {
     float t = (surface->isovalue_ceil - a + surface->residual) / (b - a);
     t = t > 0 ? t : 0; /* 0 also for NaN, when the differences overflow */

@@ -42,8 +42,9 @@ typedef struct iso_edge_walk {
     const iso_brick_set *set;
     const uint32_t *bricks;
     size_t count;
-    size_t next;       /* first brick that is not in a run yet */
-    size_t first, end; /* numbers of the runs that are found but not returned, in the ring `run` */
+    size_t next; /* first brick that is not in a run yet */
+    size_t first,
+        end; /* runs first .. end - 1 are found but not returned yet; run n is at run[n % its size] */
     iso_edge_brick_run run[ISO_EDGE_AHEAD + 1];
 } iso_edge_walk;
 

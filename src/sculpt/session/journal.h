@@ -1,6 +1,6 @@
 /* journal: an append-only file of all events that changed the field of a session (a stroke file). The format
- * is JSON Lines: a header, then one line for each event, with its number and the CRC-32C of the line before
- * the checksum. Doubles are written with all digits and read back exactly.
+ * is JSON Lines: a header, then one line for each event, with its number and, at the end, the CRC-32C of
+ * the line's own text up to there. Doubles are written with all digits and read back exactly.
  *
  * The same file serves as autosave, crash recovery, undo history, recorded demo, regression test and
  * benchmark. An incomplete last line, as a crash leaves it, is ignored. A damaged line before the end is an

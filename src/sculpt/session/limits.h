@@ -53,7 +53,7 @@ enum { ISO_LIMIT_LINE = 64 << 20 };
 /* The largest number of touches of one sample; with the smallest brush of the window this is a path of half a
  * million voxels. */
 enum { ISO_LIMIT_TOUCHES = 1 << 20 };
-/* The largest number of cells that one touch lists; each takes 16 KiB of scratch memory, several times. */
+/* The largest number of cells that one touch may edit; each needs several scratch copies of 16 KiB. */
 enum { ISO_LIMIT_TOUCH_CELLS = 1 << 18 };
 /* The largest number of checkpoints that are tried before a journal is replayed from its beginning. */
 enum { ISO_LIMIT_CHECKPOINTS = 8 };
