@@ -45,6 +45,8 @@ orbits() {
 }
 until_ "a drag on a volume orbits" orbits
 journal_is_there && fail "a drag on a volume sculpts it"
+key ctrl+shift+s # refused at once, not after a name was typed
+until_ "a volume cannot be saved" says "Not saved: there is nothing to save"
 copy_command 97 377
 draws orbit 0
 key M # the same view by the other methods: pixels at edges may differ

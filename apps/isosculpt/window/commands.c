@@ -116,7 +116,8 @@ static void use_chosen_path(window *w) {
 static void process_controller_commands(window *w) {
     const unsigned commands = w->controller.commands;
     if (commands & ISOSCULPT_COMMAND_SAVE) isosculpt_window_request_save(w, ISOSCULPT_BROWSE_SAVE, NULL);
-    if (commands & ISOSCULPT_COMMAND_SAVE_AS) w->screen.browse_request = ISOSCULPT_BROWSE_SAVE;
+    if (commands & ISOSCULPT_COMMAND_SAVE_AS && isosculpt_window_can_save(w))
+        w->screen.browse_request = ISOSCULPT_BROWSE_SAVE;
     if (commands & ISOSCULPT_COMMAND_OPEN) w->screen.browse_request = ISOSCULPT_BROWSE_OPEN;
     if (commands & ISOSCULPT_COMMAND_SCULPT) isosculpt_window_start_sculpting(w);
     w->controller.commands &= ISOSCULPT_COMMAND_REDRAW | ISOSCULPT_COMMAND_CLOSE;

@@ -26,11 +26,13 @@ static void refuse_save(window *w, const char *reason) {
     isosculpt_window_set_status(w, true, text);
 }
 
+bool isosculpt_window_can_save(window *w) {
+    if (w->volume) refuse_save(w, "there is nothing to save before it is sculpted.");
+    return !w->volume;
+}
+
 void isosculpt_window_request_save(window *w, isosculpt_purpose purpose, const char *path) {
-    if (w->volume) {
-        refuse_save(w, "there is nothing to save before it is sculpted.");
-        return;
-    }
+    if (!isosculpt_window_can_save(w)) return;
     w->pending_save = purpose;
     w->replace_agreed = false;
     snprintf(w->save_path, sizeof w->save_path, "%s", path ? path : w->document.target);

@@ -4,6 +4,9 @@
 
 #include "apps/isosculpt/window/state.h"
 
+/* Returns whether there is a sculpture to save; else shows in the status line that there is none. */
+bool isosculpt_window_can_save(window *w);
+
 /* Requests a save or an export (ISOSCULPT_BROWSE_SAVE, _EXPORT); path NULL: the document's target. */
 void isosculpt_window_request_save(window *w, isosculpt_purpose purpose, const char *path);
 
