@@ -144,9 +144,12 @@ union nifti_any {
     int32_t size;
 };
 
-/* Whether the library knows a data type: it prints to stderr, at any debug level, when it does not. */
+/* Whether the library can convert a data type, whose values then have a size. For another type it would print
+ * to stderr, at any debug level. */
 static bool known_type(int type) {
-    return type > DT_BINARY && nifti_datatype_is_valid(type, 1);
+    int bytes = 0, swapped = 0;
+    nifti_datatype_sizes(type, &bytes, &swapped);
+    return bytes > 0;
 }
 
 static iso_status convert_header(const char *path, union nifti_any *any, int version, nifti_file *file,

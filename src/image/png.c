@@ -238,6 +238,8 @@ static void read_bytes(png_structp png, png_bytep bytes, size_t count) {
 static bool read_header(reader *r) {
     if (setjmp(r->failure.escape)) return false;
     png_set_read_fn(r->png, r, read_bytes);
+    /* Texts, profiles and the like are not read at all: their lengths say how much memory they would take. */
+    png_set_keep_unknown_chunks(r->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
     png_read_info(r->png, r->info);
     png_uint_32 width = png_get_image_width(r->png, r->info);
     png_uint_32 height = png_get_image_height(r->png, r->info);
