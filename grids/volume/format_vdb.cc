@@ -459,13 +459,13 @@ iso_status fill_cells(level_set<Tree> &job, const read_request &read, iso_error 
 
 /* ---- reading ---- */
 
-iso_status load_chosen(const char *path, const iso_volume_opts *opts, const iso_volume_info &info,
-                       GridBase::ConstPtr *grid, iso_error *error) {
+iso_status load_chosen(const char *path, const iso_volume_opts *opts, GridBase::ConstPtr *grid,
+                       iso_error *error) {
     return reading(path, error, [&] {
         archive file(path, opts);
         ISO_TRY(file.scan(error));
         vdb_grid *chosen = nullptr;
-        ISO_TRY(choose_named(path, info.name, file, &chosen, error));
+        ISO_TRY(choose(path, opts, file, &chosen, error));
         ISO_TRY(file.load(*chosen, false, error));
         *grid = chosen->grid;
         return ISO_OK;
@@ -546,7 +546,7 @@ iso_status vdb_read(const char *path, const iso_volume_opts *opts, iso_volume_in
     iso_grid result = {};
     const iso_status status = iso::guard(path, error, [&] {
         GridBase::ConstPtr source;
-        ISO_TRY(load_chosen(path, opts, *info, &source, error));
+        ISO_TRY(load_chosen(path, opts, &source, error));
         ISO_TRY(iso_format_progress(path, opts, 0.6, error));
         read_request job = {path, opts, info, Coord(), error};
         ISO_TRY(announced_box(path, *source, *info, &job.lo, error));
