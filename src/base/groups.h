@@ -1,0 +1,53 @@
+/* groups: divides points into groups whose discs do not overlap (Zhang and Pajarola 2006, section 4.1), so
+ * that in a picture of one group each pixel shows at most one disc of a layer of the surface.
+ *
+ * The points are the nodes of a graph; two are joined when the distance of their centres is below c times the
+ * sum of their discs' radii (eq. 5 with rule 3), and joined points conflict when they are in one group. The
+ * groups are a greedy colouring: each point gets the smallest number that no conflicting point has. The paper
+ * takes points by falling degree; here they are taken cell by cell in scan order, which needs no graph in
+ * memory and as few groups within 2. With a limit of groups, a point for which none is free gets the one with
+ * the fewest conflicts.
+ *
+ * The result depends on the points and their order only, not on threads: blocks of cells of one parity are
+ * coloured in parallel (base/point_cells.h), in 8 passes. A change of points can change groups within 8
+ * blocks of them only. */
+#ifndef ISO_BASE_GROUPS_H
+#define ISO_BASE_GROUPS_H
+
+#include "base/parallel.h"
+#include "base/primitives.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISO_GROUPS_MOST = 64 };
+
+typedef struct iso_groups_opts {
+    double disc;    /* radius of discs in radii of their points; 0: 1 */
+    double overlap; /* c of rule 3, up to 1; 0: 1 */
+    int limit;      /* most groups, 1 .. ISO_GROUPS_MOST; 0: ISO_GROUPS_MOST */
+    /* Rule 2: points whose normals differ by more than 90 degrees do not conflict. Fewer groups, but the two
+     * sides of thin things then hide each other. */
+    bool ignore_opposite;
+    iso_pool *pool; /* or NULL */
+} iso_groups_opts;
+
+/* The groups of a view's points. Zero-initialise; free with iso_groups_free. */
+typedef struct iso_groups {
+    uint8_t *group;   /* one per item of the view's arrays; 0 for points that are left out */
+    int count;        /* 1 + the largest group; 0 without points */
+    size_t conflicts; /* joined pairs of points that are in one group */
+    size_t joined;    /* joined pairs: the mean degree is 2 joined / points */
+} iso_groups;
+
+/* Divides the points of a view into groups. Points whose position is not finite, or whose radius is not above
+ * 0, are left out. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1 points or more. */
+iso_status iso_groups_make(const iso_point_view *view, const iso_groups_opts *opts, iso_groups *groups,
+                           iso_error *error);
+void iso_groups_free(iso_groups *groups);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

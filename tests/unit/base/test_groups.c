@@ -1,0 +1,250 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/groups.h"
+#include "base/memory.h"
+#include "base/point_cells.h"
+#include "scene_support.h"
+
+enum { MOST = 6000 };
+
+/* A view of points in floats, with the arrays behind it. */
+typedef struct cloud {
+    iso_surfel surfels[MOST];
+    float radii[MOST];
+    iso_point_span span;
+    iso_point_view view;
+} cloud;
+
+/* Random points in a cube of `side` mm with radii 1 .. `spread`, small ones more often. */
+static void make_cloud(cloud *c, uint32_t count, double side, double spread, uint32_t seed) {
+    c->span = (iso_point_span){.count = count};
+    for (uint32_t i = 0; i < count; i++) {
+        const double chance = uniform(&seed);
+        for (int k = 0; k < 3; k++) {
+            c->surfels[i].position[k] = (float)(side * (uniform(&seed) - 0.5));
+            c->surfels[i].normal[k] = (float)(uniform(&seed) - 0.5);
+        }
+        c->radii[i] = (float)(1 / (1 - chance * (1 - 1 / spread)));
+    }
+    c->view = (iso_point_view){.surfels = c->surfels,
+                               .radii = c->radii,
+                               .spans = &c->span,
+                               .span_count = 1,
+                               .transform = iso_transform_identity()};
+}
+
+static iso_groups make_groups(const iso_point_view *view, const iso_groups_opts *opts) {
+    iso_error error;
+    iso_groups groups;
+    test_ok(iso_groups_make(view, opts, &groups, &error), &error);
+    return groups;
+}
+
+/* The centre of a point in mm, and its radius; false for a point that is left out. */
+static bool locate(const iso_point_view *view, const iso_point_span *span, size_t index, iso_vec3 *at,
+                   double *radius) {
+    const iso_affine affine = iso_transform_affine(&view->transform);
+    const iso_surfel surfel = iso_point_view_get(view, index);
+    *at = iso_affine_vector(&affine, iso_brick_position(span->brick, surfel.position));
+    *radius = view->radii ? (double)view->radii[index] : view->radius;
+    return iso_vec3_is_finite(*at) && *radius > 0;
+}
+
+/* All points of a view, for comparing every pair. */
+typedef struct located {
+    iso_vec3 *at;
+    double *radius;
+    uint8_t *group;
+    size_t count;
+} located;
+
+static located locate_all(const iso_point_view *view, const iso_groups *groups) {
+    const size_t most = iso_point_view_count(view);
+    located all = {malloc(most * sizeof *all.at), malloc(most * sizeof *all.radius), malloc(most), 0};
+    for (size_t s = 0; s < view->span_count; s++)
+        for (size_t i = view->spans[s].first; i < view->spans[s].first + view->spans[s].count; i++)
+            if (locate(view, &view->spans[s], i, &all.at[all.count], &all.radius[all.count]))
+                all.group[all.count++] = groups->group[i];
+    return all;
+}
+
+static void free_located(located *all) {
+    free(all->at);
+    free(all->radius);
+    free(all->group);
+}
+
+/* Counts, over every pair of points, what iso_groups says; pairs whose distance is within rounding of the
+ * limit are counted in `doubtful`. */
+static void compare_with_all_pairs(const iso_point_view *view, const iso_groups *groups, double factor) {
+    located all = locate_all(view, groups);
+    size_t joined = 0, conflicts = 0, doubtful = 0;
+    for (size_t i = 0; i < all.count; i++)
+        for (size_t j = 0; j < i; j++) {
+            const double distance = iso_vec3_length(iso_vec3_sub(all.at[i], all.at[j])),
+                         reach = factor * (all.radius[i] + all.radius[j]);
+            if (fabs(distance - reach) < 1e-5 * reach) doubtful++;
+            if (!(distance < reach)) continue;
+            joined++;
+            conflicts += all.group[i] == all.group[j];
+        }
+    near((double)groups->joined, (double)joined, (double)doubtful);
+    near((double)groups->conflicts, (double)conflicts, (double)doubtful);
+    assert_true(joined > all.count / 4);
+    assert_true(doubtful < 1 + joined / 1000);
+    free_located(&all);
+}
+
+static void test_no_conflict(void **state) {
+    (void)state;
+    static cloud c;
+    const double spreads[] = {1, 3, 40, 1000}, sides[] = {40, 50, 120, 260};
+    for (size_t k = 0; k < 4; k++) {
+        make_cloud(&c, 3000, sides[k], spreads[k], 7 + (uint32_t)k);
+        iso_groups groups = make_groups(&c.view, &(iso_groups_opts){.disc = 1.2});
+        assert_int_equal(groups.conflicts, 0);
+        compare_with_all_pairs(&c.view, &groups, 1.2);
+        for (uint32_t i = 0; i < c.span.count; i++) assert_true(groups.group[i] < groups.count);
+        iso_groups_free(&groups);
+    }
+}
+
+static void test_no_conflict_in_a_scene(void **state) {
+    (void)state;
+    const char *const scenes[] = {"sphere", "gyroid", "head"};
+    for (int k = 0; k < 3; k++) {
+        test_scene scene = test_scene_make(scenes[k], 40, NULL, false);
+        iso_groups groups = make_groups(&scene.points, &(iso_groups_opts){.disc = 1.35});
+        compare_with_all_pairs(&scene.points, &groups, 1.35);
+        assert_int_equal(groups.conflicts, 0);
+        assert_in_range(groups.count, 10, 22);
+        iso_groups_free(&groups);
+        test_scene_free(&scene);
+    }
+}
+
+/* c and a limit of groups: fewer groups, and as many conflicts as are told. */
+static void test_limits(void **state) {
+    (void)state;
+    static cloud c;
+    make_cloud(&c, 3000, 40, 4, 3);
+    iso_groups whole = make_groups(&c.view, &(iso_groups_opts){0}),
+               relaxed = make_groups(&c.view, &(iso_groups_opts){.overlap = 0.6}),
+               four = make_groups(&c.view, &(iso_groups_opts){.limit = 4}),
+               one = make_groups(&c.view, &(iso_groups_opts){.limit = 1});
+    compare_with_all_pairs(&c.view, &relaxed, 0.6);
+    compare_with_all_pairs(&c.view, &four, 1);
+    compare_with_all_pairs(&c.view, &one, 1);
+    assert_true(relaxed.count < whole.count);
+    assert_int_equal(four.count, 4);
+    assert_int_equal(one.count, 1);
+    assert_true(one.conflicts == one.joined);
+    assert_true(four.conflicts > 0 && four.conflicts < one.conflicts / 4);
+    iso_groups *all[] = {&whole, &relaxed, &four, &one};
+    for (int k = 0; k < 4; k++) iso_groups_free(all[k]);
+}
+
+static void test_opposite_normals(void **state) {
+    (void)state;
+    static cloud c;
+    make_cloud(&c, 2000, 30, 1, 5);
+    iso_groups with = make_groups(&c.view, &(iso_groups_opts){0}),
+               without = make_groups(&c.view, &(iso_groups_opts){.ignore_opposite = true});
+    size_t joined = 0;
+    for (uint32_t i = 0; i < c.span.count; i++)
+        for (uint32_t j = 0; j < i; j++) {
+            double square = 0, cosine = 0;
+            for (int k = 0; k < 3; k++) {
+                const double d = (double)c.surfels[i].position[k] - (double)c.surfels[j].position[k];
+                square += d * d;
+                cosine += (double)c.surfels[i].normal[k] * (double)c.surfels[j].normal[k];
+            }
+            joined += square < 4 && cosine >= 0;
+        }
+    near((double)without.joined, (double)joined, 2);
+    assert_true(without.joined < with.joined && without.conflicts == 0);
+    iso_groups_free(&with);
+    iso_groups_free(&without);
+}
+
+static void test_threads(void **state) {
+    (void)state;
+    static cloud c;
+    make_cloud(&c, MOST, 60, 30, 11);
+    iso_groups one = make_groups(&c.view, &(iso_groups_opts){.limit = 6});
+    for (int threads = 2; threads < 8; threads += 3) {
+        iso_pool *pool;
+        assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
+        iso_groups several = make_groups(&c.view, &(iso_groups_opts){.limit = 6, .pool = pool});
+        assert_memory_equal(one.group, several.group, MOST);
+        assert_int_equal(one.conflicts, several.conflicts);
+        iso_groups_free(&several);
+        iso_pool_destroy(pool);
+    }
+    iso_groups_free(&one);
+}
+
+/* A changed point changes groups around it only: within 8 blocks of 8 cells, each two radii wide. */
+static void test_locality(void **state) {
+    (void)state;
+    static cloud c;
+    const float near_by = 8 * 8 * 2;
+    make_cloud(&c, MOST, 100, 1, 13);
+    for (uint32_t i = 0; i < MOST; i++) { /* along a rod, so that much of it is farther away */
+        c.surfels[i].position[0] *= 20;
+        for (int k = 1; k < 3; k++) c.surfels[i].position[k] *= 0.06f;
+    }
+    iso_groups before = make_groups(&c.view, &(iso_groups_opts){0});
+    size_t near_count = 0;
+    for (uint32_t i = 0; i < MOST; i++)
+        if (fabsf(c.surfels[i].position[0]) < 3) c.surfels[i].position[1] += 0.5f, near_count++;
+    iso_groups after = make_groups(&c.view, &(iso_groups_opts){0});
+    size_t changed = 0;
+    for (uint32_t i = 0; i < MOST; i++) {
+        changed += before.group[i] != after.group[i];
+        if (fabsf(c.surfels[i].position[0]) > 3 + near_by) assert_int_equal(before.group[i], after.group[i]);
+    }
+    assert_true(near_count > 5 && changed > 0);
+    iso_groups_free(&before);
+    iso_groups_free(&after);
+}
+
+static void test_unusable_points(void **state) {
+    (void)state;
+    static cloud c;
+    make_cloud(&c, 500, 20, 2, 17);
+    c.surfels[3].position[1] = NAN;
+    c.surfels[4].position[2] = INFINITY;
+    c.radii[5] = 0;
+    c.radii[6] = -1;
+    c.radii[7] = NAN;
+    iso_groups groups = make_groups(&c.view, &(iso_groups_opts){0});
+    compare_with_all_pairs(&c.view, &groups, 1);
+    for (int i = 3; i < 8; i++) assert_int_equal(groups.group[i], 0);
+    iso_groups_free(&groups);
+    c.span.count = 0;
+    groups = make_groups(&c.view, &(iso_groups_opts){0});
+    assert_int_equal(groups.count, 0);
+    iso_groups_free(&groups);
+    make_cloud(&c, 200, 0, 1, 19); /* all in one place: as many groups as there are */
+    groups = make_groups(&c.view, &(iso_groups_opts){0});
+    assert_int_equal(groups.count, ISO_GROUPS_MOST);
+    compare_with_all_pairs(&c.view, &groups, 1);
+    iso_groups_free(&groups);
+    make_cloud(&c, 300, 8, 1, 23); /* far away from each other and from the origin, relative to their size */
+    for (int i = 0; i < 300; i++) c.surfels[i].position[0] += i % 2 ? 1e7f : -3e7f;
+    groups = make_groups(&c.view, &(iso_groups_opts){0});
+    assert_int_equal(groups.conflicts, 0);
+    iso_groups_free(&groups);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_no_conflict),     cmocka_unit_test(test_no_conflict_in_a_scene),
+        cmocka_unit_test(test_limits),          cmocka_unit_test(test_opposite_normals),
+        cmocka_unit_test(test_threads),         cmocka_unit_test(test_locality),
+        cmocka_unit_test(test_unusable_points),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
