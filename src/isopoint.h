@@ -392,11 +392,13 @@ typedef enum iso_method {
     ISO_METHOD_PULLPUSH_GAUSSIAN, /* points, filled with Gaussian weights (Marroquim et al. 2008) */
     ISO_METHOD_PULLPUSH_BOX,      /* the same with equal weights */
     ISO_METHOD_POINTS,            /* discs that face the picture: the samples themselves */
+    ISO_METHOD_SPLATS,            /* points as flat discs, blended in one pass (Zhang and Pajarola 2006) */
     ISO_METHOD_RAYCAST            /* rays through the whole field: slow, to check the others */
 } iso_method;
-enum { ISO_METHODS = 7 };
+enum { ISO_METHODS = 8 };
 
-/* "exact", "mesh", "pullpush", "pullpush-gaussian", "pullpush-box", "points", "raycast"; NULL: no method. */
+/* "exact", "mesh", "pullpush", "pullpush-gaussian", "pullpush-box", "points", "splats", "raycast"; NULL: no
+ * method. */
 ISO_API const char *iso_method_name(iso_method method);
 
 /* The method of that name. ISO_ERR_USAGE. */

@@ -24,7 +24,7 @@ static iso_status check_points_options(const isorender_settings *settings, iso_e
     const iso_input *input = &settings->common.input;
     if (settings->method != ISORENDER_METHOD_UNCHOSEN) {
         const iso_renderer *renderer = iso_renderer_get((iso_method)settings->method);
-        if (renderer->needs != 1u << ISO_PART_POINTS)
+        if (renderer->needs & ~(1u << ISO_PART_POINTS | 1u << ISO_PART_GROUPS))
             return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume",
                             renderer->name);
     }

@@ -35,6 +35,7 @@ typedef struct isorender_surface {
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_raycaster *caster;
+    iso_groups groups; /* of the points, for splats */
 } isorender_surface;
 
 /* One picture of a turntable, or the only picture. */
@@ -106,6 +107,13 @@ iso_point_view isorender_points_view(const isorender_job *job, int surface);
 
 /* The box of all surfaces in the space to which `affine` maps index coordinates. */
 iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine);
+
+/* ---- splats.c */
+
+/* Divides the points of a surface into groups for splats. ISO_ERR_NOMEM, ISO_ERR_LIMIT. */
+iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error);
+/* A member of the report: the groups of all surfaces. */
+void isorender_report_groups(iso_json *json, const isorender_job *job);
 
 /* ---- camera.c */
 

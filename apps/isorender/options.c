@@ -23,11 +23,11 @@ static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --outpu
                                     "[options] --scene NAME[:SIZE] [OUT.png]", NULL};
 
 /* The reconstructions of pullpush have an option of their own. The names come from the table of renderers. */
-enum { METHODS = 5 };
-static const iso_method methods[METHODS] = {ISO_METHOD_EXACT, ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH,
-                                            ISO_METHOD_MESH, ISO_METHOD_RAYCAST};
+enum { METHODS = 6 };
+static const iso_method methods[METHODS] = {ISO_METHOD_EXACT,  ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH,
+                                            ISO_METHOD_SPLATS, ISO_METHOD_MESH,   ISO_METHOD_RAYCAST};
 static const char *method_names[METHODS + 1]; /* filled by isorender_program */
-static const char *const reconstructions[] = {"refined", "box", "gaussian", NULL};
+static const char *const reconstructions[] = {"refined", "box", "gaussian", "groups", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
 static const char *const fits[] = {"box", "tight", NULL};
@@ -203,14 +203,30 @@ static const iso_option options[] = {
      "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
      "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), pullpush "
      "(points, filled in image space: for files of points, and to draw many points on a GPU), points (discs: "
-     "to see the samples themselves) or raycast (rays through the field, slow: to check the others); files "
+     "to see the samples themselves), splats (points as flat discs: the method of Zhang and Pajarola 2006) "
+     "or "
+     "raycast (rays through the field, slow: to check the others); files "
      "of "
      "points: points",
      .group = PICTURE, .standard = "exact", CHOICE(method, method_names)},
     {"reconstruction", NULL, "NAME",
      "how pullpush fills in: refined (second-order discs; points that have colours: as gaussian), box or "
-     "gaussian (equal or Gaussian weights in ellipses; Marroquim 2008)",
-     .group = PICTURE, .standard = "refined", CHOICE(reconstruction, reconstructions)},
+     "gaussian (equal or Gaussian weights in ellipses; Marroquim 2008); how splats does: groups (deferred "
+     "blending of groups of discs that do not overlap)",
+     .group = PICTURE, .standard = "refined, or groups", CHOICE(reconstruction, reconstructions)},
+    {"groups", NULL, "N",
+     "most groups of splats; 64: as many as it takes so that no discs of a group overlap", .group = PICTURE,
+     .standard = "8", INT(groups, 1, ISO_GROUPS_MOST)},
+    {"group-overlap", NULL, "C",
+     "discs of splats conflict when their distance is below C times the sum of their radii", .group = PICTURE,
+     .standard = "1", REAL(group_overlap, 0.01, 1)},
+    {"group-bins", NULL, "N",
+     "bins of depth in which splats are compared (eq. 6 of the paper) instead of by their own depths",
+     .group = PICTURE, INT(group_bins, 1, 1 << 20)},
+    {"group-opposite", NULL, NULL,
+     "discs of splats that face opposite ways may share a group: fewer groups, but the sides of thin things "
+     "then hide each other",
+     .group = PICTURE, FLAG(group_opposite)},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
      .group = PICTURE, .standard = "exact", CHOICE(scaling, scalings)},
@@ -462,6 +478,7 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error) {
     *settings = (isorender_settings){.method = ISORENDER_METHOD_UNCHOSEN,
+                                     .reconstruction = ISORENDER_RECONSTRUCTION_UNCHOSEN,
                                      .backend = "auto",
                                      .width = 1024,
                                      .height = 1024,
@@ -477,6 +494,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     if (settings->common.action) return ISO_OK;
     ISO_TRY(iso_input_check(&settings->common.input, error));
     ISO_TRY(check_camera(settings, error));
+    ISO_TRY(isorender_splats_check(settings, error));
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(check_outputs(settings, error));

@@ -17,7 +17,9 @@
 static iso_status draw_read_points(const isorender_job *job, const iso_target *target, iso_error *error) {
     const iso_point_view points = iso_points_view(&job->loader.points);
     const iso_pullpush_opts opts = {(iso_reconstruction)job->settings->reconstruction, job->pullpush};
+    const iso_splats_opts splats = {&job->surfaces[0].groups, job->settings->group_bins};
     if (job->method == ISO_METHOD_POINTS) return iso_draw_points(target, &points, error);
+    if (job->method == ISO_METHOD_SPLATS) return iso_draw_splats(target, &points, &splats, error);
     return iso_draw_pullpush(target, &points, &opts, error);
 }
 
@@ -32,7 +34,9 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
                                      .workspace = job->pullpush,
                                      .mesh = surface->mesh,
                                      .exact = surface->exact,
-                                     .caster = surface->caster};
+                                     .caster = surface->caster,
+                                     .groups = surface->groups,
+                                     .bins = job->settings->group_bins};
         ISO_TRY(job->loader.has_points ? draw_read_points(job, &target, error)
                                        : job->renderer->draw(&subject, &target, error));
     }

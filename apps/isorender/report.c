@@ -111,6 +111,7 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
     if (mesh) iso_json_integer(json, "vertices", job->vertex_count);
     if (mesh) iso_json_integer(json, "triangles", job->triangle_count);
     iso_json_end_object(json);
+    isorender_report_groups(json, job);
     isorender_report_solid(json, job);
     put_box(json, "bounds_local", &job->bounds_local);
     put_box(json, "bounds_world", &job->bounds_world);

@@ -111,6 +111,7 @@ static void free_surfaces(isorender_job *job) {
         iso_mesh_set_destroy(job->surfaces[i].mesh);
         iso_exact_destroy(job->surfaces[i].exact);
         iso_raycaster_destroy(job->surfaces[i].caster);
+        iso_groups_free(&job->surfaces[i].groups);
         iso_grid_destroy(&job->surfaces[i].own_grid);
     }
     free(job->frames);

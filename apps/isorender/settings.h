@@ -18,6 +18,9 @@ enum { ISORENDER_METHOD_UNCHOSEN = -1 };
 /* What the camera frames: the box around the surface, or the surface itself. */
 typedef enum isorender_fit { ISORENDER_FIT_BOX, ISORENDER_FIT_TIGHT } isorender_fit;
 
+/* Values of isorender_settings.reconstruction that pullpush does not have. */
+enum { ISORENDER_RECONSTRUCTION_UNCHOSEN = -1, ISORENDER_RECONSTRUCTION_GROUPS = 3 };
+
 /* A value of iso_common_settings.action. */
 enum { ISORENDER_ACTION_LIST_BACKENDS = ISO_ACTION_OWN };
 
@@ -36,8 +39,12 @@ typedef struct isorender_settings {
     int closed;    /* the solid ends at the volume's border and is capped there */
     const char *points, *mesh, *aov;
 
-    int method; /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _MESH, _RAYCAST or ISORENDER_METHOD_UNCHOSEN */
-    int reconstruction; /* iso_reconstruction, of pullpush */
+    /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _SPLATS, _MESH, _RAYCAST or ISORENDER_METHOD_UNCHOSEN */
+    int method;
+    int reconstruction; /* iso_reconstruction, of pullpush; of splats ISORENDER_RECONSTRUCTION_GROUPS */
+    /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */
+    int groups, group_bins, group_opposite;
+    double group_overlap;
     const char *backend;
     int scaling; /* iso_point_scaling */
     int strips;
@@ -57,6 +64,10 @@ typedef struct isorender_settings {
 
     int progress, verbose, info;
 } isorender_settings;
+
+/* Chooses the reconstruction when none is given, and checks that the options of splats are for splats.
+ * ISO_ERR_USAGE. */
+iso_status isorender_splats_check(isorender_settings *settings, iso_error *error);
 
 /* Name, version and option table of isorender. */
 const iso_program *isorender_program(void);

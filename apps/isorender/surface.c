@@ -122,7 +122,8 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
                             .pool = job->pool};
     ISO_TRY(iso_point_set_create(&surface->grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));
-    if (job->method == ISO_METHOD_PULLPUSH) ISO_TRY(iso_point_set_bound(surface->points, error));
+    if (job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_SPLATS)
+        ISO_TRY(iso_point_set_bound(surface->points, error));
     iso_points_stats stats = iso_point_set_stats(surface->points);
     job->point_count += stats.points;
     job->rejected += stats.rejected;
@@ -266,6 +267,8 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
         isorender_progress(job, "extracting", (double)i / job->surface_count);
         ISO_TRY(extract_surface(job, &job->surfaces[i], error));
     }
+    for (int i = 0; i < job->surface_count && is_drawn(job, ISO_PART_GROUPS); i++)
+        ISO_TRY(isorender_groups_make(job, i, error));
     isorender_progress(job, "extracting", 1);
     find_bounds(job);
     return ISO_OK;

@@ -45,6 +45,18 @@ static iso_status update_caster(iso_subject *subject, iso_error *error) {
     return iso_raycaster_create(subject->grid, subject->isovalue, subject->pool, &subject->caster, error);
 }
 
+/* Groups do not follow edits either. */
+static iso_status update_groups(iso_subject *subject, iso_error *error) {
+    const uint64_t now = iso_change_log_now(iso_grid_log(subject->grid));
+    if (subject->groups.group && subject->groups_edit == now) return ISO_OK;
+    if (!subject->points) ISO_TRY(update_points(subject, error));
+    iso_groups_free(&subject->groups);
+    subject->groups_edit = now;
+    const iso_point_view view = iso_point_set_view(subject->points);
+    const iso_groups_opts opts = iso_splats_grouping(subject->pool);
+    return iso_groups_make(&view, &opts, &subject->groups, error);
+}
+
 iso_status iso_subject_update(iso_subject *subject, iso_part part, iso_error *error) {
     switch (part) {
     case ISO_PART_POINTS:
@@ -55,6 +67,8 @@ iso_status iso_subject_update(iso_subject *subject, iso_part part, iso_error *er
         return update_cells(subject, error);
     case ISO_PART_CASTER:
         return update_caster(subject, error);
+    case ISO_PART_GROUPS:
+        return update_groups(subject, error);
     case ISO_PART_COUNT:
         break;
     }
@@ -69,10 +83,12 @@ void iso_subject_set_isovalue(iso_subject *subject, double isovalue) {
     if (subject->exact) iso_exact_set_isovalue(subject->exact, isovalue);
     iso_raycaster_destroy(subject->caster);
     subject->caster = NULL;
+    iso_groups_free(&subject->groups);
 }
 
 bool iso_subject_has(const iso_subject *subject, iso_part part) {
-    const void *parts[] = {subject->points, subject->mesh, subject->exact, subject->caster};
+    const void *parts[] = {subject->points, subject->mesh, subject->exact, subject->caster,
+                           subject->groups.group};
     return parts[part] != NULL;
 }
 
@@ -86,6 +102,7 @@ void iso_subject_free(iso_subject *subject) {
     iso_mesh_set_destroy(subject->mesh);
     iso_exact_destroy(subject->exact);
     iso_raycaster_destroy(subject->caster);
+    iso_groups_free(&subject->groups);
     *subject = (iso_subject){.grid = subject->grid,
                              .isovalue = subject->isovalue,
                              .pool = subject->pool,
@@ -93,7 +110,7 @@ void iso_subject_free(iso_subject *subject) {
 }
 
 const char *iso_part_name(iso_part part) {
-    static const char *const names[] = {"points", "mesh", "cells", "ray caster's index"};
+    static const char *const names[] = {"points", "mesh", "cells", "ray caster's index", "groups"};
     return names[part];
 }
 
@@ -120,6 +137,10 @@ iso_part_size iso_subject_size(const iso_subject *subject, iso_part part) {
     if (part == ISO_PART_MESH && subject->mesh) {
         iso_mesh_view view = iso_mesh_set_view(subject->mesh);
         return mesh_size(&view);
+    }
+    if (part == ISO_PART_GROUPS && subject->groups.group) {
+        iso_point_view view = iso_point_set_view(subject->points);
+        return (iso_part_size){(size_t)subject->groups.count, iso_point_view_count(&view)};
     }
     if (part == ISO_PART_CELLS && subject->exact) {
         iso_exact_totals totals = iso_exact_stats(subject->exact);
@@ -159,6 +180,12 @@ static iso_status draw_box(const iso_subject *subject, const iso_target *target,
     return draw_pyramid(subject, target, ISO_RECONSTRUCTION_BOX, error);
 }
 
+static iso_status draw_splats(const iso_subject *subject, const iso_target *target, iso_error *error) {
+    iso_point_view view = iso_point_set_view(subject->points);
+    iso_splats_opts opts = {&subject->groups, subject->bins};
+    return iso_draw_splats(target, &view, &opts, error);
+}
+
 static iso_status draw_exact(const iso_subject *subject, const iso_target *target, iso_error *error) {
     return iso_draw_exact(target, subject->exact, error);
 }
@@ -171,7 +198,8 @@ enum {
     POINTS = 1 << ISO_PART_POINTS,
     MESH = 1 << ISO_PART_MESH,
     CELLS = 1 << ISO_PART_CELLS,
-    CASTER = 1 << ISO_PART_CASTER
+    CASTER = 1 << ISO_PART_CASTER,
+    GROUPS = 1 << ISO_PART_GROUPS
 };
 
 static const iso_renderer METHODS[] = {
@@ -180,6 +208,7 @@ static const iso_renderer METHODS[] = {
     {ISO_METHOD_PULLPUSH_GAUSSIAN, "pullpush-gaussian", "pull-push, Gaussian filter (2008)", POINTS,
      draw_gaussian},
     {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, curved discs", POINTS, draw_refined},
+    {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", POINTS | GROUPS, draw_splats},
     {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", MESH, draw_mesh},
     {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", CELLS, draw_exact},
 };

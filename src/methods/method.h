@@ -13,6 +13,7 @@
 #include "grids/grid.h"
 #include "render/pullpush/pullpush.h"
 #include "render/raster/raster.h"
+#include "render/splats/splats.h"
 #include "truth/raycast.h"
 
 #ifdef __cplusplus
@@ -24,6 +25,7 @@ typedef enum iso_part {
     ISO_PART_MESH,
     ISO_PART_CELLS, /* of exact */
     ISO_PART_CASTER,
+    ISO_PART_GROUPS, /* of the points, for splats */
     ISO_PART_COUNT
 } iso_part;
 
@@ -39,7 +41,10 @@ typedef struct iso_subject {
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_raycaster *caster;
-    uint64_t caster_edit; /* number of the grid's last edit when the caster was made */
+    iso_groups groups;
+    /* numbers of the grid's last edit when the caster and the groups were made */
+    uint64_t caster_edit, groups_edit;
+    int bins; /* of splats: iso_splats_opts */
 } iso_subject;
 
 /* Computes a part unless it exists; an existing part is not updated. ISO_ERR_NOMEM, and the errors of
@@ -55,8 +60,8 @@ void iso_subject_free(iso_subject *subject);
 
 const char *iso_part_name(iso_part part); /* "points", "mesh", "cells", ... */
 
-/* The number of a part's points, triangles or cells, and their size in memory; 0 for a part that does not
- * exist and for the ray caster. */
+/* The number of a part's points, triangles, cells or groups, and their size in memory; 0 for a part that
+ * does not exist and for the ray caster. */
 typedef struct iso_part_size {
     size_t primitives, bytes;
 } iso_part_size;

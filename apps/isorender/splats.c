@@ -1,0 +1,55 @@
+/* Splats: checks their options, divides points into groups, and reports the groups. */
+#include "apps/isorender/isorender.h"
+
+/* The option of splats that is given, NULL: none. */
+static const char *given_option(const isorender_settings *settings) {
+    return settings->groups              ? "--groups"
+           : settings->group_overlap > 0 ? "--group-overlap"
+           : settings->group_bins        ? "--group-bins"
+           : settings->group_opposite    ? "--group-opposite"
+                                         : NULL;
+}
+
+iso_status isorender_splats_check(isorender_settings *settings, iso_error *error) {
+    const bool splats = settings->method == ISO_METHOD_SPLATS;
+    const char *option = given_option(settings);
+    if (settings->reconstruction == ISORENDER_RECONSTRUCTION_UNCHOSEN)
+        settings->reconstruction = splats ? ISORENDER_RECONSTRUCTION_GROUPS : (int)ISO_RECONSTRUCTION_REFINED;
+    const bool groups = settings->reconstruction == ISORENDER_RECONSTRUCTION_GROUPS;
+    if (splats && !groups)
+        return iso_fail(error, ISO_ERR_USAGE, "--method splats has --reconstruction groups only");
+    if (!splats && (groups || option))
+        return iso_fail(error, ISO_ERR_USAGE, "%s is for --method splats",
+                        option ? option : "--reconstruction groups");
+    return ISO_OK;
+}
+
+iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_point_view points = isorender_points_view(job, surface);
+    iso_groups *groups = &job->surfaces[surface].groups;
+    iso_groups_opts opts = iso_splats_grouping(job->pool);
+    if (settings->groups) opts.limit = settings->groups;
+    opts.overlap = settings->group_overlap;
+    opts.ignore_opposite = settings->group_opposite;
+    ISO_TRY(iso_groups_make(&points, &opts, groups, error));
+    const double count = (double)iso_point_view_count(&points);
+    isorender_log_verbose(job, "%d groups: %.2f overlapping discs a disc, %.4f of them in its group",
+                          groups->count, 2 * (double)groups->joined / count,
+                          2 * (double)groups->conflicts / count);
+    return ISO_OK;
+}
+
+void isorender_report_groups(iso_json *json, const isorender_job *job) {
+    if (job->method != ISO_METHOD_SPLATS) return;
+    iso_json_begin_array(json, "groups");
+    for (int i = 0; i < job->surface_count; i++) {
+        const iso_groups *groups = &job->surfaces[i].groups;
+        iso_json_begin_object(json, NULL);
+        iso_json_integer(json, "count", (uint64_t)groups->count);
+        iso_json_integer(json, "overlaps", groups->joined);
+        iso_json_integer(json, "conflicts", groups->conflicts);
+        iso_json_end_object(json);
+    }
+    iso_json_end_array(json);
+}

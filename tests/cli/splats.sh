@@ -1,0 +1,22 @@
+# splats of a volume and of a file of points; their options, and options that are not for them
+python3 -c 'from check import *; ball("in/ball.mha")'
+isorender in/ball.mha ball.png --isovalue 500 --method splats --json=ball.json --points ball.ply --quiet
+isorender in/ball.mha one.png --isovalue 500 --method splats --threads 1 --points one.ply --quiet
+isorender in/ball.mha pull.png --isovalue 500 --method pullpush --reconstruction gaussian --quiet
+cmp ball.png one.png
+isocompare images pull.png ball.png --fail-under psnr=28 >/dev/null
+isorender ball.ply file.png --method splats --reconstruction groups --groups 64 --group-overlap 0.8 --group-bins 500 \
+    --group-opposite --json=file.json --quiet
+python3 - <<'P'
+import json
+ball, file = json.load(open('ball.json')), json.load(open('file.json'))
+assert len(ball['groups']) == 1 and ball['groups'][0]['count'] == 8, ball['groups']
+assert 8 < file['groups'][0]['count'] < 20 and file['groups'][0]['conflicts'] == 0, file['groups']
+P
+for wrong in "--groups 4" "--reconstruction groups" "--method splats --groups 65" "--method splats --reconstruction box" \
+    "--method splats --backend egl"; do
+    code=0
+    isorender in/ball.mha wrong.png --isovalue 500 $wrong 2>message || code=$?
+    [ $code = 2 ] || { echo "exit status $code for $wrong"; exit 1; }
+    [ ! -e wrong.png ] || { echo "$wrong left a picture"; exit 1; }
+done

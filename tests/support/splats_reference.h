@@ -1,0 +1,13 @@
+/* splats_reference: points as flat discs drawn plainly, in double precision: what render/splats must agree
+ * with. */
+#ifndef ISO_TESTS_SPLATS_REFERENCE_H
+#define ISO_TESTS_SPLATS_REFERENCE_H
+
+#include "render/gbuffer.h"
+#include "render/splats/splats.h"
+
+/* Draws the points of a view into a cleared gbuffer in two passes: the first finds the nearest disc of each
+ * pixel, the second averages the discs of its layer, as iso_draw_splats defines both. */
+void test_draw_two_passes(const iso_view *view, const iso_point_view *points, iso_gbuffer *gbuffer);
+
+#endif
