@@ -370,7 +370,8 @@ typedef struct iso_aov {
     float *depth;     /* distance along the view direction (not along the ray), mm; INFINITY where empty */
     float *normal[3]; /* world x, y, z: unit, out of the solid, not turned to the viewer; 0 where empty and
                          where the normals of a pixel's samples cancel */
-    float *coverage;  /* share of covered samples, 0 .. 1 */
+    float *coverage;  /* share of covered samples, 0 .. 1; with translucent surfaces: alpha */
+    float *layers;    /* mean number of layers of a pixel's samples; NULL: all surfaces are opaque */
     float voxel;      /* smallest voxel spacing of what is shown, mm; 0 when unknown */
 } iso_aov;
 

@@ -14,7 +14,7 @@
 #include "extract/points/points.h"
 #include "grids/parts/components.h"
 #include "image/camera.h"
-#include "methods/method.h"
+#include "methods/layers.h"
 #include "render/pullpush/pullpush.h"
 #include "render/shading/shading.h"
 #include "truth/raycast.h"
@@ -27,6 +27,7 @@ extern "C" {
 typedef struct isorender_surface {
     double isovalue; /* physical; NaN for points that were read */
     iso_rgb color;
+    iso_translucency translucency;
     iso_grid grid;     /* what the surface is extracted from; borrowed: the volume's grid or own_grid */
     iso_grid own_grid; /* a copy without small parts, or with caps; neither pointer is set: there is none */
     iso_components_totals parts;
@@ -40,8 +41,9 @@ typedef struct isorender_surface {
 
 /* One picture of a turntable, or the only picture. */
 typedef struct isorender_frame {
-    uint64_t hash;  /* FNV-1a of width, height and the pixels; with --json */
-    size_t covered; /* samples that show a surface */
+    uint64_t hash;                  /* FNV-1a of width, height and the pixels; with --json */
+    size_t covered;                 /* samples that show a surface */
+    iso_exact_layers_totals layers; /* with translucent surfaces */
 } isorender_frame;
 
 typedef struct isorender_seconds {
@@ -61,6 +63,7 @@ typedef struct isorender_job {
 
     isorender_surface surfaces[ISORENDER_SURFACES];
     int surface_count;
+    bool translucent;                                /* at least one surface is */
     iso_gl_surface *gl_surfaces[ISORENDER_SURFACES]; /* of OpenGL; NULL before isorender_gl_upload */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count; /* of all surfaces */
     iso_box bounds_local, bounds_world;                                       /* mm */

@@ -8,7 +8,7 @@
 #include "apps/isorender/settings.h"
 #include "base/text.h"
 #include "image/image.h"
-#include "methods/method.h"
+#include "methods/layers.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"
@@ -31,6 +31,7 @@ static const char *const reconstructions[] = {"refined", "box", "gaussian", "gro
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
 static const char *const fits[] = {"box", "tight", NULL};
+static const char *const opacity_modes[] = {"angle", "constant", NULL};
 static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated", NULL};
 
 /* ---- values that are not plain numbers ---- */
@@ -79,6 +80,23 @@ static iso_status apply_color(void *target, const char *value, iso_error *error)
         size_t length = strcspn(at, ",");
         snprintf(color, sizeof color, "%.*s", length < 63 ? (int)length : 63, at);
         ISO_TRY(add_color(target, color, error));
+        if (!at[length]) return ISO_OK;
+        at += length + 1;
+    }
+}
+
+static iso_status apply_opacity(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    for (const char *at = value;;) {
+        char number[64];
+        size_t length = strcspn(at, ",");
+        snprintf(number, sizeof number, "%.*s", length < 63 ? (int)length : 63, at);
+        double opacity;
+        if (length > 63 || !iso_parse_real(number, &opacity) || !(opacity >= 0 && opacity <= 1))
+            return iso_fail(error, ISO_ERR_USAGE, "'%s' is not an opacity from 0 to 1", number);
+        if (settings->opacity_count == ISORENDER_SURFACES)
+            return iso_fail(error, ISO_ERR_USAGE, "more than %d opacities", ISORENDER_SURFACES);
+        settings->opacities[settings->opacity_count++] = opacity;
         if (!at[length]) return ISO_OK;
         at += length + 1;
     }
@@ -185,6 +203,23 @@ static const iso_option options[] = {
      "colour of the surface: RRGGBB in hexadecimal or a name of CSS such as ivory; several, separated by "
      "commas: the second one belongs to the second isovalue, and so on",
      .group = SURFACE, .standard = "D9B36C", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
+    {"opacity", NULL, "A",
+     "opacity of the surface, 0 (not seen) to 1; several, separated by commas: the second one belongs to the "
+     "second isovalue, and so on; the last one repeats; for the methods exact and raycast",
+     .group = SURFACE, .standard = "1", CALL(apply_opacity), .flags = ISO_OPTION_REPEATABLE},
+    {"opacity-mode", NULL, "NAME",
+     "angle: the surface is a thin slab, more opaque where it is seen at a slant, so that outlines stand "
+     "out; "
+     "constant: the same at every angle",
+     .group = SURFACE, .standard = "angle", CHOICE(opacity_mode, opacity_modes)},
+    {"absorption", NULL, "MM",
+     "the solid of a translucent surface takes light away: after this many mm 1/e of it is left, the rest "
+     "has "
+     "the surface's colour (with --opacity 0 only the solid is seen, as in an X-ray image)",
+     .group = SURFACE, REAL(absorption, 1e-6, 1e9)},
+    {"layers", NULL, "N",
+     "draw only the first N crossings of each translucent surface: 1 is the skin without what lies behind it",
+     .group = SURFACE, .standard = "all", INT(layers, 1, 1000000)},
     {"primitive", NULL, "NAME",
      "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets unless they are "
      "drawn by "
@@ -475,6 +510,37 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
     return ISO_OK;
 }
 
+/* Whether any of the surfaces is translucent. */
+static bool is_translucent(const isorender_settings *settings) {
+    for (int i = 0; i < settings->opacity_count; i++)
+        if (settings->opacities[i] < 1) return true;
+    return false;
+}
+
+static iso_status check_opacity(const isorender_settings *settings, iso_error *error) {
+    const int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
+    const char *needs = settings->absorption > 0                               ? "--absorption"
+                        : settings->layers                                     ? "--layers"
+                        : settings->opacity_mode != ISORENDER_OPACITY_BY_ANGLE ? "--opacity-mode"
+                                                                               : NULL;
+    if (needs && !is_translucent(settings))
+        return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs --opacity below 1",
+                        needs);
+    if (!settings->opacity_count) return ISO_OK;
+    if (settings->opacity_count > surfaces)
+        return iso_fail(error, ISO_ERR_USAGE, "%d opacities for %d isovalue%s", settings->opacity_count,
+                        surfaces, surfaces > 1 ? "s" : "");
+    if (settings->method != ISORENDER_METHOD_UNCHOSEN && !iso_method_has_layers((iso_method)settings->method))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--method %s draws no translucent surfaces: exact and raycast do",
+                        iso_method_name((iso_method)settings->method));
+    if (settings->mesh)
+        return iso_fail(error, ISO_ERR_USAGE, "--mesh writes no opacities: --opacity is for pictures");
+    bool seen = settings->absorption > 0;
+    for (int i = 0; i < settings->opacity_count; i++) seen |= settings->opacities[i] > 0;
+    return seen ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "all opacities are 0: nothing would be seen");
+}
+
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error) {
     *settings = (isorender_settings){.method = ISORENDER_METHOD_UNCHOSEN,
@@ -498,5 +564,6 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(check_outputs(settings, error));
-    return check_surfaces(settings, error);
+    ISO_TRY(check_surfaces(settings, error));
+    return check_opacity(settings, error);
 }

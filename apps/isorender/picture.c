@@ -23,6 +23,16 @@ static iso_status draw_read_points(const isorender_job *job, const iso_target *t
     return iso_draw_pullpush(target, &points, &opts, error);
 }
 
+static iso_subject subject_of(const isorender_job *job, const isorender_surface *surface) {
+    return (iso_subject){.points = surface->points,
+                         .workspace = job->pullpush,
+                         .mesh = surface->mesh,
+                         .exact = surface->exact,
+                         .caster = surface->caster,
+                         .groups = surface->groups,
+                         .bins = job->settings->group_bins};
+}
+
 /* Draws all surfaces: iso_picture_opts.draw. */
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const isorender_job *job = context;
@@ -30,13 +40,7 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         const iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
-        const iso_subject subject = {.points = surface->points,
-                                     .workspace = job->pullpush,
-                                     .mesh = surface->mesh,
-                                     .exact = surface->exact,
-                                     .caster = surface->caster,
-                                     .groups = surface->groups,
-                                     .bins = job->settings->group_bins};
+        const iso_subject subject = subject_of(job, surface);
         ISO_TRY(job->loader.has_points ? draw_read_points(job, &target, error)
                                        : job->renderer->draw(&subject, &target, error));
     }
@@ -137,6 +141,35 @@ static iso_status annotate(const isorender_job *job, const iso_camera *camera, i
     return iso_annotate(image, &annotation, error);
 }
 
+/* Renders a picture with translucent surfaces. */
+static iso_status render_layers(const isorender_job *job, iso_picture_opts *opts, iso_image *image,
+                                isorender_frame *frame, iso_error *error) {
+    iso_subject subjects[ISORENDER_SURFACES];
+    iso_layered_surface surfaces[ISORENDER_SURFACES];
+    iso_picture_layers callbacks;
+    for (int i = 0; i < job->surface_count; i++) {
+        subjects[i] = subject_of(job, &job->surfaces[i]);
+        surfaces[i] = (iso_layered_surface){&subjects[i], job->surfaces[i].translucency};
+    }
+    iso_layered_picture picture = {.method = job->method,
+                                   .surfaces = surfaces,
+                                   .count = job->surface_count,
+                                   .shading = &opts->shading,
+                                   .pool = job->pool};
+    ISO_TRY(iso_layered_picture_callbacks(&picture, &callbacks, error));
+    opts->layers = &callbacks;
+    ISO_TRY(iso_picture_render(opts, image, &frame->covered, error));
+    frame->layers = picture.totals;
+    return ISO_OK;
+}
+
+static iso_status render_picture(const isorender_job *job, iso_picture_opts *opts, iso_image *image,
+                                 isorender_frame *frame, iso_error *error) {
+    if (job->translucent) return render_layers(job, opts, image, frame, error);
+    if (is_drawn_directly(job, opts)) return draw_directly(job, opts, image, &frame->covered, error);
+    return iso_picture_render(opts, image, &frame->covered, error);
+}
+
 static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
     const isorender_settings *settings = job->settings;
     iso_camera camera = isorender_camera_of_frame(job, frame);
@@ -153,9 +186,7 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
         .pool = job->pool,
         .aov = c->aov.depth ? &c->aov : NULL};
     double start = iso_clock_seconds();
-    ISO_TRY(is_drawn_directly(job, &opts)
-                ? draw_directly(job, &opts, &c->image, &job->frames[frame].covered, error)
-                : iso_picture_render(&opts, &c->image, &job->frames[frame].covered, error));
+    ISO_TRY(render_picture(job, &opts, &c->image, &job->frames[frame], error));
     job->seconds.render += iso_clock_seconds() - start;
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
@@ -211,8 +242,9 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     enum { SAMPLE = sizeof(float) + 3 * sizeof(float) + 1, STRIP = 256 << 20 };
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
     uint64_t samples = pixels * (uint64_t)settings->samples * SAMPLE;
-    uint64_t aov = settings->aov ? pixels * ISO_AOV_PLANES * sizeof(float) : 0;
+    uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     uint64_t bytes = 4 * pixels + aov + (samples < STRIP ? samples : STRIP);
+    if (settings->opacity_count) bytes += (uint64_t)iso_pool_threads(job->pool) * ISO_EXACT_LAYERS_BYTES;
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
     if (settings->method != ISO_METHOD_PULLPUSH) return bytes;
     enum { PYRAMID = 24 }; /* bytes a sample; drawn in parts as well */
@@ -243,6 +275,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
         status = iso_pullpush_create(&job->pullpush, error);
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);
+    if (status == ISO_OK && job->plan->aov && job->translucent) status = iso_aov_add_layers(&c.aov, error);
     c.aov.voxel = smallest_spacing(job);
     double start = iso_clock_seconds();
     if (status == ISO_OK && job->backend->engine) status = isorender_gl_upload(job, error);

@@ -100,6 +100,12 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
         iso_json_string(json, NULL, text);
     }
     iso_json_end_array(json);
+    if (job->translucent) {
+        double opacities[ISORENDER_SURFACES];
+        for (int i = 0; i < job->surface_count; i++)
+            opacities[i] = (double)job->surfaces[i].translucency.opacity;
+        iso_json_reals(json, "opacities", opacities, job->surface_count);
+    }
     bool points = job->loader.has_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL,
          cells = job->surfaces[0].exact != NULL;
     iso_json_begin_object(json, "primitives");
@@ -138,6 +144,16 @@ static iso_status put_name(iso_json *json, const char *key, const char *name, in
     return ISO_OK;
 }
 
+/* mean: of the samples that show a surface. */
+static void put_layers(iso_json *json, const isorender_frame *frame) {
+    const iso_layer_totals *layers = &frame->layers.layers;
+    iso_json_begin_object(json, "layers");
+    iso_json_real(json, "mean", layers->covered ? (double)layers->layers / (double)layers->covered : 0);
+    iso_json_integer(json, "most", (uint64_t)layers->most);
+    iso_json_integer(json, "retraced", frame->layers.retraced);
+    iso_json_end_object(json);
+}
+
 static iso_status put_frame(iso_json *json, const char *key, const isorender_job *job, int frame,
                             iso_error *error) {
     const isorender_settings *settings = job->settings;
@@ -151,6 +167,7 @@ static iso_status put_frame(iso_json *json, const char *key, const isorender_job
     iso_json_integer(json, "samples", (uint64_t)settings->samples);
     iso_json_integer(json, "covered", job->frames[frame].covered);
     iso_json_string(json, "hash", hash);
+    if (job->translucent) put_layers(json, &job->frames[frame]);
     iso_json_end_object(json);
     return ISO_OK;
 }

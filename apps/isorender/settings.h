@@ -21,6 +21,12 @@ typedef enum isorender_fit { ISORENDER_FIT_BOX, ISORENDER_FIT_TIGHT } isorender_
 /* Values of isorender_settings.reconstruction that pullpush does not have. */
 enum { ISORENDER_RECONSTRUCTION_UNCHOSEN = -1, ISORENDER_RECONSTRUCTION_GROUPS = 3 };
 
+/* Whether the opacity of a surface depends on the angle at which it is seen. */
+typedef enum isorender_opacity_mode {
+    ISORENDER_OPACITY_BY_ANGLE,
+    ISORENDER_OPACITY_CONSTANT
+} isorender_opacity_mode;
+
 /* A value of iso_common_settings.action. */
 enum { ISORENDER_ACTION_LIST_BACKENDS = ISO_ACTION_OWN };
 
@@ -35,8 +41,13 @@ typedef struct isorender_settings {
     int isovalue_count, isovalue_auto;
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;
-    int primitive; /* iso_primitive */
-    int closed;    /* the solid ends at the volume's border and is capped there */
+    double opacities[ISORENDER_SURFACES];
+    int opacity_count;
+    int opacity_mode;  /* isorender_opacity_mode */
+    double absorption; /* mm; 0: not given */
+    int layers;        /* crossings of each surface that are drawn; 0: all */
+    int primitive;     /* iso_primitive */
+    int closed;        /* the solid ends at the volume's border and is capped there */
     const char *points, *mesh, *aov;
 
     /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _SPLATS, _MESH, _RAYCAST or ISORENDER_METHOD_UNCHOSEN */

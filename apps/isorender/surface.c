@@ -66,6 +66,23 @@ static void choose_colors(isorender_job *job) {
             i < job->settings->color_count ? job->settings->colors[i] : iso_shading_palette(i);
 }
 
+static void choose_opacities(isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    const int given = settings->opacity_count;
+    for (int i = 0; i < job->surface_count; i++) {
+        const double opacity = given ? settings->opacities[i < given ? i : given - 1] : 1;
+        job->surfaces[i].translucency =
+            (iso_translucency){.opacity = (float)opacity,
+                               .constant = settings->opacity_mode == ISORENDER_OPACITY_CONSTANT,
+                               .mean_path = (float)settings->absorption,
+                               .most_layers = settings->layers};
+        job->translucent |= job->surfaces[i].translucency.opacity < 1;
+    }
+    if (given && given < job->surface_count)
+        isorender_log(job, "note: %d opacities for %d isovalues: the last one, %g, repeats", given,
+                      job->surface_count, settings->opacities[given - 1]);
+}
+
 /* ---- extraction ---- */
 
 /* Whether there is no picture: then the exports alone decide what is extracted. */
@@ -258,6 +275,7 @@ static void find_bounds(isorender_job *job) {
 iso_status isorender_extract(isorender_job *job, iso_error *error) {
     ISO_TRY(choose_isovalues(job, error));
     choose_colors(job);
+    choose_opacities(job);
     if (job->loader.has_points) {
         iso_point_view view = iso_points_view(&job->loader.points);
         job->point_count = iso_point_view_count(&view);

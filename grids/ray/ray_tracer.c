@@ -45,24 +45,34 @@ static void mark_row(void *context, size_t index, int worker) {
             iso_grid_brick_may_cross(&tracer->grid, brick, tracer->surface.isovalue_ceil) != 0;
 }
 
-iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool *pool, iso_ray_tracer **out,
-                                 iso_error *error) {
+iso_status iso_ray_tracer_create_with(const iso_grid *grid, double isovalue, uint8_t *crossed,
+                                      iso_ray_tracer **out, iso_error *error) {
     iso_ray_tracer *tracer = iso_alloc_zero(1, sizeof *tracer);
-    if (!tracer) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the ray tracer");
+    if (!tracer) {
+        iso_free(crossed);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for tracing rays");
+    }
     tracer->grid = *grid;
     tracer->surface = iso_threshold_of(grid, isovalue);
     tracer->isovalue = (double)tracer->surface.isovalue_ceil + (double)tracer->surface.residual;
     tracer->affine = iso_transform_affine(iso_grid_transform(grid));
     tracer->outward = iso_grid_is_level_set(grid) ? 1 : -1;
     iso_grid_bricks(grid, tracer->bricks);
-    size_t rows = (size_t)tracer->bricks[1] * (size_t)tracer->bricks[2];
-    tracer->crossed = iso_alloc_zero(rows, (size_t)tracer->bricks[0]);
-    if (!tracer->crossed) {
-        iso_ray_tracer_destroy(tracer);
-        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the ray tracer's %zu brick rows", rows);
-    }
-    iso_parallel_for(pool, rows, mark_row, tracer);
+    tracer->crossed = crossed;
     *out = tracer;
+    return ISO_OK;
+}
+
+iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool *pool,
+                                 iso_ray_tracer **tracer, iso_error *error) {
+    int bricks[3];
+    iso_grid_bricks(grid, bricks);
+    const size_t rows = (size_t)bricks[1] * (size_t)bricks[2];
+    uint8_t *crossed = iso_alloc_zero(rows, (size_t)bricks[0]);
+    if (!crossed)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the index of %zu brick rows", rows);
+    ISO_TRY(iso_ray_tracer_create_with(grid, isovalue, crossed, tracer, error));
+    iso_parallel_for(pool, rows, mark_row, *tracer);
     return ISO_OK;
 }
 

@@ -3,7 +3,8 @@
  *
  * A crossing is a change between "at or above the isovalue" and "below" (grids/threshold.h). Cells with a NaN
  * or infinite corner are empty. The code is simple rather than fast: the ray caster, which judges other
- * renderers, is made of it, and renderers use it for the few pixels for which floats are not precise enough. */
+ * renderers, is made of it, and renderers use it for the few pixels for which floats are not precise enough.
+ */
 #ifndef ISO_GRIDS_RAY_RAY_TRACER_H
 #define ISO_GRIDS_RAY_RAY_TRACER_H
 
@@ -23,6 +24,11 @@ typedef struct iso_ray_tracer iso_ray_tracer;
 /* isovalue is physical (grids/grid.h). `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool *pool,
                                  iso_ray_tracer **tracer, iso_error *error);
+/* The same with the index computed before: crossed[(z * bricks_y + y) * bricks_x + x] is 1 for the bricks
+ * that the surface may cross, 0 for the others. Takes ownership of `crossed` (iso_alloc_zero), also when it
+ * fails. */
+iso_status iso_ray_tracer_create_with(const iso_grid *grid, double isovalue, uint8_t *crossed,
+                                      iso_ray_tracer **tracer, iso_error *error);
 void iso_ray_tracer_destroy(iso_ray_tracer *tracer);
 
 /* The part of a ray that lies in one cell, from s = 0 at `from` to s = 1 at `to`, in the cell's coordinates

@@ -19,6 +19,7 @@
 
 #include "base/simd.h"
 #include "exact/projection.h"
+#include "render/layers/layers.h"
 
 /* Array sizes. A list is processed when it holds the number of items that ISO_EXACT_..LIST or ISO_EXACT_HITS
  * says; ISO_EXACT_..ROOM is the size of its arrays. The difference is for the items of one more step, and for
@@ -32,7 +33,8 @@ enum {
     ISO_EXACT_LARGE_ROOM = ISO_EXACT_LARGE_LIST + 64,
     ISO_EXACT_PATCH_LIST = 256, /* pixels of an outlined cell */
     ISO_EXACT_PATCH_ROOM = ISO_EXACT_PATCH_LIST + 64 + 2 * ISO_LANES_MAX,
-    ISO_EXACT_HIT_ROOM = ISO_EXACT_HITS + ISO_EXACT_LARGE_ROOM + 3 * ISO_LANES_MAX,
+    /* a ray crosses the surface in a cell up to three times */
+    ISO_EXACT_HIT_ROOM = ISO_EXACT_HITS + 3 * ISO_EXACT_LARGE_ROOM + 4 * ISO_LANES_MAX,
 };
 
 /* A cell as pixels are tested against it, in the cell's coordinates u, v, w: -1 and 1 at its faces. The field
@@ -71,8 +73,10 @@ typedef struct iso_exact_hits {
         depth[ISO_EXACT_HIT_ROOM], length[ISO_EXACT_HIT_ROOM];
     int32_t pixel[ISO_EXACT_HIT_ROOM], slot[ISO_EXACT_HIT_ROOM]; /* pixel: y << 16 | x */
     float root[ISO_EXACT_HIT_ROOM];                              /* x of the crossing */
-    int32_t word[ISO_EXACT_HIT_ROOM]; /* RGBA of the pixel, when a picture is painted without a gbuffer */
-    int voxel[ISO_EXACT_HIT_ROOM][3]; /* by slot: index coordinates of the cell's first corner */
+    /* When a picture is painted without a gbuffer: RGBA of the pixel. When layers are listed: flags of the
+     * cell, which shade_fragments replaces by whether the hit is doubtful. */
+    int32_t word[ISO_EXACT_HIT_ROOM];
+    int voxel[ISO_EXACT_HIT_ROOM][3];         /* by slot: index coordinates of the cell's first corner */
     float gradient[ISO_EXACT_HIT_ROOM][8][4]; /* by slot: x, y, z at the cell's corners; [3] is unused */
 } iso_exact_hits;
 
@@ -139,9 +143,10 @@ typedef struct iso_exact_patch {
 
 /* The working memory of one worker, for one band of rows at a time. */
 typedef struct iso_exact_scratch {
-    iso_rows rows;  /* the band */
-    int words;      /* 64-bit words of `open` per row; the last one is always 0 */
-    uint64_t *open; /* bit x & 63 of word x / 64 of row y - rows.first: the pixel is still free */
+    iso_rows rows;          /* the band */
+    iso_layer_lists *lists; /* of the band; of the kernel that lists layers */
+    int words;              /* 64-bit words of `open` per row; the last one is always 0 */
+    uint64_t *open;         /* bit x & 63 of word x / 64 of row y - rows.first: the pixel is still free */
 
     /* The octant that is being drawn. Arrays of ISO_EXACT_CELL_ROOM items are indexed by the number of the
      * crossed cell in the octant. */
@@ -182,8 +187,11 @@ typedef struct iso_exact_kernel {
     void (*flush)(const iso_exact_projection *projection, iso_exact_scratch *scratch);
 } iso_exact_kernel;
 
-/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
+/* The kernels at an instruction set, or at the best below it that this build has. Never NULL. The first one
+ * shows the first crossing of each ray; the other one lists all crossings as fragments (render/layers): for
+ * it a pixel is free as long as something of the surface may be seen behind the fragments listed so far. */
 const iso_exact_kernel *iso_exact_kernel_get(iso_cpu_level level);
+const iso_exact_kernel *iso_exact_layers_kernel_get(iso_cpu_level level);
 
 /* Sets scratch->record and scratch->box of the cells of an octant next to the eye, one by one in double
  * precision. Boxes of cells that cannot be seen are empty. */

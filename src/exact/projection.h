@@ -20,10 +20,24 @@ typedef struct iso_exact_paint {
     int32_t empty;      /* RGBA of a pixel without a surface */
 } iso_exact_paint;
 
+/* The least cosine of the angle between normal and ray for which an opacity by angle is computed. */
+#define ISO_EXACT_LEAST_COSINE 1e-6f
+
+/* How the crossings of a translucent surface become fragments (render/layers). */
+typedef struct iso_exact_fragments {
+    float opacity;       /* where the surface is seen face on */
+    bool by_angle;       /* the opacity depends on the angle: 1 - 2^(log_through / cos) */
+    float log_through;   /* logarithm to base 2 of 1 - opacity */
+    int32_t surface;     /* number of the surface * 2 */
+    int32_t fall_leaves; /* 1: where the field falls along a ray, the ray leaves the solid; 0: it enters it */
+} iso_exact_fragments;
+
 typedef struct iso_exact_projection {
     const iso_target *target;
     const iso_exact_paint *paint; /* NULL: draws into the gbuffer. Else of the target's gbuffer only the size
                                      is set */
+    const iso_exact_fragments *fragments; /* of the kernel that lists layers; it needs `paint` as well, for
+                                             rays and colour */
     const iso_exact *exact;
     iso_exact_gradients *gradients;
     bool perspective;

@@ -22,9 +22,15 @@ iso_status iso_aov_create(int width, int height, iso_aov *aov, iso_error *error)
     return ISO_OK;
 }
 
+iso_status iso_aov_add_layers(iso_aov *aov, iso_error *error) {
+    if (!aov->layers) aov->layers = iso_alloc((size_t)aov->width * (size_t)aov->height * sizeof(float));
+    return aov->layers ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the numbers of layers");
+}
+
 void iso_aov_free(iso_aov *aov) {
     iso_free(aov->depth);
     for (int axis = 0; axis < 3; axis++) iso_free(aov->normal[axis]);
     iso_free(aov->coverage);
+    iso_free(aov->layers);
     *aov = (iso_aov){0};
 }

@@ -25,17 +25,18 @@ bool iso_exr_available(void) {
 
 /* ---- channels */
 
-/* The planes of an aov in the order of the file, which is that of their names. */
-static const char *const channel_names[ISO_AOV_PLANES] = {"A", "N.X", "N.Y", "N.Z", "Z"};
+/* The planes of an aov in the order of the file, which is that of their names. The last one is optional. */
+enum { LAYERS_CHANNEL = ISO_AOV_PLANES, CHANNELS };
+static const char *const channel_names[CHANNELS] = {"A", "N.X", "N.Y", "N.Z", "Z", "layers"};
 
 static float *plane_of(const iso_aov *aov, int channel) {
-    float *const planes[ISO_AOV_PLANES] = {aov->coverage, aov->normal[0], aov->normal[1], aov->normal[2],
-                                           aov->depth};
+    float *const planes[CHANNELS] = {aov->coverage,  aov->normal[0], aov->normal[1],
+                                     aov->normal[2], aov->depth,     aov->layers};
     return planes[channel];
 }
 
 static int channel_number(const char *name) {
-    for (int i = 0; i < ISO_AOV_PLANES; i++)
+    for (int i = 0; i < CHANNELS; i++)
         if (strcmp(name, channel_names[i]) == 0) return i;
     return -1;
 }
@@ -281,7 +282,7 @@ static bool write_header(writer *w, const iso_exr_info *info) {
                                                           EXR_COMPRESSION_ZIP)) ||
         !succeeded(s, exr_set_zip_compression_level(c, 0, LEVEL)))
         return false;
-    for (int i = 0; i < ISO_AOV_PLANES; i++)
+    for (int i = 0; i < (w->aov->layers ? CHANNELS : ISO_AOV_PLANES); i++)
         if (!succeeded(
                 s, exr_add_channel(c, 0, channel_names[i], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1)))
             return false;
@@ -360,10 +361,11 @@ static iso_status check_channel(const reader *r, const exr_attr_chlist_entry_t *
     return ISO_OK;
 }
 
-static iso_status check_channels(reader *r, iso_error *error) {
+/* *has_layers: there is a channel of the numbers of layers. */
+static iso_status check_channels(reader *r, bool *has_layers, iso_error *error) {
     const exr_attr_chlist_t *list;
     if (!succeeded(&r->file, exr_get_channels(r->context, 0, &list))) return fail_reading(r, error);
-    bool found[ISO_AOV_PLANES] = {false};
+    bool found[CHANNELS] = {false};
     for (int i = 0; i < list->num_channels; i++) {
         int channel = channel_number(list->entries[i].name.str);
         if (channel < 0) continue;
@@ -375,6 +377,7 @@ static iso_status check_channels(reader *r, iso_error *error) {
             return iso_fail(error, ISO_ERR_FORMAT,
                             "%s: channel %s is missing (A, N.X, N.Y, N.Z and Z are needed)", r->path,
                             channel_names[i]);
+    *has_layers = found[LAYERS_CHANNEL];
     return ISO_OK;
 }
 
@@ -400,7 +403,7 @@ static void set_decode_planes(const reader *r, size_t row, exr_decode_pipeline_t
     for (int i = 0; i < pipeline->channel_count; i++) {
         exr_coding_channel_info_t *channel = &pipeline->channels[i];
         int plane = channel_number(channel->channel_name);
-        if (plane < 0) continue;
+        if (plane < 0 || !plane_of(r->aov, plane)) continue;
         channel->decode_to_ptr = (uint8_t *)(plane_of(r->aov, plane) + row * (size_t)r->aov->width);
         channel->user_pixel_stride = (int32_t)sizeof(float);
         channel->user_line_stride = (int32_t)sizeof(float) * r->aov->width;
@@ -444,6 +447,7 @@ static bool check_pixel(iso_aov *aov, size_t pixel) {
         for (int axis = 0; axis < 3; axis++) *normal[axis] = 0;
         return true;
     }
+    if (aov->layers && !(aov->layers[pixel] >= 0 && isfinite(aov->layers[pixel]))) return false;
     return coverage > 0 && coverage <= 1 && isfinite(aov->depth[pixel]) && isfinite(*normal[0]) &&
            isfinite(*normal[1]) && isfinite(*normal[2]);
 }
@@ -470,12 +474,14 @@ static float read_voxel(const reader *r) {
 static iso_status read_picture(reader *r, iso_pool *pool, iso_error *error) {
     int width = 0, height = 0;
     ISO_TRY(check_storage(r, error));
-    ISO_TRY(check_channels(r, error));
+    bool has_layers = false;
+    ISO_TRY(check_channels(r, &has_layers, error));
     ISO_TRY(read_window(r, &width, &height, error));
     ISO_TRY(iso_aov_create(width, height, r->aov, error));
+    iso_status status = has_layers ? iso_aov_add_layers(r->aov, error) : ISO_OK;
     size_t chunks = ((size_t)height + (size_t)r->rows - 1) / (size_t)r->rows;
-    iso_parallel_for(pool, chunks, read_chunk, r);
-    iso_status status = has_failed(&r->file) ? fail_reading(r, error) : check_values(r, error);
+    if (status == ISO_OK) iso_parallel_for(pool, chunks, read_chunk, r);
+    if (status == ISO_OK) status = has_failed(&r->file) ? fail_reading(r, error) : check_values(r, error);
     if (status != ISO_OK)
         iso_aov_free(r->aov);
     else

@@ -29,17 +29,43 @@ typedef struct picture {
     size_t covered;
 } picture;
 
+static iso_status draw_strip(picture *p, iso_draw_fn *draw, void *context, const iso_view *view,
+                             iso_error *error) {
+    p->gbuffer.height = view->height;
+    iso_gbuffer_clear_bands(&p->gbuffer, p->opts->pool);
+    return draw(context, view, &p->gbuffer, error);
+}
+
+/* Shades a strip with translucent surfaces. */
+static iso_status shade_layers(picture *p, const iso_strip *strip, iso_error *error) {
+    const iso_picture_layers *layers = p->opts->layers;
+    const iso_gbuffer size = {.width = strip->view->width, .height = strip->view->height};
+    iso_strip behind = *strip;
+    size_t covered = 0;
+    if (layers->draw_opaque)
+        ISO_TRY(draw_strip(p, layers->draw_opaque, layers->context, strip->view, error));
+    else
+        behind.gbuffer = &size;
+    ISO_TRY(layers->shade(layers->context, &behind, p->image, p->opts->aov, &covered, error));
+    p->covered += covered;
+    return ISO_OK;
+}
+
 /* Draws pixel rows y0 .. y0 + count - 1 and adds them to the image and the aov. */
 static iso_status render_rows(picture *p, int y0, int count, iso_error *error) {
     const iso_picture_opts *opts = p->opts;
-    iso_view view = iso_view_rows(&p->view, y0 * p->factor, count * p->factor);
-    p->gbuffer.height = view.height;
-    iso_gbuffer_clear_bands(&p->gbuffer, opts->pool);
-    ISO_TRY(opts->draw(opts->draw_context, &view, &p->gbuffer, error));
+    const iso_view view = iso_view_rows(&p->view, y0 * p->factor, count * p->factor);
     const iso_strip strip = {&view, &p->gbuffer, p->factor, y0};
-    p->covered += iso_shade(&opts->shading, &strip, p->image, opts->pool);
+    if (!opts->layers || opts->aov) ISO_TRY(draw_strip(p, opts->draw, opts->draw_context, &view, error));
     if (opts->aov) iso_strip_measure(&strip, opts->aov, opts->pool);
+    if (opts->layers) return shade_layers(p, &strip, error);
+    p->covered += iso_shade(&opts->shading, &strip, p->image, opts->pool);
     return ISO_OK;
+}
+
+/* Whether anything is drawn into the gbuffer. */
+static bool needs_gbuffer(const iso_picture_opts *opts) {
+    return !opts->layers || opts->layers->draw_opaque || opts->aov;
 }
 
 iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, size_t *covered,
@@ -53,7 +79,8 @@ iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, si
     int rows = strip_rows(opts, factor);
     iso_view pixels = opts->view ? *opts->view : iso_view_make(opts->camera, opts->width, opts->height);
     picture p = {.opts = opts, .view = iso_view_scaled(&pixels, factor), .factor = factor, .image = image};
-    ISO_TRY(iso_gbuffer_create(opts->width * factor, rows * factor, &p.gbuffer, error));
+    if (needs_gbuffer(opts))
+        ISO_TRY(iso_gbuffer_create(opts->width * factor, rows * factor, &p.gbuffer, error));
     iso_status status = ISO_OK;
     for (int y0 = 0; y0 < opts->height && status == ISO_OK; y0 += rows)
         status = render_rows(&p, y0, opts->height - y0 < rows ? opts->height - y0 : rows, error);

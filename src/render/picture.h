@@ -17,6 +17,17 @@ extern "C" {
 /* Draws all surfaces into a cleared gbuffer of the view's size. Called once per strip. */
 typedef iso_status iso_draw_fn(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error);
 
+/* How a picture with translucent surfaces is drawn. */
+typedef struct iso_picture_layers {
+    iso_draw_fn *draw_opaque; /* the opaque surfaces; NULL: there are none */
+    /* Draws the translucent surfaces and shades a strip into its rows of the image; sets alpha and number of
+     * layers in `aov` (NULL: not wanted), and *covered to the number of samples that show a surface. The
+     * strip's gbuffer has the opaque surfaces, or but its size when there are none. */
+    iso_status (*shade)(void *context, const iso_strip *strip, iso_image *image, iso_aov *aov,
+                        size_t *covered, iso_error *error);
+    void *context; /* of both */
+} iso_picture_layers;
+
 typedef struct iso_picture_opts {
     const iso_camera *camera;
     const iso_view *view; /* NULL, or a view of width x height pixels that is used instead of the camera */
@@ -25,6 +36,9 @@ typedef struct iso_picture_opts {
     iso_shading shading;
     iso_draw_fn *draw;
     void *draw_context;
+    const iso_picture_layers
+        *layers; /* NULL: all surfaces are opaque. Else `draw` is for depth and normals in
+                                         `aov`: those of the first surface, whatever its opacity */
     iso_pool *pool;
     iso_aov *aov; /* NULL, or planes of the picture's size for depth, normals and coverage */
 } iso_picture_opts;

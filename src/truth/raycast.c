@@ -3,18 +3,15 @@
 #include "truth/raycast.h"
 
 #include "base/memory.h"
-#include "grids/ray/ray_tracer.h"
+#include "truth/raycaster.h"
 
 enum { ROWS_PER_TASK = 8 };
-
-struct iso_raycaster {
-    iso_ray_tracer *tracer;
-};
 
 iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool *pool, iso_raycaster **out,
                                 iso_error *error) {
     iso_raycaster *caster = iso_alloc_zero(1, sizeof *caster);
     if (!caster) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the ray caster");
+    caster->level_set = iso_grid_is_level_set(grid);
     const iso_status status = iso_ray_tracer_create(grid, isovalue, pool, &caster->tracer, error);
     if (status == ISO_OK)
         *out = caster;

@@ -1,0 +1,44 @@
+/* exponential: powers of two and logarithms to base 2 with the same bits on every machine: libm's differ
+ * between its versions. exponential_body.inc has the power for vectors. */
+#ifndef ISO_BASE_EXPONENTIAL_H
+#define ISO_BASE_EXPONENTIAL_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Coefficients of x, x^2, .. x^6 of a polynomial for 2^x - 1 in [-0.5, 0.5]: an interpolation at Chebyshev
+ * points, with a relative error of 2^x below 1e-7. */
+#define ISO_EXP2_1 0.693147182f
+#define ISO_EXP2_2 0.240226507f
+#define ISO_EXP2_3 0.0555035695f
+#define ISO_EXP2_4 0.00961808302f
+#define ISO_EXP2_5 0.00133908633f
+#define ISO_EXP2_6 0.000154531634f
+
+/* 2^x for x <= 127, to about 2e-7 of the result; below 2^-126 the result is 2^-126. NaN gives 2^-126. */
+static inline float iso_exp2(float x) {
+    x = x > -126 ? x : -126;
+    const float whole = floorf(x + 0.5f), part = x - whole;
+    const int32_t bits = ((int32_t)whole + 127) << 23;
+    float power, series = ISO_EXP2_6;
+    series = series * part + ISO_EXP2_5;
+    series = series * part + ISO_EXP2_4;
+    series = series * part + ISO_EXP2_3;
+    series = series * part + ISO_EXP2_2;
+    series = series * part + ISO_EXP2_1;
+    memcpy(&power, &bits, sizeof power);
+    return (series * part + 1) * power;
+}
+
+/* The logarithm to base 2 of a positive normal number, to about 1e-15 of 1 or of the result. */
+double iso_log2(double x);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

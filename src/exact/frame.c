@@ -1,0 +1,103 @@
+/* frame: lists the visible octants of a surface front to back, and draws bands of rows: every band draws all
+ * octants that are visible in it. */
+#include "exact/frame.h"
+
+#include "base/memory.h"
+
+enum { SPANS_PER_TASK = 64 };
+
+static int brick_split(int cells) {
+    return cells >= 0 ? cells / ISO_BRICK : -1;
+}
+
+static void order_spans(iso_exact_frame *frame) {
+    const iso_exact *exact = frame->projection.exact;
+    const uint32_t *rows = exact->rows.data, *order = exact->order.data;
+    const int *bricks = exact->set.bricks;
+    int split[3];
+    for (int axis = 0; axis < 3; axis++) split[axis] = brick_split(frame->projection.split[axis]);
+    size_t count = 0;
+    for (int k = 0; k < bricks[2]; k++)
+        for (int j = 0; j < bricks[1]; j++) {
+            const size_t row = (size_t)iso_exact_front_to_back(k, bricks[2], split[2]) * (size_t)bricks[1] +
+                               (size_t)iso_exact_front_to_back(j, bricks[1], split[1]);
+            uint32_t middle = rows[row];
+            while (middle < rows[row + 1] && iso_exact_spans(exact)[order[middle]].brick[0] < split[0])
+                middle++;
+            for (uint32_t i = middle; i < rows[row + 1]; i++) frame->order[count++] = order[i];
+            for (uint32_t i = middle; i > rows[row]; i--) frame->order[count++] = order[i - 1];
+        }
+    frame->span_count = count;
+}
+
+static void list_task_octants(void *context, size_t index, int worker) {
+    (void)worker;
+    iso_exact_frame *frame = context;
+    iso_exact_visible *visible = frame->visible + index * SPANS_PER_TASK * ISO_EXACT_OCTANTS;
+    size_t end = (index + 1) * SPANS_PER_TASK;
+    if (end > frame->span_count) end = frame->span_count;
+    int count = 0;
+    for (size_t i = index * SPANS_PER_TASK; i < end; i++)
+        count += iso_exact_list_visible_octants(&frame->projection, frame->order[i], visible + count);
+    frame->visible_count[index] = count;
+}
+
+static iso_status alloc_frame(iso_exact_frame *frame, iso_error *error) {
+    const iso_exact *exact = frame->projection.exact;
+    const size_t spans = exact->set.span_count;
+    frame->task_count = exact->sorted ? (spans + SPANS_PER_TASK - 1) / SPANS_PER_TASK : 0;
+    frame->order = iso_alloc(spans * sizeof *frame->order);
+    frame->visible =
+        iso_alloc(frame->task_count * SPANS_PER_TASK * ISO_EXACT_OCTANTS * sizeof *frame->visible);
+    frame->visible_count = iso_alloc(frame->task_count * sizeof *frame->visible_count);
+    if (frame->order && frame->visible && frame->visible_count) return ISO_OK;
+    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing %zu bricks of cells", spans);
+}
+
+iso_status iso_exact_frame_start(iso_exact_frame *frame, iso_error *error) {
+    frame->projection.gradients = iso_exact_gradients_get(&frame->projection.exact->grid, iso_cpu_best());
+    ISO_TRY(alloc_frame(frame, error));
+    if (frame->task_count) order_spans(frame);
+    iso_parallel_for(frame->projection.target->pool, frame->task_count, list_task_octants, frame);
+    return ISO_OK;
+}
+
+void iso_exact_frame_free(iso_exact_frame *frame) {
+    iso_free(frame->order);
+    iso_free(frame->visible);
+    iso_free(frame->visible_count);
+}
+
+/* Makes all pixels of the band free, and empties the lists. */
+static void start_band(const iso_exact_frame *frame, iso_rows rows, iso_exact_scratch *scratch) {
+    const int width = frame->projection.target->gbuffer->width;
+    scratch->rows = rows;
+    scratch->hits.count = scratch->hits.slots = 0;
+    scratch->pairs = scratch->general = scratch->windows = 0;
+    scratch->patch.count = scratch->patch.runs = 0;
+    for (int y = 0; y <= rows.last - rows.first; y++) {
+        uint64_t *row = scratch->open + (size_t)y * (size_t)scratch->words;
+        for (int word = 0; word < scratch->words; word++) row[word] = word < width / 64 ? ~(uint64_t)0 : 0;
+        if (width % 64) row[width / 64] = ((uint64_t)1 << width % 64) - 1;
+    }
+}
+
+void iso_exact_frame_draw(const iso_exact_frame *frame, iso_rows rows, iso_exact_scratch *scratch) {
+    start_band(frame, rows, scratch);
+    for (size_t task = 0; task < frame->task_count; task++) {
+        const iso_exact_visible *visible = frame->visible + task * SPANS_PER_TASK * ISO_EXACT_OCTANTS;
+        frame->kernel->draw(&frame->projection, visible, frame->visible_count[task], scratch);
+    }
+    frame->kernel->flush(&frame->projection, scratch);
+}
+
+iso_exact_scratch *iso_exact_scratch_create(size_t workers, int width, int rows) {
+    const size_t words = (size_t)width / 64 + 2, open = words * (size_t)rows;
+    iso_exact_scratch *scratch = iso_alloc(workers * (sizeof *scratch + open * sizeof *scratch->open));
+    uint64_t *bits = (uint64_t *)(scratch + workers);
+    for (size_t worker = 0; scratch && worker < workers; worker++) {
+        scratch[worker].words = (int)words;
+        scratch[worker].open = bits + worker * open;
+    }
+    return scratch;
+}

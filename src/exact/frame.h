@@ -1,0 +1,31 @@
+/* frame: the visible octants of one surface in one picture, front to back, and the drawing of bands of rows.
+ * Internal to exact. */
+#ifndef ISO_EXACT_FRAME_H
+#define ISO_EXACT_FRAME_H
+
+#include "exact/kernel.h"
+
+typedef struct iso_exact_frame {
+    iso_exact_projection projection;
+    const iso_exact_kernel *kernel;
+    uint32_t *order; /* spans front to back */
+    size_t span_count;
+    /* the visible octants of the spans of task t, from index t * (spans of a task) * ISO_EXACT_OCTANTS on */
+    iso_exact_visible *visible;
+    int *visible_count; /* number of visible octants, by task */
+    size_t task_count;
+} iso_exact_frame;
+
+/* Lists the visible octants with all threads of the target's pool. The caller has set projection and kernel
+ * and zeroed the rest. Free with iso_exact_frame_free, also after a failure. ISO_ERR_NOMEM. */
+iso_status iso_exact_frame_start(iso_exact_frame *frame, iso_error *error);
+void iso_exact_frame_free(iso_exact_frame *frame);
+
+/* Draws a band of rows. Any number of threads may draw bands of a frame, each with its own scratch. */
+void iso_exact_frame_draw(const iso_exact_frame *frame, iso_rows rows, iso_exact_scratch *scratch);
+
+/* The scratch memory of `workers` workers, for bands of at most `rows` rows of `width` pixels; NULL without
+ * memory. Free with iso_free. */
+iso_exact_scratch *iso_exact_scratch_create(size_t workers, int width, int rows);
+
+#endif

@@ -1,0 +1,320 @@
+/* layers: lists the crossings of translucent surfaces band by band, has doubtful samples traced again, and
+ * composites the band. */
+#include "exact/layers.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/exponential.h"
+#include "base/memory.h"
+#include "exact/frame.h"
+#include "grids/ray/ray_tracer.h"
+#include "render/shading/phong_vectors.h"
+
+enum {
+    BAND_ROWS = 32, /* of samples, about; more when a pixel has several rows of them */
+    BAND_CHUNKS = ISO_EXACT_LAYERS_BYTES / sizeof(iso_layer_chunk) /* a band with more is cut in two */
+};
+
+/* Crossings in the same direction closer than this part of a cell's extent in depth are one. */
+static const double SAME_CROSSING = 1e-3;
+
+/* One of the surfaces in the picture. */
+typedef struct layer {
+    const iso_exact_layer *input;
+    iso_exact_frame frame;
+    iso_exact_paint paint;
+    iso_exact_fragments fragments;
+    iso_layer_pass pass;
+    iso_ray_tracer *tracer;
+} layer;
+
+/* The working memory of a worker. */
+typedef struct worker {
+    iso_layer_lists lists;
+    iso_layer_composer composer;
+    iso_layer_rays rays; /* NULL without absorbing solids */
+    iso_exact_layers_totals totals;
+    bool failed; /* out of memory */
+} worker;
+
+typedef struct layers_draw {
+    const iso_exact_layers *picture;
+    iso_target target;
+    iso_gbuffer size; /* the size of the strip's gbuffer */
+    float *slopes;    /* of the rays: u by column, v by row */
+    layer *layers;
+    iso_layer_medium media[ISO_EXACT_LAYERS_MAX];
+    bool absorbs;
+    int band_rows;
+    iso_exact_scratch *scratch; /* by worker */
+    worker *workers;
+} layers_draw;
+
+/* ---- setting up */
+
+static void set_base(iso_rgb color, float base[3]) {
+    base[0] = (float)color.r / 255;
+    base[1] = (float)color.g / 255;
+    base[2] = (float)color.b / 255;
+}
+
+/* The bricks that a surface crosses are those with spans: no voxel is read for them. */
+static iso_status make_tracer(layer *l, iso_error *error) {
+    const iso_exact *exact = l->input->exact;
+    const int *bricks = exact->set.bricks;
+    const size_t count = (size_t)bricks[0] * (size_t)bricks[1] * (size_t)bricks[2];
+    uint8_t *crossed = iso_alloc_zero(count, 1);
+    if (!crossed) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the map of %zu bricks", count);
+    const uint32_t *order = exact->order.data;
+    for (size_t i = 0; i < exact->set.span_count && exact->sorted; i++) {
+        const int32_t *brick = iso_exact_spans(exact)[order[i]].brick;
+        crossed[((size_t)brick[2] * (size_t)bricks[1] + (size_t)brick[1]) * (size_t)bricks[0] +
+                (size_t)brick[0]] = 1;
+    }
+    return iso_ray_tracer_create_with(&exact->grid, exact->opts.isovalue, crossed, &l->tracer, error);
+}
+
+static void set_up_layer(layers_draw *draw, int number) {
+    layer *l = &draw->layers[number];
+    l->input = &draw->picture->layers[number];
+    const iso_translucency *translucency = &l->input->translucency;
+    l->paint = (iso_exact_paint){.u = draw->slopes, .v = draw->slopes + draw->size.width + ISO_LANES_MAX};
+    set_base(l->input->color, l->paint.base);
+    l->frame.projection = iso_exact_projection_make(&draw->target, l->input->exact);
+    l->frame.projection.paint = &l->paint;
+    l->frame.projection.fragments = &l->fragments;
+    l->frame.kernel = iso_exact_layers_kernel_get(iso_cpu_best());
+    l->fragments = (iso_exact_fragments){.opacity = translucency->opacity,
+                                         .by_angle = !translucency->constant,
+                                         .log_through = (float)iso_log2(1 - (double)translucency->opacity),
+                                         .surface = number * 2,
+                                         .fall_leaves = l->input->exact->surface.normal_sign < 0};
+    l->pass = (iso_layer_pass){.surface = number,
+                               .most_layers = translucency->most_layers,
+                               .tolerance = (float)(SAME_CROSSING * 2 * l->frame.projection.half_depth)};
+    if (translucency->mean_path > 0) {
+        draw->absorbs = true;
+        draw->media[number].per_mm = 1 / translucency->mean_path;
+        set_base(l->input->color, draw->media[number].color);
+    }
+}
+
+static iso_status set_up_rays(worker *w, size_t samples, iso_error *error) {
+    w->rays.begin = iso_alloc(3 * samples * sizeof(float));
+    w->rays.inside = iso_alloc(samples * sizeof *w->rays.inside);
+    if (!w->rays.begin || !w->rays.inside)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the rays of a band");
+    w->rays.end = w->rays.begin + samples;
+    w->rays.length = w->rays.end + samples;
+    return ISO_OK;
+}
+
+static iso_status set_up_workers(layers_draw *draw, iso_error *error) {
+    const size_t count = (size_t)iso_pool_threads(draw->picture->pool);
+    const int width = draw->size.width, factor = draw->picture->strip->factor;
+    draw->band_rows = (BAND_ROWS + factor - 1) / factor * factor;
+    draw->scratch = iso_exact_scratch_create(count, width, draw->band_rows);
+    draw->workers = iso_alloc_zero(count, sizeof *draw->workers);
+    if (!draw->scratch || !draw->workers)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing layers");
+    for (size_t i = 0; i < count; i++) {
+        worker *w = &draw->workers[i];
+        ISO_TRY(iso_layer_lists_reserve(&w->lists, width, draw->band_rows, error));
+        ISO_TRY(iso_layer_composer_reserve(&w->composer, draw->picture->image->width, factor, error));
+        if (draw->absorbs) ISO_TRY(set_up_rays(w, (size_t)width * (size_t)draw->band_rows, error));
+        w->lists.middle = (float)draw->layers[0].frame.projection.middle;
+        draw->scratch[i].lists = &w->lists;
+    }
+    return ISO_OK;
+}
+
+static iso_status set_up(layers_draw *draw, iso_error *error) {
+    const iso_view *view = draw->picture->strip->view;
+    const size_t width = (size_t)view->width, height = (size_t)view->height;
+    draw->slopes = iso_alloc((width + ISO_LANES_MAX + height) * sizeof *draw->slopes);
+    draw->layers = iso_alloc_zero((size_t)draw->picture->count, sizeof *draw->layers);
+    if (!draw->slopes || !draw->layers)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing layers");
+    float *v = draw->slopes + width + ISO_LANES_MAX;
+    for (int x = 0; x < view->width + ISO_LANES_MAX; x++) draw->slopes[x] = iso_slope_of_column(view, x);
+    for (int y = 0; y < view->height; y++) v[y] = iso_slope_of_row(view, y);
+    for (int i = 0; i < draw->picture->count; i++) {
+        set_up_layer(draw, i);
+        ISO_TRY(make_tracer(&draw->layers[i], error));
+        ISO_TRY(iso_exact_frame_start(&draw->layers[i].frame, error));
+    }
+    return set_up_workers(draw, error);
+}
+
+static void free_draw(layers_draw *draw) {
+    for (int i = 0; draw->layers && i < draw->picture->count; i++) {
+        iso_exact_frame_free(&draw->layers[i].frame);
+        iso_ray_tracer_destroy(draw->layers[i].tracer);
+    }
+    for (int i = 0; draw->workers && i < iso_pool_threads(draw->picture->pool); i++) {
+        iso_layer_lists_free(&draw->workers[i].lists);
+        iso_layer_composer_free(&draw->workers[i].composer);
+        iso_free(draw->workers[i].rays.begin);
+        iso_free(draw->workers[i].rays.inside);
+    }
+    iso_free(draw->workers);
+    iso_free(draw->scratch);
+    iso_free(draw->layers);
+    iso_free(draw->slopes);
+}
+
+/* ---- rays in double precision */
+
+static bool start_ray(const layers_draw *draw, const layer *l, int x, int y, iso_ray *ray) {
+    const iso_view *view = draw->target.view;
+    iso_vec3 origin, direction;
+    iso_view_ray(view, x + 0.5, y + 0.5, &origin, &direction);
+    return iso_ray_start(l->tracer, origin, direction, view->near, ray);
+}
+
+/* What the kernel computes for a crossing (shade_fragments of hits_body.inc). */
+static iso_fragment make_fragment(const layers_draw *draw, const layer *l, int x, int y, const iso_ray *ray,
+                                  const iso_ray_hit *hit) {
+    const iso_vec3 n = iso_view_vector(draw->target.view, iso_ray_hit_normal(l->tracer, ray, hit));
+    const float normal[3] = {(float)n.x, (float)n.y, (float)n.z},
+                to_eye[3] = {-l->paint.u[x], -l->paint.v[y], -1};
+    iso_fragment fragment = {.depth = (float)(hit->t - l->frame.projection.middle),
+                             .opacity = l->fragments.opacity,
+                             .surface = l->fragments.surface | (hit->falls == l->fragments.fall_leaves)};
+    iso_shade_sample(normal, to_eye, l->input->color, fragment.color);
+    if (l->fragments.by_angle) {
+        const float length = sqrtf(to_eye[0] * to_eye[0] + to_eye[1] * to_eye[1] + to_eye[2] * to_eye[2]);
+        const float cosine =
+            fabsf(normal[0] * to_eye[0] + normal[1] * to_eye[1] + normal[2] * to_eye[2]) / length;
+        fragment.opacity = 1 - iso_exp2(l->fragments.log_through / fmaxf(cosine, ISO_EXACT_LEAST_COSINE));
+    }
+    return fragment;
+}
+
+/* Lists the fragments of a sample anew. row: counted from the band's first. */
+static void retrace(const layers_draw *draw, const layer *l, iso_layer_lists *lists, int x, int row, int y) {
+    iso_ray ray;
+    iso_ray_hit hit;
+    iso_layer_lists_restart(lists, x, row);
+    if (!start_ray(draw, l, x, y, &ray)) return;
+    bool done = false;
+    while (!done && iso_ray_next(l->tracer, &ray, &hit)) {
+        const iso_fragment fragment = make_fragment(draw, l, x, y, &ray, &hit);
+        done = iso_layer_add(lists, x, row, &fragment, false);
+    }
+}
+
+/* Traces the doubtful samples of a band again; returns their number. */
+static size_t retrace_doubtful(const layers_draw *draw, const layer *l, iso_layer_lists *lists, int first) {
+    size_t count = 0;
+    lists->pass.tolerance = -1; /* the tracer finds each crossing once */
+    for (int row = 0; row < lists->rows; row++)
+        for (int i = 0; i < lists->row_groups; i++) {
+            uint64_t doubtful = lists->groups[row * lists->row_groups + i].doubtful;
+            for (; doubtful; doubtful &= doubtful - 1, count++)
+                retrace(draw, l, lists, i * ISO_LAYER_GROUP + __builtin_ctzll(doubtful), row, first + row);
+        }
+    return count;
+}
+
+/* Sets the part of a sample's ray that lies in the volume, and the solids in which it begins. */
+static void set_ray(const layers_draw *draw, worker *w, int x, int y, ptrdiff_t at) {
+    const layer *first = &draw->layers[0];
+    const double middle = first->frame.projection.middle;
+    const float u = first->paint.u[x], v = first->paint.v[y];
+    iso_ray ray;
+    w->rays.inside[at] = 0;
+    w->rays.begin[at] = w->rays.end[at] = 0;
+    w->rays.length[at] = sqrtf(u * u + v * v + 1);
+    for (int i = 0; i < draw->picture->count; i++) {
+        const layer *l = &draw->layers[i];
+        if (!start_ray(draw, l, x, y, &ray)) continue;
+        const bool above = iso_ray_starts_above(l->tracer, &ray), inside = above == l->fragments.fall_leaves;
+        w->rays.inside[at] |= (uint64_t)inside << i;
+        w->rays.begin[at] = (float)(ray.t - middle);
+        w->rays.end[at] = (float)(iso_ray_end(l->tracer, &ray) - middle);
+    }
+}
+
+static void set_rays(const layers_draw *draw, worker *w, iso_rows rows) {
+    const int width = draw->size.width;
+    for (int y = rows.first; y <= rows.last; y++)
+        for (int x = 0; x < width; x++) set_ray(draw, w, x, y, (ptrdiff_t)(y - rows.first) * width + x);
+}
+
+/* ---- bands */
+
+/* Lists the fragments of all surfaces in a band; false: the lists are full. */
+static bool list_band(const layers_draw *draw, worker *w, iso_exact_scratch *scratch, iso_rows rows) {
+    const iso_gbuffer *opaque = draw->picture->strip->gbuffer;
+    iso_layer_lists *lists = &w->lists;
+    iso_layer_lists_clear(lists, rows.last - rows.first + 1);
+    lists->limit = opaque->depth ? opaque->depth + (ptrdiff_t)rows.first * opaque->width : NULL;
+    size_t retraced = 0;
+    for (int i = 0; i < draw->picture->count && !lists->full; i++) {
+        iso_layer_lists_begin(lists, &draw->layers[i].pass);
+        iso_exact_frame_draw(&draw->layers[i].frame, rows, scratch);
+        retraced += retrace_doubtful(draw, &draw->layers[i], lists, rows.first);
+    }
+    if (!lists->full) w->totals.retraced += retraced;
+    return !lists->full;
+}
+
+/* Draws a band, in two halves if its fragments are too many. */
+static void draw_rows(const layers_draw *draw, worker *w, iso_exact_scratch *scratch, iso_rows rows) {
+    const int factor = draw->picture->strip->factor, pixels = (rows.last - rows.first + 1) / factor;
+    w->lists.most_chunks = pixels > 1 ? BAND_CHUNKS : 0;
+    if (list_band(draw, w, scratch, rows)) {
+        const iso_layer_picture picture = {.strip = draw->picture->strip,
+                                           .shading = draw->picture->shading,
+                                           .image = draw->picture->image,
+                                           .media = draw->absorbs ? draw->media : NULL,
+                                           .media_count = draw->picture->count,
+                                           .layers = draw->picture->layer_counts,
+                                           .coverage = draw->picture->coverage};
+        if (draw->absorbs) set_rays(draw, w, rows);
+        iso_layers_compose(&picture, &w->lists, &w->rays, rows.first, &w->composer, &w->totals.layers);
+    } else if (pixels > 1) {
+        const int half = rows.first + pixels / 2 * factor;
+        draw_rows(draw, w, scratch, (iso_rows){rows.first, half - 1});
+        draw_rows(draw, w, scratch, (iso_rows){half, rows.last});
+    } else {
+        w->failed = true;
+    }
+}
+
+static void draw_band(void *context, size_t index, int worker_index) {
+    const layers_draw *draw = context;
+    const int first = (int)index * draw->band_rows, end = first + draw->band_rows, height = draw->size.height;
+    draw_rows(draw, &draw->workers[worker_index], &draw->scratch[worker_index],
+              (iso_rows){first, (end < height ? end : height) - 1});
+}
+
+/* Adds up what the workers counted. */
+static iso_status sum_totals(const layers_draw *draw, iso_exact_layers_totals *totals, iso_error *error) {
+    for (int i = 0; i < iso_pool_threads(draw->picture->pool); i++) {
+        const worker *w = &draw->workers[i];
+        if (w->failed) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the layers of a picture");
+        totals->retraced += w->totals.retraced;
+        totals->layers.covered += w->totals.layers.covered;
+        totals->layers.layers += w->totals.layers.layers;
+        if (w->totals.layers.most > totals->layers.most) totals->layers.most = w->totals.layers.most;
+    }
+    return ISO_OK;
+}
+
+iso_status iso_shade_exact_layers(const iso_exact_layers *picture, iso_exact_layers_totals *totals,
+                                  iso_error *error) {
+    const iso_view *view = picture->strip->view;
+    layers_draw draw = {.picture = picture, .size = {.width = view->width, .height = view->height}};
+    draw.target = (iso_target){.view = view, .gbuffer = &draw.size, .pool = picture->pool};
+    iso_status status = set_up(&draw, error);
+    if (status == ISO_OK) {
+        const size_t bands = (size_t)((view->height + draw.band_rows - 1) / draw.band_rows);
+        iso_parallel_for(picture->pool, bands, draw_band, &draw);
+        status = sum_totals(&draw, totals, error);
+    }
+    free_draw(&draw);
+    return status;
+}

@@ -1,0 +1,54 @@
+/* layers: translucent exact surfaces. Every crossing of the surfaces along a ray is found, in order of depth,
+ * without sorting: the cells are visited front to back, and a pixel stays open until less than 1/512 of the
+ * light is left (render/layers). Surfaces of different isovalues interleave rightly in every pixel.
+ *
+ * The layers are those that iso_raycast_layers (truth/raycast_layers.h) finds in double precision: pixels for
+ * which floats cannot decide are traced again (grids/ray). */
+#ifndef ISO_EXACT_LAYERS_H
+#define ISO_EXACT_LAYERS_H
+
+#include "exact/exact.h"
+#include "render/layers/compose.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A translucent surface. Its opacity is below 1: opaque surfaces are drawn into the strip's gbuffer before
+ * (iso_draw_exact). */
+typedef struct iso_exact_layer {
+    const iso_exact *exact; /* up to date; borrowed for the call */
+    iso_rgb color;
+    iso_translucency translucency;
+} iso_exact_layer;
+
+/* Bytes that each thread takes for the fragments of a band, at most; a single row of pixels may take more. */
+enum { ISO_EXACT_LAYERS_BYTES = 32 << 20 };
+
+enum { ISO_EXACT_LAYERS_MAX = 64 }; /* surfaces in a picture */
+
+/* What is drawn into; all pointers are borrowed for the call. */
+typedef struct iso_exact_layers {
+    const iso_exact_layer *layers;  /* the picture's translucent surfaces */
+    int count;                      /* 1 .. ISO_EXACT_LAYERS_MAX */
+    const iso_strip *strip;         /* its gbuffer has the opaque surfaces, or but its size: depth is NULL */
+    const iso_shading *shading;     /* colours of the opaque surfaces, and background */
+    iso_image *image;               /* gets the strip's rows */
+    float *layer_counts, *coverage; /* NULL, or planes of the image's size: iso_layer_picture */
+    iso_pool *pool;                 /* NULL: the calling thread */
+} iso_exact_layers;
+
+typedef struct iso_exact_layers_totals {
+    iso_layer_totals layers;
+    size_t retraced; /* samples that were traced again in double precision */
+} iso_exact_layers_totals;
+
+/* Draws and composites a strip. Adds to *totals. The picture gets the same bytes with every number of threads
+ * and instruction set, and when drawn in strips of any height. ISO_ERR_NOMEM. */
+iso_status iso_shade_exact_layers(const iso_exact_layers *picture, iso_exact_layers_totals *totals,
+                                  iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,88 @@
+/* layers: sorts a picture's surfaces into opaque and translucent ones, and has both drawn. */
+#include "methods/layers.h"
+
+#include "truth/raycast_layers.h"
+
+bool iso_method_has_layers(iso_method method) {
+    return method == ISO_METHOD_EXACT || method == ISO_METHOD_RAYCAST;
+}
+
+static bool is_opaque(const iso_layered_surface *surface) {
+    return surface->translucency.opacity >= 1;
+}
+
+/* iso_picture_layers.draw_opaque. */
+static iso_status draw_opaque(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    const iso_layered_picture *picture = context;
+    const iso_renderer *renderer = iso_renderer_get(picture->method);
+    for (int i = 0; i < picture->count; i++) {
+        const iso_target target = {view, gbuffer, picture->pool, (uint8_t)i};
+        if (!is_opaque(&picture->surfaces[i])) continue;
+        ISO_TRY(renderer->draw(picture->surfaces[i].subject, &target, error));
+    }
+    return ISO_OK;
+}
+
+static iso_status shade_exact(iso_layered_picture *picture, const iso_strip *strip, iso_image *image,
+                              iso_aov *aov, iso_error *error) {
+    iso_exact_layer layers[ISO_LAYERED_MAX];
+    int count = 0;
+    for (int i = 0; i < picture->count; i++)
+        if (!is_opaque(&picture->surfaces[i]))
+            layers[count++] =
+                (iso_exact_layer){picture->surfaces[i].subject->exact, picture->shading->colors[i],
+                                  picture->surfaces[i].translucency};
+    const iso_exact_layers input = {.layers = layers,
+                                    .count = count,
+                                    .strip = strip,
+                                    .shading = picture->shading,
+                                    .image = image,
+                                    .layer_counts = aov ? aov->layers : NULL,
+                                    .coverage = aov ? aov->coverage : NULL,
+                                    .pool = picture->pool};
+    return iso_shade_exact_layers(&input, &picture->totals, error);
+}
+
+static void shade_raycast(iso_layered_picture *picture, const iso_strip *strip, iso_image *image,
+                          iso_aov *aov) {
+    iso_raycast_layer layers[ISO_LAYERED_MAX];
+    int count = 0;
+    for (int i = 0; i < picture->count; i++)
+        if (!is_opaque(&picture->surfaces[i]))
+            layers[count++] =
+                (iso_raycast_layer){picture->surfaces[i].subject->caster, picture->shading->colors[i],
+                                    picture->surfaces[i].translucency};
+    const iso_raycast_layers input = {.layers = layers,
+                                      .count = count,
+                                      .strip = strip,
+                                      .shading = picture->shading,
+                                      .image = image,
+                                      .layer_counts = aov ? aov->layers : NULL,
+                                      .coverage = aov ? aov->coverage : NULL,
+                                      .pool = picture->pool};
+    iso_shade_raycast_layers(&input, &picture->totals.layers);
+}
+
+/* iso_picture_layers.shade. */
+static iso_status shade(void *context, const iso_strip *strip, iso_image *image, iso_aov *aov,
+                        size_t *covered, iso_error *error) {
+    iso_layered_picture *picture = context;
+    const size_t before = picture->totals.layers.covered;
+    if (picture->method == ISO_METHOD_EXACT)
+        ISO_TRY(shade_exact(picture, strip, image, aov, error));
+    else
+        shade_raycast(picture, strip, image, aov);
+    *covered = picture->totals.layers.covered - before;
+    return ISO_OK;
+}
+
+iso_status iso_layered_picture_callbacks(iso_layered_picture *picture, iso_picture_layers *callbacks,
+                                         iso_error *error) {
+    int opaque = 0;
+    for (int i = 0; i < picture->count; i++) opaque += is_opaque(&picture->surfaces[i]);
+    if (picture->count - opaque > ISO_LAYERED_MAX)
+        return iso_fail(error, ISO_ERR_LIMIT, "%d translucent surfaces: a picture has up to %d",
+                        picture->count - opaque, ISO_LAYERED_MAX);
+    *callbacks = (iso_picture_layers){opaque ? draw_opaque : NULL, shade, picture};
+    return ISO_OK;
+}

@@ -1,0 +1,138 @@
+/* compose: composites bands of samples and averages them into pixels. The kernel is compose_body.inc. */
+#include "render/layers/compose.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "render/layers/compose_kernel.h"
+#include "render/shading/phong_vectors.h"
+
+/* The lines of a composer: what iso_layer_line has, by sample and summed by pixel; the rays' slopes; copies
+ * of a row of the gbuffer, whose last vector would reach beyond its end; the colours of 256 surfaces. */
+enum { LINE_SAMPLES, LINE_SUMS = 5, LINE_U = 10, LINE_NORMAL = 11, LINE_SURFACE = 14, LINES };
+enum { SURFACES = ISO_SURFACE_NONE + 1 };
+
+iso_status iso_layer_composer_reserve(iso_layer_composer *composer, int width, int factor, iso_error *error) {
+    composer->line_floats = (size_t)width * (size_t)factor + ISO_LANES_MAX;
+    composer->lines =
+        iso_alloc((LINES * composer->line_floats + 3 * (size_t)SURFACES) * sizeof *composer->lines);
+    if (!composer->lines) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a row of a picture");
+    return ISO_OK;
+}
+
+void iso_layer_composer_free(iso_layer_composer *composer) {
+    iso_free(composer->lines);
+    composer->lines = NULL;
+}
+
+static float *line_of(const iso_layer_composer *composer, int number) {
+    return composer->lines + (size_t)number * composer->line_floats;
+}
+
+static iso_layer_line line_at(const iso_layer_composer *composer, int first) {
+    return (iso_layer_line){
+        {line_of(composer, first), line_of(composer, first + 1), line_of(composer, first + 2)},
+        line_of(composer, first + 3),
+        line_of(composer, first + 4)};
+}
+
+/* Prepares what is the same for all rows of a band. */
+static iso_layer_back make_back(const iso_layer_picture *picture, const iso_layer_composer *composer) {
+    const iso_shading *shading = picture->shading;
+    const iso_rgb empty = shading->background;
+    const iso_view *view = picture->strip->view;
+    float *u = line_of(composer, LINE_U), *colors = line_of(composer, LINES);
+    for (int x = 0; x < view->width; x++) u[x] = iso_slope_of_column(view, x);
+    memset(u + view->width, 0, ISO_LANES_MAX * sizeof *u);
+    iso_layer_back back = {.u = u,
+                           .background = {(float)empty.r / 255, (float)empty.g / 255, (float)empty.b / 255},
+                           .transparent = shading->transparent};
+    for (int i = 0; i < SURFACES; i++) {
+        const iso_rgb c = shading->colors[i < shading->color_count ? i : shading->color_count - 1];
+        colors[i] = (float)c.r / 255;
+        colors[SURFACES + i] = (float)c.g / 255;
+        colors[2 * SURFACES + i] = (float)c.b / 255;
+    }
+    for (int k = 0; k < 3; k++) {
+        back.color[k] = colors + k * SURFACES;
+        back.normal[k] = line_of(composer, LINE_NORMAL + k);
+    }
+    return back;
+}
+
+/* Copies row y of the strip's gbuffer, the opaque surfaces, to where the kernel reads it. */
+static void copy_row(const iso_gbuffer *gbuffer, int y, const iso_layer_composer *composer,
+                     iso_layer_back *back) {
+    if (!gbuffer->depth) return;
+    const size_t width = (size_t)gbuffer->width, at = (size_t)y * width;
+    for (int k = 0; k < 3; k++)
+        memcpy(line_of(composer, LINE_NORMAL + k), gbuffer->normal[k] + at, width * sizeof(float));
+    uint8_t *surface = (uint8_t *)line_of(composer, LINE_SURFACE);
+    memcpy(surface, gbuffer->surface + at, width);
+    memset(surface + width, ISO_SURFACE_NONE, ISO_LANES_MAX);
+    back->surface = surface;
+}
+
+/* Adds a row of samples to the sums of its pixels. */
+static void add_line(const iso_layer_line *line, int factor, int width, const iso_layer_line *sums) {
+    for (int k = 0; k < 5; k++) {
+        const float *from = k < 3 ? line->color[k] : k == 3 ? line->through : line->layers;
+        float *to = k < 3 ? sums->color[k] : k == 3 ? sums->through : sums->layers;
+        for (int x = 0; x < width; x++)
+            for (int i = 0; i < factor; i++) to[x] += from[x * factor + i];
+    }
+}
+
+static void scale_line(const iso_layer_line *line, int width, float by) {
+    for (int x = 0; x < width; x++) {
+        for (int k = 0; k < 3; k++) line->color[k][x] *= by;
+        line->through[x] *= by;
+        line->layers[x] *= by;
+    }
+}
+
+/* Writes a row of pixels; y: in the image. */
+static void write_row(const iso_layer_picture *picture, const iso_layer_kernel *kernel, int y,
+                      const iso_layer_line *line) {
+    const size_t width = (size_t)picture->image->width, at = (size_t)y * width;
+    const float *const color[3] = {line->color[0], line->color[1], line->color[2]};
+    kernel->write(color, line->through, picture->shading->transparent, picture->image->width,
+                  (int32_t *)picture->image->rgba + at);
+    if (picture->layers) memcpy(picture->layers + at, line->layers, width * sizeof(float));
+    for (size_t x = 0; picture->coverage && x < width; x++) picture->coverage[at + x] = 1 - line->through[x];
+}
+
+static void count_layers(const iso_layer_line *line, int width, iso_layer_totals *totals) {
+    for (int x = 0; x < width; x++) {
+        const int layers = (int)line->layers[x];
+        totals->layers += (size_t)layers;
+        if (layers > totals->most) totals->most = layers;
+    }
+}
+
+void iso_layers_compose(const iso_layer_picture *picture, const iso_layer_lists *lists,
+                        const iso_layer_rays *rays, int first, iso_layer_composer *composer,
+                        iso_layer_totals *totals) {
+    const iso_layer_kernel *kernel = iso_layer_kernel_get(iso_cpu_best());
+    const iso_strip *strip = picture->strip;
+    const int factor = strip->factor, width = picture->image->width;
+    const iso_layer_line line = line_at(composer, LINE_SAMPLES), sums = line_at(composer, LINE_SUMS);
+    iso_layer_back back = make_back(picture, composer);
+    assert(first % factor == 0 && lists->rows % factor == 0 && lists->width == width * factor);
+    for (int row = 0; row < lists->rows; row++) {
+        if (row % factor == 0) memset(sums.color[0], 0, 5 * composer->line_floats * sizeof(float));
+        if (picture->media)
+            iso_layers_absorb(picture, lists, rays, row, &line);
+        else
+            kernel->compose(lists, row, &line);
+        count_layers(&line, lists->width, totals);
+        back.v = iso_slope_of_row(strip->view, first + row);
+        copy_row(strip->gbuffer, first + row, composer, &back);
+        totals->covered += kernel->add_back(&back, lists->width, &line);
+        if (factor > 1) add_line(&line, factor, width, &sums);
+        if (factor > 1 && row % factor == factor - 1) scale_line(&sums, width, 1 / (float)(factor * factor));
+        if (row % factor == factor - 1)
+            write_row(picture, kernel, strip->y0 + (first + row) / factor, factor > 1 ? &sums : &line);
+    }
+}

@@ -1,0 +1,43 @@
+/* compose_kernel: the kernel that composites rows of samples. Internal to layers. */
+#ifndef ISO_RENDER_LAYERS_COMPOSE_KERNEL_H
+#define ISO_RENDER_LAYERS_COMPOSE_KERNEL_H
+
+#include "base/cpu.h"
+#include "render/layers/compose.h"
+
+/* A row of samples, composited. Planes of the lists' width, with room for ISO_LANES_MAX more. */
+typedef struct iso_layer_line {
+    float *color[3]; /* what the layers add to the picture, 0 .. 1 */
+    float *through;  /* share of the light that passes all layers */
+    float *layers;   /* number of layers composited */
+} iso_layer_line;
+
+/* What is behind the layers of a row. */
+typedef struct iso_layer_back {
+    const float *normal[3]; /* of the opaque surfaces, by sample */
+    const uint8_t *surface; /* their numbers; NULL: there are no opaque surfaces */
+    const float *color[3];  /* of surfaces, by number: 256 each */
+    const float *u;         /* rays (u, v, 1): u by column, with ISO_LANES_MAX readable items more */
+    float v, background[3]; /* 0 .. 1 */
+    bool transparent;       /* the background is */
+} iso_layer_back;
+
+typedef struct iso_layer_kernel {
+    /* Composites the fragments of row `row` of the lists. */
+    void (*compose)(const iso_layer_lists *lists, int row, const iso_layer_line *line);
+    /* Adds what is behind the layers, so that `through` is the share of a transparent background. Returns
+     * the number of samples that show a surface. */
+    size_t (*add_back)(const iso_layer_back *back, int width, const iso_layer_line *line);
+    /* Writes pixels from colours and transmittances, premultiplied, as RGBA. */
+    void (*write)(const float *const color[3], const float *through, bool transparent, int width,
+                  int32_t *words);
+} iso_layer_kernel;
+
+/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
+const iso_layer_kernel *iso_layer_kernel_get(iso_cpu_level level);
+
+/* Does what iso_layer_kernel.compose does, with solids that absorb light, sample by sample. */
+void iso_layers_absorb(const iso_layer_picture *picture, const iso_layer_lists *lists,
+                       const iso_layer_rays *rays, int row, const iso_layer_line *line);
+
+#endif

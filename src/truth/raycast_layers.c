@@ -1,0 +1,216 @@
+/* raycast_layers: composites all crossings of a sample's ray, front to back. The crossings of several
+ * surfaces are merged by their distance. pow and exp are libm's: this code judges that of the renderers,
+ * which has its own. */
+#include "truth/raycast_layers.h"
+
+#include <math.h>
+#include <stdatomic.h>
+
+#include "truth/raycaster.h"
+
+/* The ray of a sample. */
+typedef struct sample_ray {
+    const iso_raycast_layers *picture;
+    iso_vec3 direction; /* world space */
+    float to_eye[3];    /* view space */
+    double length;      /* mm of the ray per mm of depth */
+    double limit;       /* depth of what is opaque, mm; INFINITY: nothing */
+    iso_ray ray[ISO_RAYCAST_LAYERS_MAX];
+    iso_ray_hit hit[ISO_RAYCAST_LAYERS_MAX]; /* the next crossing of each surface */
+    bool more[ISO_RAYCAST_LAYERS_MAX];       /* there is one */
+    bool inside[ISO_RAYCAST_LAYERS_MAX];     /* the ray is in the surface's solid */
+    int listed[ISO_RAYCAST_LAYERS_MAX];      /* crossings of the surface so far */
+    double end;                              /* depth where the ray leaves the volume, mm */
+    double depth;                            /* that has been reached, mm */
+} sample_ray;
+
+/* The colour of a sample so far, and the share of the light that is left. */
+typedef struct light {
+    double color[3], through;
+    int layers;
+} light;
+
+static void next_hit(sample_ray *s, int i) {
+    const iso_raycast_layer *layer = &s->picture->layers[i];
+    const int most = layer->translucency.most_layers;
+    s->more[i] = (!most || s->listed[i] < most) &&
+                 iso_ray_next(layer->caster->tracer, &s->ray[i], &s->hit[i]) &&
+                 (float)s->hit[i].t < (float)s->limit;
+    s->listed[i]++;
+}
+
+static void start_ray(sample_ray *s, const iso_raycast_layers *picture, int x, int y) {
+    const iso_view *view = picture->strip->view;
+    const iso_gbuffer *opaque = picture->strip->gbuffer;
+    iso_vec3 origin;
+    iso_view_ray(view, x + 0.5, y + 0.5, &origin, &s->direction);
+    const iso_vec3 along = iso_view_vector(view, s->direction);
+    s->picture = picture;
+    s->to_eye[0] = -(float)along.x;
+    s->to_eye[1] = -(float)along.y;
+    s->to_eye[2] = -(float)along.z;
+    s->length = iso_vec3_length(along);
+    s->limit =
+        opaque->depth ? (double)opaque->depth[(size_t)y * (size_t)opaque->width + (size_t)x] : INFINITY;
+    s->depth = s->end = 0;
+    for (int i = 0; i < picture->count; i++) {
+        const iso_raycaster *caster = picture->layers[i].caster;
+        s->listed[i] = 0;
+        s->more[i] = s->inside[i] = false;
+        if (!iso_ray_start(caster->tracer, origin, s->direction, view->near, &s->ray[i])) continue;
+        s->inside[i] = iso_ray_starts_above(caster->tracer, &s->ray[i]) != caster->level_set;
+        s->depth = s->ray[i].t;
+        s->end = iso_ray_end(caster->tracer, &s->ray[i]);
+        next_hit(s, i);
+    }
+}
+
+/* The surface with the nearest crossing; -1: there are no more. */
+static int nearest_hit(const sample_ray *s) {
+    int nearest = -1;
+    for (int i = 0; i < s->picture->count; i++)
+        if (s->more[i] && (nearest < 0 || s->hit[i].t < s->hit[nearest].t)) nearest = i;
+    return nearest;
+}
+
+/* Takes the light to a depth, through the solids that absorb it. */
+static void absorb(sample_ray *s, light *l, double depth) {
+    double rate = 0, color[3] = {0, 0, 0};
+    for (int i = 0; i < s->picture->count; i++) {
+        const iso_raycast_layer *layer = &s->picture->layers[i];
+        if (!s->inside[i] || !(layer->translucency.mean_path > 0)) continue;
+        const double per_mm = 1 / (double)layer->translucency.mean_path;
+        rate += per_mm;
+        color[0] += per_mm * layer->color.r / 255;
+        color[1] += per_mm * layer->color.g / 255;
+        color[2] += per_mm * layer->color.b / 255;
+    }
+    if (rate > 0 && depth > s->depth) {
+        const double left = exp(-rate * s->length * (depth - s->depth));
+        for (int k = 0; k < 3; k++) l->color[k] += l->through * (1 - left) * color[k] / rate;
+        l->through *= left;
+    }
+    s->depth = fmax(s->depth, depth);
+}
+
+static double opacity_of(const iso_translucency *translucency, const float normal[3], const float to_eye[3]) {
+    const double opacity = (double)translucency->opacity;
+    double dot = 0, square = 0;
+    if (translucency->constant) return opacity;
+    for (int k = 0; k < 3; k++) {
+        dot += (double)normal[k] * (double)to_eye[k];
+        square += (double)to_eye[k] * (double)to_eye[k];
+    }
+    return 1 - pow(1 - opacity, 1 / fmax(fabs(dot) / sqrt(square), 1e-6));
+}
+
+/* Composites the next crossing of surface i. */
+static void add_layer(sample_ray *s, int i, light *l) {
+    const iso_raycast_layer *layer = &s->picture->layers[i];
+    const iso_ray_hit *hit = &s->hit[i];
+    absorb(s, l, hit->t);
+    const iso_vec3 n =
+        iso_view_vector(s->picture->strip->view, iso_ray_hit_normal(layer->caster->tracer, &s->ray[i], hit));
+    const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
+    const double opacity = opacity_of(&layer->translucency, normal, s->to_eye);
+    float rgb[3];
+    iso_shade_sample(normal, s->to_eye, layer->color, rgb);
+    for (int k = 0; k < 3; k++) l->color[k] += l->through * opacity * (double)rgb[k];
+    l->through *= 1 - opacity;
+    l->layers++;
+    s->inside[i] = hit->falls == layer->caster->level_set;
+    next_hit(s, i);
+}
+
+/* Adds what is opaque behind the layers. Returns whether something is. */
+static bool add_opaque(const sample_ray *s, int x, int y, light *l) {
+    const iso_shading *shading = s->picture->shading;
+    const iso_gbuffer *opaque = s->picture->strip->gbuffer;
+    if (!opaque->depth) return false;
+    const size_t at = (size_t)y * (size_t)opaque->width + (size_t)x;
+    const int surface = opaque->surface[at];
+    if (surface == ISO_SURFACE_NONE) return false;
+    const iso_vec3 n = iso_gbuffer_normal(opaque, at);
+    const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
+    const int last = shading->color_count - 1;
+    float rgb[3];
+    iso_shade_sample(normal, s->to_eye, shading->colors[surface < last ? surface : last], rgb);
+    for (int k = 0; k < 3; k++) l->color[k] += l->through * (double)rgb[k];
+    l->through = 0;
+    return true;
+}
+
+/* Composites a sample; returns whether it shows a surface. */
+static bool cast_sample(const iso_raycast_layers *picture, int x, int y, light *l) {
+    sample_ray s;
+    start_ray(&s, picture, x, y);
+    *l = (light){.through = 1};
+    for (int i; l->through >= (double)ISO_LAYER_CUT && (i = nearest_hit(&s)) >= 0;) add_layer(&s, i, l);
+    if (l->through >= (double)ISO_LAYER_CUT) absorb(&s, l, fmin(s.end, s.limit));
+    return add_opaque(&s, x, y, l) || l->layers > 0;
+}
+
+/* ---- the picture */
+
+typedef struct layers_cast {
+    const iso_raycast_layers *picture;
+    atomic_size_t covered, layers;
+    atomic_int most;
+} layers_cast;
+
+static uint8_t to_byte(double value) {
+    return (uint8_t)(fmin(value, 1) * 255 + 0.5);
+}
+
+static void write_pixel(const iso_raycast_layers *picture, const light *mean, size_t at) {
+    const iso_rgb c = picture->shading->background;
+    const double background[3] = {c.r / 255.0, c.g / 255.0, c.b / 255.0}, alpha = 1 - mean->through;
+    uint8_t *rgba = picture->image->rgba + 4 * at;
+    for (int k = 0; k < 3; k++)
+        rgba[k] = to_byte(!picture->shading->transparent ? mean->color[k] + mean->through * background[k]
+                          : alpha > 0                    ? mean->color[k] / alpha
+                                                         : 0);
+    rgba[3] = picture->shading->transparent ? to_byte(alpha) : 255;
+    if (picture->coverage) picture->coverage[at] = (float)alpha;
+}
+
+static void count_layers(layers_cast *cast, int layers, bool shows) {
+    atomic_fetch_add(&cast->covered, shows);
+    atomic_fetch_add(&cast->layers, (size_t)layers);
+    for (int most = atomic_load(&cast->most);
+         layers > most && !atomic_compare_exchange_weak(&cast->most, &most, layers);) {
+    }
+}
+
+static void cast_pixel(layers_cast *cast, int x, int y) {
+    const iso_raycast_layers *picture = cast->picture;
+    const int factor = picture->strip->factor;
+    const size_t at = (size_t)(picture->strip->y0 + y) * (size_t)picture->image->width + (size_t)x;
+    light mean = {.through = 0};
+    for (int sample = 0; sample < factor * factor; sample++) {
+        light l;
+        const bool shows =
+            cast_sample(picture, x * factor + sample % factor, y * factor + sample / factor, &l);
+        count_layers(cast, l.layers, shows);
+        for (int k = 0; k < 3; k++) mean.color[k] += l.color[k] / (factor * factor);
+        mean.through += l.through / (factor * factor);
+        mean.layers += l.layers;
+    }
+    write_pixel(picture, &mean, at);
+    if (picture->layer_counts) picture->layer_counts[at] = (float)mean.layers / (float)(factor * factor);
+}
+
+static void cast_row(void *context, size_t row, int worker) {
+    (void)worker;
+    layers_cast *cast = context;
+    for (int x = 0; x < cast->picture->image->width; x++) cast_pixel(cast, x, (int)row);
+}
+
+void iso_shade_raycast_layers(const iso_raycast_layers *picture, iso_layer_totals *totals) {
+    layers_cast cast = {.picture = picture};
+    iso_parallel_for(picture->pool, (size_t)(picture->strip->view->height / picture->strip->factor), cast_row,
+                     &cast);
+    totals->covered += cast.covered;
+    totals->layers += cast.layers;
+    if (cast.most > totals->most) totals->most = cast.most;
+}

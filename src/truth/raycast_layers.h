@@ -1,0 +1,40 @@
+/* raycast_layers: translucent surfaces by ray casting: the truth for src/exact/layers.h. Every crossing of
+ * each ray is found and composited in double precision. */
+#ifndef ISO_TRUTH_RAYCAST_LAYERS_H
+#define ISO_TRUTH_RAYCAST_LAYERS_H
+
+#include "render/layers/compose.h"
+#include "truth/raycast.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A translucent surface, with an opacity below 1. */
+typedef struct iso_raycast_layer {
+    const iso_raycaster *caster; /* borrowed for the call */
+    iso_rgb color;
+    iso_translucency translucency;
+} iso_raycast_layer;
+
+enum { ISO_RAYCAST_LAYERS_MAX = 64 }; /* surfaces in a picture */
+
+/* What is drawn into; all pointers are borrowed for the call. The members mean what those of iso_exact_layers
+ * mean. */
+typedef struct iso_raycast_layers {
+    const iso_raycast_layer *layers;
+    int count; /* 1 .. ISO_RAYCAST_LAYERS_MAX */
+    const iso_strip *strip;
+    const iso_shading *shading;
+    iso_image *image;
+    float *layer_counts, *coverage;
+    iso_pool *pool;
+} iso_raycast_layers;
+
+/* Draws and composites a strip. Adds to *totals. Cannot fail. */
+void iso_shade_raycast_layers(const iso_raycast_layers *picture, iso_layer_totals *totals);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
