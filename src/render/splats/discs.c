@@ -210,11 +210,14 @@ typedef struct sorted {
     uint32_t disc;
 } sorted;
 
-/* Orders from back to front; of equal depths the later disc comes first, as if it were farther away. */
-static int compare_depths(const void *left, const void *right) {
+static int compare_near(const void *left, const void *right) {
     const sorted *a = left, *b = right;
-    if (a->depth != b->depth) return a->depth < b->depth ? 1 : -1;
-    return a->disc < b->disc ? 1 : -1;
+    if (a->depth != b->depth) return a->depth < b->depth ? -1 : 1;
+    return a->disc < b->disc ? -1 : 1;
+}
+
+static int compare_far(const void *left, const void *right) {
+    return compare_near(right, left);
 }
 
 /* Lists the discs that are drawn; returns how many. */
@@ -246,18 +249,25 @@ static iso_status fill_bands(iso_discs *discs, const sorted *list, size_t count,
     return ISO_OK;
 }
 
-iso_status iso_discs_assign(iso_discs *discs, int height, int band_rows, bool back_to_front,
+iso_status iso_discs_assign(iso_discs *discs, int height, int band_rows, iso_disc_order order,
                             iso_error *error) {
+    discs->height = height;
     discs->band_rows = band_rows;
     discs->bands = (height + band_rows - 1) / band_rows;
     ISO_TRY(iso_buffer_reserve(&discs->start, ((size_t)discs->bands + 2) * sizeof(size_t), 0, error));
     sorted *list = iso_alloc(discs->count * sizeof *list);
     if (!list) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu discs", discs->count);
     const size_t count = list_discs(discs, list);
-    if (back_to_front) qsort(list, count, sizeof *list, compare_depths);
+    if (order != ISO_DISCS_AS_THEY_ARE)
+        qsort(list, count, sizeof *list, order == ISO_DISCS_BACK_TO_FRONT ? compare_far : compare_near);
     const iso_status status = fill_bands(discs, list, count, error);
     iso_free(list);
     return status;
+}
+
+iso_rows iso_discs_band(const iso_discs *discs, size_t band) {
+    const int first = (int)band * discs->band_rows, end = first + discs->band_rows;
+    return (iso_rows){first, (end < discs->height ? end : discs->height) - 1};
 }
 
 void iso_discs_free(iso_discs *discs) {

@@ -55,6 +55,7 @@ typedef struct iso_discs {
     iso_buffer disc, rows; /* iso_disc, iso_rows: none where a disc is not drawn */
     size_t count;
     float depth[2];       /* least and greatest depth of any disc, in the picture or not; mm */
+    int height;           /* rows of the picture */
     int band_rows, bands; /* rows of a band; number of bands */
     /* uint32_t order[], size_t start[]: band b shows discs order[start[b]] .. order[start[b + 1] - 1]. */
     iso_buffer order, start;
@@ -68,10 +69,19 @@ iso_disc_view iso_disc_view_make(const iso_view *view);
  * points or more. */
 iso_status iso_discs_project(iso_discs *discs, const iso_view *view, const iso_point_view *points,
                              float factor, iso_pool *pool, iso_error *error);
-/* Lists the discs of each band, in their own order, or back to front by the depths of their centres.
+/* The order of the discs of a band: that of the spans, or by the depths of their centres. */
+typedef enum iso_disc_order {
+    ISO_DISCS_AS_THEY_ARE,
+    ISO_DISCS_FRONT_TO_BACK,
+    ISO_DISCS_BACK_TO_FRONT
+} iso_disc_order;
+
+/* Lists the discs of each band in an order; of equal depths the disc of the smaller number is nearer.
  * ISO_ERR_NOMEM. */
-iso_status iso_discs_assign(iso_discs *discs, int height, int band_rows, bool back_to_front,
+iso_status iso_discs_assign(iso_discs *discs, int height, int band_rows, iso_disc_order order,
                             iso_error *error);
+/* The rows of a band. */
+iso_rows iso_discs_band(const iso_discs *discs, size_t band);
 void iso_discs_free(iso_discs *discs);
 
 /* The pixels that a disc may cover, of those in `within`. */
