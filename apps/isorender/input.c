@@ -43,8 +43,8 @@ static iso_status check_points_options(const isorender_settings *settings, iso_e
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
 }
 
-/* Checks that the limit of memory allows the grids of their own that surfaces will get (closed, or with parts
- * removed), estimated from the header before the volume is read. */
+/* Checks that the limit of memory allows the grids of their own that surfaces will get (closed, or with
+ * parts removed), estimated from the header before the volume is read. */
 static iso_status check_copies(const isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const iso_volume_info *info = &job->loader.volume.info;
@@ -77,7 +77,9 @@ static const iso_renderer *find_renderer(const isorender_job *job) {
 }
 
 static void choose_method(isorender_job *job) {
-    const iso_method usual = job->loader.has_points ? ISO_METHOD_POINTS : ISO_METHOD_EXACT;
+    const iso_method of_points =
+        isorender_is_translucent(job->settings) ? ISO_METHOD_SPLATS : ISO_METHOD_POINTS;
+    const iso_method usual = job->loader.has_points ? of_points : ISO_METHOD_EXACT;
     job->method =
         job->settings->method == ISORENDER_METHOD_UNCHOSEN ? usual : (iso_method)job->settings->method;
     job->renderer = find_renderer(job);

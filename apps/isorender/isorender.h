@@ -62,6 +62,7 @@ typedef struct isorender_job {
     const iso_renderer *renderer; /* of the method with its reconstruction */
 
     isorender_surface surfaces[ISORENDER_SURFACES];
+    iso_point_view read_points; /* of a file of points */
     int surface_count;
     bool translucent;                                /* at least one surface is */
     iso_gl_surface *gl_surfaces[ISORENDER_SURFACES]; /* of OpenGL; NULL before isorender_gl_upload */

@@ -28,6 +28,7 @@ static const iso_method methods[METHODS] = {ISO_METHOD_EXACT,  ISO_METHOD_POINTS
                                             ISO_METHOD_SPLATS, ISO_METHOD_MESH,   ISO_METHOD_RAYCAST};
 static const char *method_names[METHODS + 1]; /* filled by isorender_program */
 static const char *const reconstructions[] = {"refined", "box", "gaussian", "groups", NULL};
+static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
 static const char *const fits[] = {"box", "tight", NULL};
@@ -205,7 +206,8 @@ static const iso_option options[] = {
      .group = SURFACE, .standard = "D9B36C", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
     {"opacity", NULL, "A",
      "opacity of the surface, 0 (not seen) to 1; several, separated by commas: the second one belongs to the "
-     "second isovalue, and so on; the last one repeats; for the methods exact and raycast",
+     "second isovalue, and so on; the last one repeats; for the methods exact, raycast and splats (files of "
+     "points)",
      .group = SURFACE, .standard = "1", CALL(apply_opacity), .flags = ISO_OPTION_REPEATABLE},
     {"opacity-mode", NULL, "NAME",
      "angle: the surface is a thin slab, more opaque where it is seen at a slant, so that outlines stand "
@@ -220,6 +222,11 @@ static const iso_option options[] = {
     {"layers", NULL, "N",
      "draw only the first N crossings of each translucent surface: 1 is the skin without what lies behind it",
      .group = SURFACE, .standard = "all", INT(layers, 1, 1000000)},
+    {"transparency", NULL, "NAME",
+     "how splats are seen through: sorted (every layer of the surface, in order), groups (a picture of each "
+     "group, and their mean) or nearest (the same behind a smooth nearest layer; both Zhang and Pajarola "
+     "2006)",
+     .group = SURFACE, .standard = "sorted", CHOICE(transparency, transparencies)},
     {"primitive", NULL, "NAME",
      "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets unless they are "
      "drawn by "
@@ -251,7 +258,7 @@ static const iso_option options[] = {
      .group = PICTURE, .standard = "refined, or groups", CHOICE(reconstruction, reconstructions)},
     {"groups", NULL, "N",
      "most groups of splats; 64: as many as it takes so that no discs of a group overlap", .group = PICTURE,
-     .standard = "8", INT(groups, 1, ISO_GROUPS_MOST)},
+     .standard = "8, with --transparency 4", INT(groups, 1, ISO_GROUPS_MOST)},
     {"group-overlap", NULL, "C",
      "discs of splats conflict when their distance is below C times the sum of their radii", .group = PICTURE,
      .standard = "1", REAL(group_overlap, 0.01, 1)},
@@ -510,8 +517,7 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
     return ISO_OK;
 }
 
-/* Whether any of the surfaces is translucent. */
-static bool is_translucent(const isorender_settings *settings) {
+bool isorender_is_translucent(const isorender_settings *settings) {
     for (int i = 0; i < settings->opacity_count; i++)
         if (settings->opacities[i] < 1) return true;
     return false;
@@ -523,7 +529,7 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
                         : settings->layers                                     ? "--layers"
                         : settings->opacity_mode != ISORENDER_OPACITY_BY_ANGLE ? "--opacity-mode"
                                                                                : NULL;
-    if (needs && !is_translucent(settings))
+    if (needs && !isorender_is_translucent(settings))
         return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs --opacity below 1",
                         needs);
     if (!settings->opacity_count) return ISO_OK;
@@ -532,7 +538,7 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
                         surfaces, surfaces > 1 ? "s" : "");
     if (settings->method != ISORENDER_METHOD_UNCHOSEN && !iso_method_has_layers((iso_method)settings->method))
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--method %s draws no translucent surfaces: exact and raycast do",
+                        "--method %s draws no translucent surfaces: exact, raycast and splats do",
                         iso_method_name((iso_method)settings->method));
     if (settings->mesh)
         return iso_fail(error, ISO_ERR_USAGE, "--mesh writes no opacities: --opacity is for pictures");

@@ -13,18 +13,9 @@
 
 /* ---- one picture ---- */
 
-/* Points that were read have no set of extracted points. */
-static iso_status draw_read_points(const isorender_job *job, const iso_target *target, iso_error *error) {
-    const iso_point_view points = iso_points_view(&job->loader.points);
-    const iso_pullpush_opts opts = {(iso_reconstruction)job->settings->reconstruction, job->pullpush};
-    const iso_splats_opts splats = {&job->surfaces[0].groups, job->settings->group_bins};
-    if (job->method == ISO_METHOD_POINTS) return iso_draw_points(target, &points, error);
-    if (job->method == ISO_METHOD_SPLATS) return iso_draw_splats(target, &points, &splats, error);
-    return iso_draw_pullpush(target, &points, &opts, error);
-}
-
 static iso_subject subject_of(const isorender_job *job, const isorender_surface *surface) {
     return (iso_subject){.points = surface->points,
+                         .given = job->loader.has_points ? &job->read_points : NULL,
                          .workspace = job->pullpush,
                          .mesh = surface->mesh,
                          .exact = surface->exact,
@@ -41,8 +32,7 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
         const isorender_surface *surface = &job->surfaces[i];
         const iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
         const iso_subject subject = subject_of(job, surface);
-        ISO_TRY(job->loader.has_points ? draw_read_points(job, &target, error)
-                                       : job->renderer->draw(&subject, &target, error));
+        ISO_TRY(job->renderer->draw(&subject, &target, error));
     }
     return ISO_OK;
 }
@@ -154,6 +144,7 @@ static iso_status render_layers(const isorender_job *job, iso_picture_opts *opts
     iso_layered_picture picture = {.method = job->method,
                                    .surfaces = surfaces,
                                    .count = job->surface_count,
+                                   .transparency = (iso_transparency)job->settings->transparency,
                                    .shading = &opts->shading,
                                    .pool = job->pool};
     ISO_TRY(iso_layered_picture_callbacks(&picture, &callbacks, error));

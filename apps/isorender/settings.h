@@ -56,6 +56,7 @@ typedef struct isorender_settings {
     /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */
     int groups, group_bins, group_opposite;
     double group_overlap;
+    int transparency; /* iso_transparency, of splats */
     const char *backend;
     int scaling; /* iso_point_scaling */
     int strips;
@@ -76,6 +77,8 @@ typedef struct isorender_settings {
     int progress, verbose, info;
 } isorender_settings;
 
+/* Whether any of the surfaces is translucent. */
+bool isorender_is_translucent(const isorender_settings *settings);
 /* Chooses the reconstruction when none is given, and checks that the options of splats are for splats.
  * ISO_ERR_USAGE. */
 iso_status isorender_splats_check(isorender_settings *settings, iso_error *error);

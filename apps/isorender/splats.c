@@ -10,7 +10,22 @@ static const char *given_option(const isorender_settings *settings) {
                                          : NULL;
 }
 
+/* --transparency, and options of translucent surfaces that splats do not have. */
+static iso_status check_transparency(const isorender_settings *settings, iso_error *error) {
+    const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
+    if (!sorted && !(settings->method == ISO_METHOD_SPLATS && isorender_is_translucent(settings)))
+        return iso_fail(error, ISO_ERR_USAGE, "--transparency is for --method splats with --opacity below 1");
+    if (!sorted && settings->layers)
+        return iso_fail(error, ISO_ERR_USAGE, "--layers needs --transparency sorted");
+    if (settings->method == ISO_METHOD_SPLATS && settings->absorption > 0)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--method splats knows no solids: --absorption is for exact and raycast");
+    return ISO_OK;
+}
+
 iso_status isorender_splats_check(isorender_settings *settings, iso_error *error) {
+    if (settings->transparency && settings->method == ISORENDER_METHOD_UNCHOSEN)
+        settings->method = ISO_METHOD_SPLATS;
     const bool splats = settings->method == ISO_METHOD_SPLATS;
     const char *option = given_option(settings);
     if (settings->reconstruction == ISORENDER_RECONSTRUCTION_UNCHOSEN)
@@ -21,7 +36,7 @@ iso_status isorender_splats_check(isorender_settings *settings, iso_error *error
     if (!splats && (groups || option))
         return iso_fail(error, ISO_ERR_USAGE, "%s is for --method splats",
                         option ? option : "--reconstruction groups");
-    return ISO_OK;
+    return check_transparency(settings, error);
 }
 
 iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error) {
@@ -29,6 +44,7 @@ iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *err
     const iso_point_view points = isorender_points_view(job, surface);
     iso_groups *groups = &job->surfaces[surface].groups;
     iso_groups_opts opts = iso_splats_grouping(job->pool);
+    if (settings->transparency != (int)ISO_TRANSPARENCY_SORTED) opts.limit = ISO_SPLAT_LAYERS_GROUPS;
     if (settings->groups) opts.limit = settings->groups;
     opts.overlap = settings->group_overlap;
     opts.ignore_opposite = settings->group_opposite;

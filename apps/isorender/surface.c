@@ -186,8 +186,7 @@ static iso_status extract_surface(isorender_job *job, isorender_surface *surface
 /* ---- bounds ---- */
 
 iso_point_view isorender_points_view(const isorender_job *job, int surface) {
-    return job->loader.has_points ? iso_points_view(&job->loader.points)
-                                  : iso_point_set_view(job->surfaces[surface].points);
+    return job->loader.has_points ? job->read_points : iso_point_set_view(job->surfaces[surface].points);
 }
 
 /* Voxel (0, 0, 0) of the file is the local origin, also when a part of it was cut out. */
@@ -277,8 +276,8 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
     choose_colors(job);
     choose_opacities(job);
     if (job->loader.has_points) {
-        iso_point_view view = iso_points_view(&job->loader.points);
-        job->point_count = iso_point_view_count(&view);
+        job->read_points = iso_points_view(&job->loader.points);
+        job->point_count = iso_point_view_count(&job->read_points);
         if (job->point_count == 0) return iso_fail(error, ISO_ERR_EMPTY, "holds no usable point");
     }
     for (int i = 0; i < job->surface_count && !job->loader.has_points; i++) {

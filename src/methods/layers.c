@@ -4,7 +4,7 @@
 #include "truth/raycast_layers.h"
 
 bool iso_method_has_layers(iso_method method) {
-    return method == ISO_METHOD_EXACT || method == ISO_METHOD_RAYCAST;
+    return method == ISO_METHOD_EXACT || method == ISO_METHOD_RAYCAST || method == ISO_METHOD_SPLATS;
 }
 
 static bool is_opaque(const iso_layered_surface *surface) {
@@ -63,6 +63,27 @@ static void shade_raycast(iso_layered_picture *picture, const iso_strip *strip, 
     iso_shade_raycast_layers(&input, &picture->totals.layers);
 }
 
+static iso_status shade_splats(iso_layered_picture *picture, const iso_strip *strip, iso_image *image,
+                               iso_aov *aov, iso_error *error) {
+    iso_splat_layer layers[ISO_LAYERED_MAX];
+    int count = 0;
+    for (int i = 0; i < picture->count; i++)
+        if (!is_opaque(&picture->surfaces[i]))
+            layers[count++] = (iso_splat_layer){
+                iso_subject_points(picture->surfaces[i].subject), &picture->surfaces[i].subject->groups,
+                picture->shading->colors[i], picture->surfaces[i].translucency};
+    const iso_splat_layers input = {.transparency = picture->transparency,
+                                    .layers = layers,
+                                    .count = count,
+                                    .strip = strip,
+                                    .shading = picture->shading,
+                                    .image = image,
+                                    .layer_counts = aov ? aov->layers : NULL,
+                                    .coverage = aov ? aov->coverage : NULL,
+                                    .pool = picture->pool};
+    return iso_shade_splat_layers(&input, &picture->totals.layers, error);
+}
+
 /* iso_picture_layers.shade. */
 static iso_status shade(void *context, const iso_strip *strip, iso_image *image, iso_aov *aov,
                         size_t *covered, iso_error *error) {
@@ -70,6 +91,8 @@ static iso_status shade(void *context, const iso_strip *strip, iso_image *image,
     const size_t before = picture->totals.layers.covered;
     if (picture->method == ISO_METHOD_EXACT)
         ISO_TRY(shade_exact(picture, strip, image, aov, error));
+    else if (picture->method == ISO_METHOD_SPLATS)
+        ISO_TRY(shade_splats(picture, strip, image, aov, error));
     else
         shade_raycast(picture, strip, image, aov);
     *covered = picture->totals.layers.covered - before;

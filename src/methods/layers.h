@@ -1,11 +1,12 @@
 /* layers: pictures of surfaces of which some are translucent, by the methods that find every crossing of a
- * ray: exact and raycast. */
+ * ray, exact and raycast, and of points by splats. */
 #ifndef ISO_METHODS_LAYERS_H
 #define ISO_METHODS_LAYERS_H
 
 #include "exact/layers.h"
 #include "methods/method.h"
 #include "render/picture.h"
+#include "render/splats/layers.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -27,7 +28,8 @@ typedef struct iso_layered_picture {
     iso_method method; /* iso_method_has_layers */
     const iso_layered_surface *surfaces;
     int count;
-    const iso_shading *shading; /* a colour for each surface, and the background */
+    iso_transparency transparency; /* of splats */
+    const iso_shading *shading;    /* a colour for each surface, and the background */
     iso_pool *pool;
     iso_exact_layers_totals totals; /* zeroed by the caller, filled while rendering */
 } iso_layered_picture;

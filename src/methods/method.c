@@ -151,8 +151,12 @@ iso_part_size iso_subject_size(const iso_subject *subject, iso_part part) {
 
 /* ---- methods ---- */
 
+iso_point_view iso_subject_points(const iso_subject *subject) {
+    return subject->given ? *subject->given : iso_point_set_view(subject->points);
+}
+
 static iso_status draw_points(const iso_subject *subject, const iso_target *target, iso_error *error) {
-    iso_point_view view = iso_point_set_view(subject->points);
+    iso_point_view view = iso_subject_points(subject);
     return iso_draw_points(target, &view, error);
 }
 
@@ -163,7 +167,7 @@ static iso_status draw_mesh(const iso_subject *subject, const iso_target *target
 
 static iso_status draw_pyramid(const iso_subject *subject, const iso_target *target,
                                iso_reconstruction reconstruction, iso_error *error) {
-    iso_point_view view = iso_point_set_view(subject->points);
+    iso_point_view view = iso_subject_points(subject);
     iso_pullpush_opts opts = {reconstruction, subject->workspace};
     return iso_draw_pullpush(target, &view, &opts, error);
 }
@@ -181,7 +185,7 @@ static iso_status draw_box(const iso_subject *subject, const iso_target *target,
 }
 
 static iso_status draw_splats(const iso_subject *subject, const iso_target *target, iso_error *error) {
-    iso_point_view view = iso_point_set_view(subject->points);
+    iso_point_view view = iso_subject_points(subject);
     iso_splats_opts opts = {&subject->groups, subject->bins};
     return iso_draw_splats(target, &view, &opts, error);
 }

@@ -37,7 +37,8 @@ typedef struct iso_subject {
     iso_pool *pool; /* or NULL */
     bool bounded; /* computes the bounds of points (iso_point_set_bound), so that drawing skips hidden ones */
     iso_point_set *points;
-    iso_pullpush *workspace; /* part of ISO_PART_POINTS */
+    const iso_point_view *given; /* NULL, or points that are drawn instead of extracted ones; borrowed */
+    iso_pullpush *workspace;     /* part of ISO_PART_POINTS */
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_raycaster *caster;
@@ -66,6 +67,9 @@ typedef struct iso_part_size {
     size_t primitives, bytes;
 } iso_part_size;
 iso_part_size iso_subject_size(const iso_subject *subject, iso_part part);
+
+/* The points that are drawn: the given ones, or those extracted. */
+iso_point_view iso_subject_points(const iso_subject *subject);
 
 typedef struct iso_renderer {
     iso_method method;

@@ -13,8 +13,22 @@ ball, file = json.load(open('ball.json')), json.load(open('file.json'))
 assert len(ball['groups']) == 1 and ball['groups'][0]['count'] == 8, ball['groups']
 assert 8 < file['groups'][0]['count'] < 20 and file['groups'][0]['conflicts'] == 0, file['groups']
 P
+for how in sorted groups nearest; do
+    isorender ball.ply $how.png --opacity 0.5 --transparency $how --resolution 400x400 --json=$how.json --background 000000 --quiet
+    isorender in/ball.mha volume.png --isovalue 500 --method splats --opacity 0.5 --transparency $how --samples 4 --resolution 200x200 --quiet
+done
+isorender ball.ply usual.png --opacity 0.5 --resolution 400x400 --background 000000 --quiet
+isocompare images sorted.png usual.png --fail-under psnr=100 >/dev/null
+isocompare images sorted.png groups.png --fail-under psnr=30 >/dev/null
+isocompare images sorted.png nearest.png --fail-under psnr=32 >/dev/null
+python3 - <<'P'
+import json
+layers = json.load(open('sorted.json'))['image']['layers']
+assert 1.9 < layers['mean'] < 2.1 and layers['most'] < 5, layers
+P
 for wrong in "--groups 4" "--reconstruction groups" "--method splats --groups 65" "--method splats --reconstruction box" \
-    "--method splats --backend egl"; do
+    "--method splats --backend egl" "--transparency groups" "--method exact --opacity 0.5 --transparency groups" \
+    "--opacity 0.5 --transparency nearest --layers 1" "--method splats --opacity 0.5 --absorption 3"; do
     code=0
     isorender in/ball.mha wrong.png --isovalue 500 $wrong 2>message || code=$?
     [ $code = 2 ] || { echo "exit status $code for $wrong"; exit 1; }

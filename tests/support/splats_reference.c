@@ -132,3 +132,102 @@ void test_draw_two_passes(const iso_view *view, const iso_point_view *points, is
     free(discs);
     free(pixels);
 }
+
+/* ---- translucent layers */
+
+/* A fragment of a pixel's list. */
+typedef struct listed {
+    fragment f;
+    const disc *from;
+} listed;
+
+static int compare_fragments(const void *left, const void *right) {
+    const listed *a = left, *b = right;
+    if (a->f.depth != b->f.depth) return a->f.depth < b->f.depth ? -1 : 1;
+    return (a->from > b->from) - (a->from < b->from);
+}
+
+/* A layer: the mean of its discs. */
+typedef struct merged {
+    double depth, weight;
+    iso_vec3 normal;
+} merged;
+
+static int compare_layers(const void *left, const void *right) {
+    const merged *a = left, *b = right;
+    return (a->depth > b->depth) - (a->depth < b->depth);
+}
+
+/* Merges the sorted fragments of one side into layers; returns how many. */
+static size_t merge_side(const listed *list, size_t count, bool away, merged *layers) {
+    size_t made = 0;
+    double front = 0;
+    for (size_t i = 0; i < count; i++) {
+        const double thickness =
+            list[i].from->radius / (double)ISO_SPLATS_DISC * (double)ISO_SPLATS_THICKNESS;
+        if (list[i].f.away != away) continue;
+        if (made == 0 || list[i].f.depth > front + thickness) {
+            front = list[i].f.depth;
+            layers[made++] = (merged){0};
+        }
+        const double w = exp(-3 * list[i].f.e);
+        merged *m = &layers[made - 1];
+        m->weight += w;
+        m->depth += w * list[i].f.depth;
+        m->normal = iso_vec3_add(m->normal, iso_vec3_scale(list[i].from->normal, w));
+    }
+    for (size_t i = 0; i < made; i++) layers[i].depth /= layers[i].weight;
+    return made;
+}
+
+/* Composites layers, sorted, over a colour. */
+static void composite(const iso_view *view, const iso_splat_layer *input, const merged *layers, size_t count,
+                      int x, int y, double color[3]) {
+    const double u = (x + 0.5 - view->cx) / view->focal, v = (y + 0.5 - view->cy) / view->focal;
+    const float to_eye[3] = {view->orthographic ? 0 : (float)-u, view->orthographic ? 0 : (float)-v, -1};
+    const double length = sqrt((double)(to_eye[0] * to_eye[0] + to_eye[1] * to_eye[1] + 1)),
+                 opacity = (double)input->translucency.opacity;
+    for (size_t i = count; i-- > 0;) { /* back to front */
+        const iso_vec3 n = iso_vec3_unit(iso_view_vector(view, layers[i].normal));
+        const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
+        const double cosine =
+            fabs(n.x * (double)to_eye[0] + n.y * (double)to_eye[1] + n.z * (double)to_eye[2]) / length;
+        const double a =
+            input->translucency.constant ? opacity : 1 - pow(1 - opacity, 1 / fmax(cosine, 1e-6));
+        float rgb[3];
+        iso_shade_sample(normal, to_eye, input->color, rgb);
+        for (int k = 0; k < 3; k++) color[k] = a * (double)rgb[k] + (1 - a) * color[k];
+    }
+}
+
+/* All fragments of one pixel, by looking at every disc. */
+static size_t list_pixel(const iso_view *view, const disc *discs, size_t count, int x, int y, listed *list) {
+    size_t found = 0;
+    for (size_t i = 0; i < count; i++)
+        if (intersect(view, &discs[i], x, y, &list[found].f)) list[found++].from = &discs[i];
+    qsort(list, found, sizeof *list, compare_fragments);
+    return found;
+}
+
+void test_draw_sorted_layers(const iso_view *view, const iso_splat_layer *input, iso_rgb background,
+                             iso_image *image) {
+    size_t count;
+    disc *discs = make_discs(view, &input->points, &count);
+    listed *list = malloc((count + 1) * sizeof *list);
+    merged *layers = malloc((count + 1) * sizeof *layers);
+    for (int y = 0; y < view->height; y++)
+        for (int x = 0; x < view->width; x++) {
+            double color[3] = {background.r / 255.0, background.g / 255.0, background.b / 255.0};
+            const size_t found = list_pixel(view, discs, count, x, y, list);
+            size_t made = merge_side(list, found, false, layers);
+            made += merge_side(list, found, true, layers + made);
+            qsort(layers, made, sizeof *layers, compare_layers);
+            composite(view, input, layers, made, x, y, color);
+            uint8_t *to = image->rgba + 4 * ((size_t)y * (size_t)view->width + (size_t)x);
+            for (int k = 0; k < 3; k++) to[k] = (uint8_t)(fmin(color[k], 1) * 255 + 0.5);
+            to[3] = 255;
+        }
+    free(discs);
+    free(list);
+    free(layers);
+}

@@ -1,0 +1,145 @@
+/* images: a picture of each group of a band, composited back to front, and their mean (Zhang and Pajarola
+ * 2006, algorithm 2); the nearest layer apart from the others (algorithm 3). */
+#include <string.h>
+
+#include "render/splats/layer_lists.h"
+
+/* A pixel in the picture of one group. */
+typedef struct pixel {
+    float color[3], through; /* composited so far: premultiplied colour, light that passes */
+    float bin;               /* of the last disc */
+} pixel;
+
+/* What is being drawn. The memory of a band begins with the slots of algorithm 3. */
+typedef struct images {
+    const iso_splat_surface *surface;
+    const iso_splat_band *band;
+    size_t pixels;
+    uint64_t *keys; /* slots of the nearest layer */
+    pixel *image;   /* pixels for each group */
+    float *front;   /* depths of the composited discs nearest to the eye */
+    float *mask;    /* depths of the nearest layer's front; -INFINITY: there is none */
+} images;
+
+static bool set_up(const iso_splat_surface *surface, const iso_splat_band *band, images *im) {
+    const size_t groups = (size_t)surface->input->groups->count,
+                 pixels = (size_t)band->width * (size_t)(band->rows.last - band->rows.first + 1);
+    if (iso_buffer_reserve(band->memory,
+                           pixels * (groups * (sizeof *im->keys + sizeof *im->image) + 2 * sizeof(float)), 0,
+                           NULL) != ISO_OK)
+        return false;
+    *im = (images){.surface = surface, .band = band, .pixels = pixels, .keys = band->memory->data};
+    im->image = (pixel *)(im->keys + pixels * groups);
+    im->front = (float *)(im->image + pixels * groups);
+    im->mask = im->front + pixels;
+    for (size_t i = 0; i < pixels * groups; i++) im->image[i] = (pixel){{0, 0, 0}, 1, INFINITY};
+    for (size_t i = 0; i < pixels; i++) im->front[i] = INFINITY;
+    for (size_t i = 0; i < pixels; i++) im->mask[i] = -INFINITY;
+    return true;
+}
+
+/* ---- all layers, or those behind the nearest one */
+
+/* Composites a disc over what is behind it, unless its group has drawn a disc of the same bin there. */
+static void composite(pixel *to, const iso_fragment *disc, float bin) {
+    if (!(bin < to->bin)) return;
+    to->bin = bin;
+    to->through *= 1 - disc->opacity;
+    for (int k = 0; k < 3; k++)
+        to->color[k] = disc->opacity * disc->color[k] + (1 - disc->opacity) * to->color[k];
+}
+
+static void draw_disc(const images *im, uint32_t number) {
+    const iso_splat_surface *surface = im->surface;
+    const iso_splat_band *band = im->band;
+    const iso_disc_view *view = &surface->wide.view;
+    const iso_disc *disc = (const iso_disc *)surface->wide.disc.data + number;
+    const iso_disc_box within = {{0, band->width - 1}, band->rows},
+                       box = iso_disc_bounds(view, disc, &within);
+    const iso_point_view *points = &surface->input->points;
+    const iso_fragment shaded =
+        iso_splat_fragment(surface, disc->normal, disc->z,
+                           points->colors ? points->colors[disc->point] : NULL, disc->x, disc->y);
+    const float thickness =
+        iso_splat_thickness((const iso_disc *)surface->discs.disc.data + number); /* of its usual size */
+    pixel *image = im->image + im->pixels * surface->input->groups->group[disc->point];
+    for (int y = box.rows.first; y <= box.rows.last; y++)
+        for (int x = box.columns.first; x <= box.columns.last; x++) {
+            const size_t at = (size_t)(y - band->rows.first) * (size_t)band->width + (size_t)x;
+            iso_disc_hit hit;
+            if (!iso_disc_intersect(view, disc, iso_disc_column(view, x), iso_disc_row(view, y), &hit) ||
+                hit.depth <= im->mask[at] + thickness ||
+                (band->lists->limit && !(hit.depth < band->lists->limit[at])))
+                continue;
+            composite(&image[at], &shaded, floorf(hit.depth / surface->bin));
+            im->front[at] = hit.depth < im->front[at] ? hit.depth : im->front[at];
+        }
+}
+
+static void draw_discs(const images *im) {
+    const size_t *start = (const size_t *)im->surface->wide.start.data + im->band->number;
+    const uint32_t *order = im->surface->wide.order.data;
+    for (size_t i = start[0]; i < start[1]; i++) draw_disc(im, order[i]);
+}
+
+/* Sets a fragment to the mean of the groups' pictures; false: they show nothing. */
+static bool take_mean(const images *im, size_t at, iso_fragment *fragment) {
+    const int groups = im->surface->input->groups->count;
+    float through = 0, color[3] = {0, 0, 0};
+    for (int g = 0; g < groups; g++) {
+        const pixel *p = &im->image[(size_t)g * im->pixels + at];
+        through += p->through / (float)groups;
+        for (int k = 0; k < 3; k++) color[k] += p->color[k] / (float)groups;
+    }
+    *fragment =
+        (iso_fragment){.depth = im->front[at], .opacity = 1 - through, .surface = im->surface->number * 2};
+    if (!(fragment->opacity > 0)) return false;
+    for (int k = 0; k < 3; k++) fragment->color[k] = color[k] / fragment->opacity;
+    return true;
+}
+
+/* ---- the nearest layer */
+
+static void draw_nearest(const images *im, const iso_slots *slots) {
+    const iso_slots_band band = {slots, im->band->rows, im->keys, im->band->lists->limit};
+    const size_t *start = (const size_t *)slots->discs->start.data + im->band->number;
+    const uint32_t *order = slots->discs->order.data;
+    iso_slots_clear(&band);
+    for (size_t i = start[0]; i < start[1]; i++) iso_slots_draw(&band, order[i]);
+}
+
+/* Lists the nearest layer of each pixel, and sets the mask. */
+static void list_nearest(const images *im, const iso_slots *slots) {
+    const iso_splat_band *band = im->band;
+    const iso_disc_view *view = &slots->discs->view;
+    for (size_t i = 0; i < im->pixels; i++) {
+        const int x = (int)(i % (size_t)band->width), row = (int)(i / (size_t)band->width);
+        const float px = iso_disc_column(view, x), py = iso_disc_row(view, band->rows.first + row);
+        iso_splat_sums sums;
+        if (!iso_slots_resolve(slots, im->keys + i * (size_t)slots->groups->count, px, py, &sums,
+                               &im->mask[i]))
+            continue;
+        const iso_fragment fragment = iso_splat_mean_fragment(im->surface, &sums, px, py);
+        iso_layer_add(band->lists, x, row, &fragment, false);
+    }
+}
+
+bool iso_splats_list_images(const iso_splat_surface *surface, const iso_splat_band *band, bool nearest) {
+    const iso_slots slots = {&surface->input->points, surface->input->groups, &surface->discs, band->width,
+                             0};
+    images im;
+    if (!set_up(surface, band, &im)) return false;
+    if (nearest) {
+        draw_nearest(&im, &slots);
+        list_nearest(&im, &slots);
+    }
+    draw_discs(&im);
+    for (size_t i = 0; i < im.pixels; i++) {
+        iso_fragment fragment;
+        if (!take_mean(&im, i, &fragment)) continue;
+        fragment.depth = fragment.depth < im.mask[i] ? im.mask[i] : fragment.depth;
+        iso_layer_add(band->lists, (int)(i % (size_t)band->width), (int)(i / (size_t)band->width), &fragment,
+                      false);
+    }
+    return !band->lists->full;
+}

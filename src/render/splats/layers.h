@@ -1,0 +1,66 @@
+/* layers: translucent surfaces of points, drawn as splats in one of three ways.
+ *
+ * sorted: all discs of a pixel are sorted by depth; those of one side (front- or back-facing) that lie no
+ * farther than 1.5 radii of their points behind the first one of their layer are averaged, shaded and
+ * composited. This is the definition that the other two approximate; no surface of discs has more to show.
+ *
+ * groups: Zhang and Pajarola 2006, algorithm 2. The discs of each group are composited back to front into
+ * a picture of their own, and the pictures are averaged. So that a group covers the surface by itself its
+ * discs are larger (section 4.2.2): by the square root of half the number of groups. That a group's discs
+ * overlap then, its pictures' depths are compared in bins as wide as a layer (eq. 6): only one disc of a
+ * layer is composited.
+ *
+ * nearest: algorithm 3. The nearest layer is drawn by slots (render/splats/splats.h), smoothly; what is
+ * behind it, by algorithm 2 without the discs of the nearest layer.
+ *
+ * The paper orders the discs with a tree of planes; here they are ordered by the depths of their centres.
+ * It shades with the colours of points; here with their normals, each disc in algorithm 2 and each pixel
+ * elsewhere. */
+#ifndef ISO_RENDER_SPLATS_LAYERS_H
+#define ISO_RENDER_SPLATS_LAYERS_H
+
+#include "render/layers/compose.h"
+#include "render/splats/splats.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum iso_transparency {
+    ISO_TRANSPARENCY_SORTED,
+    ISO_TRANSPARENCY_GROUPS,
+    ISO_TRANSPARENCY_NEAREST
+} iso_transparency;
+
+/* The number of groups for transparency when none is asked for (section 6.2). */
+enum { ISO_SPLAT_LAYERS_GROUPS = 4 };
+
+/* A translucent surface. Its opacity is below 1. mean_path is not used, and most_layers by sorted only. */
+typedef struct iso_splat_layer {
+    iso_point_view points;    /* borrowed for the call */
+    const iso_groups *groups; /* of the points, with discs of ISO_SPLATS_DISC; not used by sorted */
+    iso_rgb color;            /* of points without colours */
+    iso_translucency translucency;
+} iso_splat_layer;
+
+/* What is drawn into; all pointers are borrowed for the call. */
+typedef struct iso_splat_layers {
+    iso_transparency transparency;
+    const iso_splat_layer *layers;  /* the picture's translucent surfaces */
+    int count;                      /* 1 or more */
+    const iso_strip *strip;         /* its gbuffer has the opaque surfaces, or but its size: depth is NULL */
+    const iso_shading *shading;     /* colours of the opaque surfaces, and background */
+    iso_image *image;               /* gets the strip's rows */
+    float *layer_counts, *coverage; /* NULL, or planes of the image's size: iso_layer_picture */
+    iso_pool *pool;                 /* NULL: the calling thread */
+} iso_splat_layers;
+
+/* Draws and composites a strip. Adds to *totals. The picture gets the same bytes with every number of
+ * threads and when drawn in strips of any height. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1 points or more. */
+iso_status iso_shade_splat_layers(const iso_splat_layers *picture, iso_layer_totals *totals,
+                                  iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
