@@ -228,7 +228,8 @@ static iso_status read_ply_elements(reading *r, iso_ply *ply, iso_error *error) 
         const iso_ply_element *element = &ply->elements[i];
         const bool vertices = strcmp(element->name, "vertex") == 0,
                    faces = strcmp(element->name, "face") == 0;
-        if (!vertices && !faces) {
+        /* an item without properties has no bytes: any number of them would fit into the file */
+        if ((!vertices && !faces) || element->property_count == 0) {
             ISO_TRY(iso_ply_skip_element(ply, element, error));
             continue;
         }
