@@ -82,19 +82,26 @@ static void draw_discs(const images *im) {
     for (size_t i = start[0]; i < start[1]; i++) draw_disc(im, order[i]);
 }
 
-/* Sets a fragment to the mean of the groups' pictures; false: they show nothing. */
+/* Sets a fragment to the mean of the groups' pictures; false: they show nothing. A group that lacks the front
+ * layer where most groups have it has a hole there, and is left out; elsewhere the layer itself may end. */
 static bool take_mean(const images *im, size_t at, iso_fragment *fragment) {
+    const pixel *pixels = im->image + at;
     const int groups = im->surface->input->groups->count;
+    const float front = floorf(im->front[at] / im->surface->bin) + 1;
+    int whole = 0, count = 0;
     float through = 0, color[3] = {0, 0, 0};
+    for (int g = 0; g < groups; g++) whole += pixels[(size_t)g * im->pixels].bin <= front;
     for (int g = 0; g < groups; g++) {
-        const pixel *p = &im->image[(size_t)g * im->pixels + at];
-        through += p->through / (float)groups;
-        for (int k = 0; k < 3; k++) color[k] += p->color[k] / (float)groups;
+        const pixel *p = &pixels[(size_t)g * im->pixels];
+        if (2 * whole > groups && p->bin > front) continue;
+        through += p->through;
+        for (int k = 0; k < 3; k++) color[k] += p->color[k];
+        count++;
     }
-    *fragment =
-        (iso_fragment){.depth = im->front[at], .opacity = 1 - through, .surface = im->surface->number * 2};
+    *fragment = (iso_fragment){
+        .depth = im->front[at], .opacity = 1 - through / (float)count, .surface = im->surface->number * 2};
     if (!(fragment->opacity > 0)) return false;
-    for (int k = 0; k < 3; k++) fragment->color[k] = color[k] / fragment->opacity;
+    for (int k = 0; k < 3; k++) fragment->color[k] = color[k] / (float)count / fragment->opacity;
     return true;
 }
 

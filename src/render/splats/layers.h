@@ -5,10 +5,10 @@
  * composited. This is the definition that the other two approximate; no surface of discs has more to show.
  *
  * groups: Zhang and Pajarola 2006, algorithm 2. The discs of each group are composited back to front into
- * a picture of their own, and the pictures are averaged. So that a group covers the surface by itself its
- * discs are larger (section 4.2.2): by the square root of half the number of groups. That a group's discs
- * overlap then, its pictures' depths are compared in bins as wide as a layer (eq. 6): only one disc of a
- * layer is composited.
+ * a picture of their own, and the pictures are averaged (those that lack the front layer, where most have
+ * it, are left out). So that a group covers the surface by itself its discs are larger (section 4.2.2): by
+ * the square root of half the number of groups. That a group's discs overlap then, its pictures' depths
+ * are compared in bins as wide as a layer (eq. 6): only one disc of a layer is composited.
  *
  * nearest: algorithm 3. The nearest layer is drawn by slots (render/splats/splats.h), smoothly; what is
  * behind it, by algorithm 2 without the discs of the nearest layer.
