@@ -8,6 +8,8 @@
 
 /* Whether OpenGL has the method. */
 static bool has_gl(const isorender_settings *settings) {
+    if (settings->method == ISO_METHOD_SPLATS)
+        return !settings->group_bins && !isorender_is_translucent(settings);
     return settings->method == ISO_METHOD_POINTS || settings->method == ISO_METHOD_MESH ||
            settings->method == ISO_METHOD_PULLPUSH;
 }
@@ -48,8 +50,11 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN)
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--backend %s has the methods points, pullpush and mesh: others need the cpu", name);
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "--backend %s has the methods points, pullpush, splats (opaque, without --group-bins) and mesh: "
+            "others need the cpu",
+            name);
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);
     if ((gl || needed) && draws && is_too_large(settings))

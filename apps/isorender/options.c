@@ -346,7 +346,8 @@ static const iso_option options[] = {
      .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
     {"backend", "rendering-backend", "NAME",
-     "cpu, egl or osmesa (OpenGL without a window: points, pullpush and mesh); auto is a GPU where EGL finds "
+     "cpu, egl or osmesa (OpenGL without a window: points, pullpush, opaque splats and mesh); auto is a GPU "
+     "where EGL finds "
      "one, else cpu; but what needs the cpu is drawn by it",
      .group = RUNNING, .standard = "auto", TEXT(backend), UNRECORDED},
     {"list-backends", "list-rendering-backends", NULL, "say what can render here", .group = RUNNING,

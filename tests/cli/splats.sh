@@ -27,7 +27,7 @@ layers = json.load(open('sorted.json'))['image']['layers']
 assert 1.9 < layers['mean'] < 2.1 and layers['most'] < 5, layers
 P
 for wrong in "--groups 4" "--reconstruction groups" "--method splats --groups 65" "--method splats --reconstruction box" \
-    "--method splats --backend egl" "--transparency groups" "--method exact --opacity 0.5 --transparency groups" \
+    "--method splats --group-bins 9 --backend egl" "--method splats --opacity 0.5 --backend egl" "--transparency groups" "--method exact --opacity 0.5 --transparency groups" \
     "--opacity 0.5 --transparency nearest --layers 1" "--method splats --opacity 0.5 --absorption 3"; do
     code=0
     isorender in/ball.mha wrong.png --isovalue 500 $wrong 2>message || code=$?

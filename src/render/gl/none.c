@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "render/gl/canvas.h"
+#include "render/gl/splats.h"
 
 static iso_status refuse(iso_error *error) {
     return iso_fail(error, ISO_ERR_BACKEND, "this isopoint was built without glad (OpenGL)");
@@ -165,4 +166,15 @@ iso_status iso_gl_canvas_copy(iso_gl_canvas *to, const iso_gl_canvas *from, iso_
 iso_status iso_gl_canvas_read(const iso_gl_canvas *canvas, iso_image *image, iso_error *error) {
     (void)canvas, (void)image;
     return refuse(error);
+}
+
+iso_status iso_gl_draw_splats(iso_gl_engine *engine, const iso_gl_splats_opts *opts, iso_gbuffer *gbuffer,
+                              iso_error *error) {
+    (void)engine, (void)opts, (void)gbuffer;
+    return refuse(error);
+}
+
+uint64_t iso_gl_splats_bytes(const iso_gl_engine *engine, int slots, int width, int height) {
+    (void)engine, (void)slots, (void)width, (void)height;
+    return 0;
 }

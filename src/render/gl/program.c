@@ -92,6 +92,10 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
     DISCS(ISO_GL_FRONT_POINTS, "", ""),
     DISCS(ISO_GL_DISCS_OF_SURFELS, " of surfels", "#define SURFELS 1\n"),
     [ISO_GL_RESOLVE] = {"resolved sums", {"refined_resolve.comp"}, {REFINED, "picture.glsl"}, ""},
+    [ISO_GL_SPLAT_DEPTHS] = {"depths of slots", {"splats.comp"}, {"splats.glsl"}, "#define KIND 0\n"},
+    [ISO_GL_SPLAT_NUMBERS] = {"discs of slots", {"splats.comp"}, {"splats.glsl"}, "#define KIND 1\n"},
+    [ISO_GL_SPLAT_KEYS] = {"keys of slots", {"splats.comp"}, {"splats.glsl"}, WIDE "#define KIND 2\n"},
+    [ISO_GL_SPLAT_RESOLVE] = {"resolved slots", {"splats_resolve.comp"}, {"splats.glsl", "picture.glsl"}, ""},
 };
 
 const char *iso_gl_program_name(iso_gl_program program) {

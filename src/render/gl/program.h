@@ -47,9 +47,14 @@ typedef enum iso_gl_program {
     ISO_GL_ADD_POINTS,
     ISO_GL_ADD_QUADS,
     ISO_GL_DISCS_OF_SURFELS,
-    ISO_GL_RESOLVE = ISO_GL_DISCS_OF_SURFELS + 4
+    ISO_GL_RESOLVE = ISO_GL_DISCS_OF_SURFELS + 4,
+    /* Splats: by the KIND of splats.comp. */
+    ISO_GL_SPLAT_DEPTHS,
+    ISO_GL_SPLAT_NUMBERS,
+    ISO_GL_SPLAT_KEYS, /* only where iso_gl_has_wide_atomics */
+    ISO_GL_SPLAT_RESOLVE
 } iso_gl_program;
-enum { ISO_GL_PROGRAMS = ISO_GL_RESOLVE + 1 };
+enum { ISO_GL_PROGRAMS = ISO_GL_SPLAT_RESOLVE + 1 };
 
 const char *iso_gl_program_name(iso_gl_program program);
 

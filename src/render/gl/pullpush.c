@@ -10,6 +10,7 @@
 
 #include "base/memory.h"
 #include "render/gl/output.h"
+#include "render/gl/picture.h"
 #include "render/gl/refined.h"
 #include "render/gl/shared.h"
 #include "render/gl/surface.h"
@@ -320,37 +321,6 @@ static iso_status reconstruct_surface(const pullpush_draw *d, iso_buffer *room, 
 
 /* ---- the picture */
 
-/* Sets depth to INFINITY and surface to ISO_SURFACE_NONE in the picture buffer, the rest to 0. */
-static void clear_picture(const pullpush_call *call, size_t samples) {
-    const float far = INFINITY;
-    const GLuint none = ISO_SURFACE_NONE;
-    const size_t plane = samples * sizeof(float);
-    GLuint picture = call->engine->storage[ISO_GL_STORE_PICTURE];
-    fill_buffer(call, ISO_GL_STORE_PICTURE, call->planes * plane, 0);
-    call->gl->ClearNamedBufferSubData(picture, GL_R32F, 0, (GLsizeiptr)plane, GL_RED, GL_FLOAT, &far);
-    call->gl->ClearNamedBufferSubData(picture, GL_R32UI, (GLintptr)(4 * plane), (GLsizeiptr)plane,
-                                      GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
-}
-
-static iso_status read_picture(pullpush_call *call, const iso_gbuffer *to, size_t start, size_t samples,
-                               iso_error *error) {
-    const GladGLContext *gl = call->gl;
-    const size_t bytes = samples * sizeof(float);
-    float *planes[4] = {to->depth, to->normal[0], to->normal[1], to->normal[2]};
-    GLuint picture = call->engine->storage[ISO_GL_STORE_PICTURE];
-    ISO_TRY(iso_buffer_reserve(&call->room, bytes, 0, error));
-    gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    for (int k = 0; k < 4; k++)
-        gl->GetNamedBufferSubData(picture, (GLintptr)((size_t)k * bytes), (GLsizeiptr)bytes,
-                                  planes[k] + start);
-    gl->GetNamedBufferSubData(picture, (GLintptr)(4 * bytes), (GLsizeiptr)bytes, call->room.data);
-    const uint32_t *surfaces = call->room.data;
-    for (size_t i = 0; i < samples; i++) to->surface[start + i] = (uint8_t)surfaces[i];
-    if (call->planes > ISO_GL_PICTURE_PLANES)
-        gl->GetNamedBufferSubData(picture, (GLintptr)(5 * bytes), (GLsizeiptr)bytes, to->color + start);
-    return ISO_OK;
-}
-
 static pullpush_draw draw_of(const pullpush_call *call, int number, const iso_view *view) {
     const iso_gl_surface *surface = call->opts->surfaces[number];
     const iso_point_blocks *blocks = surface->blocks;
@@ -366,7 +336,7 @@ static iso_status draw_strip(pullpush_call *call, const iso_view *view, int row,
                              iso_error *error) {
     const size_t samples = (size_t)view->width * (size_t)view->height;
     ensure_storage(call, ISO_GL_STORE_PICTURE, samples * call->planes * sizeof(float));
-    clear_picture(call, samples);
+    iso_gl_picture_clear(call->engine, call->planes, samples);
     for (int i = 0; i < call->opts->surface_count; i++) {
         const iso_gl_surface *surface = call->opts->surfaces[i];
         if (surface->blocks->seen == 0) continue;
@@ -379,7 +349,8 @@ static iso_status draw_strip(pullpush_call *call, const iso_view *view, int row,
         ISO_TRY(reconstruct_surface(&d, &call->room, error));
     }
     if (to->gbuffer)
-        ISO_TRY(read_picture(call, to->gbuffer, (size_t)row * (size_t)view->width, samples, error));
+        ISO_TRY(iso_gl_picture_read(call->engine, call->planes, to->gbuffer,
+                                    (size_t)row * (size_t)view->width, samples, &call->room, error));
     else
         ISO_TRY(iso_gl_canvas_shade(to, true, view, 0, row, error));
     iso_gl_timer_read(&call->engine->timer, call->gl);

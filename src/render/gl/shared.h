@@ -19,7 +19,8 @@
 #define ISO_GL_PULLPUSH 1
 #define ISO_GL_SHADE 2
 #define ISO_GL_REFINED 3
-#define ISO_GL_UNIFORM_SLOTS 4
+#define ISO_GL_SPLATTING 4
+#define ISO_GL_UNIFORM_SLOTS 5
 
 /* Uniforms of pull-push's passes. */
 #define ISO_GL_LEVEL 0 /* int: the level that a pass makes */
@@ -37,6 +38,7 @@
 #define ISO_GL_RANGES 6   /* vec4: least and greatest depth; offset of the ellipse's centre */
 #define ISO_GL_ELLIPSES 7 /* vec4: the ellipse (WIDE, THIN_X, THIN_Y of pyramid.h), the disc's radius */
 #define ISO_GL_REACHES 1  /* uint: bits of the ellipse's OUT; the lowest is HIDDEN */
+#define ISO_GL_SPLATS 1   /* iso_gl_splat: discs of splats */
 #define ISO_GL_PICTURE 0  /* uint: planes of a gbuffer: depth, normal x, y, z, surface, colours */
 #define ISO_GL_PICTURE_PLANES 5
 #define ISO_GL_STORAGE_SLOTS 8
@@ -142,6 +144,16 @@
     ISO_GL_INTS(picture); /* width, height, surface number */                                                \
     ISO_GL_UINTS(flags);  /* orthographic; leave out back-facing points */
 
+/* std140. Drawing one surface by splats in a strip of the picture.
+ *
+ * `rays`: 1 / focal (orthographic: 0); mm a pixel (perspective: 0); depth of the near plane; thickness of a
+ * layer in radii of discs. */
+#define ISO_GL_SPLATTING_FIELDS                                                                              \
+    ISO_GL_FLOATS(axis); /* optical axis in the strip */                                                     \
+    ISO_GL_FLOATS(rays);                                                                                     \
+    ISO_GL_INTS(picture); /* width, height, surface number */                                                \
+    ISO_GL_INTS(counts);  /* discs; slots of a pixel; points have colours */
+
 /* std430. A block of points that is projected by one work group. */
 #define ISO_GL_BLOCK_FIELDS                                                                                  \
     ISO_GL_FLOATS(origin); /* projection of the block's first step */                                        \
@@ -169,6 +181,9 @@ typedef struct iso_gl_refined_uniforms {
 typedef struct iso_gl_point_block {
     ISO_GL_BLOCK_FIELDS
 } iso_gl_point_block;
+typedef struct iso_gl_splatting_uniforms {
+    ISO_GL_SPLATTING_FIELDS
+} iso_gl_splatting_uniforms;
 typedef struct iso_gl_shade_uniforms {
     ISO_GL_SHADE_FIELDS
 } iso_gl_shade_uniforms;

@@ -82,9 +82,12 @@ typedef enum iso_gl_storage {
     ISO_GL_STORE_ELLIPSES,
     ISO_GL_STORE_REACHES,
     ISO_GL_STORE_TINTS,
-    ISO_GL_STORE_PICTURE
+    ISO_GL_STORE_PICTURE,
+    ISO_GL_STORE_SPLATTING, /* uniforms of splats */
+    ISO_GL_STORE_SPLATS,
+    ISO_GL_STORE_SLOTS
 } iso_gl_storage;
-enum { ISO_GL_STORES = 11 };
+enum { ISO_GL_STORES = 14 };
 
 /* Render targets of the refined reconstruction: nearest depths and sums. At least as large as a tile. */
 typedef struct iso_gl_discs {

@@ -1,0 +1,40 @@
+/* splats: render/splats/splats.h by OpenGL: compute shaders draw discs into slots and resolve them. The
+ * discs are projected by the cpu for every picture and uploaded. */
+#ifndef ISO_RENDER_GL_SPLATS_H
+#define ISO_RENDER_GL_SPLATS_H
+
+#include "render/gl/engine.h"
+#include "render/splats/splats.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Points and their groups (with discs of ISO_SPLATS_DISC); borrowed for the call. */
+typedef struct iso_gl_splats {
+    iso_point_view points;
+    const iso_groups *groups;
+} iso_gl_splats;
+
+typedef struct iso_gl_splats_opts {
+    const iso_view *view;          /* borrowed */
+    const iso_gl_splats *surfaces; /* surfaces[i] gets surface number i in the gbuffer */
+    int surface_count;
+    iso_pool *pool; /* or NULL */
+} iso_gl_splats_opts;
+
+/* Draws all surfaces and fills the whole gbuffer, which must have the view's size: what iso_draw_splats
+ * draws without bins, except for rounding; the same bytes every time. Errors: ISO_ERR_NOMEM, ISO_ERR_LIMIT
+ * (the driver's storage buffers cannot hold a strip of the picture, or the discs), ISO_ERR_BACKEND; the
+ * gbuffer is then undefined. */
+iso_status iso_gl_draw_splats(iso_gl_engine *engine, const iso_gl_splats_opts *opts, iso_gbuffer *gbuffer,
+                              iso_error *error);
+
+/* About how many bytes of GPU memory (of main memory with a software renderer) drawing takes for a picture
+ * of this size, without the discs. */
+uint64_t iso_gl_splats_bytes(const iso_gl_engine *engine, int slots, int width, int height);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
