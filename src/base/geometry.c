@@ -144,3 +144,20 @@ double iso_tan(double angle) {
     iso_sincos(angle, &sine, &cosine);
     return sine / cosine;
 }
+
+/* The quotient of the smaller and the larger coordinate, 0 .. 1, is brought below tan(pi / 8) by the addition
+ * theorem; the power series of the arctangent then loses less than 0.4143^27 / 27 = 2e-12. */
+double iso_atan2(double y, double x) {
+    const double a = fabs(x), b = fabs(y), larger = a > b ? a : b;
+    if (!(larger > 0)) return 0;
+    double t = (a > b ? b : a) / larger, angle = 0, series = 0;
+    if (t > 0.41421356237309503) {
+        t = (t - 1) / (t + 1);
+        angle = ISO_PI / 4;
+    }
+    for (int power = 25; power >= 1; power -= 2) series = 1.0 / power - t * t * series;
+    angle += t * series;
+    if (b > a) angle = ISO_PI / 2 - angle;
+    if (x < 0) angle = ISO_PI - angle;
+    return y < 0 ? -angle : angle;
+}

@@ -103,6 +103,8 @@ iso_box iso_box_transform(const iso_box *box, const iso_affine *affine);
 void iso_sincos(double angle, double *sine, double *cosine);
 /* Tangent of an angle in (-pi/2, pi/2). */
 double iso_tan(double angle);
+/* The angle of the vector (x, y) from the x axis, -pi .. pi; error below 1e-11; 0 for the zero vector. */
+double iso_atan2(double y, double x);
 
 #ifdef __cplusplus
 }

@@ -35,9 +35,14 @@ static float *plane_of(const iso_aov *aov, int channel) {
     return planes[channel];
 }
 
-static int channel_number(const char *name) {
-    for (int i = 0; i < CHANNELS; i++)
-        if (strcmp(name, channel_names[i]) == 0) return i;
+/* The channels of a picture of colours. */
+enum { COLORS = 3 };
+static const char *const color_names[COLORS] = {"R", "G", "B"};
+
+/* The index of a name among `count` names; -1: it is none of them. */
+static int channel_number(const char *const *names, int count, const char *name) {
+    for (int i = 0; i < count; i++)
+        if (strcmp(name, names[i]) == 0) return i;
     return -1;
 }
 
@@ -172,7 +177,7 @@ typedef struct writer {
 static void set_encode_planes(const writer *w, exr_encode_pipeline_t *pipeline) {
     for (int i = 0; i < pipeline->channel_count; i++) {
         exr_coding_channel_info_t *channel = &pipeline->channels[i];
-        const float *plane = plane_of(w->aov, channel_number(channel->channel_name));
+        const float *plane = plane_of(w->aov, channel_number(channel_names, CHANNELS, channel->channel_name));
         const float *first = plane + (size_t)pipeline->chunk.start_y * (size_t)w->aov->width;
         channel->encode_from_ptr = (const uint8_t *)first;
         channel->user_pixel_stride = (int32_t)sizeof(float);
@@ -326,7 +331,13 @@ typedef struct reader {
     exr_context_t context;
     exr_file file;
     int first_y, rows; /* of the data window; of a chunk */
-    iso_aov *aov;
+    int width, height; /* of the data window */
+    /* The channels that are read: the first `needed` of them must be there. */
+    const char *const *names;
+    int name_count, needed;
+    bool found[CHANNELS];
+    float *planes[CHANNELS]; /* pixel 0 of each channel; NULL: not read */
+    int stride;              /* floats from pixel to pixel */
 } reader;
 
 static iso_status fail_reading(reader *r, iso_error *error) {
@@ -361,27 +372,26 @@ static iso_status check_channel(const reader *r, const exr_attr_chlist_entry_t *
     return ISO_OK;
 }
 
-/* *has_layers: there is a channel of the numbers of layers. */
-static iso_status check_channels(reader *r, bool *has_layers, iso_error *error) {
+static iso_status fail_missing(const reader *r, int channel, iso_error *error) {
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: channel %s is missing (%s are needed)", r->path,
+                    r->names[channel], r->names == color_names ? "R, G and B" : "A, N.X, N.Y, N.Z and Z");
+}
+
+static iso_status check_channels(reader *r, iso_error *error) {
     const exr_attr_chlist_t *list;
     if (!succeeded(&r->file, exr_get_channels(r->context, 0, &list))) return fail_reading(r, error);
-    bool found[CHANNELS] = {false};
     for (int i = 0; i < list->num_channels; i++) {
-        int channel = channel_number(list->entries[i].name.str);
+        int channel = channel_number(r->names, r->name_count, list->entries[i].name.str);
         if (channel < 0) continue;
         ISO_TRY(check_channel(r, &list->entries[i], error));
-        found[channel] = true;
+        r->found[channel] = true;
     }
-    for (int i = 0; i < ISO_AOV_PLANES; i++)
-        if (!found[i])
-            return iso_fail(error, ISO_ERR_FORMAT,
-                            "%s: channel %s is missing (A, N.X, N.Y, N.Z and Z are needed)", r->path,
-                            channel_names[i]);
-    *has_layers = found[LAYERS_CHANNEL];
+    for (int i = 0; i < r->needed; i++)
+        if (!r->found[i]) return fail_missing(r, i, error);
     return ISO_OK;
 }
 
-static iso_status read_window(reader *r, int *width, int *height, iso_error *error) {
+static iso_status read_window(reader *r, iso_error *error) {
     exr_attr_box2i_t window;
     if (!succeeded(&r->file, exr_get_data_window(r->context, 0, &window)) ||
         !succeeded(&r->file, exr_get_scanlines_per_chunk(r->context, 0, &r->rows)))
@@ -394,19 +404,20 @@ static iso_status read_window(reader *r, int *width, int *height, iso_error *err
         return iso_fail(error, ISO_ERR_FORMAT, "%s: not a readable OpenEXR picture: chunks without rows",
                         r->path);
     r->first_y = window.min.y;
-    *width = (int)wide;
-    *height = (int)high;
+    r->width = (int)wide;
+    r->height = (int)high;
     return ISO_OK;
 }
 
 static void set_decode_planes(const reader *r, size_t row, exr_decode_pipeline_t *pipeline) {
+    const int line = r->stride * r->width;
     for (int i = 0; i < pipeline->channel_count; i++) {
         exr_coding_channel_info_t *channel = &pipeline->channels[i];
-        int plane = channel_number(channel->channel_name);
-        if (plane < 0 || !plane_of(r->aov, plane)) continue;
-        channel->decode_to_ptr = (uint8_t *)(plane_of(r->aov, plane) + row * (size_t)r->aov->width);
-        channel->user_pixel_stride = (int32_t)sizeof(float);
-        channel->user_line_stride = (int32_t)sizeof(float) * r->aov->width;
+        int plane = channel_number(r->names, r->name_count, channel->channel_name);
+        if (plane < 0 || !r->planes[plane]) continue;
+        channel->decode_to_ptr = (uint8_t *)(r->planes[plane] + row * (size_t)line);
+        channel->user_pixel_stride = (int32_t)sizeof(float) * r->stride;
+        channel->user_line_stride = (int32_t)sizeof(float) * line;
         channel->user_bytes_per_element = sizeof(float);
         channel->user_data_type = EXR_PIXEL_FLOAT;
     }
@@ -422,11 +433,11 @@ static void read_chunk(void *context, size_t index, int worker) {
     (void)worker;
     reader *r = context;
     exr_chunk_info_t chunk;
-    size_t row = index * (size_t)r->rows, left = (size_t)r->aov->height - row;
+    size_t row = index * (size_t)r->rows, left = (size_t)r->height - row;
     if (has_failed(&r->file) ||
         !succeeded(&r->file, exr_read_scanline_chunk_info(r->context, 0, r->first_y + (int)row, &chunk)))
         return;
-    if (chunk.start_y != r->first_y + (int)row || chunk.width != r->aov->width ||
+    if (chunk.start_y != r->first_y + (int)row || chunk.width != r->width ||
         chunk.height != (int)(left < (size_t)r->rows ? left : (size_t)r->rows)) {
         succeeded(&r->file, EXR_ERR_BAD_CHUNK_LEADER);
         return;
@@ -452,14 +463,14 @@ static bool check_pixel(iso_aov *aov, size_t pixel) {
            isfinite(*normal[1]) && isfinite(*normal[2]);
 }
 
-static iso_status check_values(const reader *r, iso_error *error) {
-    size_t width = (size_t)r->aov->width, count = width * (size_t)r->aov->height;
+static iso_status check_values(const reader *r, iso_aov *aov, iso_error *error) {
+    size_t width = (size_t)aov->width, count = width * (size_t)aov->height;
     for (size_t i = 0; i < count; i++)
-        if (!check_pixel(r->aov, i))
-            return iso_fail(
-                error, ISO_ERR_FORMAT, "%s: pixel %zu,%zu: coverage %g with depth %g and normal %g %g %g",
-                r->path, i % width, i / width, (double)r->aov->coverage[i], (double)r->aov->depth[i],
-                (double)r->aov->normal[0][i], (double)r->aov->normal[1][i], (double)r->aov->normal[2][i]);
+        if (!check_pixel(aov, i))
+            return iso_fail(error, ISO_ERR_FORMAT,
+                            "%s: pixel %zu,%zu: coverage %g with depth %g and normal %g %g %g", r->path,
+                            i % width, i / width, (double)aov->coverage[i], (double)aov->depth[i],
+                            (double)aov->normal[0][i], (double)aov->normal[1][i], (double)aov->normal[2][i]);
     return ISO_OK;
 }
 
@@ -471,41 +482,81 @@ static float read_voxel(const reader *r) {
     return attribute->f > 0 && isfinite(attribute->f) ? attribute->f : 0;
 }
 
-static iso_status read_picture(reader *r, iso_pool *pool, iso_error *error) {
-    int width = 0, height = 0;
-    ISO_TRY(check_storage(r, error));
-    bool has_layers = false;
-    ISO_TRY(check_channels(r, &has_layers, error));
-    ISO_TRY(read_window(r, &width, &height, error));
-    ISO_TRY(iso_aov_create(width, height, r->aov, error));
-    iso_status status = has_layers ? iso_aov_add_layers(r->aov, error) : ISO_OK;
-    size_t chunks = ((size_t)height + (size_t)r->rows - 1) / (size_t)r->rows;
-    if (status == ISO_OK) iso_parallel_for(pool, chunks, read_chunk, r);
-    if (status == ISO_OK) status = has_failed(&r->file) ? fail_reading(r, error) : check_values(r, error);
-    if (status != ISO_OK)
-        iso_aov_free(r->aov);
+/* Reads all chunks into r->planes. */
+static iso_status read_chunks(reader *r, iso_pool *pool, iso_error *error) {
+    const size_t chunks = ((size_t)r->height + (size_t)r->rows - 1) / (size_t)r->rows;
+    iso_parallel_for(pool, chunks, read_chunk, r);
+    return has_failed(&r->file) ? fail_reading(r, error) : ISO_OK;
+}
+
+static iso_status read_planes(reader *r, iso_pool *pool, iso_aov *aov, iso_error *error) {
+    if (r->found[LAYERS_CHANNEL]) ISO_TRY(iso_aov_add_layers(aov, error));
+    for (int i = 0; i < CHANNELS; i++) r->planes[i] = plane_of(aov, i);
+    r->stride = 1;
+    ISO_TRY(read_chunks(r, pool, error));
+    return check_values(r, aov, error);
+}
+
+static iso_status read_aov(reader *r, iso_pool *pool, void *out, iso_error *error) {
+    iso_aov aov = {0};
+    ISO_TRY(iso_aov_create(r->width, r->height, &aov, error));
+    aov.voxel = read_voxel(r);
+    const iso_status status = read_planes(r, pool, &aov, error);
+    if (status == ISO_OK)
+        *(iso_aov *)out = aov;
     else
-        r->aov->voxel = read_voxel(r);
+        iso_aov_free(&aov);
+    return status;
+}
+
+static iso_status read_colors(reader *r, iso_pool *pool, void *out, iso_error *error) {
+    float *rgb = iso_alloc((size_t)r->width * (size_t)r->height * COLORS * sizeof *rgb);
+    if (!rgb) return iso_fail_memory(error, r->path);
+    for (int i = 0; i < COLORS; i++) r->planes[i] = rgb + i;
+    r->stride = COLORS;
+    const iso_status status = read_chunks(r, pool, error);
+    if (status == ISO_OK)
+        *(iso_float_image *)out = (iso_float_image){r->width, r->height, rgb};
+    else
+        iso_free(rgb);
+    return status;
+}
+
+/* Makes a picture of an open file whose header has been checked. */
+typedef iso_status read_fn(reader *r, iso_pool *pool, void *out, iso_error *error);
+
+static iso_status read_checked(reader *r, read_fn *read, iso_pool *pool, void *out, iso_error *error) {
+    ISO_TRY(check_storage(r, error));
+    ISO_TRY(check_channels(r, error));
+    ISO_TRY(read_window(r, error));
+    return read(r, pool, out, error);
+}
+
+/* Opens the file of `r`, reads it into *out, and closes it. */
+static iso_status read_file(reader *r, read_fn *read, iso_pool *pool, void *out, iso_error *error) {
+    FILE *stream;
+    ISO_TRY(iso_file_open(r->path, &stream, NULL, error));
+    file_open(&r->file, fileno(stream));
+    exr_context_initializer_t initializer = initializer_for(&r->file);
+    iso_status status;
+    if (succeeded(&r->file, exr_start_read(&r->context, r->path, &initializer)))
+        status = read_checked(r, read, pool, out, error);
+    else
+        status = fail_reading(r, error);
+    if (r->context) exr_finish(&r->context);
+    file_close(&r->file);
+    fclose(stream);
     return status;
 }
 
 iso_status iso_exr_read(const char *path, iso_pool *pool, iso_aov *aov, iso_error *error) {
-    FILE *stream;
-    ISO_TRY(iso_file_open(path, &stream, NULL, error));
-    iso_aov made = {0};
-    reader r = {.path = path, .aov = &made};
-    file_open(&r.file, fileno(stream));
-    exr_context_initializer_t initializer = initializer_for(&r.file);
-    iso_status status;
-    if (succeeded(&r.file, exr_start_read(&r.context, path, &initializer)))
-        status = read_picture(&r, pool, error);
-    else
-        status = fail_reading(&r, error);
-    if (r.context) exr_finish(&r.context);
-    file_close(&r.file);
-    fclose(stream);
-    if (status == ISO_OK) *aov = made;
-    return status;
+    reader r = {.path = path, .names = channel_names, .name_count = CHANNELS, .needed = ISO_AOV_PLANES};
+    return read_file(&r, read_aov, pool, aov, error);
+}
+
+iso_status iso_exr_read_color(const char *path, iso_pool *pool, iso_float_image *image, iso_error *error) {
+    reader r = {.path = path, .names = color_names, .name_count = COLORS, .needed = COLORS};
+    return read_file(&r, read_colors, pool, image, error);
 }
 
 bool iso_exr_size(const char *path, uint32_t size[2]) {
@@ -514,13 +565,12 @@ bool iso_exr_size(const char *path, uint32_t size[2]) {
     reader r = {.path = path};
     file_open(&r.file, fileno(stream));
     exr_context_initializer_t initializer = initializer_for(&r.file);
-    int width = 0, height = 0;
-    bool found = succeeded(&r.file, exr_start_read(&r.context, path, &initializer)) &&
-                 read_window(&r, &width, &height, NULL) == ISO_OK;
+    const bool found =
+        succeeded(&r.file, exr_start_read(&r.context, path, &initializer)) && read_window(&r, NULL) == ISO_OK;
     if (r.context) exr_finish(&r.context);
     file_close(&r.file);
     fclose(stream);
-    size[0] = (uint32_t)width;
-    size[1] = (uint32_t)height;
+    size[0] = (uint32_t)r.width;
+    size[1] = (uint32_t)r.height;
     return found;
 }

@@ -1,4 +1,4 @@
-/* exr: depth, normal and coverage as an OpenEXR picture.
+/* exr: depth, normal and coverage as an OpenEXR picture; pictures of colours.
  *
  * One part of scanlines, 32-bit float channels Z (depth), N.X N.Y N.Z (normal) and A (coverage), ZIP
  * compressed; the attribute isopointVoxel is iso_aov.voxel. In a build without OpenEXR, reading and writing
@@ -43,6 +43,16 @@ bool iso_exr_size(const char *path, uint32_t size[2]);
  * beyond ISO_IMAGE_MAX, a missing channel, a truncated or damaged file, coverage outside 0 .. 1, a depth or
  * normal that is not finite in a covered pixel. */
 iso_status iso_exr_read(const char *path, iso_pool *pool, iso_aov *aov, iso_error *error);
+
+/* Linear colours, row 0 at the top. */
+typedef struct iso_float_image {
+    int width, height;
+    float *rgb; /* width * height pixels of 3 floats; iso_free */
+} iso_float_image;
+
+/* Reads the channels R, G and B of a picture, as iso_exr_read reads its channels; values may be any floats,
+ * NaN and infinity included. ISO_ERR_IO; ISO_ERR_NOMEM; ISO_ERR_FORMAT. */
+iso_status iso_exr_read_color(const char *path, iso_pool *pool, iso_float_image *image, iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -19,6 +19,12 @@ iso_status iso_exr_read(const char *path, iso_pool *pool, iso_aov *aov, iso_erro
     return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without OpenEXR", path);
 }
 
+iso_status iso_exr_read_color(const char *path, iso_pool *pool, iso_float_image *image, iso_error *error) {
+    (void)pool;
+    (void)image;
+    return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without OpenEXR", path);
+}
+
 bool iso_exr_size(const char *path, uint32_t size[2]) {
     (void)path;
     (void)size;

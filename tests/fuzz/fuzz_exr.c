@@ -11,6 +11,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "base/memory.h"
 #include "image/exr.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -52,6 +53,16 @@ static void write_and_read_back(const iso_aov *aov) {
     iso_aov_free(&again);
 }
 
+/* Reading it as colours ends well or with an error, too. */
+static void read_colors(const char *path) {
+    iso_float_image image;
+    iso_error error = {0};
+    if (iso_exr_read_color(path, NULL, &image, &error) == ISO_OK)
+        iso_free(image.rgb);
+    else if (!strstr(error.text, path) || strchr(error.text, '\n'))
+        abort();
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char path[64];
     int descriptor = open_memory(path);
@@ -65,6 +76,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         iso_aov_free(&aov);
     } else if (!strstr(error.text, path) || strchr(error.text, '\n'))
         abort(); /* every error is one line that names the file */
+    read_colors(path);
     close(descriptor);
     return 0;
 }
