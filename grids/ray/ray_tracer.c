@@ -29,6 +29,7 @@ struct iso_ray_tracer {
     iso_threshold surface;
     int bricks[3];
     uint8_t *crossed;  /* by brick, x fastest: 1 if the surface may cross its cells */
+    uint64_t *blocks;  /* NULL, or by brick the crossed ones of its 64 blocks of 4^3 cells, x fastest */
     iso_affine affine; /* index to world */
     double outward;    /* sign from gradient to outward normal: 1 for a level set, else -1 */
 };
@@ -79,12 +80,72 @@ iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool
 void iso_ray_tracer_destroy(iso_ray_tracer *tracer) {
     if (!tracer) return;
     iso_free(tracer->crossed);
+    iso_free(tracer->blocks);
     iso_free(tracer);
 }
 
-static bool is_crossed(const iso_ray_tracer *tracer, const int cell[3]) {
+/* The number of the brick of a cell. */
+static size_t brick_of(const iso_ray_tracer *tracer, const int cell[3]) {
     size_t row = (size_t)(cell[2] / ISO_BRICK) * (size_t)tracer->bricks[1] + (size_t)(cell[1] / ISO_BRICK);
-    return tracer->crossed[row * (size_t)tracer->bricks[0] + (size_t)(cell[0] / ISO_BRICK)];
+    return row * (size_t)tracer->bricks[0] + (size_t)(cell[0] / ISO_BRICK);
+}
+
+enum { BLOCK = 4, BLOCKS = ISO_BRICK / BLOCK }; /* cells of a block, blocks of a brick, on a side */
+
+/* Whether voxels of a block lie on both sides of the isovalue. first: the block's first voxel in a window. */
+static bool is_block_crossed(const float *first, float isovalue_ceil) {
+    const bool inside = *first >= isovalue_ceil;
+    for (int z = 0; z <= BLOCK; z++)
+        for (int y = 0; y <= BLOCK; y++)
+            for (int x = 0; x <= BLOCK; x++)
+                if ((first[(z * ISO_WINDOW + y) * ISO_WINDOW + x] >= isovalue_ceil) != inside) return true;
+    return false;
+}
+
+static uint64_t crossed_blocks(const iso_ray_tracer *tracer, const int brick[3]) {
+    float window[ISO_WINDOW_VOXELS];
+    uint64_t blocks = 0;
+    iso_grid_window(&tracer->grid, brick, window);
+    for (int i = 0; i < BLOCKS * BLOCKS * BLOCKS; i++) {
+        const int x = i % BLOCKS, y = i / BLOCKS % BLOCKS, z = i / (BLOCKS * BLOCKS);
+        const float *first =
+            window + ((z * BLOCK + ISO_WINDOW_LOW) * ISO_WINDOW + y * BLOCK + ISO_WINDOW_LOW) * ISO_WINDOW +
+            x * BLOCK + ISO_WINDOW_LOW;
+        blocks |= (uint64_t)is_block_crossed(first, tracer->surface.isovalue_ceil) << i;
+    }
+    return blocks;
+}
+
+static void refine_row(void *context, size_t index, int worker) {
+    (void)worker;
+    iso_ray_tracer *tracer = context;
+    const size_t row = (size_t)tracer->bricks[0];
+    int brick[3] = {0, (int)(index % (size_t)tracer->bricks[1]), (int)(index / (size_t)tracer->bricks[1])};
+    for (; brick[0] < tracer->bricks[0]; brick[0]++) {
+        const size_t at = index * row + (size_t)brick[0];
+        if (tracer->crossed[at]) tracer->blocks[at] = crossed_blocks(tracer, brick);
+    }
+}
+
+iso_status iso_ray_tracer_refine(iso_ray_tracer *tracer, iso_pool *pool, iso_error *error) {
+    const size_t rows = (size_t)tracer->bricks[1] * (size_t)tracer->bricks[2];
+    if (tracer->blocks) return ISO_OK;
+    tracer->blocks = iso_alloc_zero(rows * (size_t)tracer->bricks[0], sizeof *tracer->blocks);
+    if (!tracer->blocks)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the index of %zu brick rows", rows);
+    iso_parallel_for(pool, rows, refine_row, tracer);
+    return ISO_OK;
+}
+
+/* The side in cells of the largest block with this cell that a ray can step over at once; 1: the cell may be
+ * crossed. */
+static int skipped_side(const iso_ray_tracer *tracer, const int cell[3]) {
+    const size_t brick = brick_of(tracer, cell);
+    if (!tracer->crossed[brick]) return ISO_BRICK;
+    if (!tracer->blocks) return 1;
+    const int x = cell[0] % ISO_BRICK / BLOCK, y = cell[1] % ISO_BRICK / BLOCK,
+              z = cell[2] % ISO_BRICK / BLOCK;
+    return tracer->blocks[brick] >> ((z * BLOCKS + y) * BLOCKS + x) & 1 ? 1 : BLOCK;
 }
 
 /* ---- the corners of a cell: bit 0 of a corner's number is +x, bit 1 +y, bit 2 +z */
@@ -300,15 +361,15 @@ static bool load_cell(const iso_ray_tracer *tracer, const int cell[3], iso_ray_s
     return true;
 }
 
-/* Moves the ray to its next cell, or over a brick that is not crossed; true when the cell that it leaves is
+/* Moves the ray to its next cell, or over a block that is not crossed; true when the cell that it leaves is
  * crossed: its crossings can then be returned. */
 static bool enter_cell(const iso_ray_tracer *tracer, iso_ray *ray) {
     const int *dims = iso_grid_dims(&tracer->grid);
     int low[3], high[3];
-    const bool skip = !is_crossed(tracer, ray->cell);
+    const int side = skipped_side(tracer, ray->cell);
     for (int i = 0; i < 3; i++) {
-        low[i] = skip ? ray->cell[i] / ISO_BRICK * ISO_BRICK : ray->cell[i];
-        high[i] = low[i] + (skip ? ISO_BRICK : 1);
+        low[i] = ray->cell[i] & -side;
+        high[i] = low[i] + side;
         if (high[i] > dims[i] - 1) high[i] = dims[i] - 1;
     }
     ray->enter = ray->t;
@@ -317,7 +378,7 @@ static bool enter_cell(const iso_ray_tracer *tracer, iso_ray *ray) {
         ray->done = true;
         return false;
     }
-    const bool crossed = !skip && load_cell(tracer, ray->cell, &ray->segment);
+    const bool crossed = side == 1 && load_cell(tracer, ray->cell, &ray->segment);
     for (int i = 0; i < 3; i++) {
         ray->current[i] = ray->cell[i];
         ray->segment.from[i] = ray->local[i];

@@ -31,6 +31,10 @@ iso_status iso_ray_tracer_create_with(const iso_grid *grid, double isovalue, uin
                                       iso_ray_tracer **tracer, iso_error *error);
 void iso_ray_tracer_destroy(iso_ray_tracer *tracer);
 
+/* Looks at the voxels of the bricks that the surface may cross, so that rays skip parts of them too: worth it
+ * for whole pictures. Rays find the same crossings. `pool` may be NULL. ISO_ERR_NOMEM. */
+iso_status iso_ray_tracer_refine(iso_ray_tracer *tracer, iso_pool *pool, iso_error *error);
+
 /* The part of a ray that lies in one cell, from s = 0 at `from` to s = 1 at `to`, in the cell's coordinates
  * [0, 1]. */
 typedef struct iso_ray_segment {

@@ -12,11 +12,12 @@ iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool 
     iso_raycaster *caster = iso_alloc_zero(1, sizeof *caster);
     if (!caster) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the ray caster");
     caster->level_set = iso_grid_is_level_set(grid);
-    const iso_status status = iso_ray_tracer_create(grid, isovalue, pool, &caster->tracer, error);
+    iso_status status = iso_ray_tracer_create(grid, isovalue, pool, &caster->tracer, error);
+    if (status == ISO_OK) status = iso_ray_tracer_refine(caster->tracer, pool, error);
     if (status == ISO_OK)
         *out = caster;
     else
-        iso_free(caster);
+        iso_raycaster_destroy(caster);
     return status;
 }
 
