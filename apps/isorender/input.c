@@ -36,6 +36,7 @@ static iso_status check_points_options(const isorender_settings *settings, iso_e
                          : input->largest         ? "--largest"
                          : input->min_size > 0    ? "--min-size"
                          : settings->closed       ? "--closed"
+                         : settings->ior > 0      ? "--ior"
                          : input->grid            ? "--grid"
                          : input->series          ? "--series"
                                                   : NULL;

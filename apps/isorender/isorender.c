@@ -17,11 +17,11 @@ static iso_status list_backends(const isorender_settings *settings, iso_error *e
 
 /* One input that fails does not stop the others; the first failure gives the exit status. */
 static int render_each(const isorender_settings *settings, const isorender_plan *plans, iso_pool *pool,
-                       const isorender_backend *backend) {
+                       const isorender_backend *backend, const iso_environment *environment) {
     int worst = 0;
     for (int i = 0; i < settings->input_count; i++) {
         iso_error error = {0};
-        iso_status status = isorender_run(settings, &plans[i], pool, backend, &error);
+        iso_status status = isorender_run(settings, &plans[i], pool, backend, environment, &error);
         if (status == ISO_OK) continue;
         int code = fail(&error, status);
         if (worst == 0) worst = code;
@@ -35,9 +35,28 @@ static bool draws_any(const isorender_settings *settings, const isorender_plan *
     return false;
 }
 
+/* What glass reflects and refracts; NULL without glass. */
+static iso_status open_environment(const isorender_settings *settings, iso_pool *pool,
+                                   iso_environment **environment, iso_error *error) {
+    int size[2];
+    if (!(settings->ior > 0)) return ISO_OK;
+    if (settings->environment)
+        ISO_TRY(iso_environment_read(settings->environment, pool, environment, error));
+    else
+        ISO_TRY(iso_environment_studio(environment, error));
+    iso_environment_set_up(*environment, settings->up);
+    iso_environment_size(*environment, size);
+    if (size[0] != 2 * size[1] && !settings->common.quiet)
+        fprintf(stderr,
+                "%s: note: %s: %dx%d pixels, not twice as wide as high: stretched over all directions\n",
+                isorender_program()->name, settings->environment, size[0], size[1]);
+    return ISO_OK;
+}
+
 static iso_status render_inputs(const isorender_settings *settings, int *code, iso_error *error) {
     isorender_plan *plans = NULL;
     iso_pool *pool = NULL;
+    iso_environment *environment = NULL;
     ISO_TRY(isorender_plans_make(settings, &plans, error));
     isorender_backend backend = isorender_backend_cpu();
     for (int i = 0; settings->input_count > 1 && i < settings->input_count; i++)
@@ -46,7 +65,10 @@ static iso_status render_inputs(const isorender_settings *settings, int *code, i
     if (status == ISO_OK) status = iso_pool_create(settings->common.threads, &pool, error);
     if (status == ISO_OK && draws_any(settings, plans))
         status = isorender_backend_open(settings, &backend, error);
-    if (status == ISO_OK) *code = render_each(settings, plans, pool, &backend);
+    if (status == ISO_OK && draws_any(settings, plans))
+        status = open_environment(settings, pool, &environment, error);
+    if (status == ISO_OK) *code = render_each(settings, plans, pool, &backend, environment);
+    iso_environment_destroy(environment);
     isorender_backend_close(&backend);
     iso_pool_destroy(pool);
     isorender_plans_free(plans, settings->input_count);

@@ -14,6 +14,8 @@
 #include "extract/points/points.h"
 #include "grids/parts/components.h"
 #include "image/camera.h"
+#include "image/environment.h"
+#include "methods/glass.h"
 #include "methods/layers.h"
 #include "render/pullpush/pullpush.h"
 #include "render/shading/shading.h"
@@ -56,6 +58,7 @@ typedef struct isorender_job {
     const isorender_plan *plan;
     iso_pool *pool;
     const isorender_backend *backend;
+    const iso_environment *environment; /* of glass, else NULL */
     iso_loader loader;
 
     iso_method method;            /* as --method names it: ISO_METHOD_PULLPUSH with any reconstruction */
@@ -83,10 +86,11 @@ typedef struct isorender_job {
 
 /* ---- run.c */
 
-/* Does all the work on one input. After a failure the outputs of this input are removed; the error names the
- * input. */
+/* Does all the work on one input. environment: of glass, else NULL. After a failure the outputs of this input
+ * are removed; the error names the input. */
 iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
-                         const isorender_backend *backend, iso_error *error);
+                         const isorender_backend *backend, const iso_environment *environment,
+                         iso_error *error);
 
 /* ---- input.c */
 

@@ -8,6 +8,7 @@
 #include "apps/isorender/settings.h"
 #include "base/text.h"
 #include "image/image.h"
+#include "methods/glass.h"
 #include "methods/layers.h"
 
 #ifndef ISO_VERSION
@@ -33,6 +34,7 @@ static const char *const directions[] = {"front", "back", "left", "right", "top"
 static const char *const scalings[] = {"exact", "attenuated", NULL};
 static const char *const fits[] = {"box", "tight", NULL};
 static const char *const opacity_modes[] = {"angle", "constant", NULL};
+static const char *refractions[ISO_REFRACTIONS + 1]; /* filled by isorender_program */
 static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated", NULL};
 
 /* ---- values that are not plain numbers ---- */
@@ -110,7 +112,16 @@ static iso_status apply_background(void *target, const char *value, iso_error *e
         return iso_fail(error, ISO_ERR_USAGE,
                         "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS nor 'none'", value);
     settings->transparent = none;
+    settings->background_given = 1;
     return ISO_OK;
+}
+
+static iso_status apply_attenuation_color(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    settings->attenuation_colored = 1;
+    if (parse_color(value, &settings->attenuation_color)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS",
+                    value);
 }
 
 static iso_status apply_resolution(void *target, const char *value, iso_error *error) {
@@ -227,6 +238,26 @@ static const iso_option options[] = {
      "group, and their mean) or nearest (the same behind a smooth nearest layer; both Zhang and Pajarola "
      "2006)",
      .group = SURFACE, .standard = "sorted", CHOICE(transparency, transparencies)},
+    {"ior", NULL, "N",
+     "draw the solid as glass with this index of refraction (1.5: window glass, 1.33: water); for the "
+     "methods "
+     "exact and raycast",
+     .group = SURFACE, REAL(ior, 1, 10)},
+    {"refraction", NULL, "NAME",
+     "how glass bends light: traced (rays are followed through the solid, with all reflections: the truth), "
+     "two-sided (bent where they enter and first leave), layers (bent once, more for each surface: pretty, "
+     "but "
+     "no approximation) or none (only reflection and absorption)",
+     .group = SURFACE, .standard = "traced", CHOICE(refraction, refractions)},
+    {"environment", NULL, "FILE",
+     "what glass reflects and refracts: an equirectangular .exr (linear R G B) or .png; it is also the "
+     "background unless --background is given",
+     .group = SURFACE, .standard = "a studio", TEXT(environment)},
+    {"attenuation-color", NULL, "COLOR",
+     "colour that white light has after --attenuation-distance in the glass (as in KHR_materials_volume)",
+     .group = SURFACE, .standard = "FFFFFF", CALL(apply_attenuation_color)},
+    {"attenuation-distance", NULL, "MM", "see --attenuation-color", .group = SURFACE,
+     REAL(attenuation_distance, 1e-6, 1e9)},
     {"primitive", NULL, "NAME",
      "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets unless they are "
      "drawn by "
@@ -402,6 +433,7 @@ const iso_program *isorender_program(void) {
                                         .sections = sections,
                                         .section_count = sizeof sections / sizeof *sections,
                                         .seen = iso_settings_record_option};
+    for (int i = 0; i < ISO_REFRACTIONS; i++) refractions[i] = iso_refraction_name((iso_refraction)i);
     for (int i = 0; i < METHODS; i++) method_names[i] = iso_method_name(methods[i]);
     return &program;
 }
@@ -548,6 +580,41 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
     return seen ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "all opacities are 0: nothing would be seen");
 }
 
+/* An option that has no meaning for glass; NULL: none is given. */
+static const char *option_unfit_for_glass(const isorender_settings *settings) {
+    return settings->isovalue_count > 1 ? "several isovalues"
+           : settings->opacity_count    ? "--opacity"
+           : settings->color_count      ? "--color"
+           : settings->mesh             ? "--mesh"
+                                        : NULL;
+}
+
+/* An option that is for glass only; NULL: none is given. */
+static const char *option_of_glass(const isorender_settings *settings) {
+    return settings->refraction != ISO_REFRACTION_TRACED ? "--refraction"
+           : settings->environment                       ? "--environment"
+           : settings->attenuation_colored               ? "--attenuation-color"
+           : settings->attenuation_distance > 0          ? "--attenuation-distance"
+                                                         : NULL;
+}
+
+static iso_status check_glass(const isorender_settings *settings, iso_error *error) {
+    const char *needs = option_of_glass(settings), *unfit = option_unfit_for_glass(settings);
+    if (!(settings->ior > 0) && needs)
+        return iso_fail(error, ISO_ERR_USAGE, "%s is for glass: it needs --ior", needs);
+    if (!(settings->ior > 0)) return ISO_OK;
+    if (unfit)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--ior draws one surface, as glass: it cannot be combined with %s", unfit);
+    if (settings->method != ISORENDER_METHOD_UNCHOSEN && !iso_method_has_glass((iso_method)settings->method))
+        return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no glass: exact and raycast do",
+                        iso_method_name((iso_method)settings->method));
+    if (settings->attenuation_colored != (settings->attenuation_distance > 0))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--attenuation-color and --attenuation-distance need each other");
+    return ISO_OK;
+}
+
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error) {
     *settings = (isorender_settings){.method = ISORENDER_METHOD_UNCHOSEN,
@@ -557,6 +624,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .height = 1024,
                                      .samples = 1,
                                      .background = {255, 255, 255},
+                                     .refraction = ISO_REFRACTION_TRACED,
                                      .up = {0, 0, 1},
                                      .zoom = 1,
                                      .margin = NAN,
@@ -572,5 +640,6 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(check_outputs(settings, error));
     ISO_TRY(check_surfaces(settings, error));
+    ISO_TRY(check_glass(settings, error));
     return check_opacity(settings, error);
 }

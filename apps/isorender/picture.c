@@ -154,8 +154,30 @@ static iso_status render_layers(const isorender_job *job, iso_picture_opts *opts
     return ISO_OK;
 }
 
+/* Renders a picture of glass. */
+static iso_status render_glass(const isorender_job *job, iso_picture_opts *opts, iso_image *image,
+                               isorender_frame *frame, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_subject subject = subject_of(job, &job->surfaces[0]);
+    iso_glass_scene scene = {.method = job->method,
+                             .refraction = (iso_refraction)settings->refraction,
+                             .subject = &subject,
+                             .glass = {.ior = settings->ior, .environment = job->environment},
+                             .shows_environment = !settings->background_given && !settings->transparent,
+                             .opts = opts};
+    if (settings->attenuation_colored)
+        iso_glass_set_absorption(&scene.glass, settings->attenuation_color, settings->attenuation_distance);
+    iso_picture_layers callbacks;
+    iso_status status = iso_glass_scene_start(&scene, &callbacks, error);
+    opts->layers = &callbacks;
+    if (status == ISO_OK) status = iso_picture_render(opts, image, &frame->covered, error);
+    iso_glass_scene_free(&scene);
+    return status;
+}
+
 static iso_status render_picture(const isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                  isorender_frame *frame, iso_error *error) {
+    if (job->environment) return render_glass(job, opts, image, frame, error);
     if (job->translucent) return render_layers(job, opts, image, frame, error);
     if (is_drawn_directly(job, opts)) return draw_directly(job, opts, image, &frame->covered, error);
     return iso_picture_render(opts, image, &frame->covered, error);
@@ -236,6 +258,9 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     uint64_t bytes = 4 * pixels + aov + (samples < STRIP ? samples : STRIP);
     if (settings->opacity_count) bytes += (uint64_t)iso_pool_threads(job->pool) * ISO_EXACT_LAYERS_BYTES;
+    if (settings->ior > 0)
+        bytes +=
+            iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)settings->samples);
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
     if (settings->method != ISO_METHOD_PULLPUSH) return bytes;
     enum { PYRAMID = 24 }; /* bytes a sample; drawn in parts as well */

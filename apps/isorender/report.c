@@ -87,6 +87,14 @@ static void put_info(iso_json *json, const isorender_job *job) {
     iso_json_end_object(json);
 }
 
+static void put_glass(iso_json *json, const isorender_settings *settings) {
+    iso_json_begin_object(json, "glass");
+    iso_json_real(json, "ior", settings->ior);
+    iso_json_string(json, "refraction", iso_refraction_name((iso_refraction)settings->refraction));
+    iso_json_string(json, "environment", settings->environment ? settings->environment : "studio");
+    iso_json_end_object(json);
+}
+
 static void put_surfaces(iso_json *json, const isorender_job *job) {
     iso_json_real(json, "isovalue", job->surfaces[0].isovalue);
     double isovalues[ISORENDER_SURFACES];
@@ -106,6 +114,7 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
             opacities[i] = (double)job->surfaces[i].translucency.opacity;
         iso_json_reals(json, "opacities", opacities, job->surface_count);
     }
+    if (job->environment) put_glass(json, job->settings);
     bool points = job->loader.has_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL,
          cells = job->surfaces[0].exact != NULL;
     iso_json_begin_object(json, "primitives");

@@ -118,13 +118,15 @@ static void free_surfaces(isorender_job *job) {
 }
 
 iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
-                         const isorender_backend *backend, iso_error *error) {
+                         const isorender_backend *backend, const iso_environment *environment,
+                         iso_error *error) {
     isorender_job *job = calloc(1, sizeof *job);
     if (!job) return iso_fail_memory(error, plan->input);
     job->settings = settings;
     job->plan = plan;
     job->pool = pool;
     job->backend = backend;
+    job->environment = environment;
     iso_status status = run_steps(job, error);
     if (status != ISO_OK) {
         remove_outputs(job);

@@ -43,11 +43,17 @@ typedef struct isorender_settings {
     int color_count;
     double opacities[ISORENDER_SURFACES];
     int opacity_count;
-    int opacity_mode;  /* isorender_opacity_mode */
-    double absorption; /* mm; 0: not given */
-    int layers;        /* crossings of each surface that are drawn; 0: all */
-    int primitive;     /* iso_primitive */
-    int closed;        /* the solid ends at the volume's border and is capped there */
+    int opacity_mode;        /* isorender_opacity_mode */
+    double absorption;       /* mm; 0: not given */
+    int layers;              /* crossings of each surface that are drawn; 0: all */
+    double ior;              /* 0: not given, the surface is no glass */
+    int refraction;          /* iso_refraction */
+    const char *environment; /* NULL: the built-in studio */
+    iso_rgb attenuation_color;
+    int attenuation_colored;     /* attenuation_color is given */
+    double attenuation_distance; /* mm; 0: not given */
+    int primitive;               /* iso_primitive */
+    int closed;                  /* the solid ends at the volume's border and is capped there */
     const char *points, *mesh, *aov;
 
     /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _SPLATS, _MESH, _RAYCAST or ISORENDER_METHOD_UNCHOSEN */
@@ -62,7 +68,7 @@ typedef struct isorender_settings {
     int strips;
     int width, height, samples, turntable, no_image;
     iso_rgb background;
-    int transparent;
+    int transparent, background_given;
 
     int direction; /* iso_direction */
     iso_vec3 up;

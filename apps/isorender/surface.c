@@ -94,6 +94,8 @@ static bool only_exports(const isorender_job *job) {
  * they give the bounds, so that its pictures are framed as those of exact. */
 static bool is_drawn(const isorender_job *job, iso_part part) {
     unsigned needs = job->renderer->needs;
+    if (job->environment)
+        needs |= 1u << iso_glass_part(job->method, (iso_refraction)job->settings->refraction);
     if (needs & 1u << ISO_PART_CASTER) needs |= 1u << ISO_PART_CELLS;
     return needs & 1u << part && !only_exports(job);
 }

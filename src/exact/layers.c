@@ -45,7 +45,7 @@ typedef struct layers_draw {
     float *slopes;    /* of the rays: u by column, v by row */
     layer *layers;
     iso_layer_medium media[ISO_EXACT_LAYERS_MAX];
-    bool absorbs;
+    bool absorbs, needs_rays; /* rays: for absorption and for readers */
     int band_rows;
     iso_exact_scratch *scratch; /* by worker */
     worker *workers;
@@ -86,6 +86,7 @@ static void set_up_layer(layers_draw *draw, int number) {
     l->frame.projection.fragments = &l->fragments;
     l->frame.kernel = iso_exact_layers_kernel_get(iso_cpu_best());
     l->fragments = (iso_exact_fragments){.opacity = translucency->opacity,
+                                         .normals = draw->picture->reader != NULL,
                                          .by_angle = !translucency->constant,
                                          .log_through = (float)iso_log2(1 - (double)translucency->opacity),
                                          .surface = number * 2,
@@ -94,7 +95,7 @@ static void set_up_layer(layers_draw *draw, int number) {
                                .most_layers = translucency->most_layers,
                                .tolerance = (float)(SAME_CROSSING * 2 * l->frame.projection.half_depth)};
     if (translucency->mean_path > 0) {
-        draw->absorbs = true;
+        draw->absorbs = draw->needs_rays = true;
         draw->media[number].per_mm = 1 / translucency->mean_path;
         set_base(l->input->color, draw->media[number].color);
     }
@@ -121,8 +122,8 @@ static iso_status set_up_workers(layers_draw *draw, iso_error *error) {
     for (size_t i = 0; i < count; i++) {
         worker *w = &draw->workers[i];
         ISO_TRY(iso_layer_lists_reserve(&w->lists, width, draw->band_rows, error));
-        ISO_TRY(iso_layer_composer_reserve(&w->composer, draw->picture->image->width, factor, error));
-        if (draw->absorbs) ISO_TRY(set_up_rays(w, (size_t)width * (size_t)draw->band_rows, error));
+        ISO_TRY(iso_layer_composer_reserve(&w->composer, width / factor, factor, error));
+        if (draw->needs_rays) ISO_TRY(set_up_rays(w, (size_t)width * (size_t)draw->band_rows, error));
         w->lists.middle = (float)draw->layers[0].frame.projection.middle;
         draw->scratch[i].lists = &w->lists;
     }
@@ -182,7 +183,10 @@ static iso_fragment make_fragment(const layers_draw *draw, const layer *l, int x
     iso_fragment fragment = {.depth = (float)(hit->t - l->frame.projection.middle),
                              .opacity = l->fragments.opacity,
                              .surface = l->fragments.surface | (hit->falls == l->fragments.fall_leaves)};
-    iso_shade_sample(normal, to_eye, l->input->color, fragment.color);
+    if (l->fragments.normals)
+        memcpy(fragment.color, normal, sizeof normal);
+    else
+        iso_shade_sample(normal, to_eye, l->input->color, fragment.color);
     if (l->fragments.by_angle) {
         const float length = sqrtf(to_eye[0] * to_eye[0] + to_eye[1] * to_eye[1] + to_eye[2] * to_eye[2]);
         const float cosine =
@@ -261,20 +265,30 @@ static bool list_band(const layers_draw *draw, worker *w, iso_exact_scratch *scr
     return !lists->full;
 }
 
+/* Composites the listed fragments of a band, or passes them on. */
+static void use_band(const layers_draw *draw, worker *w, iso_rows rows) {
+    const iso_exact_layers_reader *reader = draw->picture->reader;
+    if (draw->needs_rays) set_rays(draw, w, rows);
+    if (reader) {
+        reader->read(reader->context, &w->lists, &w->rays, rows.first);
+        return;
+    }
+    const iso_layer_picture picture = {.strip = draw->picture->strip,
+                                       .shading = draw->picture->shading,
+                                       .image = draw->picture->image,
+                                       .media = draw->absorbs ? draw->media : NULL,
+                                       .media_count = draw->picture->count,
+                                       .layers = draw->picture->layer_counts,
+                                       .coverage = draw->picture->coverage};
+    iso_layers_compose(&picture, &w->lists, &w->rays, rows.first, &w->composer, &w->totals.layers);
+}
+
 /* Draws a band, in two halves if its fragments are too many. */
 static void draw_rows(const layers_draw *draw, worker *w, iso_exact_scratch *scratch, iso_rows rows) {
     const int factor = draw->picture->strip->factor, pixels = (rows.last - rows.first + 1) / factor;
     w->lists.most_chunks = pixels > 1 ? BAND_CHUNKS : 0;
     if (list_band(draw, w, scratch, rows)) {
-        const iso_layer_picture picture = {.strip = draw->picture->strip,
-                                           .shading = draw->picture->shading,
-                                           .image = draw->picture->image,
-                                           .media = draw->absorbs ? draw->media : NULL,
-                                           .media_count = draw->picture->count,
-                                           .layers = draw->picture->layer_counts,
-                                           .coverage = draw->picture->coverage};
-        if (draw->absorbs) set_rays(draw, w, rows);
-        iso_layers_compose(&picture, &w->lists, &w->rays, rows.first, &w->composer, &w->totals.layers);
+        use_band(draw, w, rows);
     } else if (pixels > 1) {
         const int half = rows.first + pixels / 2 * factor;
         draw_rows(draw, w, scratch, (iso_rows){rows.first, half - 1});
@@ -307,7 +321,9 @@ static iso_status sum_totals(const layers_draw *draw, iso_exact_layers_totals *t
 iso_status iso_shade_exact_layers(const iso_exact_layers *picture, iso_exact_layers_totals *totals,
                                   iso_error *error) {
     const iso_view *view = picture->strip->view;
-    layers_draw draw = {.picture = picture, .size = {.width = view->width, .height = view->height}};
+    layers_draw draw = {.picture = picture,
+                        .size = {.width = view->width, .height = view->height},
+                        .needs_rays = picture->reader != NULL};
     draw.target = (iso_target){.view = view, .gbuffer = &draw.size, .pool = picture->pool};
     iso_status status = set_up(&draw, error);
     if (status == ISO_OK) {

@@ -27,15 +27,24 @@ enum { ISO_EXACT_LAYERS_BYTES = 32 << 20 };
 
 enum { ISO_EXACT_LAYERS_MAX = 64 }; /* surfaces in a picture */
 
+/* Takes the fragments of a band of rows instead of having them composited: their colours are the unit normals
+ * at the crossings (view space, out of the solid). */
+typedef struct iso_exact_layers_reader {
+    /* Called once for each band by any worker. first: the band's first row of samples in the strip. */
+    void (*read)(void *context, const iso_layer_lists *lists, const iso_layer_rays *rays, int first);
+    void *context;
+} iso_exact_layers_reader;
+
 /* What is drawn into; all pointers are borrowed for the call. */
 typedef struct iso_exact_layers {
     const iso_exact_layer *layers;  /* the picture's translucent surfaces */
     int count;                      /* 1 .. ISO_EXACT_LAYERS_MAX */
     const iso_strip *strip;         /* its gbuffer has the opaque surfaces, or but its size: depth is NULL */
     const iso_shading *shading;     /* colours of the opaque surfaces, and background */
-    iso_image *image;               /* gets the strip's rows */
+    iso_image *image;               /* gets the strip's rows; unused with a reader */
     float *layer_counts, *coverage; /* NULL, or planes of the image's size: iso_layer_picture */
     iso_pool *pool;                 /* NULL: the calling thread */
+    const iso_exact_layers_reader *reader; /* NULL: the layers are composited */
 } iso_exact_layers;
 
 typedef struct iso_exact_layers_totals {

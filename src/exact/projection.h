@@ -26,6 +26,7 @@ typedef struct iso_exact_paint {
 /* How the crossings of a translucent surface become fragments (render/layers). */
 typedef struct iso_exact_fragments {
     float opacity;       /* where the surface is seen face on */
+    bool normals;        /* fragments get the normal (view space) instead of the shaded colour */
     bool by_angle;       /* the opacity depends on the angle: 1 - 2^(log_through / cos) */
     float log_through;   /* logarithm to base 2 of 1 - opacity */
     int32_t surface;     /* number of the surface * 2 */

@@ -2,6 +2,8 @@
  * grids/ray/ray_tracer.h. */
 #include "truth/raycast.h"
 
+#include <math.h>
+
 #include "base/memory.h"
 #include "truth/raycaster.h"
 
@@ -11,7 +13,9 @@ iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool 
                                 iso_error *error) {
     iso_raycaster *caster = iso_alloc_zero(1, sizeof *caster);
     if (!caster) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the ray caster");
+    const double *spacing = iso_grid_transform(grid)->spacing;
     caster->level_set = iso_grid_is_level_set(grid);
+    caster->voxel = fmin(spacing[0], fmin(spacing[1], spacing[2]));
     iso_status status = iso_ray_tracer_create(grid, isovalue, pool, &caster->tracer, error);
     if (status == ISO_OK) status = iso_ray_tracer_refine(caster->tracer, pool, error);
     if (status == ISO_OK)

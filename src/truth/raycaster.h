@@ -8,6 +8,7 @@
 struct iso_raycaster {
     iso_ray_tracer *tracer;
     bool level_set; /* the solid is where the field is below the isovalue */
+    double voxel;   /* the smallest side of a voxel, mm */
 };
 
 #endif

@@ -40,7 +40,7 @@ typedef struct iso_translucency {
 typedef struct iso_fragment {
     float depth;     /* mm, counted from iso_layer_lists.middle */
     float opacity;   /* 0 .. 1 */
-    float color[3];  /* shaded, 0 .. 1 */
+    float color[3];  /* shaded, 0 .. 1; in lists that are not composited the normal (view space) */
     int32_t surface; /* number of the surface * 2, + 1 where the ray leaves its solid */
     float unused[2]; /* so that vectors of fragments are loaded in whole quads */
 } iso_fragment;

@@ -1,0 +1,20 @@
+/* glass: the map of crossings that pictures of glass are shaded with, from the exact surface. */
+#ifndef ISO_EXACT_GLASS_H
+#define ISO_EXACT_GLASS_H
+
+#include "exact/exact.h"
+#include "render/glass/glass.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Fills the map with the crossings of the surface, which is up to date. The map gets the same bytes for every
+ * number of threads and instruction set. `pool` may be NULL. ISO_ERR_NOMEM. */
+iso_status iso_exact_map_glass(const iso_exact *exact, const iso_glass_map *map, iso_pool *pool,
+                               iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

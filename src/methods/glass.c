@@ -1,0 +1,66 @@
+/* glass: has a picture's map of crossings made by the method, and its strips shaded. */
+#include "methods/glass.h"
+
+#include "exact/glass.h"
+#include "truth/traced_glass.h"
+
+bool iso_method_has_glass(iso_method method) {
+    return method == ISO_METHOD_EXACT || method == ISO_METHOD_RAYCAST;
+}
+
+iso_part iso_glass_part(iso_method method, iso_refraction refraction) {
+    const bool rays = method == ISO_METHOD_RAYCAST || refraction == ISO_REFRACTION_TRACED;
+    return rays ? ISO_PART_CASTER : ISO_PART_CELLS;
+}
+
+uint64_t iso_glass_scene_bytes(iso_refraction refraction, uint64_t samples) {
+    return refraction == ISO_REFRACTION_TRACED ? 0 : samples * sizeof(iso_glass_crossings);
+}
+
+static iso_status make_map(iso_glass_scene *scene, iso_error *error) {
+    iso_pool *pool = scene->opts->pool;
+    ISO_TRY(iso_glass_map_create(&scene->view, &scene->map, error));
+    if (scene->method == ISO_METHOD_EXACT)
+        return iso_exact_map_glass(scene->subject->exact, &scene->map, pool, error);
+    iso_raycast_map_glass(scene->subject->caster, &scene->map, pool);
+    return ISO_OK;
+}
+
+/* iso_picture_layers.shade. */
+static iso_status shade(void *context, const iso_strip *strip, iso_image *image, iso_aov *aov,
+                        size_t *covered, iso_error *error) {
+    (void)aov, (void)error; /* coverage is that of the surface, which has been measured */
+    const iso_glass_scene *scene = context;
+    const bool traced = scene->refraction == ISO_REFRACTION_TRACED;
+    const iso_traced_glass rays = {scene->subject->caster, &scene->glass, &scene->view};
+    const iso_mapped_glass mapped = {&scene->glass, &scene->map, scene->refraction};
+    const iso_glass_picture picture = {.view = &scene->view,
+                                       .strip = strip,
+                                       .light = traced ? iso_traced_glass_light : iso_glass_light,
+                                       .context = traced ? (const void *)&rays : (const void *)&mapped,
+                                       .behind = scene->shows_environment ? scene->glass.environment : NULL,
+                                       .background = &scene->opts->shading,
+                                       .image = image,
+                                       .pool = scene->opts->pool};
+    *covered = iso_glass_shade(&picture);
+    return ISO_OK;
+}
+
+/* Samples along a pixel's side. */
+static int factor_of(int samples) {
+    int factor = 1;
+    while (factor * factor < samples) factor++;
+    return factor;
+}
+
+iso_status iso_glass_scene_start(iso_glass_scene *scene, iso_picture_layers *callbacks, iso_error *error) {
+    const iso_picture_opts *opts = scene->opts;
+    const iso_view pixels = iso_view_make(opts->camera, opts->width, opts->height);
+    scene->view = iso_view_scaled(&pixels, factor_of(opts->samples));
+    *callbacks = (iso_picture_layers){NULL, shade, scene};
+    return scene->refraction == ISO_REFRACTION_TRACED ? ISO_OK : make_map(scene, error);
+}
+
+void iso_glass_scene_free(iso_glass_scene *scene) {
+    iso_glass_map_free(&scene->map);
+}

@@ -1,0 +1,3 @@
+# exit: 2
+# stderr: isorender: option --ior: 'nan' *
+isorender scene:sphere:16 a.png --ior nan

@@ -1,0 +1,3 @@
+# exit: 2
+# stderr: isorender: --method mesh draws no glass: exact and raycast do
+isorender scene:sphere:16 a.png --ior 1.5 --method mesh
