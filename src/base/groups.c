@@ -8,7 +8,14 @@
 #include "base/point_cells.h"
 
 /* The number of points that have no group yet is counted as well. */
-enum { NO_GROUP = ISO_GROUPS_MOST, COUNTS, RANGES = ISO_CELL_ROWS * ISO_CELL_LEVELS };
+enum {
+    NO_GROUP = ISO_GROUPS_MOST,
+    COUNTS,
+    RANGES = ISO_CELL_ROWS * ISO_CELL_LEVELS,
+    /* Points around a point that are looked at, at most: many more than there are groups. Only where very
+     * many discs lie on top of each other are there more. */
+    LOOKED_AT = 4096
+};
 
 /* What one block of cells adds to the counts of iso_groups. */
 typedef struct tally {
@@ -74,6 +81,11 @@ static void count_alike(const colouring *c, iso_cell_range range, const iso_cell
             do_overlap(at, &points[i]) && !are_opposite(c->view, at->index, points[i].index);
 }
 
+/* The first points of a range. */
+static iso_cell_range limited(iso_cell_range range, uint32_t most) {
+    return (iso_cell_range){range.first, range.end - range.first > most ? range.first + most : range.end};
+}
+
 /* The first group with the fewest conflicts. */
 static int best_group(const uint32_t conflicts[ISO_GROUPS_MOST], int limit) {
     int best = 0;
@@ -89,8 +101,12 @@ static void colour_cell(const colouring *c, uint32_t cell, tally *t) {
     look_around(c, cell, &around);
     for (uint32_t i = first[0].first; i < first[1].first; i++) {
         uint32_t conflicts[COUNTS] = {0};
-        for (int r = 0; r < around.count; r++)
-            (c->ignore_opposite ? count_alike : count_range)(c, around.range[r], &points[i], conflicts);
+        uint32_t left = LOOKED_AT;
+        for (int r = 0; r < around.count && left; r++) {
+            const iso_cell_range range = limited(around.range[r], left);
+            (c->ignore_opposite ? count_alike : count_range)(c, range, &points[i], conflicts);
+            left -= range.end - range.first;
+        }
         for (int k = 0; k < c->limit; k++) t->joined += conflicts[k];
         const int group = best_group(conflicts, c->limit);
         t->conflicts += conflicts[group];

@@ -1,12 +1,14 @@
 /* groups: divides points into groups whose discs do not overlap (Zhang and Pajarola 2006, section 4.1), so
  * that in a picture of one group each pixel shows at most one disc of a layer of the surface.
  *
- * The points are the nodes of a graph; two are joined when the distance of their centres is below c times the
- * sum of their discs' radii (eq. 5 with rule 3), and joined points conflict when they are in one group. The
- * groups are a greedy colouring: each point gets the smallest number that no conflicting point has. The paper
- * takes points by falling degree; here they are taken cell by cell in scan order, which needs no graph in
- * memory and as few groups within 2. With a limit of groups, a point for which none is free gets the one with
- * the fewest conflicts.
+ * The points are the nodes of a graph; two are joined when the distance of their centres is below c times
+ * the sum of their discs' radii (eq. 5 with rule 3), and joined points conflict when they are in one
+ * group. The groups are a greedy colouring: each point gets the smallest number that no conflicting point
+ * has. The paper takes points by falling degree; here they are taken cell by cell in scan order, which
+ * needs no graph in memory and as few groups within 2. With a limit of groups, a point for which none is
+ * free gets the one with the fewest conflicts.
+ *
+ * Where thousands of discs overlap, only some of them are looked at.
  *
  * The result depends on the points and their order only, not on threads: blocks of cells of one parity are
  * coloured in parallel (base/point_cells.h), in 8 passes. A change of points can change groups within 8
@@ -41,8 +43,8 @@ typedef struct iso_groups {
     size_t joined;    /* joined pairs: the mean degree is 2 joined / points */
 } iso_groups;
 
-/* Divides the points of a view into groups. Points whose position is not finite, or whose radius is not above
- * 0, are left out. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1 points or more. */
+/* Divides the points of a view into groups. Points whose position is not finite, or whose radius is not
+ * above 0, are left out. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1 points or more. */
 iso_status iso_groups_make(const iso_point_view *view, const iso_groups_opts *opts, iso_groups *groups,
                            iso_error *error);
 void iso_groups_free(iso_groups *groups);

@@ -2,7 +2,10 @@
  * their coordinates in a hash table (hierarchical spatial hash grids: Eitz and Lixu 2007). */
 #include "base/point_cells.h"
 
+#include <stdlib.h>
 #include <string.h>
+
+#include "base/numbers.h"
 
 enum {
     BLOCK_SHIFT = 3,             /* a block is 8 cells wide */
@@ -21,6 +24,9 @@ typedef struct placing {
     const iso_point_view *view;
     iso_affine affine;
     double factor;
+    /* mm. Points outside lo .. hi are put into the cells nearest to them at its border: neighbours stay
+     * neighbours. */
+    double lo[3], hi[3];
     double anchor[3], largest; /* mm; the size of the cells of level 0 */
     int finest;                /* level */
 } placing;
@@ -71,21 +77,48 @@ static int level_of(const placing *p, double reach) {
     return level;
 }
 
-/* Chooses anchor and sizes of cells for points whose positions lie in lo .. hi. */
-static void choose_sizes(placing *p, const double lo[3], const double hi[3], double most_reach) {
+/* Chooses anchor and sizes of cells for lo .. hi. */
+static void choose_sizes(placing *p, double most_reach) {
     double extent = 0;
-    for (int k = 0; k < 3; k++) extent = fmax(extent, hi[k] - lo[k]);
+    for (int k = 0; k < 3; k++) extent = fmax(extent, p->hi[k] - p->lo[k]);
     p->largest = fmax(2 * most_reach, extent / (1 << (COORDINATE_BITS - 1)));
     const double period = p->largest * ANCHOR_CELLS, most = (1 << COORDINATE_BITS) - 2;
-    for (int k = 0; k < 3; k++) p->anchor[k] = floor(lo[k] / period) * period;
+    for (int k = 0; k < 3; k++) p->anchor[k] = floor(p->lo[k] / period) * period;
     double cells = extent / p->largest + ANCHOR_CELLS;
     for (p->finest = 0; p->finest < ISO_CELL_LEVELS - 1 && 2 * cells < most; p->finest++) cells *= 2;
 }
 
+/* Shrinks lo .. hi to where nearly all of some points of the view are, and once more around that, so that
+ * a few points far away do not make all cells large. */
+static void leave_outliers(placing *p, size_t count) {
+    enum { SAMPLES = 1024, CUT = SAMPLES / 64 };
+    double sample[3][SAMPLES], at[3];
+    size_t taken = 0, seen = 0;
+    for (size_t s = 0; s < p->view->span_count; s++) {
+        const iso_point_span *span = &p->view->spans[s];
+        for (size_t i = span->first; i < span->first + span->count; i++) {
+            if (!(place_point(p, span, i, at) > 0)) continue;
+            if (seen++ * SAMPLES / count < taken || taken == SAMPLES) continue;
+            for (int k = 0; k < 3; k++) sample[k][taken] = at[k];
+            taken++;
+        }
+    }
+    for (int k = 0; k < 3 && taken == SAMPLES; k++) {
+        qsort(sample[k], SAMPLES, sizeof(double), iso_compare_doubles);
+        const double lo = sample[k][CUT], hi = sample[k][SAMPLES - 1 - CUT];
+        p->lo[k] = fmax(p->lo[k], lo - (hi - lo));
+        p->hi[k] = fmin(p->hi[k], hi + (hi - lo));
+    }
+}
+
 /* Sets up the cells for a view; returns the number of its points that take part. */
 static size_t measure(placing *p) {
-    double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY}, most = 0;
+    double *lo = p->lo, *hi = p->hi, most = 0, least = INFINITY;
     size_t count = 0;
+    for (int k = 0; k < 3; k++) {
+        lo[k] = INFINITY;
+        hi[k] = -INFINITY;
+    }
     for (size_t s = 0; s < p->view->span_count; s++) {
         const iso_point_span *span = &p->view->spans[s];
         for (size_t i = span->first; i < span->first + span->count; i++) {
@@ -97,10 +130,17 @@ static size_t measure(placing *p) {
                 hi[k] = at[k] > hi[k] ? at[k] : hi[k];
             }
             most = reach > most ? reach : most;
+            least = reach < least ? reach : least;
             count++;
         }
     }
-    if (count) choose_sizes(p, lo, hi, most);
+    if (!count) return 0;
+    choose_sizes(p, most);
+    if (p->finest < ISO_CELL_LEVELS - 1 && p->largest > 4 * least * (1 << p->finest)) {
+        /* the box is so large that cells cannot be small enough */
+        leave_outliers(p, count);
+        choose_sizes(p, most);
+    }
     return count;
 }
 
@@ -114,7 +154,10 @@ static void make_records(const placing *p, record *records) {
             const int level = level_of(p, reach);
             const double scale = (1 << level) / p->largest;
             uint32_t cell[3];
-            for (int k = 0; k < 3; k++) cell[k] = (uint32_t)((at[k] - p->anchor[k]) * scale);
+            for (int k = 0; k < 3; k++) {
+                const double inside = at[k] < p->lo[k] ? p->lo[k] : at[k] > p->hi[k] ? p->hi[k] : at[k];
+                cell[k] = (uint32_t)((inside - p->anchor[k]) * scale);
+            }
             *records++ = (record){key_of(level, cell), (uint32_t)s, (uint32_t)i};
         }
     }

@@ -3,8 +3,8 @@
 
 #include "render/splats/layer_lists.h"
 
-/* Bytes of a band's hits, at most, unless it cannot be divided. */
-static const size_t MOST_BYTES = 64 << 20;
+/* Bytes of a band's hits, at most; of a band that cannot be divided. */
+static const size_t MOST_BYTES = 64 << 20, MOST_BYTES_LAST = (size_t)1 << 30;
 
 /* A disc that a pixel's ray hits. */
 typedef struct hit {
@@ -57,7 +57,7 @@ static bool collect(const iso_splat_surface *surface, const iso_splat_band *band
     collect_discs(surface, band, all);
     for (size_t i = 2; i < pixels + 2; i++) all->start[i] += all->start[i - 1];
     const size_t bytes = all->start[pixels + 1] * sizeof(hit);
-    if (!band->last && bytes > MOST_BYTES) return false;
+    if (bytes > (band->last ? MOST_BYTES_LAST : MOST_BYTES)) return false;
     if (iso_buffer_reserve(band->memory, bytes, 0, NULL) != ISO_OK) return false;
     all->hits = band->memory->data;
     collect_discs(surface, band, all);

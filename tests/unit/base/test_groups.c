@@ -239,12 +239,37 @@ static void test_unusable_points(void **state) {
     iso_groups_free(&groups);
 }
 
+/* A few points far away do not put all others into one cell, which would take minutes; and points that all
+ * overlap are looked at in part. */
+static void test_outliers(void **state) {
+    (void)state;
+    static cloud c;
+    make_cloud(&c, 3000, 10, 1, 29);
+    for (int i = 0; i < 3000; i++) c.radii[i] = 0.2f;
+    for (int i = 0; i < 5; i++) c.surfels[i].position[0] = i < 3 ? 1e6f : -3e6f;
+    for (int k = 1; k < 3; k++) c.surfels[1].position[k] = c.surfels[0].position[k];
+    iso_point_cells cells = {0};
+    assert_int_equal(iso_point_cells_make(&cells, &c.view, 1, NULL), ISO_OK);
+    assert_true(cells.cell_count > 2000);
+    iso_point_cells_free(&cells);
+    iso_groups groups = make_groups(&c.view, &(iso_groups_opts){0});
+    compare_with_all_pairs(&c.view, &groups, 1);
+    assert_int_equal(groups.conflicts, 0);
+    assert_true(groups.group[0] != groups.group[1]);
+    iso_groups_free(&groups);
+    make_cloud(&c, MOST, 0, 1, 31);
+    groups = make_groups(&c.view, &(iso_groups_opts){.limit = 4});
+    assert_int_equal(groups.count, 4);
+    assert_true(groups.joined < (size_t)MOST * 4096);
+    iso_groups_free(&groups);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_no_conflict),     cmocka_unit_test(test_no_conflict_in_a_scene),
         cmocka_unit_test(test_limits),          cmocka_unit_test(test_opposite_normals),
         cmocka_unit_test(test_threads),         cmocka_unit_test(test_locality),
-        cmocka_unit_test(test_unusable_points),
+        cmocka_unit_test(test_unusable_points), cmocka_unit_test(test_outliers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
