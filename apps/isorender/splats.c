@@ -43,8 +43,8 @@ iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *err
     const isorender_settings *settings = job->settings;
     const iso_point_view points = isorender_points_view(job, surface);
     iso_groups *groups = &job->surfaces[surface].groups;
-    iso_groups_opts opts = iso_splats_grouping(job->pool);
-    if (settings->transparency != (int)ISO_TRANSPARENCY_SORTED) opts.limit = ISO_SPLAT_LAYERS_GROUPS;
+    const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
+    iso_groups_opts opts = sorted ? iso_splats_grouping(job->pool) : iso_splat_layers_grouping(job->pool);
     if (settings->groups) opts.limit = settings->groups;
     opts.overlap = settings->group_overlap;
     opts.ignore_opposite = settings->group_opposite;

@@ -31,7 +31,7 @@ typedef struct colouring {
     const iso_cell_block *blocks; /* of one pass; its tallies begin at the same number */
     size_t first_block;
     int limit;
-    bool ignore_opposite;
+    bool ignore_opposite, by_number;
 } colouring;
 
 /* The points around a cell, in its own level and all coarser ones. */
@@ -59,10 +59,22 @@ static bool are_opposite(const iso_point_view *view, uint32_t a, uint32_t b) {
     return iso_vec3_dot(normal[0], normal[1]) < 0;
 }
 
-static bool do_overlap(const iso_cell_point *a, const iso_cell_point *b) {
+static float squared_distance(const iso_cell_point *a, const iso_cell_point *b) {
     const float x = a->position[0] - b->position[0], y = a->position[1] - b->position[1],
-                z = a->position[2] - b->position[2], reach = a->reach + b->reach;
-    return x * x + y * y + z * z < reach * reach;
+                z = a->position[2] - b->position[2];
+    return x * x + y * y + z * z;
+}
+
+static bool do_overlap(const iso_cell_point *a, const iso_cell_point *b) {
+    const float reach = a->reach + b->reach;
+    return squared_distance(a, b) < reach * reach;
+}
+
+/* How much two discs overlap: 0 when they do not, up to 1001 when they are in one place. (Squares and fourth
+ * powers do as well as the cube.) */
+static uint32_t overlap_of(const iso_cell_point *a, const iso_cell_point *b) {
+    const float reach = a->reach + b->reach, part = 1 - squared_distance(a, b) / (reach * reach);
+    return part > 0 ? (uint32_t)(1 + 1000 * part * part * part) : 0;
 }
 
 /* Counts for each group the points first .. end - 1 in it that conflict with point `at`. */
@@ -86,7 +98,24 @@ static iso_cell_range limited(iso_cell_range range, uint32_t most) {
     return (iso_cell_range){range.first, range.end - range.first > most ? range.first + most : range.end};
 }
 
-/* The first group with the fewest conflicts. */
+/* Adds up for each group how much its discs overlap that of point `at`. */
+static void weigh_conflicts(const colouring *c, const surroundings *around, const iso_cell_point *at,
+                            uint32_t weights[COUNTS]) {
+    const iso_cell_point *points = c->cells->points.data;
+    uint32_t left = LOOKED_AT;
+    for (int r = 0; r < around->count && left; r++) {
+        const iso_cell_range range = limited(around->range[r], left);
+        for (uint32_t i = range.first; i < range.end; i++) {
+            const uint32_t overlap = overlap_of(at, &points[i]);
+            const bool ignored =
+                overlap && c->ignore_opposite && are_opposite(c->view, at->index, points[i].index);
+            weights[c->group[i]] += ignored ? 0 : overlap;
+        }
+        left -= range.end - range.first;
+    }
+}
+
+/* The first group with the fewest conflicts, or the least weight of them. */
 static int best_group(const uint32_t conflicts[ISO_GROUPS_MOST], int limit) {
     int best = 0;
     for (int k = 1; k < limit && conflicts[best]; k++)
@@ -108,7 +137,12 @@ static void colour_cell(const colouring *c, uint32_t cell, tally *t) {
             left -= range.end - range.first;
         }
         for (int k = 0; k < c->limit; k++) t->joined += conflicts[k];
-        const int group = best_group(conflicts, c->limit);
+        int group = best_group(conflicts, c->limit);
+        if (conflicts[group] && !c->by_number) { /* no group is free */
+            uint32_t weights[COUNTS] = {0};
+            weigh_conflicts(c, &around, &points[i], weights);
+            group = best_group(weights, c->limit);
+        }
         t->conflicts += conflicts[group];
         t->count = group >= t->count ? group + 1 : t->count;
         c->group[i] = (uint8_t)group;
@@ -162,7 +196,8 @@ static iso_status colour(const iso_point_cells *cells, const iso_point_view *vie
                    .tallies = iso_alloc_zero(blocks, sizeof(tally)),
                    .blocks = cells->blocks.data,
                    .limit = opts->limit ? opts->limit : ISO_GROUPS_MOST,
-                   .ignore_opposite = opts->ignore_opposite};
+                   .ignore_opposite = opts->ignore_opposite,
+                   .by_number = opts->by_number};
     *groups = (iso_groups){.group = iso_alloc_zero(array_length(view), 1)};
     const bool enough = c.group && c.tallies && groups->group;
     if (enough) {

@@ -6,7 +6,8 @@
  * group. The groups are a greedy colouring: each point gets the smallest number that no conflicting point
  * has. The paper takes points by falling degree; here they are taken cell by cell in scan order, which
  * needs no graph in memory and as few groups within 2. With a limit of groups, a point for which none is
- * free gets the one with the fewest conflicts.
+ * free gets the one whose discs its own overlaps least: splats in 8 groups are 5 dB nearer to two passes
+ * than with the fewest conflicts.
  *
  * Where thousands of discs overlap, only some of them are looked at.
  *
@@ -32,6 +33,10 @@ typedef struct iso_groups_opts {
     /* Rule 2: points whose normals differ by more than 90 degrees do not conflict. Fewer groups, but the two
      * sides of thin things then hide each other. */
     bool ignore_opposite;
+    /* With a limit: a point for which no group is free gets the group with the fewest conflicts, instead
+     * of that whose discs its own overlaps least. Better where each group is to cover the surface by
+     * itself (algorithms 2 and 3: 1 dB), worse where all groups are blended (5 dB with 8 groups). */
+    bool by_number;
     iso_pool *pool; /* or NULL */
 } iso_groups_opts;
 

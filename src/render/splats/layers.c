@@ -206,6 +206,13 @@ static iso_status sum_totals(const layers_draw *draw, iso_layer_totals *totals, 
     return ISO_OK;
 }
 
+iso_groups_opts iso_splat_layers_grouping(iso_pool *pool) {
+    iso_groups_opts opts = iso_splats_grouping(pool);
+    opts.limit = ISO_SPLAT_LAYERS_GROUPS;
+    opts.by_number = true;
+    return opts;
+}
+
 iso_status iso_shade_splat_layers(const iso_splat_layers *picture, iso_layer_totals *totals,
                                   iso_error *error) {
     layers_draw draw = {.picture = picture};

@@ -35,6 +35,9 @@ typedef enum iso_transparency {
 /* The number of groups for transparency when none is asked for (section 6.2). */
 enum { ISO_SPLAT_LAYERS_GROUPS = 4 };
 
+/* The options for iso_groups_make with which algorithms 2 and 3 are drawn when none are given. */
+iso_groups_opts iso_splat_layers_grouping(iso_pool *pool);
+
 /* A translucent surface. Its opacity is below 1. mean_path is not used, and most_layers by sorted only. */
 typedef struct iso_splat_layer {
     iso_point_view points;    /* borrowed for the call */

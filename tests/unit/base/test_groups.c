@@ -132,6 +132,7 @@ static void test_limits(void **state) {
     iso_groups whole = make_groups(&c.view, &(iso_groups_opts){0}),
                relaxed = make_groups(&c.view, &(iso_groups_opts){.overlap = 0.6}),
                four = make_groups(&c.view, &(iso_groups_opts){.limit = 4}),
+               by_number = make_groups(&c.view, &(iso_groups_opts){.limit = 4, .by_number = true}),
                one = make_groups(&c.view, &(iso_groups_opts){.limit = 1});
     compare_with_all_pairs(&c.view, &relaxed, 0.6);
     compare_with_all_pairs(&c.view, &four, 1);
@@ -141,8 +142,10 @@ static void test_limits(void **state) {
     assert_int_equal(one.count, 1);
     assert_true(one.conflicts == one.joined);
     assert_true(four.conflicts > 0 && four.conflicts < one.conflicts / 4);
-    iso_groups *all[] = {&whole, &relaxed, &four, &one};
-    for (int k = 0; k < 4; k++) iso_groups_free(all[k]);
+    compare_with_all_pairs(&c.view, &by_number, 1);
+    assert_true(by_number.conflicts < four.conflicts);
+    iso_groups *all[] = {&whole, &relaxed, &four, &by_number, &one};
+    for (int k = 0; k < 5; k++) iso_groups_free(all[k]);
 }
 
 static void test_opposite_normals(void **state) {

@@ -147,8 +147,7 @@ typedef struct fixture {
 
 static fixture make_fixture(const char *name, int size, int pixels, float opacity) {
     fixture f = {.scene = test_scene_make(name, size, NULL, true)};
-    iso_groups_opts grouping = iso_splats_grouping(NULL);
-    grouping.limit = ISO_SPLAT_LAYERS_GROUPS;
+    const iso_groups_opts grouping = iso_splat_layers_grouping(NULL);
     assert_int_equal(iso_groups_make(&f.scene.points, &grouping, &f.groups, NULL), ISO_OK);
     f.view = test_look_at(&f.scene, 1, 1, false, pixels, pixels);
     f.layer = (iso_splat_layer){
