@@ -338,7 +338,10 @@ static int exit_axis(const iso_ray *ray, const int low[3], const int high[3], do
 static void leave_box(iso_ray *ray, const int low[3], const int high[3], int axis, double t) {
     for (int i = 0; i < 3; i++) {
         double p = ray->origin[i] + t * ray->direction[i];
-        if (high[i] - low[i] > 1) ray->cell[i] = (int)fmin(fmax(floor(p), low[i]), high[i] - 1);
+        if (high[i] - low[i] > 1) {
+            const int cell = (int)p; /* rounded down: where p is below 0, it is below `low` as well */
+            ray->cell[i] = cell < low[i] ? low[i] : cell >= high[i] ? high[i] - 1 : cell;
+        }
         ray->local[i] = clamp_unit(p - ray->cell[i]);
     }
     bool up = ray->direction[axis] > 0;
