@@ -115,16 +115,16 @@ iso_status iso_environment_read(const char *path, iso_pool *pool, iso_environmen
  * parts, which refraction brings to the rims, are what makes glass stand out. */
 static const struct {
     double elevation, rgb[3];
-} gradient[] = {{-90, {.10, .10, .105}}, {-35, {.20, .20, .21}}, {-14, {.44, .44, .46}},
-                {-3, {.80, .81, .83}},   {6, {.90, .92, .95}},   {20, {.62, .66, .72}},
-                {45, {.20, .22, .26}},   {90, {.10, .11, .14}}};
+} gradient[] = {{-90, {.26, .26, .27}}, {-35, {.32, .32, .335}}, {-14, {.50, .50, .52}},
+                {-3, {.80, .81, .83}},  {6, {.90, .92, .95}},    {20, {.62, .66, .72}},
+                {45, {.20, .22, .26}},  {90, {.10, .11, .14}}};
 
 /* Light boxes: middle and half size in degrees, width of the soft edge. Those with repeat > 1 stand evenly
  * around. */
 static const struct {
     double azimuth, elevation, half_width, half_height, edge, light;
     int repeat;
-} boxes[] = {{0, 90, 180, 20, 8, 3, 1}, {50, 20, 5, 26, 2, 4, 4}};
+} boxes[] = {{0, 90, 1000, 20, 8, .8, 1}, {50, 43, 7, 23, 2, 4, 4}};
 
 static double smooth_step(double from, double to, double x) {
     const double t = x <= from ? 0 : x >= to ? 1 : (x - from) / (to - from);
