@@ -47,6 +47,8 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     bool gl = is_any(name, "egl", "osmesa"), needed = needs_gl(settings);
     if (!gl && !is_any(name, "auto", "cpu"))
         return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
+    if (gl && settings->ior > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no glass: --ior needs the cpu", name);
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN)
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))
