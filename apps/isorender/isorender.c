@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "apps/isorender/isorender.h"
+#include "base/memory.h"
 
 static int fail(const iso_error *error, iso_status status) {
     return iso_program_fail(isorender_program(), error, status);
@@ -41,7 +42,9 @@ static iso_status open_environment(const isorender_settings *settings, iso_pool 
     int size[2];
     if (!(settings->ior > 0)) return ISO_OK;
     if (settings->environment)
-        ISO_TRY(iso_environment_read(settings->environment, pool, environment, error));
+        ISO_TRY(iso_environment_read(settings->environment,
+                                     iso_memory_limit(settings->common.input.max_memory), pool, environment,
+                                     error));
     else
         ISO_TRY(iso_environment_studio(environment, error));
     iso_environment_set_up(*environment, settings->up);

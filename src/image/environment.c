@@ -95,10 +95,24 @@ static iso_status check_picture(const char *path, const iso_float_image *picture
     return ISO_OK;
 }
 
-iso_status iso_environment_read(const char *path, iso_pool *pool, iso_environment **environment,
-                                iso_error *error) {
+/* Checks the header's size. Files that have none are refused with a reason when they are read. */
+static iso_status check_size(const char *path, uint64_t limit, iso_error *error) {
+    enum { BYTES = 3 * sizeof(float) + 4 }; /* of a pixel, with the PNG's while it is read */
+    uint32_t size[2];
+    if (!iso_png_size(path, size) && !iso_exr_size(path, size)) return ISO_OK;
+    if (size[0] > ISO_IMAGE_MAX || size[1] > ISO_IMAGE_MAX) return ISO_OK;
+    const double bytes = (double)BYTES * size[0] * size[1];
+    if (bytes <= (double)limit) return ISO_OK;
+    return iso_fail(error, ISO_ERR_LIMIT,
+                    "%s: an environment of %ux%u needs %.0f MB, limit is %.0f MB (--max-memory)", path,
+                    size[0], size[1], bytes / 1e6, (double)limit / 1e6);
+}
+
+iso_status iso_environment_read(const char *path, uint64_t limit, iso_pool *pool,
+                                iso_environment **environment, iso_error *error) {
     iso_float_image picture = {0};
     uint32_t size[2];
+    ISO_TRY(check_size(path, limit, error));
     if (iso_text_ends_with(path, ".png") || iso_png_size(path, size))
         ISO_TRY(read_png(path, &picture, error));
     else

@@ -18,10 +18,11 @@ extern "C" {
 typedef struct iso_environment iso_environment;
 
 /* Reads a picture: OpenEXR with the channels R, G and B (linear), or PNG (sRGB). Negative values become 0.
- * ISO_ERR_IO, ISO_ERR_NOMEM, ISO_ERR_UNSUPPORTED (an .exr in a build without OpenEXR); ISO_ERR_FORMAT: not
- * such a picture, a side of one pixel, a pixel that is NaN or infinite. */
-iso_status iso_environment_read(const char *path, iso_pool *pool, iso_environment **environment,
-                                iso_error *error);
+ * limit: bytes that it may take. ISO_ERR_IO, ISO_ERR_NOMEM, ISO_ERR_LIMIT, ISO_ERR_UNSUPPORTED (an .exr in a
+ * build without OpenEXR); ISO_ERR_FORMAT: not such a picture, a side of one pixel, a pixel that is NaN or
+ * infinite. */
+iso_status iso_environment_read(const char *path, uint64_t limit, iso_pool *pool,
+                                iso_environment **environment, iso_error *error);
 
 /* Makes the built-in studio: a bright horizon between a dim ceiling and a dark floor, a light box above and
  * four upright ones around. ISO_ERR_NOMEM. */

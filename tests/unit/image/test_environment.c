@@ -175,7 +175,7 @@ static void exr_pictures_are_read(void **state) {
         double rgb[3];
         picture.half = half;
         assert_int_equal(exr_write(EXR_PATH, &picture), 0);
-        test_ok(iso_environment_read(EXR_PATH, NULL, &environment, &error), &error);
+        test_ok(iso_environment_read(EXR_PATH, UINT64_MAX, NULL, &environment, &error), &error);
         for (int y = 0; y < 8; y++)
             for (int x = 0; x < 16; x++) {
                 look_at_pixel(environment, x, y, rgb);
@@ -198,7 +198,7 @@ static void png_pictures_are_read(void **state) {
     iso_environment *environment;
     double rgb[3];
     write_png(16, 8);
-    assert_int_equal(iso_environment_read(PNG_PATH, NULL, &environment, NULL), ISO_OK);
+    assert_int_equal(iso_environment_read(PNG_PATH, UINT64_MAX, NULL, &environment, NULL), ISO_OK);
     for (int i = 0; i < 16 * 8; i++) {
         look_at_pixel(environment, i % 16, i / 16, rgb);
         for (int k = 0; k < 3; k++) near(rgb[k], iso_srgb_decode((uint8_t)((4 * i + k) * 7) / 255.0), 1e-6);
@@ -210,7 +210,7 @@ static void png_pictures_are_read(void **state) {
 static void assert_refused(const char *path, iso_status status, const char *reason) {
     iso_environment *environment = NULL;
     iso_error error = {0};
-    assert_int_equal(iso_environment_read(path, NULL, &environment, &error), status);
+    assert_int_equal(iso_environment_read(path, UINT64_MAX, NULL, &environment, &error), status);
     if (!strstr(error.text, path) || strchr(error.text, '\n') || !strstr(error.text, reason))
         fail_msg("'%s' where '%s' belongs", error.text, reason);
     assert_null(environment);
