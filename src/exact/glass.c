@@ -10,17 +10,18 @@ static void read_band(void *context, const iso_layer_lists *lists, const iso_lay
         for (int x = 0; x < lists->width; x++) {
             const ptrdiff_t at = (ptrdiff_t)row * lists->width + x;
             const iso_layer_group *group = iso_layer_group_at(lists, x, row);
-            const int column = x % ISO_LAYER_GROUP, count = group->count[column];
+            const int column = x % ISO_LAYER_GROUP, count = group->list[column].count;
             const float length = rays->length[at];
             float reached = rays->begin[at];
             bool inside = rays->inside[at] & 1;
             iso_glass_crossings c = iso_glass_crossings_begin(reached + lists->middle, inside);
             for (int k = 0; k < count; k++) {
-                const iso_fragment *fragment = &iso_layer_at(group, k)[column];
-                const bool leaves = fragment->surface & 1;
-                iso_glass_crossings_add(&c, reached, fragment->depth, length, leaves, fragment->color);
-                reached = fragment->depth;
-                inside = !leaves;
+                const iso_fragment fragment = iso_fragment_unpack(&iso_layer_at(group, k)[column]);
+                float normal[3];
+                iso_fragment_normal(&fragment, normal);
+                iso_glass_crossings_add(&c, reached, fragment.depth, length, fragment.leaves, normal);
+                reached = fragment.depth;
+                inside = !fragment.leaves;
             }
             for (int k = 0; k < 2; k++)
                 if (k >= c.inside) c.depth[k] += lists->middle;

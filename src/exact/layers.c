@@ -12,7 +12,7 @@
 #include "render/shading/phong_vectors.h"
 
 enum {
-    BAND_ROWS = 32, /* of samples, about; more when a pixel has several rows of them */
+    BAND_ROWS = 16, /* of samples, about; more when a pixel has several rows of them */
     BAND_CHUNKS = ISO_EXACT_LAYERS_BYTES / sizeof(iso_layer_chunk) /* a band with more is cut in two */
 };
 
@@ -89,7 +89,7 @@ static void set_up_layer(layers_draw *draw, int number) {
                                          .normals = draw->picture->reader != NULL,
                                          .by_angle = !translucency->constant,
                                          .log_through = (float)iso_log2(1 - (double)translucency->opacity),
-                                         .surface = number * 2,
+                                         .surface = number,
                                          .fall_leaves = l->input->exact->surface.normal_sign < 0};
     l->pass = (iso_layer_pass){.surface = number,
                                .most_layers = translucency->most_layers,
@@ -182,11 +182,11 @@ static iso_fragment make_fragment(const layers_draw *draw, const layer *l, int x
                 to_eye[3] = {-l->paint.u[x], -l->paint.v[y], -1};
     iso_fragment fragment = {.depth = (float)(hit->t - l->frame.projection.middle),
                              .opacity = l->fragments.opacity,
-                             .surface = l->fragments.surface | (hit->falls == l->fragments.fall_leaves)};
-    if (l->fragments.normals)
-        memcpy(fragment.color, normal, sizeof normal);
-    else
-        iso_shade_sample(normal, to_eye, l->input->color, fragment.color);
+                             .surface = l->fragments.surface,
+                             .leaves = hit->falls == l->fragments.fall_leaves};
+    iso_shade_sample(normal, to_eye, l->input->color, fragment.color);
+    for (int k = 0; k < 3 && l->fragments.normals; k++)
+        fragment.color[k] = normal[k] * ISO_LAYER_NORMAL_SCALE + ISO_LAYER_NORMAL_SCALE;
     if (l->fragments.by_angle) {
         const float length = sqrtf(to_eye[0] * to_eye[0] + to_eye[1] * to_eye[1] + to_eye[2] * to_eye[2]);
         const float cosine =

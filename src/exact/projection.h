@@ -29,7 +29,7 @@ typedef struct iso_exact_fragments {
     bool normals;        /* fragments get the normal (view space) instead of the shaded colour */
     bool by_angle;       /* the opacity depends on the angle: 1 - 2^(log_through / cos) */
     float log_through;   /* logarithm to base 2 of 1 - opacity */
-    int32_t surface;     /* number of the surface * 2 */
+    int32_t surface;     /* number of the surface */
     int32_t fall_leaves; /* 1: where the field falls along a ray, the ray leaves the solid; 0: it enters it */
 } iso_exact_fragments;
 

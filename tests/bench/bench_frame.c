@@ -68,6 +68,39 @@ static iso_status paint_exact(bench_frame *frame, size_t *covered, iso_error *er
     return iso_paint_exact(&canvas, frame->exact, covered, error);
 }
 
+static iso_status paint_layers(bench_frame *frame, bool constant, size_t *covered, iso_error *error) {
+    const iso_gbuffer size = {.width = frame->view.view.width, .height = frame->view.view.height};
+    const iso_strip strip = {.view = &frame->view.view, .gbuffer = &size, .factor = 1};
+    const iso_exact_layer layer = {
+        frame->exact, COLOR, {.opacity = (float)BENCH_OPACITY, .constant = constant}};
+    const iso_exact_layers picture = {.layers = &layer,
+                                      .count = 1,
+                                      .strip = &strip,
+                                      .shading = &SHADING,
+                                      .image = &frame->subject->image,
+                                      .pool = frame->pool};
+    frame->totals = (iso_exact_layers_totals){.retraced = 0};
+    ISO_TRY(iso_shade_exact_layers(&picture, &frame->totals, error));
+    *covered = frame->totals.layers.covered;
+    return ISO_OK;
+}
+
+static iso_status paint_constant(bench_frame *frame, size_t *covered, iso_error *error) {
+    return paint_layers(frame, true, covered, error);
+}
+
+static iso_status paint_by_angle(bench_frame *frame, size_t *covered, iso_error *error) {
+    return paint_layers(frame, false, covered, error);
+}
+
+static void finish_layers(bench_row *row) {
+    const bench_frame *frame = row->context;
+    const iso_layer_totals *layers = &frame->totals.layers;
+    bench_count(row, "mean_layers", (double)layers->layers / (double)layers->covered, 0, 0);
+    bench_count(row, "retraced_percent", 100 * (double)frame->totals.retraced / (double)layers->covered, 0,
+                0);
+}
+
 const bench_method bench_methods[] = {
     {.name = "points",
      .kernels = true,
@@ -92,6 +125,18 @@ const bench_method bench_methods[] = {
      .draw = draw_refined,
      .close = close_pullpush},
     {.name = "exact", .kernels = true, .on_volumes = true, .open = open_exact, .paint = paint_exact},
+    {.name = "layers/constant",
+     .kernels = true,
+     .on_volumes = true,
+     .open = open_exact,
+     .paint = paint_constant,
+     .finish = finish_layers},
+    {.name = "layers/angle",
+     .kernels = true,
+     .on_volumes = true,
+     .open = open_exact,
+     .paint = paint_by_angle,
+     .finish = finish_layers},
 };
 const int bench_method_count = sizeof bench_methods / sizeof *bench_methods;
 

@@ -5,6 +5,7 @@
 #define ISO_TESTS_BENCH_FRAME_H
 
 #include "bench_subject.h"
+#include "exact/layers.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -38,8 +39,9 @@ struct bench_frame {
     iso_mesh_view mesh;
     const iso_raycaster *caster;
     const iso_exact *exact;
-    struct iso_pullpush *pullpush; /* owned */
-    struct bench_gl *gl;           /* the plan's */
+    iso_exact_layers_totals totals; /* of layers */
+    struct iso_pullpush *pullpush;  /* owned */
+    struct bench_gl *gl;            /* the plan's */
     struct bench_gl_frame *gl_frame;
 };
 
@@ -48,8 +50,13 @@ struct bench_frame_plan {
     const bench_method *method;
     bench_subject *subject;
     int view;            /* number for bench_subject_view */
+    int vtk_peels;       /* of VTK's rows: BENCH_VTK_OPAQUE; 0: translucent, by VTK's default; else layers
+                            that are peeled at most */
     struct bench_gl *gl; /* for methods of bench_gl.h */
 };
+
+/* Opacity of translucent surfaces. */
+#define BENCH_OPACITY 0.5
 
 extern const bench_kind bench_frame_kind, bench_slow_frame_kind;
 extern const bench_method bench_methods[];

@@ -40,11 +40,22 @@ static double asked_of_scaling(const bench_row *row, const bench_method *method)
 
 enum { SUBJECTS = 4, METHODS = 16, GL_METHODS = 4 };
 
+/* How VTK draws a translucent mesh. */
+enum { VTK_LAYERS = 2 };
+static const struct vtk_layers {
+    const char *name;
+    int peels;
+    const char *ratio;
+    double asked;
+} vtk_layers[VTK_LAYERS] = {{"vtk_peeling", 100, "ratio_vs_vtk_peeling", 25},
+                            {"vtk_average", 0, "ratio_vs_vtk_average", 10}};
+
 typedef struct frame_group {
     bench_state *bench;
     bench_subject subjects[SUBJECTS];
     int subject_count, view_count;
     bench_row *vtk[SUBJECTS][BENCH_VIEWS][BENCH_THREADS];
+    bench_row *vtk_layers[SUBJECTS][BENCH_VIEWS][VTK_LAYERS][BENCH_THREADS];
     bench_gl *gl; /* NULL: not in this group */
     bench_row *gl_rows[SUBJECTS][GL_METHODS];
     bench_row *rows[SUBJECTS][BENCH_VIEWS][METHODS][ISO_CPU_LEVELS][BENCH_THREADS];
@@ -60,7 +71,9 @@ static void describe(const frame_group *group, int subject, int view, char text[
 
 static void add_plan(bench_row *row, const bench_method *method, bench_subject *subject, int view) {
     bench_frame_plan *plan = calloc(1, sizeof *plan);
-    if (plan) *plan = (bench_frame_plan){.method = method, .subject = subject, .view = view};
+    if (plan)
+        *plan = (bench_frame_plan){
+            .method = method, .subject = subject, .view = view, .vtk_peels = BENCH_VTK_OPAQUE};
     row->plan = plan;
 }
 
@@ -74,6 +87,20 @@ static void add_vtk(frame_group *group, int subject, int view) {
         row->threads = settings->threads[t];
         add_plan(row, NULL, &group->subjects[subject], view);
         group->vtk[subject][view][t] = row;
+    }
+}
+
+static void add_vtk_layers(frame_group *group, int subject, int view, int mode) {
+    const bench_settings *settings = group->bench->settings;
+    char text[64];
+    describe(group, subject, view, text);
+    for (int t = 0; t < settings->thread_count; t++) {
+        bench_row *row = bench_add(group->bench, &bench_vtk_kind, "render/%s/%s/threads:%d",
+                                   vtk_layers[mode].name, text, settings->threads[t]);
+        row->threads = settings->threads[t];
+        add_plan(row, NULL, &group->subjects[subject], view);
+        if (row->plan) ((bench_frame_plan *)row->plan)->vtk_peels = vtk_layers[mode].peels;
+        group->vtk_layers[subject][view][mode][t] = row;
     }
 }
 
@@ -140,6 +167,26 @@ static void compare_exact(const frame_group *group, bench_row *row, int subject,
                   0);
 }
 
+static bool is_layers(const bench_method *method) {
+    return strncmp(method->name, "layers/", 7) == 0;
+}
+
+/* Translucent at one half: at most six opaque frames, and far from VTK's two ways. By angle the opacity costs
+ * a power. */
+static void compare_layers(const frame_group *group, bench_row *row, const bench_method *method, int subject,
+                           int view, int t) {
+    const bool judged = row->level == group->bench->best && !group->bench->settings->small,
+               constant = is_method(method, "layers/constant");
+    bench_compare(row, row_of(group, subject, view, "exact", row, t), "ratio_vs_opaque", NULL,
+                  judged && constant && row->threads == 1 ? 1.0 / 6 : 0);
+    if (!constant)
+        bench_compare(row, row_of(group, subject, view, "layers/constant", row, t), "ratio_vs_constant", NULL,
+                      judged ? 1 / 1.3 : 0);
+    for (int mode = 0; mode < VTK_LAYERS && constant; mode++)
+        bench_compare(row, group->vtk_layers[subject][view][mode][t], vtk_layers[mode].ratio, NULL,
+                      judged ? vtk_layers[mode].asked : 0);
+}
+
 /* The same method by OpenGL. Pull-push is asked to be faster than a software renderer alone. */
 static void compare_gl(const frame_group *group, bench_row *row, const bench_method *method, int subject) {
     const bool pullpush = is_method(method, "pullpush/gaussian");
@@ -174,10 +221,13 @@ static void compare_row(const frame_group *group, int subject, int view, int num
     for (int level = 0; level < ISO_CPU_LEVELS; level++) {
         bench_row *row = group->rows[subject][view][number][level][t];
         if (!row) continue;
-        bench_against *vtk = bench_compare(row, group->vtk[subject][view][t], "ratio_vs_vtk_frame",
-                                           "ratio_vs_vtk_frame_pairwise", asked_of_vtk(row, method));
+        bench_against *vtk = is_layers(method)
+                                 ? NULL
+                                 : bench_compare(row, group->vtk[subject][view][t], "ratio_vs_vtk_frame",
+                                                 "ratio_vs_vtk_frame_pairwise", asked_of_vtk(row, method));
         if (vtk && row->threads == 1) vtk->cpu = "ratio_vs_vtk_frame_cpu";
         if (is_method(method, "exact")) compare_exact(group, row, subject, view, t);
+        if (is_layers(method)) compare_layers(group, row, method, subject, view, t);
         compare_pullpush(group, row, method, subject, view, t);
         compare_gl(group, row, method, subject);
         if (single >= 0 && single != t)
@@ -189,6 +239,8 @@ static void compare_row(const frame_group *group, int subject, int view, int num
 static void add_view(frame_group *group, int subject, int view) {
     const bench_subject *what = &group->subjects[subject];
     if (!what->bumpy_meshless) add_vtk(group, subject, view);
+    for (int mode = 0; mode < VTK_LAYERS && !what->bumpy_side; mode++)
+        add_vtk_layers(group, subject, view, mode);
     for (int m = 0; m < bench_method_count; m++) {
         const bench_method *method = &bench_methods[m];
         bool fits = what->bumpy_side ? method->on_bumpy : method->on_volumes;

@@ -17,11 +17,15 @@
 extern "C" {
 #endif
 
+/* Instead of a number of peels: the mesh is opaque. */
+enum { BENCH_VTK_OPAQUE = -1 };
+
 /* VTK's frames of the mesh: a file, and a process for each number of threads. */
 typedef struct bench_vtk {
     char path[512]; /* empty: not written yet */
     bench_child *child[BENCH_THREADS];
     int shown[BENCH_THREADS]; /* number of the view that it has, -1: none */
+    int peels[BENCH_THREADS]; /* as bench_frame_plan.vtk_peels; BENCH_VTK_OPAQUE before any is set */
     size_t triangles;
 } bench_vtk;
 

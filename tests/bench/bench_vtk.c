@@ -77,9 +77,22 @@ static iso_status start(bench_subject *subject, int threads, bench_child **child
     return ISO_OK;
 }
 
-static iso_status show(bench_subject *subject, int threads, int number, iso_error *error) {
+static iso_status set_peels(bench_vtk *vtk, int index, int peels, iso_error *error) {
+    char text[64], line[256];
+    if (vtk->peels[index] == peels) return ISO_OK;
+    snprintf(text, sizeof text, "opacity %g %d", peels == BENCH_VTK_OPAQUE ? 1 : BENCH_OPACITY,
+             peels == BENCH_VTK_OPAQUE ? 0 : peels);
+    ISO_TRY(bench_child_ask(vtk->child[index], text, line, sizeof line, error));
+    vtk->peels[index] = peels;
+    return ISO_OK;
+}
+
+static iso_status show(const bench_frame_plan *plan, int threads, iso_error *error) {
+    bench_subject *subject = plan->subject;
+    const int number = plan->view;
     bench_vtk *vtk = &subject->vtk;
     int index = threads_index(subject->bench->settings, threads);
+    ISO_TRY(set_peels(vtk, index, plan->vtk_peels, error));
     if (vtk->child[index] && vtk->shown[index] == number) return ISO_OK;
     bench_view view;
     char text[1024], line[256];
@@ -115,6 +128,7 @@ static iso_status open_row(bench_row *row, iso_error *error) {
     int index = threads_index(row->bench->settings, row->threads);
     if (!vtk->child[index]) {
         vtk->shown[index] = -1;
+        vtk->peels[index] = BENCH_VTK_OPAQUE;
         iso_status status = start(plan->subject, row->threads, &vtk->child[index], error);
         if (status != ISO_OK) {
             bench_child_stop(vtk->child[index]);
@@ -127,7 +141,7 @@ static iso_status open_row(bench_row *row, iso_error *error) {
     row->context = opened;
     opened->child = vtk->child[index];
     char line[256];
-    ISO_TRY(show(plan->subject, row->threads, plan->view, error));
+    ISO_TRY(show(plan, row->threads, error));
     ISO_TRY(bench_child_ask(opened->child, "covered", line, sizeof line, error));
     if (sscanf(line, "covered %zu", &opened->covered) != 1)
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "vtk_frame said '%.80s'", line);
@@ -138,7 +152,7 @@ static iso_status run_row(bench_row *row, bench_sample *sample, iso_error *error
     const bench_frame_plan *plan = row->plan;
     const vtk_row *opened = row->context;
     char line[256];
-    ISO_TRY(show(plan->subject, row->threads, plan->view, error));
+    ISO_TRY(show(plan, row->threads, error));
     ISO_TRY(bench_child_ask(opened->child, "frame", line, sizeof line, error));
     if (sscanf(line, "frame %lf %lf", &sample->wall, &sample->cpu) != 2)
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "vtk_frame said '%.80s'", line);

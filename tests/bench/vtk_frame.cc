@@ -4,6 +4,7 @@
  *
  *   vtk_frame mesh FILE           draws a mesh; says "ready TRIANGLES RENDERER", then answers a line each:
  *     "view WIDTH HEIGHT eye(3) focal point(3) up(3) angle centre(2)"  ->  "shown"
+ *     "opacity A PEELS"  ->  "shown"; PEELS 0: VTK's default, which averages colours; else depth peeling
  *     "frame"                                                          ->  "frame WALL CPU", milliseconds
  *     "covered"                                                        ->  "covered PIXELS" of a frame
  *   vtk_frame picture FILE.vti OUT.png ISOVALUE SIZE THREADS           from a volume to a picture, and done
@@ -64,6 +65,7 @@ struct Window {
         renderer->SetBackground(0, 0, 0);
         window->SetOffScreenRendering(1);
         window->SetMultiSamples(0);
+        window->SetAlphaBitPlanes(1); /* for depth peeling */
         window->AddRenderer(renderer);
     }
 
@@ -146,6 +148,18 @@ bool set_view(Window &shown, const char *line) {
     return true;
 }
 
+/* Dual depth peeling, exact up to `peels` layers, as VTK's manual sets it up; else order-independent averages. */
+bool set_opacity(Window &shown, const char *line) {
+    double opacity;
+    int peels;
+    if (std::sscanf(line, "opacity %lf %d", &opacity, &peels) != 2) return false;
+    shown.actor->GetProperty()->SetOpacity(opacity);
+    shown.renderer->SetUseDepthPeeling(peels > 0);
+    shown.renderer->SetMaximumNumberOfPeels(peels);
+    shown.renderer->SetOcclusionRatio(0);
+    return true;
+}
+
 void answer_frame(Window &shown) {
     shown.renderer->GetActiveCamera()->Modified();
     const double cpu = milliseconds(CLOCK_PROCESS_CPUTIME_ID), wall = milliseconds(CLOCK_MONOTONIC);
@@ -169,7 +183,7 @@ int serve_mesh(const char *path) {
     std::fflush(stdout);
     char line[1024];
     while (std::fgets(line, sizeof line, stdin)) {
-        if (set_view(shown, line)) {
+        if (set_view(shown, line) || set_opacity(shown, line)) {
             std::printf("shown\n");
         } else if (std::strcmp(line, "covered\n") == 0) {
             shown.draw();

@@ -35,22 +35,22 @@ static void absorb(const iso_layer_picture *picture, light *l, float depth, floa
 static int composite(const iso_layer_picture *picture, const iso_layer_group *group, int column, light *l,
                      float length) {
     int k = 0;
-    for (; k < group->count[column] && l->through >= ISO_LAYER_CUT; k++) {
-        const iso_fragment *fragment = &iso_layer_at(group, k)[column];
-        const int surface = fragment->surface >> 1;
-        absorb(picture, l, fragment->depth, length);
-        const float weight = l->through * fragment->opacity;
-        for (int c = 0; c < 3; c++) l->color[c] += weight * fragment->color[c];
-        l->through *= 1 - fragment->opacity;
-        if (surface >= picture->media_count) continue;
-        const uint64_t bit = (uint64_t)1 << surface;
-        l->inside = fragment->surface & 1 ? l->inside & ~bit : l->inside | bit;
+    for (; k < group->list[column].count && l->through >= ISO_LAYER_CUT; k++) {
+        const iso_fragment fragment = iso_fragment_unpack(&iso_layer_at(group, k)[column]);
+        absorb(picture, l, fragment.depth, length);
+        const float weight = l->through * fragment.opacity;
+        for (int c = 0; c < 3; c++) l->color[c] += weight * fragment.color[c];
+        l->through *= 1 - fragment.opacity;
+        if (fragment.surface >= picture->media_count) continue;
+        const uint64_t bit = (uint64_t)1 << fragment.surface;
+        l->inside = fragment.leaves ? l->inside & ~bit : l->inside | bit;
     }
     return k;
 }
 
 void iso_layers_absorb(const iso_layer_picture *picture, const iso_layer_lists *lists,
-                       const iso_layer_rays *rays, int row, const iso_layer_line *line) {
+                       const iso_layer_rays *rays, int row, const iso_layer_line *line,
+                       iso_layer_totals *totals) {
     for (int x = 0; x < lists->width; x++) {
         const ptrdiff_t at = (ptrdiff_t)row * lists->width + x;
         light l = {.through = 1, .depth = rays->begin[at], .inside = rays->inside[at]};
@@ -65,5 +65,7 @@ void iso_layers_absorb(const iso_layer_picture *picture, const iso_layer_lists *
         for (int c = 0; c < 3; c++) line->color[c][x] = l.color[c];
         line->through[x] = l.through;
         line->layers[x] = (float)layers;
+        totals->layers += (size_t)layers;
+        if (layers > totals->most) totals->most = layers;
     }
 }

@@ -103,14 +103,6 @@ static void write_row(const iso_layer_picture *picture, const iso_layer_kernel *
     for (size_t x = 0; picture->coverage && x < width; x++) picture->coverage[at + x] = 1 - line->through[x];
 }
 
-static void count_layers(const iso_layer_line *line, int width, iso_layer_totals *totals) {
-    for (int x = 0; x < width; x++) {
-        const int layers = (int)line->layers[x];
-        totals->layers += (size_t)layers;
-        if (layers > totals->most) totals->most = layers;
-    }
-}
-
 void iso_layers_compose(const iso_layer_picture *picture, const iso_layer_lists *lists,
                         const iso_layer_rays *rays, int first, iso_layer_composer *composer,
                         iso_layer_totals *totals) {
@@ -123,10 +115,9 @@ void iso_layers_compose(const iso_layer_picture *picture, const iso_layer_lists 
     for (int row = 0; row < lists->rows; row++) {
         if (row % factor == 0) memset(sums.color[0], 0, 5 * composer->line_floats * sizeof(float));
         if (picture->media)
-            iso_layers_absorb(picture, lists, rays, row, &line);
+            iso_layers_absorb(picture, lists, rays, row, &line, totals);
         else
-            kernel->compose(lists, row, &line);
-        count_layers(&line, lists->width, totals);
+            kernel->compose(lists, row, &line, totals);
         back.v = iso_slope_of_row(strip->view, first + row);
         copy_row(strip->gbuffer, first + row, composer, &back);
         totals->covered += kernel->add_back(&back, lists->width, &line);

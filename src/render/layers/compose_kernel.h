@@ -23,8 +23,9 @@ typedef struct iso_layer_back {
 } iso_layer_back;
 
 typedef struct iso_layer_kernel {
-    /* Composites the fragments of row `row` of the lists. */
-    void (*compose)(const iso_layer_lists *lists, int row, const iso_layer_line *line);
+    /* Composites the fragments of row `row` of the lists, and counts them in *totals. */
+    void (*compose)(const iso_layer_lists *lists, int row, const iso_layer_line *line,
+                    iso_layer_totals *totals);
     /* Adds what is behind the layers, so that `through` is the share of a transparent background. Returns
      * the number of samples that show a surface. */
     size_t (*add_back)(const iso_layer_back *back, int width, const iso_layer_line *line);
@@ -38,6 +39,7 @@ const iso_layer_kernel *iso_layer_kernel_get(iso_cpu_level level);
 
 /* Does what iso_layer_kernel.compose does, with solids that absorb light, sample by sample. */
 void iso_layers_absorb(const iso_layer_picture *picture, const iso_layer_lists *lists,
-                       const iso_layer_rays *rays, int row, const iso_layer_line *line);
+                       const iso_layer_rays *rays, int row, const iso_layer_line *line,
+                       iso_layer_totals *totals);
 
 #endif

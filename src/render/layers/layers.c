@@ -32,8 +32,15 @@ void iso_layer_lists_clear(iso_layer_lists *lists, int rows) {
     const size_t groups = (size_t)rows * (size_t)lists->row_groups;
     for (size_t i = 0; i < groups; i++) {
         lists->groups[i].first = NULL;
-        memset(lists->groups[i].count, 0, sizeof lists->groups[i].count);
+        for (int column = 0; column < ISO_LAYER_GROUP; column++) lists->groups[i].list[column].count = 0;
     }
+}
+
+/* Begins to list a surface at a sample, behind other surfaces' fragments. */
+static void begin_list(iso_layer_list *list) {
+    list->through = 1;
+    list->last = -INFINITY;
+    list->own = 0;
 }
 
 void iso_layer_lists_begin(iso_layer_lists *lists, const iso_layer_pass *pass) {
@@ -42,26 +49,22 @@ void iso_layer_lists_begin(iso_layer_lists *lists, const iso_layer_pass *pass) {
     for (size_t i = 0; i < groups; i++) {
         iso_layer_group *group = &lists->groups[i];
         group->doubtful = 0;
-        memset(group->own, 0, sizeof group->own);
-        for (int column = 0; column < ISO_LAYER_GROUP; column++) {
-            group->through[column] = 1;
-            group->last[column] = -INFINITY;
-        }
+        for (int column = 0; column < ISO_LAYER_GROUP; column++) begin_list(&group->list[column]);
     }
 }
 
 void iso_layer_lists_restart(iso_layer_lists *lists, int x, int row) {
     iso_layer_group *group = iso_layer_group_at(lists, x, row);
-    const int column = x % ISO_LAYER_GROUP, count = group->count[column];
+    const int column = x % ISO_LAYER_GROUP;
+    iso_layer_list *list = &group->list[column];
     int kept = 0;
-    for (int k = 0; k < count; k++) {
-        const iso_fragment *fragment = &iso_layer_at(group, k)[column];
-        if (fragment->surface >> 1 != lists->pass.surface) iso_layer_at(group, kept++)[column] = *fragment;
+    for (int k = 0; k < list->count; k++) {
+        const iso_packed_fragment *fragment = &iso_layer_at(group, k)[column];
+        if (iso_fragment_unpack(fragment).surface != lists->pass.surface)
+            iso_layer_at(group, kept++)[column] = *fragment;
     }
-    group->count[column] = (uint16_t)kept;
-    group->own[column] = 0;
-    group->through[column] = 1;
-    group->last[column] = -INFINITY;
+    list->count = kept;
+    begin_list(list);
 }
 
 /* Appends a block of chunks. */

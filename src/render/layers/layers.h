@@ -38,35 +38,94 @@ typedef struct iso_translucency {
 
 /* A crossing of a surface behind a sample. */
 typedef struct iso_fragment {
-    float depth;     /* mm, counted from iso_layer_lists.middle */
-    float opacity;   /* 0 .. 1 */
-    float color[3];  /* shaded, 0 .. 1; in lists that are not composited the normal (view space) */
-    int32_t surface; /* number of the surface * 2, + 1 where the ray leaves its solid */
-    float unused[2]; /* so that vectors of fragments are loaded in whole quads */
+    float depth;    /* mm, counted from iso_layer_lists.middle */
+    float opacity;  /* 0 .. 1; packing makes 1 a little less */
+    float color[3]; /* shaded, 0 .. 1; in lists that are not composited (normal + 1) / 2, in view space */
+    int surface;    /* number of the surface, below ISO_LAYER_SURFACES */
+    bool leaves;    /* the ray leaves the surface's solid; else it enters it */
 } iso_fragment;
 
+/* The same in 16 bytes, as memory is what listing waits for. Colours are multiples of 1 / ISO_LAYER_COLOR and
+ * opacities of 1 / ISO_LAYER_OPACITY, which is finer than what a picture shows. Bits of `words`, from the
+ * lowest of the first one: red 22, green 22, blue 22, leaves 1, surface 6, opacity 23. */
+typedef struct iso_packed_fragment {
+    float depth;
+    uint32_t words[3];
+} iso_packed_fragment;
+
 enum {
+    ISO_LAYER_SURFACES = 64, /* in a picture */
+    ISO_LAYER_COLOR = (1 << 22) - 1,
+    ISO_LAYER_OPACITY = 1 << 23,
     ISO_LAYER_GROUP = 64, /* samples that share a group */
-    ISO_LAYER_CHUNK = 4,  /* layers of a chunk */
-    ISO_FRAGMENT_FLOATS = sizeof(iso_fragment) / sizeof(float)
+    ISO_LAYER_CHUNK = 8   /* layers of a chunk */
 };
+
+/* A component of a normal is stored as (component + 1) * this. */
+#define ISO_LAYER_NORMAL_SCALE 0.5f
+
+static inline iso_packed_fragment iso_fragment_pack(const iso_fragment *fragment) {
+    uint32_t color[3];
+    for (int k = 0; k < 3; k++) {
+        const float value = fragment->color[k];
+        color[k] = (uint32_t)((value > 0 ? value < 1 ? value : 1 : 0) * ISO_LAYER_COLOR + 0.5f);
+    }
+    const uint32_t stops = (uint32_t)(fragment->opacity * ISO_LAYER_OPACITY + 0.5f),
+                   opacity = stops < ISO_LAYER_OPACITY ? stops : ISO_LAYER_OPACITY - 1;
+    return (iso_packed_fragment){.depth = fragment->depth,
+                                 .words = {color[0] | color[1] << 22, color[1] >> 10 | color[2] << 12,
+                                           color[2] >> 20 | (uint32_t)fragment->leaves << 2 |
+                                               (uint32_t)fragment->surface << 3 | opacity << 9}};
+}
+
+static inline float iso_packed_opacity(const iso_packed_fragment *packed) {
+    return (float)(packed->words[2] >> 9) * (1.0f / ISO_LAYER_OPACITY);
+}
+
+static inline bool iso_packed_leaves(const iso_packed_fragment *packed) {
+    return packed->words[2] >> 2 & 1;
+}
+
+static inline iso_fragment iso_fragment_unpack(const iso_packed_fragment *packed) {
+    const uint32_t mask = ISO_LAYER_COLOR, *words = packed->words;
+    const uint32_t green = (words[0] >> 22 | words[1] << 10) & mask,
+                   blue = (words[1] >> 12 | words[2] << 20) & mask;
+    return (iso_fragment){.depth = packed->depth,
+                          .opacity = iso_packed_opacity(packed),
+                          .color = {(float)(words[0] & mask) * (1.0f / ISO_LAYER_COLOR),
+                                    (float)green * (1.0f / ISO_LAYER_COLOR),
+                                    (float)blue * (1.0f / ISO_LAYER_COLOR)},
+                          .surface = (int)(words[2] >> 3 & (ISO_LAYER_SURFACES - 1)),
+                          .leaves = iso_packed_leaves(packed)};
+}
+
+/* The normal of a fragment that has one in place of a colour. Not exactly unit. */
+static inline void iso_fragment_normal(const iso_fragment *fragment, float normal[3]) {
+    for (int k = 0; k < 3; k++) normal[k] = fragment->color[k] * (1 / ISO_LAYER_NORMAL_SCALE) - 1;
+}
 
 /* A few layers of a group's fragments. */
 typedef struct iso_layer_chunk {
-    iso_fragment layer[ISO_LAYER_CHUNK][ISO_LAYER_GROUP];
+    iso_packed_fragment layer[ISO_LAYER_CHUNK][ISO_LAYER_GROUP];
     struct iso_layer_chunk *next; /* of deeper layers; or NULL */
 } iso_layer_chunk;
 
+/* The list of a sample. All but `count` is of the surface that is being listed. */
+typedef struct iso_layer_list {
+    float through; /* share of the light that passes its fragments; 0 when nothing of the surface can be seen
+                      behind them */
+    float last;    /* depth of the last one, -INFINITY before the first; the lowest bit is set when the ray
+                      leaves the solid there */
+    int32_t own;   /* number of its fragments */
+    int32_t count; /* number of all fragments */
+} iso_layer_list;
+
 /* The lists of 64 neighbouring samples of a row: layer k of sample i is fragment i of the k-th layer. */
 typedef struct iso_layer_group {
-    iso_layer_chunk *first;          /* NULL: no fragment yet */
-    uint64_t doubtful;               /* bit by sample: the fragments of the pass may not be right */
-    uint16_t count[ISO_LAYER_GROUP]; /* number of fragments */
-    /* Of the surface that is being listed: number of its fragments; share of the light that passes them, 0
-     * when nothing of the surface can be seen behind them; depth of the last one, -INFINITY before the first,
-     * with the lowest bit set when the ray leaves the solid there. */
-    uint16_t own[ISO_LAYER_GROUP];
-    float through[ISO_LAYER_GROUP], last[ISO_LAYER_GROUP];
+    iso_layer_list list[ISO_LAYER_GROUP];
+    iso_layer_chunk *first; /* NULL: no fragment yet */
+    uint64_t doubtful;      /* bit by sample: the fragments of the pass may not be right */
+    uint64_t unused[6];     /* so that groups begin with a cache line */
 } iso_layer_group;
 
 /* The surface whose fragments are being listed. */
@@ -112,14 +171,14 @@ static inline iso_layer_group *iso_layer_group_at(const iso_layer_lists *lists, 
 }
 
 /* Layer k of a group, which has that many layers. */
-static inline iso_fragment *iso_layer_at(const iso_layer_group *group, int k) {
+static inline iso_packed_fragment *iso_layer_at(const iso_layer_group *group, int k) {
     iso_layer_chunk *chunk = group->first;
     for (; k >= ISO_LAYER_CHUNK; k -= ISO_LAYER_CHUNK) chunk = chunk->next;
     return chunk->layer[k];
 }
 
 /* Layer k of a group, allocated if it is the first behind the last one; NULL without memory. */
-static inline iso_fragment *iso_layer_reserve(iso_layer_lists *lists, iso_layer_group *group, int k) {
+static inline iso_packed_fragment *iso_layer_reserve(iso_layer_lists *lists, iso_layer_group *group, int k) {
     iso_layer_chunk **link = &group->first;
     for (;; k -= ISO_LAYER_CHUNK) {
         iso_layer_chunk *chunk = *link ? *link : iso_layer_chunk_after(lists, link);
@@ -131,14 +190,15 @@ static inline iso_fragment *iso_layer_reserve(iso_layer_lists *lists, iso_layer_
 
 /* Inserts a fragment by its depth; of equal depths the earlier one stays in front. */
 static inline void iso_layer_insert(iso_layer_lists *lists, iso_layer_group *group, int column,
-                                    const iso_fragment *fragment) {
-    int k = group->count[column];
-    iso_fragment *layer = k < UINT16_MAX ? iso_layer_reserve(lists, group, k) : NULL;
+                                    const iso_packed_fragment *fragment) {
+    iso_layer_list *list = &group->list[column];
+    int k = list->count;
+    iso_packed_fragment *layer = iso_layer_reserve(lists, group, k);
     if (!layer) return;
-    group->count[column]++;
-    if (group->own[column] < k) /* there are other surfaces' fragments */
+    list->count++;
+    if (list->own < k) /* there are other surfaces' fragments */
         for (; k > 0; k--) {
-            iso_fragment *before = iso_layer_at(group, k - 1);
+            iso_packed_fragment *before = iso_layer_at(group, k - 1);
             if (before[column].depth <= fragment->depth) break;
             layer[column] = before[column];
             layer = before;
@@ -146,32 +206,61 @@ static inline void iso_layer_insert(iso_layer_lists *lists, iso_layer_group *gro
     layer[column] = *fragment;
 }
 
+/* Reports that the fragments of a sample may not be right. */
+static inline void iso_layer_doubt(iso_layer_lists *lists, int x, int row) {
+    iso_layer_group_at(lists, x, row)->doubtful |= (uint64_t)1 << x % ISO_LAYER_GROUP;
+}
+
 /* Adds a crossing of the surface that is being listed. Those of one sample come front to back, but a crossing
  * in the face between two cells may come twice: the second one is dropped. doubtful: it is not certain that
  * this is a crossing, or that it comes only once. Returns whether the sample is done: nothing of the surface
  * can be seen behind this. x: sample in the row; row: counted from the band's first. */
-static inline bool iso_layer_add(iso_layer_lists *lists, int x, int row, const iso_fragment *fragment,
-                                 bool doubtful) {
+static inline bool iso_layer_add_packed(iso_layer_lists *lists, int x, int row,
+                                        const iso_packed_fragment *fragment, bool doubtful) {
     iso_layer_group *group = iso_layer_group_at(lists, x, row);
     const int column = x % ISO_LAYER_GROUP;
-    const uint32_t leaves = (uint32_t)fragment->surface & 1;
-    if (group->through[column] < ISO_LAYER_CUT) return true;
+    iso_layer_list *list = &group->list[column];
+    const uint32_t leaves = iso_packed_leaves(fragment);
+    if (list->through < ISO_LAYER_CUT) return true;
     group->doubtful |= (uint64_t)doubtful << column;
     uint32_t last;
-    memcpy(&last, &group->last[column], sizeof last);
-    if ((last & 1) == leaves && fragment->depth - group->last[column] < lists->pass.tolerance) return false;
+    memcpy(&last, &list->last, sizeof last);
+    if ((last & 1) == leaves && fragment->depth - list->last < lists->pass.tolerance) return false;
     if (lists->limit &&
         !(fragment->depth + lists->middle < lists->limit[(ptrdiff_t)row * lists->width + x])) {
-        group->through[column] = 0;
+        list->through = 0;
         return true;
     }
     iso_layer_insert(lists, group, column, fragment);
     memcpy(&last, &fragment->depth, sizeof last);
     last = (last & ~1u) | leaves;
-    memcpy(&group->last[column], &last, sizeof last);
-    group->through[column] *= 1 - fragment->opacity;
-    if (++group->own[column] == lists->pass.most_layers) group->through[column] = 0;
-    return group->through[column] < ISO_LAYER_CUT;
+    memcpy(&list->last, &last, sizeof last);
+    list->through *= 1 - iso_packed_opacity(fragment);
+    if (++list->own == lists->pass.most_layers) list->through = 0;
+    return list->through < ISO_LAYER_CUT;
+}
+
+static inline bool iso_layer_add(iso_layer_lists *lists, int x, int row, const iso_fragment *fragment,
+                                 bool doubtful) {
+    const iso_packed_fragment packed = iso_fragment_pack(fragment);
+    return iso_layer_add_packed(lists, x, row, &packed, doubtful);
+}
+
+/* Prefetches what adding a fragment to a sample reads. */
+static inline void iso_layer_prefetch(const iso_layer_lists *lists, int x, int row) {
+    const iso_layer_group *group = iso_layer_group_at(lists, x, row);
+    __builtin_prefetch(&group->list[x % ISO_LAYER_GROUP], 1);
+    __builtin_prefetch(&group->first);
+}
+
+/* Prefetches where the next fragment of a sample will be written. */
+static inline void iso_layer_prefetch_next(const iso_layer_lists *lists, int x, int row) {
+    const iso_layer_group *group = iso_layer_group_at(lists, x, row);
+    const int column = x % ISO_LAYER_GROUP;
+    int k = group->list[column].count;
+    const iso_layer_chunk *chunk = group->first;
+    for (; chunk && k >= ISO_LAYER_CHUNK; k -= ISO_LAYER_CHUNK) chunk = chunk->next;
+    if (chunk) __builtin_prefetch(&chunk->layer[k][column], 1);
 }
 
 #ifdef __cplusplus

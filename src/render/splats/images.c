@@ -99,7 +99,7 @@ static bool take_mean(const images *im, size_t at, iso_fragment *fragment) {
         count++;
     }
     *fragment = (iso_fragment){
-        .depth = im->front[at], .opacity = 1 - through / (float)count, .surface = im->surface->number * 2};
+        .depth = im->front[at], .opacity = 1 - through / (float)count, .surface = im->surface->number};
     if (!(fragment->opacity > 0)) return false;
     for (int k = 0; k < 3; k++) fragment->color[k] = color[k] / (float)count / fragment->opacity;
     return true;

@@ -43,7 +43,7 @@ iso_fragment iso_splat_fragment(const iso_splat_surface *surface, const float no
                     fabsf(normal[0] * to_eye[0] + normal[1] * to_eye[1] + normal[2] * to_eye[2]) / length;
     const iso_rgb color = rgb ? (iso_rgb){rgb[0], rgb[1], rgb[2]} : surface->input->color;
     iso_fragment fragment = {
-        .depth = depth, .opacity = opacity_of(surface, cosine), .surface = surface->number * 2};
+        .depth = depth, .opacity = opacity_of(surface, cosine), .surface = surface->number};
     iso_shade_sample(normal, to_eye, color, fragment.color);
     return fragment;
 }
