@@ -94,10 +94,9 @@ void iso_exact_frame_draw(const iso_exact_frame *frame, iso_rows rows, iso_exact
 iso_exact_scratch *iso_exact_scratch_create(size_t workers, int width, int rows) {
     const size_t words = (size_t)width / 64 + 2, open = words * (size_t)rows;
     iso_exact_scratch *scratch = iso_alloc(workers * (sizeof *scratch + open * sizeof *scratch->open));
-    uint64_t *bits = (uint64_t *)(scratch + workers);
     for (size_t worker = 0; scratch && worker < workers; worker++) {
         scratch[worker].words = (int)words;
-        scratch[worker].open = bits + worker * open;
+        scratch[worker].open = (uint64_t *)(scratch + workers) + worker * open;
     }
     return scratch;
 }

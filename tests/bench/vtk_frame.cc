@@ -148,7 +148,8 @@ bool set_view(Window &shown, const char *line) {
     return true;
 }
 
-/* Dual depth peeling, exact up to `peels` layers, as VTK's manual sets it up; else order-independent averages. */
+/* Dual depth peeling, exact up to `peels` layers, as VTK's manual sets it up; without peels, averages that do
+ * not depend on the order. */
 bool set_opacity(Window &shown, const char *line) {
     double opacity;
     int peels;

@@ -145,7 +145,7 @@ static iso_status run_program(iso_gl_context *context, const char *output, iso_e
     iso_gl_engine *engine;
     assert_int_equal(iso_gl_engine_create(context, &engine, NULL), ISO_OK);
     const isorender_backend backend = {"egl", "test", context, engine};
-    iso_status status = isorender_run(&settings, plans, NULL, &backend, error);
+    iso_status status = isorender_run(&settings, plans, NULL, &backend, NULL, error);
     iso_gl_engine_destroy(engine);
     isorender_plans_free(plans, settings.input_count);
     return status;

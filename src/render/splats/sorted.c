@@ -129,8 +129,9 @@ bool iso_splats_list_sorted(const iso_splat_surface *surface, const iso_splat_ba
     hit_lists all;
     if (!collect(surface, band, pixels, &all)) return false;
     for (size_t i = 0; i < pixels; i++) {
-        hit *own = all.hits + all.start[i];
         const size_t count = all.start[i + 1] - all.start[i];
+        if (!count) continue; /* of no hits at all there is no array either */
+        hit *own = all.hits + all.start[i];
         sort(own, count);
         list_layers(surface, band, own, count, (int)(i % width), band->rows.first + (int)(i / width));
     }
