@@ -267,11 +267,13 @@ typedef struct iso_surface_opts {
     double isovalue;
     const iso_rgb *color; /* copied; NULL: one of a small palette, by its place among those in the picture */
     iso_primitive primitive;
+    double opacity; /* share of light that it stops where it is seen face on, 0 .. 1; 0 means 1, opaque. Below
+                       1, only the methods EXACT, RAYCAST and SPLATS draw it */
 } iso_surface_opts;
 
 /* Makes a surface. The volume is borrowed until destroy. An empty surface is found by its first use.
- * ISO_ERR_USAGE: isovalue not finite, FOOT for a volume that is no level set; ISO_ERR_EMPTY: the isovalue
- * lies beyond a narrow band. */
+ * ISO_ERR_USAGE: isovalue not finite, an opacity that cannot be, FOOT for a volume that is no level set;
+ * ISO_ERR_EMPTY: the isovalue lies beyond a narrow band. */
 ISO_API iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, iso_surface **surface,
                                       iso_error *error);
 
@@ -450,13 +452,20 @@ typedef struct iso_render_opts {
     iso_fit_opts fit;
     const iso_rgb *background; /* NULL: white */
     bool transparent;          /* the background's alpha is 0 */
-    iso_aov *aov;              /* gets depth, normals and coverage as well; NULL: not wanted */
+    /* Of translucent surfaces. Every crossing of a ray is composited, in order. */
+    bool constant_opacity; /* the same at every angle. Else a surface is a thin slab, of which slanting rays
+                              pass more: it stops 1 - (1 - opacity)^(1 / cos) (Kay and Greenberg 1979) */
+    double absorption;     /* mm of the solid after which 1/e of the light is left, the rest becomes the
+                              surface's colour; of surfaces of one volume; 0: the solid is clear */
+    int most_layers;       /* only the first so many crossings of each surface are drawn; 0: all */
+    iso_aov *aov;          /* gets depth, normals and coverage as well; NULL: not wanted */
 } iso_render_opts;
 
 /* Renders a surface on the cpu. `image` (and opts->aov) hold zeros or an earlier picture, whose memory is
  * used again where its size is the same; after a failure they can be freed or used again, and their pixels
  * mean nothing. ISO_ERR_EMPTY: there is no surface, or nothing of it is in view; ISO_ERR_USAGE: a size, a
- * number of samples, or a camera that cannot see. */
+ * number of samples, a camera that cannot see, or a translucent surface by a method that cannot draw it;
+ * ISO_ERR_LIMIT: more than 64 translucent surfaces. */
 ISO_API iso_status iso_render(iso_surface *surface, const iso_render_opts *opts, iso_image *image,
                               iso_error *error);
 

@@ -30,6 +30,7 @@ struct iso_surface {
     iso_subject subject;   /* the parts that renderers draw */
     iso_point_set *points; /* points as floats for the caller; NULL: not asked for yet */
     iso_primitive primitive;
+    double opacity;
     bool has_color;
     iso_rgb color;
 };

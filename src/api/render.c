@@ -9,6 +9,7 @@
 #include "image/exr.h"
 #include "image/image.h"
 #include "methods/bounds.h"
+#include "methods/layers.h"
 #include "render/picture.h"
 
 enum { DEFAULT_SIDE = 1024 };
@@ -64,6 +65,11 @@ typedef struct rendering {
     iso_picture_opts picture;
     iso_camera camera;
     iso_rgb colors[ISO_SURFACE_MAX];
+    /* With translucent surfaces: */
+    bool translucent;
+    iso_layered_surface layered[ISO_SURFACE_MAX];
+    iso_layered_picture layers;
+    iso_picture_layers callbacks;
 } rendering;
 
 /* The part whose box frames the picture: for the ray caster that of the exact surface, which it shows too. */
@@ -99,7 +105,7 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
  * are the same as without it, sooner. */
 static bool is_painted(const rendering *r) {
     return r->renderer->method == ISO_METHOD_EXACT && r->count == 1 && r->picture.samples <= 1 &&
-           !r->picture.aov;
+           !r->picture.aov && !r->translucent;
 }
 
 static iso_status paint(const rendering *r, iso_image *image, size_t *covered, iso_error *error) {
@@ -154,6 +160,43 @@ static void set_up(rendering *r, const iso_render_opts *opts) {
         .aov = opts->aov};
 }
 
+static iso_status check_layers(const rendering *r, const iso_render_opts *opts, iso_error *error) {
+    if (!(opts->absorption >= 0) || !isfinite(opts->absorption) || opts->most_layers < 0)
+        return iso_fail(error, ISO_ERR_USAGE, "an absorption of %g mm, %d layers", opts->absorption,
+                        opts->most_layers);
+    if (r->translucent && !iso_method_has_layers(r->renderer->method))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "the method %s draws no translucent surfaces: exact, raycast and splats do",
+                        r->renderer->name);
+    for (int i = 1; i < r->count && r->translucent && opts->absorption > 0; i++)
+        if (r->surfaces[i]->volume != r->surfaces[0]->volume)
+            return iso_fail(error, ISO_ERR_USAGE, "absorption is for surfaces of one volume");
+    return ISO_OK;
+}
+
+/* Sets up the picture's translucent surfaces, if it has some. */
+static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_error *error) {
+    for (int i = 0; i < r->count; i++) {
+        r->layered[i] = (iso_layered_surface){&r->surfaces[i]->subject,
+                                              {.opacity = (float)r->surfaces[i]->opacity,
+                                               .constant = opts->constant_opacity,
+                                               .mean_path = (float)opts->absorption,
+                                               .most_layers = opts->most_layers}};
+        r->translucent |= r->layered[i].translucency.opacity < 1;
+    }
+    ISO_TRY(check_layers(r, opts, error));
+    if (opts->aov && !r->translucent) iso_aov_remove_layers(opts->aov);
+    if (!r->translucent) return ISO_OK;
+    r->layers = (iso_layered_picture){.method = r->renderer->method,
+                                      .surfaces = r->layered,
+                                      .count = r->count,
+                                      .shading = &r->picture.shading,
+                                      .pool = r->picture.pool};
+    r->picture.layers = &r->callbacks;
+    if (opts->aov) ISO_TRY(iso_aov_add_layers(opts->aov, error));
+    return iso_layered_picture_callbacks(&r->layers, &r->callbacks, error);
+}
+
 iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
                                iso_image *image, iso_error *error) {
     static const iso_render_opts defaults;
@@ -164,6 +207,7 @@ iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const is
     const int width = r.picture.width, height = r.picture.height;
     iso_box box;
     ISO_TRY(make_room(width, height, image, opts->aov, error));
+    ISO_TRY(set_up_layers(&r, opts, error));
     ISO_TRY(prepare(&r, &box, error));
     if (opts->camera)
         r.camera = *opts->camera;

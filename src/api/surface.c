@@ -35,6 +35,8 @@ iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, 
     if (!opts) opts = &defaults;
     ISO_TRY(check_isovalue(&volume->grid, opts->isovalue, error));
     ISO_TRY(check_primitive(&volume->grid, opts->primitive, error));
+    if (!(opts->opacity >= 0 && opts->opacity <= 1))
+        return iso_fail(error, ISO_ERR_USAGE, "opacity %g is not between 0 and 1", opts->opacity);
     iso_surface *made = iso_alloc_zero(1, sizeof *made);
     if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a surface");
     made->volume = iso_api_volume_of(volume);
@@ -42,6 +44,7 @@ iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, 
     made->subject = (iso_subject){
         .grid = &volume->grid, .isovalue = opts->isovalue, .pool = made->volume->pool, .bounded = true};
     made->primitive = opts->primitive;
+    made->opacity = opts->opacity > 0 ? opts->opacity : 1;
     made->has_color = opts->color != NULL;
     if (opts->color) made->color = *opts->color;
     *surface = made;

@@ -82,6 +82,8 @@ static void set_up_layer(layers_draw *draw, int number) {
     l->paint = (iso_exact_paint){.u = draw->slopes, .v = draw->slopes + draw->size.width + ISO_LANES_MAX};
     set_base(l->input->color, l->paint.base);
     l->frame.projection = iso_exact_projection_make(&draw->target, l->input->exact);
+    /* all depths are counted from one, also of surfaces of other volumes */
+    l->frame.projection.middle = draw->layers[0].frame.projection.middle;
     l->frame.projection.paint = &l->paint;
     l->frame.projection.fragments = &l->fragments;
     l->frame.kernel = iso_exact_layers_kernel_get(iso_cpu_best());

@@ -27,6 +27,11 @@ iso_status iso_aov_add_layers(iso_aov *aov, iso_error *error) {
     return aov->layers ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the numbers of layers");
 }
 
+void iso_aov_remove_layers(iso_aov *aov) {
+    iso_free(aov->layers);
+    aov->layers = NULL;
+}
+
 void iso_aov_free(iso_aov *aov) {
     iso_free(aov->depth);
     for (int axis = 0; axis < 3; axis++) iso_free(aov->normal[axis]);

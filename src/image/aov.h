@@ -22,6 +22,8 @@ iso_status iso_aov_create(int width, int height, iso_aov *aov, iso_error *error)
 
 /* Allocates the plane of the numbers of layers, uninitialised, unless it exists. ISO_ERR_NOMEM. */
 iso_status iso_aov_add_layers(iso_aov *aov, iso_error *error);
+/* Frees it, if it exists. */
+void iso_aov_remove_layers(iso_aov *aov);
 
 #ifdef __cplusplus
 }

@@ -361,6 +361,43 @@ static void test_picture(void **state) {
     iso_surface_destroy(inner);
 }
 
+/* A translucent surface over an opaque one, by exact and by the ray caster; depth is that of the first layer.
+ */
+static void test_layers(void **state) {
+    fixture *f = *state;
+    iso_image exact = {0}, truth = {0}, opaque = {0};
+    iso_aov aov = {0};
+    iso_surface *outer = NULL, *inner = surface_of(f->volume, ISOVALUE + 50);
+    const iso_surface_opts what = {.isovalue = ISOVALUE, .opacity = 0.4};
+    assert_int_equal(iso_surface_create(f->volume, &what, &outer, NULL), ISO_OK);
+    iso_surface *both[2] = {outer, inner};
+    iso_render_opts opts = {.width = 64, .height = 48, .aov = &aov, .absorption = 20};
+    assert_int_equal(iso_render_surfaces(both, 2, &opts, &exact, NULL), ISO_OK);
+    const size_t middle = 24 * 64 + 32;
+    assert_true(aov.layers && aov.layers[middle] == 1 && aov.coverage[middle] == 1);
+    const float depth = aov.depth[middle];
+    opts.method = ISO_METHOD_RAYCAST;
+    assert_int_equal(iso_render_surfaces(both, 2, &opts, &truth, NULL), ISO_OK);
+    for (size_t i = 0; i < 4 * 64 * 48; i++) assert_in_range(exact.rgba[i] - truth.rgba[i] + 1, 0, 2);
+    opts.method = ISO_METHOD_EXACT;
+    assert_int_equal(iso_render(f->surface, &opts, &opaque, NULL), ISO_OK);
+    assert_true(!aov.layers && aov.depth[middle] == depth);
+    assert_memory_not_equal(exact.rgba, opaque.rgba, 64 * 48 * 4);
+    opts.method = ISO_METHOD_MESH;
+    assert_int_equal(iso_render(outer, &opts, &opaque, NULL), ISO_ERR_USAGE);
+    opts.method = ISO_METHOD_EXACT;
+    opts.absorption = -1;
+    assert_int_equal(iso_render(outer, &opts, &opaque, NULL), ISO_ERR_USAGE);
+    iso_image_free(&exact);
+    iso_image_free(&truth);
+    iso_image_free(&opaque);
+    iso_aov_free(&aov);
+    iso_surface_destroy(outer);
+    iso_surface_destroy(inner);
+    const iso_surface_opts bad = {.isovalue = ISOVALUE, .opacity = 1.5};
+    assert_int_equal(iso_surface_create(f->volume, &bad, &outer, NULL), ISO_ERR_USAGE);
+}
+
 /* ---- comparing */
 
 static void test_compare(void **state) {
@@ -587,6 +624,7 @@ int main(void) {
                                        TEST(test_methods),
                                        TEST(test_following),
                                        TEST(test_picture),
+                                       TEST(test_layers),
                                        TEST(test_compare),
                                        TEST(test_files),
                                        cmocka_unit_test(test_sculpt),
