@@ -320,7 +320,7 @@ typedef struct iso_mesh_measures {
     size_t vertices; /* that a triangle uses */
     size_t edges;    /* pairs of vertices that a triangle's side joins */
     size_t triangles;
-    size_t parts; /* pieces that share no vertex */
+    size_t pieces; /* pieces that share no vertex */
     /* Sides of triangles without their opposite: each edge counts by how many more triangles run along it in
      * one direction than in the other. 0: the mesh is closed. */
     size_t open_edges;

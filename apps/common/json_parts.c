@@ -12,7 +12,7 @@ void iso_put_components(iso_json *json, const char *key, const iso_components_to
 
 void iso_put_mesh_measures(iso_json *json, const char *key, const iso_mesh_measures *measures) {
     iso_json_begin_object(json, key);
-    iso_json_integer(json, "pieces", measures->parts);
+    iso_json_integer(json, "pieces", measures->pieces);
     iso_json_real(json, "area", measures->area);
     iso_json_real(json, "volume", measures->volume);
     iso_json_integer(json, "open_edges", measures->open_edges);

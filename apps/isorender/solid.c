@@ -79,7 +79,7 @@ static void log_mesh(const isorender_job *job, const isorender_surface *surface)
     isorender_log_verbose(job,
                           "isovalue %g: mesh of %zu connected pieces, %.6g mm2, %.6g mm3, %zu open edges, "
                           "Euler number %" PRId64,
-                          surface->isovalue, m->parts, m->area, m->volume, m->open_edges, m->euler);
+                          surface->isovalue, m->pieces, m->area, m->volume, m->open_edges, m->euler);
 }
 
 iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,

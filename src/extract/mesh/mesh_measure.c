@@ -130,7 +130,7 @@ static void count_parts(measuring *m, iso_mesh_measures *measures) {
         for (int k = 1; k < 3; k++) iso_set_unite(m->parent, weld->triangles[t][0], weld->triangles[t][k]);
     for (size_t v = 0; v < weld->vertex_count; v++) {
         measures->vertices += m->parent[v] != UINT32_MAX;
-        measures->parts += m->parent[v] == v;
+        measures->pieces += m->parent[v] == v;
     }
 }
 

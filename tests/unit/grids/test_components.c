@@ -461,7 +461,7 @@ static void shells_are_counted(void **state) {
         const iso_mesh_measures m = measure(&closed, 100);
         assert_int_equal(m.open_edges, 0);
         assert_int_equal(m.crowded_edges, 0);
-        assert_int_equal(m.parts, solid.labels + outside.labels - 1);
+        assert_int_equal(m.pieces, solid.labels + outside.labels - 1);
         if (solid.labels) assert_true(m.volume >= 0 && m.area > 0);
         reference_free(&solid);
         reference_free(&outside);
@@ -516,7 +516,7 @@ static void half_balls(void **state) {
         const double expected =
             (2.0 / 3 * pi * radius * radius * radius - 0.5 * pi * radius * radius) * voxel;
         assert_int_equal(m.open_edges, 0);
-        assert_int_equal(m.parts, 1);
+        assert_int_equal(m.pieces, 1);
         assert_int_equal(m.euler, 2);
         assert_true(fabs(m.volume - expected) < 0.005 * expected);
         check_bounds(&ball, &closed, 0);
@@ -551,7 +551,7 @@ static void closed_gyroid(void **state) {
     const iso_mesh_measures m = measure(&closed, isovalue);
     assert_int_equal(m.open_edges, 0);
     assert_int_equal(m.crowded_edges, 0);
-    assert_int_equal(m.parts, 1);
+    assert_int_equal(m.pieces, 1);
     assert_true(m.euler % 2 == 0 && m.euler < -10);
     assert_true(fabs(m.volume - voxels) < 0.01 * voxels);
     check_bounds(&gyroid, &closed, isovalue);
