@@ -23,6 +23,12 @@ double test_random_real(test_random *random, double low, double high) {
     return low + (high - low) * test_random_next(random) / 4294967296.0;
 }
 
+iso_vec3 test_random_direction(test_random *random) {
+    const double x = test_random_real(random, -1, 1), y = test_random_real(random, -1, 1),
+                 z = test_random_real(random, -1, 1);
+    return iso_vec3_unit(iso_vec3_make(x, y, z));
+}
+
 void test_random_dims(test_random *random, int low, int high, int dims[3]) {
     for (int axis = 0; axis < 3; axis++) dims[axis] = test_random_int(random, low, high);
 }
@@ -117,6 +123,17 @@ void test_stamp_ball(const iso_grid *grid, const test_ball *ball) {
     } else {
         assert_int_equal(iso_rgrid_mark_changed(grid->rgrid, lo, hi, NULL), ISO_OK);
     }
+}
+
+iso_grid test_random_balls(int size, int count, test_random *random) {
+    iso_grid grid = test_hgrid((const int[3]){size, size - 5, size + 3}, 3);
+    for (int i = 0; i < count; i++) {
+        const double x = test_random_real(random, 0, size), y = test_random_real(random, 0, size),
+                     z = test_random_real(random, 0, size), radius = test_random_real(random, 2, 0.3 * size);
+        const test_ball ball = {iso_vec3_make(x, y, z), radius, i > 0 && i % 3 == 0};
+        test_stamp_ball(&grid, &ball);
+    }
+    return grid;
 }
 
 iso_grid test_ball_grid(int size, iso_vec3 centre, double radius, int dense) {

@@ -19,6 +19,7 @@ typedef struct test_random {
 uint32_t test_random_next(test_random *random);
 int test_random_int(test_random *random, int low, int high); /* inclusive */
 double test_random_real(test_random *random, double low, double high);
+iso_vec3 test_random_direction(test_random *random);                        /* unit */
 void test_random_dims(test_random *random, int low, int high, int dims[3]); /* each low .. high */
 
 /* Creates an rgrid of `type` with all voxels 0 and the identity transform; fails the test on errors. */
@@ -48,6 +49,9 @@ typedef struct test_ball {
     int carve; /* 0: united with the solid; 1: removed from it */
 } test_ball;
 void test_stamp_ball(const iso_grid *grid, const test_ball *ball);
+
+/* A level set of so many balls in a sparse grid of about `size` voxels a side; every third one is removed. */
+iso_grid test_random_balls(int size, int count, test_random *random);
 
 /* Makes a random edit and records it in the change log: a ball that is added or removed (level sets), or a
  * box of noise or of one value, around the isovalue 100. */

@@ -25,6 +25,13 @@ iso_transform test_transform(int kind) {
     return transform;
 }
 
+void test_set_transform(const iso_grid *grid, int kind) {
+    if (grid->rgrid)
+        grid->rgrid->transform = test_transform(kind);
+    else
+        grid->hgrid->transform = test_transform(kind);
+}
+
 iso_view test_view_make(const iso_grid *grid, test_view kind, int size, iso_vec3 away) {
     const int *dims = iso_grid_dims(grid);
     iso_affine affine = iso_transform_affine(iso_grid_transform(grid));

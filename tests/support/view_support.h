@@ -12,6 +12,9 @@ enum { TEST_TRANSFORMS = 3 };
 /* A transform: kind 0: the identity, 1: a rotation with uneven spacing, 2: its mirror image. */
 iso_transform test_transform(int kind);
 
+/* Gives a grid that transform. */
+void test_set_transform(const iso_grid *grid, int kind);
+
 typedef enum test_view {
     TEST_PERSPECTIVE,
     TEST_ORTHOGRAPHIC,

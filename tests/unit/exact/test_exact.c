@@ -20,17 +20,7 @@
 /* ---- volumes and views */
 
 static iso_view make_view(const iso_grid *grid, test_view kind, int size, test_random *random) {
-    return test_view_make(
-        grid, kind, size,
-        iso_vec3_unit(iso_vec3_make(test_random_real(random, -1, 1), test_random_real(random, -1, 1),
-                                    test_random_real(random, -1, 1))));
-}
-
-static void set_transform(const iso_grid *grid, int kind) {
-    if (grid->rgrid)
-        grid->rgrid->transform = test_transform(kind);
-    else
-        grid->hgrid->transform = test_transform(kind);
+    return test_view_make(grid, kind, size, test_random_direction(random));
 }
 
 /* ---- exact against the truth */
@@ -57,7 +47,7 @@ static void random_grids_equal_raycast(void **state) {
             int dims[3];
             test_random_dims(&random, 3, 21, dims);
             iso_grid grid = test_rgrid(dims, types[round % 4]);
-            set_transform(&grid, round / 4 % TEST_TRANSFORMS);
+            test_set_transform(&grid, round / 4 % TEST_TRANSFORMS);
             grid.rgrid->level_set = round % 3 == 0;
             test_fill(&grid, pattern, &random);
             iso_view view = make_view(&grid, round / 4 / TEST_TRANSFORMS, 72, &random);
@@ -75,7 +65,7 @@ static void cells_that_are_not_finite_are_empty(void **state) {
     test_verdict verdict = {0};
     for (int round = 0; round < TEST_TRANSFORMS * TEST_VIEWS; round++) {
         iso_grid grid = test_rgrid((const int[3]){20, 9, 18}, ISO_FLOAT32);
-        set_transform(&grid, round % TEST_TRANSFORMS);
+        test_set_transform(&grid, round % TEST_TRANSFORMS);
         test_fill(&grid, TEST_NOISE, &random);
         float *values = grid.rgrid->data;
         for (int i = 0; i < 20 * 9 * 18 / 25; i++) {
@@ -109,25 +99,13 @@ static void any_magnitude_of_values(void **state) {
     }
 }
 
-static iso_grid random_balls(int size, int count, test_random *random) {
-    iso_grid grid = test_hgrid((const int[3]){size, size - 5, size + 3}, 3);
-    for (int i = 0; i < count; i++) {
-        const test_ball ball = {iso_vec3_make(test_random_real(random, 0, size),
-                                              test_random_real(random, 0, size),
-                                              test_random_real(random, 0, size)),
-                                test_random_real(random, 2, 0.3 * size), i > 0 && i % 3 == 0};
-        test_stamp_ball(&grid, &ball);
-    }
-    return grid;
-}
-
 static void hgrids_equal_raycast(void **state) {
     (void)state;
     test_random random = {4};
     test_verdict verdict = {0};
     for (int round = 0; round < TEST_TRANSFORMS * TEST_VIEWS; round++) {
-        iso_grid grid = random_balls(50, 12, &random);
-        set_transform(&grid, round % TEST_TRANSFORMS);
+        iso_grid grid = test_random_balls(50, 12, &random);
+        test_set_transform(&grid, round % TEST_TRANSFORMS);
         iso_view view = make_view(&grid, round / TEST_TRANSFORMS, 100, &random);
         judge(&grid, round % 2 ? 0 : 0.37, &view, &verdict);
         iso_grid_destroy(&grid);
@@ -198,9 +176,9 @@ static void large_cells_equal_raycast(void **state) {
         for (int round = 0; round < 4 * TEST_VIEWS; round++) {
             int dims[3];
             test_random_dims(&random, 14, 22, dims);
-            iso_grid grid = kind ? random_balls(26, 3, &random) : test_rgrid(dims, types[round % 4]);
+            iso_grid grid = kind ? test_random_balls(26, 3, &random) : test_rgrid(dims, types[round % 4]);
             if (!kind) test_fill(&grid, TEST_SMOOTH, &random);
-            set_transform(&grid, round % TEST_TRANSFORMS);
+            test_set_transform(&grid, round % TEST_TRANSFORMS);
             const iso_view whole = make_view(&grid, round % TEST_VIEWS, round % 5 ? 397 : 1500, &random);
             judge(&grid, kind ? 0 : 100.3, &whole, &verdict);
             iso_grid_destroy(&grid);
@@ -271,7 +249,7 @@ static void strips_equal_the_whole(void **state) {
     test_random random = {7};
     for (int kind = 0; kind < TEST_VIEWS; kind++) {
         iso_grid grid = smooth_grid((const int[3]){40, 37, 33}, ISO_INT16, &random);
-        set_transform(&grid, kind % TEST_TRANSFORMS);
+        test_set_transform(&grid, kind % TEST_TRANSFORMS);
         iso_view view = make_view(&grid, kind, 150, &random);
         view.height = 131;
         view.cx += 0.3125;
@@ -297,10 +275,10 @@ static void levels_and_threads_give_the_same_bytes(void **state) {
     test_ok(iso_pool_create(3, &pool, &error), &error);
     for (int round = 0; round < 16; round++) {
         const int pattern = round % 3;
-        iso_grid grid = round % 4 == 3 ? random_balls(60, 14, &random)
+        iso_grid grid = round % 4 == 3 ? test_random_balls(60, 14, &random)
                                        : test_rgrid((const int[3]){45, 39, 50}, types[round / 4 % 4]);
         if (grid.rgrid) test_fill(&grid, pattern, &random);
-        set_transform(&grid, round % TEST_TRANSFORMS);
+        test_set_transform(&grid, round % TEST_TRANSFORMS);
         const int side = round % 5 == 4 ? 1100 : round % 2 ? 210 : 40;
         iso_view view = make_view(&grid, round / 4 % TEST_VIEWS, side, &random);
         const double isovalue = grid.rgrid ? 100 : 0;
@@ -406,10 +384,10 @@ static void painted_pictures_are_shaded_gbuffers(void **state) {
     const iso_rgb colors[] = {{200, 120, 40}, {1, 2, 3}};
     test_ok(iso_pool_create(3, &pool, &error), &error);
     for (int round = 0; round < 4 * TEST_VIEWS; round++) {
-        iso_grid grid = round % 4 == 3 ? random_balls(60, 14, &random)
+        iso_grid grid = round % 4 == 3 ? test_random_balls(60, 14, &random)
                                        : test_rgrid((const int[3]){23, 19, 26}, types[round / 4 % 4]);
         if (grid.rgrid) test_fill(&grid, round % 3, &random);
-        set_transform(&grid, round % TEST_TRANSFORMS);
+        test_set_transform(&grid, round % TEST_TRANSFORMS);
         iso_view view = make_view(&grid, round % TEST_VIEWS, round % 2 ? 417 : 40, &random);
         view.width += round % 5;
         const iso_shading shading = {colors, 2, {9, 8, 7}, round % 2};
@@ -463,7 +441,7 @@ static void updates_equal_rebuilding(void **state) {
     iso_pool *pool;
     test_ok(iso_pool_create(3, &pool, &error), &error);
     for (int kind = 0; kind < 4; kind++) {
-        iso_grid grid = kind == 3 ? random_balls(60, 6, &random)
+        iso_grid grid = kind == 3 ? test_random_balls(60, 6, &random)
                                   : smooth_grid((const int[3]){70, 50, 40}, types[kind + 1], &random);
         const double isovalue = kind == 3 ? 0 : 100;
         iso_exact *exact = make_exact(&grid, isovalue, kind % 2 ? pool : NULL);
@@ -562,7 +540,8 @@ static void exactly_the_crossed_cells_are_kept(void **state) {
     for (int round = 0; round < 40; round++) {
         int dims[3];
         test_random_dims(&random, 2, 40, dims);
-        iso_grid grid = round % 5 == 4 ? random_balls(40, 9, &random) : test_rgrid(dims, types[round % 4]);
+        iso_grid grid =
+            round % 5 == 4 ? test_random_balls(40, 9, &random) : test_rgrid(dims, types[round % 4]);
         if (grid.rgrid) test_fill(&grid, round % 3, &random);
         if (grid.rgrid && grid.rgrid->type == ISO_FLOAT32)
             for (int i = 0; i < 5; i++)
@@ -591,9 +570,10 @@ static void bounds_are_those_of_points(void **state) {
     for (int round = 0; round < 24; round++) {
         int dims[3];
         test_random_dims(&random, 2, 50, dims);
-        iso_grid grid = round % 6 == 5 ? random_balls(40, 3, &random) : test_rgrid(dims, types[round % 4]);
+        iso_grid grid =
+            round % 6 == 5 ? test_random_balls(40, 3, &random) : test_rgrid(dims, types[round % 4]);
         if (grid.rgrid) test_fill(&grid, round % 3, &random);
-        set_transform(&grid, round % TEST_TRANSFORMS);
+        test_set_transform(&grid, round % TEST_TRANSFORMS);
         const double isovalue = grid.rgrid ? 100 : 0;
         const iso_points_opts opts = {.isovalue = isovalue, .primitive = ISO_PRIMITIVE_EDGE, .floats = true};
         iso_point_set *points;

@@ -167,18 +167,8 @@ static void check_layers(const layers_verdict *v, const char *name, double most)
 
 static const iso_type types[] = {ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32};
 
-static void set_transform(const iso_grid *grid, int kind) {
-    if (grid->rgrid)
-        grid->rgrid->transform = test_transform(kind);
-    else
-        grid->hgrid->transform = test_transform(kind);
-}
-
 static iso_view make_view(const iso_grid *grid, test_view kind, int size, test_random *random) {
-    return test_view_make(
-        grid, kind, size,
-        iso_vec3_unit(iso_vec3_make(test_random_real(random, -1, 1), test_random_real(random, -1, 1),
-                                    test_random_real(random, -1, 1))));
+    return test_view_make(grid, kind, size, test_random_direction(random));
 }
 
 /* One surface, two that interleave, over an opaque one; by angle, constant, absorbing, the first few layers.
@@ -209,7 +199,7 @@ static void random_grids_equal_raycast(void **state) {
             int dims[3];
             test_random_dims(&random, 3, 21, dims);
             iso_grid grid = test_rgrid(dims, types[round % 4]);
-            set_transform(&grid, round / 4 % TEST_TRANSFORMS);
+            test_set_transform(&grid, round / 4 % TEST_TRANSFORMS);
             grid.rgrid->level_set = round % 3 == 0;
             test_fill(&grid, pattern, &random);
             const test_scene scene = make_scene(&grid, round);
@@ -221,25 +211,13 @@ static void random_grids_equal_raycast(void **state) {
     }
 }
 
-static iso_grid random_balls(int size, int count, test_random *random) {
-    iso_grid grid = test_hgrid((const int[3]){size, size - 5, size + 3}, 3);
-    for (int i = 0; i < count; i++) {
-        const test_ball ball = {iso_vec3_make(test_random_real(random, 0, size),
-                                              test_random_real(random, 0, size),
-                                              test_random_real(random, 0, size)),
-                                test_random_real(random, 2, 0.3 * size), i > 0 && i % 3 == 0};
-        test_stamp_ball(&grid, &ball);
-    }
-    return grid;
-}
-
 static void hgrids_equal_raycast(void **state) {
     (void)state;
     test_random random = {4};
     layers_verdict verdict = {0};
     for (int round = 0; round < 2 * TEST_TRANSFORMS * TEST_VIEWS; round++) {
-        iso_grid grid = random_balls(50, 12, &random);
-        set_transform(&grid, round % TEST_TRANSFORMS);
+        iso_grid grid = test_random_balls(50, 12, &random);
+        test_set_transform(&grid, round % TEST_TRANSFORMS);
         const test_scene scene = make_scene(&grid, round);
         iso_view view = make_view(&grid, round / TEST_TRANSFORMS % TEST_VIEWS, 100, &random);
         judge_layers(&scene, &view, &verdict);
@@ -255,7 +233,7 @@ static void cells_that_are_not_finite_are_empty(void **state) {
     layers_verdict verdict = {0};
     for (int round = 0; round < TEST_TRANSFORMS * TEST_VIEWS; round++) {
         iso_grid grid = test_rgrid((const int[3]){20, 9, 18}, ISO_FLOAT32);
-        set_transform(&grid, round % TEST_TRANSFORMS);
+        test_set_transform(&grid, round % TEST_TRANSFORMS);
         test_fill(&grid, TEST_NOISE, &random);
         float *values = grid.rgrid->data;
         for (int i = 0; i < 20 * 9 * 18 / 25; i++) {
@@ -300,9 +278,10 @@ static void large_cells_equal_raycast(void **state) {
         for (int round = 0; round < 2 * TEST_VIEWS; round++) {
             int dims[3];
             test_random_dims(&random, kind == 1 ? 5 : 14, kind == 1 ? 9 : 22, dims);
-            iso_grid grid = kind == 2 ? random_balls(26, 3, &random) : test_rgrid(dims, types[round % 4]);
+            iso_grid grid =
+                kind == 2 ? test_random_balls(26, 3, &random) : test_rgrid(dims, types[round % 4]);
             if (kind < 2) test_fill(&grid, kind ? TEST_NOISE : TEST_SMOOTH, &random);
-            set_transform(&grid, round % TEST_TRANSFORMS);
+            test_set_transform(&grid, round % TEST_TRANSFORMS);
             const test_scene scene = make_scene(&grid, round);
             const iso_view view = make_view(&grid, round % TEST_VIEWS, round % 5 ? 298 : 700, &random);
             judge_layers(&scene, &view, &verdict);
@@ -331,10 +310,10 @@ static void levels_and_threads_give_the_same_bytes(void **state) {
     iso_error error = {0};
     test_ok(iso_pool_create(3, &pool, &error), &error);
     for (int round = 0; round < 16; round++) {
-        iso_grid grid = round % 4 == 3 ? random_balls(60, 14, &random)
+        iso_grid grid = round % 4 == 3 ? test_random_balls(60, 14, &random)
                                        : test_rgrid((const int[3]){45, 39, 50}, types[round / 4 % 4]);
         if (grid.rgrid) test_fill(&grid, round % 3, &random);
-        set_transform(&grid, round % TEST_TRANSFORMS);
+        test_set_transform(&grid, round % TEST_TRANSFORMS);
         const test_scene scene = make_scene(&grid, round);
         iso_view view = make_view(&grid, round / 4 % TEST_VIEWS,
                                   round % 5 == 4 ? 1100
@@ -365,7 +344,7 @@ static void strips_equal_the_whole(void **state) {
     for (int round = 0; round < 2 * TEST_VIEWS; round++) {
         iso_grid grid = test_rgrid((const int[3]){40, 37, 33}, ISO_INT16);
         test_fill(&grid, round % 3, &random);
-        set_transform(&grid, round % TEST_TRANSFORMS);
+        test_set_transform(&grid, round % TEST_TRANSFORMS);
         test_scene scene = make_scene(&grid, round);
         scene.factor = 1 + round % 2;
         iso_view view = make_view(&grid, round % TEST_VIEWS, 150, &random);
