@@ -46,6 +46,7 @@ iso_status isocompare_settings_parse(int argc, char *const *argv, isocompare_set
 
 /* metric_text.c: values of metrics as users see them. The PSNR of equal pictures is infinite. */
 double isocompare_metric_value(const iso_metric *metric, const iso_metrics *metrics);
+double isocompare_psnr_value(double psnr); /* of iso_psnr */
 /* "-" when it is not known (NaN), "identical" when it is infinite; `format` takes a double. Returns `text`.
  */
 const char *isocompare_metric_text(double value, const char *format, char *text, size_t size);

@@ -9,6 +9,10 @@ double isocompare_metric_value(const iso_metric *metric, const iso_metrics *metr
     return iso_metric_is_infinite(metric, value) ? INFINITY : value;
 }
 
+double isocompare_psnr_value(double psnr) {
+    return iso_metric_is_infinite(iso_metric_find("psnr"), psnr) ? INFINITY : psnr;
+}
+
 const char *isocompare_metric_text(double value, const char *format, char *text, size_t size) {
     if (isnan(value))
         snprintf(text, size, "-");

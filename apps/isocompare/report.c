@@ -261,6 +261,18 @@ static iso_status draw_views(report *r, iso_error *error) {
     return status;
 }
 
+/* Draws the fit view translucent. The size is limited because 21 pictures are drawn, and what is compared is
+ * the order of layers, not their detail. */
+static iso_status study_transparency(report *r, iso_error *error) {
+    enum { LARGEST_SIDE = 512 };
+    const int side = r->settings->side;
+    r->transparency_side = side < LARGEST_SIDE ? side : LARGEST_SIDE;
+    const iso_view fit = iso_study_fit(&r->ball, r->transparency_side, 0);
+    const iso_study_look look = look_of(r, SAMPLES[REPORT_SINGLE]);
+    log_step(r, "drawing translucent surfaces");
+    return iso_study_transparency(&r->subject, &r->ball, &fit, &look, &r->transparency, error);
+}
+
 /* ---- files ---- */
 
 /* Creates the folder if it does not exist; *made: it was created. */
@@ -306,6 +318,7 @@ static iso_status make_report(report *r, iso_sink sinks[2], iso_error *error) {
     ISO_TRY(extract(r, error));
     isocompare_processor(r->processor, sizeof r->processor);
     ISO_TRY(draw_views(r, error));
+    ISO_TRY(study_transparency(r, error));
     note_peak(r);
     return write_files(r, sinks, error);
 }

@@ -4,7 +4,7 @@
 
 #include "apps/common/loader.h"
 #include "apps/isocompare/isocompare.h"
-#include "compare/study.h"
+#include "compare/transparency.h"
 #include "methods/method.h"
 
 #ifdef __cplusplus
@@ -58,6 +58,8 @@ typedef struct report {
     int method_count;                                /* with the truth */
     report_part parts[ISO_PART_COUNT];
     report_view views[REPORT_ZOOMS];
+    int transparency_side; /* pixels a side of the translucent pictures */
+    iso_transparency_study transparency;
     char processor[128];
     uint64_t peak; /* bytes */
 } report;

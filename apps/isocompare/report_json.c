@@ -77,6 +77,28 @@ static void put_frames(iso_json *json, const report *r) {
     iso_json_end_array(json);
 }
 
+static void put_transparency(iso_json *json, const report *r) {
+    const iso_transparency_study *study = &r->transparency;
+    iso_json_begin_object(json, "transparency");
+    iso_json_integer(json, "side", (uint64_t)r->transparency_side);
+    iso_json_string(json, "truth", r->methods[0]->name);
+    iso_json_integer(json, "covered", study->covered);
+    iso_json_real(json, "mean_layers", study->mean_layers);
+    iso_json_integer(json, "most_layers", (uint64_t)study->most_layers);
+    iso_json_begin_array(json, "rows");
+    for (int i = 0; i < ISO_TRANSPARENCY_OPACITIES; i++)
+        for (int c = 0; c < ISO_COMPOSITINGS; c++) {
+            iso_json_begin_object(json, NULL);
+            iso_json_string(json, "compositing", iso_compositing_name((iso_compositing)c));
+            iso_json_real(json, "opacity", ISO_TRANSPARENCY_OPACITY[i]);
+            isocompare_put_metric(json, "psnr", isocompare_psnr_value(study->psnr[c][i]));
+            if (c == ISO_COMPOSITING_EXACT) iso_json_integer(json, "wrong_layers", study->wrong_layers[i]);
+            iso_json_end_object(json);
+        }
+    iso_json_end_array(json);
+    iso_json_end_object(json);
+}
+
 void isocompare_write_json(const report *r, FILE *stream) {
     iso_json json = {.stream = stream};
     iso_json_begin_object(&json, NULL);
@@ -92,5 +114,6 @@ void isocompare_write_json(const report *r, FILE *stream) {
     put_parts(&json, r);
     put_frames(&json, r);
     put_rows(&json, r);
+    put_transparency(&json, r);
     iso_json_end_object(&json);
 }

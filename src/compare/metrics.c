@@ -43,7 +43,7 @@ bool iso_metric_is_worse(const iso_metric *metric, double value, double bound) {
 
 static const double EQUAL_SQUARES = 1e-9; /* added to mean squared errors: PSNR of equal pictures is finite */
 
-static double psnr(double squares, size_t pixels) {
+double iso_psnr(double squares, size_t pixels) {
     if (pixels == 0) return NAN;
     return 10 * log10(255.0 * 255.0 / (squares / (3.0 * (double)pixels) + EQUAL_SQUARES));
 }
@@ -51,7 +51,7 @@ static double psnr(double squares, size_t pixels) {
 bool iso_metric_is_infinite(const iso_metric *metric, double value) {
     const bool is_psnr =
         metric->offset == offsetof(iso_metrics, psnr) || metric->offset == offsetof(iso_metrics, psnr_in);
-    return is_psnr && value == psnr(0, 1);
+    return is_psnr && value == iso_psnr(0, 1);
 }
 
 /* ---- colours ---- */
@@ -195,8 +195,8 @@ static iso_status compare_colors(work *w, const iso_compare_picture *const pictu
     if (pictures[0]->color && pictures[1]->color)
         add_unrounded(w, pictures[0]->color, pictures[1]->color, &sums);
     metrics->others_differing = sums.others_differing;
-    metrics->psnr = psnr(sums.squares, w->count);
-    metrics->psnr_in = psnr(sums.squares_in, sums.pixels_in);
+    metrics->psnr = iso_psnr(sums.squares, w->count);
+    metrics->psnr_in = iso_psnr(sums.squares_in, sums.pixels_in);
     metrics->pixels_differing = (double)sums.differing;
     ISO_TRY(iso_ssim(w->rgb[0], w->rgb[1], w->size, opts->pool, &metrics->ssim, error));
     iso_flip_opts flip = {opts->pixels_per_degree, opts->flip_map, opts->pool};

@@ -86,6 +86,10 @@ typedef struct iso_metrics {
 iso_status iso_compare(const iso_compare_picture *truth, const iso_compare_picture *candidate,
                        const iso_compare_opts *opts, iso_metrics *metrics, iso_error *error);
 
+/* PSNR in dB, as in iso_metrics, of pictures whose squared differences of R, G and B (0 .. 255) have the sum
+ * `squares`. NaN without pixels. */
+double iso_psnr(double squares, size_t pixels);
+
 /* A row of the table of metrics, which is in the order of ISO_METRIC_MAP. */
 typedef struct iso_metric {
     const char *name, *title, *unit;

@@ -104,21 +104,27 @@ static double opacity_of(const iso_translucency *translucency, const float norma
     return 1 - pow(1 - opacity, 1 / fmax(fabs(dot) / sqrt(square), 1e-6));
 }
 
-/* Composites the next crossing of surface i. */
-static void add_layer(sample_ray *s, int i, light *l) {
+/* The next crossing of surface i, shaded. */
+static iso_raycast_crossing crossing_of(const sample_ray *s, int i) {
     const iso_raycast_layer *layer = &s->picture->layers[i];
     const iso_ray_hit *hit = &s->hit[i];
-    absorb(s, l, hit->t);
     const iso_vec3 n =
         iso_view_vector(s->picture->strip->view, iso_ray_hit_normal(layer->caster->tracer, &s->ray[i], hit));
     const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
-    const double opacity = opacity_of(&layer->translucency, normal, s->to_eye);
-    float rgb[3];
-    iso_shade_sample(normal, s->to_eye, layer->color, rgb);
-    for (int k = 0; k < 3; k++) l->color[k] += l->through * opacity * (double)rgb[k];
-    l->through *= 1 - opacity;
+    iso_raycast_crossing crossing = {.depth = hit->t,
+                                     .opacity = opacity_of(&layer->translucency, normal, s->to_eye)};
+    iso_shade_sample(normal, s->to_eye, layer->color, crossing.rgb);
+    return crossing;
+}
+
+/* Composites the next crossing of surface i. */
+static void add_layer(sample_ray *s, int i, light *l) {
+    const iso_raycast_crossing crossing = crossing_of(s, i);
+    absorb(s, l, crossing.depth);
+    for (int k = 0; k < 3; k++) l->color[k] += l->through * crossing.opacity * (double)crossing.rgb[k];
+    l->through *= 1 - crossing.opacity;
     l->layers++;
-    s->inside[i] = hit->falls == layer->caster->level_set;
+    s->inside[i] = s->hit[i].falls == s->picture->layers[i].caster->level_set;
     next_hit(s, i);
 }
 
@@ -213,4 +219,29 @@ void iso_shade_raycast_layers(const iso_raycast_layers *picture, iso_layer_total
     totals->covered += cast.covered;
     totals->layers += cast.layers;
     if (cast.most > totals->most) totals->most = cast.most;
+}
+
+/* ---- the crossings themselves */
+
+typedef struct layers_reading {
+    const iso_raycast_layers *picture;
+    const iso_raycast_reader *reader;
+} layers_reading;
+
+static void read_row(void *context, size_t row, int worker) {
+    (void)worker;
+    const layers_reading *reading = context;
+    for (int x = 0; x < reading->picture->strip->view->width; x++) {
+        sample_ray s;
+        start_ray(&s, reading->picture, x, (int)row);
+        for (int i; (i = nearest_hit(&s)) >= 0; next_hit(&s, i)) {
+            const iso_raycast_crossing crossing = crossing_of(&s, i);
+            reading->reader->read(reading->reader->context, x, (int)row, &crossing);
+        }
+    }
+}
+
+void iso_read_raycast_layers(const iso_raycast_layers *picture, const iso_raycast_reader *reader) {
+    layers_reading reading = {picture, reader};
+    iso_parallel_for(picture->pool, (size_t)picture->strip->view->height, read_row, &reading);
 }

@@ -34,6 +34,25 @@ typedef struct iso_raycast_layers {
 /* Draws and composites a strip. Adds to *totals. Cannot fail. */
 void iso_shade_raycast_layers(const iso_raycast_layers *picture, iso_layer_totals *totals);
 
+/* A crossing of a sample's ray. */
+typedef struct iso_raycast_crossing {
+    double depth;   /* mm */
+    double opacity; /* 0 .. 1 */
+    float rgb[3];   /* shaded, 0 .. 1 */
+} iso_raycast_crossing;
+
+/* Takes the crossings of a picture. */
+typedef struct iso_raycast_reader {
+    /* Called for every crossing by any worker, front to back for each sample. x, y: the sample in the strip.
+     */
+    void (*read)(void *context, int x, int y, const iso_raycast_crossing *crossing);
+    void *context;
+} iso_raycast_reader;
+
+/* Gives all crossings of a strip to a reader, those too that nothing is left to be seen of. The picture's
+ * image, layer_counts and coverage are not used. Cannot fail. */
+void iso_read_raycast_layers(const iso_raycast_layers *picture, const iso_raycast_reader *reader);
+
 #ifdef __cplusplus
 }
 #endif
