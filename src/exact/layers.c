@@ -12,7 +12,7 @@
 #include "render/shading/phong_vectors.h"
 
 enum {
-    BAND_ROWS = 16, /* of samples, about; more when a pixel has several rows of them */
+    BAND_ROWS = 32, /* of samples, about; more when a pixel has several rows of them */
     BAND_CHUNKS = ISO_EXACT_LAYERS_BYTES / sizeof(iso_layer_chunk) /* a band with more is cut in two */
 };
 
