@@ -61,6 +61,26 @@ def nifti_header(magic, offset):
     return bytes(header)
 
 
+def exr_attribute(name, kind, value):
+    return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
+
+
+def exr_file(width, height):
+    """An uncompressed OpenEXR picture with the channels B, G and R, all 0.5."""
+    channels = b"".join(name + b"\0" + struct.pack("<iiii", 2, 0, 1, 1) for name in (b"B", b"G", b"R")) + b"\0"
+    window = struct.pack("<iiii", 0, 0, width - 1, height - 1)
+    header = struct.pack("<II", 20000630, 2) + b"".join((
+        exr_attribute("channels", "chlist", channels), exr_attribute("compression", "compression", b"\0"),
+        exr_attribute("dataWindow", "box2i", window), exr_attribute("displayWindow", "box2i", window),
+        exr_attribute("lineOrder", "lineOrder", b"\0"), exr_attribute("pixelAspectRatio", "float", struct.pack("<f", 1)),
+        exr_attribute("screenWindowCenter", "v2f", struct.pack("<ff", 0, 0)),
+        exr_attribute("screenWindowWidth", "float", struct.pack("<f", 1)))) + b"\0"
+    row = struct.pack("<%df" % (3 * width), *[0.5] * (3 * width))
+    first = len(header) + 8 * height
+    offsets = b"".join(struct.pack("<Q", first + y * (8 + len(row))) for y in range(height))
+    return header + offsets + b"".join(struct.pack("<ii", y, len(row)) + row for y in range(height))
+
+
 def written(programs, folder, name, *command):
     """The bytes that a program writes to `name`."""
     path = os.path.join(folder, name)
@@ -125,4 +145,15 @@ def make(programs, source, folder):
                           ["--headless", "-o", "out.ply", "--replay"]))
     png = written(programs, folder, "i.png", "isorender", "scene:sphere:16", "--resolution", "32x32", "-o")
     seeds.append(Seed("isocompare png", {"a.png": png, "b.png": png}, "isocompare images", []))
+    glass = "isorender --scene sphere:16 --ior 1.5 --environment"
+    seeds.append(Seed("isorender environment", {"a.png": png}, glass, picture))
+    light = os.path.join(folder, "light.exr")
+    with open(light, "wb") as file:
+        file.write(exr_file(8, 4))
+    try:
+        written(programs, folder, "e.png", "isorender", "scene:sphere:16", "--ior", "1.5", "--environment", light,
+                "--resolution", "8x8", "-o")
+        seeds.append(Seed("isorender exr", {"a.exr": exr_file(8, 4)}, glass, picture))
+    except subprocess.CalledProcessError:
+        pass  # built without OpenEXR
     return seeds
