@@ -140,12 +140,12 @@ typedef struct iso_layer_lists {
     int width, rows, row_groups; /* samples; groups of a row */
     iso_layer_group *groups;     /* rows * row_groups */
     iso_layer_pass pass;
-    const float *limit; /* NULL, or depths (mm) by sample of the band that surfaces end at: of what is opaque
-                         */
-    float middle;       /* the depth (mm) that fragments' depths are counted from */
-    size_t most_chunks; /* limit of `chunks`; 0: none */
-    size_t chunks;      /* in use */
-    bool full;          /* fragments were left out: most_chunks was reached, or memory ran out */
+    /* NULL, or by sample of the band the depth (mm) of what is opaque: surfaces end there. */
+    const float *limit;
+    float middle;             /* the depth (mm) that fragments' depths are counted from */
+    size_t most_chunks;       /* limit of `chunks`; 0: none */
+    size_t chunks;            /* in use */
+    bool full;                /* fragments were left out: most_chunks was reached, or memory ran out */
     iso_layer_chunk **blocks; /* memory: arrays of chunks */
     size_t block_count;
 } iso_layer_lists;

@@ -370,6 +370,35 @@ static void strips_equal_the_whole(void **state) {
     }
 }
 
+/* A band with more fragments than its memory holds is cut in two, and those if need be: rows of a picture so
+ * wide that this happens, drawn at once and by a few rows, which have room. */
+static void full_bands_are_cut(void **state) {
+    (void)state;
+    test_random random = {12};
+    iso_grid grid = test_rgrid((const int[3]){80, 80, 80}, ISO_UINT8);
+    test_fill(&grid, TEST_NOISE, &random);
+    test_scene scene = {.grid = &grid, .count = 1, .isovalue = {100}, .opaque = NAN, .factor = 1};
+    scene.translucency[0] = (iso_translucency){.opacity = 0.01f, .constant = true};
+    const iso_view whole = make_view(&grid, TEST_PERSPECTIVE, 4096, &random),
+                   rows = iso_view_rows(&whole, 2032, 32);
+    test_picture at_once = picture_of_layers(&scene, &rows, NULL), parts = make_picture(&rows, 1);
+    const size_t chunks = at_once.totals.layers / (ISO_LAYER_GROUP * ISO_LAYER_CHUNK);
+    assert_true(chunks * sizeof(iso_layer_chunk) > ISO_EXACT_LAYERS_BYTES);
+    for (int y = 0; y < 32; y += 8) {
+        const iso_view part = iso_view_rows(&whole, 2032 + y, 8);
+        const iso_gbuffer size = {.width = part.width, .height = part.height};
+        const iso_strip strip = {&part, &size, 1, y};
+        const size_t before = parts.totals.layers;
+        draw_layers(&scene, &strip, NULL, &parts);
+        parts.totals.layers += before;
+    }
+    parts.totals.most = at_once.totals.most;
+    same_pictures(&at_once, &parts);
+    free_picture(&at_once);
+    free_picture(&parts);
+    iso_grid_destroy(&grid);
+}
+
 /* A ball in the middle of a volume: two layers in every pixel, and light that falls off by the chord. */
 static void a_ball_absorbs_by_its_chord(void **state) {
     (void)state;
@@ -408,6 +437,7 @@ int main(void) {
         cmocka_unit_test(large_cells_equal_raycast),
         cmocka_unit_test(levels_and_threads_give_the_same_bytes),
         cmocka_unit_test(strips_equal_the_whole),
+        cmocka_unit_test(full_bands_are_cut),
         cmocka_unit_test(a_ball_absorbs_by_its_chord),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
