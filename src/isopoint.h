@@ -457,7 +457,8 @@ typedef struct iso_render_opts {
                               pass more: it stops 1 - (1 - opacity)^(1 / cos) (Kay and Greenberg 1979) */
     double absorption;     /* mm of the solid after which 1/e of the light is left, the rest becomes the
                               surface's colour; of surfaces of one volume; 0: the solid is clear */
-    int most_layers;       /* only the first so many crossings of each surface are drawn; 0: all */
+    int most_layers;       /* only the first so many crossings of each surface are drawn; 0: all. Not with
+                              absorption, which must know where rays leave the solid */
     iso_aov *aov;          /* gets depth, normals and coverage as well; NULL: not wanted */
 } iso_render_opts;
 

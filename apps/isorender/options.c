@@ -565,6 +565,9 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
     if (needs && !isorender_is_translucent(settings))
         return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs --opacity below 1",
                         needs);
+    if (settings->absorption > 0 && settings->layers)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--layers leaves out where rays leave the solid, which --absorption must know");
     if (!settings->opacity_count) return ISO_OK;
     if (settings->opacity_count > surfaces)
         return iso_fail(error, ISO_ERR_USAGE, "%d opacities for %d isovalue%s", settings->opacity_count,

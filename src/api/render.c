@@ -164,6 +164,9 @@ static iso_status check_layers(const rendering *r, const iso_render_opts *opts, 
     if (!(opts->absorption >= 0) || !isfinite(opts->absorption) || opts->most_layers < 0)
         return iso_fail(error, ISO_ERR_USAGE, "an absorption of %g mm, %d layers", opts->absorption,
                         opts->most_layers);
+    if (opts->absorption > 0 && opts->most_layers)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "most_layers leaves out where rays leave the solid, which absorption must know");
     if (r->translucent && !iso_method_has_layers(r->renderer->method))
         return iso_fail(error, ISO_ERR_USAGE,
                         "the method %s draws no translucent surfaces: exact, raycast and splats do",

@@ -2,8 +2,8 @@
  * without sorting: the cells are visited front to back, and a pixel stays open until less than 1/512 of the
  * light is left (render/layers). Surfaces of different isovalues interleave rightly in every pixel.
  *
- * The layers are those that iso_raycast_layers (truth/raycast_layers.h) finds in double precision: pixels for
- * which floats cannot decide are traced again (grids/ray). */
+ * The layers are those that iso_shade_raycast_layers (truth/raycast_layers.h) finds in double precision:
+ * pixels for which floats cannot decide are traced again (grids/ray). */
 #ifndef ISO_EXACT_LAYERS_H
 #define ISO_EXACT_LAYERS_H
 

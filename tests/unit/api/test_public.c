@@ -386,6 +386,9 @@ static void test_layers(void **state) {
     opts.method = ISO_METHOD_MESH;
     assert_int_equal(iso_render(outer, &opts, &opaque, NULL), ISO_ERR_USAGE);
     opts.method = ISO_METHOD_EXACT;
+    opts.most_layers = 1;
+    assert_int_equal(iso_render(outer, &opts, &opaque, NULL), ISO_ERR_USAGE);
+    opts.most_layers = 0;
     opts.absorption = -1;
     assert_int_equal(iso_render(outer, &opts, &opaque, NULL), ISO_ERR_USAGE);
     iso_image_free(&exact);
