@@ -1,0 +1,50 @@
+/* glyphs: solids at points, as they are read from files and as renderers draw them: atoms, arrows, tensors.
+ */
+#ifndef ISO_BASE_GLYPHS_H
+#define ISO_BASE_GLYPHS_H
+
+#include "base/lines.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Solids of unit size. Cones, cylinders and arrows stand on their position and point along their direction;
+ * the others are centred on it. */
+#define ISO_GLYPHS(X)                                                                                        \
+    X(SPHERE, "sphere")                                                                                      \
+    X(CONE, "cone")                                                                                          \
+    X(CYLINDER, "cylinder")                                                                                  \
+    X(ARROW, "arrow")                                                                                        \
+    X(ELLIPSOID, "ellipsoid")                                                                                \
+    X(DISC, "disc")                                                                                          \
+    X(BOX, "box")
+typedef enum iso_glyph {
+#define ISO_GLYPH_ENUM(name, text) ISO_GLYPH_##name,
+    ISO_GLYPHS(ISO_GLYPH_ENUM)
+#undef ISO_GLYPH_ENUM
+        ISO_GLYPH_COUNT
+} iso_glyph;
+
+/* Points with what a file says of their sizes and directions, in world millimetres, LPS. All arrays are owned
+ * and have one item per point; zero-initialise, iso_glyphs_free. */
+typedef struct iso_glyphs {
+    iso_vec3 origin; /* added to every position: positions far from 0 keep their precision */
+    float (*positions)[3];
+    size_t count;
+    float *radii;           /* mm, not negative; NULL: the file has none */
+    float (*directions)[3]; /* mm, with their lengths; NULL: the file has none */
+    float (*axes)[9];       /* three half axes of an ellipsoid or box, mm, one after the other; NULL: none */
+    uint8_t (*colors)[3];   /* red green blue, display values; NULL: the file has none */
+    iso_attribute *attributes;
+    int attribute_count;
+} iso_glyphs;
+
+void iso_glyphs_free(iso_glyphs *glyphs);
+/* World box of all positions, without sizes; empty when there are none. */
+iso_box iso_glyphs_bounds(const iso_glyphs *glyphs);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

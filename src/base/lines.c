@@ -1,0 +1,59 @@
+/* Sets of lines and of glyphs: freeing and bounds. */
+#include "base/lines.h"
+
+#include "base/glyphs.h"
+#include "base/memory.h"
+
+void iso_attributes_free(iso_attribute *attributes, int count) {
+    for (int i = 0; i < count; i++) {
+        iso_free(attributes[i].name);
+        iso_free(attributes[i].values);
+    }
+    iso_free(attributes);
+}
+
+static iso_box bounds_of(iso_vec3 origin, const float (*positions)[3], size_t count) {
+    iso_box box = iso_box_empty();
+    for (size_t i = 0; i < count; i++) {
+        const float *p = positions[i];
+        iso_box_add(&box, iso_vec3_add(origin, iso_vec3_make((double)p[0], (double)p[1], (double)p[2])));
+    }
+    return box;
+}
+
+void iso_lines_free(iso_lines *lines) {
+    iso_free(lines->vertices);
+    iso_free(lines->starts);
+    iso_free(lines->radii);
+    iso_free(lines->normals);
+    iso_free(lines->colors);
+    iso_attributes_free(lines->attributes, lines->attribute_count);
+    *lines = (iso_lines){.line_count = 0};
+}
+
+iso_box iso_lines_bounds(const iso_lines *lines) {
+    return bounds_of(lines->origin, (const float(*)[3])lines->vertices, lines->vertex_count);
+}
+
+size_t iso_lines_segment_count(const iso_lines *lines) {
+    size_t segments = 0;
+    for (size_t i = 0; i < lines->line_count; i++) {
+        const size_t vertices = lines->starts[i + 1] - lines->starts[i];
+        segments += vertices ? vertices - 1 : 0;
+    }
+    return segments;
+}
+
+void iso_glyphs_free(iso_glyphs *glyphs) {
+    iso_free(glyphs->positions);
+    iso_free(glyphs->radii);
+    iso_free(glyphs->directions);
+    iso_free(glyphs->axes);
+    iso_free(glyphs->colors);
+    iso_attributes_free(glyphs->attributes, glyphs->attribute_count);
+    *glyphs = (iso_glyphs){.count = 0};
+}
+
+iso_box iso_glyphs_bounds(const iso_glyphs *glyphs) {
+    return bounds_of(glyphs->origin, (const float(*)[3])glyphs->positions, glyphs->count);
+}

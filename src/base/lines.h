@@ -1,0 +1,49 @@
+/* lines: polylines as they are read from files and as renderers draw them: tracts, vessels, neurons,
+ * streamlines. */
+#ifndef ISO_BASE_LINES_H
+#define ISO_BASE_LINES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/geometry.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A named column of numbers: `components` floats for each vertex, glyph or line, as `per_line` says. */
+typedef struct iso_attribute {
+    char *name; /* owned; UTF-8, unique in its set */
+    int components;
+    bool per_line;
+    float *values; /* owned */
+} iso_attribute;
+
+/* Polylines in world millimetres, LPS. All arrays are owned; zero-initialise, iso_lines_free. */
+typedef struct iso_lines {
+    iso_vec3 origin;      /* added to every vertex: vertices far from 0 keep their precision */
+    float (*vertices)[3]; /* all lines' vertices, one line after the other */
+    size_t *starts;       /* line_count + 1: line i has the vertices starts[i] .. starts[i + 1] - 1 */
+    size_t vertex_count, line_count;
+    float *radii;         /* one per vertex, mm, not negative; NULL: the file has none */
+    float (*normals)[3];  /* one per vertex, unit, across a ribbon's face; NULL: the file has none */
+    uint8_t (*colors)[3]; /* one per vertex, red green blue, display values; NULL: the file has none */
+    iso_attribute *attributes;
+    int attribute_count;
+} iso_lines;
+
+/* Frees names and values, and the array itself. NULL is fine. */
+void iso_attributes_free(iso_attribute *attributes, int count);
+
+void iso_lines_free(iso_lines *lines);
+/* World box of all vertices, without radii; empty when there are none. */
+iso_box iso_lines_bounds(const iso_lines *lines);
+/* Number of segments of all lines. */
+size_t iso_lines_segment_count(const iso_lines *lines);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
